@@ -9,6 +9,7 @@ from typing import ClassVar, Self
 
 import numpy as np
 
+from geometry.arrays import Array
 from geometry.body import Body
 from geometry.grading import OFF, Grading
 from geometry.mesh import Mesh
@@ -64,6 +65,67 @@ class Design(ABC):
     lists: ClassVar[Mapping[str, str]] = {}  #: dimensions that are lists, and those that they are given instead of
     #: the regions that are parts of the mesh; no dimension, and given by `with_regions`
     regions = ()  # type: tuple[str, ...]
+    is_from_file: ClassVar[bool] = False  #: whether a file describes the body
+    has_drawing: ClassVar[bool] = True  #: whether walls can be measured and cut, unlike those of a mesh or a surface
+
+    @property
+    def digest(self) -> str:
+        """SHA-256 of the file that describes the body; empty where there is none."""
+        return ""
+
+    @property
+    def is_turned(self) -> bool:
+        """Whether the arm is clamped at its larger x, so that x of the body runs against x of the file."""
+        return False
+
+    @property
+    def is_reoriented(self) -> bool:
+        """Whether x, y and z of the arm are other directions of the file."""
+        return False
+
+    @property
+    def has_parts(self) -> bool:
+        """Whether solids of a drawing are of another material."""
+        return False
+
+    @property
+    def edges(self) -> tuple[tuple[float, str], ...]:
+        """Length (mm) of each edge of a drawing from a file, and where its middle is, the shortest first."""
+        return ()
+
+    @property
+    def given_element_size(self) -> float | None:
+        """Longest edge of the elements of a ready mesh, mm; None for a body that is meshed with a size."""
+        return None
+
+    @property
+    def is_resizable(self) -> bool:
+        """Whether the body can be meshed with elements of another size."""
+        return self.given_element_size is None
+
+    @property
+    def has_equal_cells(self) -> bool:
+        """Whether all cells are equal; nominal ones are."""
+        return True
+
+    @property
+    def has_free_pitch(self) -> bool:
+        """Whether the user may choose over which length curvature is averaged."""
+        return False
+
+    @property
+    def key_of_cells(self) -> str:
+        """The dimension with which the arm gets more cells, a key of the config."""
+        return "length"
+
+    @property
+    def straightened(self) -> Array:
+        """Middles (k, 3) of curved edges of a file that are taken as straight, as an element would fold, mm."""
+        return np.empty((0, 3))
+
+    def can_lose_features(self, width: float) -> bool:
+        """Whether faces narrower than `width` mm can be removed from the drawing, and are not yet."""
+        return False
 
     @property
     @abstractmethod
@@ -229,7 +291,7 @@ class Design(ABC):
         repetition = self._checked_repetition(size, grading)
         if not repetition.half_cells:
             raise DesignError(
-                "chambers" if hasattr(self, "chambers") else "length",
+                self.key_of_cells,
                 "the body has no inner cell: it needs two cells at least",
             )
         return self._body(repetition.half_cell(), repetition.half_pitch, repetition.half)

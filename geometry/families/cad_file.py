@@ -237,6 +237,13 @@ class CadFile(FileDesign):
         return self.symmetric is not False
 
     @property
+    def has_parts(self) -> bool:
+        return bool(self.parts)
+
+    def can_lose_features(self, width: float) -> bool:
+        return not self.parts and (self.defeature or 0.0) < width <= self.thinnest_wall / 2
+
+    @property
     def is_turned(self) -> bool:
         return self._cad.turned
 

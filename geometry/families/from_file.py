@@ -7,12 +7,12 @@ from hashlib import sha256
 from itertools import chain
 from math import isfinite
 from pathlib import Path
-from typing import TypeAlias
+from typing import ClassVar, TypeAlias
 
 from geometry.design import Design, DesignError
 from geometry.foreign.chambers import Range, distances, middles_of
 from geometry.foreign.companions import companions
-from geometry.foreign.frame import PITCHES, Axes, usual_cell
+from geometry.foreign.frame import PITCHES, SAME, Axes, usual_cell
 from geometry.meshing.cad_import import Point
 from geometry.meshing.cells import CellPlanes
 from geometry.meshing.mirror import slices
@@ -27,6 +27,8 @@ Plug: TypeAlias = bool | Mapping[str, Point]
 
 class FileDesign(Design):
     """A body that a file describes. A family is a dataclass with the fields named here, all lengths in mm."""
+
+    is_from_file: ClassVar[bool] = True
 
     file: str
     curve: float
@@ -78,13 +80,20 @@ class FileDesign(Design):
         return self.curve
 
     @property
-    def is_open_at_clamp(self) -> bool:
-        return self.plug is True
+    def is_reoriented(self) -> bool:
+        return self.axes != SAME
 
     @property
-    @abstractmethod
-    def is_turned(self) -> bool:
-        """Whether the arm is clamped at its larger x, so that x of the body runs against x of the file."""
+    def has_free_pitch(self) -> bool:
+        return not isinstance(self.cell, CellPlanes)
+
+    @property
+    def key_of_cells(self) -> str:
+        return "cell"
+
+    @property
+    def is_open_at_clamp(self) -> bool:
+        return self.plug is True
 
     @property
     @abstractmethod

@@ -45,6 +45,7 @@ class MeshFile(FileDesign):
     """
 
     family: ClassVar[str] = "mesh_file"
+    has_drawing: ClassVar[bool] = False
 
     file: str  #: path of the mesh
     curve: float  #: y of the material curve
@@ -104,6 +105,14 @@ class MeshFile(FileDesign):
         return any(opens_at(mesh.points, mesh.faces[name], [(0, 0.0)]) for name in cavities)
 
     @property
+    def given_element_size(self) -> float:
+        return self.fixed_body.mesh.quality.longest_edge
+
+    @property
+    def why_no_cell(self) -> str:
+        return "the law of a cell needs a drawing that can be cut between its cells; this body is a ready mesh"
+
+    @property
     def is_turned(self) -> bool:
         return self._placed.turned
 
@@ -155,10 +164,6 @@ class MeshFile(FileDesign):
 
     @property
     def straightened(self) -> Array:
-        """Middles (k, 3) of curved edges of the file that are taken as straight, in mm and the directions of the arm.
-
-        An element would fold, or nearly be flat, with them.
-        """
         return self._content.straightened
 
     @property

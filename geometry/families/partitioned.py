@@ -36,6 +36,10 @@ class PartitionedDesign(SymmetricDesign):
         return self.chambers * self.chamber_length + (self.chambers - 1) * self.partition + 2 * self.end_wall
 
     @property
+    def key_of_cells(self) -> str:
+        return "chambers"
+
+    @property
     def cell_count(self) -> int:
         return self.chambers
 

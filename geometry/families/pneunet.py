@@ -128,9 +128,13 @@ class PneuNet(SymmetricDesign):
         return chambers
 
     @property
-    def equal(self) -> bool:
+    def has_equal_cells(self) -> bool:
         """Whether all chambers and all gaps are equal."""
         return all(len(set(self._each(dimension))) == 1 for dimension in self.lists.values())
+
+    @property
+    def key_of_cells(self) -> str:
+        return "chambers"
 
     @property
     def cell_count(self) -> int:
@@ -138,11 +142,11 @@ class PneuNet(SymmetricDesign):
 
     @property
     def repeats(self) -> bool:
-        return self.equal and super().repeats
+        return self.has_equal_cells and super().repeats
 
     @property
     def why_no_cell(self) -> str:
-        if self.equal:
+        if self.has_equal_cells:
             return super().why_no_cell
         return "the chambers or the gaps of the arm are not equal, so that it repeats no cell"
 
@@ -192,7 +196,7 @@ class PneuNet(SymmetricDesign):
         return True
 
     def body(self, size: float, grading: Grading = OFF) -> Body:
-        if self.equal:
+        if self.has_equal_cells:
             return super().body(size, grading)
         self.check_size(size)
         solid = mesh_solid(self._whole(), size, grading)
@@ -233,7 +237,7 @@ class PneuNet(SymmetricDesign):
         return [Fillet(x, self.base + self.strip, self.fillet, side, self.width / 2)] if self.fillet else []
 
     def repetition(self, size: float, grading: Grading) -> Repetition:
-        if not self.equal:
+        if not self.has_equal_cells:
             raise DesignError(next(name for name in self.lists if getattr(self, name)), self.why_no_cell)
         gap, chamber_length = self._each("gap")[0], self._each("chamber_length")[0]
         middle = gap + chamber_length / 2

@@ -42,6 +42,7 @@ class SurfaceFile(FileDesign):
     """
 
     family: ClassVar[str] = "surface_file"
+    has_drawing: ClassVar[bool] = False
 
     file: str  #: path of the surface
     curve: float  #: y of the material curve
@@ -100,6 +101,10 @@ class SurfaceFile(FileDesign):
     def _ends(self) -> tuple[float, float]:
         """x of clamp and tip, mm."""
         return ends_of(self.surface.points, self._placing)
+
+    @property
+    def why_no_cell(self) -> str:
+        return "the law of a cell needs a drawing that can be cut between its cells; this body is a surface"
 
     @property
     def is_turned(self) -> bool:

@@ -2,7 +2,6 @@
 
 from dataclasses import replace
 
-from geometry import SurfaceFile
 from pipeline.config.automatic_mesh import COARSER, GivenMesh, chosen_mesh
 from pipeline.config.config import AUTO, Config, MeshSettings
 from pipeline.errors import InputError
@@ -43,7 +42,7 @@ def why_not_estimated(config: Config) -> str:
 
 def grading_of(config: Config, grading: str) -> str:
     """The grading for the estimates; a closed surface, which has no walls to be found, stays without."""
-    return config.mesh.grading if isinstance(config.design, SurfaceFile) else grading
+    return grading if config.design.has_drawing else config.mesh.grading
 
 
 def without_accuracy(config: Config) -> Config:

@@ -1,6 +1,6 @@
 """Which configurations have a law of their own (docs/cell.md), as far as that is known before anything is meshed."""
 
-from geometry import Design, MeshFile, SurfaceFile
+from geometry import Design
 from pipeline.config.effects import Effects
 
 #: how the sentence of a run with `law: cell` begins that has no law
@@ -9,9 +9,6 @@ NO_LAW = "no law of the arm"
 
 def why_no_arm_law(design: Design, effects: Effects) -> str:
     """Why an arm or its effects have no law of their own, a clause; empty where they may have one."""
-    if isinstance(design, MeshFile | SurfaceFile):
-        kind = "ready mesh" if isinstance(design, MeshFile) else "surface"
-        return f"the law of a cell needs a drawing that can be cut between its cells; this body is a {kind}"
     if not design.repeats:
         return design.why_no_cell
     if effects.gravity.on:

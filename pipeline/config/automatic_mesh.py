@@ -8,9 +8,8 @@ from dataclasses import dataclass
 from math import floor, log10, sqrt
 
 from fem.elements import MOST_ACCURATE, NEARLY_INCOMPRESSIBLE
-from geometry import Design, MeshFile, SurfaceFile
+from geometry import Design
 from geometry.design import expected_tets
-from geometry.families.from_file import FileDesign
 
 #: size without grading over that with it, because the walls are coarser there: the deflection of the finger of
 #: docs/how_to/own_bodies_tried.md from an STL file is off by 2.0 % with 0.9 and by 3.5 % with 1.2, its end force by 2.0
@@ -60,7 +59,7 @@ def chosen_mesh(design: Design, law: str, nu: float, against_locking: bool | Non
     if formulation is None:
         formulation, reasons["formulation"] = _formulation(design, law, nu, against_locking)
     if grading is None:
-        grading = "off" if isinstance(design, MeshFile | SurfaceFile) else "walls"
+        grading = "walls" if design.has_drawing else "off"
         if grading == "walls":
             reasons["grading"] = "most of the error of the mesh arises where thin walls bend"
     if size is None:
@@ -90,7 +89,7 @@ def _size(design: Design, grading: str) -> tuple[float, str]:
     reason = f"walls of {wall:.3g} mm in a body {side:.3g} mm across need it"
     if suits > part * side:
         suits = part * side
-        kind = "bodies from files" if isinstance(design, FileDesign) else design.family
+        kind = "bodies from files" if design.is_from_file else design.family
         reason = f"that is {part:g} times the smallest side, the most for {kind}"
     size = not_too_many(design, suits)
     if size > suits:

@@ -15,7 +15,7 @@ from typing import Any, Literal, get_args
 import fem.materials
 from fem.elements import automatic_element
 from fem.materials import LAWS
-from geometry import CellPlanes, Design, DesignError, FileDesign, MeshError
+from geometry import CellPlanes, Design, DesignError, MeshError
 from pipeline.config.effects import Effects, State
 from pipeline.errors import InputError
 from pipeline.store.json_values import Json, JsonObject
@@ -280,7 +280,7 @@ def _dimensions(design: Any) -> dict[str, Json]:
     """The keys of a design as in the YAML; a file stands there with the digest of what is in it."""
     values: dict[str, Any] = {field.name: getattr(design, field.name) for field in fields(design)}
     values = {name: list(v) if isinstance(v, tuple) else v for name, v in values.items() if v != ()}
-    if isinstance(design, FileDesign):
+    if design.is_from_file:
         values |= {"file": Path(design.file).name, "sha256": design.digest}
     if not values.get("parts"):
         values.pop("parts", None)

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any, TypeVar, get_type_hints
 
 from fem.elements import ELEMENTS
-from geometry import FAMILIES, Design, DesignError, MeshFile
+from geometry import FAMILIES, Design, DesignError
 from pipeline.config.arm_law import why_no_arm_law
 from pipeline.config.automatic_mesh import COARSER, COARSEST, GivenMesh, chosen_mesh
 from pipeline.config.config import (
@@ -142,7 +142,7 @@ def _design(document: Document, content: Any, family: str, regions: Sequence[str
         design = design.with_regions(regions)
     except DesignError as refused:
         raise _refused(document, refused, values) from None
-    if isinstance(design, MeshFile) and content.accuracy is not None:
+    if not design.is_resizable and content.accuracy is not None:
         raise document.wrong(("accuracy",), "a ready mesh cannot be made finer; leave it out, or give a drawing")
     return design
 
@@ -261,8 +261,8 @@ def _check_together(document: Document, content: Any) -> None:
 def _mesh(document: Document, content: Any, design: Design, materials: Mapping[str, Material]) -> MeshSettings:
     """The mesh as given, and as the program chooses it where it is not; AUTO where an accuracy decides the size."""
     keys, accuracy = content.mesh, content.accuracy is not None
-    if isinstance(design, MeshFile):
-        given = GivenMesh(design.fixed_body.mesh.quality.longest_edge, keys.formulation, None)
+    if not design.is_resizable:
+        given = GivenMesh(design.given_element_size, keys.formulation, None)
         accuracy, coarser = False, "off"
     else:
         given, coarser = GivenMesh(keys.size, keys.formulation, getattr(keys, "grading", None)), keys.coarser
@@ -272,7 +272,7 @@ def _mesh(document: Document, content: Any, design: Design, materials: Mapping[s
         chosen = chosen_mesh(design, materials[""].law, nu, None if state == "auto" else state == "on", given)
         planned = accuracy and given.size_mm is None
         size = COARSEST * min(design.extent) if planned else chosen.size_mm
-        if not isinstance(design, MeshFile):
+        if design.is_resizable:
             design.check_size(size)
     except DesignError as refused:
         raise _refused(document, refused) from None

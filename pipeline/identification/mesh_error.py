@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fem.elements import MOST_ACCURATE
-from geometry import SurfaceFile
 from pipeline.config.config import Config
 from pipeline.context import RunContext
 from pipeline.errors import InputError
@@ -75,7 +74,7 @@ def _of_half_the_highest(parameters: Sequence[Parameters]) -> Parameters:
 def _from_mixed(second: Config, context: RunContext, own: Parameters) -> tuple[dict[str, float], str]:
     """By how much the numbers of one pressure differ from those of mixed elements as coarse as the second mesh, over
     `_scale`; and why there are none (else empty). Raises RunFailed as `simulate`."""
-    grading = second.mesh.grading if isinstance(second.design, SurfaceFile) else "walls"
+    grading = "walls" if second.design.has_drawing else second.mesh.grading
     mixed = replace(second, mesh=replace(second.mesh, formulation=MOST_ACCURATE, grading=grading))
     pressure = own.pressure_kPa
     try:

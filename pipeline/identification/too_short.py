@@ -8,8 +8,7 @@ from typing import Any
 import numpy as np
 
 from fem.elements import ELEMENTS
-from geometry import Body, CellPlanes, Design, MeshFile
-from geometry.families.from_file import FileDesign
+from geometry import Body, Design
 from pipeline.config.arm_law import why_no_arm_law
 from pipeline.config.config import Config
 from rod import shortest_pitch, too_few_pitches
@@ -38,10 +37,9 @@ def too_coarse(config: Config, body: Body) -> str:
         spacing /= 2
     if config.law == "cell" or too_short(config) or design.pitch >= shortest_pitch(spacing):
         return ""
-    finer = "a mesh with smaller elements there" if isinstance(design, MeshFile) else "a smaller mesh.size"
+    finer = "a smaller mesh.size" if design.is_resizable else "a mesh with smaller elements there"
     longer = float(f"{1.1 * shortest_pitch(spacing):.2g}")
-    may_be_longer = isinstance(design, FileDesign) and not isinstance(design.cell, CellPlanes)
-    if may_be_longer and not too_few_pitches(design.length, longer):
+    if design.has_free_pitch and not too_few_pitches(design.length, longer):
         finer = f"geometry.cell, for example {longer:g} mm, or {finer}"
     return (
         f"no five parameters: nodes along the material curve are up to {spacing:.3g} mm apart, more than half of the "
@@ -59,11 +57,11 @@ def _shortest_length(design: Any) -> float:
 
 
 def _remedy(design: Design) -> str:
-    if hasattr(design, "chambers"):
+    if design.key_of_cells == "chambers":
         return "more geometry.chambers"
-    if not isinstance(design, FileDesign):
+    if design.key_of_cells == "length":
         return f"a geometry.length of at least {_shortest_length(design):g} mm"
-    if isinstance(design.cell, CellPlanes):
+    if not design.has_free_pitch:
         return "an arm of more cells"
     if design.cavity_pitch and not design.averages_within_cavities:
         return (

@@ -4,8 +4,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from math import inf, isinf
 
-from geometry import PneuNet
-from geometry.families.from_file import FileDesign
 from pipeline.config.automatic_mesh import two_digits_down
 from pipeline.config.config import Config
 from pipeline.identification.too_short import too_short
@@ -97,7 +95,7 @@ def _weak_pressure(config: Config, borne: Borne) -> str:
 
 def _unequal_cells(config: Config) -> str:
     design = config.design
-    if config.law == "cell" or not isinstance(design, PneuNet) or design.equal or too_short(config):
+    if config.law == "cell" or design.has_equal_cells or too_short(config):
         return ""
     return (
         f"the chambers or gaps are not equal: curvatures are means over the mean pitch of {design.pitch:.3g} mm, and "
@@ -167,7 +165,7 @@ def _between(low: float, high: float) -> float:
 def _turned_gravity(config: Config) -> str:
     gravity, design = config.effects.gravity, config.design
     x, _, z = gravity.acceleration_mm_s2
-    if not gravity.on or (x == 0.0 and z == 0.0) or not (isinstance(design, FileDesign) and design.is_turned):
+    if not gravity.on or (x == 0.0 and z == 0.0) or not design.is_turned:
         return ""
     return (
         "gravity is in the frame of the arm, whose x runs from the clamp to the tip, and so against the x in which "

@@ -2,8 +2,7 @@
 
 import numpy as np
 
-from geometry import Body, CadFile, Design, Mesh, MeshFile, position_text
-from geometry.families.from_file import FileDesign
+from geometry import Body, Design, Mesh, position_text
 from geometry.orientation import TURNS
 from geometry.topology import OUTWARD, find_rows, normals
 from pipeline.config.config import AUTO, Config
@@ -61,13 +60,13 @@ def of_clamp(body: Body) -> str:
 
 def of_directions(design: Design) -> str:
     """The sentence on a body from a file that is shorter than it is high or wide; else empty."""
-    if not isinstance(design, FileDesign):
+    if not design.is_from_file:
         return ""
     length, height, width = design.extent
     if length > (1.0 - ROUNDING) * max(height, width):
         return ""
     axis, up = ("y", "x") if height > width else ("z", "y")
-    example = f": {TURNS[axis, up]}" if design.axes == ("x", "y", "z") else ""
+    example = "" if design.is_reoriented else f": {TURNS[axis, up]}"
     return (
         f"the body is {length:.3g} mm long along x, which is the direction of the arm from its clamp, and "
         f"{max(height, width):.3g} mm along {axis}; if that is its length, turn it with geometry.axes{example}; "
@@ -77,7 +76,7 @@ def of_directions(design: Design) -> str:
 
 def of_straightened(design: Design) -> str:
     """The sentence on curved edges of a mesh file with which elements would fold; else empty."""
-    if not isinstance(design, MeshFile) or not len(middles := design.straightened):
+    if not len(middles := design.straightened):
         return ""
     count = f"{len(middles)} curved edges" if len(middles) > 1 else "one curved edge"
     verb, them = ("are", "them") if len(middles) > 1 else ("is", "it")
@@ -91,7 +90,7 @@ def of_edges(config: Config) -> str:
     """The sentence on edges of a CAD file that are short for the size of the elements, known before meshing; else
     empty."""
     design = config.design
-    if not isinstance(design, CadFile) or config.mesh.size_mm is AUTO:
+    if config.mesh.size_mm is AUTO or not design.edges:
         return ""
     size = config.mesh.element_size_mm
     small = [edge for edge in design.edges if edge[0] < SMALL_EDGE * size]
@@ -99,8 +98,7 @@ def of_edges(config: Config) -> str:
         return ""
     length, where = small[0]
     width = round(WIDER * length, 2)
-    can_widen = not design.parts and (design.defeature or 0.0) < width <= design.thinnest_wall / 2
-    how = f"with geometry.defeature, for example {width:g} mm, or " if can_widen else ""
+    how = f"with geometry.defeature, for example {width:g} mm, or " if design.can_lose_features(width) else ""
     return (
         f"{len(small)} of the {len(design.edges)} edges in the CAD file are shorter than a third of mesh.size, "
         f"{size:g} mm, the shortest {length:.2g} mm near {where}: elements there are as small, and meshing may take "
@@ -125,7 +123,7 @@ def of_volume(body: Body, config: Config) -> str:
 def of_parts(body: Body, config: Config) -> str:
     """The sentence on a solid of a CAD file that has most of the walls of the cavities and is a part; else empty."""
     mesh = body.mesh
-    if not isinstance(config.design, CadFile) or not mesh.regions:
+    if not config.design.has_parts or not mesh.regions:
         return ""
     walls = np.vstack([mesh.faces[name] for name in body.cavities])
     areas = np.linalg.norm(normals(mesh.points[walls]), axis=1)

@@ -2,7 +2,6 @@
 
 from dataclasses import dataclass
 
-from geometry import MeshFile
 from pipeline.simulation.scene import Scene
 from pipeline.store.json_values import JsonObject
 
@@ -20,7 +19,7 @@ class MeshRecord:
         return MeshRecord(
             {
                 "size_mm": settings.element_size_mm,
-                "from_file": isinstance(design, MeshFile),
+                "from_file": not design.is_resizable,
                 "formulation": settings.formulation,
                 "grading": settings.grading,
                 "averaging_mm": scene.body.pitch,

@@ -7,7 +7,7 @@ from math import inf
 
 import fem
 from fem.elements import ELEMENTS, Volumetric
-from geometry import GRADINGS, Body, DesignError, MeshError, MeshFile, SurfaceFile, position_text
+from geometry import GRADINGS, Body, DesignError, MeshError, position_text
 from pipeline.config.config import AUTO, Config, Material
 from pipeline.errors import InputError
 from rod import Load
@@ -177,7 +177,7 @@ class Scene:
 
 def _check_boundary(config: Config, body: Body) -> None:
     """Refuse a mesh or surface file whose boundary passes through itself."""
-    if isinstance(config.design, MeshFile | SurfaceFile) and (crossing := fem.crossing_at_rest(body.mesh)):
+    if not config.design.has_drawing and (crossing := fem.crossing_at_rest(body.mesh)):
         raise InputError(
             f"{config.source}: geometry.file: the boundary of the mesh passes through itself near "
             f"{position_text(crossing)}; move the vertex there back, or mesh the body again"
