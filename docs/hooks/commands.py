@@ -8,9 +8,20 @@ from pipeline.cli import app
 
 HEADER = """# Commands
 
-`.venv/bin/pneurod COMMAND --help` prints the same text. The exit status is 0 if everything was computed, 1 if something
-was not computed, 2 if the input is wrong, and 130 if the command was interrupted. The reason is one sentence on the
-standard error stream, for wrong input one for each mistake.
+`.venv/bin/pneurod COMMAND --help` prints the same text.
+
+| exit status | meaning |
+|---|---|
+| 0 | finished; warnings are in the report |
+| 1 | something was not computed, for example a pressure was not reached; everything else is written |
+| 2 | the input is wrong: one line on stderr for each mistake |
+| 130 | interrupted; the same command continues |
+
+`pneurod.characterize` raises `pneurod.RunFailed` for 1 and `pneurod.InputError` for 2.
+
+`--set mesh.size="3 mm"` or `--set pressures="[17 kPa, 37 kPa]"` replaces a value of the configuration. A folder with the
+results of another configuration is refused; `--fresh` replaces them. `--jobs` is the number of worker processes. `-q`
+prints nothing but the verdict, `-v` every Newton iteration, `--json` one JSON object.
 """
 
 

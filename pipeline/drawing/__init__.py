@@ -1,1 +1,1 @@
-"""Pictures of bodies, drawn without a display."""
+"""What figures and pictures have in common: plots with plotly, and pictures of bodies without a display."""

@@ -127,7 +127,7 @@ def test_sources_that_differ_from_their_commit_are_marked_on_the_page(tmp_path: 
 
 
 def test_claims_are_read_back_with_their_verdicts() -> None:
-    record = json.loads((HERE / "docs" / "paper.json").read_text(encoding="utf-8"))
+    record = json.loads((HERE / "studies" / "paper.json").read_text(encoding="utf-8"))
     stored = [claim_from_record(entry) for entry in record["claims"]]
     assert [claim.verdict for claim in stored] == [entry["verdict"] for entry in record["claims"]]
     assert page(record).count("\n### ") == sum(bool(claim.readings) for claim in stored)

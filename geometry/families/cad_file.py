@@ -1,0 +1,333 @@
+"""A body from a CAD file (STEP or BREP)."""
+
+from collections.abc import Iterator, Mapping
+from contextlib import suppress
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from pathlib import Path
+from statistics import median
+from typing import ClassVar, final
+
+import numpy as np
+
+from geometry.design import Body, DesignError, raise_together
+from geometry.families.from_file import FileDesign, Plug, wrong_points
+from geometry.foreign.chambers import Range, runs_through
+from geometry.foreign.file import SUFFIXES as MESH_SUFFIXES
+from geometry.foreign.frame import PITCHES, SAME, Axes, rotation
+from geometry.foreign.surface import SUFFIXES as SURFACE_SUFFIXES
+from geometry.grading import OFF, Grading
+from geometry.manifold import check_manifold
+from geometry.mesh import Mesh
+from geometry.mesh_error import MeshError
+from geometry.meshing.cad import CadMeasures, edges_of, measure, measure_gaps, measure_thinnest_wall, mesh_cad
+from geometry.meshing.cad_import import STEP, SUFFIXES, CadBody, CadSource, Point, defeatured, file_bounds
+from geometry.meshing.cells import (
+    CellPlanes,
+    Cells,
+    find_cells,
+    find_cells_of_chambers,
+    find_cells_of_one_section,
+    mesh_cells,
+)
+from geometry.meshing.mirror import Repetition
+
+
+@final
+@dataclass(frozen=True)
+class CadFile(FileDesign):
+    """One solid from a STEP or BREP file, or several of which some are of another material; all lengths in mm.
+
+    In the frame of the arm (`axes`, `middle`) x is along the length, y up, z across, and the body is symmetric about
+    z = 0 unless `symmetric` is false; one half of such a body needs `symmetric` true. The constructor reads and checks
+    the file; its `DesignError` names the config key to change. Faces: clamp, tip, sym, the cavities by their names,
+    outer. The body is meshed from equal cells and its two ends where `cell` are two planes of mirror symmetry of the
+    cells, or where it is not given and such planes are in and between equal chambers (three or more), or anywhere in an
+    arm with one section. Otherwise the cells are nominal: equal parts of the length, about `cell` long.
+    """
+
+    family: ClassVar[str] = "cad_file"
+
+    file: str  #: path of the .step, .stp, .brep or .brp file
+    curve: float  #: y of the material curve
+    clamp: float | None = None  #: x of the clamped end face; without it the end with the smallest x
+    tip: float | None = None  #: x of the other end face; without it the other end
+    air: Mapping[str, Point] = field(default_factory=dict)  #: a point in each cavity; needed with several cavities
+    symmetric: bool | None = None  #: `true` if the file holds one half alone, `false` for halves that differ
+    cell: float | CellPlanes | None = None  #: its length or [planes](cell.md#own-bodies), sought if left out
+    unit: float = 1.0  #: unit of length of a BREP file, which does not store it
+    axes: Axes = SAME  #: which directions of the file are x, y and z of the arm
+    middle: float = 0.0  #: z of the plane of symmetry in the file; all other z are measured from it
+    unite: bool = False  #: whether several solids that touch become one
+    parts: Mapping[str, Point] = field(default_factory=dict)  #: a point in each solid of another material
+    plug: Plug = False  #: `true` closes an inlet in the plane of the clamp; points in the mouths of inlets fill them
+    defeature: float | None = None  #: faces narrower than this are removed: small fillets, holes, ribs and letters
+
+    def __post_init__(self) -> None:
+        path = Path(self.file)
+        if path.suffix.lower() not in SUFFIXES:
+            raise DesignError(
+                "file",
+                f"{path.name} is not a CAD file that can be read ({', '.join(SUFFIXES)}), nor a mesh "
+                f"({', '.join(MESH_SUFFIXES)}) or a surface ({', '.join(SURFACE_SUFFIXES)})",
+            )
+        if not path.is_file():
+            raise DesignError("file", f"{path} does not exist")
+        raise_together(
+            (*self._wrong_values(), *self._not_positive("defeature", self.defeature), *self._contradictions())
+        )
+        self._keep_own_copies()
+        object.__setattr__(self, "parts", dict(self.parts))
+        try:
+            self._read()
+        except MeshError as error:
+            raise DesignError("file", str(error)) from error
+
+    def _read(self) -> None:
+        """Read and check the file. Raises `DesignError`, and `MeshError` where Gmsh cannot work with it."""
+        clamp, tip = self._ends
+        if clamp == tip:
+            raise DesignError(("clamp", "tip"), f"clamp and tip are both at x = {clamp:g} mm; they are the two ends")
+        if isinstance(self.cell, CellPlanes) and tip < clamp:
+            raise DesignError(
+                "cell",
+                "must be a length where the arm is clamped at its larger x; turn the body with axes to give planes",
+            )
+        _ = self.measures
+        if isinstance(self.cell, CellPlanes):
+            _ = self.cells
+        if self.defeature is not None and self.defeature > self.thinnest_wall / 2:
+            raise DesignError(
+                "defeature",
+                f"{self.defeature:g} mm is more than half of {self.thinnest_wall:.3g} mm, the thickness of the "
+                "thinnest wall or a quarter of the smallest side; give a smaller length",
+            )
+
+    def _contradictions(self) -> Iterator[DesignError]:
+        """What is wrong whatever the file holds."""
+        if self.unit != 1 and Path(self.file).suffix.lower() in STEP:
+            yield DesignError("unit", "STEP files store their unit; leave it out")
+        yield from wrong_points("parts", self.parts)
+        if self.parts and self.unite:
+            yield DesignError(
+                ("parts", "unite"), "solids of another material stay solids of their own; give one of the two"
+            )
+        if self.parts and isinstance(self.cell, CellPlanes):
+            yield DesignError(
+                "cell", "must be a length where the body has parts: an arm of several solids has no law of its own"
+            )
+        if self.parts and self.defeature is not None:
+            yield DesignError(
+                ("parts", "defeature"), "narrow faces are removed from one solid only; give one of the two"
+            )
+
+    @cached_property
+    def _ends(self) -> tuple[float, float]:
+        """x of clamp and tip, mm, before the body is turned."""
+        if self.clamp is not None and self.tip is not None:
+            return self.clamp, self.tip
+        low, high = file_bounds(self._source())
+        clamp = low[0] if self.clamp is None else self.clamp
+        other = high[0] if clamp <= (low[0] + high[0]) / 2 else low[0]
+        return clamp, other if self.tip is None else self.tip
+
+    @cached_property
+    def measures(self) -> CadMeasures:
+        """Bounds (mm) and volumes (mm3) of the body (both halves)."""
+        return measure(self._cad)
+
+    @cached_property
+    def edges(self) -> tuple[tuple[float, str], ...]:
+        """Length (mm) of each edge of the body in the file, and where its middle is, the shortest first."""
+        return edges_of(self._cad)
+
+    @property
+    def cells(self) -> Cells | None:
+        """Where the cells lie; None where it is not known."""
+        return self._cells_or_reason[0]
+
+    @property
+    def pitch(self) -> float:
+        """That of the cells; of an arm that is too short for five parameters of such cells the usual one."""
+        if self.cell is None and not self.has_equal_chambers:
+            return super().pitch  # cells of an arm with one section are as long
+        if self.cells is None or self.length < PITCHES * 2 * self.cells.half_pitch:
+            return super().pitch
+        return 2 * self.cells.half_pitch
+
+    @property
+    def why_no_cell(self) -> str:
+        return self._cells_or_reason[1] or super().why_no_cell
+
+    @cached_property
+    def _cells_or_reason(self) -> tuple[Cells | None, str]:
+        """The cells, or why equal chambers are not those of cells, if there are any."""
+        if isinstance(self.cell, CellPlanes):
+            return find_cells(self._cad, self.cell), ""
+        if self.cell is not None or self.parts:
+            return None, ""
+        if self.has_equal_chambers:
+            return self._cells_of_chambers
+        if not self.chamber_middles:
+            with suppress(DesignError, MeshError):
+                return find_cells_of_one_section(self._cad, super().pitch), ""
+        return None, ""
+
+    @property
+    def _cells_of_chambers(self) -> tuple[Cells | None, str]:
+        middles = self.chamber_middles
+        beginning = f"its chambers are {median(self.chamber_distances):.4g} mm apart, but"
+        for name, chambers in self.chamber_ranges.items():
+            if not chambers[0][0] < middles[0] < middles[-1] < chambers[-1][1]:
+                return None, f"{beginning} the cavity {name} does not go through all of them"
+        divided = [
+            name
+            for name, chambers in self.chamber_ranges.items()
+            if not all(runs_through(chamber, self.length) for chamber in chambers)
+        ]
+        try:
+            return find_cells_of_chambers(self._cad, middles, divided), ""
+        except DesignError as refusal:
+            return None, f"{beginning} {refusal.sentence}"
+        except MeshError as failure:
+            return None, f"{beginning} {failure}"
+
+    def _source(self, around: bool = False) -> CadSource:
+        """around: whether the arm is turned about y by half a turn."""
+        turn, shift = rotation(self.axes), -self.middle
+        if around:
+            turn, shift = np.diag([-1.0, 1.0, -1.0]) @ turn, self.middle
+        first, second, third = (tuple(float(x) for x in row) for row in turn)
+        turned = (first, second, third)
+        path, apart = Path(self.file), bool(self.parts)
+        return CadSource(path, self.unit, turned, self.unite, apart, self._defeatured, shift)  # type: ignore[arg-type]
+
+    @cached_property
+    def _defeatured(self) -> bytes | None:
+        """Kept, because it takes seconds where many faces are removed."""
+        if self.defeature is None:
+            return None
+        as_in_file = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
+        return defeatured(CadSource(Path(self.file), self.unit, as_in_file, self.unite), self.defeature)
+
+    @cached_property
+    def _cad(self) -> CadBody:
+        """The body with its clamp at the smaller x.
+
+        An arm that is clamped at its larger x is turned about y by half a turn; a symmetric one has its halves
+        exchanged by that, so that z keeps its sign; a half z <= 0 is mirrored when it is read.
+        """
+        clamp, tip = self._ends
+        air, parts, turned = dict(self.air), dict(self.parts), tip < clamp
+        plugs = dict(self.plug) if isinstance(self.plug, Mapping) else {}
+        if turned:
+            clamp, tip = -clamp, -tip
+            side = 1.0 if self._half else -1.0
+            air, parts, plugs = (
+                {name: (-x, y, side * z) for name, (x, y, z) in given.items()} for given in (air, parts, plugs)
+            )
+        return CadBody(
+            *(self._source(turned), clamp, tip, self.curve, self._half, air, parts),
+            *(self.is_open_at_clamp, plugs, turned, self.symmetric is True),
+        )
+
+    @property
+    def _half(self) -> bool:
+        """Whether only the half z >= 0 is meshed."""
+        return self.symmetric is not False
+
+    @property
+    def has_parts(self) -> bool:
+        return bool(self.parts)
+
+    def can_lose_features(self, width: float) -> bool:
+        return not self.parts and (self.defeature or 0.0) < width <= self.thinnest_wall / 2
+
+    @property
+    def is_turned(self) -> bool:
+        return self._cad.turned
+
+    @property
+    def length(self) -> float:
+        return self._cad.tip - self._cad.clamp
+
+    @property
+    def extent(self) -> tuple[float, float, float]:
+        x, y, z = (float(side) for side in np.subtract(self.measures.high, self.measures.low))
+        return (x, y, z)
+
+    @property
+    def solid_volume(self) -> float:
+        return self.measures.solid_volume
+
+    @property
+    def cavity_volumes(self) -> Mapping[str, float]:
+        return {name: self.measures.air_volumes[name] for name in self._cad.cavities}
+
+    @property
+    def chamber_ranges(self) -> Mapping[str, tuple[Range, ...]]:
+        return self.measures.chambers
+
+    @property
+    def region_volumes(self) -> Mapping[str, float]:
+        return self.measures.part_volumes
+
+    @property
+    def plug_depths(self) -> Mapping[str, float]:
+        return self.measures.plug_depths
+
+    @property
+    def against_flat_elements(self) -> str:
+        usual = super().against_flat_elements
+        if self.parts or self.defeature is not None:
+            return usual
+        return f"{usual}, or remove narrow faces with geometry.defeature, for example 0.1 mm"
+
+    @cached_property
+    def thinnest_wall(self) -> float:
+        return measure_thinnest_wall(self._cad)
+
+    @cached_property
+    def outer_corners(self) -> bool:
+        return measure_gaps(self._cad)
+
+    @property
+    def repeats(self) -> bool:
+        return self.cells is not None
+
+    def repetition(self, size: float, grading: Grading) -> Repetition:
+        if self.cells is None:
+            return super().repetition(size, grading)
+        if (size, grading) not in self._meshed:
+            self._meshed[size, grading] = mesh_cells(self._cad, self.cells, size, grading)
+        return self._meshed[size, grading]
+
+    @cached_property
+    def _meshed(self) -> dict[tuple[float, Grading], Repetition]:
+        """Repetitions by size and grading, because a CAD file takes long to read and cut."""
+        return {}
+
+    @property
+    def meshed_volume(self) -> float:
+        return self.solid_volume / (2 if self._half else 1)
+
+    def body(self, size: float, grading: Grading = OFF) -> Body:
+        self.check_size(size)
+        mesh = self._of_cells(size, grading) or self._checked(mesh_cad(self._cad, size, grading))
+        return self._body(mesh, self.length, self._half)
+
+    def _of_cells(self, size: float, grading: Grading) -> Mesh | None:
+        """The mesh of equal cells; None where there are none, or where cells that nobody named cannot be meshed."""
+        if not self.repeats:
+            return None
+        try:
+            return self._checked(self.repetition(size, grading).mesh())
+        except (DesignError, MeshError):
+            if self.cell is not None:
+                raise
+            return None
+
+    def _checked(self, mesh: Mesh) -> Mesh:
+        mesh = replace(mesh, regions={name: mesh.regions[name] for name in self.regions})
+        check_manifold(mesh)
+        return mesh

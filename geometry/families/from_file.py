@@ -1,0 +1,160 @@
+"""Bodies from files: what drawings, meshes and surfaces share."""
+
+from abc import abstractmethod
+from collections.abc import Iterator, Mapping, Sequence
+from functools import cached_property
+from hashlib import sha256
+from itertools import chain
+from math import isfinite
+from pathlib import Path
+from typing import ClassVar, TypeAlias
+
+from geometry.design import Design, DesignError
+from geometry.foreign.chambers import Range, distances, middles_of
+from geometry.foreign.companions import companions
+from geometry.foreign.frame import PITCHES, SAME, Axes, usual_cell
+from geometry.meshing.cad_import import Point
+from geometry.meshing.cells import CellPlanes
+from geometry.meshing.mirror import slices
+
+#: largest difference of the distances of chambers, over the largest, with which these are the cells of the arm
+EQUAL = 0.05
+#: names of faces that are no cavities
+TAKEN = ("clamp", "tip", "sym", "outer")
+#: whether an inlet in the plane of the clamp is closed there, or a point in the mouth of each inlet that is filled
+Plug: TypeAlias = bool | Mapping[str, Point]
+
+
+class FileDesign(Design):
+    """A body that a file describes. A family is a dataclass with the fields named here, all lengths in mm."""
+
+    is_from_file: ClassVar[bool] = True
+
+    file: str
+    curve: float
+    air: Mapping[str, Point]
+    cell: float | CellPlanes | None
+    unit: float
+    axes: Axes
+    middle: float
+    plug: Plug
+
+    def _wrong_values(self) -> Iterator[DesignError]:
+        """A `DesignError` for each value that no file makes right: lengths, points, names of cavities."""
+        if not isinstance(self.cell, CellPlanes):
+            yield from self._not_positive("cell", self.cell)
+        yield from self._not_positive("unit", self.unit)
+        if not isfinite(self.middle):
+            yield DesignError("middle", f"must be a length, not {self.middle!r}")
+        yield from wrong_points("air", self.air)
+        if isinstance(self.plug, Mapping):
+            yield from wrong_points("plug", self.plug)
+        for name in TAKEN:
+            if name in self.air:
+                yield DesignError(f"air.{name}", f"a cavity cannot be named {name}; choose another name")
+
+    def _not_positive(self, key: str, length: float | None) -> Iterator[DesignError]:
+        if length is not None and not (isfinite(length) and length > 0):
+            yield DesignError(key, f"must be a positive length, not {length!r}")
+
+    def _keep_own_copies(self) -> None:
+        """Keep the values of `air`, `axes` and `plug`, whatever happens to what was given."""
+        object.__setattr__(self, "air", dict(self.air))
+        object.__setattr__(self, "axes", tuple(self.axes))
+        if isinstance(self.plug, Mapping):
+            object.__setattr__(self, "plug", dict(self.plug))
+
+    @cached_property
+    def digest(self) -> str:
+        """SHA-256 of the file and those that it needs, so that results of older files are not reused."""
+        path = Path(self.file)
+        digest = sha256(path.read_bytes())
+        for other in companions(path):
+            content = other.read_bytes()
+            digest.update(f"{other.name} {len(content)}\n".encode())
+            digest.update(content)
+        return digest.hexdigest()
+
+    @property
+    def curve_y(self) -> float:
+        return self.curve
+
+    @property
+    def is_reoriented(self) -> bool:
+        return self.axes != SAME
+
+    @property
+    def has_free_pitch(self) -> bool:
+        return not isinstance(self.cell, CellPlanes)
+
+    @property
+    def key_of_cells(self) -> str:
+        return "cell"
+
+    @property
+    def is_open_at_clamp(self) -> bool:
+        return self.plug is True
+
+    @property
+    @abstractmethod
+    def chamber_ranges(self) -> Mapping[str, tuple[Range, ...]]:
+        """Smallest and largest x of each chamber by the name of its cavity, mm; x as in the file or from the clamp."""
+
+    @property
+    def chamber_middles(self) -> list[float]:
+        """x of the middles of chambers that follow one another, as in `chamber_ranges`."""
+        return middles_of(chain.from_iterable(self.chamber_ranges.values()), self.length)
+
+    @property
+    def chamber_distances(self) -> list[float]:
+        """Along x between the middles of neighbouring chambers, mm."""
+        return distances(self.chamber_middles)
+
+    @property
+    def has_equal_chambers(self) -> bool:
+        """Whether the arm has three chambers or more, at equal distances."""
+        between = self.chamber_distances
+        return len(between) > 1 and are_equal(between)
+
+    @property
+    def cavity_pitch(self) -> float:
+        return max(self.chamber_distances, default=0.0)
+
+    @property
+    def pitch(self) -> float:
+        if isinstance(self.cell, CellPlanes):
+            return 2 * self.cell.half_pitch
+        return self.cell or usual_pitch(self.length, self.chamber_distances)[0]
+
+    @property
+    def reason_for_pitch(self) -> str:
+        return usual_pitch(self.length, self.chamber_distances)[1] if self.cell is None else ""
+
+
+def wrong_points(key: str, points: Mapping[str, Point]) -> Iterator[DesignError]:
+    """A `DesignError` for each value of points by name that is no point."""
+    for name, point in points.items():
+        if len(point) != 3 or not all(isfinite(coordinate) for coordinate in point):
+            yield DesignError(f"{key}.{name}", f"must be a point (x, y, z) in mm, not {point!r}")
+
+
+def usual_pitch(length: float, between: Sequence[float]) -> tuple[float, str]:
+    """Length (mm) over which curvature is averaged where none is given, and the reason, a clause.
+
+    The largest distance of neighbouring chambers (mm) where all are equal and the arm is long enough for five
+    parameters of such cells; otherwise equal parts of the arm of about the usual length.
+    """
+    parts = slices(length, usual_cell(length))[1]
+    if not between:
+        return parts, "no chambers follow one another along the arm"
+    longest = max(between)
+    if not are_equal(between):
+        return parts, "its chambers are not equally far apart"
+    if length < PITCHES * longest:
+        return parts, f"five parameters need {PITCHES:g} times the distance of its chambers, {longest:.3g} mm"
+    return longest, f"this is the distance of its {len(between) + 1} chambers"
+
+
+def are_equal(between: Sequence[float]) -> bool:
+    """Whether the distances of neighbouring chambers (mm) may be those of equal cells."""
+    return max(between) - min(between) <= EQUAL * max(between)

@@ -1,0 +1,324 @@
+"""A body from a mesh file: its faces by planes, or by the names that the file has."""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from itertools import combinations
+from pathlib import Path
+from typing import ClassVar, Self, final
+
+import numpy as np
+
+from geometry.arrays import Array, Index
+from geometry.design import Body, DesignError, raise_together
+from geometry.families.from_file import FileDesign
+from geometry.foreign.body import FLAT, Placed, Placing, check_across, divided, placed_by_planes, turned
+from geometry.foreign.chambers import Range, chambers_of, has_gaps
+from geometry.foreign.file import FileMesh, read_mesh_file
+from geometry.foreign.frame import SAME, Axes
+from geometry.foreign.shells import opens_at, parts_of
+from geometry.grading import OFF, Grading
+from geometry.manifold import check_half, check_manifold, check_untangled
+from geometry.mesh import Mesh
+from geometry.mesh_error import MeshError, position_text
+from geometry.meshing.cad_import import Point
+from geometry.orientation import position_of
+from geometry.quality import radius_ratios
+from geometry.topology import find_rows, open_edges, row_keys
+
+#: what to do with a mesh that names some of its faces only
+BY_NAMES = "name clamp, tip and cavity, or give geometry.clamp and tip, and no name of a face is used"
+
+
+@final
+@dataclass(frozen=True)
+class MeshFile(FileDesign):
+    """A mesh of tetrahedra with 4 or 10 nodes from a file (VTK, VTU, Abaqus, Nastran, Gmsh, MED, ...); lengths in mm.
+
+    Its ends are flat faces in the planes x = clamp and x = tip, its cavities closed surfaces within it, chosen by a
+    point in their air where there are several. A Gmsh file may name its faces instead, by physical groups: clamp, tip,
+    cavity, further cavities whose names begin with cavity, and sym in the plane z = 0 of a half body. Named groups of
+    elements (physical volumes of Gmsh, groups of MED and UNV) are regions, which may have materials of their own.
+    Elements through which the material curve (y = curve, z = 0) passes are divided so that it runs along edges; all
+    others stay as they are. The constructor reads and checks the file; its `DesignError` names the config key to
+    change. The cells are nominal: equal parts of the length, about `cell` long.
+    """
+
+    family: ClassVar[str] = "mesh_file"
+    has_drawing: ClassVar[bool] = False
+
+    file: str  #: path of the mesh
+    curve: float  #: y of the material curve
+    clamp: float | None = None  #: x of the clamped end face; without it the end with the smallest x
+    tip: float | None = None  #: x of the other end face; without it the other end
+    air: Mapping[str, Point] = field(default_factory=dict)  #: a point in each cavity; needed with several cavities
+    symmetric: bool = False  #: whether the file holds one half alone, z >= 0 or z <= 0
+    cell: float | None = None  #: length over which curvature is averaged; that of equal chambers, or up to 10 mm
+    unit: float = 1.0  #: unit of length of the file
+    axes: Axes = SAME  #: which directions of the file are x, y and z of the arm
+    middle: float = 0.0  #: z of the plane of symmetry in the file; all other z are measured from it
+    plug: bool = False  #: whether an inlet in the plane of the clamp is closed there
+
+    def __post_init__(self) -> None:
+        raise_together(self._wrong_values())
+        self._keep_own_copies()
+        _ = self.fixed_body
+
+    @cached_property
+    def fixed_body(self) -> Body:
+        """The body, moved along x so that its clamp is at x = 0, with the regions of `with_regions`."""
+        mesh, half = self._placed.mesh, "sym" in self._placed.mesh.faces
+        return Body(mesh, self.family, self.length, self.pitch, self.curve, half, self._placed.cavities)
+
+    @cached_property
+    def _placed(self) -> Placed:
+        try:
+            placing, content = self._placing, self._content
+            content = replace(content, regions={name: content.regions[name] for name in self.regions})
+            return (_placed_by_names if self._by_names(content) else placed_by_planes)(content, placing)
+        except MeshError as error:
+            raise DesignError("file", str(error)) from error
+
+    @property
+    def _placing(self) -> Placing:
+        return Placing(
+            *(self.curve, self.clamp, self.tip, self.air, self.symmetric, self.unit, self.axes),
+            *(self.middle, self.plug),
+        )
+
+    @cached_property
+    def _content(self) -> FileMesh:
+        """What the file says, in mm and in the directions of the arm."""
+        content = read_mesh_file(Path(self.file))
+        half = self.symmetric or (self._by_names(content) and "sym" in content.faces)
+        return turned(content, self._placing, half)
+
+    def _by_names(self, content: FileMesh) -> bool:
+        """Whether the names that the file has for its faces are used."""
+        given = self.clamp is not None or self.tip is not None or self.air or self.plug
+        return not given and _has_names(content)
+
+    @cached_property
+    def is_open_at_clamp(self) -> bool:
+        """Whether a cavity is open in the plane of the clamp; the names of a file may say so too."""
+        mesh, cavities = self.fixed_body.mesh, self.fixed_body.cavities
+        return any(opens_at(mesh.points, mesh.faces[name], [(0, 0.0)]) for name in cavities)
+
+    @property
+    def given_element_size(self) -> float:
+        return self.fixed_body.mesh.quality.longest_edge
+
+    @property
+    def why_no_cell(self) -> str:
+        return "the law of a cell needs a drawing that can be cut between its cells; this body is a ready mesh"
+
+    @property
+    def is_turned(self) -> bool:
+        return self._placed.turned
+
+    @property
+    def length(self) -> float:
+        return self._placed.length
+
+    @property
+    def extent(self) -> tuple[float, float, float]:
+        x, y, z = (float(side) for side in np.ptp(self.fixed_body.mesh.points, axis=0))
+        return (x, y, 2 * z if self.fixed_body.half else z)
+
+    @property
+    def solid_volume(self) -> float:
+        return self.fixed_body.volume
+
+    @cached_property
+    def cavity_volumes(self) -> Mapping[str, float]:
+        return {name: self._halves * self.fixed_body.mesh.enclosed_volume(name) for name in self.fixed_body.cavities}
+
+    @cached_property
+    def chamber_ranges(self) -> Mapping[str, tuple[Range, ...]]:
+        mesh = self._placed.mesh
+        return {name: chambers_of(mesh.points, mesh.faces[name]) for name in self._placed.cavities}
+
+    @cached_property
+    def outer_corners(self) -> bool:
+        mesh, cavities = self._placed.mesh, self._placed.cavities
+        walls = np.vstack([mesh.faces[name] for name in cavities])
+        return has_gaps(mesh.points, mesh.boundary[find_rows(mesh.boundary, walls, len(mesh.points)) < 0])
+
+    @property
+    def thinnest_wall(self) -> float:
+        """The smallest side of the body, mm: a mesh does not tell its walls."""
+        return min(self.extent)
+
+    @property
+    def against_flat_elements(self) -> str:
+        of_file = radius_ratios(self._content.points, self._content.tets).min()
+        if self.fixed_body.mesh.quality.minimum > of_file / 2:
+            return super().against_flat_elements
+        other = "another geometry.curve, at which vertices of the file lie"
+        if self.regions:
+            other += " (best in a flat boundary between two materials, or away from it)"
+        return (
+            f"the flattest of the file has {of_file:.2g}, so that the cause is the division of elements along the "
+            f"material curve; give {other}, or a mesh with edges along the curve"
+        )
+
+    @property
+    def straightened(self) -> Array:
+        return self._content.straightened
+
+    @property
+    def _halves(self) -> int:
+        """Number of times that the meshed volume is in the body."""
+        return 2 if self.fixed_body.half else 1
+
+    @cached_property
+    def region_volumes(self) -> Mapping[str, float]:
+        """Volume of each named group of elements (both halves), mm3."""
+        points, content = self._content.points, self._content
+        parts = {name: content.tets[rows] for name, rows in content.regions.items()}
+        return {
+            name: self._halves * Mesh(points, tets, {}, content.curved.usable(points, tets)).volume
+            for name, tets in parts.items()
+        }
+
+    def with_regions(self, names: Iterable[str]) -> Self:
+        chosen = super().with_regions(names)
+        groups = self._content.regions
+        for first, second in combinations(chosen.regions, 2):
+            if np.intersect1d(groups[first], groups[second]).size:
+                raise DesignError(
+                    f"materials.{second}", f"the mesh has elements that belong to {first} and to {second}"
+                )
+        if chosen.regions:  # elements between regions are divided in another way
+            for name in ("_placed", "fixed_body"):
+                chosen.__dict__.pop(name, None)
+            _ = chosen.fixed_body
+        return chosen
+
+    def body(self, size: float, grading: Grading = OFF) -> Body:
+        """The mesh of the file; `size` and `grading` are not used."""
+        return self.fixed_body
+
+
+def _has_names(content: FileMesh) -> bool:
+    """Whether the file names faces that a body needs."""
+    return any(name in ("clamp", "tip") or name.startswith("cavity") for name in content.faces)
+
+
+def _placed_by_names(content: FileMesh, placing: Placing) -> Placed:
+    """The body with the faces of the file. Raises `MeshError` where they do not fit."""
+    faces = {name: _once(triangles, len(content.points)) for name, triangles in content.faces.items()}
+    mesh = Mesh(content.points, content.tets, faces, content.curved, content.regions)
+    check_manifold(mesh)
+    check_untangled(mesh)
+    if "sym" in mesh.faces:
+        _refuse_shifted(mesh, placing)
+        check_half(mesh)
+    elif placing.half:
+        raise DesignError(
+            ("symmetric", "file"),
+            f"the mesh names its faces, and none of them is sym; it has {', '.join(mesh.faces)}: name the faces of the "
+            "half in the plane z = 0 sym, or leave symmetric out for a whole body",
+        )
+    clamp, tip = _ends(mesh)
+    names = tuple(sorted(name for name in mesh.faces if name.startswith("cavity")))
+    if not names:
+        raise MeshError(
+            f"the mesh has no face whose name begins with cavity; it has {', '.join(mesh.faces)}: {BY_NAMES}"
+        )
+    _refuse_named_twice(mesh, [name for name in (*names, "clamp", "tip", "sym") if len(mesh.faces.get(name, ()))])
+    _refuse_nameless(mesh, names)
+    for name in names:  # before the body is moved: positions in sentences are those that a user knows
+        if "sym" not in mesh.faces:
+            _refuse_half(mesh, name, clamp)
+        mesh.check_closed(name, clamp)
+    if "sym" not in mesh.faces:
+        check_across(mesh.points, placing)
+    length = tip - clamp
+    mesh = divided(_moved(mesh, clamp), placing.curve, length)
+    for name in names:
+        if not mesh.enclosed_volume(name) > 0:
+            raise MeshError(f"the face {name} encloses material, not air")
+    return Placed(mesh, length, names)
+
+
+def _refuse_shifted(mesh: Mesh, placing: Placing) -> None:
+    """Raise `DesignError` where the face sym is flat, but in another plane than z = 0."""
+    z, tolerance = mesh.points[np.unique(mesh.faces["sym"]), 2], FLAT * float(np.ptp(mesh.points, axis=0).max())
+    if np.ptp(z) <= tolerance and abs(z.mean()) > tolerance:
+        raise DesignError(
+            "middle",
+            f"the face sym lies in the plane z = {z.mean():.6g} mm; "
+            f"write middle: {position_of(placing.middle + z.mean())}",
+        )
+
+
+def _once(triangles: Index, count: int) -> Index:
+    """The triangles of a face without those that the file lists again."""
+    first = np.unique(row_keys(triangles, count), return_index=True)[1]
+    return triangles[np.sort(first)]
+
+
+def _refuse_named_twice(mesh: Mesh, names: Iterable[str]) -> None:
+    """Raise `MeshError` where a triangle belongs to two of these faces: both pressures would act on it."""
+    for first, second in combinations(names, 2):
+        common = find_rows(mesh.faces[first], mesh.faces[second], len(mesh.points)) >= 0
+        if common.any():
+            where = position_text(mesh.points[mesh.faces[first][common][0]].mean(axis=0))
+            raise MeshError(
+                f"{np.count_nonzero(common)} triangles belong to {first} and to {second}, one of them at {where}; "
+                "a triangle may belong to only one of clamp, tip, sym and the faces whose names begin with cavity; "
+                "rename the group that means something else"
+            )
+
+
+def _refuse_nameless(mesh: Mesh, names: Iterable[str]) -> None:
+    """Raise `MeshError` where a closed cavity has no name, and would have no pressure."""
+    count = len(mesh.points)
+    boundary = mesh.boundary
+    if "sym" in mesh.faces:
+        boundary = boundary[find_rows(boundary, mesh.faces["sym"], count) < 0]
+    walls = np.vstack([mesh.faces[name] for name in names])
+    for part in parts_of(mesh.points, boundary, None, 0.0)[1]:
+        if (find_rows(part, walls, count) < 0).all():
+            corners = mesh.points[part].reshape(-1, 3)
+            where = position_text((corners.min(axis=0) + corners.max(axis=0)) / 2)
+            raise MeshError(f"the mesh has one more cavity, around {where}; name its faces too, for example cavity2")
+
+
+def _refuse_half(mesh: Mesh, name: str, clamp: float) -> None:
+    """Raise `MeshError` where the cavity `name` of a body without a face sym is open in the plane z = 0.
+
+    clamp: x of the clamped end, mm.
+    """
+    edges = mesh.points[open_edges(mesh.faces[name], len(mesh.points))] - [clamp, 0.0, 0.0]
+    off = np.abs(edges).max(axis=1) if len(edges) else np.empty((0, 3))
+    tolerance = 1e-7 * np.ptp(mesh.points, axis=0).max()
+    if ((off[:, 2] <= tolerance) & (off[:, 0] > tolerance)).any():
+        raise MeshError(
+            f"the face {name} is open in the plane z = 0, and the mesh has no face named sym; it has "
+            f"{', '.join(mesh.faces)}: name all faces of the half in that plane sym, or close {name}"
+        )
+
+
+def _ends(mesh: Mesh) -> tuple[float, float]:
+    """x of clamp and tip, mm. Raises `MeshError`."""
+    points, size = mesh.points, float(np.ptp(mesh.points, axis=0).max())
+    ends = []
+    for name in ("clamp", "tip"):
+        if name not in mesh.faces:
+            raise MeshError(f"the mesh has no face named {name}; it has {', '.join(mesh.faces)}: {BY_NAMES}")
+        x = points[np.unique(mesh.faces[name]), 0]
+        if np.ptp(x) > 1e-6 * size:
+            raise MeshError(f"the face {name} must be flat, in a plane x = const; its x varies by {np.ptp(x):.3g} mm")
+        ends.append(float(x.mean()))
+    if not ends[1] > ends[0]:
+        raise MeshError("the tip must lie at a greater x than the clamp")
+    return ends[0], ends[1]
+
+
+def _moved(mesh: Mesh, clamp: float) -> Mesh:
+    """The mesh with its clamp, now at x = clamp (mm), at x = 0."""
+    shift = np.array([clamp, 0.0, 0.0])
+    curved = type(mesh.curved)(mesh.curved.ends, mesh.curved.middles - shift)
+    return Mesh(mesh.points - shift, mesh.tets, mesh.faces, curved, mesh.regions)

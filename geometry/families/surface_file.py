@@ -1,0 +1,231 @@
+"""A body from the closed surface in a file, filled with elements."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from pathlib import Path
+from typing import ClassVar, final
+
+import numpy as np
+
+from geometry.arrays import Array, Index
+from geometry.design import Body, DesignError, raise_together
+from geometry.families.from_file import FileDesign, Plug
+from geometry.foreign.body import FLAT, Placed, Placing, ends_of, placed_by_planes
+from geometry.foreign.chambers import Range, chambers_of, has_gaps
+from geometry.foreign.defeatured import defeatured
+from geometry.foreign.fill import fill
+from geometry.foreign.frame import SAME, Axes, in_frame
+from geometry.foreign.shells import named_cavities, parts_of, refuse_open
+from geometry.foreign.surface import Surface, enclosed, read_surface, thinnest
+from geometry.foreign.surface_plug import plugged
+from geometry.grading import OFF, Grading
+from geometry.mesh_error import MeshError
+from geometry.meshing.cad_import import Point
+from geometry.meshing.cad_position import check_dimensions
+from geometry.orientation import Lying
+
+#: largest difference between the volumes of the mesh (or its air) and of the surface, over that of the surface
+LARGEST_ERROR = 0.01
+#: what is tried where elements are too large for round walls, over the size that was asked for
+FINER = (0.65, 0.4)
+
+
+@final
+@dataclass(frozen=True)
+class SurfaceFile(FileDesign):
+    """The closed surface of a body from a file (STL, PLY, OBJ or OFF): its outside and the walls of its air; mm.
+
+    Gmsh fills it with elements. Its ends are flat faces in the planes x = clamp and x = tip; cavities are the closed
+    parts of the surface inside, chosen by a point in their air where there are several. The constructor reads and
+    checks the file; its `DesignError` names the config key to change. Both halves are meshed. The cells are nominal.
+    """
+
+    family: ClassVar[str] = "surface_file"
+    has_drawing: ClassVar[bool] = False
+
+    file: str  #: path of the surface
+    curve: float  #: y of the material curve
+    clamp: float | None = None  #: x of the clamped end face; without it the end with the smallest x
+    tip: float | None = None  #: x of the other end face; without it the other end
+    air: Mapping[str, Point] = field(default_factory=dict)  #: a point in each cavity; needed with several cavities
+    cell: float | None = None  #: length over which curvature is averaged; that of equal chambers, or up to 10 mm
+    unit: float = 1.0  #: unit of length of the file
+    axes: Axes = SAME  #: which directions of the file are x, y and z of the arm
+    middle: float = 0.0  #: z of the plane of symmetry in the file; all other z are measured from it
+    plug: Plug = False  #: `true` closes an inlet in the plane of the clamp; points in the mouths of inlets fill them
+    defeature: float | None = None  #: edges shorter than this, and strips narrower than this, are removed
+
+    def __post_init__(self) -> None:
+        raise_together((*self._wrong_values(), *self._not_positive("defeature", self.defeature)))
+        self._keep_own_copies()
+        _ = self.surface, self.length
+        self._check_middle()
+        _ = self.cavity_volumes
+
+    @cached_property
+    def surface(self) -> Surface:
+        """The surface in mm and in the directions of the arm, without its small features if `defeature` is given, and
+        with the inlets filled."""
+        return self._plugged[0]
+
+    @property
+    def plug_depths(self) -> Mapping[str, float]:
+        return self._plugged[1]
+
+    @cached_property
+    def _plugged(self) -> tuple[Surface, Mapping[str, float]]:
+        """The surface, and the depths of the plugs in its inlets, mm."""
+        try:
+            surface = read_surface(Path(self.file))
+            surface = replace(surface, points=in_frame(surface.points, self.unit, self.axes, self.middle))
+            check_dimensions(np.ptp(surface.points, axis=0), self.unit)
+            if self.defeature is not None:
+                surface = _without_small_features(surface, self.defeature)
+            return plugged(surface, self.plug) if isinstance(self.plug, Mapping) else (surface, {})
+        except MeshError as error:
+            raise DesignError("file", str(error)) from error
+
+    def _check_middle(self) -> None:
+        """Raise `DesignError` unless z = 0 lies within the body."""
+        low, high = self.surface.points.min(axis=0), self.surface.points.max(axis=0)
+        if not low[2] < 0 < high[2] or min(-low[2], high[2]) <= FLAT * max(self.extent):
+            lying = Lying(low, high, self.middle, self.axes != SAME)
+            raise DesignError(("middle", "file"), lying.beside(halves=False))
+
+    @property
+    def _placing(self) -> Placing:
+        return Placing(self.curve, self.clamp, self.tip, self.air, False, 1.0, plug=self.is_open_at_clamp)
+
+    @cached_property
+    def _ends(self) -> tuple[float, float]:
+        """x of clamp and tip, mm."""
+        return ends_of(self.surface.points, self._placing)
+
+    @property
+    def why_no_cell(self) -> str:
+        return "the law of a cell needs a drawing that can be cut between its cells; this body is a surface"
+
+    @property
+    def is_turned(self) -> bool:
+        return self._ends[1] < self._ends[0]
+
+    @property
+    def length(self) -> float:
+        return abs(self._ends[1] - self._ends[0])
+
+    @property
+    def extent(self) -> tuple[float, float, float]:
+        x, y, z = (float(side) for side in np.ptp(self.surface.points, axis=0))
+        return (x, y, z)
+
+    @property
+    def solid_volume(self) -> float:
+        return self.surface.volume
+
+    @property
+    def meshed_volume(self) -> float:
+        return self.solid_volume
+
+    @cached_property
+    def cavity_volumes(self) -> Mapping[str, float]:
+        points = self.surface.points - [self._ends[0], 0.0, 0.0]
+        return {name: -enclosed(points, walls) for name, walls in self._cavities.items()}
+
+    @cached_property
+    def chamber_ranges(self) -> Mapping[str, tuple[Range, ...]]:
+        direction, points = self._from_clamp
+        return {
+            name: tuple(sorted((min(direction * x), max(direction * x)) for x in np.array(chambers_of(points, walls))))
+            for name, walls in self._cavities.items()
+        }
+
+    @cached_property
+    def outer_corners(self) -> bool:
+        return has_gaps(self._from_clamp[1], self._parts[0])
+
+    @property
+    def _from_clamp(self) -> tuple[float, Array]:
+        """1, or -1 where the clamp is at the larger x, and the points with the clamp at the smaller one: where an inlet
+        is open in its plane walls are missing there, and sections are those of what lies at larger x."""
+        direction = -1.0 if self.is_turned else 1.0
+        return direction, self.surface.points * [direction, 1.0, 1.0]
+
+    @cached_property
+    def _parts(self) -> tuple[Index, list[Index]]:
+        """Triangles of the outside, and those around the air of each cavity."""
+        clamp = self._ends[0] if self.is_open_at_clamp else None
+        return parts_of(self.surface.points, self.surface.triangles, clamp, self._tolerance)
+
+    @property
+    def _tolerance(self) -> float:
+        return FLAT * float(np.ptp(self.surface.points, axis=0).max())
+
+    @cached_property
+    def _cavities(self) -> Mapping[str, Index]:
+        """Triangles (k, 3) around the air of each cavity, by its name. Raises `DesignError`."""
+        points, triangles = self.surface.points, self.surface.triangles
+        clamp, tip = self._ends
+        inner = self._parts[1]
+        if not inner:
+            refuse_open(points, triangles, (clamp, tip), self.plug, self._tolerance, fills=True)
+        mirrors = [(0, clamp)] if self.is_open_at_clamp else []
+        return named_cavities(points, inner, triangles, self.air, mirrors)
+
+    @property
+    def against_flat_elements(self) -> str:
+        return (
+            "remove edges and strips that are smaller with geometry.defeature, for example 0.1 mm, or mesh the body "
+            "with another size"
+        )
+
+    @cached_property
+    def thinnest_wall(self) -> float:
+        return min(thinnest(self.surface), min(self.extent))
+
+    def body(self, size: float, grading: Grading = OFF) -> Body:
+        """The meshed body; elements have one size, `grading` is not used.
+
+        Where elements of `size` do not follow round walls (`LARGEST_ERROR`), smaller ones are taken, down to 0.4 of it.
+        """
+        self.check_size(size)
+        placed, off = self._placed(size)
+        for part in FINER:
+            if off <= LARGEST_ERROR:
+                break
+            placed, off = self._placed(part * size)
+        if off > LARGEST_ERROR:
+            raise DesignError(
+                "mesh.size",
+                f"elements of {size:g} mm do not follow the round walls: the volume of the mesh differs from that of "
+                f"the surface by {100 * off:.2g} %; take smaller ones, at most {FINER[-1] * size / 1.5:.2g} mm",
+            )
+        return Body(placed.mesh, self.family, placed.length, self.pitch, self.curve, False, placed.cavities)
+
+    def _placed(self, size: float) -> tuple[Placed, float]:
+        """The mesh, and by how much its volume or that of its air is off, over that of the surface."""
+        try:
+            placed = placed_by_planes(fill(self.surface, size), self._placing)
+        except MeshError as error:
+            raise DesignError("file", str(error)) from error
+        offs = [placed.mesh.volume / self.solid_volume - 1]
+        offs += [placed.mesh.enclosed_volume(name) / air - 1 for name, air in self.cavity_volumes.items()]
+        return placed, max(map(abs, offs))
+
+
+def _without_small_features(surface: Surface, length: float) -> Surface:
+    """The surface without edges shorter than `length`. Raises `DesignError` where that would be another body."""
+    changed = defeatured(surface, length)
+    wall = thinnest(changed)  # narrow strips look like thin walls before
+    if length > wall / 2:
+        raise DesignError(
+            "defeature", f"{length:g} mm is more than half of the thinnest wall, {wall:.3g} mm; give a smaller length"
+        )
+    error = changed.volume / surface.volume - 1
+    if abs(error) > LARGEST_ERROR:
+        raise DesignError(
+            "defeature",
+            f"without edges shorter than {length:g} mm the volume of the material changes by {100 * error:.2g} %, and "
+            f"at most {100 * LARGEST_ERROR:g} % are allowed; give a smaller length",
+        )
+    return changed

@@ -1,0 +1,200 @@
+"""The parts of a closed surface: its outside and the walls around its air."""
+
+from collections.abc import Iterable, Mapping
+
+import numpy as np
+
+from geometry.arrays import Array, Index, Mask
+from geometry.design import DesignError
+from geometry.topology import open_edges, parts_of_graph, row_keys, triangle_edges
+from geometry.vectors import cross
+
+#: why `plug: true` is refused for a body that is closed there
+NOTHING_OPEN = "no cavity under pressure is open in the plane of the clamp; leave plug out"
+#: a point in the middle of the air sees the walls around it under the solid angle 4 pi
+FULL_ANGLE = 4 * np.pi
+
+
+def shells(triangles: Index, count: int) -> list[Index]:
+    """The triangles (k, 3) on `count` points in parts that share no edge with each other."""
+    edges = row_keys(triangle_edges(triangles), count)
+    order = np.argsort(edges, kind="stable")
+    same = edges[order[1:]] == edges[order[:-1]]
+    number = parts_of_graph(len(triangles), np.column_stack([order[1:][same], order[:-1][same]]) // 3)
+    return [triangles[number == part] for part in range(int(number.max()) + 1)]
+
+
+def outside_first(points: Array, parts: list[Index]) -> list[Index]:
+    """The parts of a surface with the one that reaches farthest in front; the others by increasing x."""
+
+    def reach(part: Index) -> float:
+        return float(np.prod(np.ptp(points[part].reshape(-1, 3), axis=0)))
+
+    outside = max(range(len(parts)), key=lambda k: reach(parts[k]))
+    rest = [part for k, part in enumerate(parts) if k != outside]
+    return [parts[outside], *sorted(rest, key=lambda part: float(points[part][:, :, 0].mean()))]
+
+
+def parts_of(points: Array, surface: Index, plug: float | None, tolerance: float) -> tuple[Index, list[Index]]:
+    """The outside of a surface (k, 3), and the walls of each cavity.
+
+    plug: x of the plane in which cavities may be open, mm; the triangles in it belong to neither then.
+    """
+    if plug is not None:
+        surface = surface[~lies_in(points, surface, (0, plug), tolerance)]
+    outside, *inner = outside_first(points, shells(surface, len(points)))
+    return outside, inner
+
+
+def refuse_open(
+    points: Array,
+    surface: Index,
+    ends: tuple[float, float],
+    plug: bool | Mapping[str, object],
+    tolerance: float,
+    fills: bool = False,
+) -> None:
+    """Raise `DesignError` for a surface without cavities, with the place of its inlet where that is in the plane of an
+    end; ends: x of clamp and tip, mm; plug: the key as it is; fills: whether points in it fill inlets."""
+    for name, x in zip(("clamp", "tip"), ends, strict=True):
+        _, inner = parts_of(points, surface, x, tolerance)
+        if inner and not (plug is True and name == "clamp"):
+            rim = points[open_edges(inner[0], len(points))].reshape(-1, 3).mean(axis=0)
+            y, z = (f"{round(coordinate, 3) + 0.0:g}" for coordinate in rim[1:])
+            remedy = _closing(name, plug, fills, f"[{x + 0.0:g} mm, {y} mm, {z} mm]")
+            raise DesignError(
+                ("air", "file"), f"the air is open at the {name}, around (y, z) = ({y}, {z}) mm; {remedy}"
+            )
+    remedy = "give a point in each of their mouths in plug: {inlet: [x, y, z]}" if fills else "close them"
+    raise DesignError(
+        ("air", "file"),
+        "the body has no closed cavity: all of its surface is connected, and this is not because of one inlet in the "
+        f"plane of the clamp or of the tip alone; it is solid, or has other or several inlets: {remedy}, or save the "
+        "walls of its air as well",
+    )
+
+
+def _closing(end: str, plug: bool | Mapping[str, object], fills: bool, point: str) -> str:
+    """What closes an inlet at `point` in the plane of an end, as in `refuse_open`."""
+    filled = "and it is filled with the material"
+    if fills and isinstance(plug, Mapping):
+        return f"add a point in it to plug, {point}, {filled}"
+    if end == "clamp":
+        return "write plug: true, and it is closed there"
+    if not fills:
+        return "close it in the file"
+    if plug:
+        return f"give a point in each inlet in plug instead of true, here {point}"
+    return f"write plug: {{inlet: {point}}}, {filled}"
+
+
+def windings(at: Array, corners: Array) -> float:
+    """How often triangles with the corners (k, 3, 3) surround the point `at` (3,); negative if they face inward.
+
+    The solid angle of a triangle is that of A. van Oosterom and J. Strackee, IEEE Trans. Biomed. Eng. 30 (1983) 125.
+    """
+    a, b, c = (corners[:, i] - at for i in range(3))
+    la, lb, lc = (np.linalg.norm(v, axis=1) for v in (a, b, c))
+    volume = np.einsum("ij,ij->i", a, cross(b, c))
+    angle = la * lb * lc + sum(np.einsum("ij,ij->i", p, q) * r for p, q, r in ((a, b, lc), (b, c, la), (c, a, lb)))
+    return float(2 * np.arctan2(volume, angle).sum() / FULL_ANGLE)
+
+
+def closed_by_mirrors(corners: Array, planes: Iterable[tuple[int, float]]) -> Array:
+    """Triangles (k, 3, 3) with their mirror images at planes (axis, position) through their open edges."""
+    for axis, position in planes:
+        image = corners[:, ::-1].copy()
+        image[:, :, axis] = 2 * position - image[:, :, axis]
+        corners = np.vstack([corners, image])
+    return corners
+
+
+def named_cavities(
+    points: Array,
+    inner: list[Index],
+    surface: Index,
+    air: Mapping[str, tuple[float, float, float]],
+    mirrors: list[tuple[int, float]],
+) -> dict[str, Index]:
+    """The walls of each cavity by name: around the points `air` (mm), or `cavity` where there is one cavity alone.
+
+    points: (n, 3), mm. inner: walls (k, 3) of each cavity. surface: all triangles of the boundary. mirrors: planes
+    (axis, position) in which walls may be open: x of the clamp, z = 0 of a half. Raises `DesignError` unless every
+    cavity has exactly one point in it, and one of them is open at the clamp where walls may be.
+    """
+    named = _named_walls(points, inner, surface, air, mirrors)
+    if any(axis == 0 for axis, _ in mirrors) and not any(opens_at(points, walls, mirrors) for walls in named.values()):
+        raise DesignError("plug", NOTHING_OPEN)
+    return named
+
+
+def _named_walls(
+    points: Array,
+    inner: list[Index],
+    surface: Index,
+    air: Mapping[str, tuple[float, float, float]],
+    mirrors: list[tuple[int, float]],
+) -> dict[str, Index]:
+    if not air:
+        if len(inner) > 1:
+            positions = "; ".join(_position(points, walls) for walls in inner)
+            raise DesignError(
+                "air",
+                f"the body has {len(inner)} cavities, around {positions}; name each by a point in it, for example "
+                f"air: {{cavity: [{', '.join(f'{x:.4g} mm' for x in _middle(points, inner[0]))}]}}",
+            )
+        return {"cavity": inner[0]}
+    closed = [closed_by_mirrors(points[walls], mirrors) for walls in inner]
+    whole = closed_by_mirrors(points[surface], [plane for plane in mirrors if plane[0] == 2])
+    named: dict[str, Index] = {}
+    taken: dict[int, str] = {}
+    for name, given in air.items():
+        at = np.array(given, dtype=float)
+        holder = next((k for k, corners in enumerate(closed) if abs(windings(at, corners)) > 0.5), None)
+        coordinates = "(" + ", ".join(f"{x:g}" for x in given) + ") mm"
+        for plane in (position for axis, position in mirrors if axis == 0):
+            if holder is not None and (at[0] - plane) * (_middle(points, inner[holder])[0] - plane) < 0:
+                raise DesignError(
+                    f"air.{name}",
+                    f"the point {coordinates} lies behind the plane of the clamp, x = {plane:g} mm; give a point in a "
+                    "cavity",
+                )
+        if holder is None:
+            where = "in the material" if abs(windings(at, whole)) > 0.5 else "outside the body or in an open cavity"
+            raise DesignError(f"air.{name}", f"the point {coordinates} lies {where}; give a point in a closed cavity")
+        if holder in taken:
+            raise DesignError(
+                f"air.{name}", f"the point {coordinates} lies in the same cavity as that of {taken[holder]}"
+            )
+        taken[holder] = name
+        named[name] = inner[holder]
+    for k, walls in enumerate(inner):
+        if k not in taken and not opens_at(points, walls, mirrors):  # a hole in the clamped face may have no name
+            raise DesignError(
+                "air", f"the body has one more cavity, around {_position(points, walls)}; name it by a point in it"
+            )
+    return named
+
+
+def opens_at(points: Array, walls: Index, mirrors: list[tuple[int, float]]) -> bool:
+    """Whether walls (k, 3) are open in the plane of the clamp, one of axis 0."""
+    rim = points[open_edges(walls, len(points))]
+    tolerance = 1e-5 * float(np.ptp(points, axis=0).max())
+    return any(
+        bool((np.abs(rim[:, :, 0] - position) <= tolerance).all(axis=1).any()) for axis, position in mirrors if not axis
+    )
+
+
+def lies_in(points: Array, triangles: Index, plane: tuple[int, float], tolerance: float) -> Mask:
+    """True for each of the triangles (k, 3) whose corners lie in the plane (axis, position), (k,)."""
+    axis, position = plane
+    return np.asarray((np.abs(points[triangles][:, :, axis] - position) <= tolerance).all(axis=1))
+
+
+def _middle(points: Array, walls: Index) -> Array:
+    corners = points[walls].reshape(-1, 3)
+    return np.asarray((corners.min(axis=0) + corners.max(axis=0)) / 2)
+
+
+def _position(points: Array, walls: Index) -> str:
+    return "(" + ", ".join(f"{x + 0.0:.4g}" for x in _middle(points, walls)) + ") mm"

@@ -1,0 +1,274 @@
+"""The solids of a CAD file, in mm and in the directions of the arm, in the session of `geometry.meshing.solid`."""
+
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any, TypeAlias
+
+import numpy as np
+
+from geometry.arrays import Array
+from geometry.design import DesignError
+from geometry.meshing.cad_defeature import without_narrow_faces
+from geometry.meshing.solid import Volume, session
+
+Point: TypeAlias = tuple[float, float, float]
+
+STEP = (".step", ".stp")
+SUFFIXES = (*STEP, ".brep", ".brp")
+#: part of the volume of several solids that two of them may have in common, which is rounding
+OVERLAP = 1e-6
+#: largest change of the volume of the material where narrow faces are removed
+MOST_CHANGE = 0.01
+#: distance by which a box around it may grow then, over its largest side; boxes of splines are known to a few parts in
+#: 10^4
+BEYOND = 1e-3
+#: the end of a BREP file: that of the last shape in the list, and which shape is the whole, its orientation first
+_END_OF_BREP = re.compile(rb"\*\s+[+-]\d+ \d+\s*\Z")
+_IN_CAD = "remove them in the CAD program"
+
+
+@dataclass(frozen=True)
+class CadSource:
+    """A CAD file and how its solids are turned."""
+
+    path: Path
+    unit: float  #: mm per unit of length of the file (STEP files carry their unit, so 1 for them)
+    turn: tuple[Point, Point, Point]  #: rows of the rotation into the frame of the arm
+    unite: bool  #: whether several solids that touch become one
+    apart: bool = (
+        False  #: whether they stay several that have their faces in common, because they are of other materials
+    )
+    defeatured: bytes | None = None  #: its one solid in mm, as BREP, where narrow faces were removed
+    shift: float = 0.0  #: along z, after the rotation, mm
+
+    @property
+    def has_axes(self) -> bool:
+        """Whether other directions of the file are x, y and z of the arm."""
+        return not np.array_equal(np.abs(self.turn), np.eye(3))
+
+
+@dataclass(frozen=True)
+class CadBody:
+    """The solids of a CAD file and how to read them; lengths in mm."""
+
+    source: CadSource
+    clamp: float  #: x of the clamped face
+    tip: float  #: x of the other end
+    curve: float  #: y of the material curve
+    half: bool  #: mesh z >= 0 only
+    air: Mapping[str, Point]  #: name of a cavity -> a point in it; empty for one cavity alone
+    parts: Mapping[str, Point]  #: name of a solid of another material -> a point in it
+    plug_at_clamp: bool  #: whether what is open in the plane of the clamp is closed there
+    plugs: Mapping[str, Point]  #: name of an inlet that is filled -> a point in its mouth
+    turned: bool  #: whether x and z have the other sign than in the file, because the arm is clamped at its larger x
+    says_half: bool  #: whether the user has written that the half z >= 0 is to be meshed
+
+    @property
+    def middle(self) -> float:
+        """z of the plane of the file that becomes z = 0, in the directions of the arm, mm."""
+        return self.source.shift if self.turned else -self.source.shift
+
+    @property
+    def cavities(self) -> list[str]:
+        """Names of the cavities."""
+        return list(self.air) or ["cavity"]
+
+    def words(self, point: Point, digits: str = "") -> str:
+        """A point of this frame in the one that the user knows; digits: as in a format, such as .4."""
+        x, y, z = point
+        upright = (-x, y, z if self.half else -z) if self.turned else point
+        return "(" + ", ".join(f"{coordinate + 0.0:{digits}g}" for coordinate in upright) + ") mm"
+
+    def within_half(self, point: Point, low: Point, high: Point) -> Point:
+        """A point, or its mirror image in the half z > 0 if that alone is meshed; low, high: bounds of the body, mm."""
+        return (point[0], point[1], max(abs(point[2]), 1e-5 * (high[2] - low[2]))) if self.half else point
+
+
+def import_solids(gmsh: Any, source: CadSource) -> list[Volume]:
+    """The solids of the file, in mm: one, or several that touch where they stay apart. Raises `DesignError`."""
+    occ = gmsh.model.occ
+    solids = _of_file(gmsh, source) if source.defeatured is None else _of_brep(gmsh, source.defeatured)
+    axis, angle = _axis_and_angle(np.array(source.turn))
+    if angle:
+        occ.rotate(solids, 0, 0, 0, *axis, angle)
+    if source.shift:
+        occ.translate(solids, 0, 0, source.shift)
+    occ.synchronize()
+    return solids
+
+
+def _of_brep(gmsh: Any, brep: bytes) -> list[Volume]:
+    with TemporaryDirectory() as folder:
+        path = Path(folder) / "body.brep"
+        path.write_bytes(brep)
+        gmsh.model.occ.importShapes(str(path), format="brep")
+    gmsh.model.occ.synchronize()
+    return [(int(dim), int(tag)) for dim, tag in gmsh.model.getEntities(3)]
+
+
+def _of_file(gmsh: Any, source: CadSource) -> list[Volume]:
+    """In mm and in the directions of the file."""
+    occ, path = gmsh.model.occ, source.path
+    gmsh.option.setString("Geometry.OCCTargetUnit", "MM")
+    # `dilate` would make planes and cylinders splines
+    gmsh.option.setNumber("Geometry.OCCScaling", source.unit)
+    is_brep = path.suffix.lower() not in STEP
+    if is_brep:
+        _refuse_truncated(path)
+    try:
+        occ.importShapes(str(path), format="brep" if is_brep else "step")
+    except Exception as error:
+        raise DesignError("file", f"{path} cannot be read as STEP or BREP: {error}") from error
+    occ.synchronize()
+    solids = gmsh.model.getEntities(3)
+    if not solids:
+        raise DesignError("file", f"{path} holds no solid, only surfaces or curves; close them to one solid")
+    if any(occ.getMass(*solid) <= 0 for solid in solids):
+        raise DesignError("file", f"{path} holds a solid without a volume, which may pass through itself; repair it")
+    if len(solids) > 1 and not (source.unite or source.apart):
+        raise DesignError(
+            "file",
+            f"{path} holds {len(solids)} solids; unite them to one, write unite: true if they touch, or overlap, or "
+            "give parts, a point in each one of another material",
+        )
+    if len(solids) > 1:
+        solids = _touching(gmsh, solids) if source.apart else _united(gmsh, solids)
+    return solids
+
+
+def _refuse_truncated(path: Path) -> None:
+    """Raise `DesignError` for a BREP file that does not end with the shape that it holds: the CAD kernel would wait for
+    the rest forever."""
+    content = path.read_bytes()
+    if b"TShapes" not in content or not _END_OF_BREP.search(content):
+        raise DesignError("file", f"{path} is not a complete BREP file; save it again")
+
+
+def defeatured(source: CadSource, length: float) -> bytes:
+    """The one solid of the file without faces narrower than `length` mm, as BREP, in mm and in the directions of the
+    file. Raises `DesignError`."""
+    with session() as gmsh, TemporaryDirectory() as folder:
+        (solid,) = _of_file(gmsh, source)
+        low, high = bounds(gmsh, [solid])
+        volume = float(gmsh.model.occ.getMass(*solid))
+        try:
+            solids = without_narrow_faces(gmsh, solid, length)
+            _check_defeatured(gmsh, solids, volume, low, high)
+        except Exception as error:
+            if type(error) is not Exception:  # Gmsh raises nothing more special than that
+                raise
+            raise DesignError("defeature", f"Gmsh could not remove the narrow faces ({error}); {_IN_CAD}") from error
+        path = Path(folder) / "body.brep"
+        gmsh.write(str(path))
+        return path.read_bytes()
+
+
+def _check_defeatured(gmsh: Any, solids: list[Volume], volume: float, low: Point, high: Point) -> None:
+    """Raise `DesignError` unless they are one solid of nearly that volume (mm3) within these bounds (mm)."""
+    if len(solids) != 1:
+        raise DesignError("defeature", f"without its narrow faces the body falls into {len(solids)} parts; {_IN_CAD}")
+    change = float(gmsh.model.occ.getMass(*solids[0])) / volume - 1
+    if abs(change) > MOST_CHANGE:
+        raise DesignError(
+            "defeature",
+            f"without its narrow faces the volume of the material changes by {100 * change:.2g} %, and at most "
+            f"{100 * MOST_CHANGE:g} % are allowed; give a smaller length",
+        )
+    new_low, new_high = bounds(gmsh, solids)
+    grown = np.concatenate([np.subtract(low, new_low), np.subtract(new_high, high)])
+    if grown.max() > BEYOND * max(np.subtract(high, low)):
+        raise DesignError("defeature", f"without its narrow faces the body would reach farther than before; {_IN_CAD}")
+
+
+def _touching(gmsh: Any, solids: list[Volume]) -> list[Volume]:
+    """The solids themselves. Raises `DesignError` where some overlap or do not touch."""
+    occ = gmsh.model.occ
+    together = sum(float(occ.getMass(*volume)) for volume in solids)
+    image = _united(gmsh, occ.copy(solids), "parts")
+    common = together - sum(float(occ.getMass(*volume)) for volume in image)
+    occ.remove(image, recursive=True)
+    occ.synchronize()
+    if common > OVERLAP * together:
+        raise DesignError(
+            "parts",
+            f"the solids of the file overlap in {common:.3g} mm3; subtract one from the other in the CAD program",
+        )
+    return solids
+
+
+def _united(gmsh: Any, solids: list[Volume], key: str = "unite") -> list[Volume]:
+    """The one solid that several are together. Raises `DesignError` on `key` where some of them do not touch."""
+    occ = gmsh.model.occ
+    united, _ = occ.fuse(solids[:1], solids[1:])
+    occ.synchronize()
+    united = [volume for volume in united if volume[0] == 3]
+    if len(united) > 1:
+        points = "; ".join("(" + ", ".join(f"{x:.4g}" for x in occ.getCenterOfMass(*volume)) + ")" for volume in united)
+        raise DesignError(
+            key,
+            f"the {len(solids)} solids of the file are {len(united)} parts that do not touch, around {points} in the "
+            "file's own frame; save the body alone",
+        )
+    return united
+
+
+def file_bounds(source: CadSource) -> tuple[Point, Point]:
+    """Corners of the bounding box of the solids of the file, mm. Raises `DesignError` as `import_solids`."""
+    with session() as gmsh:
+        return bounds(gmsh, import_solids(gmsh, source))
+
+
+def is_in_material(gmsh: Any, solids: Iterable[Volume], point: Sequence[float] | Array) -> bool:
+    """Whether a point (3,), mm, lies in one of the solids or on its surface."""
+    return any(gmsh.model.isInside(*solid, list(point)) for solid in solids)
+
+
+def bounds(gmsh: Any, volumes: list[Volume]) -> tuple[Point, Point]:
+    """Corners of the bounding box of some volumes, mm, rounded because the CAD kernel adds a margin of 1e-7.
+
+    Those of splines are the bounds of triangles on them, a few parts in 10^4 of the size too small: the kernel's own
+    hold the poles of the splines, which may lie far outside.
+    """
+    if has_splines(gmsh, volumes):
+        boxes = _boxes_of_triangles(gmsh, volumes)
+    else:
+        boxes = np.array([gmsh.model.getBoundingBox(*volume) for volume in volumes])
+    left, bottom, near = (round(float(x), 6) + 0.0 for x in boxes[:, :3].min(axis=0))
+    right, top, far = (round(float(x), 6) + 0.0 for x in boxes[:, 3:].max(axis=0))
+    return (left, bottom, near), (right, top, far)
+
+
+def has_splines(gmsh: Any, volumes: list[Volume]) -> bool:
+    """Whether some faces of the volumes are splines."""
+    faces = gmsh.model.getBoundary(volumes, combined=False, oriented=False)
+    return any("spline" in gmsh.model.getType(*face).lower() for face in faces)
+
+
+def _boxes_of_triangles(gmsh: Any, volumes: list[Volume]) -> Array:
+    """Bounding boxes (k, 6) of triangles on the volumes. On copies, because the kernel crashes where it moves a volume
+    that has triangles."""
+    occ = gmsh.model.occ
+    copies = occ.copy(volumes)
+    occ.synchronize()
+    gmsh.option.setNumber("Geometry.OCCBoundsUseStl", 1)
+    boxes = np.array([gmsh.model.getBoundingBox(*volume) for volume in copies])
+    gmsh.option.setNumber("Geometry.OCCBoundsUseStl", 0)
+    occ.remove(copies, recursive=True)
+    occ.synchronize()
+    return boxes
+
+
+def _axis_and_angle(turn: Array) -> tuple[Point, float]:
+    """Axis and angle (rad) of a rotation (3, 3)."""
+    if np.allclose(turn, np.eye(3)):
+        return (1.0, 0.0, 0.0), 0.0
+    values, vectors = np.linalg.eig(turn)
+    axis = np.real(vectors[:, int(np.argmin(np.abs(values - 1)))])
+    axis /= np.linalg.norm(axis)
+    angle = float(np.arccos(np.clip((np.trace(turn) - 1) / 2, -1, 1)))
+    skew = np.array([turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1]])
+    x, y, z = (float(component) for component in (axis if axis @ skew >= 0 else -axis))
+    return (x, y, z), angle

@@ -1,0 +1,412 @@
+"""The cells of a solid from a CAD file: where they lie, and its ends and half a cell meshed to be repeated.
+
+Two planes of mirror symmetry, x = start in the middle of a cell and x = stop between two cells, are named by the user
+or lie in and between equal chambers. The space between them and each of its neighbours must be mirror images of each
+other; further ones are cells as long as they are. In the Gmsh session of `geometry.meshing.solid`.
+"""
+
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from math import floor, inf, pi
+from typing import Any
+
+import numpy as np
+
+from geometry.arrays import Array
+from geometry.curved import CurvedEdges
+from geometry.design import DesignError
+from geometry.grading import Grading
+from geometry.meshing.cad import cad_session, keep_material, mesh_session
+from geometry.meshing.cad_import import CadBody
+from geometry.meshing.cad_mirror import Difference, box, difference, have_equal_boundaries, moments
+from geometry.meshing.mirror import Repetition
+from geometry.meshing.shapes import Volume
+from geometry.meshing.solid import SolidMesh, collect_mesh, walls_between
+
+#: part of the volume of half a cell by which another one may differ from it
+SAME = 1e-4
+#: decimals (mm) of a computed length, of which the others are rounding
+TIDY = 6
+#: decimals (mm) of lengths in drawings, and how far one that is computed may be from such a length
+DECIMALS, ROUNDED = (1, 2, 3), 0.02
+#: fraction in which half cells differ below which planes are good enough, and above which better ones are not near
+GOOD, FAR = 1e-5, 0.02
+#: smallest length of half a cell over that of the body
+SHORTEST = 1e-3
+
+
+@dataclass(frozen=True)
+class CellPlanes:
+    """Two neighbouring planes of mirror symmetry of the cells of a body."""
+
+    start: float  #: x of the plane in the middle of a cell, mm, as in the file
+    stop: float  #: x of the plane between this cell and the next or the one before, mm
+
+    @property
+    def half_pitch(self) -> float:
+        """Half the length of a cell, mm."""
+        return abs(self.stop - self.start)
+
+
+@dataclass(frozen=True)
+class Cells:
+    """Where equal cells lie in a body; lengths in mm from its clamp."""
+
+    first: float  #: middle of the first cell
+    half_pitch: float
+    half_cells: int  #: between the middles of the first and of the last cell, even
+    start: float  #: middle of the cell that was compared with its neighbours
+
+
+def find_cells(body: CadBody, planes: CellPlanes) -> Cells:
+    """All cells that equal the one of the planes. Raises `DesignError` on `cell` for planes that are none of mirror
+    symmetry, with what differs and where."""
+    half_pitch, length = planes.half_pitch, body.tip - body.clamp
+    for key, x in (("from", planes.start), ("to", planes.stop)):
+        if not body.clamp <= x <= body.tip:
+            raise DesignError(
+                f"cell.{key}",
+                f"x = {x:g} mm lies outside the arm, which reaches from {body.clamp:g} to {body.tip:g} mm",
+            )
+    if not half_pitch > SHORTEST * length:
+        raise DesignError("cell", f"the planes are {half_pitch:g} mm apart; give two planes with half a cell between")
+    with cad_session(body) as (gmsh, blocks, _, _):
+        return _cells(gmsh, body, blocks, planes)
+
+
+def find_cells_of_chambers(body: CadBody, middles: Sequence[float], cavities: Collection[str]) -> Cells:
+    """All cells of a body with three chambers or more at equal distances, whose middles are about at x = middles (mm).
+
+    cavities: the names of those that the chambers belong to; others run through the arm with one section.
+    Raises `DesignError` on `cell` where the material is not symmetric about the planes in and between the chambers.
+    """
+    with cad_session(body) as (gmsh, blocks, air, _):
+        start, pitch = _middle_and_pitch(gmsh, [v for v, name in air.items() if name in cavities], middles)
+        planes, differs = _as_drawn(gmsh, body, blocks, start, pitch)
+        return _cells(gmsh, body, blocks, planes, is_compared=differs <= SAME)
+
+
+def find_cells_of_one_section(body: CadBody, pitch: float) -> Cells | None:
+    """All cells of a body with one section near its middle, of the given length (mm); None of one with another shape.
+
+    Raises `DesignError` on `cell` where two whole cells have no room.
+    """
+    middle = (body.clamp + body.tip) / 2
+    planes = CellPlanes(middle, middle + pitch / 2)
+    with cad_session(body) as (gmsh, blocks, _, _):
+        if _largest_difference(gmsh, body, blocks, planes) > SAME:
+            return None
+        return _cells(gmsh, body, blocks, planes, is_compared=True)
+
+
+def _middle_and_pitch(gmsh: Any, air: Collection[Volume], middles: Sequence[float]) -> tuple[float, float]:
+    """x (mm) of the middle of a chamber near that of the arm, and the pitch, from the centres of the air in chambers.
+
+    Channels are narrow in the middle between two chambers, so that cuts that are not exactly there change them little.
+    The outermost chambers do not count, for they may be of another size, and the channel may end anywhere beyond them.
+    """
+    occ, inner = gmsh.model.occ, np.array(middles[1:-1])
+    pitch = float(np.median(np.diff(middles)))
+    for _ in range(2):
+        cuts = np.append(inner - pitch / 2, inner[-1] + pitch / 2)
+        total = np.zeros((len(inner) + 2, 2))
+        copies = occ.copy(list(air))
+        parts = _cut_at(gmsh, copies, cuts.tolist())
+        for part in parts:
+            x, mass = occ.getCenterOfMass(*part)[0], occ.getMass(*part)
+            total[np.searchsorted(cuts, x)] += mass * np.array([1.0, x])
+        occ.remove(parts, recursive=True)
+        inner = total[1:-1, 1] / total[1:-1, 0]
+        if len(inner) == 1:
+            break
+        pitch, first = (float(value) for value in np.polyfit(np.arange(len(inner)), inner, 1))
+        inner = first + pitch * np.arange(len(inner))
+    return round(float(inner[len(inner) // 2]), TIDY), round(pitch, TIDY)
+
+
+def _as_drawn(
+    gmsh: Any, body: CadBody, blocks: Collection[Volume], start: float, pitch: float
+) -> tuple[CellPlanes, float]:
+    """The planes of a cell, and the fraction in which its neighbours are no mirror images, 0 where all faces are.
+
+    The planes are those of rounded lengths, as they may have been drawn, if these are better ones. Centres of air with
+    round walls are off by up to 1e-2 mm, others by 1e-6 mm.
+    """
+    best, least = CellPlanes(start, start + pitch / 2), inf
+    rounded = [
+        (round(start, k) if is_start else start, round(pitch, k))
+        for k in DECIMALS
+        for is_start in (True, False)
+        if abs(round(pitch, k) - pitch) < ROUNDED and (not is_start or abs(round(start, k) - start) < ROUNDED)
+    ]
+    pairs = dict.fromkeys([(start, pitch), *rounded])
+    candidates = [CellPlanes(middle, middle + distance / 2) for middle, distance in pairs]
+    for planes in candidates:
+        if _have_equal_neighbours(gmsh, body, blocks, planes):
+            return planes, 0.0
+    for planes in candidates:
+        differs = _largest_difference(gmsh, body, blocks, planes)
+        if differs < least:
+            best, least = planes, differs
+        if not GOOD < least < FAR:
+            break
+    return best, least
+
+
+def _have_equal_neighbours(gmsh: Any, body: CadBody, blocks: Collection[Volume], planes: CellPlanes) -> bool:
+    """Whether the faces of both neighbours of half a cell are mirror images of its own."""
+    slots = _Slots.of_copies(gmsh, body, blocks, planes)
+    are_equal = all(slots.has_equal_boundaries(side) for side in (-1, 1))
+    slots.remove()
+    return are_equal
+
+
+def _largest_difference(gmsh: Any, body: CadBody, blocks: Collection[Volume], planes: CellPlanes) -> float:
+    """The larger fraction in which one of both neighbours of half a cell is not its mirror image."""
+    slots = _Slots.of_copies(gmsh, body, blocks, planes)
+    largest = max(slots.difference(side).fraction for side in (-1, 1))
+    slots.remove()
+    return largest
+
+
+def _cells(
+    gmsh: Any, body: CadBody, blocks: Collection[Volume], planes: CellPlanes, *, is_compared: bool = False
+) -> Cells:
+    low, half_pitch = min(planes.start, planes.stop), planes.half_pitch
+    first, last = _Slots(gmsh, body, blocks, low, half_pitch).equal_to_the_first(is_compared=is_compared)
+    odd = int(planes.stop < planes.start)  # of the numbers of the planes in the middle of a cell
+    middles = first + (first + odd) % 2, last - (last + odd) % 2
+    if middles[1] - middles[0] < 2:
+        raise DesignError(
+            "cell",
+            f"the body repeats its cell only on {(last - first) * half_pitch:.4g} mm of its length; two whole cells at "
+            "least are needed",
+        )
+    first_middle = low - body.clamp + middles[0] * half_pitch
+    return Cells(first_middle, half_pitch, middles[1] - middles[0], planes.start - body.clamp)
+
+
+def mesh_cells(body: CadBody, cells: Cells, size: float, grading: Grading) -> Repetition:
+    """Both ends of the body and half a cell, meshed with element edges of about `size` mm at most.
+
+    Raises `DesignError` for a cavity that does not go through the cells.
+    """
+    middle, length, h = cells.first, body.tip - body.clamp, cells.half_pitch
+    edge, shift = middle + h, (cells.half_cells - 2) * h
+    windows = {
+        "end": (-length, middle, 0.0),
+        "cell": (cells.start, cells.start + h, cells.start - middle),
+        "far": (edge + shift, 2 * length, shift),
+    }
+    with cad_session(body) as (gmsh, blocks, air, _):
+        owners = {**dict.fromkeys(blocks, ""), **air}
+        material, cavities = _fragmented(gmsh, body, owners, windows)
+        walls = walls_between(gmsh, material, cavities)
+        keep_material(gmsh, list(material))
+        mesh_session(gmsh, size, grading, body.half)
+        mesh = collect_mesh(gmsh, material, walls, list(windows), body.cavities)
+    points = _in_frame(mesh.points, body, (0.0, middle, edge, length - shift))
+    within = np.unique(mesh.regions["cell"])
+    for name, triangles in mesh.walls.items():
+        if not np.isin(triangles, within).all(axis=1).any():
+            raise DesignError(
+                ("cell", f"air.{name}"),
+                f"the cavity {name} does not go through the cell; equal cells are in the same cavities",
+            )
+    origin = np.array([body.clamp, 0.0, 0.0])
+    last = length - middle - cells.half_cells * h
+    return Repetition(
+        SolidMesh(points, mesh.regions, mesh.walls, CurvedEdges(mesh.curved.ends, mesh.curved.middles - origin)),
+        *(middle, edge, cells.half_cells, last),
+        half=body.half,
+    )
+
+
+def _in_frame(points: Array, body: CadBody, planes: tuple[float, ...]) -> Array:
+    """Points (n, 3), mm, moved so that the clamp is at x = 0; those near a named plane lie in it exactly."""
+    moved = points - [body.clamp, 0, 0]
+    tolerance = 1e-6 * (body.tip - body.clamp)
+    for axis, position in (*((0, x) for x in planes), (1, body.curve), (2, 0.0)):
+        moved[np.abs(moved[:, axis] - position) < tolerance, axis] = position
+    return moved
+
+
+def _fragmented(
+    gmsh: Any, body: CadBody, owners: dict[Volume, str], windows: dict[str, tuple[float, float, float]]
+) -> tuple[dict[Volume, str], dict[Volume, str]]:
+    """Material by region and air by name, cut along x by the windows (low, high, shift in mm from the clamp).
+
+    owners: the name of the air, empty for material. What is in a window is shifted back by its shift.
+    """
+    occ = gmsh.model.occ
+    parts: list[tuple[Volume, str, str]] = []
+    for region, (low, high, shift) in windows.items():
+        for volume, name in owners.items():
+            cut = _between(gmsh, [volume], body.clamp + low, body.clamp + high)
+            if cut and shift:
+                occ.translate(cut, -shift, 0, 0)
+            parts += [(part, region, name) for part in cut]
+    occ.remove(list(owners), recursive=True)
+    _, children = occ.fragment([part for part, _, _ in parts], [])
+    occ.synchronize()
+    material: dict[Volume, str] = {}
+    air: dict[Volume, str] = {}
+    for (_, region, name), pieces in zip(parts, children, strict=True):
+        for piece in pieces:
+            if name:
+                air[piece] = name
+            else:
+                material[piece] = region
+    return material, air
+
+
+def _between(gmsh: Any, volumes: list[Volume], low: float, high: float) -> list[Volume]:
+    """Copies of what the volumes have between x = low and x = high, mm."""
+    occ = gmsh.model.occ
+    (_, y, z), (_, top, far) = box(gmsh, volumes) + np.array([[-1.0], [1.0]])
+    window = (3, occ.addBox(low, y, z, high - low, top - y, far - z))
+    parts, _ = occ.intersect(occ.copy(volumes), [window])  # a volume within the window would be returned itself
+    return [part for part in parts if part[0] == 3]
+
+
+class _Slots:
+    """Half cells of a body one after the other, number 0 between the two planes."""
+
+    def __init__(
+        self,
+        gmsh: Any,
+        body: CadBody,
+        blocks: Collection[Volume],
+        start: float,
+        half_pitch: float,
+        *,
+        neighbours_alone: bool = False,
+    ) -> None:
+        self.gmsh = gmsh
+        self.body = body
+        self.start, self.h = start, half_pitch
+        self.slots: dict[int, list[Volume]] = {}
+        planes = range(-1, 3) if neighbours_alone else self._numbers()
+        for volume in _cut_at(gmsh, blocks, [self._position(number) for number in planes]):
+            x = gmsh.model.occ.getCenterOfMass(*volume)[0]
+            self.slots.setdefault(floor((x - start) / half_pitch), []).append(volume)
+
+    @staticmethod
+    def of_copies(gmsh: Any, body: CadBody, blocks: Collection[Volume], planes: CellPlanes) -> "_Slots":
+        """Number 0 and both neighbours alone, of copies of the blocks; `remove` takes them away."""
+        copies = gmsh.model.occ.copy(list(blocks))
+        return _Slots(gmsh, body, copies, planes.start, planes.half_pitch, neighbours_alone=True)
+
+    def equal_to_the_first(self, *, is_compared: bool) -> tuple[int, int]:
+        """Numbers of the first and the last plane between which all slots equal number 0.
+
+        is_compared: whether its neighbours are known to be its mirror images. Raises `DesignError` where one is not.
+        """
+        ends = []
+        for side in (-1, 1):
+            if not self._is_within(side):
+                raise DesignError(
+                    "cell",
+                    f"beside x = {self._told(max(side, 0)):g} mm the arm has no room for another half cell; give "
+                    "two planes that are farther from its ends",
+                )
+            if not is_compared:
+                self._check_neighbour(side)
+            number = side
+            while self._is_within(number + side) and self._is_equal(number + side):
+                number += side
+            ends.append(number)
+        return ends[0], ends[1] + 1
+
+    def difference(self, number: int) -> Difference:
+        """Between a neighbour of slot 0 and its mirror image."""
+        slot = self._neighbour(number)
+        if not slot:
+            return Difference(1.0)
+        return difference(self.gmsh, slot, self.slots[0], 0, self._position(max(number, 0)), SAME)
+
+    def has_equal_boundaries(self, number: int) -> bool:
+        """Whether the faces of a neighbour of slot 0 are mirror images of its own."""
+        slot = self._neighbour(number)
+        return bool(slot) and have_equal_boundaries(self.gmsh, slot, self.slots[0], 0, self._position(max(number, 0)))
+
+    def _neighbour(self, number: int) -> list[Volume]:
+        """The volumes of a slot; none of one beyond an end of the arm."""
+        return self.slots.get(number, []) if self._is_within(number) else []
+
+    def remove(self) -> None:
+        """Take its volumes out of the session."""
+        self.gmsh.model.occ.remove([volume for slot in self.slots.values() for volume in slot], recursive=True)
+
+    def _position(self, number: int) -> float:
+        """x of a plane, mm."""
+        return self.start + number * self.h
+
+    def _told(self, number: int) -> float:
+        """The same as the user knows it."""
+        return (-1.0 if self.body.turned else 1.0) * self._position(number)
+
+    def _numbers(self) -> range:
+        """Of the planes within the arm."""
+        before, behind = self.start - self.body.clamp, self.body.tip - self.start
+        return range(-floor(before / self.h), floor(behind / self.h) + 1)
+
+    def _is_within(self, number: int) -> bool:
+        margin = 1e-6 * (self.body.tip - self.body.clamp)
+        low, high = self._position(number), self._position(number + 1)
+        return low >= self.body.clamp - margin and high <= self.body.tip + margin
+
+    def _moments(self, number: int) -> Array:
+        """Volume, first and second moments (10,) of a slot about its own middle, mm to mm5."""
+        middle = [self._position(number) + 0.5 * self.h, 0.0, 0.0]
+        return np.asarray(moments(self.gmsh, self.slots[number], middle)[np.triu_indices(4)])
+
+    @cached_property
+    def _first(self) -> Array:
+        """The moments of slot 0."""
+        return self._moments(0)
+
+    def _is_equal(self, number: int) -> bool:
+        """Whether a slot has the volume and the moments of number 0, or of its mirror image."""
+        if number not in self.slots:
+            return False
+        sign = np.array([1.0, -1.0, 1.0, 1.0])[:, None] ** (number % 2)
+        expected = self._first * (sign @ sign.T)[np.triu_indices(4)]
+        size = np.array([1.0, *np.ptp(box(self.gmsh, self.slots[0]), axis=0)])
+        allowed = SAME * self._first[0] * np.outer(size, size)[np.triu_indices(4)]
+        return bool((np.abs(self._moments(number) - expected) <= allowed).all())
+
+    def _check_neighbour(self, number: int) -> None:
+        """Raise `DesignError` unless a neighbour of slot 0 is its mirror image."""
+        found = self.difference(number)
+        if found.fraction > SAME:
+            x, around, planes = self._told(max(number, 0)), "", "give planes"
+            if found.centre is not None:
+                x_centre, y, z = (round(coordinate, 3) for coordinate in found.centre)
+                around = f", around {self.body.words((x_centre, y, z))}"
+            if self.body.turned:
+                planes = "turn the body with axes, and give planes"
+            raise DesignError(
+                "cell",
+                f"the body is not symmetric about the plane x = {x:g} mm: the material {self.h:g} mm before and behind "
+                f"it differs by {100 * min(found.fraction, 1.0):.2g} % of its volume{around}; {planes} in the middle "
+                "of a cell and between two equal cells, or a length alone",
+            )
+
+
+def _cut_at(gmsh: Any, blocks: Collection[Volume], positions: list[float]) -> list[Volume]:
+    """The blocks, cut at the planes x = position (mm)."""
+    occ = gmsh.model.occ
+    (_, y, z), (_, top, far) = box(gmsh, blocks)
+    height, width = 2 * (top - y), 2 * (far - z)
+    planes = []
+    for x in positions:
+        sheet = occ.addRectangle(-width / 2, -height / 2, 0, width, height)
+        occ.rotate([(2, sheet)], 0, 0, 0, 0, 1, 0, pi / 2)  # its sides were along x and y
+        occ.translate([(2, sheet)], x, (y + top) / 2, (z + far) / 2)
+        planes.append((2, sheet))
+    _, children = occ.fragment(list(blocks), planes)
+    # what lies around the blocks; parts of a sheet that have become faces of a block stay
+    occ.remove([part for parts in children[len(blocks) :] for part in parts if part[0] == 2], recursive=True)
+    return [part for parts in children[: len(blocks)] for part in parts if part[0] == 3]
