@@ -2,19 +2,19 @@
 
 from geometry.body import Body
 from geometry.centreline import Centreline
-from geometry.design import Design, DesignError
+from geometry.errors import DesignError, MeshError, position_text
 from geometry.families import FAMILIES, BisectedCircle, PneuNet, Rectangular, Semicircular, SemicircularSingle
-from geometry.families.cad_file import CadFile
-from geometry.families.from_file import FileDesign, Plug
-from geometry.families.mesh_file import MeshFile
-from geometry.families.surface_file import SurfaceFile
-from geometry.foreign.file import SUFFIXES as MESH_SUFFIXES
-from geometry.foreign.frame import Axes
-from geometry.foreign.surface import SUFFIXES as SURFACE_SUFFIXES
+from geometry.families.design import Design
+from geometry.files.cad_file import CadFile
+from geometry.files.cells import CellPlanes
+from geometry.files.frame import Axes
+from geometry.files.from_file import FileDesign, Plug
+from geometry.files.mesh_file import MeshFile
+from geometry.files.mesh_reader import SUFFIXES as MESH_SUFFIXES
+from geometry.files.surface import SUFFIXES as SURFACE_SUFFIXES
+from geometry.files.surface_file import SurfaceFile
 from geometry.grading import GRADINGS, Grading
 from geometry.mesh import Mesh, Quality
-from geometry.mesh_error import MeshError, position_text
-from geometry.meshing.cells import CellPlanes
 from geometry.reason import Reason
 
 __all__ = [

@@ -6,8 +6,8 @@ from functools import cached_property
 import numpy as np
 
 from geometry.arrays import Array, Index
+from geometry.errors import MeshError
 from geometry.mesh import Mesh
-from geometry.mesh_error import MeshError
 
 
 @dataclass(frozen=True)

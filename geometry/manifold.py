@@ -3,8 +3,8 @@
 import numpy as np
 
 from geometry.arrays import Index
+from geometry.errors import MeshError, position_text
 from geometry.mesh import Mesh
-from geometry.mesh_error import MeshError, position_text
 from geometry.topology import OUTWARD, normals, row_keys, triangle_edges
 
 

@@ -11,8 +11,8 @@ import numpy as np
 
 from geometry.arrays import Array, Index, Mask
 from geometry.curved import NO_CURVED_EDGES, CurvedEdges, areas, flux
+from geometry.errors import MeshError, position_text
 from geometry.mesh_content import read_mesh, write_mesh
-from geometry.mesh_error import MeshError, position_text
 from geometry.quality import Quality, measure_quality
 from geometry.topology import EDGES, OUTWARD, find_rows, normals, open_edges, row_keys, signed_volumes
 

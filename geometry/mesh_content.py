@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from geometry.arrays import Array, Index
-from geometry.mesh_error import MeshError
+from geometry.errors import MeshError
 
 
 def read_content(path: Path) -> Any:

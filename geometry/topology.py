@@ -3,7 +3,7 @@
 import numpy as np
 
 from geometry.arrays import Array, Index
-from geometry.mesh_error import MeshError
+from geometry.errors import MeshError
 from geometry.vectors import cross
 
 #: Local vertices of the four faces of a positively oriented tetrahedron, each with its normal pointing out of it.

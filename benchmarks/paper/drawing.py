@@ -2,13 +2,16 @@
 
 from typing import Any
 
+from matplotlib.colors import TABLEAU_COLORS
 from matplotlib.figure import Figure
 
 from benchmarks.paper.estimates import CELLS, DEFAULT, LENGTH_SCALE, PROCESS
 from geometry.arrays import Array
-from pipeline.drawing.plots import COLOURS, GREY, GRID, INK
 
-__all__ = ["COLOURS", "GREY", "INK"]
+#: text; what stands for all pressures; grid lines
+INK, GREY, GRID = "#1f2933", "#7b8794", "#eceff2"
+#: of series
+COLOURS: tuple[str, ...] = tuple(map(str, TABLEAU_COLORS.values()))
 #: d/l that the paper prints for the pneu-net, its five trials in Fig. 11 (a), its two in Fig. 10, and those of Fig. 16
 PRINTED_D, TRIED_D, TWO_D = (0.126, 0.134), (0.05, 0.1, 0.125, 0.15, 0.175), (0.1, 0.125)
 D_OF_ARMS = {"pneunet": 0.14, "semicircular": 0.048, "semicircular_single": 0.048, "bisected_circle": 0.048}

@@ -1,7 +1,7 @@
 """Body families: one module each, and bodies read from files."""
 
-from geometry.design import Design
 from geometry.families.bisected_circle import BisectedCircle
+from geometry.families.design import Design
 from geometry.families.pneunet import PneuNet
 from geometry.families.rectangular import Rectangular
 from geometry.families.semicircular import Semicircular

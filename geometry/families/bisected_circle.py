@@ -5,8 +5,9 @@ from dataclasses import dataclass
 from math import acos, pi, sqrt
 from typing import ClassVar, final
 
-from geometry.design import DesignError, SymmetricDesign
-from geometry.dimensions import check_design, not_less
+from geometry.errors import DesignError
+from geometry.families.design import SymmetricDesign
+from geometry.families.dimensions import check_design, not_less
 from geometry.families.semicircular_single import nominal_cells
 from geometry.grading import Grading
 from geometry.meshing.mirror import Repetition

@@ -2,7 +2,7 @@
 
 from abc import abstractmethod
 
-from geometry.design import SymmetricDesign
+from geometry.families.design import SymmetricDesign
 from geometry.grading import Grading
 from geometry.meshing.mirror import Repetition
 from geometry.meshing.shapes import Box, Shape

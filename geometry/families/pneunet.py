@@ -7,8 +7,9 @@ from math import pi
 from typing import ClassVar, final
 
 from geometry.body import Body
-from geometry.design import DesignError, SymmetricDesign
-from geometry.dimensions import check_design, not_less
+from geometry.errors import DesignError
+from geometry.families.design import SymmetricDesign
+from geometry.families.dimensions import check_design, not_less
 from geometry.grading import OFF, Grading
 from geometry.meshing.face_names import name_faces
 from geometry.meshing.mirror import Repetition

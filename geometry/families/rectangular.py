@@ -4,8 +4,8 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import ClassVar, final
 
-from geometry.design import DesignError
-from geometry.dimensions import check_design, not_less
+from geometry.errors import DesignError
+from geometry.families.dimensions import check_design, not_less
 from geometry.families.partitioned import PartitionedDesign
 from geometry.meshing.shapes import Box, Shape
 

@@ -5,8 +5,9 @@ from dataclasses import dataclass
 from math import hypot, pi
 from typing import ClassVar, final
 
-from geometry.design import DesignError, SymmetricDesign
-from geometry.dimensions import check_design, not_less
+from geometry.errors import DesignError
+from geometry.families.design import SymmetricDesign
+from geometry.families.dimensions import check_design, not_less
 from geometry.families.partitioned import PartitionedDesign
 from geometry.meshing.shapes import Box, RoundBar, Shape
 

@@ -5,8 +5,9 @@ from dataclasses import dataclass
 from math import pi
 from typing import ClassVar, final
 
-from geometry.design import DesignError, SymmetricDesign
-from geometry.dimensions import check_design, not_less
+from geometry.errors import DesignError
+from geometry.families.design import SymmetricDesign
+from geometry.families.dimensions import check_design, not_less
 from geometry.families.semicircular import cavity, dome
 from geometry.grading import Grading
 from geometry.meshing.mirror import Repetition, slices

@@ -13,8 +13,8 @@ import numpy as np
 
 from geometry.arrays import Array, Index
 from geometry.curved import NO_CURVED_EDGES, CurvedEdges, curved_edges
+from geometry.errors import MeshError
 from geometry.grading import OFF, Grading
-from geometry.mesh_error import MeshError
 from geometry.meshing.progress import report
 from geometry.meshing.round_walls import divide_round_walls
 from geometry.meshing.shapes import Shape, Volume, drawn

@@ -3,7 +3,7 @@
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from pipeline.accuracy.figure import html_page, svg_picture
+from pipeline.accuracy.figure import study_page
 from pipeline.accuracy.ladder import Rung, ladder
 from pipeline.accuracy.measure import measure
 from pipeline.accuracy.record import ConvergenceStudy, convergence_study
@@ -17,7 +17,7 @@ from pipeline.study import Study
 
 
 def run_study(config: Config, out: Path, jobs: int, fresh: bool, progress: Progress) -> ConvergenceStudy:
-    """Measure every rung that `out` does not hold yet; writes accuracy.json, .html and .svg.
+    """Measure every rung that `out` does not hold yet; writes accuracy.json and accuracy.html.
 
     Raises InputError for a body that cannot be meshed or a folder that cannot be used, and RunFailed where no pressure
     was reached by enough rungs to extrapolate from.
@@ -31,8 +31,7 @@ def run_study(config: Config, out: Path, jobs: int, fresh: bool, progress: Progr
         progress.stage(f"{len(rungs.cases)} configurations, {len(missing)} of them to be measured")
         study = convergence_study(config, rungs.run_in_processes(jobs), contact_mm)
         store.save_json("accuracy.json", study.record())
-        store.save_text("accuracy.html", html_page(study))
-        store.save_text("accuracy.svg", svg_picture(study))
+        store.save_text("accuracy.html", study_page(study))
     return study
 
 

@@ -1,11 +1,11 @@
-"""The command that measures the arm's own law: law.json, pictures, and the record of the run."""
+"""The command that measures the arm's own law: law.json, law.html, and the record of the run."""
 
 from dataclasses import dataclass
 from pathlib import Path
 from time import perf_counter
 
 from pipeline.cell.build import MeasuredLaw, build_law
-from pipeline.cell.figure import html_page, svg_picture
+from pipeline.cell.figure import law_page
 from pipeline.cell.pieces import ArmPieces, NoArmLaw
 from pipeline.cell.refinement import RefinedMesh, refined_mesh
 from pipeline.config.config import AUTO, Config
@@ -87,8 +87,7 @@ def measure_law(config: Config, out: Path, jobs: int, fresh: bool, progress: Pro
         report = LawReport(out, config, measured, refined, perf_counter() - begin)
         save_law(store, measured, refined)
         store.save_json("run.json", report.record())
-        store.save_text("law.html", html_page(config.name, measured.law))
-        store.save_text("law.svg", svg_picture(config.name, measured.law))
+        store.save_text("law.html", law_page(config.name, measured.law))
     return report
 
 

@@ -9,7 +9,7 @@ from math import floor, log10, sqrt
 
 from fem.elements import MOST_ACCURATE, NEARLY_INCOMPRESSIBLE
 from geometry import Design
-from geometry.design import expected_tets
+from geometry.families.design import expected_tets
 
 #: size without grading over that with it, because the walls are coarser there: the deflection of the finger of
 #: docs/how_to/own_bodies_tried.md from an STL file is off by 2.0 % with 0.9 and by 3.5 % with 1.2, its end force by 2.0

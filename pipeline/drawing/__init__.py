@@ -1,1 +1,1 @@
-"""What figures and pictures have in common: plots with plotly, and pictures of bodies without a display."""
+"""Pictures of bodies, drawn without a display."""

@@ -3,7 +3,7 @@
 import numpy as np
 
 from geometry import Body, Design, Mesh, position_text
-from geometry.orientation import TURNS
+from geometry.files.orientation import TURNS
 from geometry.topology import OUTWARD, find_rows, normals
 from pipeline.config.config import AUTO, Config
 from pipeline.identification.too_short import too_coarse

@@ -30,7 +30,7 @@ _FOLDERS = ("states", "pictures", "fields", "rungs", "law")
 _FILES = (
     *("parameters.json", "experiments.json", "validation.json", "effects.json", "run.json", "laws.json"),
     *("curves.csv", "validation_curves.csv", "mesh.vtu", "report.html", "I.pvd", "II.pvd", "III.pvd"),
-    *("accuracy.json", "accuracy.html", "accuracy.svg", "law.json", "law.html", "law.svg", "effects_table.json"),
+    *("accuracy.json", "accuracy.html", "law.json", "law.html", "effects_table.json"),
 )
 
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from itertools import groupby
 from typing import Any
 
-from pipeline.drawing.plots import COLOURS, GRID
+from pipeline.plots import COLOURS
 from pipeline.sweep.axes import Axis
 from pipeline.sweep.labels import Labels
 from pipeline.sweep.numbers import Row
@@ -68,7 +68,7 @@ def svg_picture(title: str, run: Run, axes: Sequence[Axis], columns: Sequence[Co
                 style = "o" if axis.is_drawn or len(line.x) < 2 else "o-"
                 x = line.x if words is None else [words.place(value) for value in line.x]
                 panels[i, j].plot(x, line.y, style, color=colours[line.pressure], markersize=3.5, linewidth=1.0)
-            panels[i, j].grid(True, color=GRID)
+            panels[i, j].grid(True, color="#eceff2")
             panels[i, j].tick_params(labelsize=8)
             if i == len(drawn) - 1:
                 name = f"{column.key} ({column.unit})" if column.unit else column.key

@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from geometry.meshing import cad_mirror
-from geometry.meshing.cad_mirror import difference
+from geometry.files import cad_mirror
+from geometry.files.cad_mirror import difference
 from geometry.meshing.shapes import Volume
 from geometry.meshing.solid import session
 from tests.step_bodies import Draw, box

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from geometry import CadFile, MeshFile, PneuNet, SurfaceFile
-from geometry.families.from_file import FileDesign, usual_pitch
-from geometry.foreign.chambers import chambers_of, distances, has_gaps, middles_of, sections
-from geometry.foreign.frame import PITCHES
+from geometry.files.chambers import chambers_of, distances, has_gaps, middles_of, sections
+from geometry.files.frame import PITCHES
+from geometry.files.from_file import FileDesign, usual_pitch
 from rod.identification.observed import FEWEST_PITCHES
 from tests.foreign_bodies import meshed, two_chambers, write_mesh, write_surface
 from tests.step_bodies import box, pneunet_as_step, pneunet_drawn, save

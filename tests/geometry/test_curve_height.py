@@ -8,8 +8,8 @@ from typing import Any
 import pytest
 
 from geometry import CadFile, Design, DesignError, Mesh, MeshError, MeshFile, SurfaceFile
-from geometry.curve_height import TRIED, height_advice
-from geometry.foreign.curve import with_curve
+from geometry.files.curve import with_curve
+from geometry.files.curve_height import TRIED, height_advice
 from tests.foreign_bodies import bar, meshed, write_mesh, write_surface
 from tests.step_bodies import box, save
 
@@ -78,7 +78,7 @@ def test_a_height_at_which_elements_would_be_flat_is_refused_with_others(
                 raise MeshError("tetrahedron 7 of the mesh is flat")
             return with_curve(mesh, y, length, improved)
 
-        monkeypatch.setattr("geometry.foreign.body.with_curve", divided)
+        monkeypatch.setattr("geometry.files.placing.with_curve", divided)
 
     fails_at()
     first, *others = suggested(lambda y: MeshFile(path, y), 5.0)

@@ -21,7 +21,7 @@ from geometry import (
     Semicircular,
     SemicircularSingle,
 )
-from geometry.design import SymmetricDesign
+from geometry.families.design import SymmetricDesign
 from tests.bodies import cell_boundaries, inside
 
 DESIGNS = [

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from geometry import MeshFile
-from geometry.foreign import divided
+from geometry.files import divided
 from tests.foreign_bodies import bar, meshed, write_mesh
 
 

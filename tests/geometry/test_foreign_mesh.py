@@ -10,8 +10,8 @@ import pytest
 from scipy.spatial import cKDTree
 
 from geometry import DesignError, Mesh, MeshFile
-from geometry.foreign.frame import rotation
-from geometry.foreign.shells import windings
+from geometry.files.frame import rotation
+from geometry.files.shells import windings
 from geometry.manifold import check_manifold, check_untangled
 from geometry.meshing.solid import session
 from geometry.quality import radius_ratios

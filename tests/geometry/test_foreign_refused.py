@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from geometry import DesignError, Mesh, MeshFile
-from geometry.families.cad_file import CadFile
-from geometry.families.surface_file import SurfaceFile
-from geometry.mesh_error import MeshError
+from geometry.errors import MeshError
+from geometry.files.cad_file import CadFile
+from geometry.files.surface_file import SurfaceFile
 from geometry.topology import row_keys
 from pipeline.config.load import load_config
 from pipeline.simulation.simulate import experiments_of

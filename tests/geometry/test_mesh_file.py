@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from geometry import DesignError, Mesh, MeshFile, PneuNet
-from geometry.foreign.companions import companions
+from geometry.files.companions import companions
 from geometry.manifold import count_components
 from tests.foreign_bodies import bar, meshed
 

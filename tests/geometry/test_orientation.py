@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from geometry import CadFile, Design, DesignError, MeshFile, SurfaceFile
-from geometry.foreign.frame import rotation
-from geometry.orientation import Lying
+from geometry.files.frame import rotation
+from geometry.files.orientation import Lying
 from tests.foreign_bodies import bar, meshed, write_mesh, write_surface
 from tests.step_bodies import Draw, box, save
 

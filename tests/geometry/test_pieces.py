@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from geometry import GRADINGS, BisectedCircle, DesignError, PneuNet, Rectangular, Semicircular, SemicircularSingle
-from geometry.design import SymmetricDesign
+from geometry.families.design import SymmetricDesign
 
 DESIGNS = (PneuNet(), Semicircular(), SemicircularSingle(), BisectedCircle(), PneuNet(chambers=4, fillet=0.5))
 

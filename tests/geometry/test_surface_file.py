@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from geometry import DesignError, SurfaceFile
-from geometry.foreign.surface import read_surface, thinnest
+from geometry.files.surface import read_surface, thinnest
 from geometry.manifold import check_manifold, check_untangled
 from tests.foreign_bodies import (
     BAR_AIR,

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from rich.console import Console
 
-from geometry.design import expected_tets
+from geometry.families.design import expected_tets
 from pipeline.accuracy import planning
 from pipeline.accuracy.ladder import Rung
 from pipeline.accuracy.plan import Plan, Review, review

@@ -18,7 +18,7 @@ from geometry import (
     Semicircular,
     SemicircularSingle,
 )
-from geometry.design import expected_tets
+from geometry.families.design import expected_tets
 from pipeline.config.automatic_mesh import MOST_CHOSEN_TETS, ChosenMesh, GivenMesh, chosen_mesh
 from pipeline.config.load import load_config
 from pipeline.report.mesh import mesh_sentences

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 from hypothesis import HealthCheck, event, given, settings
 
-from geometry.design import expected_tets
+from geometry.families.design import expected_tets
 from pipeline.config.config import AUTO
 from pipeline.config.load import load_config
 from pipeline.errors import InputError

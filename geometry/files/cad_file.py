@@ -10,19 +10,11 @@ from typing import ClassVar, final
 
 import numpy as np
 
-from geometry.design import Body, DesignError, raise_together
-from geometry.families.from_file import FileDesign, Plug, wrong_points
-from geometry.foreign.chambers import Range, runs_through
-from geometry.foreign.file import SUFFIXES as MESH_SUFFIXES
-from geometry.foreign.frame import PITCHES, SAME, Axes, rotation
-from geometry.foreign.surface import SUFFIXES as SURFACE_SUFFIXES
-from geometry.grading import OFF, Grading
-from geometry.manifold import check_manifold
-from geometry.mesh import Mesh
-from geometry.mesh_error import MeshError
-from geometry.meshing.cad import CadMeasures, edges_of, measure, measure_gaps, measure_thinnest_wall, mesh_cad
-from geometry.meshing.cad_import import STEP, SUFFIXES, CadBody, CadSource, Point, defeatured, file_bounds
-from geometry.meshing.cells import (
+from geometry.body import Body
+from geometry.errors import DesignError, MeshError, raise_together
+from geometry.files.cad import CadMeasures, edges_of, measure, measure_gaps, measure_thinnest_wall, mesh_cad
+from geometry.files.cad_import import STEP, SUFFIXES, CadBody, CadSource, Point, defeatured, file_bounds
+from geometry.files.cells import (
     CellPlanes,
     Cells,
     find_cells,
@@ -30,6 +22,14 @@ from geometry.meshing.cells import (
     find_cells_of_one_section,
     mesh_cells,
 )
+from geometry.files.chambers import Range, runs_through
+from geometry.files.frame import PITCHES, SAME, Axes, rotation
+from geometry.files.from_file import FileDesign, Plug, wrong_points
+from geometry.files.mesh_reader import SUFFIXES as MESH_SUFFIXES
+from geometry.files.surface import SUFFIXES as SURFACE_SUFFIXES
+from geometry.grading import OFF, Grading
+from geometry.manifold import check_manifold
+from geometry.mesh import Mesh
 from geometry.meshing.mirror import Repetition
 
 

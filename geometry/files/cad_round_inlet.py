@@ -13,9 +13,9 @@ from typing import Any
 import numpy as np
 
 from geometry.arrays import Array
-from geometry.meshing.cad_channel import LONG, plane_of
-from geometry.meshing.cad_defeature import Faces, without_faces
-from geometry.meshing.cad_import import Point, is_in_material
+from geometry.files.cad_channel import LONG, plane_of
+from geometry.files.cad_defeature import Faces, without_faces
+from geometry.files.cad_import import Point, is_in_material
 from geometry.meshing.shapes import Volume
 
 #: faces of a solid that are tried as the first wall of an inlet, the smallest ones

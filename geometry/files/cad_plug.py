@@ -1,7 +1,7 @@
 """Inlets of a CAD file that are filled with the material of the body; in a session of `geometry.meshing.solid`.
 
 The mouth of an inlet is a hole in a flat face of the solids, and its plug is the air behind it, up to where the channel
-becomes wider (`geometry.meshing.cad_channel`); or it is in a round face (`geometry.meshing.cad_round_inlet`).
+becomes wider (`geometry.files.cad_channel`); or it is in a round face (`geometry.files.cad_round_inlet`).
 """
 
 from collections.abc import Iterator, Mapping
@@ -12,10 +12,10 @@ from typing import Any
 import numpy as np
 
 from geometry.arrays import Array
-from geometry.design import DesignError
-from geometry.meshing.cad_channel import FLAT, Channel, Face, Mouth, in_front, plane_of
-from geometry.meshing.cad_import import CadBody, Point, bounds, is_in_material
-from geometry.meshing.cad_round_inlet import Closed, close_round_inlet
+from geometry.errors import DesignError
+from geometry.files.cad_channel import FLAT, Channel, Face, Mouth, in_front, plane_of
+from geometry.files.cad_import import CadBody, Point, bounds, is_in_material
+from geometry.files.cad_round_inlet import Closed, close_round_inlet
 from geometry.meshing.shapes import Volume
 
 #: distance of a point from the plane of its mouth, over the size of the body: points are read off the screen

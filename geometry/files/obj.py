@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from geometry.arrays import Array, Index
-from geometry.mesh_error import MeshError
+from geometry.errors import MeshError
 
 #: largest number of a vertex, which fits into an array of numbers
 MOST_VERTICES = 2**62

@@ -5,11 +5,11 @@ from typing import Any
 import numpy as np
 
 from geometry.arrays import Array
-from geometry.design import DesignError
-from geometry.meshing.cad_import import STEP, CadBody, Point, has_splines
-from geometry.meshing.cad_mirror import difference
+from geometry.errors import DesignError
+from geometry.files.cad_import import STEP, CadBody, Point, has_splines
+from geometry.files.cad_mirror import difference
+from geometry.files.orientation import UNEQUAL, Lying
 from geometry.meshing.shapes import Volume
-from geometry.orientation import UNEQUAL, Lying
 
 #: A body smaller or larger than this (mm) is refused: its file is likely in another unit.
 SMALLEST, LARGEST = 1.0, 3000.0

@@ -15,11 +15,11 @@ import numpy as np
 
 from geometry.arrays import Array
 from geometry.curved import CurvedEdges
-from geometry.design import DesignError
+from geometry.errors import DesignError
+from geometry.files.cad import cad_session, keep_material, mesh_session
+from geometry.files.cad_import import CadBody
+from geometry.files.cad_mirror import Difference, box, difference, have_equal_boundaries, moments
 from geometry.grading import Grading
-from geometry.meshing.cad import cad_session, keep_material, mesh_session
-from geometry.meshing.cad_import import CadBody
-from geometry.meshing.cad_mirror import Difference, box, difference, have_equal_boundaries, moments
 from geometry.meshing.mirror import Repetition
 from geometry.meshing.shapes import Volume
 from geometry.meshing.solid import SolidMesh, collect_mesh, walls_between

@@ -10,19 +10,18 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from geometry.arrays import Array, Index, Mask
-from geometry.curve_height import HEIGHTS, height_advice
 from geometry.curved import CurvedEdges
-from geometry.design import DesignError
-from geometry.foreign.curve import with_curve
-from geometry.foreign.file import FileMesh
-from geometry.foreign.frame import SAME, Axes, in_frame
-from geometry.foreign.shells import lies_in, named_cavities, parts_of, refuse_open, windings
+from geometry.errors import DesignError, MeshError
+from geometry.files.cad_import import Point
+from geometry.files.cad_position import check_dimensions, doubt_of_unit, goes_on
+from geometry.files.curve import with_curve
+from geometry.files.curve_height import HEIGHTS, height_advice
+from geometry.files.frame import SAME, Axes, in_frame
+from geometry.files.mesh_reader import FileMesh
+from geometry.files.orientation import Lying
+from geometry.files.shells import lies_in, named_cavities, parts_of, refuse_open, windings
 from geometry.manifold import check_manifold, check_untangled, count_components
 from geometry.mesh import Mesh
-from geometry.mesh_error import MeshError
-from geometry.meshing.cad_import import Point
-from geometry.meshing.cad_position import check_dimensions, doubt_of_unit, goes_on
-from geometry.orientation import Lying
 from geometry.topology import find_rows
 
 #: how far the vertices of a flat face may lie from their plane, over the size of the body: files have six digits

@@ -13,8 +13,8 @@ from pathlib import Path
 import numpy as np
 
 from geometry.arrays import Array, Index
-from geometry.foreign.companions import included
-from geometry.mesh_error import MeshError
+from geometry.errors import MeshError
+from geometry.files.companions import included
 
 #: type of an element of a volume, with its number of nodes: C3D4, C3D10MH
 _VOLUME = re.compile(r"C3D(\d+)")

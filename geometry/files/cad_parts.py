@@ -4,8 +4,8 @@ from typing import Any
 
 import numpy as np
 
-from geometry.design import DesignError
-from geometry.meshing.cad_import import CadBody, Point
+from geometry.errors import DesignError
+from geometry.files.cad_import import CadBody, Point
 from geometry.meshing.shapes import Volume
 
 #: name of the material outside of all parts

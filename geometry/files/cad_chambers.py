@@ -10,11 +10,11 @@ from typing import Any
 import numpy as np
 
 from geometry.arrays import Array, Index
-from geometry.foreign.chambers import Range, chambers_of, has_gaps
-from geometry.foreign.surface import enclosed
-from geometry.mesh_error import MeshError
-from geometry.meshing.cad_channel import Face
-from geometry.meshing.cad_import import bounds
+from geometry.errors import MeshError
+from geometry.files.cad_channel import Face
+from geometry.files.cad_import import bounds
+from geometry.files.chambers import Range, chambers_of, has_gaps
+from geometry.files.surface import enclosed
 from geometry.meshing.shapes import Volume
 from geometry.meshing.solid import told
 

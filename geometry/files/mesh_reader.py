@@ -10,9 +10,9 @@ import numpy as np
 
 from geometry.arrays import Array, Index
 from geometry.curved import NO_CURVED_EDGES, CurvedEdges, curved_edges
-from geometry.foreign.abaqus import read_abaqus
+from geometry.errors import MeshError
+from geometry.files.abaqus import read_abaqus
 from geometry.mesh_content import named_rows, named_triangles, read_content
-from geometry.mesh_error import MeshError
 from geometry.meshing.solid import session
 from geometry.topology import EDGES, row_keys
 

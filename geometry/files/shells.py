@@ -5,7 +5,7 @@ from collections.abc import Iterable, Mapping
 import numpy as np
 
 from geometry.arrays import Array, Index, Mask
-from geometry.design import DesignError
+from geometry.errors import DesignError
 from geometry.topology import open_edges, parts_of_graph, row_keys, triangle_edges
 from geometry.vectors import cross
 

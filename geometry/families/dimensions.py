@@ -5,7 +5,8 @@ from dataclasses import Field, fields
 from math import isfinite
 from typing import Any
 
-from geometry.design import LONGEST, SHORTEST, DesignError, raise_together
+from geometry.errors import DesignError, raise_together
+from geometry.families.design import LONGEST, SHORTEST
 
 #: Largest number of chambers: one chamber has at least 140 elements, so twice as many exceed MOST_TETS.
 MOST_CHAMBERS = 10_000

@@ -12,9 +12,9 @@ import numpy as np
 
 from geometry.arrays import Array, Index
 from geometry.curved import CurvedEdges
-from geometry.foreign.file import FileMesh
-from geometry.foreign.surface import Surface
-from geometry.mesh_error import MeshError
+from geometry.errors import MeshError
+from geometry.files.mesh_reader import FileMesh
+from geometry.files.surface import Surface
 from geometry.meshing.solid import collect_mesh, optimize, session, told
 
 #: two triangles that are turned against each other by more than this belong to different patches, rad

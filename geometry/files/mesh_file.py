@@ -10,19 +10,19 @@ from typing import ClassVar, Self, final
 import numpy as np
 
 from geometry.arrays import Array, Index
-from geometry.design import Body, DesignError, raise_together
-from geometry.families.from_file import FileDesign
-from geometry.foreign.body import FLAT, Placed, Placing, check_across, divided, placed_by_planes, turned
-from geometry.foreign.chambers import Range, chambers_of, has_gaps
-from geometry.foreign.file import FileMesh, read_mesh_file
-from geometry.foreign.frame import SAME, Axes
-from geometry.foreign.shells import opens_at, parts_of
+from geometry.body import Body
+from geometry.errors import DesignError, MeshError, position_text, raise_together
+from geometry.files.cad_import import Point
+from geometry.files.chambers import Range, chambers_of, has_gaps
+from geometry.files.frame import SAME, Axes
+from geometry.files.from_file import FileDesign
+from geometry.files.mesh_reader import FileMesh, read_mesh_file
+from geometry.files.orientation import position_of
+from geometry.files.placing import FLAT, Placed, Placing, check_across, divided, placed_by_planes, turned
+from geometry.files.shells import opens_at, parts_of
 from geometry.grading import OFF, Grading
 from geometry.manifold import check_half, check_manifold, check_untangled
 from geometry.mesh import Mesh
-from geometry.mesh_error import MeshError, position_text
-from geometry.meshing.cad_import import Point
-from geometry.orientation import position_of
 from geometry.quality import radius_ratios
 from geometry.topology import find_rows, open_edges, row_keys
 

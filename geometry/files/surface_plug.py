@@ -13,11 +13,11 @@ from math import cos, pi
 import numpy as np
 
 from geometry.arrays import Array, Index, Mask
-from geometry.design import DesignError
-from geometry.foreign.fill import EDGE
-from geometry.foreign.surface import Surface, of_parts
-from geometry.meshing.cad_import import Point
-from geometry.meshing.cad_plug import NEAR
+from geometry.errors import DesignError
+from geometry.files.cad_import import Point
+from geometry.files.cad_plug import NEAR
+from geometry.files.fill import EDGE
+from geometry.files.surface import Surface, of_parts
 from geometry.topology import normals, parts_of_graph, row_keys, triangle_edges
 
 #: cosine of the angle between triangles of one patch

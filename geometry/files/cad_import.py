@@ -10,8 +10,8 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from geometry.arrays import Array
-from geometry.design import DesignError
-from geometry.meshing.cad_defeature import without_narrow_faces
+from geometry.errors import DesignError
+from geometry.files.cad_defeature import without_narrow_faces
 from geometry.meshing.solid import Volume, session
 
 Point: TypeAlias = tuple[float, float, float]

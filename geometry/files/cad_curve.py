@@ -2,10 +2,10 @@
 
 from typing import Any
 
-from geometry.curve_height import height_advice
-from geometry.design import DesignError
-from geometry.meshing.cad_import import CadBody, Point, is_in_material
-from geometry.meshing.cad_position import goes_on
+from geometry.errors import DesignError
+from geometry.files.cad_import import CadBody, Point, is_in_material
+from geometry.files.cad_position import goes_on
+from geometry.files.curve_height import height_advice
 from geometry.meshing.shapes import Volume
 
 #: distance from the surface, over the height of the body, that is rounding

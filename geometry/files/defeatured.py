@@ -17,8 +17,8 @@ from typing import TypeAlias, final
 import numpy as np
 
 from geometry.arrays import Array, Index
-from geometry.foreign.surface import Surface
-from geometry.meshing.cad_import import Point
+from geometry.files.cad_import import Point
+from geometry.files.surface import Surface
 
 #: numbers of the three corners
 Triangle: TypeAlias = tuple[int, int, int]

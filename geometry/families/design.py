@@ -11,6 +11,7 @@ import numpy as np
 
 from geometry.arrays import Array
 from geometry.body import Body
+from geometry.errors import DesignError, raise_together
 from geometry.grading import OFF, Grading
 from geometry.mesh import Mesh
 from geometry.meshing.mirror import Repetition
@@ -27,31 +28,6 @@ TETS_PER_SQUARE = 15.0
 ROUNDING_OF_PITCH = 0.01
 #: Smallest and largest dimension that Gmsh draws reliably, mm.
 SHORTEST, LONGEST = 1e-3, 1e6
-
-
-class DesignError(ValueError):
-    """Dimensions that no body can have.
-
-    `keys` are the names of the dimensions as in a config (`("wall", "chamber_length")`), `sentence` tells what is
-    allowed. `others` are what else is wrong about the same design.
-    """
-
-    def __init__(self, keys: str | Sequence[str], sentence: str, others: Sequence["DesignError"] = ()) -> None:
-        self.keys: tuple[str, ...] = (keys,) if isinstance(keys, str) else tuple(keys)
-        self.sentence = sentence
-        self.others = tuple(others)
-        super().__init__("; ".join([f"{', '.join(self.keys)}: {sentence}", *map(str, self.others)]))
-
-    def __reduce__(self) -> tuple[type["DesignError"], tuple[object, ...]]:
-        """For other processes."""
-        return type(self), (self.keys, self.sentence, self.others)
-
-
-def raise_together(design_errors: Iterable[DesignError]) -> None:
-    """Raise one `DesignError` that holds all those found, if there are any."""
-    errors = list(design_errors)
-    if errors:
-        raise DesignError(errors[0].keys, errors[0].sentence, errors[1:])
 
 
 class Design(ABC):

@@ -9,12 +9,13 @@ from math import isfinite
 from pathlib import Path
 from typing import ClassVar, TypeAlias
 
-from geometry.design import Design, DesignError
-from geometry.foreign.chambers import Range, distances, middles_of
-from geometry.foreign.companions import companions
-from geometry.foreign.frame import PITCHES, SAME, Axes, usual_cell
-from geometry.meshing.cad_import import Point
-from geometry.meshing.cells import CellPlanes
+from geometry.errors import DesignError
+from geometry.families.design import Design
+from geometry.files.cad_import import Point
+from geometry.files.cells import CellPlanes
+from geometry.files.chambers import Range, distances, middles_of
+from geometry.files.companions import companions
+from geometry.files.frame import PITCHES, SAME, Axes, usual_cell
 from geometry.meshing.mirror import slices
 
 #: largest difference of the distances of chambers, over the largest, with which these are the cells of the arm

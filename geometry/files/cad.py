@@ -13,17 +13,17 @@ from typing import Any
 import numpy as np
 
 from geometry.curved import CurvedEdges
-from geometry.design import DesignError
-from geometry.foreign.chambers import Range
-from geometry.foreign.shells import NOTHING_OPEN
+from geometry.errors import DesignError
+from geometry.files.cad_chambers import chambers, gaps
+from geometry.files.cad_curve import check_curve
+from geometry.files.cad_import import CadBody, Point, bounds, import_solids, is_in_material
+from geometry.files.cad_parts import BODY, named_parts
+from geometry.files.cad_plug import hole_advice, plugged
+from geometry.files.cad_position import check_ends, check_position, check_symmetric, no_end_face
+from geometry.files.chambers import Range
+from geometry.files.shells import NOTHING_OPEN
 from geometry.grading import Grading
 from geometry.mesh import Mesh
-from geometry.meshing.cad_chambers import chambers, gaps
-from geometry.meshing.cad_curve import check_curve
-from geometry.meshing.cad_import import CadBody, Point, bounds, import_solids, is_in_material
-from geometry.meshing.cad_parts import BODY, named_parts
-from geometry.meshing.cad_plug import hole_advice, plugged
-from geometry.meshing.cad_position import check_ends, check_position, check_symmetric, no_end_face
 from geometry.meshing.face_names import name_faces
 from geometry.meshing.shapes import Volume
 from geometry.meshing.size_field import set_size_field, thinnest_wall

@@ -6,11 +6,11 @@ from pathlib import Path
 import numpy as np
 
 from geometry.arrays import Array, Index
-from geometry.foreign.obj import read_obj
-from geometry.foreign.shells import outside_first, shells, windings
-from geometry.foreign.welded import welded
+from geometry.errors import MeshError
+from geometry.files.obj import read_obj
+from geometry.files.shells import outside_first, shells, windings
+from geometry.files.welded import welded
 from geometry.mesh_content import read_content
-from geometry.mesh_error import MeshError
 from geometry.topology import normals, open_edges, row_keys, triangle_edges
 
 #: what a file of a surface may end with

@@ -9,21 +9,21 @@ from typing import ClassVar, final
 import numpy as np
 
 from geometry.arrays import Array, Index
-from geometry.design import Body, DesignError, raise_together
-from geometry.families.from_file import FileDesign, Plug
-from geometry.foreign.body import FLAT, Placed, Placing, ends_of, placed_by_planes
-from geometry.foreign.chambers import Range, chambers_of, has_gaps
-from geometry.foreign.defeatured import defeatured
-from geometry.foreign.fill import fill
-from geometry.foreign.frame import SAME, Axes, in_frame
-from geometry.foreign.shells import named_cavities, parts_of, refuse_open
-from geometry.foreign.surface import Surface, enclosed, read_surface, thinnest
-from geometry.foreign.surface_plug import plugged
+from geometry.body import Body
+from geometry.errors import DesignError, MeshError, raise_together
+from geometry.files.cad_import import Point
+from geometry.files.cad_position import check_dimensions
+from geometry.files.chambers import Range, chambers_of, has_gaps
+from geometry.files.defeatured import defeatured
+from geometry.files.fill import fill
+from geometry.files.frame import SAME, Axes, in_frame
+from geometry.files.from_file import FileDesign, Plug
+from geometry.files.orientation import Lying
+from geometry.files.placing import FLAT, Placed, Placing, ends_of, placed_by_planes
+from geometry.files.shells import named_cavities, parts_of, refuse_open
+from geometry.files.surface import Surface, enclosed, read_surface, thinnest
+from geometry.files.surface_plug import plugged
 from geometry.grading import OFF, Grading
-from geometry.mesh_error import MeshError
-from geometry.meshing.cad_import import Point
-from geometry.meshing.cad_position import check_dimensions
-from geometry.orientation import Lying
 
 #: largest difference between the volumes of the mesh (or its air) and of the surface, over that of the surface
 LARGEST_ERROR = 0.01

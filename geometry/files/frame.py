@@ -6,7 +6,7 @@ from typing import TypeAlias
 import numpy as np
 
 from geometry.arrays import Array
-from geometry.design import DesignError
+from geometry.errors import DesignError
 
 #: which directions of the file are x, y and z of the arm: ("x", "z", "-y")
 Axes: TypeAlias = tuple[str, str, str]

@@ -1,0 +1,37 @@
+"""What is wrong with a mesh or a design, and where."""
+
+from collections.abc import Iterable, Sequence
+
+
+class MeshError(ValueError):
+    """A mesh that cannot be used, with the reason in one sentence."""
+
+
+def position_text(point: Iterable[float]) -> str:
+    """A point (3,) in mm to a tenth of a millimetre, with the unit, for sentences."""
+    return "(" + ", ".join(f"{x:.1f}" for x in point) + ") mm"
+
+
+class DesignError(ValueError):
+    """Dimensions that no body can have.
+
+    `keys` are the names of the dimensions as in a config (`("wall", "chamber_length")`), `sentence` tells what is
+    allowed. `others` are what else is wrong about the same design.
+    """
+
+    def __init__(self, keys: str | Sequence[str], sentence: str, others: Sequence["DesignError"] = ()) -> None:
+        self.keys: tuple[str, ...] = (keys,) if isinstance(keys, str) else tuple(keys)
+        self.sentence = sentence
+        self.others = tuple(others)
+        super().__init__("; ".join([f"{', '.join(self.keys)}: {sentence}", *map(str, self.others)]))
+
+    def __reduce__(self) -> tuple[type["DesignError"], tuple[object, ...]]:
+        """For other processes."""
+        return type(self), (self.keys, self.sentence, self.others)
+
+
+def raise_together(design_errors: Iterable[DesignError]) -> None:
+    """Raise one `DesignError` that holds all those found, if there are any."""
+    errors = list(design_errors)
+    if errors:
+        raise DesignError(errors[0].keys, errors[0].sentence, errors[1:])
