@@ -43,7 +43,7 @@ SCENES = {
 }
 #: results that hold numbers; the report, the pictures and the fields are made from the same
 TABLES = (
-    *("experiments.json", "effects.json", "parameters.json", "validation.json", "laws.json"),
+    *("experiments.json", "effects.json", "parameters.json", "validation.json"),
     *("curves.csv", "validation_curves.csv"),
 )
 CLOCKS = ("seconds", "share_of_time", "stages", "effect_seconds", "cpu_seconds")

@@ -33,7 +33,7 @@ from benchmarks.peers import load  # noqa: E402  (the rooms stand beside this fo
 #: between two looks at the memory, s
 INTERVAL = 0.5
 #: files whose numbers are compared
-RESULTS = ("experiments.json", "parameters.json", "validation.json", "laws.json", "law.json", "effects.json")
+RESULTS = ("experiments.json", "parameters.json", "validation.json", "law.json", "effects.json")
 #: largest number of a column that is taken for rounding: forces that are zero in exact arithmetic
 SMALLEST = 1e-6
 #: keys that hold seconds

@@ -18,7 +18,6 @@ from pipeline.store.formats import FORMAT
 from pipeline.store.json_values import JsonObject
 from pipeline.store.provenance import provenance
 from pipeline.validation.compare import Comparison
-from pipeline.validation.validate import LawRow
 
 
 @dataclass(frozen=True)
@@ -44,7 +43,6 @@ class RunReport:
     parameters: tuple[Parameters, ...]  #: by ascending pressure
     comparisons: tuple[Comparison, ...]  #: rod against finite elements, loads of the identification first
     arm: LawOfRun  #: the arm's own law
-    laws: tuple[LawRow, ...]  #: laws fitted to III and tried at the validation loads
     effects: tuple[EffectState, ...]
     accuracy: ReviewedPlan | None  #: None where no accuracy was requested
     mesh: MeshRecord

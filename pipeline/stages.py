@@ -215,7 +215,6 @@ def report(
             parameters=identified.parameters,
             comparisons=(*comparisons, *validated.comparisons),
             arm=arm,
-            laws=validated.laws,
             effects=effects,
             accuracy=ReviewedPlan(plan, reviewed) if plan else None,
             mesh=MeshRecord.of(scene),

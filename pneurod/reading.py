@@ -20,7 +20,7 @@ from pneurod.arguments import given_path
 from pneurod.results import PressureSlopes, Results, RunRecord
 from pneurod.tables import curves_frame, parameter_frames, rows_frame
 
-_ROWS = ("experiments", "validation", "laws", "effects")
+_ROWS = ("experiments", "validation", "effects")
 _CURVES = ("curves", "validation_curves")
 _IDENTITY = "states/configuration.json"  #: written when a run starts
 

@@ -111,7 +111,6 @@ class Results:
     curves: pd.DataFrame = field(repr=False)  #: material curve of every experiment and pressure, the rod's beside it
     validation: pd.DataFrame = field(repr=False)  #: rods against finite elements: a row per load, pressure and rod
     validation_curves: pd.DataFrame = field(repr=False)  #: as `curves`, for the loads that nothing was fitted to
-    laws: pd.DataFrame = field(repr=False)  #: simpler and richer laws compared; no rows without validation loads
     effects: pd.DataFrame = field(repr=False)  #: which effects were simulated, and why
     rods: tuple[PressurisedRod, ...] = field(repr=False)  #: inextensible and extensible rod over the pressure, or none
     arm_law: ArmLaw | None = field(repr=False)  #: the arm's own law, where the folder has a law.json

@@ -33,7 +33,6 @@ _FIRST: dict[str, tuple[str, ...]] = {
         *("distance_over_length_without_stretch", "end_angle_error_rad", "force_error", "force_N", "rod_force_N"),
         *("curvature_error", "curvature_error_at_s_mm", "reason", "warning"),
     ),
-    "laws": ("pressure_kPa", "law", "numbers", "in_sample", "out_of_sample", "simplest"),
     "effects": ("effect", "state", "reason", "share_of_time"),
     "curves": CURVE_COLUMNS,
     "validation_curves": ("load", *CURVE_COLUMNS),

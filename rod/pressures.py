@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import NamedTuple
+from typing import NamedTuple, final
 
 import numpy as np
 
@@ -20,6 +20,7 @@ class Quantity(NamedTuple):
     stds: Sequence[float]
 
 
+@final
 @dataclass(frozen=True)
 class Straightness:
     """A straight line through values over pressure, and whether the values lie on it."""
@@ -55,6 +56,7 @@ def straightness(pressures: Sequence[float], values: Sequence[float], stds: Sequ
     )
 
 
+@final
 @dataclass(frozen=True)
 class LinearRange:
     """A range of pressures in which several quantities are linear, with their lines over that range."""

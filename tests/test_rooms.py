@@ -24,7 +24,7 @@ BELOW: dict[str, set[str]] = {
 LIBRARIES: dict[str, set[str]] = {
     "geometry": {"numpy", "scipy", "gmsh", "meshio"},
     "fem": {"numpy", "scipy", "skfem", "numba", "ipctk", "pypardiso"},
-    "rod": {"numpy", "scipy", "sklearn", "numba"},
+    "rod": {"numpy", "scipy", "numba"},
     "pipeline": {
         *("numpy", "scipy", "numba", "packaging", "yaml", "pydantic", "pint"),
         *("pyvista", "typer", "rich", "jinja2", "plotly", "matplotlib", "distributed", "dask", "pyarrow"),
@@ -41,7 +41,6 @@ DOORS: dict[str, set[str]] = {
     "numba": {"fem/kernels/", "rod/compiled.py", "pipeline/doctor.py"},
     "ipctk": {"fem/effects/contact.py"},
     "pypardiso": {"fem/equations/pardiso.py"},
-    "sklearn": {"rod/curves/gaussian_process.py"},
     "pydantic": {"pipeline/config/kinds.py", "pipeline/config/schema.py", "pipeline/sweep/spec.py"},
     "pint": {"pipeline/config/units.py"},
     "yaml": {"pipeline/config/document.py"},
@@ -65,7 +64,7 @@ DOORS: dict[str, set[str]] = {
 }
 
 #: what `pneurod --help` must not wait for
-HEAVY = {"numpy", "scipy", "gmsh", "meshio", "skfem", "numba", "ipctk", "pypardiso", "sklearn"} | {
+HEAVY = {"numpy", "scipy", "gmsh", "meshio", "skfem", "numba", "ipctk", "pypardiso"} | {
     *("pydantic", "pint", "pyvista", "vtkmodules", "jinja2", "plotly", "matplotlib", "pandas"),
     *("distributed", "dask", "pyarrow"),
 }
@@ -252,10 +251,7 @@ def test_help_waits_for_nothing_heavy() -> None:
 def test_a_configuration_is_read_without_the_machines() -> None:
     loaded = loaded_after("from pipeline.config.load import load_config\nload_config('configs/pneunet.yaml')")
     assert {"pydantic", "geometry"} <= loaded
-    assert (
-        loaded & {"pint", "gmsh", "meshio", "skfem", "numba", "ipctk", "pypardiso", "sklearn", "pyvista", "plotly"}
-        == set()
-    )
+    assert loaded & {"pint", "gmsh", "meshio", "skfem", "numba", "ipctk", "pypardiso", "pyvista", "plotly"} == set()
 
 
 def test_a_saved_rod_is_solved_with_numpy_alone() -> None:

@@ -5,19 +5,19 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from benchmarks.paper.states import State
-from pipeline.identification.parameters import numbers_of_curves
-from rod import (
-    FiveParameters,
+from benchmarks.paper.free_lines import (
+    BREAKS,
+    CELL_BREAKS,
+    PROCESS_BREAKS,
     FreeLines,
-    RodError,
-    TwoSlopes,
+    Subtracted,
     paper_cells,
     paper_process,
-    shortest_break,
     single_rigidity_control,
 )
-from rod.identification.paper import BREAKS, CELL_BREAKS, PROCESS_BREAKS, Subtracted
+from benchmarks.paper.states import State
+from pipeline.identification.parameters import numbers_of_curves
+from rod import FiveParameters, RodError, TwoSlopes, shortest_break
 
 #: length scale (mm) at which paper_process prints the paper's d/l, and those of the scan
 LENGTH_SCALE, SCALES = 20.0, (14.0, 16.0, 17.0, 18.0, 19.0, 20.0, 22.0, 25.0, 28.0, 32.0, 36.0, 40.0)

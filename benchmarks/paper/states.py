@@ -9,10 +9,11 @@ from typing import Any
 
 import numpy as np
 
+from benchmarks.paper.free_lines import TestedCurves
 from geometry import Centreline
 from pipeline.cell.saved import SavedLaw
 from pipeline.config.config import STANDARD_GRAVITY
-from rod import ArmLaw, Curvature, Load, TestedCurves, cell_averaged
+from rod import ArmLaw, Curvature, Load, cell_averaged
 
 
 @dataclass(frozen=True)

@@ -18,8 +18,7 @@ from pipeline.accuracy.ladder import Rung
 from pipeline.accuracy.result import Cost, RodNumbers, RungResult
 from pipeline.context import RunContext
 from pipeline.errors import InputError, RunFailed
-from pipeline.identification.lines import counts_as_equal_cells
-from pipeline.identification.parameters import Parameters, identify_all
+from pipeline.identification.parameters import Parameters, counts_as_equal_cells, identify_all
 from pipeline.progress import Silent
 from pipeline.simulation.outcome import Outcomes, Record
 from pipeline.simulation.scene import Scene, material_of

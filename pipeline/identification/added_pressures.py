@@ -4,8 +4,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from pipeline.context import RunContext
-from pipeline.identification.lines import counts_as_equal_cells
-from pipeline.identification.parameters import Parameters, decided_together, identify_in_tasks
+from pipeline.identification.parameters import (
+    Parameters,
+    counts_as_equal_cells,
+    decided_together,
+    identify_in_tasks,
+)
 from pipeline.identification.too_short import too_coarse, too_short
 from pipeline.simulation.loadcase import up_to
 from pipeline.simulation.outcome import Outcomes

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -10,8 +10,7 @@ from fem.elements import MOST_ACCURATE
 from pipeline.config.config import Config
 from pipeline.context import RunContext
 from pipeline.errors import InputError
-from pipeline.identification.lines import choices, has_one_rigidity
-from pipeline.identification.parameters import Parameters, numbers_of_cells
+from pipeline.identification.parameters import Parameters, choices, has_one_rigidity, numbers_of_curves
 from pipeline.identification.richardson import extrapolated
 from pipeline.parallel.worker import TaskContext
 from pipeline.simulation.loadcase import LoadCase, schedule
@@ -46,18 +45,17 @@ def with_mesh_error(
     except InputError as failure:
         return parameters, f"the mesh {factor:g} times as coarse cannot be made: {failure}"
     outcomes = _solved(scene, context, "coarser", tuple(p.pressure_kPa for p in parameters))
-    coarse, refused = _on_coarser(parameters, outcomes)
+    coarse, two_lines, refused = _on_coarser(parameters, outcomes)
     refused = (*outcomes.failures, *refused)
     fine = [_numbers(p) for p in parameters]
-    numbers_on_coarser = [None if on_coarser is None else on_coarser.numbers for on_coarser in coarse]
-    deviations = mesh_deviations(fine, numbers_on_coarser, config.mesh.element_size_mm, factor)
+    deviations = mesh_deviations(fine, coarse, config.mesh.element_size_mm, factor)
     reasons = [f"on the mesh {factor:g} times as coarse: {'; '.join(refused)}"] if refused else []
     others: dict[str, float] = {}
     compared = _of_half_the_highest(parameters)
     if config.mesh.formulation == UNSTEADY and any(deviations):
         others, reason = _from_mixed(second, context, compared)
         reasons += [reason] if reason else []
-    every = zip(parameters, fine, with_others(deviations, fine, others), coarse, strict=True)
+    every = zip(parameters, fine, with_others(deviations, fine, others), two_lines, strict=True)
     improved = (_with_errors(*of_pressure) for of_pressure in every)
     mixed_at_kPa = compared.pressure_kPa if others else None
     return tuple(replace(p, mixed_at_kPa=mixed_at_kPa) for p in improved), "; ".join(reasons)
@@ -118,14 +116,14 @@ def _meshed(context: TaskContext, config: Config) -> Scene:
 
 
 def _with_errors(
-    parameters: Parameters, numbers: Mapping[str, float], stds: Mapping[str, float], on_coarser: "_OnCoarser | None"
+    parameters: Parameters, numbers: Mapping[str, float], stds: Mapping[str, float], two_lines: bool | None
 ) -> Parameters:
     stds = stds if parameters.two_lines else of_single_line(stds)
     return replace(
         parameters,
         mesh_std={name: stds[name] for name in PARAMETER_NAMES if name in stds},
         mesh_errors={name: stds[name] / abs(numbers[name]) for name in RELATIVE if name in stds},
-        two_lines_on_coarser=None if on_coarser is None else on_coarser.two_lines,
+        two_lines_on_coarser=two_lines,
     )
 
 
@@ -173,18 +171,12 @@ def _scale(name: str, numbers: Mapping[str, float]) -> float:
     return abs(numbers[name]) if name.startswith(("alpha", *RELATIVE)) else 1.0
 
 
-@dataclass(frozen=True)
-class _OnCoarser:
-    """What the coarser mesh gives at one pressure."""
-
-    numbers: Mapping[str, float]  #: of as many lines as on the fine mesh
-    two_lines: bool | None  #: whether two lines would be chosen there; None where it lacks pressures to decide with
-
-
 def _on_coarser(
     parameters: Sequence[Parameters], outcomes: Outcomes
-) -> tuple[list[_OnCoarser | None], tuple[str, ...]]:
-    """What each pressure gives there, None where it was not reached or no numbers follow from it, and why."""
+) -> tuple[list[dict[str, float] | None], list[bool | None], tuple[str, ...]]:
+    """The numbers at each pressure there, of as many lines as on the fine mesh, None where it was not reached or none
+    follow from it; whether two lines would be chosen there, None where pressures to decide with are lacking; and why
+    there are no numbers."""
     states = [[outcomes[f"coarser_{name}"].at(p.pressure_kPa) for name in ("II", "III")] for p in parameters]
     identified: dict[int, tuple[Record, Record, Identification]] = {}
     refused = []
@@ -192,24 +184,30 @@ def _on_coarser(
         if free is None or loaded is None:
             continue
         try:
-            identified[k] = free, loaded, numbers_of_cells(free, loaded, p.kappa.pitch, p.given_d)
+            identified[k] = free, loaded, _lines_of(p, free, loaded)
         except RodError as failure:
             refused.append(f"no numbers at {p.pressure_kPa:g} kPa: {failure}")
-    one_rigidity = [has_one_rigidity(parameters[k].equal_cells, *pair) for k, (*pair, _) in identified.items()]
-    d_given = any(p.given_d is not None for p in parameters)  # at all pressures or at none
-    chosen = choices([lines.evidence for *_, lines in identified.values()], one_rigidity, d_given)
-    decides = len(identified) == len(parameters)
-    coarse: list[_OnCoarser | None] = [None] * len(parameters)
-    for (k, (free, loaded, lines)), choice in zip(identified.items(), chosen, strict=True):
-        numbers = _with_lines_of(parameters[k], free, loaded, lines)
-        coarse[k] = _OnCoarser(numbers, choice.two_lines if decides else None)
-    return coarse, tuple(refused)
+    numbers: list[dict[str, float] | None] = [None] * len(parameters)
+    for k, found in identified.items():
+        numbers[k] = _with_lines_of(parameters[k], *found)
+    two_lines: list[bool | None] = [None] * len(parameters)
+    if len(identified) == len(parameters):
+        one_rigidity = [has_one_rigidity(parameters[k].equal_cells, *pair) for k, (*pair, _) in identified.items()]
+        d_given = any(p.given_d is not None for p in parameters)  # at all pressures or at none
+        chosen = choices([lines.evidence for *_, lines in identified.values()], one_rigidity, d_given)
+        two_lines = [choice.two_lines for choice in chosen]
+    return numbers, two_lines, tuple(refused)
 
 
 def numbers_on_mesh(fine: Parameters, free: Record, loaded: Record) -> dict[str, float]:
     """The five numbers, kappa_0(l/2) and F of the same pressure on another mesh, with as many lines as on the first,
     because the rigidity of a single line and the second one of two are different numbers. Raises RodError."""
-    return _with_lines_of(fine, free, loaded, numbers_of_cells(free, loaded, fine.kappa.pitch, fine.given_d))
+    return _with_lines_of(fine, free, loaded, _lines_of(fine, free, loaded))
+
+
+def _lines_of(fine: Parameters, free: Record, loaded: Record) -> Identification:
+    """Raises RodError."""
+    return numbers_of_curves(free.centreline, loaded.centreline, loaded.load, fine.kappa.pitch, fine.given_d)
 
 
 def _with_lines_of(fine: Parameters, free: Record, loaded: Record, lines: Identification) -> dict[str, float]:

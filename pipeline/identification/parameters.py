@@ -1,7 +1,10 @@
-"""From centrelines to the five numbers per pressure, by three estimators side by side.
+"""From centrelines to the five numbers per pressure, with a single line or two.
 
-Cell averages, a Gaussian process, and the rod that comes closest to shape and force. The rod is given the numbers of
-the cell averages, or those of a single line where it suffices (docs/identification.md gives the reasons).
+The criterion of one pressure depends on the mesh where a single line and two are close to each other, and alpha2 would
+jump where the number of lines changes between two pressures. So the criteria are added over the pressures at which two
+lines are possible: with independent errors the sum approximates twice the logarithm of the evidence for two lines at
+all of these pressures against a single line at all, if each parameter is penalised with the observations of its own
+pressure. The rod is given the numbers of a single line where it suffices (docs/identification.md gives the reasons).
 """
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -10,9 +13,8 @@ from functools import partial
 
 import numpy as np
 
-from geometry import Centreline
+from geometry import Centreline, Design
 from pipeline.context import RunContext
-from pipeline.identification.lines import Choice, choices, has_one_rigidity, takes_two_lines
 from pipeline.parallel.worker import TaskContext
 from pipeline.simulation.outcome import Outcomes, Record
 from rod import (
@@ -24,44 +26,27 @@ from rod import (
     Identification,
     Interval,
     Load,
-    LoadedShape,
     Moment,
     MomentRange,
-    Observation,
-    ParameterEstimate,
     Rod,
     RodError,
-    RodFit,
     cell_averaged,
     end_displacement_closure,
     extension,
-    fit_rod,
-    gaussian_process,
     identify,
     is_clear,
     longest_break,
     moment_about_neutral_axis,
     moment_between,
     rest_curvature,
-    shared_smoothing,
     shortest_break,
     without_stretch,
 )
 
-#: The estimator whose numbers the rod is given.
-DEFAULT = "cell_averaged"
-
-
-@dataclass(frozen=True)
-class NoFit:
-    """An estimator that gave no numbers at a pressure."""
-
-    reason: str  #: a sentence
-
 
 @dataclass(frozen=True)
 class Parameters:
-    """What is identified at a pressure: curvatures with and without load, moment, the numbers of three estimators."""
+    """What is identified at a pressure: curvatures with and without load, moment, the five numbers."""
 
     pressure_kPa: float
     free: Record  #: experiment II
@@ -70,12 +55,10 @@ class Parameters:
     kappa: Curvature  #: cell-averaged, of III
     moment: Moment  #: of III without its stretch
     by_cells: Identification
-    by_process: Identification  #: the same from a Gaussian process, for comparison
-    extensible: Identification  #: from cell averages with the moment about the neutral axis, for the extensible rod
+    extensible: Identification  #: with the moment about the neutral axis, for the extensible rod
     extension: Extension  #: how the curve stretches: rest stretch and eccentricity
     bending_moment: Moment  #: of III about the neutral axis, with the levers of the stretched curve
-    by_rod: RodFit | NoFit  #: the same from the closest rod
-    given_d: float | None = None  #: mm, the break of all estimators where it was given; None where it was sought
+    given_d: float | None = None  #: mm, the break where it was given; None where it was sought
     #: standard deviations due to the mesh by name; empty where they were not estimated
     mesh_std: Mapping[str, float] = field(default_factory=dict)
     #: relative errors of kappa_0(l/2), alpha2 and F due to the mesh, by name; empty where they were not estimated
@@ -83,17 +66,12 @@ class Parameters:
     #: kPa, the pressure at which those errors contain the difference from mixed elements; None where they do not
     mixed_at_kPa: float | None = None
     #: criterion of a single line minus that of two, summed over the pressures that are decided together; above zero it
-    #: speaks for two (`pipeline.identification.lines`)
+    #: speaks for two
     evidence: float = 0.0
     #: whether two lines were chosen on the coarser mesh; None where there is none
     two_lines_on_coarser: bool | None = None
     #: whether the arm counts as one of equal cells; two lines then need walls that touch, or a given d
     equal_cells: bool = False
-
-    @property
-    def estimates(self) -> dict[str, ParameterEstimate | NoFit]:
-        """The numbers by the name of their estimator, the default first."""
-        return {DEFAULT: self.by_cells, "gaussian_process": self.by_process, "rod_fit": self.by_rod}
 
     @property
     def one_rigidity(self) -> bool:
@@ -137,12 +115,12 @@ class Parameters:
 
     @property
     def numbers_without_mesh(self) -> dict[str, Interval]:
-        """The same without the error of the mesh, which is common to all pressures and no scatter between them."""
+        """The five numbers without the error of the mesh, which all pressures share: no scatter between them."""
         return self._of_rod(self.by_cells)
 
     @property
     def extensible_numbers(self) -> dict[str, Interval]:
-        """The same of the rod whose curve stretches."""
+        """The five numbers of the rod whose curve stretches."""
         return self._with_mesh(self._of_rod(self.extensible))
 
     def _of_rod(self, identification: Identification) -> dict[str, Interval]:
@@ -170,19 +148,17 @@ class Parameters:
         return self._rod(self.extensible_numbers, self.extension)
 
     def _rod(self, numbers: Mapping[str, Interval], extension: Extension | None) -> Rod:
-        theta0, profile = rest_curvature(self.free.centreline)
-        curve = self.free.centreline
-        law = FiveParameters(**{name: number.value for name, number in numbers.items()})
-        start = (float(curve.x[0]), float(curve.y[0]))
+        curve, load = self.free.centreline, self.free.load
+        theta0, profile = rest_curvature(curve)
         return Rod(
             curve.length,
             profile,
-            law,
+            FiveParameters(**{name: number.value for name, number in numbers.items()}),
             theta0,
-            start,
+            (float(curve.x[0]), float(curve.y[0])),
             extension=extension,
-            weight=self.free.load.weight,
-            weight_height=self.free.load.weight_height,
+            weight=load.weight,
+            weight_height=load.weight_height,
         )
 
     @property
@@ -192,27 +168,57 @@ class Parameters:
 
     @property
     def extensible_moment_range(self) -> MomentRange:
-        """The same of the rod whose curve stretches."""
+        """The moments of III about the neutral axis, for the rod whose curve stretches."""
         return MomentRange.of(self.bending_moment)
 
 
-def decided_together(parameters: Iterable[Parameters]) -> tuple[Parameters, ...]:
-    """The same at every pressure of a run, with a single line or two by the evidence of all of them."""
-    parameters = tuple(parameters)
-    chosen = choices_of([p.by_cells for p in parameters], parameters)
-    return tuple(replace(p, evidence=choice.evidence) for p, choice in zip(parameters, chosen, strict=True))
+@dataclass(frozen=True)
+class Choice:
+    """Of a single line or two, at a pressure."""
+
+    evidence: float  #: for two lines: the criterion of a single line minus that of two, of one pressure or of several
+    two_lines: bool
+
+
+def counts_as_equal_cells(design: Design) -> bool:
+    """Whether an arm consists of equal cells, or its curvature is averaged over less than the distance of its cavities:
+    it then changes between a cavity and the wall beside it, which two lines would describe."""
+    return design.repeats or design.averages_within_cavities
+
+
+def has_one_rigidity(equal_cells: bool, free: Record, loaded: Record) -> bool:
+    """Whether nothing but its ends makes one part of the arm different from another: equal cells, and in II and III no
+    walls came within the activation distance of contact up to that pressure."""
+    return equal_cells and not any("self_contact" in record.effects for record in (free, loaded))
+
+
+def choices(evidence: Sequence[float], one_rigidity: Sequence[bool], d_given: bool) -> list[Choice]:
+    """By pressure, from the evidence for two lines that each has alone.
+
+    Where the rigidity may vary along the arm the sum over all such pressures decides for each of them. Elsewhere each
+    keeps its own evidence, and a single line is taken unless d is given.
+    """
+    together = sum(own for own, is_one in zip(evidence, one_rigidity, strict=True) if not is_one)
+    used = [own if is_one else together for own, is_one in zip(evidence, one_rigidity, strict=True)]
+    return [Choice(e, takes_two_lines(e, is_one, d_given)) for e, is_one in zip(used, one_rigidity, strict=True)]
+
+
+def takes_two_lines(evidence: float, one_rigidity: bool, d_given: bool) -> bool:
+    """Whether two lines are wanted, or worth their parameters by the criterion and not excluded by one rigidity."""
+    return d_given or (evidence > 0.0 and not one_rigidity)
 
 
 def choices_of(identified: Sequence[Identification], parameters: Sequence[Parameters]) -> list[Choice]:
-    """A single line or two for the numbers of an estimator, by pressure, decided as for the rod itself."""
+    """A single line or two for identifications by pressure, decided as for the rod itself."""
     d_given = any(p.given_d is not None for p in parameters)  # at all pressures or at none
     return choices([e.evidence for e in identified], [p.one_rigidity for p in parameters], d_given)
 
 
-def observed(parameters: Parameters, record: Record) -> Observation:
-    """A loaded record at the pressure of the parameters as laws are compared on it. Raises RodError."""
-    moment = moment_between(parameters.free.centreline, record.centreline, record.load)
-    return Observation(parameters.kappa_0, cell_averaged(record.centreline, parameters.kappa.pitch), moment)
+def decided_together(parameters: Iterable[Parameters]) -> tuple[Parameters, ...]:
+    """The parameters of a run, with a single line or two by the evidence of all pressures."""
+    parameters = tuple(parameters)
+    chosen = choices_of([p.by_cells for p in parameters], parameters)
+    return tuple(replace(p, evidence=choice.evidence) for p, choice in zip(parameters, chosen, strict=True))
 
 
 def identify_all(
@@ -231,7 +237,7 @@ def identify_all(
 def identify_in_tasks(
     context: RunContext, outcomes: Outcomes, pitch: float, d: float | None = None, *, equal_cells: bool
 ) -> tuple[tuple[Parameters, ...], tuple[str, ...]]:
-    """The same with a task for every pressure."""
+    """`identify_all` with a task for every pressure."""
     pending = {pair[0].pressure_kPa: context.submit(_task, *pair, pitch, d, equal_cells) for pair in outcomes.pairs}
     return _gathered({pressure: task.result for pressure, task in pending.items()})
 
@@ -256,10 +262,6 @@ def _identified(free: Record, loaded: Record, pitch: float, d: float | None, equ
     curves = (free.centreline, loaded.centreline)
     moment, closure = _moment_and_closure(*curves, loaded.load)
     kappa_0, kappa = (cell_averaged(curve, pitch) for curve in curves)
-    smoothing = shared_smoothing(curves, pitch)
-    smooth_0, smooth = (gaussian_process(curve, smoothing) for curve in curves)
-    by_cells = identify(kappa_0, kappa, moment, closure, d=d)
-    by_process = identify(smooth_0, smooth, moment, closure, d=d)
     stretch = extension(*curves, pitch)
     bending_moment = moment_about_neutral_axis(*curves, loaded.load, stretch.eccentricity)
     return Parameters(
@@ -269,29 +271,19 @@ def _identified(free: Record, loaded: Record, pitch: float, d: float | None, equ
         kappa_0=kappa_0,
         kappa=kappa,
         moment=moment,
-        by_cells=by_cells,
-        by_process=by_process,
+        by_cells=identify(kappa_0, kappa, moment, closure, d=d),
         extensible=identify(kappa_0, kappa, bending_moment, closure, d=d),
         extension=stretch,
         bending_moment=bending_moment,
-        by_rod=_closest_rod(LoadedShape(*curves, loaded.load, pitch, loaded.held), d, (by_cells, by_process)),
         given_d=d,
         equal_cells=equal_cells,
     )
 
 
-def numbers_of_cells(free: Record, loaded: Record, pitch: float, d: float | None = None) -> Identification:
-    """The numbers of the default estimator alone, with d (mm) if it is given. Raises RodError."""
-    return numbers_of_curves(free.centreline, loaded.centreline, loaded.load, pitch, d)
-
-
 def numbers_of_curves(
     free: Centreline, loaded: Centreline, load: Load, pitch: float, d: float | None = None
 ) -> Identification:
-    """The numbers of the default estimator from a curve without load and one under a load, with d (mm) if it is given.
-
-    Raises RodError.
-    """
+    """The numbers from a curve without load and one under a load, with d (mm) if it is given. Raises RodError."""
     kappa_0, kappa = (cell_averaged(curve, pitch) for curve in (free, loaded))
     moment, closure = _moment_and_closure(free, loaded, load)
     return identify(kappa_0, kappa, moment, closure, d=d)
@@ -301,11 +293,3 @@ def _moment_and_closure(free: Centreline, loaded: Centreline, load: Load) -> tup
     # levers of the curve without its stretch, for the rod that takes the numbers has none
     moment = moment_between(without_stretch(free), without_stretch(loaded), load)
     return moment, end_displacement_closure(free, loaded, load)
-
-
-def _closest_rod(shape: LoadedShape, d: float | None, starts: Sequence[Identification]) -> RodFit | NoFit:
-    breaks = None if d is None else (d / shape.length, d / shape.length)
-    try:
-        return fit_rod(shape, [start.law for start in starts], breaks=breaks)
-    except RodError as failure:  # the other two estimators do not need an equilibrium
-        return NoFit(str(failure))

@@ -2,44 +2,59 @@
 
 from collections.abc import Mapping, Sequence
 
+from geometry import Centreline
+from geometry.arrays import Array
 from pipeline.config.config import Config
 from pipeline.identification.added_pressures import covered_range, quantities_of
 from pipeline.identification.mesh_error import RELATIVE
-from pipeline.identification.parameters import DEFAULT, NoFit, Parameters, choices_of
-from pipeline.identification.predicted import predicted_numbers
+from pipeline.identification.parameters import Parameters, choices_of, numbers_of_curves
 from pipeline.store.formats import FORMAT
 from pipeline.store.json_values import Json, JsonObject
-from rod import ArmLaw, Identification, Interval, LinearRange, Load, MomentRange, ParameterEstimate, rest_curvature
+from rod import (
+    PARAMETER_COLUMNS,
+    PARAMETER_NAMES,
+    ArmLaw,
+    Identification,
+    Interval,
+    LinearRange,
+    Load,
+    MomentRange,
+    Rod,
+    RodError,
+    RodSolution,
+    rest_curvature,
+)
 
-ESTIMATORS = (DEFAULT, "gaussian_process", "rod_fit")
-
-_NUMBERS = {"alpha1": "N_mm2", "alpha2": "N_mm2", "m01": "N_mm", "m02": "N_mm", "d": "mm"}
+ESTIMATOR = "cell_averaged"
+#: what the dimensionless parameters are divided by, in the key
+_DIVIDED = {"alpha": "over_m_g_length2", "m0": "over_m_g_length", "d": "over_length"}
 
 
 def parameters_record(
     config: Config, parameters: Sequence[Parameters], law: ArmLaw | None = None, mesh_error_reason: str = ""
 ) -> JsonObject:
-    """The numbers of the rod at the top, those of all three estimators under `estimators`.
+    """The numbers of the rod at the top, those of two lines under `estimators`.
 
     law: of the arm, which predicts the numbers as well; None where it was not made.
     """
-    mass = config.mass_tonne
+    mass, drawn = config.mass_tonne, config.record()
     single_lines = [p.by_cells.single_line for p in parameters]
+    load = parameters[0].free.load if parameters else Load()
     return {
         "format": FORMAT,
-        "design": config.record()["geometry"],
-        **{key: value for key, value in config.record().items() if key in ("material", "materials")},
+        "design": drawn["geometry"],
+        **{key: value for key, value in drawn.items() if key in ("material", "materials")},
         "solid_volume_mm3": config.design.solid_volume,
         "length_mm": config.design.length,
         "mass_g": None if mass is None else mass * 1e6,
         "pressures_kPa": [p.pressure_kPa for p in parameters],
         "straight_without_pressure": config.effects.straight_without_pressure,
-        **_weight(parameters),
-        "estimator": DEFAULT,
+        "weight_N_per_mm": list(load.weight),
+        "weight_height_mm": load.weight_height,
+        "estimator": ESTIMATOR,
         **_columns([p.numbers for p in parameters]),
         "d_given_mm": config.identification.d_mm,
-        "d_is_at_most": [_at_most(p.numbers["d"], p) for p in parameters],
-        "d_is_at_least": [_at_least(p.numbers["d"], p) for p in parameters],
+        **_bounds([p.numbers["d"] for p in parameters], parameters),
         **_linear(parameters),
         "single_line_alpha_N_mm2": [line.alpha.value for line in single_lines],
         "single_line_alpha_N_mm2_std": [line.alpha.std for line in single_lines],
@@ -55,8 +70,8 @@ def parameters_record(
         "mesh_error_reason": mesh_error_reason,
         "moment_range_N_mm": _ranges([p.moment_range for p in parameters]),
         "eccentricity": _eccentricity(parameters),
-        "estimators": {name: _estimator(name, parameters) for name in ESTIMATORS},
-        **_predicted(parameters, law),
+        "estimators": {ESTIMATOR: _identified([p.by_cells for p in parameters], parameters)},
+        **({} if law is None else {"predicted_by_arm_law": _identified(_predictions(parameters, law), parameters)}),
         "kappa_0": _profiles(parameters),
         "dimensionless": _dimensionless(config, parameters),
         "dimensionless_numbers": _dimensionless_numbers(config, parameters),
@@ -67,30 +82,31 @@ def parameters_record(
     }
 
 
-def _weight(parameters: Sequence[Parameters]) -> JsonObject:
-    """The weight under which the arm has kappa_0, zero without gravity."""
-    load = parameters[0].free.load if parameters else Load()
-    return {"weight_N_per_mm": list(load.weight), "weight_height_mm": load.weight_height}
-
-
 def _columns(numbers: Sequence[Mapping[str, Interval] | None]) -> dict[str, Json]:
     """Lists over the pressures; null where there is no number."""
     columns: dict[str, Json] = {}
-    for name, unit in _NUMBERS.items():
+    for name, column in PARAMETER_COLUMNS.items():
         intervals = [None if of_pressure is None else of_pressure[name] for of_pressure in numbers]
-        columns[f"{name}_{unit}"] = [None if interval is None else interval.value for interval in intervals]
-        columns[f"{name}_{unit}_std"] = [None if interval is None else interval.std for interval in intervals]
-        columns[f"{name}_{unit}_95"] = [
-            None if interval is None else [interval.low, interval.high] for interval in intervals
-        ]
+        columns[column] = [i and i.value for i in intervals]
+        columns[f"{column}_std"] = [i and i.std for i in intervals]
+        columns[f"{column}_95"] = [i and [i.low, i.high] for i in intervals]
     return columns
+
+
+def _bounds(d: Sequence[Interval | None], parameters: Sequence[Parameters]) -> dict[str, Json]:
+    """Whether a d lies at an end of the range in which it was sought; null where there is none."""
+    pairs = list(zip(d, parameters, strict=True))
+    return {
+        "d_is_at_most": [i and p.given_d is None and bool(i.value <= 1.001 * p.shortest_break) for i, p in pairs],
+        "d_is_at_least": [i and p.given_d is None and bool(i.value >= 0.999 * p.longest_break) for i, p in pairs],
+    }
 
 
 def _mesh_error(config: Config, parameters: Sequence[Parameters]) -> JsonObject | None:
     """What the mesh contributes to the deviations of the rod's numbers, None where no second mesh tells."""
     if config.mesh.coarser is None or not any(p.mesh_std for p in parameters):
         return None
-    columns = {f"{name}_{unit}_std": [p.mesh_std.get(name) for p in parameters] for name, unit in _NUMBERS.items()}
+    columns = {f"{column}_std": [p.mesh_std.get(n) for p in parameters] for n, column in PARAMETER_COLUMNS.items()}
     relative = {f"{name}_relative": [p.mesh_errors.get(name) for p in parameters] for name in RELATIVE}
     sizes = [config.mesh.element_size_mm, config.mesh.coarser * config.mesh.element_size_mm]
     return {"sizes_mm": sizes, "mixed_at_kPa": parameters[0].mixed_at_kPa, **columns, **relative}
@@ -113,35 +129,12 @@ def _ranges(ranges: Sequence[MomentRange]) -> list[Json]:
     return [[moments.low, moments.high] for moments in ranges]
 
 
-def _predicted(parameters: Sequence[Parameters], law: ArmLaw | None) -> JsonObject:
-    """The numbers that the law of the arm predicts, where it was made."""
-    if law is None:
-        return {}
-    return {"predicted_by_arm_law": _identified(predicted_numbers(parameters, law), parameters)}
-
-
-def _at_most(d: Interval, parameters: Parameters) -> bool:
-    return parameters.given_d is None and bool(d.value <= 1.001 * parameters.shortest_break)
-
-
-def _at_least(d: Interval, parameters: Parameters) -> bool:
-    return parameters.given_d is None and bool(d.value >= 0.999 * parameters.longest_break)
-
-
-def _estimator(name: str, parameters: Sequence[Parameters]) -> dict[str, Json]:
-    """Two lines at every pressure, whether one suffices, and how many independent observations there were."""
-    return _identified([p.estimates[name] for p in parameters], parameters)
-
-
-def _identified(estimates: Sequence[ParameterEstimate | NoFit], parameters: Sequence[Parameters]) -> dict[str, Json]:
-    """The columns of one estimator, one estimate per pressure."""
-    columns = _columns([None if isinstance(e, NoFit) else {n: getattr(e, n) for n in _NUMBERS} for e in estimates])
-    for key, is_at_bound in (("d_is_at_most", _at_most), ("d_is_at_least", _at_least)):
-        columns[key] = [
-            None if isinstance(e, NoFit) else is_at_bound(e.d, p) for e, p in zip(estimates, parameters, strict=True)
-        ]
-    columns["reason"] = [e.reason if isinstance(e, NoFit) else "" for e in estimates]
-    identified = [e for e in estimates if isinstance(e, Identification)]
+def _identified(estimates: Sequence[Identification | str], parameters: Sequence[Parameters]) -> dict[str, Json]:
+    """Two lines at every pressure, or why there are none, and whether a single one suffices."""
+    identified = [e for e in estimates if not isinstance(e, str)]
+    every = [None if isinstance(e, str) else {name: getattr(e, name) for name in PARAMETER_NAMES} for e in estimates]
+    columns = _columns(every) | _bounds([None if numbers is None else numbers["d"] for numbers in every], parameters)
+    columns["reason"] = [e if isinstance(e, str) else "" for e in estimates]
     if len(identified) == len(parameters):
         columns["single_line_suffices"] = [not choice.two_lines for choice in choices_of(identified, parameters)]
         columns["single_line_alpha_N_mm2"] = [e.single_line.alpha.value for e in identified]
@@ -149,35 +142,67 @@ def _identified(estimates: Sequence[ParameterEstimate | NoFit], parameters: Sequ
     return columns
 
 
+def _predictions(parameters: Sequence[Parameters], law: ArmLaw) -> list[Identification | str]:
+    """The parameters by pressure, identified from experiments II and III of the rod with the arm's own law, or why
+    there are none. They tell which part comes from the cells and their ends, which is all that the law contains."""
+    predictions: list[Identification | str] = []
+    for p in parameters:
+        try:
+            predictions.append(_predicted(p, law))
+        except RodError as failure:
+            predictions.append(str(failure))
+    return predictions
+
+
+def _predicted(parameters: Parameters, law: ArmLaw) -> Identification:
+    """Raises RodError where the law has no such rod."""
+    curve = parameters.free.centreline
+    rod = Rod(law.length, law=law.at(parameters.pressure_kPa), start=(float(curve.x[0]), float(curve.y[0])))
+    end_x, end_y = parameters.loaded.held_end
+    loaded = rod.under(Load(parameters.loaded.load.force), end_y, end_x)
+    force = (float(loaded.force[0]), float(loaded.force[1]))
+    lever = loaded.positions(loaded.s[-1:])[0] - [loaded.x[-1], loaded.y[-1]]
+    # about the end of the material curve
+    couple = float(loaded.moment[-1]) - lever[0] * force[1] + lever[1] * force[0]
+    curves = _centreline(rod.solve(), curve.s), _centreline(loaded, curve.s)
+    return numbers_of_curves(*curves, Load(force, couple), parameters.kappa.pitch, parameters.given_d)
+
+
+def _centreline(shape: RodSolution, s: Array) -> Centreline:
+    """The material curve of a rod at the nodes s (n,), mm, of the finite elements."""
+    return Centreline(s, *shape.positions(s - s[0]).T)
+
+
 def _linear(parameters: Sequence[Parameters]) -> JsonObject:
     """beta1, beta2 over the linear range (over all pressures where there is none), and how straight everything is."""
     covered = covered_range(parameters)
-    record: dict[str, Json] = {"linear_range_kPa": None, "linear_range_tested": False, "straightness": []}
-    for number in ("1", "2"):
-        record[f"beta{number}_N_mm2_per_kPa"] = record[f"beta{number}_N_mm2_per_kPa_std"] = None
-    if len(parameters) < 2:
-        return record
     pressures, quantities = quantities_of(parameters)
-    if covered is not None:
-        record["linear_range_kPa"], record["linear_range_tested"] = [covered.low, covered.high], covered.tested
-    lines = LinearRange.over(pressures, quantities).lines if covered is None else covered.lines
+    lines = covered.lines if covered else {}
+    if covered is None and len(parameters) > 1:
+        lines = LinearRange.over(pressures, quantities).lines
+    betas: dict[str, Json] = {}
     for number in ("1", "2"):
-        line = lines[f"alpha{number}"]
-        record[f"beta{number}_N_mm2_per_kPa"], record[f"beta{number}_N_mm2_per_kPa_std"] = line.slope, line.slope_std
-    record["straightness"] = [
-        {
-            "quantity": name,
-            "slope_per_kPa": line.slope,
-            "at_0_kPa": line.intercept,
-            "values": quantities[name].values,
-            "off_the_line": [
-                value / (line.slope * p + line.intercept) - 1.0
-                for p, value in zip(pressures, quantities[name].values, strict=True)
-            ],
-        }
-        for name, line in lines.items()
-    ]
-    return record
+        line = lines.get(f"alpha{number}")
+        betas[f"beta{number}_N_mm2_per_kPa"] = line and line.slope
+        betas[f"beta{number}_N_mm2_per_kPa_std"] = line and line.slope_std
+    return {
+        "linear_range_kPa": covered and [covered.low, covered.high],
+        "linear_range_tested": covered is not None and covered.tested,
+        "straightness": [
+            {
+                "quantity": name,
+                "slope_per_kPa": line.slope,
+                "at_0_kPa": line.intercept,
+                "values": quantities[name].values,
+                "off_the_line": [
+                    value / (line.slope * p + line.intercept) - 1.0
+                    for p, value in zip(pressures, quantities[name].values, strict=True)
+                ],
+            }
+            for name, line in lines.items()
+        ],
+        **betas,
+    }
 
 
 def _dimensionless(config: Config, parameters: Sequence[Parameters]) -> list[JsonObject]:
@@ -203,13 +228,12 @@ def _dimensionless_numbers(config: Config, parameters: Sequence[Parameters]) -> 
     newton, of = weight
     moment = newton * length
     units = {"alpha1": moment * length, "alpha2": moment * length, "m01": moment, "m02": moment, "d": length}
-    over = {"alpha": "over_m_g_length2", "m0": "over_m_g_length", "d": "over_length"}
     return {
         "weight_N": newton,
         "weight_of": of,
         "kappa_0_middle_times_length": [p.kappa_0_middle * length for p in parameters],
         **{
-            f"{name}_{over[name.rstrip('12')]}": [p.numbers[name].value / unit for p in parameters]
+            f"{name}_{_DIVIDED[name.rstrip('12')]}": [p.numbers[name].value / unit for p in parameters]
             for name, unit in units.items()
         },
     }

@@ -1,4 +1,4 @@
-"""What the report says about the five parameters: three estimators, eccentricity, the linear range."""
+"""What the report says about the five parameters: two lines beside a single one, eccentricity, the linear range."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -19,8 +19,6 @@ NUMBERS = (
 )
 _TITLES = {
     "cell_averaged": "cell averages",
-    "gaussian_process": "Gaussian process",
-    "rod_fit": "rod fit",
     "arm_law": "cell averages of the rod with the arm's own law",
 }
 _QUANTITIES = {"alpha1": "α₁", "alpha2": "α₂", "kappa_0": "κ₀(l/2)"}

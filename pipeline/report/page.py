@@ -13,7 +13,6 @@ from pipeline.report.body_view import body_view
 from pipeline.report.formatting import number, percent, seconds
 from pipeline.report.law_figure import arm_law
 from pipeline.report.law_range import moments_table
-from pipeline.report.laws import law_rows, simplest_laws
 from pipeline.report.numbers import eccentricity, estimators, linear_range, observations, slopes, stretch_of_rod
 from pipeline.report.results import Results, read_results
 from pipeline.report.sentences import (
@@ -165,8 +164,6 @@ def _validation(results: Results) -> dict[str, object]:
         "rods": rod_table(results),
         "validation": validation_rows(results),
         "beyond": beyond_identified(results),
-        "laws": law_rows(results),
-        "simplest_laws": simplest_laws(results),
         "moments_of_law": moments_table(results),
     }
 

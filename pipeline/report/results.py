@@ -12,7 +12,6 @@ import numpy as np
 from geometry.arrays import Array
 from pipeline.store.formats import CONVERGED, validation_rows, with_present_keys
 from pipeline.validation.rods import FIVE
-from pipeline.validation.validate import LawRow
 
 Row = TypeVar("Row")
 
@@ -115,7 +114,6 @@ class Results:
     experiments: tuple[StateRow, ...]
     validation: tuple[ValidationRow, ...]
     validation_curves: tuple[Curve, ...]
-    laws: tuple[LawRow, ...]
     effects: tuple[EffectRow, ...]
     run: Mapping[str, Any]
     arm_law: Mapping[str, Any]  #: law.json, empty where the arm's own law was not made
@@ -214,7 +212,6 @@ def read_results(directory: Path) -> Results:
         experiments=_read_rows(directory / "experiments.json", StateRow),
         validation=_rows(validation_rows(_read_json(directory / "validation.json", ())), ValidationRow),
         validation_curves=_read_curves(directory / "validation_curves.csv"),
-        laws=_read_rows(directory / "laws.json", LawRow),
         effects=_read_rows(directory / "effects.json", EffectRow),
         run=_read_json(directory / "run.json", {}),
         arm_law=_read_json(directory / "law.json", {}),

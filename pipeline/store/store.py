@@ -28,7 +28,7 @@ from pipeline.store.state_key import NUMBER_SOURCES, STATE_SOURCES, result_key
 _IDENTITY = "states/configuration.json"
 _FOLDERS = ("states", "pictures", "fields", "rungs", "law")
 _FILES = (
-    *("parameters.json", "experiments.json", "validation.json", "effects.json", "run.json", "laws.json"),
+    *("parameters.json", "experiments.json", "validation.json", "effects.json", "run.json"),
     *("curves.csv", "validation_curves.csv", "mesh.vtu", "report.html", "I.pvd", "II.pvd", "III.pvd"),
     *("accuracy.json", "accuracy.html", "law.json", "law.html", "effects_table.json"),
 )

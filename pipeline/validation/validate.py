@@ -1,40 +1,21 @@
-"""The rod under loads that its parameters were not fitted to, and the laws that such loads distinguish."""
+"""The rod under loads that its parameters were not fitted to."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from math import isinf
 
 from pipeline.config.config import Config
 from pipeline.context import RunContext
-from pipeline.identification.parameters import Parameters, observed
 from pipeline.simulation.loadcase import LoadCase, validation_cases
 from pipeline.simulation.outcome import Outcomes
 from pipeline.simulation.scene import Scene
 from pipeline.simulation.simulate import simulate
 from pipeline.store.formats import CURVE_COLUMNS
-from pipeline.store.json_values import JsonObject
 from pipeline.store.store import Store
 from pipeline.validation.compare import ComparedState, Comparison, compare_rods, rows_of
 from pipeline.validation.rods import ArmRods
-from rod import compare_laws, simplest
 
 VALIDATION_COLUMNS = ("load", *CURVE_COLUMNS)
-
-
-@dataclass(frozen=True)
-class LawRow:
-    """A moment-curvature law fitted to III at one pressure, and its errors at the validation loads."""
-
-    pressure_kPa: float
-    law: str
-    numbers: int  #: how many are fitted
-    in_sample: float  #: error over the data it was fitted to
-    out_of_sample: float  #: error at the other loads
-    simplest: bool  #: no law with fewer numbers is as good
-
-    def row(self) -> JsonObject:
-        """The row of laws.json."""
-        return asdict(self)
 
 
 @dataclass(frozen=True)
@@ -43,12 +24,10 @@ class Validated:
 
     comparisons: tuple[Comparison, ...] = ()
     failures: tuple[str, ...] = ()  #: a sentence for each load that was not solved
-    laws: tuple[LawRow, ...] = ()
 
     def save(self, store: Store, in_sample: Sequence[Comparison]) -> None:
-        """Write validation.json (what is in sample first), laws.json and validation_curves.csv."""
+        """Write validation.json (what is in sample first) and validation_curves.csv."""
         store.save_json("validation.json", [row for c in (*in_sample, *self.comparisons) for row in c.rows()])
-        store.save_json("laws.json", [law.row() for law in self.laws])
         rows = [(c.state.load, *row) for c in self.comparisons for row in rows_of(c.record, c, c.pitch)]
         store.save_rows("validation_curves.csv", VALIDATION_COLUMNS, rows)
 
@@ -110,7 +89,7 @@ def validate(scene: Scene, outcomes: Outcomes, rods: ArmRods) -> Validated:
     cases = {case.name: case for case in validation_cases(scene.config)}
     failures = tuple(outcome.failure_sentence(_subject(cases[outcome.name])) for outcome in outcomes if outcome.failure)
     comparisons = _comparisons(scene, cases, outcomes, rods)
-    return Validated(comparisons, failures, _laws(rods.parameters, comparisons))
+    return Validated(comparisons, failures)
 
 
 def _comparisons(
@@ -130,19 +109,3 @@ def _comparisons(
             state = ComparedState(record, load, in_sample=False)
             comparisons.append(compare_rods(rods.at(record.pressure_kPa), state, scene.body.pitch))
     return tuple(sorted(comparisons, key=lambda c: (c.record.pressure_kPa, c.state.load)))
-
-
-def _laws(parameters: Sequence[Parameters], comparisons: Sequence[Comparison]) -> tuple[LawRow, ...]:
-    """Simpler and richer laws fitted to III and tried at the other loads of the same pressure."""
-    rows: list[LawRow] = []
-    for p in parameters:
-        others = [c.record for c in comparisons if c.state.load and c.record.pressure_kPa == p.pressure_kPa]
-        if not others:
-            continue
-        candidates = compare_laws(observed(p, p.loaded), [observed(p, record) for record in others])
-        best = simplest(candidates)
-        rows.extend(
-            LawRow(p.pressure_kPa, law.name, law.parameters, law.in_sample, law.out_of_sample, law is best)
-            for law in candidates
-        )
-    return tuple(rows)

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from typing import final
 
 import numpy as np
 
@@ -20,6 +21,7 @@ class Bootstrap:
         return np.random.default_rng(self.seed)
 
 
+@final
 @dataclass(frozen=True)
 class Interval:
     """A value with its error, from bootstrap draws."""

@@ -12,7 +12,6 @@ import numpy as np
 
 from geometry.arrays import Array
 from rod.cubics import hermite
-from rod.mechanics.linearised import integrate
 from rod.mechanics.luther import ABSCISSAE
 from rod.mechanics.profile import Steps
 from rod.mechanics.shooting import RodArrays, sweep
@@ -41,22 +40,6 @@ def rest_moment(steps: Steps, stretch: Array, weight: Array, theta0: float, ecce
         slopes.append(step * (lever * (beyond * across)[nodes] + couple[nodes]))
     stages = hermite(ABSCISSAE[:, None], moment[:-1], moment[1:], *slopes)
     return float(of_curve[0]), np.ascontiguousarray(stages.T)
-
-
-def rest_moment_changes(steps: Steps, weight: Array, theta0: float, kappa_0: Array, at_clamp: Array) -> Array:
-    """(n, 6, m) derivatives of M_0 by m changes of the shape of an inextensible rod: kappa_0 (n, 6, m) at the stages of
-    every step, and at_clamp (m,) rad of the angle there; the others as in `rest_moment`."""
-    n, count = len(steps.s) - 1, len(at_clamp)
-    states, columns = np.empty((n + 1, 4)), np.empty((n + 1, 4, 3 + count))
-    rigid = _rigid(steps, np.ones_like(steps.kappa_0), theta0)
-    integrate(rigid, np.zeros(3), weight, kappa_0, np.zeros((n, count)), at_clamp, states, columns)
-    turned, moment = columns[:, 0, 3:], columns[:, 1, 3:] - columns[-1, 1, 3:]
-    cosine, sine, beyond = np.cos(states[:, 0]), np.sin(states[:, 0]), 1.0 - steps.s
-    along = weight[0] * cosine + weight[1] * sine
-    rates = (beyond * along + weight[3] * cosine - weight[2] * sine)[:, None] * turned
-    step = np.diff(steps.s)[:, None]
-    stages = hermite(ABSCISSAE[:, None, None], moment[:-1], moment[1:], *(step * rates[nodes] for _, nodes in _ENDS))
-    return np.ascontiguousarray(stages.transpose(1, 0, 2))
 
 
 def _rigid(steps: Steps, stretch: Array, theta0: float) -> RodArrays:

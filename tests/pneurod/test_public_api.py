@@ -112,7 +112,7 @@ def test_parameters_carry_units_and_errors(results: pneurod.Results) -> None:
     assert results.law(16.00005) == results.law(16.0)  # the same pressure with six digits
     assert results.interval("alpha2", 16.00005) == spread
     assert results.rod(16.00005).law == results.law(16.0)
-    assert results.estimators["estimator"].unique().tolist() == ["cell_averaged", "gaussian_process", "rod_fit"]
+    assert results.estimators["estimator"].unique().tolist() == ["cell_averaged"]
     assert np.isfinite(results.kappa_0["kappa_0_per_mm"]).all()
     assert results.kappa_0.groupby("pressure_kPa")["s_mm"].max().tolist() == [72.0, 72.0]
     assert np.isfinite(results.extensible["eccentricity_mm"]).all()
@@ -128,8 +128,6 @@ def test_experiments_and_curves_are_complete(results: pneurod.Results) -> None:
     assert (results.validation["sample"] == "in").all()
     assert results.validation["distance_over_length"].max() < 0.05
     assert set(results.effects["state"]) == {"on", "off"}
-    assert results.laws.empty
-    assert "simplest" in results.laws.columns
 
 
 def test_rods_moved_to_the_start_of_the_curve_lie_on_the_curves(results: pneurod.Results) -> None:

@@ -8,7 +8,6 @@ import pytest
 from rod import Extension, FiveParameters, MomentRange, OutsidePressures, RodError
 from rod.pressures import Quantity, linear_range, next_pressure, straightness
 from rod.pressurised_rod import PressurisedRod
-from rod.scaling import ReferenceArm, scaled_arm
 
 S = np.linspace(0.0, 112.0, 57)
 ROD = PressurisedRod(
@@ -20,7 +19,6 @@ ROD = PressurisedRod(
     np.array([0.0, 0.02]),
     (0.0, 1.0),
 )
-REFERENCE = ReferenceArm(112.0, 0.2, 24.0, FiveParameters(70.0, 340.0, -2.0, 0.1, 13.0), -1.0, 7.0, 0.02)
 
 
 def test_a_line_through_rigidities():
@@ -172,31 +170,6 @@ def test_pressures_far_outside_and_none_are_refused(pressure, sentence):
     assert not isinstance(refused.value, OutsidePressures)
 
 
-def test_equation_9_is_that_of_the_paper():
-    other = scaled_arm(REFERENCE, length=1.8 * 112.0, pressure=30.0)
-    assert other.kappa_0 * other.length == pytest.approx(0.02 * 112.0 * (30.0 / 24.0) * 1.8)
-    hat = other.law.alpha2 / (REFERENCE.weight * other.length**2)
-    assert hat == pytest.approx((340.0 + 6.0 * 7.0) / (0.2 * 112.0**2) / 1.8**2)
-
-
-def test_equation_9_leaves_curvature_and_rigidity_of_the_cells_unchanged():
-    """More cells of the same kind change neither curvature nor rigidity."""
-    for ratio in (0.64, 1.0, 1.8):
-        other = scaled_arm(REFERENCE, length=ratio * 112.0, pressure=24.0)
-        assert other.kappa_0 == pytest.approx(REFERENCE.kappa_0)
-        assert other.law.alpha2 == pytest.approx(340.0)
-        assert other.law.d == 13.0
-
-
-def test_equation_10_limits():
-    """A rigid body for short arms, a string for long ones."""
-    lengths = np.array([14.0, 112.0, 1e4, 1e6])
-    rigidities = [scaled_arm(REFERENCE, length=length, pressure=30.0).law.alpha2 for length in lengths]
-    hats = np.array(rigidities) / (REFERENCE.weight * lengths**2)
-    assert hats * lengths**2 == pytest.approx(hats[1] * 112.0**2)
-    assert hats[-1] < 1e-7 < 1.0 < hats[0]
-
-
 @pytest.mark.parametrize(
     ("call", "sentence"),
     [
@@ -207,10 +180,6 @@ def test_equation_10_limits():
             lambda: dataclasses.replace(ROD, theta0=ROD.theta0[:1]),
             r"Every pressure of a rod needs its five parameters, its theta0",
         ),
-        (lambda: scaled_arm(REFERENCE, length=10.0, pressure=24.0), r"The boundary zone of 13 mm is longer"),
-        (lambda: scaled_arm(REFERENCE, length=-1.0, pressure=24.0), r"must be positive"),
-        (lambda: scaled_arm(REFERENCE, length=112.0, pressure=120.0), r"alpha1 is a rigidity"),
-        (lambda: dataclasses.replace(REFERENCE, weight=0.0), r"The reference weight must be positive"),
     ],
 )
 def test_impossible_requests_are_refused(call, sentence):

@@ -15,11 +15,9 @@ from rod import (
     Rod,
     RodError,
     cell_averaged,
-    gaussian_process,
     identify,
     is_clear,
     moment_from_load,
-    shared_smoothing,
     shortest_break,
     too_few_pitches,
 )
@@ -37,13 +35,6 @@ ONE = FiveParameters(200.0, 200.0, 0.0, 0.0, 11.0)
 def by_cells(arm, seed=0):
     free, loaded, load = arm.curves(seed)
     return cell_averaged(free, arm.pitch), cell_averaged(loaded, arm.pitch), moment_from_load(loaded, load)
-
-
-def by_process(arm, seed=0):
-    free, loaded, load = arm.curves(seed)
-    smoothing = shared_smoothing([free, loaded], arm.pitch)
-    estimates = (gaussian_process(c, smoothing) for c in (free, loaded))
-    return *estimates, moment_from_load(loaded, load)
 
 
 @pytest.mark.parametrize("law", [MEETING, STEP])
@@ -70,11 +61,10 @@ def test_cells_find_the_parameters_despite_a_ripple(law):
     assert identified.law.alpha1 == pytest.approx(law.alpha1, rel=0.02)
 
 
-@pytest.mark.parametrize("data", [by_cells, by_process])
 @pytest.mark.parametrize("law", [MEETING, STEP])
-def test_two_lines_are_found_with_their_break_at_the_soft_cell(data, law):
+def test_two_lines_are_found_with_their_break_at_the_soft_cell(law):
     arm = SyntheticArm(law, ripple=0.2, compliance_ripple=0.1, phase=0.7, noise=0.003)
-    identified = identify(*data(arm), bootstrap=Bootstrap(100))
+    identified = identify(*by_cells(arm), bootstrap=Bootstrap(100))
     assert identified.two_lines
     assert 0.05 <= identified.law.d / arm.length <= 0.15
     assert identified.law.alpha2 == pytest.approx(law.alpha2, rel=0.03)
@@ -83,14 +73,12 @@ def test_two_lines_are_found_with_their_break_at_the_soft_cell(data, law):
         assert number.low <= number.value <= number.high, name
 
 
-@pytest.mark.parametrize("data", [by_cells, by_process])
-def test_one_line_is_found_where_there_is_one(data):
+def test_one_line_is_found_where_there_is_one():
     arm = SyntheticArm(ONE, ripple=0.2, compliance_ripple=0.15, phase=0.7, noise=0.003)
-    identified = identify(*data(arm), bootstrap=Bootstrap(100))
+    identified = identify(*by_cells(arm), bootstrap=Bootstrap(100))
     assert not identified.two_lines
     assert identified.single_line.alpha.value == pytest.approx(200.0, rel=0.02)
-    if data is by_cells:
-        assert identified.single_line.alpha.low <= 200.0 <= identified.single_line.alpha.high
+    assert identified.single_line.alpha.low <= 200.0 <= identified.single_line.alpha.high
 
 
 def test_nearly_one_line_stays_one_line():

@@ -6,17 +6,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rod import Bootstrap, Extension, FiveParameters, Load, LoadedShape, Rod, compile_kernels, fit_rod
+from rod import Extension, FiveParameters, Rod, compile_kernels
 from rod.arm_law import integration
 from rod.arm_law.record import law_from_record, law_record
-from rod.mechanics import linearised, shooting
+from rod.mechanics import shooting
 from tests.rod.arm_law.test_arm_law import law_of, straight_law
-from tests.synthetic_arm import SyntheticArm
 
 KERNELS = {
     "sweep": shooting.sweep,
     "converge": shooting.converge,
-    "linearised": linearised.integrate,
     "arm law": integration.converge,
 }
 FIVE = FiveParameters(190.0, 400.0, -0.1, 0.5, 7.3)
@@ -47,11 +45,6 @@ def test_nothing_is_compiled_once_a_run_has_begun(compiled: dict[str, list[str]]
     ):
         for load in loads:
             rod.solve(**load)
-    arm = SyntheticArm(FIVE, ripple=0.2, noise=0.001)
-    for weight in ((0.0, 0.0), (4e-4, -1.5e-3)):
-        free, loaded, load = arm.curves(1)
-        shape = LoadedShape(free, loaded, Load(load.force, 0.5, weight), arm.pitch)
-        fit_rod(shape, [FIVE], bootstrap=Bootstrap(draws=3))
     cell, clamp, tip = straight_law(5.0)
     repeated = replace(clamp, offset=np.broadcast_to(np.zeros(2), (9, 2)))
     by_columns = replace(tip, acts_at=np.asfortranarray(tip.acts_at))

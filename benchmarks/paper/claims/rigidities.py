@@ -22,9 +22,9 @@ from benchmarks.paper.claims.common import (
 )
 from benchmarks.paper.data import ARMS, LAWS, Data, above
 from benchmarks.paper.estimates import DEFAULT, control, process
+from benchmarks.paper.free_lines import Subtracted
 from benchmarks.paper.measures import line
 from benchmarks.paper.reading import Claim, Reading
-from rod.identification.paper import Subtracted
 
 #: what is subtracted before the process of `paper_process`; its default first
 SUBTRACTED: tuple[Subtracted, ...] = ("chord", "chord and mean", "mean")

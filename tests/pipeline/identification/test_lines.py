@@ -7,8 +7,7 @@ import pytest
 
 from pipeline.identification import mesh_error
 from pipeline.identification import parameters as identification
-from pipeline.identification.lines import choices, counts_as_equal_cells
-from pipeline.identification.parameters import Parameters, identify_all
+from pipeline.identification.parameters import Parameters, choices, counts_as_equal_cells, identify_all
 
 
 @pytest.mark.parametrize(
@@ -62,12 +61,10 @@ def test_one_rigidity_holds_along_equal_cells_that_do_not_touch(
 ) -> None:
     # the numbers themselves do not matter here
     monkeypatch.setattr(identification, "identify", lambda *given, **keys: SimpleNamespace(evidence=4.0))
-    for name in ("cell_averaged", "shared_smoothing", "gaussian_process", "moment_about_neutral_axis"):
+    for name in ("cell_averaged", "moment_about_neutral_axis"):
         monkeypatch.setattr(identification, name, lambda *given, **keys: None)
     monkeypatch.setattr(identification, "extension", lambda *given: SimpleNamespace(eccentricity=0.0))
     monkeypatch.setattr(identification, "_moment_and_closure", lambda *given: (None, None))
-    monkeypatch.setattr(identification, "_closest_rod", lambda *given: None)
-    monkeypatch.setattr(identification, "LoadedShape", lambda *given: None)
     free, loaded = (
         SimpleNamespace(
             pressure_kPa=10.0,
@@ -92,7 +89,7 @@ def test_a_coarser_mesh_decides_by_the_contact_of_its_own_states(
 ) -> None:
     line = SimpleNamespace(alpha=SimpleNamespace(value=1.0), m0=SimpleNamespace(value=0.0))
     identified = iter([SimpleNamespace(single_line=line, law=None, evidence=evidence) for evidence in (-3.0, 20.0)])
-    monkeypatch.setattr(mesh_error, "numbers_of_cells", lambda *given: next(identified))
+    monkeypatch.setattr(mesh_error, "_lines_of", lambda *given: next(identified))
     monkeypatch.setattr(mesh_error, "_measured", lambda *given: {})
     monkeypatch.setattr(mesh_error, "PARAMETER_NAMES", ())
     record: Any = SimpleNamespace(effects=("self_contact",) if touching else ())
@@ -106,6 +103,7 @@ def test_a_coarser_mesh_decides_by_the_contact_of_its_own_states(
     )
     outcome = SimpleNamespace(at=lambda pressure: record)
     outcomes: Any = {"coarser_II": outcome, "coarser_III": outcome}
-    coarser, refused = mesh_error._on_coarser((fine, fine), outcomes)
+    numbers, two_lines, refused = mesh_error._on_coarser((fine, fine), outcomes)
     assert refused == ()
-    assert [at_pressure and at_pressure.two_lines for at_pressure in coarser] == [touching or not equal_cells] * 2
+    assert None not in numbers
+    assert two_lines == [touching or not equal_cells] * 2

@@ -6,7 +6,6 @@ from pathlib import Path
 import pytest
 
 from pipeline.report.law_range import moments_sentence, moments_table
-from pipeline.report.laws import law_rows, simplest_laws
 from pipeline.report.mesh_error import mesh_besides
 from pipeline.report.numbers import (
     NO_BREAK,
@@ -47,17 +46,17 @@ def columns(d_at_most: bool) -> dict[str, object]:
 
 def test_estimators_stand_side_by_side(tmp_path: Path) -> None:
     none = {name: [None] for name in columns(False)}
-    listed = {"cell_averaged": columns(True), "rod_fit": columns(False), "gaussian_process": none}
-    rows = estimators(results(tmp_path, parameters={"pressures_kPa": [17.0], **columns(True), "estimators": listed}))
+    content = {"pressures_kPa": [17.0], **columns(True), "estimators": {"cell_averaged": columns(True)}}
+    rows = estimators(results(tmp_path, parameters={**content, "predicted_by_arm_law": columns(False)}))
     assert [(row[0], row[1]) for row in rows] == [
         ("17", "cell averages"),
-        ("17", "rod fit"),
-        ("17", "Gaussian process"),
+        ("17", "cell averages of the rod with the arm's own law"),
     ]
     assert rows[0][2][0] == Cell("190.0 ± 0.5", "189.0 … 191.0")
     assert rows[0][2][4] == Cell("at most 5.6", "< 6.6 (95 %)")
     assert rows[1][2][4] == Cell("5.6 ± 0.5", "4.6 … 6.6")
-    assert rows[2][2][0] == Cell("-", "")
+    nothing = {**content, "predicted_by_arm_law": none}
+    assert estimators(results(tmp_path, parameters=nothing))[1][2][0] == Cell("-", "")
 
 
 def test_a_single_line_has_no_break(tmp_path: Path) -> None:
@@ -327,51 +326,6 @@ def test_a_load_without_a_rod_is_named(tmp_path: Path) -> None:
     lost = {**row("out", 0.0, None, "dead force 0, 9 N"), "distance_over_length": None, "reason": "The rod buckles."}
     assert under_all_loads(results(tmp_path, validation=[lost])) == [
         "The rod with five parameters, dead force 0, 9 N, 31 kPa: The rod buckles."
-    ]
-
-
-def test_the_simplest_law_is_named(tmp_path: Path) -> None:
-    rows = [
-        {
-            "pressure_kPa": 17.0,
-            "law": "one line",
-            "numbers": 2,
-            "in_sample": 0.1,
-            "out_of_sample": 0.1,
-            "simplest": True,
-        },
-        {
-            "pressure_kPa": 17.0,
-            "law": "contact",
-            "numbers": 4,
-            "in_sample": 0.1,
-            "out_of_sample": 9.0,
-            "simplest": False,
-        },
-    ]
-    given = results(tmp_path, laws=rows)
-    assert law_rows(given)[0] == ["17", "one line", "2", "10 %", "10 %"]
-    assert simplest_laws(given) == [
-        "At 17 kPa the simplest law that predicts the other loads as well as any is “one line” with 2 parameters."
-    ]
-
-
-@pytest.mark.parametrize(("single", "explained"), [(True, True), (False, False)])
-def test_the_simplest_law_is_connected_to_the_lines_of_the_rod(tmp_path: Path, single: bool, explained: bool) -> None:
-    laws = [
-        {"pressure_kPa": 17.0, "law": law, "numbers": n, "in_sample": 0.1, "out_of_sample": 0.1, "simplest": n == 3}
-        for law, n in (("two slopes", 3), ("five parameters", 5))
-    ]
-    parameters = {"pressures_kPa": [17.0], **columns(False), "single_line_suffices": [single]}
-    given = results(tmp_path, laws=laws, parameters=parameters)
-    assert [cells[1] for cells in law_rows(given)] == ["two slopes, no offsets", "five parameters, free offsets"]
-    why = (
-        ", although the rod has a single line there: its lines are chosen from experiment III, "
-        "these laws are compared by the other loads"
-    )
-    assert simplest_laws(given) == [
-        "At 17 kPa the simplest law that predicts the other loads as well as any is “two slopes, no offsets” with 3 "
-        f"parameters{why if explained else ''}."
     ]
 
 

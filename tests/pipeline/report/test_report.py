@@ -163,7 +163,7 @@ def test_the_contents_lead_to_every_section(finished: Path) -> None:
     html = render_report(finished)
     links, sections = re.findall(r'<a href="#(\w+)"', html), re.findall(r'<h2 id="(\w+)"', html)
     assert links == sections
-    assert len(sections) == 10
+    assert len(sections) == 9
 
 
 def test_the_report_begins_with_the_verdict(finished: Path) -> None:

@@ -104,19 +104,16 @@ def test_rows_out_of_sample_stand_behind_those_in_sample(results: Path) -> None:
         assert (row["force_error"] is not None) == (row["experiment"] == "III")
 
 
-def test_curves_and_laws_of_the_loads_are_kept(results: Path) -> None:
+def test_curves_of_the_loads_are_kept(results: Path) -> None:
     with (results / "validation_curves.csv").open(encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
     assert {row["experiment"] for row in rows} == {"II", "III", "dead"}
     assert all(row["rod_x_mm"] for row in rows)
-    laws = read(results, "laws.json")
-    assert {law["law"] for law in laws} >= {"one line", "two slopes", "five parameters"}
-    assert sum(law["simplest"] for law in laws) == len({law["pressure_kPa"] for law in laws})
 
 
-def test_parameters_show_three_estimators_with_intervals(results: Path) -> None:
+def test_parameters_have_intervals(results: Path) -> None:
     parameters = read(results, "parameters.json")
-    assert set(parameters["estimators"]) == {"cell_averaged", "gaussian_process", "rod_fit"}
+    assert set(parameters["estimators"]) == {"cell_averaged"}
     count = len(parameters["pressures_kPa"])
     for columns in parameters["estimators"].values():
         for value, (low, high) in zip(columns["alpha2_N_mm2"], columns["alpha2_N_mm2_95"], strict=True):
@@ -130,9 +127,9 @@ def test_parameters_show_three_estimators_with_intervals(results: Path) -> None:
             assert parameters["alpha1_N_mm2"][index] == parameters["alpha2_N_mm2"][index]
 
 
-def test_the_report_shows_loads_laws_and_estimators(results: Path) -> None:
+def test_the_report_shows_loads_and_two_lines(results: Path) -> None:
     html = (results / "report.html").read_text(encoding="utf-8")
-    for text in ("The same parameters by other methods", "rod fit", "Why free offsets fail", "end at +3 mm"):
+    for text in ("Two lines at every pressure", "end at +3 mm"):
         assert text in html
     assert "are linear in the pressure" in html or "There are no three neighbouring pressures" in html
     assert 'id="figure-validation"' in html

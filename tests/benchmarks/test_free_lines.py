@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
+from benchmarks.paper.free_lines import Subtracted, TestedCurves, paper_cells, paper_process
+from benchmarks.paper.free_lines import single_rigidity_control as control
 from geometry import Centreline
-from rod import FiveParameters, Rod, RodError, TestedCurves, TwoSlopes, paper_cells, paper_process
-from rod import single_rigidity_control as control
-from rod.identification.paper import Subtracted
+from rod import FiveParameters, Rod, RodError, TwoSlopes
 from tests.synthetic_arm import SyntheticArm
 
 LENGTH, PITCH = 112.0, 10.0
