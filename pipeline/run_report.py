@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from math import isfinite
 from pathlib import Path
 
-from pipeline.accuracy.plan import Plan, Review
+from pipeline.accuracy.plan import Estimate, Plan
 from pipeline.cell.of_run import LawOfRun
 from pipeline.config.config import Config
 from pipeline.errors import RunFailed
@@ -25,7 +25,7 @@ class ReviewedPlan:
     """The discretisation chosen for a requested accuracy, and the error estimated after the run."""
 
     plan: Plan
-    review: Review | None  #: None where no state was reached
+    review: Estimate | None  #: None where no state was reached
 
     @property
     def sentence(self) -> str:

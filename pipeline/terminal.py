@@ -7,7 +7,7 @@ from rich.table import Table
 from rich.text import Text
 
 from geometry import Body
-from pipeline.accuracy.record import ConvergenceStudy
+from pipeline.accuracy.study import ConvergenceStudy
 from pipeline.accuracy.table import COLUMNS as STUDY_COLUMNS
 from pipeline.accuracy.table import cells
 from pipeline.cell.build import MeasuredLaw

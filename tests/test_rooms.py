@@ -41,7 +41,10 @@ DOORS: dict[str, set[str]] = {
     "numba": {"fem/kernels/", "rod/compiled.py", "pipeline/doctor.py"},
     "ipctk": {"fem/effects/contact.py"},
     "pypardiso": {"fem/equations/pardiso.py"},
-    "pydantic": {"pipeline/config/kinds.py", "pipeline/config/schema.py", "pipeline/sweep/spec.py"},
+    "pydantic": {
+        *("pipeline/config/kinds.py", "pipeline/config/schema.py", "pipeline/sweep/spec.py"),
+        *("pipeline/accuracy/planning.py", "pipeline/accuracy/run.py"),
+    },
     "pint": {"pipeline/config/units.py"},
     "yaml": {"pipeline/config/document.py"},
     "pyvista": {"pipeline/drawing/pictures.py"},

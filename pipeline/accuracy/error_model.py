@@ -10,14 +10,11 @@ docs/accuracy.md compares estimates with true errors.
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
-from pipeline.accuracy.result import HEADLINE, Headline, RodNumbers
+from pipeline.accuracy.measure import HEADLINE, RIGIDITY, RodNumbers
 
-#: the number whose identification may be less certain than the mesh
-RIGIDITY = "alpha2_N_mm2"
 #: bounds of the order with which the energy of the error falls with the mesh size: at a re-entrant edge stresses grow
 #: at most as r^(-1/2), and in a smooth body the strain of quadratic elements converges with order 2
 SLOWEST, FASTEST = 1.0, 4.0
@@ -27,34 +24,13 @@ MIN_RATIO = 0.25
 
 
 @dataclass(frozen=True)
-class SolvedMesh:
-    """The headline numbers of one mesh at one pressure."""
-
-    numbers: Headline
-    alpha2_std_N_mm2: float
-    two_lines: bool  #: whether alpha2 is the second rigidity of two lines, not that of a single line
-    stress_error: float  #: error indicator, see `fem.stress_error`
-
-    @staticmethod
-    def of(numbers: RodNumbers) -> "SolvedMesh":
-        """The part of the numbers that the model needs."""
-        return SolvedMesh(numbers.headline, numbers.alpha2_std_N_mm2, numbers.has_two_lines, numbers.stress_error)
-
-
-@dataclass(frozen=True)
 class Pilot:
     """A coarse mesh that is solved before the run."""
 
     size_mm: float
     degrees_of_freedom: int
     cpu_seconds: float
-    solved: SolvedMesh
-
-    @staticmethod
-    def read(record: Mapping[str, Any]) -> "Pilot":
-        """From JSON."""
-        solved = {**record["solved"], "numbers": Headline(**record["solved"]["numbers"])}
-        return Pilot(**{**record, "solved": SolvedMesh(**solved)})
+    numbers: RodNumbers
 
 
 @dataclass(frozen=True)
@@ -67,15 +43,15 @@ class MeshErrorModel:
     ratios: Mapping[str, float]  #: error over the indicator, by the names of `HEADLINE`
 
     @staticmethod
-    def fit(coarse: Pilot, fine: Pilot, run: SolvedMesh | None = None) -> "MeshErrorModel":
+    def fit(coarse: Pilot, fine: Pilot, run: RodNumbers | None = None) -> "MeshErrorModel":
         """From two pilots, and from the run they were solved for, at the same pressure.
 
         The order is that of the pilots' indicators within `SLOWEST` and `FASTEST`.
         """
         refinement = coarse.size_mm / fine.size_mm
-        order = math.log(coarse.solved.stress_error / fine.solved.stress_error) / math.log(refinement)
+        order = math.log(coarse.numbers.stress_error / fine.numbers.stress_error) / math.log(refinement)
         order = min(max(order, SLOWEST), FASTEST)
-        meshes, indicator = [coarse.solved, fine.solved], fine.solved.stress_error
+        meshes, indicator = [coarse.numbers, fine.numbers], fine.numbers.stress_error
         indicators = [indicator * refinement**order, indicator]
         if run is not None:
             meshes.append(run)
@@ -95,7 +71,7 @@ class MeshErrorModel:
         return float(self.size_mm * (error / max(self.at(self.size_mm).values())) ** (1.0 / self.order))
 
 
-def _ratios(indicators: Sequence[float], meshes: Sequence[SolvedMesh]) -> dict[str, float]:
+def _ratios(indicators: Sequence[float], meshes: Sequence[RodNumbers]) -> dict[str, float]:
     """Errors over the indicator, by the names of `HEADLINE`.
 
     Meshes may agree on a number by chance, so no ratio is below the root mean square over kappa_0 and F, and that not
@@ -105,27 +81,26 @@ def _ratios(indicators: Sequence[float], meshes: Sequence[SolvedMesh]) -> dict[s
     """
     ratios = {name: _ratio(name, indicators, meshes) for name in HEADLINE if name != RIGIDITY}
     usual = max(MIN_RATIO, math.sqrt(sum(ratio**2 for ratio in ratios.values()) / len(ratios)))
-    comparable = [index for index, mesh in enumerate(meshes) if mesh.two_lines == meshes[-1].two_lines]
+    comparable = [index for index, mesh in enumerate(meshes) if mesh.has_two_lines == meshes[-1].has_two_lines]
     ratios[RIGIDITY] = _of_rigidity([indicators[i] for i in comparable], [meshes[i] for i in comparable])
     return {name: max(ratios[name], usual) for name in HEADLINE}
 
 
-def _of_rigidity(indicators: Sequence[float], meshes: Sequence[SolvedMesh]) -> float:
+def _of_rigidity(indicators: Sequence[float], meshes: Sequence[RodNumbers]) -> float:
     """The ratio of alpha2 from meshes with equally many lines; zero where these tell nothing about it."""
     if len(meshes) < 2:
         return 0.0
     ratio = _ratio(RIGIDITY, indicators, meshes)
-    deviations = [mesh.alpha2_std_N_mm2 / mesh.numbers.alpha2_N_mm2 for mesh in meshes]
-    of_difference = math.sqrt(2.0 * sum(deviation**2 for deviation in deviations) / len(deviations))
+    of_difference = math.sqrt(2.0 * float(np.mean([mesh.alpha2_relative_std**2 for mesh in meshes])))
     return ratio if ratio * float(np.ptp(indicators)) > 2.0 * of_difference else 0.0
 
 
-def _ratio(name: str, indicators: Sequence[float], meshes: Sequence[SolvedMesh]) -> float:
+def _ratio(name: str, indicators: Sequence[float], meshes: Sequence[RodNumbers]) -> float:
     """Slope of the straight line through a number of two or three meshes over the indicator, relative to that of the
     last mesh, and the standard deviation of three from the line. Meshes have the inverse of their indicator as weight.
     """
     weights, freedom = 1.0 / np.array(indicators), max(len(meshes) - 2, 1)
-    values = np.array([mesh.numbers.by_name()[name] for mesh in meshes])
+    values = np.array([getattr(mesh, name) for mesh in meshes])
     relative = values / values[-1]
     line = np.polyfit(indicators, relative, 1, w=weights)
     residuals = weights * (relative - np.polyval(line, indicators))

@@ -8,7 +8,7 @@ from pipeline.config.config import Config, Newton
 
 #: mesh sizes over that of the configuration by grading
 SIZES = {"off": (1.5, 1.25, 1.0, 0.75, 0.6), "walls": (1.5, 1.25, 1.0, 0.75, 0.5)}
-#: the same for elements that lock on every mesh: fewer, without grading. p1 has a sixth of the unknowns of p2 on a mesh
+#: sizes for elements that lock on every mesh: fewer, without grading. p1 has a sixth of the unknowns of p2 on a mesh
 #: and half the nodes on the material curve, too few for the cells of the arms at 1.5
 LOCKING: dict[int, tuple[float, ...]] = {2: (1.5, 1.0, 0.6), 1: (1.0, 0.5, 0.25)}
 #: further sizes of the series that converges fastest, from which the reference is extrapolated
@@ -38,10 +38,10 @@ class Rung:
         return self.series == mesh_series(self.config)
 
     @property
-    def folder(self) -> str:
-        """Its name in file names: mixed_graded_to_walls_3."""
-        name = "".join(letter for letter in self.series.replace(" ", "_") if letter.isalnum() or letter == "_")
-        return f"{name}_{self.value:.6g}"
+    def name(self) -> str:
+        """For a file: mixed_graded_to_walls_3."""
+        series = "".join(letter for letter in self.series.replace(" ", "_") if letter.isalnum() or letter == "_")
+        return f"{series}_{self.value:.6g}"
 
 
 def mesh_series(config: Config) -> str:

@@ -1,21 +1,19 @@
-"""The measurement of the convergence study: II and III of one configuration, with seconds and memory.
+"""II and III of one configuration: the identified numbers, and what they cost in seconds and memory.
 
-It runs in a process of its own, so that its peak of memory is its own.
+A measurement runs in a process of its own, so that its peak of memory is its own.
 """
 
-import resource
 from collections.abc import Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from time import perf_counter
+from time import perf_counter, process_time
 
 import numpy as np
 
 from fem import compile_kernels
-from geometry import Body, Centreline
+from geometry import Centreline
 from pipeline.accuracy.ladder import Rung
-from pipeline.accuracy.result import Cost, RodNumbers, RungResult
 from pipeline.context import RunContext
 from pipeline.errors import InputError, RunFailed
 from pipeline.identification.parameters import Parameters, counts_as_equal_cells, identify_all
@@ -25,32 +23,117 @@ from pipeline.simulation.scene import Scene, material_of
 from pipeline.simulation.simulate import simulate
 from pipeline.store.store import open_store
 
+#: the number whose meaning depends on whether the law has one slope or two
+RIGIDITY = "alpha2_N_mm2"
+#: the numbers whose largest relative error counts as the error of a configuration
+HEADLINE = ("kappa_0_per_mm", RIGIDITY, "force_N")
+#: stages of a measurement
+STAGES = ("mesh", "set_up", "assembly", "factorization", "contact", "fit")
 
-def measure(rung: Rung) -> RungResult:
+
+@dataclass(frozen=True)
+class RodNumbers:
+    """What II and III at one pressure give."""
+
+    pressure_kPa: float
+    stride: int  #: identified from every so many-th node of the material curve
+    fit_seconds: float
+    points: int  #: nodes of the material curve that were used
+    kappa_0_per_mm: float  #: at half the length, from II
+    alpha1_N_mm2: float
+    alpha2_N_mm2: float
+    d_mm: float | None  #: None where a single line suffices, which has no break
+    force_N: float  #: y component of the end force of III
+    end_mm: tuple[float, float]  #: x and y of the end in II
+    alpha2_std_N_mm2: float
+    stress_error: float  #: the larger error indicator of the two states (`fem.stress_error`)
+
+    @property
+    def headline(self) -> dict[str, float]:
+        """The numbers whose error counts, by the names of `HEADLINE`."""
+        return {name: getattr(self, name) for name in HEADLINE}
+
+    @property
+    def has_two_lines(self) -> bool:
+        """Whether the law has two slopes."""
+        return self.d_mm is not None
+
+    @property
+    def alpha2_relative_std(self) -> float:
+        """Relative standard deviation of alpha2 from its identification."""
+        return self.alpha2_std_N_mm2 / self.alpha2_N_mm2
+
+
+@dataclass(frozen=True)
+class Cost:
+    """What a configuration costs with one thread."""
+
+    wall_seconds: float
+    cpu_seconds: float
+    seconds: Mapping[str, float]  #: wall time by the names of `STAGES`
+    peak_memory_MB: float
+    degrees_of_freedom: int
+    tetrahedra: int
+    radius_ratio: float  #: the smallest of all tetrahedra
+    factorizations: int
+
+
+@dataclass(frozen=True)
+class Measured:
+    """Numbers and cost of one configuration."""
+
+    failure: str  #: empty, or sentences
+    numbers: tuple[RodNumbers, ...]
+    cost: Cost | None  #: None where the body could not be meshed or no experiment could be started
+
+    def of_stride(self, stride: int) -> tuple[RodNumbers, ...]:
+        """The numbers from every `stride`-th node, one per pressure that was reached."""
+        return tuple(numbers for numbers in self.numbers if numbers.stride == stride)
+
+    def at(self, pressure_kPa: float) -> RodNumbers | None:
+        """The numbers at one pressure from all nodes, None where it was not reached."""
+        return next((numbers for numbers in self.of_stride(1) if numbers.pressure_kPa == pressure_kPa), None)
+
+
+def measure(rung: Rung) -> Measured:
     """Solve II and III and identify the numbers, from all nodes of the material curve and from every n-th."""
     compile_kernels(rung.config.mesh.formulation, material_of(rung.config))
-    start, cpu = perf_counter(), _cpu_seconds()
+    start, cpu = perf_counter(), process_time()
     try:
         scene = Scene.meshed(rung.config)
         meshed = perf_counter() - start
         with TemporaryDirectory() as folder, open_store(Path(folder), rung.config) as store:
             outcomes = simulate(scene, RunContext.alone(store, Silent()), ("III", "II"))
     except (InputError, RunFailed) as failure:
-        return RungResult(str(failure), (), None)
-    fit_start, d = perf_counter(), rung.config.identification.d_mm
-    equal = counts_as_equal_cells(rung.config.design)
-    parameters, failures = identify_all(outcomes, scene.body.pitch, d, equal_cells=equal)
-    fit = perf_counter() - fit_start
-    seconds = {"mesh": meshed, **_stages(outcomes), "fit": fit}
-    cost = _cost(perf_counter() - start, _cpu_seconds() - cpu, seconds, scene.body, outcomes)
-    failures = (*(f"{outcome.name}: {outcome.failure.reason}" for outcome in outcomes if outcome.failure), *failures)
-    numbers = [numbers_of(at_pressure, 1, fit) for at_pressure in parameters]
+        return Measured(str(failure), (), None)
+    failures = [f"{outcome.name}: {outcome.failure.reason}" for outcome in outcomes if outcome.failure]
+    numbers, failed = _identified(scene, outcomes, 1)
+    failures += failed
+    cost = Cost(
+        wall_seconds=perf_counter() - start,
+        cpu_seconds=process_time() - cpu,
+        seconds={"mesh": meshed, **_solver_seconds(outcomes), "fit": numbers[0].fit_seconds if numbers else 0.0},
+        peak_memory_MB=_peak_memory_MB(),
+        degrees_of_freedom=outcomes.degrees_of_freedom,
+        tetrahedra=len(scene.body.mesh.tets),
+        radius_ratio=scene.body.mesh.quality.minimum,
+        factorizations=outcomes.factorizations,
+    )
     for stride in rung.strides[1:]:
-        fit_start = perf_counter()
-        thinned, failed = identify_all(_thinned(outcomes, stride), scene.body.pitch, d, equal_cells=equal)
-        numbers += [numbers_of(at_pressure, stride, perf_counter() - fit_start) for at_pressure in thinned]
-        failures += tuple(f"every {stride} points: {sentence}" for sentence in failed)
-    return RungResult("; ".join(failures), tuple(numbers), replace(cost, peak_memory_MB=_peak_memory_MB()))
+        thinned, failed = _identified(scene, _thinned(outcomes, stride), stride)
+        numbers += thinned
+        failures += [f"every {stride} points: {sentence}" for sentence in failed]
+    return Measured("; ".join(failures), tuple(numbers), cost)
+
+
+def _identified(scene: Scene, outcomes: Outcomes, stride: int) -> tuple[list[RodNumbers], list[str]]:
+    """The numbers at every pressure, and a sentence for each that has none."""
+    start = perf_counter()
+    config = scene.config
+    equal = counts_as_equal_cells(config.design)
+    parameters, failures = identify_all(outcomes, scene.body.pitch, config.identification.d_mm, equal_cells=equal)
+    seconds = perf_counter() - start
+    return [numbers_of(at_pressure, stride, seconds) for at_pressure in parameters], list(failures)
 
 
 def numbers_of(parameters: Parameters, stride: int = 1, fit_seconds: float = 0.0) -> RodNumbers:
@@ -72,21 +155,8 @@ def numbers_of(parameters: Parameters, stride: int = 1, fit_seconds: float = 0.0
     )
 
 
-def _cost(wall: float, cpu: float, seconds: Mapping[str, float], body: Body, outcomes: Outcomes) -> Cost:
-    return Cost(
-        wall_seconds=wall,
-        cpu_seconds=cpu,
-        seconds=seconds,
-        peak_memory_MB=_peak_memory_MB(),
-        degrees_of_freedom=outcomes.degrees_of_freedom,
-        tetrahedra=len(body.mesh.tets),
-        radius_ratio=body.mesh.quality.minimum,
-        factorizations=outcomes.factorizations,
-    )
-
-
-def _stages(outcomes: Outcomes) -> dict[str, float]:
-    """Seconds of the solver by stage of `pipeline.accuracy.table.STAGES`."""
+def _solver_seconds(outcomes: Outcomes) -> dict[str, float]:
+    """Seconds of the solver by stage of `STAGES`."""
     seconds = outcomes.seconds_by_stage
     return {
         "set_up": seconds["set_up"] + seconds["analysis"],
@@ -99,21 +169,12 @@ def _stages(outcomes: Outcomes) -> dict[str, float]:
 def _thinned(outcomes: Outcomes, stride: int) -> Outcomes:
     """The outcomes with every `stride`-th node of their material curves, the last one always."""
 
-    def thinned(records: tuple[Record, ...]) -> tuple[Record, ...]:
-        return tuple(replace(record, centreline=_every(record.centreline, stride)) for record in records)
+    def thinned(record: Record) -> Record:
+        curve = record.centreline
+        kept = np.unique(np.append(np.arange(0, len(curve.s), stride), len(curve.s) - 1))
+        return replace(record, centreline=Centreline(curve.s[kept], curve.x[kept], curve.y[kept]))
 
-    return outcomes.with_records(thinned)
-
-
-def _every(curve: Centreline, stride: int) -> Centreline:
-    kept = np.unique(np.append(np.arange(0, len(curve.s), stride), len(curve.s) - 1))
-    return Centreline(curve.s[kept], curve.x[kept], curve.y[kept])
-
-
-def _cpu_seconds() -> float:
-    """User and system seconds of this process."""
-    used = resource.getrusage(resource.RUSAGE_SELF)
-    return used.ru_utime + used.ru_stime
+    return outcomes.with_records(lambda records: tuple(map(thinned, records)))
 
 
 def _peak_memory_MB() -> float:
@@ -122,4 +183,6 @@ def _peak_memory_MB() -> float:
     if status.is_file():  # ru_maxrss of a started process begins with that of its parent
         peak = next(line for line in status.read_text().splitlines() if line.startswith("VmHWM"))
         return round(int(peak.split()[1]) / 1024.0, 1)
+    import resource  # not on every system
+
     return round(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0, 1)

@@ -8,10 +8,9 @@ with the run as a third mesh give.
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 
-from pipeline.accuracy.error_model import MeshErrorModel, SolvedMesh
-from pipeline.accuracy.measure import numbers_of
+from pipeline.accuracy.error_model import MeshErrorModel
+from pipeline.accuracy.measure import HEADLINE, numbers_of
 from pipeline.accuracy.reference import NUMBERS
-from pipeline.accuracy.result import HEADLINE
 from pipeline.accuracy.sizes import Choice, Sizes
 from pipeline.config.config import Config, MeshSettings, Newton
 from pipeline.config.kinds import MOST_ACCURACY
@@ -36,6 +35,7 @@ class Estimate:
     estimated: Mapping[str, float]  #: error of the mesh by the names of `HEADLINE`, the largest over the pressures
     estimated_of_contact: float
     identification: float  #: largest relative standard deviation of α₂ without the mesh
+    indicator: Indicator | None = None  #: of the state of the run in which it is largest; None before the run
 
     @property
     def largest(self) -> float:
@@ -46,13 +46,6 @@ class Estimate:
         parts = ", ".join(f"{100 * error:.1f} % in {NUMBERS[name]}" for name, error in self.estimated.items())
         contact = f", plus {100 * self.estimated_of_contact:.1f} % from contact" if self.estimated_of_contact else ""
         return parts + contact
-
-
-@dataclass(frozen=True)
-class Review(Estimate):
-    """The errors as estimated from the states of the run."""
-
-    indicator: Indicator  #: of the state in which it is largest
 
 
 @dataclass(frozen=True)
@@ -76,45 +69,29 @@ class Plan:
         return self.choice.accuracy
 
     @property
-    def size_mm(self) -> float:
-        """Of the mesh of the run."""
-        return self.choice.size_mm
-
-    @property
-    def estimated_of_contact(self) -> float:
-        """The error due to the activation distance, as estimated before the run."""
-        return self.choice.estimated_of_contact
-
-    @property
-    def error_model(self) -> MeshErrorModel:
-        """How errors fall with the mesh, from the pilots alone."""
-        return self.sizes.model
-
-    @property
     def estimate(self) -> Estimate:
         """The errors as estimated before the run."""
-        fine = self.sizes.pilots[1].solved
-        identification = fine.alpha2_std_N_mm2 / fine.numbers.alpha2_N_mm2
-        return Estimate(self.error_model.at(self.size_mm), self.estimated_of_contact, identification)
+        errors = self.sizes.model.at(self.choice.size_mm)
+        return Estimate(errors, self.choice.estimated_of_contact, self.sizes.pilots[1].numbers.alpha2_relative_std)
 
     def applied(self, config: Config) -> Config:
         """The configuration with this discretisation."""
-        mesh = MeshSettings(self.size_mm, self.formulation, config.mesh.coarser, self.grading)
+        mesh = MeshSettings(self.choice.size_mm, self.formulation, config.mesh.coarser, self.grading)
         config = replace(config, mesh=mesh, newton=Newton(self.newton_tolerance))
         return config.with_contact_distance(self.choice.contact_dhat_mm)
 
-    def is_reached(self, review: Review | None) -> bool:
+    def is_reached(self, review: Estimate | None) -> bool:
         """Whether the errors are estimated to be within the request, and the estimate is reliable."""
         present = review or self.estimate
-        return present.largest <= self.requested and not self._doubt(present)
+        return present.largest <= self.requested and not self._doubts(present)
 
-    def record(self, review: Review | None) -> JsonObject:
+    def record(self, review: Estimate | None) -> JsonObject:
         """The part of run.json about it."""
         before, finer = self.estimate, self._finer(review)
         return {
             "requested": self.requested,
             "is_reached": self.is_reached(review),
-            "size_mm": self.size_mm,
+            "size_mm": self.choice.size_mm,
             "size_was_given": self.size_was_given,
             "replaced": self.replaced,
             "formulation": self.formulation,
@@ -126,13 +103,16 @@ class Plan:
                     "size_mm": pilot.size_mm,
                     "degrees_of_freedom": pilot.degrees_of_freedom,
                     "cpu_seconds": pilot.cpu_seconds,
-                    **asdict(pilot.solved),
+                    "numbers": pilot.numbers.headline,
+                    "alpha2_std_N_mm2": pilot.numbers.alpha2_std_N_mm2,
+                    "two_lines": pilot.numbers.has_two_lines,
+                    "stress_error": pilot.numbers.stress_error,
                 }
                 for pilot in self.sizes.pilots
             ],
             "pilots_kPa": self.pilots_kPa,
             "turn_rad": self.turn_rad,
-            "order": self.error_model.order,
+            "order": self.sizes.model.order,
             "choices": [
                 {**asdict(choice), "is_reached": choice.is_reached} for choice in self.sizes.compared(self.requested)
             ],
@@ -145,119 +125,97 @@ class Plan:
             "sentence": self.sentence(review),
         }
 
-    def sentence(self, review: Review | None) -> str:
+    def sentence(self, review: Estimate | None) -> str:
         """Requested accuracy, discretisation and estimated errors, for the terminal and the report."""
-        given = " (mesh.size was given and is kept)" if self.size_was_given else ""
-        if self.replaced:
-            given += f" (instead of {' and '.join(self.replaced)}: the estimates hold for these elements alone)"
+        kept = " (given)" if self.size_was_given else ""
+        instead = f" instead of {' and '.join(self.replaced)}" if self.replaced else ""
         graded = "of one size" if self.grading == "off" else f"graded to {self.grading}"
-        sentences = [
-            f"requested accuracy {100 * self.requested:g} %: element {self.formulation}, {graded}, "
-            f"mesh size {self.size_mm:.3g} mm{given}",
-            *self._tolerance(),
-            f"errors estimated before the run: {self.estimate}",
-        ]
-        if review:
-            sentences.append(
-                f"errors estimated from the error indicator of the run: {review} (the indicator is largest "
-                f"{review.indicator.location()})"
-            )
         present = review or self.estimate
-        doubt = self._doubt(present)
-        reached = (
-            "is not reached" if present.largest > self.requested else "may not be reached" if doubt else "is reached"
-        )
-        sentences += [f"the requested accuracy {reached}", *([doubt] if doubt else [])]
+        doubts = self._doubts(present)
+        reached = "may not be reached" if doubts else "is reached"
+        parts = [
+            f"requested accuracy {100 * self.requested:g} %: element {self.formulation}, {graded}{instead}, mesh size "
+            f"{self.choice.size_mm:.3g} mm{kept}"
+        ]
+        if self.newton_given is not None:
+            parts.append(f"newton.tolerance {self.newton_tolerance:g} (given: {self.newton_given:g})")
+        parts.append(f"errors estimated before the run: {self.estimate}")
+        if review and review.indicator:
+            parts.append(f"after it: {review} (the error indicator is largest {review.indicator.location()})")
+        parts += [
+            f"the requested accuracy {'is not reached' if present.largest > self.requested else reached}",
+            *doubts,
+        ]
         if present.identification > self.requested:
-            sentences.append(
-                f"the identification of α₂ alone is uncertain by ± {100 * present.identification:.2g} %, on every mesh"
-            )
-        return "; ".join(sentences)
+            parts.append(f"the identification of α₂ is uncertain by ± {100 * present.identification:.2g} % on any mesh")
+        return "; ".join(parts)
 
     def announcement(self, config: Config) -> str:
         """What the run will take and what other accuracies would, in one sentence before it begins."""
-        own = f"mesh size {self.size_mm:.3g} mm, {self.choice.cost(config)}"
-        if config.law == "both":
-            own += ", the arm's own law several times as much"
-        doubt = self._doubt(self.estimate)
+        law = ", the arm's own law several times as much" if config.law == "both" else ""
         less = "" if self.choice.is_reached else ", which is more than requested"
-        return (
-            f"accuracy {100 * self.requested:g} %: {own} with one worker process; estimated errors: "
-            f"{self.estimate}{less}{f'; {doubt}' if doubt else ''}; {self._table(config)}"
-        )
+        return "; ".join((
+            f"accuracy {100 * self.requested:g} %: mesh size {self.choice.size_mm:.3g} mm, {self.choice.cost(config)}"
+            f"{law}, with one worker process",
+            f"estimated errors: {self.estimate}{less}",
+            *self._doubts(self.estimate),
+            self._table(config),
+        ))  # fmt: skip
 
     def check(self, config: Config) -> None:
         """Raise InputError where the size was to be chosen and none reaches the request."""
         if self.size_was_given or self.choice.is_reached:
             return
         best = self.sizes.best_accuracy
-        ask = (
-            f"request {100 * best:.3g} % or more"
-            if best <= MOST_ACCURACY
-            else f"not even {100 * MOST_ACCURACY:g} % can be reached; leave accuracy out"
-        )
-        doubt = self._doubt(self.estimate)
+        ask = f"request {100 * best:.3g} % or more" if best <= MOST_ACCURACY else "leave accuracy out"
+        doubts = "".join(f" ({doubt})" for doubt in self._doubts(self.estimate))
         raise InputError(
-            f"{config.source}: accuracy: {100 * self.requested:g} % cannot be reached: with {self.size_mm:.3g} mm, the "
-            f"smallest size that is tried, the estimated errors are {self.estimate}{f' ({doubt})' if doubt else ''}; "
-            f"{ask}, or give mesh.size, whose error is estimated then; {self._table(config)}"
+            f"{config.source}: accuracy: {100 * self.requested:g} % cannot be reached: with "
+            f"{self.choice.size_mm:.3g} mm, the smallest size that is tried, the estimated errors are {self.estimate}"
+            f"{doubts}; {ask}, or give mesh.size; {self._table(config)}"
         )
 
     def _table(self, config: Config) -> str:
         """Accuracies and what they take, in words."""
-        rows = [
-            f"{100 * choice.accuracy:g} %: {choice.size_mm:.3g} mm, {choice.cost(config)}"
-            if choice.is_reached
-            else f"{100 * choice.accuracy:g} %: not reached with any size that is tried"
-            for choice in self.sizes.compared(self.requested)
-        ]
         best = self.sizes.best_accuracy
-        if best <= MOST_ACCURACY:
-            finest = self.sizes.choice(best)
-            rows.append(f"{100 * best:.3g} %, the least: {finest.size_mm:.3g} mm, {finest.cost(config)}")
-        return f"sizes and cost by accuracy: {'; '.join(rows)}"
+        finest = [self.sizes.choice(best)] if best <= MOST_ACCURACY else []
+        rows = [
+            f"{100 * choice.accuracy:.3g} %: {choice.size_mm:.3g} mm, {choice.cost(config)}"
+            if choice.is_reached
+            else f"{100 * choice.accuracy:.3g} %: not reached"
+            for choice in (*self.sizes.compared(self.requested), *finest)
+        ]
+        return f"sizes and cost by accuracy: {'; '.join(rows)}{' (the least)' if finest else ''}"
 
-    def _tolerance(self) -> list[str]:
-        """A clause on Newton's tolerance where the configuration gives one."""
-        given = self.newton_given
-        if given is None:
-            return []
-        kept = "as given" if given <= self.newton_tolerance else f"instead of {given:g}"
-        return [f"newton.tolerance {self.newton_tolerance:g}, {kept}"]
-
-    def _doubt(self, present: Estimate) -> str:
+    def _doubts(self, present: Estimate) -> list[str]:
         """Why an estimate is not reliable; empty where it is."""
         doubts = []
         if self.turn_rad < SMALLEST_TURN:
             doubts.append(
-                f"the arm hardly bends (at {self.pilots_kPa:g} kPa its curvature adds up to {self.turn_rad:.1g} rad "
-                "over the length), so that the estimate is not reliable; give higher pressures or thinner walls"
+                f"the arm hardly bends ({self.turn_rad:.1g} rad at {self.pilots_kPa:g} kPa), so the estimate is not "
+                "reliable; give higher pressures or thinner walls"
             )
         if present.largest > RELIABLE:
-            doubts.append(
-                f"errors above {100 * RELIABLE:g} % are not estimated reliably, because the pilots are too coarse for "
-                "this arm"
-            )
-        return "; ".join(doubts)
+            doubts.append(f"errors above {100 * RELIABLE:g} % are not estimated reliably")
+        return doubts
 
-    def _finer(self, review: Review | None) -> Choice | None:
+    def _finer(self, review: Estimate | None) -> Choice | None:
         """The size that would reach the request after all; None where it is reached, or where no smaller size would."""
         if review is None or review.largest <= self.requested:
             return None
         allowed = (self.requested - review.estimated_of_contact) / max(review.estimated.values())
         if allowed <= 0.0:
             return None
-        own = self.error_model.at(self.size_mm)
-        size = self.error_model.size_for(allowed * max(own.values()))
-        size = float(f"{size:.2g}")
-        if not self.sizes.smallest_mm <= size <= SMALLER * self.size_mm:
+        model = self.sizes.model
+        size = float(f"{model.size_for(allowed * max(model.at(self.choice.size_mm).values())):.2g}")
+        if not self.sizes.smallest_mm <= size <= SMALLER * self.choice.size_mm:
             return None
         return self.sizes.with_size(size, self.requested)
 
 
 def review(
     plan: Plan, outcomes: Outcomes, parameters: Sequence[Parameters], indicator: Indicator | None
-) -> Review | None:
+) -> Estimate | None:
     """The errors as estimated from the states of a run; None where there are none.
 
     A contact that never acted has no error.
@@ -266,16 +224,16 @@ def review(
         return None
     touched = any("self_contact" in record.effects for record in outcomes.records)
     rigidities = [at_pressure.numbers_without_mesh["alpha2"] for at_pressure in parameters]
-    models = [plan.error_model]
+    models = [plan.sizes.model]
     models += [
-        MeshErrorModel.fit(*plan.sizes.pilots, SolvedMesh.of(numbers_of(at_pressure)))
+        MeshErrorModel.fit(*plan.sizes.pilots, numbers_of(at_pressure))
         for at_pressure in parameters
         if at_pressure.pressure_kPa == plan.pilots_kPa
     ]
     estimates = [model.with_indicator(indicator.stress_error) for model in models]
-    return Review(
+    return Estimate(
         estimated={name: max(estimate[name] for estimate in estimates) for name in HEADLINE},
-        estimated_of_contact=plan.estimated_of_contact if touched else 0.0,
+        estimated_of_contact=plan.choice.estimated_of_contact if touched else 0.0,
         identification=max((alpha2.std / alpha2.value for alpha2 in rigidities), default=plan.estimate.identification),
         indicator=indicator,
     )

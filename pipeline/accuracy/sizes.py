@@ -85,9 +85,8 @@ class Sizes:
     def choice(self, accuracy: float) -> Choice:
         """The size for an accuracy, within the bounds."""
         _, of_contact = self.contact.within(CONTACT_FRACTION * accuracy)
-        of_mesh = max(
-            accuracy - of_contact, (1.0 - CONTACT_FRACTION) * accuracy
-        )  # a given distance may exceed its part
+        # a given distance may exceed its part
+        of_mesh = max(accuracy - of_contact, (1.0 - CONTACT_FRACTION) * accuracy)
         size = min(max(self.model.size_for(MESH_FRACTION * of_mesh), self.smallest_mm), self.largest_mm)
         return self.with_size(floor(100.0 * size) / 100.0, accuracy)
 

@@ -1,72 +1,160 @@
-"""The convergence study: error against seconds over meshes, elements, tolerances and contact distances."""
+"""The result of the convergence study: references, and per configuration its cost and its errors against them."""
 
-from dataclasses import dataclass, field
-from pathlib import Path
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, field, replace
 
-from pipeline.accuracy.figure import study_page
-from pipeline.accuracy.ladder import Rung, ladder
-from pipeline.accuracy.measure import measure
-from pipeline.accuracy.record import ConvergenceStudy, convergence_study
-from pipeline.accuracy.result import RungResult
+from pipeline.accuracy.ladder import CONTACT, POINTS, TOLERANCE, Rung, mesh_series
+from pipeline.accuracy.measure import Measured
+from pipeline.accuracy.reference import (
+    Errors,
+    Order,
+    References,
+    largest_error,
+    orders_along,
+    pareto_front,
+    references_at,
+)
 from pipeline.config.config import Config
-from pipeline.progress import Progress
-from pipeline.remaining_time import RemainingTime
-from pipeline.simulation.scene import Scene
-from pipeline.store.store import Store, open_store
-from pipeline.study import Study
+from pipeline.errors import RunFailed
+from pipeline.store.formats import FORMAT
+from pipeline.store.json_values import JsonObject
+from pipeline.store.provenance import provenance
 
 
-def run_study(config: Config, out: Path, jobs: int, fresh: bool, progress: Progress) -> ConvergenceStudy:
-    """Measure every rung that `out` does not hold yet; writes accuracy.json and accuracy.html.
+@dataclass(frozen=True)
+class StudyRow:
+    """One configuration: what varies, numbers and cost, and errors."""
 
-    Raises InputError for a body that cannot be meshed or a folder that cannot be used, and RunFailed where no pressure
-    was reached by enough rungs to extrapolate from.
+    series: str
+    value: float | None  #: what varies along the series; None for a thinned curve without numbers
+    result: Measured  #: with the numbers of one stride
+    errors: Mapping[float, Errors]  #: by pressure in kPa, as far as they were reached
+    largest_error: float | None  #: None where a pressure was not reached
+    on_front: bool = False  #: no other configuration is both cheaper and more accurate
+
+    @property
+    def point(self) -> tuple[float, float] | None:
+        """CPU seconds and largest error; None where one is missing."""
+        if self.result.cost is None or self.largest_error is None:
+            return None
+        return self.result.cost.cpu_seconds, self.largest_error
+
+    def record(self) -> JsonObject:
+        """As in accuracy.json."""
+        return {
+            "series": self.series,
+            "value": self.value,
+            "failure": self.result.failure,
+            **(asdict(self.result.cost) if self.result.cost else {}),
+            "numbers": [asdict(numbers) for numbers in self.result.numbers],
+            "headline": self.largest_error,
+            "errors": [{"pressure_kPa": pressure, **errors} for pressure, errors in self.errors.items()],
+            "on_front": self.on_front,
+        }
+
+
+@dataclass(frozen=True)
+class SeriesOrders:
+    """The orders of convergence of the headline numbers along one series of meshes, at one pressure."""
+
+    series: str
+    pressure_kPa: float
+    orders: Mapping[str, Order]  #: by the names of `HEADLINE`, without those that too few meshes have
+
+
+@dataclass(frozen=True)
+class ConvergenceStudy:
+    """References, and per configuration its cost and its errors against them."""
+
+    name: str  #: of the configuration
+    references: tuple[References, ...]  #: by pressure
+    rows: tuple[StudyRow, ...]
+    left_out_kPa: tuple[float, ...]  #: pressures of the configuration that too few meshes reached for a reference
+    about: JsonObject = field(repr=False)  #: configuration, provenance and what is configured, as JSON
+
+    @property
+    def reference_error(self) -> float:
+        """The largest relative standard deviation of the reference."""
+        return max(references.relative_std for references in self.references)
+
+    @property
+    def orders(self) -> list[SeriesOrders]:
+        """The orders along every series of meshes, at every pressure with enough meshes."""
+        names = dict.fromkeys(row.series for row in self.rows if row.series not in (TOLERANCE, CONTACT, POINTS))
+        orders = []
+        for series in names:
+            results = [row.result for row in self.rows if row.series == series]
+            for pressure in (references.pressure_kPa for references in self.references):
+                meshes = [
+                    (result.cost.degrees_of_freedom, numbers)
+                    for result in results
+                    if result.cost and (numbers := result.at(pressure))
+                ]
+                orders.append(SeriesOrders(series, pressure, orders_along(meshes)))
+        return [along for along in orders if along.orders]
+
+    def record(self) -> JsonObject:
+        """The content of accuracy.json."""
+        return {
+            **self.about,
+            "reference": [references.record() for references in self.references],
+            "reference_error": self.reference_error,
+            "left_out_kPa": self.left_out_kPa,
+            "orders": [
+                {
+                    "series": along.series,
+                    "pressure_kPa": along.pressure_kPa,
+                    **{name: asdict(order) for name, order in along.orders.items()},
+                }
+                for along in self.orders
+            ],
+            "rungs": [row.record() for row in self.rows],
+        }
+
+
+def convergence_study(
+    config: Config, rungs: Sequence[tuple[Rung, Measured]], contact_mm: float | None
+) -> ConvergenceStudy:
+    """References and errors from the results of all rungs; contact_mm as in `ladder`.
+
+    A pressure that too few rungs reached to extrapolate from is left out. Raises RunFailed where that is so at all.
     """
-    with open_store(out, config, fresh=fresh) as store:
-        contact_mm = Scene.meshed(config).activation_distance
-        record = RungRecord(store, progress)
-        rungs = Study(ladder(config, contact_mm), measure, record)
-        missing = rungs.missing()
-        record.expect(len(missing))
-        progress.stage(f"{len(rungs.cases)} configurations, {len(missing)} of them to be measured")
-        study = convergence_study(config, rungs.run_in_processes(jobs), contact_mm)
-        store.save_json("accuracy.json", study.record())
-        store.save_text("accuracy.html", study_page(study))
-    return study
+    every = {pressure: references_at(pressure, config, rungs, contact_mm) for pressure in config.pressures_kPa}
+    references = {pressure: known for pressure, known in every.items() if known.numbers["force_N"] is not None}
+    left_out = tuple(pressure for pressure in every if pressure not in references)
+    if not references:
+        lacking = ", ".join(f"{pressure:g} kPa" for pressure in left_out)
+        raise RunFailed(f"too few meshes reached {lacking} to extrapolate from; choose lower pressures")
+    rows = [row for rung, result in rungs for row in _rows(config.design.length, rung, result, references)]
+    points = {number: row.point for number, row in enumerate(rows) if row.point is not None}
+    front = {list(points)[index] for index in pareto_front(list(points.values()))}
+    about = {
+        "format": FORMAT,
+        "config": config.record(),
+        "config_hash": config.hash,
+        **provenance(),
+        "pressures_kPa": list(config.pressures_kPa),
+        "as_configured": {
+            "series": mesh_series(config),
+            "size_mm": config.mesh.element_size_mm,
+            "contact_mm": contact_mm,
+        },
+    }
+    marked = tuple(replace(row, on_front=number in front) for number, row in enumerate(rows))
+    return ConvergenceStudy(config.name, tuple(references.values()), marked, left_out, about)
 
 
-#: under which name the clock counts rungs, which have numbers instead of pressures there
-_CLOCK = "rungs"
+def _rows(length: float, rung: Rung, result: Measured, references: Mapping[float, References]) -> list[StudyRow]:
+    """One row per rung, and one for every stride of its material curve, at the pressures with references.
 
-
-@dataclass
-class RungRecord:
-    """Results of rungs in the result folder, valid for the sources that measured them."""
-
-    store: Store
-    progress: Progress
-    clock: RemainingTime = field(default_factory=RemainingTime)
-    measured: int = 0  #: since `expect`
-
-    def expect(self, count: int) -> None:
-        """So many rungs will be measured; from now on the time that they still take is reported."""
-        self.clock.add(_CLOCK, range(count))
-
-    def read(self, rung: Rung) -> RungResult | None:
-        """The result that `save` kept, None where there is none from these sources."""
-        kept = self.store.read_json(_file(rung))
-        return RungResult.read(kept) if kept is not None and kept["key"] == self.store.numbers_key else None
-
-    def save(self, rung: Rung, result: RungResult) -> None:
-        """Keep a result and report it."""
-        self.store.save_json(_file(rung), {"key": self.store.numbers_key, **result.record()})
-        outcome = result.failure if result.cost is None else f"{result.cost.cpu_seconds:.0f} s of CPU"
-        seconds = 0.0 if result.cost is None else result.cost.wall_seconds
-        self.clock.reach(_CLOCK, self.measured, seconds)
-        self.measured += 1
-        left = self.clock.remaining()
-        self.progress.stage(f"{rung.series} {rung.value:g}: {outcome}{f'; about {left}' if left else ''}")
-
-
-def _file(rung: Rung) -> str:
-    return f"rungs/{rung.folder}.json"
+    length: of the arm, mm.
+    """
+    rows = []
+    for stride in rung.strides:
+        numbers = tuple(row for row in result.of_stride(stride) if row.pressure_kPa in references)
+        errors = {row.pressure_kPa: references[row.pressure_kPa].errors(row, length) for row in numbers}
+        points = min((at_pressure.points for at_pressure in numbers), default=None)
+        series, value = (rung.series, rung.value) if stride == 1 else (POINTS, points)
+        largest = largest_error(list(errors.values())) if len(numbers) == len(references) else None
+        rows.append(StudyRow(series, value, replace(result, numbers=numbers), errors, largest))
+    return rows

@@ -146,7 +146,7 @@ def accuracy(
     with errors_as_sentences():
         design, folder = _design(config, settings, out, "_accuracy")
 
-        from pipeline.accuracy.study import run_study
+        from pipeline.accuracy.run import run_study
         from pipeline.accuracy.table import left_out_sentences, order_sentences, reference_sentences
         from pipeline.terminal import study_table
 

@@ -1,0 +1,72 @@
+"""The command that measures error against seconds over meshes, elements, tolerances and contact distances."""
+
+from collections.abc import Sequence
+from concurrent.futures import as_completed
+from pathlib import Path
+
+from pydantic import TypeAdapter
+
+from pipeline.accuracy.ladder import Rung, ladder
+from pipeline.accuracy.measure import Measured, measure
+from pipeline.accuracy.study import ConvergenceStudy, convergence_study
+from pipeline.accuracy.table import study_page
+from pipeline.config.config import Config
+from pipeline.processes import process_pool
+from pipeline.progress import Progress
+from pipeline.remaining_time import RemainingTime
+from pipeline.simulation.scene import Scene
+from pipeline.store.store import Store, open_store
+
+_MEASURED = TypeAdapter(Measured)
+#: under which name the clock counts rungs, which have numbers instead of pressures there
+_CLOCK = "rungs"
+
+
+def run_study(config: Config, out: Path, jobs: int, fresh: bool, progress: Progress) -> ConvergenceStudy:
+    """Measure every rung that `out` does not hold yet; writes accuracy.json and accuracy.html.
+
+    Raises InputError for a body that cannot be meshed or a folder that cannot be used, and RunFailed where no pressure
+    was reached by enough rungs to extrapolate from.
+    """
+    with open_store(out, config, fresh=fresh) as store:
+        contact_mm = Scene.meshed(config).activation_distance
+        rungs = ladder(config, contact_mm)
+        study = convergence_study(config, measured(rungs, store, jobs, progress), contact_mm)
+        store.save_json("accuracy.json", study.record())
+        store.save_text("accuracy.html", study_page(study))
+    return study
+
+
+def measured(rungs: Sequence[Rung], store: Store, jobs: int, progress: Progress) -> list[tuple[Rung, Measured]]:
+    """All rungs with their results. Each that the store does not hold from these sources is measured in a process of
+    its own with one thread, `jobs` at a time, and kept as soon as it is there."""
+    results = {rung.name: kept for rung in rungs if (kept := _kept(rung, store)) is not None}
+    missing = [rung for rung in rungs if rung.name not in results]
+    progress.stage(f"{len(rungs)} configurations, {len(missing)} of them to be measured")
+    clock = RemainingTime()
+    clock.add(_CLOCK, range(len(missing)))
+    if missing:
+        with process_pool(jobs, 1, max_tasks_per_child=1) as pool:
+            futures = {pool.submit(measure, rung): rung for rung in missing}
+            for number, future in enumerate(as_completed(futures)):
+                rung, result = futures[future], future.result()
+                results[rung.name] = result
+                content = {"key": store.numbers_key, "result": _MEASURED.dump_python(result, mode="json")}
+                store.save_json(_file(rung), content)
+                clock.reach(_CLOCK, number, result.cost.wall_seconds if result.cost else 0.0)
+                progress.stage(f"{_ending(rung, result)}{f'; about {left}' if (left := clock.remaining()) else ''}")
+    return [(rung, results[rung.name]) for rung in rungs]
+
+
+def _kept(rung: Rung, store: Store) -> Measured | None:
+    content = store.read_json(_file(rung))
+    return _MEASURED.validate_python(content["result"]) if content and content["key"] == store.numbers_key else None
+
+
+def _file(rung: Rung) -> str:
+    return f"rungs/{rung.name}.json"
+
+
+def _ending(rung: Rung, result: Measured) -> str:
+    outcome = result.failure if result.cost is None else f"{result.cost.cpu_seconds:.0f} s of CPU"
+    return f"{rung.series} {rung.value:g}: {outcome}"
