@@ -13,7 +13,19 @@ from pipeline.effects_rows import COLUMNS, EffectRow, VariantNumbers
 
 HERE = Path(__file__).resolve().parent.parent
 PAGES = [HERE / "README.md", HERE / "CONTRIBUTING.md", HERE / "CHANGELOG.md", *sorted((HERE / "docs").rglob("*.md"))]
-FOLDERS = ("geometry", "fem", "rod", "pipeline", "pneurod", "tests", "benchmarks", "configs", "docs", "examples", "studies")
+FOLDERS = (
+    "geometry",
+    "fem",
+    "rod",
+    "pipeline",
+    "pneurod",
+    "tests",
+    "benchmarks",
+    "configs",
+    "docs",
+    "examples",
+    "studies",
+)
 
 #: Former names that a reader from outside would not understand, as regular expressions.
 DIALECT = (
