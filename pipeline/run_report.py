@@ -10,7 +10,6 @@ from pipeline.cell.of_run import LawOfRun
 from pipeline.config.config import Config
 from pipeline.errors import RunFailed
 from pipeline.identification.parameters import Parameters
-from pipeline.report.sentences import not_reached
 from pipeline.simulation.effects_record import EffectState
 from pipeline.simulation.mesh_record import MeshRecord
 from pipeline.simulation.outcome import Outcomes
@@ -61,7 +60,7 @@ class RunReport:
             raise RunFailed(
                 f"{self.failure}; what was reached is in {self.directory}",
                 directory=self.directory,
-                brief=f"{'; '.join(not_reached(self.failures))}; why, and what was reached, is in {self.directory}",
+                brief=f"{self.failures[0]}; what was reached is in {self.directory}",
             )
 
     def record(self) -> JsonObject:
@@ -80,7 +79,7 @@ class RunReport:
             "solver": sorted({outcome.solver for outcome in self.outcomes}),
             **({"indicator": indicator.record()} if indicator else {}),
             **({"accuracy": self.accuracy.plan.record(self.accuracy.review)} if self.accuracy else {}),
-            **({"failure": self.failure, "failures": self.failures} if self.failures else {}),
+            "failures": [{"code": "not_reached", "text": sentence} for sentence in self.failures],
             **({"end_kPa": end} if isfinite(end := self.outcomes.lowest_end_kPa()) else {}),
-            **({"remarks": self.remarks} if self.remarks else {}),
+            "remarks": [{"code": "remark", "text": sentence} for sentence in self.remarks],
         }

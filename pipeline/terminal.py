@@ -18,8 +18,7 @@ from pipeline.effects_rows import BASE, COLUMNS, EffectRow
 from pipeline.material.fits import Fits
 from pipeline.material.law_fit import LawFit, Refused
 from pipeline.material.sentences import with_error
-from pipeline.report.numbers import NUMBERS
-from pipeline.report.verdict import Verdict
+from pipeline.report.tables import Table as TextTable
 
 
 def body_table(file: Path, config: Config, body: Body) -> Table:
@@ -54,21 +53,15 @@ def _chosen_values(config: Config) -> dict[str, str]:
     return {name: value for name, value in values.items() if name in mesh.chosen}
 
 
-def verdict_table(verdict: Verdict) -> list[Table]:
-    """The five parameters by pressure, each with its standard deviation and 95 % interval; no table without them."""
-    if not verdict.five:
-        return []
-    heads = [f"{symbol}\n{unit}" for _, symbol, unit in NUMBERS] + ["e\nmm"] * verdict.stretches
-    table = Table("p\nkPa", *heads, box=None, padding=(0, 1 if verdict.stretches else 2, 0, 0))
-    table.caption = f"± {verdict.spread}; below it the 95 % interval{', of e only ±' if verdict.stretches else ''}"
-    table.caption += f"\n{verdict.whose_parameters}" if verdict.whose_parameters else ""
-    table.caption_justify = "left"
+def text_table(of: TextTable) -> Table:
+    """A table of texts as the report has it; a cell may have two lines."""
+    table = Table(*(head.replace(" (", "\n(") for head in of.heads), box=None, padding=(0, 2, 0, 0))
+    table.caption, table.caption_justify = of.caption or None, "left"
     for column in table.columns:
         column.justify = "right"
-        column.no_wrap = True
-    for row in verdict.five:
-        table.add_row(row.pressure, *(f"{cell.value}\n{cell.interval}" for cell in row.cells))
-    return [table]
+    for row in of.rows:
+        table.add_row(*row)
+    return table
 
 
 def spent_table(seconds: Mapping[str, float]) -> Table:

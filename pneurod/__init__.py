@@ -9,11 +9,9 @@
     shape = rod.solve(force=(0.0, 0.05))                # equilibrium under an end force in N, in milliseconds
     shape.end, shape.curve                              # of the material curve, mm, from its clamped end
 
-Units everywhere: mm, N, MPa, tonne/mm3, rad; pressures of a run in kPa. The four rooms are here under their own names,
-`pneurod.geometry`, `pneurod.fem`, `pneurod.rod` and `pneurod.pipeline`; they are the modules `geometry`, `fem`, `rod`
-and `pipeline` themselves, so `pneurod.fem.Pressure` is `fem.Pressure`.
-
-Everything is imported when it is first used: `import pneurod` alone loads none of the numerical libraries.
+Units everywhere: mm, N, MPa, tonne/mm3, rad; pressures of a run in kPa. The four rooms are here under their own names:
+`pneurod.fem` is the module `fem`. Everything is imported when it is first used: `import pneurod` alone loads none of
+the numerical libraries.
 """
 
 from typing import TYPE_CHECKING
@@ -25,8 +23,7 @@ if TYPE_CHECKING:
     import rod
     from pipeline.errors import InputError, RunFailed
     from pneurod.characterization import characterize
-    from pneurod.reading import read_results
-    from pneurod.results import PressureSlopes, Results, RunRecord
+    from pneurod.results import Results, read_results
     from rod import ArmLaw, FiveParameters, Interval, LawRod, Rod, RodError, RodSolution
 
 __all__ = [
@@ -35,13 +32,11 @@ __all__ = [
     "InputError",
     "Interval",
     "LawRod",
-    "PressureSlopes",
     "Results",
     "Rod",
     "RodError",
     "RodSolution",
     "RunFailed",
-    "RunRecord",
     "characterize",
     "fem",
     "geometry",
@@ -65,9 +60,17 @@ def __dir__() -> list[str]:
 
 
 def _imported(name: str) -> object:
+    import geometry
+    import pipeline
+    import rod
+
     match name:
-        case "geometry" | "fem" | "rod" | "pipeline":
-            return _room(name)
+        case "geometry" | "pipeline" | "rod":
+            return {"geometry": geometry, "pipeline": pipeline, "rod": rod}[name]
+        case "fem":
+            import fem
+
+            return fem
         case "InputError" | "RunFailed":
             from pipeline import errors
 
@@ -76,31 +79,8 @@ def _imported(name: str) -> object:
             from pneurod import characterization
 
             return characterization.characterize
-        case "read_results":
-            from pneurod import reading
-
-            return reading.read_results
-        case "PressureSlopes" | "Results" | "RunRecord":
+        case "Results" | "read_results":
             from pneurod import results
 
             return getattr(results, name)
-    return getattr(_room("rod"), name)
-
-
-def _room(name: str) -> object:
-    match name:
-        case "geometry":
-            import geometry
-
-            return geometry
-        case "fem":
-            import fem
-
-            return fem
-        case "pipeline":
-            import pipeline
-
-            return pipeline
-    import rod
-
-    return rod
+    return getattr(rod, name)

@@ -12,8 +12,7 @@ from pipeline.run import run
 from pipeline.simulation.simulate import EXPERIMENTS
 from pipeline.store.result_folder import FolderWords
 from pneurod.arguments import given_choice, given_path, given_settings, setting_name
-from pneurod.reading import read_results
-from pneurod.results import Results
+from pneurod.results import Results, read_results
 
 #: numbers with their unit and words as texts, plain numbers, and lists of them
 Setting = str | float | bool | Sequence[str]

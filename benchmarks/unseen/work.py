@@ -11,7 +11,7 @@ import traceback
 from collections import deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from multiprocessing.connection import wait
 from multiprocessing.context import SpawnProcess
 from pathlib import Path
@@ -26,10 +26,10 @@ from benchmarks.unseen.designs import Drawn
 from benchmarks.unseen.finer import against_finer_mesh
 from pipeline.config.load import load_config
 from pipeline.errors import InputError, RunFailed
+from pipeline.notes.rods import rod_errors
 from pipeline.processes import SPAWN, end_with_main_process
 from pipeline.progress import Silent
-from pipeline.report.results import read_results
-from pipeline.report.validation import rod_errors
+from pipeline.results.files import read_results
 from pipeline.run import run
 from pipeline.run_report import RunReport
 from pipeline.store.atomic_file import write_atomic
@@ -272,7 +272,7 @@ def _of_report(report: RunReport) -> Record:
         "has_arm_law": report.arm.law is not None,
         "why_no_arm_law": "" if report.arm.law is not None else report.arm.reason,
         "remarks": list(report.remarks),
-        "rod": errors[0].record() if errors else None,
+        "rod": asdict(errors[0]) if errors else None,
         "turn_rad": first.kappa_0_middle * config.design.length if first else None,
         "estimated": dict(first.mesh_errors) if first else {},
     }

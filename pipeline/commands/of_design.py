@@ -14,6 +14,8 @@ from pipeline.processes import available_cores
 if TYPE_CHECKING:
     from pipeline.config.config import Config
     from pipeline.progress import Progress
+    from pipeline.report.tables import Table
+    from pipeline.results.values import Run
 
     Result = TypeVar("Result")
     #: a command that solves: configuration, result folder, jobs, fresh, progress
@@ -60,21 +62,35 @@ def run(
     with errors_as_sentences():
         design, folder = _design(config, _with_accuracy(settings, accuracy), out)
 
+        from pipeline.notes.verdict import verdict_of
         from pipeline.progress import Silent, progress_for
-        from pipeline.report.results import read_results
-        from pipeline.report.verdict import verdict_of
+        from pipeline.report import tables
+        from pipeline.results.files import read_results
         from pipeline.run import run as run_design
-        from pipeline.terminal import spent_table, verdict_table
+        from pipeline.terminal import text_table
 
         progress = Silent() if quiet else progress_for(Console(stderr=as_json), verbose=verbose)
         report = _solve(run_design, design, folder, jobs or min(3, available_cores()), fresh, progress)
-        verdict = verdict_of(read_results(folder))
+        results = read_results(folder)
+        verdict = verdict_of(results)
         if as_json:
             print_json(verdict.record())
         else:
-            print_lines(*([spent_table(report.seconds)] if verbose else []), *verdict_table(verdict))
-            print_sentences(*verdict.terminal_sentences, f"report: {folder / 'report.html'}")
+            print_sentences(*verdict.lines)
+            if not quiet:
+                shown = (tables.five_parameters(results), *(_details(results) if verbose else ()))
+                print_lines(*(text_table(table) for table in shown if table is not None))
+                print_sentences(*(f"Note: {note.text}" for note in results.remarks if verbose))
+            print_lines(f"report: {folder / 'report.html'}")
         report.raise_if_failed()
+
+
+def _details(results: "Run") -> tuple["Table | None", ...]:
+    """What `-v` shows besides the verdict."""
+    from pipeline.report import tables
+
+    made = (tables.rods, tables.loads, tables.states, tables.effects, tables.design, tables.cost)
+    return tuple(table(results) for table in made)
 
 
 def mesh(config: ConfigFile, out: OutOfMesh = None, settings: Settings = None) -> None:

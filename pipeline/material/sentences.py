@@ -5,10 +5,10 @@ import math
 import numpy as np
 
 from fem.materials import LAWS, Constant, Ogden
+from pipeline.formatting import listed
 from pipeline.material.fits import Fits
 from pipeline.material.law_fit import LawFit
 from pipeline.material.moduli import check_high_modulus
-from pipeline.report.formatting import listed
 
 #: |stretch - 1| below which large scatter needs no sentence
 NEAR_REST = 0.02

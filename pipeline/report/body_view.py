@@ -1,15 +1,15 @@
 """The deformed body as compact data for the view that turns in the browser."""
 
 import base64
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from geometry.arrays import Array, Index, Mask
 from pipeline.store.formats import SURFACES
-from pipeline.store.json_values import JsonObject
 
 #: bytes that the data of the view may have before they are written in base64, which takes a third more
 LIMIT = 2_600_000
@@ -77,13 +77,18 @@ class Surfaces:
         )
 
 
-def body_view(directory: Path) -> JsonObject:
+def body_view(directory: Path) -> dict[str, Any]:
     """The data of the view of the body in a result folder; empty where the run has none or they are too large."""
     path = directory / SURFACES
     if not path.is_file():
         return {}
     fitting = next((surfaces for surfaces in _reduced(Surfaces.read(path)) if surfaces.size <= LIMIT), None)
     return {} if fitting is None else _data(fitting)
+
+
+def experiments_of(view: Mapping[str, Any]) -> list[str]:
+    """The experiments that the view shows."""
+    return sorted({state["experiment"] for state in view.get("states", ())})
 
 
 def _reduced(surfaces: Surfaces) -> Iterator[Surfaces]:
@@ -96,7 +101,7 @@ def _reduced(surfaces: Surfaces) -> Iterator[Surfaces]:
     yield coarse.of_states(loaded & (surfaces.pressures_kPa == surfaces.pressures_kPa.max()))
 
 
-def _data(surfaces: Surfaces) -> JsonObject:
+def _data(surfaces: Surfaces) -> dict[str, Any]:
     positions = np.concatenate([surfaces.points[None], surfaces.points + surfaces.displacement])
     low, high = positions.min(axis=(0, 1)), positions.max(axis=(0, 1))
     if surfaces.half:
@@ -119,8 +124,8 @@ def _data(surfaces: Surfaces) -> JsonObject:
     ]
     return {
         "half": surfaces.half,
-        "low_mm": low,
-        "high_mm": high,
+        "low_mm": low.tolist(),
+        "high_mm": high.tolist(),
         "rest": _text(grid[0]),
         "triangles": _text(triangles.astype("<u2" if len(surfaces.points) < 65536 else "<u4")),
         "wide": len(surfaces.points) >= 65536,

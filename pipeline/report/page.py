@@ -1,239 +1,92 @@
-"""The report: one HTML file that opens offline, made from the result files of a run alone."""
+"""The report: one HTML file that opens offline, made from the results of a run alone."""
 
 import base64
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+import json
 from pathlib import Path
 from typing import Any
 
 import jinja2
 
-from pipeline.report import figures
-from pipeline.report.body_view import body_view
-from pipeline.report.formatting import number, percent, seconds
-from pipeline.report.law_figure import arm_law
-from pipeline.report.law_range import moments_table
-from pipeline.report.numbers import eccentricity, estimators, linear_range, observations, slopes, stretch_of_rod
-from pipeline.report.results import Results, read_results
-from pipeline.report.sentences import (
-    difference_of_rest_curvatures,
-    left_out,
-    lines_needed,
-    not_identified,
-    opening,
-    remarks,
-    third_experiment,
-    time_of_factorization,
-)
-from pipeline.report.validation import beyond_identified, rod_table, under_all_loads, validation_rows
-from pipeline.report.verdict import verdict_of
+from pipeline.notes.verdict import Verdict, verdict_of
+from pipeline.plots import library_scripts
+from pipeline.report import figures, tables
+from pipeline.report.body_view import body_view, experiments_of
+from pipeline.results.files import read_results
+from pipeline.results.values import Run
+from pipeline.store.formats import EXTENSIBLE
 
 #: what the page is made of
 TEMPLATES = Path(__file__).parent / "templates"
-_EXPERIMENT_COLUMNS = (
-    ("experiment", "experiment"),
-    ("pressure_kPa", "p (kPa)"),
-    ("end_x_mm", "end x (mm)"),
-    ("end_y_mm", "end y (mm)"),
-    ("reaction_N", "reaction (N)"),
-    ("stretch_of_curve", "stretch of curve"),
-    ("min_stretch", "smallest stretch"),
-    ("max_stretch", "largest stretch"),
-    ("min_J", "smallest J"),
-    ("min_gap_mm", "smallest gap (mm)"),
-    ("newton_iterations", "Newton iterations"),
-    ("factorizations", "factorizations"),
-    ("seconds", "seconds"),
-    ("status", "status"),
-)
-_SOLVER_PARTS = {
-    "set_up": "set-up",
-    "assembly": "assembly",
-    "contact": "contact",
-    "analysis": "symbolic analysis",
-    "factorization": "numeric factorization",
-    "solve": "triangular solves",
-}
 _EXPERIMENTS = {
     "I": "Experiment I: free under pressure",
     "II": "Experiment II: clamped, under pressure",
-    "III": "Experiment III: clamped, under pressure",
+    "III": "Experiment III: clamped, with the end displaced",
 }
 #: colours of a field on the body, from its smallest to its largest value
 _RAMP = ("#440154", "#472d7b", "#3b528b", "#2c728e", "#21918c", "#28ae80", "#5ec962", "#addc30", "#fde725")
 
 
-@dataclass(frozen=True)
-class _Picture:
-    title: str
-    data: str  #: PNG, base64
-
-
 def render_report(directory: Path) -> str:
-    """The report on the result files in `directory`, as HTML. It names what a failed run did not reach."""
-    results = read_results(directory)
+    """The page on the results in a folder."""
+    run = read_results(directory)
+    return render_page(run, verdict_of(run))
+
+
+def render_page(run: Run, verdict: Verdict) -> str:
+    """The page on a run with its verdict."""
     environment = jinja2.Environment(
-        loader=jinja2.FileSystemLoader(TEMPLATES),
-        autoescape=True,
-        undefined=jinja2.ChainableUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
+        loader=jinja2.FileSystemLoader(TEMPLATES), autoescape=True, trim_blocks=True, undefined=jinja2.StrictUndefined
     )
+    view = body_view(run.directory)
     return environment.get_template("report.html.j2").render(
-        opening=opening(results),
-        verdict=verdict_of(results),
-        not_identified=not_identified(results),
-        **_body(results),
-        **_identification(results),
-        **_validation(results),
-        tests=[(name, title, figure) for name, title in _titles(results).items()
-               if (figure := figures.of_experiment(results, name))],
-        third=third_experiment(results),
-        figures={
-            "moments": figures.moments(results),
-            "rigidities": figures.rigidities(results),
-            "validation": figures.validation_shapes(results),
-            "forces": figures.end_forces(results),
-            "arm_law": arm_law(results),
-        },
-        rest_curvatures=difference_of_rest_curvatures(results),
-        left_out=left_out(results),
-        start_y=_start_y(results),
-        experiment_titles=[title for _, title in _EXPERIMENT_COLUMNS],
-        experiments=[[_cell(getattr(row, name)) for name, _ in _EXPERIMENT_COLUMNS] for row in results.experiments],
-        effects=results.effects,
-        remarks=remarks(results),
-        **_cost(results),
-        run=results.run,
-        number=number,
-        percent=percent,
-        seconds=seconds,
-    )  # fmt: skip
-
-
-#: pictures of the body -> what is under them
-_AT_REST = {"body": "At rest, the clamp on the left", "body_open": "At rest, cut open at z = 0"}
-
-
-def _titles(results: Results) -> dict[str, str]:
-    """The experiments by name, the third one with what its end has."""
-    return {**_EXPERIMENTS, "III": f"{_EXPERIMENTS['III']}, {third_experiment(results)}"}
-
-
-def _body(results: Results) -> dict[str, object]:
-    """What the template needs about the body at rest and deformed."""
-    view = body_view(results.directory)
-    states: Any = view.get("states", ())
-    return {
-        "body": _pictures(results, _AT_REST),
-        "dimensions": _dimensions(results.run),
-        "view": {name: _plain(value) for name, value in view.items()},
-        "view_experiments": sorted({state["experiment"] for state in states}),
-        "ramp": [[int(colour[k : k + 2], 16) / 255 for k in (1, 3, 5)] for colour in _RAMP],
-        "gradient": ", ".join(_RAMP),
-        "deformed": _pictures(results, _at_highest_pressure(results)),
-    }
-
-
-def _at_highest_pressure(results: Results) -> dict[str, str]:
-    """The pictures of every experiment at the highest pressure that it reached, and what is under them."""
-    rows = sorted(results.experiments, key=lambda row: row.pressure_kPa)
-    reached = {row.experiment: row.pressure_kPa for row in rows if row.reached}
-    highest = {name: f"{reached[name]:g}" for name in _EXPERIMENTS if name in reached}
-    return {f"{name}_{pressure}kPa": f"Experiment {name}, {pressure} kPa" for name, pressure in highest.items()}
-
-
-def _identification(results: Results) -> dict[str, object]:
-    """What the template needs about the five parameters."""
-    return {
-        "cell_mm": results.cell_mm,
-        "betas": slopes(results),
-        "lines": lines_needed(results),
-        "linear_range": linear_range(results),
-        "estimators": estimators(results),
-        "observations": observations(results),
-        "eccentricity": eccentricity(results),
-        "stretch_of_rod": stretch_of_rod(results),
-    }
-
-
-def _validation(results: Results) -> dict[str, object]:
-    """What the template needs about the rods against the finite elements."""
-    return {
-        "agreement": under_all_loads(results),
-        "rods": rod_table(results),
-        "validation": validation_rows(results),
-        "beyond": beyond_identified(results),
-        "moments_of_law": moments_table(results),
-    }
-
-
-def _cost(results: Results) -> dict[str, object]:
-    """What the template needs about computing time."""
-    parts = results.run.get("solver_seconds") or {}
-    return {
-        "stages": results.run.get("seconds", {}),
-        "solver_parts": [(title, parts[key]) for key, title in _SOLVER_PARTS.items() if key in parts],
-        "factorization": time_of_factorization(results),
-    }
-
-
-def _dimensions(run: Mapping[str, Any]) -> list[tuple[str, str]]:
-    """Rows of the table of the design: name and value with its unit."""
-    config = run.get("config") or {}
-    geometry, material, mesh = (config.get(name) or {} for name in ("geometry", "material", "mesh"))
-    rows = [(name, value) for name, value in geometry.items() if not isinstance(value, float)]
-    lengths = [f"{name.replace('_', ' ')} {number(v)}" for name, v in geometry.items() if isinstance(v, float)]
-    rows += [("dimensions (mm)", ", ".join(lengths))] if lengths else []
-    rows += [("material", _law(material))] if material else []
-    rows += [(f"material of {name}", _law(other)) for name, other in (config.get("materials") or {}).items()]
-    unknowns = max((run.get("degrees_of_freedom") or {"": 0}).values())
-    size = f"{number(mesh['size_mm'])} mm, " if isinstance(mesh.get("size_mm"), float) else ""
-    rows += [("mesh", f"{size}elements {mesh.get('formulation')}, {unknowns} unknowns")] if mesh else []
-    return [(name, str(value)) for name, value in rows if value is not None]
-
-
-def _law(material: Mapping[str, Any]) -> str:
-    """A law with its constants."""
-    others = ("density_tonne_mm3", "holds_between")
-    constants = [
-        f"{name} = {_cell(v)}" for name, v in material.items() if isinstance(v, float | list) and name not in others
-    ]
-    pure = [name for name in ("nu", "alpha") if name in material]
-    units = f"MPa; {' and '.join(pure)} without unit" if pure else "MPa"
-    bulk = "; kappa is the bulk modulus" if "kappa" in material else ""
-    stretches = material.get("holds_between")
-    holds = (
-        f"; it holds, according to the configuration, from stretch {stretches[0]:g} to {stretches[1]:g}"
-        if stretches
-        else ""
+        run=run,
+        verdict=verdict,
+        bent=_picture(run, _bent_body(run)),
+        body=_picture(run, "body_open") or _picture(run, "body"),
+        figures=_figures(run),
+        tables=_tables(run),
+        view=view,
+        view_experiments=experiments_of(view),
+        ramp=[[int(colour[k : k + 2], 16) / 255 for k in (1, 3, 5)] for colour in _RAMP],
+        gradient=", ".join(_RAMP),
+        config=json.dumps(run.config, indent=1, ensure_ascii=False),
+        library=library_scripts(),
     )
-    return f"law {material.get('law')}, {', '.join(constants)} ({units}{bulk}){holds}"
 
 
-def _pictures(results: Results, titles: Mapping[str, str]) -> list[_Picture]:
-    """The pictures of these names that there are."""
-    there = {name: title for name, title in titles.items() if name in results.pictures}
-    return [
-        _Picture(title, base64.b64encode(results.pictures[name].read_bytes()).decode()) for name, title in there.items()
-    ]
+def _bent_body(run: Run) -> str:
+    """The name of the picture of the arm bent the most without a load."""
+    reached = [state.pressure_kPa for state in run.states if state.experiment == "II" and state.reached]
+    return f"II_{max(reached):g}kPa" if reached else "body"
 
 
-def _plain(value: Any) -> Any:
-    return value.tolist() if hasattr(value, "tolist") else value
+def _picture(run: Run, name: str) -> str:
+    """A picture as PNG in base64; empty where there is none."""
+    path = run.picture(name)
+    return base64.b64encode(path.read_bytes()).decode() if path else ""
 
 
-def _start_y(results: Results) -> float | None:
-    """Height of the clamped end of the material curve, mm; None where no clamped state was reached."""
-    clamped = next((curve for curve in results.curves if curve.experiment in ("II", "III")), None)
-    return None if clamped is None else float(clamped["y_mm"][0])
+def _figures(run: Run) -> dict[str, Any]:
+    experiments = {title: figures.of_experiment(run, name) for name, title in _EXPERIMENTS.items()}
+    return {
+        "bending": figures.bending_angle(run),
+        "experiments": {title: drawn for title, drawn in experiments.items() if drawn},
+        "moments": figures.moments(run),
+        "rigidities": figures.rigidities(run),
+        "validation": figures.validation_shapes(run),
+        "forces": figures.end_forces(run),
+        "arm_law": figures.arm_law(run),
+    }
 
 
-def _cell(value: Any) -> str:
-    if value is None:
-        return "-"
-    if isinstance(value, Sequence) and not isinstance(value, str):
-        return ", ".join(_cell(item) for item in value)
-    if isinstance(value, float):
-        return number(value)
-    return str(value)
+def _tables(run: Run) -> dict[str, tables.Table | None]:
+    return {
+        "five": tables.five_parameters(run),
+        "extensible": tables.five_parameters(run, EXTENSIBLE),
+        "rods": tables.rods(run),
+        "loads": tables.loads(run),
+        "states": tables.states(run),
+        "effects": tables.effects(run),
+        "design": tables.design(run),
+        "cost": tables.cost(run),
+    }

@@ -13,7 +13,7 @@ _BEGINNING = "no five parameters"
 
 def why_no_parameters(run: Mapping[str, Any]) -> str:
     """The reason by the content of run.json, a clause; the general one where that has none."""
-    sentences = (*(run.get("failures") or ()), *(run.get("remarks") or ()))
+    sentences = [note["text"] for note in (*(run.get("failures") or ()), *(run.get("remarks") or ()))]
     named = [text.removeprefix(f"{_BEGINNING}: ") for text in sentences if text.startswith(_BEGINNING)]
     return "; ".join(dict.fromkeys(named)) or "the identification needs II and III at the same pressure"
 
@@ -21,7 +21,7 @@ def why_no_parameters(run: Mapping[str, Any]) -> str:
 def why_at_no_pressure(run: Mapping[str, Any]) -> str:
     """Why a run failed to give five parameters whatever its pressures, with a remedy; empty where others may do."""
     at_all = f"{_BEGINNING}: "
-    failures = run.get("failures") or ()
+    failures = [failure["text"] for failure in run.get("failures") or ()]
     return next((text.removeprefix(at_all) for text in failures if text.startswith(at_all)), "")
 
 

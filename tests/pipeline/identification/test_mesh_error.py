@@ -14,9 +14,9 @@ from pipeline.errors import InputError
 from pipeline.identification.mesh_error import mesh_deviations, of_single_line, with_mesh_error, with_others
 from pipeline.identification.parameters import Parameters
 from pipeline.identification.richardson import extrapolated
+from pipeline.notes.rods import mesh_errors
 from pipeline.progress import Silent
-from pipeline.report.mesh_error import mesh_error
-from pipeline.report.results import read_results
+from pipeline.results.files import read_results
 from pipeline.run import run
 from pipeline.store.store import open_store
 from rod import Interval
@@ -84,15 +84,9 @@ def test_the_files_of_a_run_say_what_the_mesh_contributes(tmp_path: Path) -> Non
     assert contribution["mixed_at_kPa"] == 8.0
     for key in ("alpha1_N_mm2_std", "alpha2_N_mm2_std", "m02_N_mm_std"):
         assert all(0.0 < of_mesh <= whole for of_mesh, whole in zip(contribution[key], record[key], strict=True)), key
-    sentence = mesh_error(read_results(tmp_path / "out"))
-    assert (
-        "at the worst pressure, estimated from mesh sizes of 6 and 9 mm and from mixed elements at 8 kPa. It"
-        in sentence
-    )
-    largest = max(contribution["kappa_0_relative"])
-    assert sentence.startswith(f"Mesh error of the five parameters: about {100 * largest:.1f} % in κ₀(l/2), ")
+    errors = mesh_errors(read_results(tmp_path / "out"), "five")
+    assert errors.kappa_0 == max(contribution["kappa_0_relative"])
     assert all(error > 0.0 for name in ("alpha2", "force") for error in contribution[f"{name}_relative"])
-    assert "N mm² of α₁" in sentence
     (evidence,), (is_single,) = record["evidence_of_choice"], record["single_line_suffices"]
     assert (evidence <= 0.0) == is_single
     for name in ("alpha", "m0"):
@@ -110,17 +104,6 @@ def test_a_second_mesh_that_cannot_be_made_is_named(tmp_path: Path) -> None:
         same, reason = with_mesh_error(config, RunContext.alone(store, Silent()), parameters)
     assert same == parameters
     assert reason.startswith("the mesh 5 times as coarse cannot be made: ")
-    content = {"pressures_kPa": [6.0], "mesh_error": None, "mesh_error_reason": reason}
-    (tmp_path / "parameters.json").write_text(json.dumps(content))
-    (tmp_path / "run.json").write_text(json.dumps({"config": {"mesh": {"coarser": 5.0}}}))
-    assert reason in mesh_error(read_results(tmp_path))
-
-
-def test_without_a_second_mesh_the_report_says_so(tmp_path: Path) -> None:
-    (tmp_path / "parameters.json").write_text(json.dumps({"pressures_kPa": [6.0], "mesh_error": None}))
-    assert mesh_error(read_results(tmp_path)).endswith("mesh.coarser in the configuration adds it.")
-    (tmp_path / "run.json").write_text(json.dumps({"config": {"mesh": {"coarser": 1.5}}}))
-    assert mesh_error(read_results(tmp_path)).endswith("a mesh 1.5 times as coarse gave no parameters.")
 
 
 def test_a_finer_second_mesh_is_refused(tmp_path: Path) -> None:

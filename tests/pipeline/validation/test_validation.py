@@ -127,13 +127,10 @@ def test_parameters_have_intervals(results: Path) -> None:
             assert parameters["alpha1_N_mm2"][index] == parameters["alpha2_N_mm2"][index]
 
 
-def test_the_report_shows_loads_and_two_lines(results: Path) -> None:
+def test_the_report_shows_the_loads_of_the_validation(results: Path) -> None:
     html = (results / "report.html").read_text(encoding="utf-8")
-    for text in ("Two lines at every pressure", "end at +3 mm"):
+    for text in ("end at +3 mm", "Dead force on the end", "Force that holds the end"):
         assert text in html
-    assert "are linear in the pressure" in html or "There are no three neighbouring pressures" in html
-    assert 'id="figure-validation"' in html
-    assert 'id="figure-forces"' in html
 
 
 def test_a_load_begins_at_the_third_experiment_of_the_run(

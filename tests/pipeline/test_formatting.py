@@ -2,7 +2,7 @@
 
 import pytest
 
-from pipeline.report.formatting import (
+from pipeline.formatting import (
     decimals_beside,
     decimals_of,
     fixed,

@@ -1,0 +1,142 @@
+"""How wrong each rod is: against the finite elements on the same mesh, and because of that mesh."""
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from geometry.arrays import Array
+from pipeline.results.values import Column, Curve, RodError, Run
+from pipeline.store.formats import ARM_LAW, EXTENSIBLE, FIVE
+
+#: the rods in words
+TITLES = {
+    FIVE: "five parameters",
+    EXTENSIBLE: "five parameters and stretch",
+    ARM_LAW: "the arm's own law",
+}
+#: distance over the length beyond which no rod is recommended
+POOR = 0.10
+#: rad: an error of the curvature is relative to the curvature that turns the arm by at least this angle
+SMALLEST_TURN = 0.1
+
+
+@dataclass(frozen=True)
+class RodErrors:
+    """The largest errors of one rod over all loads; the force is relative to the largest force of all loads."""
+
+    rod: str
+    loads_in_sample: int
+    loads_out_of_sample: int
+    distance_over_length_in_sample: float | None  #: None without loads
+    distance_over_length_out_of_sample: float | None
+    force_error_in_sample: float | None
+    force_error_out_of_sample: float | None
+    loads_without_solution: int
+
+    @staticmethod
+    def of(run: Run, rod: str) -> "RodErrors":
+        """The errors of one of the rods of a run."""
+        rows = run.errors_of(rod)
+        inside, outside = ([row for row in rows if row.sample == s and not row.reason] for s in ("in", "out"))
+        largest = max((abs(row.force_N) for row in run.rod_errors if row.force_N is not None), default=0.0)
+        shapes = [_largest(row.distance_over_length for row in part) for part in (inside, outside)]
+        forces = [_largest(_force_error(row, largest) for row in part) for part in (inside, outside)]
+        missing = sum(bool(row.reason) for row in rows)
+        return RodErrors(rod, len(inside), len(outside), shapes[0], shapes[1], forces[0], forces[1], missing)
+
+    @property
+    def shape(self) -> float:
+        """Largest distance between the curves over the length; infinite where the rod has no solution at all."""
+        known = _largest([self.distance_over_length_in_sample, self.distance_over_length_out_of_sample])
+        return math.inf if known is None else known
+
+    @property
+    def force(self) -> float:
+        """Largest error of the end force; 0 where no load had one."""
+        return _largest([self.force_error_in_sample, self.force_error_out_of_sample]) or 0.0
+
+
+def _force_error(row: RodError, largest_N: float) -> float | None:
+    if row.force_error is None or row.force_N is None:
+        return None
+    return row.force_error * row.force_N / largest_N if largest_N else 0.0
+
+
+def _largest(values: Iterable[float | None]) -> float | None:
+    return max((abs(value) for value in values if value is not None), default=None)
+
+
+def rod_errors(run: Run) -> tuple[RodErrors, ...]:
+    """The errors of every rod, the rod to take first.
+
+    A rod without a solution under some load comes behind those that have one, and a rod farther than `POOR` last.
+    """
+    return tuple(
+        sorted(
+            (RodErrors.of(run, rod) for rod in run.rods),
+            key=lambda errors: (errors.shape > POOR, errors.loads_without_solution, max(errors.shape, errors.force)),
+        )
+    )
+
+
+@dataclass(frozen=True)
+class MeshErrors:
+    """Relative errors of a rod's numbers because of the mesh, one standard deviation; None where not estimated."""
+
+    kappa_0: float | None
+    rigidity: float | None
+    force: float | None  #: the moment that bends a cell, or the force in experiment III
+
+    @property
+    def largest(self) -> float | None:
+        """The largest of those that are known."""
+        return _largest([self.kappa_0, self.rigidity, self.force])
+
+
+def mesh_errors(run: Run, rod: str) -> MeshErrors:
+    """The errors of the mesh in the numbers of a rod, at the worst pressure."""
+    if rod == ARM_LAW:
+        return _of_law(run)
+    known = run.parameters.get("mesh_error") or {}
+    return MeshErrors(*(_largest(known.get(f"{name}_relative") or ()) for name in ("kappa_0", "alpha2", "force")))
+
+
+def _of_law(run: Run) -> MeshErrors:
+    error = run.law and run.law.mesh_error
+    if not error:
+        return MeshErrors(None, None, None)
+    turning = SMALLEST_TURN / run.length_mm
+    moments = tuple(0.5 * turning * abs(rigidity or 0.0) for rigidity in error.rigidity_N_mm2)
+    none = (0.0,) * len(error.pressures_kPa)
+    return MeshErrors(
+        _relative(error.kappa_0_per_mm, error.kappa_0_per_mm_std, (turning,) * len(none)),
+        _relative(error.rigidity_N_mm2, error.rigidity_N_mm2_std, none),
+        _relative(error.moment_N_mm, error.moment_N_mm_std, moments),
+    )
+
+
+def _relative(values: Column, deviations: Column, least: Sequence[float]) -> float | None:
+    """The largest deviation over its value, or over the least value that counts."""
+    pairs = zip(values, deviations, least, strict=False)
+    return _largest(
+        std / size
+        for value, std, smallest in pairs
+        if value is not None and std is not None and (size := max(abs(value), smallest))
+    )
+
+
+def tip_moves_by(curve: Curve, relative: float) -> float:
+    """Largest distance over the length that a curve moves by where all of its curvature is larger by a fraction."""
+    s, theta = curve["s_mm"], curve["theta_rad"]
+    more = theta[0] + (1.0 + relative) * (theta - theta[0])
+    apart = _positions(s, more) - _positions(s, theta)
+    return float(np.hypot(*apart).max() / (s[-1] - s[0]))
+
+
+def _positions(s: Array, theta: Array) -> Array:
+    """(2, n) positions of an inextensible curve with these angles (n,) at s (n,)."""
+    directions = np.array([np.cos(theta), np.sin(theta)])
+    steps = 0.5 * (directions[:, 1:] + directions[:, :-1]) * np.diff(s)
+    return np.concatenate([np.zeros((2, 1)), np.cumsum(steps, axis=1)], axis=1)

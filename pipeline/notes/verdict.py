@@ -1,0 +1,234 @@
+"""The verdict of a run in at most eight lines: how far the arm bends, which rod to take, and how wrong it is.
+
+The verdict is one value. The terminal, the report, `pneurod run --json` and `pneurod.read_results` show its lines.
+"""
+
+import math
+import shlex
+from dataclasses import asdict, dataclass
+
+from pipeline.formatting import number, percent
+from pipeline.notes.rods import POOR, TITLES, MeshErrors, RodErrors, mesh_errors, rod_errors, tip_moves_by
+from pipeline.results.values import Curve, Reported, Run
+from pipeline.store.formats import ARM_LAW, EXTENSIBLE, FIVE
+from pipeline.store.json_values import JsonObject
+
+#: relative error of the mesh above which no rod of the run should be used, and the size of a finer mesh over its own
+LARGE_MESH_ERROR, FINER = 0.10, 2 / 3
+#: pressures that the first line names; of more it names the lowest, the middle and the highest one
+MOST_NAMED = 3
+#: warnings that the verdict shows
+MOST_WARNINGS = 3
+#: codes of remarks by rank; others follow in the order in which they were found
+RANKS = ("beyond_law", "out_of_plane", "lost_volume", "beyond_limit_of_arm", "hardly_bent", "not_determined")
+
+
+@dataclass(frozen=True)
+class Bending:
+    """Where the end of the arm is in experiment II; positions are relative to the clamped end."""
+
+    pressure_kPa: float
+    angle_deg: float  #: between the tangents at both ends
+    tip_x_mm: float
+    tip_y_mm: float
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What a run has found, and how far it can be relied on."""
+
+    design: str
+    length_mm: float  #: NaN where the body was not meshed
+    bending: tuple[Bending, ...]  #: by ascending pressure
+    rod: str  #: the rod to take: five, five_extensible or arm_law; empty where none was compared
+    refusal: Reported | None  #: why no rod of this run should be used; None where `rod` can be
+    shape_error: float | None  #: of the rod to take over the length, rod and mesh together
+    force_error: float | None  #: over the largest force, rod and mesh together
+    mesh: MeshErrors  #: the part of the mesh in them
+    pressures_kPa: tuple[float, float] | None  #: between which the rod holds
+    moments_N_mm: tuple[float, float] | None  #: for which it holds at the highest pressure
+    command: str  #: how to use the rod, or what to do instead
+    failures: tuple[Reported, ...]
+    warnings: tuple[Reported, ...]  #: ranked, at most `MOST_WARNINGS`
+    errors: tuple[RodErrors, ...]  #: of every rod against finite elements on the same mesh, the rod to take first
+
+    @property
+    def usable(self) -> bool:
+        """Whether there is a rod that can be used."""
+        return bool(self.rod) and self.refusal is None
+
+    @property
+    def lines(self) -> tuple[str, ...]:
+        """The verdict in words, at most eight lines."""
+        lines = [self._bends(), self._takes(), self._holds(), self.command, *self._not_reached()]
+        return tuple(filter(None, (*lines, *(f"Warning: {warning.text}" for warning in self.warnings))))
+
+    def _bends(self) -> str:
+        if not self.bending:
+            return f"{self.design}: no pressure was reached in experiment II."
+        named = self.bending
+        if len(named) > MOST_NAMED:
+            named = (named[0], named[len(named) // 2], named[-1])
+        parts = ", ".join(
+            f"{b.angle_deg:.0f}° at {b.pressure_kPa:g} kPa (tip {b.tip_x_mm:.1f}, {b.tip_y_mm:.1f} mm)" for b in named
+        )
+        return f"{self.design}, {number(self.length_mm)} mm long, bends by {parts}."
+
+    def _takes(self) -> str:
+        if self.refusal is not None:
+            return self.refusal.text
+        if self.shape_error is None:
+            return "No rod was compared with the finite elements."
+        force = "" if self.force_error is None else f", its force within {percent(self.force_error)}"
+        mesh = "rod and mesh together" if self.mesh.largest is not None else "without the error of the mesh"
+        return (
+            f"Take the rod with {TITLES[self.rod]} ({self.rod}): its shape is within {percent(self.shape_error)} of "
+            f"the length{force} ({mesh})."
+        )
+
+    def _holds(self) -> str:
+        if not self.usable or self.pressures_kPa is None:
+            return ""
+        low, high = self.pressures_kPa
+        moments = ""
+        if self.moments_N_mm is not None:
+            moments = f", for moments from {self.moments_N_mm[0]:.3g} to {self.moments_N_mm[1]:.3g} N mm"
+        return f"It holds from {low:g} to {high:g} kPa{moments}."
+
+    def _not_reached(self) -> list[str]:
+        if not self.failures:
+            return []
+        more = f" ({len(self.failures) - 1} more in the report)" if len(self.failures) > 1 else ""
+        return [f"Not reached: {self.failures[0].text}{more}"]
+
+    def record(self) -> JsonObject:
+        """The verdict as `pneurod run --json` writes it."""
+        content = {name: value for name, value in asdict(self).items() if name != "command"}
+        return {**content, "usable": self.usable, "lines": self.lines}
+
+
+def verdict_of(run: Run) -> Verdict:
+    """The verdict on the results of a run."""
+    errors = rod_errors(run)
+    rod = errors[0].rod if errors else ""
+    mesh = mesh_errors(run, rod) if rod else MeshErrors(None, None, None)
+    bent = [curve for curve in run.curves_of("II") if not curve.load]
+    refusal = _refusal(run, errors, mesh)
+    usable = bool(rod) and refusal is None
+    return Verdict(
+        design=run.design,
+        length_mm=run.length_mm,
+        bending=tuple(_bending(curve) for curve in bent),
+        rod=rod,
+        refusal=refusal,
+        shape_error=errors[0].shape + _shape_by_mesh(bent, mesh) if usable else None,
+        force_error=_force(run, errors[0], mesh) if usable else None,
+        mesh=mesh,
+        pressures_kPa=_pressures(run, rod) if rod else None,
+        moments_N_mm=_moments(run, rod) if rod else None,
+        command=_use(run, rod) if usable else _instead(run, mesh),
+        failures=run.failures,
+        warnings=_warnings(run, rod, mesh, refusal),
+        errors=errors,
+    )
+
+
+def _bending(curve: Curve) -> Bending:
+    x, y = curve.tip_mm
+    return Bending(curve.pressure_kPa, math.degrees(abs(curve.bent_rad)), x, y)
+
+
+def _shape_by_mesh(bent: list[Curve], mesh: MeshErrors) -> float:
+    """How far an error of the curvature moves the most bent curve, over the length; 0 where it is not known."""
+    if mesh.kappa_0 is None or not bent:
+        return 0.0
+    return max(tip_moves_by(curve, mesh.kappa_0) for curve in bent)
+
+
+def _force(run: Run, errors: RodErrors, mesh: MeshErrors) -> float | None:
+    if all(row.force_N is None for row in run.rod_errors):
+        return None
+    return errors.force + (mesh.force or 0.0)
+
+
+def _refusal(run: Run, errors: tuple[RodErrors, ...], mesh: MeshErrors) -> Reported | None:
+    """Why no rod should be used: the arm leaves the plane, the mesh is too coarse, or every rod is far off."""
+    if not errors:
+        return None
+    beginning = "Do not use a rod of this run, because"
+    if plane := next((remark for remark in run.remarks if remark.code == "out_of_plane"), None):
+        text = f"{beginning} the arm leaves the plane of bending by up to {plane.values['distance_mm']:.3g} mm."
+        return Reported("out_of_plane", plane.values, plane.where, text)
+    if errors[0].shape > POOR:
+        text = f"{beginning} the nearest one is {percent(errors[0].shape)} of the length off the finite elements."
+        return Reported("no_rod_is_near", {"distance_over_length": errors[0].shape}, None, text)
+    if (mesh.largest or 0.0) > LARGE_MESH_ERROR:
+        text = f"{beginning} the mesh makes an error of about {percent(mesh.largest)} in its numbers."
+        return Reported("mesh_too_coarse", {"relative": mesh.largest}, None, text)
+    return None
+
+
+def _pressures(run: Run, rod: str) -> tuple[float, float] | None:
+    known = run.law.pressures_kPa if rod == ARM_LAW and run.law else run.identified_kPa
+    highest = max(run.reached_kPa, default=0.0)
+    return (known[0], min(known[-1], highest) if rod == ARM_LAW else known[-1]) if known else None
+
+
+def _moments(run: Run, rod: str) -> tuple[float, float] | None:
+    """The moments for which a rod is known at the highest pressure, N mm."""
+    if rod == ARM_LAW and run.law:
+        pressures = _pressures(run, rod)
+        cell = run.law.curve(pressures[1]) if pressures else None
+        if cell is None:
+            return None
+        clamps = [c for c in run.law.clamp.curves if c.pressure_kPa == cell.pressure_kPa]
+        ends = [(curve.moment_N_mm[0], curve.moment_N_mm[-1]) for curve in (cell, *clamps)]
+        return max(low for low, _ in ends), min(high for _, high in ends)
+    columns = run.parameters.get("eccentricity") or {} if rod == EXTENSIBLE else run.parameters
+    ranges = columns.get("moment_range_N_mm") or ()
+    return (ranges[-1][0], ranges[-1][1]) if ranges else None
+
+
+def _use(run: Run, rod: str) -> str:
+    """The command with which the rod is used, under the load of experiment III where that is a height of the end."""
+    file = shlex.quote(str(run.directory / ("law.json" if rod == ARM_LAW else "parameters.json")))
+    stretch = {EXTENSIBLE: " --stretch", FIVE: " --no-stretch"}.get(rod, "")
+    pressures = _pressures(run, rod)
+    pressure = f" --pressure '{pressures[1]:g} kPa'" if pressures else ""
+    return f"Use it: pneurod rod {file}{pressure}{_load(run, pressures)}{stretch}"
+
+
+def _load(run: Run, pressures: tuple[float, float] | None) -> str:
+    """The load of experiment III as options, where it holds a height of the end; else a small force."""
+    end = run.config.get("end") or {}
+    held = run.curve("III", pressures[1]) if pressures else None
+    if held is None or end.get("y_mm") is None or end.get("x_mm") is not None:
+        return " --force '[0 N, 0.01 N]'"
+    return f" --end-y '{round(held.tip_mm[1], 6) + 0.0:g} mm'"
+
+
+def _instead(run: Run, mesh: MeshErrors) -> str:
+    """What to do where no rod can be used."""
+    size = run.mesh.get("size_mm")
+    if (mesh.largest or 0.0) > LARGE_MESH_ERROR:
+        if run.mesh.get("from_file") or not size:
+            return "Next: run the body with a finer mesh."
+        return f"Next: run it with smaller elements: --set mesh.size='{FINER * size:.2g} mm' and another --out."
+    if run.failures:
+        return "Next: give lower pressures, or change walls or material, in another --out."
+    return ""
+
+
+def _warnings(run: Run, rod: str, mesh: MeshErrors, refusal: Reported | None) -> tuple[Reported, ...]:
+    """The most important remarks on the run and on its rod."""
+    of_rod = []
+    if rod and mesh.largest is None:
+        text = "The error of the mesh is not estimated; --set mesh.coarser=1.5 or another mesh.size shows it."
+        of_rod.append(Reported("mesh_error_unknown", {}, None, text))
+    if run.config.get("law") == "five" or rod in (FIVE, EXTENSIBLE):
+        text = "Under small loads this rod is off: its offsets m0 bend it as soon as any load acts."
+        of_rod.append(Reported("offsets", {}, None, text))
+    shown = [remark for remark in run.remarks if refusal is None or remark.code != refusal.code]
+    ranked = sorted(shown, key=lambda remark: RANKS.index(remark.code) if remark.code in RANKS else len(RANKS))
+    known = [remark for remark in ranked if remark.code in RANKS]
+    return tuple([*known, *of_rod, *ranked[len(known) :]][:MOST_WARNINGS])

@@ -1,0 +1,172 @@
+"""The tables of the report and of the terminal: five parameters, rods, loads, states, effects."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from pipeline.formatting import decimals_beside, decimals_of, interval, number, percent, seconds, with_spread
+from pipeline.notes.rods import TITLES, mesh_errors, rod_errors
+from pipeline.results.values import Run
+from pipeline.store.formats import EXTENSIBLE, FIVE
+
+#: key in parameters.json, symbol, unit: the five parameters
+NUMBERS = (
+    ("alpha1_N_mm2", "α₁", "N mm²"),
+    ("alpha2_N_mm2", "α₂", "N mm²"),
+    ("m01_N_mm", "m₀₁", "N mm"),
+    ("m02_N_mm", "m₀₂", "N mm"),
+    ("d_mm", "d", "mm"),
+)
+#: columns of the table of states: field of `State`, title
+_STATES = (
+    *(
+        ("experiment", "experiment"),
+        ("pressure_kPa", "p (kPa)"),
+        ("end_x_mm", "end x (mm)"),
+        ("end_y_mm", "end y (mm)"),
+    ),
+    *(("reaction_N", "reaction (N)"), ("stretch_of_curve", "stretch of curve"), ("min_stretch", "smallest stretch")),
+    *(("max_stretch", "largest stretch"), ("min_J", "smallest J"), ("min_gap_mm", "smallest gap (mm)")),
+    *(("newton_iterations", "Newton iterations"), ("factorizations", "factorizations"), ("seconds", "seconds")),
+    *(("status", "status"), ("reason", "remark")),
+)
+
+
+@dataclass(frozen=True)
+class Table:
+    """A table of texts."""
+
+    heads: tuple[str, ...]
+    rows: tuple[tuple[str, ...], ...]
+    caption: str = ""
+
+
+def five_parameters(run: Run, rod: str = FIVE) -> Table | None:
+    """The five parameters by pressure with their standard deviations and 95 % intervals; None without them.
+
+    rod: whose parameters; the rod that stretches has the eccentricity e of its neutral axis as well.
+    """
+    columns = run.parameters.get("eccentricity") if rod == EXTENSIBLE else run.parameters
+    if not run.identified_kPa or not columns:
+        return None
+    keys = [*NUMBERS, *([("eccentricity_mm", "e", "mm")] if rod == EXTENSIBLE else [])]
+    single = run.parameters.get("single_line_suffices") or [False] * len(run.identified_kPa)
+    digits = {key: decimals_of(columns[key], columns.get(f"{key}_std") or ()) for key, _, _ in keys}
+    rows = tuple(
+        (
+            f"{pressure:g}",
+            *(
+                "single line" if key == "d_mm" and single[k] else _parameter(columns, key, k, digits[key])
+                for key, _, _ in keys
+            ),
+        )
+        for k, pressure in enumerate(run.identified_kPa)
+    )
+    included = "with" if run.parameters.get("mesh_error") else "without"
+    return Table(
+        ("p (kPa)", *(f"{symbol} ({unit})" for _, symbol, unit in keys)),
+        rows,
+        f"The paper's five parameters. ± is one standard deviation, {included} the error of the mesh. The 95 % "
+        "interval stands below.",
+    )
+
+
+def _parameter(columns: Mapping[str, Any], key: str, index: int, digits: int) -> str:
+    value, spread = columns[key][index], (columns.get(f"{key}_std") or {index: None})[index]
+    bounds = (columns.get(f"{key}_95") or {index: None})[index]
+    if value is None:
+        return "-"
+    if key == "d_mm":
+        for bound, words in (("d_is_at_most", "at most"), ("d_is_at_least", "at least")):
+            if (columns.get(bound) or {index: False})[index]:
+                return f"{words} {with_spread(value, None, digits)}"
+    below = interval(bounds, decimals_beside(spread, digits))
+    return f"{with_spread(value, spread, digits)}\n{below}" if below else with_spread(value, spread, digits)
+
+
+def rods(run: Run) -> Table | None:
+    """The largest errors of every rod, against the finite elements and because of the mesh; None without rods."""
+    rows = []
+    for errors in rod_errors(run):
+        mesh = mesh_errors(run, errors.rod)
+        rows.append(
+            (
+                TITLES[errors.rod],
+                *(str(errors.loads_in_sample), percent(errors.distance_over_length_in_sample)),
+                *(percent(errors.force_error_in_sample), str(errors.loads_out_of_sample)),
+                *(percent(errors.distance_over_length_out_of_sample), percent(errors.force_error_out_of_sample)),
+                *(
+                    str(errors.loads_without_solution),
+                    percent(mesh.kappa_0),
+                    percent(mesh.rigidity),
+                    percent(mesh.force),
+                ),
+            )
+        )
+    heads = (
+        *("rod", "loads fitted", "shape / l", "force", "other loads", "shape / l", "force", "without solution"),
+        *("mesh error of κ₀", "of the rigidity", "of the moment"),
+    )
+    return Table(heads, tuple(rows)) if rows else None
+
+
+def loads(run: Run) -> Table | None:
+    """Every load, pressure and rod; None where nothing was compared."""
+    rows = tuple(
+        (
+            *(row.location, TITLES[row.rod], "fitted" if row.sample == "in" else "not fitted"),
+            percent(row.distance_over_length),
+            number(None if row.end_angle_error_rad is None else math.degrees(row.end_angle_error_rad)),
+            *(percent(row.force_error), percent(row.curvature_error), row.reason or row.warning),
+        )
+        for row in sorted(run.rod_errors, key=lambda row: (row.load, row.experiment, row.pressure_kPa))
+    )
+    heads = ("load", "rod", "to this load", "shape / l", "end angle (°)", "force", "curvature", "remark")
+    return Table(heads, rows) if rows else None
+
+
+def states(run: Run) -> Table | None:
+    """Every experiment and pressure; None where no experiment was begun."""
+    rows = tuple(tuple(_cell(getattr(state, name)) for name, _ in _STATES) for state in run.states)
+    return Table(tuple(title for _, title in _STATES), rows) if rows else None
+
+
+def effects(run: Run) -> Table | None:
+    """Which effects were simulated, and why; None where the run did not come so far."""
+    rows = tuple(
+        (row.effect.replace("_", " "), row.state, row.reason, percent(row.share_of_time)) for row in run.effects
+    )
+    return Table(("effect", "state", "reason", "share of the solver's time"), rows) if rows else None
+
+
+def cost(run: Run) -> Table | None:
+    """Wall time by stage of the run, then the parts of the solver's time; None where it is not known."""
+    stages = [(name, seconds(value)) for name, value in (run.record.get("seconds") or {}).items()]
+    solver = [(f"solver: {name}", seconds(value)) for name, value in (run.record.get("solver_seconds") or {}).items()]
+    return Table(("stage", "time"), (*stages, *solver)) if stages else None
+
+
+def design(run: Run) -> Table | None:
+    """The design and its mesh: name and value with its unit; None without a configuration."""
+    geometry, mesh = run.config.get("geometry") or {}, run.mesh
+    rows = [
+        (name, str(value)) for name, value in geometry.items() if not isinstance(value, float) and value is not None
+    ]
+    lengths = [f"{name.replace('_', ' ')} {number(v)}" for name, v in geometry.items() if isinstance(v, float)]
+    rows += [("dimensions (mm)", ", ".join(lengths))] if lengths else []
+    materials = {"material": run.config.get("material") or {}, **(run.config.get("materials") or {})}
+    rows += [(name, ", ".join(f"{key} {_cell(v)}" for key, v in law.items())) for name, law in materials.items() if law]
+    if mesh:
+        edges = f"edges {mesh['mean_edge_mm']:.2g} mm on average, {mesh['longest_edge_mm']:.2g} mm at most"
+        rows.append(("mesh", f"{mesh['elements']} {mesh['formulation']} elements, {edges}"))
+        rows += [(f"chosen {name}", reason) for name, reason in mesh["chosen"].items()]
+    return Table(("key", "value"), tuple(rows)) if rows else None
+
+
+def _cell(value: Any) -> str:
+    if value is None:
+        return "-"
+    if isinstance(value, Sequence) and not isinstance(value, str):
+        return ", ".join(_cell(item) for item in value)
+    return number(value) if isinstance(value, float) else str(value)

@@ -1,0 +1,300 @@
+"""The results of a run as frozen values, one field for every key of the result files.
+
+Units are in the names of the fields: mm, N, MPa, rad and kPa. None stands for a number that does not exist. A new
+column of a table is a new field here; `pipeline.results.files` reads and writes it.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from geometry.arrays import Array
+from pipeline.store.formats import ARM_LAW, CONVERGED, FIVE
+
+Numbers = tuple[float, ...]
+#: a number for every pressure, None where there is none
+Column = tuple[float | None, ...]
+Pair = tuple[float, float]
+Position = tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class State:
+    """One experiment at one pressure: a row of experiments.json. Forces and volumes are those of the full body."""
+
+    experiment: str  #: I, II or III
+    pressure_kPa: float
+    end_x_mm: float | None = None  #: current position of the end of the material curve
+    end_y_mm: float | None = None
+    reaction_N: Pair | None = None  #: on the end
+    clamp_reaction_N: Pair | None = None
+    clamp_moment_N_mm: float | None = None
+    cavity_volume_mm3: float | None = None
+    stretch_of_curve: float | None = None  #: current length of the material curve over its length at rest
+    curve_z_mm: float | None = None  #: largest distance of the material curve from the plane z = 0
+    min_J: float | None = None
+    max_stretch: float | None = None
+    min_stretch: float | None = None
+    min_J_at_mm: Position | None = None
+    max_stretch_at_mm: Position | None = None
+    min_stretch_at_mm: Position | None = None
+    min_gap_mm: float | None = None  #: smallest signed gap between facing walls; None without such walls
+    contact_error_mm: float | None = None
+    contact_error_N: float | None = None
+    stress_error: float | None = None  #: energy of the difference to the recovered stress over that of the stress
+    stress_error_at_mm: Position | None = None
+    negative_pivots: int | None = None
+    newton_iterations: int | None = None
+    factorizations: int | None = None
+    cutbacks: int | None = None
+    seconds: float | None = None
+    status: str = CONVERGED
+    reason: str = ""  #: why the pressure was not reached, or what limits the trust in the state
+
+    @property
+    def reached(self) -> bool:
+        """Whether the pressure was reached."""
+        return self.status == CONVERGED
+
+
+@dataclass(frozen=True)
+class RodError:
+    """A rod against the finite elements under one load: a row of validation.json."""
+
+    experiment: str
+    pressure_kPa: float
+    load: str = ""  #: besides the pressure, in words; empty for II and III as identified
+    rod: str = FIVE  #: five, five_extensible or arm_law
+    sample: str = "in"  #: in: the rod was fitted to this load; out: it was not
+    distance_over_length: float | None = None  #: largest distance between the curves over the length
+    distance_at_s_mm: float | None = None
+    distance_over_length_without_stretch: float | None = None
+    end_angle_error_rad: float | None = None
+    force_error: float | None = None  #: relative
+    force_N: float | None = None
+    rod_force_N: float | None = None
+    curvature_error: float | None = None  #: relative
+    curvature_error_at_s_mm: float | None = None
+    reason: str = ""  #: why there is no rod to compare
+    warning: str = ""  #: where the moment leaves the range of the identification
+
+    @property
+    def location(self) -> str:
+        """Load and pressure, for a table."""
+        return f"{self.load or self.experiment}, {self.pressure_kPa:g} kPa"
+
+
+@dataclass(frozen=True)
+class Effect:
+    """Whether an effect took part in a run: a row of effects.json."""
+
+    effect: str
+    state: str  #: on or off
+    reason: str
+    share_of_time: float | None = None  #: of the solver's time; None for an effect without time of its own
+
+
+@dataclass(frozen=True)
+class Curve:
+    """The material curve of one state: rows of curves.csv or of validation_curves.csv, arrays (n,)."""
+
+    experiment: str
+    pressure_kPa: float
+    columns: Mapping[str, Array] = field(repr=False)  #: by column name; NaN where a cell is empty
+    load: str = ""  #: besides the pressure, in words; empty for I, II and III as identified
+
+    def __getitem__(self, column: str) -> Array:
+        return self.columns[column]
+
+    def has(self, column: str) -> bool:
+        """Whether the column is there and holds at least one number."""
+        return column in self.columns and bool(np.isfinite(self.columns[column]).any())
+
+    @property
+    def bent_rad(self) -> float:
+        """Angle between the tangents at both ends, rad; positive where the end turns counter-clockwise."""
+        return float(self["theta_rad"][-1] - self["theta_rad"][0])
+
+    @property
+    def tip_mm(self) -> Pair:
+        """Position of the end from the clamped end, mm."""
+        x, y = self["x_mm"], self["y_mm"]
+        return float(x[-1] - x[0]), float(y[-1] - y[0])
+
+
+@dataclass(frozen=True)
+class Reported:
+    """A reason as run.json holds it: code, values, and the sentence that was made of them."""
+
+    code: str
+    values: Mapping[str, Any] = field(default_factory=dict)
+    where: Position | None = None  #: mm
+    text: str = ""
+
+
+@dataclass(frozen=True)
+class LawMeshError:
+    """Standard deviations of the arm's own law due to its mesh, by pressure (the key mesh_error of law.json)."""
+
+    size_mm: float | None = None
+    second_mm: float | None = None
+    pressures_kPa: Numbers = ()
+    kappa_0_per_mm: Column = ()
+    rigidity_N_mm2: Column = ()
+    moment_N_mm: Column = ()
+    kappa_0_per_mm_std: Column = ()
+    rigidity_N_mm2_std: Column = ()
+    moment_N_mm_std: Column = ()
+    reason: str = ""
+
+
+@dataclass(frozen=True)
+class LawCurve:
+    """Moment over curvature of one cell at one pressure, arrays of one length."""
+
+    pressure_kPa: float
+    kappa_per_mm: Numbers = ()
+    moment_N_mm: Numbers = ()
+    rigidity_N_mm2: Numbers = ()
+    contact: tuple[bool, ...] = ()  #: whether walls touch
+
+
+@dataclass(frozen=True)
+class LawCurves:
+    """The curves of one end of the arm."""
+
+    curves: tuple[LawCurve, ...] = ()
+
+
+@dataclass(frozen=True)
+class Law:
+    """The arm's own law as the report needs it; `rod.ArmLaw` is the whole of law.json."""
+
+    length_mm: float
+    pitch_mm: float
+    pressures_kPa: Numbers
+    curves: tuple[LawCurve, ...]
+    clamp: LawCurves = LawCurves()
+    mesh_error: LawMeshError | None = None
+
+    def curve(self, pressure_kPa: float) -> LawCurve | None:
+        """The curve at the pressure nearest to this one; None where the nearest differs by more than 1 %."""
+        nearest = min(self.curves, key=lambda curve: abs(curve.pressure_kPa - pressure_kPa), default=None)
+        if nearest is None or abs(nearest.pressure_kPa - pressure_kPa) > 0.01 * abs(pressure_kPa):
+            return None
+        return nearest
+
+
+@dataclass(frozen=True)
+class Run:
+    """Everything in a result folder; what a failed run did not write is empty."""
+
+    directory: Path
+    record: Mapping[str, Any] = field(repr=False)  #: run.json; empty where the run did not come to its report
+    parameters: Mapping[str, Any] = field(repr=False)  #: parameters.json; empty without the identification
+    states: tuple[State, ...] = field(repr=False)
+    curves: tuple[Curve, ...] = field(repr=False)
+    rod_errors: tuple[RodError, ...] = field(repr=False)
+    validation_curves: tuple[Curve, ...] = field(repr=False)
+    effects: tuple[Effect, ...] = field(repr=False)
+    law: Law | None = field(repr=False)  #: None where the arm's own law was not made
+    failures: tuple[Reported, ...] = ()  #: what was not reached; empty where everything was
+    remarks: tuple[Reported, ...] = ()  #: what is unusual about the design and its results
+
+    @property
+    def config(self) -> Mapping[str, Any]:
+        """The configuration in mm, MPa, tonne/mm3 and kPa; empty where run.json is missing."""
+        return self.record.get("config") or {}
+
+    @property
+    def mesh(self) -> Mapping[str, Any]:
+        """The mesh that was solved on (the key mesh of run.json)."""
+        return self.record.get("mesh") or {}
+
+    @property
+    def finished(self) -> bool:
+        """Whether the run came to its report; it may have failures even so."""
+        return "pneurod" in self.record
+
+    @property
+    def failure(self) -> str:
+        """What was not reached, in one sentence; empty where everything was."""
+        return "; ".join(failure.text for failure in self.failures)
+
+    @property
+    def design(self) -> str:
+        """The name of the design, or of the folder."""
+        return str(self.config.get("name", self.directory.name))
+
+    @property
+    def length_mm(self) -> float:
+        """Rest length of the material curve, mm; NaN where no file has it."""
+        if "length_mm" in self.parameters:
+            return float(self.parameters["length_mm"])
+        if self.law is not None:
+            return self.law.length_mm
+        return max((float(curve["s_mm"].max()) for curve in self.curves), default=float("nan"))
+
+    @property
+    def pressures_kPa(self) -> Numbers:
+        """All pressures that occur, ascending."""
+        occurring = {curve.pressure_kPa for curve in self.curves} | {state.pressure_kPa for state in self.states}
+        return tuple(sorted(occurring))
+
+    @property
+    def reached_kPa(self) -> Numbers:
+        """The pressures at which at least one experiment has an equilibrium, ascending."""
+        return tuple(sorted({state.pressure_kPa for state in self.states if state.reached}))
+
+    @property
+    def identified_kPa(self) -> Numbers:
+        """The pressures that have five parameters, ascending."""
+        return tuple(self.parameters.get("pressures_kPa", ()))
+
+    @property
+    def averaging_mm(self) -> float:
+        """Length over which curvatures are averaged, mm; 0 where it is not known."""
+        return float(self.mesh.get("averaging_mm") or 0.0)
+
+    @property
+    def rods(self) -> tuple[str, ...]:
+        """The names of the rods that were compared, in the order of the file."""
+        return tuple(dict.fromkeys(error.rod for error in self.rod_errors))
+
+    def errors_of(self, rod: str, sample: str = "") -> tuple[RodError, ...]:
+        """The errors of one rod; with a sample, in or out, those alone."""
+        return tuple(error for error in self.rod_errors if error.rod == rod and sample in ("", error.sample))
+
+    def curve(self, experiment: str, pressure_kPa: float) -> Curve | None:
+        """The curve of one experiment at one pressure; None where it was not reached."""
+        at = (c for c in self.curves if c.experiment == experiment and c.pressure_kPa == pressure_kPa)
+        return next(at, None)
+
+    def curves_of(self, experiment: str) -> list[Curve]:
+        """The curves of one experiment by ascending pressure."""
+        return sorted((c for c in self.curves if c.experiment == experiment), key=lambda c: c.pressure_kPa)
+
+    def parameter(self, key: str, pressure_kPa: float) -> float | None:
+        """The entry of a list of parameters.json at one pressure."""
+        values = self.parameters.get(key)
+        if pressure_kPa not in self.identified_kPa or values is None:
+            return None
+        value = values[self.identified_kPa.index(pressure_kPa)]
+        return None if value is None else float(value)
+
+    def picture(self, name: str) -> Path | None:
+        """The picture of this name without suffix (body, body_open, II_17kPa); None where there is none."""
+        path = self.directory / "pictures" / f"{name}.png"
+        return path if path.is_file() else None
+
+    @property
+    def highest_of_law_kPa(self) -> float | None:
+        """The highest pressure of the arm's own law."""
+        return self.law.pressures_kPa[-1] if self.law else None
+
+    def has_rod(self, rod: str) -> bool:
+        """Whether the folder has the file that this rod is read from."""
+        return self.law is not None if rod == ARM_LAW else bool(self.identified_kPa)

@@ -1,0 +1,87 @@
+"""The tables of a run as pandas frames; units are in the names of the columns."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import fields
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from pipeline.results.values import Effect, RodError, State
+from pipeline.store.formats import CURVE_COLUMNS
+
+#: columns that hold texts, empty where there is none; all others hold numbers or true and false
+_TEXTS = {"experiment", "load", "rod", "sample", "effect", "state", "status", "reason", "warning"}
+#: endings of the components of a pair or of a position
+_AXES = ("x", "y", "z")
+
+
+def frame_of(kind: type[State | RodError | Effect], rows: Sequence[State | RodError | Effect]) -> pd.DataFrame:
+    """One row per value; a pair or a position becomes a column per component, with the unit at its end."""
+    columns: dict[str, list[Any]] = {}
+    for field in fields(kind):
+        values = [getattr(row, field.name) for row in rows]
+        size = {"Pair": 2, "Position": 3}.get(_name(field.type), 0)
+        if not size:
+            columns[field.name] = values
+            continue
+        stem, _, unit = field.name.rpartition("_")
+        for k, axis in enumerate(_AXES[:size]):
+            columns[f"{stem}_{axis}_{unit}"] = [None if value is None else value[k] for value in values]
+    return pd.DataFrame({name: _column(name, values) for name, values in columns.items()})
+
+
+def _name(kind: Any) -> str:
+    """Pair or Position where a field holds one; empty otherwise."""
+    text = str(kind)
+    return "Position" if text.count("float") == 3 else "Pair" if text.count("float") == 2 else ""
+
+
+def _column(name: str, values: Sequence[Any]) -> Any:
+    if name in _TEXTS:
+        return pd.Series([value or "" for value in values], dtype=object)
+    return pd.Series(values, dtype=float)
+
+
+def curves_frame(path: Path) -> pd.DataFrame:
+    """The table of curves in a CSV file; without rows where there is none."""
+    if not path.is_file():
+        return pd.DataFrame(columns=list(CURVE_COLUMNS))
+    frame = pd.read_csv(path, dtype={"experiment": str, "load": str})
+    return frame.fillna({"load": ""}) if "load" in frame else frame
+
+
+def by_pressure(content: Mapping[str, Any], pressures: Sequence[float]) -> pd.DataFrame:
+    """One row per pressure: every key of the content that has one number, or one pair, for each of them."""
+    count = len(pressures)
+    columns: dict[str, Any] = {"pressure_kPa": pd.Series(list(pressures), dtype=float)}
+    for key, values in content.items():
+        if key == "pressures_kPa" or not isinstance(values, list) or len(values) != count:
+            continue
+        if any(isinstance(value, bool) for value in values):
+            columns[key] = pd.array(values, dtype="boolean")
+        elif all(value is None or isinstance(value, int | float) for value in values):
+            columns[key] = pd.Series(values, dtype=float)
+        elif all(value is None or _is_pair(value) for value in values):
+            name = f"{key}_{{}}" if key.endswith("_95") else key.replace("_N_mm", "_{}_N_mm")
+            for k, end in enumerate(("low", "high")):
+                columns[name.format(end)] = pd.Series([None if v is None else v[k] for v in values], dtype=float)
+    return pd.DataFrame(columns)
+
+
+def _is_pair(value: Any) -> bool:
+    return isinstance(value, list) and len(value) == 2 and all(isinstance(end, int | float) for end in value)
+
+
+def profiles(content: Mapping[str, Any], pressures: Sequence[float]) -> pd.DataFrame:
+    """pressure_kPa, s_mm, kappa_0_per_mm: the curvature of the rod without load along the arm."""
+    profile = content.get("kappa_0") or {}
+    rows = zip(pressures, profile.get("kappa_0_per_mm", ()), strict=False)
+    parts = [pd.DataFrame({"pressure_kPa": p, "s_mm": profile["s_mm"], "kappa_0_per_mm": kappa}) for p, kappa in rows]
+    empty = pd.DataFrame({name: pd.Series(dtype=float) for name in ("pressure_kPa", "s_mm", "kappa_0_per_mm")})
+    return pd.concat(parts, ignore_index=True) if parts else empty
+
+
+def expanded(rows: Sequence[Mapping[str, Any]]) -> pd.DataFrame:
+    """A frame of rows whose lists, equally long within a row, become one row per entry."""
+    return pd.concat([pd.DataFrame(dict(row)) for row in rows] or [pd.DataFrame()], ignore_index=True)
