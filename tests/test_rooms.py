@@ -22,7 +22,7 @@ BELOW: dict[str, set[str]] = {
 
 #: room -> the libraries it may import beside the standard library
 LIBRARIES: dict[str, set[str]] = {
-    "geometry": {"numpy", "scipy", "gmsh", "meshio"},
+    "geometry": {"numpy", "scipy", "gmsh", "meshio", "trimesh"},
     "fem": {"numpy", "scipy", "skfem", "numba", "ipctk", "pypardiso"},
     "rod": {"numpy", "scipy", "numba"},
     "pipeline": {
@@ -36,6 +36,7 @@ LIBRARIES: dict[str, set[str]] = {
 DOORS: dict[str, set[str]] = {
     "gmsh": {"geometry/meshing/solid.py"},
     "meshio": {"geometry/mesh_content.py"},
+    "trimesh": {"geometry/files/surface.py"},
     "skfem": {"fem/discretisation.py"},
     # the doctor tries the threads of numba
     "numba": {"fem/kernels/", "rod/compiled.py", "pipeline/doctor.py"},
@@ -68,7 +69,7 @@ DOORS: dict[str, set[str]] = {
 }
 
 #: what `pneurod --help` must not wait for
-HEAVY = {"numpy", "scipy", "gmsh", "meshio", "skfem", "numba", "ipctk", "pypardiso"} | {
+HEAVY = {"numpy", "scipy", "gmsh", "meshio", "trimesh", "skfem", "numba", "ipctk", "pypardiso"} | {
     *("pydantic", "pint", "pyvista", "vtkmodules", "jinja2", "plotly", "matplotlib", "pandas"),
     *("distributed", "dask", "pyarrow"),
 }

@@ -18,9 +18,9 @@ from geometry.files.cad_chambers import chambers, gaps
 from geometry.files.cad_curve import check_curve
 from geometry.files.cad_import import CadBody, Point, bounds, import_solids, is_in_material
 from geometry.files.cad_parts import BODY, named_parts
-from geometry.files.cad_plug import hole_advice, plugged
 from geometry.files.cad_position import check_ends, check_position, check_symmetric, no_end_face
 from geometry.files.chambers import Range
+from geometry.files.inlets import fill_cad_inlets, hole_advice
 from geometry.files.shells import NOTHING_OPEN
 from geometry.grading import Grading
 from geometry.mesh import Mesh
@@ -160,17 +160,16 @@ def cad_session(
             gmsh.model.occ.mirror(solids, 0, 0, 1, 0)  # the half z <= 0, of the file or turned to there
             gmsh.model.occ.synchronize()
             low, high = bounds(gmsh, solids)
-        solids, plug_depths = plugged(gmsh, body, solids)
-        holes = hole_advice(gmsh, body, solids)
+        solids, plug_depths = fill_cad_inlets(gmsh, body, solids)
         check_ends(gmsh, body, solids)
-        check_curve(gmsh, body, solids, low, high, holes)
+        check_curve(gmsh, body, solids, low, high)
         parts = named_parts(gmsh, body, solids, low, high)
         if body.half and low[2] < -rounding:
             for name in () if checked else dict.fromkeys(parts.values()):
                 check_symmetric(gmsh, [solid for solid in solids if parts[solid] == name])
             low = (low[0], low[1], 0.0)
         blocks, air = _fragments(gmsh, body, parts, low, high)
-        yield gmsh, blocks, _named_air(gmsh, body, blocks, air, low, high, _remedy(body, holes)), plug_depths
+        yield gmsh, blocks, _named_air(gmsh, body, blocks, air, low, high), plug_depths
 
 
 def _fragments(
@@ -214,85 +213,47 @@ def _box(occ: Any, low: Any, high: Any) -> int:
 
 
 def _named_air(
-    gmsh: Any, body: CadBody, blocks: Collection[Volume], air: list[Volume], low: Point, high: Point, remedy: str
+    gmsh: Any, body: CadBody, blocks: Collection[Volume], air: list[Volume], low: Point, high: Point
 ) -> dict[Volume, str]:
     """The name of each cavity. Raises `DesignError` unless every cavity has exactly one of the given points in it, or
-    there is one cavity alone and no point; remedy: what to do where the air is open to the outside."""
+    there is one cavity alone and no point."""
     corner = np.add(high, 0.05 * max(np.subtract(high, low)))
-    is_outside = {volume: bool(gmsh.model.isInside(3, volume[1], list(corner))) for volume in air}
-    inner = [volume for volume in air if not is_outside[volume]]
-    if body.air:
-        within = {name: body.within_half(point, low, high) for name, point in body.air.items()}
-        named = _by_points(gmsh, body, blocks, is_outside, within, remedy)
-    else:
-        named = {_only(gmsh, body, inner, remedy): "cavity"}
-    for volume in inner:
-        if volume not in named and not _at_plug(gmsh, body, volume):
-            raise DesignError(
-                "air", f"the body has one more cavity, around {_middle(gmsh, body, volume)}; name it by a point in it"
-            )
+    inner = [volume for volume in air if not gmsh.model.isInside(3, volume[1], list(corner))]
+    named: dict[Volume, str] = {}
+    for name, point in body.air.items():
+        within = body.within_half(point, low, high)
+        holder = next((volume for volume in inner if gmsh.model.isInside(3, volume[1], list(within))), None)
+        given = f"the point {body.words(point)}"
+        if holder is None and is_in_material(gmsh, blocks, within):
+            raise DesignError(f"air.{name}", f"{given} lies in the material; give a point in the cavity")
+        if holder is None:
+            raise DesignError(f"air.{name}", f"{given} lies in no closed cavity; {_remedy(gmsh, body)}")
+        if holder in named:
+            raise DesignError(f"air.{name}", f"{given} lies in the same cavity as that of {named[holder]}")
+        named[holder] = name
+    if not body.air and not inner:
+        raise DesignError(("air", "file"), f"the body has no closed cavity: {_remedy(gmsh, body)}")
+    if not body.air and len(inner) == 1:
+        named[inner[0]] = "cavity"
+    nameless = [volume for volume in inner if volume not in named and not (body.air and _at_plug(gmsh, body, volume))]
+    if nameless:
+        places = "; ".join(_middle(gmsh, body, volume) for volume in nameless)
+        raise DesignError("air", f"no name for {len(nameless)} cavities, around {places}; give a point in each")
     if body.plug_at_clamp and not any(_at_plug(gmsh, body, volume) for volume in named):
         raise DesignError("plug", NOTHING_OPEN)
     return named
 
 
-def _by_points(
-    gmsh: Any,
-    body: CadBody,
-    blocks: Collection[Volume],
-    is_outside: Mapping[Volume, bool],
-    within: Mapping[str, Point],
-    remedy: str,
-) -> dict[Volume, str]:
-    """The name of each cavity with a given point in it.
-
-    is_outside: whether a volume of air is the outside; within: the points in the half that is meshed, by name.
-    """
-    named: dict[Volume, str] = {}
-    for name, point in body.air.items():
-        coordinates = body.words(point)
-        inner_point = list(within[name])
-        holders = [volume for volume in is_outside if gmsh.model.isInside(3, volume[1], inner_point)]
-        if not holders:
-            where = "in the material" if is_in_material(gmsh, blocks, inner_point) else "away from the body"
-            raise DesignError(f"air.{name}", f"the point {coordinates} lies {where}; give a point in the cavity")
-        if is_outside[holders[0]]:
-            raise DesignError(
-                f"air.{name}",
-                f"the point {coordinates} lies outside the body or in a cavity that is open to the outside; {remedy}",
-            )
-        if holders[0] in named:
-            image = ", or in its mirror image at z = 0, which symmetric: false keeps apart" if body.half else ""
-            raise DesignError(
-                f"air.{name}", f"the point {coordinates} lies in the same cavity as that of {named[holders[0]]}{image}"
-            )
-        named[holders[0]] = name
-    return named
-
-
-def _only(gmsh: Any, body: CadBody, inner: list[Volume], remedy: str) -> Volume:
-    """The one cavity. Raises `DesignError` where there are several, or none; remedy: what to do where it is open."""
-    if not inner:
-        raise DesignError(
-            ("air", "file"),
-            f"the body has no closed cavity: it is solid, or its air is open to the outside; {remedy}",
-        )
-    if len(inner) > 1:
-        positions = "; ".join(_middle(gmsh, body, volume) for volume in inner)
-        raise DesignError("air", f"the body has {len(inner)} cavities, around {positions}; name each by a point in it")
-    return inner[0]
-
-
-def _remedy(body: CadBody, holes: str) -> str:
-    """What to do where the air is open to the outside; holes: the end of the sentence."""
-    fill = "give a point in its mouth, plug: {inlet: [x, y, z]}, which fills it with the material of the body"
-    if body.plugs:
-        return f"another inlet is open: add a point in its mouth to plug, or close it in the CAD program{holes}"
-    if body.plug_at_clamp:
-        elsewhere = "it is open elsewhere than in the plane of the clamp"
-        return f"{elsewhere}: close that inlet in the CAD program, or {fill}{holes}"
-    at_clamp = "write plug: true if the inlet lies in the plane of the clamp"
-    return f"close its inlet in the CAD program, or {at_clamp}, or {fill}{holes}"
+def _remedy(gmsh: Any, body: CadBody) -> str:
+    """What to do where the air is open to the outside. The session is of no use afterwards."""
+    gmsh.model.occ.remove(gmsh.model.getEntities(3), recursive=True)
+    gmsh.model.occ.synchronize()
+    solids, _ = fill_cad_inlets(gmsh, body, import_solids(gmsh, body.source))
+    ways = ["close its inlet in CAD"]
+    if not body.plugs and not body.plug_at_clamp:
+        ways.append("write plug: true if it lies in the plane of the clamp")
+    ways.append("give a point in its mouth, plug: {inlet: [x, y, z]}")
+    return f"{', or '.join(ways)}{hole_advice(gmsh, body, solids)}"
 
 
 def _at_plug(gmsh: Any, body: CadBody, volume: Volume) -> bool:

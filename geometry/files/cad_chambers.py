@@ -11,11 +11,10 @@ import numpy as np
 
 from geometry.arrays import Array, Index
 from geometry.errors import MeshError
-from geometry.files.cad_channel import Face
 from geometry.files.cad_import import bounds
 from geometry.files.chambers import Range, chambers_of, has_gaps
 from geometry.files.surface import enclosed
-from geometry.meshing.shapes import Volume
+from geometry.meshing.shapes import Face, Volume
 from geometry.meshing.solid import told
 
 #: length of the body over that of the largest edges of the triangles

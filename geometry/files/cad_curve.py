@@ -6,6 +6,7 @@ from geometry.errors import DesignError
 from geometry.files.cad_import import CadBody, Point, is_in_material
 from geometry.files.cad_position import goes_on
 from geometry.files.curve_height import height_advice
+from geometry.files.inlets import hole_advice
 from geometry.meshing.shapes import Volume
 
 #: distance from the surface, over the height of the body, that is rounding
@@ -14,10 +15,10 @@ ROUNDING = 1e-4
 NEAR_END = 1e-5
 
 
-def check_curve(gmsh: Any, body: CadBody, solids: list[Volume], low: Point, high: Point, holes: str) -> None:
+def check_curve(gmsh: Any, body: CadBody, solids: list[Volume], low: Point, high: Point) -> None:
     """Raise `DesignError` where the curve leaves the material between the ends, or the material goes on beyond one.
 
-    low, high: bounds of the body, mm; holes: where there are some in flat faces, as the end of a sentence.
+    low, high: bounds of the body, mm.
     """
     across = body.within_half((0.0, 0.0, 0.0), low, high)[2]
     rounding = ROUNDING * (high[1] - low[1])
@@ -33,7 +34,8 @@ def check_curve(gmsh: Any, body: CadBody, solids: list[Volume], low: Point, high
                 raise goes_on(name, getattr(body, name) * (-1 if body.turned else 1))
         return
     start, stop = gap(body.curve) or (body.clamp, body.tip)
-    through = f"; if the line crosses an inlet, fill the inlet with plug: {{inlet: [x, y, z]}}{holes}" if holes else ""
+    holes = hole_advice(gmsh, body, solids)
+    through = f"; if the line crosses an inlet, fill it with plug: {{inlet: [x, y, z]}}{holes}" if holes else ""
     raise DesignError(
         "curve",
         f"the line y = {body.curve:g} mm, z = 0 is outside the material between {start - body.clamp:.4g} and "

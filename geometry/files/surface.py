@@ -7,11 +7,8 @@ import numpy as np
 
 from geometry.arrays import Array, Index
 from geometry.errors import MeshError
-from geometry.files.obj import read_obj
 from geometry.files.shells import outside_first, shells, windings
-from geometry.files.welded import welded
-from geometry.mesh_content import read_content
-from geometry.topology import normals, open_edges, row_keys, triangle_edges
+from geometry.topology import normals, open_edges, parts_of_graph, row_keys, triangle_edges
 
 #: what a file of a surface may end with
 SUFFIXES = (".stl", ".ply", ".obj", ".off")
@@ -46,32 +43,24 @@ class Surface:
 
 def read_surface(path: Path) -> Surface:
     """Read a closed surface. Raises `MeshError` where it is missing, has a hole, or is not that of one body."""
-    points, faces = read_obj(path) if path.suffix.lower() == ".obj" else _read_with_meshio(path)
-    blocks = []
-    for block in faces:
-        corners = block.shape[1]
-        if corners not in (3, 4):
-            raise MeshError(f"the surface file {path} has faces with {corners} corners; save it with triangles")
-        blocks += [block] if corners == 3 else [block[:, [0, 1, 2]], block[:, [0, 2, 3]]]
-    if not sum(map(len, blocks)):
-        raise MeshError(f"the surface file {path} has no triangles")
-    points, triangles = _merged(points, np.vstack(blocks))
+    import trimesh  # here: what reads no surface does not wait for its import
+
+    if not path.is_file():
+        raise MeshError(f"the surface file {path} does not exist")
+    try:
+        content = trimesh.load_mesh(path, process=False, skip_materials=True)
+        points, triangles = np.asarray(content.vertices, dtype=np.float64), np.asarray(content.faces, dtype=np.int64)
+    except Exception as error:
+        raise MeshError(f"the surface file {path} cannot be read ({error}); save it again") from error
     if not len(triangles):
-        raise MeshError(f"the surface file {path} has no triangle with three different corners")
-    return of_parts(points, triangles)
+        raise MeshError(f"the surface file {path} has no triangles")
+    return of_parts(*_merged(points, triangles))
 
 
 def of_parts(points: Array, triangles: Index) -> Surface:
     """The surface of triangles (k, 3) in any order and direction. Raises `MeshError` unless it is that of one body."""
     _check_closed(points, triangles)
     return _oriented(points, triangles)
-
-
-def _read_with_meshio(path: Path) -> tuple[Array, list[Index]]:
-    """Points (n, 3) and faces, those with equally many corners together, (k, corners). Raises `MeshError`."""
-    content = read_content(path)
-    blocks = [block.data for block in content.cells if block.type in ("triangle", "quad", "polygon")]
-    return np.asarray(content.points, dtype=np.float64), [np.asarray(block, dtype=np.int64) for block in blocks]
 
 
 def enclosed(points: Array, triangles: Index) -> float:
@@ -82,22 +71,31 @@ def enclosed(points: Array, triangles: Index) -> float:
 
 
 def _merged(points: Array, triangles: Index) -> tuple[Array, Index]:
-    """Points at the same position as one, and the triangles that still have three."""
+    """Points at the same position as one, and the triangles that still have three. Raises `MeshError`."""
     if not np.isfinite(points).all():
         raise MeshError("a point of the surface is not a finite number")
     size = float(np.ptp(points, axis=0).max())
     if not size > 0:
         raise MeshError("all points of the surface are the same")
-    _, first, same = np.unique(np.round(points / (SAME * size)), axis=0, return_index=True, return_inverse=True)
-    points, triangles = _compact(points[first], same.reshape(-1)[triangles])
+    points, triangles = _compact(points, _welded(points, SAME * size)[triangles])
     if not len(triangles):
-        return points, triangles
+        raise MeshError("the surface has no triangle with three different corners")
     rim = np.unique(open_edges(triangles, len(points)))
     if not len(rim):
         return points, triangles
     same = np.arange(len(points))
-    same[rim] = rim[welded(points[rim], min(ROUNDED * size, SHORTER * _shortest_side(points, triangles, rim)))]
+    same[rim] = rim[_welded(points[rim], min(ROUNDED * size, SHORTER * _shortest_side(points, triangles, rim)))]
     return _compact(points, same[triangles])
+
+
+def _welded(points: Array, distance: float) -> Index:
+    """For each of the points (n, 3) the first one that is the same, (n,): those within `distance`, and those within
+    `distance` of these, are one."""
+    from scipy.spatial import KDTree  # as above
+
+    group = parts_of_graph(len(points), KDTree(points).query_pairs(distance, output_type="ndarray"))
+    _, earliest = np.unique(group, return_index=True)
+    return np.asarray(earliest[group], dtype=np.int64)
 
 
 def _shortest_side(points: Array, triangles: Index, vertices: Index) -> float:
@@ -119,75 +117,50 @@ def _check_closed(points: Array, triangles: Index) -> None:
     """Raise `MeshError` with a position unless every edge belongs to two triangles."""
     pairs = triangle_edges(triangles)
     _, first, counts = np.unique(row_keys(pairs, len(points)), return_index=True, return_counts=True)
-    for wrong, sentence in (
-        (counts == 1, "has a hole: {count} edges belong to one triangle only, such as that"),
-        (counts > 2, "is not manifold: {count} edges belong to three or more triangles, such as that"),
+    for wrong, what in (
+        (counts == 1, "has a hole: {} edges belong to one triangle only"),
+        (counts > 2, "is not manifold: {} edges belong to three or more triangles"),
     ):
         if wrong.any():
-            where = ", ".join(f"{x:.4g}" for x in points[pairs[first[wrong][0]]].mean(axis=0))
-            text = sentence.format(count=int(wrong.sum()))
-            raise MeshError(
-                f"the surface {text} near ({where}) in the file's own frame; close and repair it in the program that "
-                "wrote it"
-            )
+            where = _place(points[pairs[first[wrong][0]]])
+            raise MeshError(f"the surface {what.format(wrong.sum())}, one near {where}; repair it in CAD")
 
 
 def _oriented(points: Array, triangles: Index) -> Surface:
     """The closed parts, the outside facing outward and the others towards the air inside it. Raises `MeshError`."""
-    outside, *inner = [_consistent(part) for part in outside_first(points, shells(triangles, len(points)))]
-    if enclosed(points, outside) < 0:
-        outside = outside[:, ::-1]
+    outside, *inner = (
+        _facing(points, part, outward=k == 0)
+        for k, part in enumerate(outside_first(points, shells(triangles, len(points))))
+    )
     corners = points[outside].reshape(-1, 3)
-    low, high = corners.min(axis=0), corners.max(axis=0)
-    faced = []
     for part in inner:
-        at = points[part[0]].mean(axis=0)
+        at, where = points[part[0]].mean(axis=0), _place(points[part].reshape(-1, 3))
         if windings(at, points[outside]) < 0.5:
-            where = ", ".join(f"{x:.4g}" for x in at)
-            raise MeshError(
-                f"the surface has a part near ({where}) outside of the largest one; it must be that of one body: join "
-                "the parts, or save the body alone"
-            )
-        if (points[part] < low).any() or (points[part] > high).any():
-            where = ", ".join(f"{x:.4g}" for x in points[part].reshape(-1, 3).mean(axis=0))
-            raise MeshError(f"the walls around ({where}) in the surface pass through its outside; repair it")
-        around = [k for k, other in enumerate(inner) if other is not part and abs(windings(at, points[other])) > 0.5]
-        if around:
-            where = ", ".join(f"{x:.4g}" for x in at)
-            raise MeshError(
-                f"the surface has a part near ({where}) that lies in a cavity or overlaps one; remove it, or save the "
-                "body alone"
-            )
-        faced.append(part[:, ::-1] if enclosed(points, part) > 0 else part)
-    return Surface(points, (outside, *faced))
+            raise MeshError(f"the surface has a part near {where} outside of the largest one; save one body alone")
+        if (points[part] < corners.min(axis=0)).any() or (points[part] > corners.max(axis=0)).any():
+            raise MeshError(f"the walls around {where} in the surface pass through its outside; repair it in CAD")
+        if any(abs(windings(at, points[other])) > 0.5 for other in inner if other is not part):
+            raise MeshError(f"the surface has a part near {where} in a cavity; remove it in CAD")
+    return Surface(points, (outside, *inner))
 
 
-def _consistent(part: Index) -> Index:
-    """The triangles (k, 3) of a closed part, turned so that neighbours pass their edge in opposite directions.
+def _place(points: Array) -> str:
+    """The middle of points (n, 3), for sentences."""
+    return "(" + ", ".join(f"{x:.4g}" for x in points.mean(axis=0)) + ")"
 
-    Raises `MeshError` where that cannot be done.
-    """
-    count = int(part.max()) + 1
-    pairs = triangle_edges(part)
-    if len(np.unique(pairs[:, 0] * count + pairs[:, 1])) == len(pairs):
-        return part
-    order = np.argsort(row_keys(pairs, count), kind="stable")
-    neighbours = np.empty(len(pairs), dtype=np.int64)
-    neighbours[order[::2]], neighbours[order[1::2]] = order[1::2], order[::2]
-    same = pairs[:, 0] == pairs[neighbours, 0]  # both pass the edge in the same direction
-    turned = np.full(len(part), -1)
-    turned[0], waiting = 0, [0]
-    while waiting:
-        at = waiting.pop()
-        for edge in range(3 * at, 3 * at + 3):
-            other = int(neighbours[edge] // 3)
-            orientation = turned[at] ^ int(same[edge])
-            if turned[other] < 0:
-                turned[other] = orientation
-                waiting.append(other)
-            elif turned[other] != orientation:
-                raise MeshError("the surface has one side only, as a Moebius strip has; save the body as a solid")
-    return np.where(turned[:, None] == 1, part[:, ::-1], part)
+
+def _facing(points: Array, part: Index, outward: bool) -> Index:
+    """The triangles (k, 3) of a closed part, all facing outward or all inward. Raises `MeshError`."""
+    count, edges = len(part), triangle_edges(part)
+    first, second = np.argsort(row_keys(edges, int(part.max()) + 1), kind="stable").reshape(-1, 2).T
+    same = (edges[first, 0] == edges[second, 0]).astype(np.int64)  # both pass the edge in the same direction
+    # each triangle as it is and turned, k and k + count: neighbours that fit are connected
+    pairs = [np.column_stack([first // 3 + count * k, second // 3 + count * (k ^ same)]) for k in (0, 1)]
+    number = parts_of_graph(2 * count, np.vstack(pairs))
+    if number[0] == number[count]:
+        raise MeshError("the surface has one side only, as a Moebius strip has; save the body as a solid")
+    part = np.where((number[:count] == number[0])[:, None], part, part[:, ::-1])
+    return part if (enclosed(points, part) > 0) == outward else part[:, ::-1]
 
 
 def thinnest(surface: Surface) -> float:

@@ -14,15 +14,14 @@ from geometry.errors import DesignError, MeshError, raise_together
 from geometry.files.cad_import import Point
 from geometry.files.cad_position import check_dimensions
 from geometry.files.chambers import Range, chambers_of, has_gaps
-from geometry.files.defeatured import defeatured
 from geometry.files.fill import fill
 from geometry.files.frame import SAME, Axes, in_frame
 from geometry.files.from_file import FileDesign, Plug
+from geometry.files.inlets import fill_surface_inlets
 from geometry.files.orientation import Lying
 from geometry.files.placing import FLAT, Placed, Placing, ends_of, placed_by_planes
 from geometry.files.shells import named_cavities, parts_of, refuse_open
 from geometry.files.surface import Surface, enclosed, read_surface, thinnest
-from geometry.files.surface_plug import plugged
 from geometry.grading import OFF, Grading
 
 #: largest difference between the volumes of the mesh (or its air) and of the surface, over that of the surface
@@ -54,10 +53,9 @@ class SurfaceFile(FileDesign):
     axes: Axes = SAME  #: which directions of the file are x, y and z of the arm
     middle: float = 0.0  #: z of the plane of symmetry in the file; all other z are measured from it
     plug: Plug = False  #: `true` closes an inlet in the plane of the clamp; points in the mouths of inlets fill them
-    defeature: float | None = None  #: edges shorter than this, and strips narrower than this, are removed
 
     def __post_init__(self) -> None:
-        raise_together((*self._wrong_values(), *self._not_positive("defeature", self.defeature)))
+        raise_together(self._wrong_values())
         self._keep_own_copies()
         _ = self.surface, self.length
         self._check_middle()
@@ -65,8 +63,7 @@ class SurfaceFile(FileDesign):
 
     @cached_property
     def surface(self) -> Surface:
-        """The surface in mm and in the directions of the arm, without its small features if `defeature` is given, and
-        with the inlets filled."""
+        """The surface in mm and in the directions of the arm, with the inlets filled."""
         return self._plugged[0]
 
     @property
@@ -80,9 +77,7 @@ class SurfaceFile(FileDesign):
             surface = read_surface(Path(self.file))
             surface = replace(surface, points=in_frame(surface.points, self.unit, self.axes, self.middle))
             check_dimensions(np.ptp(surface.points, axis=0), self.unit)
-            if self.defeature is not None:
-                surface = _without_small_features(surface, self.defeature)
-            return plugged(surface, self.plug) if isinstance(self.plug, Mapping) else (surface, {})
+            return fill_surface_inlets(surface, self.plug) if isinstance(self.plug, Mapping) else (surface, {})
         except MeshError as error:
             raise DesignError("file", str(error)) from error
 
@@ -174,10 +169,7 @@ class SurfaceFile(FileDesign):
 
     @property
     def against_flat_elements(self) -> str:
-        return (
-            "remove edges and strips that are smaller with geometry.defeature, for example 0.1 mm, or mesh the body "
-            "with another size"
-        )
+        return "remove small edges and strips in CAD, or mesh the body with another size"
 
     @cached_property
     def thinnest_wall(self) -> float:
@@ -211,21 +203,3 @@ class SurfaceFile(FileDesign):
         offs = [placed.mesh.volume / self.solid_volume - 1]
         offs += [placed.mesh.enclosed_volume(name) / air - 1 for name, air in self.cavity_volumes.items()]
         return placed, max(map(abs, offs))
-
-
-def _without_small_features(surface: Surface, length: float) -> Surface:
-    """The surface without edges shorter than `length`. Raises `DesignError` where that would be another body."""
-    changed = defeatured(surface, length)
-    wall = thinnest(changed)  # narrow strips look like thin walls before
-    if length > wall / 2:
-        raise DesignError(
-            "defeature", f"{length:g} mm is more than half of the thinnest wall, {wall:.3g} mm; give a smaller length"
-        )
-    error = changed.volume / surface.volume - 1
-    if abs(error) > LARGEST_ERROR:
-        raise DesignError(
-            "defeature",
-            f"without edges shorter than {length:g} mm the volume of the material changes by {100 * error:.2g} %, and "
-            f"at most {100 * LARGEST_ERROR:g} % are allowed; give a smaller length",
-        )
-    return changed

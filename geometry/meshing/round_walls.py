@@ -1,11 +1,12 @@
 """How round faces are divided, in the Gmsh session of `geometry.meshing.solid`."""
 
 from collections.abc import Mapping, Sequence
-from typing import Any, TypeAlias
+from typing import Any
 
 import numpy as np
 
 from geometry.grading import OFF, Grading
+from geometry.meshing.shapes import Face
 
 #: Largest angle of a chord of a round wall, rad. Its middle lies 1.2 % of the radius inside the circle: with larger
 #: angles curved edges fold elements in walls of 1/8 of the radius.
@@ -16,9 +17,6 @@ LARGEST_FILLET_ARC = np.pi / 6
 FILLET_CHORD = 0.35
 #: Length of the elements along a fillet over that of a chord.
 FILLET_ASPECT = 2.0
-
-#: (2, tag), as Gmsh identifies a face.
-Face: TypeAlias = tuple[int, int]
 
 
 def divide_round_walls(gmsh: Any, size: float, grading: Grading) -> dict[int, float]:

@@ -7,8 +7,9 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-#: (3, tag), as Gmsh identifies a volume.
+#: (3, tag) and (2, tag), as Gmsh identifies a volume and a face.
 Volume: TypeAlias = tuple[int, int]
+Face: TypeAlias = tuple[int, int]
 
 
 @dataclass(frozen=True)

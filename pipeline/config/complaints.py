@@ -19,8 +19,8 @@ _OTHERS = "draw another body with them in a CAD program, and give its STEP file 
 _INSTEAD: dict[tuple[str, ...], str] = {
     ("material", "E"): "the law has no E; its initial shear modulus is E / (2 (1 + nu)); ",
     ("material", "mu"): "the law has no mu; E = 2 mu (1 + nu); ",
-    ("geometry", "defeature"): "it removes small faces and edges of a body from a CAD file or a surface (STL, OBJ); "
-    "a mesh of tetrahedra has to be made again without them; ",
+    ("geometry", "defeature"): "it removes narrow faces of a body from a CAD file; a mesh or a surface has to be made "
+    "again without them; ",
     ("geometry", "symmetric"): "it is for bodies from CAD files and meshes: "
     "bodies of the other families are symmetric, and surfaces are meshed as a whole; ",
     ("geometry", "fillet"): f"it rounds the edges of a pneunet; {_OTHERS}",

@@ -76,7 +76,7 @@ def test_two_cavities_keep_their_names(folder: Path) -> None:
         assert 2 * mesh.enclosed_volume(name) == pytest.approx(26 * 7 * 10)
         centre = mesh.points[np.unique(mesh.faces[name]), 0].mean()
         assert centre == pytest.approx(points[name][0], abs=8)
-    with pytest.raises(DesignError, match="one more cavity, around") as caught:
+    with pytest.raises(DesignError, match="no name for 1 cavities, around") as caught:
         design_of(path, air={"cavity": (10, 5, 0)})
     assert caught.value.keys == ("air",)
     with pytest.raises(DesignError, match=r"air\.other: .* same cavity as that of cavity"):
@@ -106,7 +106,7 @@ def asymmetric(occ: Any) -> None:
 
 
 BAD_FILES: dict[str, tuple[Draw, str, str]] = {
-    "open": (lambda occ: finger(occ, hole=True), "air.cavity", "open to the outside"),
+    "open": (lambda occ: finger(occ, hole=True), "air.cavity", "no closed cavity"),
     "several": (lambda occ: [finger(occ), box(occ, (0, 20, -1), (60, 22, 1))], "file", "holds 2 solids; unite them"),
     "surface": (lambda occ: occ.addRectangle(0, 0, 0, 60, 10), "file", "holds no solid"),
     "huge": (lambda occ: occ.dilate(finger(occ), 0, 0, 0, 1e3, 1e3, 1e3), "file", "scale it in the CAD program"),
@@ -132,8 +132,8 @@ def test_cad_files_that_cannot_be_used(case: str, folder: Path, capfd: pytest.Ca
 
 BAD_SPECS: list[tuple[dict[str, Any], str, str]] = [
     ({"air": {"cavity": (30, 1, 0)}}, "air.cavity", "lies in the material"),
-    ({"air": {"cavity": (30, 30, 0)}}, "air.cavity", "away from the body|outside the body"),
-    ({"air": {"cavity": (500, 30, 0)}}, "air.cavity", "away from the body"),
+    ({"air": {"cavity": (30, 30, 0)}}, "air.cavity", "no closed cavity"),
+    ({"air": {"cavity": (500, 30, 0)}}, "air.cavity", "no closed cavity"),
     ({"tip": 61}, "tip", "lies outside the body, which reaches from 0 to 60 mm"),
     ({"tip": -5}, "tip", "x = -5 mm lies outside the body, which reaches from 0 to 60 mm"),
     ({"tip": 0}, "clamp", "both at x = 0 mm"),

@@ -1,6 +1,5 @@
 """Bodies from closed surfaces (STL): filled with elements, and refused with the position of what is wrong."""
 
-import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -16,15 +15,12 @@ from tests.foreign_bodies import (
     BAR_AIR,
     BAR_VOLUME,
     ROUNDED_VOLUME,
-    Draw,
     bar,
-    bar_with_inlet,
     rounded_bar,
     tube,
     two_chambers,
     write_surface,
 )
-from tests.step_bodies import box
 
 
 @pytest.fixture(scope="module")
@@ -195,10 +191,10 @@ def massive(points: np.ndarray, triangles: np.ndarray) -> tuple[np.ndarray, np.n
 
 
 BAD: dict[str, tuple[Any, str, str]] = {
-    "hole": (with_hole, "file", r"has a hole: 3 edges belong to one triangle only, such as that near \([0-9.]+, 12, "),
+    "hole": (with_hole, "file", r"has a hole: 3 edges .* near \([0-9.]+, 12, "),
     "fin": (with_fin, "file", r"has a hole|is not manifold: 1 edges belong to three"),
     "apart": (apart, "file", r"has a part near \(.*\) outside of the largest one"),
-    "nested": (nested, "file", r"has a part near \(.*\) that lies in a cavity or overlaps one"),
+    "nested": (nested, "file", r"has a part near \(.*\) in a cavity"),
     "massive": (massive, "air", "no closed cavity"),
 }
 
@@ -257,32 +253,31 @@ def test_obj_files_as_other_programs_write_them(corner: str, folder: Path, tmp_p
 
 
 @pytest.mark.parametrize(
-    ("text", "sentence"),
+    "text",
     [
-        ("v 0 0 0\nv 1 zero 0\n", "cannot be read: line 2 is 'v 1 zero 0'"),
-        ("v 0 0 0\nv 1 0\n", "cannot be read: line 2 is 'v 1 0'"),
-        ("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1/1 2/1 4/1\n", "a face in the surface file .* uses a vertex that the file"),
-        ("v 0 0 0\nv 1 0 0\nf 1 2\n", "has faces with 2 corners; save it with triangles"),
-        ("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 0 1 2\n", "cannot be read: line 4 is 'f 0 1 2'"),
-        (f"v 0 0 0\nf 1 1 {10**30}\n", "cannot be read: line 2 is"),
-        ("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 1 2\n", "has no triangle with three different corners"),
-        ("solid bar\n", "has no triangles"),
+        "v 0 0 0\nv 1 zero 0\n",
+        "v 0 0 0\nv 1 0\n",
+        "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1/1 2/1 4/1\n",
+        "v 0 0 0\nv 1 0 0\nf 1 2\n",
+        f"v 0 0 0\nf 1 1 {10**30}\n",
+        "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 1 2\n",
+        "solid bar\n",
     ],
 )
-def test_obj_files_that_cannot_be_read(text: str, sentence: str, tmp_path: Path) -> None:
+def test_obj_files_that_cannot_be_read(text: str, tmp_path: Path) -> None:
     (tmp_path / "bar.obj").write_text(text, encoding="utf-8")
-    with pytest.raises(DesignError, match=f"file: .*{sentence}"):
+    with pytest.raises(DesignError) as caught:
         SurfaceFile(str(tmp_path / "bar.obj"), curve=1.5)
+    assert caught.value.keys == ("file",)
 
 
-def test_faces_with_more_than_four_corners_are_named(tmp_path: Path) -> None:
+def test_faces_with_more_than_four_corners_are_divided(tmp_path: Path) -> None:
     """A closed prism on a pentagon: its two ends have five corners."""
     corners = [(x, np.sin(angle), np.cos(angle)) for x in (0, 9) for angle in np.arange(5) * 2 * np.pi / 5]
     sides = [f"f {k + 1} {(k + 1) % 5 + 1} {(k + 1) % 5 + 6} {k + 6}" for k in range(5)]
     lines = [f"v {x} {y} {z}" for x, y, z in corners] + sides + ["f 5 4 3 2 1", "f 6 7 8 9 10"]
     (tmp_path / "prism.obj").write_text("\n".join(lines))
-    with pytest.raises(DesignError, match=r"file: .* has faces with 5 corners; save it with triangles"):
-        SurfaceFile(str(tmp_path / "prism.obj"), curve=0)
+    assert read_surface(tmp_path / "prism.obj").volume == pytest.approx(9 * 2.5 * np.sin(0.4 * np.pi))
 
 
 def test_what_only_filling_shows(stl: Path) -> None:
@@ -292,183 +287,6 @@ def test_what_only_filling_shows(stl: Path) -> None:
         SurfaceFile(str(stl), curve=1.5, tip=40).body(5.0)
     with pytest.raises(DesignError, match=r"mesh\.size: 50 mm is larger than the body"):
         SurfaceFile(str(stl), curve=1.5).body(50.0)
-
-
-def with_strips(depth: float, segments: int) -> tuple[np.ndarray, np.ndarray]:
-    """A bar of 60 x 14 x 12 mm whose upper edges are rounded by strips, and a part of whose bottom is lower; both by
-    `depth`."""
-    angles = np.linspace(0.0, np.pi / 2, segments + 1)
-    y, z = 14.0 - depth, 6.0 - depth
-    right = np.column_stack((y + depth * np.sin(angles), -z - depth * np.cos(angles)))
-    left = np.column_stack((y + depth * np.cos(angles), z + depth * np.sin(angles)))
-    bottom = np.array([(0.0, 6.0), (0.0, 2.0), (-depth, 2.0), (-depth, -2.0), (0.0, -2.0), (0.0, -6.0)])
-    profile = np.vstack((bottom, right, left))
-    count = len(profile)
-    here = np.arange(count)
-    following = (here + 1) % count
-    middles = np.full((2, count), [[2 * count], [2 * count + 1]])
-    outside = np.vstack(
-        (
-            np.column_stack((here, following, count + following)),
-            np.column_stack((here, count + following, count + here)),
-            np.column_stack((following, here, middles[0])),
-            np.column_stack((count + here, count + following, middles[1])),
-        )
-    )
-    ends = [np.column_stack((np.full(count, x), profile)) for x in (0.0, 60.0)]
-    air = np.array([(x, y, z) for x in (3, 57) for y in (3, 11) for z in (-3, 3)], dtype=float)
-    points = np.vstack((*ends, [(0.0, 7.0, 0.0), (60.0, 7.0, 0.0)], air))
-    return points, np.vstack((outside, CUBE[:, ::-1] + len(points) - len(air)))
-
-
-#: triangles of a box with its corners in the order of (x, y, z), facing outward
-CUBE = np.array(
-    [
-        *((0, 1, 3), (0, 3, 2), (4, 6, 7), (4, 7, 5), (0, 4, 5), (0, 5, 1)),
-        *((2, 3, 7), (2, 7, 6), (0, 2, 6), (0, 6, 4), (1, 5, 7), (1, 7, 3)),
-    ]
-)
-
-
-@pytest.mark.parametrize(("depth", "segments"), [(0.05, 1), (0.05, 6), (0.02, 3)])
-def test_small_features_are_removed(folder: Path, depth: float, segments: int) -> None:
-    path = written(folder / f"strips_{depth}_{segments}.stl", *with_strips(depth, segments))
-    given = SurfaceFile(str(path), curve=1.5)
-    cleaned = SurfaceFile(str(path), curve=1.5, defeature=0.1)
-    sides = np.linalg.norm(np.diff(cleaned.surface.points[cleaned.surface.triangles[:, [0, 1, 2, 0]]], axis=1), axis=2)
-    assert sides.min() > 0.1
-    assert cleaned.solid_volume == pytest.approx(given.solid_volume, rel=5e-3)
-    assert cleaned.cavity_volume == pytest.approx(given.cavity_volume, rel=1e-12)
-    assert np.ptp(cleaned.surface.points, axis=0) == pytest.approx(np.ptp(given.surface.points, axis=0), abs=0.1)
-    before, after = given.body(4.0).mesh, cleaned.body(4.0).mesh
-    assert before.quality.minimum < 0.03
-    assert after.quality.minimum > 0.1
-    check_manifold(after)
-    check_untangled(after)
-    assert set(after.faces) == {"clamp", "tip", "cavity", "outer"}
-
-
-def test_a_surface_without_small_features_stays_as_it_is(stl: Path) -> None:
-    given, cleaned = SurfaceFile(str(stl), curve=1.5), SurfaceFile(str(stl), curve=1.5, defeature=0.1)
-    assert np.array_equal(cleaned.surface.points, given.surface.points)
-    assert np.array_equal(cleaned.surface.triangles, given.surface.triangles)
-
-
-@pytest.mark.parametrize(
-    ("length", "sentence"),
-    [
-        (0.0, "must be a positive length, not 0"),
-        (1.4, "1.4 mm is more than half of the thinnest wall, 2.71 mm; give a smaller length"),
-        (0.8, "without edges shorter than 0.8 mm the volume of the material changes by -0.35 %, and at most 0.2 % are"),
-    ],
-)
-def test_a_length_that_would_change_the_body_is_refused(
-    folder: Path, monkeypatch: pytest.MonkeyPatch, length: float, sentence: str
-) -> None:
-    monkeypatch.setattr(sys.modules[SurfaceFile.__module__], "LARGEST_ERROR", 0.002)
-    path = written(folder / "rounded.stl", *with_strips(0.9, 6))
-    with pytest.raises(DesignError, match=sentence) as caught:
-        SurfaceFile(str(path), curve=1.5, defeature=length)
-    assert caught.value.keys == ("defeature",)
-
-
-def below(occ: Any, *cylinders: tuple[float, float]) -> Any:
-    """The bar with round holes into its base around (30, 0, 0), each of a depth and a radius, mm."""
-    holes = [(3, occ.addCylinder(30, -1, 0, 0, 1 + depth, 0, radius)) for depth, radius in cylinders]
-    return occ.cut(bar(occ), holes)[0]
-
-
-INLETS: dict[str, tuple[Draw, tuple[float, float, float], float]] = {
-    "straight": (lambda occ: below(occ, (4.0, 1.2)), (30, 0, 0), 3.0),
-    "beside its middle": (lambda occ: below(occ, (4.0, 1.2)), (30.9, 0.01, 0.3), 3.0),
-    "from the cavity": (lambda occ: below(occ, (4.0, 1.2)), (30, 3, 0), 3.0),
-    "narrower behind a step": (lambda occ: below(occ, (4.0, 1.0), (1.0, 1.6)), (30, 0, 0), 3.0),
-    "with a bottom": (lambda occ: below(occ, (1.5, 1.2)), (30, 0, 0), 1.5),
-    "at the clamp": (bar_with_inlet, (0, 6, 0), 3.0),
-    "square": (lambda occ: occ.cut(bar(occ), [box(occ, (28.8, -1, -1.2), (31.2, 4, 1.2))])[0], (30, 0, 0), 3.0),
-    "oblique": (
-        lambda occ: occ.cut(bar(occ), [(3, occ.addCylinder(29, -1, 0, 2.5, 5, 0, 1.0))])[0],
-        (29.5, 0, 0),
-        3.0,
-    ),
-}
-
-
-@pytest.mark.parametrize("name", INLETS)
-def test_inlets_are_filled(name: str, folder: Path) -> None:
-    draw, mouth, depth = INLETS[name]
-    design = SurfaceFile(str(write_surface(folder / "inlet.stl", draw, 50)), 1.5, plug={"inlet": mouth})
-    assert design.solid_volume == pytest.approx(BAR_VOLUME, rel=1e-9)
-    assert design.cavity_volumes == pytest.approx({"cavity": BAR_AIR}, rel=1e-9)
-    assert design.plug_depths == pytest.approx({"inlet": depth}, rel=1e-6)
-    assert not design.is_open_at_clamp
-    body = design.body(5.0)
-    assert body.volume == pytest.approx(BAR_VOLUME, rel=1e-9)
-    assert body.mesh.quality.minimum > 0.05
-
-
-def test_an_inlet_into_a_round_cavity_and_a_second_one(folder: Path) -> None:
-    def draw(occ: Any) -> Any:
-        air = [(3, occ.addCylinder(3, 6, 0, 54, 0, 0, 3)), (3, occ.addCylinder(20, 6, 0, 0, 9, 0, 1))]
-        return occ.cut([box(occ, (0, 0, -7.5), (60, 12, 7.5))], [*air, (3, occ.addCylinder(40, 6, 0, 0, 9, 0, 1))])[0]
-
-    path = write_surface(folder / "round.stl", draw, 50)
-    with pytest.raises(DesignError, match="air, file: the body has no closed cavity"):
-        SurfaceFile(str(path), 1.5, plug={"one": (20, 12, 0)})
-    design = SurfaceFile(str(path), 1.5, plug={"one": (20, 12, 0), "two": (40, 12, 0)})
-    assert design.cavity_volume == pytest.approx(np.pi * 9 * 54, rel=0.02)
-    assert design.plug_depths == pytest.approx({"one": 3.0, "two": 3.0}, abs=0.2)
-    assert design.body(4.0).volume == pytest.approx(60 * 12 * 15 - np.pi * 9 * 54, rel=0.01)
-
-
-def prism(occ: Any, corners: int, radius: float, start: tuple[float, float, float], way: tuple[float, ...]) -> Any:
-    """A regular polygon of this radius around a point, with a corner along z, extruded along x or y by a vector."""
-    across = np.array([way[1] != 0.0, way[0] != 0.0, False])
-    angles = 2 * np.pi * np.arange(corners) / corners
-    rim = [np.array(start) + radius * (np.sin(a) * across + np.cos(a) * np.array([0, 0, 1])) for a in angles]
-    points = [occ.addPoint(*point) for point in rim]
-    lines = [occ.addLine(points[k - 1], points[k]) for k in range(corners)]
-    face = occ.addPlaneSurface([occ.addCurveLoop(lines)])
-    return [entity for entity in occ.extrude([(2, face)], *way) if entity[0] == 3]
-
-
-@pytest.mark.parametrize("sides", [3, 6, 12])
-def test_an_inlet_with_flat_sides_is_filled(sides: int, folder: Path) -> None:
-    """A round one of which the file has a coarse polygon."""
-    path = write_surface(
-        folder / "coarse.stl", lambda occ: occ.cut(bar(occ), prism(occ, sides, 1.2, (30, -1, 0), (0, 5, 0)))[0], 50
-    )
-    design = SurfaceFile(str(path), 1.5, plug={"inlet": (30, 0, 0)})
-    assert design.solid_volume == pytest.approx(BAR_VOLUME, rel=1e-9)
-    assert design.plug_depths == pytest.approx({"inlet": 3.0}, rel=1e-6)
-
-
-def bevelled(occ: Any, corners: int, depth: float) -> Any:
-    """A hole of `prism` in the base of the bar, with its rim wider by a bevel of 45 degrees."""
-    hole, wide = prism(occ, corners, 1.2, (30, -1, 0), (0, 5, 0)), 1.2 + depth
-    rim = [occ.addPoint(30 + wide * np.sin(a), 0, wide * np.cos(a)) for a in 2 * np.pi * np.arange(corners) / corners]
-    apex = occ.addPoint(30, wide, 0)
-    lines = [occ.addLine(rim[k - 1], rim[k]) for k in range(corners)]
-    slopes = [occ.addLine(point, apex) for point in rim]
-    sides = [occ.addPlaneSurface([occ.addCurveLoop([slopes[k - 1], lines[k], slopes[k]])]) for k in range(corners)]
-    base = occ.addPlaneSurface([occ.addCurveLoop(lines)])
-    pyramid = (3, occ.addVolume([occ.addSurfaceLoop([base, *sides])]))
-    return occ.cut(bar(occ), [*hole, pyramid])[0]
-
-
-@pytest.mark.parametrize(("corners", "depth"), [(4, 0.2), (4, 1.0), (6, 1.0), (24, 0.5)])
-def test_an_inlet_with_a_bevelled_rim_is_filled_behind_the_bevel(corners: int, depth: float, folder: Path) -> None:
-    """The bevel alone was filled, and the channel behind it was left in the material."""
-    path = write_surface(folder / "bevel.stl", lambda occ: bevelled(occ, corners, depth), 50)
-    design = SurfaceFile(str(path), 1.5, plug={"inlet": (30, 0, 0)})
-    assert design.solid_volume == pytest.approx(BAR_VOLUME, rel=1e-9)
-    assert design.plug_depths == pytest.approx({"inlet": 3.0}, rel=1e-6)
-
-
-def test_a_channel_whose_floor_goes_on_as_that_of_the_cavity_is_refused(folder: Path) -> None:
-    path = write_surface(folder / "flush.stl", lambda occ: occ.cut(bar(occ), [box(occ, (-1, 3, -1), (4, 5, 1))])[0], 50)
-    with pytest.raises(DesignError, match="lies in no hole of a flat face behind which"):
-        SurfaceFile(str(path), 1.5, plug={"inlet": (0, 4, 0)})
 
 
 @pytest.mark.parametrize("around", [24, 32])
@@ -483,14 +301,3 @@ def test_a_flat_face_with_a_hole_of_which_gmsh_makes_no_patch_is_filled(around: 
     design = SurfaceFile(str(path), 2.0, plug=True)
     assert design.is_open_at_clamp
     assert design.body(6.0).volume == pytest.approx(design.solid_volume, rel=1e-3)
-
-
-@pytest.mark.parametrize("point", [(20.0, 0.0, 0.0), (30.0, 1.5, 0.0), (30.0, 12.0, 0.0)])
-def test_points_in_no_mouth_are_refused(point: tuple[float, float, float], folder: Path) -> None:
-    path = write_surface(folder / "wrong.stl", lambda occ: below(occ, (4.0, 1.2)), 50)
-    with pytest.raises(
-        DesignError, match=r"plug.inlet: the point \(.*\) mm lies in no hole of a flat face behind which"
-    ):
-        SurfaceFile(str(path), 1.5, plug={"inlet": point})
-    with pytest.raises(DesignError, match=r"plug.inlet: must be a point \(x, y, z\) in mm"):
-        SurfaceFile(str(path), 1.5, plug={"inlet": point[:2]})
