@@ -16,7 +16,6 @@ follows the lines. A finite `fade` (N mm) makes the law continuous for loads tha
 one with a weight of its own the change of the moment, of one that stretches the moment about the neutral axis.
 """
 
-from abc import ABC, abstractmethod
 from dataclasses import dataclass, fields
 from typing import final
 
@@ -36,8 +35,13 @@ PARAMETER_COLUMNS = dict(
 
 
 @dataclass(frozen=True)
-class _TwoLines(ABC):
-    """Two lines between moment and curvature, one before and one beyond d."""
+class TwoSlopes:
+    """Two lines between moment and curvature, one before and one beyond d; slopes may be negative.
+
+    Some estimators of the paper's kind give negative slopes. Such a slope is no rigidity: the rod bends towards the
+    side from which the moment pushes. Raises `RodError` where a number is not finite, a slope is zero or d is not
+    positive.
+    """
 
     alpha1: float  #: N mm2, slope between the clamp and d
     alpha2: float  #: N mm2, slope beyond d
@@ -49,14 +53,10 @@ class _TwoLines(ABC):
         for field in fields(self):
             object.__setattr__(self, field.name, finite(getattr(self, field.name), field.name))
         for name in ("alpha1", "alpha2"):
-            self._check_slope(name, getattr(self, name))
+            if getattr(self, name) == 0.0:
+                raise RodError(f"{name} is the slope of a line and must not be zero.")
         if self.d <= 0.0:
             raise RodError(f"d is measured from the clamp and must be positive, not {self.d:g} mm.")
-
-    @staticmethod
-    @abstractmethod
-    def _check_slope(name: str, slope: float) -> None:
-        """Raise `RodError` for a slope that the law cannot have."""
 
     def rigidity(self, s: ArrayLike) -> Array:
         """alpha at s (mm), N mm2; s = d belongs to the second piece."""
@@ -84,28 +84,15 @@ class _TwoLines(ABC):
 
 @final
 @dataclass(frozen=True)
-class FiveParameters(_TwoLines):
-    """The five parameters of one pressure (paper, equations (4) and (8)).
+class FiveParameters(TwoSlopes):
+    """The five parameters of one pressure (paper, equations (4) and (8)); both slopes are rigidities.
 
     Raises `RodError` for what is no finite number, a rigidity that is not positive and a d that is not positive.
     """
 
-    @staticmethod
-    def _check_slope(name: str, slope: float) -> None:
-        if slope <= 0.0:
-            raise RodError(f"{name} is a rigidity and must be positive, not {slope:g} N mm2.")
-
-
-@final
-@dataclass(frozen=True)
-class TwoSlopes(_TwoLines):
-    """Two lines whose slopes may be negative, as some estimators of the paper's kind give them.
-
-    A negative slope is no rigidity: the rod bends towards the side from which the moment pushes. Raises `RodError` when
-    a number is not finite, a slope is zero or d is not positive.
-    """
-
-    @staticmethod
-    def _check_slope(name: str, slope: float) -> None:
-        if slope == 0.0:
-            raise RodError(f"{name} is the slope of a line and must not be zero.")
+    def __post_init__(self) -> None:
+        for name in ("alpha1", "alpha2"):
+            slope = finite(getattr(self, name), name)
+            if slope <= 0.0:
+                raise RodError(f"{name} is a rigidity and must be positive, not {slope:g} N mm2.")
+        super().__post_init__()

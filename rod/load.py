@@ -57,3 +57,22 @@ def held_at(x: float | None, y: float | None) -> tuple[float | None, float | Non
     """Where an end is held, mm, None along an axis on which it is free. Raises `RodError` for what is no number."""
     end_x, end_y = (None if v is None else finite(v, name) for v, name in ((x, "end_x"), (y, "end_y")))
     return end_x, end_y
+
+
+def requested(
+    force: Sequence[float] | None,
+    moment: float,
+    end: Sequence[float] | None,
+    end_x: float | None = None,
+    end_y: float | None = None,
+) -> tuple[Load, tuple[float | None, float | None]]:
+    """The load and the prescribed position of the end that the arguments of `solve` name.
+
+    Raises `RodError` where they contradict each other.
+    """
+    if end is not None and (end_x is not None or end_y is not None):
+        raise RodError("Give either end = (x, y) or one of end_x and end_y, not both.")
+    if force is not None and any(value is not None for value in (end, end_x, end_y)):
+        raise RodError("Give either the force on the end or its position, not both: one follows from the other.")
+    load = Load((0.0, 0.0) if force is None else pair(force, "force"), moment)
+    return load, held_at(end_x, end_y) if end is None else pair(end, "end")

@@ -11,7 +11,6 @@ from rod.curves.uncertainty import Bootstrap, Interval
 from rod.errors import RodError
 from rod.export.arm import Arm
 from rod.export.formats import EXPORTS, export_arm
-from rod.identification.estimate import ParameterEstimate
 from rod.identification.moment_range import MomentRange
 from rod.identification.observed import too_few_pitches
 from rod.identification.single_line import LineFit
@@ -44,7 +43,6 @@ __all__ = [
     "Moment",
     "MomentRange",
     "OutsidePressures",
-    "ParameterEstimate",
     "PressurisedRod",
     "Quantity",
     "Rod",

@@ -8,6 +8,7 @@ import numpy as np
 
 from geometry.arrays import Array
 from geometry.centreline import END_PART, chord_angle
+from rod.cubics import hermite
 from rod.errors import RodError
 
 
@@ -93,19 +94,16 @@ class RodSolution:
         i = np.clip(np.searchsorted(self.s, s, side="right") - 1, 0, len(self.s) - 2)
         h = self.s[i + 1] - self.s[i]
         t = (s - self.s[i]) / h
-        a, b = (1 + 2 * t) * (1 - t) ** 2, t * (1 - t) ** 2
-        c, e = t * t * (3 - 2 * t), t * t * (t - 1)
-        begin, end = b * (h * self.stretch[i]), e * (h * self.stretch[i + 1])
-        first, second = self.theta[i], self.theta[i + 1]
-        x = a * self.x[i] + c * self.x[i + 1] + begin * np.cos(first) + end * np.cos(second)
-        y = a * self.y[i] + c * self.y[i + 1] + begin * np.sin(first) + end * np.sin(second)
-        if self.shear is not None:
-            slip_first, slip_second = b * h * self.shear[i], e * h * self.shear[i + 1]
-            x -= slip_first * np.sin(first) + slip_second * np.sin(second)
-            y += slip_first * np.cos(first) + slip_second * np.cos(second)
+        slip = np.zeros(len(self.s)) if self.shear is None else self.shear
+        cosine, sine = np.cos(self.theta), np.sin(self.theta)
+        slopes = (self.stretch * cosine - slip * sine, self.stretch * sine + slip * cosine)
+        x, y = (
+            hermite(t, v[i], v[i + 1], h * slope[i], h * slope[i + 1])
+            for v, slope in zip((self.x, self.y), slopes, strict=True)
+        )
         if self.beside is not None:
             along, normal = self.beside(s).T
-            theta = first + (second - first) * t
+            theta = self.theta[i] + (self.theta[i + 1] - self.theta[i]) * t
             x += along * np.cos(theta) - normal * np.sin(theta)
             y += along * np.sin(theta) + normal * np.cos(theta)
         return np.column_stack([x, y])

@@ -40,7 +40,7 @@ class Estimate:
     length_scale: float | None = None  #: mm
     deviations: tuple[float, float] | None = None  #: of alpha1 and alpha2, N mm2
     lines: FreeLines | None = None
-    law: FiveParameters | TwoSlopes | None = None  #: of the rod with these numbers
+    law: TwoSlopes | None = None  #: of the rod with these numbers
     d_deviation: float = 0.0  #: of d over the length; half the distance of the breaks that are tried, where d has none
 
     @property

@@ -6,7 +6,7 @@ import numpy as np
 
 from benchmarks.paper.states import State
 from geometry.arrays import Array
-from rod import ArmLaw, FiveParameters, Load, Rod, RodSolution, TwoSlopes, rest_curvature, without_stretch
+from rod import ArmLaw, Load, Rod, RodSolution, TwoSlopes, rest_curvature, without_stretch
 
 
 @dataclass(frozen=True)
@@ -20,7 +20,7 @@ class RodShape:
     force_error: float  #: of F_y over that of the finite elements; nan in II
 
 
-def fitted(state: State, law: FiveParameters | TwoSlopes, *, loaded: bool = True) -> RodShape:
+def fitted(state: State, law: TwoSlopes, *, loaded: bool = True) -> RodShape:
     """The inextensible rod with kappa_0 of II, in III with the end at its height. Raises `RodError`."""
     theta0, profile = rest_curvature(state.curves.free)
     rod = Rod(state.length, profile, law, theta0, _start(state))
@@ -50,7 +50,7 @@ def _shape(state: State, rod: Rod, load: Load, loaded: bool) -> RodShape:
     return RodShape(solution, points, float(distances[0].max()), float(np.sqrt(np.mean(of_rms**2))), error)
 
 
-def under_force(state: State, law: FiveParameters | TwoSlopes | ArmLaw, force: tuple[float, float]) -> Array:
+def under_force(state: State, law: TwoSlopes | ArmLaw, force: tuple[float, float]) -> Array:
     """(n, 2) mm: the material curve of a rod with a dead force (N) on its end. Raises `RodError`."""
     if isinstance(law, ArmLaw):
         rod = Rod(state.length, law=law.at(state.pressure, state.length), start=_start(state))

@@ -9,12 +9,11 @@ import numpy as np
 
 from geometry.arrays import Array
 from rod.arm_law.curves import CellCurve, ClampCurve, TipCurve
-from rod.arm_law.material_curve import ripple
 from rod.arm_law.section import SectionLaw, clamp_at, section_at, tip_at
 from rod.arm_law.solver import EndConditions, Pieces, equilibrium
 from rod.checked import finite
 from rod.errors import RodError
-from rod.load import Load, held_at, pair
+from rod.load import Load, held_at, requested
 from rod.solution import RodSolution
 
 
@@ -96,12 +95,7 @@ class LawRod:
         III, and F_y follows; end: (x, y) of it, and both components follow. moment: a couple on the end, N mm.
         Raises `RodError` where loads contradict each other, where the path ends, and where a moment leaves the law.
         """
-        if force is not None and (end is not None or end_y is not None):
-            raise RodError("Give either the force on the end or its position, not both: one follows from the other.")
-        if end is not None and end_y is not None:
-            raise RodError("Give either end = (x, y) or end_y, not both.")
-        load = Load((0.0, 0.0) if force is None else pair(force, "force"), moment)
-        return self._equilibrium(EndConditions(load, held_at(None, end_y) if end is None else pair(end, "end")))
+        return self._equilibrium(EndConditions(*requested(force, moment, end, None, end_y)))
 
     def under(self, load: Load, end_y: float | None = None, end_x: float | None = None) -> RodSolution:
         """The equilibrium under a load; with a prescribed position of the end (mm) that component of the force follows.
@@ -134,7 +128,7 @@ class _Beside:
         rod = self.rod
         cycle = (s - rod.first_middle) / rod.pitch
         moment = np.interp(s, self.s, self.moment)
-        result = ripple(rod.section, (cycle - np.round(cycle)) * rod.pitch, moment)
+        result = _ripple(rod.section, (cycle - np.round(cycle)) * rod.pitch, moment)
         clamped, last = s <= rod.clamp.s[-1], s - rod.length >= rod.tip.s[0]
         at_clamp = np.interp([rod.clamp.position], self.s, self.moment)
         (rows,) = rod.clamp.beside_at(at_clamp)
@@ -142,3 +136,20 @@ class _Beside:
             result[clamped, k] = np.interp(s[clamped], rod.clamp.s, rows[:, k])
             result[last, k] = np.interp(s[last] - rod.length, rod.tip.s, self.at_tip[:, k])
         return result
+
+
+def _ripple(law: SectionLaw, from_middle: Array, moment: Array) -> Array:
+    """(m, 2) mm: the material curve beside the axis within the cells, along and normal to it.
+
+    from_middle: (m,) mm, from the middle of the nearest cell, of which both halves are mirror images. moment: (m,).
+    """
+    row = np.clip((moment - law.moment[0]) / (law.moment[1] - law.moment[0]), 0.0, len(law.moment) - 1.0)
+    i = np.minimum(row.astype(int), len(law.moment) - 2)
+    t = row - i
+    column = np.clip(np.searchsorted(law.s, np.abs(from_middle), side="right") - 1, 0, len(law.s) - 2)
+    u = (np.abs(from_middle) - law.s[column]) / (law.s[column + 1] - law.s[column])
+    corner = law.ripple
+    values = (1 - t)[:, None] * ((1 - u)[:, None] * corner[i, column] + u[:, None] * corner[i, column + 1])
+    values += t[:, None] * ((1 - u)[:, None] * corner[i + 1, column] + u[:, None] * corner[i + 1, column + 1])
+    values[:, 0] *= np.where(from_middle < 0.0, -1.0, 1.0)
+    return np.asarray(values)

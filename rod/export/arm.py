@@ -9,6 +9,7 @@ import numpy as np
 
 from geometry.arrays import Array
 from rod.errors import RodError
+from rod.law import PARAMETER_COLUMNS
 from rod.mechanics.equilibrium import Rod
 from rod.pressurised_rod import IDENTIFIED
 
@@ -33,9 +34,8 @@ class Arm:
     pressures: tuple[float, ...]  #: kPa
     rods: tuple[Rod, ...]  #: with five parameters, one per pressure
     mass: float | None  #: g; None where it is not known, for tables without dynamics
-    radius: (
-        float | None
-    )  #: mm, of a round section of about the arm's area: it only sets how stiff stretch and shear are
+    #: mm, of a round section of about the arm's area: it only sets how stiff stretch and shear are
+    radius: float | None
     modulus: float = 1.2  #: MPa, for stretch and shear
     elements: int = 60  #: pieces of the chain
     origin: str = IDENTIFIED  #: where the numbers at these pressures come from
@@ -47,10 +47,9 @@ class Arm:
 
     def __post_init__(self) -> None:
         for name in ("mass", "radius", "modulus"):
-            if getattr(self, name) is not None and not (
-                math.isfinite(getattr(self, name)) and getattr(self, name) > 0.0
-            ):
-                raise RodError(f"{name} must be positive, not {getattr(self, name)}.")
+            value = getattr(self, name)
+            if value is not None and not (math.isfinite(value) and value > 0.0):
+                raise RodError(f"{name} must be positive, not {value}.")
         if self.elements < 4:
             raise RodError(f"A chain of {self.elements} elements is too coarse; take at least 4.")
         rise = np.diff([0.0, *self.pressures])
@@ -73,6 +72,16 @@ class Arm:
         if self.mass is None or self.radius is None:
             raise RodError("This format needs the mass of the arm; give material.density in the configuration.")
         return 1e-3 * self.mass, 1e-3 * self.radius
+
+    @property
+    def columns(self) -> dict[str, list[float]]:
+        """The five parameters over the pressures by PARAMETER_COLUMNS, with their standard deviations if known."""
+        columns: dict[str, list[float]] = {}
+        for name, column in PARAMETER_COLUMNS.items():
+            columns[column] = [getattr(rod.five, name) for rod in self.rods]
+            if self.deviations:
+                columns[f"{column}_std"] = list(self.deviations[name])
+        return columns
 
     @property
     def tabulated(self) -> "Arm":

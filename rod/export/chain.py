@@ -14,7 +14,6 @@ import numpy as np
 from geometry.arrays import Array
 from rod.export.arm import Arm
 from rod.export.lumped import joints
-from rod.law import PARAMETER_COLUMNS
 
 
 @dataclass(frozen=True)
@@ -69,11 +68,7 @@ def write_mujoco(arm: Arm, path: Path) -> None:
 
 
 def _numerics(arm: Arm) -> str:
-    values = {"pressures_kPa": arm.pressures}
-    for name, column in PARAMETER_COLUMNS.items():
-        values[column] = tuple(getattr(rod.five, name) for rod in arm.rods)
-        if arm.deviations:
-            values[f"{column}_std"] = arm.deviations[name]
+    values = {"pressures_kPa": list(arm.pressures), **arm.columns}
     return "".join(f'<numeric name="{name}" data="{_spaced(data)}"/>\n' for name, data in values.items())
 
 

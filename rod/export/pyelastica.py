@@ -8,7 +8,6 @@ import numpy as np
 
 from rod.export.arm import Arm
 from rod.export.lumped import joints
-from rod.law import PARAMETER_COLUMNS
 from rod.same_pressure import SAME
 
 
@@ -34,11 +33,8 @@ def write_pyelastica(arm: Arm, path: Path) -> None:
         "theta0": [rod.theta0 for rod in table.rods],
         "bending_stiffness": [(1e-6 * h / cut.compliance).tolist() for cut in cuts],
         "rest_curvature": [(1e3 * cut.rest_rotation / h).tolist() for cut in cuts],
+        **arm.columns,
     }
-    for name, column in PARAMETER_COLUMNS.items():
-        content[column] = [getattr(rod.five, name) for rod in arm.rods]
-        if arm.deviations:
-            content[f"{column}_std"] = list(arm.deviations[name])
     path.write_text(_PROGRAM.replace("@ROD@", json.dumps(content)).replace("@SAME@", str(SAME)), encoding="utf-8")
 
 

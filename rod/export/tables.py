@@ -95,12 +95,9 @@ def write_json(arm: Arm, path: Path) -> None:
         "pressures_kPa": list(arm.pressures),
         "origin": arm.origin,
         "theta0_rad": [rod.theta0 for rod in arm.rods],
+        **arm.columns,
+        "s_mm": s.tolist(),
     }
-    for name, column in PARAMETER_COLUMNS.items():
-        content[column] = [getattr(rod.five, name) for rod in arm.rods]
-        if arm.deviations:
-            content[f"{column}_std"] = list(arm.deviations[name])
-    content["s_mm"] = s.tolist()
     for name in ("kappa_0_per_mm", "kappa_rest_per_mm"):
         content[name] = [columns[name].tolist() for columns in tables]
     if smooth:

@@ -22,13 +22,12 @@ import numpy as np
 from geometry.arrays import Array
 from rod.curves.closure import Closure
 from rod.curves.curve import Curvature, Moment
-from rod.curves.uncertainty import Bootstrap, effective_observations
+from rod.curves.uncertainty import Bootstrap, Interval, effective_observations, interval
 from rod.errors import RodError
-from rod.identification.estimate import ParameterEstimate, intervals, parameters_of_lines
 from rod.identification.observed import HARMONICS, Observed
 from rod.identification.regression import MAX_RIGIDITY_RATIO, OFFSET, Fit, Regression, Resample
 from rod.identification.single_line import LineFit, single_line
-from rod.law import FiveParameters
+from rod.law import PARAMETER_NAMES, FiveParameters
 
 #: range over the length in which the break d is sought
 BREAKS = (0.05, 0.35)
@@ -44,9 +43,15 @@ CLEAR = 6.0
 
 
 @dataclass(frozen=True, kw_only=True)
-class Identification(ParameterEstimate):
-    """The five parameters by regression, and whether a single line suffices."""
+class Identification:
+    """The five parameters by regression with their intervals, and whether a single line suffices."""
 
+    law: FiveParameters
+    alpha1: Interval  #: N mm2
+    alpha2: Interval  #: N mm2
+    m01: Interval  #: N mm
+    m02: Interval  #: N mm
+    d: Interval  #: mm
     r2: float  #: fraction of the variance of Delta that the two lines explain, with the ripple within the cells
     single_line: LineFit
     observations: float  #: effective number of independent observations
@@ -104,7 +109,7 @@ def identify(
     observations = max(effective_observations(regression.weights.error), cells)
     return Identification(
         law=law,
-        **intervals(law, sampled),
+        **{n: interval(getattr(law, n), column) for n, column in zip(PARAMETER_NAMES, sampled.T, strict=True)},
         r2=observed.r_squared(best.fitted),
         single_line=single,
         observations=observations,
@@ -190,7 +195,7 @@ def _refit(regression: Regression, candidates: Array, resample: Resample) -> Arr
         better = squares < least
         least[better], best[:, better], d[better] = squares[better], parameters[:, better], candidate
     a1, a2 = (np.maximum(best[i], 1.0 / regression.max_rigidity) for i in (0, 2))
-    return parameters_of_lines((a1, a2), (best[1], best[3]), d)
+    return np.column_stack([1.0 / a1, 1.0 / a2, best[1] / a1, best[3] / a2, d])
 
 
 def _criterion(observed: Observed, fit: Fit, parameters: int, observations: float) -> float:

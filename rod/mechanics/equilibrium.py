@@ -27,7 +27,7 @@ from rod.checked import finite, positive
 from rod.curves.extension import Extension
 from rod.errors import RodError
 from rod.law import FiveParameters, TwoSlopes
-from rod.load import Load, held_at, pair
+from rod.load import Load, held_at, pair, requested
 from rod.mechanics.continuation import LoadPoint, Problem, continue_to_full_load, too_large
 from rod.mechanics.own_weight import rest_moment
 from rod.mechanics.profile import Profile, Steps, cut_into_steps
@@ -56,7 +56,7 @@ class Rod:
 
     length: float  #: mm
     kappa_0: Profile | None = None  #: 1/mm; None with the arm's own law
-    law: FiveParameters | TwoSlopes | LawRod = field(default_factory=_no_law)
+    law: TwoSlopes | LawRod = field(default_factory=_no_law)
     theta0: float = 0.0  #: rad, tangent angle at the clamp
     start: tuple[float, float] = (0.0, 0.0)  #: mm, x and y of the clamp
     fade: float = 0.0  #: N mm, below this |M| the intercepts fade to zero (see `law`)
@@ -77,7 +77,7 @@ class Rod:
             self._check_nothing_twice()
             object.__setattr__(self, "law", replace(self.law, length=float(self.length)))
             return
-        if not isinstance(self.law, FiveParameters | TwoSlopes):
+        if not isinstance(self.law, TwoSlopes):
             raise RodError("The law of a rod is five parameters, two slopes, or the arm's own law at a pressure.")
         if not 0.0 < self.law.d < self.length:
             raise RodError(f"The break d = {self.law.d:g} mm lies off the rod of {self.length:g} mm.")
@@ -104,16 +104,16 @@ class Rod:
     @property
     def five(self) -> FiveParameters:
         """The five parameters. Raises `RodError` for a rod with another law."""
-        if isinstance(self.law, TwoSlopes):
-            raise RodError("The slopes of this rod may be negative, and are not the five parameters of a rod.")
+        if isinstance(self.law, FiveParameters):
+            return self.law
         if isinstance(self.law, LawRod):
             raise RodError("This rod follows the arm's own law and has no five parameters.")
-        return self.law
+        raise RodError("The slopes of this rod may be negative, and are not the five parameters of a rod.")
 
     @property
-    def lines(self) -> FiveParameters | TwoSlopes:
+    def lines(self) -> TwoSlopes:
         """The two lines of its law. Raises `RodError` for a rod with the arm's own law."""
-        return self.law if isinstance(self.law, TwoSlopes) else self.five
+        return self.five if isinstance(self.law, LawRod) else self.law
 
     def solve(
         self,
@@ -139,19 +139,11 @@ class Rod:
         Raises `RodError` when the loads contradict each other, when the end is put farther away than the rod is long,
         and when the path ends before the full load is reached.
         """
-        if end is not None and (end_x is not None or end_y is not None):
-            raise RodError("Give either end = (x, y) or one of end_x and end_y, not both.")
-        if end is not None:
-            end_x, end_y = pair(end, "end")
-        if force is not None and (end_x is not None or end_y is not None):
-            raise RodError("Give either the force on the end or its position, not both: one follows from the other.")
-        load = Load((0.0, 0.0) if force is None else pair(force, "force"), moment)
-        loaded = force is not None or load.couple != 0.0
-        end_x, end_y = held_at(end_x, end_y)
+        load, held = requested(force, moment, end, end_x, end_y)
         if isinstance(self.law, LawRod):
-            return _by_arm_law(self.law, self.start, load, (end_x, end_y), order)
-        together = _grow_together(order, end_x, end_y, loaded=loaded)
-        return self._equilibrium(_LoadCase(load, (end_x, end_y), together)).solution
+            return _by_arm_law(self.law, self.start, load, held, order)
+        loaded = force is not None or load.couple != 0.0
+        return self._equilibrium(_LoadCase(load, held, _grow_together(order, held, loaded=loaded)))
 
     def under(self, load: Load, end_y: float | None = None, end_x: float | None = None) -> RodSolution:
         """The equilibrium under a load, grown "as tested".
@@ -160,51 +152,26 @@ class Rod:
         force the components along the other axes; those along an axis on which the end is held follow. Raises
         `RodError` as `solve` does.
         """
+        held = held_at(end_x, end_y)
+        load = _on_free_axes(load, held)
         if isinstance(self.law, LawRod):
-            end = held_at(end_x, end_y)
-            return _by_arm_law(self.law, self.start, _on_free_axes(load, end), end, "as tested")
-        return self.equilibrium_under(load, end_y, end_x).solution
+            return _by_arm_law(self.law, self.start, load, held, "as tested")
+        return self._equilibrium(_LoadCase(load, held, _grow_together("as tested", held, loaded=True)))
 
-    def equilibrium_under(self, load: Load, end_y: float | None = None, end_x: float | None = None) -> "Equilibrium":
-        """The same, with what derivatives need (`rod.mechanics.response`). Raises `RodError` for the arm's own law."""
-        end = held_at(end_x, end_y)
-        together = _grow_together("as tested", end_x, end_y, loaded=True)
-        return self._equilibrium(_LoadCase(_on_free_axes(load, end), end, together))
-
-    def _equilibrium(self, case: "_LoadCase") -> "Equilibrium":
+    def _equilibrium(self, case: "_LoadCase") -> RodSolution:
         """The equilibrium, on finer steps where the end force turns out to be large."""
-        equilibrium = self._solved(self.steps, case)
-        refinement = _refinement(self, equilibrium.solution, case.load)
+        solution = self._solved(self.steps, case)
+        refinement = _refinement(self, solution, case.load)
         if refinement > FINEST:
-            raise RodError(too_large(_growth(self, equilibrium.solution, case.load) ** 2))
+            raise RodError(too_large(_growth(self, solution, case.load) ** 2))
         if refinement > 1.0:
             assert self.kappa_0 is not None  # `steps` has refused it
-            equilibrium = self._solved(cut_into_steps(self.length, self.kappa_0, self.lines, refinement), case)
-        return equilibrium
+            solution = self._solved(cut_into_steps(self.length, self.kappa_0, self.lines, refinement), case)
+        return solution
 
-    def _solved(self, steps: Steps, case: "_LoadCase") -> "Equilibrium":
+    def _solved(self, steps: Steps, case: "_LoadCase") -> RodSolution:
         problem = _problem(self, steps, case)
-        return Equilibrium(self, problem, *continue_to_full_load(problem))
-
-
-@dataclass(frozen=True)
-class Equilibrium:
-    """A rod with two lines in equilibrium, in the quantities of the solver."""
-
-    rod: Rod
-    problem: Problem
-    point: LoadPoint
-    load_steps: int
-
-    @cached_property
-    def solution(self) -> RodSolution:
-        """The same in mm and N."""
-        return _solution(self.rod, self.problem, self.point, self.load_steps)
-
-    @property
-    def rigidity(self) -> float:
-        """N mm2, the unit of rigidities of the solver: moments are over rigidity/l, forces over rigidity/l^2."""
-        return abs(self.rod.lines.alpha2)
+        return _solution(self, problem, *continue_to_full_load(problem))
 
 
 @dataclass(frozen=True)
@@ -238,7 +205,8 @@ def _by_arm_law(
     return replace(solution, x=moved[0], y=moved[1])
 
 
-def _grow_together(order: Order, end_x: float | None, end_y: float | None, *, loaded: bool) -> bool:
+def _grow_together(order: Order, held: tuple[float | None, float | None], *, loaded: bool) -> bool:
+    end_x, end_y = held
     if order not in get_args(Order):
         raise RodError(f"order is one of {', '.join(get_args(Order))}; {order!r} is not.")
     if order == "as tested":

@@ -9,7 +9,7 @@ import numpy as np
 from geometry.arrays import Array, Mask
 from rod.checked import finite, numbers_in
 from rod.errors import RodError
-from rod.law import FiveParameters, TwoSlopes
+from rod.law import TwoSlopes
 from rod.mechanics.luther import ABSCISSAE
 
 Profile = float | Array | Callable[[Array], Array]
@@ -34,7 +34,7 @@ class Steps:
         return _stages(self.s)
 
 
-def cut_into_steps(length: float, kappa_0: Profile, law: FiveParameters | TwoSlopes, refinement: float = 1.0) -> Steps:
+def cut_into_steps(length: float, kappa_0: Profile, law: TwoSlopes, refinement: float = 1.0) -> Steps:
     """Steps whose boundaries are d and the samples of kappa_0; `refinement` divides the longest step allowed.
 
     kappa_0 (1/mm): a number; an array (n,) of values at n equally spaced points from s = 0 to s = length; an array
