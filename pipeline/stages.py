@@ -180,11 +180,12 @@ def compare_rods(state: RunState, identified: Identified, arm: LawOfRun) -> tupl
     """Compare the rods with experiments II and III; write curves.csv."""
     body, outcomes = state.scene.body, identified.outcomes
     with state.stages.timed("rod"):
-        straight = state.config.effects.straight_without_pressure
-        rods = ArmRods(identified.parameters, arm.law, (0.0, body.curve_y), straight)
+        store = state.context.store
+        parameters = store.read_json("parameters.json") if state.config.law != "cell" else {}
+        rods = ArmRods(parameters, arm.law, (0.0, body.curve_y))
         comparisons = compare(outcomes, rods, body.pitch)
         rows = curve_rows(outcomes, comparisons, body.pitch)
-        state.context.store.save_rows("curves.csv", CURVE_COLUMNS, rows)
+        store.save_rows("curves.csv", CURVE_COLUMNS, rows)
     return rods, comparisons
 
 
@@ -194,7 +195,7 @@ def validate(
     """Compare the rods with the loads of the validation; write validation.json, with the comparisons before."""
     scene, pending = loads
     with state.stages.timed("validation"):
-        validated = compare_loads(scene, pending.result(), rods) if rods.parameters or rods.law else Validated()
+        validated = compare_loads(scene, pending.result(), rods) if rods.identified_kPa or rods.law else Validated()
         validated.save(state.context.store, comparisons)
     return validated
 

@@ -22,13 +22,11 @@ from rod import (
     Closure,
     Curvature,
     Extension,
-    FiveParameters,
     Identification,
     Interval,
     Load,
     Moment,
     MomentRange,
-    Rod,
     RodError,
     cell_averaged,
     end_displacement_closure,
@@ -38,7 +36,6 @@ from rod import (
     longest_break,
     moment_about_neutral_axis,
     moment_between,
-    rest_curvature,
     shortest_break,
     without_stretch,
 )
@@ -136,30 +133,6 @@ class Parameters:
 
     def _with_mesh(self, numbers: Mapping[str, Interval]) -> dict[str, Interval]:
         return {name: number.widened(self.mesh_std.get(name, 0.0)) for name, number in numbers.items()}
-
-    @property
-    def rod(self) -> Rod:
-        """The inextensible rod with the five numbers, clamped as the material curve begins in II."""
-        return self._rod(self.numbers, None)
-
-    @property
-    def extensible_rod(self) -> Rod:
-        """The rod whose curve stretches with its curvature."""
-        return self._rod(self.extensible_numbers, self.extension)
-
-    def _rod(self, numbers: Mapping[str, Interval], extension: Extension | None) -> Rod:
-        curve, load = self.free.centreline, self.free.load
-        theta0, profile = rest_curvature(curve)
-        return Rod(
-            curve.length,
-            profile,
-            FiveParameters(**{name: number.value for name, number in numbers.items()}),
-            theta0,
-            (float(curve.x[0]), float(curve.y[0])),
-            extension=extension,
-            weight=load.weight,
-            weight_height=load.weight_height,
-        )
 
     @property
     def moment_range(self) -> MomentRange:

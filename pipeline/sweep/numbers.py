@@ -12,7 +12,7 @@ from pipeline.run_report import RunReport
 from pipeline.simulation.outcome import Outcomes, Record
 from pipeline.store.json_values import Json
 from pipeline.validation.compare import Comparison
-from rod import PARAMETER_COLUMNS, RodSolution
+from rod import PARAMETER_COLUMNS
 from rod.arm_law.curves import CellCurve
 
 #: the numbers of a point at one pressure by column
@@ -104,12 +104,12 @@ def _errors(comparisons: Iterable[Comparison]) -> Row:
     """Largest distance of each rod over the length and the error of its end force, by experiment and rod."""
     row: Row = {}
     for comparison in comparisons:
-        for rod, of_rod in zip(comparison.rods, comparison.rows(), strict=True):
-            if isinstance(rod.solution, RodSolution):
-                name = f"{comparison.record.experiment}_{rod.rod}"
-                row[f"{name}_distance_over_length"] = of_rod["distance_over_length"]
-                if of_rod["force_error"] is not None:
-                    row[f"{name}_force_error"] = of_rod["force_error"]
+        for error in comparison.errors:
+            if not error.reason:
+                name = f"{error.experiment}_{error.rod}"
+                row[f"{name}_distance_over_length"] = error.distance_over_length
+                if error.force_error is not None:
+                    row[f"{name}_force_error"] = error.force_error
     return row
 
 

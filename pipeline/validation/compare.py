@@ -8,17 +8,12 @@ import numpy as np
 
 from geometry import Centreline
 from geometry.arrays import Array
+from pipeline.results.values import RodError as ErrorOfRod
+from pipeline.rods.at_pressure import RodAtPressure
 from pipeline.simulation.outcome import Outcomes, Record
 from pipeline.store.formats import CURVE_PREFIXES
-from pipeline.store.json_values import JsonObject
-from pipeline.validation.rods import ArmRods, FittedRod, NoSolution, PredictedRod, Rods
+from pipeline.validation.rods import ArmRods, NoSolution, Rods
 from rod import Load, RodError, RodSolution, cell_averaged, moment_from_load, without_stretch
-
-#: the errors in a row of validation.json; null where the rod has no equilibrium or where there is no such quantity
-ERRORS = (
-    *("distance_over_length", "distance_at_s_mm", "distance_over_length_without_stretch", "end_angle_error_rad"),
-    *("force_error", "force_N", "rod_force_N", "curvature_error", "curvature_error_at_s_mm"),
-)
 
 
 @dataclass(frozen=True)
@@ -58,23 +53,23 @@ class Comparison:
         solutions = (rod.solution for rod in self.rods if rod.rod == name)
         return next((solution for solution in solutions if isinstance(solution, RodSolution)), None)
 
-    def rows(self) -> list[JsonObject]:
-        """A row of validation.json per rod; distances over the length, angle in rad, force and curvature relative."""
-        return [self._row(rod) for rod in self.rods]
+    @property
+    def errors(self) -> tuple[ErrorOfRod, ...]:
+        """The errors of every rod: the rows of validation.json."""
+        return tuple(self._error(rod) for rod in self.rods)
 
-    def _row(self, rod: RodUnderLoad) -> JsonObject:
-        solution = rod.solution
-        return {
-            "experiment": self.record.experiment,
-            "pressure_kPa": self.record.pressure_kPa,
-            "load": self.state.load,
-            "rod": rod.rod,
-            "sample": "in" if rod.in_sample else "out",
-            **dict.fromkeys(ERRORS),
-            **({} if isinstance(solution, NoSolution) else self._errors(solution)),
-            "reason": solution.reason if isinstance(solution, NoSolution) else "",
-            "warning": rod.warning,
-        }
+    def _error(self, rod: RodUnderLoad) -> ErrorOfRod:
+        lost = rod.solution if isinstance(rod.solution, NoSolution) else None
+        return ErrorOfRod(
+            experiment=self.record.experiment,
+            pressure_kPa=self.record.pressure_kPa,
+            load=self.state.load,
+            rod=rod.rod,
+            sample="in" if rod.in_sample else "out",
+            reason=lost.reason if lost else "",
+            warning=rod.warning,
+            **({} if isinstance(rod.solution, NoSolution) else self._errors(rod.solution)),
+        )
 
     def _errors(self, shape: RodSolution) -> dict[str, float]:
         curve = self.record.centreline
@@ -142,7 +137,7 @@ def compare(outcomes: Outcomes, rods: ArmRods, pitch: float) -> tuple[Comparison
 
     Rods with five parameters are compared at the pressures where these were identified.
     """
-    identified = {p.pressure_kPa for p in rods.parameters}
+    identified = set(rods.identified_kPa)
     records = sorted((*outcomes["II"].records, *outcomes["III"].records), key=lambda r: (r.pressure_kPa, r.experiment))
     if rods.law is None:
         records = [record for record in records if record.pressure_kPa in identified]
@@ -161,21 +156,23 @@ def compare_rods(rods: Rods, state: ComparedState, pitch: float) -> Comparison:
     return Comparison(state, tuple(_under_load(name, rod, state) for name, rod in rods.items()), pitch)
 
 
-def _under_load(name: str, rod: FittedRod | PredictedRod | NoSolution, state: ComparedState) -> RodUnderLoad:
-    solution = rod if isinstance(rod, NoSolution) else _solution(rod, state.record)
-    if not isinstance(rod, FittedRod):
+def _under_load(name: str, rod: RodAtPressure | NoSolution, state: ComparedState) -> RodUnderLoad:
+    if isinstance(rod, NoSolution):
+        return RodUnderLoad(name, rod, in_sample=False, warning="")
+    solution = _solution(rod, state.record)
+    if rod.moment_range is None:  # nothing was fitted to the law of the arm
         return RodUnderLoad(name, solution, in_sample=False, warning="")
     warning = "" if isinstance(solution, NoSolution) else rod.moment_range.warning(solution)
     return RodUnderLoad(name, solution, state.in_sample, warning)
 
 
-def _solution(rod: FittedRod | PredictedRod, record: Record) -> RodSolution | NoSolution:
+def _solution(rod: RodAtPressure, record: Record) -> RodSolution | NoSolution:
     length, identified = record.centreline.length, rod.rod.length
     if abs(length - identified) > 1e-6 * identified:
         return NoSolution(f"The numbers are those of an arm of {identified:g} mm, the shape is one of {length:g} mm.")
     load = Load()
     if record.experiment in ("III", "dead"):  # of the weight the rod itself knows
-        load = Load(record.load.force, 0.0 if isinstance(rod, PredictedRod) else record.load.couple)
+        load = Load(record.load.force, 0.0 if rod.moment_range is None else record.load.couple)
     end_x, end_y = record.held_end
     try:
         return rod.rod.under(load, end_y, end_x)

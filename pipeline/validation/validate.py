@@ -6,6 +6,7 @@ from math import isinf
 
 from pipeline.config.config import Config
 from pipeline.context import RunContext
+from pipeline.results.files import save_table
 from pipeline.simulation.loadcase import LoadCase, validation_cases
 from pipeline.simulation.outcome import Outcomes
 from pipeline.simulation.scene import Scene
@@ -27,7 +28,8 @@ class Validated:
 
     def save(self, store: Store, in_sample: Sequence[Comparison]) -> None:
         """Write validation.json (what is in sample first) and validation_curves.csv."""
-        store.save_json("validation.json", [row for c in (*in_sample, *self.comparisons) for row in c.rows()])
+        errors = [error for c in (*in_sample, *self.comparisons) for error in c.errors]
+        save_table(store, "validation.json", errors)
         rows = [(c.state.load, *row) for c in self.comparisons for row in rows_of(c.record, c, c.pitch)]
         store.save_rows("validation_curves.csv", VALIDATION_COLUMNS, rows)
 
@@ -104,7 +106,7 @@ def _comparisons(
         for record in outcome.records:
             if not load and record.pressure_kPa not in scene.config.validation.pressures_kPa:
                 continue  # on the path to a pressure between
-            if not load and record.pressure_kPa in {p.pressure_kPa for p in rods.parameters}:
+            if not load and record.pressure_kPa in rods.identified_kPa:
                 continue  # added by bisection: in sample
             state = ComparedState(record, load, in_sample=False)
             comparisons.append(compare_rods(rods.at(record.pressure_kPa), state, scene.body.pitch))

@@ -1,7 +1,6 @@
 """The rod compared with known shapes: distances, forces, curvatures, and shapes that cannot be compared."""
 
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 import pytest
@@ -9,10 +8,12 @@ import pytest
 from fem import Seconds
 from fem.solution import Extremes
 from geometry import Centreline
+from pipeline.results.values import RodError
+from pipeline.rods.at_pressure import RodAtPressure
 from pipeline.simulation.outcome import Record, StateSummary
-from pipeline.store.formats import CURVE_COLUMNS
+from pipeline.store.formats import CURVE_COLUMNS, EXTENSIBLE, FIVE
 from pipeline.validation.compare import ComparedState, compare_rods, rows_of
-from pipeline.validation.rods import EXTENSIBLE, FIVE, FittedRod, NoSolution, Rods
+from pipeline.validation.rods import NoSolution, Rods
 from rod import Extension, FiveParameters, Load, MomentRange, Rod
 
 LENGTH, PITCH = 112.0, 10.0
@@ -27,7 +28,10 @@ ALL = MomentRange(-100.0, 100.0)
 
 
 def rods(rod: Rod, moment_range: MomentRange = ALL) -> Rods:
-    return {FIVE: FittedRod(rod, moment_range), EXTENSIBLE: FittedRod(replace(rod, extension=LONGER), moment_range)}
+    return {
+        FIVE: RodAtPressure(rod, moment_range),
+        EXTENSIBLE: RodAtPressure(replace(rod, extension=LONGER), moment_range),
+    }
 
 
 def record(experiment: str, rod: Rod, **loads) -> Record:
@@ -41,10 +45,10 @@ def record(experiment: str, rod: Rod, **loads) -> Record:
     )
 
 
-def row_of(compared: Rods, solid: Record, load: str = "", rod: str = FIVE) -> dict[str, Any]:
+def row_of(compared: Rods, solid: Record, load: str = "", rod: str = FIVE) -> RodError:
     """The row of a rod in validation.json; a load in words makes the state one out of sample."""
-    rows = compare_rods(compared, ComparedState(solid, load, in_sample=not load), PITCH).rows()
-    return next(dict(row) for row in rows if row["rod"] == rod)
+    rows = compare_rods(compared, ComparedState(solid, load, in_sample=not load), PITCH).errors
+    return next(row for row in rows if row.rod == rod)
 
 
 def summary(experiment: str) -> StateSummary:
@@ -78,12 +82,12 @@ def summary(experiment: str) -> StateSummary:
 )
 def test_a_rod_agrees_with_itself_under_every_load(experiment: str, loads: dict) -> None:
     row = row_of(rods(ROD), record(experiment, ROD, **loads))
-    assert row["distance_over_length"] < 1e-7
-    assert row["distance_over_length_without_stretch"] < 1e-4  # chords instead of arcs
-    assert abs(row["end_angle_error_rad"]) < 1e-6
-    assert row["curvature_error"] < 1e-6
-    assert (row["force_error"] is None) == (experiment != "III")
-    assert row["reason"] == ""
+    assert row.distance_over_length < 1e-7
+    assert row.distance_over_length_without_stretch < 1e-4  # chords instead of arcs
+    assert abs(row.end_angle_error_rad) < 1e-6
+    assert row.curvature_error < 1e-6
+    assert (row.force_error is None) == (experiment != "III")
+    assert row.reason == ""
 
 
 def test_the_end_angle_is_that_of_the_same_chord_on_a_coarse_mesh() -> None:
@@ -91,20 +95,20 @@ def test_the_end_angle_is_that_of_the_same_chord_on_a_coarse_mesh() -> None:
     solid = record("II", ROD)
     x, y = ROD.solve().positions(coarse := np.linspace(0.0, LENGTH, 9)).T
     row = row_of(rods(ROD), replace(solid, centreline=Centreline(coarse, x, y)))
-    assert abs(row["end_angle_error_rad"]) < 1e-9
+    assert abs(row.end_angle_error_rad) < 1e-9
 
 
 def test_errors_are_those_put_in() -> None:
     stiffer = replace(ROD, law=FiveParameters(209.0, 440.0, 0.0, 0.0, 6.0))
     row = row_of(rods(stiffer), record("III", ROD, end_y=1.0), "end at +10 mm")
-    assert row["force_error"] == pytest.approx(0.1, abs=2e-3)
-    assert row["sample"] == "out"
-    assert row["load"] == "end at +10 mm"
+    assert row.force_error == pytest.approx(0.1, abs=2e-3)
+    assert row.sample == "out"
+    assert row.load == "end at +10 mm"
     shifted = record("II", ROD)
     moved = replace(shifted, centreline=Centreline(S, shifted.centreline.x, shifted.centreline.y + S / LENGTH))
     row = row_of(rods(ROD), moved)
-    assert row["distance_over_length"] == pytest.approx(1.0 / LENGTH)
-    assert row["distance_at_s_mm"] == LENGTH
+    assert row.distance_over_length == pytest.approx(1.0 / LENGTH)
+    assert row.distance_at_s_mm == LENGTH
 
 
 def test_the_force_on_an_end_that_is_held_along_both_axes_counts_as_a_whole() -> None:
@@ -112,13 +116,13 @@ def test_the_force_on_an_end_that_is_held_along_both_axes_counts_as_a_whole() ->
     solid = replace(record("III", ROD, end_y=1.0), held=(True, True))
     row = row_of(rods(ROD), solid)
     across = solid.load.force[1]
-    assert row["force_error"] < 1e-6
-    assert row["force_N"] == pytest.approx(abs(across))
+    assert row.force_error < 1e-6
+    assert row.force_N == pytest.approx(abs(across))
     pulled = replace(solid, load=Load((3.0 * across, across)))
     row = row_of(rods(ROD), pulled)
-    assert row["force_error"] == pytest.approx(3.0 / 10.0**0.5, rel=1e-5)
-    assert row["force_N"] == pytest.approx(10.0**0.5 * abs(across))
-    assert row["rod_force_N"] == pytest.approx(abs(across), rel=1e-5)
+    assert row.force_error == pytest.approx(3.0 / 10.0**0.5, rel=1e-5)
+    assert row.force_N == pytest.approx(10.0**0.5 * abs(across))
+    assert row.rod_force_N == pytest.approx(abs(across), rel=1e-5)
 
 
 def test_the_force_along_the_axis_that_is_held_is_compared() -> None:
@@ -128,25 +132,25 @@ def test_the_force_along_the_axis_that_is_held_is_compared() -> None:
     solid = record("III", ROD, end_y=1.0)
     solid = replace(solid, centreline=Centreline(S, x, y), load=Load((float(shape.force[0]), 0.0)), held=(True, False))
     row = row_of(rods(ROD), solid)
-    assert abs(row["force_error"]) < 1e-6
-    assert row["force_N"] == pytest.approx(shape.force[0])
+    assert abs(row.force_error) < 1e-6
+    assert row.force_N == pytest.approx(shape.force[0])
 
 
 def test_a_soft_place_is_found_where_it_is() -> None:
     soft = replace(ROD, law=FiveParameters(40.0, 400.0, 0.0, 0.0, 12.0))
     row = row_of(rods(ROD), record("III", soft, end_y=1.0))
-    assert row["curvature_error_at_s_mm"] < 12.0
+    assert row.curvature_error_at_s_mm < 12.0
 
 
 def test_numbers_of_another_arm_and_loads_without_solution_say_so() -> None:
     row = row_of(rods(replace(ROD, length=72.0)), record("II", ROD))
-    assert row["reason"] == "The numbers are those of an arm of 72 mm, the shape is one of 112 mm."
-    assert row["distance_over_length"] is None
+    assert row.reason == "The numbers are those of an arm of 72 mm, the shape is one of 112 mm."
+    assert row.distance_over_length is None
     far = record("III", ROD, end_y=1.0)
     beyond = replace(far, centreline=Centreline(S, far.centreline.x, far.centreline.y + 3.0 * S))
     row = row_of(rods(ROD), beyond)
-    assert row["reason"].endswith(".")
-    assert row["force_error"] is None
+    assert row.reason.endswith(".")
+    assert row.force_error is None
     assert np.isnan(rows_of(beyond, None, PITCH)[0][CURVE_COLUMNS.index("rod_x_mm")])
 
 
@@ -154,37 +158,37 @@ def test_the_extensible_rod_follows_a_curve_that_stretches() -> None:
     longer = replace(ROD, extension=LONGER)
     solid = record("III", longer, end_y=1.0)
     row = row_of(rods(ROD), solid, rod=EXTENSIBLE)
-    assert row["distance_over_length"] < 1e-7
-    assert abs(row["force_error"]) < 1e-7
-    assert row_of(rods(ROD), solid)["distance_over_length"] > 0.01
+    assert row.distance_over_length < 1e-7
+    assert abs(row.force_error) < 1e-7
+    assert row_of(rods(ROD), solid).distance_over_length > 0.01
 
 
 def test_the_reason_of_an_extensible_rod_without_equilibrium_is_kept() -> None:
     solid = record("III", ROD, end_y=60.0)
     short = replace(ROD, extension=Extension(S, np.full(len(S), 0.3), 0.0))  # 34 mm long, its end cannot be at 60 mm
-    both = {FIVE: FittedRod(ROD, ALL), EXTENSIBLE: FittedRod(short, ALL)}
+    both = {FIVE: RodAtPressure(ROD, ALL), EXTENSIBLE: RodAtPressure(short, ALL)}
     row = row_of(both, solid)
-    assert row["reason"] == ""
-    assert abs(row["force_error"]) < 1e-7
+    assert row.reason == ""
+    assert abs(row.force_error) < 1e-7
     row = row_of(both, solid, rod=EXTENSIBLE)
-    assert row["reason"].endswith(".")
-    assert row["force_error"] is None
+    assert row.reason.endswith(".")
+    assert row.force_error is None
 
 
 def test_a_pressure_without_a_rod_is_a_row_with_the_reason() -> None:
     row = row_of({FIVE: NoSolution("17 kPa lies outside.")}, record("II", ROD))
-    assert row["reason"] == "17 kPa lies outside."
-    assert row["distance_over_length"] is None
+    assert row.reason == "17 kPa lies outside."
+    assert row.distance_over_length is None
 
 
 def test_the_couple_of_the_held_edge_is_part_of_the_load() -> None:
     held = record("III", ROD, end_y=1.0, moment=0.5)
     held = replace(held, load=replace(held.load, couple=0.5))
-    assert abs(row_of(rods(ROD), held)["force_error"]) < 1e-7
+    assert abs(row_of(rods(ROD), held).force_error) < 1e-7
 
 
 def test_moments_that_were_not_identified_are_said() -> None:
     held = record("III", ROD, end_y=1.0)
     row = row_of(rods(ROD, MomentRange(0.0, 1.0)), held)
-    assert row["warning"].startswith("The moment leaves the 0 to 1 N mm")
-    assert row_of(rods(ROD), held)["warning"] == ""
+    assert row.warning.startswith("The moment leaves the 0 to 1 N mm")
+    assert row_of(rods(ROD), held).warning == ""
