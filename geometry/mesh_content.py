@@ -5,6 +5,7 @@ import io
 import warnings
 from collections.abc import Mapping
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
@@ -13,12 +14,13 @@ from geometry.arrays import Array, Index
 from geometry.errors import MeshError
 
 
-def read_content(path: Path) -> Any:
-    """What meshio reads in a mesh file. Raises `MeshError` where it is missing or cannot be read."""
+def read_content(path: Path, name: Path | None = None) -> Any:
+    """What meshio reads in a mesh file. Raises `MeshError`, with `name` if given, where it cannot be read."""
     import meshio
 
+    name = path if name is None else name
     if not path.is_file():
-        raise MeshError(f"the mesh file {path} does not exist")
+        raise MeshError(f"the mesh file {name} does not exist")
     try:
         # meshio prints remarks and warns of its own rounding; the library functions of this project print nothing
         with (
@@ -30,16 +32,22 @@ def read_content(path: Path) -> Any:
             return meshio.read(path)
     except ModuleNotFoundError as error:
         raise MeshError(
-            f"the mesh file {path} cannot be read: meshio needs {error.name} for this format, which is not installed; "
-            "save the mesh as VTU"
+            f"the mesh file {name} cannot be read: meshio needs {error.name} for it, which is not installed; save VTU"
         ) from error
     except (Exception, SystemExit) as error:
         reason = "" if isinstance(error, SystemExit) else " ".join(str(error).split())  # its number tells nothing
         said = f" (meshio: {reason})" if reason else ""
         raise MeshError(
-            f"the file {path} cannot be read: it is empty, cut off or not of the format of its suffix, or has an entry "
-            f"that meshio does not know{said}; save it again"
+            f"the file {name} cannot be read: it is empty, cut off or of another format{said}; save it again"
         ) from error
+
+
+def read_text(path: Path, text: str) -> Any:
+    """What meshio reads in a file with this text instead of its own. Raises `MeshError`."""
+    with TemporaryDirectory() as folder:
+        plain = Path(folder) / path.name
+        plain.write_text(text, encoding="utf-8")
+        return read_content(plain, name=path)
 
 
 def read_mesh(path: Path) -> tuple[Array, Index, dict[str, Index]]:
@@ -84,7 +92,7 @@ def named_rows(content: Any, dimension: int, kinds: tuple[str, ...]) -> dict[str
                 if block.type in kinds
             }
         if sum(map(len, parts.values())):
-            groups[name] = parts
+            groups[name.strip()] = parts  # MED pads with blanks
     return groups
 
 

@@ -14,7 +14,6 @@ from geometry.families.design import Design
 from geometry.files.cad_import import Point
 from geometry.files.cells import CellPlanes
 from geometry.files.chambers import Range, distances, middles_of
-from geometry.files.companions import companions
 from geometry.files.frame import PITCHES, SAME, Axes, usual_cell
 from geometry.meshing.mirror import slices
 
@@ -22,6 +21,8 @@ from geometry.meshing.mirror import slices
 EQUAL = 0.05
 #: names of faces that are no cavities
 TAKEN = ("clamp", "tip", "sym", "outer")
+#: suffixes of files that formats in several files put beside the one that is named (XDMF, TetGen)
+COMPANIONS = (".h5", ".bin", ".node", ".ele")
 #: whether an inlet in the plane of the clamp is closed there, or a point in the mouth of each inlet that is filled
 Plug: TypeAlias = bool | Mapping[str, Point]
 
@@ -68,12 +69,10 @@ class FileDesign(Design):
     @cached_property
     def digest(self) -> str:
         """SHA-256 of the file and those that it needs, so that results of older files are not reused."""
-        path = Path(self.file)
-        digest = sha256(path.read_bytes())
-        for other in companions(path):
-            content = other.read_bytes()
-            digest.update(f"{other.name} {len(content)}\n".encode())
-            digest.update(content)
+        path, digest = Path(self.file), sha256(Path(self.file).read_bytes())
+        beside = (path.with_suffix(suffix) for suffix in COMPANIONS if path.suffix != suffix)
+        for other in filter(Path.is_file, beside):
+            digest.update(other.name.encode() + other.read_bytes())
         return digest.hexdigest()
 
     @property

@@ -1,9 +1,10 @@
-"""The tetrahedra in a mesh file of any format that meshio reads, or Gmsh where meshio needs more than is installed;
-Abaqus files are read here."""
+"""The tetrahedra in a mesh file of any format that meshio or Gmsh reads."""
 
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
@@ -11,9 +12,9 @@ import numpy as np
 from geometry.arrays import Array, Index
 from geometry.curved import NO_CURVED_EDGES, CurvedEdges, curved_edges
 from geometry.errors import MeshError
-from geometry.files.abaqus import read_abaqus
-from geometry.mesh_content import named_rows, named_triangles, read_content
-from geometry.meshing.solid import session
+from geometry.files.abaqus import only_body
+from geometry.mesh_content import named_rows, named_triangles, read_content, read_text
+from geometry.meshing.solid import session, told
 from geometry.topology import EDGES, row_keys
 
 #: formats that Gmsh reads here: meshio has no UNV, and needs h5py for MED
@@ -29,15 +30,6 @@ SUFFIXES = (
 )
 #: meshio's names of tetrahedra with 4 and 10 nodes
 TETRAHEDRA = ("tetra", "tetra10")
-#: elements of a volume that are not used, as a user calls them, by the beginning of meshio's name
-_OTHER_VOLUMES = {
-    "hexahedron": "hexahedra",
-    "wedge": "prisms",
-    "pyramid": "pyramids",
-    "polyhedron": "polyhedra",
-    "tetra": "tetrahedra of a higher order",
-    "VTK_LAGRANGE": "elements of a higher order",
-}
 #: the farthest that the middle of a quadratic edge may lie from halfway between its ends, over the edge's length
 FARTHEST_MIDDLE = 0.45
 
@@ -60,27 +52,45 @@ def read_mesh_file(path: Path) -> FileMesh:
 
     Raises `MeshError` where the file is missing or cannot be read, has no tetrahedra, or has other volume elements.
     """
-    if not path.is_file():
-        raise MeshError(f"the mesh file {path} does not exist")
-    if path.suffix.lower() in OF_GMSH:
-        return _read_with_gmsh(path)
-    if path.suffix.lower() == ".inp":
-        points, blocks, others = read_abaqus(path)
-        _refuse_other_volumes(path, others)
-        return _collected(path, points, blocks, {}, {})
-    try:
-        content = read_content(path)
-    except MeshError as refused:
-        return _read_otherwise(path, refused)
-    _refuse_other_volumes(path, _other_volumes(content))
+    content = _content(path)
+    _refuse_other_volumes(path, content)
     if np.any(content.point_data.get("nastran:ref", 0)):
         raise MeshError(
-            f"the mesh file {path} has nodes in a coordinate system of their own (CP of GRID); save it with the basic "
-            "coordinate system"
+            f"the mesh file {path} has nodes in a coordinate system of their own (CP of GRID); save without"
         )
     blocks = [block.data for block in content.cells if block.type in TETRAHEDRA]
     points = np.asarray(content.points, dtype=np.float64)
     return _collected(path, points, blocks, named_triangles(content), _named_rows(content))
+
+
+def _content(path: Path) -> Any:
+    """What meshio reads, of some formats in a file that it does read. Raises `MeshError`."""
+    suffix = path.suffix.lower()
+    if not path.is_file():
+        raise MeshError(f"the mesh file {path} does not exist")
+    if suffix == ".inp":
+        return read_text(path, only_body(path))
+    if suffix in OF_GMSH:
+        return _by_gmsh(path)
+    try:
+        return read_content(path)
+    except MeshError:
+        if suffix not in OF_BOTH:
+            raise
+        with suppress(MeshError):
+            return _by_gmsh(path)
+        raise
+
+
+def _by_gmsh(path: Path) -> Any:
+    """The content of a file that Gmsh reads. Raises `MeshError`."""
+    with session() as gmsh, TemporaryDirectory() as folder:
+        with told(f"the mesh file {path} cannot be read", "save it again"):
+            gmsh.merge(str(path))
+        for option in ("SaveAll", "Binary"):
+            gmsh.option.setNumber(f"Mesh.{option}", 1)
+        gmsh.write(f"{folder}/body.msh")
+        return read_content(Path(folder) / "body.msh", name=path)
 
 
 def _named_rows(content: Any) -> dict[str, Index]:
@@ -93,33 +103,14 @@ def _named_rows(content: Any) -> dict[str, Index]:
     return {name: np.concatenate([first[k] + rows for k, rows in parts.items()]) for name, parts in groups.items()}
 
 
-def _read_otherwise(path: Path, refused: MeshError) -> FileMesh:
-    """A file that meshio does not read, as Gmsh reads it. Raises `refused` where that cannot either."""
-    if path.suffix.lower() not in OF_BOTH:
-        raise refused
-    try:
-        return _read_with_gmsh(path)
-    except MeshError:
-        raise refused from None
-
-
-def _other_volumes(content: Any) -> dict[str, int]:
-    """How many volume elements that are no tetrahedra with 4 or 10 nodes meshio has read, by what a user calls them."""
-    counts: dict[str, int] = {}
-    for block in content.cells:
-        name = next((name for key, name in _OTHER_VOLUMES.items() if block.type.startswith(key)), None)
-        if name is not None and block.type not in TETRAHEDRA:
-            counts[name] = counts.get(name, 0) + len(block.data)
-    return counts
-
-
-def _refuse_other_volumes(path: Path, counts: Mapping[str, int]) -> None:
-    """Raise `MeshError` where the file has such elements."""
-    if counts:
-        elements = " and ".join(f"{count} {name}" for name, count in counts.items())
+def _refuse_other_volumes(path: Path, content: Any) -> None:
+    """Raise `MeshError` where there are volume elements that are no tetrahedra with 4 or 10 nodes."""
+    others = [block for block in content.cells if block.dim == 3 and block.type not in TETRAHEDRA]
+    if others:
+        kinds = ", ".join(f"{len(block.data)} {block.type}" for block in others)
         raise MeshError(
-            f"the mesh file {path} has {elements}; allowed are tetrahedra with 4 or 10 nodes: mesh the body with them, "
-            "or give its surface as STL and this program fills it"
+            f"the mesh file {path} has {kinds}; allowed are tetrahedra with 4 or 10 nodes: mesh the body with them, "
+            "or give its surface as STL"
         )
 
 
@@ -168,53 +159,3 @@ def _curved(path: Path, points: Array, tets: Index) -> CurvedEdges:
             "is the order of VTK: the middles of the edges 12, 23, 13, 14, 24 and 34 after the four corners"
         )
     return curved_edges(points, pairs, middles)
-
-
-def _read_with_gmsh(path: Path) -> FileMesh:
-    """The tetrahedra and named groups of a file that Gmsh reads. Raises `MeshError`."""
-    with session() as gmsh:
-        try:
-            gmsh.merge(str(path))
-        except Exception as error:
-            raise MeshError(f"the mesh file {path} cannot be read: {error}") from error
-        tags, coordinates, _ = gmsh.model.mesh.getNodes()
-        if not len(tags):
-            raise MeshError(f"the mesh file {path} cannot be read: Gmsh finds no points in it")
-        index = np.full(int(tags.max()) + 1, -1)
-        index[tags] = np.arange(len(tags))
-        kinds, elements, nodes = gmsh.model.mesh.getElements(3)
-        others = [gmsh.model.mesh.getElementProperties(kind)[0] for kind in kinds if kind not in (4, 11)]
-        if others:
-            raise MeshError(
-                f"the mesh file {path} has volume elements of the kind {others[0]}; allowed are tetrahedra with 4 or "
-                "10 nodes"
-            )
-        blocks = []
-        for kind, numbers in zip(kinds, nodes, strict=True):
-            block = index[numbers].reshape(-1, 4 if kind == 4 else 10)
-            blocks.append(block[:, [*range(8), 9, 8]] if kind == 11 else block)  # Gmsh has 34 before 24
-        faces = {}
-        for _, group in gmsh.model.getPhysicalGroups(2):
-            triangles = [
-                index[numbers].reshape(-1, {2: 3, 9: 6}[kind])[:, :3]
-                for entity in gmsh.model.getEntitiesForPhysicalGroup(2, group)
-                for kind, numbers in zip(*gmsh.model.mesh.getElements(2, entity)[::2], strict=True)
-                if kind in (2, 9)
-            ]
-            name = gmsh.model.getPhysicalName(2, group).strip()
-            if name and triangles:
-                faces[name] = np.vstack(triangles)
-        numbers = np.concatenate([*elements, np.zeros(1, dtype=np.uint64)]).astype(np.int64)
-        row = np.full(int(numbers.max()) + 1, -1)
-        row[numbers[:-1]] = np.arange(len(numbers) - 1)
-        regions = {}
-        for _, group in gmsh.model.getPhysicalGroups(3):
-            held = [
-                row[numbers.astype(np.int64)]
-                for entity in gmsh.model.getEntitiesForPhysicalGroup(3, group)
-                for numbers in gmsh.model.mesh.getElements(3, entity)[1]
-            ]
-            name = gmsh.model.getPhysicalName(3, group).strip()  # MED pads with blanks
-            if name and held:
-                regions[name] = np.concatenate(held)
-        return _collected(path, coordinates.reshape(-1, 3), blocks, faces, regions)

@@ -77,7 +77,8 @@ def _merged(points: Array, triangles: Index) -> tuple[Array, Index]:
     size = float(np.ptp(points, axis=0).max())
     if not size > 0:
         raise MeshError("all points of the surface are the same")
-    points, triangles = _compact(points, _welded(points, SAME * size)[triangles])
+    _, first, same = np.unique(np.round(points / (SAME * size)), axis=0, return_index=True, return_inverse=True)
+    points, triangles = _compact(points[first], same.reshape(-1)[triangles])
     if not len(triangles):
         raise MeshError("the surface has no triangle with three different corners")
     rim = np.unique(open_edges(triangles, len(points)))

@@ -84,47 +84,35 @@ def test_elements_with_ten_nodes_over_two_lines(tmp_path: Path) -> None:
     assert design.solid_volume == pytest.approx(np.pi * 49 * 50 - np.pi * 25 * 44, rel=5e-4)
 
 
-def test_included_files_are_read_and_decide_the_results(plain: tuple[np.ndarray, np.ndarray], tmp_path: Path) -> None:
-    points, tets = plain
-    (tmp_path / "nodes.txt").write_text("\n".join(nodes(points)), encoding="utf-8")
-    lines = ["*INCLUDE, INPUT=nodes.txt", *elements(tets)]
-    design = read(tmp_path / "bar.inp", lines)
-    before = design.digest
-    assert design.solid_volume == pytest.approx(BAR_VOLUME, rel=1e-7)
-    (tmp_path / "nodes.txt").write_text("\n".join([*nodes(points), "** changed"]), encoding="utf-8")
-    assert read(tmp_path / "bar.inp", lines).digest != before
-
-
 def test_several_parts_or_instances_are_refused(plain: tuple[np.ndarray, np.ndarray], tmp_path: Path) -> None:
     mesh = [*nodes(plain[0]), *elements(plain[1])]
-    two = [*part("Arm", mesh), *part("Mount", mesh), *assembly("Arm-1 of Arm", "Mount-1 of Mount")]
-    with pytest.raises(DesignError, match=r"file: .* holds 2 parts with elements \(Arm, Mount\); save the arm alone"):
-        read(tmp_path / "two.inp", two)
-    twice = [*part("Arm", mesh), *assembly("Arm-1 of Arm", "Arm-2 of Arm")]
-    with pytest.raises(DesignError, match=r"file: .* holds 2 instances \(Arm-1, Arm-2\) of the part Arm; save the arm"):
-        read(tmp_path / "twice.inp", twice)
-    with pytest.raises(DesignError, match=r"holds 2 parts with elements \(outside of parts, Mount\)"):
-        read(tmp_path / "loose.inp", [*mesh, *part("Mount", mesh)])
+    for lines, names in (
+        ([*part("Arm", mesh), *part("Mount", mesh), *assembly("Arm-1 of Arm", "Mount-1 of Mount")], "Arm, Mount"),
+        ([*part("Arm", mesh), *assembly("Arm-1 of Arm", "Arm-2 of Arm")], "Arm"),
+        ([*mesh, *part("Mount", mesh)], "outside of parts, Mount"),
+    ):
+        with pytest.raises(DesignError, match=rf"file: .* several parts or instances with elements \({names}\)"):
+            read(tmp_path / "several.inp", lines)
 
 
 @pytest.mark.parametrize(
-    ("lines", "sentence"),
+    "lines",
     [
-        (["*Node", "1, 0., zero, 0."], "cannot be read: '1, 0., zero, 0.' is no node"),
-        (["*Node", "one, 0., 0., 0."], "cannot be read: 'one, 0., 0., 0.' is no node"),
-        (["*Node", ", 1., 0., 0."], "cannot be read: ', 1., 0., 0.' is no node"),
-        (["*Node, system=C", "1, 0., 0., 0."], r"has nodes in a coordinate system of their own \(\*NODE\)"),
-        (["*System", "0., 0., 0., 0., 1., 0."], r"has nodes in a coordinate system of their own \(\*SYSTEM\)"),
-        (["*Node", "1, 0., 0., 0.", "*Element, type=C3D4", "1, 1, 2, 3, 4"], "has the node 2, which is not defined"),
-        (["*Node", "1, 0., 0., 0.", "*Element, type=C3D4", "1, 1, 1, 1"], "type C3D4 without all of its nodes"),
-        (["*Element, type=C3D8R", "1, 1, 2, 3, 4, 5, 6, 7, 8"], "has 1 hexahedra; allowed are tetrahedra"),
-        (["*Element, type=S3", "1, 1, 2, 3"], "has no tetrahedra"),
-        (["*Include, input=none.inp"], "none.inp does not exist"),
-        (["*Include, input=bad.inp"], "bad.inp includes itself"),
+        ["*Node", "1, 0., zero, 0.", "*Element, type=C3D4", "1, 1, 1, 1, 1"],
+        ["*Node", ", 1., 0., 0.", "*Element, type=C3D4", "1, 1, 1, 1, 1"],
+        ["*Node, system=C", "1, 0., 0., 0."],
+        ["*System", "0., 0., 0., 0., 1., 0."],
+        ["*Node", "1, 0., 0., 0.", "*Element, type=C3D4", "1, 1, 2, 3, 4"],
+        ["*Node", "1, 0., 0., 0.", "*Element, type=C3D4", "1, 1, 1, 1"],
+        ["*Node", "1, 0., 0., 0.", "*Element, type=C3D8R", "1, 1, 1, 1, 1, 1, 1, 1, 1"],
+        ["*Element, type=S3", "1, 1, 2, 3"],
+        ["*Include, input=nodes.inp"],
+        ["*Node, input=nodes.inp"],
     ],
 )
-def test_files_that_cannot_be_read(lines: list[str], sentence: str, tmp_path: Path) -> None:
-    with pytest.raises(DesignError, match=sentence) as caught:
+def test_files_that_cannot_be_read(lines: list[str], tmp_path: Path) -> None:
+    with pytest.raises(DesignError) as caught:
         read(tmp_path / "bad.inp", lines)
     assert caught.value.keys == ("file",)
+    assert str(tmp_path / "bad.inp") in caught.value.sentence
     assert "\n" not in caught.value.sentence

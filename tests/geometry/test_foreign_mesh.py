@@ -290,7 +290,7 @@ def tangled(path: Path) -> None:
 
 
 BAD: dict[str, tuple[Any, str, str]] = {
-    "hexahedra": (hexahedra, "file", "has 1 hexahedra; allowed are tetrahedra with 4 or 10 nodes"),
+    "hexahedra": (hexahedra, "file", "has 1 hexahedron; allowed are tetrahedra with 4 or 10 nodes"),
     "surface": (surface, "file", "has no tetrahedra; mesh the volume, or give the surface as STL"),
     "shuffled": (shuffled, "file", "middle node .* lies far from its edge; allowed is the order of VTK"),
     "short": (cut_short, "file", "cannot be read"),

@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 
 from geometry import DesignError, Mesh, MeshFile, PneuNet
-from geometry.files.companions import companions
 from geometry.manifold import count_components
 from tests.foreign_bodies import bar, meshed
 
@@ -238,22 +237,3 @@ def test_results_of_older_companion_files_are_not_reused(tmp_path: Path) -> None
         digests |= {MeshFile(str(tmp_path / f"bar{end}"), curve=1.5).digest for end in (".node", ".ele")}
         assert elements not in digests
     assert len(digests) == 4
-
-
-def test_files_that_are_read_together(tmp_path: Path) -> None:
-    for name in ("points.inp", "more.inp", "data.h5", "numbers.bin"):
-        (tmp_path / name).write_text("** nothing\n", encoding="utf-8")
-    (tmp_path / "points.inp").write_text("*Include, input=more.inp\n*INCLUDE, INPUT=points.inp\n", encoding="utf-8")
-    (tmp_path / "main.inp").write_text("*HEADING\n*INCLUDE,INPUT=points.inp\n*NODE\n", encoding="utf-8")
-    items = f"<DataItem Format='Binary'>{tmp_path / 'numbers.bin'}</DataItem><DataItem Format='XML'>1 2</DataItem>"
-    body = f"<Xdmf><DataItem Format='HDF'> data.h5:/a/0 </DataItem><DataItem Format='HDF'>data.h5:/b</DataItem>{items}"
-    (tmp_path / "main.xdmf").write_text(body + "</Xdmf>", encoding="utf-8")
-    (tmp_path / "broken.xdmf").write_text("<Xdmf>", encoding="utf-8")
-    (tmp_path / "alone.ele").write_text("0 4 0\n", encoding="utf-8")
-
-    def names(name: str) -> set[str]:
-        return {path.name for path in companions(tmp_path / name)}
-
-    assert names("main.inp") == {"points.inp", "more.inp"}
-    assert names("main.xdmf") == {"data.h5", "numbers.bin"}
-    assert names("broken.xdmf") == names("alone.ele") == set()
