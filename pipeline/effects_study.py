@@ -6,8 +6,7 @@ from pathlib import Path
 
 from fem.elements import ELEMENTS
 from pipeline.config.config import Config
-from pipeline.config.effects import State
-from pipeline.config.schema import EFFECTS
+from pipeline.config.effects import EFFECTS, State
 from pipeline.context import RunContext, run_context
 from pipeline.effects_rows import BASE, EffectRow, Variant, VariantResult, effect_rows
 from pipeline.errors import InputError, RunFailed, WorkerLost

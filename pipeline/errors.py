@@ -15,7 +15,6 @@ class _Sentence(Exception):
         super().__init__(_one_line(sentence))
 
 
-@final
 class InputError(Exception):
     """What the user gave is wrong (exit status 2). A sentence names the file, the key and what is allowed.
 
@@ -32,6 +31,11 @@ class InputError(Exception):
 
     def __str__(self) -> str:
         return "\n".join(self.sentences)
+
+
+@final
+class ConflictError(InputError):
+    """Values that the user gave do not go together, though each one is allowed."""
 
 
 class RunFailed(_Sentence):

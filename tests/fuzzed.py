@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from fem.elements import ELEMENTS
 from fem.materials import LAWS, Constant
 from geometry import FAMILIES, GRADINGS
-from pipeline.config.schema import EFFECTS
+from pipeline.config.effects import EFFECTS
 
 #: a drawing and a mesh that stand beside the configuration, and files that are not what their names say
 SOUND_FILES = ("finger.step", "ready.msh")

@@ -26,7 +26,7 @@ LIBRARIES: dict[str, set[str]] = {
     "fem": {"numpy", "scipy", "skfem", "numba", "ipctk", "pypardiso"},
     "rod": {"numpy", "scipy", "numba"},
     "pipeline": {
-        *("numpy", "scipy", "numba", "packaging", "yaml", "pydantic", "pint"),
+        *("numpy", "scipy", "numba", "packaging", "yaml", "pydantic", "pydantic_core", "pint"),
         *("pyvista", "typer", "rich", "jinja2", "plotly", "matplotlib", "distributed", "dask", "pyarrow", "pandas"),
     },
     "pneurod": {"pandas"},
@@ -43,10 +43,10 @@ DOORS: dict[str, set[str]] = {
     "ipctk": {"fem/effects/contact.py"},
     "pypardiso": {"fem/equations/pardiso.py"},
     "pydantic": {
-        "pipeline/results/files.py",
-        *("pipeline/config/kinds.py", "pipeline/config/schema.py", "pipeline/sweep/spec.py"),
+        *("pipeline/config/section.py", "pipeline/results/files.py"),
         *("pipeline/accuracy/planning.py", "pipeline/accuracy/run.py"),
     },
+    "pydantic_core": {"pipeline/config/section.py"},
     "pint": {"pipeline/config/units.py"},
     "yaml": {"pipeline/config/document.py"},
     "pyvista": {"pipeline/drawing/pictures.py"},
@@ -70,7 +70,7 @@ DOORS: dict[str, set[str]] = {
 
 #: what `pneurod --help` must not wait for
 HEAVY = {"numpy", "scipy", "gmsh", "meshio", "trimesh", "skfem", "numba", "ipctk", "pypardiso"} | {
-    *("pydantic", "pint", "pyvista", "vtkmodules", "jinja2", "plotly", "matplotlib", "pandas"),
+    *("pydantic", "pydantic_core", "pint", "pyvista", "vtkmodules", "jinja2", "plotly", "matplotlib", "pandas"),
     *("distributed", "dask", "pyarrow"),
 }
 

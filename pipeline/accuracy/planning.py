@@ -16,7 +16,7 @@ from pipeline.accuracy.measure import measure
 from pipeline.accuracy.plan import Plan
 from pipeline.accuracy.sizes import ContactDistance, Sizes
 from pipeline.config.automatic_mesh import COARSER, GivenMesh, chosen_mesh, not_too_many
-from pipeline.config.config import AUTO, USUAL_TOLERANCE, Config, MeshSettings
+from pipeline.config.config import AUTO, USUAL_TOLERANCE, Config
 from pipeline.errors import InputError
 from pipeline.identification.too_short import too_short
 from pipeline.progress import Progress
@@ -103,16 +103,15 @@ def _of_law(config: Config) -> tuple[str, ...]:
 
 def _unplanned(config: Config, reason: str, progress: Progress) -> Planned:
     """The configuration with the mesh that it has where no accuracy is requested, and a remark why."""
-    mesh, state = config.mesh, config.effects.incompressibility.state
+    mesh, against_locking = config.mesh, config.effects.incompressibility.decided
     given = GivenMesh(
         None if mesh.size_mm is AUTO else mesh.element_size_mm,
         None if "formulation" in mesh.chosen else mesh.formulation,
         None if "grading" in mesh.chosen else mesh.grading,
     )
-    against_locking = None if state == "auto" else state == "on"
     chosen = chosen_mesh(config.design, config.material.law, config.poisson_ratio, against_locking, given)
     coarser = COARSER if "coarser" in mesh.chosen else mesh.coarser
-    settings = MeshSettings(chosen.size_mm, chosen.formulation, coarser, chosen.grading, chosen.reasons)
+    settings = replace(chosen, coarser=coarser)
     sentence = (
         f"accuracy not estimated: {reason}; the mesh has {settings.element_size_mm:.3g} mm and {settings.formulation} "
         "elements"

@@ -23,8 +23,9 @@ def init(
 ) -> None:
     """A commented configuration to start from: every key with its unit, default and range."""
     with errors_as_sentences():
-        from pipeline.config.complaints import not_known
-        from pipeline.config.example import BODIES, example
+        from pipeline.config.body import BODIES
+        from pipeline.config.example import example
+        from pipeline.config.section import not_known
         from pipeline.store.atomic_file import write_atomic
         from pipeline.store.result_folder import open_file
 

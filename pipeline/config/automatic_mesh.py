@@ -4,12 +4,19 @@ The constants are measured (docs/accuracy.md, "Elements chosen by the program").
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
+from enum import Enum
 from math import floor, log10, sqrt
+from typing import Annotated, Any, Literal
 
-from fem.elements import MOST_ACCURATE, NEARLY_INCOMPRESSIBLE
-from geometry import Design
+from fem.elements import ELEMENTS, MOST_ACCURATE, NEARLY_INCOMPRESSIBLE
+from geometry import GRADINGS, Design, DesignError, MeshFile, SurfaceFile
 from geometry.families.design import expected_tets
+from pipeline.config.body import design_conflicts
+from pipeline.config.document import Document
+from pipeline.config.kinds import above_zero, number, one_of
+from pipeline.config.section import Field, Kind, Section, conflict, known, raise_all, section, wrong
+from pipeline.config.units import LENGTH, convert
 
 #: size without grading over that with it, because the walls are coarser there: the deflection of the finger of
 #: docs/how_to/own_bodies_tried.md from an STL file is off by 2.0 % with 0.9 and by 3.5 % with 1.2, its end force by 2.0
@@ -29,26 +36,124 @@ MOST_CHOSEN_TETS = 100_000
 COARSER = 1.5
 
 
-@dataclass(frozen=True)
-class GivenMesh:
+#: sizes of the second mesh over that of the first
+LEAST_COARSER, MOST_COARSER = 1.1, 5.0
+
+
+class Auto(Enum):
+    """The type of AUTO."""
+
+    AUTO = "auto"
+
+
+#: a value that is chosen by the program
+AUTO = Auto.AUTO
+
+
+def _or_auto(kind: Kind) -> Kind:
+    """A kind that may be left to the program, None then."""
+    allowed = kind.allowed if "`auto`" in kind.allowed else f"{kind.allowed}, or `auto`"
+    return replace(kind, allowed=allowed, read=lambda value: None if value == "auto" else kind.read(value))
+
+
+def _edge(value: Any) -> float:
+    return above_zero(convert(value, LENGTH))
+
+
+def _coarser(value: Any) -> Any:
+    """auto, off (YAML 1.1 reads a bare off as false) or a number above 1."""
+    if value is False or value in ("auto", "off"):
+        return value or "off"
+    factor = number(value)
+    if not LEAST_COARSER <= factor <= MOST_COARSER:
+        raise ValueError(
+            f"{factor:g} is not allowed; allowed: {LEAST_COARSER:g} to {MOST_COARSER:g}, for example 1.5: meshes that "
+            "differ less or more do not show how the results converge"
+        )
+    return factor
+
+
+@section(frozen=True)
+class GivenMesh(Section):
     """What a configuration says about its mesh; None is left to the program."""
 
-    size_mm: float | None
-    formulation: str | None
-    grading: str | None
+    size_mm: Annotated[float | None, _or_auto(Kind("above 0", LENGTH.example, "mm", _edge))] = Field(
+        default=None, description="edge that Gmsh aims at; `auto`: from the drawing, or for a requested accuracy"
+    )
+    formulation: Annotated[str | None, _or_auto(one_of((*ELEMENTS, "auto")))] = Field(
+        default=None, description="[elements](theory.md#elements), `auto` [chooses](#the-mesh)"
+    )
+    grading: Annotated[str | None, _or_auto(one_of((*GRADINGS, "auto")))] = Field(
+        default=None, description="where elements are [smaller](accuracy.md#graded-meshes), `auto` is `walls`"
+    )
+    coarser: Annotated[float | Literal["auto", "off"], Kind("1.1 to 5, `auto` or `off`", "1.5", "1", read=_coarser)] = (
+        Field(default="auto", description="element size of the [second mesh](#the-mesh), as a multiple of `size`")
+    )
+
+
+#: keys of the mesh that a body from a file does not have
+NO_KEYS: dict[Any, tuple[str, ...]] = {MeshFile: ("size", "grading", "coarser"), SurfaceFile: ("grading",)}
 
 
 @dataclass(frozen=True)
-class ChosenMesh:
-    """The mesh to make, and why for everything that was left to the program."""
+class MeshSettings:
+    """How fine the mesh is and which elements it has."""
 
-    size_mm: float
-    formulation: str
-    grading: str
-    reasons: Mapping[str, str]  #: by key of the configuration
+    size_mm: float | Auto  #: AUTO until a size is planned for the requested accuracy
+    formulation: str  #: one of fem.elements.ELEMENTS
+    coarser: float | None = None  #: size of a second mesh over size_mm, for the mesh error of the parameters
+    grading: str = "off"  #: one of geometry.GRADINGS
+    #: why, by key, for what was left to the program
+    chosen: Mapping[str, str] = field(default_factory=dict)
+
+    @property
+    def element_size_mm(self) -> float:
+        """The size as a number. Raises ValueError where it is AUTO."""
+        if isinstance(self.size_mm, Auto):
+            raise ValueError("the mesh size is still to be planned")
+        return self.size_mm
+
+    def given_unlike(self, **others: str) -> tuple[str, ...]:
+        """What the configuration gives and `others` have otherwise, as it is written there."""
+        given = {key: getattr(self, key) for key in others if key not in self.chosen}
+        return tuple(f"mesh.{key}: {value}" for key, value in given.items() if value != others[key])
 
 
-def chosen_mesh(design: Design, law: str, nu: float, against_locking: bool | None, given: GivenMesh) -> ChosenMesh:
+def read_mesh(given: GivenMesh, fields: Mapping[str, Any], document: Document) -> MeshSettings:
+    """The mesh as given, and as the program chooses it where it is not; AUTO where an accuracy decides the size."""
+    (effects,) = known(fields, "effects")
+    against_locking, formulation = effects.incompressibility.decided, given.formulation
+    if formulation is not None and against_locking == ELEMENTS[formulation].fully_integrated:
+        sentence = f"incompressibility {effects.incompressibility.state} and formulation {formulation} contradict each"
+        keys = ("effects", "incompressibility"), ("mesh", "formulation")
+        raise_all([conflict(f"{sentence} other; leave one of them out", *keys)])
+    design, material, materials, accuracy = known(fields, "design", "material", "materials", "accuracy")
+    allowed = [key for key in GivenMesh.key_fields() if key not in NO_KEYS.get(type(design), ())]
+    raise_all(
+        wrong(f"unknown key; allowed here: {', '.join(allowed)}", (key,))
+        for key in document.content.get("mesh", {})
+        if key not in allowed
+    )
+    is_ready, coarser = not design.is_resizable, given.coarser
+    planned = accuracy is not None and given.size_mm is None and not is_ready
+    nu = max(solid.built().poisson_ratio for solid in (material, *materials.values()))
+    try:
+        if is_ready:
+            given, coarser = replace(given, size_mm=design.given_element_size), "off"
+        chosen = chosen_mesh(design, material.law, nu, against_locking, given)
+        size = COARSEST * min(design.extent) if planned else chosen.element_size_mm
+        if not is_ready:
+            design.check_size(size)
+    except DesignError as refused:
+        raise_all(design_conflicts(refused, {}))
+    reasons = {key: why for key, why in chosen.chosen.items() if key != "size" or not planned}
+    if coarser == "auto" and accuracy is not None:
+        reasons["coarser"], coarser = "a requested accuracy has estimates of its own", "off"
+    factor = COARSER if coarser == "auto" else None if coarser == "off" else coarser
+    return replace(chosen, size_mm=AUTO if planned else size, coarser=factor, chosen=reasons)
+
+
+def chosen_mesh(design: Design, law: str, nu: float, against_locking: bool | None, given: GivenMesh) -> MeshSettings:
     """The mesh of a design of a solid with the named law and Poisson's ratio `nu`.
 
     against_locking: whether an element that does not lock was requested; None decides by nu. A size of a mesh file is
@@ -64,7 +169,7 @@ def chosen_mesh(design: Design, law: str, nu: float, against_locking: bool | Non
             reasons["grading"] = "most of the error of the mesh arises where thin walls bend"
     if size is None:
         size, reasons["size"] = _size(design, grading)
-    return ChosenMesh(size, formulation, grading, reasons)
+    return MeshSettings(size, formulation, None, grading, reasons)
 
 
 def _formulation(design: Design, law: str, nu: float, against_locking: bool | None) -> tuple[str, str]:

@@ -1,204 +1,223 @@
 """A design and what is to be computed for it, as checked values in mm, N, MPa and tonne/mm3, nested as in the YAML.
 
-`pipeline.config.load` reads them from a file; `pipeline.config.schema` holds the keys that a file may have.
+`Config` is the shape of the file too: its fields are the keys (`pipeline.config.section`). `pipeline.config.load` reads
+one from a file.
 """
 
 import hashlib
 import json
-from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, field, fields, is_dataclass, replace
+from collections.abc import Iterator, Mapping
+from dataclasses import fields, is_dataclass, replace
 from enum import Enum
-from itertools import pairwise
 from pathlib import Path
-from typing import Any, Literal, get_args
+from typing import Annotated, Any, Literal, get_args
 
-import fem.materials
 from fem.elements import automatic_element
-from fem.materials import LAWS
 from geometry import CellPlanes, Design, DesignError, MeshError
-from pipeline.config.effects import Effects, State
-from pipeline.errors import InputError
+from pipeline.config.arm_law import why_no_arm_law
+from pipeline.config.automatic_mesh import AUTO, GivenMesh, MeshSettings, read_mesh
+from pipeline.config.body import OWN, design_key, read_design
+from pipeline.config.document import Document, Key, dotted
+from pipeline.config.effects import CavityPressure, Effects, State
+from pipeline.config.kinds import (
+    CountFromZero,
+    Name,
+    Number,
+    Percentage,
+    PositiveForce,
+    PositiveLength,
+    Pressures,
+    Text,
+    one_of,
+)
+from pipeline.config.material import Material, read_material, stiffness_conflicts
+from pipeline.config.section import Error, Field, Kind, Section, WrittenAs, conflict, raise_all, section
+from pipeline.config.validation import End, GivenEnd, GivenValidation, Validation, read_end, read_validation
+from pipeline.errors import InputError, quoted
 from pipeline.store.json_values import Json, JsonObject
+
+__all__ = [
+    "AUTO",
+    "LAW_CHOICES",
+    "STANDARD_GRAVITY",
+    "USUAL_TOLERANCE",
+    "Config",
+    "End",
+    "IdentificationSettings",
+    "Material",
+    "MeshSettings",
+    "Newton",
+    "Validation",
+]
 
 #: the laws of the rod: five parameters and the law from one cell, or one of them
 Laws = Literal["both", "five", "cell"]
 LAW_CHOICES: tuple[Laws, ...] = get_args(Laws)
 #: mm/s2, of the weight m g in dimensionless numbers
 STANDARD_GRAVITY = 9810.0
-
-
-class Auto(Enum):
-    """The type of AUTO."""
-
-    AUTO = "auto"
-
-
-#: a value that is chosen by the program
-AUTO = Auto.AUTO
-
-
-@dataclass(frozen=True)
-class Material:
-    """The law of the solid and its constants."""
-
-    law: str  #: as in the YAML: svk
-    constants: Mapping[str, float | tuple[float, ...]]  #: stresses in MPa
-    density_tonne_mm3: float | None  #: None where it is not given; only gravity and the mass of the arm need it
-    holds_between: tuple[float, float] | None = None  #: stretches between which the law describes the solid, if known
-
-    def built(self) -> fem.materials.Material:
-        """The law with its constants. Raises `fem.materials.MaterialError` where it cannot have them together."""
-        return LAWS[self.law](**self.constants)
-
-    def record(self) -> JsonObject:
-        """The law, its constants, the density and between which stretches it holds, ready for JSON."""
-        constants = {name: _record(value) for name, value in self.constants.items()}
-        known = {} if self.holds_between is None else {"holds_between": list(self.holds_between)}
-        return {"law": self.law, **constants, "density_tonne_mm3": self.density_tonne_mm3, **known}
-
-
-@dataclass(frozen=True)
-class AlongAxis:
-    """What the end has along one axis in experiment III: a displacement, or a force where it is free."""
-
-    displacement_mm: float | None
-    force_N: float = 0.0  #: zero where the displacement is prescribed
-
-    def __str__(self) -> str:
-        """As it is written in YAML."""
-        return f"{self.force_N:g} N" if self.displacement_mm is None else f"{self.displacement_mm:g} mm"
-
-
-@dataclass(frozen=True)
-class End:
-    """The end of the arm in experiment III: along each axis a displacement or a force of constant direction."""
-
-    x_mm: float | None = None  #: its displacement u_x; None where it is free
-    y_mm: float | None = 0.0  #: its displacement u_y; None where it is free
-    force_N: tuple[float, float] = (0.0, 0.0)  #: zero along an axis whose displacement is prescribed
-
-
-@dataclass(frozen=True)
-class IdentificationSettings:
-    """How the five parameters are identified, and with which weight they are made dimensionless."""
-
-    d_mm: float | None = None  #: the break of the two lines; None: it is sought
-    weight_N: float | None = None  #: m g of the reference arm; None: of this arm, if its density is known
-    weight_of: str = ""  #: what that arm is called; empty for this one
-
-
-@dataclass(frozen=True)
-class Validation:
-    """Loads at which the rod is compared with the finite elements without being fitted to them."""
-
-    pressures_kPa: tuple[float, ...]  #: ascending; those of the run and others between them
-    end_y_mm: tuple[float, ...]  #: displacements u_y of the end in III
-    forces_N: tuple[tuple[float, float], ...]  #: dead forces on the end
-    #: whether II and III are solved at the pressures between as well; not for the one load that the program chooses
-    with_experiments: bool = True
-
-    def among(self, reached_kPa: Sequence[float]) -> "Validation":
-        """The same loads, or the one that the program chooses at a pressure among those (ascending) that were reached.
-
-        Empty where that load has no such pressure.
-        """
-        if self.with_experiments or (reached_kPa and self.pressures_kPa[-1] <= reached_kPa[-1]):
-            return self
-        if not reached_kPa:
-            return Validation((), (), ())
-        return replace(self, pressures_kPa=(middle_of_widest(reached_kPa),))
-
-    def beyond(self, held_mm: float, *, is_held_down: bool) -> "Validation":
-        """The same loads, or the end that the program chooses on the other side of its height u_y in III.
-
-        The chosen end is above that height, farther from the free end than in III if that is below; of the mirror image
-        of such an arm, whose end III holds down, it has to be below.
-        """
-        if self.with_experiments or not is_held_down:
-            return self
-        return replace(self, end_y_mm=tuple(float(f"{2.0 * held_mm - y:.12g}") for y in self.end_y_mm))
-
-    def up_to(self, highest_kPa: float) -> "Validation":
-        """The same loads at the pressures up to this one; empty where there is none."""
-        pressures = tuple(pressure for pressure in self.pressures_kPa if pressure <= highest_kPa)
-        return replace(self, pressures_kPa=pressures) if pressures else Validation((), (), ())
-
-
-def middle_of_widest(pressures_kPa: Sequence[float]) -> float:
-    """The middle of the widest interval between pressures (ascending), or the only one, kPa."""
-    intervals = list(pairwise(pressures_kPa))
-    low, high = max(intervals, key=lambda interval: interval[1] - interval[0], default=(pressures_kPa[0],) * 2)
-    return float(f"{0.5 * (low + high):.12g}")
-
-
-@dataclass(frozen=True)
-class MeshSettings:
-    """How fine the mesh is and which elements it has."""
-
-    size_mm: float | Auto  #: AUTO until a size is planned for the requested accuracy
-    formulation: str  #: one of fem.elements.ELEMENTS
-    coarser: float | None = None  #: size of a second mesh over size_mm, for the mesh error of the parameters
-    grading: str = "off"  #: one of geometry.GRADINGS
-    #: why, by key, for what was left to the program
-    chosen: Mapping[str, str] = field(default_factory=dict)
-
-    @property
-    def element_size_mm(self) -> float:
-        """The size as a number. Raises ValueError where it is AUTO."""
-        if isinstance(self.size_mm, Auto):
-            raise ValueError("the mesh size is still to be planned")
-        return self.size_mm
-
-    def given_unlike(self, **others: str) -> tuple[str, ...]:
-        """What the configuration gives and `others` have otherwise, as it is written there."""
-        given = {key: getattr(self, key) for key in others if key not in self.chosen}
-        return tuple(f"mesh.{key}: {value}" for key, value in given.items() if value != others[key])
-
-
 #: Newton's tolerance where none is given
 USUAL_TOLERANCE = 1e-6
 
 
-@dataclass(frozen=True)
-class Newton:
+_REGIONS = Kind("a section for each region", "{base: {law: svk, E: 5 MPa, nu: 0.495, density: 1130 kg/m^3}}")
+
+
+def _small(value: float) -> float:
+    if not 0.0 < value <= 1e-2:
+        raise ValueError(f"{value:g} is not allowed; allowed: above 0 and at most 0.01")
+    return value
+
+
+def _experiments(value: Any) -> tuple[str, ...]:
+    names = tuple(value) if isinstance(value, list) else (value,)
+    if sorted(map(str, names)) not in (["I", "II", "III"], ["II", "III"]):
+        raise ValueError(
+            f"{quoted(value)} is not allowed; allowed: [I, II, III] or [II, III], for the parameters need II and III; "
+            "other choices are for `pneurod sweep`"
+        )
+    return tuple(sorted(names))
+
+
+@section(frozen=True)
+class IdentificationSettings(Section):
+    """How the five parameters are identified, and with which weight they are made dimensionless."""
+
+    d_mm: PositiveLength | None = Field(
+        default=None, description="break of the two lines, [given](identification.md#a-given-d) instead of sought"
+    )
+    weight_N: PositiveForce | None = Field(
+        default=None, description="weight of the arm for M/(m g l) in [results](results.md); default: its own"
+    )
+    weight_of: Text = Field(default="", description="name printed beside results made dimensionless with this weight")
+
+
+@section(frozen=True)
+class Newton(Section):
     """When Newton's method stops."""
 
-    tolerance: float  #: residual over internal forces
+    tolerance: Annotated[Number, Kind("above 0, at most 0.01", "0.000001", "1", check=_small)] = Field(
+        default=USUAL_TOLERANCE, description="largest relative residual of an equilibrium"
+    )
 
 
-@dataclass(frozen=True)
-class Config:
-    """A design and what is to be computed for it, checked."""
+def _with_all_cavities(given: Effects, values: Mapping[str, Any], _: Document) -> Effects:
+    """The effects with the pressure of every cavity; where none is named, the first one follows the pressure of the
+    run."""
+    design = values.get("design")
+    if design is None:  # it is refused, and the effects can be compared with the other sections all the same
+        return given
+    cavities = given.pressure.cavities or {design.cavities[0]: CavityPressure(1.0, 0.0)}
+    raise_all(
+        conflict(f"is no cavity; this body has {', '.join(design.cavities)}", ("effects", "pressure", "cavities", name))
+        for name in cavities
+        if name not in design.cavities
+    )
+    every = {name: cavities.get(name, CavityPressure(0.0, 0.0)) for name in design.cavities}
+    return replace(given, pressure=replace(given.pressure, cavities=every))
 
-    name: str
-    family: str
-    design: Design
-    material: Material  #: of the body, but for the regions below
-    materials: Mapping[str, Material]  #: of the regions that have one of their own, by name
-    pressures_kPa: tuple[float, ...]  #: ascending
-    experiments: tuple[str, ...]  #: II, III, and I where it is solved
-    end: End
-    identification: IdentificationSettings
-    added_pressures: int  #: how many may be added where alpha(p) or kappa_0(p) is not straight
-    validation: Validation
-    law: Laws
-    mesh: MeshSettings
-    newton: Newton
-    accuracy: float | None  #: requested relative error of kappa_0(l/2), alpha2 and F
-    effects: Effects
-    source: str  #: the file it was read from, for messages
+
+def _check_together(unknown: Any, values: Mapping[str, Any], document: Document) -> str:
+    """The file of a document whose sections go together, as far as they are known."""
+    if unknown:
+        raise ValueError("unknown key; a key has a name")
+    raise_all(_conflicts(values, document))
+    return str(document.path)
+
+
+def _conflicts(values: Mapping[str, Any], document: Document) -> Iterator[Error]:
+    """Refuses sections that do not go together, of those that are not refused by themselves."""
+    if {"material", "pressures_kPa"} <= values.keys():
+        yield from stiffness_conflicts(values["material"], values["pressures_kPa"], document)
+    design, effects, identification = (values.get(name) for name in ("design", "effects", "identification"))
+    if identification is not None and identification.weight_of and identification.weight_N is None:
+        key = ("identification", "weight_of")
+        yield conflict("names a weight that is missing; give weight as well", key)
+    if design is not None and identification is not None and (identification.d_mm or 0.0) >= design.length:
+        place = f"{identification.d_mm:g} mm is not on the arm; allowed: below its length, {design.length:g} mm"
+        yield conflict(place, ("identification", "d"))
+    if design is not None and not design.is_resizable and values.get("accuracy") is not None:
+        yield conflict("a ready mesh cannot be made finer; leave it out, or give a drawing", ("accuracy",))
+    if effects is None:
+        return
+    if design is not None and values.get("law") == "cell" and (reason := why_no_arm_law(design, effects)):
+        yield conflict(f"cell is not possible: {reason}", ("law",))
+    if effects.gravity.on:
+        yield from _gravity_conflicts(effects, values)
+
+
+def _gravity_conflicts(effects: Effects, values: Mapping[str, Any]) -> Iterator[Error]:
+    if effects.symmetry.on and effects.gravity.breaks_symmetry:
+        yield conflict(
+            "gravity acts across the plane of symmetry; write symmetry: auto or give its z component 0 m/s^2",
+            ("effects", "symmetry"),
+            ("effects", "gravity"),
+        )
+    solids: dict[Key, Material | None] = {("material",): values.get("material")}
+    solids |= {("materials", name): solid for name, solid in values.get("materials", {}).items()}
+    for key, solid in solids.items():
+        if solid is not None and solid.density_tonne_mm3 is None:
+            yield conflict("is missing, and gravity needs it; for example 1130 kg/m^3", (*key, "density"))
+
+
+@section(frozen=True)
+class Config(Section):
+    """A design and what is to be computed for it, checked. The order of the fields is that in which they are read."""
+
+    name: Name = Field(description="name of the design")
+    design: Annotated[Design, WrittenAs(read_design), Kind("a section", "{family: pneunet, ...}")] = Field(
+        alias="geometry", description="`family` of the body and its [dimensions](#geometry)"
+    )
+    #: of the body, but for the regions below
+    material: Annotated[Material, WrittenAs(read_material), Kind("a section", "{law: svk, ...}")] = Field(
+        description="`law` of the material and its [constants](#material)"
+    )
+    materials: Annotated[dict[str, Annotated[Material, WrittenAs(read_material)]], _REGIONS] = Field(
+        default_factory=dict,
+        description="[regions](#a-base-of-another-material) of another material than the rest of the body",
+    )
+    pressures_kPa: Pressures = Field(default=(5.0, 17.0, 31.0, 45.0), description="pressures of the run")  #: ascending
+    #: II, III, and I where it is solved
+    experiments: Annotated[tuple[str, ...], Kind("`[I, II, III]` or `[II, III]`", "[II, III]", read=_experiments)] = (
+        Field(
+            default=("I", "II", "III"), description="II and III give the parameters; I, the free body, may be left out"
+        )
+    )
+    end: Annotated[End, WrittenAs(read_end, GivenEnd)] = End()
+    identification: IdentificationSettings = IdentificationSettings()
+    added_pressures: CountFromZero = Field(
+        default=0, description="how many pressures the program may add between the given ones"
+    )
+    validation: Annotated[Validation, WrittenAs(read_validation, GivenValidation)] = Field(
+        default_factory=dict, validate_default=True
+    )
+    law: Annotated[Laws, one_of(LAW_CHOICES)] = Field(
+        default="both",
+        description="of the rod, not of the material: five parameters, the [arm's own law](cell.md) or both",
+        examples=["five"],
+    )
+    newton: Newton = Newton()
+    #: relative error of kappa_0(l/2), alpha2 and F
+    accuracy: Percentage = Field(
+        default=None, description="[largest error](accuracy.md#requested-accuracy) a run may have; also `--accuracy`"
+    )
+    effects: Annotated[Effects, WrittenAs(_with_all_cavities, Effects)] = Field(
+        default_factory=dict, validate_default=True
+    )
+    mesh: Annotated[MeshSettings, WrittenAs(read_mesh, GivenMesh)] = Field(default_factory=dict, validate_default=True)
+    #: the file it was read from, for messages; it has no key
+    source: Annotated[str, WrittenAs(_check_together)] = Field(default="", alias="", validate_default=True)
 
     def record(self) -> JsonObject:
         """Everything that decides the results, ready for JSON, with the keys of the YAML and their units."""
-        special: dict[str, Json] = {
-            "geometry": {"family": self.family, **_dimensions(self.design)},
-            "material": self.material.record(),
-        }
-        if self.materials:
-            special["materials"] = {name: material.record() for name, material in self.materials.items()}
-        sections = {key: _record(getattr(self, key)) for key in _SECTIONS}
-        mesh = {key: value for key, value in asdict(self.mesh).items() if key != "chosen"}
-        return {"name": self.name, **special, **sections, "mesh": _record(mesh)}
+        values = {field.name: _record(getattr(self, field.name)) for field in fields(self)}
+        values["design"] = {"family": self.family, **_dimensions(self.design)}
+        special = ("source", *(() if self.materials else ("materials",)))
+        return {"geometry" if name == "design" else name: v for name, v in values.items() if name not in special}
+
+    @property
+    def family(self) -> str:
+        """The family of the body, as it is written."""
+        return OWN if self.design.is_from_file else self.design.family
 
     @property
     def reference_weight(self) -> tuple[float, str] | None:
@@ -212,11 +231,11 @@ class Config:
         """The refusal of a body that cannot be meshed, with the keys of the configuration."""
         if isinstance(failure, MeshError):
             return InputError(f"{self.source}: {failure}")
-        sentences, dimensions = [], vars(self.design)
-        for error in (failure, *failure.others):
-            keys = (f"geometry.{key}" if key.split(".")[0] in dimensions else key for key in error.keys)
-            sentences.append(f"{self.source}: {', '.join(keys)}: {error.sentence}")
-        return InputError(*sentences)
+        errors = (failure, *failure.others)
+        keys = [[dotted(design_key(key, vars(self.design))) for key in error.keys] for error in errors]
+        return InputError(
+            *(f"{self.source}: {', '.join(k)}: {error.sentence}" for k, error in zip(keys, errors, strict=True))
+        )
 
     @property
     def hash(self) -> str:
@@ -247,7 +266,7 @@ class Config:
         config = replace(self, effects=replace(self.effects, **{effect: switched}))
         if effect != "incompressibility":
             return config
-        element = automatic_element(self.poisson_ratio, None if state == "auto" else state == "on")
+        element = automatic_element(self.poisson_ratio, switched.decided)
         chosen = {key: why for key, why in self.mesh.chosen.items() if key != "formulation"}
         return replace(config, mesh=replace(self.mesh, formulation=element.name, chosen=chosen))
 
@@ -261,14 +280,13 @@ class Config:
         return replace(self, mesh=replace(self.mesh, size_mm=size_mm))
 
 
-_SPECIAL = ("name", "family", "design", "material", "materials", "source")
-_SECTIONS = tuple(field.name for field in fields(Config) if field.name not in _SPECIAL)
-
-
 def _record(value: Any) -> Json:
     """A value as JSON: sections become objects with the names of their fields."""
+    if isinstance(value, Material):
+        return value.record()
     if is_dataclass(value):
-        return {field.name: _record(getattr(value, field.name)) for field in fields(value)}
+        chosen = ("chosen",) if isinstance(value, MeshSettings) else ()
+        return {field.name: _record(getattr(value, field.name)) for field in fields(value) if field.name not in chosen}
     if isinstance(value, Mapping):
         return {str(name): _record(entry) for name, entry in value.items()}
     if isinstance(value, tuple):

@@ -9,9 +9,9 @@ from typing import Any
 
 import yaml
 
-from pipeline.config.complaints import Key, complaints, not_known
 from pipeline.errors import InputError, shortened
 
+Key = tuple[str | int, ...]
 #: the dotted key of an override, as messages name it: --set mesh.size
 Naming = Callable[[str], str]
 
@@ -55,35 +55,14 @@ class Document:
         """File, key and what is wrong there; the override instead of the file if the value came from it."""
         for given in self.overridden:
             if given[: len(key)] == key or key[: len(given)] == given:
-                inside = f"{_dotted(key)}: " if len(key) > len(given) else ""
-                return f"{self.naming(_dotted(given))}: {inside}{complaint}"
-        return f"{self.path}: {_dotted(key)}: {complaint}"
+                inside = f"{dotted(key)}: " if len(key) > len(given) else ""
+                return f"{self.naming(dotted(given))}: {inside}{complaint}"
+        return f"{self.path}: {dotted(key)}: {complaint}"
 
-    def choice(self, key: tuple[str, ...], allowed: tuple[str, ...]) -> str:
-        """The text at `section.name` or deeper, one of `allowed`. Raises InputError."""
-        *sections, name = key
-        inside: Any = self.content
-        for depth, section in enumerate(sections, start=1):
-            above, example = tuple(sections[:depth]), f"for example '{section}: {{{name}: {allowed[0]}, ...}}'"
-            if section not in inside:
-                raise self.wrong(above, f"is missing; {example}")
-            inside = inside[section]
-            if not isinstance(inside, Mapping):
-                raise self.wrong(above, f"must hold keys, {example}")
-        if name not in inside:
-            raise self.wrong(key, f"is missing; allowed: {', '.join(allowed)}")
-        if inside[name] not in allowed:
-            raise self.wrong(key, not_known(inside[name], allowed))
-        return str(inside[name])
-
-    def refusal(self, errors: Sequence[Mapping[str, Any]], model: Any) -> InputError:
-        """All of pydantic's errors about `model`, one sentence each."""
-        return InputError(*(self.sentence(*complaint) for complaint in complaints(errors, model)))
-
-    def wrong_together(self, keys: tuple[Key, ...], complaint: str) -> InputError:
-        """The refusal of values that do not go together; it names the one that was overridden, or the first."""
+    def first_given(self, keys: Sequence[Key]) -> Key:
+        """The one of several keys that was overridden, or the first."""
         given = [key for key in keys if any(other[: len(key)] == key for other in self.overridden)]
-        return self.wrong((given or list(keys))[0], complaint)
+        return (given or list(keys))[0]
 
 
 def read_document(path: Path, overrides: Sequence[str] = ()) -> Document:
@@ -132,11 +111,11 @@ def _override(content: dict[Any, Any], key: str, value: Any, naming: Naming) -> 
             inside[name] = {"state": value_there}  # `self_contact: auto` beside parameters of the effect
         inside = inside[name]
         if not isinstance(inside, dict):
-            raise InputError(f"{naming(_dotted(names))}: '{_dotted(names[:depth])}' holds a value, not keys")
+            raise InputError(f"{naming(dotted(names))}: '{dotted(names[:depth])}' holds a value, not keys")
     try:
         inside[names[-1]] = _read(value)
     except yaml.YAMLError as failure:
-        raise InputError(f"{naming(_dotted(names))}: {_yaml_complaint(failure)}; write a value such as 4 mm") from None
+        raise InputError(f"{naming(dotted(names))}: {_yaml_complaint(failure)}; write a value such as 4 mm") from None
     return names
 
 
@@ -149,7 +128,7 @@ def _read(value: Any) -> Any:
     return [_read(entry) for entry in value] if isinstance(value, list | tuple) else value
 
 
-def _dotted(key: Key) -> str:
+def dotted(key: Key) -> str:
     """mesh.size, or pressures[2] for the second of a list."""
     text = ""
     for part in key:

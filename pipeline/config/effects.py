@@ -3,17 +3,45 @@
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
-from typing import Literal, final
+from math import isfinite
+from typing import Annotated, Any, Literal, final
+
+from pipeline.config.kinds import (
+    Acceleration,
+    PoissonRatio,
+    PositiveLength,
+    PositiveStress,
+    list_of,
+    number,
+    one_of,
+    one_or_more,
+    text,
+)
+from pipeline.config.section import Field, Kind, Section, section
+from pipeline.config.units import PRESSURE, convert
+from pipeline.errors import quoted
 
 #: whether an effect acts; auto leaves it to the program
 State = Literal["auto", "on", "off"]
+STATES = one_of(("auto", "on", "off"))
 
 
-@dataclass(frozen=True)
-class Effect:
+@section(frozen=True)
+class Switched(Section):
+    """A section that may be written as its state alone; other keys without a state switch it on."""
+
+    state: Annotated[State, STATES] = Field(
+        default="auto", description="whether it is simulated; `auto`: the program decides"
+    )
+
+    @classmethod
+    def mapping(cls, value: Any) -> Any:
+        return {"state": "on", **value} if isinstance(value, Mapping) else {"state": STATES.read(value)}
+
+
+@section(frozen=True)
+class Effect(Switched):
     """An effect, or a choice of the model that is switched like one: symmetry, incompressibility."""
-
-    state: State
 
     @property
     def on(self) -> bool:
@@ -25,6 +53,11 @@ class Effect:
         """Whether it is switched off."""
         return self.state == "off"
 
+    @property
+    def decided(self) -> bool | None:
+        """Whether it is switched on or off; None where the program decides."""
+        return None if self.state == "auto" else self.on
+
 
 @dataclass(frozen=True)
 class CavityPressure:
@@ -34,11 +67,32 @@ class CavityPressure:
     constant_kPa: float
 
 
-@dataclass(frozen=True)
+def _cavity_pressure(value: Any) -> CavityPressure:
+    """A plain number is a fraction of the pressure of the run, one with a unit is a constant pressure."""
+    if isinstance(value, int | float) and not isinstance(value, bool) and isfinite(fraction := number(value)):
+        return CavityPressure(fraction, 0.0)
+    try:
+        return CavityPressure(0.0, convert(value, PRESSURE))
+    except ValueError:
+        raise ValueError(
+            f"{quoted(value)} is neither a fraction of the pressure, for example 0.5, nor a pressure, for example "
+            "'10 kPa'"
+        ) from None
+
+
+_CAVITIES = Kind("a number or a pressure for each", "{cavity: 1}", "1 or kPa")
+_FACES = one_or_more(list_of("names of faces", "[gap, cavity]"))
+
+
+@section(frozen=True)
 class PressureEffect(Effect):
     """The pressures of the cavities."""
 
-    cavities: Mapping[str, CavityPressure]  #: in the order of the design
+    #: in the order of the design
+    cavities: Annotated[dict[str, Annotated[CavityPressure, Kind("", "", read=_cavity_pressure)]], _CAVITIES] = Field(
+        default_factory=dict,
+        description="fractions of the pressure of the run, or constant pressures, by cavity",
+    )
 
     @property
     def following(self) -> tuple[str, ...]:
@@ -51,15 +105,21 @@ class PressureEffect(Effect):
         return not self.off and bool(self.following)
 
 
-@dataclass(frozen=True)
+@section(frozen=True)
 class SelfContact(Effect):
     """Contact of the body with itself."""
 
-    dhat_mm: float | None  #: activation distance; None for a fiftieth of the smallest gap
-    faces: tuple[str, ...] | None  #: names of faces that can meet; None: `gap`, or `outer` without a `gap`
+    dhat_mm: PositiveLength | None = Field(
+        default=None,
+        examples=["0.04 mm"],
+        description="activation distance, below the smallest gap at rest; default: 1/50 of it",
+    )
+    faces: Annotated[tuple[Annotated[str, Kind("", "", read=text(_FACES.example))], ...], _FACES] | None = Field(
+        default=None, description="faces that can meet; default: `gap`, or `outer` without a `gap`"
+    )
 
 
-@dataclass(frozen=True)
+@section(frozen=True)
 class RequestedEffect(Effect, ABC):
     """An effect that acts only where it is switched on: auto leaves it out, as the paper does."""
 
@@ -70,11 +130,11 @@ class RequestedEffect(Effect, ABC):
 
 
 @final
-@dataclass(frozen=True)
+@section(frozen=True)
 class Gravity(RequestedEffect):
     """The weight of the body."""
 
-    acceleration_mm_s2: tuple[float, float, float]
+    acceleration_mm_s2: Acceleration = Field(default=(0.0, -9810.0, 0.0), description="acceleration of gravity")
 
     @property
     def reason(self) -> str:
@@ -95,13 +155,13 @@ class Gravity(RequestedEffect):
 
 
 @final
-@dataclass(frozen=True)
+@section(frozen=True)
 class StrainLimitingLayer(RequestedEffect):
     """A sheet of paper or fabric in the plane of the material curve."""
 
-    thickness_mm: float
-    E_MPa: float
-    nu: float
+    thickness_mm: PositiveLength = Field(default=0.1, description="thickness of the layer")
+    E_MPa: PositiveStress = Field(default=6500.0, description="Young's modulus of the layer")
+    nu: PoissonRatio = Field(default=0.2, description="Poisson's ratio of the layer")
 
     @property
     def reason(self) -> str:
@@ -112,16 +172,16 @@ class StrainLimitingLayer(RequestedEffect):
         return f"{self.thickness_mm:g} mm thick, {constants}, in the plane of the material curve"
 
 
-@dataclass(frozen=True)
-class Effects:
+@section(frozen=True)
+class Effects(Section):
     """What acts on the body, and two choices of the model that are written beside it."""
 
-    pressure: PressureEffect
-    self_contact: SelfContact
-    symmetry: Effect  #: whether one half of a symmetric body is solved
-    incompressibility: Effect  #: whether the element does something against locking
-    gravity: Gravity
-    strain_limiting_layer: StrainLimitingLayer
+    pressure: PressureEffect = PressureEffect()
+    self_contact: SelfContact = SelfContact()
+    symmetry: Effect = Effect()  #: whether one half of a symmetric body is solved
+    incompressibility: Effect = Effect()  #: whether the element does something against locking
+    gravity: Gravity = Gravity()
+    strain_limiting_layer: StrainLimitingLayer = StrainLimitingLayer()
 
     @property
     def straight_without_pressure(self) -> bool:
@@ -134,3 +194,7 @@ class Effects:
         """The effects that act only where they are switched on, by name."""
         values = {field.name: getattr(self, field.name) for field in fields(self)}
         return {name: value for name, value in values.items() if isinstance(value, RequestedEffect)}
+
+
+#: names of all effects
+EFFECTS = tuple(field.name for field in fields(Effects))

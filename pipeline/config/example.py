@@ -1,23 +1,11 @@
 """A commented configuration to start from, written from the schema: every key with its unit, default and range."""
 
-from dataclasses import fields
-
 from fem.materials import LAWS
 from geometry import FAMILIES, CadFile, MeshFile, SurfaceFile
-from pipeline.config import schema
-from pipeline.config.reference import (
-    REQUIRED,
-    SECTIONS,
-    KeyEntry,
-    effect_keys,
-    general_keys,
-    geometry_keys,
-    material_keys,
-)
-from pipeline.config.schema import MATERIALS, OWN
+from pipeline.config.automatic_mesh import NO_KEYS
+from pipeline.config.body import OWN
+from pipeline.config.reference import REQUIRED, KeyEntry, effect_keys, general_keys, geometry_keys, material_keys
 
-#: bodies for which there is a file
-BODIES = (*FAMILIES, OWN)
 #: the optional keys outside of geometry and material that stand in the file of a family without a comment mark
 _SHOWN = ("mesh.size",)
 _WIDTH = 34
@@ -44,14 +32,14 @@ def example(family: str) -> str:
         f"  {'law: svk':<{_WIDTH}}# {', '.join(others)} or {last}, each with its own constants",
         *(_line(entry, "  ", live=entry.key != "holds_between") for entry in material_keys("svk")),
         "",
-        *([_line(general[MATERIALS], "", live=False), ""] if _has_regions(family) else ()),
+        *([_line(general["materials"], "", live=False), ""] if _has_regions(family) else ()),
         _line(general.pop("pressures"), "", live=True),
         "",
     ]
-    for key in ("name", *(entry.key for entry in SECTIONS)):
+    for key in ("name", "geometry", "material", "materials"):
         del general[key]
     sections: dict[str, list[KeyEntry]] = {}
-    for entry in [*general.values(), *effect_keys_in_section()]:
+    for entry in [*general.values(), *effect_keys()]:
         sections.setdefault(entry.key.rpartition(".")[0], []).append(entry)
     for section, entries in sections.items():
         lines += [*_section(section, entries, () if family == OWN else _SHOWN), ""]
@@ -75,27 +63,13 @@ def _has_regions(family: str) -> bool:
 
 def _not_of_other_files() -> list[str]:
     """Comments that name the keys which a mesh and a surface do not have."""
-    keys = {field.name for field in fields(CadFile)}
-    of_mesh, of_filled, of_ready = (
-        set(section.model_fields) for section in (schema._Mesh, schema._FilledMesh, schema._ReadyMesh)
-    )
-    without = {
-        "a mesh of tetrahedra": (keys - {field.name for field in fields(MeshFile)}, of_mesh - of_ready),
-        "a surface such as STL": (keys - {field.name for field in fields(SurfaceFile)}, of_mesh - of_filled),
-    }
-    return [
-        "# These are the keys for a CAD file.",
-        *(
-            f"# The file of {what} has no {', '.join(f'geometry.{key}' for key in sorted(geometry))}, "
-            f"{', '.join(f'mesh.{key}' for key in sorted(mesh))}."
-            for what, (geometry, mesh) in without.items()
-        ),
-    ]
-
-
-def effect_keys_in_section() -> list[KeyEntry]:
-    """The keys of the effects below `effects`."""
-    return [KeyEntry(f"effects.{e.key}", e.unit, e.allowed, e.default, e.meaning, e.example) for e in effect_keys()]
+    keys = {entry.key for entry in geometry_keys(CadFile)}
+    lines = ["# These are the keys for a CAD file."]
+    for what, design in {"a mesh of tetrahedra": MeshFile, "a surface such as STL": SurfaceFile}.items():
+        missing = sorted(f"geometry.{key}" for key in keys - {entry.key for entry in geometry_keys(design)})
+        missing += sorted(f"mesh.{key}" for key in NO_KEYS[design])
+        lines.append(f"# The file of {what} has no {', '.join(missing)}.")
+    return lines
 
 
 def _section(name: str, entries: list[KeyEntry], shown: tuple[str, ...]) -> list[str]:

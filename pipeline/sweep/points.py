@@ -6,9 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from pipeline.config.config import Config
-from pipeline.config.load import config_of_checked
-from pipeline.config.schema import checked
-from pipeline.errors import InputError
+from pipeline.config.load import config_of
+from pipeline.errors import ConflictError, InputError
 from pipeline.simulation.simulate import why_not_free
 from pipeline.sweep.axes import Setting, switch_as_word
 from pipeline.sweep.spec import Run, Sweep, document_of
@@ -57,11 +56,11 @@ def points_of(sweep: Sweep) -> list[Point | RefusedPoint]:
         try:
             document = document_of(sweep, setting)
             try:
-                parts = checked(document)
+                config = config_of(document)
             except InputError as failure:
-                refused[number] = failure
+                if not isinstance(failure, ConflictError):
+                    refused[number] = failure
                 raise
-            config = config_of_checked(document, parts)
             _refuse_unbalanced(sweep.run, config)
             points.append(Point(number, setting, config))
         except InputError as failure:

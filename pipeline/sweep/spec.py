@@ -7,11 +7,9 @@ from json import dumps
 from pathlib import Path
 from typing import Annotated, Any
 
-import pydantic
-from pydantic import BeforeValidator, ConfigDict, Field
-
 from pipeline.config.document import Document, read_document
-from pipeline.config.kinds import Count, CountFromZero, Name, Text
+from pipeline.config.kinds import Count, CountFromZero, Name, Text, list_of
+from pipeline.config.section import Field, Kind, Section, read, section
 from pipeline.errors import InputError, quoted
 from pipeline.sweep.axes import Axis, Setting, axis_of, check_value, combined, latin_hypercube
 
@@ -32,22 +30,20 @@ def _run(value: Any) -> Run:
     raise ValueError(f"{quoted(value)} is not allowed; allowed: whole, cell, I, II, III, or a list such as [II, III]")
 
 
-class _Section(pydantic.BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
+@section(frozen=True)
+class _Hypercube(Section):
+    points: Count = Field(examples=["60"])
+    seed: CountFromZero = Field(examples=["1"])
+    axes: dict[str, Any] = Field(examples=["{geometry.wall: {from: 0.8 mm, to: 1.6 mm}}"])
 
 
-class _Hypercube(_Section):
-    points: Annotated[Count, Field(examples=["60"])]
-    seed: Annotated[CountFromZero, Field(examples=["1"])]
-    axes: Annotated[dict[str, Any], Field(examples=["{geometry.wall: {from: 0.8 mm, to: 1.6 mm}}"])]
-
-
-class _File(_Section):
+@section(frozen=True)
+class _File(Section):
     name: Name
-    base: Annotated[Text, Field(examples=["pneunet_coarse.yaml"])]
-    run: Annotated[Run, BeforeValidator(_run)] = (WHOLE,)
-    set: dict[str, Any] = {}
-    axes: Annotated[tuple[dict[str, Any], ...], Field(strict=False, examples=["[geometry.wall: [1 mm, 1.5 mm]]"])] = ()
+    base: Text = Field(examples=["pneunet_coarse.yaml"])
+    run: Annotated[Run, Kind("", WHOLE, read=_run)] = (WHOLE,)
+    set: dict[str, Any] = Field(default_factory=dict)
+    axes: Annotated[tuple[dict[str, Any], ...], list_of("", "[geometry.wall: [1 mm, 1.5 mm]]")] = ()
     latin_hypercube: _Hypercube | None = None
 
 
@@ -81,10 +77,7 @@ def read_sweep(path: Path) -> Sweep:
     Raises InputError with one sentence that names the file, the key and what is allowed.
     """
     document = read_document(path)
-    try:
-        content = _File.model_validate(document.content)
-    except pydantic.ValidationError as refused:
-        raise document.refusal(refused.errors(), _File) from None
+    content = read(_File, document)
     axes = tuple(_axes(document, content))
     if not axes:
         raise document.wrong(("axes",), "holds no points; for example 'axes: [geometry.wall: [1 mm, 1.5 mm]]'")

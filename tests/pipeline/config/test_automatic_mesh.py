@@ -18,14 +18,14 @@ from geometry import (
     SemicircularSingle,
 )
 from geometry.families.design import expected_tets
-from pipeline.config.automatic_mesh import MOST_CHOSEN_TETS, ChosenMesh, GivenMesh, chosen_mesh
+from pipeline.config.automatic_mesh import MOST_CHOSEN_TETS, GivenMesh, MeshSettings, chosen_mesh
 from pipeline.config.load import load_config
 from pipeline.simulation.mesh_record import MeshRecord
 from pipeline.simulation.scene import Scene
 from tests.foreign_bodies import two_chambers
 from tests.step_bodies import box, pneunet_as_step, save
 
-NOTHING = GivenMesh(None, None, None)
+NOTHING = GivenMesh()
 FAR, NEAR = "[40 mm, 6 mm, 0 mm]", "[20 mm, 6 mm, 0 mm]"
 SEMICIRCULAR = """
 name: arm
@@ -58,8 +58,8 @@ def test_elements_follow_from_law_and_drawing(tmp_path: Path) -> None:
 def test_sizes_follow_from_the_walls() -> None:
     usual, thin = (chosen_mesh(PneuNet(wall=w), "hencky", 0.495, None, NOTHING) for w in (1.0, 0.25))
     assert thin.size_mm == pytest.approx(usual.size_mm / 2, rel=0.05)
-    assert thin.reasons["size"] == "walls of 0.25 mm in a body 15 mm across need it"
-    even = chosen_mesh(PneuNet(), "hencky", 0.495, None, GivenMesh(None, None, "off"))
+    assert thin.chosen["size"] == "walls of 0.25 mm in a body 15 mm across need it"
+    even = chosen_mesh(PneuNet(), "hencky", 0.495, None, GivenMesh(grading="off"))
     assert even.size_mm == pytest.approx(0.9 * usual.size_mm, rel=0.05)
 
 
@@ -67,15 +67,15 @@ def test_sizes_follow_from_the_walls() -> None:
     ("family", "part"), [(Semicircular, 0.18), (BisectedCircle, 0.18), (SemicircularSingle, 0.15), (Rectangular, 0.12)]
 )
 def test_without_gaps_sizes_follow_from_the_body_where_walls_are_thick(family: Any, part: float) -> None:
-    def chosen(wall: float) -> ChosenMesh:
+    def chosen(wall: float) -> MeshSettings:
         design = family(roof=wall) if family is Rectangular else family(wall=wall)
         return chosen_mesh(design, "svk", 0.495, None, NOTHING)
 
     thick, thicker, thin = (chosen(wall) for wall in (1.0, 1.5, 0.1))
     assert thick.size_mm == thicker.size_mm == pytest.approx(part * min(family().extent), rel=0.05)
-    assert thick.reasons["size"] == f"that is {part:g} times the smallest side, the most for {family.family}"
+    assert thick.chosen["size"] == f"that is {part:g} times the smallest side, the most for {family.family}"
     assert thin.size_mm < thick.size_mm
-    assert "walls of 0.1 mm" in thin.reasons["size"]
+    assert "walls of 0.1 mm" in thin.chosen["size"]
 
 
 def test_with_gaps_sizes_follow_from_the_walls() -> None:
@@ -89,7 +89,7 @@ def test_sizes_end_where_memory_does() -> None:
     long = chosen_mesh(design, "svk", 0.495, None, NOTHING)
     assert long.size_mm > usual.size_mm
     assert expected_tets(long.size_mm, design.extent, design.solid_volume / 2) < 1.2 * MOST_CHOSEN_TETS
-    assert "but the body would then have more than 100000 elements" in long.reasons["size"]
+    assert "but the body would then have more than 100000 elements" in long.chosen["size"]
 
 
 def test_given_keys_are_kept_and_have_no_reason(written: Path) -> None:

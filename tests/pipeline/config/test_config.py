@@ -13,8 +13,8 @@ from fem.materials import LAWS, Constant
 from geometry import FAMILIES, PneuNet
 from pipeline.cell.pieces import ArmPieces, NoArmLaw
 from pipeline.config.config import AUTO, Config, End, IdentificationSettings, Validation
+from pipeline.config.effects import EFFECTS
 from pipeline.config.load import load_config
-from pipeline.config.schema import EFFECTS
 from pipeline.config.units import DENSITY, LENGTH, PRESSURE, STRESS, Dimension, convert
 from pipeline.errors import InputError
 from pipeline.plausibility.before import before_solving
@@ -62,7 +62,7 @@ def test_values_arrive_in_mm_N_MPa(configs: Path) -> None:
 def test_the_record_has_the_keys_of_the_yaml_with_their_units(configs: Path) -> None:
     record = load_config(configs / "pneunet_coarse.yaml", ["effects.self_contact={dhat: 0.1 mm}"]).record()
     keys = ["name", "geometry", "material", "pressures_kPa", "experiments", "end", "identification"]
-    assert list(record) == [*keys, "added_pressures", "validation", "law", "mesh", "newton", "accuracy", "effects"]
+    assert list(record) == [*keys, "added_pressures", "validation", "law", "newton", "accuracy", "effects", "mesh"]
     assert record["end"] == {"x_mm": None, "y_mm": 0.0, "force_N": [0.0, 0.0]}
     assert record["mesh"] == {"size_mm": 4.0, "formulation": "p2p0", "coarser": None, "grading": "off"}
     effects = record["effects"]
@@ -153,7 +153,7 @@ SPOILT = [
         "name: pneunet_coarse",
         "name: x\ncolour: red",
         "colour",
-        "unknown key; allowed here: name, pressures, experiments, end",
+        "unknown key; allowed here: name, geometry, material",
     ),
     ("width: 15 mm", "width: 15", "geometry.width", "15 has no unit"),
     ("width: 15 mm", "widht: 15 mm", "geometry.widht", "did you mean 'width'?"),
@@ -178,7 +178,7 @@ SPOILT = [
     ("law: svk", "law: rubber", "material.law", "'rubber' is not known; allowed: svk"),
     ("density: 1130 kg/m^3", "density: 1130 kg", "material.density", "is not a density"),
     ("[17 kPa, 37 kPa]", "[37 kPa, 17 kPa]", "pressures", "is not in ascending order"),
-    ("[17 kPa, 37 kPa]", "[17 kPa, 17 kPa]", "pressures", "is not in ascending order"),
+    ("[17 kPa, 37 kPa]", "[17 kPa, 17 kPa]", "pressures", "count as one pressure"),
     ("[17 kPa, 37 kPa]", "[17 kPa, 17.0001 kPa]", "pressures", "which differ by less than 1e-05 of themselves"),
     ("[17 kPa, 37 kPa]", "[-17 kPa, 37 kPa]", "pressures", "-17 kPa is not above zero"),
     ("[17 kPa, 37 kPa]", "[-17 kPa, -5 kPa]", "pressures", "for a vacuum give a cavity a negative fraction of them"),
@@ -188,8 +188,13 @@ SPOILT = [
     ("[17 kPa, 37 kPa]", "[17 kPa, 37]", "pressures[2]", "37 has no unit"),
     ("y: 0 mm", "y: 0", "end.y", "0 has no unit"),
     ("y: 0 mm", "z: 0 mm", "end.z", "unknown key; allowed here: x, y"),
-    ("formulation: p2p0", "formulation: p7", "mesh.formulation", "'p7' is not allowed; allowed: p2p0, p2, mixed or p1"),
-    ("self_contact: auto", "self_contact: never", "effects.self_contact", "allowed: auto, on or off"),
+    (
+        "formulation: p2p0",
+        "formulation: p7",
+        "mesh.formulation",
+        "'p7' is not known; allowed: p2p0, p2, mixed, p1",
+    ),
+    ("self_contact: auto", "self_contact: never", "effects.self_contact", "allowed: auto, on, off"),
     ("self_contact: auto", "friction: on", "effects.friction", "unknown key; allowed here: pressure, self_contact"),
 ]
 
@@ -250,10 +255,10 @@ def test_all_mistakes_of_the_keys_are_named_at_once(written: Path) -> None:
         spoil(written, old, new)
     named = refusals(written, "colour=red")
     assert [sentence.partition(": ")[0] for sentence in named] == [
-        *("geometry.family", "mesh.sise", "--set colour", "material.nu")
+        *("--set colour", "geometry.family", "material.nu", "mesh.sise")
     ]
-    assert "did you mean 'pneunet'?" in named[0]
-    assert "did you mean 'size'?" in named[1]
+    assert "did you mean 'pneunet'?" in named[1]
+    assert "did you mean 'size'?" in named[3]
     assert not any("mesh.size: is missing" in sentence for sentence in named)
 
 
@@ -270,9 +275,9 @@ def test_all_mistakes_between_keys_are_named_at_once(written: Path) -> None:
     spoil(spoil(written, "wall: 1 mm  ", "wall: 5 mm  "), "[17 kPa, 37 kPa]", "[17 kPa, 37 MPa]")
     named = refusals(written, "mesh.formulation=p2", "effects.incompressibility=on")
     assert len(named) == 3
-    assert named[0].startswith("pressures: 37000 kPa is 30.8 E")
+    assert named[0].startswith("geometry.wall: ")
     assert "contradict each other" in named[1]
-    assert named[2].startswith("geometry.wall: ")
+    assert named[2].startswith("pressures: 37000 kPa is 30.8 E")
 
 
 @pytest.mark.parametrize(
@@ -281,10 +286,8 @@ def test_all_mistakes_between_keys_are_named_at_once(written: Path) -> None:
         ("size: 4 mm", "size: 4,5 mm", "mesh.size: '4,5 mm' has a decimal comma; did you mean '4.5 mm'?"),
         ("nu: 0.495", "nu: 0,495", "material.nu: '0,495' has a decimal comma; did you mean 0.495?"),
         ("[17 kPa, 37 kPa]", "[17 MPa]", "pressures: 17000 kPa is 14.2 E, with Young's modulus E = 1.2 MPa"),
-        ("[17 kPa, 37 kPa]", "[17 MPa]", "did you mean kPa?"),
-        ("E: 1.2 MPa", "E: 1.2 kPa", "did you mean MPa for the material?"),
-        ("E: 1.2 MPa", "E: 1.2 GPa", "material.E: with 1.2 GPa the highest pressure is 3.1e-05 E"),
-        ("E: 1.2 MPa", "E: 1.2 GPa", "did you mean 1.2 MPa?"),
+        ("E: 1.2 MPa", "E: 1.2 kPa", "check the units (kPa, MPa) of both"),
+        ("E: 1.2 MPa", "E: 1.2 GPa", "material.E: with E in GPa the highest pressure is 3.1e-05 E"),
         ("law: svk", "law: neo_hooke", "material.E: unknown key; the law has no E; its initial shear modulus is"),
         ("law: svk", "law: SVK", "did you mean 'svk'?"),
         ("formulation: p2p0", "formulation: p2po", "did you mean 'p2p0'?"),
@@ -414,7 +417,7 @@ def test_the_terms_of_ogden_are_lists(configs: Path) -> None:
         ("mu: [0.4 MPa], alpha: [-2]", "material: Ogden: half the sum of mu times alpha = -0.4 MPa must be positive"),
         ("mu: [0.4 MPa]", "material.alpha: is missing; for example 'alpha: [2]'"),
         ("mu: [], alpha: []", "material.mu[1]: [] is not a stress"),
-        ("mu: [400 GPa], alpha: [2]", "material.mu: with 400 GPa the highest pressure is 3.1e-08 E"),
+        ("mu: [400 GPa], alpha: [2]", "material.mu: with mu in GPa the highest pressure is 3.1e-08 E"),
     ):
         assert sentence in refusal(coarse, f"material={{law: ogden, {constants}, nu: 0.49}}")
 
@@ -433,7 +436,7 @@ def test_chambers_that_are_not_equal(configs: Path) -> None:
     for equal_or_too_short in (config, load_config(coarse)):
         assert not any("mean pitch" in sentence for sentence in before_solving(equal_or_too_short))
     for setting, sentence in (
-        ("geometry.chamber_heights=12 mm", "'12 mm' is no list; write one length for each, for example [8 mm, 6 mm]"),
+        ("geometry.chamber_heights=12 mm", "must be a list, for example [8 mm, 6 mm]"),
         ("geometry.chamber_heights=[12, 9 mm, 9 mm]", "geometry.chamber_heights[1]: 12 has no unit"),
         ("geometry.gaps=[2 mm, 0 mm, 2 mm, 2 mm]", "geometry.gaps[2]: 0 is not allowed; allowed: above zero"),
         ("geometry.gaps=[2 mm]", "must have 4 entries for 3 chambers, not 1; give all of them, or gap alone"),
@@ -476,12 +479,7 @@ def test_a_region_has_a_material_of_its_own(configs: Path) -> None:
             "materials={roof: {law: svk, E: 1 MPa, nu: 0.4}}",
             "materials.roof: this body has no region of that name; it has",
         ),
-        ("materials=stiff", "must hold the names of regions, for example 'materials: {base: {law: svk"),
-        (
-            "materials={model_config: {law: svk, E: 1 MPa, nu: 0.4}}",
-            "materials.model_config: has a name that cannot be used",
-        ),
-        ("materials={_Set2: {law: svk, E: 1 MPa, nu: 0.4}}", "materials._Set2: has a name that cannot be used here"),
+        ("materials=stiff", "'stiff' is not allowed; for example {base: {law: svk"),
         ("materials.base=3 MPa", "must hold keys, for example 'base: {law: svk, ...}'"),
         ("materials.base={E: 1 MPa}", "materials.base.law: is missing; allowed: svk"),
         ("materials.base={law: svk, E: 1 MPa}", "materials.base.nu: is missing; for example"),
@@ -632,7 +630,7 @@ def test_validation_loads_are_read(configs: Path) -> None:
         ("validation.end_y=[10]", "write a length with its unit"),
         ("validation.forces=[[0 N, 0 N]]", "[0 N, 0 N] is experiment II, with which the numbers are identified"),
         ("validation.forces=[[0 N, 0.05 N], [0 N, 0.05 N]]", "has an entry twice; list every load once"),
-        ("validation.forces=[[0.05 N]]", "has 1 numbers instead of the force along x and y"),
+        ("validation.forces=[[0.05 N]]", "has 1 entries instead of 2"),
         ("validation.loads=[1 N]", "unknown key"),
         ("added_pressures=-1", "allowed: 0 or more"),
     ],

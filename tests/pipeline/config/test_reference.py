@@ -13,8 +13,10 @@ from fem.materials import LAWS, NeoHooke
 from fem.materials.material import PositiveStress
 from geometry import FAMILIES, CadFile, MeshFile, SurfaceFile
 from pipeline.cli import app
+from pipeline.config.automatic_mesh import NO_KEYS
+from pipeline.config.body import BODIES, OWN
 from pipeline.config.config import AUTO
-from pipeline.config.example import BODIES, example
+from pipeline.config.example import example
 from pipeline.config.load import load_config
 from pipeline.config.reference import (
     REQUIRED,
@@ -25,7 +27,6 @@ from pipeline.config.reference import (
     tables,
     with_tables,
 )
-from pipeline.config.schema import OWN, _FilledMesh, _Mesh, _ReadyMesh
 from pipeline.identification.too_short import too_short
 from pipeline.simulation.scene import Scene
 
@@ -41,7 +42,7 @@ def test_the_page_has_the_tables_of_the_schema() -> None:
 
 def test_every_key_is_on_the_page() -> None:
     page = PAGE.read_text(encoding="utf-8")
-    keys = [entry.key for entry in general_keys()] + [f"effects.{entry.key}" for entry in effect_keys()]
+    keys = [entry.key for entry in [*general_keys(), *effect_keys()]]
     for design in (*FAMILIES.values(), CadFile, MeshFile, SurfaceFile):
         keys += [entry.key for entry in geometry_keys(design)]
     for law in LAWS:
@@ -125,15 +126,13 @@ def test_of_a_body_from_a_file_only_required_keys_are_no_comments() -> None:
 
 
 @pytest.mark.parametrize(
-    ("file", "design", "section"),
-    [("a mesh of tetrahedra", MeshFile, _ReadyMesh), ("a surface such as STL", SurfaceFile, _FilledMesh)],
+    ("file", "design"), [("a mesh of tetrahedra", MeshFile), ("a surface such as STL", SurfaceFile)]
 )
-def test_the_keys_that_other_files_do_not_have_are_named(file: str, design: type, section: type[_Mesh]) -> None:
+def test_the_keys_that_other_files_do_not_have_are_named(file: str, design: type) -> None:
     [line] = [line for line in example(OWN).splitlines() if line.startswith(f"# The file of {file} has no ")]
     named = set(re.findall(r"[\w]+\.[\w]+", line))
-    has = {f"geometry.{entry.key}" for entry in geometry_keys(design)} | {f"mesh.{key}" for key in section.model_fields}
-    of_cad = {f"geometry.{entry.key}" for entry in geometry_keys(CadFile)} | {f"mesh.{k}" for k in _Mesh.model_fields}
-    assert named == of_cad - has
+    has, of_cad = ({f"geometry.{entry.key}" for entry in geometry_keys(kind)} for kind in (design, CadFile))
+    assert named == of_cad - has | {f"mesh.{key}" for key in NO_KEYS[design]}
     assert named
 
 

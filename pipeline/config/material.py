@@ -1,0 +1,123 @@
+"""The material of a configuration: its law and constants, and whether its stiffness fits the pressures."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from functools import cache
+from typing import Annotated, Any
+
+import fem.materials
+from fem.materials import LAWS, Constant
+from pipeline.config.document import Document
+from pipeline.config.kinds import Density, Number, PoissonRatio, PositiveStress, Stress, Stretches, list_of, one_or_more
+from pipeline.config.section import (
+    Error,
+    Field,
+    Section,
+    chosen,
+    conflict,
+    raise_all,
+    read_keys,
+    section_of,
+    wrong,
+)
+from pipeline.store.json_values import JsonObject
+
+#: how the constants of a law are written
+CONSTANTS: dict[Constant, Any] = {
+    Constant.STRESS: Stress,
+    Constant.POSITIVE_STRESS: PositiveStress,
+    Constant.POISSON_RATIO: PoissonRatio,
+    Constant.STRESSES: Annotated[
+        tuple[Stress, ...], one_or_more(list_of("a list, one for each term", "[0.4 MPa]", "MPa"))
+    ],
+    Constant.EXPONENTS: Annotated[
+        tuple[Number, ...], one_or_more(list_of("a list, one for each term; not 0", "[2]", "1"))
+    ],
+}
+#: the constant of a rubber law for which Poisson's ratio may be given
+BULK = "kappa"
+#: the largest pressure over the initial Young's modulus with which a body is solved, and the smallest one below which a
+#: modulus in GPa is taken for a mistake
+LARGEST_PRESSURE, SMALLEST_PRESSURE = 3.0, 1e-3
+_HINTS = {
+    "E": "the law has no E; its initial shear modulus is E / (2 (1 + nu)); ",
+    "mu": "the law has no mu; E = 2 mu (1 + nu); ",
+}
+
+
+@dataclass(frozen=True)
+class Material:
+    """The law of the solid and its constants."""
+
+    law: str  #: as in the YAML: svk
+    constants: Mapping[str, float | tuple[float, ...]]  #: stresses in MPa
+    density_tonne_mm3: float | None  #: None where it is not given; only gravity and the mass of the arm need it
+    holds_between: tuple[float, float] | None = None  #: stretches between which the law describes the solid, if known
+
+    def built(self) -> fem.materials.Material:
+        """The law with its constants. Raises `fem.materials.MaterialError` where it cannot have them together."""
+        return LAWS[self.law](**self.constants)
+
+    def record(self) -> JsonObject:
+        """The law, its constants, the density and between which stretches it holds, ready for JSON."""
+        constants = {name: list(v) if isinstance(v, tuple) else v for name, v in self.constants.items()}
+        known = {} if self.holds_between is None else {"holds_between": list(self.holds_between)}
+        return {"law": self.law, **constants, "density_tonne_mm3": self.density_tonne_mm3, **known}
+
+
+@cache
+def material_section(law: type[fem.materials.Material]) -> type[Section]:
+    """The keys of a material that obeys a law; instead of its bulk modulus kappa nu may be given."""
+    meanings = law.meanings()
+    keys = {name: (CONSTANTS[kind], Field(description=meanings[name])) for name, kind in law.constants().items()}
+    if BULK in keys:
+        keys[BULK] = (PositiveStress | None, Field(default=None, examples=["20 MPa"], description=meanings[BULK]))
+        ratio = f"Poisson's ratio, which can be given instead of `{BULK}`"
+        keys["nu"] = (PoissonRatio | None, Field(default=None, description=ratio))
+    keys["density"] = (Density | None, Field(default=None, description=_DENSITY))
+    keys["holds_between"] = (Stretches | None, Field(default=None, description=_HOLDS))
+    return section_of("Material", {"law": (str, Field()), **keys}, _HINTS)
+
+
+_DENSITY = "mass per volume; for gravity, the mass of the arm and M/(m g l), which are left out without it"
+_HOLDS = (
+    "smallest and largest stretch for which the law describes the solid, as `pneurod material` writes them; beyond "
+    "them a run says so"
+)
+
+
+def read_material(value: Any, _: Mapping[str, Any], document: Document) -> Material:
+    """The material that a section describes, with all constants: kappa from nu where nu is given."""
+    law = chosen(value, "law", tuple(LAWS))
+    keys = read_keys(material_section(LAWS[law]), value, document)
+    constants = {name: getattr(keys, name) for name in LAWS[law].constants()}
+    if BULK in constants:
+        nu, kappa = keys.nu, constants.pop(BULK)  # type: ignore[attr-defined]
+        if nu is None and kappa is None:
+            raise_all([wrong("is missing; for example 'kappa: 20 MPa', or instead 'nu: 0.495'", (BULK,))])
+        if nu is not None and kappa is not None:
+            raise_all([wrong("give nu or kappa, not both", ("nu",))])
+        constants[BULK] = LAWS[law].from_uniaxial(constants, nu).kappa if kappa is None else kappa  # type: ignore[attr-defined]
+    material = Material(law, constants, keys.density, keys.holds_between)  # type: ignore[attr-defined]
+    material.built()  # its error is a ValueError, for constants that do not go together
+    return material
+
+
+def stiffness_conflicts(material: Material, pressures_kPa: tuple[float, ...], document: Document) -> Iterator[Error]:
+    """Refuses pressures or constants that are off by a factor of thousand."""
+    highest, modulus = pressures_kPa[-1], material.built().young_modulus
+    ratio = 1e-3 * highest / modulus
+    if ratio > LARGEST_PRESSURE:
+        yield conflict(
+            f"{highest:g} kPa is {ratio:.3g} E, with Young's modulus E = {modulus:.4g} MPa of the material at small "
+            f"strain; allowed: at most {LARGEST_PRESSURE:g} E; check the units (kPa, MPa) of both",
+            ("pressures",),
+            ("material",),
+        )
+    for name, value in document.content["material"].items():
+        if ratio < SMALLEST_PRESSURE and name != BULK and "GPa" in str(value):
+            yield conflict(
+                f"with {name} in GPa the highest pressure is {ratio:.2g} E, which does not bend an arm; did you mean "
+                "MPa? A material that is so stiff is written in MPa",
+                ("material", name),
+            )

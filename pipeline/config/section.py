@@ -1,0 +1,258 @@
+"""Sections of a configuration: frozen values that are read from a document, and the words in which it is refused.
+
+A field is a key of the section, without the unit at the end of its name: `size_mm` is written as `size: 4 mm`. A value
+that Python code gives is one inside, in mm, N, MPa and kPa; only what stands in a document is converted and checked.
+"""
+
+import re
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from difflib import get_close_matches
+from typing import Annotated, Any, ClassVar, Self, TypeVar, get_args
+
+from pydantic import (
+    ConfigDict,
+    Field,
+    GetCoreSchemaHandler,
+    TypeAdapter,
+    ValidationError,
+    ValidationInfo,
+    model_validator,
+)
+from pydantic.dataclasses import dataclass as section
+from pydantic.fields import FieldInfo
+from pydantic_core import CoreSchema, PydanticCustomError, core_schema
+from pydantic_core import InitErrorDetails as Error
+
+from pipeline.config.document import Document, Key
+from pipeline.errors import ConflictError, InputError, quoted
+
+__all__ = ["Error", "Field", "FieldInfo", "section"]
+
+#: units at the end of the names of fields; keys have none
+UNITS = ("_mm_s2", "_tonne_mm3", "_mm", "_kPa", "_MPa", "_N")
+#: pydantic's names for a key that a section does not have
+UNKNOWN = ("unexpected_keyword_argument", "invalid_key")
+
+#: the second half of a value that was written with a decimal comma in { } or [ ]
+_AFTER_COMMA = re.compile(r"\d+(\s*[A-Za-z%].*)?")
+
+S = TypeVar("S")
+
+
+def key_of(field: str) -> str:
+    """The key with which a field is written."""
+    return next((field.removesuffix(unit) for unit in UNITS if field.endswith(unit)), field)
+
+
+CONFIG = ConfigDict(
+    extra="forbid",
+    arbitrary_types_allowed=True,
+    alias_generator=key_of,
+    validate_by_name=True,
+    validate_by_alias=True,
+)
+
+
+def _unchanged(value: Any) -> Any:
+    return value
+
+
+def _in_document(function: Callable[[Any], Any]) -> Callable[[Any, ValidationInfo], Any]:
+    return lambda value, info: value if info.context is None else function(value)
+
+
+@dataclass(frozen=True)
+class Kind:
+    """How a kind of value is written, for sentences and the reference, and how the value inside is made from it."""
+
+    allowed: str  #: Markdown
+    example: str
+    unit: str = ""
+    read: Callable[[Any], Any] = _unchanged  #: from what is written; raises ValueError with the complaint
+    check: Callable[[Any], Any] = _unchanged  #: of the value; raises ValueError with the complaint
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        checked = core_schema.with_info_after_validator_function(_in_document(self.check), handler(source))
+        return core_schema.with_info_before_validator_function(_in_document(self.read), checked)
+
+
+@dataclass(frozen=True)
+class WrittenAs:
+    """A section that is written otherwise than it is inside, or completed from other ones.
+
+    keys: the section as it is written; None where its keys depend on a choice in it.
+    """
+
+    complete: Callable[[Any, Mapping[str, Any], Document], Any]  #: of what is written, the fields before, the document
+    keys: "type[Section] | None" = None
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        return core_schema.with_info_before_validator_function(self._read, handler(source))
+
+    def _read(self, value: Any, info: ValidationInfo) -> Any:
+        if info.context is None:
+            return value
+        written = value if self.keys is None else read_keys(self.keys, value, info.context)
+        return self.complete(written, info.data, info.context)
+
+
+def known(fields: Mapping[str, Any], *names: str) -> list[Any]:
+    """The values of these fields; where one of them is refused, an error without words is raised."""
+    if not set(names) <= fields.keys():
+        raise_all([wrong("")])
+    return [fields[name] for name in names]
+
+
+def wrong(complaint: str, loc: Key = ()) -> Error:
+    """What is wrong with the value at `loc`, seen from where it is raised; without words if it is known elsewhere."""
+    return _error("wrong", complaint, loc, ())
+
+
+def conflict(complaint: str, *keys: Key) -> Error:
+    """Why values at these keys of the configuration do not go together, though each one is allowed."""
+    return _error("conflict", complaint, (), keys)
+
+
+def _error(kind: str, complaint: str, loc: Key, keys: Iterable[Key]) -> Error:
+    error = PydanticCustomError(kind, "{complaint}", {"complaint": complaint, "keys": tuple(keys)})
+    return Error(type=error, loc=loc, input=None)
+
+
+def raise_all(errors: Iterable[Error]) -> None:
+    """Raise all these errors at once, if there are any."""
+    if listed := list(errors):
+        raise ValidationError.from_exception_data("configuration", listed)
+
+
+@section(frozen=True, config=CONFIG)
+class Section:
+    """Keys of a configuration that belong together."""
+
+    hints: ClassVar[Mapping[str, str]] = {}  #: what to write instead of a key that is often tried
+
+    @classmethod
+    def key_fields(cls) -> dict[str, FieldInfo]:
+        """The fields by their keys; those that are not written have no key."""
+        fields: Mapping[str, FieldInfo] = cls.__pydantic_fields__  # type: ignore[attr-defined]
+        return {str(field.alias): field for field in fields.values() if field.alias}
+
+    @classmethod
+    def mapping(cls, value: Any) -> Any:
+        """What is written, as keys. Raises ValueError."""
+        if not isinstance(value, Mapping):
+            raise ValueError(f"must hold keys; allowed here: {', '.join(cls.key_fields())}")
+        return value
+
+    @model_validator(mode="wrap")
+    @classmethod
+    def _in_words(cls, value: Any, handler: Callable[[Any], Self], info: ValidationInfo) -> Self:
+        if info.context is None or isinstance(value, cls):
+            return handler(value)
+        try:
+            return handler(cls.mapping(value))
+        except ValidationError as refused:
+            raise ValidationError.from_exception_data("configuration", list(_worded(cls, refused))) from None
+
+
+def section_of(name: str, fields: Mapping[str, tuple[Any, Any]], hints: Mapping[str, str]) -> Any:
+    """A section with these fields, each of a type and with its default and description (`pydantic.Field`)."""
+    namespace = {"__annotations__": {key: kind for key, (kind, _) in fields.items()}, "__module__": __name__}
+    defaults = {key: default for key, (_, default) in fields.items()}
+    made = type(name, (Section,), {**namespace, **defaults, "hints": hints})
+    return section(made, frozen=True, kw_only=True)
+
+
+def chosen(value: Any, key: str, allowed: Sequence[str]) -> str:
+    """The name at the key of a section that decides about its other keys. Raises the error of a wrong one."""
+    if not isinstance(value, Mapping):
+        raise ValueError(f"must hold keys, for example {{{key}: {allowed[0]}, ...}}")
+    if key not in value:
+        raise_all([wrong(f"is missing; allowed: {', '.join(allowed)}", (key,))])
+    if value[key] not in allowed:
+        raise_all([wrong(not_known(value[key], allowed), (key,))])
+    return str(value[key])
+
+
+def read_keys(keys: type[S], value: Any, document: Document) -> S:
+    """The section that is written in `value`. Raises pydantic's ValidationError with a complaint for each mistake."""
+    return TypeAdapter(keys).validate_python(value, context=document, by_alias=True, by_name=False)
+
+
+def read(keys: type[S], document: Document) -> S:
+    """The section that a whole document holds.
+
+    Raises InputError with a sentence for each thing that is wrong; ConflictError where each value is allowed.
+    """
+    try:
+        return read_keys(keys, document.content, document)
+    except ValidationError as refused:
+        errors = [error for error in refused.errors() if error["ctx"]["complaint"]]
+    sentences = (
+        document.sentence(document.first_given(error["ctx"]["keys"] or [error["loc"]]), error["ctx"]["complaint"])
+        for error in errors
+    )
+    raise (ConflictError if all(error["type"] == "conflict" for error in errors) else InputError)(*sentences)
+
+
+def _worded(keys: type[Section], refused: ValidationError) -> Iterator[Error]:
+    """Pydantic's errors in the words of a user, unknown keys first; a key that is missing because it is misspelt is
+    named once."""
+    errors = refused.errors()
+    unknown = [error for error in errors if error["type"] in UNKNOWN]
+    meant = {closest(error["loc"][-1], keys.key_fields()) for error in unknown}
+    for error in [*unknown, *(error for error in errors if error["type"] not in UNKNOWN)]:
+        kind, loc, context = error["type"], error["loc"], error.get("ctx", {})
+        if kind in ("wrong", "conflict"):
+            yield _error(kind, context["complaint"], loc, context["keys"])
+        elif kind != "missing" or loc[-1] not in meant:
+            # the place of a name that is no text ends with "[key]"
+            yield wrong(_complaint(keys, error), loc[:-2] if loc[-1:] == ("[key]",) else loc)
+
+
+def _complaint(keys: type[Section], error: Any) -> str:
+    kind, loc = error["type"], error["loc"]
+    if kind == "value_error":
+        return str(error["ctx"]["error"])
+    if kind in UNKNOWN:
+        near = closest(loc[-1], keys.key_fields())
+        if not near and _AFTER_COMMA.fullmatch(str(loc[-1])):
+            return "unknown key; a comma separates two values here: write decimals with a point, for example 4.5 mm"
+        instead = keys.hints.get(str(loc[-1]), "")
+        hint = f"did you mean '{near}'? " if near else ""
+        return f"unknown key; {instead}{hint}allowed here: {', '.join(keys.key_fields())}"
+    if loc[-1:] == ("[key]",):
+        return f"{quoted(error['input'])} is not a name; write it in quotes"
+    example = example_of(keys.key_fields()[str(loc[0])])
+    if kind == "missing":
+        return f"is missing; for example '{loc[0]}: {example}'"
+    return f"{quoted(error['input'])} is not allowed; for example {example}"
+
+
+def closest(text: Any, allowed: Iterable[str]) -> str:
+    """The allowed text that another one resembles most; empty where none does."""
+    return next(iter(get_close_matches(str(text).lower(), list(allowed), n=1)), "")
+
+
+def not_known(value: Any, allowed: Sequence[str]) -> str:
+    """The complaint about a name that is not among those allowed."""
+    near = closest(value, allowed)
+    hint = f"did you mean '{near}'? " if near else ""
+    return f"{quoted(value)} is not known; {hint}allowed: {', '.join(allowed)}"
+
+
+def kind_of(field: FieldInfo) -> Kind | None:
+    """How a field is written."""
+    return _last_kind(Annotated[(field.annotation, *field.metadata)] if field.metadata else field.annotation)
+
+
+def _last_kind(annotation: Any) -> Kind | None:
+    own = [part for part in getattr(annotation, "__metadata__", ()) if isinstance(part, Kind)]
+    inside = (_last_kind(part) for part in get_args(annotation))
+    return own[-1] if own else next(filter(None, inside), None)
+
+
+def example_of(field: FieldInfo) -> str:
+    """A value as it may be written."""
+    kind = kind_of(field)
+    return str(field.examples[0]) if field.examples else kind.example if kind else "{}"
