@@ -152,7 +152,7 @@ mesh: {size: 6 mm}
     [
         ("3", "geometry.parts: must hold names, for example {cavity: [40 mm, 7 mm, 0 mm]}"),
         ("{plate: 5 mm}", "geometry.parts.plate: must be a list, for example {cavity: [40 mm, 7 mm, 0 mm]}"),
-        ("{plate: [1 mm, 2 mm]}", "geometry.parts.plate: has 2 numbers instead of x, y and z"),
+        ("{plate: [1 mm, 2 mm]}", "geometry.parts.plate: has 2 entries instead of 3"),
     ],
 )
 def test_parts_that_are_no_points_are_refused(parts: str, complaint: str, folder: Path) -> None:

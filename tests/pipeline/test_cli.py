@@ -165,7 +165,7 @@ def test_the_version() -> None:
         ("mesh.size=4", "--set mesh.size: 4 has no unit; write a length with its unit, for example '4 mm'"),
         ("mesh.colour=4 mm", "--set mesh.colour: unknown key; allowed here: size, formulation"),
         ("material.E=3 mm", "--set material.E: '3 mm' is not a stress; "),
-        ("pressures=[37 kPa, 17 kPa]", "--set pressures: [37 kPa, 17 kPa] is not in ascending order; "),
+        ("pressures=[37 kPa, 17 kPa]", "--set pressures: 17 kPa after 37 kPa is not in ascending order"),
         ("pressures=[-5 kPa]", "--set pressures: -5 kPa is not above zero; "),
         ("material.nu=0.5", "--set material.nu: 0.5 is not a Poisson ratio"),
         ("mesh.size=200 mm", "--set mesh.size: 200 mm is larger than the body"),
@@ -353,7 +353,7 @@ def test_doctor_tells_a_missing_system_library_from_a_missing_package(monkeypatc
 
 def test_effects_checks_its_input_as_run_does(coarse: str, tmp_path: Path) -> None:
     message = sentence(call("effects", coarse, "--out", str(tmp_path), "--set", "effects.gravity=down"), 2)
-    assert message == "--set effects.gravity: 'down' is not allowed; allowed: auto, on or off"
+    assert message.startswith("--set effects.gravity: 'down' is not known")
 
 
 def test_a_closed_terminal_does_not_end_what_was_started_with_nohup(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -144,7 +144,7 @@ def refusal(path: Path, *overrides: str) -> str:
         ("geometry.file=finger.yaml", "--set geometry.file: finger.yaml is not a CAD file that can be read"),
         ("geometry.tip=90 mm", "--set geometry.tip: x = 90 mm lies outside the body, which reaches from 0 to 80 mm"),
         ("geometry.air.cavity=[40 mm, 1 mm, 0 mm]", "--set geometry.air.cavity: the point .* lies in the material"),
-        ("geometry.air.cavity=[40 mm, 1 mm]", "--set geometry.air.cavity: has 2 numbers instead of x, y and z"),
+        ("geometry.air.cavity=[40 mm, 1 mm]", "--set geometry.air.cavity: has 2 entries instead of 3"),
         ("geometry.air.other=[41 mm, 7 mm, 0 mm]", "--set geometry.air.other: .* same cavity as that of cavity"),
         ("geometry.unit=1 m", "--set geometry.unit: STEP files store their unit; leave it out"),
         ("geometry.symmetric=3", "--set geometry.symmetric: 3 is neither true nor false"),

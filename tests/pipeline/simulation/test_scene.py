@@ -74,10 +74,10 @@ def test_cavities_may_carry_different_pressures(arm: Path, half: Body) -> None:
         (
             "effects.gravity={acceleration: [0 m/s^2, 1 m/s^2]}",
             "effects.gravity.acceleration",
-            "has 2 numbers instead of x, y",
+            "has 2 entries instead of 3",
         ),
         ("effects.gravity={acceleration: [0, 1, 2]}", "effects.gravity.acceleration[1]", "0 has no unit"),
-        ("effects.gravity=down", "effects.gravity", "'down' is not allowed; allowed: auto, on or off"),
+        ("effects.gravity=down", "effects.gravity", "'down' is not known"),
         ("effects.strain_limiting_layer={E: 6.5}", "effects.strain_limiting_layer.E", "6.5 has no unit"),
         (
             "effects.strain_limiting_layer={thick: 1 mm}",
@@ -169,7 +169,7 @@ def test_laws_of_rubber(arm: Path) -> None:
     assert material_of(config) == fem.Yeoh(c10=0.11, c20=0.02, c30=0.0, kappa=20.0)
     assert config.mesh.formulation == "p2p0"
     stiff = rubber.replace("0.11 MPa", "-0.11 MPa")
-    assert "bisected_circle_coarse.yaml: material: " in refusal(arm, stiff)
+    assert "material: Yeoh: c10" in refusal(arm, stiff)
 
 
 def test_one_effect_can_be_changed(arm: Path) -> None:
