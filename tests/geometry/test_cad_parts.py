@@ -150,8 +150,8 @@ mesh: {size: 6 mm}
 @pytest.mark.parametrize(
     ("parts", "complaint"),
     [
-        ("3", "geometry.parts: must hold names, for example {cavity: [40 mm, 7 mm, 0 mm]}"),
-        ("{plate: 5 mm}", "geometry.parts.plate: must be a list, for example {cavity: [40 mm, 7 mm, 0 mm]}"),
+        ("3", "geometry.parts: 3 is not allowed; for example {base: [20 mm, 1 mm, 0 mm]}"),
+        ("{plate: 5 mm}", "geometry.parts.plate: must be a list, for example [56 mm, 8 mm, 0 mm]"),
         ("{plate: [1 mm, 2 mm]}", "geometry.parts.plate: has 2 entries instead of 3"),
     ],
 )
