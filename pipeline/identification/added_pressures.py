@@ -4,12 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from pipeline.context import RunContext
-from pipeline.identification.parameters import (
-    Parameters,
-    counts_as_equal_cells,
-    decided_together,
-    identify_in_tasks,
-)
+from pipeline.identification.parameters import Parameters, counts_as_equal_cells, decided_together, identify_all
 from pipeline.identification.too_short import too_coarse, too_short
 from pipeline.simulation.loadcase import up_to
 from pipeline.simulation.outcome import Outcomes
@@ -54,7 +49,7 @@ def _identified(
     scene: Scene, context: RunContext, outcomes: Outcomes
 ) -> tuple[tuple[Parameters, ...], tuple[str, ...]]:
     equal, d = counts_as_equal_cells(scene.config.design), scene.config.identification.d_mm
-    return identify_in_tasks(context, outcomes, scene.body.pitch, d, equal_cells=equal)
+    return identify_all(outcomes, scene.body.pitch, d, equal_cells=equal, context=context)
 
 
 def quantities_of(parameters: Sequence[Parameters]) -> tuple[list[float], dict[str, Quantity]]:

@@ -195,33 +195,24 @@ def decided_together(parameters: Iterable[Parameters]) -> tuple[Parameters, ...]
 
 
 def identify_all(
-    outcomes: Outcomes, pitch: float, d: float | None = None, *, equal_cells: bool
+    outcomes: Outcomes, pitch: float, d: float | None = None, *, equal_cells: bool, context: RunContext | None = None
 ) -> tuple[tuple[Parameters, ...], tuple[str, ...]]:
     """The parameters at every pressure reached in both II and III, and a sentence for each where there are none.
 
     d: mm, the break where it is given and not sought. equal_cells: whether the arm counts as one of equal cells, so
-    that two lines need walls that touch; False to choose by the criterion alone.
+    that two lines need walls that touch; False to choose by the criterion alone. context: of a run, whose workers take
+    a pressure each.
     """
-    return _gathered(
-        {pair[0].pressure_kPa: partial(_identified, *pair, pitch, d, equal_cells) for pair in outcomes.pairs}
-    )
-
-
-def identify_in_tasks(
-    context: RunContext, outcomes: Outcomes, pitch: float, d: float | None = None, *, equal_cells: bool
-) -> tuple[tuple[Parameters, ...], tuple[str, ...]]:
-    """`identify_all` with a task for every pressure."""
-    pending = {pair[0].pressure_kPa: context.submit(_task, *pair, pitch, d, equal_cells) for pair in outcomes.pairs}
-    return _gathered({pressure: task.result for pressure, task in pending.items()})
-
-
-def _gathered(by_pressure: Mapping[float, Callable[[], Parameters]]) -> tuple[tuple[Parameters, ...], tuple[str, ...]]:
+    results: list[Callable[[], Parameters]] = []
+    for pair in outcomes.pairs:
+        given = (*pair, pitch, d, equal_cells)
+        results.append(partial(_identified, *given) if context is None else context.submit(_task, *given).result)
     parameters, refused = [], []
-    for pressure, identified in by_pressure.items():
+    for (free, _), result in zip(outcomes.pairs, results, strict=True):
         try:
-            parameters.append(identified())
+            parameters.append(result())
         except RodError as failure:
-            refused.append(f"no five parameters at {pressure:g} kPa: {str(failure).removesuffix('.')}")
+            refused.append(f"no five parameters at {free.pressure_kPa:g} kPa: {str(failure).removesuffix('.')}")
     return decided_together(parameters), tuple(refused)
 
 

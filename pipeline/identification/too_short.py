@@ -1,10 +1,5 @@
 """Arms that are too short for five parameters, and meshes that are too coarse, known before anything is solved."""
 
-from dataclasses import replace
-from itertools import count
-from math import ceil
-from typing import Any
-
 import numpy as np
 
 from fem.elements import ELEMENTS
@@ -23,7 +18,7 @@ def too_short(config: Config) -> str:
 
 
 def why_too_short(config: Config) -> str:
-    """The same where five parameters are identified whatever the law; empty for an arm that is long enough."""
+    """Why an arm is too short for five parameters, whatever its law; empty for one that is long enough."""
     if not (sentence := too_few_pitches(config.design.length, config.design.pitch)):
         return ""
     reason = sentence[0].lower() + sentence[1:].removesuffix(".")
@@ -31,7 +26,7 @@ def why_too_short(config: Config) -> str:
 
 
 def too_coarse(config: Config, body: Body) -> str:
-    """The same where nodes along the material curve are too far apart for means over a cell."""
+    """Why nodes along the material curve are too far apart for means over a cell; empty where they are not."""
     design, spacing = config.design, float(np.diff(body.mesh.points[body.curve_vertices, 0]).max())
     if ELEMENTS[config.mesh.formulation].quadratic:
         spacing /= 2
@@ -47,25 +42,9 @@ def too_coarse(config: Config, body: Body) -> str:
     )
 
 
-def _shortest_length(design: Any) -> float:
-    """The length, to a tenth of a millimetre, from which on the arm has as many pitches as are needed.
-
-    The pitch is an equal part of the cavity, so that the number of pitches is a step function of the length.
-    """
-    lengths = (step / 10.0 for step in count(ceil(10.0 * design.length) + 1))
-    return next(x for x in lengths if not too_few_pitches(x, replace(design, length=x).pitch))
-
-
 def _remedy(design: Design) -> str:
     if design.key_of_cells == "chambers":
         return "more geometry.chambers"
     if design.key_of_cells == "length":
-        return f"a geometry.length of at least {_shortest_length(design):g} mm"
-    if not design.has_free_pitch:
-        return "an arm of more cells"
-    if design.cavity_pitch and not design.averages_within_cavities:
-        return (
-            "no geometry.cell: a single line is taken then, because the arm has too few cavities "
-            f"({design.cavity_pitch:.3g} mm apart) for two"
-        )
-    return "a smaller geometry.cell"
+        return "a longer geometry.length"
+    return "a smaller geometry.cell, or none" if design.has_free_pitch else "an arm of more cells"
