@@ -132,7 +132,7 @@ doctor: $(READY)  ## what is installed, what is missing, and the command that in
 	@$(BIN)/pneurod doctor
 
 bench-peers: $(READY) $(PEERS)/.ready  ## pneurod compared with NGSolve and FElupe: tables (six minutes on a machine without other load)
-	@$(BIN)/python -m benchmarks.peers --fresh --python $(PEERS)/bin/python
+	@$(BIN)/python -m benchmarks.peers --python $(PEERS)/bin/python
 
 bench-run: $(READY)  ## make pneunet from this checkout and from OTHER=../other in turn: times, memory, whether results agree
 	@$(BIN)/python benchmarks/run.py $(or $(OTHER),$(error give another checkout: make bench-run OTHER=../other))

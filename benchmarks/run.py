@@ -23,21 +23,17 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 HERE = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(HERE))
 
 from benchmarks.peers import load  # noqa: E402  (the rooms stand beside this folder)
+from tests.golden import differences, numbers_of  # noqa: E402
 
 #: between two looks at the memory, s
 INTERVAL = 0.5
-#: files whose numbers are compared
-RESULTS = ("experiments.json", "parameters.json", "validation.json", "law.json", "effects.json")
-#: largest number of a column that is taken for rounding: forces that are zero in exact arithmetic
-SMALLEST = 1e-6
-#: keys that hold seconds
-CLOCKS = ("seconds", "share_of_time", "effect_seconds")
+#: largest difference that rounding makes, over the largest number of a list
+ROUNDING = 1e-8
 SMALL = """
 name: small
 geometry: {family: pneunet, chambers: 8}
@@ -83,12 +79,13 @@ def main() -> int:
                 run = measured(checkouts[name], arguments, folder / f"{name}_{number}")
                 spent[name].append(run)
                 say(f"  {name}: {run.wall:.1f} s, processor {run.processor:.1f} s, {run.memory:.0f} MB")
-        difference, where = largest_difference(folder / "other_0", folder / "this_0")
+        before, now = (numbers_of(folder / f"{name}_0") for name in checkouts)
     say("")
     for line in table(spent["other"], spent["this"]):
         say(line)
-    say(f"\nlargest relative difference of a number: {difference:.1g}{f' ({where})' if difference else ''}")
-    return 0 if difference < 1e-8 else 1
+    lines = [*differences(before, now, ROUNDING), *sorted(before.keys() ^ now.keys())]
+    say("\n".join(["", *lines[:20], f"{len(lines)} of {len(now)} numbers differ or are in one of both"]))
+    return 1 if lines else 0
 
 
 def state_of_machine(busy_ok: bool) -> str:
@@ -169,47 +166,6 @@ def table(other: Sequence[Spent], this: Sequence[Spent]) -> Iterator[str]:
 def median_and_range(values: Sequence[float]) -> str:
     """As text."""
     return f"{statistics.median(values):.1f} ({min(values):.1f} to {max(values):.1f})"
-
-
-def largest_difference(folder: Path, other: Path) -> tuple[float, str]:
-    """Of the numbers in the results of two runs, over the largest one of their column, and where it is."""
-    largest = (0.0, "")
-    for name in RESULTS:
-        texts = [(out / name).read_text(encoding="utf-8") for out in (folder, other) if (out / name).is_file()]
-        if len(texts) == 1:
-            return 1.0, f"{name} is missing"
-        if not texts:
-            continue
-        first, second = (dict(entries(json.loads(text), (name,))) for text in texts)
-        if first.keys() != second.keys():
-            return 1.0, f"{name}: {sorted(map(str, first.keys() ^ second.keys()))[0]}"
-        columns: dict[tuple[str, ...], float] = {}
-        for path, value in (*first.items(), *second.items()):
-            column = names_in(path)
-            columns[column] = max(columns.get(column, SMALLEST), abs(value))
-        for path, value in first.items():
-            difference = abs(value - second[path]) / columns[names_in(path)]
-            if difference > largest[0]:
-                largest = (difference, "/".join(map(str, path)))
-    return largest
-
-
-def entries(value: Any, path: tuple[str | int, ...]) -> Iterator[tuple[tuple[str | int, ...], float]]:
-    """The numbers in a JSON value with their paths, without seconds."""
-    if isinstance(value, dict):
-        for name, entry in value.items():
-            if name not in CLOCKS:
-                yield from entries(entry, (*path, name))
-    elif isinstance(value, list):
-        for number, entry in enumerate(value):
-            yield from entries(entry, (*path, number))
-    elif isinstance(value, int | float):
-        yield path, float(value)
-
-
-def names_in(path: tuple[str | int, ...]) -> tuple[str, ...]:
-    """Of a path, without the numbers of rows."""
-    return tuple(part for part in path if isinstance(part, str))
 
 
 def say(text: str) -> None:

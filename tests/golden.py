@@ -33,10 +33,10 @@ SAME, OTHER = 1e-12, 1e-5
 def numbers_of(directory: Path) -> dict[str, float]:
     """All numbers in the result files of a run, by file and position."""
     found: dict[str, float] = {}
-    for name in FILES:
+    for name in filter(lambda name: (directory / name).is_file(), FILES):
         content = json.loads((directory / name).read_text(encoding="utf-8"))
         found.update((f"{name}{path}", value) for path, value in _numbers(content, ""))
-    for name in TABLES:
+    for name in filter(lambda name: (directory / name).is_file(), TABLES):
         with (directory / name).open(encoding="utf-8", newline="") as file:
             for index, row in enumerate(csv.DictReader(file)):
                 found.update((f"{name}/{key}/{index}", float(text)) for key, text in row.items() if _is_number(text))

@@ -2,11 +2,9 @@
 
     python -m benchmarks.peers.by_ngsolve four out.json
 
-Newton's method and the step control are left to the user (`stepping.py`). `--cpp` lets NGSolve write the forms as C++
-and compile them, which needs a compiler and about ten seconds before the first increment.
+Newton's method and the step control are left to the user (`stepping.py`).
 """
 
-import sys
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -17,8 +15,6 @@ from ngsolve import BND, TET, TRIG, BilinearForm, Cof, Grad, GridFunction, Id, I
 
 from benchmarks.peers.problem import KPA, LAMBDA, MU, TOLERANCE, Body, PathResult, report
 from benchmarks.peers.stepping import STEPPING, newton
-
-COMPILED = "--cpp" in sys.argv
 
 
 def mesh_of(body: Body) -> ngsolve.Mesh:
@@ -60,10 +56,9 @@ class Model:
         x = ngsolve.CF((ngsolve.x, ngsolve.y, ngsolve.z)) + u
         outward = Cof(Id(3) + Grad(u).Trace()) * ngsolve.specialcf.normal(3)
         work = self.pressure / 3 * InnerProduct(x, outward)
-        how = {"realcompile": True, "wait": True} if COMPILED else {}
         inside = dx(intrules={TET: IntegrationRule(TET, 2)})
         surface = ngsolve.ds("cavity", intrules={TRIG: IntegrationRule(TRIG, 4)})
-        return ngsolve.Variation(energy.Compile(**how) * inside), ngsolve.Variation(work.Compile(**how) * surface)
+        return ngsolve.Variation(energy.Compile() * inside), ngsolve.Variation(work.Compile() * surface)
 
     def residual(self, unknowns: np.ndarray) -> tuple[np.ndarray, float]:
         """Forces on all degrees of freedom, and the free ones' norm over that of the pressure's."""
@@ -113,4 +108,4 @@ def set_up() -> Callable[[Sequence[float]], PathResult]:
 
 
 if __name__ == "__main__":
-    report(f"NGSolve {ngsolve.__version__}", "sparsecholesky", set_up, flags=("--cpp",))
+    report(f"NGSolve {ngsolve.__version__}", "sparsecholesky", set_up)

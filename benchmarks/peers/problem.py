@@ -169,19 +169,14 @@ def load_pardiso() -> None:
     PyPardisoSolver().solve(sp.eye(2, format="csr"), np.ones(2))
 
 
-def report(
-    package: str, solver: str, set_up: Callable[[], Callable[[Sequence[float]], PathResult]], flags: Sequence[str] = ()
-) -> None:
+def report(package: str, solver: str, set_up: Callable[[], Callable[[Sequence[float]], PathResult]]) -> None:
     """Set up, solve and write the outcome where the command line says.
 
     set_up: makes everything that does not depend on the path and returns what walks it, given the pressures in kPa.
-    flags: further words that the command line may have; the module looks at them itself.
     """
     parser = argparse.ArgumentParser()
     parser.add_argument("path", choices=PATHS)
     parser.add_argument("out", type=Path)
-    for flag in flags:
-        parser.add_argument(flag, action="store_true")
     options = parser.parse_args()
     walk = set_up()
     threads, begin = thread_seconds(), Clock.now()

@@ -1,4 +1,4 @@
-"""Runs in separate processes that are measured from outside, and the session that stores them one by one."""
+"""Runs in separate processes that are measured from outside."""
 
 import json
 import os
@@ -6,10 +6,11 @@ import resource
 import subprocess
 import tempfile
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from statistics import median
 from time import perf_counter
+from typing import Any
 
 from benchmarks.peers.problem import Outcome
 
@@ -24,12 +25,6 @@ class Peer:
     name: str  #: as the rows call it
     module: str
     own: bool = False  #: runs with the project's Python, not with the peers'
-    options: tuple[str, ...] = ()
-    command: str = ""  #: a program that must be there
-    package: str = ""  #: the Debian package that brings it
-    repetitions: int = 5  #: at the most
-    default: bool = True  #: runs unless peers are named
-    paths: tuple[str, ...] = ("four", "straight")
 
 
 @dataclass(frozen=True)
@@ -42,15 +37,7 @@ class Run:
     cpu: float  #: s, user and system, from start to exit
     wall: float  #: s
     peak: float  #: MB, largest resident set
-    date: str  #: of the session, year-month-day
     number: int  #: of the round
-    busy: float | None = None  #: cores that other programs used before the round; None where that was not measured
-    machine: str = ""  #: processor, number of cores and Python
-
-    @property
-    def session(self) -> tuple[str, str]:
-        """Date and machine, which runs that are compared have in common."""
-        return self.date, self.machine
 
 
 #: CPU over wall seconds of a path above which more than one thread computed
@@ -61,29 +48,16 @@ class RunFailed(RuntimeError):
     """A peer ended without an outcome; the sentence is the last line of its output."""
 
 
-@dataclass(frozen=True)
-class Round:
-    """When runs are made, and on what machine."""
-
-    date: str
-    machine: str
-    number: int
-    busy: float | None
-
-
-def measured(peer: Peer, path: str, python: str, when: Round) -> Run:
-    """Run a peer once; raises `RunFailed`, also where more than one thread computed."""
-    written, used, wall = processed(peer.name, python, peer.module, (path,), peer.options)
-    outcome = outcome_of(written)
+def measured(peer: Peer, path: str, python: str, number: int) -> Run:
+    """Run a peer once in a round; raises `RunFailed`, also where more than one thread computed."""
+    written, used, wall = processed(peer, python, path)
+    outcome = Outcome(**{**written, "answers": {p: tuple(answer) for p, answer in written["answers"].items()}})
     check_threads(peer.name, path, outcome)
-    cpu, peak = used.ru_utime + used.ru_stime, used.ru_maxrss / 1024
-    return Run(peer.name, path, outcome, cpu, wall, peak, when.date, when.number, when.busy, when.machine)
+    return Run(peer.name, path, outcome, used.ru_utime + used.ru_stime, wall, used.ru_maxrss / 1024, number)
 
 
-def processed(
-    name: str, python: str, module: str, words: Sequence[str], options: Sequence[str] = ()
-) -> tuple[dict, resource.struct_rusage, float]:
-    """What a module of this folder writes in a process of its own, what that used, and the wall seconds.
+def processed(peer: Peer, python: str, path: str) -> tuple[dict[str, Any], resource.struct_rusage, float]:
+    """What the module of a peer writes in a process of its own, what that used, and the wall seconds.
 
     Raises `RunFailed`.
     """
@@ -92,7 +66,7 @@ def processed(
     environment |= {f"{library}_NUM_THREADS": "1" for library in THREADS}
     with tempfile.TemporaryDirectory() as folder:
         out, log = Path(folder, "outcome.json"), Path(folder, "log")
-        command = [python, "-m", f"benchmarks.peers.{module}", *words, str(out), *options]
+        command = [python, "-m", f"benchmarks.peers.{peer.module}", path, str(out)]
         with log.open("w") as output:
             begin = perf_counter()
             process = subprocess.Popen(command, cwd=ROOT, env=environment, stdout=output, stderr=output)
@@ -101,7 +75,7 @@ def processed(
         process.returncode = os.waitstatus_to_exitcode(status)
         if process.returncode or not out.exists():
             lines = log.read_text(errors="replace").strip().splitlines() or ["without output"]
-            raise RunFailed(f"{name}, {words[0]}: exit status {process.returncode}: {lines[-1]}")
+            raise RunFailed(f"{peer.name}, {path}: exit status {process.returncode}: {lines[-1]}")
         return json.loads(out.read_text(encoding="utf-8")), used, wall
 
 
@@ -113,22 +87,6 @@ def check_threads(name: str, path: str, outcome: Outcome) -> None:
     if outcome.solve_cpu > ONE_THREAD * outcome.solve_wall + 0.05:
         spent = f"{outcome.solve_cpu:.2f} s of CPU in {outcome.solve_wall:.2f} s by {outcome.threads} threads"
         raise RunFailed(f"{name}, {path}: more than one thread computed ({spent})")
-
-
-def plan(peers: Sequence[Peer], rounds: int, done: Sequence[Run]) -> list[tuple[int, list[tuple[Peer, str]]]]:
-    """What is still to be run, interleaved: in each round every peer once. Rounds with nothing left are left out."""
-    made = {(run.peer, run.path, run.number) for run in done}
-    plans = []
-    for number in range(1, rounds + 1):
-        left = [
-            (peer, path)
-            for peer in peers
-            for path in peer.paths
-            if number <= peer.repetitions and (peer.name, path, number) not in made
-        ]
-        if left:
-            plans.append((number, left))
-    return plans
 
 
 @dataclass(frozen=True)
@@ -162,12 +120,12 @@ def warm(run: Run) -> float:
 
 
 def ratios(runs: Sequence[Run], own: Sequence[Run], seconds: Callable[[Run], float]) -> Spread:
-    """Seconds of a peer's runs over those of our own in the same round of the same session.
+    """Seconds of a peer's runs over those of our own in the same round.
 
     Raises ValueError where no round has both.
     """
-    ours = {(run.session, run.number): seconds(run) for run in own}
-    shared = [seconds(run) / ours[run.session, run.number] for run in runs if (run.session, run.number) in ours]
+    ours = {run.number: seconds(run) for run in own}
+    shared = [seconds(run) / ours[run.number] for run in runs if run.number in ours]
     if not shared:
         raise ValueError(f"{runs[0].peer}, {runs[0].path}: no round in which pneurod ran too")
     return Spread.of(shared)
@@ -182,35 +140,3 @@ def checked(runs: Sequence[Run]) -> Run:
     if any(run.outcome.factorizations != first.outcome.factorizations for run in runs):
         raise ValueError(f"{first.peer}, {first.path}: the runs took different numbers of factorizations")
     return first
-
-
-def outcome_of(written: dict) -> Outcome:
-    """An outcome as JSON gives it back."""
-    answers = {pressure: tuple(answer) for pressure, answer in written["answers"].items()}
-    return Outcome(**{**written, "answers": answers})
-
-
-@dataclass
-class Session:
-    """What has been run so far."""
-
-    runs: list[Run] = field(default_factory=list)
-    missing: dict[str, str] = field(default_factory=dict)  #: peer: why there is no run of it
-
-    @classmethod
-    def load(cls, path: Path) -> "Session":
-        """A session that was kept."""
-        written = json.loads(path.read_text(encoding="utf-8"))
-        runs = [Run(**{**run, "outcome": outcome_of(run["outcome"])}) for run in written["runs"]]
-        return cls(runs, written["missing"])
-
-    def made(self, here: tuple[str, str]) -> list[Run]:
-        """The runs of a date on a machine."""
-        return [run for run in self.runs if run.session == here]
-
-    def save(self, path: Path) -> None:
-        """Keep the session, whole."""
-        path.parent.mkdir(parents=True, exist_ok=True)
-        fresh = path.with_suffix(".part")
-        fresh.write_text(json.dumps(asdict(self), indent=1) + "\n", encoding="utf-8")
-        fresh.replace(path)
