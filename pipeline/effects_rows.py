@@ -1,15 +1,21 @@
 """The numbers and the cost of the variants of an effect study, and their changes against the configuration."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, fields
 from typing import Any
 
+from fem import compile_kernels
 from pipeline.config.config import Config
+from pipeline.context import RunContext
 from pipeline.identification.parameters import Parameters, identify_all
 from pipeline.simulation.outcome import Outcomes
-from pipeline.simulation.scene import Scene
-from pipeline.store.json_values import JsonObject
+from pipeline.simulation.scene import Scene, material_of
+from pipeline.simulation.simulate import simulate
 
+#: one variant at one pressure, as in effects_table.json
+EffectRow = Mapping[str, Any]
+
+#: what is run on a variant, as in a sweep
+EFFECTS_RUN = ("effects",)
 BASE = "as configured"
 #: number of a row -> title of its column
 COLUMNS = {
@@ -19,181 +25,89 @@ COLUMNS = {
     "d_mm": "d mm",
     "end_force_N": "F N",
 }
+#: numbers and cost of a row, None where a state or the five parameters they come from is missing
+NUMBERS = (
+    *("kappa_0_middle_per_mm", "end_force_N", "end_y_II_mm", "alpha1_N_mm2", "alpha2_N_mm2", "d_mm"),
+    *("single_line_suffices", "r2_single_line", "r2_two_lines", "stretch_of_curve", "contact"),
+)
+COST = ("cpu_seconds", "factorizations", "degrees_of_freedom", "states")
 
 
-@dataclass(frozen=True)
-class Variant:
-    """A configuration and the effect that was changed in it."""
-
-    effect: str  #: BASE, or the effect that was changed
-    state: str  #: what it was changed to; empty for BASE
-    config: Config
-
-    @property
-    def name(self) -> str:
-        """self_contact off"""
-        return f"{self.effect} {self.state}".strip()
-
-    @property
-    def folder(self) -> str:
-        """Folder of its states, relative to that of the study; the configuration itself is solved in the latter."""
-        return f"{self.effect}_{self.state}" if self.state else "."
+def solve_variant(config: Config, context: RunContext) -> tuple[list[dict[str, Any]], list[str]]:
+    """II and III: numbers, cost and what is missing at every pressure, and a sentence for each missing one."""
+    compile_kernels(config.mesh.formulation, material_of(config))  # their time is none of the variant
+    scene = Scene.meshed(config)
+    rows = variant_rows(scene, simulate(scene, context, ("III", "II")))
+    return rows, list(dict.fromkeys(row["reason"] for row in rows if row["reason"]))
 
 
-@dataclass(frozen=True)
-class VariantNumbers:
-    """The numbers of the rod at one pressure; None where a state or the five parameters they come from is missing."""
-
-    pressure_kPa: float
-    kappa_0_middle_per_mm: float | None = None
-    end_force_N: float | None = None  #: y component in III
-    end_y_II_mm: float | None = None
-    alpha1_N_mm2: float | None = None
-    alpha2_N_mm2: float | None = None
-    d_mm: float | None = None  #: also None where a single line suffices, which has no break
-    single_line_suffices: bool | None = None
-    r2_single_line: float | None = None
-    r2_two_lines: float | None = None
-    stretch_of_curve: tuple[float | None, float | None] = (None, None)  #: in II and III
-    contact: bool | None = None  #: whether contact took part in II or III
-
-    @staticmethod
-    def of(pressure_kPa: float, outcomes: Outcomes, pitch: float, parameters: Parameters | None) -> "VariantNumbers":
-        """From the states at one pressure, as far as they were reached, and the parameters, if there are any.
-
-        pitch: of the cells, mm.
-        """
-        free, loaded = outcomes["II"].at(pressure_kPa), outcomes["III"].at(pressure_kPa)
-        identified = {} if parameters is None else _identified(parameters)
-        return VariantNumbers(
-            pressure_kPa=pressure_kPa,
-            kappa_0_middle_per_mm=free.kappa_middle(pitch) if free else None,
-            end_force_N=loaded.load.force[1] if loaded else None,
-            end_y_II_mm=free.summary.end_mm[1] if free else None,
-            **identified,
-            stretch_of_curve=(
-                free.centreline.stretch if free else None,
-                loaded.centreline.stretch if loaded else None,
-            ),
-            contact=any("self_contact" in record.effects for record in (free, loaded) if record),
-        )
-
-
-def _identified(parameters: Parameters) -> dict[str, Any]:
-    numbers = {name: interval.value for name, interval in parameters.numbers.items()}
-    return {
-        "alpha1_N_mm2": numbers["alpha1"],
-        "alpha2_N_mm2": numbers["alpha2"],
-        "d_mm": numbers["d"] if parameters.two_lines else None,
-        "single_line_suffices": not parameters.two_lines,
-        "r2_single_line": parameters.by_cells.single_line.r2,
-        "r2_two_lines": parameters.by_cells.r2,
+def variant_rows(scene: Scene, outcomes: Outcomes) -> list[dict[str, Any]]:
+    """Numbers, cost and what is missing, at every pressure of the configuration."""
+    config, pitch = scene.config, scene.body.pitch
+    # by the criterion alone: whether two lines need contact is what this study shows
+    parameters, refused = identify_all(outcomes, pitch, config.identification.d_mm, equal_cells=False)
+    identified = {at_pressure.pressure_kPa: at_pressure for at_pressure in parameters}
+    without = [pressure for pressure in outcomes.reached_kPa if pressure not in identified]
+    reasons = dict(zip(without, refused, strict=True))
+    for pressure in config.pressures_kPa:
+        if pressure not in outcomes.reached_kPa:
+            ended = [outcome.failure_sentence() for outcome in outcomes if outcome.at(pressure) is None]
+            reasons[pressure] = "; ".join(ended)
+    cost = {
+        "cpu_seconds": outcomes.cpu_seconds,
+        "factorizations": outcomes.factorizations + outcomes.failed_factorizations,
+        "degrees_of_freedom": outcomes.degrees_of_freedom,
+        "states": len(outcomes.records),
     }
-
-
-@dataclass(frozen=True)
-class VariantCost:
-    """Cost of II and III over all pressures, failed attempts included."""
-
-    cpu_seconds: float  #: of all processes; kernels are loaded before
-    factorizations: int
-    degrees_of_freedom: int
-    states: int  #: that were reached
-
-    @staticmethod
-    def of(outcomes: Outcomes) -> "VariantCost":
-        """From the experiments."""
-        return VariantCost(
-            outcomes.cpu_seconds,
-            outcomes.factorizations + outcomes.failed_factorizations,
-            outcomes.degrees_of_freedom,
-            len(outcomes.records),
-        )
-
-
-@dataclass(frozen=True)
-class VariantResult:
-    """What one variant gives."""
-
-    numbers: tuple[VariantNumbers, ...]  #: one for every pressure of the configuration
-    cost: VariantCost | None  #: None where nothing could be solved
-    reasons: Mapping[float, str]  #: by pressure in kPa, where a number is missing, one sentence
-
-    @staticmethod
-    def of(scene: Scene, outcomes: Outcomes) -> "VariantResult":
-        """From the experiments II and III."""
-        config, pitch = scene.config, scene.body.pitch
-        # by the criterion alone: whether two lines need contact is what this study shows
-        parameters, refused = identify_all(outcomes, pitch, config.identification.d_mm, equal_cells=False)
-        identified = {at_pressure.pressure_kPa: at_pressure for at_pressure in parameters}
-        without = [pressure for pressure in outcomes.reached_kPa if pressure not in identified]
-        reasons = dict(zip(without, refused, strict=True))
-        for pressure in config.pressures_kPa:
-            if pressure not in outcomes.reached_kPa:
-                ended = [outcome.failure_sentence() for outcome in outcomes if outcome.at(pressure) is None]
-                reasons[pressure] = "; ".join(ended)
-        numbers = [VariantNumbers.of(p, outcomes, pitch, identified.get(p)) for p in config.pressures_kPa]
-        return VariantResult(tuple(numbers), VariantCost.of(outcomes), reasons)
-
-    @staticmethod
-    def none(config: Config, reason: str) -> "VariantResult":
-        """Of a variant that cannot be solved."""
-        numbers = tuple(VariantNumbers(pressure) for pressure in config.pressures_kPa)
-        return VariantResult(numbers, None, dict.fromkeys(config.pressures_kPa, reason))
-
-
-@dataclass(frozen=True)
-class EffectRow:
-    """One variant at one pressure, and its relative changes against the configuration at the same pressure."""
-
-    effect: str
-    state: str
-    numbers: VariantNumbers
-    cost: VariantCost | None
-    #: by the names of `COLUMNS`, and of the processor time over all pressures; None where a number is missing
-    relative_change: Mapping[str, float | None]
-    reason: str = ""  #: why a number is missing, one sentence
-    other_states: bool = False  #: whether more or fewer states were reached than as configured, so that costs differ
-
-    def record(self) -> JsonObject:
-        """As in effects_table.json."""
-        return {
-            "effect": self.effect,
-            "state": self.state,
-            **asdict(self.numbers),
-            **(asdict(self.cost) if self.cost else dict.fromkeys(field.name for field in fields(VariantCost))),
-            "other_states": self.other_states,
-            "relative_change": self.relative_change,
-            "reason": self.reason,
-        }
-
-
-def effect_rows(results: Sequence[tuple[Variant, VariantResult]]) -> list[EffectRow]:
-    """One row per variant and pressure."""
-    base = next((result for variant, result in results if variant.effect == BASE), None)
-    numbers_of_base = {numbers.pressure_kPa: numbers for numbers in base.numbers} if base else {}
-    cost = base.cost if base else None
     return [
-        EffectRow(
-            variant.effect,
-            variant.state,
-            numbers,
-            result.cost,
-            {**_changes(numbers, numbers_of_base.get(numbers.pressure_kPa)), "cpu_seconds": _cost(result.cost, cost)},
-            result.reasons.get(numbers.pressure_kPa, ""),
-            result.cost is not None and cost is not None and result.cost.states != cost.states,
-        )
-        for variant, result in results
-        for numbers in result.numbers
+        {
+            "pressure_kPa": pressure,
+            **_numbers(outcomes, pressure, pitch, identified.get(pressure)),
+            **cost,
+            "reason": reasons.get(pressure, ""),
+        }
+        for pressure in config.pressures_kPa
     ]
 
 
-def _changes(numbers: VariantNumbers, base: VariantNumbers | None) -> dict[str, float | None]:
-    return {name: _change(getattr(numbers, name), getattr(base, name) if base else None) for name in COLUMNS}
+def _numbers(outcomes: Outcomes, pressure: float, pitch: float, parameters: Parameters | None) -> dict[str, Any]:
+    """From the states at one pressure, as far as they were reached, and the parameters, if there are any."""
+    free, loaded = outcomes["II"].at(pressure), outcomes["III"].at(pressure)
+    row: dict[str, Any] = {
+        **dict.fromkeys(NUMBERS),
+        "kappa_0_middle_per_mm": free.kappa_middle(pitch) if free else None,
+        "end_force_N": loaded.load.force[1] if loaded else None,
+        "end_y_II_mm": free.summary.end_mm[1] if free else None,
+        "stretch_of_curve": [record.centreline.stretch if record else None for record in (free, loaded)],
+        "contact": any("self_contact" in record.effects for record in (free, loaded) if record),
+    }
+    if parameters is not None:
+        row |= {
+            "alpha1_N_mm2": parameters.numbers["alpha1"].value,
+            "alpha2_N_mm2": parameters.numbers["alpha2"].value,
+            "d_mm": parameters.numbers["d"].value if parameters.two_lines else None,
+            "single_line_suffices": not parameters.two_lines,
+            "r2_single_line": parameters.by_cells.single_line.r2,
+            "r2_two_lines": parameters.by_cells.r2,
+        }
+    return row
 
 
-def _cost(cost: VariantCost | None, base: VariantCost | None) -> float | None:
-    return _change(cost.cpu_seconds, base.cpu_seconds) if cost and base else None
+def compared(variants: Sequence[tuple[str, str, Sequence[EffectRow]]]) -> list[dict[str, Any]]:
+    """Rows of effects_table.json from the rows of (effect, state); changes are relative to those of `BASE`.
+
+    `other_states`: whether more or fewer states were reached than as configured, so that costs differ.
+    """
+    as_configured = {row["pressure_kPa"]: row for effect, _, rows in variants if effect == BASE for row in rows}
+    table = []
+    for effect, state, rows in variants:
+        for row in rows:
+            base = as_configured.get(row["pressure_kPa"], {})
+            other_states = None not in (row["states"], base.get("states")) and row["states"] != base["states"]
+            changes = {name: _change(row[name], base.get(name)) for name in (*COLUMNS, "cpu_seconds")}
+            ends = {"other_states": other_states, "relative_change": changes, "reason": row["reason"]}
+            table.append({"effect": effect, "state": state, **row, **ends})
+    return table
 
 
 def _change(value: float | None, reference: float | None) -> float | None:
@@ -202,26 +116,22 @@ def _change(value: float | None, reference: float | None) -> float | None:
 
 def contact_sentences(rows: Sequence[EffectRow]) -> list[str]:
     """Whether the two slopes are caused by chambers in contact, one sentence per pressure; none without both cases."""
-    by_state: dict[float, dict[str, VariantNumbers]] = {}
+    by_state: dict[float, dict[str, EffectRow]] = {}
     for row in rows:
-        if row.effect in (BASE, "self_contact") and row.numbers.alpha1_N_mm2 is not None:
-            by_state.setdefault(row.numbers.pressure_kPa, {})[row.state] = row.numbers
-    return [
-        f"{pressure:g} kPa: {_compared(states.get('on', states['']), states.get('off', states['']))}"
-        for pressure, states in by_state.items()
-        if len(states) == 2 and "" in states
-    ]
+        if row["effect"] in (BASE, "self_contact") and row["alpha1_N_mm2"] is not None:
+            by_state.setdefault(row["pressure_kPa"], {})[row["state"]] = row
+    sentences = []
+    for pressure, states in by_state.items():
+        if len(states) == 2 and "" in states:
+            touching, free = states.get("on", states[""]), states.get("off", states[""])
+            compared_slopes = f"with contact {_slopes(touching)}; without contact {_slopes(free)}"
+            what = compared_slopes if touching["contact"] else f"no walls met; {_slopes(touching)}"
+            sentences.append(f"{pressure:g} kPa: {what}")
+    return sentences
 
 
-def _compared(touching: VariantNumbers, free: VariantNumbers) -> str:
-    """The slopes with and without contact."""
-    if not touching.contact:
-        return f"no walls met; {_slopes(touching)}"
-    return f"with contact {_slopes(touching)}; without contact {_slopes(free)}"
-
-
-def _slopes(numbers: VariantNumbers) -> str:
-    if numbers.d_mm is None:
-        return f"a single line suffices, alpha = {numbers.alpha1_N_mm2:.4g} N mm2"
-    slopes = f"alpha1 = {numbers.alpha1_N_mm2:.4g}, alpha2 = {numbers.alpha2_N_mm2:.4g} N mm2"
-    return f"{slopes}, d = {numbers.d_mm:.3g} mm"
+def _slopes(row: EffectRow) -> str:
+    if row["d_mm"] is None:
+        return f"a single line suffices, alpha = {row['alpha1_N_mm2']:.4g} N mm2"
+    slopes = f"alpha1 = {row['alpha1_N_mm2']:.4g}, alpha2 = {row['alpha2_N_mm2']:.4g} N mm2"
+    return f"{slopes}, d = {row['d_mm']:.3g} mm"

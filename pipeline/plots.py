@@ -133,9 +133,10 @@ class Panel:
         traces = [trace for line in self.lines for trace in line.traces()]
         content = {"data": traces, "layout": {"xaxis": x, "yaxis": y}}
         drawn = json.dumps(content, ensure_ascii=False, allow_nan=False).replace("</", "<\\/")
+        title = f'<div class="plot-title">{escape(self.title)}</div>' if self.title else ""
         return (
-            f'<div class="plot" role="img" aria-label="{escape(self.title)}"><div class="plot-title">'
-            f'{escape(self.title)}</div><div class="plot-area"></div>'
+            f'<div class="plot" role="img" aria-label="{escape(self.title or self.y)}">{title}'
+            '<div class="plot-area"></div>'
             f'<script type="application/json">{drawn}</script></div>'
         )
 

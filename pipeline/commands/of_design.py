@@ -147,7 +147,7 @@ def effects(
         print_lines(f"table: {folder / 'effects_table.json'}")
         if table.failures:
             print_sentences(*(f"{sentence}." for sentence in table.failures))
-            missing = sum(bool(row.reason) for row in table.rows)
+            missing = sum(bool(row["reason"]) for row in table.rows)
             raise RunFailed(f"{missing} of {len(table.rows)} rows lack numbers, for the reasons above")
 
 

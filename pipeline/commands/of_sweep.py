@@ -34,7 +34,7 @@ def sweep(
             raise InputError("--scheduler: its workers are started apart; leave out --jobs and --memory")
 
         from pipeline.sweep.spec import read_sweep
-        from pipeline.sweep.study import Course, RequestedSweep, run_sweeps
+        from pipeline.sweep.study import Course, run_sweeps
         from pipeline.sweep.workers import LocalWorkers, RemoteScheduler
 
         sweeps = [read_sweep(file) for file in files]
@@ -42,10 +42,10 @@ def sweep(
         workers = local if scheduler is None else RemoteScheduler(scheduler)
         parent = out or Path("results")
         folders = [parent / sweep.name if out is None or len(sweeps) > 1 else out for sweep in sweeps]
-        requests = [RequestedSweep(sweep, folder) for sweep, folder in zip(sweeps, folders, strict=True)]
+        requests = list(zip(sweeps, folders, strict=True))
         reports = run_sweeps(requests, Course(workers, fresh, retry, print_lines))
         for report in reports:
             folder = report.directory
-            print_lines(f"{report.sentence()}; table: {folder / 'sweep.csv'}, picture: {folder / 'sweep.svg'}")
+            print_lines(f"{report.sentence()}; table: {folder / 'sweep.csv'}, picture: {folder / 'sweep.html'}")
         for report in reports:
             report.raise_if_failed()

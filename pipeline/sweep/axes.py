@@ -3,10 +3,11 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
-from math import isfinite
+from math import isfinite, prod
 from typing import Any, TypeAlias
 
 import numpy as np
+from scipy.stats import qmc
 
 from geometry.arrays import Array
 from pipeline.config.units import in_unit_of, number_and_unit
@@ -30,48 +31,16 @@ class Axis:
     settings: tuple[Setting, ...]  #: not empty; all have the same keys
     is_drawn: bool = False  #: whether its values are drawn at random
 
+    @staticmethod
+    def of(columns: Mapping[str, Sequence[Value]], *, is_drawn: bool = False) -> "Axis":
+        """From equally many values of each key."""
+        rows = zip(*columns.values(), strict=True)
+        return Axis(tuple(dict(zip(columns, row, strict=True)) for row in rows), is_drawn)
+
     @property
     def keys(self) -> tuple[str, ...]:
         """The dotted keys."""
         return tuple(self.settings[0])
-
-
-@dataclass(frozen=True)
-class _Ends:
-    """The two ends of a range, in the unit of the first."""
-
-    low: float
-    high: float
-    unit: str  #: empty for plain numbers
-    whole: bool  #: whether both ends are whole numbers without a unit
-
-    @staticmethod
-    def of(content: Mapping[str, Value]) -> "_Ends":
-        """Raises ValueError."""
-        low, high = content["from"], content["to"]
-        check_value([low, high])
-        measured = number_and_unit(low)
-        if measured:
-            number, unit = in_unit_of(low, measured[1]), measured[1]
-            return _Ends(number, in_unit_of(high, unit), unit, whole=False)
-        for end in (low, high):
-            if isinstance(end, bool) or not isinstance(end, int | float):
-                raise ValueError(f"{quoted(end)} is no end of a range; for example {{from: 8 mm, to: 16 mm}}")
-        return _Ends(float(low), float(high), "", whole=isinstance(low, int) and isinstance(high, int))
-
-    def values(self, fractions: Array) -> list[Value]:
-        """The values at fractions (n,) of the range, as they stand in YAML."""
-        numbers = [float(f"{value:.{DIGITS}g}") for value in self.low + fractions * (self.high - self.low)]
-        if self.unit:
-            return [f"{number:g} {self.unit}" for number in numbers]
-        return [int(number) if self.whole and number.is_integer() else number for number in numbers]
-
-    def drawn(self, fractions: Array) -> list[Value]:
-        """The same for a Latin hypercube, where whole numbers between the ends are equally probable."""
-        if not self.whole:
-            return self.values(fractions)
-        low, high = sorted((int(self.low), int(self.high)))
-        return [min(high, low + int(fraction * (high - low + 1))) for fraction in fractions]
 
 
 def switch_as_word(value: Value) -> Value:
@@ -85,19 +54,41 @@ def check_value(value: Value) -> None:
         raise ValueError(f"{quoted(value)} is not a finite number; give one, with its unit")
     if value is not None and not isinstance(value, str | int | float | list | Mapping):
         raise ValueError(f"'{value}' is no value of a configuration, but a date or a set; write it in quotes")
-    inside = value.values() if isinstance(value, Mapping) else value if isinstance(value, list) else ()
-    for entry in inside:
+    for entry in value.values() if isinstance(value, Mapping) else value if isinstance(value, list) else ():
         check_value(entry)
 
 
 def axis_of(content: Mapping[str, Value]) -> Axis:
     """One entry of `axes`: the keys in it change together. Raises ValueError, which names the key."""
-    columns = {str(key): _named(key, _values, entry) for key, entry in content.items()}
+    if not content:
+        raise ValueError("holds no key; for example 'geometry.wall: [1 mm, 1.5 mm]'")
+    columns = {}
+    for key, entry in content.items():
+        try:
+            columns[str(key)] = _values(entry)
+        except ValueError as refused:
+            raise ValueError(f"{key}: {refused}") from None
     lengths = {key: len(values) for key, values in columns.items()}
     if len(set(lengths.values())) > 1:
         listed = ", ".join(f"{key} has {number}" for key, number in lengths.items())
         raise ValueError(f"keys of one entry change together and need equally many values; {listed}")
-    return Axis(tuple(dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)))
+    return Axis.of(columns)
+
+
+def latin_hypercube(points: int, seed: int, ranges: Mapping[str, Value]) -> Axis:
+    """Values of all keys drawn together: each range is divided into as many equal parts as there are points, and each
+    part has one value. Raises ValueError, which names the key."""
+    fractions = qmc.LatinHypercube(len(ranges), rng=np.random.default_rng(seed)).random(points)
+
+    columns = {}
+    for (key, entry), column in zip(ranges.items(), fractions.T, strict=True):
+        try:
+            if not isinstance(entry, Mapping) or set(entry) != {"from", "to"}:
+                raise ValueError(f"{quoted(entry)} is not a range; for example {{from: 8 mm, to: 16 mm}}")
+            columns[str(key)] = _between(entry, column, is_drawn=True)
+        except ValueError as refused:
+            raise ValueError(f"{key}: {refused}") from None
+    return Axis.of(columns, is_drawn=True)
 
 
 def _values(entry: Value) -> list[Value]:
@@ -115,34 +106,29 @@ def _values(entry: Value) -> list[Value]:
     number = entry["number"]
     if isinstance(number, bool) or not isinstance(number, int) or not 2 <= number <= MOST_POINTS:
         raise ValueError(f"number: {quoted(number)} is not allowed; allowed: a whole number from 2 to {MOST_POINTS}")
-    return _Ends.of(entry).values(np.linspace(0.0, 1.0, number))
+    return _between(entry, np.linspace(0.0, 1.0, number))
 
 
-def latin_hypercube(points: int, seed: int, ranges: Mapping[str, Value]) -> Axis:
-    """Values of all keys drawn together: each range is divided into as many equal parts as there are points, and each
-    part has one value. Raises ValueError, which names the key."""
-    generator = np.random.default_rng(seed)
-    columns: dict[str, list[Value]] = {}
-    for key, entry in ranges.items():
-        ends = _named(key, _ends_only, entry)
-        fractions = (generator.permutation(points) + generator.random(points)) / points
-        columns[str(key)] = ends.drawn(fractions)
-    return Axis(
-        tuple(dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)), is_drawn=True
-    )
+def _between(entry: Mapping[str, Value], fractions: Array, *, is_drawn: bool = False) -> list[Value]:
+    """The values at fractions (n,) of a range, in the unit of its first end, as they stand in YAML.
 
-
-def _ends_only(entry: Value) -> _Ends:
-    if not isinstance(entry, Mapping) or set(entry) != {"from", "to"}:
-        raise ValueError(f"{quoted(entry)} is not a range; for example {{from: 8 mm, to: 16 mm}}")
-    return _Ends.of(entry)
-
-
-def _named(key: Value, read: Any, entry: Value) -> Any:
-    try:
-        return read(entry)
-    except ValueError as refused:
-        raise ValueError(f"{key}: {refused}") from None
+    Drawn whole numbers between two whole ends are equally probable.
+    """
+    low, high = entry["from"], entry["to"]
+    check_value([low, high])
+    if measured := number_and_unit(low):
+        unit = measured[1]
+        first, last = in_unit_of(low, unit), in_unit_of(high, unit)
+        return [f"{value:.{DIGITS}g} {unit}" for value in first + fractions * (last - first)]
+    for end in (low, high):
+        if isinstance(end, bool) or not isinstance(end, int | float):
+            raise ValueError(f"{quoted(end)} is no end of a range; for example {{from: 8 mm, to: 16 mm}}")
+    is_whole = isinstance(low, int) and isinstance(high, int)
+    if is_whole and is_drawn:
+        low, high = sorted((low, high))
+        return [min(high, low + int(fraction * (high - low + 1))) for fraction in fractions]
+    numbers = [float(f"{value:.{DIGITS}g}") for value in low + fractions * (high - low)]
+    return [int(number) if is_whole and number.is_integer() else number for number in numbers]
 
 
 def combined(axes: Sequence[Axis]) -> list[Setting]:
@@ -151,7 +137,7 @@ def combined(axes: Sequence[Axis]) -> list[Setting]:
     twice = {key for key in keys if keys.count(key) > 1}
     if twice:
         raise ValueError(f"{min(twice)} is on two axes; give it once")
-    number = int(np.prod([len(axis.settings) for axis in axes], dtype=object))
+    number = prod(len(axis.settings) for axis in axes)
     if number > MOST_POINTS:
         raise ValueError(f"the product of the axes has {number} points; allowed: at most {MOST_POINTS}")
     products = product(*(axis.settings for axis in axes))

@@ -10,13 +10,10 @@ from pipeline.identification.mesh_error import RELATIVE
 from pipeline.identification.parameters import Parameters
 from pipeline.run_report import RunReport
 from pipeline.simulation.outcome import Outcomes, Record
-from pipeline.store.json_values import Json
+from pipeline.sweep.record import Row
 from pipeline.validation.compare import Comparison
 from rod import PARAMETER_COLUMNS
 from rod.arm_law.curves import CellCurve
-
-#: the numbers of a point at one pressure by column
-Row = dict[str, Json]
 
 
 def rows_of_run(report: RunReport) -> list[Row]:

@@ -2,7 +2,6 @@
 
 import hashlib
 import re
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 from pipeline.config.config import Config
@@ -34,6 +33,10 @@ class Point:
         readable = re.sub(r"[^A-Za-z0-9.=+_-]", "", values)[:LONGEST_NAME]
         return f"{readable}_{self.config.hash[:8]}"
 
+    def work_key(self, sources_key: str, run: Run) -> str:
+        """sha256 of what decides its result: sources and packages, configuration, and what is run."""
+        return hashlib.sha256("|".join((sources_key, self.config.hash, *run)).encode()).hexdigest()
+
 
 @dataclass(frozen=True)
 class RefusedPoint:
@@ -50,7 +53,7 @@ def points_of(sweep: Sweep) -> list[Point | RefusedPoint]:
     Raises InputError where a value of an axis is refused at every point that has it, as an unknown key or a wrong unit
     is, and where no point at all is left.
     """
-    refused: dict[int, InputError] = {}
+    unchecked: dict[int, InputError] = {}
     points: list[Point | RefusedPoint] = []
     for number, setting in enumerate(sweep.settings, start=1):
         try:
@@ -59,49 +62,27 @@ def points_of(sweep: Sweep) -> list[Point | RefusedPoint]:
                 config = config_of(document)
             except InputError as failure:
                 if not isinstance(failure, ConflictError):
-                    refused[number] = failure
+                    unchecked[number] = failure
                 raise
-            _refuse_unbalanced(sweep.run, config)
+            if sweep.run == ("I",) and (reason := why_not_free(config)):
+                raise InputError(f"{reason}, and run names no other one")
             points.append(Point(number, setting, config))
         except InputError as failure:
             points.append(RefusedPoint(number, setting, "; ".join(failure.sentences)))
-    _refuse_axes(sweep, refused)
-    if not any(isinstance(point, Point) for point in points):
-        first = points[0]
-        raise InputError(f"every point of {sweep.source} is refused; the first one: {_reason(first)}")
+    _refuse_axes(sweep, unchecked)
+    refused = [point for point in points if isinstance(point, RefusedPoint)]
+    if len(refused) == len(points):
+        raise InputError(f"every point of {sweep.source} is refused; the first one: {refused[0].reason}")
     return points
 
 
-def _refuse_unbalanced(run: Run, config: Config) -> None:
-    """Raise InputError where the only experiment that is run is one that is not simulated for this configuration."""
-    if run == ("I",) and (reason := why_not_free(config)):
-        raise InputError(f"{reason}, and run names no other one")
-
-
-def _reason(point: Point | RefusedPoint) -> str:
-    return point.reason if isinstance(point, RefusedPoint) else ""
-
-
-def _refuse_axes(sweep: Sweep, refused: dict[int, InputError]) -> None:
+def _refuse_axes(sweep: Sweep, unchecked: dict[int, InputError]) -> None:
     """Raise the refusal of a value of an axis that no point can have."""
-    if not refused:
-        return
-    for axis in sweep.axes:
-        for value in axis.settings:
-            having = _numbers(sweep.settings, value)
-            if having and all(number in refused for number in having):
-                raise refused[having[0]]
-
-
-def _numbers(settings: Sequence[Setting], value: Setting) -> list[int]:
-    """The numbers of the points with this value."""
-    return [
-        number
-        for number, setting in enumerate(settings, start=1)
-        if all(setting[key] == entry for key, entry in value.items())
-    ]
-
-
-def work_key(sources_key: str, config: Config, run: Sequence[str]) -> str:
-    """sha256 of what decides the result of a point: sources and packages, configuration, and what is run."""
-    return hashlib.sha256("|".join((sources_key, config.hash, *run)).encode()).hexdigest()
+    for value in (value for axis in sweep.axes for value in axis.settings if unchecked):
+        having = [
+            number
+            for number, setting in enumerate(sweep.settings, start=1)
+            if all(setting[key] == entry for key, entry in value.items())
+        ]
+        if having and all(number in unchecked for number in having):
+            raise unchecked[having[0]]

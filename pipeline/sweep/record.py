@@ -1,19 +1,38 @@
-"""What remains of a point: how it ended, why, and its numbers; kept in its folder as sweep_point.json."""
+"""What is sent to a worker for one point, and what remains of it: how it ended, why, and its numbers.
+
+Small, for a worker reads it before the numerical libraries are loaded.
+"""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
 from typing import Any
 
-from pipeline.store.json_values import JsonObject
+from pydantic import TypeAdapter
+
+from pipeline.config.config import Config
+from pipeline.store.json_values import Json
 from pipeline.store.result_folder import ResultFolder
-from pipeline.sweep.numbers import Row
 
 FILE = "sweep_point.json"
-#: how a point ended: everything was reached; something was not; nothing was; its configuration is refused; its work
-#: was ended from outside and is done again by the same command
-FINISHED, INCOMPLETE, FAILED, REFUSED, INTERRUPTED = "finished", "incomplete", "failed", "refused", "interrupted"
-#: of a point that has not ended yet
+#: how a point ended: everything was reached; something was not; nothing was; its configuration is refused
+FINISHED, INCOMPLETE, FAILED, REFUSED = "finished", "incomplete", "failed", "refused"
+#: of a point that has not ended yet, or whose work was ended from outside; the same command does it
 WAITING = "waiting"
+
+#: the numbers of a point at one pressure by column
+Row = dict[str, Json]
+
+
+@dataclass(frozen=True)
+class PointTask:
+    """One point and what is to be done on it."""
+
+    folder: Path  #: absolute, on a file system that all workers see
+    config: Config
+    run: tuple[str, ...]  #: as in the file of the sweep
+    key: str  #: sha256 of everything that decides the result
+    sources_key: str  #: sha256 of the sources and packages alone, which the worker compares with its own
 
 
 @dataclass(frozen=True)
@@ -22,36 +41,22 @@ class PointRecord:
 
     status: str  #: one of the words above
     reason: str  #: why not everything was reached, one sentence; empty where it was
-    rows: tuple[Row, ...] = field(default=(), repr=False)  #: one per pressure
+    rows: tuple[dict[str, Any], ...] = field(default=(), repr=False)  #: `Row`, one per pressure
     seconds: float = 0.0  #: wall time on its worker
-
-    @property
-    def is_final(self) -> bool:
-        """Whether the same work would end in the same way again, so that it is not repeated."""
-        return self.status in (FINISHED, INCOMPLETE, FAILED)
 
     def save(self, folder: ResultFolder, key: str) -> None:
         """Keep it in the folder of the point. Raises OSError."""
-        content: JsonObject = {
-            "key": key,
-            "status": self.status,
-            "reason": self.reason,
-            "seconds": self.seconds,
-            "rows": self.rows,
-        }
-        folder.save_json(FILE, content)
+        folder.save_json(FILE, {"key": key, **asdict(self)})
+
+
+_RECORD = TypeAdapter(PointRecord)
 
 
 def kept_record(folder: ResultFolder, key: str) -> PointRecord | None:
     """The record of the same work that is kept in a folder; None where there is none, or one that cannot be read."""
     try:
         content = folder.read_json(FILE)
+        is_kept = isinstance(content, Mapping) and content.get("key") == key
+        return _RECORD.validate_python(content) if is_kept else None
     except (OSError, ValueError):
         return None
-    if not isinstance(content, Mapping) or content.get("key") != key:
-        return None
-    return _record(content)
-
-
-def _record(content: Mapping[str, Any]) -> PointRecord:
-    return PointRecord(content["status"], content["reason"], tuple(content["rows"]), content["seconds"])

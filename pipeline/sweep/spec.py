@@ -11,6 +11,7 @@ from pipeline.config.document import Document, read_document
 from pipeline.config.kinds import Count, CountFromZero, Name, Text, list_of
 from pipeline.config.section import Field, Kind, Section, read, section
 from pipeline.errors import InputError, quoted
+from pipeline.store.json_values import JsonObject
 from pipeline.sweep.axes import Axis, Setting, axis_of, check_value, combined, latin_hypercube
 
 #: what may be run on a point: the whole run, the arm's own law, or some of the experiments
@@ -61,9 +62,11 @@ class Sweep:
     settings: tuple[Setting, ...]  #: the values of the axes at every point
 
     @property
-    def base_hash(self) -> str:
-        """sha256 of what the base says: equal for equal keys and values, in whatever order."""
-        return hashlib.sha256(dumps(self.base_document.content, sort_keys=True, default=str).encode()).hexdigest()
+    def identity(self) -> JsonObject:
+        """What its results belong to, the axes apart. Equal keys and values of the base have equal hashes."""
+        base = dumps(self.base_document.content, sort_keys=True, default=str)
+        base_hash = hashlib.sha256(base.encode()).hexdigest()
+        return {"name": self.name, "base": str(self.base), "base_hash": base_hash, "run": self.run, "set": self.common}
 
     @property
     def keys(self) -> tuple[str, ...]:
@@ -122,25 +125,19 @@ def _axes(document: Document, content: _File) -> list[Axis]:
     axes: list[Axis] = []
     for number, entry in enumerate(content.axes):
         try:
-            if not entry:
-                raise ValueError("holds no key; for example 'geometry.wall: [1 mm, 1.5 mm]'")
             axes.append(axis_of(entry))
         except ValueError as refused:
             raise document.wrong(("axes", number), str(refused)) from None
-    cube = content.latin_hypercube
-    if cube is not None:
-        axes.append(_hypercube(document, cube))
+    if cube := content.latin_hypercube:
+        if cube.points < 1 or not cube.axes:
+            raise document.wrong(
+                ("latin_hypercube",), "holds no points; give points above 0 and at least one key in its axes"
+            )
+        try:
+            axes.append(latin_hypercube(cube.points, cube.seed, cube.axes))
+        except ValueError as refused:
+            raise document.wrong(("latin_hypercube", "axes"), str(refused)) from None
     return axes
-
-
-def _hypercube(document: Document, cube: _Hypercube) -> Axis:
-    section = "latin_hypercube"
-    if cube.points < 1 or not cube.axes:
-        raise document.wrong((section,), "holds no points; give points above 0 and at least one key in its axes")
-    try:
-        return latin_hypercube(cube.points, cube.seed, cube.axes)
-    except ValueError as refused:
-        raise document.wrong((section, "axes"), str(refused)) from None
 
 
 def document_of(sweep: Sweep, setting: Setting) -> Document:

@@ -3,9 +3,11 @@
 import json
 import shutil
 import time
+from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack, suppress
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 from pipeline.errors import InputError, RunFailed
@@ -16,24 +18,21 @@ from pipeline.store.provenance import provenance
 from pipeline.store.result_folder import ResultFolder, open_folder
 from pipeline.store.state_key import NUMBER_SOURCES, result_key
 from pipeline.store.store import locked
-from pipeline.sweep.picture import svg_picture
-from pipeline.sweep.points import Point, RefusedPoint, points_of, work_key
-from pipeline.sweep.record import FINISHED, REFUSED, WAITING, PointRecord, kept_record
-from pipeline.sweep.spec import Sweep
-from pipeline.sweep.table import TablePoint, columns_of, overview, save_table, table_rows
-from pipeline.sweep.task import PointTask
+from pipeline.sweep.page import sweep_page
+from pipeline.sweep.points import Point, RefusedPoint, points_of
+from pipeline.sweep.record import FILE, FINISHED, REFUSED, WAITING, PointRecord, PointTask, kept_record
+from pipeline.sweep.spec import Run, Sweep
+from pipeline.sweep.table import Column, SolvedPoint, save_table, table_rows
 from pipeline.sweep.workers import LocalWorkers, RemoteScheduler, connected
 
 #: the folder of the points, and the file that says what the folder is
 POINTS, RECORD = "points", "sweep.json"
-_FILES = (RECORD, "sweep.csv", "sweep.parquet", "sweep.svg")
+TABLE, PAGE = ("sweep.csv", "sweep.parquet"), "sweep.html"
 #: so many points take seconds to be checked
 MANY_POINTS = 300
 #: while points are solved the table is written again after so many seconds at least, and so many times as long as
 #: writing it takes
 PAUSE, PAUSE_OVER_WRITING = 2.0, 20.0
-#: receives sentences about the progress
-Say = Callable[[str], None]
 
 
 @dataclass(frozen=True)
@@ -43,7 +42,20 @@ class Course:
     workers: LocalWorkers | RemoteScheduler
     fresh: bool  #: whether earlier results are deleted
     retry: bool  #: whether points that were not reached are tried again
-    say: Say
+    say: Callable[[str], None]  #: receives sentences about the progress
+
+
+@dataclass(frozen=True)
+class PointSet:
+    """Points to be solved in one folder, and how their table is written."""
+
+    out: Path
+    identity: JsonObject  #: what the results in the folder belong to, the points apart; `name` is one of the keys
+    run: Run
+    points: Sequence[Point | RefusedPoint]
+    files: tuple[str, ...]  #: that `save` writes
+    #: writes what is known; the last argument says whether every point has ended
+    save: Callable[[ResultFolder, Sequence[SolvedPoint], bool], None]
 
 
 @dataclass(frozen=True)
@@ -51,12 +63,12 @@ class SweepReport:
     """The points of a sweep as far as they went; the same stands in the files of `directory`."""
 
     directory: Path
-    sweep: Sweep
-    points: tuple[TablePoint, ...]
+    points: tuple[SolvedPoint, ...]
 
     def sentence(self) -> str:
         """How many points ended in each way."""
-        return ", ".join(f"{number} {status}" for status, number in overview(self.points).items())
+        statuses = Counter(point.record.status for point in self.points)
+        return ", ".join(f"{number} {status}" for status, number in statuses.items())
 
     def raise_if_failed(self) -> None:
         """Raise RunFailed with the reason of the first point that was not finished, if there is one."""
@@ -64,98 +76,89 @@ class SweepReport:
         if others:
             first = others[0]
             raise RunFailed(
-                f"{len(others)} of {len(self.points)} points did not finish, as {self.directory / 'sweep.csv'} says; "
+                f"{len(others)} of {len(self.points)} points did not finish, as {self.directory / TABLE[0]} says; "
                 f"the first of them is point {first.number}: {first.record.reason}",
                 directory=self.directory,
             )
 
-    def record(self) -> JsonObject:
-        """The content of sweep.json."""
-        return {
-            **_identity(self.sweep),
-            **provenance(),
-            "points": [
-                {
-                    "number": point.number,
-                    "folder": point.folder,
-                    "values": point.setting,
-                    "status": point.record.status,
-                    "reason": point.record.reason,
-                    "seconds": point.record.seconds,
-                }
-                for point in self.points
-            ],
-        }
 
-
-@dataclass(frozen=True)
-class RequestedSweep:
-    """A sweep and the folder of its results."""
-
-    sweep: Sweep
-    out: Path
-
-
-def run_sweep(sweep: Sweep, out: Path, course: Course) -> SweepReport:
-    """One sweep, as `run_sweeps` solves several."""
-    (report,) = run_sweeps([RequestedSweep(sweep, out)], course)
-    return report
-
-
-def run_sweeps(requests: Sequence[RequestedSweep], course: Course) -> tuple[SweepReport, ...]:
+def run_sweeps(requests: Sequence[tuple[Sweep, Path]], course: Course) -> list[SweepReport]:
     """Solve the points of sweeps that their folders do not hold yet, all with the same workers, in the given order.
 
-    The table of a sweep is written while its points are solved, and its picture when the last one has ended. A point
-    that fails is a row with its reason. Raises InputError for a sweep that is refused, two sweeps with one folder, a
-    scheduler that cannot be reached and a folder that cannot be used, OSError where a file cannot be written, and
-    RunFailed where the scheduler ends; finished points are kept then.
+    requests: sweeps and the folders of their results. The table of a sweep is written while its points are solved, and
+    its page when the last one has ended. A point that fails is a row with its reason. Raises InputError for a sweep
+    that is refused, two sweeps with one folder, a scheduler that cannot be reached and a folder that cannot be used,
+    OSError where a file cannot be written, and RunFailed where the scheduler ends; finished points are kept then.
     """
-    folders = [request.out.resolve() for request in requests]
-    if twice := [str(request.out) for request, path in zip(requests, folders, strict=True) if folders.count(path) > 1]:
+    folders = [out.resolve() for _, out in requests]
+    if twice := [str(out) for (_, out), path in zip(requests, folders, strict=True) if folders.count(path) > 1]:
         raise InputError(f"{twice[0]}: two sweeps would write into this folder; give them different names")
-    if (number := sum(len(request.sweep.settings) for request in requests)) >= MANY_POINTS:
+    if (number := sum(len(sweep.settings) for sweep, _ in requests)) >= MANY_POINTS:
         course.say(f"{number} points are checked before the first one is solved")
-    sweeps = [_SweepInProgress(request, points_of(request.sweep)) for request in requests]
+    sets = [
+        PointSet(out, sweep.identity, sweep.run, points_of(sweep), (*TABLE, PAGE), partial(_save_sweep, sweep))
+        for sweep, out in requests
+    ]
+    solved = solve_points(sets, course)
+    return [SweepReport(out, points) for (_, out), points in zip(requests, solved, strict=True)]
+
+
+def _save_sweep(sweep: Sweep, folder: ResultFolder, points: Sequence[SolvedPoint], is_complete: bool) -> None:
+    columns = [Column.of(key, [point.setting for point in points]) for key in sweep.keys]
+    rows = table_rows(columns, points)
+    save_table(folder, rows)
+    if is_complete:
+        folder.save_text(PAGE, sweep_page(sweep.name, sweep.run, sweep.axes, columns, rows))
+
+
+def solve_points(sets: Sequence[PointSet], course: Course) -> list[tuple[SolvedPoint, ...]]:
+    """Solve the points that the folders do not hold yet; of each set the points as far as they went. Raises as
+    `run_sweeps`."""
+    own = [_SetInProgress(points) for points in sets]
     with ExitStack() as locks:
-        for own in sweeps:
-            locks.enter_context(locked(own.folder.directory))
-            own.begin(course)
-        _solve(sweeps, course)
-    return tuple(own.report for own in sweeps)
+        for each in own:
+            locks.enter_context(locked(each.folder.directory))
+            each.begin(course)
+        _solve(own, course)
+    return [each.solved for each in own]
 
 
-class _SweepInProgress:
-    """One sweep on its way: its tasks, and the records that are known."""
+class _SetInProgress:
+    """One set of points on its way: its tasks, and the records that are known."""
 
-    def __init__(self, request: RequestedSweep, points: Sequence[Point | RefusedPoint]) -> None:
-        self.sweep = request.sweep
-        self.points = points
-        self.folder = open_folder(request.out)
-        self.tasks = _tasks(request.sweep, points, self.folder)
+    def __init__(self, points: PointSet) -> None:
+        self.set = points
+        self.folder = open_folder(points.out)
+        sources_key, home = result_key("", NUMBER_SOURCES), self.folder.directory.resolve() / POINTS
+        accepted = {point.name: point for point in points.points if isinstance(point, Point)}  # equal ones share a task
+        self.tasks = {
+            name: PointTask(home / name, point.config, points.run, point.work_key(sources_key, points.run), sources_key)
+            for name, point in accepted.items()
+        }
         self.records: dict[str, PointRecord] = {}
         self._next_save = 0.0  #: when the table may be written again, s
 
     def begin(self, course: Course) -> None:
-        """Clear what is left of interrupted writing and of earlier sweeps, and read the records that are kept.
+        """Clear what is left of interrupted writing, and read the records that are kept.
 
-        The table and the picture of an earlier call are removed. Raises InputError where the folder holds another
-        sweep.
+        The files of an earlier call are removed. Raises InputError where the folder holds another sweep.
         """
         directory = self.folder.directory
         of_points = (directory / POINTS).rglob("*")  # other folders below may belong to a run at work
         remove_parts([directory, *filter(Path.is_dir, of_points)])
-        if course.fresh:
-            _clear(self.folder)
+        if course.fresh and (directory / RECORD).is_file():
+            (directory / RECORD).unlink()
+            shutil.rmtree(directory / POINTS, ignore_errors=True)
         self._refuse_other()
-        for name in _FILES:
+        for name in self.set.files:
             (directory / name).unlink(missing_ok=True)
-        self.folder.save_json(RECORD, _identity(self.sweep))
+        self.folder.save_json(RECORD, self.set.identity)
         for name, task in self.tasks.items():
             kept = kept_record(ResultFolder(task.folder), task.key)
             if kept is not None and (kept.status == FINISHED or not course.retry):
                 self.records[name] = kept
             elif course.retry:
-                (task.folder / "sweep_point.json").unlink(missing_ok=True)
+                (task.folder / FILE).unlink(missing_ok=True)
 
     def _refuse_other(self) -> None:
         """Raise InputError where the folder holds a sweep that differs in more than its axes."""
@@ -163,28 +166,17 @@ class _SweepInProgress:
             record = self.folder.read_json(RECORD)
         except ValueError:  # it was not written to its end
             return
-        if not isinstance(record, Mapping):
+        own = json.loads(json.dumps(self.set.identity))
+        kept = record if isinstance(record, Mapping) else {}
+        unlike = [key.removesuffix("_hash") for key in own if key != "base" and key in kept and kept[key] != own[key]]
+        if not unlike:
             return
-        remedy = "give another --out, or --fresh to replace them"
-        name, own = record.get("name"), _identity(self.sweep)
-        if name not in (None, self.sweep.name):
-            raise InputError(
-                f"--out {self.folder.directory}: holds the results of the sweep '{name}', not of '{self.sweep.name}'; "
-                f"{remedy}"
-            )
-        keys = {"base_hash": "base", "run": "run", "set": "set"}
-        unlike = [shown for key, shown in keys.items() if key in record and record[key] != own[key]]
-        if unlike:
-            raise InputError(
-                f"--out {self.folder.directory}: holds the results of the sweep '{name}' with another "
-                f"{' and '.join(unlike)}; {remedy}"
-            )
-
-    def count(self) -> tuple[int, int, int]:
-        """How many points are refused, kept from earlier, and still to be solved."""
-        names = [point.name for point in self.points if isinstance(point, Point)]
-        kept = sum(name in self.records for name in names)
-        return len(self.points) - len(names), kept, len(names) - kept
+        name = f"the sweep '{kept['name']}'"
+        other = f", not of '{own['name']}'" if "name" in unlike else f" with another {' and '.join(unlike)}"
+        raise InputError(
+            f"--out {self.folder.directory}: holds the results of {name}{other}; give another --out, or --fresh to "
+            "replace them"
+        )
 
     @property
     def missing(self) -> list[PointTask]:
@@ -192,100 +184,74 @@ class _SweepInProgress:
         return [task for name, task in self.tasks.items() if name not in self.records]
 
     @property
-    def report(self) -> SweepReport:
+    def solved(self) -> tuple[SolvedPoint, ...]:
         """All points; those without a record are waiting."""
-        points = tuple(_table_point(point, self.records) for point in self.points)
-        return SweepReport(self.folder.directory, self.sweep, points)
-
-    def save_so_far(self, *, now: bool = False) -> None:
-        """Write the table and sweep.json with what is known, unless they were written a moment ago. Raises OSError."""
-        begin = time.monotonic()
-        if now or begin >= self._next_save:
-            report = self.report
-            save_table(self.folder, table_rows(columns_of(self.sweep.keys, report.points), report.points))
-            self.folder.save_json(RECORD, report.record())
-            end = time.monotonic()
-            self._next_save = end + max(PAUSE, PAUSE_OVER_WRITING * (end - begin))
-
-    def save(self) -> None:
-        """Write the table, the picture and sweep.json. Raises OSError."""
-        report = self.report
-        columns = columns_of(self.sweep.keys, report.points)
-        rows = table_rows(columns, report.points)
-        save_table(self.folder, rows)
-        picture = svg_picture(self.sweep.name, self.sweep.run, self.sweep.axes, columns, rows)
-        self.folder.save_text("sweep.svg", picture)
-        self.folder.save_json(RECORD, report.record())
-
-
-def _tasks(sweep: Sweep, points: Sequence[Point | RefusedPoint], folder: ResultFolder) -> dict[str, PointTask]:
-    """The work by the name of its folder; points with equal values share it."""
-    sources_key = result_key("", NUMBER_SOURCES)
-    home = folder.directory.resolve() / POINTS
-    accepted = {point.name: point for point in points if isinstance(point, Point)}
-    return {
-        name: PointTask(
-            home / name, point.config, sweep.run, work_key(sources_key, point.config, sweep.run), sources_key
+        return tuple(
+            SolvedPoint(point.number, "", point.setting, PointRecord(REFUSED, point.reason))
+            if isinstance(point, RefusedPoint)
+            else SolvedPoint(
+                point.number,
+                f"{POINTS}/{point.name}",
+                point.setting,
+                self.records.get(point.name, PointRecord(WAITING, "")),
+            )
+            for point in self.set.points
         )
-        for name, point in accepted.items()
-    }
+
+    def save(self, *, now: bool = False) -> None:
+        """Write what is known, unless it was written a moment ago and points are missing. Raises OSError."""
+        begin = time.monotonic()
+        if not now and self.missing and begin < self._next_save:
+            return
+        solved = self.solved
+        self.set.save(self.folder, solved, not self.missing)
+        points: list[JsonObject] = [
+            {
+                "number": point.number,
+                "folder": point.folder,
+                "values": point.setting,
+                "status": point.record.status,
+                "reason": point.record.reason,
+                "seconds": point.record.seconds,
+            }
+            for point in solved
+        ]
+        self.folder.save_json(RECORD, {**self.set.identity, **provenance(), "points": points})
+        end = time.monotonic()
+        self._next_save = end + max(PAUSE, PAUSE_OVER_WRITING * (end - begin))
 
 
-def _solve(sweeps: Sequence[_SweepInProgress], course: Course) -> None:
-    """Complete the records of all sweeps, and write what belongs to a sweep as soon as its records are complete."""
-    owners = {task.folder: own for own in sweeps for task in own.missing}
-    counts = tuple(map(sum, zip(*(own.count() for own in sweeps), strict=True)))
-    course.say("{} points: {} refused, {} kept from earlier, {} to be solved".format(sum(counts), *counts))
-    for own in sweeps:
-        if own.missing:
-            own.save_so_far(now=True)
-        else:
-            own.save()
-    if not owners:
+def _solve(sets: Sequence[_SetInProgress], course: Course) -> None:
+    """Complete the records of all sets, and write what belongs to a set as soon as its records are complete."""
+    missing = [task for own in sets for task in own.missing]
+    points = [point for own in sets for point in own.solved]
+    refused = sum(point.record.status == REFUSED for point in points)
+    left = sum(point.record.status == WAITING for point in points)
+    kept = len(points) - refused - left
+    course.say(f"{len(points)} points: {refused} refused, {kept} kept from earlier, {left} to be solved")
+    for own in sets:
+        own.save(now=True)
+    if not missing:
         return
+    owners = {task.folder: own for own in sets for task in own.missing}
     try:
         with connected(course.workers) as workers:
             course.say(workers.sentence)
             begin, spent = time.monotonic(), []
-            missing = [task for own in sweeps for task in own.missing]
             for ended, (task, record) in enumerate(workers.records(missing), start=1):
                 own = owners[task.folder]
                 own.records[task.folder.name] = record
                 spent += [record.seconds] if record.seconds else []
-                elapsed = time.monotonic() - begin
-                left = remaining_of_points(spent, len(missing) - ended, workers.number(), elapsed)
+                remaining = len(missing) - ended
+                seconds = remaining_of_points(spent, remaining, workers.number(), time.monotonic() - begin)
                 reason = f": {record.reason}" if record.reason else ""
-                sentence = f"{task.folder.name} {record.status} after {duration(record.seconds)}{reason}"
-                after = "" if left is None else f"; about {duration(left)} left"
-                course.say(f"{ended} of {len(missing)}: {sentence}{after}")
-                if own.missing:
-                    own.save_so_far()
-                else:
-                    own.save()
+                after = "" if seconds is None else f"; about {duration(seconds)} left"
+                sentence = f"{task.folder.name} {record.status} after {duration(record.seconds)}{reason}{after}"
+                course.say(f"{ended} of {len(missing)}: {sentence}")
+                own.save()
     except BaseException:
-        for own in sweeps:
+        for own in sets:
             if own.missing:
                 with suppress(OSError):  # it may be the reason
-                    own.save_so_far(now=True)
+                    own.save(now=True)
         raise
-
-
-def _table_point(point: Point | RefusedPoint, records: Mapping[str, PointRecord]) -> TablePoint:
-    if isinstance(point, RefusedPoint):
-        return TablePoint(point.number, "", point.setting, PointRecord(REFUSED, point.reason))
-    record = records.get(point.name, PointRecord(WAITING, ""))
-    return TablePoint(point.number, f"{POINTS}/{point.name}", point.setting, record)
-
-
-def _identity(sweep: Sweep) -> JsonObject:
-    """What the results in a folder belong to, the axes apart, as in sweep.json."""
-    same: JsonObject = json.loads(json.dumps({"run": sweep.run, "set": sweep.common}))
-    return {"name": sweep.name, "base": str(sweep.base), "base_hash": sweep.base_hash, **same}
-
-
-def _clear(folder: ResultFolder) -> None:
-    """Remove what an earlier sweep left, and nothing else."""
-    if (folder.directory / RECORD).is_file():
-        for name in _FILES:
-            (folder.directory / name).unlink(missing_ok=True)
-        shutil.rmtree(folder.directory / POINTS, ignore_errors=True)

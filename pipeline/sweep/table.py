@@ -1,7 +1,7 @@
 """The table of a sweep: a row per point and pressure, units in the names of the columns. The only door to pyarrow."""
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,13 +12,12 @@ from pipeline.config.units import in_unit_of, number_and_unit
 from pipeline.store.atomic_file import replacing
 from pipeline.store.result_folder import ResultFolder
 from pipeline.sweep.axes import Setting, switch_as_word
-from pipeline.sweep.numbers import Row
-from pipeline.sweep.record import PointRecord
+from pipeline.sweep.record import PointRecord, Row
 
 
 @dataclass(frozen=True)
-class TablePoint:
-    """A point with what the table says of it."""
+class SolvedPoint:
+    """A point with what is known of it."""
 
     number: int
     folder: str  #: relative to that of the sweep; empty for a refused point
@@ -31,7 +30,6 @@ class Column:
     """The values of a key of the axes, as numbers in one unit where they are."""
 
     key: str
-    name: str  #: the key with the unit
     unit: str  #: that of its first value; empty without one
 
     @staticmethod
@@ -44,24 +42,22 @@ class Column:
                 in_unit_of(setting[key], unit)
         except ValueError:
             unit = ""
-        return Column(key, f"{key}_{unit}" if unit else key, unit)
+        return Column(key, unit)
+
+    @property
+    def name(self) -> str:
+        """The key with the unit."""
+        return f"{self.key}_{self.unit}" if self.unit else self.key
 
     def cell(self, setting: Setting) -> float | int | str:
         """The value at one point."""
         value = switch_as_word(setting[self.key])
         if self.unit:
             return in_unit_of(value, self.unit)
-        if isinstance(value, int | float):
-            return value
-        return value if isinstance(value, str) else json.dumps(value)
+        return value if isinstance(value, int | float | str) else json.dumps(value)
 
 
-def columns_of(keys: Sequence[str], points: Sequence[TablePoint]) -> tuple[Column, ...]:
-    """The columns of the axes."""
-    return tuple(Column.of(key, [point.setting for point in points]) for key in keys)
-
-
-def table_rows(columns: Sequence[Column], points: Sequence[TablePoint]) -> list[Row]:
+def table_rows(columns: Sequence[Column], points: Sequence[SolvedPoint]) -> list[Row]:
     """One row per point and pressure, and one for a point without numbers; all have the same columns."""
     rows: list[Row] = []
     for point in points:
@@ -90,9 +86,3 @@ def _array(values: Sequence[Any]) -> Any:
     if any(isinstance(value, str) for value in there):
         return pyarrow.array([None if value is None else str(value) for value in values])
     return pyarrow.array(values)
-
-
-def overview(points: Sequence[TablePoint]) -> Mapping[str, int]:
-    """How many points ended in each way."""
-    statuses = [point.record.status for point in points]
-    return {status: statuses.count(status) for status in dict.fromkeys(statuses)}

@@ -11,6 +11,7 @@ from time import perf_counter
 
 from pipeline.cell.study import measure_law
 from pipeline.context import RunContext
+from pipeline.effects_rows import EFFECTS_RUN, solve_variant
 from pipeline.errors import InputError, RunFailed
 from pipeline.progress import Silent
 from pipeline.run import run
@@ -20,16 +21,27 @@ from pipeline.store.formats import CURVE_COLUMNS
 from pipeline.store.result_folder import ResultFolder, open_folder
 from pipeline.store.state_key import NUMBER_SOURCES, result_key
 from pipeline.store.store import locked, open_store
-from pipeline.sweep.numbers import Row, rows_of_experiments, rows_of_law, rows_of_run
-from pipeline.sweep.record import FAILED, FINISHED, INCOMPLETE, INTERRUPTED, REFUSED, PointRecord, kept_record
+from pipeline.sweep.numbers import rows_of_experiments, rows_of_law, rows_of_run
+from pipeline.sweep.record import (
+    FAILED,
+    FINISHED,
+    INCOMPLETE,
+    REFUSED,
+    WAITING,
+    PointRecord,
+    PointTask,
+    Row,
+    kept_record,
+)
 from pipeline.sweep.spec import CELL, WHOLE
-from pipeline.sweep.task import PointTask
 from pipeline.validation.compare import curve_rows
 
 #: seconds that a point waits for the end of a run in its folder, such as that of a worker that is being killed
 PATIENCE = 60.0
 #: a process works on one point at a time, however many threads its worker has
 _ONE_POINT = threading.Lock()
+#: rows of the table, and a sentence for everything that was not reached
+Worked = tuple[Sequence[Row], Sequence[str]]
 
 
 def work_on(task: PointTask) -> PointRecord:
@@ -44,10 +56,10 @@ def work_on(task: PointTask) -> PointRecord:
         if kept is not None:
             return kept
         if result_key("", NUMBER_SOURCES) != task.sources_key:
-            return PointRecord(INTERRUPTED, "its worker has another version of pneurod or of a package")
+            return PointRecord(WAITING, "its worker has another version of pneurod or of a package")
         begin = perf_counter()
         record = replace(_ended(task, folder), seconds=perf_counter() - begin)
-        if record.is_final:
+        if record.status in (FINISHED, INCOMPLETE, FAILED):  # the same work would end in the same way again
             record.save(folder, task.key)
         return kept_record(folder, task.key) or record
 
@@ -73,9 +85,7 @@ def _ended(task: PointTask, folder: ResultFolder) -> PointRecord:
     except RunFailed as failed:
         return PointRecord(FAILED, str(failed))
     except MemoryError:
-        return PointRecord(
-            INTERRUPTED, "the memory of its worker did not suffice; give fewer --jobs, or a coarser mesh"
-        )
+        return PointRecord(WAITING, "the memory of its worker did not suffice; give fewer --jobs, or a coarser mesh")
     except OSError:
         raise
     except Exception as error:
@@ -84,17 +94,22 @@ def _ended(task: PointTask, folder: ResultFolder) -> PointRecord:
     return PointRecord(INCOMPLETE if failures else FINISHED, "; ".join(failures), tuple(rows))
 
 
-def _whole(task: PointTask) -> tuple[Sequence[Row], Sequence[str]]:
+def _whole(task: PointTask) -> Worked:
     report = run(task.config, task.folder, 1, False, Silent())
     return rows_of_run(report), report.failures
 
 
-def _cell(task: PointTask) -> tuple[Sequence[Row], Sequence[str]]:
+def _cell(task: PointTask) -> Worked:
     report = measure_law(task.config, task.folder, 1, False, Silent())
     return rows_of_law(task.config, report.measured), report.measured.failures
 
 
-def _experiments(task: PointTask) -> tuple[Sequence[Row], Sequence[str]]:
+def _effects(task: PointTask) -> Worked:
+    with open_store(task.folder, task.config) as store:
+        return solve_variant(task.config, RunContext.alone(store, Silent()))
+
+
+def _experiments(task: PointTask) -> Worked:
     """The experiments alone: their states, experiments.json and curves.csv."""
     config = task.config
     with open_store(task.folder, config) as store:
@@ -106,8 +121,9 @@ def _experiments(task: PointTask) -> tuple[Sequence[Row], Sequence[str]]:
     return rows_of_experiments(config, outcomes, remark), outcomes.failures
 
 
-#: what is run -> the rows of the table and a sentence for everything that was not reached; else experiments
-_WORK: dict[tuple[str, ...], Callable[[PointTask], tuple[Sequence[Row], Sequence[str]]]] = {
+#: what is run; else experiments
+_WORK: dict[tuple[str, ...], Callable[[PointTask], Worked]] = {
     (WHOLE,): _whole,
     (CELL,): _cell,
+    EFFECTS_RUN: _effects,
 }

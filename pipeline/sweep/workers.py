@@ -1,6 +1,7 @@
 """Workers for the points of a sweep: processes on this machine, or those of a Dask scheduler. The only door to Dask."""
 
 import logging
+import os
 from collections.abc import Iterator, Sequence
 from concurrent.futures import CancelledError
 from contextlib import AbstractContextManager, contextmanager, suppress
@@ -15,11 +16,16 @@ from distributed.system import MEMORY_LIMIT
 
 from pipeline.errors import InputError, RunFailed
 from pipeline.processes import KEPT_MEMORY, THREADS
-from pipeline.sweep.record import INTERRUPTED, PointRecord
-from pipeline.sweep.task import PointTask, solve
+from pipeline.sweep.record import WAITING, PointRecord, PointTask
 
 Resource = TypeVar("Resource")
 
+#: loaded by every local worker in its main thread as it starts: interrupts are left to the main process
+_PRELOAD = """from pipeline.processes import ignore_interrupts
+
+def dask_setup(worker):
+    ignore_interrupts()
+"""
 #: settings of Dask for local workers: a worker gets its next point when it is free, not one ahead of time, and is not
 #: interrupted a hundred times a second to see what it does. It holds no data of Dask that could be written to disk, and
 #: one that paused until its memory is free again would pause for ever
@@ -28,7 +34,7 @@ _SETTINGS = {
     "distributed.scheduler.worker-saturation": 1.0,
     "distributed.worker.profile.enabled": False,
     **dict.fromkeys((f"distributed.worker.memory.{name}" for name in ("target", "spill", "pause")), False),
-    "distributed.worker.preload": ["pipeline.sweep.preload"],
+    "distributed.worker.preload": [_PRELOAD],
 }
 #: first part of the keys of all tasks
 GROUP = "point"
@@ -77,6 +83,15 @@ class RemoteScheduler:
     """A Dask scheduler with workers of its own."""
 
     address: str
+
+
+def solve(task: PointTask) -> PointRecord:
+    """The record of a point; runs on a worker. Raises OSError where the folder cannot be written."""
+    os.environ.update(dict.fromkeys(THREADS, "1"))  # read by the libraries when they are loaded
+
+    from pipeline.sweep.work import work_on
+
+    return work_on(task)
 
 
 @dataclass(frozen=True)
@@ -174,7 +189,7 @@ def _record(future: Future) -> PointRecord:
         record: PointRecord = future.result()
     except KilledWorker:
         return PointRecord(
-            INTERRUPTED,
+            WAITING,
             "its workers were ended from outside again and again, as happens when memory runs out; the same command "
             "continues this point",
         )

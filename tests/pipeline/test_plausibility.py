@@ -788,7 +788,7 @@ def test_every_command_that_solves_tells_of_pressures_in_another_unit(
     def begins(*given: Any) -> None:
         raise Begun
 
-    for name in ("effects_study.compare_effects", "accuracy.study.run_study", "cell.study.measure_law"):
+    for name in ("effects_study.compare_effects", "accuracy.run.run_study", "cell.study.measure_law"):
         monkeypatch.setattr(f"pipeline.{name}", begins)
     result = CliRunner().invoke(
         app, [command, str(CONFIGS / "pneunet_coarse.yaml"), "--set", "pressures=[0.37 MPa]", "--out", str(tmp_path)]

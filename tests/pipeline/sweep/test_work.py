@@ -11,9 +11,8 @@ from pipeline.store.result_folder import ResultFolder
 from pipeline.store.state_key import NUMBER_SOURCES, result_key
 from pipeline.store.store import locked
 from pipeline.sweep import work
-from pipeline.sweep.points import work_key
-from pipeline.sweep.record import kept_record
-from pipeline.sweep.task import PointTask
+from pipeline.sweep.points import Point
+from pipeline.sweep.record import PointTask, kept_record
 from pipeline.sweep.work import work_on
 
 BASE = """
@@ -31,7 +30,7 @@ def task_of(tmp_path: Path, run: tuple[str, ...], *settings: str) -> PointTask:
     path.write_text(BASE, encoding="utf-8")
     config = load_config(path, settings)
     sources_key = result_key("", NUMBER_SOURCES)
-    return PointTask(tmp_path / "point", config, run, work_key(sources_key, config, run), sources_key)
+    return PointTask(tmp_path / "point", config, run, Point(1, {}, config).work_key(sources_key, run), sources_key)
 
 
 def test_a_whole_run_has_states_parameters_and_errors_of_the_rod_in_its_row(tmp_path: Path) -> None:
@@ -123,11 +122,11 @@ def test_a_folder_in_use_and_memory_that_runs_out_are_tried_again_by_the_next_sw
     with locked(task.folder):
         assert "another run is at work in it" in work_on(task).reason
     monkeypatch.setattr(work, "_experiments", failing(MemoryError()))
-    assert work_on(task).status == "interrupted"
+    assert work_on(task).status == "waiting"
     assert kept_record(ResultFolder(task.folder), task.key) is None
 
 
 def test_a_worker_with_other_sources_does_no_work(tmp_path: Path) -> None:
     task = task_of(tmp_path, ("III",))
     other = PointTask(task.folder, task.config, task.run, task.key, "0" * 64)
-    assert work_on(other).status == "interrupted"
+    assert work_on(other).status == "waiting"

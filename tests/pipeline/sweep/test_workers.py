@@ -17,10 +17,9 @@ import pytest
 from pipeline.errors import InputError
 from pipeline.remaining_time import remaining_of_points
 from pipeline.sweep import study, workers
-from pipeline.sweep.record import PointRecord
+from pipeline.sweep.record import PointRecord, PointTask
 from pipeline.sweep.spec import Sweep, read_sweep
-from pipeline.sweep.study import Course, RequestedSweep, SweepReport, run_sweep, run_sweeps
-from pipeline.sweep.task import PointTask
+from pipeline.sweep.study import Course, SweepReport, run_sweeps
 from pipeline.sweep.workers import LocalWorkers, RemoteScheduler, closed_after
 
 HERE = Path(__file__).resolve().parent.parent.parent.parent
@@ -55,7 +54,8 @@ def sweep(file: Path) -> Sweep:
 
 
 def solved(sweep: Sweep, out: Path, on: LocalWorkers | RemoteScheduler, lines: list[str] | None = None) -> SweepReport:
-    return run_sweep(sweep, out, Course(on, False, False, (lines if lines is not None else []).append))
+    [report] = run_sweeps([(sweep, out)], Course(on, False, False, (lines if lines is not None else []).append))
+    return report
 
 
 @pytest.fixture(scope="module")
@@ -66,7 +66,7 @@ def results(sweep: Sweep, tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def table(out: Path) -> bytes:
-    return (out / "sweep.csv").read_bytes() + (out / "sweep.parquet").read_bytes() + (out / "sweep.svg").read_bytes()
+    return (out / "sweep.csv").read_bytes() + (out / "sweep.parquet").read_bytes() + (out / "sweep.html").read_bytes()
 
 
 def test_every_point_is_a_row_per_pressure_and_a_refused_one_a_row_with_its_reason(results: Path) -> None:
@@ -106,7 +106,7 @@ def test_several_sweeps_share_the_workers_and_each_has_its_table(
     text = SWEEP.replace("[1 mm, 4.5 mm] ", "[1 mm] ").replace("tiny_walls", "other")
     file.with_name("other.yaml").write_text(text, encoding="utf-8")
     other = read_sweep(file.with_name("other.yaml"))
-    requests = [RequestedSweep(sweep, tmp_path / "first"), RequestedSweep(other, tmp_path / "second")]
+    requests = [(sweep, tmp_path / "first"), (other, tmp_path / "second")]
     lines: list[str] = []
     reports = run_sweeps(requests, Course(LocalWorkers.of(2, "4 GB"), False, False, lines.append))
     assert table(tmp_path / "first") == table(results)
@@ -181,7 +181,7 @@ def test_an_interrupted_sweep_leaves_a_table_of_its_own(
     ]
     points = json.loads((out / "sweep.json").read_text())["points"]
     assert [point["status"] for point in points] == ["finished", "finished", "finished", "waiting"]
-    assert not (out / "sweep.svg").exists()
+    assert not (out / "sweep.html").exists()
     assert lines[-1].endswith("finished after 3.0 s; about 3.0 s left")
 
 
