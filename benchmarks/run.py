@@ -21,8 +21,11 @@ import tempfile
 import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
+
+import psutil
 
 HERE = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(HERE))
@@ -90,12 +93,10 @@ def main() -> int:
 
 def state_of_machine(busy_ok: bool) -> str:
     """What others do on it, in words; the program ends where that is too much."""
-    mean, before = os.getloadavg()[0], load.now()
-    time.sleep(load.SAMPLE)
-    busy = load.busy_cores(before, load.now())
+    busy = load.busy_cores()
     if busy > load.MAX_BUSY and not busy_ok:
-        sys.exit(f"others use {busy:.2f} of {before.cores} cores; wait until they have ended, or give --busy-ok")
-    return f"load average {mean:.2f}, others use {busy:.2f} of {before.cores} cores"
+        sys.exit(f"others use {busy:.2f} cores; wait until they have ended, or give --busy-ok")
+    return f"others use {busy:.2f} of {os.cpu_count()} cores"
 
 
 def measured(checkout: Path, arguments: Sequence[str], out: Path) -> Spent:
@@ -106,7 +107,7 @@ def measured(checkout: Path, arguments: Sequence[str], out: Path) -> Spent:
     with (out.with_suffix(".log")).open("wb") as log:
         process = subprocess.Popen(command, cwd=checkout, env=environment, stdout=log, stderr=log)
     largest: list[float] = [0.0]
-    watcher = threading.Thread(target=watch, args=(process.pid, largest), daemon=True)
+    watcher = threading.Thread(target=watch, args=(psutil.Process(process.pid), largest), daemon=True)
     watcher.start()
     _, status, usage = os.wait4(process.pid, 0)
     wall = time.perf_counter() - begin
@@ -119,29 +120,16 @@ def measured(checkout: Path, arguments: Sequence[str], out: Path) -> Spent:
     return Spent(wall, usage.ru_utime + usage.ru_stime, largest[0], usage.ru_minflt, stages)
 
 
-def watch(process: int, largest: list[float]) -> None:
-    """Keep the largest memory of a process and its children, MB, until it ends."""
-    while (memory := sum(map(proportional_memory, [process, *children(process)]))) > 0.0:
-        largest[0] = max(largest[0], memory)
-        time.sleep(INTERVAL)
-
-
-def children(process: int) -> Iterator[int]:
-    """Of all its threads."""
-    for file in Path(f"/proc/{process}/task").glob("*/children"):
-        try:
-            yield from map(int, file.read_text(encoding="ascii").split())
-        except OSError:  # the thread has ended
-            continue
-
-
-def proportional_memory(process: int) -> float:
-    """MB, shared pages divided by the number of processes; 0 for one that has ended."""
-    try:
-        lines = Path(f"/proc/{process}/smaps_rollup").read_text(encoding="ascii").splitlines()
-    except OSError:
-        return 0.0
-    return sum(float(line.split()[1]) / 1024.0 for line in lines if line.startswith("Pss:"))
+def watch(process: psutil.Process, largest: list[float]) -> None:
+    """Keep the largest memory of a process and its children, MB, shared pages counted once, until it ends."""
+    with suppress(psutil.NoSuchProcess):
+        while process.status() != psutil.STATUS_ZOMBIE:
+            memory = 0.0
+            for each in [process, *process.children(recursive=True)]:
+                with suppress(psutil.NoSuchProcess, psutil.AccessDenied):  # it has ended
+                    memory += each.memory_full_info().pss / 2**20
+            largest[0] = max(largest[0], memory)
+            time.sleep(INTERVAL)
 
 
 def table(other: Sequence[Spent], this: Sequence[Spent]) -> Iterator[str]:

@@ -4,8 +4,8 @@
     python -m benchmarks.paper results/paper_coarse
 
 Reads the sweeps below the given folder and writes there estimates.csv, scan.csv, the figures, and the claims as
-paper.md and paper.json. What was not reached is listed, and a figure or a
-claim whose sweep is missing is left out or says so.
+paper.md and paper.json. What was not reached is listed, and a figure or a claim whose sweep is missing is left out or
+says so.
 """
 
 import argparse
@@ -104,13 +104,7 @@ def main() -> None:
     write(options.folder / "estimates.csv", [e for estimates in data.estimates.values() for e in estimates])
     write(options.folder / "scan.csv", scan(data.states("pneunet", "svk", ARMS[0])))
     drawn = [] if options.no_figures else draw(data, options.folder)
-    record = {
-        "provenance": provenance(data),
-        "claims": [claim.record() for claim in claims(data)],
-        "unreached": data.unreached(),
-        "figures": [[name, title] for name, title in drawn],
-    }
-    write_page(options.folder, record)
+    write_page(options.folder, provenance(data), claims(data), data.unreached(), drawn)
     sys.stdout.write(f"written: {options.folder / 'paper.md'}\n")
 
 

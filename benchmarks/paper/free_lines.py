@@ -52,10 +52,8 @@ class FreeLines:
     law: TwoSlopes
     r2: float  #: fraction of the variance of M that the two lines explain
     single_alpha: float  #: N mm2
-    single_m0: float  #: N mm
     single_r2: float
     points: Array  #: (n, 3) columns s (mm), Delta (1/mm), M (N mm)
-    profile: Array  #: (k, 2) columns d (mm) and r2
     length_scale: float | None = None  #: mm, of the process
     noise: tuple[float, float] | None = None  #: mm, standard deviation of its white noise without and with load
 
@@ -220,12 +218,11 @@ def _free_lines(s: Array, delta: Array, moment: Array, breaks: tuple[float, floa
     r2 = np.array([1.0 - sum(line[2] for line in pair) / spread for pair in pairs])
     best = int(np.argmax(r2))
     (alpha1, m01, _), (alpha2, m02, _) = pairs[best]
-    alpha, m0, rest = _line(delta, moment)
-    points, profile = np.column_stack([s, delta, moment]), np.column_stack([candidates, r2])
-    for array in (points, profile):
-        array.setflags(write=False)
+    alpha, _, rest = _line(delta, moment)
+    points = np.column_stack([s, delta, moment])
+    points.setflags(write=False)
     law = TwoSlopes(alpha1, alpha2, m01, m02, float(candidates[best]))
-    return FreeLines(law, float(r2[best]), alpha, m0, 1.0 - rest / spread, points, profile)
+    return FreeLines(law, float(r2[best]), alpha, 1.0 - rest / spread, points)
 
 
 def _line(delta: Array, moment: Array) -> tuple[float, float, float]:

@@ -98,18 +98,6 @@ class Claim:
         }
 
 
-def claim_from_record(record: dict[str, Any]) -> Claim:
-    """The claim of a record."""
-    readings = tuple(_reading(entry) for entry in record["readings"])
-    return Claim(record["number"], record["says"], readings, record["why"], record["missing"])
-
-
-def _reading(entry: dict[str, Any]) -> Reading:
-    numbers = {name: math.nan if entry[name] is None else entry[name] for name in ("value", "low", "high")}
-    required = None if entry["required"] is None else (entry["required"][0], entry["required"][1])
-    return Reading(**{**entry, **numbers, "required": required})
-
-
 def _or_none(value: float) -> float | None:
     return None if math.isnan(value) else value
 

@@ -33,7 +33,7 @@ def runs_of_rounds(rounds: int, python: str) -> tuple[list[Run], dict[str, str]]
     measured(PEERS[0], "four", sys.executable, 0)  # not counted: compiles the kernels
     for number in range(1, rounds + 1):
         try:
-            busy = load.measured()
+            busy = load.check_load()
         except load.Busy as reason:
             say(f"round {number} is not run: {reason}")
             break

@@ -144,28 +144,13 @@ def test_threads_that_compute_are_counted() -> None:
     assert thread_seconds() == {} or max(thread_seconds().values()) > 0.0
 
 
-STAT = "cpu  {busy} 0 0 {idle} {waiting} 0 0 0 0 0\ncpu0 1 0 0 1 0 0 0 0 0 0\ncpu1 1 0 0 1 0 0 0 0 0 0\nintr 5\n"
-
-
-def test_cores_in_use_are_those_that_do_not_idle() -> None:
-    before = load.Ticks.read(STAT.format(busy=1000, idle=5000, waiting=10))
-    assert before == load.Ticks(idle=5010, total=6010, cores=2)
-    after = load.Ticks.read(STAT.format(busy=1150, idle=5400, waiting=60))
-    assert load.busy_cores(before, after) == pytest.approx(2 * 150 / 600)
-    assert load.busy_cores(before, before) == 0.0
-
-
-def test_a_round_on_a_busy_machine_is_refused() -> None:
-    def readings(busy: int) -> list[load.Ticks]:
-        return [load.Ticks(0, 0, 2), load.Ticks(600 - busy, 600, 2)]
-
-    waited: list[float] = []
-    quiet = readings(busy=30)
-    assert load.measured(lambda: quiet.pop(0), waited.append) == pytest.approx(0.1)
-    assert waited == [load.SAMPLE]
-    loaded = readings(busy=60)
+def test_a_round_on_a_busy_machine_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(load.psutil, "cpu_count", lambda: 2)
+    monkeypatch.setattr(load.psutil, "cpu_percent", lambda interval: 5.0)
+    assert load.check_load() == pytest.approx(0.1)
+    monkeypatch.setattr(load.psutil, "cpu_percent", lambda interval: 10.0)
     with pytest.raises(load.Busy, match=r"use 0\.20 cores; a round begins with at most 0\.15"):
-        load.measured(lambda: loaded.pop(0), waited.append)
+        load.check_load()
 
 
 def test_a_peer_that_fails_says_so() -> None:
