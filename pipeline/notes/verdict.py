@@ -3,7 +3,6 @@
 The verdict is one value. The terminal, the report, `pneurod run --json` and `pneurod.read_results` show its lines.
 """
 
-import math
 import shlex
 from dataclasses import asdict, dataclass
 
@@ -28,7 +27,7 @@ class Bending:
     """Where the end of the arm is in experiment II; positions are relative to the clamped end."""
 
     pressure_kPa: float
-    angle_deg: float  #: between the tangents at both ends
+    angle_deg: float  #: of the circular arc through both ends
     tip_x_mm: float
     tip_y_mm: float
 
@@ -135,7 +134,7 @@ def verdict_of(run: Run) -> Verdict:
 
 def _bending(curve: Curve) -> Bending:
     x, y = curve.tip_mm
-    return Bending(curve.pressure_kPa, math.degrees(abs(curve.bent_rad)), x, y)
+    return Bending(curve.pressure_kPa, curve.bending_deg, x, y)
 
 
 def _shape_by_mesh(bent: list[Curve], mesh: MeshErrors) -> float:

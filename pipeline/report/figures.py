@@ -9,7 +9,7 @@ from geometry.arrays import Array
 from pipeline.notes.rods import rod_errors
 from pipeline.plots import COLOURS, INK, Line, Panel, figure, ordered_colour
 from pipeline.results.files import as_columns
-from pipeline.results.values import Curve, RodError, Run
+from pipeline.results.values import Curve, RodError, Run, bending_deg
 from pipeline.store.formats import ARM_LAW, CURVE_PREFIXES, EXTENSIBLE, FIVE
 
 FINITE_ELEMENTS = "finite elements"
@@ -31,6 +31,11 @@ class _Drawn:
         name = f"{CURVE_PREFIXES[self.rod]}_{quantity}"
         return curve[name] if curve.has(name) else None
 
+    def tip_mm(self, curve: Curve) -> tuple[float, float] | None:
+        """Position of the end of the rod from its clamped end, mm; None where the rod is not there."""
+        x, y = self.column(curve, "x_mm"), self.column(curve, "y_mm")
+        return None if x is None or y is None else (float(x[-1] - x[0]), float(y[-1] - y[0]))
+
 
 _DRAWN = {
     FIVE: _Drawn(FIVE, "rod, five parameters", "dash", "circle-open"),
@@ -40,24 +45,21 @@ _DRAWN = {
 
 
 def bending_angle(run: Run) -> str:
-    """The angle that the free arm bends by over the pressure: finite elements, and the rod to take."""
+    """Bending angle of the free arm over the pressure: finite elements, and the rod to take."""
     curves = run.curves_of("II")
     if not curves:
         return ""
     start = [0.0] if run.parameters.get("straight_without_pressure", True) else []
     pressures = np.array([*start, *(curve.pressure_kPa for curve in curves)])
-    angles = np.abs(np.degrees([*start, *(curve.bent_rad for curve in curves)]))
+    angles = np.array([*start, *(curve.bending_deg for curve in curves)])
     lines = [Line(pressures, angles, FINITE_ELEMENTS, COLOURS[0], marker="circle")]
     if errors := rod_errors(run):
         drawn = _DRAWN[errors[0].rod]
-        rows = [row for row in run.errors_of(drawn.rod) if row.experiment == "II" and not row.load]
-        known = [(row.pressure_kPa, row.end_angle_error_rad) for row in rows if row.end_angle_error_rad is not None]
-        bent = {curve.pressure_kPa: curve.bent_rad for curve in curves}
-        at = [(p, abs(np.degrees(bent[p] + error))) for p, error in known if p in bent]
+        at = [(curve.pressure_kPa, bending_deg(tip)) for curve in curves if (tip := drawn.tip_mm(curve))]
         if at:
-            x, y = np.array(sorted(at)).T
+            x, y = np.array(at).T
             lines.append(Line(x, y, drawn.entry, INK, dash="", marker=drawn.marker, marker_size=12))
-    return figure([Panel("Bending angle over pressure", "p (kPa)", "angle of the end (°)", tuple(lines))])
+    return figure([Panel("Bending angle over pressure", "p (kPa)", "bending angle (°)", tuple(lines))])
 
 
 def of_experiment(run: Run, experiment: str) -> str:

@@ -4,6 +4,7 @@ Units are in the names of the fields: mm, N, MPa, rad and kPa. None stands for a
 column of a table is a new field here; `pipeline.results.files` reads and writes it.
 """
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -114,15 +115,23 @@ class Curve:
         return column in self.columns and bool(np.isfinite(self.columns[column]).any())
 
     @property
-    def bent_rad(self) -> float:
-        """Angle between the tangents at both ends, rad; positive where the end turns counter-clockwise."""
-        return float(self["theta_rad"][-1] - self["theta_rad"][0])
-
-    @property
     def tip_mm(self) -> Pair:
         """Position of the end from the clamped end, mm."""
         x, y = self["x_mm"], self["y_mm"]
         return float(x[-1] - x[0]), float(y[-1] - y[0])
+
+    @property
+    def bending_deg(self) -> float:
+        """Bending angle of a clamped arm, degrees."""
+        return bending_deg(self.tip_mm)
+
+
+def bending_deg(tip_mm: Pair) -> float:
+    """Angle of the circular arc along x at the clamp whose end is at this position from it, degrees; 0 to 360.
+
+    The tangent at the end itself turns with the end wall of a cavity, by up to 10 degrees the other way.
+    """
+    return abs(math.degrees(2.0 * math.atan2(tip_mm[1], tip_mm[0])))
 
 
 @dataclass(frozen=True)

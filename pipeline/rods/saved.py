@@ -71,7 +71,11 @@ class SavedRod:
         """Young's modulus of the law at small strain. Raises RodError where the file has no such law."""
         from fem.materials import LAWS  # only an export needs the laws
 
-        constants = {name: value for name, value in self.material.items() if name not in ("law", "density_tonne_mm3")}
+        constants = {
+            name: value
+            for name, value in self.material.items()
+            if name not in ("law", "density_tonne_mm3", "holds_between")
+        }
         try:
             return LAWS[self.material["law"]](**constants).young_modulus
         except (KeyError, TypeError, ValueError) as failure:

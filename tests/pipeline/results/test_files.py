@@ -9,7 +9,7 @@ import pytest
 
 from pipeline.errors import InputError
 from pipeline.results.files import json_schema, read_results, save_table
-from pipeline.results.values import RodError, State
+from pipeline.results.values import RodError, State, bending_deg
 from pipeline.store.formats import CONVERGED
 from pipeline.store.result_folder import ResultFolder
 from tests.coarse import COARSE, coarse_run, copy_with
@@ -25,7 +25,7 @@ def test_every_file_is_read() -> None:
     assert len(run.errors_of("arm_law", "out")) == 5
     curve = run.curve("II", 37.0)
     assert curve is not None
-    assert np.degrees(curve.bent_rad) == pytest.approx(-141.4, abs=0.1)
+    assert curve.bending_deg == pytest.approx(138.1, abs=0.1)
     assert run.curve("II", 20.0) is None
     assert run.validation_curves[0].load == "end at +11.2 mm"
     assert run.law is not None
@@ -108,3 +108,9 @@ def test_the_schema_has_every_column() -> None:
     for name, kind in (("experiments.json", State), ("validation.json", RodError)):
         columns = schema[name]["$defs"][kind.__name__]["properties"]
         assert set(columns) == set(kind.__dataclass_fields__)
+
+
+def test_the_bending_angle_is_that_of_an_arc() -> None:
+    for angle in (10.0, 170.0, 300.0):
+        arc = np.radians(angle)
+        assert bending_deg((np.sin(arc) / arc, (np.cos(arc) - 1.0) / arc)) == pytest.approx(angle)
