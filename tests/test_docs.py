@@ -9,7 +9,7 @@ import yaml
 
 from fem.elements import ELEMENTS
 from fem.materials import LAWS
-from pipeline.effects_rows import COLUMNS, EffectRow, VariantNumbers
+from pipeline.effects_rows import COLUMNS, COST, NUMBERS, compared
 
 HERE = Path(__file__).resolve().parent.parent
 PAGES = [HERE / "README.md", HERE / "CONTRIBUTING.md", HERE / "CHANGELOG.md", *sorted((HERE / "docs").rglob("*.md"))]
@@ -125,9 +125,10 @@ def test_every_key_of_experiments_json_is_documented() -> None:
 
 
 def test_every_key_of_effects_table_json_is_documented() -> None:
-    row = EffectRow("gravity", "on", VariantNumbers(17.0), None, dict.fromkeys(COLUMNS), "a reason")
+    of_pressure = {"pressure_kPa": 17.0, **dict.fromkeys((*NUMBERS, *COST)), "reason": "a reason"}
+    [row] = compared([("gravity", "on", [of_pressure])])
     section = text_of(HERE / "docs" / "results.md").partition("### effects_table.json")[2].partition("\n## ")[0]
-    keys = [*row.record(), *COLUMNS]
+    keys = [*row, *COLUMNS]
     assert len(keys) > 20
     assert [key for key in keys if f"`{key}`" not in section] == []
 

@@ -4,7 +4,6 @@ import io
 import json
 import subprocess
 import sys
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -15,8 +14,8 @@ from rich.console import Console
 import fem
 from pipeline.config.load import load_config
 from pipeline.context import RunContext
-from pipeline.effects_rows import BASE, EffectRow, VariantCost, VariantNumbers, contact_sentences
-from pipeline.effects_study import compare_effects, variants
+from pipeline.effects_rows import BASE, EffectRow, contact_sentences
+from pipeline.effects_study import compare_effects, variant_name, variants
 from pipeline.progress import Silent
 from pipeline.simulation.effects_record import effect_states
 from pipeline.simulation.outcome import Outcomes
@@ -191,11 +190,11 @@ def test_coarse_parameterization_is_cheap(name: str, tmp_path: Path) -> None:
 
 
 def test_slopes_with_and_without_contact_are_compared() -> None:
-    two_lines = VariantNumbers(17.0, -0.01, 0.04, -20.0, 185.0, 300.6, 6.19, False, 0.9, 0.99, (1.0, 1.0), True)
-    single_line = replace(two_lines, alpha2_N_mm2=185.0, d_mm=None, single_line_suffices=True)
+    two_lines = {"pressure_kPa": 17.0, "alpha1_N_mm2": 185.0, "alpha2_N_mm2": 300.6, "d_mm": 6.19, "contact": True}
+    single_line = {**two_lines, "alpha2_N_mm2": 185.0, "d_mm": None}
 
-    def row(effect: str, state: str, numbers: VariantNumbers) -> EffectRow:
-        return EffectRow(effect, state, numbers, VariantCost(1.0, 20, 30_000, 2), {})
+    def row(effect: str, state: str, numbers: dict[str, Any]) -> EffectRow:
+        return {"effect": effect, "state": state, **numbers}
 
     switched_off = [row(BASE, "", two_lines), row("self_contact", "off", single_line)]
     assert contact_sentences(switched_off) == [
@@ -205,7 +204,7 @@ def test_slopes_with_and_without_contact_are_compared() -> None:
     switched_on = [row(BASE, "", single_line), row("self_contact", "on", two_lines)]
     assert contact_sentences(switched_on) == contact_sentences(switched_off)
     assert contact_sentences(switched_off[:1]) == []
-    apart = replace(single_line, contact=False)
+    apart = {**single_line, "contact": False}
     assert contact_sentences([row(BASE, "", apart), row("self_contact", "off", apart)]) == [
         "17 kPa: no walls met; a single line suffices, alpha = 185 N mm2"
     ]
@@ -215,20 +214,21 @@ def test_table_of_effects(tmp_path: Path) -> None:
     config = load_config(
         HERE / "configs/semicircular_coarse.yaml", ["geometry.chambers=8", "mesh.size=6 mm", "pressures=[20 kPa]"]
     )
-    assert [variant.name for variant in variants(Scene.meshed(config))] == [
+    assert [variant_name(point.setting) for point in variants(Scene.meshed(config))] == [
         *(BASE, "symmetry off", "incompressibility off", "gravity on", "strain_limiting_layer on")
     ]
     table = compare_effects(config, tmp_path / "table", 1, False, Silent())
     rows = table.rows
     assert table.failures == []
     written = json.loads((tmp_path / "table" / "effects_table.json").read_text())
-    assert written == json.loads(json.dumps([row.record() for row in rows]))
-    by_name = {f"{row.effect} {row.state}".strip(): row for row in rows}
-    assert by_name[BASE].relative_change["alpha1_N_mm2"] == 0.0
-    assert abs(by_name["symmetry off"].relative_change["end_force_N"]) < 1e-4
-    assert by_name["strain_limiting_layer on"].relative_change["kappa_0_middle_per_mm"] > 0.3
-    assert all(row.cost.cpu_seconds > 0.0 and row.cost.factorizations > 0 and not row.other_states for row in rows)
-    assert by_name[BASE].relative_change["cpu_seconds"] == 0.0
+    assert written == json.loads(json.dumps(rows))
+    by_name = {variant_name(row): row for row in rows}
+    changes = {name: row["relative_change"] for name, row in by_name.items()}
+    assert changes[BASE]["alpha1_N_mm2"] == 0.0
+    assert abs(changes["symmetry off"]["end_force_N"]) < 1e-4
+    assert changes["strain_limiting_layer on"]["kappa_0_middle_per_mm"] > 0.3
+    assert all(row["cpu_seconds"] > 0.0 and row["factorizations"] > 0 and not row["other_states"] for row in rows)
+    assert changes[BASE]["cpu_seconds"] == 0.0
     console = Console(record=True, width=80, file=io.StringIO())
     console.print(effects_comparison(rows))
     shown = console.export_text()
