@@ -5,8 +5,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Concatenate, ParamSpec, TypeVar
 
-from pipeline.parallel.worker import TaskContext
-from pipeline.parallel.workers import InTurn, Pending, Workers, workers
+from pipeline.parallel import Pending, TaskContext, Workers, workers
 from pipeline.progress import Progress
 from pipeline.store.store import Store
 
@@ -21,18 +20,17 @@ class RunContext:
     store: Store  #: the result directory, with the states of earlier runs
     progress: Progress  #: receives stages, pressures and Newton iterations
     workers: Workers
-    urgency: int = 0  #: of tasks: those with the smallest number are next
 
     @classmethod
     def alone(cls, store: Store, progress: Progress) -> "RunContext":
         """Everything in this process, one after the other."""
-        return cls(store, progress, InTurn(progress))
+        return cls(store, progress, Workers(progress))
 
     def submit(
         self, task: Callable[Concatenate[TaskContext, P], Value], *args: P.args, **kwargs: P.kwargs
     ) -> Pending[Value]:
         """A task for a worker."""
-        return self.workers.submit(self.urgency, task, *args, **kwargs)
+        return self.workers.submit(task, *args, **kwargs)
 
 
 @contextmanager

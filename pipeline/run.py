@@ -36,8 +36,8 @@ def _solved(planned: Planned, context: RunContext) -> RunReport:
     """The stages of a run. One waits for what it needs; tasks of later ones are done meanwhile."""
     state = stages.mesh(planned, context)
     state, outcomes, law = stages.solve_experiments(state)
-    loads = stages.begin_validation(state, outcomes)
     identified, improved = stages.identify(state, outcomes)
+    loads = stages.begin_validation(state, outcomes)
     stages.draw(state, identified.outcomes)
     arm = stages.measure_law(state, identified.outcomes, law)
     identified = stages.add_mesh_error(state, identified, improved, arm)

@@ -15,8 +15,7 @@ from pipeline.identification.added_pressures import Identified, identify_run
 from pipeline.identification.mesh_error import with_mesh_error
 from pipeline.identification.parameters import Parameters
 from pipeline.identification.record import parameters_record
-from pipeline.parallel.loading import loaded
-from pipeline.parallel.workers import Pending
+from pipeline.parallel import Pending
 from pipeline.plausibility.after import Solved, after_solving, largest_bend_rad
 from pipeline.plausibility.before import Borne, before_solving
 from pipeline.plausibility.body import of_body
@@ -24,13 +23,14 @@ from pipeline.plausibility.units import of_contact, of_units
 from pipeline.progress import Progress
 from pipeline.report.saved import save_report
 from pipeline.run_report import ReviewedPlan, RunReport
-from pipeline.simulation.below_limit import completed, highest_of_use
+from pipeline.simulation.below_limit import complete_experiments, highest_of_use
 from pipeline.simulation.effects_record import effect_states
+from pipeline.simulation.kernels import begin_loading
 from pipeline.simulation.mesh_record import MeshRecord
 from pipeline.simulation.outcome import Outcomes
 from pipeline.simulation.pictures import draw_all
 from pipeline.simulation.scene import Scene
-from pipeline.simulation.simulate import begun
+from pipeline.simulation.simulate import begin_II
 from pipeline.simulation.waiting import meshed_with_progress
 from pipeline.store.formats import CURVE_COLUMNS
 from pipeline.validation.compare import Comparison, compare, curve_rows
@@ -45,8 +45,6 @@ _STAGES = (
     *("mesh", "kernels (compiled once)", "experiments", "identification", "pictures", "cell law", _COARSER_MESH),
     *("rod", "validation", "report"),
 )
-#: which of the tasks that wait for a worker are next: those of the longest chain first
-_OF_LAW, _OF_EXPERIMENTS, _OF_COARSER_MESH, _OF_VALIDATION = range(4)
 
 
 def stage_names(config: Config) -> tuple[str, ...]:
@@ -94,10 +92,6 @@ class RunState:
         """As it is solved, with the mesh that an accuracy was planned with."""
         return self.planned.config
 
-    def with_urgency(self, urgency: int) -> RunContext:
-        """The context for tasks of this urgency."""
-        return replace(self.context, urgency=urgency)
-
     def with_remarks(self, *sentences: str) -> "RunState":
         """Tell those sentences that are not empty."""
         told = tuple(filter(None, sentences))
@@ -109,7 +103,7 @@ class RunState:
 def mesh(planned: Planned, context: RunContext) -> RunState:
     """Mesh the body, while the workers load the solver."""
     stages = Stages(context.progress, stage_names(planned.config))
-    loading = loaded(context, planned.config)
+    loading = begin_loading(context, planned.config)
     with stages.timed("mesh"):
         scene = meshed_with_progress(planned.config, context.progress)
     state = RunState(planned, context, stages, scene, planned.remarks)
@@ -122,11 +116,11 @@ def mesh(planned: Planned, context: RunContext) -> RunState:
 
 def solve_experiments(state: RunState) -> tuple[RunState, Outcomes, Pending[LawOfRun]]:
     """Solve experiments I, II and III, and begin to measure the arm's own law."""
-    scene, context = state.scene, state.with_urgency(_OF_EXPERIMENTS)
+    scene, context = state.scene, state.context
     with state.stages.timed("experiments"):
-        simulation = begun(scene, context)
-        complete = context.workers.beside(completed, scene, state.context, simulation)
-        law = law_of_run(scene, state.with_urgency(_OF_LAW), lambda: highest_of_use(scene, simulation, complete))
+        second = begin_II(scene, context)
+        complete = context.workers.beside(complete_experiments, scene, context, second)
+        law = law_of_run(scene, context, lambda: highest_of_use(scene, second, complete))
         outcomes, remark = complete.result()
     return state.with_remarks(remark), outcomes, law
 
@@ -136,9 +130,8 @@ def begin_validation(state: RunState, outcomes: Outcomes) -> tuple[Scene, Pendin
 
     The scene is that of the run with the loads that are solved.
     """
-    loaded_scene, context = with_reached_loads(state.scene, outcomes), state.with_urgency(_OF_VALIDATION)
-    pending = context.workers.beside(validation_outcomes, loaded_scene, context, outcomes.reached_kPa)
-    return loaded_scene, pending
+    scene, context = with_reached_loads(state.scene, outcomes), state.context
+    return scene, context.workers.beside(validation_outcomes, scene, context, outcomes.reached_kPa)
 
 
 def identify(state: RunState, outcomes: Outcomes) -> tuple[Identified, Pending[WithMeshError]]:
@@ -146,8 +139,8 @@ def identify(state: RunState, outcomes: Outcomes) -> tuple[Identified, Pending[W
     with state.stages.timed("identification"):
         identified = identify_run(state.scene, state.context, outcomes)
         state.context.store.save_json("experiments.json", identified.outcomes.rows())
-        context = state.with_urgency(_OF_COARSER_MESH)
-        return identified, context.workers.beside(with_mesh_error, state.config, context, identified.parameters)
+        context, parameters = state.context, identified.parameters
+        return identified, context.workers.beside(with_mesh_error, state.config, context, parameters)
 
 
 def draw(state: RunState, outcomes: Outcomes) -> None:

@@ -18,7 +18,7 @@ from pipeline.cell.pieces import ArmPieces
 from pipeline.cell.reach import Bend
 from pipeline.context import RunContext
 from pipeline.errors import RunFailed
-from pipeline.parallel.workers import Pending
+from pipeline.parallel import Pending
 from rod import RodError
 from rod.arm_law.curves import CellCurve, ClampCurve, TipCurve
 from rod.arm_law.law import ArmLaw

@@ -10,7 +10,7 @@ from geometry.arrays import Array
 from pipeline.cell import tasks
 from pipeline.cell.kept import Measured
 from pipeline.cell.pieces import ArmPieces, NoArmLaw
-from pipeline.parallel.workers import Pending
+from pipeline.parallel import Pending
 from rod.arm_law.curves import CellCurve, ClampCurve
 
 #: largest displacement of the arm's end, over its length, by which end pieces that differ by a cell may differ

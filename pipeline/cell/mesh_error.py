@@ -17,7 +17,7 @@ from pipeline.cell.tasks import ArmTasks
 from pipeline.context import RunContext
 from pipeline.errors import InputError
 from pipeline.identification.richardson import extrapolated
-from pipeline.parallel.worker import TaskContext
+from pipeline.parallel import TaskContext
 from pipeline.store.json_values import JsonObject
 from rod.arm_law.curves import CellCurve
 

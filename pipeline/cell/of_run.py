@@ -10,7 +10,7 @@ from pipeline.cell.study import save_law
 from pipeline.config.arm_law import NO_LAW
 from pipeline.context import RunContext
 from pipeline.errors import InputError, RunFailed, WorkerLost
-from pipeline.parallel.workers import Done, Pending
+from pipeline.parallel import Pending
 from pipeline.simulation.effects_record import EffectState
 from pipeline.simulation.outcome import Outcomes
 from pipeline.simulation.scene import Scene
@@ -76,12 +76,12 @@ def law_of_run(scene: Scene, context: RunContext, highest_kPa: Callable[[], floa
     """
     choice = scene.config.law
     if choice == "five":
-        return Done(LawOfRun(None, "switched off in the config", ()))
+        return Pending.done(LawOfRun(None, "switched off in the config", ()))
     try:
         pieces = ArmPieces.of(scene)
         pieces.repetition  # noqa: B018 - meshed here, or refused
     except (NoArmLaw, InputError) as refusal:
-        return Done(_none(choice, refusal))
+        return Pending.done(_none(choice, refusal))
     return context.workers.beside(_law, choice, pieces, context, highest_kPa)
 
 

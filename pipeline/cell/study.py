@@ -11,8 +11,8 @@ from pipeline.cell.refinement import RefinedMesh, refined_mesh
 from pipeline.config.config import AUTO, Config
 from pipeline.context import run_context
 from pipeline.errors import InputError, RunFailed
-from pipeline.parallel.loading import loaded
 from pipeline.progress import Progress
+from pipeline.simulation.kernels import begin_loading
 from pipeline.simulation.scene import Scene
 from pipeline.store.formats import FORMAT
 from pipeline.store.json_values import JsonObject
@@ -69,7 +69,7 @@ def measure_law(config: Config, out: Path, jobs: int, fresh: bool, progress: Pro
     """
     begin = perf_counter()
     with open_store(out, config, fresh=fresh) as store, run_context(store, jobs, progress) as context:
-        loading = loaded(context, config)
+        loading = begin_loading(context, config)
         progress.stage("mesh")
         try:
             sized = config.with_mesh_size(_first_size(config))

@@ -12,8 +12,7 @@ from pipeline.cell.pieces import ArmPieces
 from pipeline.cell.reach import Bend
 from pipeline.config.config import Config
 from pipeline.context import RunContext
-from pipeline.parallel.worker import TaskContext
-from pipeline.parallel.workers import Pending
+from pipeline.parallel import Pending, TaskContext
 from pipeline.store.store import Store
 from rod import RodError
 from rod.arm_law.curves import CellCurve, ClampCurve, TipCurve

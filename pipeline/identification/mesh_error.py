@@ -12,7 +12,7 @@ from pipeline.context import RunContext
 from pipeline.errors import InputError
 from pipeline.identification.parameters import Parameters, choices, has_one_rigidity, numbers_of_curves
 from pipeline.identification.richardson import extrapolated
-from pipeline.parallel.worker import TaskContext
+from pipeline.parallel import TaskContext
 from pipeline.simulation.loadcase import LoadCase, schedule
 from pipeline.simulation.outcome import Outcomes, Record
 from pipeline.simulation.scene import Scene

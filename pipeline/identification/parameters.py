@@ -15,7 +15,7 @@ import numpy as np
 
 from geometry import Centreline, Design
 from pipeline.context import RunContext
-from pipeline.parallel.worker import TaskContext
+from pipeline.parallel import TaskContext
 from pipeline.simulation.outcome import Outcomes, Record
 from rod import (
     PARAMETER_NAMES,

@@ -3,12 +3,12 @@
 from math import inf
 
 from pipeline.context import RunContext
-from pipeline.parallel.workers import Pending
+from pipeline.parallel import Pending
 from pipeline.simulation.known_limit import FIRST
 from pipeline.simulation.loadcase import LoadCase, schedule
-from pipeline.simulation.outcome import Outcomes
+from pipeline.simulation.outcome import Outcome, Outcomes
 from pipeline.simulation.scene import Scene
-from pipeline.simulation.simulate import Simulation, experiments_of, simulate
+from pipeline.simulation.simulate import experiments_of, simulate
 from rod import too_few_pitches
 
 #: pressures over the lower limit of II and III: high enough to say something about the arm as it was to be loaded
@@ -42,21 +42,20 @@ def with_states_below_limit(scene: Scene, context: RunContext, outcomes: Outcome
     )
 
 
-def completed(scene: Scene, context: RunContext, simulation: Simulation) -> tuple[Outcomes, str]:
-    """The outcomes of the experiments of a run with states below the limit, as above."""
-    return with_states_below_limit(scene, context, simulation.result())
+def complete_experiments(scene: Scene, context: RunContext, second: Pending[Outcome] | None) -> tuple[Outcomes, str]:
+    """The outcomes of the experiments of a run, II of which is submitted, with states below the limit, as above."""
+    return with_states_below_limit(scene, context, simulate(scene, context, second=second))
 
 
-def highest_of_use(scene: Scene, simulation: Simulation, complete: Pending[tuple[Outcomes, str]]) -> float:
-    """The highest pressure in kPa at which a rod of the arm can be compared with experiment II.
+def highest_of_use(scene: Scene, second: Pending[Outcome] | None, complete: Pending[tuple[Outcomes, str]]) -> float:
+    """Highest pressure in kPa at which a rod of the arm can be compared with experiment II: the largest of its states
+    and of the validation loads below its end, or a part of that end where there are none.
 
-    That of its states and of the loads for the validation that the user gives below its end; where there are none, a
-    part of the pressure at which it ended. Infinite where II reaches all pressures of the run, has no equilibrium but
-    that at rest, or is not simulated. Waits until that is known.
+    Infinite where II reaches all pressures of the run, has no equilibrium but that at rest, or is not simulated. Waits
+    until that is known.
 
-    complete: the outcomes with states below the limit.
+    second: experiment II. complete: the outcomes with states below the limit.
     """
-    second = simulation.pending.get(FIRST)
     failure = second.result().failure if second else None
     if failure is None:
         return inf

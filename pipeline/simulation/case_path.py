@@ -8,7 +8,7 @@ from typing import final
 import fem
 from pipeline.progress import Progress
 from pipeline.simulation.failure import Failure
-from pipeline.simulation.known_limit import FIRST, PART_FOR_III, KnownLimit
+from pipeline.simulation.known_limit import FIRST, PART_FOR_III, EndOfII
 from pipeline.simulation.loadcase import LoadCase
 from pipeline.store.store import Store
 
@@ -23,7 +23,7 @@ class CasePath:
     newton: fem.NewtonOptions
     store: Store
     progress: Progress
-    known: KnownLimit | None  #: what II tells and the others ask for; None for a case that does neither
+    end_of_II: EndOfII | None  #: None for a case that it does not concern
     reached: int = 0  #: pressures of the schedule that are reached
     is_given_up: bool = False  #: whether the last pressure was given up because of the end of II
     #: processor time of this process, s, from the state before to each one that is reached, and since the last of them;
@@ -35,8 +35,8 @@ class CasePath:
     def followed(self) -> tuple[fem.Solution, Failure | None]:
         """The states that are reached, those stored by an earlier run included, and why the next pressure is not.
 
-        II tells the pressures that it reaches and where it ends, at once. Where that is below a pressure, I is given up
-        there, and III is followed up to a part of it, because its own end may be lower.
+        Where II ends below a pressure, I is given up there, and III is followed up to a part of the end of II, because
+        its own may be lower.
         """
         self._clock = process_time()
         try:
@@ -45,8 +45,8 @@ class CasePath:
             self.cpu_seconds_since = self._lap()
 
     def _followed(self) -> tuple[fem.Solution, Failure | None]:
-        options = fem.PathOptions(self.newton)
-        if self.known is not None and not self._is_first:
+        end_of_II, options = self.end_of_II, fem.PathOptions(self.newton)
+        if end_of_II is not None:
             is_like_II = self.case.experiment == "I"  # no support changes on the way
             options = fem.PathOptions(
                 self.newton, give_up=self._why_not, neighbour=self._increments_of_II, neighbour_first=is_like_II
@@ -59,20 +59,11 @@ class CasePath:
         except fem.NotConverged as ended:
             solution, end = ended.partial, ended.end
         failure = self._failure(end, end.factorizations)
-        if self.known is not None and self._is_first:
-            self.known.ended(failure.end_kPa, is_limit=failure.limit_kPa > 0.0)
         # on the way to a first pressure a moved end moves as well, and at a lower one less of it
-        if self.known is not None and self._is_three_given_up and not failure.with_part_of_end:
-            failure = self._below_end_of_II(self.known, failure, solution.steps)
+        is_three_given_up = self.is_given_up and self.case.experiment == "III"
+        if end_of_II is not None and is_three_given_up and not failure.with_part_of_end:
+            failure = self._below_end_of_II(end_of_II, failure, solution.steps)
         return solution, failure
-
-    @property
-    def _is_first(self) -> bool:
-        return self.case.name == FIRST
-
-    @property
-    def _is_three_given_up(self) -> bool:
-        return self.is_given_up and self.case.experiment == "III"
 
     @property
     def _pressure(self) -> float:
@@ -104,23 +95,20 @@ class CasePath:
 
     def _why_not(self, factor: float) -> str:
         """Why a load is not worth being tried further, from where II ends."""
-        assert self.known is not None
-        reason = self.known.why_not(self.case.schedule.pressure_at(factor))
+        assert self.end_of_II is not None
+        reason = self.end_of_II.why_not(self.case.schedule.pressure_at(factor))
         self.is_given_up = bool(reason)
         return reason
 
     def _increments_of_II(self, factor: float) -> tuple[float, ...]:
         """The load factors at which experiment II has equilibria on the way to this one; none where it ends before."""
-        assert self.known is not None
         schedule = self.case.schedule
-        pressure = schedule.pressures_kPa[schedule.factors.index(factor)]
-        self.known.wait_for(pressure)
-        arrays = self.store.load_state(FIRST, pressure)
+        arrays = self.store.load_state(FIRST, schedule.pressures_kPa[schedule.factors.index(factor)])
         return () if arrays is None else fem.step_from_arrays(self.model.space, arrays).increments
 
-    def _below_end_of_II(self, known: KnownLimit, failure: Failure, steps: Sequence[fem.Step]) -> Failure:
+    def _below_end_of_II(self, end_of_II: EndOfII, failure: Failure, steps: Sequence[fem.Step]) -> Failure:
         """The failure of III after it was followed up to a part of the end of II, or how it ends before that."""
-        part_kPa = PART_FOR_III * known.end_kPa
+        part_kPa = PART_FOR_III * end_of_II.end_kPa
         if part_kPa <= failure.reached_kPa:
             return failure
         factors = (*(step.factor for step in steps), self.case.schedule.factor_at(part_kPa))
@@ -132,7 +120,7 @@ class CasePath:
             end = replace(ended.end, target=self.case.schedule.factors[self.reached])
             return self._failure(end, failure.factorizations + end.factorizations)
         reason = (
-            f"it was followed up to {part_kPa:.4g} kPa only, {100 * PART_FOR_III:g} % of the {known.name_of_end} of "
+            f"it was followed up to {part_kPa:.4g} kPa only, {100 * PART_FOR_III:g} % of the {end_of_II.name} of "
             f"experiment {FIRST} of the same arm"
         )
         factorizations = failure.factorizations + last.factorizations
@@ -168,8 +156,6 @@ class CasePath:
         return self._clock - before
 
     def _reach(self) -> None:
-        if self.known is not None and self._is_first:
-            self.known.reached(self._pressure)
         self.reached += 1
 
 

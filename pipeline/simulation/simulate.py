@@ -1,30 +1,26 @@
 """The load cases on one body, each a task; each state is stored as soon as it is reached."""
 
-import itertools
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
 
 import fem
 from pipeline.config.config import Config
 from pipeline.context import RunContext
 from pipeline.errors import RunFailed
-from pipeline.parallel.loading import load_kernels
-from pipeline.parallel.worker import TaskContext
-from pipeline.parallel.workers import Pending
+from pipeline.parallel import Pending, TaskContext
 from pipeline.progress import Progress
 from pipeline.simulation.case_path import CasePath
 from pipeline.simulation.contact_check import PATH_DEPENDENT, ContactCheck, path_dependence
 from pipeline.simulation.failure import Failure
-from pipeline.simulation.known_limit import FIRST, KnownLimit, asks, in_order
+from pipeline.simulation.kernels import load_kernels
+from pipeline.simulation.known_limit import FIRST, EndOfII, waits_for_II
 from pipeline.simulation.loadcase import LoadCase, identification_case
 from pipeline.simulation.outcome import Outcome, Outcomes, Record, StateSummary
 from pipeline.simulation.scene import Scene
 from pipeline.store.store import Store
 
-#: II first, because the others ask where it ends; then the loaded one, which takes longest
+#: II first, because the others are told where it ends; then the loaded one, which takes longest
 EXPERIMENTS = ("II", "III", "I")
-
-_groups = itertools.count()  # of load cases, numbered by the main process
 
 
 def experiments_of(config: Config) -> tuple[str, ...]:
@@ -47,65 +43,60 @@ def why_not_free(config: Config) -> str:
     return f"experiment I is not simulated, because {' and '.join(causes)}" if causes else ""
 
 
-@dataclass(frozen=True)
-class Simulation:
-    """Load cases on one body that were submitted."""
-
-    pending: Mapping[str, Pending[Outcome]]  #: by the name of the load case, that of II first
-
-    def result(self) -> Outcomes:
-        """When all are there. Raises RunFailed where the faces that are to touch cannot."""
-        try:
-            outcomes = [case.result() for case in self.pending.values()]
-        except fem.ContactError as failure:
-            raise RunFailed(str(failure)) from None
-        return Outcomes({outcome.name: outcome for outcome in sorted(outcomes, key=lambda outcome: outcome.name)})
+def begin_II(scene: Scene, context: RunContext) -> Pending[Outcome] | None:
+    """Experiment II of a run, submitted; None where it is not simulated."""
+    if FIRST not in experiments_of(scene.config):
+        return None
+    case = identification_case(scene.config, FIRST)
+    context.progress.experiment(case.name, case.schedule.pressures_kPa)
+    return context.submit(_solve, case, scene, context.store, None)
 
 
-def simulate(scene: Scene, context: RunContext, experiments: Sequence[str | LoadCase] | None = None) -> Outcomes:
+def simulate(
+    scene: Scene,
+    context: RunContext,
+    experiments: Sequence[str | LoadCase] | None = None,
+    second: Pending[Outcome] | None = None,
+) -> Outcomes:
     """Solve the load cases, by default `experiments_of`; one that fails does not stop others.
 
-    A name stands for that experiment at the pressures of the run. Raises RunFailed where the faces that are to touch
-    cannot.
+    A name stands for that experiment at the pressures of the run. Cases that the end of II concerns are begun when II,
+    if it is among them, has ended. second: II, where it was submitted before. Raises RunFailed where the faces that are
+    to touch cannot.
     """
-    return begun(scene, context, experiments).result()
-
-
-def begun(scene: Scene, context: RunContext, experiments: Sequence[str | LoadCase] | None = None) -> Simulation:
-    """The same load cases, submitted."""
     requested = experiments_of(scene.config) if experiments is None else experiments
-    cases = in_order([_as_case(scene.config, entry) for entry in requested])
-    for case in sorted(cases, key=lambda case: case.name):
+    cases = [c if isinstance(c, LoadCase) else identification_case(scene.config, c) for c in requested]
+    pending = {} if second is None else {FIRST: second}
+    new = sorted((case for case in cases if case.name not in pending), key=lambda case: case.name)
+    for case in new:
         context.progress.experiment(case.name, case.schedule.pressures_kPa)
-    is_known = any(case.name == FIRST for case in cases)
-    group = next(_groups)
-    tasks = [context.submit(_solve, case, scene, context.store, group, is_known and asks(case)) for case in cases]
-    return Simulation({case.name: task for case, task in zip(cases, tasks, strict=True)})
-
-
-def _as_case(config: Config, entry: str | LoadCase) -> LoadCase:
-    return entry if isinstance(entry, LoadCase) else identification_case(config, entry)
-
-
-def _solve(context: TaskContext, case: LoadCase, scene: Scene, store: Store, group: int, asks_limit: bool) -> Outcome:
-    """Follow the load path of one case from its stored states on; the others do not wait for II if it ends early."""
-    known = context.known_limit.of_group(group)
-    load_kernels(context, scene.config)
+    has_II = any(case.name == FIRST for case in cases)
+    later = [case for case in cases if has_II and waits_for_II(case)]
+    for case in sorted((case for case in new if case not in later), key=lambda case: case.name != FIRST):
+        pending[case.name] = context.submit(_solve, case, scene, context.store, None)
     try:
-        return _followed(case, scene, store, context.progress, known if asks_limit or case.name == FIRST else None)
-    finally:
-        if case.name == FIRST:
-            known.ended()
+        if later:
+            end = EndOfII.of(pending[FIRST].result())
+            pending |= {case.name: context.submit(_solve, case, scene, context.store, end) for case in later}
+        return Outcomes({name: pending[name].result() for name in sorted(pending)})
+    except fem.ContactError as failure:
+        raise RunFailed(str(failure)) from None
 
 
-def _followed(case: LoadCase, scene: Scene, store: Store, progress: Progress, known: KnownLimit | None) -> Outcome:
+def _solve(context: TaskContext, case: LoadCase, scene: Scene, store: Store, end_of_II: EndOfII | None) -> Outcome:
+    """Follow the load path of one case from its stored states on."""
+    load_kernels(context, scene.config)
+    return _followed(case, scene, store, context.progress, end_of_II)
+
+
+def _followed(case: LoadCase, scene: Scene, store: Store, progress: Progress, end_of_II: EndOfII | None) -> Outcome:
     at_end = case.end
     experiment = fem.Experiment.of(case.experiment, scene.body, at_end.y_mm, at_end.force_N, at_end.x_mm)
     material = scene.material
     effects = scene.effects(case.schedule.reference_MPa)
     model = experiment.model(material, effects, scene.config.mesh.formulation)
     newton = fem.NewtonOptions(tolerance=scene.config.newton.tolerance)
-    path = CasePath(case, model, newton, store, progress, known)
+    path = CasePath(case, model, newton, store, progress, end_of_II)
     solution, failure = path.followed()
     steps, intersection = _before_intersection(scene, solution.steps)
     if intersection:

@@ -17,15 +17,14 @@ from pipeline.config.load import load_config
 from pipeline.context import RunContext
 from pipeline.errors import InputError
 from pipeline.notes.verdict import verdict_of
-from pipeline.parallel.workers import Done, Pending
+from pipeline.parallel import Pending
 from pipeline.progress import Silent
 from pipeline.results.files import read_results
 from pipeline.run import run
 from pipeline.simulation.below_limit import highest_of_use
 from pipeline.simulation.failure import Failure
-from pipeline.simulation.outcome import Outcomes
+from pipeline.simulation.outcome import Outcome, Outcomes
 from pipeline.simulation.scene import Scene
-from pipeline.simulation.simulate import Simulation
 from pipeline.store.store import open_store
 from rod import Rod, law_from_record
 from tests.pipeline.simulation.test_outcome import outcome, record
@@ -244,26 +243,26 @@ def test_the_law_goes_no_higher_than_the_whole_arm(
 
 def ended(
     design: Config, reached: tuple[float, ...], below_limit: tuple[float, ...], end: float
-) -> tuple[Simulation, Done[tuple[Outcomes, str]]]:
+) -> tuple[Pending[Outcome], Pending[tuple[Outcomes, str]]]:
     """Experiment II with states at these pressures, and with those that were added below its limit."""
     failure = Failure(12.0, "a limit point", 0, 0, limit_kPa=end) if len(reached) < 2 else None
     second, complete = (
         outcome("II", *map(record, pressures), failure=failure) for pressures in (reached, (*reached, *below_limit))
     )
-    return Simulation({"II": Done(second)}), Done((Outcomes({"II": complete}), ""))
+    return Pending.done(second), Pending.done((Outcomes({"II": complete}), ""))
 
 
 def test_the_law_goes_up_to_the_loads_of_the_validation_below_the_end_of_the_arm(tmp_path: Path) -> None:
     design = config(tmp_path, "validation={pressures: [6 kPa, 8 kPa, 10 kPa], end_y: [5 mm]}")
     scene = Scene.meshed(design)
     assert highest_of_use(scene, *ended(design, (6.0,), (), 9.0)) == 8.0
-    assert highest_of_use(scene, Simulation({}), Done((Outcomes({}), ""))) == inf
+    assert highest_of_use(scene, None, Pending.done((Outcomes({}), ""))) == inf
 
 
 @pytest.mark.parametrize("jobs", [pytest.param(1, marks=pytest.mark.slow), 2])
 def test_a_run_tells_its_law_how_high_it_goes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, jobs: int) -> None:
-    def up_to_six(scene: Scene, simulation: Simulation, complete: Pending[tuple[Outcomes, str]]) -> float:
-        assert simulation.pending["II"].result().failure is None
+    def up_to_six(scene: Scene, second: Pending[Outcome], complete: Pending[tuple[Outcomes, str]]) -> float:
+        assert second.result().failure is None
         assert [record.pressure_kPa for record in complete.result()[0]["II"].records] == [6.0, 12.0]
         return 6.0
 

@@ -11,11 +11,9 @@ import numba
 import pytest
 
 from pipeline.errors import InputError, WorkerLost
-from pipeline.parallel.worker import TaskContext, in_worker, start_worker
-from pipeline.parallel.workers import Pending, Workers, workers
+from pipeline.parallel import TaskContext, Workers, _in_worker, start_worker, workers
 from pipeline.processes import KEPT_MEMORY, SPAWN, THREADS, process_pool
 from pipeline.progress import Silent
-from pipeline.simulation.known_limit import KnownLimit
 
 
 def doubled(context: TaskContext, number: float) -> float:
@@ -51,7 +49,7 @@ def counted(context: TaskContext) -> int:
 
 def chain(working: Workers, number: float) -> float:
     for _ in range(3):
-        number = working.submit(0, doubled, number).result()
+        number = working.submit(doubled, number).result()
     return number
 
 
@@ -61,13 +59,13 @@ def test_tasks_and_chains_give_their_results_and_errors(jobs: int) -> None:
         chains = [working.beside(chain, working, float(number)) for number in range(3)]
         assert [pending.result() for pending in chains] == [0.0, 8.0, 16.0]
         with pytest.raises(InputError) as raised:
-            working.submit(0, refused).result()
+            working.submit(refused).result()
         assert raised.value.sentences == ("mesh.size: too small", "material: unknown")
 
 
 def test_a_single_job_does_nothing_that_nobody_asks_for(tmp_path: Path) -> None:
     with workers(1, Silent()) as working:
-        first, second = (working.submit(0, noted, tmp_path, name) for name in ("first", "second"))
+        first, second = (working.submit(noted, tmp_path, name) for name in ("first", "second"))
         second.result()
         second.result()
         assert [path.name.partition("_")[2] for path in tmp_path.iterdir()] == ["second"]
@@ -75,39 +73,14 @@ def test_a_single_job_does_nothing_that_nobody_asks_for(tmp_path: Path) -> None:
     assert len(list(tmp_path.iterdir())) == 2
 
 
-def test_the_most_urgent_task_is_next_and_equals_keep_their_order(tmp_path: Path) -> None:
-    with workers(2, Silent()) as working:
-        flags = [tmp_path / "busy_a", tmp_path / "busy_b"]
-        folder = tmp_path / "order"
-        folder.mkdir()
-        busy = [working.submit(0, _until, flag, tmp_path / "go") for flag in flags]
-        while not all(flag.exists() for flag in flags):
-            time.sleep(0.01)
-        names = ((2, "third"), (1, "first"), (1, "second"), (3, "last"))
-        pending: list[Pending[None]] = [working.submit(urgency, noted, folder, name) for urgency, name in names]
-        (tmp_path / "go").touch()
-        for task in (*busy, *pending):
-            task.result()
-    order = [path.name.partition("_")[2] for path in sorted(folder.iterdir())]
-    # two at a time: neighbours may change places
-    assert set(order[:2]) == {"first", "second"} or order[0] == "first"
-    assert order.index("last") >= 2
-
-
-def _until(context: TaskContext, flag: Path, go: Path) -> None:
-    flag.touch()
-    while not go.exists():
-        time.sleep(0.01)
-
-
 def test_a_worker_has_one_thread_of_two_cores_keeps_memory_and_what_it_has_made() -> None:
     before = dict(os.environ)
     with workers(2, Silent()) as working:
-        variables = working.submit(0, environment).result()
+        variables = working.submit(environment).result()
         assert all(int(variables[name]) >= 1 for name in THREADS)
         assert {name: variables[name] for name in KEPT_MEMORY} == KEPT_MEMORY
         assert dict(os.environ) == before
-        assert max(working.submit(0, counted).result() for _ in range(4)) >= 2
+        assert max(working.submit(counted).result() for _ in range(4)) >= 2
 
 
 def test_numba_in_the_main_process_sees_no_other_threads_while_workers_start(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -120,15 +93,15 @@ def test_numba_in_the_main_process_sees_no_other_threads_while_workers_start(mon
         start(process)
 
     monkeypatch.setattr(SpawnProcess, "start", watched)
-    with process_pool(1, 1, initializer=start_worker, initargs=(SPAWN.Queue(), KnownLimit())) as pool:
-        assert pool.submit(in_worker, threads_of_numba, ()).result() == 1
+    with process_pool(1, 1, initializer=start_worker, initargs=(SPAWN.Queue(),)) as pool:
+        assert pool.submit(_in_worker, threads_of_numba, ()).result() == 1
     assert seen == [before]
 
 
 def test_a_lost_worker_ends_all_tasks_and_chains(tmp_path: Path) -> None:
     flag = tmp_path / "begun"
     with workers(2, Silent()) as working:
-        pending = [working.submit(0, asleep, flag) for _ in range(4)]
+        pending = [working.submit(asleep, flag) for _ in range(4)]
         waiting = working.beside(chain, working, 1.0)
         while not flag.exists():
             time.sleep(0.01)
@@ -138,7 +111,7 @@ def test_a_lost_worker_ends_all_tasks_and_chains(tmp_path: Path) -> None:
         for lost in (*pending, waiting):
             with pytest.raises(WorkerLost, match="was ended from outside"):
                 lost.result()
-        later = [working.submit(0, asleep, flag) for _ in range(4)]  # more than there were workers
+        later = [working.submit(asleep, flag) for _ in range(4)]  # more than there were workers
         for lost in later:
             with pytest.raises(WorkerLost, match="was ended from outside"):
                 lost.result()
@@ -155,7 +128,7 @@ def test_an_error_of_the_run_ends_workers_and_chains_at_once(tmp_path: Path) -> 
 def _interrupted(flag: Path) -> None:
     with workers(2, Silent()) as working:
         for _ in range(3):
-            working.submit(0, asleep, flag)
+            working.submit(asleep, flag)
         working.beside(chain, working, 1.0)
         while not flag.exists():
             time.sleep(0.01)
@@ -170,7 +143,7 @@ def test_without_workers_a_task_that_fails_is_not_done_again() -> None:
         raise InputError("material: unknown")
 
     with workers(1, Silent()) as working:
-        pending = working.submit(0, failing)
+        pending = working.submit(failing)
         assert not calls
         for _ in range(2):
             with pytest.raises(InputError, match="material"):

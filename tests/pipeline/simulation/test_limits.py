@@ -1,8 +1,6 @@
 """A limit is named at little cost and from steps of any size, and experiments tell each other."""
 
 import re
-import sys
-import threading
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -18,8 +16,7 @@ from pipeline.config.load import load_config
 from pipeline.context import RunContext
 from pipeline.progress import Silent
 from pipeline.simulation.case_path import CasePath
-from pipeline.simulation.known_limit import KnownLimit, in_order
-from pipeline.simulation.loadcase import identification_case
+from pipeline.simulation.known_limit import EndOfII
 from pipeline.simulation.scene import Scene
 from pipeline.simulation.simulate import simulate
 from pipeline.store.store import open_store
@@ -230,41 +227,13 @@ def test_three_is_followed_up_to_the_limit_of_two(
     assert stored == {f"{name}_{pressure}kPa" for name in ("II", "III") for pressure in (17, second)}
 
 
-def test_a_known_limit_concerns_pressures_not_closely_above_a_state_of_two() -> None:
-    known = KnownLimit()
-    known.reached(37.0)
-    known.ended(40.0, is_limit=True)
-    assert known.why_not(41.0) == ""
-    assert "has its limit at 40 kPa" in known.why_not(47.0)
-    assert known.end_kPa == 40.0
-    higher = KnownLimit()
-    higher.reached(30.0)
-    higher.ended(48.0, is_limit=True)
-    assert higher.why_not(47.0) == ""
-    none = KnownLimit()
-    none.ended()
-    assert none.why_not(55.0) == ""
-    unnamed = KnownLimit()
-    unnamed.ended(40.0)
-    assert "has its last equilibrium at 40 kPa" in unnamed.why_not(47.0)
-
-
-def test_who_asks_waits_no_longer_than_needed() -> None:
-    """II is still being solved: what it has reached answers, before its limit is known."""
-    known = KnownLimit()
-    known.reached(40.0)
-    known.reached(20.0)
-    assert known.why_not(44.0) == ""
-    answers: list[str] = []
-    asking = threading.Thread(target=lambda: answers.append(known.why_not(60.0)), daemon=True)
-    asking.start()
-    asking.join(0.5)
-    assert asking.is_alive()
-    known.ended(45.0, is_limit=True)
-    asking.join(5.0)
-    assert "has its limit at 45 kPa" in answers[0]
-    known.ended()
-    assert "has its limit at 45 kPa" in known.why_not(60.0)
+def test_the_end_of_two_concerns_pressures_not_closely_above_one_of_its_states() -> None:
+    end = EndOfII(37.0, 40.0, is_limit=True)
+    assert end.why_not(41.0) == ""
+    assert "has its limit at 40 kPa" in end.why_not(47.0)
+    assert EndOfII(30.0, 48.0, is_limit=True).why_not(47.0) == ""
+    assert EndOfII(0.0, 0.0, is_limit=False).why_not(55.0) == ""
+    assert "has its last equilibrium at 40 kPa" in EndOfII(0.0, 40.0, is_limit=False).why_not(47.0)
 
 
 @pytest.mark.parametrize("pressures", ["[0.4 kPa, 2 kPa]", "[0.5 kPa, 0.8 kPa]", "[2 kPa]"])
@@ -300,57 +269,3 @@ def test_the_others_take_the_increments_of_two(tmp_path: Path) -> None:
     assert increments["I"] == increments["III"] == increments["II"]
     cutbacks = {name: outcomes[name].records[-1].summary.cutbacks for name in increments}
     assert cutbacks == {"I": 0, "II": 3, "III": 1}
-
-
-def test_the_increments_of_two_are_waited_for() -> None:
-    known = KnownLimit()
-    known.reached(20.0)
-    known.wait_for(20.0)
-    waiting = threading.Thread(target=lambda: known.wait_for(22.0), daemon=True)
-    waiting.start()
-    waiting.join(0.5)
-    assert waiting.is_alive()
-    known.ended(21.0)
-    waiting.join(5.0)
-    assert not waiting.is_alive()
-
-
-def test_another_mesh_has_a_limit_of_its_own() -> None:
-    both = KnownLimit()
-    first, second = both.of_group(1), both.of_group(2)
-    first.ended(40.0, is_limit=True)
-    second.reached(50.0)
-    assert second.why_not(55.0) == ""
-    second.ended(50.0, is_limit=True)
-    assert "at 40 kPa" in first.why_not(65.0)
-    assert "at 50 kPa" in second.why_not(65.0)
-
-
-def test_two_tells_its_limit_before_its_results_are_made(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    known: list[KnownLimit] = []
-    limits_when_made: list[str] = []
-    simulation, of_group = sys.modules[simulate.__module__], KnownLimit.of_group
-
-    def remember(all_groups: KnownLimit, group: int) -> KnownLimit:
-        known.append(of_group(all_groups, group))
-        return known[0]
-
-    made = simulation._record
-
-    def record(experiment: fem.Experiment, *others: Any) -> Any:
-        limits_when_made.append(known[0].why_not(5.0))
-        return made(experiment, *others)
-
-    monkeypatch.setattr(KnownLimit, "of_group", remember)
-    monkeypatch.setattr(simulation, "_record", record)
-    config = load_config(CONFIGS / "semicircular_single_coarse.yaml", [*THIN, VACUUM, "pressures=[0.5 kPa, 5 kPa]"])
-    with open_store(tmp_path, config) as store:
-        simulate(Scene.meshed(config), RunContext.alone(store, Silent()), ["II"])
-    assert len(limits_when_made) == 1
-    assert "experiment II of the same arm has its limit at 1.0" in limits_when_made[0]
-
-
-def test_the_experiment_that_tells_starts_first() -> None:
-    config = load_config(CONFIGS / "pneunet_coarse.yaml", [])
-    cases = [identification_case(config, name) for name in ("III", "I", "II")]
-    assert [case.name for case in in_order(cases)] == ["II", "III", "I"]

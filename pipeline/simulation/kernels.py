@@ -3,14 +3,12 @@
 from fem import compile_kernels
 from pipeline.config.config import Config
 from pipeline.context import RunContext
-from pipeline.parallel.worker import TaskContext
-from pipeline.parallel.workers import Pending
+from pipeline.parallel import Pending, TaskContext
 from pipeline.simulation.scene import material_of
 
 
-def loaded(context: RunContext, config: Config) -> list[Pending[None]]:
-    """A task for each worker, done while the run meshes its body. Their results are there when nothing has to be
-    compiled any more."""
+def begin_loading(context: RunContext, config: Config) -> list[Pending[None]]:
+    """Load them in every worker. The results are there when nothing has to be compiled any more."""
     others = [context.submit(_import_solver) for _ in range(context.workers.jobs - 1)]
     return [context.submit(load_kernels, config), *others]
 

@@ -1,1 +1,0 @@
-"""What a run does at the same time: tasks in worker processes."""
