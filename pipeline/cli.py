@@ -1,21 +1,21 @@
 """The command line. Exit status 0 done, 1 failed, 2 wrong input, 130 interrupted.
 
-The commands are in `pipeline/commands/`. They import everything heavy inside their functions, so that `pneurod --help`
-answers at once.
+Commands import everything heavy inside their functions, so that `pneurod --help` answers at once. Those that solve a
+design are in `pipeline.commands_of_design`.
 """
 
 import os
 import signal
 import sys
+from pathlib import Path
+from typing import Annotated
 
 import typer
 
-from pipeline.commands.of_design import accuracy, cell, effects, mesh, run
-from pipeline.commands.of_file import init
-from pipeline.commands.of_installation import doctor, show_version
-from pipeline.commands.of_material import material
-from pipeline.commands.of_rod import export, rod
-from pipeline.commands.of_sweep import sweep
+from pipeline.commands_of_design import accuracy, cell, effects, mesh, run
+from pipeline.ending import print_lines, print_sentences, with_sentences
+from pipeline.errors import InputError, RunFailed
+from pipeline.processes import available_cores
 
 app = typer.Typer(
     help="From the drawing of a pneumatic soft actuator to a rod model with quantified errors.",
@@ -24,9 +24,210 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
 )
 
+
+def init(
+    family: Annotated[
+        str,
+        typer.Argument(
+            metavar="[FAMILY]", help="pneunet, semicircular, semicircular_single, bisected_circle, rectangular, own."
+        ),
+    ] = "pneunet",
+    out: Annotated[
+        Path | None, typer.Option("--out", metavar="FILE", help="File to write (default: my_FAMILY.yaml).")
+    ] = None,
+    force: Annotated[bool, typer.Option("--force", help="Replace a file that exists.")] = False,
+) -> None:
+    """A commented configuration to start from: every key with its unit, default and range."""
+    from pipeline.config.body import BODIES
+    from pipeline.config.example import example
+    from pipeline.config.section import not_known
+    from pipeline.store.atomic_file import write_atomic
+    from pipeline.store.result_folder import open_file
+
+    if family not in BODIES:
+        raise InputError(f"FAMILY: {not_known(family, BODIES)}")
+    file = out or Path(f"my_{family}.yaml")
+    if file.exists() and not force:
+        raise InputError(f"{file}: exists; give another --out, or --force to replace it")
+    write_atomic(open_file(file), example(family).encode())
+    print_lines(f"written: {file}; change it and check the body with `pneurod mesh {file}`")
+
+
+def rod(
+    parameters: Annotated[Path, typer.Argument(metavar="PARAMETERS.json", help="Of a finished run; or a law.json.")],
+    pressure: Annotated[str, typer.Option(metavar="P", help="With its unit: '31 kPa'.")],
+    force: Annotated[
+        str | None, typer.Option(metavar="[FX, FY]", help="Dead force on the end: '[0 N, 0.05 N]'.")
+    ] = None,
+    moment: Annotated[str, typer.Option(metavar="M", help="Moment on the end: '1 N*mm'.")] = "0 N*mm",
+    end_y: Annotated[
+        str | None, typer.Option(metavar="Y", help="Height of the end over the clamped end: '0 mm'.")
+    ] = None,
+    end: Annotated[str | None, typer.Option(metavar="[X, Y]", help="Position of the end from the clamped end.")] = None,
+    extrapolate: Annotated[bool, typer.Option("--extrapolate", help="Go beyond the identified pressures.")] = False,
+    extensible: Annotated[
+        bool | None,
+        typer.Option(
+            "--stretch/--no-stretch",
+            help="The rod whose curve stretches, or not; by itself the one that stretches where the free curve of the "
+            "arm is longer by more than 0.5 %.",
+            show_default=False,
+        ),
+    ] = None,
+    out: Annotated[Path | None, typer.Option("--out", metavar="FILE", help="Write the shape as CSV.")] = None,
+) -> None:
+    """The rod alone, in milliseconds: its shape under loads."""
+    from pipeline.rods.end_loads import EndLoads, end_lines, write_shape
+    from pipeline.rods.saved import rod_of_file
+
+    selected = rod_of_file(parameters, pressure, extrapolate, extensible)
+    shape = EndLoads.read(force, moment, end_y, end).shape(selected.rod)
+    print_lines(*end_lines(selected, shape), *filter(None, [selected.warning(shape)]))
+    if out is not None:
+        write_shape(shape, out)
+
+
+def export(
+    folder: Annotated[Path, typer.Argument(metavar="DIR", help="Results of a finished run.")],
+    to: Annotated[
+        str | None,
+        typer.Option(
+            "--to", metavar="NAME", help="The format, required; without it the command ends with the list of formats."
+        ),
+    ] = None,
+    pressure: Annotated[
+        str | None, typer.Option(metavar="P", help="With its unit (default: all identified pressures).")
+    ] = None,
+    law: Annotated[
+        str | None, typer.Option("--law", metavar="five|cell", help="Five parameters, or the arm's own law as a table.")
+    ] = None,
+    out: Annotated[
+        Path | None, typer.Option("--out", metavar="DIR", help="Folder for the files (default: DIR).")
+    ] = None,
+    smooth: Annotated[bool, typer.Option("--smooth", help="Rest curvature averaged over a cell.")] = False,
+    extrapolate: Annotated[bool, typer.Option("--extrapolate", help="Go beyond the identified pressures.")] = False,
+    force: Annotated[bool, typer.Option("--force", help="Replace files that exist.")] = False,
+) -> None:
+    """The identified rod as a file for another rod code, with the pressure as its input."""
+    from pipeline.rods.export import ExportOptions, exported, left_out
+
+    options = ExportOptions(pressure, law, out, smooth, extrapolate, force)
+    print_lines(*(f"written: {file}" for file in exported(folder, to, options)), *left_out(folder, to, options))
+
+
+def material(
+    tests: Annotated[list[Path], typer.Argument(metavar="TENSILE.csv...", help="Nominal stress over nominal strain.")],
+    out: Annotated[Path, typer.Option("--out", metavar="DIR", help="Result folder.")] = Path("results/material"),
+    nu: Annotated[float, typer.Option(metavar="NU", help="Poisson ratio; it gives rubber its kappa.")] = 0.495,
+    up_to: Annotated[str | None, typer.Option(metavar="STRAIN", help="Leave out larger strains: '50 %'.")] = None,
+    within: Annotated[str, typer.Option(metavar="ERROR", help="Relative error within which a law holds.")] = "10 %",
+    break_strain: Annotated[str, typer.Option("--break", metavar="STRAIN", help="E_L below, E_H above.")] = "150 %",
+    density: Annotated[str | None, typer.Option(metavar="RHO", help="For the configuration: '1070 kg/m^3'.")] = None,
+) -> None:
+    """Tensile tests: constants of every law, the stretches it holds for, E_L and E_H."""
+    from pipeline.material.fits import ALL, WIDEST, FitOptions
+    from pipeline.material.sentences import caveats, configuration_line, moduli_sentences, none_usable
+    from pipeline.material.study import fit_material
+    from pipeline.terminal import law_table
+
+    fits = fit_material(tests, FitOptions.read(nu, density, break_strain, up_to, within), out)
+    print_sentences(*(f"Note: {note}" for note in fits.notes))
+    print_lines(*moduli_sentences(fits))
+    for name in (ALL, WIDEST):
+        print_lines("", law_table(fits, name))
+    if fits.usable:
+        print_lines(f"\nfor a configuration, fitted to {WIDEST}:")
+        print_lines(*(configuration_line(fit, density) for fit in fits.usable.values()))
+    print_lines("", *caveats(fits))
+    print_lines(f"written: {out / 'material.html'}, material.json, material_curves.csv")
+    if not fits.usable:
+        raise RunFailed(none_usable(fits))
+
+
+def sweep(
+    files: Annotated[list[Path], typer.Argument(metavar="SWEEP...", help="Base configuration and axes in YAML.")],
+    out: Annotated[
+        Path | None,
+        typer.Option("--out", metavar="DIR", help="Result folder; of several: DIR/NAME (default: results/NAME)."),
+    ] = None,
+    scheduler: Annotated[
+        str | None, typer.Option(metavar="ADDRESS", help="A Dask scheduler instead of workers on this machine.")
+    ] = None,
+    jobs: Annotated[
+        int | None, typer.Option(min=1, help="Number of worker processes (default: number of cores).")
+    ] = None,
+    memory: Annotated[
+        str | None, typer.Option(metavar="SIZE", help="Of each worker: '4 GB' (default: equal parts of the machine's).")
+    ] = None,
+    retry: Annotated[bool, typer.Option("--retry", help="Try points that were not reached again.")] = False,
+    fresh: Annotated[bool, typer.Option("--fresh", help="Delete earlier results in DIR and begin again.")] = False,
+) -> None:
+    """Many designs: a base configuration and axes, every point a run of its own, one table, on Dask."""
+    if scheduler is not None and (jobs is not None or memory is not None):
+        raise InputError("--scheduler: its workers are started apart; leave out --jobs and --memory")
+
+    from pipeline.sweep.spec import read_sweep
+    from pipeline.sweep.study import Course, run_sweeps
+    from pipeline.sweep.workers import LocalWorkers, RemoteScheduler
+
+    sweeps = [read_sweep(file) for file in files]
+    local = LocalWorkers.of(jobs or available_cores(), memory)
+    workers = local if scheduler is None else RemoteScheduler(scheduler)
+    parent = out or Path("results")
+    folders = [parent / sweep.name if out is None or len(sweeps) > 1 else out for sweep in sweeps]
+    requests = list(zip(sweeps, folders, strict=True))
+    reports = run_sweeps(requests, Course(workers, fresh, retry, print_lines))
+    for report in reports:
+        folder = report.directory
+        print_lines(f"{report.sentence()}; table: {folder / 'sweep.csv'}, picture: {folder / 'sweep.html'}")
+    for report in reports:
+        report.raise_if_failed()
+
+
+def _print_version(requested: bool) -> None:
+    if requested:
+        from importlib.metadata import version
+
+        print_lines(f"pneurod {version('pneurod')}")
+        raise typer.Exit
+
+
+def show_version(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_print_version, is_eager=True, help="The version of pneurod.")
+    ] = False,
+) -> None:
+    """The options of `pneurod` itself."""
+
+
+def doctor() -> None:
+    """What is installed, what is missing, and the one command that installs it. Nothing is installed or changed.
+
+    It compares the version of every package with the one that is required, meshes one chamber, draws a picture, solves
+    two equations, starts the threads and writes a file that it removes again.
+    """
+    print_lines(
+        "Checked are the versions of Python and of all packages, a mesh, a picture, the solver of linear "
+        "equations, threads and the disk. Nothing is installed or changed; this takes about ten seconds."
+    )
+    from rich.table import Table
+
+    from pipeline.doctor import examine, remedy
+
+    findings = examine()
+    table = Table("", "checked", "result", box=None, pad_edge=False)
+    for finding in findings:
+        table.add_row("[green]ok[/]" if finding.sound else "[red]no[/]", finding.subject, finding.result)
+    print_lines(table)
+    command = remedy(findings)
+    if command:
+        raise RunFailed(f"something is missing; to mend it: {command}")
+    print_lines("everything pneurod needs is here")
+
+
 app.callback()(show_version)
 for command in (init, run, mesh, effects, accuracy, cell, sweep, rod, material, export, doctor):
-    app.command()(command)
+    app.command()(with_sentences(command))
 
 
 def main() -> None:

@@ -50,13 +50,9 @@ DOORS: dict[str, set[str]] = {
     "pint": {"pipeline/config/units.py"},
     "yaml": {"pipeline/config/document.py"},
     "pyvista": {"pipeline/drawing/pictures.py"},
-    "typer": {
-        *("pipeline/cli.py", "pipeline/commands/ending.py", "pipeline/commands/of_design.py"),
-        *("pipeline/commands/of_file.py", "pipeline/commands/of_material.py", "pipeline/commands/of_rod.py"),
-        *("pipeline/commands/of_sweep.py", "pipeline/commands/of_installation.py"),
-    },
+    "typer": {"pipeline/cli.py", "pipeline/commands_of_design.py", "pipeline/ending.py"},
     "rich": {
-        *("pipeline/commands/ending.py", "pipeline/commands/of_design.py", "pipeline/commands/of_installation.py"),
+        *("pipeline/cli.py", "pipeline/commands_of_design.py", "pipeline/ending.py"),
         *("pipeline/progress.py", "pipeline/terminal.py"),
     },
     "jinja2": {"pipeline/report/page.py"},

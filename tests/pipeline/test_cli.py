@@ -19,9 +19,9 @@ from typer.testing import CliRunner, Result
 
 from pipeline import cli, doctor
 from pipeline.cli import app
-from pipeline.commands.ending import print_lines
 from pipeline.config.load import load_config
 from pipeline.doctor import Finding
+from pipeline.ending import print_lines
 from pipeline.errors import RunFailed
 from pipeline.notes.verdict import verdict_of
 from pipeline.progress import Progress

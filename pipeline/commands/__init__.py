@@ -1,1 +1,0 @@
-"""The commands of `pneurod`, by what they work on; `pipeline.cli` puts them together."""

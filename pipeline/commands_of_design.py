@@ -1,0 +1,223 @@
+"""The commands that solve a design: run, mesh, effects, accuracy, cell."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, TypeAlias, TypeVar
+
+import typer
+from rich.console import Console
+
+from pipeline.ending import print_json, print_lines, print_sentences
+from pipeline.errors import RunFailed
+from pipeline.processes import available_cores
+
+if TYPE_CHECKING:
+    from pipeline.config.config import Config
+    from pipeline.progress import Progress
+    from pipeline.report.tables import Table
+    from pipeline.results.values import Run
+
+    Result = TypeVar("Result")
+    #: a command that solves: configuration, result folder, jobs, fresh, progress
+    Task: TypeAlias = Callable[[Config, Path, int, bool, Progress], Result]
+
+
+def _out(suffix: str = "") -> Any:
+    """The option --out; what the program finds by default stands in round brackets, because the terminal drops square
+    ones."""
+    return typer.Option("--out", metavar="DIR", help=f"Result folder (default: results/NAME{suffix}).")
+
+
+def _jobs(default: str) -> Any:
+    return typer.Option("--jobs", min=1, help=f"Number of worker processes (default: {default}).")
+
+
+def _accuracy(what: str) -> Any:
+    return typer.Option("--accuracy", metavar="P%", help=what)
+
+
+ConfigFile = Annotated[Path, typer.Argument(metavar="CONFIG", help="A design in YAML, such as configs/pneunet.yaml.")]
+Settings = Annotated[
+    list[str] | None,
+    typer.Option("--set", metavar="KEY=VALUE", help="Replace a value: --set mesh.size='4 mm'. May be repeated."),
+]
+Fresh = Annotated[bool, typer.Option("--fresh", help="Delete earlier results in DIR and begin again.")]
+Quiet = Annotated[bool, typer.Option("-q", "--quiet", help="No progress, only the verdict.")]
+Verbose = Annotated[bool, typer.Option("-v", "--verbose", help="Every Newton iteration, and the time of every stage.")]
+Json = Annotated[bool, typer.Option("--json", help="The verdict as JSON on standard output; progress on stderr.")]
+
+
+def run(
+    config: ConfigFile,
+    out: Annotated[Path | None, _out()] = None,
+    settings: Settings = None,
+    accuracy: Annotated[
+        str | None, _accuracy("Choose the mesh for this error: --set mesh.size=auto --accuracy 2%")
+    ] = None,
+    jobs: Annotated[int | None, _jobs("number of cores, at most 3")] = None,
+    fresh: Fresh = False,
+    quiet: Quiet = False,
+    verbose: Verbose = False,
+    as_json: Json = False,
+) -> None:
+    """Mesh, experiments I, II and III, the five parameters, the rod, the report."""
+    design, folder = _design(config, _with_accuracy(settings, accuracy), out)
+
+    from pipeline.notes.verdict import verdict_of
+    from pipeline.progress import Silent, progress_for
+    from pipeline.report import tables
+    from pipeline.results.files import read_results
+    from pipeline.run import run as run_design
+    from pipeline.terminal import text_table
+
+    progress = Silent() if quiet else progress_for(Console(stderr=as_json), verbose=verbose)
+    report = _solve(run_design, design, folder, jobs or min(3, available_cores()), fresh, progress)
+    results = read_results(folder)
+    verdict = verdict_of(results)
+    if as_json:
+        print_json(verdict.record())
+    else:
+        print_sentences(*verdict.lines)
+        if not quiet:
+            shown = (tables.five_parameters(results), *(_details(results) if verbose else ()))
+            print_lines(*(text_table(table) for table in shown if table is not None))
+            print_sentences(*(f"Note: {note.text}" for note in results.remarks if verbose))
+        print_lines(f"report: {folder / 'report.html'}")
+    report.raise_if_failed()
+
+
+def _details(results: "Run") -> tuple["Table | None", ...]:
+    """What `-v` shows besides the verdict."""
+    from pipeline.report import tables
+
+    made = (tables.rods, tables.loads, tables.states, tables.effects, tables.design, tables.cost)
+    return tuple(table(results) for table in made)
+
+
+def mesh(config: ConfigFile, out: Annotated[Path | None, _out("_mesh")] = None, settings: Settings = None) -> None:
+    """Only the body: DIR/mesh.vtu, volumes and the quality of the elements."""
+    design, folder = _design(config, settings, out, "_mesh")
+
+    from pipeline.identification.too_short import too_short
+    from pipeline.plausibility.before import of_load
+    from pipeline.plausibility.body import of_body, of_edges
+    from pipeline.plausibility.units import of_contact, of_units
+    from pipeline.progress import progress_for
+    from pipeline.simulation.waiting import meshed_with_progress
+    from pipeline.store.atomic_file import replacing
+    from pipeline.store.result_folder import open_folder
+    from pipeline.store.store import check_owner
+    from pipeline.terminal import body_table
+
+    results = open_folder(folder)
+    check_owner(results.directory, design, "give another --out")
+    progress = progress_for(Console())
+    try:
+        progress.stage("mesh")
+        if edges := of_edges(design):
+            progress.remark(edges)
+        scene = meshed_with_progress(design, progress)
+    finally:
+        progress.done()
+    body, file = scene.body, results.path("mesh.vtu")
+    with replacing(file) as part:
+        body.mesh.write(part)
+    print_lines(body_table(file, design, body))
+    notes = (too_short(design), *of_load(design), *of_units(design), *of_body(body, design), of_contact(scene))
+    print_sentences(*(f"Note: {sentence}." for sentence in notes if sentence))
+
+
+def effects(
+    config: ConfigFile,
+    out: Annotated[Path | None, _out("_effects")] = None,
+    settings: Settings = None,
+    jobs: Annotated[int | None, _jobs("number of cores, at most 2")] = None,
+    fresh: Fresh = False,
+) -> None:
+    """Each effect on and off: what it changes, what it costs."""
+    design, folder = _design(config, settings, out, "_effects")
+
+    from pipeline.effects_rows import contact_sentences
+    from pipeline.effects_study import compare_effects
+    from pipeline.terminal import effects_comparison
+
+    table = _solve(compare_effects, design, folder, jobs or min(2, available_cores()), fresh)
+    print_lines(effects_comparison(table.rows), *contact_sentences(table.rows))
+    print_lines(f"table: {folder / 'effects_table.json'}")
+    if table.failures:
+        print_sentences(*(f"{sentence}." for sentence in table.failures))
+        missing = sum(bool(row["reason"]) for row in table.rows)
+        raise RunFailed(f"{missing} of {len(table.rows)} rows lack numbers, for the reasons above")
+
+
+def accuracy(
+    config: ConfigFile,
+    out: Annotated[Path | None, _out("_accuracy")] = None,
+    settings: Settings = None,
+    jobs: Annotated[int | None, _jobs("number of cores, at most 2")] = None,
+    fresh: Fresh = False,
+) -> None:
+    """Convergence study: error against seconds over meshes, elements and tolerances."""
+    design, folder = _design(config, settings, out, "_accuracy")
+
+    from pipeline.accuracy.run import run_study
+    from pipeline.accuracy.table import left_out_sentences, order_sentences, reference_sentences
+    from pipeline.terminal import study_table
+
+    study = _solve(run_study, design, folder, jobs or min(2, available_cores()), fresh)
+    print_lines(study_table(study), *reference_sentences(study), *order_sentences(study))
+    print_sentences(*left_out_sentences(study))
+    print_lines(f"picture: {folder / 'accuracy.html'}")
+
+
+def cell(
+    config: ConfigFile,
+    out: Annotated[Path | None, _out("_cell")] = None,
+    settings: Settings = None,
+    accuracy: Annotated[str | None, _accuracy("Refine the mesh of the configuration for this error: 1%")] = None,
+    jobs: Annotated[int | None, _jobs("1")] = None,
+    fresh: Fresh = False,
+) -> None:
+    """The arm's own law from one cell and its two ends, for every load and length."""
+    design, folder = _design(config, _with_accuracy(settings, accuracy), out, "_cell")
+
+    from pipeline.cell.study import measure_law
+    from pipeline.cell.table import law_sentences
+    from pipeline.terminal import cell_table
+
+    report = _solve(measure_law, design, folder, jobs or 1, fresh)
+    print_lines(cell_table(report.measured), *law_sentences(report))
+    print_lines(f"law: {folder / 'law.json'}, picture: {folder / 'law.html'}")
+    report.raise_if_failed()
+
+
+def _with_accuracy(settings: list[str] | None, accuracy: str | None) -> list[str]:
+    """The settings with a requested accuracy."""
+    return [*(settings or ()), *([f"accuracy={accuracy}"] if accuracy is not None else [])]
+
+
+def _design(config: Path, settings: list[str] | None, out: Path | None, suffix: str = "") -> tuple["Config", Path]:
+    """The configuration, checked, and the result folder."""
+    from pipeline.config.load import load_config
+
+    design = load_config(config, settings or ())
+    return design, out or Path("results") / f"{design.name}{suffix}"
+
+
+def _solve(
+    task: "Task[Result]", design: "Config", folder: Path, jobs: int, fresh: bool, progress: "Progress | None" = None
+) -> "Result":
+    """The result of a task; a listener to its progress, if none is given, is first told the notes on the design."""
+    from pipeline.plausibility.before import of_load
+    from pipeline.plausibility.body import of_edges
+    from pipeline.plausibility.units import of_units
+    from pipeline.progress import progress_for
+
+    notes = () if progress else (*of_load(design), *of_units(design), of_edges(design))
+    progress = progress or progress_for(Console())
+    try:
+        for sentence in filter(None, notes):
+            progress.remark(sentence)
+        return task(design, folder, jobs, fresh, progress)
+    finally:
+        progress.done()
