@@ -122,7 +122,7 @@ class PressurisedRod:
         return cubic(p, v, monotone_slopes(p, v), pressure) if known is None else known
 
     def _shape_at(self, values: Any, pressure: float, straight: float) -> Any:
-        """The same by cubics that are linear in the values; straight: the value of the straight arm."""
+        """Values (n, ...) at a pressure, by cubics that are linear in them; straight: the value of the straight arm."""
         p, v = self.pressures, np.asarray(values, float)
         if self.straight_without_pressure and p[0] > 0.0:
             p, v = np.append(0.0, p), np.concatenate([np.full_like(v[:1], straight), v])

@@ -68,7 +68,7 @@ class RodSolution:
         """Angle of the end of the material curve from the x axis, rad: that of its chord over the last 2 % of its rest
         length.
 
-        The same chord of the finite elements is `geometry.Centreline.end_angle`. The angle of the end of the axis is
+        `geometry.Centreline.end_angle` has this chord of the finite elements. The angle of the end of the axis is
         theta[-1]; it differs where the material curve ripples beside the axis.
         """
         length = self.s[-1]

@@ -29,7 +29,7 @@ RELATIVE = ("kappa_0", "alpha2", "force")
 def with_mesh_error(
     config: Config, context: RunContext, parameters: tuple[Parameters, ...]
 ) -> tuple[tuple[Parameters, ...], str]:
-    """The same parameters with the deviations that II and III on a mesh `config.mesh.coarser` times as coarse suggest,
+    """The parameters with the deviations that II and III on a mesh `config.mesh.coarser` times as coarse suggest,
     and a sentence where that mesh gave none at some pressure (else empty).
 
     With UNSTEADY elements the difference from mixed ones counts as well. Unchanged where no such factor is configured,

@@ -1,9 +1,11 @@
 """What the pieces of an arm gave at one pressure: a cell and a clamped end over the moment, and the tip.
 
-Moments and forces are those of the whole body; curvature is the rotation per rest length of the axis.
+Moments and forces are those of the whole body; curvature is the rotation per rest length of the axis. With the type of
+a field stand its key in law.json and its shape: k moments, m positions, n turns.
 """
 
 from dataclasses import dataclass, fields
+from typing import Annotated
 
 import numpy as np
 
@@ -28,20 +30,21 @@ class CellCurve:
     Arrays are read-only. Raises `RodError` unless moment and curvature both rise from point to point.
     """
 
-    pressure: float  #: kPa
-    moment: Array  #: (k,) N mm
-    kappa: Array  #: (k,) 1/mm
-    rigidity: Array  #: (k,) dM/dkappa, N mm2
-    moment_by_pressure: Array  #: (k,) at fixed curvature, N mm / kPa
-    stretch: Array  #: (k,) of the axis without axial force
-    stretch_by_kappa: Array  #: (k,) mm
-    stretch_by_pressure: Array  #: (k,) at fixed curvature, 1/kPa
-    axial_rigidity: Array  #: (k,) EA, N
-    shear_rigidity: Array  #: (k,) GA, N
-    contact: Mask  #: (k,) whether walls touch
-    min_J: Array  #: (k,) smallest ratio of volumes in the cell
-    s: Array  #: (m,) rest positions along half a cell, from its middle to its end, mm
-    ripple: Array  #: (k, m, 2) of the material curve beside the axis there, along and normal to it, mm
+    pressure: Annotated[float, "pressure_kPa"]  #: kPa
+    moment: Annotated[Array, "moment_N_mm", "k"]  #: N mm
+    kappa: Annotated[Array, "kappa_per_mm", "k"]  #: 1/mm
+    rigidity: Annotated[Array, "rigidity_N_mm2", "k"]  #: dM/dkappa, N mm2
+    moment_by_pressure: Annotated[Array, "moment_by_pressure_N_mm_per_kPa", "k"]  #: at fixed curvature, N mm / kPa
+    stretch: Annotated[Array, "stretch", "k"]  #: of the axis without axial force
+    stretch_by_kappa: Annotated[Array, "stretch_by_kappa_mm", "k"]  #: mm
+    stretch_by_pressure: Annotated[Array, "stretch_by_pressure_per_kPa", "k"]  #: at fixed curvature, 1/kPa
+    axial_rigidity: Annotated[Array, "axial_rigidity_N", "k"]  #: EA, N
+    shear_rigidity: Annotated[Array, "shear_rigidity_N", "k"]  #: GA, N
+    contact: Annotated[Mask, "contact", "k"]  #: whether walls touch
+    min_J: Annotated[Array, "min_J", "k"]  #: smallest ratio of volumes in the cell
+    s: Annotated[Array, "s_mm", "m"]  #: rest positions along half a cell, from its middle to its end, mm
+    #: of the material curve beside the axis there, along and normal to it, mm
+    ripple: Annotated[Array, "ripple_mm", "k", "m", 2]
 
     def __post_init__(self) -> None:
         _freeze(self)
@@ -82,15 +85,17 @@ class ClampCurve:
     end of the piece. Arrays are read-only.
     """
 
-    pressure: float  #: kPa
-    moment: Array  #: (k,) N mm
-    rotation: Array  #: (k,) rad
-    rotation_by_moment: Array  #: (k,) rad/(N mm)
-    rotation_by_pressure: Array  #: (k,) at fixed moment, rad/kPa
-    offset: Array  #: (k, 2) mm, of the axis at s = 0 from the clamped end of the material curve
-    offset_by_moment: Array  #: (k, 2) 1/N
-    s: Array  #: (m,) rest positions of the nodes of the material curve in the piece, mm
-    beside: Array  #: (k, m, 2) of the nodes beside the axis of that rod, along and normal to it, mm
+    pressure: Annotated[float, "pressure_kPa"]  #: kPa
+    moment: Annotated[Array, "moment_N_mm", "k"]  #: N mm
+    rotation: Annotated[Array, "rotation_rad", "k"]  #: rad
+    rotation_by_moment: Annotated[Array, "rotation_by_moment_rad_per_N_mm", "k"]  #: rad/(N mm)
+    rotation_by_pressure: Annotated[Array, "rotation_by_pressure_rad_per_kPa", "k"]  #: at fixed moment, rad/kPa
+    #: mm, of the axis at s = 0 from the clamped end of the material curve
+    offset: Annotated[Array, "offset_mm", "k", 2]
+    offset_by_moment: Annotated[Array, "offset_by_moment_per_N", "k", 2]  #: 1/N
+    s: Annotated[Array, "s_mm", "m"]  #: rest positions of the nodes of the material curve in the piece, mm
+    #: of the nodes beside the axis of that rod, along and normal to it, mm
+    beside: Annotated[Array, "beside_mm", "k", "m", 2]
 
     def __post_init__(self) -> None:
         _freeze(self)
@@ -148,15 +153,21 @@ class TipCurve:
     are read-only. Raises `RodError` for another number of turns.
     """
 
-    pressure: float  #: kPa
-    s: Array  #: (m,) rest positions of the nodes of the material curve before the end s = 0, rising to 0, mm
-    beside: Array  #: (m, 2) of the nodes where the end is free, mm
-    edge: Array  #: (2,) of the middle of the free edge, where a force acts that is spread evenly over it, mm
-    couple: Array  #: (n,) N mm, of the support at a height without a resultant force, by turn
-    acts_at: Array  #: (n, 2) of the point in which a resultant force of that support acts, by turn, mm
-    beside_held: Array  #: (n, m, 2) of the nodes where the edge is held at a height, by turn, mm
-    beside_pinned: Array  #: (m, 2) of the nodes where the edge is held in one point, mm
-    pinned_by_pull: Array  #: (m, 2) displacement of these nodes beside the axis by an axial force on the point, mm/N
+    pressure: Annotated[float, "pressure_kPa"]  #: kPa
+    #: rest positions of the nodes of the material curve before the end s = 0, rising to 0, mm
+    s: Annotated[Array, "s_mm", "m"]
+    beside: Annotated[Array, "beside_mm", "m", 2]  #: of the nodes where the end is free, mm
+    #: of the middle of the free edge, where a force acts that is spread evenly over it, mm
+    edge: Annotated[Array, "edge_mm", 2]
+    #: N mm, of the support at a height without a resultant force, by turn
+    couple: Annotated[Array, "couple_by_turn_N_mm", "n"]
+    #: of the point in which a resultant force of that support acts, by turn, mm
+    acts_at: Annotated[Array, "acts_at_by_turn_mm", "n", 2]
+    #: of the nodes where the edge is held at a height, by turn, mm
+    beside_held: Annotated[Array, "beside_by_turn_mm", "n", "m", 2]
+    beside_pinned: Annotated[Array, "beside_pinned_mm", "m", 2]  #: of the nodes where the edge is held in one point, mm
+    #: displacement of these nodes beside the axis by an axial force on the point, mm/N
+    pinned_by_pull: Annotated[Array, "pinned_by_pull_mm_per_N", "m", 2]
 
     def __post_init__(self) -> None:
         _freeze(self)

@@ -1,7 +1,8 @@
 """The arm's own law as the numbers of law.json, and back."""
 
 from collections.abc import Mapping
-from typing import Any
+from dataclasses import fields
+from typing import Any, get_args
 
 import numpy as np
 
@@ -10,66 +11,21 @@ from rod.arm_law.law import ArmLaw
 from rod.checked import Shape, check_positive, check_table, positive
 from rod.errors import RodError
 
+Curve = CellCurve | ClampCurve | TipCurve
 #: of the file; raised when a key changes its meaning
 FORMAT = 2
 
-#: key of the file and name of the value, curve by curve
-CELL_KEYS = {
-    "pressure_kPa": "pressure",
-    "kappa_per_mm": "kappa",
-    "moment_N_mm": "moment",
-    "stretch": "stretch",
-    "rigidity_N_mm2": "rigidity",
-    "contact": "contact",
-    "min_J": "min_J",
-    "moment_by_pressure_N_mm_per_kPa": "moment_by_pressure",
-    "stretch_by_kappa_mm": "stretch_by_kappa",
-    "stretch_by_pressure_per_kPa": "stretch_by_pressure",
-    "axial_rigidity_N": "axial_rigidity",
-    "shear_rigidity_N": "shear_rigidity",
-    "s_mm": "s",
-    "ripple_mm": "ripple",
-}
-CLAMP_KEYS = {
-    "pressure_kPa": "pressure",
-    "moment_N_mm": "moment",
-    "rotation_rad": "rotation",
-    "rotation_by_moment_rad_per_N_mm": "rotation_by_moment",
-    "rotation_by_pressure_rad_per_kPa": "rotation_by_pressure",
-    "offset_mm": "offset",
-    "offset_by_moment_per_N": "offset_by_moment",
-    "s_mm": "s",
-    "beside_mm": "beside",
-}
-TIP_KEYS = {
-    "pressure_kPa": "pressure",
-    "s_mm": "s",
-    "beside_mm": "beside",
-    "edge_mm": "edge",
-    "couple_by_turn_N_mm": "couple",
-    "acts_at_by_turn_mm": "acts_at",
-    "beside_by_turn_mm": "beside_held",
-    "beside_pinned_mm": "beside_pinned",
-    "pinned_by_pull_mm_per_N": "pinned_by_pull",
-}
 
-#: shapes of what the keys hold: k moments, m positions, n turns
-_CELL_SHAPES: dict[str, Shape] = dict.fromkeys(CELL_KEYS, ("k",))
-_CELL_SHAPES |= {"pressure_kPa": (), "s_mm": ("m",), "ripple_mm": ("k", "m", 2)}
-_CLAMP_SHAPES: dict[str, Shape] = dict.fromkeys(CLAMP_KEYS, ("k",))
-_CLAMP_SHAPES |= {"pressure_kPa": (), "offset_mm": ("k", 2), "offset_by_moment_per_N": ("k", 2)}
-_CLAMP_SHAPES |= {"s_mm": ("m",), "beside_mm": ("k", "m", 2)}
-_TIP_SHAPES: dict[str, Shape] = {
-    "pressure_kPa": (),
-    "s_mm": ("m",),
-    "beside_mm": ("m", 2),
-    "edge_mm": (2,),
-    "couple_by_turn_N_mm": ("n",),
-    "acts_at_by_turn_mm": ("n", 2),
-    "beside_by_turn_mm": ("n", "m", 2),
-    "beside_pinned_mm": ("m", 2),
-    "pinned_by_pull_mm_per_N": ("m", 2),
-}
+def keys_of(kind: type[Curve]) -> dict[str, str]:
+    """The names of the fields of a curve by their keys in the file."""
+    return {get_args(field.type)[1]: field.name for field in fields(kind)}
+
+
+def _shapes(kind: type[Curve]) -> dict[str, Shape]:
+    return {get_args(field.type)[1]: get_args(field.type)[2:] for field in fields(kind)}
+
+
+CELL_KEYS, CLAMP_KEYS, TIP_KEYS = (keys_of(kind) for kind in (CellCurve, ClampCurve, TipCurve))
 
 #: what is interpolated over; curvatures and moments of a cell are compared by `CellCurve`
 _RISING = frozenset({"s_mm", "moment_N_mm"})
@@ -99,17 +55,15 @@ def law_from_record(record: Mapping[str, Any]) -> ArmLaw:
             first_middle=positive(record["first_middle_mm"], "first_middle_mm"),
             length=positive(record["length_mm"], "length_mm"),
             cells=tuple(CellCurve(**curve_values(row, CELL_KEYS)) for row in _cell_rows(record["curves"])),
-            clamps=tuple(
-                ClampCurve(**curve_values(row, CLAMP_KEYS)) for row in _end_rows(record, "clamp", _CLAMP_SHAPES)
-            ),
-            tips=tuple(TipCurve(**curve_values(row, TIP_KEYS)) for row in _end_rows(record, "tip", _TIP_SHAPES)),
+            clamps=tuple(ClampCurve(**curve_values(row, CLAMP_KEYS)) for row in _end_rows(record, "clamp", ClampCurve)),
+            tips=tuple(TipCurve(**curve_values(row, TIP_KEYS)) for row in _end_rows(record, "tip", TipCurve)),
         )
     except KeyError as missing:
         raise RodError(f"The law of an arm lacks the key {missing}; write it anew with `pneurod cell`.") from None
 
 
 def _cell_rows(rows: Any) -> list[Mapping[str, Any]]:
-    checked = _rows(rows, _CELL_SHAPES, "curves")
+    checked = _rows(rows, CellCurve, "curves")
     for k, row in enumerate(checked):
         check_positive(row, ("axial_rigidity_N", "shear_rigidity_N"), f"curves[{k}]")
         # a cell whose walls buckle has a negative rigidity beyond, but not near the state without moment
@@ -120,17 +74,17 @@ def _cell_rows(rows: Any) -> list[Mapping[str, Any]]:
     return checked
 
 
-def _end_rows(record: Mapping[str, Any], part: str, shapes: Mapping[str, Shape]) -> list[Mapping[str, Any]]:
+def _end_rows(record: Mapping[str, Any], part: str, kind: type[Curve]) -> list[Mapping[str, Any]]:
     check_table(record[part], {}, part)
-    return _rows(record[part]["curves"], shapes, f"{part}.curves")
+    return _rows(record[part]["curves"], kind, f"{part}.curves")
 
 
-def _rows(rows: Any, shapes: Mapping[str, Shape], name: str) -> list[Mapping[str, Any]]:
+def _rows(rows: Any, kind: type[Curve], name: str) -> list[Mapping[str, Any]]:
     """The rows of a part of the file. Raises `RodError` with the part and the key of what is wrong."""
     if not isinstance(rows, list):
         raise RodError(f"{name} must be a list of curves.")
     for k, row in enumerate(rows):
-        check_table(row, shapes, f"{name}[{k}]")
+        check_table(row, _shapes(kind), f"{name}[{k}]")
         for key in _RISING.intersection(row):
             if np.any(np.diff(row[key]) <= 0.0):
                 raise RodError(f"{key} of {name}[{k}] must rise.")

@@ -32,7 +32,7 @@ class Interval:
     high: float  #: 2.5 % of the draws lie above
 
     def widened(self, std: float) -> "Interval":
-        """The same value with a further, independent error of this standard deviation."""
+        """The value with a further, independent error of this standard deviation."""
         further = 1.96 * std
         low, high = (math.hypot(self.value - end, further) for end in (self.low, self.high))
         return Interval(self.value, math.hypot(self.std, std), self.value - low, self.value + high)

@@ -95,14 +95,14 @@ class Arm:
         return "_to_".join(ends) + "kPa"
 
     def smoothed(self) -> "Arm":
-        """The same with the averaged kappa_0 and the same rotation of the end. Raises `RodError` without one."""
+        """The arm with the averaged kappa_0 and an unchanged rotation of the end. Raises `RodError` without one."""
         if not self.smooth:
             raise RodError("The file has no rest curvature averaged over the cells.")
         rods = tuple(_with_curve(rod, curve) for rod, curve in zip(self.rods, self.smooth, strict=True))
         return replace(self, rods=rods, finer=None if self.finer is None else self.finer.smoothed())
 
     def single(self, index: int) -> "Arm":
-        """The same at one of its pressures."""
+        """The arm at one of its pressures."""
         return replace(
             self,
             pressures=self.pressures[index : index + 1],

@@ -9,7 +9,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from geometry.arrays import Array, Mask
 from rod.curves.curve import Moment
 from rod.solution import RodSolution
 
@@ -41,7 +40,7 @@ class MomentRange:
         return MomentRange(low, high)
 
     def warning(self, shape: RodSolution) -> str:
-        """One sentence on where the moment of a rod leaves the range and how far; empty where it does not.
+        """One sentence on how far the moment of a rod leaves the range; empty where it does not.
 
         An unloaded rod has the shape of kappa_0 and needs no law. The moment is that which bends the rod: of one that
         stretches about its neutral axis, and of the weight of a rod that has one the change.
@@ -50,21 +49,11 @@ class MomentRange:
             return ""
         s = np.linspace(0.0, shape.s[-1], 401)
         moment = np.interp(s, shape.s, shape.moment if shape.bending_moment is None else shape.bending_moment)
-        outside = (moment < self.low) | (moment > self.high)
-        fraction = float(outside.mean())
+        fraction = float(((moment < self.low) | (moment > self.high)).mean())
         if fraction <= ALLOWED_FRACTION:
             return ""
-        beyond = np.maximum(self.low - moment, moment - self.high)
-        farthest = int(np.argmax(beyond))
+        farthest = moment[np.argmax(np.maximum(self.low - moment, moment - self.high))]
         return (
             f"The moment leaves the {self.low:.3g} to {self.high:.3g} N mm of the identification on "
-            f"{100 * fraction:.0f} % of the rod, {_intervals(s, outside)}; it is farthest off at "
-            f"s = {s[farthest]:.3g} mm with {moment[farthest]:.3g} N mm, and the law is extrapolated there."
+            f"{100 * fraction:.0f} % of the rod, up to {farthest:.3g} N mm: the law is extrapolated there."
         )
-
-
-def _intervals(s: Array, outside: Mask) -> str:
-    """The parts of the rod where outside is true, in words."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[0], outside.astype(int), [0]])))
-    runs = zip(s[edges[::2]], s[edges[1::2] - 1], strict=True)
-    return " and ".join(f"from s = {first:.3g} to {last:.3g} mm" for first, last in runs)

@@ -102,7 +102,7 @@ class Observed:
         return self.cumulative[0, :, -1, 0]
 
     def weighing_closure(self, weight: float) -> "Observed":
-        """The same data with a closure that weighs so many times more."""
+        """The data with a closure that weighs so many times more."""
         return replace(self, closure=weight * self.closure, cumulative_closure=weight * self.cumulative_closure)
 
     def rms(self, fitted: Array) -> float:

@@ -126,7 +126,7 @@ class Regression:
         return float(refined.x) if refined.fun < objective[best] else float(grid[best])
 
     def about(self, fit: Fit) -> "Regression":
-        """The same regression with the fitted Delta for its data: what a parametric bootstrap draws around."""
+        """The regression with the fitted Delta for its data: what a parametric bootstrap draws around."""
         return replace(self, observed=replace(self.observed, delta=fit.fitted))
 
     def _prior(self, design: DesignMatrix) -> Array:

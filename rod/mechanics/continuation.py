@@ -46,7 +46,7 @@ class Problem:
     alpha: Array  #: (n,)
     m0: Array  #: (n,)
     fade: float
-    stretch: Array  #: (n, 6) likewise
+    stretch: Array  #: (n, 6) at the stages of every step
     eccentricity: float
     theta0: float  #: rad
     free: Mask  #: (3,): M(0), F_x, F_y are unknown

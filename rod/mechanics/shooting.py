@@ -41,10 +41,10 @@ class RodArrays(NamedTuple):
 
     s: Array  #: (n + 1,) step boundaries from 0 to 1
     kappa_0: Array  #: (n, 6) at ABSCISSAE of every step
-    rest_stretch: Array  #: (n, 6) lambda_0, likewise
+    rest_stretch: Array  #: (n, 6) lambda_0 at ABSCISSAE
     alpha: Array  #: (n,)
     m0: Array  #: (n,)
-    rest_moment: Array  #: (n, 6) M_0, likewise
+    rest_moment: Array  #: (n, 6) M_0 at ABSCISSAE
     fade: float  #: moment below which the intercepts fade to zero
     eccentricity: float
     theta0: float  #: rad, tangent angle at the clamp

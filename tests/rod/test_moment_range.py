@@ -23,21 +23,14 @@ def test_the_load_of_the_fit_and_loads_near_it_say_nothing() -> None:
     assert SAMPLED.warning(ARM.solve()) == ""
 
 
-def test_a_curled_arm_under_a_dead_force_is_warned_of_with_place_and_size() -> None:
+def test_a_curled_arm_under_a_dead_force_is_warned_of_with_its_size() -> None:
     shape = ARM.solve(force=(0.0, 0.05))
     moments = np.interp(np.linspace(0.0, 112.0, 401), shape.s, shape.moment)
     outside = (moments < SAMPLED.low) | (moments > SAMPLED.high)
     warning = SAMPLED.warning(shape)
     assert warning.startswith(f"The moment leaves the {SAMPLED.low:.3g} to {SAMPLED.high:.3g} N mm")
     assert f"on {100 * outside.mean():.0f} % of the rod" in warning
-    assert "to 112 mm" in warning
-    assert f"with {moments.min():.3g} N mm" in warning
-
-
-def test_too_large_a_moment_is_found_at_the_clamp() -> None:
-    warning = SAMPLED.warning(ARM.solve(end_y=60.0))
-    assert "from s = 0 to" in warning
-    assert "farthest off at s = 0 mm" in warning
+    assert f"up to {moments.min():.3g} N mm" in warning
 
 
 def test_arms_that_bend_the_other_way_are_the_same() -> None:
