@@ -15,7 +15,7 @@ from geometry.files.surface import SUFFIXES as SURFACE_SUFFIXES
 from geometry.files.surface_file import SurfaceFile
 from geometry.grading import GRADINGS, Grading
 from geometry.mesh import Mesh, Quality
-from geometry.reason import Reason
+from geometry.reason import Reason, Values
 
 __all__ = [
     "FAMILIES",
@@ -43,5 +43,6 @@ __all__ = [
     "Semicircular",
     "SemicircularSingle",
     "SurfaceFile",
+    "Values",
     "position_text",
 ]

@@ -99,9 +99,9 @@ def mesh(config: ConfigFile, out: Annotated[Path | None, _out("_mesh")] = None, 
     design, folder = _design(config, settings, out, "_mesh")
 
     from pipeline.identification.too_short import too_short
-    from pipeline.plausibility.before import of_load
-    from pipeline.plausibility.body import of_body, of_edges
-    from pipeline.plausibility.units import of_contact, of_units
+    from pipeline.notes import render
+    from pipeline.notes.design import check_load
+    from pipeline.notes.mesh import check_body
     from pipeline.progress import progress_for
     from pipeline.simulation.waiting import meshed_with_progress
     from pipeline.store.atomic_file import replacing
@@ -114,8 +114,8 @@ def mesh(config: ConfigFile, out: Annotated[Path | None, _out("_mesh")] = None, 
     progress = progress_for(Console())
     try:
         progress.stage("mesh")
-        if edges := of_edges(design):
-            progress.remark(edges)
+        for reason in check_load(design):
+            progress.remark(render(reason))
         scene = meshed_with_progress(design, progress)
     finally:
         progress.done()
@@ -123,8 +123,8 @@ def mesh(config: ConfigFile, out: Annotated[Path | None, _out("_mesh")] = None, 
     with replacing(file) as part:
         body.mesh.write(part)
     print_lines(body_table(file, design, body))
-    notes = (too_short(design), *of_load(design), *of_units(design), *of_body(body, design), of_contact(scene))
-    print_sentences(*(f"Note: {sentence}." for sentence in notes if sentence))
+    notes = filter(None, (too_short(design), *check_body(body, design)))
+    print_sentences(*(f"Note: {render(reason)}." for reason in notes))
 
 
 def effects(
@@ -208,16 +208,15 @@ def _solve(
     task: "Task[Result]", design: "Config", folder: Path, jobs: int, fresh: bool, progress: "Progress | None" = None
 ) -> "Result":
     """The result of a task; a listener to its progress, if none is given, is first told the notes on the design."""
-    from pipeline.plausibility.before import of_load
-    from pipeline.plausibility.body import of_edges
-    from pipeline.plausibility.units import of_units
+    from pipeline.notes import render
+    from pipeline.notes.design import check_load
     from pipeline.progress import progress_for
 
-    notes = () if progress else (*of_load(design), *of_units(design), of_edges(design))
+    notes = () if progress else check_load(design)
     progress = progress or progress_for(Console())
     try:
-        for sentence in filter(None, notes):
-            progress.remark(sentence)
+        for reason in notes:
+            progress.remark(render(reason))
         return task(design, folder, jobs, fresh, progress)
     finally:
         progress.done()

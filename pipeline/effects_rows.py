@@ -7,6 +7,7 @@ from fem import compile_kernels
 from pipeline.config.config import Config
 from pipeline.context import RunContext
 from pipeline.identification.parameters import Parameters, identify_all
+from pipeline.notes import render, render_all
 from pipeline.simulation.outcome import Outcomes
 from pipeline.simulation.scene import Scene, material_of
 from pipeline.simulation.simulate import simulate
@@ -48,11 +49,11 @@ def variant_rows(scene: Scene, outcomes: Outcomes) -> list[dict[str, Any]]:
     parameters, refused = identify_all(outcomes, pitch, config.identification.d_mm, equal_cells=False)
     identified = {at_pressure.pressure_kPa: at_pressure for at_pressure in parameters}
     without = [pressure for pressure in outcomes.reached_kPa if pressure not in identified]
-    reasons = dict(zip(without, refused, strict=True))
+    reasons = dict(zip(without, map(render, refused), strict=True))
     for pressure in config.pressures_kPa:
         if pressure not in outcomes.reached_kPa:
-            ended = [outcome.failure_sentence() for outcome in outcomes if outcome.at(pressure) is None]
-            reasons[pressure] = "; ".join(ended)
+            stopped = (outcome.why_stopped() for outcome in outcomes if outcome.at(pressure) is None)
+            reasons[pressure] = render_all(filter(None, stopped))
     cost = {
         "cpu_seconds": outcomes.cpu_seconds,
         "factorizations": outcomes.factorizations + outcomes.failed_factorizations,

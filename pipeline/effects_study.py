@@ -9,6 +9,7 @@ from pipeline.config.config import Config
 from pipeline.config.effects import EFFECTS, State
 from pipeline.effects_rows import BASE, COST, EFFECTS_RUN, NUMBERS, EffectRow, compared
 from pipeline.identification.too_short import why_too_short
+from pipeline.notes import render
 from pipeline.progress import Progress
 from pipeline.simulation.scene import GAP, Scene
 from pipeline.store.result_folder import ResultFolder
@@ -46,7 +47,7 @@ def compare_effects(config: Config, out: Path, jobs: int, fresh: bool, progress:
     """
     points = variants(Scene.meshed(config))
     if reason := why_too_short(config):
-        progress.remark(f"{reason}; curvature, force and end are compared without them")
+        progress.remark(f"{render(reason)}; curvature, force and end are compared without them")
     if keys := _without_density(config):
         example = f"give {' and '.join(keys)}, for example 1130 kg/m^3"
         progress.remark(f"gravity is not varied: no density is given; {example}")

@@ -6,8 +6,8 @@ from pipeline import stages
 from pipeline.accuracy.planning import Planned, plan_discretisation
 from pipeline.config.config import Config
 from pipeline.context import RunContext, run_context
-from pipeline.plausibility.before import before_solving
-from pipeline.plausibility.units import of_units
+from pipeline.notes import render
+from pipeline.notes.design import check_design
 from pipeline.progress import Progress
 from pipeline.run_report import RunReport
 from pipeline.store.result_folder import ON_COMMAND_LINE, FolderWords
@@ -25,8 +25,8 @@ def run(
     cannot touch, a process that was ended from outside).
     """
     with open_store(out, config, fresh=fresh, words=words) as store:
-        for sentence in (*before_solving(config), *of_units(config)):
-            progress.remark(sentence)
+        for reason in check_design(config):
+            progress.remark(render(reason))
         planned = plan_discretisation(config, store, progress)
         with run_context(store, jobs, progress) as context:
             return _solved(planned, context)

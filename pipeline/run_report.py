@@ -5,11 +5,13 @@ from dataclasses import dataclass
 from math import isfinite
 from pathlib import Path
 
+from geometry import Reason
 from pipeline.accuracy.plan import Estimate, Plan
 from pipeline.cell.of_run import LawOfRun
 from pipeline.config.config import Config
 from pipeline.errors import RunFailed
 from pipeline.identification.parameters import Parameters
+from pipeline.notes import record_reason, render, render_all
 from pipeline.simulation.effects_record import EffectState
 from pipeline.simulation.mesh_record import MeshRecord
 from pipeline.simulation.outcome import Outcomes
@@ -46,13 +48,13 @@ class RunReport:
     accuracy: ReviewedPlan | None  #: None where no accuracy was requested
     mesh: MeshRecord
     seconds: Mapping[str, float]  #: wall time by stage
-    failures: tuple[str, ...]  #: a sentence for everything that was not reached; empty where all was
-    remarks: tuple[str, ...]  #: what is unusual about the design and its results, and pressures without parameters
+    failures: tuple[Reason, ...]  #: one for everything that was not reached; empty where all was
+    remarks: tuple[Reason, ...]  #: what is unusual about the design and its results, and pressures without parameters
 
     @property
     def failure(self) -> str:
         """The failures in one sentence; empty where everything was reached."""
-        return "; ".join(self.failures)
+        return render_all(self.failures)
 
     def raise_if_failed(self) -> None:
         """Raise RunFailed with the failures and the directory where anything was not reached."""
@@ -60,7 +62,7 @@ class RunReport:
             raise RunFailed(
                 f"{self.failure}; what was reached is in {self.directory}",
                 directory=self.directory,
-                brief=f"{self.failures[0]}; what was reached is in {self.directory}",
+                brief=f"{render(self.failures[0])}; what was reached is in {self.directory}",
             )
 
     def record(self) -> JsonObject:
@@ -79,7 +81,7 @@ class RunReport:
             "solver": sorted({outcome.solver for outcome in self.outcomes}),
             **({"indicator": indicator.record()} if indicator else {}),
             **({"accuracy": self.accuracy.plan.record(self.accuracy.review)} if self.accuracy else {}),
-            "failures": [{"code": "not_reached", "text": sentence} for sentence in self.failures],
+            "failures": [*map(record_reason, self.failures)],
             **({"end_kPa": end} if isfinite(end := self.outcomes.lowest_end_kPa()) else {}),
-            "remarks": [{"code": "remark", "text": sentence} for sentence in self.remarks],
+            "remarks": [*map(record_reason, self.remarks)],
         }

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from time import perf_counter
 from typing import TypeAlias
 
+from geometry import Reason
 from pipeline.accuracy.plan import review
 from pipeline.accuracy.planning import Planned
 from pipeline.cell.of_run import LawOfRun, law_of_run
@@ -15,11 +16,11 @@ from pipeline.identification.added_pressures import Identified, identify_run
 from pipeline.identification.mesh_error import with_mesh_error
 from pipeline.identification.parameters import Parameters
 from pipeline.identification.record import parameters_record
+from pipeline.notes import render
+from pipeline.notes.design import check_design
+from pipeline.notes.mesh import check_body
+from pipeline.notes.states import Solved, check_states
 from pipeline.parallel import Pending
-from pipeline.plausibility.after import Solved, after_solving, largest_bend_rad
-from pipeline.plausibility.before import Borne, before_solving
-from pipeline.plausibility.body import of_body
-from pipeline.plausibility.units import of_contact, of_units
 from pipeline.progress import Progress
 from pipeline.report.saved import save_report
 from pipeline.run_report import ReviewedPlan, RunReport
@@ -85,19 +86,18 @@ class RunState:
     context: RunContext
     stages: Stages
     scene: Scene
-    remarks: tuple[str, ...]  #: sentences on the design and on how far it went, which the user was told
+    remarks: tuple[Reason, ...]  #: on the design and on how far it went, which the user was told
 
     @property
     def config(self) -> Config:
         """As it is solved, with the mesh that an accuracy was planned with."""
         return self.planned.config
 
-    def with_remarks(self, *sentences: str) -> "RunState":
-        """Tell those sentences that are not empty."""
-        told = tuple(filter(None, sentences))
-        for sentence in told:
-            self.context.progress.remark(sentence)
-        return replace(self, remarks=(*self.remarks, *told))
+    def with_remarks(self, *remarks: Reason) -> "RunState":
+        """Tell these remarks."""
+        for remark in remarks:
+            self.context.progress.remark(render(remark))
+        return replace(self, remarks=(*self.remarks, *remarks))
 
 
 def mesh(planned: Planned, context: RunContext) -> RunState:
@@ -107,7 +107,7 @@ def mesh(planned: Planned, context: RunContext) -> RunState:
     with stages.timed("mesh"):
         scene = meshed_with_progress(planned.config, context.progress)
     state = RunState(planned, context, stages, scene, planned.remarks)
-    state = state.with_remarks(*of_body(scene.body, planned.config), of_contact(scene))
+    state = state.with_remarks(*check_body(scene.body, planned.config))
     with stages.timed("kernels (compiled once)"):
         for pending in loading:
             pending.result()
@@ -122,7 +122,7 @@ def solve_experiments(state: RunState) -> tuple[RunState, Outcomes, Pending[LawO
         complete = context.workers.beside(complete_experiments, scene, context, second)
         law = law_of_run(scene, context, lambda: highest_of_use(scene, second, complete))
         outcomes, remark = complete.result()
-    return state.with_remarks(remark), outcomes, law
+    return state.with_remarks(*filter(None, [remark])), outcomes, law
 
 
 def begin_validation(state: RunState, outcomes: Outcomes) -> tuple[Scene, Pending[Outcomes]]:
@@ -220,19 +220,17 @@ def report(
     return result
 
 
-def _failures(config: Config, identified: Identified, arm: LawOfRun, validated: Validated) -> tuple[str, ...]:
-    """A sentence for everything that was to be solved and was not."""
+def _failures(config: Config, identified: Identified, arm: LawOfRun, validated: Validated) -> tuple[Reason, ...]:
+    """One for everything that was to be solved and was not."""
     outcomes, not_identified = identified.outcomes, identified.failures(arm.law is not None)
     left_out = beyond_end_of_II(config, outcomes)
     return (*outcomes.failures, *arm.failures, *not_identified, *validated.failures, *left_out)
 
 
-def _remarks(state: RunState, identified: Identified, arm: LawOfRun) -> tuple[str, ...]:
-    """What is unusual about the design and its results, each sentence once."""
+def _remarks(state: RunState, identified: Identified, arm: LawOfRun) -> tuple[Reason, ...]:
+    """What is unusual about the design and its results, each remark once."""
     config, outcomes = state.config, identified.outcomes
     regions = {name: state.scene.body.mesh.regions[name] for name in config.materials}
     solved = Solved(config, outcomes, identified.parameters, regions)
-    borne = Borne(outcomes.lowest_end_kPa(), max(outcomes.reached_kPa, default=0.0), largest_bend_rad(solved))
-    of_design = (*before_solving(config, borne), *of_units(config))
-    of_results = (*identified.remarks(arm.law is not None), *arm.remarks(outcomes), *after_solving(solved))
-    return tuple(dict.fromkeys((*of_design, *state.remarks, *of_results)))
+    of_results = (*identified.remarks(arm.law is not None), *arm.remarks(outcomes), *check_states(solved))
+    return tuple(dict.fromkeys((*check_design(config), *state.remarks, *of_results)))

@@ -15,6 +15,7 @@ from pipeline.notes.verdict import Verdict, verdict_of
 from pipeline.results.files import read_results as read_run
 from pipeline.results.values import Effect, RodError, Run, State
 from pipeline.rods.at_pressure import RodAtPressure
+from pipeline.rods.checks import check_parameters
 from pipeline.rods.saved import pressurised_rod
 from pneurod.arguments import given_choice, given_path
 from pneurod.frames import by_pressure, curves_frame, expanded, frame_of, profiles
@@ -209,7 +210,13 @@ def read_results(directory: Path | str) -> Results:
     `run.finished` say what happened. Raises InputError with one sentence for what is no path, and for a folder that
     does not exist, holds no result, or holds a file that cannot be read.
     """
-    return Results(read_run(given_path(directory, "directory", "results/pneunet")))
+    run = read_run(given_path(directory, "directory", "results/pneunet"))
+    try:
+        if run.parameters.get("pressures_kPa"):
+            check_parameters(run.parameters)
+    except (KeyError, TypeError, ValueError) as failure:  # a file that was edited by hand
+        raise InputError(f"{run.directory / 'parameters.json'}: {failure}") from None
+    return Results(run)
 
 
 @contextmanager

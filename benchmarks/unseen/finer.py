@@ -10,6 +10,7 @@ from pipeline.context import RunContext
 from pipeline.errors import InputError, RunFailed
 from pipeline.identification.mesh_error import RELATIVE, numbers_on_mesh
 from pipeline.identification.richardson import extrapolated
+from pipeline.notes import render_all
 from pipeline.progress import Silent
 from pipeline.run_report import RunReport
 from pipeline.simulation.outcome import Outcomes
@@ -37,7 +38,7 @@ def against_finer_mesh(report: RunReport) -> dict[str, Any]:
         return {"failure": str(failure)}
     free, loaded = (outcomes[name].at(first.pressure_kPa) for name in ("II", "III"))
     if free is None or loaded is None:
-        return {"failure": "; ".join(outcomes.failures)}
+        return {"failure": render_all(outcomes.failures)}
     try:
         on_default = numbers_on_mesh(first, first.free, first.loaded)
         on_finer = numbers_on_mesh(first, free, loaded)

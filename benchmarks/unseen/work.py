@@ -26,6 +26,7 @@ from benchmarks.unseen.designs import Drawn
 from benchmarks.unseen.finer import against_finer_mesh
 from pipeline.config.load import load_config
 from pipeline.errors import InputError, RunFailed
+from pipeline.notes import render
 from pipeline.notes.rods import rod_errors
 from pipeline.processes import SPAWN, end_with_main_process
 from pipeline.progress import Silent
@@ -259,7 +260,7 @@ def _of_report(report: RunReport) -> Record:
     ]
     reasons = {outcome.name: outcome.failure.reason for outcome in outcomes if outcome.failure}
     errors = rod_errors(read_results(report.directory))
-    known = {failure for outcome in outcomes if (failure := outcome.failure_sentence())}
+    known = set(outcomes.failures)
     first = report.parameters[0] if report.parameters else None
     return {
         "elements": config.mesh.formulation,
@@ -267,11 +268,11 @@ def _of_report(report: RunReport) -> Record:
         "unknowns": outcomes.degrees_of_freedom,
         "states": states,
         "reasons": reasons,
-        "other_failures": [sentence for sentence in report.failures if sentence not in known],
+        "other_failures": [render(reason) for reason in report.failures if reason not in known],
         "five_at_kPa": [parameters.pressure_kPa for parameters in report.parameters],
         "has_arm_law": report.arm.law is not None,
         "why_no_arm_law": "" if report.arm.law is not None else report.arm.reason,
-        "remarks": list(report.remarks),
+        "remarks": [*map(render, report.remarks)],
         "rod": asdict(errors[0]) if errors else None,
         "turn_rad": first.kappa_0_middle * config.design.length if first else None,
         "estimated": dict(first.mesh_errors) if first else {},

@@ -85,11 +85,6 @@ class Design(ABC):
         return True
 
     @property
-    def has_free_pitch(self) -> bool:
-        """Whether the user may choose over which length curvature is averaged."""
-        return False
-
-    @property
     def key_of_cells(self) -> str:
         """The dimension with which the arm gets more cells, a key of the config."""
         return "length"
@@ -98,10 +93,6 @@ class Design(ABC):
     def straightened(self) -> Array:
         """Middles (k, 3) of curved edges of a file that are taken as straight, as an element would fold, mm."""
         return np.empty((0, 3))
-
-    def can_lose_features(self, width: float) -> bool:
-        """Whether faces narrower than `width` mm can be removed from the drawing, and are not yet."""
-        return False
 
     @property
     @abstractmethod
@@ -194,11 +185,6 @@ class Design(ABC):
             DesignError(f"materials.{name}", f"this body has no region of that name; {known}") for name in unknown
         )
         return divided
-
-    @property
-    def against_flat_elements(self) -> str:
-        """What can be done where the mesh has flat elements; the end of a sentence."""
-        return "look for a small edge or a thin gap of the body there, or mesh it with another size"
 
     @property
     def outer_corners(self) -> bool:

@@ -240,9 +240,6 @@ class CadFile(FileDesign):
     def has_parts(self) -> bool:
         return bool(self.parts)
 
-    def can_lose_features(self, width: float) -> bool:
-        return not self.parts and (self.defeature or 0.0) < width <= self.thinnest_wall / 2
-
     @property
     def is_turned(self) -> bool:
         return self._cad.turned
@@ -275,13 +272,6 @@ class CadFile(FileDesign):
     @property
     def plug_depths(self) -> Mapping[str, float]:
         return self.measures.plug_depths
-
-    @property
-    def against_flat_elements(self) -> str:
-        usual = super().against_flat_elements
-        if self.parts or self.defeature is not None:
-            return usual
-        return f"{usual}, or remove narrow faces with geometry.defeature, for example 0.1 mm"
 
     @cached_property
     def thinnest_wall(self) -> float:

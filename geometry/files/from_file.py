@@ -84,10 +84,6 @@ class FileDesign(Design):
         return self.axes != SAME
 
     @property
-    def has_free_pitch(self) -> bool:
-        return not isinstance(self.cell, CellPlanes)
-
-    @property
     def key_of_cells(self) -> str:
         return "cell"
 

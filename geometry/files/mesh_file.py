@@ -23,7 +23,6 @@ from geometry.files.shells import opens_at, parts_of
 from geometry.grading import OFF, Grading
 from geometry.manifold import check_half, check_manifold, check_untangled
 from geometry.mesh import Mesh
-from geometry.quality import radius_ratios
 from geometry.topology import find_rows, open_edges, row_keys
 
 #: what to do with a mesh that names some of its faces only
@@ -148,19 +147,6 @@ class MeshFile(FileDesign):
     def thinnest_wall(self) -> float:
         """The smallest side of the body, mm: a mesh does not tell its walls."""
         return min(self.extent)
-
-    @property
-    def against_flat_elements(self) -> str:
-        of_file = radius_ratios(self._content.points, self._content.tets).min()
-        if self.fixed_body.mesh.quality.minimum > of_file / 2:
-            return super().against_flat_elements
-        other = "another geometry.curve, at which vertices of the file lie"
-        if self.regions:
-            other += " (best in a flat boundary between two materials, or away from it)"
-        return (
-            f"the flattest of the file has {of_file:.2g}, so that the cause is the division of elements along the "
-            f"material curve; give {other}, or a mesh with edges along the curve"
-        )
 
     @property
     def straightened(self) -> Array:

@@ -167,10 +167,6 @@ class SurfaceFile(FileDesign):
         mirrors = [(0, clamp)] if self.is_open_at_clamp else []
         return named_cavities(points, inner, triangles, self.air, mirrors)
 
-    @property
-    def against_flat_elements(self) -> str:
-        return "remove small edges and strips in CAD, or mesh the body with another size"
-
     @cached_property
     def thinnest_wall(self) -> float:
         return min(thinnest(self.surface), min(self.extent))

@@ -17,6 +17,7 @@ from pipeline.accuracy.ladder import Rung
 from pipeline.context import RunContext
 from pipeline.errors import InputError, RunFailed
 from pipeline.identification.parameters import Parameters, counts_as_equal_cells, identify_all
+from pipeline.notes import render
 from pipeline.progress import Silent
 from pipeline.simulation.outcome import Outcomes, Record
 from pipeline.simulation.scene import Scene, material_of
@@ -131,9 +132,9 @@ def _identified(scene: Scene, outcomes: Outcomes, stride: int) -> tuple[list[Rod
     start = perf_counter()
     config = scene.config
     equal = counts_as_equal_cells(config.design)
-    parameters, failures = identify_all(outcomes, scene.body.pitch, config.identification.d_mm, equal_cells=equal)
+    parameters, refused = identify_all(outcomes, scene.body.pitch, config.identification.d_mm, equal_cells=equal)
     seconds = perf_counter() - start
-    return [numbers_of(at_pressure, stride, seconds) for at_pressure in parameters], list(failures)
+    return [numbers_of(at_pressure, stride, seconds) for at_pressure in parameters], [*map(render, refused)]
 
 
 def numbers_of(parameters: Parameters, stride: int = 1, fit_seconds: float = 0.0) -> RodNumbers:

@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 from pydantic import TypeAdapter
 
 from fem.elements import MOST_ACCURATE
+from geometry import Reason
 from pipeline.accuracy.error_model import MeshErrorModel, Pilot
 from pipeline.accuracy.ladder import Rung, mesh_series
 from pipeline.accuracy.measure import measure
@@ -19,6 +20,7 @@ from pipeline.config.automatic_mesh import COARSER, GivenMesh, chosen_mesh, not_
 from pipeline.config.config import AUTO, USUAL_TOLERANCE, Config
 from pipeline.errors import InputError
 from pipeline.identification.too_short import too_short
+from pipeline.notes import render
 from pipeline.progress import Progress
 from pipeline.store.state_key import NUMBER_SOURCES, result_key
 from pipeline.store.store import Store
@@ -41,7 +43,7 @@ class Planned:
 
     config: Config
     plan: Plan | None = None  #: None where no accuracy is requested, or its errors cannot be estimated
-    remarks: tuple[str, ...] = ()  #: sentences on the request, for the report
+    remarks: tuple[Reason, ...] = ()  #: on the request, for the report
 
 
 def plan_discretisation(config: Config, store: Store, progress: Progress) -> Planned:
@@ -65,8 +67,8 @@ def _planned(config: Config, requested: float, store: Store, progress: Progress)
     if too_short(config):
         return _unplanned(config, "the arm is too short for five parameters, whose errors count", progress)
     remarks = _of_law(config)
-    for sentence in remarks:
-        progress.remark(sentence)
+    for remark in remarks:
+        progress.remark(render(remark))
     try:
         pilots = _pilots(config, store, progress)
     except _NoNumbers as failure:
@@ -91,14 +93,10 @@ def _refuse(config: Config, requested: float) -> None:
         )
 
 
-def _of_law(config: Config) -> tuple[str, ...]:
-    """The sentence on a law that ends early with mixed elements, if it does."""
-    if config.material.law != "svk" or not config.design.outer_corners:
-        return ()
-    return (
-        "with mixed elements, which a requested accuracy takes, an arm with gaps of svk ends early in the corner at "
-        "the clamp (the arm of the paper at 23 to 31 kPa); give lower pressures, another law, or leave accuracy out",
-    )
+def _of_law(config: Config) -> tuple[Reason, ...]:
+    """A remark on a law that ends early with mixed elements, if it does: the arm of the paper at 23 to 31 kPa."""
+    ends_early = config.material.law == "svk" and config.design.outer_corners
+    return (Reason("accuracy_ends_early"),) if ends_early else ()
 
 
 def _unplanned(config: Config, reason: str, progress: Progress) -> Planned:
@@ -112,12 +110,10 @@ def _unplanned(config: Config, reason: str, progress: Progress) -> Planned:
     chosen = chosen_mesh(config.design, config.material.law, config.poisson_ratio, against_locking, given)
     coarser = COARSER if "coarser" in mesh.chosen else mesh.coarser
     settings = replace(chosen, coarser=coarser)
-    sentence = (
-        f"accuracy not estimated: {reason}; the mesh has {settings.element_size_mm:.3g} mm and {settings.formulation} "
-        "elements"
-    )
-    progress.remark(sentence)
-    return Planned(replace(config, mesh=settings), None, (sentence,))
+    size, formulation = settings.element_size_mm, settings.formulation
+    remark = Reason("accuracy_unknown", {"why": reason, "size_mm": size, "formulation": formulation})
+    progress.remark(render(remark))
+    return Planned(replace(config, mesh=settings), None, (remark,))
 
 
 class _NoNumbers(Exception):

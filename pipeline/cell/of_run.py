@@ -4,10 +4,10 @@ import re
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
+from geometry import Reason, Values
 from pipeline.cell.build import MeasuredLaw, build_law
 from pipeline.cell.pieces import ArmPieces, NoArmLaw
 from pipeline.cell.study import save_law
-from pipeline.config.arm_law import NO_LAW
 from pipeline.context import RunContext
 from pipeline.errors import InputError, RunFailed, WorkerLost
 from pipeline.parallel import Pending
@@ -27,7 +27,7 @@ class LawOfRun:
 
     measured: MeasuredLaw | None
     reason: str  #: why it was made or not, one sentence without its full stop
-    failures: tuple[str, ...]  #: sentences about what a run with `law: cell` was to make and did not
+    failures: tuple[Reason, ...]  #: what a run with `law: cell` was to make and did not
     not_borne: bool = False  #: whether a piece of the arm does not bear a pressure of the configuration
 
     def beside(self, outcomes: Outcomes) -> "LawOfRun":
@@ -40,15 +40,13 @@ class LawOfRun:
             return self
         return replace(self, reason=f"{self.reason}; {_ends(*ended)}")
 
-    def remarks(self, outcomes: Outcomes) -> tuple[str, ...]:
-        """A sentence where the law goes to pressures that the whole arm has not borne in an experiment."""
+    def remarks(self, outcomes: Outcomes) -> tuple[Reason, ...]:
+        """A remark where the law goes to pressures that the whole arm has not borne in an experiment."""
         ended = outcomes.first_to_end
         if self.law is None or ended is None or self.law.pressures[-1] <= ended[1]:
             return ()
-        return (
-            f"the arm's own law goes up to {self.law.pressures[-1]:.4g} kPa, but {_ends(*ended)}, a limit that one "
-            "cell does not show; use the law below that pressure",
-        )
+        values: Values = {"highest_kPa": self.law.pressures[-1], "experiment": ended[0], "end_kPa": ended[1]}
+        return (Reason("law_beyond_end", values),)
 
     @property
     def law(self) -> ArmLaw | None:
@@ -87,7 +85,7 @@ def law_of_run(scene: Scene, context: RunContext, highest_kPa: Callable[[], floa
 
 def _none(choice: str, why: Exception) -> LawOfRun:
     reason = str(why).rstrip(".")
-    failures = (f"{NO_LAW}: {reason}",) if choice == "cell" else ()
+    failures = (Reason("no_arm_law", {"why": reason}),) if choice == "cell" else ()
     return LawOfRun(None, reason, failures, not_borne=isinstance(why, RunFailed))
 
 
@@ -113,6 +111,7 @@ def _law(choice: str, pieces: ArmPieces, context: RunContext, highest_kPa: Calla
         f"and of both ends; nothing is fitted to the arm as a whole; {between}"
     )
     remarks = "; ".join(_PIVOTS.sub("", sentence) for sentence in (*measured.failures, *measured.limits))
-    failures = measured.failures if choice == "cell" else ()
+    incomplete = (Reason("law_incomplete", {"why": why}) for why in measured.failures)
+    failures = tuple(incomplete) if choice == "cell" else ()
     not_borne = bool(measured.failures)
     return LawOfRun(measured, f"{reason}; {remarks}" if remarks else reason, failures, not_borne)

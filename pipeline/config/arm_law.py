@@ -3,9 +3,6 @@
 from geometry import Design
 from pipeline.config.effects import Effects
 
-#: how the sentence of a run with `law: cell` begins that has no law
-NO_LAW = "no law of the arm"
-
 
 def why_no_arm_law(design: Design, effects: Effects) -> str:
     """Why an arm or its effects have no law of their own, a clause; empty where they may have one."""

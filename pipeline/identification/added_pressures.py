@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from geometry import Reason
 from pipeline.context import RunContext
 from pipeline.identification.parameters import Parameters, counts_as_equal_cells, decided_together, identify_all
 from pipeline.identification.too_short import too_coarse, too_short
@@ -19,15 +20,15 @@ class Identified:
 
     outcomes: Outcomes
     parameters: tuple[Parameters, ...]  #: by ascending pressure; empty with `law: cell`
-    refused: tuple[str, ...] = ()  #: why there are no parameters, or none at a pressure, a sentence each
-    not_added: tuple[str, ...] = ()  #: a sentence for each pressure that could not be added
+    refused: tuple[Reason, ...] = ()  #: why there are no parameters, or none at a pressure
+    not_added: tuple[Reason, ...] = ()  #: why pressures could not be added
 
-    def failures(self, other_rod: bool) -> tuple[str, ...]:
+    def failures(self, other_rod: bool) -> tuple[Reason, ...]:
         """What makes the run fail: a pressure without parameters only where there are no others and no other rod."""
         return self.not_added if self.parameters or other_rod else (*self.refused, *self.not_added)
 
-    def remarks(self, other_rod: bool) -> tuple[str, ...]:
-        """The other sentences."""
+    def remarks(self, other_rod: bool) -> tuple[Reason, ...]:
+        """The other reasons."""
         return self.refused if self.parameters or other_rod else ()
 
 
@@ -38,8 +39,8 @@ def identify_run(scene: Scene, context: RunContext, outcomes: Outcomes) -> Ident
     """
     if scene.config.law == "cell":
         return Identified(outcomes, ())
-    if sentence := too_short(scene.config) or too_coarse(scene.config, scene.body):
-        return Identified(outcomes, (), (sentence,))
+    if reason := too_short(scene.config) or too_coarse(scene.config, scene.body):
+        return Identified(outcomes, (), (reason,))
     parameters, refused = _identified(scene, context, outcomes)
     outcomes, parameters, not_added = with_added_pressures(scene, context, outcomes, parameters)
     return Identified(outcomes, parameters, refused, not_added)
@@ -47,7 +48,7 @@ def identify_run(scene: Scene, context: RunContext, outcomes: Outcomes) -> Ident
 
 def _identified(
     scene: Scene, context: RunContext, outcomes: Outcomes
-) -> tuple[tuple[Parameters, ...], tuple[str, ...]]:
+) -> tuple[tuple[Parameters, ...], tuple[Reason, ...]]:
     equal, d = counts_as_equal_cells(scene.config.design), scene.config.identification.d_mm
     return identify_all(outcomes, scene.body.pitch, d, equal_cells=equal, context=context)
 
@@ -73,9 +74,9 @@ def with_added_pressures(
     context: RunContext,
     outcomes: Outcomes,
     parameters: tuple[Parameters, ...],
-) -> tuple[Outcomes, tuple[Parameters, ...], tuple[str, ...]]:
+) -> tuple[Outcomes, tuple[Parameters, ...], tuple[Reason, ...]]:
     """Outcomes and parameters with up to `added_pressures` more pressures, each where it says most about the range of
-    linearity, and sentences where a pressure could not be added.
+    linearity, and why a pressure could not be added.
 
     Nothing is added to a run that stopped early, and no pressure after one that fails. Raises RunFailed as `simulate`.
     """
@@ -85,9 +86,8 @@ def with_added_pressures(
             break
         cases = [up_to(scene.config, name, pressure) for name in experiments_of(scene.config)]
         more = simulate(scene, context, cases)
-        reasons = [outcome.failure.reason for outcome in more if outcome.failure]
-        stopped = [f"no pressure was added at {pressure:g} kPa: {reason}" for reason in reasons]
-        if stopped:
+        if causes := [outcome.failure.reason for outcome in more if outcome.failure]:
+            stopped = (Reason("pressure_not_added", {"pressure_kPa": pressure, "why": cause}) for cause in causes)
             return outcomes, parameters, tuple(stopped)
         outcomes = outcomes.merged(more)
         newest = more.with_records(lambda records: records[-1:])

@@ -12,6 +12,7 @@ from pipeline.context import RunContext
 from pipeline.errors import InputError
 from pipeline.identification.parameters import Parameters, choices, has_one_rigidity, numbers_of_curves
 from pipeline.identification.richardson import extrapolated
+from pipeline.notes import render, render_all
 from pipeline.parallel import TaskContext
 from pipeline.simulation.loadcase import LoadCase, schedule
 from pipeline.simulation.outcome import Outcomes, Record
@@ -46,7 +47,7 @@ def with_mesh_error(
         return parameters, f"the mesh {factor:g} times as coarse cannot be made: {failure}"
     outcomes = _solved(scene, context, "coarser", tuple(p.pressure_kPa for p in parameters))
     coarse, two_lines, refused = _on_coarser(parameters, outcomes)
-    refused = (*outcomes.failures, *refused)
+    refused = (*map(render, outcomes.failures), *refused)
     fine = [_numbers(p) for p in parameters]
     deviations = mesh_deviations(fine, coarse, config.mesh.element_size_mm, factor)
     reasons = [f"on the mesh {factor:g} times as coarse: {'; '.join(refused)}"] if refused else []
@@ -79,7 +80,7 @@ def _from_mixed(second: Config, context: RunContext, own: Parameters) -> tuple[d
         outcomes = _solved(context.submit(_meshed, mixed).result(), context, MOST_ACCURATE, (pressure,))
         free, loaded = (outcomes[f"{MOST_ACCURATE}_{name}"].at(pressure) for name in ("II", "III"))
         if free is None or loaded is None:
-            raise RodError("; ".join(outcomes.failures).replace(f"{MOST_ACCURATE}_", ""))
+            raise RodError(render_all(outcomes.failures).replace(f"{MOST_ACCURATE}_", ""))
         numbers = numbers_on_mesh(own, free, loaded)
     except (InputError, RodError) as failure:
         return {}, f"{UNSTEADY} elements could not be compared with {MOST_ACCURATE} ones: {failure}"

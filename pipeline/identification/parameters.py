@@ -13,7 +13,7 @@ from functools import partial
 
 import numpy as np
 
-from geometry import Centreline, Design
+from geometry import Centreline, Design, Reason
 from pipeline.context import RunContext
 from pipeline.parallel import TaskContext
 from pipeline.simulation.outcome import Outcomes, Record
@@ -196,8 +196,8 @@ def decided_together(parameters: Iterable[Parameters]) -> tuple[Parameters, ...]
 
 def identify_all(
     outcomes: Outcomes, pitch: float, d: float | None = None, *, equal_cells: bool, context: RunContext | None = None
-) -> tuple[tuple[Parameters, ...], tuple[str, ...]]:
-    """The parameters at every pressure reached in both II and III, and a sentence for each where there are none.
+) -> tuple[tuple[Parameters, ...], tuple[Reason, ...]]:
+    """The parameters at every pressure reached in both II and III, and a reason for each where there are none.
 
     d: mm, the break where it is given and not sought. equal_cells: whether the arm counts as one of equal cells, so
     that two lines need walls that touch; False to choose by the criterion alone. context: of a run, whose workers take
@@ -212,7 +212,8 @@ def identify_all(
         try:
             parameters.append(result())
         except RodError as failure:
-            refused.append(f"no five parameters at {free.pressure_kPa:g} kPa: {str(failure).removesuffix('.')}")
+            why = str(failure).removesuffix(".")
+            refused.append(Reason("not_identified", {"pressure_kPa": free.pressure_kPa, "why": why}))
     return decided_together(parameters), tuple(refused)
 
 

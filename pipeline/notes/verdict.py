@@ -19,7 +19,10 @@ MOST_NAMED = 3
 #: warnings that the verdict shows
 MOST_WARNINGS = 3
 #: codes of remarks by rank; others follow in the order in which they were found
-RANKS = ("beyond_law", "out_of_plane", "lost_volume", "beyond_limit_of_arm", "hardly_bent", "not_determined")
+RANKS = (
+    *("beyond_law", "out_of_plane", "volume_lost", "volume_lost_unevenly", "law_beyond_end", "hardly_bent"),
+    *("rigidity_open", "one_rigidity_poor"),
+)
 
 
 @dataclass(frozen=True)

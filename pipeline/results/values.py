@@ -231,7 +231,7 @@ class Run:
     @property
     def failure(self) -> str:
         """What was not reached, in one sentence; empty where everything was."""
-        return "; ".join(failure.text for failure in self.failures)
+        return " ".join(failure.text for failure in self.failures)
 
     @property
     def design(self) -> str:

@@ -19,9 +19,8 @@ _POSITIVE = ("alpha1_N_mm2", "alpha2_N_mm2", "d_mm")
 
 def check_format(content: Mapping[str, Any]) -> None:
     """Raise `RodError` for a format of the keys that this version does not know."""
-    known = content.get("format", 1)
-    if known not in range(1, FORMAT + 1):
-        raise RodError(f"format {quoted(known)} is not known; this version of pneurod reads 1 to {FORMAT}.")
+    if (known := content.get("format", 1)) != FORMAT:
+        raise RodError(f"format {quoted(known)} is not known; this version of pneurod reads {FORMAT}. Repeat the run.")
 
 
 def check_parameters(content: Mapping[str, Any]) -> None:
@@ -44,8 +43,7 @@ def check_parameters(content: Mapping[str, Any]) -> None:
     check_table(content, _LAW, sizes=sizes)
     check_positive(content, _POSITIVE)
     _check_deviations(content, sizes)
-    if "solid_volume_mm3" in content:
-        positive(content["solid_volume_mm3"], "solid_volume_mm3")
+    positive(content["solid_volume_mm3"], "solid_volume_mm3")
     check_table(content["kappa_0"], _PROFILE, "kappa_0", sizes)
     if "cell_averaged_per_mm" in content["kappa_0"]:
         check_table(content["kappa_0"], _AVERAGED, "kappa_0", {"n": sizes["n"]})

@@ -132,7 +132,7 @@ def _arm(path: Path, options: ExportOptions) -> Arm:
             )
         selected = saved.at(options.pressure, options.extrapolate)
         rods, deviations, origin = (selected.rod,), saved.deviations_at(pressures[0]), selected.origin
-    radius = None if saved.area_mm2 is None else math.sqrt(saved.area_mm2 / math.pi)
+    radius = math.sqrt(saved.area_mm2 / math.pi)
     arm = Arm(
         pressures,
         rods,

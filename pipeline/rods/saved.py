@@ -16,8 +16,6 @@ from pipeline.rods.at_pressure import RodAtPressure
 from pipeline.rods.checks import check_parameters
 from pipeline.rods.options import option_value
 from pipeline.rods.without_parameters import refuse_without_parameters
-from pipeline.store.formats import of_extensible, with_present_keys
-from rod.checked import positive
 from rod.curves.extension import Extension
 from rod.errors import RodError
 from rod.identification.moment_range import MomentRange
@@ -34,18 +32,18 @@ class SavedRod:
     rods: PressurisedRod
     mass_g: float | None  #: None where the configuration has no density
     material: Mapping[str, Any]  #: the law and its constants, as in the file
-    area_mm2: float | None  #: of the solid, averaged along the arm; None where an earlier file has no density
+    area_mm2: float  #: of the solid, averaged along the arm
     deviations: Mapping[str, tuple[float, ...]]  #: standard deviations by PARAMETER_NAMES; empty: not in the file
     averaged: tuple[Array, Array] | None  #: s (m,) in mm and kappa_0 (n, m) averaged over a cell; None likewise
 
     @staticmethod
     def read(path: Path, extensible: bool | None = None) -> "SavedRod":
-        """The inextensible or the extensible rod of a file, also of an earlier format. Raises InputError.
+        """The inextensible or the extensible rod of a file. Raises InputError.
 
         extensible: None for the rod that stretches where the arm does, see `PressurisedRod.stretches`.
         """
         try:
-            content = with_present_keys(json.loads(path.read_text(encoding="utf-8")))
+            content = json.loads(path.read_text(encoding="utf-8"))
             refuse_without_parameters(path, content)
             material = content["material"]
             mass = None if content["mass_g"] is None else float(content["mass_g"])
@@ -53,7 +51,7 @@ class SavedRod:
                 default_rod(content) if extensible is None else pressurised_rod(content, extensible),
                 mass,
                 dict(material),
-                _area(content, mass),
+                float(content["solid_volume_mm3"]) / float(content["length_mm"]),
                 _deviations(content),
                 _averaged(content["kappa_0"]),
             )
@@ -84,7 +82,7 @@ class SavedRod:
     @staticmethod
     def has_extensible(path: Path) -> bool:
         """Whether a readable file has the numbers of a rod that stretches."""
-        return bool(with_present_keys(json.loads(path.read_text(encoding="utf-8"))).get("eccentricity"))
+        return bool(json.loads(path.read_text(encoding="utf-8")).get("eccentricity"))
 
     def at(self, pressure: str, extrapolate: bool = False) -> "RodAtPressure":
         """The rod at a pressure written with its unit; its origin is the clamped end of the material curve.
@@ -116,16 +114,6 @@ class SavedRod:
         over = np.vstack([kappa[:1] * (not self.rods.straight_without_pressure), kappa])
         columns = [[float(np.interp(pressure, known, values)) for values in over.T] for pressure in pressures]
         return tuple(np.column_stack([s, column]) for column in columns)
-
-
-def _area(content: Mapping[str, Any], mass: float | None) -> float | None:
-    """Area of the solid averaged along the arm, mm2; in earlier files it follows from the mass (g)."""
-    if "solid_volume_mm3" in content:
-        return float(content["solid_volume_mm3"]) / float(content["length_mm"])
-    if mass is None:
-        return None
-    density = positive(content["material"]["density_tonne_mm3"], "density_tonne_mm3 of material")
-    return mass / (1e6 * density * float(content["length_mm"]))
 
 
 def _deviations(content: Mapping[str, Any]) -> dict[str, tuple[float, ...]]:
@@ -171,7 +159,7 @@ def pressurised_rod(content: Mapping[str, Any], extensible: bool = False) -> Pre
     """The rod of the content of a parameters.json. Raises KeyError, TypeError or ValueError for one that has none."""
     check_parameters(content)
     profile = content["kappa_0"]
-    of_rod = of_extensible(content) if extensible else content
+    of_rod = content["eccentricity"] if extensible else content
     columns = [of_rod[key] for key in PARAMETER_COLUMNS.values()]
     stretches = zip(of_rod["rest_stretch"], of_rod["eccentricity_mm"], strict=True) if extensible else ()
     return PressurisedRod(

@@ -6,23 +6,17 @@ from pathlib import Path
 from typing import Any
 
 from pipeline.errors import InputError
-
-#: how the sentences on missing parameters in run.json begin
-_BEGINNING = "no five parameters"
+from pipeline.notes.templates import NO_PARAMETERS
 
 
 def why_no_parameters(run: Mapping[str, Any]) -> str:
     """The reason by the content of run.json, a clause; the general one where that has none."""
-    sentences = [note["text"] for note in (*(run.get("failures") or ()), *(run.get("remarks") or ()))]
-    named = [text.removeprefix(f"{_BEGINNING}: ") for text in sentences if text.startswith(_BEGINNING)]
-    return "; ".join(dict.fromkeys(named)) or "the identification needs II and III at the same pressure"
-
-
-def why_at_no_pressure(run: Mapping[str, Any]) -> str:
-    """Why a run failed to give five parameters whatever its pressures, with a remedy; empty where others may do."""
-    at_all = f"{_BEGINNING}: "
-    failures = [failure["text"] for failure in run.get("failures") or ()]
-    return next((text.removeprefix(at_all) for text in failures if text.startswith(at_all)), "")
+    reasons = (*(run.get("failures") or ()), *(run.get("remarks") or ()))
+    named = dict.fromkeys(reason["text"] for reason in reasons if reason["code"] in NO_PARAMETERS)
+    return (
+        "; ".join(text[:1].lower() + text[1:].rstrip(".") for text in named)
+        or "the identification needs II and III at the same pressure"
+    )
 
 
 def refuse_without_parameters(path: Path, content: Mapping[str, Any]) -> None:

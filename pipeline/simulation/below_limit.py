@@ -1,7 +1,9 @@
 """States below its limit for an arm of which II and III reach no pressure of the configuration together."""
 
 from math import inf
+from typing import TypeAlias
 
+from geometry import Reason
 from pipeline.context import RunContext
 from pipeline.parallel import Pending
 from pipeline.simulation.known_limit import FIRST
@@ -11,43 +13,43 @@ from pipeline.simulation.scene import Scene
 from pipeline.simulation.simulate import experiments_of, simulate
 from rod import too_few_pitches
 
+#: the outcomes of the experiments with states below the limit, and a remark on these
+Completed: TypeAlias = tuple[Outcomes, Reason | None]
+
 #: pressures over the lower limit of II and III: high enough to say something about the arm as it was to be loaded
 PARTS = (0.4, 0.8)
 #: digits of these pressures, so that they can be typed
 DIGITS = 3
 
 
-def with_states_below_limit(scene: Scene, context: RunContext, outcomes: Outcomes) -> tuple[Outcomes, str]:
-    """The outcomes with states at pressures below the limit, and a sentence about them, without full stop.
+def with_states_below_limit(scene: Scene, context: RunContext, outcomes: Outcomes) -> Completed:
+    """The outcomes with states at pressures below the limit, and a remark on them.
 
-    The limit is where one of II and III ended (`Failure.end_kPa`). Unchanged, with an empty sentence, where both have
+    The limit is where one of II and III ended (`Failure.end_kPa`). Unchanged, without a remark, where both have
     reached a pressure of the configuration or neither has an equilibrium but that at rest, and where there would be no
     five parameters (`law: cell`, a short arm), for which alone these states are solved. Raises RunFailed as `simulate`.
     """
     limit = inf if outcomes.pairs else outcomes.lowest_end_kPa("II", "III")
     without_five = scene.config.law == "cell" or too_few_pitches(scene.body.length, scene.body.pitch)
     if limit == inf or without_five:
-        return outcomes, ""
+        return outcomes, None
     pressures = tuple(_rounded(part * limit) for part in PARTS)
     names = experiments_of(scene.config)
     cases = [LoadCase(name, name, schedule(scene.config, pressures), scene.config.end) for name in names]
     more = simulate(scene, context, cases)
     if not more.pairs:
-        return outcomes, ""
-    at = " and ".join(f"{pressure:g}" for pressure in more.reached_kPa)
-    return outcomes.merged(more), (
-        f"II and III together reach none of the pressures of the configuration, of which "
-        f"{scene.config.pressures_kPa[0]:g} kPa is the lowest; they were also solved at {at} kPa, because one of them "
-        f"goes no higher than {limit:.{DIGITS}g} kPa: give pressures below that"
+        return outcomes, None
+    return outcomes.merged(more), Reason(
+        "solved_below_limit", {"reached_kPa": list(more.reached_kPa), "limit_kPa": float(f"{limit:.{DIGITS}g}")}
     )
 
 
-def complete_experiments(scene: Scene, context: RunContext, second: Pending[Outcome] | None) -> tuple[Outcomes, str]:
+def complete_experiments(scene: Scene, context: RunContext, second: Pending[Outcome] | None) -> Completed:
     """The outcomes of the experiments of a run, II of which is submitted, with states below the limit, as above."""
     return with_states_below_limit(scene, context, simulate(scene, context, second=second))
 
 
-def highest_of_use(scene: Scene, second: Pending[Outcome] | None, complete: Pending[tuple[Outcomes, str]]) -> float:
+def highest_of_use(scene: Scene, second: Pending[Outcome] | None, complete: Pending[Completed]) -> float:
     """Highest pressure in kPa at which a rod of the arm can be compared with experiment II: the largest of its states
     and of the validation loads below its end, or a part of that end where there are none.
 

@@ -8,7 +8,7 @@ import numpy as np
 
 import fem
 from fem.solution import Extremes
-from geometry import Centreline, position_text
+from geometry import Centreline, Reason, Values, position_text
 from geometry.arrays import Array, Index
 from pipeline.simulation.contact_check import ContactCheck
 from pipeline.simulation.failure import Failure
@@ -140,12 +140,15 @@ class Outcome:
         """The state at a pressure, None where it was not reached."""
         return next((record for record in self.records if record.pressure_kPa == pressure_kPa), None)
 
-    def failure_sentence(self, subject: str = "") -> str:
-        """Which pressure was not reached and why; empty where all were. `subject` replaces "experiment NAME"."""
-        if self.failure is None:
-            return ""
-        subject = subject or f"experiment {self.name}"
-        return f"{subject} stopped before {self.failure.pressure_kPa:g} kPa: {self.failure.reason}"
+    def why_stopped(self, load: str = "") -> Reason | None:
+        """Which pressure was not reached and why; None where all were. `load`: the name of a load of the validation."""
+        if (failure := self.failure) is None:
+            return None
+        ends = {"reached_kPa": failure.reached_kPa, "limit_kPa": failure.limit_kPa}
+        values: Values = {"pressure_kPa": failure.pressure_kPa, "why": failure.reason, **ends}
+        if load:
+            return Reason("load_stopped", {"load": load, **values})
+        return Reason("stopped", {"experiment": self.name, **values})
 
     def merged(self, more: "Outcome") -> "Outcome":
         """One outcome with the records of both; states that `more` restored from this one count once."""
@@ -221,10 +224,10 @@ class Outcomes:
         return tuple(record for outcome in self for record in outcome.records)
 
     @property
-    def failures(self) -> tuple[str, ...]:
-        """A sentence for every experiment that stopped early, first those with a reason of their own."""
+    def failures(self) -> tuple[Reason, ...]:
+        """Why experiments stopped early, first those with a reason of their own."""
         ended = sorted((o for o in self if o.failure), key=lambda o: bool(o.failure and o.failure.not_followed))
-        return tuple(outcome.failure_sentence() for outcome in ended)
+        return tuple(filter(None, (outcome.why_stopped() for outcome in ended)))
 
     @property
     def first_to_end(self) -> tuple[str, float] | None:

@@ -8,6 +8,7 @@ from pipeline.cell.build import MeasuredLaw
 from pipeline.config.config import Config
 from pipeline.identification.mesh_error import RELATIVE
 from pipeline.identification.parameters import Parameters
+from pipeline.notes import render_all
 from pipeline.run_report import RunReport
 from pipeline.simulation.outcome import Outcomes, Record
 from pipeline.sweep.record import Row
@@ -28,7 +29,7 @@ def rows_of_run(report: RunReport) -> list[Row]:
             if parameters.pressure_kPa == pressure:
                 row |= _five(parameters)
         row |= _errors(c for c in report.comparisons if c.state.in_sample and c.record.pressure_kPa == pressure)
-        row["notes"] = "; ".join(report.remarks)
+        row["notes"] = render_all(report.remarks)
     return _merged(list(rows.values()), rows_of_law(report.config, report.arm.measured))
 
 

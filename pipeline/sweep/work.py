@@ -13,6 +13,7 @@ from pipeline.cell.study import measure_law
 from pipeline.context import RunContext
 from pipeline.effects_rows import EFFECTS_RUN, solve_variant
 from pipeline.errors import InputError, RunFailed
+from pipeline.notes import render
 from pipeline.progress import Silent
 from pipeline.run import run
 from pipeline.simulation.scene import Scene
@@ -96,7 +97,7 @@ def _ended(task: PointTask, folder: ResultFolder) -> PointRecord:
 
 def _whole(task: PointTask) -> Worked:
     report = run(task.config, task.folder, 1, False, Silent())
-    return rows_of_run(report), report.failures
+    return rows_of_run(report), [*map(render, report.failures)]
 
 
 def _cell(task: PointTask) -> Worked:
@@ -118,7 +119,7 @@ def _experiments(task: PointTask) -> Worked:
         store.save_json("experiments.json", outcomes.rows())
         store.save_rows("curves.csv", CURVE_COLUMNS, curve_rows(outcomes, (), scene.body.pitch))
     remark = why_not_free(config) if "I" in task.run else ""
-    return rows_of_experiments(config, outcomes, remark), outcomes.failures
+    return rows_of_experiments(config, outcomes, remark), [*map(render, outcomes.failures)]
 
 
 #: what is run; else experiments

@@ -2,8 +2,9 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from math import isinf
+from math import isfinite
 
+from geometry import Reason, Values
 from pipeline.config.config import Config
 from pipeline.context import RunContext
 from pipeline.results.files import save_table
@@ -24,7 +25,7 @@ class Validated:
     """The results at the loads out of sample."""
 
     comparisons: tuple[Comparison, ...] = ()
-    failures: tuple[str, ...] = ()  #: a sentence for each load that was not solved
+    failures: tuple[Reason, ...] = ()  #: one for each load that was not solved
 
     def save(self, store: Store, in_sample: Sequence[Comparison]) -> None:
         """Write validation.json (what is in sample first) and validation_curves.csv."""
@@ -46,20 +47,20 @@ def with_reached_loads(scene: Scene, outcomes: Outcomes) -> Scene:
     return replace(scene, config=replace(scene.config, validation=validation))
 
 
-def beyond_end_of_II(config: Config, outcomes: Outcomes) -> tuple[str, ...]:
-    """The requested loads that `with_reached_loads` leaves out, a sentence for each; the one that the program chooses
-    is not requested."""
+def beyond_end_of_II(config: Config, outcomes: Outcomes) -> tuple[Reason, ...]:
+    """The requested loads that `with_reached_loads` leaves out; the one that the program chooses is not requested."""
     if not config.validation.with_experiments:
         return ()
     highest, end = _highest_of_II(outcomes), outcomes.lowest_end_kPa("II")
-    reason = "experiment II ended before" if isinf(end) else f"experiment II ended at {end:.4g} kPa"
-    sentences = []
+    reasons = []
     for case in validation_cases(config):
         of_run = () if case.load else config.pressures_kPa  # on the path to a pressure between
-        left_out = [f"{p:g}" for p in case.schedule.pressures_kPa if p > highest and p not in of_run]
+        left_out = [p for p in case.schedule.pressures_kPa if p > highest and p not in of_run]
         if left_out:
-            sentences.append(f"{_subject(case)} at {', '.join(left_out)} kPa was not solved: {reason}")
-    return tuple(sentences)
+            end_kPa = end if isfinite(end) else highest
+            values: Values = {"load": case.load or case.name, "pressures_kPa": left_out, "end_kPa": end_kPa}
+            reasons.append(Reason("load_left_out", values))
+    return tuple(reasons)
 
 
 def _is_held_down(outcomes: Outcomes, held_mm: float) -> bool:
@@ -73,11 +74,6 @@ def _highest_of_II(outcomes: Outcomes) -> float:
     return max((record.pressure_kPa for record in outcomes["II"].records), default=0.0)
 
 
-def _subject(case: LoadCase) -> str:
-    """A load of the validation as the subject of a sentence."""
-    return f"validation {case.load or case.name}"
-
-
 def validation_outcomes(scene: Scene, context: RunContext, reached_kPa: tuple[float, ...]) -> Outcomes:
     """The validation loads of the configuration, solved. Raises RunFailed as `simulate` does.
 
@@ -89,9 +85,9 @@ def validation_outcomes(scene: Scene, context: RunContext, reached_kPa: tuple[fl
 def validate(scene: Scene, outcomes: Outcomes, rods: ArmRods) -> Validated:
     """Compare the rods with the solved validation loads."""
     cases = {case.name: case for case in validation_cases(scene.config)}
-    failures = tuple(outcome.failure_sentence(_subject(cases[outcome.name])) for outcome in outcomes if outcome.failure)
+    stopped = (outcome.why_stopped(cases[outcome.name].load or outcome.name) for outcome in outcomes)
     comparisons = _comparisons(scene, cases, outcomes, rods)
-    return Validated(comparisons, failures)
+    return Validated(comparisons, tuple(filter(None, stopped)))
 
 
 def _comparisons(

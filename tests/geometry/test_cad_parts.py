@@ -10,7 +10,7 @@ import pytest
 from geometry import CadFile, DesignError, Mesh
 from pipeline.config.load import load_config
 from pipeline.errors import InputError
-from pipeline.plausibility.body import of_body
+from pipeline.notes.mesh import check_body
 from tests.step_bodies import box, save
 
 #: mm3: a plate of 60 x 3 x 15 mm below a block of 60 x 9 x 15 mm, and a cavity of 54 x 5 x 9 mm that the plate closes
@@ -138,11 +138,16 @@ mesh: {size: 6 mm}
     assert config.mass_tonne == pytest.approx((2 * PLATE + BLOCK - AIR) * 1e-9, rel=1e-6)
     assert config.record()["geometry"]["parts"] == {"plate": [20.0, 1.0, 0.0]}
     size = config.mesh.element_size_mm
-    assert of_body(config.design.body(size), config) == ()
+    assert check_body(config.design.body(size), config) == ()
     exchanged = load_config(folder / "two.yaml", ["geometry.parts={plate: [20 mm, 11 mm, 0 mm]}"])
-    (note,) = of_body(exchanged.design.body(size), exchanged)
+    (note,) = check_body(exchanged.design.body(size), exchanged)
     share = (AIR / 5 + 2 * 5 * (54 + 9)) / (2 * AIR / 5 + 2 * 5 * (54 + 9))
-    assert f"geometry.parts.plate lies (5670 mm3) has {100 * share:.0f} % of the walls of the cavities" in note
+    assert (note.code, note.values["part"], note.values["volume_mm3"]) == (
+        "part_has_walls",
+        "plate",
+        pytest.approx(5670),
+    )
+    assert note.values["percent"] == pytest.approx(100 * share)
     united = ["geometry.parts={}", "geometry.unite=true", "materials={}"]
     assert "parts" not in load_config(folder / "two.yaml", united).record()["geometry"]
 

@@ -372,7 +372,6 @@ def test_named_groups_of_elements_are_regions(suffix: str, order: int, curve: fl
     flattest = radius_ratios(mesh.points, mesh.tets).min()
     if curve == 2.8:  # 0.2 mm beside the boundary elements are thin, and the note on them tells why
         assert flattest < 0.03
-        assert "in a flat boundary between two materials" in with_base.against_flat_elements
     else:  # 3 mm is the boundary, which is flat: vertices move within it
         assert flattest > 0.15
 

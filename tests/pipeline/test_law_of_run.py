@@ -9,6 +9,7 @@ from typing import Any
 import pytest
 
 import pneurod
+from geometry import Reason
 from pipeline.cell import of_run
 from pipeline.cell.of_run import LawOfRun, law_of_run
 from pipeline.cell.pieces import ArmPieces, NoArmLaw
@@ -130,7 +131,7 @@ def test_a_body_of_which_no_piece_is_made_fails_with_the_reason(
     with open_store(tmp_path / "refused", design) as store:
         law = law_of_run(Scene.meshed(design), RunContext.alone(store, Silent())).result()
     assert law.law is None
-    assert law.failures == ("no law of the arm: no wall faces the plane between two cells",)
+    assert law.failures == (Reason("no_arm_law", {"why": "no wall faces the plane between two cells"}),)
 
 
 def law_up_to(pressure: float, not_borne: bool) -> LawOfRun:
@@ -164,9 +165,8 @@ def test_where_the_whole_arm_ends_is_named_beside_its_law() -> None:
     assert higher.beside(outcomes) == higher
     assert higher.remarks(without) == ()
     (remark,) = higher.remarks(outcomes)
-    assert remark.startswith(
-        "the arm's own law goes up to 64.64 kPa, but experiment III of the whole arm ends at 44.93"
-    )
+    values = {"highest_kPa": 64.64, "experiment": "III", "end_kPa": 44.93}
+    assert remark == Reason("law_beyond_end", values)
 
 
 @pytest.mark.slow
@@ -177,7 +177,8 @@ def test_a_run_names_where_the_whole_arm_ends_beside_the_law(tmp_path: Path) -> 
     assert first is not None
     assert report.arm.law is not None
     assert report.arm.law.pressures[-1] == 6.0
-    assert ", on the way to 2000 kPa: " in report.arm.failures[0]
+    (incomplete,) = report.arm.failures
+    assert ", on the way to 2000 kPa: " in str(incomplete.values["why"])
     effects = {row["effect"]: row for row in read(tmp_path / "out", "effects.json")}
     clause = f"; experiment {first[0]} of the whole arm ends at {first[1]:.4g} kPa"
     assert effects["arm_law"]["reason"].endswith(clause)
@@ -190,8 +191,8 @@ def test_pressures_that_the_cell_does_not_bear_end_the_law_below_them(tmp_path: 
         with open_store(tmp_path / str(highest), large) as store:
             made = law_of_run(Scene.meshed(large), RunContext.alone(store, Silent())).result()
         assert (made.law and made.law.pressures[-1]) == highest
-        assert "no equilibrium of the half cell at" in made.failures[0]
-        assert made.failures[0].startswith("no law of the arm: the cell of the arm has no") == (highest is None)
+        assert "no equilibrium of the half cell at" in str(made.failures[0].values["why"])
+        assert made.failures[0].code == ("no_arm_law" if highest is None else "law_incomplete")
 
 
 def test_a_cell_that_bears_no_pressure_of_the_configuration_is_measured_below_the_limit_of_the_arm(

@@ -339,15 +339,15 @@ def test_a_name_or_a_shape_of_another_type_is_refused() -> None:
 def test_a_failed_run_says_where_its_results_are(design: Path, tmp_path: Path) -> None:
     """Three chambers are too few for five parameters, but their experiments are there."""
     settings: dict[str, str | int | list[str]] = {"geometry.chambers": 3, "pressures": ["5 kPa"]}
-    with pytest.raises(pneurod.RunFailed, match="no five") as failure:
+    with pytest.raises(pneurod.RunFailed, match="five parameters need") as failure:
         pneurod.characterize(design, out=tmp_path, settings=settings, jobs=1)
     assert failure.value.directory == tmp_path
     partial = pneurod.read_results(tmp_path)
     assert partial.run.finished
-    assert "no five" in partial.run.failure
+    assert [failure.code for failure in partial.run.failures] == ["too_short"]
     assert len(partial.experiments) == 3
     assert partial.parameters.empty
-    with pytest.raises(pneurod.InputError, match="holds no parameters of a rod: no five"):
+    with pytest.raises(pneurod.InputError, match="holds no parameters of a rod: Five parameters need"):
         partial.rod(5.0)
 
 

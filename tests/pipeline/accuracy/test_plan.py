@@ -19,6 +19,7 @@ from pipeline.config.automatic_mesh import COARSER, MOST_CHOSEN_TETS
 from pipeline.config.config import Config
 from pipeline.config.load import load_config
 from pipeline.errors import InputError
+from pipeline.notes import render
 from pipeline.progress import Lines
 from pipeline.simulation.outcome import Indicator, Outcomes
 from pipeline.store.store import open_store
@@ -187,8 +188,8 @@ def test_a_law_that_ends_early_with_mixed_elements_is_named(configs: Path, tmp_p
     for law, is_named in (("svk", True), ("hencky", False)):
         settings = ["mesh.size=auto", "accuracy=8 %", f"material.law={law}"]
         made, told = decided(load_config(configs / "pneunet_coarse.yaml", settings), tmp_path / law)
-        assert ("ends early in the corner at the clamp" in told) == is_named
-        assert len(made.remarks) == is_named
+        assert [remark.code for remark in made.remarks] == ["accuracy_ends_early"] * is_named
+        assert all(render(remark) in told for remark in made.remarks)
 
 
 def test_the_tolerance_of_the_configuration_is_kept_where_it_is_smaller(
@@ -303,18 +304,21 @@ def test_without_pilots_the_run_goes_on_as_without_the_request(
         plain = load_config(configs / "pneunet_coarse.yaml", settings)
         assert made.plan is None
         assert made.config.mesh == plain.mesh
-        assert made.remarks[0].startswith("accuracy not estimated: the pilot with a mesh of 6 mm gave no numbers (II:")
-        assert made.remarks[0] in told
+        (remark,) = made.remarks
+        assert remark.code == "accuracy_unknown"
+        assert remark.values["why"] == "the pilot with a mesh of 6 mm gave no numbers (II: inverted)"
+        assert render(remark) in told
     assert plain.mesh.coarser == COARSER
 
 
 def test_an_arm_too_short_for_five_parameters_has_no_pilots(configs: Path, tmp_path: Path, piloted: list[Rung]) -> None:
     config = load_config(configs / "pneunet_coarse.yaml", ["accuracy=8 %", "geometry.chambers=6"])
-    made, told = decided(config, tmp_path)
+    made, _ = decided(config, tmp_path)
     assert not piloted
     assert made.plan is None
-    assert "ends early" not in told  # the elements are those of the configuration
-    assert "accuracy not estimated: the arm is too short for five parameters" in made.remarks[0]
+    (remark,) = made.remarks  # the elements are those of the configuration
+    assert remark.code == "accuracy_unknown"
+    assert str(remark.values["why"]).startswith("the arm is too short for five parameters")
 
 
 @pytest.mark.parametrize(

@@ -6,7 +6,6 @@ import pytest
 
 from pipeline.config.load import load_config
 from pipeline.errors import InputError
-from pipeline.plausibility.units import of_units
 from pipeline.rods.saved import SavedRod
 from pipeline.sweep.spec import read_sweep
 from rod import RodError
@@ -51,36 +50,6 @@ def test_parameters_of_an_effect_go_beside_its_state() -> None:
 
 def test_the_override_is_named_and_not_the_file() -> None:
     assert refused("material.E=1.2 Pa").startswith("--set material.E: 37 kPa is")
-
-
-@pytest.mark.parametrize(
-    ("overrides", "sentence"),
-    [
-        (
-            ["effects.pressure={cavities: {cavity: 17}}"],
-            "cavity: 17 without a unit is 17 times the pressure of the run",
-        ),
-        (["material={law: neo_hooke, mu: 0.4 MPa, kappa: 40 kPa}"], "mean a Poisson ratio of -0.65"),
-        (["effects.gravity.acceleration=[0 m/s^2, -9810 m/s^2, 0 m/s^2]"], "is 9810 m/s2 in all"),
-        (["effects.gravity.acceleration=[0 m/s^2, 0 m/s^2, 0 m/s^2]"], "is 0 m/s2 in all"),
-    ],
-)
-def test_notes_on_values_in_another_unit(overrides: list[str], sentence: str) -> None:
-    assert of_units(load_config(COARSE)) == ()
-    assert any(sentence in note for note in of_units(load_config(COARSE, overrides)))
-
-
-def test_a_stiff_base_does_not_make_a_force_small() -> None:
-    """0.05 N bends it: E I of the base alone is 25 N mm2."""
-    stiff = [
-        "material={law: neo_hooke, mu: 0.023 MPa, nu: 0.49}",
-        "materials={base: {law: svk, E: 2.5 GPa, nu: 0.35}}",
-        "geometry.base=0.2 mm",
-        "mesh.size=auto",
-    ]
-    assert of_units(load_config(COARSE, [*stiff, "validation.forces=[[0 N, 0.05 N]]"])) == ()
-    (note,) = of_units(load_config(COARSE, [*stiff, "validation.forces=[[0 N, 1e-8 N]]"]))
-    assert "too small to move the arm" in note
 
 
 @pytest.mark.parametrize(

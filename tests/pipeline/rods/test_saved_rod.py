@@ -11,6 +11,7 @@ from typer.testing import CliRunner
 
 from pipeline.cli import app
 from pipeline.rods.saved import SavedRod
+from pipeline.store.formats import FORMAT
 from rod import FiveParameters, Rod, law_record
 from tests.rod.arm_law.test_arm_law import law_of, straight_law
 
@@ -21,8 +22,10 @@ LENGTH = 112.0
 def results(tmp_path: Path) -> Path:
     s = np.linspace(0.0, LENGTH, 57)
     content = {
+        "format": FORMAT,
         "length_mm": LENGTH,
         "mass_g": 16.5,
+        "solid_volume_mm3": 14600.0,
         "material": {"law": "svk", "E": 1.2, "nu": 0.495, "density_tonne_mm3": 1.13e-9},
         "pressures_kPa": [17.0, 37.0],
         "alpha1_N_mm2": [60.0, 55.0],
@@ -310,8 +313,11 @@ def test_other_files_are_rejected(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("run", "reason"),
     [
-        ({"remarks": ["no five parameters: the arm has 4.4 pitches"]}, "the arm has 4.4 pitches"),
-        ({"failures": ["no five parameters at 10 kPa: no moment"]}, "no five parameters at 10 kPa: no moment"),
+        (
+            {"remarks": [{"code": "density", "text": "other"}, {"code": "too_short", "text": "4.4 pitches"}]},
+            "4.4 pitches",
+        ),
+        ({"failures": [{"code": "not_identified", "text": "at 10 kPa: no moment"}]}, "at 10 kPa: no moment"),
         (None, "the identification needs II and III at the same pressure"),
     ],
 )
@@ -378,21 +384,6 @@ def test_an_unknown_export_is_rejected(results: Path) -> None:
     status, _, sentence = call("export", str(results), "--to", "abaqus")
     assert status == 2
     assert "allowed are csv, json, pyelastica" in sentence
-
-
-def test_a_file_of_format_1_is_read_with_its_old_keys(results: Path) -> None:
-    file = results / "parameters.json"
-    content = json.loads(file.read_text())
-    keys = ("alpha1_N_mm2", "alpha2_N_mm2", "m01_N_mm", "m02_N_mm", "d_mm")
-    extensible = {key: content[key] for key in keys}
-    extensible |= {"eccentricity_mm": [1.2, 1.4], "rest_stretch": [[1.02] * 57, [1.04] * 57]}
-    file.write_text(
-        json.dumps({**content, "sixth_number": extensible, "sampled_moment_N_mm": [[0.2, 3.0], [0.4, 4.0]]})
-    )
-    extensible_rod = SavedRod.read(file, extensible=True).at("17 kPa")
-    assert extensible_rod.rod.extension is not None
-    assert extensible_rod.moment_range is not None
-    assert extensible_rod.moment_range.high == pytest.approx(3.0)
 
 
 def test_without_a_mass_there_are_tables_and_no_dynamics(results: Path, tmp_path: Path) -> None:

@@ -13,8 +13,8 @@ from pipeline.simulation.outcome import Outcomes
 from pipeline.simulation.scene import Scene
 from pipeline.simulation.simulate import simulate
 from pipeline.store.store import open_store
+from tests.pipeline.notes.test_design import CONFIGS
 from tests.pipeline.simulation.test_limits import THIN, VACUUM
-from tests.pipeline.test_plausibility import CONFIGS
 
 #: long enough for five parameters
 LONG = [*THIN, VACUUM, "geometry.length=70 mm", "mesh.size=9 mm"]

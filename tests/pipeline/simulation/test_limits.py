@@ -20,7 +20,7 @@ from pipeline.simulation.known_limit import EndOfII
 from pipeline.simulation.scene import Scene
 from pipeline.simulation.simulate import simulate
 from pipeline.store.store import open_store
-from tests.pipeline.test_plausibility import CONFIGS
+from tests.pipeline.notes.test_design import CONFIGS
 
 #: a half disc with a wall of 0.6 mm, whose round wall snaps through under a vacuum of 1.03 kPa
 LIMIT_KPA = 1.0317

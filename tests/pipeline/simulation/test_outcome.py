@@ -10,7 +10,7 @@ import pytest
 
 from fem import Seconds
 from fem.solution import Extremes
-from geometry import Centreline
+from geometry import Centreline, Reason
 from pipeline.config.load import load_config
 from pipeline.simulation.effects_record import effect_states
 from pipeline.simulation.failure import Failure
@@ -64,13 +64,12 @@ def test_states_restored_from_an_earlier_path_count_once() -> None:
     assert merged.seconds.factorization == 6.0
 
 
-def test_a_failure_is_a_sentence_and_a_row() -> None:
+def test_a_failure_is_a_reason_and_a_row() -> None:
     stopped = outcome("III", record(10.0), failure=Failure(20.0, "no luck", 2, 7))
     outcomes = Outcomes({"II": outcome("II", record(10.0), record(20.0)), "III": stopped})
-    assert outcomes.failures == ("experiment III stopped before 20 kPa: no luck",)
-    assert stopped.failure_sentence("validation end at +3 mm") == (
-        "validation end at +3 mm stopped before 20 kPa: no luck"
-    )
+    values = {"pressure_kPa": 20.0, "why": "no luck", "reached_kPa": 0.0, "limit_kPa": 0.0}
+    assert outcomes.failures == (Reason("stopped", {"experiment": "III", **values}),)
+    assert stopped.why_stopped("end at +3 mm") == Reason("load_stopped", {"load": "end at +3 mm", **values})
     rows = outcomes.rows()
     assert [row["status"] for row in rows] == ["converged", "converged", "converged", "not converged"]
     assert rows[-1] == {
@@ -173,4 +172,4 @@ def test_the_first_reason_is_not_that_another_experiment_has_ended() -> None:
         "III": Failure(150.0, "no luck", 0, 0, reached_kPa=40.0),
     }
     outcomes = Outcomes({name: outcome(name, record(5.0), failure=failure) for name, failure in ends.items()})
-    assert [sentence.split()[1] for sentence in outcomes.failures] == ["II", "III", "I"]
+    assert [reason.values["experiment"] for reason in outcomes.failures] == ["II", "III", "I"]

@@ -4,10 +4,17 @@ import re
 import subprocess
 import sys
 from pathlib import Path
+from time import sleep
+from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
+import pytest
+
 from pipeline.config.load import load_config
-from pipeline.plausibility.body import of_edges
+from pipeline.notes import render
+from pipeline.notes.design import check_load
+from pipeline.simulation.waiting import remarks_while_waiting
 from tests.step_bodies import save
 
 HERE = Path(__file__).resolve().parent.parent.parent.parent
@@ -40,14 +47,28 @@ def test_meshing_says_how_far_it_is_and_names_small_edges(tmp_path: Path) -> Non
     done = subprocess.run(command, capture_output=True, text=True, check=True, cwd=HERE)
     first, small, surface, volume, *_ = done.stdout.splitlines()
     assert first == "stage: mesh"
-    edges = (
-        r"note: 4 of the \d+ edges in the CAD file are shorter than a third of mesh.size, 5 mm, the shortest 0.79 mm "
-    )
-    assert re.match(edges + r"near \((0|60), 11\.\d, -?7\.\d+\) mm: ", small)
-    assert small.endswith("remove them with geometry.defeature, for example 0.86 mm, or in the CAD program")
+    (reason,) = check_load(load_config(path))
+    assert small == f"note: {render(reason)}"
+    assert (reason.code, reason.values["count"]) == ("short_edges", 4)
+    assert reason.values["shortest_mm"] == pytest.approx(np.pi / 4, rel=1e-3)
+    assert re.fullmatch(r"\((0|60), 11\.\d, -?7\.\d+\) mm", reason.values["near"])
     assert re.fullmatch(r"note: the surface is meshed: [1-9]\d+ triangles", surface)
     assert volume == "note: the volume is being filled with tetrahedra"
-    assert of_edges(load_config(path, ["mesh.size=2 mm"])) == ""
-    save(tmp_path / "fillets.step", lambda occ: small_fillets(occ, 1.0))  # too wide to be removed at these walls
-    assert of_edges(load_config(path)).endswith("do not matter, remove them in the CAD program")
-    assert of_edges(load_config(HERE / "configs" / "pneunet.yaml")) == ""
+    assert check_load(load_config(path, ["mesh.size=2 mm"])) == ()
+
+
+def test_long_calls_are_told_of() -> None:
+    def listener(remarks: list[str]) -> Any:
+        return SimpleNamespace(remark=remarks.append)
+
+    quick: list[str] = []
+    slow: list[str] = []
+    with remarks_while_waiting(listener(quick), "meshing the body", every=10.0):
+        pass
+    with remarks_while_waiting(listener(slow), "meshing the body", every=0.02):
+        sleep(0.3)
+    assert quick == []
+    assert len(slow) > 1
+    count = len(slow)
+    sleep(0.1)
+    assert len(slow) == count, "nothing is told after the end"

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import fem
-from geometry import Centreline
+from geometry import Centreline, Reason
 from pipeline.config.config import Config, End
 from pipeline.config.load import load_config
 from pipeline.context import RunContext
@@ -72,11 +72,10 @@ def test_cases_are_named_by_their_load_and_go_on_from_the_run(config: Config) ->
 def test_a_requested_load_beyond_the_end_of_II_is_named(config: Config) -> None:
     limit = Failure(12.0, "a limit point", 0, 0, limit_kPa=11.46)
     ended = Outcomes({"II": outcome("II", record(6.0), failure=limit)})
-    assert beyond_end_of_II(config, ended) == (
-        "validation dead force 0, 0.01 N at 12, 15 kPa was not solved: experiment II ended at 11.46 kPa",
-        "validation end at +3 mm at 12, 15 kPa was not solved: experiment II ended at 11.46 kPa",
-        "validation III at 15 kPa was not solved: experiment II ended at 11.46 kPa",
-        "validation II at 15 kPa was not solved: experiment II ended at 11.46 kPa",
+    left_out = (("dead force 0, 0.01 N", [12.0, 15.0]), ("end at +3 mm", [12.0, 15.0]), ("III", [15.0]), ("II", [15.0]))
+    assert beyond_end_of_II(config, ended) == tuple(
+        Reason("load_left_out", {"load": load, "pressures_kPa": pressures, "end_kPa": 11.46})
+        for load, pressures in left_out
     )
     bears_all = Outcomes({"II": outcome("II", record(6.0), record(12.0), record(24.0))})
     assert beyond_end_of_II(config, bears_all) == ()

@@ -1,0 +1,122 @@
+"""The sentence of every reason, by its code, as a clause: it begins small and has no full stop."""
+
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from geometry import Reason, position_text
+from pipeline.store.json_values import JsonObject
+
+#: {at} is the place of the reason; a list is written with commas between its entries
+TEMPLATES: Mapping[str, str] = {
+    # a configuration
+    "strong_pressure": "{pressure_kPa:g} kPa is {ratio:.2g} times what walls of {modulus_MPa:.3g} MPa usually bear; "
+    "check the units, or stay below about {bearable_kPa:g} kPa",
+    "weak_pressure": "{pressure_kPa:g} kPa hardly bends walls of {modulus_MPa:.3g} MPa; check the units (rubbers have "
+    "0.05 to 10 MPa), or give higher pressures",
+    "pressure_unused": "no cavity follows the pressure of the run, so its states are all the same; check "
+    "effects.pressure",
+    "density": "the value of {key}.density is {density_kg_m3:.4g} kg/m^3, and rubbers have about 1000; check its unit "
+    "(kg/m^3, g/cm^3)",
+    "turned_gravity": "gravity acts along the arm's own x, from clamp to tip, which is against the x of the file; "
+    "check effects.gravity.acceleration",
+    "short_edges": "{count} edges of the CAD file are shorter than {limit_mm:.2g} mm ({shortest_mm:.2g} mm near "
+    "{near}); remove small features in CAD or with geometry.defeature",
+    "too_short": "five parameters need an arm of {needed_mm:.4g} mm, and this one has {length_mm:.4g} mm; give more "
+    "chambers, a longer arm or a smaller geometry.cell",
+    "unequal_cells": "chambers or gaps differ, so five parameters averaged over {averaging_mm:.3g} mm are a rough "
+    "model; see their errors in the report",
+    "long_cells": "cavities are {between_mm:.3g} mm apart but curvatures averaged over {averaging_mm:.3g} mm, so a "
+    "single line is taken; identification.d requests two",
+    "few_pressures": "{count} pressures cannot show whether the parameters are linear in the pressure; give three or "
+    "more",
+    # a requested accuracy
+    "accuracy_unknown": "accuracy not estimated, because {why}; the mesh has {formulation} elements of {size_mm:.3g} "
+    "mm, which mesh.size changes",
+    "accuracy_ends_early": "mixed elements of law svk end early in the corner at the clamp; give lower pressures, law "
+    "hencky, or no accuracy",
+    # a meshed body
+    "flat_element": "the flattest element has a radius ratio of {radius_ratio:.2g} near {at} (a regular one has 1); "
+    "mend the body there or change mesh.size",
+    "straightened_edges": "{count} curved edges of the mesh file are taken as straight, as near {at}, where elements "
+    "would fold; check their middle nodes",
+    "nodes_too_far_apart": "five parameters need nodes at most {allowed_mm:.3g} mm apart along the curve, not "
+    "{spacing_mm:.3g} mm; give a smaller mesh.size or a larger geometry.cell",
+    "volume_differs": "the volume of the mesh is {percent:+.2g} % off that of the drawing, whose walls are round; give "
+    "a mesh.size of about {size_mm:.2g} mm",
+    "mirrored_cavity": "the cavity {cavities} does not touch z = 0, so its mirror image is added; set "
+    "geometry.symmetric: false if the file is the whole arm",
+    "partial_clamp": "the face clamp leaves {free_mm2:.3g} of {plane_mm2:.3g} mm2 in its plane free, near {at}; if "
+    "all is held, name all of it clamp",
+    "part_has_walls": "the solid geometry.parts.{part} ({volume_mm3:.4g} mm3) has {percent:.0f} % of the cavity walls, "
+    "`material` {percent_of_material:.0f} %; if that is wrong, choose a point in another solid",
+    "not_along_x": "the body is {length_mm:.3g} mm along x and {longest_mm:.3g} mm along {axis}; if {axis} is its "
+    "length, give geometry.axes: {axes}",
+    # states
+    "beyond_law": "stretches in {part} go from {smallest:.2f} to {largest:.2f} ({pressure_kPa:g} kPa), but law {law} "
+    "holds from {holds_from:.2f} to {holds_to:.2f}; fit one with pneurod material",
+    "out_of_plane": "the arm leaves its plane by {distance_mm:.3g} mm, {percent:.3g} % of its length ({experiment}, "
+    "{pressure_kPa:g} kPa); do not use these planar rods",
+    "volume_lost": "the material loses {percent:.0f} % of its volume at {at} ({experiment}, {pressure_kPa:g} kPa); "
+    "compare with a smaller mesh.size",
+    "volume_lost_unevenly": "the material loses {percent:.0f} % of its volume at {at} ({experiment}, "
+    "{pressure_kPa:g} kPa); compare with mesh.formulation: mixed",
+    "hardly_bent": "at {pressure_kPa:g} kPa the arm bends by {bend_rad:.2g} rad only; give higher pressures, thinner "
+    "walls or another end.y",
+    "few_reached": "{count} of {given} pressures have five parameters, too few to show how these change; give more "
+    "and lower pressures",
+    "rigidity_open": "the rigidity {rigidity} is between {low:.3g} and {high:.3g} N mm² at {pressure_kPa:g} kPa; give "
+    "higher pressures, or use the arm's own law",
+    "one_rigidity_poor": "R² is {r2:.2f} at {pressure_kPa:g} kPa: one rigidity does not describe this arm; use the "
+    "arm's own law",
+    "one_line_or_two": "at {pressures_kPa:g} kPa one line (α₂ {single_N_mm2:.3g} N mm²) or two ({two_N_mm2:.3g}) are "
+    "nearly as good; add pressures or use the arm's own law",
+    "approximate_contact": "sliding contact is approximate: the end is wrong by {end_mm:.2g} mm and {end_N:.2g} N "
+    "({experiment}, {pressure_kPa:g} kPa); compare with a smaller mesh.size",
+    "contact_not_compared": "sliding contact in {states} is approximate by an unknown amount; compare with a smaller "
+    "mesh.size",
+    "path_dependent_contact": "walls fold, and the state found ({experiment}, {pressure_kPa:g} kPa) depends by "
+    "{percent:.2g} % on the load steps; add pressures below it",
+    "folded_contact_open": "walls fold, and the state found ({experiment}, {pressure_kPa:g} kPa) may depend on the "
+    "load steps; add pressures below it",
+    "solved_below_limit": "II and III reach no given pressure and were solved at {reached_kPa:g} kPa; give pressures "
+    "below {limit_kPa:.3g} kPa",
+    "law_beyond_end": "the arm's own law goes to {highest_kPa:.4g} kPa, but experiment {experiment} ends at "
+    "{end_kPa:.4g} kPa; use the law below that pressure",
+    # what a run did not reach
+    "stopped": "experiment {experiment} stopped before {pressure_kPa:g} kPa: {why}",
+    "load_stopped": "validation {load} stopped before {pressure_kPa:g} kPa: {why}",
+    "load_left_out": "validation {load} at {pressures_kPa:g} kPa was not solved, because experiment II ended at "
+    "{end_kPa:.4g} kPa; give lower pressures",
+    "not_identified": "no five parameters at {pressure_kPa:g} kPa: {why}",
+    "pressure_not_added": "no pressure was added at {pressure_kPa:g} kPa: {why}",
+    "no_arm_law": "no law of the arm: {why}; take five parameters with law: five",
+    "law_incomplete": "the arm's own law is incomplete: {why}",
+}
+#: why there are no five parameters
+NO_PARAMETERS = ("too_short", "nodes_too_far_apart", "not_identified")
+
+
+def render(reason: Reason) -> str:
+    """The sentence of a reason, without a full stop."""
+    values = {name: _Listed(value) if isinstance(value, list) else value for name, value in reason.values.items()}
+    place = {} if reason.where is None else {"at": position_text(reason.where)}
+    return TEMPLATES[reason.code].format(**values, **place)
+
+
+def render_all(reasons: Iterable[Reason]) -> str:
+    """The sentences of several reasons in one line."""
+    return "; ".join(map(render, reasons))
+
+
+def record_reason(reason: Reason) -> JsonObject:
+    """The entry of a reason in run.json."""
+    text = render(reason)
+    sentence = f"{text[:1].upper()}{text[1:]}."
+    return {"code": reason.code, "values": dict(reason.values), "where": reason.where, "text": sentence}
+
+
+class _Listed(list[Any]):
+    """A list whose entries are formatted one by one."""
+
+    def __format__(self, spec: str) -> str:
+        return ", ".join(format(entry, spec) for entry in self)
