@@ -8,9 +8,10 @@ import os
 import signal
 import sys
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
+from typer.core import TyperCommand
 
 from pipeline.commands_of_design import accuracy, cell, effects, mesh, run
 from pipeline.ending import print_lines, print_sentences, with_sentences
@@ -25,12 +26,23 @@ app = typer.Typer(
 )
 
 
+class Init(TyperCommand):
+    """`init`, which has the families in its help: they are known only when the geometry is loaded."""
+
+    def format_help(self, ctx: Any, formatter: Any) -> None:
+        """The help with the families of bodies."""
+        from pipeline.config.body import BODIES
+
+        for parameter in self.params:
+            if parameter.name == "family":
+                parameter.help = f"{', '.join(BODIES)}."  # type: ignore[attr-defined]
+        super().format_help(ctx, formatter)
+
+
 def init(
     family: Annotated[
         str,
-        typer.Argument(
-            metavar="[FAMILY]", help="pneunet, semicircular, semicircular_single, bisected_circle, rectangular, own."
-        ),
+        typer.Argument(metavar="[FAMILY]"),
     ] = "pneunet",
     out: Annotated[
         Path | None, typer.Option("--out", metavar="FILE", help="File to write (default: my_FAMILY.yaml).")
@@ -226,7 +238,8 @@ def doctor() -> None:
 
 
 app.callback()(show_version)
-for command in (init, run, mesh, effects, accuracy, cell, sweep, rod, material, export, doctor):
+app.command(cls=Init)(with_sentences(init))
+for command in (run, mesh, effects, accuracy, cell, sweep, rod, material, export, doctor):
     app.command()(with_sentences(command))
 
 

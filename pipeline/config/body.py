@@ -41,16 +41,8 @@ from pipeline.errors import quoted
 OWN = "own"
 #: all families
 BODIES = (*FAMILIES, OWN)
-_OTHERS = "draw another body with them in a CAD program, and give its STEP file (family: own); "
-_OF_CHAMBERS = f"it is for the chambers of a pneunet; {_OTHERS}"
-_HINTS = {
-    "defeature": "it removes narrow faces of a body from a CAD file; a mesh or a surface has to be made again without "
-    "them; ",
-    "symmetric": "it is for bodies from CAD files and meshes: bodies of the other families are symmetric, and surfaces "
-    "are meshed as a whole; ",
-    "fillet": f"it rounds the edges of a pneunet; {_OTHERS}",
-    **dict.fromkeys(("chamber_lengths", "chamber_heights", "gaps"), _OF_CHAMBERS),
-}
+#: the classes of designs by what the reference calls them
+DESIGNS: dict[str, Any] = {**FAMILIES, "own_cad": CadFile, "own_mesh": MeshFile, "own_surface": SurfaceFile}
 #: what the file of `pneurod init` has at keys without a default
 _EXAMPLES = {
     "file": "finger.step",
@@ -71,7 +63,7 @@ def _unit(value: Any) -> float:
     """The length of one unit: the name of a unit, or a length."""
     named = isinstance(value, str) and value.strip().isalpha()
     try:
-        return above_zero(convert(f"1 {value.strip()}" if named else value, LENGTH))
+        return convert(f"1 {value.strip()}" if named else value, LENGTH)
     except ValueError:
         raise ValueError(
             f"{quoted(value)} is no unit of length; allowed: mm, cm, m, inch, or a length above 0 such as 25.4 mm"
@@ -128,7 +120,7 @@ _KINDS: dict[Any, Any] = {
     float | CellPlanes | None: Annotated[Any, Kind("a length, or two planes `{from, to}`", "8 mm", "mm", _cell)],
     Plug: Annotated[Any, Kind("`true`, `false`, or a name and a point for each", "true", "mm", _plug)],
 }
-_UNIT = Annotated[float, Kind("`mm`, `cm`, `m`, `inch` or a length", "inch", "mm", _unit)]
+_UNIT = Annotated[float, Kind("`mm`, `cm`, `m`, `inch` or a length", "inch", "mm", _unit, above_zero)]
 _DRAWN = {
     True: Annotated[float, Kind("at least 0", LENGTH.example, "mm", in_unit(LENGTH))],
     False: Annotated[float, Kind("above 0", LENGTH.example, "mm", in_unit(LENGTH))],
@@ -160,7 +152,7 @@ def geometry_section(design: Any) -> type[Section]:
             default = {"default_factory": field.default_factory}
         examples = [_EXAMPLES[field.name]] if field.name in _EXAMPLES else None
         keys[field.name] = (kind, Field(**default, examples=examples, description=meanings[field.name]))
-    return section_of("Geometry", keys, _HINTS)
+    return section_of("Geometry", keys, {name: [f.name for f in fields(design)] for name, design in DESIGNS.items()})
 
 
 def _comments(kind: Any) -> dict[str, str]:

@@ -14,41 +14,19 @@ from typing import Annotated, Any, Literal, get_args
 
 from fem.elements import automatic_element
 from geometry import CellPlanes, Design, DesignError, MeshError
+from pipeline.config import kinds
 from pipeline.config.arm_law import why_no_arm_law
 from pipeline.config.automatic_mesh import AUTO, GivenMesh, MeshSettings, read_mesh
 from pipeline.config.body import OWN, design_key, read_design
 from pipeline.config.document import Document, Key, dotted
 from pipeline.config.effects import CavityPressure, Effects, State
-from pipeline.config.kinds import (
-    CountFromZero,
-    Name,
-    Number,
-    Percentage,
-    PositiveForce,
-    PositiveLength,
-    Pressures,
-    Text,
-    one_of,
-)
 from pipeline.config.material import Material, read_material, stiffness_conflicts
 from pipeline.config.section import Error, Field, Kind, Section, WrittenAs, conflict, raise_all, section
 from pipeline.config.validation import End, GivenEnd, GivenValidation, Validation, read_end, read_validation
 from pipeline.errors import InputError, quoted
 from pipeline.store.json_values import Json, JsonObject
 
-__all__ = [
-    "AUTO",
-    "LAW_CHOICES",
-    "STANDARD_GRAVITY",
-    "USUAL_TOLERANCE",
-    "Config",
-    "End",
-    "IdentificationSettings",
-    "Material",
-    "MeshSettings",
-    "Newton",
-    "Validation",
-]
+__all__ = ["AUTO", "Config", "End", "Material", "MeshSettings", "Validation"]
 
 #: the laws of the rod: five parameters and the law from one cell, or one of them
 Laws = Literal["both", "five", "cell"]
@@ -57,15 +35,7 @@ LAW_CHOICES: tuple[Laws, ...] = get_args(Laws)
 STANDARD_GRAVITY = 9810.0
 #: Newton's tolerance where none is given
 USUAL_TOLERANCE = 1e-6
-
-
 _REGIONS = Kind("a section for each region", "{base: {law: svk, E: 5 MPa, nu: 0.495, density: 1130 kg/m^3}}")
-
-
-def _small(value: float) -> float:
-    if not 0.0 < value <= 1e-2:
-        raise ValueError(f"{value:g} is not allowed; allowed: above 0 and at most 0.01")
-    return value
 
 
 def _experiments(value: Any) -> tuple[str, ...]:
@@ -82,22 +52,24 @@ def _experiments(value: Any) -> tuple[str, ...]:
 class IdentificationSettings(Section):
     """How the five parameters are identified, and with which weight they are made dimensionless."""
 
-    d_mm: PositiveLength | None = Field(
+    d_mm: kinds.PositiveLength | None = Field(
         default=None, description="break of the two lines, [given](identification.md#a-given-d) instead of sought"
     )
-    weight_N: PositiveForce | None = Field(
+    weight_N: kinds.PositiveForce | None = Field(
         default=None, description="weight of the arm for M/(m g l) in [results](results.md); default: its own"
     )
-    weight_of: Text = Field(default="", description="name printed beside results made dimensionless with this weight")
+    weight_of: kinds.Text = Field(
+        default="", description="name printed beside results made dimensionless with this weight"
+    )
 
 
 @section(frozen=True)
 class Newton(Section):
     """When Newton's method stops."""
 
-    tolerance: Annotated[Number, Kind("above 0, at most 0.01", "0.000001", "1", check=_small)] = Field(
-        default=USUAL_TOLERANCE, description="largest relative residual of an equilibrium"
-    )
+    tolerance: Annotated[
+        kinds.Number, Kind("above 0, at most 0.01", "0.000001", "1", test=lambda value: 0.0 < value <= 1e-2)
+    ] = Field(default=USUAL_TOLERANCE, description="largest relative residual of an equilibrium")
 
 
 def _with_all_cavities(given: Effects, values: Mapping[str, Any], _: Document) -> Effects:
@@ -129,33 +101,22 @@ def _conflicts(values: Mapping[str, Any], document: Document) -> Iterator[Error]
     if {"material", "pressures_kPa"} <= values.keys():
         yield from stiffness_conflicts(values["material"], values["pressures_kPa"], document)
     design, effects, identification = (values.get(name) for name in ("design", "effects", "identification"))
-    if identification is not None and identification.weight_of and identification.weight_N is None:
-        key = ("identification", "weight_of")
-        yield conflict("names a weight that is missing; give weight as well", key)
-    if design is not None and identification is not None and (identification.d_mm or 0.0) >= design.length:
+    if identification and identification.weight_of and identification.weight_N is None:
+        yield conflict("names a weight that is missing; give weight as well", ("identification", "weight_of"))
+    if design and identification and (identification.d_mm or 0.0) >= design.length:
         place = f"{identification.d_mm:g} mm is not on the arm; allowed: below its length, {design.length:g} mm"
         yield conflict(place, ("identification", "d"))
-    if design is not None and not design.is_resizable and values.get("accuracy") is not None:
+    if design and not design.is_resizable and values.get("accuracy") is not None:
         yield conflict("a ready mesh cannot be made finer; leave it out, or give a drawing", ("accuracy",))
-    if effects is None:
-        return
-    if design is not None and values.get("law") == "cell" and (reason := why_no_arm_law(design, effects)):
+    if effects and design and values.get("law") == "cell" and (reason := why_no_arm_law(design, effects)):
         yield conflict(f"cell is not possible: {reason}", ("law",))
-    if effects.gravity.on:
-        yield from _gravity_conflicts(effects, values)
-
-
-def _gravity_conflicts(effects: Effects, values: Mapping[str, Any]) -> Iterator[Error]:
-    if effects.symmetry.on and effects.gravity.breaks_symmetry:
-        yield conflict(
-            "gravity acts across the plane of symmetry; write symmetry: auto or give its z component 0 m/s^2",
-            ("effects", "symmetry"),
-            ("effects", "gravity"),
-        )
-    solids: dict[Key, Material | None] = {("material",): values.get("material")}
-    solids |= {("materials", name): solid for name, solid in values.get("materials", {}).items()}
-    for key, solid in solids.items():
-        if solid is not None and solid.density_tonne_mm3 is None:
+    if effects and effects.symmetry.on and effects.gravity.breaks_symmetry:
+        sentence = "gravity acts across the plane of symmetry; write symmetry: auto or give its z component 0 m/s^2"
+        yield conflict(sentence, ("effects", "symmetry"), ("effects", "gravity"))
+    if effects and effects.gravity.on:
+        solids: dict[Key, Any] = {("material",): values.get("material")}
+        solids |= {("materials", name): solid for name, solid in values.get("materials", {}).items()}
+        for key in (key for key, solid in solids.items() if solid and solid.density_tonne_mm3 is None):
             yield conflict("is missing, and gravity needs it; for example 1130 kg/m^3", (*key, "density"))
 
 
@@ -163,7 +124,7 @@ def _gravity_conflicts(effects: Effects, values: Mapping[str, Any]) -> Iterator[
 class Config(Section):
     """A design and what is to be computed for it, checked. The order of the fields is that in which they are read."""
 
-    name: Name = Field(description="name of the design")
+    name: kinds.Name = Field(description="name of the design")
     design: Annotated[Design, WrittenAs(read_design), Kind("a section", "{family: pneunet, ...}")] = Field(
         alias="geometry", description="`family` of the body and its [dimensions](#geometry)"
     )
@@ -175,7 +136,9 @@ class Config(Section):
         default_factory=dict,
         description="[regions](#a-base-of-another-material) of another material than the rest of the body",
     )
-    pressures_kPa: Pressures = Field(default=(5.0, 17.0, 31.0, 45.0), description="pressures of the run")  #: ascending
+    pressures_kPa: kinds.Pressures = Field(
+        default=(5.0, 17.0, 31.0, 45.0), description="pressures of the run"
+    )  #: ascending
     #: II, III, and I where it is solved
     experiments: Annotated[tuple[str, ...], Kind("`[I, II, III]` or `[II, III]`", "[II, III]", read=_experiments)] = (
         Field(
@@ -184,20 +147,20 @@ class Config(Section):
     )
     end: Annotated[End, WrittenAs(read_end, GivenEnd)] = End()
     identification: IdentificationSettings = IdentificationSettings()
-    added_pressures: CountFromZero = Field(
+    added_pressures: kinds.CountFromZero = Field(
         default=0, description="how many pressures the program may add between the given ones"
     )
     validation: Annotated[Validation, WrittenAs(read_validation, GivenValidation)] = Field(
         default_factory=dict, validate_default=True
     )
-    law: Annotated[Laws, one_of(LAW_CHOICES)] = Field(
+    law: Annotated[Laws, kinds.one_of(LAW_CHOICES)] = Field(
         default="both",
         description="of the rod, not of the material: five parameters, the [arm's own law](cell.md) or both",
         examples=["five"],
     )
     newton: Newton = Newton()
     #: relative error of kappa_0(l/2), alpha2 and F
-    accuracy: Percentage = Field(
+    accuracy: kinds.Percentage = Field(
         default=None, description="[largest error](accuracy.md#requested-accuracy) a run may have; also `--accuracy`"
     )
     effects: Annotated[Effects, WrittenAs(_with_all_cavities, Effects)] = Field(
@@ -231,11 +194,11 @@ class Config(Section):
         """The refusal of a body that cannot be meshed, with the keys of the configuration."""
         if isinstance(failure, MeshError):
             return InputError(f"{self.source}: {failure}")
-        errors = (failure, *failure.others)
-        keys = [[dotted(design_key(key, vars(self.design))) for key in error.keys] for error in errors]
-        return InputError(
-            *(f"{self.source}: {', '.join(k)}: {error.sentence}" for k, error in zip(keys, errors, strict=True))
-        )
+        dimensions, sentences = vars(self.design), []
+        for error in (failure, *failure.others):
+            keys = ", ".join(dotted(design_key(key, dimensions)) for key in error.keys)
+            sentences.append(f"{self.source}: {keys}: {error.sentence}")
+        return InputError(*sentences)
 
     @property
     def hash(self) -> str:
@@ -246,14 +209,12 @@ class Config(Section):
     @property
     def mass_tonne(self) -> float | None:
         """Mass of the solid; None without a density, also of one region."""
-        total, rest = 0.0, self.design.solid_volume
-        for name, material in self.materials.items():
-            if material.density_tonne_mm3 is None:
-                return None
-            total += material.density_tonne_mm3 * self.design.region_volumes[name]
-            rest -= self.design.region_volumes[name]
-        density = self.material.density_tonne_mm3
-        return None if density is None else density * rest + total
+        volumes = {name: self.design.region_volumes[name] for name in self.materials}
+        parts = [(self.material, self.design.solid_volume - sum(volumes.values()))]
+        parts += [(self.materials[name], volume) for name, volume in volumes.items()]
+        masses = [None if (d := solid.density_tonne_mm3) is None else d * volume for solid, volume in parts]
+        known = [mass for mass in masses if mass is not None]
+        return sum(known) if len(known) == len(masses) else None
 
     @property
     def poisson_ratio(self) -> float:
@@ -284,9 +245,10 @@ def _record(value: Any) -> Json:
     """A value as JSON: sections become objects with the names of their fields."""
     if isinstance(value, Material):
         return value.record()
+    if isinstance(value, CellPlanes):
+        return {"from": value.start, "to": value.stop}
     if is_dataclass(value):
-        chosen = ("chosen",) if isinstance(value, MeshSettings) else ()
-        return {field.name: _record(getattr(value, field.name)) for field in fields(value) if field.name not in chosen}
+        value = {field.name: getattr(value, field.name) for field in fields(value) if field.name != "chosen"}
     if isinstance(value, Mapping):
         return {str(name): _record(entry) for name, entry in value.items()}
     if isinstance(value, tuple):
@@ -294,17 +256,10 @@ def _record(value: Any) -> Json:
     return str(value.value) if isinstance(value, Enum) else value
 
 
-def _dimensions(design: Any) -> dict[str, Json]:
+def _dimensions(design: Any) -> JsonObject:
     """The keys of a design as in the YAML; a file stands there with the digest of what is in it."""
-    values: dict[str, Any] = {field.name: getattr(design, field.name) for field in fields(design)}
-    values = {name: list(v) if isinstance(v, tuple) else v for name, v in values.items() if v != ()}
+    values = {field.name: getattr(design, field.name) for field in fields(design)}
     if design.is_from_file:
         values |= {"file": Path(design.file).name, "sha256": design.digest}
-    if not values.get("parts"):
-        values.pop("parts", None)
-    for key in ("air", "parts", "plug"):
-        if isinstance(values.get(key), Mapping):
-            values[key] = {name: list(point) for name, point in values[key].items()}
-    if isinstance(cell := values.get("cell"), CellPlanes):
-        values["cell"] = {"from": cell.start, "to": cell.stop}
-    return values
+    left_out = [name for name, value in values.items() if value == () or (name == "parts" and not value)]
+    return {name: _record(value) for name, value in values.items() if name not in left_out}

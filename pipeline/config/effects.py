@@ -6,24 +6,14 @@ from dataclasses import dataclass, fields
 from math import isfinite
 from typing import Annotated, Any, Literal, final
 
-from pipeline.config.kinds import (
-    Acceleration,
-    PoissonRatio,
-    PositiveLength,
-    PositiveStress,
-    list_of,
-    number,
-    one_of,
-    one_or_more,
-    text,
-)
+from pipeline.config import kinds
 from pipeline.config.section import Field, Kind, Section, section
 from pipeline.config.units import PRESSURE, convert
 from pipeline.errors import quoted
 
 #: whether an effect acts; auto leaves it to the program
 State = Literal["auto", "on", "off"]
-STATES = one_of(("auto", "on", "off"))
+STATES = kinds.one_of(("auto", "on", "off"))
 
 
 @section(frozen=True)
@@ -68,8 +58,8 @@ class CavityPressure:
 
 
 def _cavity_pressure(value: Any) -> CavityPressure:
-    """A plain number is a fraction of the pressure of the run, one with a unit is a constant pressure."""
-    if isinstance(value, int | float) and not isinstance(value, bool) and isfinite(fraction := number(value)):
+    """A plain kinds.number is a fraction of the pressure of the run, one with a unit is a constant pressure."""
+    if isinstance(value, int | float) and not isinstance(value, bool) and isfinite(fraction := kinds.number(value)):
         return CavityPressure(fraction, 0.0)
     try:
         return CavityPressure(0.0, convert(value, PRESSURE))
@@ -81,7 +71,7 @@ def _cavity_pressure(value: Any) -> CavityPressure:
 
 
 _CAVITIES = Kind("a number or a pressure for each", "{cavity: 1}", "1 or kPa")
-_FACES = one_or_more(list_of("names of faces", "[gap, cavity]"))
+_FACES = kinds.one_or_more(kinds.list_of("names of faces", "[gap, cavity]"))
 
 
 @section(frozen=True)
@@ -109,12 +99,12 @@ class PressureEffect(Effect):
 class SelfContact(Effect):
     """Contact of the body with itself."""
 
-    dhat_mm: PositiveLength | None = Field(
+    dhat_mm: kinds.PositiveLength | None = Field(
         default=None,
         examples=["0.04 mm"],
         description="activation distance, below the smallest gap at rest; default: 1/50 of it",
     )
-    faces: Annotated[tuple[Annotated[str, Kind("", "", read=text(_FACES.example))], ...], _FACES] | None = Field(
+    faces: Annotated[tuple[Annotated[str, Kind("", "", read=kinds.text(_FACES.example))], ...], _FACES] | None = Field(
         default=None, description="faces that can meet; default: `gap`, or `outer` without a `gap`"
     )
 
@@ -134,7 +124,7 @@ class RequestedEffect(Effect, ABC):
 class Gravity(RequestedEffect):
     """The weight of the body."""
 
-    acceleration_mm_s2: Acceleration = Field(default=(0.0, -9810.0, 0.0), description="acceleration of gravity")
+    acceleration_mm_s2: kinds.Acceleration = Field(default=(0.0, -9810.0, 0.0), description="acceleration of gravity")
 
     @property
     def reason(self) -> str:
@@ -142,11 +132,8 @@ class Gravity(RequestedEffect):
         if not self.on:
             return "not requested; in the experiments of the paper the arm lies on its side"
         x, y, z = (component / 1000 for component in self.acceleration_mm_s2)
-        return (
-            f"({x:g}, {y:g}, {z:g}) m/s2 at every pressure; the five parameters are those of the body, and the rod "
-            "carries the weight, spread evenly along it; experiment I is not simulated, because nothing holds the "
-            "weight of a free body"
-        )
+        rod = "the parameters are those of the body, the rod carries the weight; no experiment I, whose body is free"
+        return f"({x:g}, {y:g}, {z:g}) m/s2 at every pressure; {rod}"
 
     @property
     def breaks_symmetry(self) -> bool:
@@ -159,9 +146,9 @@ class Gravity(RequestedEffect):
 class StrainLimitingLayer(RequestedEffect):
     """A sheet of paper or fabric in the plane of the material curve."""
 
-    thickness_mm: PositiveLength = Field(default=0.1, description="thickness of the layer")
-    E_MPa: PositiveStress = Field(default=6500.0, description="Young's modulus of the layer")
-    nu: PoissonRatio = Field(default=0.2, description="Poisson's ratio of the layer")
+    thickness_mm: kinds.PositiveLength = Field(default=0.1, description="thickness of the layer")
+    E_MPa: kinds.PositiveStress = Field(default=6500.0, description="Young's modulus of the layer")
+    nu: kinds.PoissonRatio = Field(default=0.2, description="Poisson's ratio of the layer")
 
     @property
     def reason(self) -> str:

@@ -53,7 +53,7 @@ def one_of(names: Sequence[str], **more: Any) -> Kind:
 
 
 def list_of(
-    allowed: str, example: str, unit: str = "", check: Callable[[Any], Any] | None = None, count: int | None = None
+    allowed: str, example: str, unit: str = "", test: Callable[[Any], bool] | None = None, count: int | None = None
 ) -> Kind:
     """A list, of `count` entries where that is given."""
 
@@ -64,7 +64,7 @@ def list_of(
             raise ValueError(f"has {len(value)} entries instead of {count}; for example {example}")
         return value
 
-    return Kind(allowed, example, unit, read, check or tuple)
+    return Kind(allowed, example, unit, read, test)
 
 
 def one_or_more(kind: Kind) -> Kind:
@@ -72,18 +72,16 @@ def one_or_more(kind: Kind) -> Kind:
     return replace(kind, read=lambda value: value if isinstance(value, list) and value else [value])
 
 
-def above_zero(value: float) -> float:
-    """Refuses what is not above zero."""
-    if not value > 0.0:
-        raise ValueError(f"{value:g} is not allowed; allowed: above zero")
-    return value
+def above_zero(value: float) -> bool:
+    """Whether a number is above zero."""
+    return value > 0.0
 
 
-def distinct(values: tuple[Any, ...]) -> tuple[Any, ...]:
-    """Refuses entries that are equal."""
+def distinct(values: tuple[Any, ...]) -> bool:
+    """Whether no entry is there twice. Raises ValueError otherwise."""
     if len(set(values)) < len(values):
         raise ValueError("has an entry twice; list every load once")
-    return values
+    return True
 
 
 def _name(value: Any) -> str:
@@ -98,34 +96,13 @@ def _count(value: Any) -> int:
     return value
 
 
-def _not_below_zero(value: int) -> int:
-    if value < 0:
-        raise ValueError(f"{quoted(value)} is not allowed; allowed: 0 or more")
-    return value
-
-
 def _yes_or_no(value: Any) -> bool:
     if not isinstance(value, bool):
         raise ValueError(f"{quoted(value)} is neither true nor false")
     return value
 
 
-def _poisson_ratio(value: float) -> float:
-    if not -1.0 < value < 0.5:
-        raise ValueError(f"{value:g} is not a Poisson ratio a body can have here; allowed: above -1 and below 0.5")
-    return value
-
-
-def _around_one(values: tuple[float, float]) -> tuple[float, float]:
-    if not 0.0 < values[0] <= 1.0 <= values[1] or values[0] == values[1]:
-        raise ValueError(
-            f"[{values[0]:g}, {values[1]:g}] is not allowed; allowed: two stretches, the first above 0 and up to 1, "
-            "the second 1 or more; for example [0.7, 1.9]"
-        )
-    return values
-
-
-def _ascending(values: tuple[float, ...]) -> tuple[float, ...]:
+def _ascending(values: tuple[float, ...]) -> bool:
     if not values:
         raise ValueError("is empty; give at least one pressure, for example [17 kPa, 37 kPa]")
     if min(values) <= 0.0:
@@ -141,21 +118,24 @@ def _ascending(values: tuple[float, ...]) -> tuple[float, ...]:
             )
         if later < earlier:
             raise ValueError(f"{later:g} kPa after {earlier:g} kPa is not in ascending order; list the lowest first")
-    return values
+    return True
 
 
 Length = Annotated[float, Kind("any", LENGTH.example, "mm", in_unit(LENGTH))]
-PositiveLength = Annotated[Length, Kind("above 0", LENGTH.example, "mm", check=above_zero)]
+PositiveLength = Annotated[Length, Kind("above 0", LENGTH.example, "mm", test=above_zero)]
 Stress = Annotated[float, Kind("any", STRESS.example, "MPa", in_unit(STRESS))]
-PositiveStress = Annotated[Stress, Kind("above 0", STRESS.example, "MPa", check=above_zero)]
+PositiveStress = Annotated[Stress, Kind("above 0", STRESS.example, "MPa", test=above_zero)]
 Density = Annotated[float, Kind("above 0", DENSITY.example, "kg/m³", in_unit(DENSITY), above_zero)]
 PositiveForce = Annotated[float, Kind("above 0", "0.4 N", "N", in_unit(FORCE), above_zero)]
 _Pressure = Annotated[float, Kind("any", PRESSURE.example, "kPa", in_unit(PRESSURE))]
 Pressures = Annotated[tuple[_Pressure, ...], list_of("above 0, ascending", "[17 kPa, 37 kPa]", "kPa", _ascending)]
 Number = Annotated[float, Kind("any", "1", "1", number)]
-PoissonRatio = Annotated[Number, Kind("above -1, below 0.5", "0.495", "1", check=_poisson_ratio)]
+PoissonRatio = Annotated[Number, Kind("above -1 and below 0.5", "0.495", "1", test=lambda value: -1.0 < value < 0.5)]
 Stretches = Annotated[
-    tuple[Number, Number], list_of("two stretches, 1 between them", "[0.7, 1.9]", "1", _around_one, 2)
+    tuple[Number, Number],
+    list_of(
+        "two stretches, 1 between them", "[0.7, 1.9]", "1", lambda s: 0.0 < s[0] <= 1.0 <= s[1] and s[0] != s[1], 2
+    ),
 ]
 _Acceleration = Annotated[float, Kind("any", ACCELERATION.example, "m/s²", in_unit(ACCELERATION))]
 Acceleration = Annotated[
@@ -163,7 +143,7 @@ Acceleration = Annotated[
     list_of("x, y and z", "[0 m/s^2, -9.81 m/s^2, 0 m/s^2]", "m/s²", count=3),
 ]
 Count = Annotated[int, Kind("1 to 10000", "11", read=_count)]
-CountFromZero = Annotated[Count, Kind("0 or more", "0", check=_not_below_zero)]
+CountFromZero = Annotated[Count, Kind("0 or more", "0", test=lambda value: value >= 0)]
 YesNo = Annotated[bool, Kind("`true` or `false`", "true", read=_yes_or_no)]
 Name = Annotated[str, Kind("letters, digits, `_`, `-` and `.`", "pneunet", read=_name)]
 Text = Annotated[str, Kind("a text", "pneunet", read=text("pneunet"))]

@@ -39,10 +39,6 @@ BULK = "kappa"
 #: the largest pressure over the initial Young's modulus with which a body is solved, and the smallest one below which a
 #: modulus in GPa is taken for a mistake
 LARGEST_PRESSURE, SMALLEST_PRESSURE = 3.0, 1e-3
-_HINTS = {
-    "E": "the law has no E; its initial shear modulus is E / (2 (1 + nu)); ",
-    "mu": "the law has no mu; E = 2 mu (1 + nu); ",
-}
 
 
 @dataclass(frozen=True)
@@ -76,7 +72,8 @@ def material_section(law: type[fem.materials.Material]) -> type[Section]:
         keys["nu"] = (PoissonRatio | None, Field(default=None, description=ratio))
     keys["density"] = (Density | None, Field(default=None, description=_DENSITY))
     keys["holds_between"] = (Stretches | None, Field(default=None, description=_HOLDS))
-    return section_of("Material", {"law": (str, Field()), **keys}, _HINTS)
+    constants = {name: list(other.constants()) for name, other in LAWS.items()}
+    return section_of("Material", {"law": (str, Field()), **keys}, constants)
 
 
 _DENSITY = "mass per volume; for gravity, the mass of the arm and M/(m g l), which are left out without it"

@@ -70,11 +70,18 @@ class Kind:
     example: str
     unit: str = ""
     read: Callable[[Any], Any] = _unchanged  #: from what is written; raises ValueError with the complaint
-    check: Callable[[Any], Any] = _unchanged  #: of the value; raises ValueError with the complaint
+    test: Callable[[Any], bool] | None = None  #: whether a value is allowed; may raise ValueError with the complaint
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-        checked = core_schema.with_info_after_validator_function(_in_document(self.check), handler(source))
+        checked = core_schema.with_info_after_validator_function(_in_document(self._check), handler(source))
         return core_schema.with_info_before_validator_function(_in_document(self.read), checked)
+
+    def _check(self, value: Any) -> Any:
+        if self.test is None or self.test(value):
+            return value
+        allowed = self.allowed.replace("`", "")
+        number = f"{value:g}" if isinstance(value, float) else quoted(value)
+        raise ValueError(f"{number} is not allowed; allowed: {allowed}; for example {self.example}")
 
 
 @dataclass(frozen=True)
@@ -104,19 +111,15 @@ def known(fields: Mapping[str, Any], *names: str) -> list[Any]:
     return [fields[name] for name in names]
 
 
-def wrong(complaint: str, loc: Key = ()) -> Error:
+def wrong(complaint: str, loc: Key = (), keys: Iterable[Key] = ()) -> Error:
     """What is wrong with the value at `loc`, seen from where it is raised; without words if it is known elsewhere."""
-    return _error("wrong", complaint, loc, ())
+    context = {"complaint": complaint, "keys": tuple(keys)}
+    return Error(type=PydanticCustomError("wrong", "{complaint}", context), loc=loc, input=None)
 
 
 def conflict(complaint: str, *keys: Key) -> Error:
     """Why values at these keys of the configuration do not go together, though each one is allowed."""
-    return _error("conflict", complaint, (), keys)
-
-
-def _error(kind: str, complaint: str, loc: Key, keys: Iterable[Key]) -> Error:
-    error = PydanticCustomError(kind, "{complaint}", {"complaint": complaint, "keys": tuple(keys)})
-    return Error(type=error, loc=loc, input=None)
+    return wrong(complaint, keys=keys)
 
 
 def raise_all(errors: Iterable[Error]) -> None:
@@ -129,7 +132,7 @@ def raise_all(errors: Iterable[Error]) -> None:
 class Section:
     """Keys of a configuration that belong together."""
 
-    hints: ClassVar[Mapping[str, str]] = {}  #: what to write instead of a key that is often tried
+    others: ClassVar[Mapping[str, Iterable[str]]] = {}  #: the keys of similar sections by their names
 
     @classmethod
     def key_fields(cls) -> dict[str, FieldInfo]:
@@ -155,11 +158,14 @@ class Section:
             raise ValidationError.from_exception_data("configuration", list(_worded(cls, refused))) from None
 
 
-def section_of(name: str, fields: Mapping[str, tuple[Any, Any]], hints: Mapping[str, str]) -> Any:
-    """A section with these fields, each of a type and with its default and description (`pydantic.Field`)."""
+def section_of(name: str, fields: Mapping[str, tuple[Any, Any]], others: Mapping[str, Iterable[str]]) -> Any:
+    """A section with these fields, each of a type and with its default and description (`pydantic.Field`).
+
+    others: the keys of similar sections by name, for a hint where one of them is tried.
+    """
     namespace = {"__annotations__": {key: kind for key, (kind, _) in fields.items()}, "__module__": __name__}
     defaults = {key: default for key, (_, default) in fields.items()}
-    made = type(name, (Section,), {**namespace, **defaults, "hints": hints})
+    made = type(name, (Section,), {**namespace, **defaults, "others": others})
     return section(made, frozen=True, kw_only=True)
 
 
@@ -188,11 +194,9 @@ def read(keys: type[S], document: Document) -> S:
         return read_keys(keys, document.content, document)
     except ValidationError as refused:
         errors = [error for error in refused.errors() if error["ctx"]["complaint"]]
-    sentences = (
-        document.sentence(document.first_given(error["ctx"]["keys"] or [error["loc"]]), error["ctx"]["complaint"])
-        for error in errors
-    )
-    raise (ConflictError if all(error["type"] == "conflict" for error in errors) else InputError)(*sentences)
+    named = [(error["ctx"]["keys"] or [error["loc"]], error["ctx"]["complaint"]) for error in errors]
+    sentences = [document.sentence(document.first_given(places), complaint) for places, complaint in named]
+    raise (ConflictError if all(error["ctx"]["keys"] for error in errors) else InputError)(*sentences)
 
 
 def _worded(keys: type[Section], refused: ValidationError) -> Iterator[Error]:
@@ -203,8 +207,8 @@ def _worded(keys: type[Section], refused: ValidationError) -> Iterator[Error]:
     meant = {closest(error["loc"][-1], keys.key_fields()) for error in unknown}
     for error in [*unknown, *(error for error in errors if error["type"] not in UNKNOWN)]:
         kind, loc, context = error["type"], error["loc"], error.get("ctx", {})
-        if kind in ("wrong", "conflict"):
-            yield _error(kind, context["complaint"], loc, context["keys"])
+        if kind == "wrong":
+            yield wrong(context["complaint"], loc, context["keys"])
         elif kind != "missing" or loc[-1] not in meant:
             # the place of a name that is no text ends with "[key]"
             yield wrong(_complaint(keys, error), loc[:-2] if loc[-1:] == ("[key]",) else loc)
@@ -218,7 +222,8 @@ def _complaint(keys: type[Section], error: Any) -> str:
         near = closest(loc[-1], keys.key_fields())
         if not near and _AFTER_COMMA.fullmatch(str(loc[-1])):
             return "unknown key; a comma separates two values here: write decimals with a point, for example 4.5 mm"
-        instead = keys.hints.get(str(loc[-1]), "")
+        having = ", ".join(name for name, others in keys.others.items() if loc[-1] in others)
+        instead = f"it is a key of {having}; " if having else ""
         hint = f"did you mean '{near}'? " if near else ""
         return f"unknown key; {instead}{hint}allowed here: {', '.join(keys.key_fields())}"
     if loc[-1:] == ("[key]",):

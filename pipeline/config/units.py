@@ -4,10 +4,9 @@ import math
 import re
 from dataclasses import dataclass
 from functools import cache
-from tokenize import TokenError
 from typing import TYPE_CHECKING, Any
 
-from pipeline.errors import quoted
+from pipeline.errors import LONGEST, quoted
 
 if TYPE_CHECKING:
     import pint
@@ -50,17 +49,9 @@ _TORQUE = {"Nm": 1e3, "Nmm": 1.0}
 _NUMBER_AND_UNIT = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*?)\s*")
 #: the digits around a decimal comma at the beginning of a value
 _COMMA = re.compile(r"^(\s*[+-]?\d{1,12}),(\d{1,12})(?![\d,])")
-#: The power of one unit: kg/m^3, s**-2.
-_EXPONENT = re.compile(r"(?:\^|\*\*)\s*[+-]?\d(?!\d|\s*(?:\^|\*\*))")
-#: Any other number in a unit. Pint would evaluate it, and 9**9**9**9 never ends.
-_CALCULATION = re.compile(r"(?<![\w.])\.?\d")
-
-
-@cache
-def _registry() -> "pint.UnitRegistry":
-    import pint
-
-    return pint.UnitRegistry()
+#: what pint reads as a unit without evaluating other numbers than a power of one digit (9**9**9**9 never ends)
+_NAME = r"[^\W\d]+(?:\s*(?:\^|\*\*)\s*[+-]?\d)?"
+_UNIT = re.compile(rf"(?:{_NAME}|%)(?:\s*[*/ ]\s*{_NAME})*")
 
 
 def convert(value: Any, dimension: Dimension) -> float:
@@ -69,20 +60,28 @@ def convert(value: Any, dimension: Dimension) -> float:
     Twelve significant digits are kept, so that 0.017 MPa and 17 kPa are the same number.
     Raises ValueError with what is wrong and an example of what is right.
     """
-    example = f"write {dimension.name} with its unit, for example '{dimension.example}'"
+
+    def refused(what: str) -> ValueError:
+        return ValueError(f"{what}; write {dimension.name} with its unit, for example '{dimension.example}'")
+
     if isinstance(value, bool) or not isinstance(value, int | float | str):
-        raise ValueError(f"{quoted(value)} is not {dimension.name}; {example}")
-    if not isinstance(value, str):
-        raise ValueError(f"{quoted(value)} has no unit; {example}")
-    if meant := with_point(value):
+        raise refused(f"{quoted(value)} is not {dimension.name}")
+    if isinstance(value, str) and (meant := with_point(value)):
         raise ValueError(f"{quoted(value)} has a decimal comma; did you mean '{meant}'? Write decimals with a point")
-    matched = _NUMBER_AND_UNIT.fullmatch(value)
-    if matched is None:
-        raise ValueError(f"{quoted(value)} is not a number followed by a unit; {example}")
-    number, unit = matched.groups()
-    if not unit:
-        raise ValueError(f"{quoted(value)} has no unit; {example}")
-    return _in_unit(float(number), unit, value, dimension, example)
+    matched = _NUMBER_AND_UNIT.fullmatch(str(value))
+    if isinstance(value, str) and matched is None:
+        raise refused(f"{quoted(value)} is not a number followed by a unit")
+    if matched is None or not matched[2]:
+        raise refused(f"{quoted(value)} has no unit")
+    try:
+        result = float(f"{float(matched[1]) * _factor(matched[2], dimension):.12g}")
+    except TypeError:
+        raise refused(f"{quoted(value)} is not {dimension.name}") from None
+    except ValueError:
+        raise refused(f"{quoted(matched[2])} in {quoted(value)} is not a known unit") from None
+    if not math.isfinite(result):
+        raise refused(f"{quoted(value)} is not finite")
+    return result
 
 
 def number_and_unit(value: Any) -> tuple[float, str] | None:
@@ -101,31 +100,25 @@ def with_point(text: str) -> str:
     return _COMMA.sub(r"\1.\2", text, count=1).strip() if _COMMA.match(text) else ""
 
 
-def _in_unit(number: float, unit: str, value: str, dimension: Dimension, example: str) -> float:
-    torque = _TORQUE if dimension is MOMENT else {}
-    factor = torque.get(unit, _USUAL.get(dimension.unit, {}).get(unit))
-    if factor is None:
-        factor = _factor_of_pint(unit, value, dimension, example)
-    result = float(f"{number * factor:.12g}")
-    if not math.isfinite(result):
-        raise ValueError(f"{quoted(value)} is not finite; {example}")
-    return result
-
-
-def _factor_of_pint(unit: str, value: str, dimension: Dimension, example: str) -> float:
-    """The unit of a value in that of its dimension. Raises ValueError."""
+@cache
+def _registry() -> "pint.UnitRegistry":
     import pint
 
-    no_unit = (
-        *(pint.PintError, ValueError, TypeError, AttributeError, AssertionError),
-        *(ArithmeticError, RecursionError, MemoryError, TokenError, SyntaxError),
-    )
-    registry = _registry()
+    return pint.UnitRegistry()
+
+
+def _factor(unit: str, dimension: Dimension) -> float:
+    """A unit in that of a dimension. Raises ValueError for no unit, and TypeError for one of another dimension."""
+    usual = _USUAL.get(dimension.unit, {}) | (_TORQUE if dimension is MOMENT else {})
+    if unit in usual:
+        return usual[unit]
+    import pint
+
+    if not _UNIT.fullmatch(unit) or len(unit) > LONGEST:
+        raise ValueError
     try:
-        if _CALCULATION.search(_EXPONENT.sub("", unit)):
-            raise ValueError
-        return float(registry.Quantity(1.0, registry.parse_units(unit)).to(dimension.unit).magnitude)
+        return float(_registry().Quantity(1.0, _registry().parse_units(unit)).to(dimension.unit).magnitude)
     except pint.DimensionalityError:
-        raise ValueError(f"{quoted(value)} is not {dimension.name}; {example}") from None
-    except no_unit:
-        raise ValueError(f"{quoted(unit)} in {quoted(value)} is not a known unit; {example}") from None
+        raise TypeError from None
+    except (pint.PintError, ArithmeticError, AttributeError, AssertionError):
+        raise ValueError from None

@@ -144,16 +144,14 @@ def _useless(
 ) -> Iterator[Error]:
     """Refuses loads at which the numbers are identified, and pressures outside those of the run."""
     fitted = "is what the numbers are identified with; give others"
-    key, of_ends, of_forces = ("validation", "pressures"), ("validation", "end_y"), ("validation", "forces")
     if end == End(y_mm=end.y_mm) and end.y_mm in given.end_y_mm:
-        yield conflict(f"{end.y_mm:g} mm {fitted}", of_ends)
-    if end == End(None, None, end.force_N) and end.force_N in given.forces_N:
-        yield conflict(f"[{end.force_N[0]:g} N, {end.force_N[1]:g} N] {fitted}", of_forces)
-    if (0.0, 0.0) in given.forces_N:
-        yield conflict("[0 N, 0 N] is experiment II, with which the numbers are identified; give others", of_forces)
+        yield conflict(f"{end.y_mm:g} mm {fitted}", ("validation", "end_y"))
+    for force in given.forces_N:
+        if force == (0.0, 0.0) or end == End(None, None, force):
+            yield conflict(f"[{force[0]:g} N, {force[1]:g} N] {fitted}", ("validation", "forces"))
+    key, limits = ("validation", "pressures"), f"{of_run[0]:g} to {of_run[-1]:g} kPa"
     for pressure in pressures:
         if not of_run[0] <= pressure <= of_run[-1]:
-            limits = f"{of_run[0]:g} to {of_run[-1]:g} kPa"
             yield conflict(f"{pressure:g} kPa lies outside the pressures of the run; allowed: {limits}", key)
     if pressures and not given.end_y_mm and not given.forces_N and set(pressures) <= set(of_run):
         yield conflict("are all pressures of the run; give one between them, or end_y, or forces", key)

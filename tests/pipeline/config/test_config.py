@@ -144,7 +144,7 @@ SPOILT = [
     ("wall: 1 mm  ", "wall: 1e-300 m  ", "geometry.wall", "must lie between 0.001 mm and 1e+06 mm"),
     ("width: 15 mm", "width: 1e300 mm", "geometry.width", "must lie between 0.001 mm and 1e+06 mm"),
     ("size: 4 mm", "size: 40 mm", "mesh.size", "larger than the body"),
-    ("size: 4 mm", "size: -4 mm", "mesh.size", "allowed: above zero"),
+    ("size: 4 mm", "size: -4 mm", "mesh.size", "allowed: above 0"),
     ("size: 4 mm", "sizes: 4 mm", "mesh.sizes", "unknown key; did you mean 'size'? allowed here: size, formulation"),
     ("name: pneunet_coarse", "", "name", "is missing; for example 'name: pneunet'"),
     ("name: pneunet_coarse", "name: a/b", "name", "letters"),
@@ -174,7 +174,7 @@ SPOILT = [
     ("nu: 0.495", "nu: 0.495 MPa", "material.nu", "is not a plain number"),
     ("nu: 0.495", "mu: 0.4 MPa", "material.mu", "unknown key"),
     ("E: 1.2 MPa", "E: 1.2 mm", "material.E", "'1.2 mm' is not a stress"),
-    ("E: 1.2 MPa", "E: 0 MPa", "material.E", "allowed: above zero"),
+    ("E: 1.2 MPa", "E: 0 MPa", "material.E", "allowed: above 0"),
     ("law: svk", "law: rubber", "material.law", "'rubber' is not known; allowed: svk"),
     ("density: 1130 kg/m^3", "density: 1130 kg", "material.density", "is not a density"),
     ("[17 kPa, 37 kPa]", "[37 kPa, 17 kPa]", "pressures", "is not in ascending order"),
@@ -288,7 +288,7 @@ def test_all_mistakes_between_keys_are_named_at_once(written: Path) -> None:
         ("[17 kPa, 37 kPa]", "[17 MPa]", "pressures: 17000 kPa is 14.2 E, with Young's modulus E = 1.2 MPa"),
         ("E: 1.2 MPa", "E: 1.2 kPa", "check the units (kPa, MPa) of both"),
         ("E: 1.2 MPa", "E: 1.2 GPa", "material.E: with E in GPa the highest pressure is 3.1e-05 E"),
-        ("law: svk", "law: neo_hooke", "material.E: unknown key; the law has no E; its initial shear modulus is"),
+        ("law: svk", "law: neo_hooke", "material.E: unknown key; it is a key of svk, hencky"),
         ("law: svk", "law: SVK", "did you mean 'svk'?"),
         ("formulation: p2p0", "formulation: p2po", "did you mean 'p2p0'?"),
     ],
@@ -354,7 +354,7 @@ def test_overrides_replace_values_before_the_check(written: Path) -> None:
         ("mesh.size", "--set mesh.size: is not KEY=VALUE"),
         ("=4 mm", "--set =4 mm: is not KEY=VALUE"),
         ("mesh.size=[", "--set mesh.size: line 1: "),
-        ("material.nu=0.6", "--set material.nu: 0.6 is not a Poisson ratio"),
+        ("material.nu=0.6", "--set material.nu: 0.6 is not allowed"),
         ("geometry.chamber_length=1 mm", "--set geometry.chamber_length: wall 1 mm must be less than half"),
         ("material.law=rubber", "--set material.law: 'rubber' is not known"),
     ],
@@ -438,7 +438,7 @@ def test_chambers_that_are_not_equal(configs: Path) -> None:
     for setting, sentence in (
         ("geometry.chamber_heights=12 mm", "must be a list, for example [8 mm, 6 mm]"),
         ("geometry.chamber_heights=[12, 9 mm, 9 mm]", "geometry.chamber_heights[1]: 12 has no unit"),
-        ("geometry.gaps=[2 mm, 0 mm, 2 mm, 2 mm]", "geometry.gaps[2]: 0 is not allowed; allowed: above zero"),
+        ("geometry.gaps=[2 mm, 0 mm, 2 mm, 2 mm]", "geometry.gaps[2]: 0 is not allowed; allowed: above 0"),
         ("geometry.gaps=[2 mm]", "must have 4 entries for 3 chambers, not 1; give all of them, or gap alone"),
     ):
         assert sentence in refusal(coarse, chambers, setting)
@@ -589,7 +589,7 @@ def test_a_given_d_and_a_reference_weight_are_read(configs: Path) -> None:
         ),
         ("end.y=1 kPa", "or a force, for example '0.05 N'"),
         ("identification.d=112 mm", "112 mm is not on the arm; allowed: below its length, 112 mm"),
-        ("identification.d=0 mm", "allowed: above zero"),
+        ("identification.d=0 mm", "allowed: above 0"),
         ("identification.weight_of=another arm", "names a weight that is missing; give weight as well"),
     ],
 )
@@ -628,7 +628,7 @@ def test_validation_loads_are_read(configs: Path) -> None:
         ("validation.end_y=[0 mm]", "0 mm is what the numbers are identified with"),
         ("validation.end_y=[1 mm, 0.1 cm]", "has an entry twice; list every load once"),
         ("validation.end_y=[10]", "write a length with its unit"),
-        ("validation.forces=[[0 N, 0 N]]", "[0 N, 0 N] is experiment II, with which the numbers are identified"),
+        ("validation.forces=[[0 N, 0 N]]", "[0 N, 0 N] is what the numbers are identified with"),
         ("validation.forces=[[0 N, 0.05 N], [0 N, 0.05 N]]", "has an entry twice; list every load once"),
         ("validation.forces=[[0.05 N]]", "has 1 entries instead of 2"),
         ("validation.loads=[1 N]", "unknown key"),
@@ -663,20 +663,14 @@ def test_a_number_with_an_exponent_needs_no_decimal_point(written: Path, number:
     assert load_config(written).newton.tolerance == 1e-6
 
 
-def test_the_key_against_small_faces_says_for_which_bodies_it_is() -> None:
-    path = Path(__file__).resolve().parent.parent.parent.parent / "configs" / "pneunet_coarse.yaml"
-    sentence = refusal(path, "geometry.defeature=0.2 mm")
-    assert "it removes narrow faces of a body from a CAD file" in sentence
-
-
 @pytest.mark.parametrize(
     ("setting", "hint"),
     [
-        ("fillet=0.5 mm", "it rounds the edges of a pneunet; draw another body with them in a CAD program"),
-        ("chamber_heights=[9 mm, 10 mm]", "it is for the chambers of a pneunet; draw another body with them in a CAD"),
-        ("symmetric=true", "bodies of the other families are symmetric, and surfaces are meshed as a whole"),
+        ("fillet=0.5 mm", "unknown key; it is a key of pneunet"),
+        ("chamber_heights=[9 mm, 10 mm]", "unknown key; it is a key of pneunet"),
+        ("symmetric=true", "unknown key; it is a key of own_cad, own_mesh"),
+        ("defeature=0.2 mm", "unknown key; it is a key of own_cad"),
     ],
 )
-def test_keys_of_other_families_are_explained(setting: str, hint: str) -> None:
-    path = Path(__file__).resolve().parent.parent.parent.parent / "configs" / "bisected_circle.yaml"
-    assert hint in refusal(path, f"geometry.{setting}")
+def test_keys_of_other_families_are_explained(configs: Path, setting: str, hint: str) -> None:
+    assert hint in refusal(configs / "bisected_circle.yaml", f"geometry.{setting}")

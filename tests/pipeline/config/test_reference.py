@@ -145,9 +145,11 @@ def test_a_line_with_a_value_that_is_no_default_says_so(family: str) -> None:
         if "." in entry.key and entry.default == "none":
             assert shown, entry
             assert all(line.endswith("; an example") for line in shown)
-    on = [line for line in lines if re.match(r"#     state: on ", line)]
-    assert len(on) == 2
-    assert all("the default is auto, which leaves it off" in line for line in on)
+
+
+def test_the_help_of_init_names_all_families() -> None:
+    printed = CliRunner().invoke(app, ["init", "--help"], env={"COLUMNS": "200"}).stdout
+    assert ", ".join(BODIES) in printed
 
 
 def test_init_replaces_no_file_and_knows_the_families(tmp_path: Path) -> None:
