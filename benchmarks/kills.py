@@ -9,7 +9,6 @@ command must then succeed with the results of the uninterrupted run, equal to th
 """
 
 import argparse
-import json
 import os
 import random
 import shutil
@@ -27,6 +26,9 @@ from typing import Any
 import numpy as np
 
 HERE = Path(__file__).resolve().parent.parent
+sys.path.insert(0, str(HERE))
+
+from tests.golden import numbers_of  # noqa: E402  (the rooms stand beside this folder)
 
 SCENE = """
 name: kills
@@ -41,13 +43,8 @@ SCENES = {
     "contact": SCENE.format(wall="1 mm", law="svk") + "validation: {end_y: [5 mm]}\n",
     "no contact": SCENE.format(wall="1.5 mm", law="hencky") + "validation: off\n",
 }
-#: results that hold numbers; the report, the pictures and the fields are made from the same
-TABLES = (
-    *("experiments.json", "effects.json", "parameters.json", "validation.json"),
-    *("curves.csv", "validation_curves.csv"),
-)
-CLOCKS = ("seconds", "share_of_time", "stages", "effect_seconds", "cpu_seconds")
-"""Keys of tables and states that hold seconds; in `numbers` of a state they come last."""
+#: arrays of a state that hold seconds; in `numbers` they come last
+CLOCKS = ("seconds", "stages", "effect_seconds", "cpu_seconds")
 PATIENCE = 10.0
 """Seconds after which no process of a killed run may be alive."""
 
@@ -177,45 +174,21 @@ def in_session(leader: int) -> list[int]:
 
 
 def results_of(out: Path) -> dict[str, Any]:
-    """All results of a run, by file, without the seconds."""
-    results: dict[str, Any] = {}
-    for name in TABLES:
-        if not (out / name).is_file():  # validation was not configured
-            continue
-        text = (out / name).read_text(encoding="utf-8")
-        results[name] = without_seconds(json.loads(text)) if name.endswith(".json") else text.splitlines()
+    """All numbers of a run but the seconds: those of its tables, and the arrays of its states."""
+    results: dict[str, Any] = {name: v for name, v in numbers_of(out).items() if not name.startswith("run.json")}
     for path in sorted((out / "states").glob("*.npz")):
         with np.load(path, allow_pickle=False) as arrays:
-            results[path.name] = {
-                name: (arrays[name][:-1] if name == "numbers" else arrays[name]).tolist()
-                for name in arrays.files
-                if name not in CLOCKS
-            }
+            for name in set(arrays.files) - set(CLOCKS):
+                values = arrays[name][:-1] if name == "numbers" else arrays[name]
+                results[f"{path.name}/{name}"] = values.tolist()
     return results
 
 
-def without_seconds(value: Any) -> Any:
-    """A JSON value without the keys in CLOCKS."""
-    if isinstance(value, dict):
-        return {name: without_seconds(item) for name, item in value.items() if name not in CLOCKS}
-    return [without_seconds(item) for item in value] if isinstance(value, list) else value
-
-
-def compared(value: Any, other: Any, where: str = "") -> str:
-    """`equal`, or where the first difference is and how large."""
-    if type(value) is not type(other):
-        return f"different in kind at {where}"
-    if isinstance(value, dict):
-        if value.keys() != other.keys():
-            return f"different in keys at {where}"
-        differences = (compared(value[name], other[name], f"{where}/{name}") for name in value)
-    elif isinstance(value, list):
-        if len(value) != len(other):
-            return f"different in length at {where}"
-        differences = (compared(a, b, f"{where}[{n}]") for n, (a, b) in enumerate(zip(value, other, strict=True)))
-    else:
-        return "equal" if value == other else f"different at {where}: {value!r} and {other!r}"
-    return next((difference for difference in differences if difference != "equal"), "equal")
+def compared(results: dict[str, Any], others: dict[str, Any]) -> str:
+    """`equal`, or where the first difference is."""
+    names = sorted(results.keys() | others.keys())
+    different = [name for name in names if name not in results or name not in others or results[name] != others[name]]
+    return f"different at {different[0]}" if different else "equal"
 
 
 def say(text: str) -> None:
