@@ -9,7 +9,7 @@ from pipeline.config.config import Config
 from pipeline.context import RunContext
 from pipeline.errors import InputError, RunFailed
 from pipeline.identification.mesh_error import RELATIVE, numbers_on_mesh
-from pipeline.identification.richardson import extrapolated
+from pipeline.identification.richardson import extrapolate
 from pipeline.notes import render_all
 from pipeline.progress import Silent
 from pipeline.run_report import RunReport
@@ -47,7 +47,7 @@ def against_finer_mesh(report: RunReport) -> dict[str, Any]:
     errors = {}
     for name in RELATIVE:
         values = [on_default[name], on_finer[name]]
-        limit = extrapolated((size, size / FINER), values)
+        limit = extrapolate((size, size / FINER), values)
         errors[name] = {
             "error": limit.error / limit.limit,  # above zero where the number is too large
             "std": limit.limit_std / abs(limit.limit),

@@ -13,7 +13,7 @@ from fem.elements import MOST_ACCURATE
 from pipeline.accuracy.ladder import CONTACT, TOLERANCE, Rung
 from pipeline.accuracy.measure import HEADLINE, RIGIDITY, Measured, RodNumbers
 from pipeline.config.config import Config
-from pipeline.identification.richardson import extrapolated
+from pipeline.identification.richardson import extrapolate
 from pipeline.store.json_values import JsonObject
 
 #: name of a number -> its symbol
@@ -158,7 +158,7 @@ def limit(series: Sequence[Mapping[float, float]]) -> Reference | None:
     limits = []
     for by_size in series:
         if len(by_size) >= 2:
-            single = extrapolated([n ** (-1 / 3) for n in by_size], list(by_size.values()))
+            single = extrapolate([n ** (-1 / 3) for n in by_size], list(by_size.values()))
             limits.append((single.limit_std, single.limit))
     if not limits:
         return None
@@ -173,7 +173,7 @@ def without_contact_distance(reference: Reference, by_distance: Mapping[float, f
 
     Raises RodError where the configured distance is the only one.
     """
-    to_zero = extrapolated(list(by_distance), list(by_distance.values()))
+    to_zero = extrapolate(list(by_distance), list(by_distance.values()))
     value = reference.value + to_zero.limit - by_distance[configured]
     return Reference(value, math.hypot(reference.std, to_zero.limit_std))
 
@@ -218,6 +218,6 @@ def orders_along(meshes: Sequence[Located]) -> dict[str, Order]:
             if name != RIGIDITY or numbers.has_two_lines == by_size[max(by_size)].has_two_lines
         }
         if len(values) >= MIN_MESHES:
-            fit = extrapolated(list(values), list(values.values()))
+            fit = extrapolate(list(values), list(values.values()))
             orders[name] = Order(fit.order, fit.order_std, len(values))
     return orders

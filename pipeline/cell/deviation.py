@@ -9,7 +9,7 @@ import numpy as np
 from fem.cell.piece import BendingPiece
 from fem.cell.response import inflated
 from geometry.arrays import Index
-from rod.arm_law.between import doubts
+from rod.arm_law.between import measure_disagreement
 from rod.arm_law.curves import CellCurve
 from rod.arm_law.section import SectionLaw, section_at
 
@@ -56,7 +56,7 @@ def largest_deviation(piece: BendingPiece, lower: CellCurve, upper: CellCurve) -
 def _doubtful(section: SectionLaw, lower: CellCurve, upper: CellCurve) -> Index:
     """Rows (CHECKS,) of the law, rising: one in each of as many equal ranges of the moment, where what the slopes of
     both curves predict differs most."""
-    difference = np.interp(section.kappa, *doubts(lower, upper))
+    difference = np.interp(section.kappa, *measure_disagreement(lower, upper))
     ranges = np.array_split(np.arange(len(section.moment)), CHECKS)
     return np.array([own[int(np.argmax(difference[own]))] for own in ranges])
 

@@ -16,7 +16,7 @@ from pipeline.cell.refinement import MOST_UNKNOWNS
 from pipeline.cell.tasks import ArmTasks
 from pipeline.context import RunContext
 from pipeline.errors import InputError
-from pipeline.identification.richardson import extrapolated
+from pipeline.identification.richardson import extrapolate
 from pipeline.parallel import TaskContext
 from pipeline.store.json_values import JsonObject
 from rod.arm_law.curves import CellCurve
@@ -126,7 +126,7 @@ def _estimated(pieces: ArmPieces, cells: Sequence[CellCurve], factor: float, con
 
 def deviation(factor: float, value: float, second: float) -> float:
     """Standard deviation of a value due to its mesh: its distance from the limit, and the uncertainty of that."""
-    limit = extrapolated((1.0, factor), (value, second))
+    limit = extrapolate((1.0, factor), (value, second))
     return math.hypot(value - limit.limit, limit.limit_std)
 
 

@@ -8,7 +8,7 @@ from pipeline.cell.measure import cell_without_moment
 from pipeline.cell.pieces import ArmPieces
 from pipeline.context import RunContext
 from pipeline.errors import InputError, RunFailed
-from pipeline.identification.richardson import extrapolated
+from pipeline.identification.richardson import extrapolate
 from pipeline.store.json_values import JsonObject
 
 #: size of a mesh over that of the next finer one
@@ -118,7 +118,7 @@ def _estimated(pieces: ArmPieces, meshes: Sequence[CellNumbers], requested: floa
     last, sizes = meshes[-1], [mesh.size_mm for mesh in meshes]
 
     def error(name: str, over: float) -> float:
-        return extrapolated(sizes, [getattr(mesh, name) for mesh in meshes]).error_std / over
+        return extrapolate(sizes, [getattr(mesh, name) for mesh in meshes]).error_std / over
 
     return RefinedMesh(
         requested,

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from geometry import Reason
 from pipeline.context import RunContext
-from pipeline.identification.parameters import Parameters, counts_as_equal_cells, decided_together, identify_all
+from pipeline.identification.parameters import Parameters, counts_as_equal_cells, decide_together, identify_all
 from pipeline.identification.too_short import too_coarse, too_short
 from pipeline.simulation.loadcase import up_to
 from pipeline.simulation.outcome import Outcomes
@@ -94,5 +94,5 @@ def with_added_pressures(
         new, refused = _identified(scene, context, newest)
         if refused:
             return outcomes, parameters, refused
-        parameters = decided_together(sorted((*parameters, *new), key=lambda p: p.pressure_kPa))
+        parameters = decide_together(sorted((*parameters, *new), key=lambda p: p.pressure_kPa))
     return outcomes, parameters, ()

@@ -11,7 +11,7 @@ from pipeline.config.config import Config
 from pipeline.context import RunContext
 from pipeline.errors import InputError
 from pipeline.identification.parameters import Parameters, choices, has_one_rigidity, numbers_of_curves
-from pipeline.identification.richardson import extrapolated
+from pipeline.identification.richardson import extrapolate
 from pipeline.notes import render, render_all
 from pipeline.parallel import TaskContext
 from pipeline.simulation.loadcase import LoadCase, schedule
@@ -150,7 +150,7 @@ def mesh_deviations(
     scaled: list[dict[str, float]] = []
     for on_fine, on_coarse in zip(fine, coarse, strict=True):
         pairs = {} if on_coarse is None else {n: (on_fine[n], on_coarse[n]) for n in on_fine}
-        scaled.append({n: extrapolated(sizes, pair).error_std / _scale(n, on_fine) for n, pair in pairs.items()})
+        scaled.append({n: extrapolate(sizes, pair).error_std / _scale(n, on_fine) for n, pair in pairs.items()})
     available = [stds for stds in scaled if stds]
     if not available:
         return tuple({} for _ in scaled)

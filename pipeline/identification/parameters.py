@@ -187,7 +187,7 @@ def choices_of(identified: Sequence[Identification], parameters: Sequence[Parame
     return choices([e.evidence for e in identified], [p.one_rigidity for p in parameters], d_given)
 
 
-def decided_together(parameters: Iterable[Parameters]) -> tuple[Parameters, ...]:
+def decide_together(parameters: Iterable[Parameters]) -> tuple[Parameters, ...]:
     """The parameters of a run, with a single line or two by the evidence of all pressures."""
     parameters = tuple(parameters)
     chosen = choices_of([p.by_cells for p in parameters], parameters)
@@ -214,7 +214,7 @@ def identify_all(
         except RodError as failure:
             why = str(failure).removesuffix(".")
             refused.append(Reason("not_identified", {"pressure_kPa": free.pressure_kPa, "why": why}))
-    return decided_together(parameters), tuple(refused)
+    return decide_together(parameters), tuple(refused)
 
 
 def _task(

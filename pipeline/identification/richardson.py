@@ -55,7 +55,7 @@ class Extrapolated:
         return math.hypot(self.error, self.limit_std)
 
 
-def extrapolated(
+def extrapolate(
     sizes: Sequence[float], values: Sequence[float], orders: tuple[float, float] | None = None
 ) -> Extrapolated:
     """The limit of values on meshes of different sizes (any unit, in any order).

@@ -12,7 +12,7 @@ from pipeline.rods.options import option_value
 from pipeline.rods.saved import SavedRod
 from pipeline.store.result_folder import open_folder
 from rod import EXPORTS, Arm, RodError, export_arm
-from rod.export.arm import divided
+from rod.export.arm import divide_pressures
 from rod.export.formats import export_files
 from rod.export.tables import unloaded_distance
 from rod.pressurised_rod import IDENTIFIED
@@ -145,7 +145,7 @@ def _arm(path: Path, options: ExportOptions) -> Arm:
     )
     if len(pressures) == 1:
         return arm
-    more = divided(pressures)
+    more = divide_pressures(pressures)
     between = tuple(saved.rods.at(pressure) for pressure in more)
     return replace(arm, finer=replace(arm, pressures=more, rods=between, deviations={}, smooth=saved.smooth(more)))
 

@@ -47,18 +47,21 @@ class Joined:
 
     def straight(self, values: tuple[Array, Array], nodes: tuple[Array, Array]) -> Array:
         """Values (k, ...) over moments (k,) of each curve, joined by straight lines, (n, ...)."""
-        low, high = columns(self.first, nodes[0], values[0]), columns(self.second, nodes[1], values[1])
+        low, high = (
+            interpolate_columns(self.first, nodes[0], values[0]),
+            interpolate_columns(self.second, nodes[1], values[1]),
+        )
         return np.asarray((1 - self.t) * low + self.t * high)
 
 
-def doubts(first: CellCurve, second: CellCurve) -> tuple[Array, Array]:
+def measure_disagreement(first: CellCurve, second: CellCurve) -> tuple[Array, Array]:
     """Curvatures (PAIRS,) at the pressure halfway between two curves, and by how much what the slopes of either curve
     predict there differs, (PAIRS,), both in 1/mm."""
     lines = _best(first, second)
     return (lines.low.kappa + lines.high.kappa) / 2.0, lines.differences
 
 
-def joined(first: CellCurve, second: CellCurve, pressure: float) -> Joined:
+def join_states(first: CellCurve, second: CellCurve, pressure: float) -> Joined:
     """The states at a pressure in kPa between those of two curves.
 
     States whose moment does not exceed that of all states of smaller curvature are left out: where two kinks nearly
@@ -75,11 +78,11 @@ def joined(first: CellCurve, second: CellCurve, pressure: float) -> Joined:
     return Joined(t, *(column[rises] for column in (*values, *slopes)))
 
 
-def columns(at: Array, nodes: Array, values: Array) -> Array:
+def interpolate_columns(at: Array, nodes: Array, values: Array) -> Array:
     """Values (k, ...) over nodes (k,) at positions (n,), by straight lines, (n, ...)."""
     flat = values.reshape(len(nodes), -1)
-    joined = [np.interp(at, nodes, column) for column in flat.T]
-    return np.stack(joined, axis=1).reshape(len(at), *values.shape[1:])
+    rows = [np.interp(at, nodes, column) for column in flat.T]
+    return np.stack(rows, axis=1).reshape(len(at), *values.shape[1:])
 
 
 @dataclass(frozen=True, eq=False)  # arrays inside

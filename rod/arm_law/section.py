@@ -12,7 +12,7 @@ from typing import TypeVar
 import numpy as np
 
 from geometry.arrays import Array
-from rod.arm_law.between import columns, joined
+from rod.arm_law.between import interpolate_columns, join_states
 from rod.arm_law.curves import CellCurve, ClampCurve, TipCurve
 from rod.cubics import cubic, cubic_slope, hermite, monotone_slopes, parabola_slopes
 from rod.errors import RodError
@@ -62,7 +62,7 @@ def section_at(curves: Sequence[CellCurve], pressure: float) -> SectionLaw:
     if lower == upper:
         return _along(curves[lower])
     first, second = curves[lower], curves[upper]
-    pairs = joined(first, second, pressure)
+    pairs = join_states(first, second, pressure)
     moment = np.linspace(pairs.moment[0], pairs.moment[-1], POINTS)
     kappa, stretch = (
         (pairs.moment, column, monotone_slopes(pairs.moment, column)) for column in (pairs.kappa, pairs.stretch)
@@ -72,11 +72,14 @@ def section_at(curves: Sequence[CellCurve], pressure: float) -> SectionLaw:
 
     def straight(name: str) -> Array:
         column = pairs.straight((getattr(first, name), getattr(second, name)), (first.moment, second.moment))
-        return columns(moment, pairs.moment, column)
+        return interpolate_columns(moment, pairs.moment, column)
 
     def near(name: str, values: Array) -> Array:
         """Values (n,) no farther from those of both curves than `BEYOND` of the larger one."""
-        ends = [columns(moment, pairs.moment, columns(at, curve.moment, getattr(curve, name))) for at, curve in sides]
+        ends = [
+            interpolate_columns(moment, pairs.moment, interpolate_columns(at, curve.moment, getattr(curve, name)))
+            for at, curve in sides
+        ]
         margin = BEYOND * np.max(np.abs(ends), axis=0)
         return np.clip(values, np.min(ends, axis=0) - margin, np.max(ends, axis=0) + margin)
 
@@ -108,10 +111,10 @@ def _along(curve: CellCurve) -> SectionLaw:
         cubic_slope(*kappa, moment),
         cubic(*stretch, moment),
         cubic_slope(*stretch, moment),
-        columns(moment, curve.moment, curve.axial_rigidity),
-        columns(moment, curve.moment, curve.shear_rigidity),
+        interpolate_columns(moment, curve.moment, curve.axial_rigidity),
+        interpolate_columns(moment, curve.moment, curve.shear_rigidity),
         curve.s,
-        columns(moment, curve.moment, curve.ripple),
+        interpolate_columns(moment, curve.moment, curve.ripple),
     )
 
 
@@ -139,7 +142,7 @@ def clamp_at(clamps: Sequence[ClampCurve], cells: Sequence[CellCurve], pressure:
     first, second = clamps[lower], clamps[upper]
     if lower == upper:
         return first
-    pairs = joined(cells[lower], cells[upper], pressure)
+    pairs = join_states(cells[lower], cells[upper], pressure)
     nodes = first.moment, second.moment
     known = (pairs.first >= nodes[0][0]) & (pairs.first <= nodes[0][-1])
     known &= (pairs.second >= nodes[1][0]) & (pairs.second <= nodes[1][-1])
@@ -151,7 +154,7 @@ def clamp_at(clamps: Sequence[ClampCurve], cells: Sequence[CellCurve], pressure:
 
     def straight(values: Callable[[ClampCurve, Array], Array]) -> Array:
         low, high = values(first, pairs.first), values(second, pairs.second)
-        return columns(moment, pairs.moment, (1 - pairs.t) * low + pairs.t * high)
+        return interpolate_columns(moment, pairs.moment, (1 - pairs.t) * low + pairs.t * high)
 
     def rotations(curve: ClampCurve, at: Array, slope: Array) -> tuple[Array, Array]:
         """Of one curve at moments (n,), and their changes along the lines for the whole step of the pressure."""
@@ -164,7 +167,7 @@ def clamp_at(clamps: Sequence[ClampCurve], cells: Sequence[CellCurve], pressure:
         rotations(first, pairs.first, pairs.first_slope),
         rotations(second, pairs.second, pairs.second_slope),
     )
-    rotation = columns(moment, pairs.moment, hermite(pairs.t, low, high, low_slope, high_slope))
+    rotation = interpolate_columns(moment, pairs.moment, hermite(pairs.t, low, high, low_slope, high_slope))
     offset = straight(ClampCurve.offset_at) + _beyond_straight_at(around, ClampCurve.offset_at, pressure, moment)
     return ClampCurve(
         pressure=pressure,
@@ -181,7 +184,7 @@ def clamp_at(clamps: Sequence[ClampCurve], cells: Sequence[CellCurve], pressure:
 
 def _ripple_at(curve: CellCurve, moment: Array) -> Array:
     """(n, m, 2) mm at moments (n,), joined by straight lines."""
-    return columns(moment, curve.moment, curve.ripple)
+    return interpolate_columns(moment, curve.moment, curve.ripple)
 
 
 def tip_at(curves: Sequence[TipCurve], pressure: float) -> TipCurve:

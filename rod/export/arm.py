@@ -18,7 +18,7 @@ from rod.pressurised_rod import IDENTIFIED
 PARTS = 4
 
 
-def divided(pressures: Sequence[float]) -> tuple[float, ...]:
+def divide_pressures(pressures: Sequence[float]) -> tuple[float, ...]:
     """Rising pressures (n,) in kPa with those that divide each of their intervals into PARTS."""
     inner = [low + (high - low) * k / PARTS for low, high in pairwise(pressures) for k in range(PARTS)]
     return (*inner, pressures[-1])

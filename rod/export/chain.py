@@ -13,7 +13,7 @@ import numpy as np
 
 from geometry.arrays import Array
 from rod.export.arm import Arm
-from rod.export.lumped import joints
+from rod.export.lumped import cut_into_joints
 
 
 @dataclass(frozen=True)
@@ -26,7 +26,7 @@ class Springs:
     @staticmethod
     def of(arm: Arm) -> "Springs":
         """The springs at every pressure."""
-        cuts = [joints(rod, np.linspace(0.0, rod.length, arm.elements + 1)) for rod in arm.rods]
+        cuts = [cut_into_joints(rod, np.linspace(0.0, rod.length, arm.elements + 1)) for rod in arm.rods]
         neutral = np.array([cut.rest_rotation for cut in cuts])
         neutral[:, 0] += [rod.theta0 for rod in arm.rods]
         return Springs(np.array([1e-3 / cut.compliance for cut in cuts]), neutral)

@@ -27,7 +27,7 @@ class Joints:
     rest_rotation: Array  #: (n,) rad
 
 
-def joints(rod: Rod, edges: Array) -> Joints:
+def cut_into_joints(rod: Rod, edges: Array) -> Joints:
     """The rod cut at `edges`, (n + 1,) mm rising from 0 to the length. Raises `RodError` for other edges."""
     edges = np.asarray(edges, float)
     if edges.ndim != 1 or len(edges) < 3 or np.any(np.diff(edges) <= 0.0) or edges[0] != 0.0:

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from rod.export.arm import Arm
-from rod.export.lumped import joints
+from rod.export.lumped import cut_into_joints
 from rod.same_pressure import SAME
 
 
@@ -20,7 +20,7 @@ def write_pyelastica(arm: Arm, path: Path) -> None:
     h, (mass, radius) = arm.piece, arm.dynamics
     edges = np.concatenate([[0.0], h * np.arange(1.5, arm.elements - 1.0), [arm.length]])
     table = arm.tabulated
-    cuts = [joints(rod, edges) for rod in table.rods]
+    cuts = [cut_into_joints(rod, edges) for rod in table.rods]
     content: dict[str, object] = {
         "pressures_kPa": list(arm.pressures),
         "origin": arm.origin,

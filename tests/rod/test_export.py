@@ -16,7 +16,7 @@ from rod import FiveParameters, Rod, RodError
 from rod.export.arm import Arm
 from rod.export.chain import Springs
 from rod.export.formats import EXPORTS, export_arm
-from rod.export.lumped import joints
+from rod.export.lumped import cut_into_joints
 from rod.export.tables import arm_table, table
 
 LAW = FiveParameters(150.0, 400.0, -0.8, 0.1, 14.0)
@@ -134,7 +134,7 @@ def test_a_chain_of_joints_converges_with_the_square_of_the_piece():
     """The chain's equilibrium under the moment of the rod, by rotating piece by piece."""
     errors = []
     for n in (8, 16, 32):
-        cut = joints(ROD, np.linspace(0.0, 112.0, n + 1))
+        cut = cut_into_joints(ROD, np.linspace(0.0, 112.0, n + 1))
         middles = 0.5 * (cut.edges[1:] + cut.edges[:-1])
         turns = cut.rest_rotation + cut.compliance * np.interp(middles, SETTLED.s, SETTLED.moment)
         angle = ROD.theta0 + np.concatenate([[0.0], np.cumsum(turns)])
@@ -147,14 +147,14 @@ def test_a_chain_of_joints_converges_with_the_square_of_the_piece():
 
 def test_joints_add_up_to_the_rod_wherever_the_break_lies():
     for edges in (np.array([0.0, 14.0, 112.0]), np.array([0.0, 5.0, 40.0, 112.0])):
-        cut = joints(ROD, edges)
+        cut = cut_into_joints(ROD, edges)
         assert cut.compliance.sum() == pytest.approx(14.0 / 150.0 + 98.0 / 400.0)
         rest = 0.015 * 112.0 + 14.0 * 0.8 / 150.0 - 98.0 * 0.1 / 400.0
         assert cut.rest_rotation.sum() == pytest.approx(rest, rel=1e-2)  # the last cell is not whole
     with pytest.raises(RodError, match="must be the end of the rod"):
-        joints(ROD, np.array([0.0, 50.0, 100.0]))
+        cut_into_joints(ROD, np.array([0.0, 50.0, 100.0]))
     with pytest.raises(RodError, match="lengths that rise from 0"):
-        joints(ROD, np.array([0.0, 50.0, 40.0]))
+        cut_into_joints(ROD, np.array([0.0, 50.0, 40.0]))
 
 
 def test_tables_carry_the_law(tmp_path: Path) -> None:

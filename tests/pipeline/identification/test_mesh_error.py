@@ -13,7 +13,7 @@ from pipeline.context import RunContext
 from pipeline.errors import InputError
 from pipeline.identification.mesh_error import mesh_deviations, of_single_line, with_mesh_error, with_others
 from pipeline.identification.parameters import Parameters
-from pipeline.identification.richardson import extrapolated
+from pipeline.identification.richardson import extrapolate
 from pipeline.notes.rods import mesh_errors
 from pipeline.progress import Silent
 from pipeline.results.files import read_results
@@ -36,7 +36,7 @@ def test_deviations_are_those_of_the_extrapolation_and_no_less_than_usual() -> N
     fine = [{"alpha1": 200.0, "d": 6.0}, {"alpha1": 210.0, "d": 6.0}]
     coarse = [{"alpha1": 208.0, "d": 6.5}, {"alpha1": 210.0, "d": 6.0}]
     first, second = mesh_deviations(fine, coarse, 4.0, 1.5)
-    own = extrapolated((4.0, 6.0), (200.0, 208.0)).error_std
+    own = extrapolate((4.0, 6.0), (200.0, 208.0)).error_std
     assert first["alpha1"] == pytest.approx(own)
     # the meshes agree by chance
     assert second["alpha1"] / 210.0 == pytest.approx(own / 200.0 / math.sqrt(2.0))

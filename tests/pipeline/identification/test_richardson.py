@@ -5,12 +5,12 @@ import math
 import numpy as np
 import pytest
 
-from pipeline.identification.richardson import extrapolated
+from pipeline.identification.richardson import extrapolate
 
 
 def test_two_sizes_with_a_known_order_give_the_limit() -> None:
     sizes = (2.5, 4.0)
-    estimate = extrapolated(sizes, [3.0 + 0.2 * h**2 for h in sizes], orders=(2.0, 2.0))
+    estimate = extrapolate(sizes, [3.0 + 0.2 * h**2 for h in sizes], orders=(2.0, 2.0))
     assert estimate.limit == pytest.approx(3.0, abs=1e-12)
     assert estimate.error == pytest.approx(0.2 * 2.5**2, abs=1e-12)
     assert 0.0 < estimate.limit_std < 0.3 * estimate.error  # the scatter that is to be expected
@@ -19,7 +19,7 @@ def test_two_sizes_with_a_known_order_give_the_limit() -> None:
 @pytest.mark.parametrize("order", [1.0, 1.5, 2.0])
 def test_two_sizes_with_a_range_of_orders_hold_the_truth(order: float) -> None:
     sizes = (4.0, 2.5)
-    estimate = extrapolated(sizes, [3.0 - 0.2 * h**order for h in sizes])
+    estimate = extrapolate(sizes, [3.0 - 0.2 * h**order for h in sizes])
     assert abs(estimate.limit - 3.0) < 2.3 * estimate.limit_std  # an end of the range, of a skewed distribution
     assert abs(estimate.value - 3.0) < 1.96 * estimate.error_std
     # and the uncertainty is that of the order, not a blanket
@@ -29,7 +29,7 @@ def test_two_sizes_with_a_range_of_orders_hold_the_truth(order: float) -> None:
 @pytest.mark.parametrize("order", [1.0, 2.0, 3.0])
 def test_three_sizes_find_the_order(order: float) -> None:
     sizes = np.array([5.0, 3.2, 2.0])
-    estimate = extrapolated(sizes, 10.0 + 0.1 * sizes**order)
+    estimate = extrapolate(sizes, 10.0 + 0.1 * sizes**order)
     assert abs(estimate.order - order) < 0.4  # with a scatter of five hundredths three meshes say no more
     assert abs(estimate.limit - 10.0) < 2.0 * estimate.limit_std
 
@@ -41,19 +41,19 @@ def test_scatter_is_covered() -> None:
     for _ in range(150):
         order = random.uniform(1.0, 3.0)
         smooth = (sizes / 5.0) ** order
-        estimate = extrapolated(sizes, 1.0 + smooth + 0.05 * random.standard_normal(4))
+        estimate = extrapolate(sizes, 1.0 + smooth + 0.05 * random.standard_normal(4))
         hits += abs(estimate.limit - 1.0) < 1.96 * estimate.limit_std
     assert 0.9 <= hits / 150 <= 1.0
 
 
 def test_values_that_do_not_converge_say_so() -> None:
-    steady = extrapolated([4.0, 3.0, 2.0], [1.16, 1.09, 1.04])
-    jumping = extrapolated([4.0, 3.0, 2.0], [1.16, 0.95, 1.04])
+    steady = extrapolate([4.0, 3.0, 2.0], [1.16, 1.09, 1.04])
+    jumping = extrapolate([4.0, 3.0, 2.0], [1.16, 0.95, 1.04])
     assert jumping.limit_std > 2.5 * steady.limit_std
 
 
 def test_equal_values_have_no_error() -> None:
-    estimate = extrapolated([4.0, 2.0, 1.0], [5.0, 5.0, 5.0])
+    estimate = extrapolate([4.0, 2.0, 1.0], [5.0, 5.0, 5.0])
     assert (estimate.limit, estimate.error_std) == (pytest.approx(5.0), pytest.approx(0.0, abs=1e-12))
     assert math.isfinite(estimate.order)
 
@@ -70,4 +70,4 @@ def test_equal_values_have_no_error() -> None:
 )
 def test_refusals(sizes: list[float], values: list[float], orders: tuple[float, float] | None, message: str) -> None:
     with pytest.raises(ValueError, match=message):
-        extrapolated(sizes, values, orders)
+        extrapolate(sizes, values, orders)

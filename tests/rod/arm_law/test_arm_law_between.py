@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from geometry.arrays import Array
-from rod.arm_law.between import doubts, joined
+from rod.arm_law.between import join_states, measure_disagreement
 from rod.arm_law.curves import CellCurve
 from rod.arm_law.section import section_at
 
@@ -65,7 +65,7 @@ def test_a_kink_at_one_curvature_stays_there_whatever_the_ranges_of_the_curves()
 
 def test_the_states_between_belong_to_both_curves_and_rise() -> None:
     first, second = curve(0.0, 0.01, 0.0), curve(20.0, -0.01, 0.0)
-    pairs = joined(first, second, 5.0)
+    pairs = join_states(first, second, 5.0)
     assert np.all(np.diff(pairs.moment) > 0.0)
     assert (pairs.first[0], pairs.second[0]) == pytest.approx((first.moment[0], second.moment[0]))
     assert pairs.stretch == pytest.approx(1.0 + 1.5 * pairs.kappa + 5e-4, abs=1e-12)
@@ -74,7 +74,8 @@ def test_the_states_between_belong_to_both_curves_and_rise() -> None:
 def test_predictions_from_both_sides_agree_where_the_law_is_known_and_differ_where_it_is_not() -> None:
     rate = -1e-3
     exact, wrong = (
-        doubts(curve(0.0, 0.01, slope), curve(20.0, 0.01 + 20.0 * rate, slope))[1].max() for slope in (rate, 0.0)
+        measure_disagreement(curve(0.0, 0.01, slope), curve(20.0, 0.01 + 20.0 * rate, slope))[1].max()
+        for slope in (rate, 0.0)
     )
     assert exact < 1e-5
     assert wrong > 1e-3
