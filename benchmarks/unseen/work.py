@@ -19,7 +19,6 @@ from time import monotonic
 from types import FrameType
 from typing import Any
 
-from benchmarks.sources import commit_of_sources, key_of
 from benchmarks.unseen.checks import checks_of
 from benchmarks.unseen.confirm import confirmed
 from benchmarks.unseen.designs import Drawn
@@ -34,6 +33,8 @@ from pipeline.results.files import read_results
 from pipeline.run import run
 from pipeline.run_report import RunReport
 from pipeline.store.atomic_file import write_atomic
+from pipeline.store.provenance import provenance
+from pipeline.store.state_key import NUMBER_SOURCES, result_key
 
 Record = dict[str, Any]
 
@@ -134,7 +135,7 @@ def outcomes_of(works: Sequence[Work], jobs: int) -> Iterator[Record]:
 
 def _key(design: Drawn) -> str:
     """Of what decides the record besides this program."""
-    return key_of(json.dumps(design.document, sort_keys=True))
+    return result_key(json.dumps(design.document, sort_keys=True), NUMBER_SOURCES)
 
 
 def kept(folder: Path, key: str | None = None) -> Record | None:
@@ -158,7 +159,7 @@ def _begun(design: Drawn) -> Record:
         "family": design.family,
         "law": design.law,
         "words": design.words,
-        "sources": commit_of_sources(),
+        "sources": provenance()["commit"],
         "load": design.load,
         "pressures_kPa": list(design.pressures_kPa),
         "ended": "",
