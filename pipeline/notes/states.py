@@ -84,7 +84,7 @@ def _rows_outside(solved: Solved) -> Index | None:
 def _stretches(record: Record, rows: Index | None) -> tuple[float, float]:
     """The smallest and the largest stretch of some of the elements, or of all."""
     if rows is None:
-        return record.summary.extremes.min_stretch, record.summary.extremes.max_stretch
+        return record.summary.min_stretch, record.summary.max_stretch
     return float(record.fields["smallest_stretch"][rows].min()), float(record.fields["stretch"][rows].max())
 
 
@@ -99,13 +99,13 @@ def _out_of_plane(solved: Solved) -> Iterator[Reason]:
 def _volume_lost(solved: Solved) -> Iterator[Reason]:
     """Elements with one point for the volumetric part change their volume where it should be kept, and those with a
     pressure of their own do where they are too large for how the body deforms."""
-    worst = min((record.summary for record in solved.outcomes.records), key=lambda summary: summary.extremes.min_J)
-    ratio, lost = solved.config.material.built().poisson_ratio, 1.0 - worst.extremes.min_J
+    worst = min((record.summary for record in solved.outcomes.records), key=lambda summary: summary.min_J)
+    ratio, lost = solved.config.material.built().poisson_ratio, 1.0 - worst.min_J
     if ratio < KEEPS_ITS_VOLUME - ROUNDING or lost < VOLUME_CHANGE:
         return
     is_mixed = ELEMENTS[solved.config.mesh.formulation].volumetric is Volumetric.PRESSURE
     values: Values = {"percent": 100 * lost, **_state(worst)}
-    yield Reason("volume_lost" if is_mixed else "volume_lost_unevenly", values, worst.extremes.min_J_at)
+    yield Reason("volume_lost" if is_mixed else "volume_lost_unevenly", values, worst.min_J_at_mm)
 
 
 def _hardly_bent(solved: Solved) -> Iterator[Reason]:
@@ -170,7 +170,7 @@ def _one_line_or_two(solved: Solved) -> Iterator[Reason]:
 
 def _approximate_contact(solved: Solved) -> Iterator[Reason]:
     """Contact whose distances were compared with exact ones: the largest difference, and where none is known."""
-    checks = [(s.contact_check, s) for s in (record.summary for record in solved.outcomes.records) if s.contact_check]
+    checks = [(r.contact_check, r.summary) for r in solved.outcomes.records if r.contact_check]
     known = [(check.end_mm or 0.0, check.end_N or 0.0, s) for check, s in checks if check.end_mm is not None]
     wrong = [row for row in known if max(row[:2]) > NOTHING]
     if wrong:
@@ -183,14 +183,11 @@ def _approximate_contact(solved: Solved) -> Iterator[Reason]:
 
 def _path_dependent_contact(solved: Solved) -> Iterator[Reason]:
     """Contact in creases that may depend on the load increments: the largest difference that is known."""
-    summaries = [record.summary for record in solved.outcomes.records if record.summary.path_dependence]
-    if not summaries:
-        return
-    worst = max(summaries, key=lambda summary: summary.path_dependence)
+    worst = max(solved.outcomes.records, key=lambda record: record.path_dependence)
     if isinf(worst.path_dependence):
-        yield Reason("folded_contact_open", _state(worst))
-    else:
-        yield Reason("path_dependent_contact", {"percent": 100 * worst.path_dependence, **_state(worst)})
+        yield Reason("folded_contact_open", _state(worst.summary))
+    elif worst.path_dependence:
+        yield Reason("path_dependent_contact", {"percent": 100 * worst.path_dependence, **_state(worst.summary)})
 
 
 def _state(summary: StateSummary) -> Values:

@@ -1,15 +1,15 @@
 """The results of experiments: states with their numbers, how far an experiment went, and several experiments."""
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from math import inf
 
 import numpy as np
 
 import fem
-from fem.solution import Extremes
 from geometry import Centreline, Reason, Values, position_text
 from geometry.arrays import Array, Index
+from pipeline.results.values import Position, State
 from pipeline.simulation.contact_check import ContactCheck
 from pipeline.simulation.failure import Failure
 from pipeline.store.formats import CONVERGED, NOT_CONVERGED
@@ -19,62 +19,47 @@ from rod import Load, RodError, cell_averaged
 
 @dataclass(frozen=True)
 class StateSummary:
-    """The numbers of one equilibrium; forces, moments and volumes are those of the full body."""
+    """The numbers of one equilibrium, a field for every column of experiments.json but `status`.
+
+    `pipeline.results.values.State` describes the columns. Forces, moments and volumes are those of the full body.
+    """
 
     experiment: str  #: I, II, III or dead
     pressure_kPa: float
-    end_mm: tuple[float, float]  #: current position of the end of the material curve
-    reaction_N: tuple[float, float]  #: on the end
+    end_x_mm: float
+    end_y_mm: float
+    reaction_N: tuple[float, float]
     clamp_reaction_N: tuple[float, float]
     clamp_moment_N_mm: float
     cavity_volume_mm3: float
-    stretch_of_curve: float  #: current length of the material curve over that at rest
-    curve_z_mm: float  #: largest distance of the material curve from the plane z = 0
-    extremes: Extremes
-    min_gap_mm: float  #: smallest signed gap between facing walls; infinity without such walls
-    stress_error: float  #: energy of the difference to the recovered stress over that of the stress
-    stress_error_at_mm: tuple[float, float, float]  #: centre of the element with the largest part of it
+    stretch_of_curve: float
+    curve_z_mm: float
+    min_J: float
+    max_stretch: float
+    min_stretch: float
+    min_J_at_mm: Position
+    max_stretch_at_mm: Position
+    min_stretch_at_mm: Position
+    min_gap_mm: float  #: infinity without walls that face each other
+    contact_error_mm: float | None
+    contact_error_N: float | None
+    stress_error: float
+    stress_error_at_mm: Position
     negative_pivots: int
     newton_iterations: int
     factorizations: int
     cutbacks: int
     seconds: float
-    remark: str  #: what limits the trust in this equilibrium; empty where nothing does
-    contact_check: ContactCheck | None = None  #: where contact was compared with exact distances
-    path_dependence: float = 0.0  #: of contact in creases (`fem.Step`)
+    reason: str  #: what limits the trust in this equilibrium; empty where nothing does
+
+    @property
+    def end_mm(self) -> tuple[float, float]:
+        """Current position of the end of the material curve."""
+        return self.end_x_mm, self.end_y_mm
 
     def row(self) -> JsonObject:
         """The row of experiments.json."""
-        return {
-            "experiment": self.experiment,
-            "pressure_kPa": self.pressure_kPa,
-            "end_x_mm": self.end_mm[0],
-            "end_y_mm": self.end_mm[1],
-            "reaction_N": self.reaction_N,
-            "clamp_reaction_N": self.clamp_reaction_N,
-            "clamp_moment_N_mm": self.clamp_moment_N_mm,
-            "cavity_volume_mm3": self.cavity_volume_mm3,
-            "stretch_of_curve": self.stretch_of_curve,
-            "curve_z_mm": self.curve_z_mm,
-            "min_J": self.extremes.min_J,
-            "max_stretch": self.extremes.max_stretch,
-            "min_stretch": self.extremes.min_stretch,
-            "min_J_at_mm": self.extremes.min_J_at,
-            "max_stretch_at_mm": self.extremes.max_stretch_at,
-            "min_stretch_at_mm": self.extremes.min_stretch_at,
-            "min_gap_mm": self.min_gap_mm,
-            "contact_error_mm": self.contact_check.end_mm if self.contact_check else None,
-            "contact_error_N": self.contact_check.end_N if self.contact_check else None,
-            "stress_error": self.stress_error,
-            "stress_error_at_mm": self.stress_error_at_mm,
-            "negative_pivots": self.negative_pivots,
-            "newton_iterations": self.newton_iterations,
-            "factorizations": self.factorizations,
-            "cutbacks": self.cutbacks,
-            "seconds": self.seconds,
-            "status": CONVERGED,
-            "reason": self.remark,
-        }
+        return {column.name: getattr(self, column.name, CONVERGED) for column in fields(State)}
 
 
 @dataclass(frozen=True)
@@ -90,6 +75,8 @@ class Record:
     spent: fem.Seconds
     held: tuple[bool, bool]  #: whether the displacement of the end along x and along y was prescribed
     cpu_seconds: float = 0.0  #: processor time since the state before, failed increments included
+    contact_check: ContactCheck | None = None  #: where contact was compared with exact distances
+    path_dependence: float = 0.0  #: of contact in creases (`fem.Step`)
 
     @property
     def held_end(self) -> tuple[float | None, float | None]:

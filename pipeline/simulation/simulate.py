@@ -138,10 +138,10 @@ def _before_intersection(scene: Scene, steps: Sequence[fem.Step]) -> tuple[Seque
 def _record(
     scene: Scene, experiment: fem.Experiment, case: LoadCase, pressure_kPa: float, step: fem.Step, cpu_seconds: float
 ) -> Record:
-    force = experiment.end_force(step)
+    force, contact = experiment.end_force(step), ContactCheck.of(experiment, step)
     curve = experiment.centreline(step)
     return Record(
-        summary=_summary(scene, experiment, pressure_kPa, step),
+        summary=_summary(scene, experiment, pressure_kPa, step, contact),
         centreline=curve,
         load=replace(scene.weight, force=(float(force[0]), float(force[1])), couple=experiment.end_couple(step)),
         displacement=step.displacement,
@@ -150,16 +150,20 @@ def _record(
         spent=step.spent,
         held=case.held,
         cpu_seconds=cpu_seconds,
+        contact_check=contact,
+        path_dependence=step.path_dependence,
     )
 
 
-def _summary(scene: Scene, experiment: fem.Experiment, pressure_kPa: float, step: fem.Step) -> StateSummary:
-    material = scene.material
+def _summary(
+    scene: Scene, experiment: fem.Experiment, pressure_kPa: float, step: fem.Step, contact: ContactCheck | None
+) -> StateSummary:
+    """The row of a state; forces, moments and volumes are those of the full body."""
+    material, extremes = scene.material, step.extremes
     end, force, clamp = experiment.end(step), experiment.end_force(step), experiment.clamp_force(step)
     error = fem.stress_error(step, material)
     cavities = scene.config.effects.pressure.following or experiment.body.cavities[:1]
     air = sum(step.cavity_volume(name) for name in cavities)
-    contact = ContactCheck.of(experiment, step)
     remarks = (
         fem.unstable_stretch(step.space, step.displacement, material),
         step.instability,
@@ -169,15 +173,23 @@ def _summary(scene: Scene, experiment: fem.Experiment, pressure_kPa: float, step
     return StateSummary(
         experiment=experiment.name,
         pressure_kPa=pressure_kPa,
-        end_mm=(float(end[0]), float(end[1])),
+        end_x_mm=float(end[0]),
+        end_y_mm=float(end[1]),
         reaction_N=(float(force[0]), float(force[1])),
         clamp_reaction_N=(float(clamp[0]), float(clamp[1])),
         clamp_moment_N_mm=experiment.clamp_moment(step),
         cavity_volume_mm3=experiment.symmetry_factor * air,
         stretch_of_curve=experiment.stretch_of_curve(step),
         curve_z_mm=experiment.distance_from_plane(step),
-        extremes=step.extremes,
+        min_J=extremes.min_J,
+        max_stretch=extremes.max_stretch,
+        min_stretch=extremes.min_stretch,
+        min_J_at_mm=extremes.min_J_at,
+        max_stretch_at_mm=extremes.max_stretch_at,
+        min_stretch_at_mm=extremes.min_stretch_at,
         min_gap_mm=step.min_gap,
+        contact_error_mm=contact.end_mm if contact else None,
+        contact_error_N=contact.end_N if contact else None,
         stress_error=error.energy,
         stress_error_at_mm=error.worst_at,
         negative_pivots=step.negative_pivots,
@@ -185,7 +197,5 @@ def _summary(scene: Scene, experiment: fem.Experiment, pressure_kPa: float, step
         factorizations=step.factorizations,
         cutbacks=step.cutbacks,
         seconds=step.seconds,
-        remark="; ".join(filter(None, remarks)),
-        contact_check=contact,
-        path_dependence=step.path_dependence,
+        reason="; ".join(filter(None, remarks)),
     )

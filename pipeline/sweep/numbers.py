@@ -82,8 +82,8 @@ def _state(record: Record, pitch: float) -> Row:
         **(force if record.experiment == "III" else {}),
         "cavity_volume_mm3": summary.cavity_volume_mm3,
         "stretch_of_curve": summary.stretch_of_curve,
-        "min_J": summary.extremes.min_J,
-        "max_stretch": summary.extremes.max_stretch,
+        "min_J": summary.min_J,
+        "max_stretch": summary.max_stretch,
         "min_gap_mm": summary.min_gap_mm,
         "stress_error": summary.stress_error,
     }

@@ -386,7 +386,7 @@ def test_checks_notice_a_state_that_is_slightly_wrong(tmp_path: Path) -> None:
 
     def lifted(state: Record) -> Record:
         (x, y), height, curve = state.summary.end_mm, 1e-4 * config.design.length, state.centreline
-        summary = replace(state.summary, end_mm=(x, y + height))
+        summary = replace(state.summary, end_x_mm=x, end_y_mm=y + height)
         return replace(state, summary=summary, centreline=replace(curve, y=curve.y + height))
 
     free, held = (lifted(outcomes[name].records[0]) for name in ("II", "III"))

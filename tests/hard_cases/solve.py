@@ -77,9 +77,9 @@ def line_of(case: HardCase) -> Line:
         len(states),
         sum(state.cutbacks for state in states) + (failure.cutbacks if failure else 0),
         outcome.factorizations + (failure.factorizations if failure else 0),
-        min((state.extremes.min_J for state in states), default=np.nan),
-        min((state.extremes.min_stretch for state in states), default=np.nan),
-        max((state.extremes.max_stretch for state in states), default=np.nan),
+        min((state.min_J for state in states), default=np.nan),
+        min((state.min_stretch for state in states), default=np.nan),
+        max((state.max_stretch for state in states), default=np.nan),
         _largest_aspect_ratio(solved.body.mesh),
     )
 

@@ -38,16 +38,21 @@ def solved(
 ) -> Any:
     """A run with one state of II at 20 kPa and the parameters at this pressure."""
     low, high = stretches
-    extremes = SimpleNamespace(min_J=min_J, min_J_at=(1.0, 2.0, 3.0), min_stretch=low, max_stretch=high)
     summary = SimpleNamespace(
         experiment="II",
         pressure_kPa=20.0,
-        extremes=extremes,
-        contact_check=contact_check,
+        min_J=min_J,
+        min_J_at_mm=(1.0, 2.0, 3.0),
+        min_stretch=low,
+        max_stretch=high,
         curve_z_mm=curve_z_mm,
-        path_dependence=path_dependence,
     )
-    record = SimpleNamespace(summary=summary, centreline=SimpleNamespace(s=np.array([0.0, 100.0])))
+    record = SimpleNamespace(
+        summary=summary,
+        contact_check=contact_check,
+        path_dependence=path_dependence,
+        centreline=SimpleNamespace(s=np.array([0.0, 100.0])),
+    )
     lines = SimpleNamespace(
         evidence=evidence,
         alpha2=Interval(13.61, 0.1, 13.4, 13.8),

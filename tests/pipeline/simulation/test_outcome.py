@@ -1,6 +1,6 @@
 """Outcomes of experiments as values: merging, failures in sentences, the rows of experiments.json."""
 
-from dataclasses import replace
+from dataclasses import fields, replace
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from fem import Seconds
-from fem.solution import Extremes
 from geometry import Centreline, Reason
 from pipeline.config.load import load_config
+from pipeline.results.values import State
 from pipeline.simulation.effects_record import effect_states
 from pipeline.simulation.failure import Failure
 from pipeline.simulation.outcome import Outcome, Outcomes, Record, StateSummary
@@ -26,15 +26,23 @@ def record(pressure: float, stress_error: float = 0.1, factorizations: int = 3) 
     summary = StateSummary(
         experiment="II",
         pressure_kPa=pressure,
-        end_mm=(100.0, -pressure),
+        end_x_mm=100.0,
+        end_y_mm=-pressure,
         reaction_N=(0.0, 0.0),
         clamp_reaction_N=(0.0, 0.0),
         clamp_moment_N_mm=0.0,
         cavity_volume_mm3=1.0,
         stretch_of_curve=1.0,
         curve_z_mm=0.0,
-        extremes=Extremes(1.0, 1.0, 1.0, REST, REST, REST),
+        min_J=1.0,
+        max_stretch=1.0,
+        min_stretch=1.0,
+        min_J_at_mm=REST,
+        max_stretch_at_mm=REST,
+        min_stretch_at_mm=REST,
         min_gap_mm=float("inf"),
+        contact_error_mm=None,
+        contact_error_N=None,
         stress_error=stress_error,
         stress_error_at_mm=REST,
         negative_pivots=0,
@@ -42,7 +50,7 @@ def record(pressure: float, stress_error: float = 0.1, factorizations: int = 3) 
         factorizations=factorizations,
         cutbacks=0,
         seconds=1.0,
-        remark="",
+        reason="",
     )
     spent = Seconds(assembly=1.0, factorization=2.0, effects={"pressure": 0.25, "self_contact": 0.5})
     return Record(summary, CURVE, Load(), np.zeros((2, 3)), {}, ("pressure",), spent, (False, False))
@@ -173,3 +181,10 @@ def test_the_first_reason_is_not_that_another_experiment_has_ended() -> None:
     }
     outcomes = Outcomes({name: outcome(name, record(5.0), failure=failure) for name, failure in ends.items()})
     assert [reason.values["experiment"] for reason in outcomes.failures] == ["II", "III", "I"]
+
+
+def test_a_row_has_all_columns_of_a_state_in_their_order() -> None:
+    row = record(10.0).summary.row()
+    assert list(row) == [column.name for column in fields(State)]
+    assert row["status"] == "converged"
+    assert {column.name for column in fields(StateSummary)} == set(row) - {"status"}

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from fem import Seconds
-from fem.solution import Extremes
 from geometry import Centreline
 from pipeline.results.values import RodError
 from pipeline.rods.at_pressure import RodAtPressure
@@ -57,15 +56,23 @@ def summary(experiment: str) -> StateSummary:
     return StateSummary(
         experiment=experiment,
         pressure_kPa=24.0,
-        end_mm=(0.0, 0.0),
+        end_x_mm=0.0,
+        end_y_mm=0.0,
         reaction_N=(0.0, 0.0),
         clamp_reaction_N=(0.0, 0.0),
         clamp_moment_N_mm=0.0,
         cavity_volume_mm3=1.0,
         stretch_of_curve=1.0,
         curve_z_mm=0.0,
-        extremes=Extremes(1.0, 1.0, 1.0, rest, rest, rest),
+        min_J=1.0,
+        max_stretch=1.0,
+        min_stretch=1.0,
+        min_J_at_mm=rest,
+        max_stretch_at_mm=rest,
+        min_stretch_at_mm=rest,
         min_gap_mm=float("inf"),
+        contact_error_mm=None,
+        contact_error_N=None,
         stress_error=0.0,
         stress_error_at_mm=rest,
         negative_pivots=0,
@@ -73,7 +80,7 @@ def summary(experiment: str) -> StateSummary:
         factorizations=1,
         cutbacks=0,
         seconds=0.0,
-        remark="",
+        reason="",
     )
 
 
