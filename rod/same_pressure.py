@@ -4,7 +4,7 @@ A number written with six digits differs from the number itself by less than SAM
 are written differently. Configurations therefore refuse two pressures of a run that are the same.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 
@@ -23,6 +23,11 @@ def known_at(pressures: Sequence[float] | Array, pressure: float) -> int | None:
     """The position of a pressure (kPa) among known ones, at least one; None where it is none of them."""
     nearest = int(np.argmin(np.abs(np.asarray(pressures, float) - pressure)))
     return nearest if is_same(float(pressures[nearest]), pressure) else None
+
+
+def is_among(pressures: Iterable[float], pressure: float) -> bool:
+    """Whether a pressure (kPa) is one of these."""
+    return any(is_same(known, pressure) for known in pressures)
 
 
 def as_known(pressures: Sequence[float] | Array, pressure: float) -> float:

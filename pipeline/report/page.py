@@ -9,6 +9,7 @@ import jinja2
 
 from pipeline.notes.verdict import Verdict, verdict_of
 from pipeline.plots import library_scripts
+from pipeline.pressure import name_of_state
 from pipeline.report import figures, tables
 from pipeline.report.body_view import body_view, experiments_of
 from pipeline.results.files import read_results
@@ -57,7 +58,7 @@ def render_page(run: Run, verdict: Verdict) -> str:
 def _bent_body(run: Run) -> str:
     """The name of the picture of the arm bent the most without a load."""
     reached = [state.pressure_kPa for state in run.states if state.experiment == "II" and state.reached]
-    return f"II_{max(reached):g}kPa" if reached else "body"
+    return name_of_state("II", max(reached)) if reached else "body"
 
 
 def _picture(run: Run, name: str) -> str:

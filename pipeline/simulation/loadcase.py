@@ -3,6 +3,8 @@
 from dataclasses import dataclass
 
 from pipeline.config.config import Config, End
+from pipeline.pressure import in_MPa
+from rod.same_pressure import is_among
 
 
 @dataclass(frozen=True)
@@ -18,25 +20,20 @@ class PressureSchedule:
     @property
     def reference_MPa(self) -> float:
         """The pressure at load factor 1."""
-        return _MPa(self.reference_kPa)
+        return in_MPa(self.reference_kPa)
 
     @property
     def factors(self) -> tuple[float, ...]:
         """The load factor of each pressure."""
-        return tuple(_MPa(pressure) / self.reference_MPa for pressure in self.pressures_kPa)
+        return tuple(in_MPa(pressure) / self.reference_MPa for pressure in self.pressures_kPa)
 
     def factor_at(self, pressure_kPa: float) -> float:
         """The load factor of any pressure (kPa)."""
-        return pressure_kPa / 1000.0 / self.reference_MPa
+        return in_MPa(pressure_kPa) / self.reference_MPa
 
     def pressure_at(self, factor: float) -> float:
         """The pressure (kPa) at any load factor, for messages."""
-        return 1000.0 * factor * self.reference_MPa
-
-
-def _MPa(pressure_kPa: float) -> float:
-    """kPa as MPa without the last digits, in which 0.017 differs from 17 / 1000."""
-    return float(f"{pressure_kPa / 1000.0:.12g}")
+        return factor * self.reference_kPa
 
 
 @dataclass(frozen=True)
@@ -116,7 +113,7 @@ def validation_cases(config: Config, reached_kPa: tuple[float, ...] | None = Non
         *(LoadCase(f"dead_{x:g}_{y:g}N", "dead", pressures, End(None, None, (x, y))) for x, y in validation.forces_N),
         *(LoadCase(f"III_end_{y:g}mm", "III", pressures, End(y_mm=y), near) for y in validation.end_y_mm),
     ]
-    between = tuple(pressure for pressure in validation.pressures_kPa if pressure not in of_run)
+    between = tuple(pressure for pressure in validation.pressures_kPa if not is_among(of_run, pressure))
     if between and validation.with_experiments:
         reached = of_run if reached_kPa is None else reached_kPa
         path = tuple(pressure for pressure in sorted({*reached, *between}) if pressure <= between[-1])

@@ -15,6 +15,7 @@ from pipeline.simulation.failure import Failure
 from pipeline.store.formats import CONVERGED, NOT_CONVERGED
 from pipeline.store.json_values import JsonObject
 from rod import Load, RodError, cell_averaged
+from rod.same_pressure import is_same
 
 
 @dataclass(frozen=True)
@@ -125,7 +126,7 @@ class Outcome:
 
     def at(self, pressure_kPa: float) -> Record | None:
         """The state at a pressure, None where it was not reached."""
-        return next((record for record in self.records if record.pressure_kPa == pressure_kPa), None)
+        return next((record for record in self.records if is_same(record.pressure_kPa, pressure_kPa)), None)
 
     def why_stopped(self, load: str = "") -> Reason | None:
         """Which pressure was not reached and why; None where all were. `load`: the name of a load of the validation."""
@@ -139,8 +140,7 @@ class Outcome:
 
     def merged(self, more: "Outcome") -> "Outcome":
         """One outcome with the records of both; states that `more` restored from this one count once."""
-        reached = {record.pressure_kPa for record in self.records}
-        added = [record for record in more.records if record.pressure_kPa not in reached]
+        added = [record for record in more.records if self.at(record.pressure_kPa) is None]
         spent = sum((record.spent for record in added), fem.Seconds(set_up=more.seconds.set_up))
         return replace(
             self,

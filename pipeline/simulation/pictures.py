@@ -14,6 +14,7 @@ from pipeline.drawing.pictures import (
     write_fields,
     write_series,
 )
+from pipeline.pressure import name_of_state
 from pipeline.simulation.outcome import Outcomes
 from pipeline.simulation.surfaces import at_nodes, save_surfaces
 from pipeline.store.formats import SURFACES
@@ -28,7 +29,7 @@ def draw_all(body: Body, outcomes: Outcomes, store: Store) -> None:
 
     Nothing is drawn where the pictures of an earlier run show the same states, drawn by the same sources.
     """
-    titles = [_title(outcome.name, record.pressure_kPa) for outcome in outcomes for record in outcome.records]
+    titles = [name_of_state(outcome.name, record.pressure_kPa) for outcome in outcomes for record in outcome.records]
     drawn = {"key": store.numbers_key, "states": titles}
     needed = ["mesh.vtu", "pictures/body.png", *(f"pictures/{title}.png" for title in titles)]
     needed += [*(f"fields/{title}.vtu" for title in titles), *([SURFACES] if titles else [])]
@@ -67,7 +68,7 @@ def _draw(body: Body, outcomes: Outcomes, store: Store, window: Any) -> None:
     for outcome in outcomes:
         series = []
         for number, record in enumerate(outcome.records):
-            title = _title(outcome.name, record.pressure_kPa)
+            title = name_of_state(outcome.name, record.pressure_kPa)
             colour = Colour(stretches[outcome.name][number], "largest principal stretch", limits)
             draw_deformed(
                 store.path(f"pictures/{title}.png"),
@@ -82,7 +83,3 @@ def _draw(body: Body, outcomes: Outcomes, store: Store, window: Any) -> None:
             write_fields(store.path(f"fields/{title}.vtu"), outcome.points, outcome.nodes, fields)
             series.append((record.pressure_kPa, f"fields/{title}.vtu"))
         write_series(store.path(f"{outcome.name}.pvd"), series)
-
-
-def _title(experiment: str, pressure_kPa: float) -> str:
-    return f"{experiment}_{pressure_kPa:g}kPa"

@@ -10,6 +10,7 @@ from fem.elements import ELEMENTS, Volumetric
 from geometry import GRADINGS, Body, DesignError, MeshError, position_text
 from pipeline.config.config import AUTO, Config, Material
 from pipeline.errors import InputError
+from pipeline.pressure import in_MPa
 from rod import Load
 
 #: The name of outer faces that can meet, where the user names no others, and that of all outer faces of a body from a
@@ -158,7 +159,7 @@ class Scene:
             if cavity.fraction:
                 effects.append(fem.Pressure(name, cavity.fraction * largest_MPa))
             if cavity.constant_kPa:
-                effects.append(fem.Pressure(name, cavity.constant_kPa / 1000.0, ramp=False))
+                effects.append(fem.Pressure(name, in_MPa(cavity.constant_kPa), ramp=False))
         return effects
 
     def _contacts(self) -> list[fem.Effect]:

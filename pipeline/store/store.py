@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from pipeline.errors import InputError
+from pipeline.pressure import name_of_state
 from pipeline.store.atomic_file import remove_parts, write_atomic
 from pipeline.store.json_values import JsonObject
 from pipeline.store.result_folder import ON_COMMAND_LINE, FolderWords, ResultFolder, open_folder
@@ -64,12 +65,12 @@ class Store(ResultFolder):
         """Store a converged state: numbers, texts and arrays of numbers by name."""
         buffer = io.BytesIO()
         np.savez(buffer, allow_pickle=False, **{"state_key": np.array(self.key), **arrays})
-        write_atomic(self.path(_state_name(experiment, pressure_kPa)), buffer.getvalue())
+        write_atomic(self.path(_state_file(experiment, pressure_kPa)), buffer.getvalue())
 
     def load_state(self, experiment: str, pressure_kPa: float) -> dict[str, NDArray[Any]] | None:
         """The arrays of a stored state, or None where there is none for this configuration and these sources."""
         try:
-            path = self.directory / _state_name(experiment, pressure_kPa)
+            path = self.directory / _state_file(experiment, pressure_kPa)
             with path.open("rb") as file, np.load(file, allow_pickle=False) as stored:
                 arrays = {name: stored[name] for name in stored.files}
         except (OSError, ValueError, EOFError, zipfile.BadZipFile):
@@ -143,5 +144,5 @@ def clear(folder: Path) -> None:
         shutil.rmtree(folder / name, ignore_errors=True)
 
 
-def _state_name(experiment: str, pressure_kPa: float) -> str:
-    return f"states/{experiment}_{pressure_kPa:.12g}kPa.npz"
+def _state_file(experiment: str, pressure_kPa: float) -> str:
+    return f"states/{name_of_state(experiment, pressure_kPa)}.npz"

@@ -15,6 +15,7 @@ from pipeline.sweep.record import Row
 from pipeline.validation.compare import Comparison
 from rod import PARAMETER_COLUMNS
 from rod.arm_law.curves import CellCurve
+from rod.same_pressure import is_same
 
 
 def rows_of_run(report: RunReport) -> list[Row]:
@@ -26,9 +27,9 @@ def rows_of_run(report: RunReport) -> list[Row]:
     for pressure, row in rows.items():
         row |= _states(outcomes, pressure, pitch)
         for parameters in report.parameters:
-            if parameters.pressure_kPa == pressure:
+            if is_same(parameters.pressure_kPa, pressure):
                 row |= _five(parameters)
-        row |= _errors(c for c in report.comparisons if c.state.in_sample and c.record.pressure_kPa == pressure)
+        row |= _errors(c for c in report.comparisons if c.state.in_sample and is_same(c.record.pressure_kPa, pressure))
         row["notes"] = render_all(report.remarks)
     return _merged(list(rows.values()), rows_of_law(report.config, report.arm.measured))
 

@@ -14,6 +14,7 @@ from pipeline.simulation.outcome import Outcomes, Record
 from pipeline.store.formats import CURVE_PREFIXES
 from pipeline.validation.rods import ArmRods, NoSolution, Rods
 from rod import Load, RodError, RodSolution, cell_averaged, moment_from_load, without_stretch
+from rod.same_pressure import is_among
 
 
 @dataclass(frozen=True)
@@ -140,9 +141,9 @@ def compare(outcomes: Outcomes, rods: ArmRods, pitch: float) -> tuple[Comparison
     identified = set(rods.identified_kPa)
     records = sorted((*outcomes["II"].records, *outcomes["III"].records), key=lambda r: (r.pressure_kPa, r.experiment))
     if rods.law is None:
-        records = [record for record in records if record.pressure_kPa in identified]
+        records = [record for record in records if is_among(identified, record.pressure_kPa)]
     return tuple(
-        compare_rods(rods.at(r.pressure_kPa), ComparedState(r, "", r.pressure_kPa in identified), pitch)
+        compare_rods(rods.at(r.pressure_kPa), ComparedState(r, "", is_among(identified, r.pressure_kPa)), pitch)
         for r in records
     )
 

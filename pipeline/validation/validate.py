@@ -16,6 +16,7 @@ from pipeline.store.formats import CURVE_COLUMNS
 from pipeline.store.store import Store
 from pipeline.validation.compare import ComparedState, Comparison, compare_rods, rows_of
 from pipeline.validation.rods import ArmRods
+from rod.same_pressure import is_among
 
 VALIDATION_COLUMNS = ("load", *CURVE_COLUMNS)
 
@@ -55,7 +56,7 @@ def beyond_end_of_II(config: Config, outcomes: Outcomes) -> tuple[Reason, ...]:
     reasons = []
     for case in validation_cases(config):
         of_run = () if case.load else config.pressures_kPa  # on the path to a pressure between
-        left_out = [p for p in case.schedule.pressures_kPa if p > highest and p not in of_run]
+        left_out = [p for p in case.schedule.pressures_kPa if p > highest and not is_among(of_run, p)]
         if left_out:
             end_kPa = end if isfinite(end) else highest
             values: Values = {"load": case.load or case.name, "pressures_kPa": left_out, "end_kPa": end_kPa}
@@ -100,9 +101,9 @@ def _comparisons(
     for outcome in outcomes:
         load = cases[outcome.name].load
         for record in outcome.records:
-            if not load and record.pressure_kPa not in scene.config.validation.pressures_kPa:
+            if not load and not is_among(scene.config.validation.pressures_kPa, record.pressure_kPa):
                 continue  # on the path to a pressure between
-            if not load and record.pressure_kPa in rods.identified_kPa:
+            if not load and is_among(rods.identified_kPa, record.pressure_kPa):
                 continue  # added by bisection: in sample
             state = ComparedState(record, load, in_sample=False)
             comparisons.append(compare_rods(rods.at(record.pressure_kPa), state, scene.body.pitch))

@@ -1,0 +1,16 @@
+"""A pressure of a run: kPa in configurations and results, MPa in the solver, one spelling in names of files."""
+
+
+def in_MPa(pressure_kPa: float) -> float:
+    """kPa as MPa with twelve digits, without the last ones that a conversion from another unit leaves."""
+    return float(f"{pressure_kPa / 1000.0:.12g}")
+
+
+def in_kPa(pressure_MPa: float) -> float:
+    """MPa as kPa, for messages."""
+    return 1000.0 * pressure_MPa
+
+
+def name_of_state(experiment: str, pressure_kPa: float) -> str:
+    """What the files of a state are called: III_17kPa."""
+    return f"{experiment}_{pressure_kPa:.12g}kPa"
