@@ -245,8 +245,9 @@ for command in (run, mesh, effects, accuracy, cell, sweep, rod, material, export
 
 def main() -> None:
     """The console script. A request to end, by a scheduler or a closed terminal, counts as Ctrl-C."""
-    for request in (signal.SIGTERM, signal.SIGHUP):
-        if signal.getsignal(request) is not signal.SIG_IGN:  # as under nohup
+    for name in ("SIGTERM", "SIGHUP"):
+        request = getattr(signal, name, None)  # Windows has no SIGHUP
+        if request and signal.getsignal(request) is not signal.SIG_IGN:  # as under nohup
             signal.signal(request, signal.default_int_handler)
     _keep_standard_output()
     app()

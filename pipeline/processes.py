@@ -79,7 +79,7 @@ SPAWN = _Spawn()
 
 def available_cores() -> int:
     """The processor cores that this process may use."""
-    return len(os.sched_getaffinity(0))
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 @contextmanager
@@ -104,8 +104,9 @@ def process_pool(jobs: int, threads: int, **options: Any) -> Iterator[ProcessPoo
 
 def ignore_interrupts() -> None:
     """Called in a new process: Ctrl-C and a closed terminal, which reach all processes, are left to the main one."""
-    for interrupt in (signal.SIGINT, signal.SIGHUP):
-        signal.signal(interrupt, signal.SIG_IGN)
+    for name in ("SIGINT", "SIGHUP"):
+        if hasattr(signal, name):  # Windows has no SIGHUP
+            signal.signal(getattr(signal, name), signal.SIG_IGN)
 
 
 def end_with_main_process() -> None:

@@ -27,7 +27,7 @@ LIBRARIES: dict[str, set[str]] = {
     "rod": {"numpy", "scipy", "numba"},
     "pipeline": {
         *("numpy", "scipy", "numba", "packaging", "yaml", "pydantic", "pydantic_core", "pint"),
-        *("pyvista", "typer", "rich", "jinja2", "plotly", "distributed", "dask", "pyarrow", "pandas"),
+        *("pyvista", "typer", "rich", "jinja2", "plotly", "distributed", "dask", "pyarrow", "pandas", "filelock"),
     },
     "pneurod": {"pandas"},
 }
@@ -48,6 +48,7 @@ DOORS: dict[str, set[str]] = {
     },
     "pydantic_core": {"pipeline/config/section.py"},
     "pint": {"pipeline/config/units.py"},
+    "filelock": {"pipeline/store/store.py"},
     "yaml": {"pipeline/config/document.py"},
     "pyvista": {"pipeline/drawing/pictures.py"},
     "typer": {"pipeline/cli.py", "pipeline/commands_of_design.py", "pipeline/ending.py"},

@@ -4,10 +4,8 @@ Converged states stand under `states/` with a key made of the configuration, of 
 the packages these use; a state with another key is never used again.
 """
 
-import fcntl
 import io
 import json
-import os
 import shutil
 import zipfile
 from collections.abc import Iterator
@@ -17,6 +15,7 @@ from pathlib import Path
 from typing import Any, Protocol
 
 import numpy as np
+from filelock import FileLock, Timeout
 from numpy.typing import ArrayLike, NDArray
 
 from pipeline.errors import InputError
@@ -27,6 +26,7 @@ from pipeline.store.result_folder import ON_COMMAND_LINE, FolderWords, ResultFol
 from pipeline.store.state_key import NUMBER_SOURCES, STATE_SOURCES, result_key
 
 _IDENTITY = "states/configuration.json"
+_LOCK = ".pneurod-lock"  #: there while a run is at work, and after one that was killed, whose lock the system releases
 _FOLDERS = ("states", "pictures", "fields", "rungs", "law")
 _FILES = (
     *("parameters.json", "experiments.json", "validation.json", "effects.json", "run.json"),
@@ -108,18 +108,19 @@ def open_store(
 @contextmanager
 def locked(folder: Path, words: FolderWords = ON_COMMAND_LINE) -> Iterator[None]:
     """Keep other runs out of a folder until the block ends. Raises InputError where one is at work in it."""
-    handle = os.open(folder, os.O_RDONLY)
+    lock = FileLock(folder / _LOCK, blocking=False)
     try:
-        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except BlockingIOError:
-        os.close(handle)
+        lock.acquire()
+    except Timeout:
         raise InputError(
             f"{words.given(folder)}: another run is at work in it; wait for it or give another {words.out}"
         ) from None
     try:
         yield
     finally:
-        os.close(handle)
+        with suppress(OSError):  # Windows keeps a file that is open
+            (folder / _LOCK).unlink()
+        lock.release()
 
 
 def check_owner(folder: Path, config: Configuration, remedy: str, words: FolderWords = ON_COMMAND_LINE) -> None:

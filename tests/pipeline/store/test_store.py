@@ -33,7 +33,9 @@ def other(configs: Path) -> Config:
 
 
 def files(directory: Path) -> set[str]:
-    return {str(path.relative_to(directory)) for path in directory.rglob("*") if path.is_file()}
+    """All files but the lock of the run that is at work."""
+    found = {str(path.relative_to(directory)) for path in directory.rglob("*") if path.is_file()}
+    return found - {".pneurod-lock"}
 
 
 def test_json_and_rows_come_back(tmp_path: Path, config: Config) -> None:
@@ -191,6 +193,22 @@ def test_two_runs_do_not_share_a_folder(tmp_path: Path, config: Config) -> None:
         open_store(tmp_path, config),
     ):
         pass
+    with open_store(tmp_path, config):
+        pass
+    assert not (tmp_path / ".pneurod-lock").exists()
+
+
+def test_a_folder_whose_run_was_killed_is_free(tmp_path: Path, configs: Path, config: Config) -> None:
+    script = (
+        "import os, signal\n"
+        "from pipeline.config.load import load_config\n"
+        "from pipeline.store.store import open_store\n"
+        f"with open_store({str(tmp_path)!r}, load_config({str(configs / 'pneunet_coarse.yaml')!r})):\n"
+        "    os.kill(os.getpid(), signal.SIGKILL)\n"
+    )
+    killed = subprocess.run([sys.executable, "-c", script], cwd=configs.parent, check=False)
+    assert killed.returncode == -signal.SIGKILL
+    assert (tmp_path / ".pneurod-lock").exists()
     with open_store(tmp_path, config):
         pass
 
