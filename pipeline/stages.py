@@ -23,6 +23,7 @@ from pipeline.notes.states import Solved, check_states
 from pipeline.parallel import Pending
 from pipeline.progress import Progress
 from pipeline.report.saved import save_report
+from pipeline.results.files import save_value
 from pipeline.run_report import ReviewedPlan, RunReport
 from pipeline.simulation.below_limit import complete_experiments, highest_of_use
 from pipeline.simulation.effects_record import effect_states
@@ -165,7 +166,7 @@ def add_mesh_error(
         parameters, no_mesh_error = improved.result()
     if state.config.law != "cell":
         content = parameters_record(state.config, parameters, arm.law, no_mesh_error)
-        state.context.store.save_json("parameters.json", content)
+        save_value(state.context.store, "parameters.json", content)
     return replace(identified, parameters=parameters)
 
 

@@ -7,6 +7,7 @@ from typing import Any
 
 import pandas as pd
 
+from pipeline.results.parameters import RestShape
 from pipeline.results.values import Effect, RodError, State
 from pipeline.store.formats import CURVE_COLUMNS
 
@@ -56,7 +57,7 @@ def by_pressure(content: Mapping[str, Any], pressures: Sequence[float]) -> pd.Da
     count = len(pressures)
     columns: dict[str, Any] = {"pressure_kPa": pd.Series(list(pressures), dtype=float)}
     for key, values in content.items():
-        if key == "pressures_kPa" or not isinstance(values, list) or len(values) != count:
+        if key == "pressures_kPa" or not isinstance(values, tuple) or len(values) != count:
             continue
         if any(isinstance(value, bool) for value in values):
             columns[key] = pd.array(values, dtype="boolean")
@@ -70,14 +71,13 @@ def by_pressure(content: Mapping[str, Any], pressures: Sequence[float]) -> pd.Da
 
 
 def _is_pair(value: Any) -> bool:
-    return isinstance(value, list) and len(value) == 2 and all(isinstance(end, int | float) for end in value)
+    return isinstance(value, tuple) and len(value) == 2 and all(isinstance(end, int | float) for end in value)
 
 
-def profiles(content: Mapping[str, Any], pressures: Sequence[float]) -> pd.DataFrame:
+def profiles(rest: RestShape, pressures: Sequence[float]) -> pd.DataFrame:
     """pressure_kPa, s_mm, kappa_0_per_mm: the curvature of the rod without load along the arm."""
-    profile = content.get("kappa_0") or {}
-    rows = zip(pressures, profile.get("kappa_0_per_mm", ()), strict=False)
-    parts = [pd.DataFrame({"pressure_kPa": p, "s_mm": profile["s_mm"], "kappa_0_per_mm": kappa}) for p, kappa in rows]
+    rows = zip(pressures, rest.kappa_0_per_mm, strict=True)
+    parts = [pd.DataFrame({"pressure_kPa": p, "s_mm": rest.s_mm, "kappa_0_per_mm": kappa}) for p, kappa in rows]
     empty = pd.DataFrame({name: pd.Series(dtype=float) for name in ("pressure_kPa", "s_mm", "kappa_0_per_mm")})
     return pd.concat(parts, ignore_index=True) if parts else empty
 

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from functools import cached_property
 from pathlib import Path
 
@@ -49,8 +49,8 @@ class Results:
     @property
     def mass_g(self) -> float:
         """Mass of the solid; NaN where the configuration has no density."""
-        mass = self.run.parameters.get("mass_g")
-        return math.nan if mass is None else float(mass)
+        mass = self.run.parameters.mass_g
+        return math.nan if mass is None else mass
 
     @property
     def pressures_kPa(self) -> tuple[float, ...]:
@@ -75,28 +75,25 @@ class Results:
     @cached_property
     def parameters(self) -> pd.DataFrame:
         """One row per pressure: alpha1, alpha2, m01, m02, d with _std and 95 % interval, and how well they fit."""
-        frame = by_pressure(self.run.parameters, self.pressures_kPa)
-        for name in ("middle_per_mm", "theta0_rad"):
-            values = (self.run.parameters.get("kappa_0") or {}).get(name)
-            if values is not None:
-                frame[{"middle_per_mm": "kappa_0_middle_per_mm"}.get(name, name)] = values
-        return frame
+        rest = self.run.parameters.kappa_0
+        more = {"kappa_0_middle_per_mm": rest.middle_per_mm, "theta0_rad": rest.theta0_rad}
+        return by_pressure(asdict(self.run.parameters) | more, self.pressures_kPa)
 
     @cached_property
     def extensible(self) -> pd.DataFrame:
         """The parameters of the rod whose curve stretches, with the eccentricity of its neutral axis."""
-        content = self.run.parameters.get("eccentricity")
-        return by_pressure(content or {}, self.pressures_kPa if content else ())
+        content = self.run.parameters.eccentricity
+        return by_pressure(asdict(content), self.pressures_kPa) if content else by_pressure({}, ())
 
     @cached_property
     def kappa_0(self) -> pd.DataFrame:
         """pressure_kPa, s_mm, kappa_0_per_mm: the curvature of the rod without load."""
-        return profiles(self.run.parameters, self.pressures_kPa)
+        return profiles(self.run.parameters.kappa_0, self.pressures_kPa)
 
     @cached_property
     def dimensionless(self) -> pd.DataFrame:
         """M/(m g l) over (kappa - kappa_0) l by pressure."""
-        return expanded(self.run.parameters.get("dimensionless") or ())
+        return expanded([asdict(row) for row in self.run.parameters.dimensionless])
 
     @cached_property
     def experiments(self) -> pd.DataFrame:
@@ -181,7 +178,8 @@ class Results:
     def _rods(self, extensible: bool | None) -> PressurisedRod:
         if not self.pressures_kPa:
             raise self._nothing_identified()
-        rods = [pressurised_rod(self.run.parameters, stretching) for stretching in (False, True)]
+        content = asdict(self.run.parameters)
+        rods = [pressurised_rod(content, stretching) for stretching in (False, True)]
         stretches = rods[1].stretches if extensible is None else given_choice(extensible, "extensible")
         return rods[1 if stretches else 0]
 
@@ -212,8 +210,8 @@ def read_results(directory: Path | str) -> Results:
     """
     run = read_run(given_path(directory, "directory", "results/pneunet"))
     try:
-        if run.parameters.get("pressures_kPa"):
-            check_parameters(run.parameters)
+        if run.parameters.pressures_kPa:
+            check_parameters(asdict(run.parameters))
     except (KeyError, TypeError, ValueError) as failure:  # a file that was edited by hand
         raise InputError(f"{run.directory / 'parameters.json'}: {failure}") from None
     return Results(run)

@@ -1,6 +1,7 @@
-"""The content of parameters.json."""
+"""The parameters of a run as the value of parameters.json."""
 
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 from geometry import Centreline
 from geometry.arrays import Array
@@ -8,8 +9,17 @@ from pipeline.config.config import Config
 from pipeline.identification.added_pressures import covered_range, quantities_of
 from pipeline.identification.mesh_error import RELATIVE
 from pipeline.identification.parameters import Parameters, choices_of, numbers_of_curves
+from pipeline.results.parameters import (
+    BreakProfile,
+    Dimensionless,
+    MeshErrorOfFive,
+    RestShape,
+    RodParameters,
+    Straightness,
+    StretchingRod,
+    TwoLines,
+)
 from pipeline.store.formats import FORMAT
-from pipeline.store.json_values import Json, JsonObject
 from rod import (
     PARAMETER_COLUMNS,
     PARAMETER_NAMES,
@@ -32,114 +42,124 @@ _DIVIDED = {"alpha": "over_m_g_length2", "m0": "over_m_g_length", "d": "over_len
 
 def parameters_record(
     config: Config, parameters: Sequence[Parameters], law: ArmLaw | None = None, mesh_error_reason: str = ""
-) -> JsonObject:
+) -> RodParameters:
     """The numbers of the rod at the top, those of two lines under `estimators`.
 
     law: of the arm, which predicts the numbers as well; None where it was not made.
     """
-    mass, drawn = config.mass_tonne, config.record()
+    drawn: Mapping[str, Any] = config.record()
+    mass = config.mass_tonne
     single_lines = [p.by_cells.single_line for p in parameters]
     load = parameters[0].free.load if parameters else Load()
-    return {
-        "format": FORMAT,
-        "design": drawn["geometry"],
-        **{key: value for key, value in drawn.items() if key in ("material", "materials")},
-        "solid_volume_mm3": config.design.solid_volume,
-        "length_mm": config.design.length,
-        "mass_g": None if mass is None else mass * 1e6,
-        "pressures_kPa": [p.pressure_kPa for p in parameters],
-        "straight_without_pressure": config.effects.straight_without_pressure,
-        "weight_N_per_mm": list(load.weight),
-        "weight_height_mm": load.weight_height,
-        "estimator": ESTIMATOR,
+    return RodParameters(
+        format=FORMAT,
+        design=drawn["geometry"],
+        material=drawn.get("material"),
+        materials=drawn.get("materials"),
+        solid_volume_mm3=config.design.solid_volume,
+        length_mm=config.design.length,
+        mass_g=None if mass is None else mass * 1e6,
+        pressures_kPa=tuple(p.pressure_kPa for p in parameters),
+        straight_without_pressure=config.effects.straight_without_pressure,
+        weight_N_per_mm=load.weight,
+        weight_height_mm=load.weight_height,
+        estimator=ESTIMATOR,
         **_columns([p.numbers for p in parameters]),
-        "d_given_mm": config.identification.d_mm,
+        d_given_mm=config.identification.d_mm,
         **_bounds([p.numbers["d"] for p in parameters], parameters),
         **_linear(parameters),
-        "single_line_alpha_N_mm2": [line.alpha.value for line in single_lines],
-        "single_line_alpha_N_mm2_std": [line.alpha.std for line in single_lines],
-        "single_line_m0_N_mm": [line.m0.value for line in single_lines],
-        "single_line_suffices": [not p.two_lines for p in parameters],
-        "evidence_for_two_lines": [p.by_cells.evidence for p in parameters],
-        "evidence_of_choice": [p.evidence for p in parameters],
-        "two_lines_on_coarser_mesh": [p.two_lines_on_coarser for p in parameters],
-        "r2_two_lines": [p.by_cells.r2 for p in parameters],
-        "r2_single_line": [line.r2 for line in single_lines],
-        "observations": [p.by_cells.observations for p in parameters],
-        "mesh_error": _mesh_error(config, parameters),
-        "mesh_error_reason": mesh_error_reason,
-        "moment_range_N_mm": _ranges([p.moment_range for p in parameters]),
-        "eccentricity": _eccentricity(parameters),
-        "estimators": {ESTIMATOR: _identified([p.by_cells for p in parameters], parameters)},
-        **({} if law is None else {"predicted_by_arm_law": _identified(_predictions(parameters, law), parameters)}),
-        "kappa_0": _profiles(parameters),
-        "dimensionless": _dimensionless(config, parameters),
-        "dimensionless_numbers": _dimensionless_numbers(config, parameters),
-        "profile_over_d": [
-            {"pressure_kPa": p.pressure_kPa, "d_mm": p.by_cells.profile[:, 0], "rms_per_mm": p.by_cells.profile[:, 1]}
+        single_line_alpha_N_mm2=tuple(line.alpha.value for line in single_lines),
+        single_line_alpha_N_mm2_std=tuple(line.alpha.std for line in single_lines),
+        single_line_m0_N_mm=tuple(line.m0.value for line in single_lines),
+        single_line_suffices=tuple(not p.two_lines for p in parameters),
+        evidence_for_two_lines=tuple(p.by_cells.evidence for p in parameters),
+        evidence_of_choice=tuple(p.evidence for p in parameters),
+        two_lines_on_coarser_mesh=tuple(p.two_lines_on_coarser for p in parameters),
+        r2_two_lines=tuple(p.by_cells.r2 for p in parameters),
+        r2_single_line=tuple(line.r2 for line in single_lines),
+        observations=tuple(p.by_cells.observations for p in parameters),
+        mesh_error=_mesh_error(config, parameters),
+        mesh_error_reason=mesh_error_reason,
+        moment_range_N_mm=_ranges([p.moment_range for p in parameters]),
+        eccentricity=_stretching(parameters),
+        estimators={ESTIMATOR: _identified([p.by_cells for p in parameters], parameters)},
+        predicted_by_arm_law=None if law is None else _identified(_predictions(parameters, law), parameters),
+        kappa_0=_rest_shape(parameters),
+        dimensionless=_dimensionless(config, parameters),
+        dimensionless_numbers=_dimensionless_numbers(config, parameters),
+        profile_over_d=tuple(
+            BreakProfile(p.pressure_kPa, _numbers(p.by_cells.profile[:, 0]), _numbers(p.by_cells.profile[:, 1]))
             for p in parameters
-        ],
-    }
+        ),
+    )
 
 
-def _columns(numbers: Sequence[Mapping[str, Interval] | None]) -> dict[str, Json]:
-    """Lists over the pressures; null where there is no number."""
-    columns: dict[str, Json] = {}
+def _columns(numbers: Sequence[Mapping[str, Interval] | None]) -> dict[str, Any]:
+    """The five parameters over the pressures; None where there is no number."""
+    columns: dict[str, Any] = {}
     for name, column in PARAMETER_COLUMNS.items():
         intervals = [None if of_pressure is None else of_pressure[name] for of_pressure in numbers]
-        columns[column] = [i and i.value for i in intervals]
-        columns[f"{column}_std"] = [i and i.std for i in intervals]
-        columns[f"{column}_95"] = [i and [i.low, i.high] for i in intervals]
+        columns[column] = tuple(i and i.value for i in intervals)
+        columns[f"{column}_std"] = tuple(i and i.std for i in intervals)
+        columns[f"{column}_95"] = tuple(i and (i.low, i.high) for i in intervals)
     return columns
 
 
-def _bounds(d: Sequence[Interval | None], parameters: Sequence[Parameters]) -> dict[str, Json]:
+def _bounds(d: Sequence[Interval | None], parameters: Sequence[Parameters]) -> dict[str, Any]:
     """Whether a d lies at an end of the range in which it was sought; null where there is none."""
     pairs = list(zip(d, parameters, strict=True))
     return {
-        "d_is_at_most": [i and p.given_d is None and bool(i.value <= 1.001 * p.shortest_break) for i, p in pairs],
-        "d_is_at_least": [i and p.given_d is None and bool(i.value >= 0.999 * p.longest_break) for i, p in pairs],
+        "d_is_at_most": tuple(i and p.given_d is None and bool(i.value <= 1.001 * p.shortest_break) for i, p in pairs),
+        "d_is_at_least": tuple(i and p.given_d is None and bool(i.value >= 0.999 * p.longest_break) for i, p in pairs),
     }
 
 
-def _mesh_error(config: Config, parameters: Sequence[Parameters]) -> JsonObject | None:
+def _mesh_error(config: Config, parameters: Sequence[Parameters]) -> MeshErrorOfFive | None:
     """What the mesh contributes to the deviations of the rod's numbers, None where no second mesh tells."""
     if config.mesh.coarser is None or not any(p.mesh_std for p in parameters):
         return None
-    columns = {f"{column}_std": [p.mesh_std.get(n) for p in parameters] for n, column in PARAMETER_COLUMNS.items()}
-    relative = {f"{name}_relative": [p.mesh_errors.get(name) for p in parameters] for name in RELATIVE}
-    sizes = [config.mesh.element_size_mm, config.mesh.coarser * config.mesh.element_size_mm]
-    return {"sizes_mm": sizes, "mixed_at_kPa": parameters[0].mixed_at_kPa, **columns, **relative}
+    columns: dict[str, Any] = {
+        f"{name}_relative": tuple(p.mesh_errors.get(name) for p in parameters) for name in RELATIVE
+    }
+    columns |= {
+        f"{column}_std": tuple(p.mesh_std.get(n) for p in parameters) for n, column in PARAMETER_COLUMNS.items()
+    }
+    size = config.mesh.element_size_mm
+    return MeshErrorOfFive((size, config.mesh.coarser * size), parameters[0].mixed_at_kPa, **columns)
 
 
-def _eccentricity(parameters: Sequence[Parameters]) -> JsonObject:
+def _stretching(parameters: Sequence[Parameters]) -> StretchingRod | None:
     """The eccentricity of the neutral axis, the rest stretch, and the five numbers of the rod that has them."""
     if not parameters:
-        return {}
-    return {
-        "eccentricity_mm": [p.extension.eccentricity for p in parameters],
-        "eccentricity_mm_std": [p.extension.eccentricity_std for p in parameters],
+        return None
+    return StretchingRod(
         **_columns([p.extensible_numbers for p in parameters]),
-        "moment_range_N_mm": _ranges([p.extensible_moment_range for p in parameters]),
-        "rest_stretch": [p.extension.rest_stretch for p in parameters],
-    }
+        eccentricity_mm=tuple(p.extension.eccentricity for p in parameters),
+        eccentricity_mm_std=tuple(p.extension.eccentricity_std for p in parameters),
+        moment_range_N_mm=_ranges([p.extensible_moment_range for p in parameters]),
+        rest_stretch=tuple(_numbers(p.extension.rest_stretch) for p in parameters),
+    )
 
 
-def _ranges(ranges: Sequence[MomentRange]) -> list[Json]:
-    return [[moments.low, moments.high] for moments in ranges]
+def _numbers(values: Array) -> tuple[float, ...]:
+    return tuple(values.tolist())
 
 
-def _identified(estimates: Sequence[Identification | str], parameters: Sequence[Parameters]) -> dict[str, Json]:
+def _ranges(ranges: Sequence[MomentRange]) -> tuple[tuple[float, float], ...]:
+    return tuple((moments.low, moments.high) for moments in ranges)
+
+
+def _identified(estimates: Sequence[Identification | str], parameters: Sequence[Parameters]) -> TwoLines:
     """Two lines at every pressure, or why there are none, and whether a single one suffices."""
     identified = [e for e in estimates if not isinstance(e, str)]
     every = [None if isinstance(e, str) else {name: getattr(e, name) for name in PARAMETER_NAMES} for e in estimates]
     columns = _columns(every) | _bounds([None if numbers is None else numbers["d"] for numbers in every], parameters)
-    columns["reason"] = [e if isinstance(e, str) else "" for e in estimates]
+    columns["reason"] = tuple(e if isinstance(e, str) else "" for e in estimates)
     if len(identified) == len(parameters):
-        columns["single_line_suffices"] = [not choice.two_lines for choice in choices_of(identified, parameters)]
-        columns["single_line_alpha_N_mm2"] = [e.single_line.alpha.value for e in identified]
-        columns["observations"] = [e.observations for e in identified]
-    return columns
+        columns["single_line_suffices"] = tuple(not c.two_lines for c in choices_of(identified, parameters))
+        columns["single_line_alpha_N_mm2"] = tuple(e.single_line.alpha.value for e in identified)
+        columns["observations"] = tuple(e.observations for e in identified)
+    return TwoLines(**columns)
 
 
 def _predictions(parameters: Sequence[Parameters], law: ArmLaw) -> list[Identification | str]:
@@ -173,54 +193,50 @@ def _centreline(shape: RodSolution, s: Array) -> Centreline:
     return Centreline(s, *shape.positions(s - s[0]).T)
 
 
-def _linear(parameters: Sequence[Parameters]) -> JsonObject:
+def _linear(parameters: Sequence[Parameters]) -> dict[str, Any]:
     """beta1, beta2 over the linear range (over all pressures where there is none), and how straight everything is."""
     covered = covered_range(parameters)
     pressures, quantities = quantities_of(parameters)
     lines = covered.lines if covered else {}
     if covered is None and len(parameters) > 1:
         lines = LinearRange.over(pressures, quantities).lines
-    betas: dict[str, Json] = {}
+    betas: dict[str, float | None] = {}
     for number in ("1", "2"):
         line = lines.get(f"alpha{number}")
         betas[f"beta{number}_N_mm2_per_kPa"] = line and line.slope
         betas[f"beta{number}_N_mm2_per_kPa_std"] = line and line.slope_std
+    straightness = []
+    for name, line in lines.items():
+        values = tuple(quantities[name].values)
+        on_line = (line.slope * p + line.intercept for p in pressures)
+        off = tuple(value / on - 1.0 for value, on in zip(values, on_line, strict=True))
+        straightness.append(Straightness(name, line.slope, line.intercept, values, off))
     return {
-        "linear_range_kPa": covered and [covered.low, covered.high],
+        "linear_range_kPa": covered and (covered.low, covered.high),
         "linear_range_tested": covered is not None and covered.tested,
-        "straightness": [
-            {
-                "quantity": name,
-                "slope_per_kPa": line.slope,
-                "at_0_kPa": line.intercept,
-                "values": quantities[name].values,
-                "off_the_line": [
-                    value / (line.slope * p + line.intercept) - 1.0
-                    for p, value in zip(pressures, quantities[name].values, strict=True)
-                ],
-            }
-            for name, line in lines.items()
-        ],
+        "straightness": tuple(straightness),
         **betas,
     }
 
 
-def _dimensionless(config: Config, parameters: Sequence[Parameters]) -> list[JsonObject]:
+def _dimensionless(config: Config, parameters: Sequence[Parameters]) -> tuple[Dimensionless, ...]:
     """M/(m g l) over (kappa - kappa_0) l with the reference weight; no rows where there is none."""
     weight, length = config.reference_weight, config.design.length
-    return [
-        {
-            "pressure_kPa": p.pressure_kPa,
-            "s_over_length": p.by_cells.points[:, 0] / length,
-            "delta_kappa_times_length": p.by_cells.points[:, 1] * length,
-            "moment_over_m_g_length": p.by_cells.points[:, 3] / (weight[0] * length),
-        }
-        for p in parameters
-        if weight is not None
-    ]
+    if weight is None:
+        return ()
+    points = [(p.pressure_kPa, p.by_cells.points) for p in parameters]
+    return tuple(
+        Dimensionless(
+            pressure,
+            _numbers(at[:, 0] / length),
+            _numbers(at[:, 1] * length),
+            _numbers(at[:, 3] / (weight[0] * length)),
+        )
+        for pressure, at in points
+    )
 
 
-def _dimensionless_numbers(config: Config, parameters: Sequence[Parameters]) -> JsonObject | None:
+def _dimensionless_numbers(config: Config, parameters: Sequence[Parameters]) -> dict[str, Any] | None:
     """The five parameters and kappa_0(l/2) without unit, lists over the pressures; None without a weight."""
     weight, length = config.reference_weight, config.design.length
     if weight is None:
@@ -239,16 +255,16 @@ def _dimensionless_numbers(config: Config, parameters: Sequence[Parameters]) -> 
     }
 
 
-def _profiles(parameters: Sequence[Parameters]) -> JsonObject:
+def _rest_shape(parameters: Sequence[Parameters]) -> RestShape:
     """kappa_0(s, p) of the rod: at the nodes of the curve, as the shape of II has it, and averaged over cells."""
     if not parameters:
-        return {}
+        return RestShape()
     rows = [rest_curvature(p.free.centreline) for p in parameters]
-    return {
-        "s_mm": rows[0][1][:, 0],
-        "theta0_rad": [theta for theta, _ in rows],
-        "kappa_0_per_mm": [profile[:, 1] for _, profile in rows],
-        "cell_s_mm": parameters[0].kappa_0.s,
-        "cell_averaged_per_mm": [p.kappa_0.kappa for p in parameters],
-        "middle_per_mm": [p.kappa_0_middle for p in parameters],
-    }
+    return RestShape(
+        s_mm=_numbers(rows[0][1][:, 0]),
+        theta0_rad=tuple(float(theta) for theta, _ in rows),
+        kappa_0_per_mm=tuple(_numbers(profile[:, 1]) for _, profile in rows),
+        cell_s_mm=_numbers(parameters[0].kappa_0.s),
+        cell_averaged_per_mm=tuple(_numbers(p.kappa_0.kappa) for p in parameters),
+        middle_per_mm=tuple(p.kappa_0_middle for p in parameters),
+    )

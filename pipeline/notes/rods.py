@@ -99,8 +99,10 @@ def mesh_errors(run: Run, rod: str) -> MeshErrors:
     """The errors of the mesh in the numbers of a rod, at the worst pressure."""
     if rod == ARM_LAW:
         return _of_law(run)
-    known = run.parameters.get("mesh_error") or {}
-    return MeshErrors(*(_largest(known.get(f"{name}_relative") or ()) for name in ("kappa_0", "alpha2", "force")))
+    known = run.parameters.mesh_error
+    if known is None:
+        return MeshErrors(None, None, None)
+    return MeshErrors(*map(_largest, (known.kappa_0_relative, known.alpha2_relative, known.force_relative)))
 
 
 def _of_law(run: Run) -> MeshErrors:

@@ -186,9 +186,8 @@ def _moments(run: Run, rod: str) -> tuple[float, float] | None:
         clamps = [c for c in run.law.clamp.curves if c.pressure_kPa == cell.pressure_kPa]
         ends = [(curve.moment_N_mm[0], curve.moment_N_mm[-1]) for curve in (cell, *clamps)]
         return max(low for low, _ in ends), min(high for _, high in ends)
-    columns = run.parameters.get("eccentricity") or {} if rod == EXTENSIBLE else run.parameters
-    ranges = columns.get("moment_range_N_mm") or ()
-    return (ranges[-1][0], ranges[-1][1]) if ranges else None
+    columns = run.parameters.eccentricity if rod == EXTENSIBLE else run.parameters
+    return columns.moment_range_N_mm[-1] if columns and columns.moment_range_N_mm else None
 
 
 def _use(run: Run, rod: str) -> str:

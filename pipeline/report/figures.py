@@ -8,7 +8,6 @@ import numpy as np
 from geometry.arrays import Array
 from pipeline.notes.rods import rod_errors
 from pipeline.plots import COLOURS, INK, Line, Panel, figure, ordered_colour
-from pipeline.results.files import as_columns
 from pipeline.results.values import Curve, RodError, Run, bending_deg
 from pipeline.store.formats import ARM_LAW, CURVE_PREFIXES, EXTENSIBLE, FIVE
 
@@ -49,7 +48,7 @@ def bending_angle(run: Run) -> str:
     curves = run.curves_of("II")
     if not curves:
         return ""
-    start = [0.0] if run.parameters.get("straight_without_pressure", True) else []
+    start = [0.0] if run.parameters.straight_without_pressure else []
     pressures = np.array([*start, *(curve.pressure_kPa for curve in curves)])
     angles = np.array([*start, *(curve.bending_deg for curve in curves)])
     lines = [Line(pressures, angles, FINITE_ELEMENTS, COLOURS[0], marker="circle")]
@@ -121,9 +120,9 @@ def rigidities(run: Run) -> str:
     lines: list[Line] = []
     for number, symbol in ((1, "α₁"), (2, "α₂")):
         key, colour = f"alpha{number}_N_mm2", COLOURS[number - 1]
-        values, spread = (as_columns(run.parameters.get(name), len(pressures)) for name in (key, f"{key}_std"))
+        values, spread = (np.array(getattr(run.parameters, name), dtype=float) for name in (key, f"{key}_std"))
         lines.append(Line(pressures, values, symbol, colour, dash="", marker="circle", spread=spread))
-        slope = run.parameters.get(f"beta{number}_N_mm2_per_kPa")
+        slope = getattr(run.parameters, f"beta{number}_N_mm2_per_kPa")
         if slope is not None and len(pressures) > 1:
             ends = pressures[[0, -1]]
             line = np.nanmean(values) + slope * (ends - pressures.mean())

@@ -1,12 +1,13 @@
 """The tables of the report and of the terminal: five parameters, rods, loads, states, effects."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from pipeline.formatting import decimals_beside, decimals_of, interval, number, percent, seconds, with_spread
 from pipeline.notes.rods import TITLES, mesh_errors, rod_errors
+from pipeline.results.parameters import FiveColumns
 from pipeline.results.values import Run
 from pipeline.store.formats import EXTENSIBLE, FIVE
 
@@ -47,12 +48,12 @@ def five_parameters(run: Run, rod: str = FIVE) -> Table | None:
 
     rod: whose parameters; the rod that stretches has the eccentricity e of its neutral axis as well.
     """
-    columns = run.parameters.get("eccentricity") if rod == EXTENSIBLE else run.parameters
-    if not run.identified_kPa or not columns:
+    columns = run.parameters.eccentricity if rod == EXTENSIBLE else run.parameters
+    if not run.identified_kPa or columns is None:
         return None
     keys = [*NUMBERS, *([("eccentricity_mm", "e", "mm")] if rod == EXTENSIBLE else [])]
-    single = run.parameters.get("single_line_suffices") or [False] * len(run.identified_kPa)
-    digits = {key: decimals_of(columns[key], columns.get(f"{key}_std") or ()) for key, _, _ in keys}
+    single = run.parameters.single_line_suffices
+    digits = {key: decimals_of(getattr(columns, key), getattr(columns, f"{key}_std")) for key, _, _ in keys}
     rows = tuple(
         (
             f"{pressure:g}",
@@ -63,7 +64,7 @@ def five_parameters(run: Run, rod: str = FIVE) -> Table | None:
         )
         for k, pressure in enumerate(run.identified_kPa)
     )
-    included = "with" if run.parameters.get("mesh_error") else "without"
+    included = "with" if run.parameters.mesh_error else "without"
     return Table(
         ("p (kPa)", *(f"{symbol} ({unit})" for _, symbol, unit in keys)),
         rows,
@@ -72,16 +73,16 @@ def five_parameters(run: Run, rod: str = FIVE) -> Table | None:
     )
 
 
-def _parameter(columns: Mapping[str, Any], key: str, index: int, digits: int) -> str:
-    value, spread = columns[key][index], (columns.get(f"{key}_std") or {index: None})[index]
-    bounds = (columns.get(f"{key}_95") or {index: None})[index]
+def _parameter(columns: FiveColumns, key: str, index: int, digits: int) -> str:
+    value, spread = getattr(columns, key)[index], getattr(columns, f"{key}_std")[index]
     if value is None:
         return "-"
     if key == "d_mm":
-        for bound, words in (("d_is_at_most", "at most"), ("d_is_at_least", "at least")):
-            if (columns.get(bound) or {index: False})[index]:
+        for bound, words in ((columns.d_is_at_most, "at most"), (columns.d_is_at_least, "at least")):
+            if bound and bound[index]:
                 return f"{words} {with_spread(value, None, digits)}"
-    below = interval(bounds, decimals_beside(spread, digits))
+    bounds = getattr(columns, f"{key}_95", None)
+    below = interval(bounds[index], decimals_beside(spread, digits)) if bounds else ""
     return f"{with_spread(value, spread, digits)}\n{below}" if below else with_spread(value, spread, digits)
 
 

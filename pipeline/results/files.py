@@ -8,32 +8,33 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 from pydantic import TypeAdapter, ValidationError
 
 from geometry.arrays import Array
 from pipeline.errors import InputError
+from pipeline.results.parameters import RodParameters
 from pipeline.results.values import Curve, Effect, Law, Reported, RodError, Run, State
 from pipeline.store.formats import FORMAT
 from pipeline.store.result_folder import ResultFolder
 
-#: file of a table -> the type of its content
-TABLES: dict[str, Any] = {
+#: file -> the type of its content
+TYPES: dict[str, Any] = {
     "experiments.json": list[State],
     "validation.json": list[RodError],
     "effects.json": list[Effect],
+    "parameters.json": RodParameters,
 }
 _IDENTITY = "states/configuration.json"  #: written when a run starts
 
 
-def save_table(folder: ResultFolder, name: str, rows: Sequence[State | RodError | Effect]) -> None:
-    """Write the rows of a table of `TABLES`; NaN and infinity become null."""
-    folder.save_json(name, TypeAdapter(TABLES[name]).dump_python(list(rows)))
+def save_value(folder: ResultFolder, name: str, value: RodParameters | Sequence[State | RodError | Effect]) -> None:
+    """Write the content of one of the files in `TYPES`; NaN and infinity become null."""
+    folder.save_json(name, TypeAdapter(TYPES[name]).dump_python(value))
 
 
 def json_schema() -> dict[str, Any]:
-    """The JSON schema of the tables and of the part of law.json that is read here, by file name."""
-    return {name: TypeAdapter(kind).json_schema() for name, kind in {**TABLES, "law.json": Law}.items()}
+    """The JSON schemas of the result files by name; that of law.json has the part that the report reads."""
+    return {name: TypeAdapter(kind).json_schema() for name, kind in {**TYPES, "law.json": Law}.items()}
 
 
 def read_results(directory: Path) -> Run:
@@ -50,7 +51,7 @@ def read_results(directory: Path) -> Run:
     parameters = _mapping(directory / "parameters.json", contents.get("parameters.json"))
     for name, content in (("run.json", record), ("parameters.json", parameters)):
         _check_format(directory / name, content)
-    tables = {name: _typed(directory / name, kind, contents.get(name) or []) for name, kind in TABLES.items()}
+    values = {name: _typed(directory / name, TYPES[name], contents[name]) for name in TYPES if name in contents}
     notes = {
         key: tuple(_typed(directory / "run.json", list[Reported], record.get(key) or []))
         for key in ("failures", "remarks")
@@ -59,12 +60,12 @@ def read_results(directory: Path) -> Run:
     return Run(
         directory=directory,
         record=record,
-        parameters=parameters,
-        states=tuple(tables["experiments.json"]),
+        parameters=values.get("parameters.json", RodParameters()),
+        states=tuple(values.get("experiments.json", ())),
         curves=_curves(directory / "curves.csv"),
-        rod_errors=tuple(tables["validation.json"]),
+        rod_errors=tuple(values.get("validation.json", ())),
         validation_curves=_curves(directory / "validation_curves.csv"),
-        effects=tuple(tables["effects.json"]),
+        effects=tuple(values.get("effects.json", ())),
         law=None if law is None else _typed(directory / "law.json", Law, law),
         **notes,
     )
@@ -139,8 +140,3 @@ def _curve(key: Any, rows: Any) -> Curve:
 
 def _unreadable(path: Path, reason: str) -> InputError:
     return InputError(f"{path}: is not a result file of a run: {reason}; repeat the run or restore the file")
-
-
-def as_columns(values: Any, count: int) -> Array:
-    """(count,) floats, NaN for None and where there are none."""
-    return np.full(count, np.nan) if values is None else np.array(values, dtype=float)

@@ -13,11 +13,9 @@ from typing import Any
 import numpy as np
 
 from geometry.arrays import Array
+from pipeline.results.parameters import Column, Numbers, RodParameters
 from pipeline.store.formats import ARM_LAW, CONVERGED, FIVE
 
-Numbers = tuple[float, ...]
-#: a number for every pressure, None where there is none
-Column = tuple[float | None, ...]
 Pair = tuple[float, float]
 Position = tuple[float, float, float]
 
@@ -203,7 +201,7 @@ class Run:
 
     directory: Path
     record: Mapping[str, Any] = field(repr=False)  #: run.json; empty where the run did not come to its report
-    parameters: Mapping[str, Any] = field(repr=False)  #: parameters.json; empty without the identification
+    parameters: RodParameters = field(repr=False)  #: without pressures where nothing was identified
     states: tuple[State, ...] = field(repr=False)
     curves: tuple[Curve, ...] = field(repr=False)
     rod_errors: tuple[RodError, ...] = field(repr=False)
@@ -241,8 +239,8 @@ class Run:
     @property
     def length_mm(self) -> float:
         """Rest length of the material curve, mm; NaN where no file has it."""
-        if "length_mm" in self.parameters:
-            return float(self.parameters["length_mm"])
+        if self.parameters.length_mm is not None:
+            return self.parameters.length_mm
         if self.law is not None:
             return self.law.length_mm
         return max((float(curve["s_mm"].max()) for curve in self.curves), default=float("nan"))
@@ -261,7 +259,7 @@ class Run:
     @property
     def identified_kPa(self) -> Numbers:
         """The pressures that have five parameters, ascending."""
-        return tuple(self.parameters.get("pressures_kPa", ()))
+        return self.parameters.pressures_kPa
 
     @property
     def averaging_mm(self) -> float:
@@ -285,14 +283,6 @@ class Run:
     def curves_of(self, experiment: str) -> list[Curve]:
         """The curves of one experiment by ascending pressure."""
         return sorted((c for c in self.curves if c.experiment == experiment), key=lambda c: c.pressure_kPa)
-
-    def parameter(self, key: str, pressure_kPa: float) -> float | None:
-        """The entry of a list of parameters.json at one pressure."""
-        values = self.parameters.get(key)
-        if pressure_kPa not in self.identified_kPa or values is None:
-            return None
-        value = values[self.identified_kPa.index(pressure_kPa)]
-        return None if value is None else float(value)
 
     def picture(self, name: str) -> Path | None:
         """The picture of this name without suffix (body, body_open, II_17kPa); None where there is none."""

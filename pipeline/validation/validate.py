@@ -7,7 +7,7 @@ from math import isfinite
 from geometry import Reason, Values
 from pipeline.config.config import Config
 from pipeline.context import RunContext
-from pipeline.results.files import save_table
+from pipeline.results.files import save_value
 from pipeline.simulation.loadcase import LoadCase, validation_cases
 from pipeline.simulation.outcome import Outcomes
 from pipeline.simulation.scene import Scene
@@ -31,7 +31,7 @@ class Validated:
     def save(self, store: Store, in_sample: Sequence[Comparison]) -> None:
         """Write validation.json (what is in sample first) and validation_curves.csv."""
         errors = [error for c in (*in_sample, *self.comparisons) for error in c.errors]
-        save_table(store, "validation.json", errors)
+        save_value(store, "validation.json", errors)
         rows = [(c.state.load, *row) for c in self.comparisons for row in rows_of(c.record, c, c.pitch)]
         store.save_rows("validation_curves.csv", VALIDATION_COLUMNS, rows)
 

@@ -11,6 +11,7 @@ from typer.testing import CliRunner
 from pipeline.cli import app
 from pipeline.notes.rods import tip_moves_by
 from pipeline.notes.verdict import MOST_WARNINGS, Verdict, verdict_of
+from pipeline.results.parameters import RodParameters
 from pipeline.results.values import Reported, Run
 from pipeline.store.result_folder import json_text
 from tests.coarse import coarse_run
@@ -123,7 +124,9 @@ def test_failures_are_named(run: Run) -> None:
 
 
 def test_a_run_without_any_state_has_a_verdict(run: Run) -> None:
-    empty = replace(run, states=(), curves=(), rod_errors=(), parameters={}, law=None, failures=(), remarks=())
+    empty = replace(
+        run, states=(), curves=(), rod_errors=(), parameters=RodParameters(), law=None, failures=(), remarks=()
+    )
     nothing = verdict_of(empty)
     assert not nothing.usable
     assert np.isnan(nothing.length_mm)

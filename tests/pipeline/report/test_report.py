@@ -13,6 +13,7 @@ import pytest
 from pipeline.notes.verdict import verdict_of
 from pipeline.report import figures, tables
 from pipeline.report.page import render_page
+from pipeline.results.parameters import RodParameters
 from pipeline.results.values import Reported, Run
 from tests.coarse import coarse_run
 
@@ -61,7 +62,7 @@ def test_every_section_is_there_once(page: str) -> None:
 
 @pytest.mark.parametrize("missing", ["states", "curves", "rod_errors", "parameters", "law", "record", "effects"])
 def test_what_a_failed_run_lacks_is_left_out(run: Run, missing: str) -> None:
-    empty: Any = {"parameters": {}, "law": None, "record": {}}.get(missing, ())
+    empty: Any = {"parameters": RodParameters(), "law": None, "record": {}}.get(missing, ())
     failures = (Reported("stopped", {}, None, "experiment II stopped before 45 kPa."),)
     part = replace(run, **{missing: empty, "failures": failures})
     page = render_page(part, verdict_of(part))
@@ -89,7 +90,9 @@ def test_the_rod_is_averaged_like_the_dots_it_is_compared_with(run: Run) -> None
 
 
 def test_figures_without_data_are_empty(run: Run) -> None:
-    nothing = replace(run, states=(), curves=(), rod_errors=(), parameters={}, law=None, validation_curves=())
+    nothing = replace(
+        run, states=(), curves=(), rod_errors=(), parameters=RodParameters(), law=None, validation_curves=()
+    )
     drawn = (figures.bending_angle, figures.moments, figures.rigidities, figures.end_forces, figures.arm_law)
     assert [figure(nothing) for figure in (*drawn, figures.validation_shapes)] == [""] * 6
     assert figures.of_experiment(nothing, "II") == ""
@@ -103,7 +106,7 @@ def test_the_five_parameters_have_errors_and_intervals(run: Run) -> None:
     assert table.heads == ("p (kPa)", "α₁ (N mm²)", "α₂ (N mm²)", "m₀₁ (N mm)", "m₀₂ (N mm)", "d (mm)")
     assert table.rows[1][2] == "448.2 ± 0.8\n447.1 … 449.9"
     assert "without the error of the mesh" in table.caption
-    single = replace(run, parameters={**run.parameters, "single_line_suffices": [True, True]})
+    single = replace(run, parameters=replace(run.parameters, single_line_suffices=(True, True)))
     one = tables.five_parameters(single)
     assert one is not None
     assert one.rows[0][-1] == "single line"

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from pipeline.errors import InputError
-from pipeline.results.files import json_schema, read_results, save_table
+from pipeline.results.files import json_schema, read_results, save_value
 from pipeline.results.values import RodError, State, bending_deg
 from pipeline.store.formats import CONVERGED
 from pipeline.store.result_folder import ResultFolder
@@ -30,14 +30,14 @@ def test_every_file_is_read() -> None:
     assert run.validation_curves[0].load == "end at +11.2 mm"
     assert run.law is not None
     assert run.law.pressures_kPa == (0.0, 17.0, 37.0)
-    assert run.parameter("alpha2_N_mm2", 37.0) == pytest.approx(448.2, abs=0.1)
+    assert run.parameters.alpha2_N_mm2[1] == pytest.approx(448.2, abs=0.1)
     assert run.finished
 
 
 def test_what_is_written_is_read_again(tmp_path: Path) -> None:
     """Infinity becomes null, which stands for a number that does not exist."""
     rows = [State("II", 10.0, end_x_mm=1.5, reaction_N=(0.0, 2.0), min_gap_mm=np.inf), State("III", 10.0)]
-    save_table(ResultFolder(tmp_path), "experiments.json", rows)
+    save_value(ResultFolder(tmp_path), "experiments.json", rows)
     again = read_results(tmp_path).states
     assert again[0].reaction_N == (0.0, 2.0)
     assert again[0].min_gap_mm is None
@@ -104,7 +104,7 @@ def test_half_finished_folders_give_what_is_there(names: tuple[str, ...], tmp_pa
 
 def test_the_schema_has_every_column() -> None:
     schema = json.loads(json.dumps(json_schema()))
-    assert set(schema) == {"experiments.json", "validation.json", "effects.json", "law.json"}
+    assert set(schema) == {"experiments.json", "validation.json", "effects.json", "parameters.json", "law.json"}
     for name, kind in (("experiments.json", State), ("validation.json", RodError)):
         columns = schema[name]["$defs"][kind.__name__]["properties"]
         assert set(columns) == set(kind.__dataclass_fields__)
