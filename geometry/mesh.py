@@ -154,15 +154,17 @@ class Mesh:
             return float(areas(self.points, self.faces[name], self.curved).sum())
         return float(np.linalg.norm(normals(self.points[self.faces[name]]), axis=1).sum() / 2)
 
-    def check_closed(self, name: str, clamp: float = 0.0) -> None:
-        """Raise `MeshError` when a named face has an open edge away from the planes z = 0 and x = clamp, mm."""
-        open_ends = open_edges(self.faces[name], len(self.points))
-        away = np.abs(self.points[open_ends][:, :, [0, 2]] - [clamp, 0.0]).max(axis=1).min(axis=1)
-        if len(away) and away.max() > 1e-9 * np.ptp(self.points, axis=0).max():
-            middle = self.points[open_ends[np.argmax(away)]].mean(axis=0)
+    def check_closed(self, name: str, clamp: float = 0.0, half: bool = True) -> None:
+        """Raise `MeshError` when a named face has an open edge away from the planes x = clamp, mm, and z = 0 of a
+        half."""
+        corners = self.points[open_edges(self.faces[name], len(self.points))]
+        planes = np.abs(corners[:, :, [0, 2]] - [clamp, 0.0]) if half else np.abs(corners[:, :, [0]] - clamp)
+        away = planes.max(axis=1).min(axis=1)
+        if len(away) and away.max() > 1e-7 * np.ptp(self.points, axis=0).max():
+            middle = corners[np.argmax(away)].mean(axis=0)
             raise MeshError(
-                f"the face {name} encloses no volume: it has an open edge near {position_text(middle)}, "
-                f"away from z = 0 and x = {clamp:g}"
+                f"the face {name} encloses no volume: it has an open edge near {position_text(middle)}, away from the "
+                f"clamp{' and z = 0' if half else '; of a half name the faces in the plane z = 0 sym'}"
             )
 
     def enclosed_volume(self, name: str) -> float:

@@ -15,11 +15,10 @@ import numpy as np
 from geometry.curved import CurvedEdges
 from geometry.errors import DesignError
 from geometry.files.cad_chambers import chambers, gaps
-from geometry.files.cad_curve import check_curve
-from geometry.files.cad_import import CadBody, Point, bounds, import_solids, is_in_material
-from geometry.files.cad_parts import BODY, named_parts
-from geometry.files.cad_position import check_ends, check_position, check_symmetric, no_end_face
+from geometry.files.cad_checks import BODY, check_curve, check_ends, check_position, check_symmetric, named_parts
+from geometry.files.cad_import import CadBody, bounds, import_solids, is_in_material
 from geometry.files.chambers import Range
+from geometry.files.frame import Point, no_end_face
 from geometry.files.inlets import fill_cad_inlets, hole_advice
 from geometry.files.shells import NOTHING_OPEN
 from geometry.grading import Grading
@@ -135,7 +134,7 @@ def _named_mesh(body: CadBody, mesh: SolidMesh) -> Mesh:
     named = name_faces(points, tets, mesh.walls, planes, curved)
     for name in ("clamp", "tip"):
         if name not in named.faces:
-            raise no_end_face(body, name)
+            raise no_end_face(name, body.x_in_file(name))
     ends = np.cumsum([len(region) for region in mesh.regions.values()])
     numbers = np.split(np.arange(len(tets)), ends[:-1])
     regions = {name: of_name for name, of_name in zip(mesh.regions, numbers, strict=True) if name != BODY}

@@ -13,7 +13,7 @@ import numpy as np
 from geometry.body import Body
 from geometry.errors import DesignError, MeshError, raise_together
 from geometry.files.cad import CadMeasures, edges_of, measure, measure_gaps, measure_thinnest_wall, mesh_cad
-from geometry.files.cad_import import STEP, SUFFIXES, CadBody, CadSource, Point, defeatured, file_bounds
+from geometry.files.cad_import import STEP, SUFFIXES, CadBody, CadSource, defeatured, file_bounds
 from geometry.files.cells import (
     CellPlanes,
     Cells,
@@ -23,7 +23,7 @@ from geometry.files.cells import (
     mesh_cells,
 )
 from geometry.files.chambers import Range, runs_through
-from geometry.files.frame import PITCHES, SAME, Axes, rotation
+from geometry.files.frame import PITCHES, SAME, Axes, Point, rotation
 from geometry.files.from_file import FileDesign, Plug, wrong_points
 from geometry.files.mesh_reader import SUFFIXES as MESH_SUFFIXES
 from geometry.files.surface import SUFFIXES as SURFACE_SUFFIXES

@@ -5,16 +5,15 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any, TypeAlias
+from typing import Any
 
 import numpy as np
 
 from geometry.arrays import Array
 from geometry.errors import DesignError
 from geometry.files.cad_defeature import without_narrow_faces
+from geometry.files.frame import Point
 from geometry.meshing.solid import Volume, session
-
-Point: TypeAlias = tuple[float, float, float]
 
 STEP = (".step", ".stp")
 SUFFIXES = (*STEP, ".brep", ".brp")
@@ -70,6 +69,10 @@ class CadBody:
     def middle(self) -> float:
         """z of the plane of the file that becomes z = 0, in the directions of the arm, mm."""
         return self.source.shift if self.turned else -self.source.shift
+
+    def x_in_file(self, end: str) -> float:
+        """x of clamp or tip as the user gave it, mm."""
+        return float(getattr(self, end)) * (-1 if self.turned else 1)
 
     @property
     def cavities(self) -> list[str]:

@@ -19,6 +19,7 @@ from geometry.errors import DesignError
 from geometry.files.cad import cad_session, keep_material, mesh_session
 from geometry.files.cad_import import CadBody
 from geometry.files.cad_mirror import Difference, box, difference, have_equal_boundaries, moments
+from geometry.files.frame import CellPlanes
 from geometry.grading import Grading
 from geometry.meshing.mirror import Repetition
 from geometry.meshing.shapes import Volume
@@ -34,19 +35,6 @@ DECIMALS, ROUNDED = (1, 2, 3), 0.02
 GOOD, FAR = 1e-5, 0.02
 #: smallest length of half a cell over that of the body
 SHORTEST = 1e-3
-
-
-@dataclass(frozen=True)
-class CellPlanes:
-    """Two neighbouring planes of mirror symmetry of the cells of a body."""
-
-    start: float  #: x of the plane in the middle of a cell, mm, as in the file
-    stop: float  #: x of the plane between this cell and the next or the one before, mm
-
-    @property
-    def half_pitch(self) -> float:
-        """Half the length of a cell, mm."""
-        return abs(self.stop - self.start)
 
 
 @dataclass(frozen=True)

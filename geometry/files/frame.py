@@ -1,6 +1,12 @@
-"""The frame of a file: its unit and directions, and those of the arm."""
+"""The frame of a file: its unit and directions, and those of the arm; what a user writes where the body lies elsewhere.
 
-from collections.abc import Sequence
+Positions are in mm and in the directions of the arm: x along it, y up, z across, its middle at z = 0.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from itertools import islice
+from math import floor, log10
 from typing import TypeAlias
 
 import numpy as np
@@ -8,12 +14,41 @@ import numpy as np
 from geometry.arrays import Array
 from geometry.errors import DesignError
 
+Point: TypeAlias = tuple[float, float, float]
 #: which directions of the file are x, y and z of the arm: ("x", "z", "-y")
 Axes: TypeAlias = tuple[str, str, str]
 
 SAME: Axes = ("x", "y", "z")
 #: length of an arm, in lengths over which curvature is averaged, that five parameters need (`rod.too_few_pitches`)
 PITCHES = 6.5
+#: the value of `axes`, by the direction along which a body is longest and the one in which it is high
+TURNS = {
+    ("x", "z"): "[x, z, -y]",
+    ("y", "x"): "[y, x, -z]",
+    ("y", "z"): "[y, z, x]",
+    ("z", "x"): "[z, x, y]",
+    ("z", "y"): "[z, y, -x]",
+}
+#: the two sides of a symmetric body reach equally far but for this part of its size, because the bounds of splines are
+#: those of triangles; a suggested middle is rounded to two decimals where that moves it by less than the second
+UNEQUAL, ROUNDED = 1e-3, 1e-4
+#: smallest and largest size of an arm, mm, and that below which a body may be in another unit
+SMALLEST, LARGEST, USUAL = 1.0, 3000.0, 10.0
+#: heights of the material curve that are looked at, of which some are tried, where that takes long, and named
+HEIGHTS, TRIED, NAMED = 25, 10, 5
+
+
+@dataclass(frozen=True)
+class CellPlanes:
+    """Two neighbouring planes of mirror symmetry of the cells of a body."""
+
+    start: float  #: x of the plane in the middle of a cell, mm, as in the file
+    stop: float  #: x of the plane between this cell and the next or the one before, mm
+
+    @property
+    def half_pitch(self) -> float:
+        """Half the length of a cell, mm."""
+        return abs(self.stop - self.start)
 
 
 def rotation(axes: Sequence[str]) -> Array:
@@ -28,10 +63,7 @@ def rotation(axes: Sequence[str]) -> Array:
         raise DesignError("axes", f"[{', '.join(axes)}] names a direction twice; allowed: each of x, y and z once")
     if np.linalg.det(rows) < 0:
         last = axes[2].removeprefix("-") if axes[2].startswith("-") else f"-{axes[2]}"
-        raise DesignError(
-            "axes",
-            f"[{', '.join(axes)}] would mirror the body; write [{axes[0]}, {axes[1]}, {last}], which turns it",
-        )
+        raise DesignError("axes", f"[{', '.join(axes)}] mirrors the body; write [{axes[0]}, {axes[1]}, {last}]")
     return rows
 
 
@@ -49,3 +81,96 @@ def usual_cell(length: float) -> float:
     The five parameters need `PITCHES` of them.
     """
     return min(10.0, length / 10)
+
+
+def check_dimensions(sides: Array) -> None:
+    """Raise `DesignError` unless the sides (3,) of a body, mm, are those of an arm."""
+    if not SMALLEST <= sides.max() <= LARGEST:
+        measures = " x ".join(f"{side:.4g}" for side in sides)
+        raise DesignError(
+            ("file", "unit"), f"the body measures {measures} mm; is it in another unit? give unit, or scale it in CAD"
+        )
+
+
+def check_within(positions: dict[str, float | None], low: Array, high: Array, tolerance: float) -> None:
+    """Raise `DesignError` for a position (clamp, tip, curve; mm) outside of the bounds (3,) of a body."""
+    for key, position in positions.items():
+        axis = 1 if key == "curve" else 0
+        if position is not None and not low[axis] - tolerance <= position <= high[axis] + tolerance:
+            doubt = "; is its unit right?" if (high - low).max() < USUAL else ""
+            raise DesignError(
+                key,
+                f"{'xyz'[axis]} = {position + 0.0:g} mm lies outside the body, which reaches from {low[axis]:.4g} to "
+                f"{high[axis]:.4g} mm{doubt}",
+            )
+
+
+def no_end_face(name: str, x: float) -> DesignError:
+    """The refusal of a body without a face in the plane of the end `name`; x: as the user gave it, mm."""
+    return DesignError(
+        name, f"the body has no flat face in the plane x = {x + 0.0:g} mm; cut a rounded end off, or turn it with axes"
+    )
+
+
+def goes_on(name: str, x: float) -> DesignError:
+    """The refusal of a body with material on both sides of the plane of the end `name`; x: as the user gave it, mm."""
+    return DesignError(
+        name,
+        f"the body goes on beyond x = {x + 0.0:g} mm at the height of the material curve; give the x of its end there, "
+        "another height (curve), or cut the rest off in CAD",
+    )
+
+
+def misplaced(low: Array, high: Array, middle: float, is_reoriented: bool, is_exact: bool = True) -> DesignError:
+    """The refusal of a body that does not have z = 0 in its middle, or at its side if it is a half.
+
+    low, high: bounds (3,), mm; middle: the key; is_exact: whether the bounds are not those of triangles on splines.
+    """
+    position = middle + float(low[2] + high[2]) / 2
+    if not is_exact and abs(round(position, 2) - position) <= ROUNDED * (high[2] - low[2]):
+        position = round(position, 2)
+    sides = " or ".join(position_of(middle + float(side)) for side in (low[2], high[2]))
+    turn = _turn(low, high) if not is_reoriented else ""
+    return DesignError(
+        ("symmetric", "middle"),
+        f"the body reaches from z = {low[2] + 0.0:.4g} to {high[2] + 0.0:.4g} mm; "
+        + (f"write axes: {turn} if it lies in that way, " if turn else "")
+        + f"write middle: {position_of(position)} for a whole arm, symmetric: true and middle: {sides} for one half",
+    )
+
+
+def _turn(low: Array, high: Array) -> str:
+    """The value of `axes` that turns a body; empty where it likely lies as it should.
+
+    Its width is likely on both sides of zero, and most programs have z up.
+    """
+
+    def is_aside(axis: str) -> bool:
+        k = "xyz".index(axis)
+        return bool(abs(high[k] + low[k]) > UNEQUAL * (high - low).max())
+
+    longest = "xyz"[int(np.argmax(high - low))]
+    others = [axis for axis in "zyx" if axis != longest]
+    return TURNS.get((longest, next(filter(is_aside, others), others[0])), "")
+
+
+def position_of(position: float) -> str:
+    """A position as the value of a key, mm."""
+    return f"{round(position, 9) + 0.0:.9g} mm"
+
+
+def height_advice(
+    low: float, high: float, fits: Callable[[float], bool], accepted: Callable[[float], bool] = lambda y: True
+) -> str:
+    """The second half of a sentence: some of the heights between low and high (mm) at which the material curve `fits`,
+    and is `accepted` by a check that may take long."""
+    step = (high - low) / (HEIGHTS + 1)
+    digits = max(0, 1 - floor(log10(step)))
+    heights = (round(low + step * k, digits) for k in range(1, HEIGHTS + 1))  # as they are written
+    fitting = [y for y in heights if fits(y)]
+    spread = fitting[:: max(1, len(fitting) // (NAMED - 1))]
+    order = [*spread, *(y for y in fitting if y not in spread)][:TRIED]
+    named = sorted(islice(filter(accepted, order), NAMED))
+    if not named:
+        return "at no height that was tried does it run through the material from end to end"
+    return f"it runs through a wall from end to end for example at y = {', '.join(f'{y + 0.0:.9g}' for y in named)} mm"

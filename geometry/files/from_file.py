@@ -11,10 +11,8 @@ from typing import ClassVar, TypeAlias
 
 from geometry.errors import DesignError
 from geometry.families.design import Design
-from geometry.files.cad_import import Point
-from geometry.files.cells import CellPlanes
 from geometry.files.chambers import Range, distances, middles_of
-from geometry.files.frame import PITCHES, SAME, Axes, usual_cell
+from geometry.files.frame import PITCHES, SAME, Axes, CellPlanes, Point, usual_cell
 from geometry.meshing.mirror import slices
 
 #: largest difference of the distances of chambers, over the largest, with which these are the cells of the arm

@@ -17,7 +17,8 @@ import numpy as np
 from geometry.arrays import Array, Index, Mask
 from geometry.errors import DesignError
 from geometry.files.cad_defeature import Faces, without_faces
-from geometry.files.cad_import import CadBody, Point, bounds, is_in_material
+from geometry.files.cad_import import CadBody, bounds, is_in_material
+from geometry.files.frame import Point
 from geometry.files.surface import Surface, of_parts
 from geometry.meshing.shapes import Volume
 from geometry.topology import normals, parts_of_graph, row_keys, triangle_edges

@@ -12,21 +12,16 @@ import numpy as np
 from geometry.arrays import Array, Index
 from geometry.body import Body
 from geometry.errors import DesignError, MeshError, position_text, raise_together
-from geometry.files.cad_import import Point
 from geometry.files.chambers import Range, chambers_of, has_gaps
-from geometry.files.frame import SAME, Axes
+from geometry.files.frame import SAME, Axes, Point, position_of
 from geometry.files.from_file import FileDesign
 from geometry.files.mesh_reader import FileMesh, read_mesh_file
-from geometry.files.orientation import position_of
-from geometry.files.placing import FLAT, Placed, Placing, check_across, divided, placed_by_planes, turned
-from geometry.files.shells import opens_at, parts_of
+from geometry.files.placing import FLAT, Placed, Placing, check_across, moved, placed_by_planes, turned
+from geometry.files.shells import middle_of, opens_at, parts_of
 from geometry.grading import OFF, Grading
 from geometry.manifold import check_half, check_manifold, check_untangled
 from geometry.mesh import Mesh
-from geometry.topology import find_rows, open_edges, row_keys
-
-#: what to do with a mesh that names some of its faces only
-BY_NAMES = "name clamp, tip and cavity, or give geometry.clamp and tip, and no name of a face is used"
+from geometry.topology import find_rows, row_keys
 
 
 @final
@@ -197,35 +192,26 @@ def _placed_by_names(content: FileMesh, placing: Placing) -> Placed:
     mesh = Mesh(content.points, content.tets, faces, content.curved, content.regions)
     check_manifold(mesh)
     check_untangled(mesh)
+    names = tuple(sorted(name for name in mesh.faces if name.startswith("cavity")))
+    missing = next((name for name in ("clamp", "tip") if name not in mesh.faces), "" if names else "cavity...")
+    if missing or (placing.half and "sym" not in mesh.faces):
+        raise MeshError(
+            f"the mesh has no face named {missing or 'sym'}; it has {', '.join(mesh.faces)}: name it, or give clamp "
+            "and tip, and no name is used"
+        )
     if "sym" in mesh.faces:
         _refuse_shifted(mesh, placing)
         check_half(mesh)
-    elif placing.half:
-        raise DesignError(
-            ("symmetric", "file"),
-            f"the mesh names its faces, and none of them is sym; it has {', '.join(mesh.faces)}: name the faces of the "
-            "half in the plane z = 0 sym, or leave symmetric out for a whole body",
-        )
-    clamp, tip = _ends(mesh)
-    names = tuple(sorted(name for name in mesh.faces if name.startswith("cavity")))
-    if not names:
-        raise MeshError(
-            f"the mesh has no face whose name begins with cavity; it has {', '.join(mesh.faces)}: {BY_NAMES}"
-        )
-    _refuse_named_twice(mesh, [name for name in (*names, "clamp", "tip", "sym") if len(mesh.faces.get(name, ()))])
+    clamp, tip = ends = _plane_of(mesh, "clamp"), _plane_of(mesh, "tip")
+    if not tip > clamp:
+        raise MeshError("the tip must lie at a greater x than the clamp")
+    _refuse_named_twice(mesh, [name for name in (*names, "clamp", "tip", "sym") if name in mesh.faces])
     _refuse_nameless(mesh, names)
     for name in names:  # before the body is moved: positions in sentences are those that a user knows
-        if "sym" not in mesh.faces:
-            _refuse_half(mesh, name, clamp)
-        mesh.check_closed(name, clamp)
+        mesh.check_closed(name, clamp, half="sym" in mesh.faces)
     if "sym" not in mesh.faces:
         check_across(mesh.points, placing)
-    length = tip - clamp
-    mesh = divided(_moved(mesh, clamp), placing.curve, length)
-    for name in names:
-        if not mesh.enclosed_volume(name) > 0:
-            raise MeshError(f"the face {name} encloses material, not air")
-    return Placed(mesh, length, names)
+    return moved(mesh, placing, ends, names)
 
 
 def _refuse_shifted(mesh: Mesh, placing: Placing) -> None:
@@ -251,11 +237,7 @@ def _refuse_named_twice(mesh: Mesh, names: Iterable[str]) -> None:
         common = find_rows(mesh.faces[first], mesh.faces[second], len(mesh.points)) >= 0
         if common.any():
             where = position_text(mesh.points[mesh.faces[first][common][0]].mean(axis=0))
-            raise MeshError(
-                f"{np.count_nonzero(common)} triangles belong to {first} and to {second}, one of them at {where}; "
-                "a triangle may belong to only one of clamp, tip, sym and the faces whose names begin with cavity; "
-                "rename the group that means something else"
-            )
+            raise MeshError(f"{np.count_nonzero(common)} triangles belong to {first} and to {second}, one at {where}")
 
 
 def _refuse_nameless(mesh: Mesh, names: Iterable[str]) -> None:
@@ -267,44 +249,13 @@ def _refuse_nameless(mesh: Mesh, names: Iterable[str]) -> None:
     walls = np.vstack([mesh.faces[name] for name in names])
     for part in parts_of(mesh.points, boundary, None, 0.0)[1]:
         if (find_rows(part, walls, count) < 0).all():
-            corners = mesh.points[part].reshape(-1, 3)
-            where = position_text((corners.min(axis=0) + corners.max(axis=0)) / 2)
+            where = position_text(middle_of(mesh.points, part))
             raise MeshError(f"the mesh has one more cavity, around {where}; name its faces too, for example cavity2")
 
 
-def _refuse_half(mesh: Mesh, name: str, clamp: float) -> None:
-    """Raise `MeshError` where the cavity `name` of a body without a face sym is open in the plane z = 0.
-
-    clamp: x of the clamped end, mm.
-    """
-    edges = mesh.points[open_edges(mesh.faces[name], len(mesh.points))] - [clamp, 0.0, 0.0]
-    off = np.abs(edges).max(axis=1) if len(edges) else np.empty((0, 3))
-    tolerance = 1e-7 * np.ptp(mesh.points, axis=0).max()
-    if ((off[:, 2] <= tolerance) & (off[:, 0] > tolerance)).any():
-        raise MeshError(
-            f"the face {name} is open in the plane z = 0, and the mesh has no face named sym; it has "
-            f"{', '.join(mesh.faces)}: name all faces of the half in that plane sym, or close {name}"
-        )
-
-
-def _ends(mesh: Mesh) -> tuple[float, float]:
-    """x of clamp and tip, mm. Raises `MeshError`."""
-    points, size = mesh.points, float(np.ptp(mesh.points, axis=0).max())
-    ends = []
-    for name in ("clamp", "tip"):
-        if name not in mesh.faces:
-            raise MeshError(f"the mesh has no face named {name}; it has {', '.join(mesh.faces)}: {BY_NAMES}")
-        x = points[np.unique(mesh.faces[name]), 0]
-        if np.ptp(x) > 1e-6 * size:
-            raise MeshError(f"the face {name} must be flat, in a plane x = const; its x varies by {np.ptp(x):.3g} mm")
-        ends.append(float(x.mean()))
-    if not ends[1] > ends[0]:
-        raise MeshError("the tip must lie at a greater x than the clamp")
-    return ends[0], ends[1]
-
-
-def _moved(mesh: Mesh, clamp: float) -> Mesh:
-    """The mesh with its clamp, now at x = clamp (mm), at x = 0."""
-    shift = np.array([clamp, 0.0, 0.0])
-    curved = type(mesh.curved)(mesh.curved.ends, mesh.curved.middles - shift)
-    return Mesh(mesh.points - shift, mesh.tets, mesh.faces, curved, mesh.regions)
+def _plane_of(mesh: Mesh, name: str) -> float:
+    """x of the flat face of an end, mm. Raises `MeshError`."""
+    x = mesh.points[np.unique(mesh.faces[name]), 0]
+    if np.ptp(x) > 1e-6 * float(np.ptp(mesh.points, axis=0).max()):
+        raise MeshError(f"the face {name} must be flat, in a plane x = const; its x varies by {np.ptp(x):.3g} mm")
+    return float(x.mean())

@@ -12,13 +12,21 @@ import numpy as np
 from geometry.arrays import Array, Index, Mask
 from geometry.curved import CurvedEdges
 from geometry.errors import DesignError, MeshError
-from geometry.files.cad_import import Point
-from geometry.files.cad_position import check_dimensions, doubt_of_unit, goes_on
 from geometry.files.curve import with_curve
-from geometry.files.curve_height import HEIGHTS, height_advice
-from geometry.files.frame import SAME, Axes, in_frame
+from geometry.files.frame import (
+    HEIGHTS,
+    SAME,
+    Axes,
+    Point,
+    check_dimensions,
+    check_within,
+    goes_on,
+    height_advice,
+    in_frame,
+    misplaced,
+    no_end_face,
+)
 from geometry.files.mesh_reader import FileMesh
-from geometry.files.orientation import Lying
 from geometry.files.shells import lies_in, named_cavities, parts_of, refuse_open, windings
 from geometry.manifold import check_manifold, check_untangled, count_components
 from geometry.mesh import Mesh
@@ -59,7 +67,7 @@ def turned(content: FileMesh, placing: Placing, half: bool) -> FileMesh:
     half: whether the file holds one half alone. Raises `DesignError`.
     """
     points = in_frame(content.points, placing.unit, placing.axes, placing.middle)
-    check_dimensions(np.ptp(points, axis=0), placing.unit)
+    check_dimensions(np.ptp(points, axis=0))
     signs = np.ones(3)
     if half and abs(points[:, 2].max()) <= FLAT * np.ptp(points, axis=0).max():
         signs[2] = -1.0
@@ -78,21 +86,44 @@ def placed_by_planes(content: FileMesh, placing: Placing) -> Placed:
     used.
     """
     points, tets, curved = joined(content)
-    ends = ends_of(points, placing)
+    clamp, tip = ends = ends_of(points, placing)
     check_across(points, placing)
-    before = Mesh(points, tets, {})  # its positions are those that a user knows
-    check_manifold(before)
-    check_untangled(before)
-    move = Move(ends, placing.half)
-    original, points, length = points, _in_planes(move.there(points), move.length, placing), move.length
-    moved = CurvedEdges(curved.ends, move.there(curved.middles))
-    mesh = Mesh(points, tets, {}, moved, content.regions)
-    for name, position in (("clamp", 0.0), ("tip", length)):
-        _flat(name, position, mesh.points, mesh.boundary, placing)
-    check_beyond(original, before.boundary, ends, placing)
-    mesh = divided(mesh, placing.curve, length)
-    cavities, named = _named(mesh, placing, move)
-    return Placed(replace(mesh, faces=named), length, cavities, move.is_turned)
+    tolerance = FLAT * float(np.ptp(points, axis=0).max())
+    points = points.copy()  # those near the plane of a flat face are moved exactly into it
+    for axis, position in ((0, clamp), (0, tip), *([(2, 0.0)] if placing.half else [])):
+        points[np.abs(points[:, axis] - position) < tolerance, axis] = position
+    mesh = Mesh(points, tets, {}, curved, content.regions)
+    check_manifold(mesh)
+    check_untangled(mesh)
+    for name, position in (("clamp", clamp), ("tip", tip)):
+        _flat(name, position, mesh.points, mesh.boundary)
+    check_beyond(mesh.points, mesh.boundary, ends, placing)
+    cavities, faces = _named(mesh, placing, ends)
+    return moved(replace(mesh, faces=faces), placing, ends, cavities)
+
+
+def moved(mesh: Mesh, placing: Placing, ends: tuple[float, float], cavities: tuple[str, ...]) -> Placed:
+    """The mesh with its clamp at x = 0 and its tip at a larger x, and with the material curve along edges.
+
+    A body that is clamped at its larger x is turned about y by half a turn; a half is mirrored, which gives its other
+    half. ends: x of clamp and tip, mm. Raises `DesignError` where the curve leaves the material.
+    """
+    clamp, tip = ends
+    turned = tip < clamp
+    signs = np.array([-1.0, 1.0, 1.0 if placing.half else -1.0]) if turned else np.ones(3)
+
+    def there(points: Array) -> Array:
+        return (points - [clamp, 0.0, 0.0]) * signs
+
+    length = abs(tip - clamp)
+    points = there(mesh.points)
+    points[mesh.points[:, 0] == tip, 0] = length
+    curved = CurvedEdges(mesh.curved.ends, there(mesh.curved.middles))
+    mesh = divided(Mesh(points, mesh.tets, mesh.faces, curved, mesh.regions), placing.curve, length)
+    for name in cavities:
+        if not mesh.enclosed_volume(name) > 0:
+            raise DesignError(f"air.{name}", f"the surface of {name} encloses material, not air")
+    return Placed(mesh, length, cavities, turned)
 
 
 def joined(content: FileMesh) -> tuple[Array, Index, CurvedEdges]:
@@ -116,15 +147,7 @@ def ends_of(points: Array, placing: Placing) -> tuple[float, float]:
     """x of clamp and tip, mm. Raises `DesignError` where one lies outside the body or both are the same."""
     low, high = points.min(axis=0), points.max(axis=0)
     tolerance = FLAT * float((high - low).max())
-    given = {"clamp": placing.clamp, "tip": placing.tip, "curve": placing.curve}
-    for key, position in given.items():
-        axis = 1 if key == "curve" else 0
-        if position is not None and not low[axis] - tolerance <= position <= high[axis] + tolerance:
-            raise DesignError(
-                key,
-                f"{'xyz'[axis]} = {position:g} mm lies outside the body, which reaches from {low[axis]:.4g} to "
-                f"{high[axis]:.4g} mm{doubt_of_unit(high - low)}",
-            )
+    check_within({"clamp": placing.clamp, "tip": placing.tip, "curve": placing.curve}, low, high, tolerance)
     clamp = placing.clamp if placing.clamp is not None else float(low[0])
     other = float(high[0] if clamp <= (low[0] + high[0]) / 2 else low[0])
     tip = placing.tip if placing.tip is not None else other
@@ -152,65 +175,15 @@ def check_beyond(points: Array, boundary: Index, ends: tuple[float, float], plac
             raise goes_on(name, x)
 
 
-@dataclass(frozen=True)
-class Move:
-    """The motion that brings the clamp to x = 0 and the tip to a larger x.
-
-    An arm that is clamped at its larger x is turned about y by half a turn; a half body is mirrored, which gives its
-    other half.
-    """
-
-    ends: tuple[float, float]  #: x of clamp and tip, mm
-    half: bool
-
-    @property
-    def length(self) -> float:
-        """mm."""
-        return abs(self.ends[1] - self.ends[0])
-
-    @property
-    def is_turned(self) -> bool:
-        """Whether the arm is clamped at its larger x."""
-        return self.ends[1] < self.ends[0]
-
-    @property
-    def _signs(self) -> Array:
-        return np.array([-1.0, 1.0, 1.0 if self.half else -1.0]) if self.is_turned else np.ones(3)
-
-    def there(self, points: Array) -> Array:
-        """Points (n, 3) after the motion."""
-        return (points - [self.ends[0], 0.0, 0.0]) * self._signs
-
-    def back(self, points: Array) -> Array:
-        """Where points (n, 3) were before the motion."""
-        return points * self._signs + [self.ends[0], 0.0, 0.0]
-
-
 def check_across(points: Array, placing: Placing) -> None:
     """Raise `DesignError` unless z = 0 is within a whole body, and at the side of a half."""
-    lying = Lying(points.min(axis=0), points.max(axis=0), placing.middle, placing.axes != SAME)
-    low, high = float(lying.low[2]), float(lying.high[2])
-    tolerance = FLAT * float(np.ptp(points, axis=0).max())
-    is_within = low < -tolerance < tolerance < high
-    if placing.half and abs(low) > tolerance:
-        of_half = "" if is_within else f", or write the z of the plane of symmetry, middle: {lying.sides}"
-        raise DesignError(
-            ("symmetric", "middle"),
-            f"{lying.reach}; true is for a file that holds one half alone, with z = 0 at its side: leave it out"
-            f"{of_half}",
-        )
-    if not placing.half and not is_within:
-        raise DesignError(("symmetric", "middle"), lying.beside(halves=True))
-
-
-def _in_planes(points: Array, length: float, placing: Placing) -> Array:
-    """Points (n, 3) with those that are near the plane of a flat face exactly in it."""
-    points = points.copy()
-    tolerance = FLAT * float(np.ptp(points, axis=0).max())
-    planes = [(0, 0.0), (0, length), *([(2, 0.0)] if placing.half else [])]
-    for axis, position in planes:
-        points[np.abs(points[:, axis] - position) < tolerance, axis] = position
-    return points
+    low, high = points.min(axis=0), points.max(axis=0)
+    tolerance = FLAT * float((high - low).max())
+    is_within = low[2] < -tolerance < tolerance < high[2]
+    if placing.half and is_within:
+        raise DesignError("symmetric", "true is for a file that holds one half alone, z = 0 at its side: leave it out")
+    if (placing.half and abs(low[2]) > tolerance) or not (placing.half or is_within):
+        raise misplaced(low, high, placing.middle, placing.axes != SAME)
 
 
 def divided(mesh: Mesh, curve_y: float, length: float) -> Mesh:
@@ -272,52 +245,39 @@ def curve_gap(mesh: Mesh, curve_y: float, length: float) -> tuple[float, float] 
     return next(((stops[k], stops[k + 1]) for k, ok in enumerate(filled) if not ok), None)
 
 
-def _named(mesh: Mesh, placing: Placing, move: Move) -> tuple[tuple[str, ...], dict[str, Index]]:
-    """Names of the cavities, and the triangles of all faces by name. Raises `DesignError`.
+def _named(mesh: Mesh, placing: Placing, ends: tuple[float, float]) -> tuple[tuple[str, ...], dict[str, Index]]:
+    """Names of the cavities, and the triangles of all faces by name; ends: x of clamp and tip, mm.
 
-    Cavities are looked for where the body was before the motion, so that sentences have positions that a user knows.
+    Raises `DesignError`.
     """
-    points, boundary, length = mesh.points, mesh.boundary, move.length
+    points, free = mesh.points, mesh.boundary
     tolerance = 1e-9 * float(np.ptp(points, axis=0).max())
-    original, clamp = move.back(points), move.ends[0]
-    named = {}
+    faces: dict[str, Index] = {}
     mirrors: list[tuple[int, float]] = []
-    free = boundary
     if placing.half:
-        sym = lies_in(points, boundary, (2, 0.0), tolerance)
-        named["sym"], free = boundary[sym], boundary[~sym]
+        sym = lies_in(points, free, (2, 0.0), tolerance)
+        faces["sym"], free = free[sym], free[~sym]
         mirrors.append((2, 0.0))
-    outside, inner = parts_of(original, free, clamp if placing.plug else None, tolerance)
+    _, inner = parts_of(points, free, ends[0] if placing.plug else None, tolerance)
     if not inner:
-        refuse_open(original, free, move.ends, placing.plug, tolerance)
+        refuse_open(points, free, ends, placing.plug, tolerance)
     if placing.plug:
-        mirrors.append((0, clamp))
-    cavities = named_cavities(original, inner, boundary, placing.air, mirrors)
-    walls = np.vstack(list(cavities.values()))
-    outside = free[find_rows(free, walls, len(points)) < 0]
-    for name, position in (("clamp", 0.0), ("tip", length)):
-        flat = _flat(name, position, points, outside, placing)
-        named[name], outside = outside[flat], outside[~flat]
-    for name, walls in cavities.items():
-        if not Mesh(points, mesh.tets, {name: walls}).enclosed_volume(name) > 0:
-            raise DesignError(f"air.{name}", f"the surface of {name} encloses material, not air")
-    named |= cavities
-    named["outer"] = outside
-    return tuple(cavities), {name: triangles for name, triangles in named.items() if len(triangles)}
+        mirrors.append((0, ends[0]))
+    cavities = named_cavities(points, inner, mesh.boundary, placing.air, mirrors)
+    outside = free[find_rows(free, np.vstack(list(cavities.values())), len(points)) < 0]
+    for name, position in zip(("clamp", "tip"), ends, strict=True):
+        flat = _flat(name, position, points, outside)
+        faces[name], outside = outside[flat], outside[~flat]
+    faces |= {**cavities, "outer": outside}
+    return tuple(cavities), {name: triangles for name, triangles in faces.items() if len(triangles)}
 
 
-def _flat(name: str, position: float, points: Array, triangles: Index, placing: Placing) -> Mask:
+def _flat(name: str, position: float, points: Array, triangles: Index) -> Mask:
     """True for the triangles (k, 3) in the plane x = position (mm) of the end `name`, (k,).
 
     Raises `DesignError` where there is none.
     """
     flat = lies_in(points, triangles, (0, position), 1e-9 * float(np.ptp(points, axis=0).max()))
     if not flat.any():
-        given = getattr(placing, name)
-        where = "at its end" if given is None else f"in the plane x = {given:g} mm"
-        raise DesignError(
-            name,
-            f"the body has no flat face {where}; cut a rounded end off, or give the x of a plane in which its surface "
-            "lies",
-        )
+        raise no_end_face(name, position)
     return flat

@@ -141,7 +141,7 @@ def _named_walls(
             raise DesignError(
                 "air",
                 f"the body has {len(inner)} cavities, around {positions}; name each by a point in it, for example "
-                f"air: {{cavity: [{', '.join(f'{x:.4g} mm' for x in _middle(points, inner[0]))}]}}",
+                f"air: {{cavity: [{', '.join(f'{x:.4g} mm' for x in middle_of(points, inner[0]))}]}}",
             )
         return {"cavity": inner[0]}
     closed = [closed_by_mirrors(points[walls], mirrors) for walls in inner]
@@ -153,7 +153,7 @@ def _named_walls(
         holder = next((k for k, corners in enumerate(closed) if abs(windings(at, corners)) > 0.5), None)
         coordinates = "(" + ", ".join(f"{x:g}" for x in given) + ") mm"
         for plane in (position for axis, position in mirrors if axis == 0):
-            if holder is not None and (at[0] - plane) * (_middle(points, inner[holder])[0] - plane) < 0:
+            if holder is not None and (at[0] - plane) * (middle_of(points, inner[holder])[0] - plane) < 0:
                 raise DesignError(
                     f"air.{name}",
                     f"the point {coordinates} lies behind the plane of the clamp, x = {plane:g} mm; give a point in a "
@@ -191,10 +191,10 @@ def lies_in(points: Array, triangles: Index, plane: tuple[int, float], tolerance
     return np.asarray((np.abs(points[triangles][:, :, axis] - position) <= tolerance).all(axis=1))
 
 
-def _middle(points: Array, walls: Index) -> Array:
+def middle_of(points: Array, walls: Index) -> Array:
     corners = points[walls].reshape(-1, 3)
     return np.asarray((corners.min(axis=0) + corners.max(axis=0)) / 2)
 
 
 def _position(points: Array, walls: Index) -> str:
-    return "(" + ", ".join(f"{x + 0.0:.4g}" for x in _middle(points, walls)) + ") mm"
+    return "(" + ", ".join(f"{x + 0.0:.4g}" for x in middle_of(points, walls)) + ") mm"

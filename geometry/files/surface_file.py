@@ -11,14 +11,11 @@ import numpy as np
 from geometry.arrays import Array, Index
 from geometry.body import Body
 from geometry.errors import DesignError, MeshError, raise_together
-from geometry.files.cad_import import Point
-from geometry.files.cad_position import check_dimensions
 from geometry.files.chambers import Range, chambers_of, has_gaps
 from geometry.files.fill import fill
-from geometry.files.frame import SAME, Axes, in_frame
+from geometry.files.frame import SAME, Axes, Point, check_dimensions, in_frame, misplaced
 from geometry.files.from_file import FileDesign, Plug
 from geometry.files.inlets import fill_surface_inlets
-from geometry.files.orientation import Lying
 from geometry.files.placing import FLAT, Placed, Placing, ends_of, placed_by_planes
 from geometry.files.shells import named_cavities, parts_of, refuse_open
 from geometry.files.surface import Surface, enclosed, read_surface, thinnest
@@ -76,7 +73,7 @@ class SurfaceFile(FileDesign):
         try:
             surface = read_surface(Path(self.file))
             surface = replace(surface, points=in_frame(surface.points, self.unit, self.axes, self.middle))
-            check_dimensions(np.ptp(surface.points, axis=0), self.unit)
+            check_dimensions(np.ptp(surface.points, axis=0))
             return fill_surface_inlets(surface, self.plug) if isinstance(self.plug, Mapping) else (surface, {})
         except MeshError as error:
             raise DesignError("file", str(error)) from error
@@ -85,8 +82,7 @@ class SurfaceFile(FileDesign):
         """Raise `DesignError` unless z = 0 lies within the body."""
         low, high = self.surface.points.min(axis=0), self.surface.points.max(axis=0)
         if not low[2] < 0 < high[2] or min(-low[2], high[2]) <= FLAT * max(self.extent):
-            lying = Lying(low, high, self.middle, self.axes != SAME)
-            raise DesignError(("middle", "file"), lying.beside(halves=False))
+            raise misplaced(low, high, self.middle, self.axes != SAME)
 
     @property
     def _placing(self) -> Placing:

@@ -4,7 +4,7 @@ import numpy as np
 
 from geometry import Body, Design, Mesh, Reason
 from geometry.arrays import Array
-from geometry.files.orientation import TURNS
+from geometry.files.frame import TURNS
 from geometry.topology import OUTWARD, find_rows, normals
 from pipeline.config.config import Config
 from pipeline.identification.too_short import too_coarse

@@ -86,7 +86,7 @@ def test_two_cavities_keep_their_names(folder: Path) -> None:
 def test_unit_of_a_brep_file(folder: Path) -> None:
     path = save(folder / "metres.brep", lambda occ: occ.dilate(finger(occ), 0, 0, 0, 1e-3, 1e-3, 1e-3))
     assert design_of(path, unit=1000).solid_volume == pytest.approx(SOLID, rel=1e-6)
-    with pytest.raises(DesignError, match=r"measures 0\.06 x 0\.016 x 0\.015 mm; is its file in another unit"):
+    with pytest.raises(DesignError, match=r"measures 0\.06 x 0\.016 x 0\.015 mm; is it in another unit"):
         design_of(path)
 
 
@@ -109,12 +109,12 @@ BAD_FILES: dict[str, tuple[Draw, str, str]] = {
     "open": (lambda occ: finger(occ, hole=True), "air.cavity", "no closed cavity"),
     "several": (lambda occ: [finger(occ), box(occ, (0, 20, -1), (60, 22, 1))], "file", "holds 2 solids; unite them"),
     "surface": (lambda occ: occ.addRectangle(0, 0, 0, 60, 10), "file", "holds no solid"),
-    "huge": (lambda occ: occ.dilate(finger(occ), 0, 0, 0, 1e3, 1e3, 1e3), "file", "scale it in the CAD program"),
+    "huge": (lambda occ: occ.dilate(finger(occ), 0, 0, 0, 1e3, 1e3, 1e3), "file", "is it in another unit"),
     "asymmetric": (asymmetric, "symmetric", "differ"),
     "aside": (
         lambda occ: occ.translate(finger(occ), 0, 0, 3),
         "symmetric",
-        r"z = 0 is neither in the middle of the body nor at its side; write middle: 3 mm, the z of its middle",
+        "write middle: 3 mm for a whole arm",
     ),
 }
 
@@ -138,7 +138,7 @@ BAD_SPECS: list[tuple[dict[str, Any], str, str]] = [
     ({"tip": -5}, "tip", "x = -5 mm lies outside the body, which reaches from 0 to 60 mm"),
     ({"tip": 0}, "clamp", "both at x = 0 mm"),
     ({"curve": 17}, "curve", "y = 17 mm lies outside the body"),
-    ({"curve": 5}, "curve", "y = 5 mm, z = 0 is outside the material between .* mm behind the clamp; give a height at"),
+    ({"curve": 5}, "curve", "y = 5 mm, z = 0 is outside the material between .* mm behind the clamp"),
     ({"cell": 0}, "cell", "positive"),
     ({"unit": float("nan")}, "unit", "positive"),
 ]
@@ -162,22 +162,20 @@ def test_a_body_along_another_direction_is_refused_with_advice(angle: float, fol
     path = save(folder / "along_z.brep", along_z)
     with pytest.raises(
         DesignError,
-        match=r"longest along z: if that is the arm's length, and its height is along y, write axes: \[z, y, -x\]",
+        match=r"write axes: \[z, y, -x\]",
     ):
         CadFile(str(path), 1.0)
 
 
 def test_a_whole_body_beside_its_middle_is_refused(folder: Path) -> None:
     path = save(folder / "beside.brep", lambda occ: occ.translate(finger(occ), 0, 0, 7.5))
-    with pytest.raises(
-        DesignError, match=r"symmetric, middle: the body reaches from z = 0 to 15 mm, and the material curve"
-    ):
+    with pytest.raises(DesignError, match=r"symmetric, middle: the body reaches from z = 0 to 15 mm"):
         design_of(path, symmetric=False, air={})
 
 
 def test_errors_that_only_meshing_shows(folder: Path) -> None:
     path = save(folder / "late.brep", finger)
-    with pytest.raises(DesignError, match="tip: the body has no face in the plane x = 40 mm"):
+    with pytest.raises(DesignError, match="tip: the body has no flat face in the plane x = 40 mm"):
         design_of(path, tip=40).body(5)
     with pytest.raises(DesignError, match=r"mesh\.size"):
         design_of(path).body(50)

@@ -106,9 +106,9 @@ def test_the_curve_may_run_along_the_bottom_of_a_half(folder: Path) -> None:
     [
         (pair, {}, "file", "give parts, a point in each one of another material"),
         (pair, {"parts": {"plate": (20.0, 5.0, 0.0)}}, "parts.plate", "(20, 5, 0) mm lies in no solid of the file"),
-        (pair, {"parts": {"a": (1.0, 3.0, 2.0)}}, "parts.a", "(1, 3, 2) mm lies in the boundary of 2 solids; give a"),
+        (pair, {"parts": {"a": (1.0, 3.0, 2.0)}}, "parts.a", "(1, 3, 2) mm lies in the boundary of several solids"),
         (pair, {"parts": {"a": IN_PLATE, "b": (9.0, 2.0, 1.0)}}, "parts.b", "lies in the same solid as that of a"),
-        (pair, {"parts": {"a": IN_PLATE, "b": IN_BLOCK}}, "parts", "all solids of the file (2) are named"),
+        (pair, {"parts": {"a": IN_PLATE, "b": IN_BLOCK}}, "parts", "all 2 solids are named"),
         (pair, {"parts": {"a": IN_PLATE}, "unite": True}, "parts", "give one of the two"),
         (lambda occ: pair(occ, apart=1.0), {"parts": {"a": (20.0, 0.0, 0.0)}}, "parts", "2 parts that do not touch"),
         (lambda occ: pair(occ, apart=-0.5), {"parts": {"a": IN_PLATE}}, "parts", "overlap in 207 mm3"),

@@ -9,7 +9,7 @@ import pytest
 
 from geometry import CadFile, Design, DesignError, Mesh, MeshError, MeshFile, SurfaceFile
 from geometry.files.curve import with_curve
-from geometry.files.curve_height import TRIED, height_advice
+from geometry.files.frame import TRIED, height_advice
 from tests.foreign_bodies import bar, meshed, write_mesh, write_surface
 from tests.step_bodies import box, save
 
@@ -62,7 +62,7 @@ def test_what_is_suggested_for_rounded_ends_is_accepted(suffix: str, tmp_path: P
 def test_an_end_without_a_flat_face_is_named_whatever_the_curve(suffix: str, tmp_path: Path) -> None:
     kind, write = KINDS[suffix]
     path = write(tmp_path / f"round.{suffix}", round_tip)
-    with pytest.raises(DesignError, match=r"tip: the body has no (flat )?face .*cut a rounded end off"):
+    with pytest.raises(DesignError, match=r"tip: the body has no flat face .*cut a rounded end off"):
         kind(str(path), 1.0).body(4.0)
 
 
@@ -84,9 +84,7 @@ def test_a_height_at_which_elements_would_be_flat_is_refused_with_others(
     first, *others = suggested(lambda y: MeshFile(path, y), 5.0)
     fails_at(first)
     assert set(others) < set(suggested(lambda y: MeshFile(path, y), 5.0)) - {first}
-    with pytest.raises(
-        DesignError, match=r"curve: the elements around the line y = .* because tetrahedron 7 .* give a"
-    ):
+    with pytest.raises(DesignError, match=r"curve: the elements around the line y = .* because tetrahedron 7"):
         MeshFile(path, first)
 
 
@@ -110,6 +108,6 @@ def test_a_check_that_takes_long_is_asked_a_few_times() -> None:
         tried.append(y)
         return False
 
-    assert "at none of the heights that were tried" in height_advice(0.0, 12.0, lambda y: True, accepted)
+    assert "at no height that was tried" in height_advice(0.0, 12.0, lambda y: True, accepted)
     assert len(set(tried)) == len(tried) == TRIED
-    assert height_advice(0.0, 12.0, lambda y: 5 < y < 9, lambda y: y > 8).endswith("for example y = 8.31, 8.77 mm")
+    assert height_advice(0.0, 12.0, lambda y: 5 < y < 9, lambda y: y > 8).endswith("for example at y = 8.31, 8.77 mm")

@@ -65,11 +65,9 @@ def test_brp_is_a_brep_file(folder: Path) -> None:
 @pytest.mark.parametrize("symmetric", [True, False])
 def test_a_small_body_may_be_in_another_unit(folder: Path, symmetric: bool) -> None:
     path, as_step = (in_inches(bar, folder / f"inches{suffix}") for suffix in (".brep", ".step"))
-    small = r"curve: y = 1.5 mm lies outside the body, .*; the body measures 2.362 x 0.4724 x 0.5906 mm: if that is "
-    with pytest.raises(DesignError, match=f"{small}too small, give the unit of its file, geometry.unit"):
-        CadFile(str(path), 1.5, symmetric=symmetric)
-    with pytest.raises(DesignError, match=f"{small}too small, scale it in the CAD program, because STEP files store"):
-        CadFile(str(as_step), 1.5, symmetric=symmetric)
+    for inches in (path, as_step):
+        with pytest.raises(DesignError, match=r"curve: y = 1.5 mm lies outside the body, .*; is its unit right"):
+            CadFile(str(inches), 1.5, symmetric=symmetric)
     check_bar(CadFile(str(path), 1.5, unit=25.4, symmetric=symmetric))
     with pytest.raises(DesignError, match=r"curve: y = 15 mm lies outside the body, .* to 12 mm$"):
         CadFile(str(path), 15.0, unit=25.4, symmetric=symmetric)
@@ -81,7 +79,7 @@ def test_other_directions(folder: Path, symmetric: bool) -> None:
     path = save(folder / "standing.step", standing_bar)
     design = CadFile(str(path), 1.5, axes=("z", "-y", "x"), symmetric=symmetric)
     check_bar(design)
-    with pytest.raises(DesignError, match=r"axes: \[z, -y, -x\] would mirror the body; write \[z, -y, x\]"):
+    with pytest.raises(DesignError, match=r"axes: \[z, -y, -x\] mirrors the body; write \[z, -y, x\]"):
         CadFile(str(path), 1.5, axes=("z", "-y", "-x"))
 
 
@@ -105,9 +103,7 @@ def test_the_clamp_at_the_other_end(folder: Path) -> None:
         CadFile(str(path), 1.5, clamp=60, tip=0, symmetric=False, air={"cavity": (50, 1, 1)})
     assert (design.meshed_volume, half.meshed_volume) == (design.solid_volume, half.solid_volume / 2)
     one_half = save(folder / "one_half.step", half_bar)
-    with pytest.raises(
-        DesignError, match=r"symmetric, middle: the body reaches from z = 0 to 7.5 mm, and the material curve"
-    ):
+    with pytest.raises(DesignError, match=r"symmetric, middle: the body reaches from z = 0 to 7.5 mm"):
         CadFile(str(one_half), 1.5, clamp=60, tip=0, symmetric=False)
 
 
@@ -138,7 +134,7 @@ def test_a_body_with_its_origin_at_a_corner(kind: str, folder: Path) -> None:
     """It is not taken as one half of an arm with twice the material and twice the air."""
     path = str(corner_of_the_file(folder, kind))
     family = {"stl": SurfaceFile, "vtk": MeshFile}.get(kind, CadFile)
-    with pytest.raises(DesignError, match=r"from z = 0 to 15 mm.* write middle: 7\.5 mm, the z of its middle"):
+    with pytest.raises(DesignError, match=r"from z = 0 to 15 mm; .*write middle: 7\.5 mm for a whole arm"):
         family(path, 1.5)
     with pytest.raises(DesignError, match=r"middle: must be a length, not nan"):
         family(path, 1.5, middle=float("nan"))
@@ -148,7 +144,7 @@ def test_a_body_with_its_origin_at_a_corner(kind: str, folder: Path) -> None:
         for ends in ({}, {"clamp": 60, "tip": 0}):
             with pytest.raises(
                 DesignError,
-                match=r"from z = -5 to 10 mm from middle: z = 0 is neither .* write middle: 7\.5 mm, .* 0 mm or 15 mm",
+                match=r"from z = -5 to 10 mm; .*write middle: 7\.5 mm .* 0 mm or 15 mm",
             ):
                 family(path, 1.5, middle=5.0, **ends)
 
@@ -195,7 +191,7 @@ def test_a_half_solid_below_is_the_same_arm(turned: bool, folder: Path) -> None:
     path = save(folder / "below.step", half_knobbed_below)
     clamp, tip = (60, 0) if turned else (0, 60)
     with pytest.raises(
-        DesignError, match=r"from z = -7\.5 to 0 mm, .* write symmetric: true if .* write middle: -3\.75 mm"
+        DesignError, match=r"from z = -7\.5 to 0 mm; .*write middle: -3\.75 mm for a whole arm, symmetric: true"
     ):
         CadFile(str(path), 1.5, clamp, tip)
     design = CadFile(str(path), 1.5, clamp, tip, {"cavity": (50, 5, -1)}, symmetric=True)

@@ -102,10 +102,10 @@ def with_more_than_a_half(mesh: Mesh) -> Mesh:
 
 BAD_MESHES: dict[str, tuple[Callable[[Mesh], Mesh], str]] = {
     "no clamp": (lambda mesh: renamed(mesh, clamp="foot"), "no face named clamp"),
-    "no cavity": (lambda mesh: renamed(mesh, cavity="air"), "no face whose name begins with cavity"),
+    "no cavity": (lambda mesh: renamed(mesh, cavity="air"), "no face named cavity"),
     "cavity twice": (
         lambda mesh: Mesh(mesh.points, mesh.tets, {**mesh.faces, "cavity_all": mesh.faces["cavity"]}),
-        r"\d+ triangles belong to cavity and to cavity_all, one of them at \(",
+        r"\d+ triangles belong to cavity and to cavity_all, one at \(",
     ),
     "round clamp": (lambda mesh: renamed(mesh, clamp="foot", outer="clamp"), "clamp must be flat"),
     "backwards": (lambda mesh: renamed(mesh, clamp="tip", tip="clamp"), "tip must lie at a greater x"),
@@ -118,7 +118,7 @@ BAD_MESHES: dict[str, tuple[Callable[[Mesh], Mesh], str]] = {
     "sym elsewhere": (with_sym_elsewhere, "sym must lie in the plane z = 0; a triangle of it is near"),
     "half without sym": (
         lambda mesh: renamed(mesh, sym="rest"),
-        "cavity is open in the plane z = 0, and .* no face named sym",
+        "open edge near .* of a half name the faces",
     ),
     "more than a half": (with_more_than_a_half, "must be one half, but it reaches to .* other side of z = 0"),
 }
@@ -174,7 +174,7 @@ def test_a_mesh_with_names_whose_middle_is_elsewhere(pneunet: Path, tmp_path: Pa
     assert volume == pytest.approx(2 * half.volume)
     whole = half.mirrored()
     Mesh(np.add(whole.points, [0, 0, 7.5]), whole.tets, whole.faces).write(tmp_path / "whole.msh")
-    with pytest.raises(DesignError, match=r"from z = 0 to 15 mm, .* if it holds the whole arm, write middle: 7\.5 mm"):
+    with pytest.raises(DesignError, match=r"from z = 0 to 15 mm; .* middle: 7\.5 mm for a whole arm"):
         MeshFile(str(tmp_path / "whole.msh"), curve=1)
     assert MeshFile(str(tmp_path / "whole.msh"), curve=1, middle=7.5).solid_volume == pytest.approx(volume)
 
@@ -184,7 +184,7 @@ def test_positions_in_sentences_are_those_of_the_file(pneunet: Path, tmp_path: P
     mesh = with_open_cavity(Mesh.read(pneunet))
     path = tmp_path / "moved.msh"
     Mesh(np.add(mesh.points, [100, 0, 0]), mesh.tets, mesh.faces).write(path)
-    with pytest.raises(DesignError, match="away from z = 0 and x = 100") as caught:
+    with pytest.raises(DesignError, match=r"open edge near \(10") as caught:
         MeshFile(str(path), curve=1)
     match = re.search(r"open edge near \(([-0-9.]+), ([-0-9.]+), ([-0-9.]+)\) mm", caught.value.sentence)
     assert match is not None
@@ -197,7 +197,7 @@ def test_a_whole_body_with_names_is_no_half(pneunet: Path, tmp_path: Path) -> No
     Mesh.read(pneunet).mirrored().write(tmp_path / "whole.msh")
     path = str(tmp_path / "whole.msh")
     assert MeshFile(path, curve=1).solid_volume == pytest.approx(MeshFile(str(pneunet), curve=1).solid_volume)
-    with pytest.raises(DesignError, match="symmetric, file: the mesh names its faces, and none of them is sym"):
+    with pytest.raises(DesignError, match="no face named sym"):
         MeshFile(path, curve=1, symmetric=True)
     assert MeshFile(str(pneunet), curve=1, symmetric=True).fixed_body.half
 
