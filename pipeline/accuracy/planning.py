@@ -104,8 +104,8 @@ def _unplanned(config: Config, reason: str, progress: Progress) -> Planned:
     mesh, against_locking = config.mesh, config.effects.incompressibility.decided
     given = GivenMesh(
         None if mesh.size_mm is AUTO else mesh.element_size_mm,
-        None if "formulation" in mesh.chosen else mesh.formulation,
-        None if "grading" in mesh.chosen else mesh.grading,
+        "auto" if "formulation" in mesh.chosen else mesh.formulation,
+        "auto" if "grading" in mesh.chosen else mesh.grading,
     )
     chosen = chosen_mesh(config.design, config.material.law, config.poisson_ratio, against_locking, given)
     coarser = COARSER if "coarser" in mesh.chosen else mesh.coarser

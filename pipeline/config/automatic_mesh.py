@@ -14,9 +14,9 @@ from geometry import GRADINGS, Design, DesignError, MeshFile, SurfaceFile
 from geometry.families.design import expected_tets
 from pipeline.config.body import design_conflicts
 from pipeline.config.document import Document
-from pipeline.config.kinds import above_zero, in_unit, number, one_of
+from pipeline.config.kinds import number, one_of
 from pipeline.config.section import Field, Kind, Section, conflict, known, raise_all, section, wrong
-from pipeline.config.units import LENGTH
+from pipeline.config.units import LENGTH, convert
 
 #: size without grading over that with it, because the walls are coarser there: the deflection of the finger of
 #: docs/how_to/own_bodies_tried.md from an STL file is off by 2.0 % with 0.9 and by 3.5 % with 1.2, its end force by 2.0
@@ -46,16 +46,12 @@ class Auto(Enum):
 AUTO = Auto.AUTO
 
 
-def _or_auto(kind: Kind) -> Kind:
-    """A kind that may be left to the program, None then."""
-    allowed = kind.allowed if "`auto`" in kind.allowed else f"{kind.allowed}, or `auto`"
-    read, test = kind.read, kind.test
-    return replace(
-        kind,
-        allowed=allowed,
-        read=lambda value: None if value == "auto" else read(value),
-        test=lambda value: value is None or test is None or test(value),
-    )
+def _edge(value: Any) -> float | None:
+    return None if value == "auto" else convert(value, LENGTH)
+
+
+def _is_edge(size: float | None) -> bool:
+    return size is None or size > 0.0
 
 
 def _coarser(value: Any) -> Any:
@@ -70,16 +66,16 @@ def _shows_convergence(coarser: float | str) -> bool:
 
 @section(frozen=True)
 class GivenMesh(Section):
-    """What a configuration says about its mesh; None is left to the program."""
+    """What a configuration says about its mesh; "auto", and None as a size, are left to the program."""
 
-    size_mm: Annotated[float | None, _or_auto(Kind("above 0", LENGTH.example, "mm", in_unit(LENGTH), above_zero))] = (
-        Field(default=None, description="edge that Gmsh aims at; `auto`: from the drawing, or for a requested accuracy")
+    size_mm: Annotated[float | None, Kind("above 0, or `auto`", LENGTH.example, "mm", _edge, _is_edge)] = Field(
+        default=None, description="edge that Gmsh aims at; `auto`: from the drawing, or for a requested accuracy"
     )
-    formulation: Annotated[str | None, _or_auto(one_of((*ELEMENTS, "auto")))] = Field(
-        default=None, description="[elements](theory.md#elements), `auto` [chooses](#the-mesh)"
+    formulation: Annotated[str, one_of((*ELEMENTS, "auto"))] = Field(
+        default="auto", description="[elements](theory.md#elements), `auto` [chooses](#the-mesh)", examples=["mixed"]
     )
-    grading: Annotated[str | None, _or_auto(one_of((*GRADINGS, "auto")))] = Field(
-        default=None, description="where elements are [smaller](accuracy.md#graded-meshes), `auto` is `walls`"
+    grading: Annotated[str, one_of((*GRADINGS, "auto"))] = Field(
+        default="auto", description="where elements are [smaller](accuracy.md#graded-meshes), `auto` is `walls`"
     )
     coarser: Annotated[
         float | Literal["auto", "off"], Kind("1.1 to 5, `auto` or `off`", "1.5", "1", _coarser, _shows_convergence)
@@ -118,7 +114,7 @@ def read_mesh(given: GivenMesh, fields: Mapping[str, Any], document: Document) -
     """The mesh as given, and as the program chooses it where it is not; AUTO where an accuracy decides the size."""
     (effects,) = known(fields, "effects")
     against_locking, formulation = effects.incompressibility.decided, given.formulation
-    if formulation is not None and against_locking == ELEMENTS[formulation].fully_integrated:
+    if formulation != "auto" and against_locking == ELEMENTS[formulation].fully_integrated:
         sentence = f"incompressibility {effects.incompressibility.state} and formulation {formulation} contradict each"
         keys = ("effects", "incompressibility"), ("mesh", "formulation")
         raise_all([conflict(f"{sentence} other; leave one of them out", *keys)])
@@ -156,9 +152,9 @@ def chosen_mesh(design: Design, law: str, nu: float, against_locking: bool | Non
     """
     reasons: dict[str, str] = {}
     formulation, grading, size = given.formulation, given.grading, given.size_mm
-    if formulation is None:
+    if formulation == "auto":
         formulation, reasons["formulation"] = _formulation(design, law, nu, against_locking)
-    if grading is None:
+    if grading == "auto":
         grading = "walls" if design.has_drawing else "off"
         if grading == "walls":
             reasons["grading"] = "most of the error of the mesh arises where thin walls bend"

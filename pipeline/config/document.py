@@ -30,13 +30,6 @@ class Document:
     overridden: tuple[Key, ...]  #: the keys that overrides gave
     naming: Naming = on_command_line
 
-    def with_overrides(self, overrides: Sequence[str]) -> "Document":
-        """The same with every "a.b=value" of the command line put in.
-
-        Raises InputError as `with_values`, and for one that is not KEY=VALUE.
-        """
-        return self.with_values([_key_and_value(text) for text in overrides], on_command_line)
-
     def with_values(self, values: Sequence[tuple[str, Any]], naming: Naming) -> "Document":
         """The same with values put in at dotted keys; texts are parsed as YAML, also those in lists and mappings.
 
@@ -66,7 +59,7 @@ class Document:
 
 
 def read_document(path: Path, overrides: Sequence[str] = ()) -> Document:
-    """The YAML mapping in `path`, with overrides as `Document.with_overrides` puts them in. Raises InputError."""
+    """The YAML mapping in `path`, with every override "a.b=value" of the command line put in. Raises InputError."""
     try:
         content = _parsed(path.read_text(encoding="utf-8"))
     except FileNotFoundError:
@@ -79,7 +72,7 @@ def read_document(path: Path, overrides: Sequence[str] = ()) -> Document:
         raise InputError(f"{path}: {_yaml_complaint(failure)}; write 'key: value' lines in YAML") from None
     if not isinstance(content, dict):
         raise InputError(f"{path}: holds no keys; a configuration starts with 'name: ...' and 'geometry: ...'")
-    return Document(path, content, ()).with_overrides(overrides)
+    return Document(path, content, ()).with_values([_key_and_value(text) for text in overrides], on_command_line)
 
 
 def _parsed(text: str) -> Any:
