@@ -137,12 +137,11 @@ def effects(
     """Each effect on and off: what it changes, what it costs."""
     design, folder = _design(config, settings, out, "_effects")
 
-    from pipeline.effects_rows import contact_sentences
     from pipeline.effects_study import compare_effects
     from pipeline.terminal import effects_comparison
 
     table = _solve(compare_effects, design, folder, jobs or min(2, available_cores()), fresh)
-    print_lines(effects_comparison(table.rows), *contact_sentences(table.rows))
+    print_lines(effects_comparison(table.rows))
     print_lines(f"table: {folder / 'effects_table.json'}")
     if table.failures:
         print_sentences(*(f"{sentence}." for sentence in table.failures))

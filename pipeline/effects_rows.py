@@ -3,13 +3,12 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from fem import compile_kernels
 from pipeline.config.config import Config
 from pipeline.context import RunContext
 from pipeline.identification.parameters import Parameters, identify_all
 from pipeline.notes import render, render_all
 from pipeline.simulation.outcome import Outcomes
-from pipeline.simulation.scene import Scene, material_of
+from pipeline.simulation.scene import Scene
 from pipeline.simulation.simulate import simulate
 
 #: one variant at one pressure, as in effects_table.json
@@ -36,7 +35,6 @@ COST = ("cpu_seconds", "factorizations", "degrees_of_freedom", "states")
 
 def solve_variant(config: Config, context: RunContext) -> tuple[list[dict[str, Any]], list[str]]:
     """II and III: numbers, cost and what is missing at every pressure, and a sentence for each missing one."""
-    compile_kernels(config.mesh.formulation, material_of(config))  # their time is none of the variant
     scene = Scene.meshed(config)
     rows = variant_rows(scene, simulate(scene, context, ("III", "II")))
     return rows, list(dict.fromkeys(row["reason"] for row in rows if row["reason"]))
@@ -113,26 +111,3 @@ def compared(variants: Sequence[tuple[str, str, Sequence[EffectRow]]]) -> list[d
 
 def _change(value: float | None, reference: float | None) -> float | None:
     return value / reference - 1.0 if value is not None and reference else None
-
-
-def contact_sentences(rows: Sequence[EffectRow]) -> list[str]:
-    """Whether the two slopes are caused by chambers in contact, one sentence per pressure; none without both cases."""
-    by_state: dict[float, dict[str, EffectRow]] = {}
-    for row in rows:
-        if row["effect"] in (BASE, "self_contact") and row["alpha1_N_mm2"] is not None:
-            by_state.setdefault(row["pressure_kPa"], {})[row["state"]] = row
-    sentences = []
-    for pressure, states in by_state.items():
-        if len(states) == 2 and "" in states:
-            touching, free = states.get("on", states[""]), states.get("off", states[""])
-            compared_slopes = f"with contact {_slopes(touching)}; without contact {_slopes(free)}"
-            what = compared_slopes if touching["contact"] else f"no walls met; {_slopes(touching)}"
-            sentences.append(f"{pressure:g} kPa: {what}")
-    return sentences
-
-
-def _slopes(row: EffectRow) -> str:
-    if row["d_mm"] is None:
-        return f"a single line suffices, alpha = {row['alpha1_N_mm2']:.4g} N mm2"
-    slopes = f"alpha1 = {row['alpha1_N_mm2']:.4g}, alpha2 = {row['alpha2_N_mm2']:.4g} N mm2"
-    return f"{slopes}, d = {row['d_mm']:.3g} mm"

@@ -152,15 +152,7 @@ class Plan:
 
     def announcement(self, config: Config) -> str:
         """What the run will take and what other accuracies would, in one sentence before it begins."""
-        law = ", the arm's own law several times as much" if config.law == "both" else ""
-        less = "" if self.choice.is_reached else ", which is more than requested"
-        return "; ".join((
-            f"accuracy {100 * self.requested:g} %: mesh size {self.choice.size_mm:.3g} mm, {self.choice.cost(config)}"
-            f"{law}, with one worker process",
-            f"estimated errors: {self.estimate}{less}",
-            *self._doubts(self.estimate),
-            self._table(config),
-        ))  # fmt: skip
+        return f"{self.sentence(None)}; {self._table(config)}"
 
     def check(self, config: Config) -> None:
         """Raise InputError where the size was to be chosen and none reaches the request."""
@@ -168,11 +160,9 @@ class Plan:
             return
         best = self.sizes.best_accuracy
         ask = f"request {100 * best:.3g} % or more" if best <= MOST_ACCURACY else "leave accuracy out"
-        doubts = "".join(f" ({doubt})" for doubt in self._doubts(self.estimate))
         raise InputError(
-            f"{config.source}: accuracy: {100 * self.requested:g} % cannot be reached: with "
-            f"{self.choice.size_mm:.3g} mm, the smallest size that is tried, the estimated errors are {self.estimate}"
-            f"{doubts}; {ask}, or give mesh.size; {self._table(config)}"
+            f"{config.source}: accuracy: {100 * self.requested:g} % cannot be reached: {self.choice.size_mm:.3g} mm is "
+            f"the smallest size that is tried; {ask}, or give mesh.size; {self.announcement(config)}"
         )
 
     def _table(self, config: Config) -> str:
@@ -185,7 +175,9 @@ class Plan:
             else f"{100 * choice.accuracy:.3g} %: not reached"
             for choice in (*self.sizes.compared(self.requested), *finest)
         ]
-        return f"sizes and cost by accuracy: {'; '.join(rows)}{' (the least)' if finest else ''}"
+        law = "; the arm's own law several times as much" if config.law == "both" else ""
+        least = " (the least)" if finest else ""
+        return f"sizes and cost by accuracy, with one worker process: {'; '.join(rows)}{least}{law}"
 
     def _doubts(self, present: Estimate) -> list[str]:
         """Why an estimate is not reliable; empty where it is."""

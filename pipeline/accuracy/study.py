@@ -54,15 +54,6 @@ class StudyRow:
 
 
 @dataclass(frozen=True)
-class SeriesOrders:
-    """The orders of convergence of the headline numbers along one series of meshes, at one pressure."""
-
-    series: str
-    pressure_kPa: float
-    orders: Mapping[str, Order]  #: by the names of `HEADLINE`, without those that too few meshes have
-
-
-@dataclass(frozen=True)
 class ConvergenceStudy:
     """References, and per configuration its cost and its errors against them."""
 
@@ -78,11 +69,10 @@ class ConvergenceStudy:
         return max(references.relative_std for references in self.references)
 
     @property
-    def orders(self) -> list[SeriesOrders]:
-        """The orders along every series of meshes, at every pressure with enough meshes."""
-        names = dict.fromkeys(row.series for row in self.rows if row.series not in (TOLERANCE, CONTACT, POINTS))
-        orders = []
-        for series in names:
+    def orders(self) -> dict[tuple[str, float], dict[str, Order]]:
+        """The orders of the headline numbers by series of meshes and pressure (kPa), where enough meshes have them."""
+        orders = {}
+        for series in dict.fromkeys(row.series for row in self.rows if row.series not in (TOLERANCE, CONTACT, POINTS)):
             results = [row.result for row in self.rows if row.series == series]
             for pressure in (references.pressure_kPa for references in self.references):
                 meshes = [
@@ -90,8 +80,8 @@ class ConvergenceStudy:
                     for result in results
                     if result.cost and (numbers := result.at(pressure))
                 ]
-                orders.append(SeriesOrders(series, pressure, orders_along(meshes)))
-        return [along for along in orders if along.orders]
+                orders[series, pressure] = orders_along(meshes)
+        return {place: along for place, along in orders.items() if along}
 
     def record(self) -> JsonObject:
         """The content of accuracy.json."""
@@ -101,12 +91,8 @@ class ConvergenceStudy:
             "reference_error": self.reference_error,
             "left_out_kPa": self.left_out_kPa,
             "orders": [
-                {
-                    "series": along.series,
-                    "pressure_kPa": along.pressure_kPa,
-                    **{name: asdict(order) for name, order in along.orders.items()},
-                }
-                for along in self.orders
+                {"series": series, "pressure_kPa": pressure, **{name: asdict(order) for name, order in along.items()}}
+                for (series, pressure), along in self.orders.items()
             ],
             "rungs": [row.record() for row in self.rows],
         }

@@ -67,13 +67,13 @@ def left_out_sentences(study: ConvergenceStudy) -> list[str]:
 def order_sentences(study: ConvergenceStudy) -> list[str]:
     """The orders of convergence of the series with the most accurate elements, one sentence per series."""
     by_series: dict[str, list[str]] = {}
-    for along in study.orders:
-        if along.series.split(",")[0] == REFERENCE_ELEMENT:
+    for (series, pressure), along in study.orders.items():
+        if series.split(",")[0] == REFERENCE_ELEMENT:
             orders = ", ".join(
                 f"{NUMBERS[name]} {order.value:.1f} ± {order.std:.1f} ({order.meshes} meshes)"
-                for name, order in along.orders.items()
+                for name, order in along.items()
             )
-            by_series.setdefault(along.series, []).append(f"{along.pressure_kPa:g} kPa: {orders}")
+            by_series.setdefault(series, []).append(f"{pressure:g} kPa: {orders}")
     return [f"orders of convergence, {series}: {'; '.join(parts)}" for series, parts in by_series.items()]
 
 

@@ -1,6 +1,6 @@
 """The numbers of a point for the table of a sweep: one row per pressure, names with units."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 
 import numpy as np
 
@@ -31,7 +31,11 @@ def rows_of_run(report: RunReport) -> list[Row]:
                 row |= _five(parameters)
         row |= _errors(c for c in report.comparisons if c.state.in_sample and is_same(c.record.pressure_kPa, pressure))
         row["notes"] = render_all(report.remarks)
-    return _merged(list(rows.values()), rows_of_law(report.config, report.arm.measured))
+    for pressure, of_cell in zip(
+        report.config.pressures_kPa, rows_of_law(report.config, report.arm.measured), strict=True
+    ):
+        rows[pressure] |= of_cell
+    return list(rows.values())
 
 
 def rows_of_experiments(config: Config, outcomes: Outcomes, remark: str) -> list[Row]:
@@ -52,24 +56,15 @@ def rows_of_law(config: Config, measured: MeasuredLaw | None) -> list[Row]:
     ]
 
 
-def _merged(first: Sequence[Row], second: Sequence[Row]) -> list[Row]:
-    """Rows with the numbers of both; those of `second` belong to pressures of `first`."""
-    more = {row["pressure_kPa"]: row for row in second}
-    return [{**row, **more.get(row["pressure_kPa"], {})} for row in first]
-
-
 def _arm(config: Config) -> Row:
     mass = config.mass_tonne
     return {"length_mm": config.design.length, "mass_g": None if mass is None else 1e6 * mass}
 
 
 def _states(outcomes: Outcomes, pressure: float, pitch: float) -> Row:
-    row: Row = {}
-    for outcome in outcomes:
-        record = outcome.at(pressure)
-        if record is not None:
-            row |= {f"{outcome.name}_{name}": value for name, value in _state(record, pitch).items()}
-    return row
+    reached = {outcome.name: record for outcome in outcomes if (record := outcome.at(pressure))}
+    states = {name: _state(record, pitch) for name, record in reached.items()}
+    return {f"{name}_{column}": value for name, state in states.items() for column, value in state.items()}
 
 
 def _state(record: Record, pitch: float) -> Row:

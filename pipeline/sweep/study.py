@@ -28,8 +28,6 @@ from pipeline.sweep.workers import LocalWorkers, RemoteScheduler, connected
 #: the folder of the points, and the file that says what the folder is
 POINTS, RECORD = "points", "sweep.json"
 TABLE, PAGE = ("sweep.csv", "sweep.parquet"), "sweep.html"
-#: so many points take seconds to be checked
-MANY_POINTS = 300
 #: while points are solved the table is written again after so many seconds at least, and so many times as long as
 #: writing it takes
 PAUSE, PAUSE_OVER_WRITING = 2.0, 20.0
@@ -93,8 +91,6 @@ def run_sweeps(requests: Sequence[tuple[Sweep, Path]], course: Course) -> list[S
     folders = [out.resolve() for _, out in requests]
     if twice := [str(out) for (_, out), path in zip(requests, folders, strict=True) if folders.count(path) > 1]:
         raise InputError(f"{twice[0]}: two sweeps would write into this folder; give them different names")
-    if (number := sum(len(sweep.settings) for sweep, _ in requests)) >= MANY_POINTS:
-        course.say(f"{number} points are checked before the first one is solved")
     sets = [
         PointSet(out, sweep.identity, sweep.run, points_of(sweep), (*TABLE, PAGE), partial(_save_sweep, sweep))
         for sweep, out in requests

@@ -54,22 +54,21 @@ class LocalWorkers:
     @staticmethod
     def of(jobs: int, memory: str | None) -> "LocalWorkers":
         """memory: of each worker with its unit, or None for equal parts of that of the machine. Raises InputError."""
+        least, machine = _gigabytes(LEAST_MEMORY), _gigabytes(MEMORY_LIMIT)
         try:
             each = MEMORY_LIMIT // jobs if memory is None else parse_bytes(memory)
         except ValueError:
             raise InputError(f"--memory {memory}: is no amount of memory; for example --memory '4 GB'") from None
-        if each > MEMORY_LIMIT:
-            raise InputError(f"--memory {memory}: is more than this machine has, {_gigabytes(MEMORY_LIMIT)}")
-        if memory is not None and each < LEAST_MEMORY:
+        if memory is not None and not LEAST_MEMORY <= each <= MEMORY_LIMIT:
             raise InputError(
-                f"--memory {memory}: is too little for a worker, which needs {_gigabytes(LEAST_MEMORY)}; give it with "
-                "its unit, for example '4 GB'"
+                f"--memory {memory}: a worker needs at least {least} and this machine has {machine}; give an amount "
+                "between them with its unit, for example '4 GB'"
             )
-        least = LEAST_MEMORY if memory is None else each
-        if jobs > 1 and jobs * least > MEMORY_LIMIT:
+        needed = LEAST_MEMORY if memory is None else each
+        if jobs > 1 and jobs * needed > MEMORY_LIMIT:
             raise InputError(
-                f"--jobs {jobs}: each worker needs {_gigabytes(least)}, and this machine has "
-                f"{_gigabytes(MEMORY_LIMIT)} for all; give --jobs {max(1, MEMORY_LIMIT // least)}"
+                f"--jobs {jobs}: each worker needs {_gigabytes(needed)}, and this machine has {machine} for all; give "
+                f"--jobs {max(1, MEMORY_LIMIT // needed)}"
             )
         return LocalWorkers(jobs, each)
 
@@ -133,10 +132,8 @@ def connected(workers: LocalWorkers | RemoteScheduler) -> Iterator[Connected]:
     if isinstance(workers, RemoteScheduler):
         with _client(workers.address) as client:
             number = len(client.scheduler_info(n_workers=-1)["workers"])
-            waiting = "" if number else "; the sweep begins when the first one is there"
-            yield Connected(
-                client, f"scheduler {workers.address}: {number} workers{waiting}; dashboard: {client.dashboard_link}"
-            )
+            sentence = f"scheduler {workers.address}: {number} workers; dashboard: {client.dashboard_link}"
+            yield Connected(client, sentence)
         return
     with (
         dask.config.set(_SETTINGS),

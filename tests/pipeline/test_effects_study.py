@@ -17,8 +17,8 @@ from pipeline.context import RunContext
 from pipeline.effects_rows import BASE, COST, NUMBERS, EffectRow, compared, variant_rows
 from pipeline.effects_study import EffectsTable, compare_effects, variant_name, variants
 from pipeline.errors import InputError, RunFailed
-from pipeline.parallel import loading
 from pipeline.progress import Lines, Silent
+from pipeline.simulation import kernels
 from pipeline.simulation.outcome import Outcomes
 from pipeline.simulation.scene import Scene
 from pipeline.simulation.simulate import simulate
@@ -173,7 +173,7 @@ def test_the_time_of_an_experiment_counts_no_kernels_and_is_kept_with_its_states
 
     config, out = load_config(file), file.parent / "out"
     solved(config, file.parent / "first", "II")  # loads what is loaded once
-    monkeypatch.setattr(loading, "compile_kernels", compiling)
+    monkeypatch.setattr(kernels, "compile_kernels", compiling)
     outcomes = solved(config, out, "II")
     assert 0.0 < outcomes.records[0].cpu_seconds <= outcomes.cpu_seconds < 2.5
     again = solved(config, out, "II")

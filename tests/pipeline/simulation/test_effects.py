@@ -14,7 +14,7 @@ from rich.console import Console
 import fem
 from pipeline.config.load import load_config
 from pipeline.context import RunContext
-from pipeline.effects_rows import BASE, EffectRow, contact_sentences
+from pipeline.effects_rows import BASE
 from pipeline.effects_study import compare_effects, variant_name, variants
 from pipeline.progress import Silent
 from pipeline.simulation.effects_record import effect_states
@@ -187,27 +187,6 @@ def test_coarse_parameterization_is_cheap(name: str, tmp_path: Path) -> None:
         assert outcomes.factorizations <= 60
         stretch = [record.summary.stretch_of_curve for record in outcomes.records]
         assert layer == "off" or np.abs(np.array(stretch) - 1.0).max() < 2e-3
-
-
-def test_slopes_with_and_without_contact_are_compared() -> None:
-    two_lines = {"pressure_kPa": 17.0, "alpha1_N_mm2": 185.0, "alpha2_N_mm2": 300.6, "d_mm": 6.19, "contact": True}
-    single_line = {**two_lines, "alpha2_N_mm2": 185.0, "d_mm": None}
-
-    def row(effect: str, state: str, numbers: dict[str, Any]) -> EffectRow:
-        return {"effect": effect, "state": state, **numbers}
-
-    switched_off = [row(BASE, "", two_lines), row("self_contact", "off", single_line)]
-    assert contact_sentences(switched_off) == [
-        "17 kPa: with contact alpha1 = 185, alpha2 = 300.6 N mm2, d = 6.19 mm; "
-        "without contact a single line suffices, alpha = 185 N mm2"
-    ]
-    switched_on = [row(BASE, "", single_line), row("self_contact", "on", two_lines)]
-    assert contact_sentences(switched_on) == contact_sentences(switched_off)
-    assert contact_sentences(switched_off[:1]) == []
-    apart = {**single_line, "contact": False}
-    assert contact_sentences([row(BASE, "", apart), row("self_contact", "off", apart)]) == [
-        "17 kPa: no walls met; a single line suffices, alpha = 185 N mm2"
-    ]
 
 
 def test_table_of_effects(tmp_path: Path) -> None:

@@ -309,7 +309,7 @@ def test_a_scheduler_that_does_not_answer_is_named(
 
 @pytest.mark.parametrize("memory", ["4", "4 kB", "0.8 GB"])
 def test_too_little_memory_is_refused(memory: str) -> None:
-    with pytest.raises(InputError, match=f"--memory {memory}: is too little for a worker"):
+    with pytest.raises(InputError, match=f"--memory {memory}: a worker needs at least 0.9 GB"):
         LocalWorkers.of(1, memory)
 
 
@@ -324,7 +324,7 @@ def test_more_workers_than_the_memory_suffices_for_are_refused(monkeypatch: pyte
 
 
 def test_a_wrong_amount_of_memory_is_refused() -> None:
-    with pytest.raises(InputError, match=r"--memory 900 TB: is more than this machine has, \d+"):
+    with pytest.raises(InputError, match=r"--memory 900 TB: a worker needs at least 0.9 GB and this machine has \d+"):
         LocalWorkers.of(2, "900 TB")
     with pytest.raises(InputError, match="--memory much: is no amount of memory"):
         LocalWorkers.of(2, "much")
