@@ -2,6 +2,7 @@
 
 import re
 import tomllib
+from dataclasses import fields
 from pathlib import Path
 
 import pytest
@@ -10,6 +11,8 @@ import yaml
 from fem.elements import ELEMENTS
 from fem.materials import LAWS
 from pipeline.effects_rows import COLUMNS, COST, NUMBERS, compared
+from pipeline.results.parameters import RodParameters
+from pipeline.results.values import RodError, State
 
 HERE = Path(__file__).resolve().parent.parent
 PAGES = [HERE / "README.md", HERE / "CONTRIBUTING.md", HERE / "CHANGELOG.md", *sorted((HERE / "docs").rglob("*.md"))]
@@ -115,12 +118,15 @@ def test_pages_use_the_terms_of_the_field(page: Path) -> None:
     assert [match.group() for words in DIALECT for match in re.finditer(words, prose, re.IGNORECASE)] == []
 
 
-def test_every_key_of_experiments_json_is_documented() -> None:
-    source = text_of(HERE / "pipeline" / "simulation" / "outcome.py")
-    row = source.partition("def row(self)")[2].partition("}")[0]
-    keys = re.findall(r'"(\w+)":', row)
-    section = text_of(HERE / "docs" / "results.md").partition("## experiments.json")[2].partition("\n## ")[0]
-    assert len(keys) > 20
+@pytest.mark.parametrize(
+    ("file", "row"),
+    [("experiments.json", State), ("validation.json", RodError), ("parameters.json", RodParameters)],
+)
+def test_every_key_of_a_result_file_is_documented(file: str, row: type) -> None:
+    """Keys that end in _std or _95 are those of the number before."""
+    section = text_of(HERE / "docs" / "results.md").partition(f"## {file}")[2].partition("\n## ")[0]
+    keys = [field.name for field in fields(row) if not field.name.endswith(("_std", "_95"))]
+    assert len(keys) > 10
     assert [key for key in keys if f"`{key}`" not in section] == []
 
 
