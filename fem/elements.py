@@ -71,7 +71,7 @@ ELEMENTS: dict[str, Element] = {
         Element("p1", LINEAR, Volumetric.FULL, "the whole law is taken at the one point of a linear element"),
     )
 }
-#: the element whose error falls fastest with the degrees of freedom near incompressibility (docs/accuracy.md)
+#: the element whose error falls fastest with the degrees of freedom near incompressibility (studies/accuracy.md)
 MOST_ACCURATE = "mixed"
 #: Poisson's ratio from which an element that is fully integrated locks
 NEARLY_INCOMPRESSIBLE = 0.4

@@ -173,7 +173,7 @@ class Tried:
 
 
 def write_tried(folder: Path) -> list[Tried]:
-    """Write the files of docs/how_to/own_bodies_tried.md; all but the last are the finger."""
+    """Write the files of studies/own_bodies.md; all but the last are the finger."""
     points, tets = meshed(finger, 4.0)
     write_mesh(folder / "finger.vtk", points, tets)
     write_mesh(folder / "finger10.msh", *meshed(finger, 4.0, order=2), file_format="gmsh22")

@@ -70,7 +70,7 @@ def states_of(record: Record) -> States:
     """The states I, II and III of a design. Those of one that is refused early do not count.
 
     A state counts as beyond a confirmed limit where its pressure is above the limit that was confirmed, or where its
-    own experiment ended there. Limits of I and III are up to a fifth below that of II (docs/robustness.md), so a state
+    own experiment ended there. Limits of I and III are up to a fifth below that of II (studies/solver.md), so a state
     of theirs counts from 0.8 of it on.
     """
     result = outcome(record)

@@ -19,7 +19,7 @@ from fem.equations.linear import SINGULAR, ZERO_PIVOT_EXPONENT, LinearSolver, Li
 from geometry.arrays import Array
 
 #: orderings of PARDISO: minimum degree is as fast as nested dissection or faster for slender bodies, which have small
-#: separators, of up to about 50 000 unknowns (docs/decisions.md)
+#: separators, of up to about 50 000 unknowns (studies/solver.md)
 MINIMUM_DEGREE, NESTED_DISSECTION = 0, 3
 LARGE = 50_000
 #: entries of the factor by minimum degree over those of the matrix beyond which nested dissection is taken

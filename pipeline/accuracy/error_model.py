@@ -4,7 +4,7 @@ An error of a number is a product of two errors in the energy norm, that of the 
 R. Rannacher, Acta Numerica 10 (2001), section 3). It therefore falls as the energy of the error does, which the
 indicator of `fem.stress_error` follows: the numbers of several meshes lie on a straight line over the indicator.
 Numbers of meshes that are not nested scatter around that line; with three meshes the scatter adds to the estimate.
-docs/accuracy.md compares estimates with true errors.
+studies/accuracy.md compares estimates with true errors.
 """
 
 import math
@@ -19,7 +19,7 @@ from pipeline.accuracy.measure import HEADLINE, RIGIDITY, RodNumbers
 #: at most as r^(-1/2), and in a smooth body the strain of quadratic elements converges with order 2
 SLOWEST, FASTEST = 1.0, 4.0
 #: smallest ratio of error to indicator, as root mean square over kappa_0 and F: that of the finest meshes of
-#: docs/accuracy.md, so that meshes that agree by chance are not taken as exact
+#: studies/accuracy.md, so that meshes that agree by chance are not taken as exact
 MIN_RATIO = 0.25
 
 

@@ -19,7 +19,7 @@ ERROR_PER_DISTANCE = 0.7
 #: leave so thin a barrier between Newton iterations
 MIN_DISTANCE = 0.01
 #: powers with which unknowns grow with the inverse of the size, and CPU seconds with the unknowns: 1.5 to 1.8 and 1.1
-#: to 1.3 on the meshes graded to the walls of docs/accuracy.md, from the size of the finer pilot to the finest
+#: to 1.3 on the meshes graded to the walls of studies/accuracy.md, from the size of the finer pilot to the finest
 UNKNOWNS_ORDER, SECONDS_ORDER = 1.6, 1.25
 #: accuracies that are compared with the requested one, over that
 COMPARED = (2.0, 0.5)

@@ -21,7 +21,7 @@ from pipeline.simulation.simulate import simulate
 from rod import PARAMETER_NAMES, Identification, RodError, cell_averaged
 
 #: elements whose error does not fall steadily with the size, so that a coarser mesh of them does not show it: p2p0 on
-#: the gapped arm of the paper are off by 4 to 5 % in kappa_0 and F on meshes of 3 and of 2 mm (docs/accuracy.md)
+#: the gapped arm of the paper are off by 4 to 5 % in kappa_0 and F on meshes of 3 and of 2 mm (studies/accuracy.md)
 UNSTEADY = "p2p0"
 #: numbers whose error is given as a fraction: kappa_0(l/2), alpha2 and the end force of III
 RELATIVE = ("kappa_0", "alpha2", "force")

@@ -5,7 +5,7 @@ end Delta varies by several times its mean. Nothing but this variation determine
 follows it predicts other loads badly. Where the data do not show an offset, the line is therefore fitted once more with
 a narrow prior: it passes the origin within ZERO_OFFSET_PRIOR of the largest Delta, for a section without moment does
 not bend, and it satisfies the closure condition more closely than two lines do, for it turns the middle and both ends
-by as much as the whole arm turns. docs/identification.md compares the forces under other loads with both priors.
+by as much as the whole arm turns. studies/identification.md compares the forces under other loads with both priors.
 """
 
 from dataclasses import dataclass

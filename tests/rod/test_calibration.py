@@ -1,4 +1,4 @@
-"""Calibration of the 95 % intervals on synthetic arms with noise and ripple (table in docs/identification.md)."""
+"""Calibration of the 95 % intervals on synthetic arms with noise and ripple (table in studies/identification.md)."""
 
 import numpy as np
 import pytest

@@ -81,5 +81,5 @@ def test_a_neo_hookean_surface_buckles_where_biot_found() -> None:
     ],
 )
 def test_surfaces_of_the_other_laws_buckle_elsewhere(material: Material, stretch: float) -> None:
-    """At the Poisson ratio of the arms; docs/cell.md gives these numbers."""
+    """At the Poisson ratio of the arms; docs/theory.md gives these numbers."""
     assert buckling_stretch(material) == pytest.approx(stretch, abs=6e-4)
