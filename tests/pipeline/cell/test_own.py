@@ -40,7 +40,7 @@ def own(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_a_step_body_has_the_law_of_the_family_that_draws_it(own: Path) -> None:
-    """Within the error of the mesh: 1 % of kappa_0 and 3 % of the moment that straightens the cell (studies/cell.md)."""
+    """Within 1 % of kappa_0 and 3 % of the moment that straightens the cell, the error of the mesh."""
     family = load_config(CONFIGS / "pneunet_coarse.yaml", ["geometry.chambers=3"])
     points, moments = [], []
     for config in (load_config(own), family):
