@@ -14,13 +14,10 @@ LOCKING: dict[int, tuple[float, ...]] = {2: (1.5, 1.0, 0.6), 1: (1.0, 0.5, 0.25)
 #: further sizes of the series that converges fastest, from which the reference is extrapolated
 FINEST = {(MOST_ACCURATE, "walls"): (0.4, 0.325)}
 #: series beside those of meshes; their rungs have everything else as configured
-TOLERANCE, CONTACT, POINTS = "Newton tolerance", "contact distance", "points of the curve"
+TOLERANCE, CONTACT = "Newton tolerance", "contact distance"
 TOLERANCES = (1e-3, 1e-4, 1e-8)
 #: activation distances of contact over the configured one
 DISTANCES = (4.0, 2.0, 0.5)
-#: mesh size over the configured one at which the numbers are identified from fewer nodes of the material curve too, and
-#: the strides: every second, third and fourth node
-DENSE, STRIDES = 0.6, (2, 3, 4)
 
 
 @dataclass(frozen=True)
@@ -30,7 +27,6 @@ class Rung:
     series: str  #: "p2p0", "mixed, graded to walls", TOLERANCE, CONTACT
     value: float  #: what varies along the series: mesh size (mm), tolerance, distance (mm)
     config: Config
-    strides: tuple[int, ...] = (1,)  #: the numbers are identified from every so many-th node of the material curve
 
     @property
     def is_mesh(self) -> bool:
@@ -62,9 +58,8 @@ def ladder(config: Config, contact_mm: float | None) -> list[Rung]:
             for factor in (*factors, *FINEST.get((element.name, grading), ())):
                 size = round(factor * config.mesh.element_size_mm, 6)
                 mesh = replace(config.mesh, size_mm=size, formulation=element.name, grading=grading)
-                dense = factor == DENSE and replace(mesh, size_mm=config.mesh.size_mm) == config.mesh
                 changed = replace(config, mesh=mesh)
-                rungs.append(Rung(mesh_series(changed), size, changed, (1, *STRIDES) if dense else (1,)))
+                rungs.append(Rung(mesh_series(changed), size, changed))
     rungs += [Rung(TOLERANCE, value, replace(config, newton=Newton(value))) for value in TOLERANCES]
     if contact_mm is not None:
         distances = [round(factor * contact_mm, 6) for factor in DISTANCES]

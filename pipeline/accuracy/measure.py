@@ -4,22 +4,19 @@ A measurement runs in a process of its own, so that its peak of memory is its ow
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from time import perf_counter, process_time
 
-import numpy as np
-
 from fem import compile_kernels
-from geometry import Centreline
 from pipeline.accuracy.ladder import Rung
 from pipeline.context import RunContext
 from pipeline.errors import InputError, RunFailed
 from pipeline.identification.parameters import Parameters, counts_as_equal_cells, identify_all
 from pipeline.notes import render
 from pipeline.progress import Silent
-from pipeline.simulation.outcome import Outcomes, Record
+from pipeline.simulation.outcome import Outcomes
 from pipeline.simulation.scene import Scene, material_of
 from pipeline.simulation.simulate import simulate
 from pipeline.store.store import open_store
@@ -37,9 +34,6 @@ class RodNumbers:
     """What II and III at one pressure give."""
 
     pressure_kPa: float
-    stride: int  #: identified from every so many-th node of the material curve
-    fit_seconds: float
-    points: int  #: nodes of the material curve that were used
     kappa_0_per_mm: float  #: at half the length, from II
     alpha1_N_mm2: float
     alpha2_N_mm2: float
@@ -87,17 +81,13 @@ class Measured:
     numbers: tuple[RodNumbers, ...]
     cost: Cost | None  #: None where the body could not be meshed or no experiment could be started
 
-    def of_stride(self, stride: int) -> tuple[RodNumbers, ...]:
-        """The numbers from every `stride`-th node, one per pressure that was reached."""
-        return tuple(numbers for numbers in self.numbers if numbers.stride == stride)
-
     def at(self, pressure_kPa: float) -> RodNumbers | None:
-        """The numbers at one pressure from all nodes, None where it was not reached."""
-        return next((numbers for numbers in self.of_stride(1) if numbers.pressure_kPa == pressure_kPa), None)
+        """The numbers at one pressure, None where it was not reached."""
+        return next((numbers for numbers in self.numbers if numbers.pressure_kPa == pressure_kPa), None)
 
 
 def measure(rung: Rung) -> Measured:
-    """Solve II and III and identify the numbers, from all nodes of the material curve and from every n-th."""
+    """Solve II and III and identify the numbers at every pressure that both reach."""
     compile_kernels(rung.config.mesh.formulation, material_of(rung.config))
     start, cpu = perf_counter(), process_time()
     try:
@@ -108,43 +98,29 @@ def measure(rung: Rung) -> Measured:
     except (InputError, RunFailed) as failure:
         return Measured(str(failure), (), None)
     failures = [f"{outcome.name}: {outcome.failure.reason}" for outcome in outcomes if outcome.failure]
-    numbers, failed = _identified(scene, outcomes, 1)
-    failures += failed
+    config, fit_start = rung.config, perf_counter()
+    equal = counts_as_equal_cells(config.design)
+    parameters, refused = identify_all(outcomes, scene.body.pitch, config.identification.d_mm, equal_cells=equal)
+    end = perf_counter()
     cost = Cost(
-        wall_seconds=perf_counter() - start,
+        wall_seconds=end - start,
         cpu_seconds=process_time() - cpu,
-        seconds={"mesh": meshed, **_solver_seconds(outcomes), "fit": numbers[0].fit_seconds if numbers else 0.0},
+        seconds={"mesh": meshed, **_solver_seconds(outcomes), "fit": end - fit_start},
         peak_memory_MB=_peak_memory_MB(),
         degrees_of_freedom=outcomes.degrees_of_freedom,
         tetrahedra=len(scene.body.mesh.tets),
         radius_ratio=scene.body.mesh.quality.minimum,
         factorizations=outcomes.factorizations,
     )
-    for stride in rung.strides[1:]:
-        thinned, failed = _identified(scene, _thinned(outcomes, stride), stride)
-        numbers += thinned
-        failures += [f"every {stride} points: {sentence}" for sentence in failed]
-    return Measured("; ".join(failures), tuple(numbers), cost)
+    numbers = tuple(map(numbers_of, parameters))
+    return Measured("; ".join((*failures, *map(render, refused))), numbers, cost)
 
 
-def _identified(scene: Scene, outcomes: Outcomes, stride: int) -> tuple[list[RodNumbers], list[str]]:
-    """The numbers at every pressure, and a sentence for each that has none."""
-    start = perf_counter()
-    config = scene.config
-    equal = counts_as_equal_cells(config.design)
-    parameters, refused = identify_all(outcomes, scene.body.pitch, config.identification.d_mm, equal_cells=equal)
-    seconds = perf_counter() - start
-    return [numbers_of(at_pressure, stride, seconds) for at_pressure in parameters], [*map(render, refused)]
-
-
-def numbers_of(parameters: Parameters, stride: int = 1, fit_seconds: float = 0.0) -> RodNumbers:
+def numbers_of(parameters: Parameters) -> RodNumbers:
     """The numbers that count, from the parameters at one pressure."""
     numbers, free, loaded = parameters.numbers, parameters.free, parameters.loaded
     return RodNumbers(
         pressure_kPa=parameters.pressure_kPa,
-        stride=stride,
-        fit_seconds=fit_seconds,
-        points=len(free.centreline.s),
         kappa_0_per_mm=parameters.kappa_0_middle,
         alpha1_N_mm2=numbers["alpha1"].value,
         alpha2_N_mm2=numbers["alpha2"].value,
@@ -165,17 +141,6 @@ def _solver_seconds(outcomes: Outcomes) -> dict[str, float]:
         "factorization": seconds["factorization"] + seconds["solve"],
         "contact": seconds["contact"],
     }
-
-
-def _thinned(outcomes: Outcomes, stride: int) -> Outcomes:
-    """The outcomes with every `stride`-th node of their material curves, the last one always."""
-
-    def thinned(record: Record) -> Record:
-        curve = record.centreline
-        kept = np.unique(np.append(np.arange(0, len(curve.s), stride), len(curve.s) - 1))
-        return replace(record, centreline=Centreline(curve.s[kept], curve.x[kept], curve.y[kept]))
-
-    return outcomes.with_records(lambda records: tuple(map(thinned, records)))
 
 
 def _peak_memory_MB() -> float:

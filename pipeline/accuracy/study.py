@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
 
-from pipeline.accuracy.ladder import CONTACT, POINTS, TOLERANCE, Rung, mesh_series
+from pipeline.accuracy.ladder import CONTACT, TOLERANCE, Rung, mesh_series
 from pipeline.accuracy.measure import Measured
 from pipeline.accuracy.reference import (
     Errors,
@@ -26,8 +26,8 @@ class StudyRow:
     """One configuration: what varies, numbers and cost, and errors."""
 
     series: str
-    value: float | None  #: what varies along the series; None for a thinned curve without numbers
-    result: Measured  #: with the numbers of one stride
+    value: float  #: what varies along the series
+    result: Measured
     errors: Mapping[float, Errors]  #: by pressure in kPa, as far as they were reached
     largest_error: float | None  #: None where a pressure was not reached
     on_front: bool = False  #: no other configuration is both cheaper and more accurate
@@ -72,7 +72,7 @@ class ConvergenceStudy:
     def orders(self) -> dict[tuple[str, float], dict[str, Order]]:
         """The orders of the headline numbers by series of meshes and pressure (kPa), where enough meshes have them."""
         orders = {}
-        for series in dict.fromkeys(row.series for row in self.rows if row.series not in (TOLERANCE, CONTACT, POINTS)):
+        for series in dict.fromkeys(row.series for row in self.rows if row.series not in (TOLERANCE, CONTACT)):
             results = [row.result for row in self.rows if row.series == series]
             for pressure in (references.pressure_kPa for references in self.references):
                 meshes = [
@@ -111,7 +111,7 @@ def convergence_study(
     if not references:
         lacking = ", ".join(f"{pressure:g} kPa" for pressure in left_out)
         raise RunFailed(f"too few meshes reached {lacking} to extrapolate from; choose lower pressures")
-    rows = [row for rung, result in rungs for row in _rows(config.design.length, rung, result, references)]
+    rows = [_row(config.design.length, rung, result, references) for rung, result in rungs]
     points = {number: row.point for number, row in enumerate(rows) if row.point is not None}
     front = {list(points)[index] for index in pareto_front(list(points.values()))}
     about = {
@@ -130,17 +130,9 @@ def convergence_study(
     return ConvergenceStudy(config.name, tuple(references.values()), marked, left_out, about)
 
 
-def _rows(length: float, rung: Rung, result: Measured, references: Mapping[float, References]) -> list[StudyRow]:
-    """One row per rung, and one for every stride of its material curve, at the pressures with references.
-
-    length: of the arm, mm.
-    """
-    rows = []
-    for stride in rung.strides:
-        numbers = tuple(row for row in result.of_stride(stride) if row.pressure_kPa in references)
-        errors = {row.pressure_kPa: references[row.pressure_kPa].errors(row, length) for row in numbers}
-        points = min((at_pressure.points for at_pressure in numbers), default=None)
-        series, value = (rung.series, rung.value) if stride == 1 else (POINTS, points)
-        largest = largest_error(list(errors.values())) if len(numbers) == len(references) else None
-        rows.append(StudyRow(series, value, replace(result, numbers=numbers), errors, largest))
-    return rows
+def _row(length: float, rung: Rung, result: Measured, references: Mapping[float, References]) -> StudyRow:
+    """A rung at the pressures with references; length: of the arm, mm."""
+    numbers = tuple(row for row in result.numbers if row.pressure_kPa in references)
+    errors = {row.pressure_kPa: references[row.pressure_kPa].errors(row, length) for row in numbers}
+    largest = largest_error(list(errors.values())) if len(numbers) == len(references) else None
+    return StudyRow(rung.series, rung.value, replace(result, numbers=numbers), errors, largest)

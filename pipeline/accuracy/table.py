@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from pipeline.accuracy.ladder import CONTACT, POINTS, TOLERANCE
+from pipeline.accuracy.ladder import CONTACT, TOLERANCE
 from pipeline.accuracy.measure import STAGES
 from pipeline.accuracy.reference import NUMBERS, REFERENCE_ELEMENT
 from pipeline.accuracy.study import ConvergenceStudy, StudyRow
@@ -15,7 +15,7 @@ COLUMNS = (
     *(f"{name} %" for name in NUMBERS.values()),
 )
 #: what varies along the series that are none of meshes, with its unit
-_VARIED = {TOLERANCE: "{:g}", CONTACT: "{:g} mm", POINTS: "{:g} points"}
+_VARIED = {TOLERANCE: "{:g}", CONTACT: "{:g} mm"}
 
 
 def cells(row: StudyRow) -> list[str]:
@@ -37,7 +37,7 @@ def cells(row: StudyRow) -> list[str]:
 
 
 def _varied(row: StudyRow) -> str:
-    return "" if row.value is None else _VARIED.get(row.series, "{:g} mm").format(row.value)
+    return _VARIED.get(row.series, "{:g} mm").format(row.value)
 
 
 def _largest(row: StudyRow, name: str) -> str:
@@ -79,7 +79,7 @@ def order_sentences(study: ConvergenceStudy) -> list[str]:
 
 def study_page(study: ConvergenceStudy) -> str:
     """Error over CPU seconds, one line per series, and the Pareto front, on a page that opens offline."""
-    rows = sorted((row for row in study.rows if row.point), key=lambda row: row.value or 0.0)
+    rows = sorted((row for row in study.rows if row.point), key=lambda row: row.value)
     lines = []
     for number, name in enumerate(dict.fromkeys(row.series for row in study.rows if row.point)):
         members = [row for row in rows if row.series == name]

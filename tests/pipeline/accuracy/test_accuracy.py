@@ -14,7 +14,7 @@ from rich.console import Console
 from fem.elements import ELEMENTS
 from pipeline.accuracy import ladder as rungs
 from pipeline.accuracy import run as run_module
-from pipeline.accuracy.ladder import CONTACT, POINTS, TOLERANCE, Rung, ladder, mesh_series
+from pipeline.accuracy.ladder import CONTACT, TOLERANCE, Rung, ladder
 from pipeline.accuracy.measure import HEADLINE, Cost, Measured, RodNumbers
 from pipeline.accuracy.reference import (
     COORDINATES,
@@ -58,7 +58,6 @@ def test_the_series_of_the_study(config: Config) -> None:
     assert [rung.config.effects.self_contact.dhat_mm for rung in by_series[CONTACT]] == [0.16, 0.08, 0.02]
     assert all(rung.config.mesh == config.mesh for rung in by_series[TOLERANCE] + by_series[CONTACT])
     assert sum(rung.config == config for rung in every) == 1
-    assert [rung.series for rung in every if len(rung.strides) > 1] == [mesh_series(config)]
     assert not [rung for rung in ladder(config, None) if rung.series == CONTACT]
 
 
@@ -95,7 +94,7 @@ def test_the_reference_is_extrapolated_to_zero_contact_distance() -> None:
 def test_errors_are_relative_and_that_of_the_end_is_over_the_length() -> None:
     end = dict(zip(COORDINATES, (100.0, -60.0), strict=True))
     references = References(17.0, {name: Reference(value, 0.0) for name, value in {**EXACT, **end}.items()})
-    numbers = replace(rod_numbers(17.0, 1, 0.0), alpha2_N_mm2=408.0, d_mm=None, end_mm=(103.0, -64.0))
+    numbers = replace(rod_numbers(17.0, 0.0), alpha2_N_mm2=408.0, d_mm=None, end_mm=(103.0, -64.0))
     errors = references.errors(numbers, 100.0)
     assert errors["alpha2_N_mm2"] == pytest.approx(0.02)
     assert errors["end_mm"] == pytest.approx(0.05)
@@ -110,13 +109,10 @@ def test_errors_are_relative_and_that_of_the_end_is_over_the_length() -> None:
     assert record["force_N"] == {"value": 0.03, "std": 0.0}
 
 
-def rod_numbers(pressure: float, stride: int, error: float) -> RodNumbers:
+def rod_numbers(pressure: float, error: float) -> RodNumbers:
     """The exact numbers, all off by the same relative error."""
     return RodNumbers(
         pressure_kPa=pressure,
-        stride=stride,
-        fit_seconds=0.0,
-        points=180 // stride,
         **{name: value * (1.0 + error) for name, value in EXACT.items()},
         end_mm=(100.0, -60.0 * (1.0 + error)),
         alpha2_std_N_mm2=0.5,
@@ -132,9 +128,7 @@ def made_up(rung: Rung) -> Measured:
     n = round(n / 6 if formulation == "p1" else n)
     error = 1000.0 / n * (2.0 if ELEMENTS[formulation].fully_integrated else 1.0)
     error += 0.5 * (rung.config.effects.self_contact.dhat_mm or CONTACT_MM)
-    numbers = [
-        rod_numbers(pressure, stride, error) for pressure in rung.config.pressures_kPa for stride in rung.strides
-    ]
+    numbers = [rod_numbers(pressure, error) for pressure in rung.config.pressures_kPa]
     stages = dict.fromkeys(("mesh", "set_up", "assembly", "factorization", "contact", "fit"), n / 1e4)
     cost = Cost(n / 1e3, n / 1e3, stages, n / 100.0, n, n, 0.3, 60)
     return Measured("", tuple(numbers), cost)
@@ -167,7 +161,6 @@ def test_errors_of_a_made_up_study(study: ConvergenceStudy) -> None:
     assert 0.0 < study.reference_error < 0.03
     assert not any(row.on_front for row in study.rows if row.series == "p2")
     assert any(row.on_front for row in study.rows)
-    assert [row.value for row in study.rows if row.series == POINTS] == [90, 60, 45]
 
 
 def test_meshes_with_a_single_line_are_left_out_of_the_reference_of_two(config: Config) -> None:

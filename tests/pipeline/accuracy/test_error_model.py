@@ -16,7 +16,7 @@ def mesh(size: float, order: float, std: float = 0.0, **ratios: float) -> Pilot:
     indicator = 0.08 * (size / 4.0) ** order
     numbers = {name: 100.0 * (1.0 + ratio * indicator) for name, ratio in {**RATIOS, **ratios}.items()}
     rod = RodNumbers(
-        pressure_kPa=17.0, stride=1, fit_seconds=0.0, points=80, alpha1_N_mm2=50.0, d_mm=10.0, end_mm=(100.0, -60.0),
+        pressure_kPa=17.0, alpha1_N_mm2=50.0, d_mm=10.0, end_mm=(100.0, -60.0),
         alpha2_std_N_mm2=std, stress_error=indicator, **numbers,
     )  # fmt: skip
     return Pilot(size, 30_000, 5.0, rod)

@@ -35,9 +35,6 @@ def numbers(size: float, error: float) -> RodNumbers:
     off = error * (size / 4.0) ** ORDER
     return RodNumbers(
         pressure_kPa=17.0,
-        stride=1,
-        fit_seconds=0.0,
-        points=80,
         **{name: value * (1.0 + off) for name, value in EXACT.items()},
         alpha1_N_mm2=50.0,
         d_mm=10.0,
