@@ -4,12 +4,10 @@ On experiments II and III, at the highest pressure that was reached: other load 
 the lowest pressure: the whole body instead of its half, and other elements on the same mesh.
 """
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from itertools import pairwise
-from math import isnan, nan
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from scipy.interpolate import BPoly
@@ -59,38 +57,23 @@ class Check:
 
     name: str  #: one of ALLOWED
     pressure_kPa: float
-    value: float  #: the difference, as in ALLOWED; NaN where it could not be made
+    value: float | None  #: the difference, as in ALLOWED; None where it could not be made
     note: str = ""  #: why it could not be made
-
-    @property
-    def made(self) -> bool:
-        """Whether there is something to compare."""
-        return bool(np.isfinite(self.value))
 
     @property
     def passed(self) -> bool:
         """Whether the difference is allowed. A check that was not made has not passed."""
-        return self.made and self.value <= ALLOWED[self.name]
+        return self.value is not None and self.value <= ALLOWED[self.name]
 
     @property
     def failed(self) -> bool:
         """Whether it says that the state is wrong."""
-        return self.made and not self.passed
-
-    def record(self) -> dict[str, Any]:
-        """For a JSON file, which has no NaN."""
-        return {**asdict(self), "value": self.value if self.made else None}
-
-    @classmethod
-    def of(cls, record: Mapping[str, Any]) -> "Check":
-        """From a JSON file."""
-        value = nan if record["value"] is None else record["value"]
-        return cls(record["name"], record["pressure_kPa"], value, record["note"])
+        return self.value is not None and not self.passed
 
 
 def checks_of(config: Config, free: Sequence[Record], held: Sequence[Record], folder: Path) -> tuple[Check, ...]:
     """All checks of the states of II and III that a run has reached; none where it has reached none."""
-    ways: list[tuple[tuple[str, ...], Record, Callable[..., tuple[float, ...]]]] = []
+    ways: list[tuple[tuple[str, ...], Record, Callable[..., tuple[float | None, ...]]]] = []
     if free:
         ways.append((("load steps", "work"), free[-1], _steps_and_work))
     if held:
@@ -99,12 +82,13 @@ def checks_of(config: Config, free: Sequence[Record], held: Sequence[Record], fo
         ways += [(("half and whole",), free[0], _whole), (("other elements",), free[0], _other_elements)]
     checks: list[Check] = []
     for names, state, way in ways:
+        values: tuple[float | None, ...]
         try:
             values, note = way(config, state, folder), ""
         except (InputError, RunFailed, fem.NotConverged, _NotSolved) as failure:
-            values, note = (nan,) * len(names), str(failure)
+            values, note = (None,) * len(names), str(failure)
         checks += [
-            Check(name, state.pressure_kPa, v, note or (WORK_ON_END if isnan(v) else ""))
+            Check(name, state.pressure_kPa, v, note or (WORK_ON_END if v is None else ""))
             for name, v in zip(names, values, strict=True)
         ]
     return tuple(checks)
@@ -114,10 +98,10 @@ class _NotSolved(Exception):
     """The other way did not lead to the pressure."""
 
 
-def _steps_and_work(config: Config, state: Record, folder: Path) -> tuple[float, float]:
-    """The same pressure by twice as many steps at least, and the work of the pressure along them.
+def _steps_and_work(config: Config, state: Record, folder: Path) -> tuple[float, float | None]:
+    """The pressure by twice as many steps at least, and the work of the pressure along them.
 
-    The end of III is held at its height at rest, so that its support does no work; the work is NaN where it is not.
+    The end of III is held at its height at rest, so that its support does no work; the work is None where it is not.
 
     Where the work differs from the energy, it is integrated along twice as many steps, because thin walls bulge at a
     fraction of the lowest pressure; `HALVINGS` times at most.
@@ -137,7 +121,7 @@ def _steps_and_work(config: Config, state: Record, folder: Path) -> tuple[float,
         work = work_difference(model, steps, top / 1000.0, scene.body.cavities[0])
         if work <= ALLOWED["work"]:
             break
-    return max(differences), work if state.experiment == "II" or has_rest_height_alone else nan
+    return max(differences), work if state.experiment == "II" or has_rest_height_alone else None
 
 
 def _experiment(scene: Scene, name: str) -> fem.Experiment:

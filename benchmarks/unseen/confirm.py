@@ -9,9 +9,8 @@ second law says nothing about an end at which the run itself names no limit.
 """
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
 
 import fem
 from pipeline.config.config import Config, Material
@@ -57,10 +56,6 @@ class Confirmation:
     limit_kPa: float  #: as the run names it, or its last equilibrium; 0 where the body passes through itself
     confirmed: bool
     sentence: str  #: by what, or why not
-
-    def record(self) -> dict[str, Any]:
-        """For a JSON file."""
-        return asdict(self)
 
 
 def end_of(failure: Failure) -> float:

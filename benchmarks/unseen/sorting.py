@@ -20,7 +20,7 @@ MESH_ERROR = 0.03
 
 def checks_in(record: Record) -> tuple[Check, ...]:
     """The checks of a design."""
-    return tuple(Check.of(row) for row in record["checks"])
+    return tuple(Check(**row) for row in record["checks"])
 
 
 def outcome(record: Record) -> str:

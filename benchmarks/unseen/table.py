@@ -50,7 +50,8 @@ def summary(records: Sequence[Record]) -> str:
         if errors:
             rows.append([f"{name} error of the rod: median, largest", _both(errors, 100.0, " %")])
     for name, allowed in ALLOWED.items():
-        made = [check.value for record in records for check in checks_in(record) if check.name == name and check.made]
+        checks = [check for record in records for check in checks_in(record) if check.name == name]
+        made = [check.value for check in checks if check.value is not None]
         if made:
             rows.append([f"{name}: median, largest (allowed {allowed:g})", _both(made)])
     return table(["", f"{len(records)} designs"], rows)

@@ -205,12 +205,12 @@ def _stages_after(record: Record, report: RunReport, folder: Path, limit: float,
     ended = [outcome for outcome in outcomes if outcome.failure]
     if not record["checks"]:
         reached = outcomes["II"].records, outcomes["III"].records
-        _stage(record, "checks", limit, lambda: [c.record() for c in checks_of(config, *reached, folder)])
+        _stage(record, "checks", limit, lambda: [asdict(c) for c in checks_of(config, *reached, folder)])
         _keep(folder, record)
     if ended and not record["limits"]:
         # the limit of II says most about the others (`fem` searches it first), so it is confirmed if there is one
         first = next((outcome for outcome in ended if outcome.name == "II"), ended[0])
-        _stage(record, "limits", limit, lambda: [confirmed(config, first, folder).record()])
+        _stage(record, "limits", limit, lambda: [asdict(confirmed(config, first, folder))])
         _keep(folder, record)
     if finer and "finer" not in record:
         record["finer"] = {"failure": "not finished"}

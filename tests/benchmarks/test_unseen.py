@@ -1,7 +1,6 @@
 """Designs drawn at random: how they are drawn, how their outcomes are sorted, and one of them from end to end."""
 
 import json
-import math
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, replace
@@ -113,7 +112,7 @@ def state(experiment: str, pressure: float, reached: bool = True) -> dict[str, A
 
 def record(**changes: Any) -> dict[str, Any]:
     """A design that was solved, with passed checks, or with changes."""
-    checks = [Check(name, 10.0, 0.1 * allowed).record() for name, allowed in ALLOWED.items()]
+    checks = [asdict(Check(name, 10.0, 0.1 * allowed)) for name, allowed in ALLOWED.items()]
     return {
         "number": 0,
         "family": "pneunet",
@@ -180,14 +179,14 @@ def test_outcomes_are_sorted(changes: dict[str, Any], expected: str) -> None:
 @pytest.mark.parametrize("name", ALLOWED)
 def test_a_wrong_answer_is_called_wrong(name: str) -> None:
     """Whatever else is said of the design; and a check that could not be made is no proof of an error."""
-    others = [Check(other, 10.0, 0.0).record() for other in ALLOWED if other != name]
+    others = [asdict(Check(other, 10.0, 0.0)) for other in ALLOWED if other != name]
     wrong = Check(name, 10.0, 1.01 * ALLOWED[name])
-    assert outcome(record(checks=[*others, wrong.record()])) == WRONG
-    assert outcome(record(checks=[*others, wrong.record()], **MISSED)) == WRONG
-    assert outcome(record(checks=[*others, replace(wrong, value=0.99 * ALLOWED[name]).record()])) == SOLVED
-    unmade = Check(name, 10.0, math.nan, "no equilibrium")
+    assert outcome(record(checks=[*others, asdict(wrong)])) == WRONG
+    assert outcome(record(checks=[*others, asdict(wrong)], **MISSED)) == WRONG
+    assert outcome(record(checks=[*others, asdict(replace(wrong, value=0.99 * ALLOWED[name]))])) == SOLVED
+    unmade = Check(name, 10.0, None, "no equilibrium")
     assert not unmade.passed
-    assert outcome(record(checks=[*others, unmade.record()])) == SOLVED
+    assert outcome(record(checks=[*others, asdict(unmade)])) == SOLVED
 
 
 def test_states_count_as_explained_only_by_a_confirmed_limit() -> None:
@@ -198,7 +197,7 @@ def test_states_count_as_explained_only_by_a_confirmed_limit() -> None:
     # 26 kPa explains II, where it was found, but not that I ended before 20 kPa
     assert states_of(record(ended=SLOW, states=[])).not_tried == 6
     assert states_of(record(ended=REFUSED)).all == 0
-    failed = [Check("work", 10.0, 1.0).record()]
+    failed = [asdict(Check("work", 10.0, 1.0))]
     assert states_of(record(checks=failed)).good == 0.0
 
 
