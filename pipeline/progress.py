@@ -1,103 +1,88 @@
 """Progress of a run: what is reported, and how it is shown.
 
-A run calls the methods of `Progress`. In a worker process it calls them on a `ToQueue`, and `relayed` in the main
-process passes the messages on to the listener, so that a single listener receives those of every experiment.
+In a worker process it is told to a `ToQueue`, and `relayed` in the main process passes it on to the listener, so that a
+single listener receives the progress of every experiment.
 """
 
 import threading
 import time
+from abc import ABC, abstractmethod
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from typing import Any, NamedTuple, Protocol, final
+from typing import Any, NamedTuple, final
 
 from rich.console import Console, Group
 from rich.live import Live
-from rich.progress_bar import ProgressBar
-from rich.table import Table
+from rich.progress import BarColumn, TextColumn
+from rich.progress import Progress as Bars
 from rich.text import Text
 
 from pipeline.remaining_time import RemainingTime, duration
 
 
-class Progress(Protocol):
+class Message(NamedTuple):
+    """What happened: the name of a method of `Progress`, and its arguments."""
+
+    what: str
+    arguments: tuple[Any, ...] = ()
+
+
+class Progress(ABC):
     """Receives the progress of a run. Pressures in kPa, residuals relative, seconds of wall time."""
 
+    @abstractmethod
+    def tell(self, message: Message) -> None:
+        """Show a message, or pass it on."""
+
     def stage(self, name: str) -> None:
-        """The run waits for a stage: mesh, experiments, identification, rod, pictures, report. Experiments of others
-        may be solved beside it."""
+        """The run waits for a stage: mesh, experiments, identification. Experiments of others may be solved beside
+        it."""
+        self.tell(Message("stage", (name,)))
 
     def remark(self, sentence: str) -> None:
         """What a user should know before waiting for the result."""
+        self.tell(Message("remark", (sentence,)))
 
     def experiment(self, name: str, pressures: Sequence[float]) -> None:
         """An experiment begins, which will be solved at `pressures`."""
+        self.tell(Message("experiment", (name, tuple(pressures))))
 
     def iteration(self, experiment: str, pressure_kPa: float, newton_iteration: int, residual: float) -> None:
         """A Newton iteration on the way to `pressure_kPa` is finished."""
+        self.tell(Message("iteration", (experiment, pressure_kPa, newton_iteration, float(residual))))
 
     def step_done(self, experiment: str, pressure_kPa: float, seconds: float) -> None:
         """A pressure is reached; `seconds` is 0 where its state was stored by an earlier run."""
+        self.tell(Message("step_done", (experiment, pressure_kPa, seconds)))
 
     def stopped(self, experiment: str, pressures: Sequence[float], why: str) -> None:
         """An experiment has ended before the first of `pressures`, which it will not reach; `why` in a few words."""
+        self.tell(Message("stopped", (experiment, tuple(pressures), why)))
 
     def done(self) -> None:
         """The run is finished."""
-
-
-class Message(NamedTuple):
-    """One call on its way between processes."""
-
-    method: str
-    arguments: tuple[Any, ...]
+        self.tell(Message("done"))
 
 
 @final
-class Silent:
+class Silent(Progress):
     """Ignores everything."""
 
-    def stage(self, name: str) -> None: ...
-
-    def remark(self, sentence: str) -> None: ...
-
-    def experiment(self, name: str, pressures: Sequence[float]) -> None: ...
-
-    def iteration(self, experiment: str, pressure_kPa: float, newton_iteration: int, residual: float) -> None: ...
-
-    def step_done(self, experiment: str, pressure_kPa: float, seconds: float) -> None: ...
-
-    def stopped(self, experiment: str, pressures: Sequence[float], why: str) -> None: ...
-
-    def done(self) -> None: ...
+    def tell(self, message: Message) -> None:
+        """Nothing."""
 
 
 @final
-class ToQueue:
-    """Puts every call as a `Message` into a queue that another process reads."""
+class ToQueue(Progress):
+    """Puts every message into a queue that another process reads."""
 
     def __init__(self, queue: Any) -> None:
         self._queue = queue
 
-    def stage(self, name: str) -> None:
-        self._queue.put(Message("stage", (name,)))
-
-    def remark(self, sentence: str) -> None:
-        self._queue.put(Message("remark", (sentence,)))
-
-    def experiment(self, name: str, pressures: Sequence[float]) -> None:
-        self._queue.put(Message("experiment", (name, tuple(pressures))))
-
-    def iteration(self, experiment: str, pressure_kPa: float, newton_iteration: int, residual: float) -> None:
-        self._queue.put(Message("iteration", (experiment, pressure_kPa, newton_iteration, float(residual))))
-
-    def step_done(self, experiment: str, pressure_kPa: float, seconds: float) -> None:
-        self._queue.put(Message("step_done", (experiment, pressure_kPa, seconds)))
-
-    def stopped(self, experiment: str, pressures: Sequence[float], why: str) -> None:
-        self._queue.put(Message("stopped", (experiment, tuple(pressures), why)))
-
-    def done(self) -> None:
-        """Sends nothing: the end of a worker is not the end of the run."""
+    def tell(self, message: Message) -> None:
+        """Pass it on, but not the end of a worker, which is not the end of the run."""
+        if message.what != "done":
+            self._queue.put(message)
 
 
 @contextmanager
@@ -106,7 +91,7 @@ def relayed(queue: Any, listener: Progress) -> Iterator[None]:
 
     def relay() -> None:
         while (message := queue.get()) is not None:
-            getattr(listener, message.method)(*message.arguments)
+            listener.tell(message)
 
     thread = threading.Thread(target=relay, daemon=True)
     thread.start()
@@ -118,7 +103,7 @@ def relayed(queue: Any, listener: Progress) -> Iterator[None]:
 
 
 @final
-class Lines:
+class Lines(Progress):
     """One plain line per stage and per pressure, for logs and pipes; `verbose` adds one per Newton iteration."""
 
     def __init__(self, console: Console, *, verbose: bool = False) -> None:
@@ -128,127 +113,112 @@ class Lines:
         self._iterations: dict[str, int] = {}
         self._has_explained = False
 
-    def stage(self, name: str) -> None:
-        if self._clock.is_over:
-            self._clock = RemainingTime()
-        self._print(f"stage: {name}")
+    def tell(self, message: Message) -> None:
+        """Print a line."""
+        self._clock.follow(*message)
+        match message:
+            case ("stage", (name,)):
+                self._print(f"stage: {name}")
+            case ("experiment", (name, pressures)):
+                self._iterations.pop(name, None)  # of an experiment of this name that has failed
+                self._print(f"experiment {name}: {', '.join(f'{pressure:g}' for pressure in pressures)} kPa")
+            case ("iteration", (name, pressure, number, residual)):
+                self._iterations[name] = self._iterations.get(name, 0) + 1
+                if self._verbose:
+                    self._print(f"{name}: {pressure:g} kPa, iteration {number}, residual {residual:.0e}")
+            case ("step_done", (name, pressure, seconds)):
+                self._reached(name, pressure, seconds)
+            case _:
+                _print_sentence(self._console, message)
 
-    def remark(self, sentence: str) -> None:
-        self._print(f"note: {sentence}")
-
-    def experiment(self, name: str, pressures: Sequence[float]) -> None:
-        self._clock.add(name, pressures)
-        self._iterations.pop(name, None)  # of an experiment of this name that has failed
-        self._print(f"experiment {name}: {', '.join(f'{pressure:g}' for pressure in pressures)} kPa")
-
-    def iteration(self, experiment: str, pressure_kPa: float, newton_iteration: int, residual: float) -> None:
-        self._iterations[experiment] = self._iterations.get(experiment, 0) + 1
-        if self._verbose:
-            at = f"{pressure_kPa:g} kPa, iteration {newton_iteration}"
-            self._print(f"{experiment}: {at}, residual {residual:.0e}")
-
-    def step_done(self, experiment: str, pressure_kPa: float, seconds: float) -> None:
-        self._clock.reach(experiment, pressure_kPa, seconds)
-        iterations = self._iterations.pop(experiment, 0)
+    def _reached(self, name: str, pressure: float, seconds: float) -> None:
+        iterations = self._iterations.pop(name, 0)
         counted = f"{iterations} iterations, " if iterations else ""
         work = f"{counted}{duration(seconds)}" if seconds > 0.0 else "stored by an earlier run"
         left = self._clock.remaining()
         if left and not self._has_explained:
             self._print("time left: an estimate for the experiments that have begun; others may follow")
             self._has_explained = True
-        after = f"; {left}" if left else ""
-        self._print(f"{experiment}: {pressure_kPa:g} kPa ({work}){after}")
-
-    def stopped(self, experiment: str, pressures: Sequence[float], why: str) -> None:
-        self._clock.stop(experiment, pressures)
-        self._print(_stopped(experiment, pressures, why))
-
-    def done(self) -> None: ...
+        self._print(f"{name}: {pressure:g} kPa ({work}){f'; {left}' if left else ''}")
 
     def _print(self, text: str) -> None:
         self._console.print(text, highlight=False, markup=False, soft_wrap=True)
 
 
-class _Row(NamedTuple):
-    pressures: tuple[float, ...]
-    reached: int
-    iterations: int
-    now: str
-    has_stopped: bool = False
+def _print_sentence(console: Console, message: Message) -> None:
+    """Remarks, and experiments that have ended early; nothing of what else there is."""
+    match message:
+        case ("remark", (sentence,)):
+            text = f"note: {sentence}"
+        case ("stopped", (name, pressures, why)):
+            text = f"{name} stopped{f' before {pressures[0]:g} kPa' if pressures else ''}: {why}"
+        case _:
+            return
+    console.print(text, highlight=False, markup=False, soft_wrap=True)
 
 
 @final
-class Terminal:
-    """A live table: one row per experiment with its pressure, Newton iterations and a bar, until it ends or the next
-    stage begins, whichever is later."""
+class Terminal(Progress):
+    """A live table: a bar for each experiment with its pressure and Newton iterations, until it ends or the next stage
+    begins, whichever is later."""
 
     def __init__(self, console: Console) -> None:
         self._console = console
         self._clock = RemainingTime()
-        self._stage = ""
-        self._began = time.monotonic()
-        self._rows: dict[str, _Row] = {}
+        self._stage, self._began = "", time.monotonic()
+        name = TextColumn("{task.fields[name]}", markup=False)
+        self._bars = Bars(name, BarColumn(12), TextColumn("{task.fields[now]}", markup=False), console=console)
         self._live = Live(get_renderable=self._picture, console=console, refresh_per_second=4)
 
-    def stage(self, name: str) -> None:
-        self._live.start()  # a second start changes nothing
-        self._print_stage()
-        if self._clock.is_over:
-            self._clock = RemainingTime()
-        self._rows = {
-            name: row for name, row in self._rows.items() if row.reached < len(row.pressures) and not row.has_stopped
-        }
-        self._stage, self._began = name, time.monotonic()
+    def tell(self, message: Message) -> None:
+        """Show it in the table, or above it."""
+        self._clock.follow(*message)
+        _print_sentence(self._console, message)
+        match message:
+            case ("stage", (name,)):
+                self._live.start()  # a second start changes nothing
+                self._begin_stage(name)
+            case ("experiment", (name, pressures)):
+                self._row(name, len(pressures), now="starts")
+            case ("iteration", (name, pressure, number, residual)):
+                self._row(name, iterations=1, now=f"{pressure:g} kPa, iteration {number}, residual {residual:.0e}")
+            case ("step_done", (name, pressure, _)):
+                self._row(name, reached=1, now=f"{pressure:g} kPa reached, {{}} iterations in total")
+            case ("stopped", (name, _, _)):
+                self._row(name, now="stopped", stopped=True)
+            case ("done", ()):
+                self._begin_stage("")
+                self._live.stop()
 
-    def remark(self, sentence: str) -> None:
-        self._console.print(f"note: {sentence}", highlight=False, markup=False, soft_wrap=True)
+    def _row(self, name: str, total: int = 0, *, reached: int = 0, iterations: int = 0, **fields: Any) -> None:
+        """Change the row of an experiment, or begin one."""
+        task = next((task for task in self._bars.tasks if task.description == name), None)
+        if task is not None and total:
+            self._bars.remove_task(task.id)  # of an experiment of this name that has failed
+        if task is None or total:
+            shown = name if len(name) <= 20 else f"{name[:19]}…"
+            first = {"name": shown, "now": "", "iterations": 0, "stopped": False}
+            number = self._bars.add_task(name, total=total or 1, **first)
+            task = next(task for task in self._bars.tasks if task.id == number)
+        iterations += task.fields["iterations"]
+        fields["now"] = fields["now"].format(iterations)
+        self._bars.update(task.id, advance=reached, iterations=iterations, **fields)
 
-    def experiment(self, name: str, pressures: Sequence[float]) -> None:
-        self._clock.add(name, pressures)
-        self._rows[name] = _Row(tuple(pressures), 0, 0, "starts")
-
-    def iteration(self, experiment: str, pressure_kPa: float, newton_iteration: int, residual: float) -> None:
-        row = self._rows.get(experiment, _Row((pressure_kPa,), 0, 0, ""))
-        now = f"{pressure_kPa:g} kPa, iteration {newton_iteration}, residual {residual:.0e}"
-        self._rows[experiment] = row._replace(iterations=row.iterations + 1, now=now)
-
-    def step_done(self, experiment: str, pressure_kPa: float, seconds: float) -> None:
-        self._clock.reach(experiment, pressure_kPa, seconds)
-        row = self._rows.get(experiment, _Row((pressure_kPa,), 0, 0, ""))
-        now = f"{pressure_kPa:g} kPa reached, {row.iterations} iterations in total"
-        self._rows[experiment] = row._replace(reached=row.reached + 1, now=now)
-
-    def stopped(self, experiment: str, pressures: Sequence[float], why: str) -> None:
-        self._clock.stop(experiment, pressures)
-        self._console.print(_stopped(experiment, pressures, why), highlight=False, markup=False, soft_wrap=True)
-        row = self._rows.get(experiment, _Row(tuple(pressures), 0, 0, ""))
-        self._rows[experiment] = row._replace(has_stopped=True, now="stopped")
-
-    def done(self) -> None:
-        self._print_stage()
-        self._stage = ""
-        self._live.stop()
-
-    def _print_stage(self) -> None:
+    def _begin_stage(self, name: str) -> None:
+        """Print how long the stage before has taken, and forget the experiments that have ended in it."""
         if self._stage:
             self._console.print(f"{self._stage}: {duration(time.monotonic() - self._began)}", highlight=False)
+        self._stage, self._began = name, time.monotonic()
+        for task in self._bars.tasks if name else ():
+            if task.finished or task.fields["stopped"]:
+                self._bars.remove_task(task.id)
 
     def _picture(self) -> Group:
-        table = Table.grid("", "", "", padding=(0, 2))
-        for name, row in self._rows.items():
-            bar = ProgressBar(total=len(row.pressures), completed=row.reached, width=12)
-            table.add_row(Text(name, overflow="ellipsis", no_wrap=True), bar, row.now)
-        table.columns[0].max_width = 20
         if not self._stage:
-            return Group(table)
+            return Group(self._bars)
         left = self._clock.remaining()
         head = f"{self._stage}: {duration(time.monotonic() - self._began)}"
-        return Group(Text(f"{head}, {left} for experiments begun" if left else head), table)
-
-
-def _stopped(experiment: str, pressures: Sequence[float], why: str) -> str:
-    before = f" before {pressures[0]:g} kPa" if pressures else ""
-    return f"{experiment} stopped{before}: {why}"
+        return Group(Text(f"{head}, {left} for experiments begun" if left else head), self._bars)
 
 
 def progress_for(console: Console | None = None, *, verbose: bool = False) -> Progress:

@@ -3,7 +3,7 @@
 import time
 from collections.abc import Sequence
 from math import inf
-from typing import final
+from typing import Any, final
 
 
 @final
@@ -15,10 +15,25 @@ class RemainingTime:
     """
 
     def __init__(self) -> None:
+        self._begin()
+
+    def _begin(self) -> None:
         self._began = time.monotonic()
         self._waiting: dict[str, list[float]] = {}  #: kPa, requested and not reached, by experiment
         self._lowest_end = inf  #: kPa
         self._solved = 0
+
+    def follow(self, what: str, arguments: tuple[Any, ...]) -> None:
+        """Take a message of `pipeline.progress`; a stage begins anew where all pressures before are reached."""
+        match what:
+            case "stage" if self.is_over:
+                self._begin()
+            case "experiment":
+                self.add(*arguments)
+            case "step_done":
+                self.reach(*arguments)
+            case "stopped":
+                self.stop(*arguments[:2])
 
     def add(self, experiment: str, pressures: Sequence[float]) -> None:
         """Pressures in kPa that an experiment is to reach."""

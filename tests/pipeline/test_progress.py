@@ -30,14 +30,14 @@ def report(progress: Progress) -> None:
         getattr(progress, method)(*arguments)
 
 
-class Recorder:
+class Recorder(Progress):
     """Records every call."""
 
     def __init__(self) -> None:
         self.calls: list[tuple[str, tuple[Any, ...]]] = []
 
-    def __getattr__(self, method: str) -> Any:
-        return lambda *arguments: self.calls.append((method, arguments))
+    def tell(self, message: Message) -> None:
+        self.calls.append(tuple(message))
 
 
 def work(queue: Any) -> None:
