@@ -197,7 +197,7 @@ class Terminal(Progress):
             self._bars.remove_task(task.id)  # of an experiment of this name that has failed
         if task is None or total:
             shown = name if len(name) <= 20 else f"{name[:19]}…"
-            first = {"name": shown, "now": "", "iterations": 0, "stopped": False}
+            first: dict[str, Any] = {"name": shown, "now": "", "iterations": 0, "stopped": False}
             number = self._bars.add_task(name, total=total or 1, **first)
             task = next(task for task in self._bars.tasks if task.id == number)
         iterations += task.fields["iterations"]

@@ -34,7 +34,7 @@ from pipeline.run import run
 from pipeline.run_report import RunReport
 from pipeline.store.atomic_file import write_atomic
 from pipeline.store.provenance import provenance
-from pipeline.store.state_key import NUMBER_SOURCES, result_key
+from pipeline.store.state_key import ALL_SOURCES, result_key
 
 Record = dict[str, Any]
 
@@ -135,7 +135,7 @@ def outcomes_of(works: Sequence[Work], jobs: int) -> Iterator[Record]:
 
 def _key(design: Drawn) -> str:
     """Of what decides the record besides this program."""
-    return result_key(json.dumps(design.document, sort_keys=True), NUMBER_SOURCES)
+    return result_key(json.dumps(design.document, sort_keys=True), ALL_SOURCES)
 
 
 def kept(folder: Path, key: str | None = None) -> Record | None:

@@ -7,6 +7,7 @@ from typing import Any
 
 from pipeline.report.page import TEMPLATES, render_report
 from pipeline.store.json_values import JsonObject
+from pipeline.store.state_key import ALL_SOURCES, result_key
 from pipeline.store.store import Store
 
 #: what every number is computed from, to rounding: solved states, and points of the arm's own law
@@ -34,7 +35,7 @@ def save_report(store: Store, record: JsonObject) -> None:
 def _digest(store: Store) -> str:
     """sha256 of everything that decides what the report shows."""
     solved = (path for pattern in _SOLVED for path in sorted(store.directory.glob(pattern)))
-    digest = hashlib.sha256(store.numbers_key.encode())
+    digest = hashlib.sha256(result_key(store.key, ALL_SOURCES).encode())
     for path in (*sorted(TEMPLATES.iterdir()), *(path for path in solved if path != store.directory / _KEY)):
         digest.update(path.name.encode())
         digest.update(_content(path))

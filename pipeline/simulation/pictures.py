@@ -18,6 +18,7 @@ from pipeline.pressure import name_of_state
 from pipeline.simulation.outcome import Outcomes
 from pipeline.simulation.surfaces import at_nodes, save_surfaces
 from pipeline.store.formats import SURFACES
+from pipeline.store.state_key import PICTURE_SOURCES, result_key
 from pipeline.store.store import Store
 
 #: what the pictures were drawn with
@@ -30,7 +31,7 @@ def draw_all(body: Body, outcomes: Outcomes, store: Store) -> None:
     Nothing is drawn where the pictures of an earlier run show the same states, drawn by the same sources.
     """
     titles = [name_of_state(outcome.name, record.pressure_kPa) for outcome in outcomes for record in outcome.records]
-    drawn = {"key": store.numbers_key, "states": titles}
+    drawn = {"key": result_key(store.key, PICTURE_SOURCES), "states": titles}
     needed = ["mesh.vtu", "pictures/body.png", *(f"pictures/{title}.png" for title in titles)]
     needed += [*(f"fields/{title}.vtu" for title in titles), *([SURFACES] if titles else [])]
     if store.read_json(_DRAWN) == drawn and all((store.directory / name).is_file() for name in needed):

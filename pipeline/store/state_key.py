@@ -6,10 +6,20 @@ from pathlib import Path
 
 from pipeline.store.provenance import installed, pinned
 
-#: what decides a converged state: folders with all that is below them
-STATE_SOURCES = ("geometry", "fem", "pipeline/simulation")
-#: what decides the numbers computed from states
-NUMBER_SOURCES = ("geometry", "fem", "rod", "pipeline")
+#: what decides a converged state: files, and folders with all that is below them
+STATE_SOURCES = (
+    *("geometry", "fem", "pipeline/pressure.py"),
+    *(f"pipeline/simulation/{name}.py" for name in ("case_path", "known_limit", "loadcase", "scene", "simulate")),
+)
+#: what decides the curves of a cell, and the numbers that a mesh is planned with
+NUMBER_SOURCES = (
+    *(*STATE_SOURCES, "rod", "pipeline/simulation/outcome.py"),
+    *("pipeline/accuracy", "pipeline/cell", "pipeline/identification"),
+)
+#: what decides a picture besides the states
+PICTURE_SOURCES = ("pipeline/drawing", "pipeline/simulation/pictures.py", "pipeline/simulation/surfaces.py")
+#: the whole program, with all its sentences
+ALL_SOURCES = ("geometry", "fem", "rod", "pipeline")
 
 
 def result_key(config_hash: str, sources: Sequence[str]) -> str:

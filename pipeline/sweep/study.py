@@ -16,7 +16,7 @@ from pipeline.store.atomic_file import remove_parts
 from pipeline.store.json_values import JsonObject
 from pipeline.store.provenance import provenance
 from pipeline.store.result_folder import ResultFolder, open_folder
-from pipeline.store.state_key import NUMBER_SOURCES, result_key
+from pipeline.store.state_key import ALL_SOURCES, result_key
 from pipeline.store.store import locked
 from pipeline.sweep.page import sweep_page
 from pipeline.sweep.points import Point, RefusedPoint, points_of
@@ -125,7 +125,7 @@ class _SetInProgress:
     def __init__(self, points: PointSet) -> None:
         self.set = points
         self.folder = open_folder(points.out)
-        sources_key, home = result_key("", NUMBER_SOURCES), self.folder.directory.resolve() / POINTS
+        sources_key, home = result_key("", ALL_SOURCES), self.folder.directory.resolve() / POINTS
         accepted = {point.name: point for point in points.points if isinstance(point, Point)}  # equal ones share a task
         self.tasks = {
             name: PointTask(home / name, point.config, points.run, point.work_key(sources_key, points.run), sources_key)

@@ -20,7 +20,7 @@ from pipeline.simulation.scene import Scene
 from pipeline.simulation.simulate import in_balance, simulate, why_not_free
 from pipeline.store.formats import CURVE_COLUMNS
 from pipeline.store.result_folder import ResultFolder, open_folder
-from pipeline.store.state_key import NUMBER_SOURCES, result_key
+from pipeline.store.state_key import ALL_SOURCES, result_key
 from pipeline.store.store import locked, open_store
 from pipeline.sweep.numbers import rows_of_experiments, rows_of_law, rows_of_run
 from pipeline.sweep.record import (
@@ -56,7 +56,7 @@ def work_on(task: PointTask) -> PointRecord:
         kept = kept_record(folder, task.key)
         if kept is not None:
             return kept
-        if result_key("", NUMBER_SOURCES) != task.sources_key:
+        if result_key("", ALL_SOURCES) != task.sources_key:
             return PointRecord(WAITING, "its worker has another version of pneurod or of a package")
         begin = perf_counter()
         record = replace(_ended(task, folder), seconds=perf_counter() - begin)

@@ -16,7 +16,7 @@ from pipeline.config.load import load_config
 from pipeline.errors import InputError
 from pipeline.store import atomic_file, state_key
 from pipeline.store.provenance import pinned, provenance
-from pipeline.store.state_key import NUMBER_SOURCES, STATE_SOURCES, result_key, source_files
+from pipeline.store.state_key import ALL_SOURCES, NUMBER_SOURCES, STATE_SOURCES, result_key, source_files
 from pipeline.store.store import Store, open_store
 
 ROOMS = ("geometry", "fem", "rod", "pipeline")
@@ -137,12 +137,20 @@ def test_the_keys_take_every_source_file() -> None:
     while not (root / "pyproject.toml").is_file():
         root = root.parent
     deciding = {str(path.relative_to(root)) for path in source_files(STATE_SOURCES)}
-    every = {str(path.relative_to(root)) for path in source_files(NUMBER_SOURCES)}
+    numbers = {str(path.relative_to(root)) for path in source_files(NUMBER_SOURCES)}
+    every = {str(path.relative_to(root)) for path in source_files(ALL_SOURCES)}
     rooms = {room: {str(path.relative_to(root)) for path in (root / room).rglob("*.py")} for room in ROOMS}
     assert all(len(sources) > 10 for sources in rooms.values())
     assert deciding >= rooms["geometry"] | rooms["fem"]
-    assert any(name.startswith("pipeline/") and name.endswith("simulate.py") for name in deciding)
-    assert any(name.startswith("pipeline/") and name.endswith("scene.py") for name in deciding)
+    assert numbers > deciding | rooms["rod"]
+    used = re.compile(r"^from pipeline\.simulation\.(\w+) import", re.MULTILINE)
+    solving = [name for name in deciding if name.startswith("pipeline/simulation/")]
+    modules = {
+        f"pipeline/simulation/{module}.py" for name in solving for module in used.findall((root / name).read_text())
+    }
+    of_results = {f"pipeline/simulation/{name}.py" for name in ("contact_check", "failure", "kernels", "outcome")}
+    assert len(modules) > 4
+    assert modules - deciding == of_results
     assert every == set().union(*rooms.values())
     with pytest.raises(FileNotFoundError, match="no Python source"):
         source_files(["fem", "fem/nowhere"])

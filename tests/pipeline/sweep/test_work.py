@@ -8,7 +8,7 @@ import pytest
 
 from pipeline.config.load import load_config
 from pipeline.store.result_folder import ResultFolder
-from pipeline.store.state_key import NUMBER_SOURCES, result_key
+from pipeline.store.state_key import ALL_SOURCES, result_key
 from pipeline.store.store import locked
 from pipeline.sweep import work
 from pipeline.sweep.points import Point
@@ -29,7 +29,7 @@ def task_of(tmp_path: Path, run: tuple[str, ...], *settings: str) -> PointTask:
     path = tmp_path / "base.yaml"
     path.write_text(BASE, encoding="utf-8")
     config = load_config(path, settings)
-    sources_key = result_key("", NUMBER_SOURCES)
+    sources_key = result_key("", ALL_SOURCES)
     return PointTask(tmp_path / "point", config, run, Point(1, {}, config).work_key(sources_key, run), sources_key)
 
 
