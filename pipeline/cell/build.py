@@ -9,13 +9,11 @@ from typing import Any
 import numpy as np
 
 from fem.cell.piece import PieceFailed
-from pipeline.cell import tasks
+from pipeline.cell.curves import NAMES, ArmTasks, Measured, PieceCurves
 from pipeline.cell.decay import Decay
-from pipeline.cell.deviation import Deviation, is_not_reduced
-from pipeline.cell.kept import Measured
+from pipeline.cell.deviation import is_not_reduced
 from pipeline.cell.mesh_error import MeshError, mesh_error
 from pipeline.cell.pieces import ArmPieces
-from pipeline.cell.reach import Bend
 from pipeline.context import RunContext
 from pipeline.errors import RunFailed
 from pipeline.parallel import Pending
@@ -71,7 +69,7 @@ class _Builder:
         self.pieces = pieces
         self.highest_kPa = highest_kPa
         self.context = context
-        self.tasks = tasks.ArmTasks.of(pieces, context)
+        self.tasks = ArmTasks.of(pieces, context)
         self.limits: list[str] = []
         self.failures: list[str] = []
         self.factorizations = dict.fromkeys(("cell", "between", "ends"), 0)
@@ -80,7 +78,7 @@ class _Builder:
         #: by interval of pressures: the errors of those that it is a part of, the largest interval first
         self.errors_above: dict[tuple[float, float], tuple[float, ...]] = {}
         self.not_borne: set[float] = set()  #: kPa, between those of the configuration
-        self.bends: dict[float, Bend] = {}  #: by pressure, kPa
+        self.bends: dict[float, float] = {}  #: 1/mm, by pressure in kPa
         self.error_between: float | None = None
         self.unchecked: set[tuple[float, float]] = set()  #: intervals of pressures, kPa, that could not be checked
         self.error_along_clamp = 0.0
@@ -91,7 +89,7 @@ class _Builder:
         config = self.pieces.config
         self.pieces.repetition  # noqa: B018 - refuses an arm that is too short before anything is solved
         requested = config.pressures_kPa
-        self.unknowns["cell"] = self.tasks.submit(tasks.unknowns_of_cell)
+        self.unknowns["cell"] = self.tasks.submit(PieceCurves.unknowns_of_cell)
         self.bends = self._bends(requested)
         cells = self._cells(sorted({0.0, *self.bends}))
         if self.highest_kPa:
@@ -101,7 +99,7 @@ class _Builder:
         cells = self._with_pressures_between(cells)
         half_cells, error_ends, limit = decay.decided()
         self.limits += filter(None, [limit])
-        self.unknowns["end"] = self.tasks.submit(tasks.unknowns_of_end, half_cells)
+        self.unknowns["end"] = self.tasks.submit(PieceCurves.unknowns_of_end, half_cells)
         clamps, tips = self._ends(cells, half_cells)
         cells = cells[: len(clamps)]
         if len(cells) < 2:
@@ -132,7 +130,7 @@ class _Builder:
             unknowns=MappingProxyType({name: number.result() for name, number in self.unknowns.items()}),
         )
 
-    def _bends(self, pressures: Sequence[float]) -> dict[float, Bend]:
+    def _bends(self, pressures: Sequence[float]) -> dict[float, float]:
         """How the cell bends without moment at rising pressures, up to the last one that it bears.
 
         Where it bears none of them, at the highest pressure that is of use, if that is lower. Raises RunFailed where it
@@ -145,10 +143,10 @@ class _Builder:
             raise RunFailed(f"the cell of the arm has no equilibrium at any of the pressures: {self.failures[0]}")
         return bends
 
-    def _borne_bends(self, pressures: Sequence[float]) -> dict[float, Bend]:
+    def _borne_bends(self, pressures: Sequence[float]) -> dict[float, float]:
         """The same; empty where it bears none of the pressures."""
-        bends: dict[float, Bend] = {}
-        for pressure, pending in [(p, self.tasks.submit(tasks.bend, p)) for p in pressures]:
+        bends: dict[float, float] = {}
+        for pressure, pending in [(p, self.tasks.submit(PieceCurves.bend, p)) for p in pressures]:
             try:
                 measured = pending.result()
             except PieceFailed as failure:
@@ -158,7 +156,7 @@ class _Builder:
             bends[pressure] = measured.curve
         return bends
 
-    def _largest_bend(self, pressure: float) -> Bend:
+    def _largest_bend(self, pressure: float) -> float:
         """At the highest pressure for which a curve is used: the next one of the configuration."""
         return self.bends[min((p for p in self.bends if p > pressure), default=max(self.bends))]
 
@@ -196,7 +194,9 @@ class _Builder:
     def _measured_cells(self, pressures: Sequence[float]) -> Iterator[Measured[CellCurve] | str]:
         """Cells at rising pressures; a sentence for one that is not borne."""
         self.context.progress.experiment("cell", pressures)
-        for pressure, pending in [(p, self.tasks.submit(tasks.cell, p, self._largest_bend(p))) for p in pressures]:
+        for pressure, pending in [
+            (p, self.tasks.submit(PieceCurves.cell, p, self._largest_bend(p))) for p in pressures
+        ]:
             try:
                 cell = pending.result()
             except (PieceFailed, RodError) as failure:
@@ -253,7 +253,7 @@ class _Builder:
         """
         neighbours = [(lower, upper, _interval(lower, upper)) for lower, upper in pairwise(cells)]
         pending = {
-            pair: self.tasks.submit(tasks.between, lower.curve, upper.curve)
+            pair: self.tasks.submit(PieceCurves.between, lower.curve, upper.curve)
             for lower, upper, pair in neighbours
             if pair not in self.errors
         }
@@ -261,7 +261,7 @@ class _Builder:
             self.errors[pair] = self._error_between(pair, task)
         return {(lower, upper): self.errors[pair] for lower, upper, pair in neighbours}
 
-    def _error_between(self, pair: tuple[float, float], pending: Pending[Measured[Deviation]]) -> float:
+    def _error_between(self, pair: tuple[float, float], pending: Pending[Measured[float]]) -> float:
         try:
             deviation = pending.result()
         except (PieceFailed, RodError) as failure:
@@ -270,16 +270,16 @@ class _Builder:
             self.unchecked.add(pair)
             return 0.0
         self._count("between", deviation)
-        return deviation.curve.kappa
+        return deviation.curve
 
     def _ends(self, cells: Sequence[Measured[CellCurve]], half_cells: int) -> tuple[list[ClampCurve], list[TipCurve]]:
         """The clamped end and the tip by rising pressure, up to the last one that is borne."""
         curves = [cell.curve for cell in cells]
-        for name in (tasks.CLAMPED_END, tasks.TIP):
+        for name in NAMES.values():
             self.context.progress.experiment(name, [curve.pressure for curve in curves])
         groups = [curves[first : first + IN_TURN] for first in range(0, len(curves), IN_TURN)]
-        clamped_ends = [self.tasks.submit(tasks.clamps, group, half_cells) for group in groups]
-        free_ends = [self.tasks.submit(tasks.tips, group, half_cells) for group in groups]
+        clamped_ends = [self.tasks.submit(PieceCurves.clamps, group, half_cells) for group in groups]
+        free_ends = [self.tasks.submit(PieceCurves.tips, group, half_cells) for group in groups]
         clamps: list[ClampCurve] = []
         tips: list[TipCurve] = []
         for clamped_end, free_end in zip(clamped_ends, free_ends, strict=True):

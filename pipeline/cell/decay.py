@@ -7,8 +7,7 @@ import numpy as np
 
 from fem.cell.piece import PieceFailed
 from geometry.arrays import Array
-from pipeline.cell import tasks
-from pipeline.cell.kept import Measured
+from pipeline.cell.curves import ArmTasks, Measured, PieceCurves
 from pipeline.cell.pieces import ArmPieces, NoArmLaw
 from pipeline.parallel import Pending
 from rod.arm_law.curves import CellCurve, ClampCurve
@@ -33,7 +32,7 @@ class Decay:
     """Clamped ends with few and with more half cells, without moment."""
 
     pieces: ArmPieces
-    tasks: tasks.ArmTasks
+    tasks: ArmTasks
     cell: CellCurve  #: beside the clamped ends
     _pending: dict[int, Pending[Measured[ClampCurve]]] = field(default_factory=dict, init=False)
 
@@ -41,7 +40,7 @@ class Decay:
         """Submit the clamped ends with so many half cells and with two more, if the arm has so many."""
         for k in (half_cells, half_cells + 2):
             if half_cells + 2 <= self.pieces.repetition.half_cells and k not in self._pending:
-                self._pending[k] = self.tasks.submit(tasks.clamp_without_moment, self.cell, k)
+                self._pending[k] = self.tasks.submit(PieceCurves.clamp_without_moment, self.cell, k)
 
     def decided(self) -> Decayed:
         """So many half cells that two more change the arm's end by less than DECAY. Raises `NoArmLaw`."""

@@ -1,7 +1,6 @@
 """How far the law interpolated halfway between two pressures is from the cell itself."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
@@ -21,19 +20,8 @@ CHECKS = 5
 NOT_REDUCED, NEARLY_ALLOWED = 0.8, 2.0
 
 
-@dataclass(frozen=True)
-class Deviation:
-    """Largest deviation of the curvature at equal moments, 1/mm."""
-
-    kappa: float
-
-
-#: of the file that keeps it
-DEVIATION_KEYS = {"kappa_per_mm": "kappa"}
-
-
-def largest_deviation(piece: BendingPiece, lower: CellCurve, upper: CellCurve) -> Deviation:
-    """The deviation at CHECKS states of the cell halfway between two pressures.
+def largest_deviation(piece: BendingPiece, lower: CellCurve, upper: CellCurve) -> float:
+    """Largest deviation of the curvature at equal moments, 1/mm, at CHECKS states halfway between two pressures.
 
     From the state of the smallest moment the cell is bent to one side and then to the other: a change of the sides at
     once may lead to equilibria in which a wall has buckled, which the law does not describe. Raises `PieceFailed` where
@@ -50,7 +38,7 @@ def largest_deviation(piece: BendingPiece, lower: CellCurve, upper: CellCurve) -
             state = piece.solve(pressure, float(angles[row]), state)
             difference = (state.moment - section.moment[row]) * section.kappa_slope[row]
             largest = max(largest, abs(float(difference)))
-    return Deviation(largest)
+    return largest
 
 
 def _doubtful(section: SectionLaw, lower: CellCurve, upper: CellCurve) -> Index:

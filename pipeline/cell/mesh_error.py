@@ -8,16 +8,14 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from fem.cell.piece import BendingPiece, PieceFailed
-from pipeline.cell.curves import PieceCurves
+from fem.cell.piece import PieceFailed
+from pipeline.cell.curves import ArmTasks, PieceCurves
 from pipeline.cell.measure import cell_without_moment
 from pipeline.cell.pieces import ArmPieces
 from pipeline.cell.refinement import MOST_UNKNOWNS
-from pipeline.cell.tasks import ArmTasks
 from pipeline.context import RunContext
 from pipeline.errors import InputError
 from pipeline.identification.richardson import extrapolate
-from pipeline.parallel import TaskContext
 from pipeline.store.json_values import JsonObject
 from rod.arm_law.curves import CellCurve
 
@@ -152,25 +150,20 @@ def _moment_at(cell: CellCurve, kappa: float) -> float:
     return 0.5 * (low + high)
 
 
-def _numbers_on(curves: PieceCurves, context: TaskContext, cell: CellCurve, change: float) -> tuple[float, ...]:
-    """The same numbers of the cell on another mesh, the moment at the same curvature; a task."""
+def _numbers_on(curves: PieceCurves, cell: CellCurve, change: float) -> tuple[float, ...]:
+    """NUMBERS of the cell on another mesh, the moment at half of its kappa_0; a task. Raises `PieceFailed`.
+
+    change: of the curvature, 1/mm.
+    """
     pieces, store = curves.pieces, curves.store
     name = f"law/mesh_{pieces.config.mesh.element_size_mm:.12g}mm_{cell.pressure:.12g}kPa.json"
     kept = store.read_json(name)
     if kept is None or kept["key"] != store.numbers_key:
-        numbers = numbers_on(pieces.cell, cell.pressure, 0.5 * cell.at(0.0)[0], change)
+        piece = pieces.cell
+        at, h = cell_without_moment(piece, cell.pressure / 1000.0).state, piece.body.length
+        angles = (at.angle + change * h, 0.5 * cell.at(0.0)[0] * h)
+        bent, halved = (piece.solve(at.pressure, angle, at) for angle in angles)
+        numbers = (at.angle / h, (bent.moment - at.moment) / change, halved.moment)
         kept = {"key": store.numbers_key, "numbers": numbers}
         store.save_json(name, kept)
     return tuple(kept["numbers"])
-
-
-def numbers_on(piece: BendingPiece, pressure: float, kappa: float | None, change: float) -> tuple[float, ...]:
-    """NUMBERS of a cell at a pressure in kPa.
-
-    kappa: of the state whose moment is taken, 1/mm; None for half of kappa_0. change: of the curvature, 1/mm. Raises
-    `PieceFailed`.
-    """
-    at, h = cell_without_moment(piece, pressure / 1000.0).state, piece.body.length
-    half = 0.5 * at.angle if kappa is None else kappa * h
-    bent, halved = (piece.solve(at.pressure, angle, at) for angle in (at.angle + change * h, half))
-    return at.angle / h, (bent.moment - at.moment) / change, halved.moment

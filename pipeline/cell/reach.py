@@ -24,17 +24,6 @@ LARGEST = 3.0
 
 
 @dataclass(frozen=True)
-class Bend:
-    """How a cell bends without moment."""
-
-    kappa: float  #: 1/mm
-
-
-#: of the file that keeps it
-BEND_KEYS = {"kappa_per_mm": "kappa"}
-
-
-@dataclass(frozen=True)
 class Range:
     """How far a cell is followed to one side from its state without moment."""
 

@@ -13,6 +13,7 @@ from fem.cell.piece import BendingPiece, PieceFailed
 from pipeline.cell import curves, mesh_error, refinement
 from pipeline.cell.build import BETWEEN
 from pipeline.cell.deviation import is_not_reduced
+from pipeline.cell.measure import CellPoint
 from pipeline.cell.mesh_error import NUMBERS
 from pipeline.cell.pieces import ArmPieces, NoArmLaw
 from pipeline.cell.refinement import refined_mesh
@@ -97,14 +98,14 @@ def test_a_pressure_that_the_finer_mesh_does_not_bear_costs_the_others_nothing(
     report: LawReport, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     config, whole = arm(*ARM), report.measured.mesh_error
-    solved, lowest = mesh_error.numbers_on, min(whole.pressures_kPa)
+    solved, lowest = mesh_error.cell_without_moment, min(whole.pressures_kPa)
 
-    def failing(piece: BendingPiece, pressure: float, *others: float) -> tuple[float, ...]:
-        if pressure == lowest and len(piece.space.points) > len(report_cell.space.points):
+    def failing(piece: BendingPiece, pressure_MPa: float) -> CellPoint:
+        if pressure_MPa == lowest / 1000.0 and len(piece.space.points) > len(report_cell.space.points):
             raise PieceFailed("the walls buckle.")
-        return solved(piece, pressure, *others)
+        return solved(piece, pressure_MPa)
 
-    monkeypatch.setattr(mesh_error, "numbers_on", failing)
+    monkeypatch.setattr(mesh_error, "cell_without_moment", failing)
     with open_store(tmp_path, config, fresh=False) as store:
         pieces = ArmPieces(config, 0.04)
         report_cell = pieces.cell
@@ -140,7 +141,7 @@ def test_the_stated_error_is_the_true_one_within_a_quarter_for_every_assumed_ord
 def test_the_law_is_read_back_and_gives_the_same_rod(report: LawReport) -> None:
     results = pneurod.read_results(report.directory)
     assert isinstance(results.arm_law, pneurod.ArmLaw)
-    assert results.run.config_hash == report.config.hash
+    assert results.run.record["config_hash"] == report.config.hash
     for pressure in (7.5, 9.0):
         ours, theirs = (law.at(pressure).solve(end_y=0.0) for law in (results.arm_law, report.measured.law))
         assert np.array_equal(ours.x, theirs.x)
