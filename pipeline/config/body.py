@@ -22,18 +22,8 @@ from geometry import (
     SurfaceFile,
 )
 from pipeline.config.document import Document, Key
-from pipeline.config.kinds import Count, Length, PositiveLength, Text, YesNo, above_zero, in_unit, list_of
-from pipeline.config.section import (
-    Error,
-    Field,
-    Kind,
-    Section,
-    chosen,
-    conflict,
-    raise_all,
-    read_keys,
-    section_of,
-)
+from pipeline.config.kinds import Count, Length, PositiveLength, Text, YesNo, above_zero, list_of
+from pipeline.config.section import Error, Field, Kind, Section, chosen, conflict, raise_all, read_keys, section_of
 from pipeline.config.units import LENGTH, convert
 from pipeline.errors import quoted
 
@@ -121,10 +111,6 @@ _KINDS: dict[Any, Any] = {
     Plug: Annotated[Any, Kind("`true`, `false`, or a name and a point for each", "true", "mm", _plug)],
 }
 _UNIT = Annotated[float, Kind("`mm`, `cm`, `m`, `inch` or a length", "inch", "mm", _unit, above_zero)]
-_DRAWN = {
-    True: Annotated[float, Kind("at least 0", LENGTH.example, "mm", in_unit(LENGTH))],
-    False: Annotated[float, Kind("above 0", LENGTH.example, "mm", in_unit(LENGTH))],
-}
 
 
 def design_class(family: str, file: str) -> type[Design]:
@@ -146,10 +132,8 @@ def geometry_section(design: Any) -> type[Section]:
     for field in fields(design):
         kind = _UNIT if field.name == "unit" else _KINDS.get(types[field.name], Points)
         if drawn and kind is Length:
-            kind = _DRAWN[field.default == 0.0]
-        default: Any = {} if field.default is MISSING else {"default": field.default}
-        if field.default_factory is not MISSING:
-            default = {"default_factory": field.default_factory}
+            kind = Annotated[Length, Kind("at least 0" if field.default == 0.0 else "above 0", LENGTH.example, "mm")]
+        default = {key: v for key in ("default", "default_factory") if (v := getattr(field, key)) is not MISSING}
         examples = [_EXAMPLES[field.name]] if field.name in _EXAMPLES else None
         keys[field.name] = (kind, Field(**default, examples=examples, description=meanings[field.name]))
     return section_of("Geometry", keys, {name: [f.name for f in fields(design)] for name, design in DESIGNS.items()})

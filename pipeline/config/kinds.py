@@ -29,15 +29,20 @@ def number(value: Any) -> float:
         raise ValueError(f"{quoted(value)} is too large") from None
 
 
-def text(example: str) -> Callable[[Any], str]:
-    """Reads a text that is not empty."""
+def of_type(kind: type, otherwise: str) -> Callable[[Any], Any]:
+    """Reads a value of this type, which is not empty."""
 
-    def read(value: Any) -> str:
-        if not isinstance(value, str) or not value:
-            raise ValueError(f"{quoted(value)} is not a text; for example '{example}'")
+    def read(value: Any) -> Any:
+        if type(value) is not kind or value == "":
+            raise ValueError(f"{quoted(value)} {otherwise}")
         return value
 
     return read
+
+
+def text(example: str) -> Callable[[Any], str]:
+    """Reads a text that is not empty."""
+    return of_type(str, f"is not a text; for example '{example}'")
 
 
 def one_of(names: Sequence[str], **more: Any) -> Kind:
@@ -90,18 +95,6 @@ def _name(value: Any) -> str:
     return str(value)
 
 
-def _count(value: Any) -> int:
-    if isinstance(value, bool) or not isinstance(value, int):
-        raise ValueError(f"{quoted(value)} is not a whole number; write it without a unit, for example 11")
-    return value
-
-
-def _yes_or_no(value: Any) -> bool:
-    if not isinstance(value, bool):
-        raise ValueError(f"{quoted(value)} is neither true nor false")
-    return value
-
-
 def _ascending(values: tuple[float, ...]) -> bool:
     if not values:
         raise ValueError("is empty; give at least one pressure, for example [17 kPa, 37 kPa]")
@@ -142,9 +135,11 @@ Acceleration = Annotated[
     tuple[_Acceleration, _Acceleration, _Acceleration],
     list_of("x, y and z", "[0 m/s^2, -9.81 m/s^2, 0 m/s^2]", "m/s²", count=3),
 ]
-Count = Annotated[int, Kind("1 to 10000", "11", read=_count)]
+Count = Annotated[
+    int, Kind("1 to 10000", "11", "", of_type(int, "is not a whole number; write it without a unit, for example 11"))
+]
 CountFromZero = Annotated[Count, Kind("0 or more", "0", test=lambda value: value >= 0)]
-YesNo = Annotated[bool, Kind("`true` or `false`", "true", read=_yes_or_no)]
+YesNo = Annotated[bool, Kind("`true` or `false`", "true", read=of_type(bool, "is neither true nor false"))]
 Name = Annotated[str, Kind("letters, digits, `_`, `-` and `.`", "pneunet", read=_name)]
 Text = Annotated[str, Kind("a text", "pneunet", read=text("pneunet"))]
 
@@ -152,15 +147,13 @@ Text = Annotated[str, Kind("a text", "pneunet", read=text("pneunet"))]
 MOST_ACCURACY = 0.2
 
 
-def _percentage(value: Any) -> float:
-    """2 % as 0.02."""
-    matched = re.fullmatch(r"\s*(\d+\.?\d*)\s*%\s*", value) if isinstance(value, str) else None
-    most = 100.0 * MOST_ACCURACY
-    if matched is None or not 0.0 < float(matched[1]) <= most:
-        raise ValueError(
-            f"{quoted(value)} is no accuracy; write a percentage above 0 and at most {most:g}, for example 2 %"
-        )
-    return float(matched[1]) / 100.0
+_ACCURACY = Dimension("an accuracy", "dimensionless", "2 %")
 
 
-Percentage = Annotated[float | None, Kind("above 0, at most 20", "2 %", "%", _percentage)]
+def _can_be_reached(accuracy: float | None) -> bool:
+    return accuracy is None or 0.0 < accuracy <= MOST_ACCURACY
+
+
+Percentage = Annotated[
+    float | None, Kind("above 0, at most 20", _ACCURACY.example, "%", in_unit(_ACCURACY), _can_be_reached)
+]

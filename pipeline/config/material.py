@@ -9,17 +9,7 @@ import fem.materials
 from fem.materials import LAWS, Constant
 from pipeline.config.document import Document
 from pipeline.config.kinds import Density, Number, PoissonRatio, PositiveStress, Stress, Stretches, list_of, one_or_more
-from pipeline.config.section import (
-    Error,
-    Field,
-    Section,
-    chosen,
-    conflict,
-    raise_all,
-    read_keys,
-    section_of,
-    wrong,
-)
+from pipeline.config.section import Error, Field, Section, chosen, conflict, raise_all, read_keys, section_of, wrong
 from pipeline.store.json_values import JsonObject
 
 #: how the constants of a law are written

@@ -179,7 +179,7 @@ def test_wrong_input_ends_with_2(command: str, setting: str, complaint: str, coa
 def test_an_empty_accuracy_ends_with_2(coarse: str) -> None:
     """As a variable of a shell that is not set leaves it."""
     for command in ("run", "cell"):
-        assert "is no accuracy; write a percentage" in sentence(call(command, coarse, "--accuracy", ""), 2)
+        assert "write an accuracy with its unit" in sentence(call(command, coarse, "--accuracy", ""), 2)
 
 
 def test_a_missing_file_ends_with_2() -> None:

@@ -199,7 +199,7 @@ def test_arguments_of_a_run_that_are_none_are_refused(design: Path) -> None:
 
 
 def test_an_empty_accuracy_is_refused(design: Path) -> None:
-    with pytest.raises(pneurod.InputError, match="is no accuracy; write a percentage"):
+    with pytest.raises(pneurod.InputError, match="write an accuracy with its unit"):
         pneurod.characterize(design, accuracy="")
 
 
@@ -269,9 +269,9 @@ def test_numbers_of_numpy_are_settings(design: Path, results: pneurod.Results) -
 
 
 def test_a_wrong_accuracy_is_named_as_it_was_given(design: Path) -> None:
-    with pytest.raises(pneurod.InputError, match=r"^accuracy: 'x' is no accuracy; "):
+    with pytest.raises(pneurod.InputError, match=r"^accuracy: 'x' is not a number followed by a unit"):
         pneurod.characterize(design, accuracy="x")
-    with pytest.raises(pneurod.InputError, match=r'^settings\["accuracy"\]: \'x\' is no accuracy; '):
+    with pytest.raises(pneurod.InputError, match=r'^settings\["accuracy"\]: \'x\' is not a number followed by a unit'):
         pneurod.characterize(design, settings={"accuracy": "x"})
 
 

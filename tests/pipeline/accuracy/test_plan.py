@@ -321,10 +321,10 @@ def test_an_arm_too_short_for_five_parameters_has_no_pilots(configs: Path, tmp_p
 @pytest.mark.parametrize(
     ("overrides", "sentence"),
     [
-        (["accuracy=2"], "2 is no accuracy; write a percentage"),
-        (["accuracy=0 %"], "above 0 and at most 20"),
-        (["accuracy=50 %"], "above 0 and at most 20"),
-        (["accuracy=good"], "for example 2 %"),
+        (["accuracy=2"], "2 has no unit; write an accuracy"),
+        (["accuracy=0 %"], "allowed: above 0, at most 20; for example 2 %"),
+        (["accuracy=50 %"], "allowed: above 0, at most 20; for example 2 %"),
+        (["accuracy=good"], "for example .2 %"),
     ],
 )
 def test_wrong_accuracies_are_rejected(configs: Path, overrides: list[str], sentence: str) -> None:
