@@ -12,8 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from fem.materials import LAWS
-from geometry import FAMILIES, CadFile, MeshFile, SurfaceFile
-from pipeline.config.body import geometry_section
+from pipeline.config.body import DESIGNS, geometry_section
 from pipeline.config.config import Config
 from pipeline.config.material import material_section
 from pipeline.config.section import FieldInfo, Section, WrittenAs, example_of, kind_of
@@ -135,12 +134,11 @@ def _listed(names: list[str]) -> str:
 
 def tables() -> dict[str, str]:
     """The tables of the page by name."""
-    bodies = {**FAMILIES, "own_cad": CadFile, "own_mesh": MeshFile, "own_surface": SurfaceFile}
     return {
         "general": key_table(general_keys()),
         "material": _material_table(),
         "effects": key_table(effect_keys()),
-        **{name: key_table(geometry_keys(design)) for name, design in bodies.items()},
+        **{name: key_table(geometry_keys(design)) for name, design in DESIGNS.items()},
     }
 
 
