@@ -61,7 +61,14 @@ def _beyond_law(solved: Solved) -> Iterator[Reason]:
         holds = _range_of(material)
         if smallest < holds["holds_from"] or largest > holds["holds_to"]:
             found = {"smallest": smallest, "largest": largest, "pressure_kPa": pressure}
-            yield Reason("beyond_law", {"part": part, "law": material.law, **found, **holds})
+            instead = _law_for(smallest, largest)
+            yield Reason("beyond_law", {"part": part, "law": material.law, **found, **holds, "instead": instead})
+
+
+def _law_for(smallest: float, largest: float) -> str:
+    """A law that describes rubber up to these stretches, and how its constants are found."""
+    laws = [law for law, (low, high) in HOLDS.items() if low <= smallest and largest <= high]
+    return f"{' or '.join([*laws[:1], 'a law'])} fitted with pneurod material"
 
 
 def _range_of(material: Material) -> dict[str, float]:

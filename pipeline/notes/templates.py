@@ -1,9 +1,11 @@
 """The sentence of every reason, by its code, as a clause: it begins small and has no full stop."""
 
 from collections.abc import Iterable, Mapping
+from dataclasses import asdict
 from typing import Any
 
 from geometry import Reason, position_text
+from pipeline.results.values import Reported
 from pipeline.store.json_values import JsonObject
 
 #: {at} is the place of the reason; a list is written with commas between its entries
@@ -53,7 +55,7 @@ TEMPLATES: Mapping[str, str] = {
     "length, give geometry.axes: {axes}",
     # states
     "beyond_law": "stretches in {part} go from {smallest:.2f} to {largest:.2f} ({pressure_kPa:g} kPa), but law {law} "
-    "holds from {holds_from:.2f} to {holds_to:.2f}; fit one with pneurod material",
+    "holds from {holds_from:.2f} to {holds_to:.2f}; take {instead}",
     "out_of_plane": "the arm leaves its plane by {distance_mm:.3g} mm, {percent:.3g} % of its length ({experiment}, "
     "{pressure_kPa:g} kPa); do not use these planar rods",
     "volume_lost": "the material loses {percent:.0f} % of its volume at {at} ({experiment}, {pressure_kPa:g} kPa); "
@@ -91,6 +93,15 @@ TEMPLATES: Mapping[str, str] = {
     "pressure_not_added": "no pressure was added at {pressure_kPa:g} kPa: {why}",
     "no_arm_law": "no law of the arm: {why}; take five parameters with law: five",
     "law_incomplete": "the arm's own law is incomplete: {why}",
+    # the rods
+    "no_rod_is_near": "do not use a rod of this run, because the nearest one is {percent:.2g} % of the length off the "
+    "finite elements",
+    "mesh_too_coarse": "do not use a rod of this run, because the mesh makes an error of about {percent:.2g} % in its "
+    "numbers",
+    "mesh_error_unknown": "the error of the mesh is not known; --set mesh.coarser=1.5 or a run with another mesh.size "
+    "shows it",
+    "offsets_bend": "under small loads this rod is off, because its offsets m₀₁ and m₀₂ bend it as soon as any load "
+    "acts",
 }
 #: why there are no five parameters
 NO_PARAMETERS = ("too_short", "nodes_too_far_apart", "not_identified")
@@ -108,11 +119,15 @@ def render_all(reasons: Iterable[Reason]) -> str:
     return "; ".join(map(render, reasons))
 
 
+def report_reason(reason: Reason) -> Reported:
+    """A reason with its sentence, as run.json has it."""
+    text = render(reason)
+    return Reported(reason.code, dict(reason.values), reason.where, f"{text[:1].upper()}{text[1:]}.")
+
+
 def record_reason(reason: Reason) -> JsonObject:
     """The entry of a reason in run.json."""
-    text = render(reason)
-    sentence = f"{text[:1].upper()}{text[1:]}."
-    return {"code": reason.code, "values": dict(reason.values), "where": reason.where, "text": sentence}
+    return asdict(report_reason(reason))
 
 
 class _Listed(list[Any]):

@@ -6,8 +6,10 @@ The verdict is one value. The terminal, the report, `pneurod run --json` and `pn
 import shlex
 from dataclasses import asdict, dataclass
 
+from geometry import Reason
 from pipeline.formatting import number, percent
 from pipeline.notes.rods import POOR, TITLES, MeshErrors, RodErrors, mesh_errors, rod_errors, tip_moves_by
+from pipeline.notes.templates import report_reason
 from pipeline.results.values import Curve, Reported, Run
 from pipeline.store.formats import ARM_LAW, EXTENSIBLE, FIVE
 from pipeline.store.json_values import JsonObject
@@ -157,16 +159,12 @@ def _refusal(run: Run, errors: tuple[RodErrors, ...], mesh: MeshErrors) -> Repor
     """Why no rod should be used: the arm leaves the plane, the mesh is too coarse, or every rod is far off."""
     if not errors:
         return None
-    beginning = "Do not use a rod of this run, because"
     if plane := next((remark for remark in run.remarks if remark.code == "out_of_plane"), None):
-        text = f"{beginning} the arm leaves the plane of bending by up to {plane.values['distance_mm']:.3g} mm."
-        return Reported("out_of_plane", plane.values, plane.where, text)
+        return plane
     if errors[0].shape > POOR:
-        text = f"{beginning} the nearest one is {percent(errors[0].shape)} of the length off the finite elements."
-        return Reported("no_rod_is_near", {"distance_over_length": errors[0].shape}, None, text)
+        return report_reason(Reason("no_rod_is_near", {"percent": 100.0 * errors[0].shape}))
     if (mesh.largest or 0.0) > LARGE_MESH_ERROR:
-        text = f"{beginning} the mesh makes an error of about {percent(mesh.largest)} in its numbers."
-        return Reported("mesh_too_coarse", {"relative": mesh.largest}, None, text)
+        return report_reason(Reason("mesh_too_coarse", {"percent": 100.0 * (mesh.largest or 0.0)}))
     return None
 
 
@@ -224,11 +222,9 @@ def _warnings(run: Run, rod: str, mesh: MeshErrors, refusal: Reported | None) ->
     """The most important remarks on the run and on its rod."""
     of_rod = []
     if rod and mesh.largest is None:
-        text = "The error of the mesh is not estimated; --set mesh.coarser=1.5 or another mesh.size shows it."
-        of_rod.append(Reported("mesh_error_unknown", {}, None, text))
-    if run.config.get("law") == "five" or rod in (FIVE, EXTENSIBLE):
-        text = "Under small loads this rod is off: its offsets m0 bend it as soon as any load acts."
-        of_rod.append(Reported("offsets", {}, None, text))
+        of_rod.append(report_reason(Reason("mesh_error_unknown")))
+    if rod in (FIVE, EXTENSIBLE):
+        of_rod.append(report_reason(Reason("offsets_bend")))
     shown = [remark for remark in run.remarks if refusal is None or remark.code != refusal.code]
     ranked = sorted(shown, key=lambda remark: RANKS.index(remark.code) if remark.code in RANKS else len(RANKS))
     known = [remark for remark in ranked if remark.code in RANKS]

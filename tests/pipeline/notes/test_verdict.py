@@ -77,14 +77,14 @@ def test_a_coarse_mesh_is_a_reason_not_to_use_the_rod() -> None:
     assert not refused.usable
     assert refused.refusal is not None
     assert refused.refusal.code == "mesh_too_coarse"
-    assert refused.refusal.values["relative"] == pytest.approx(0.174, abs=0.001)
+    assert refused.refusal.values["percent"] == pytest.approx(17.4, abs=0.1)
     assert refused.shape_error is None
     assert "--set mesh.size='2.7 mm'" in refused.command
     assert_short(refused)
 
 
 def test_an_arm_that_leaves_the_plane_has_no_rod(run: Run) -> None:
-    out = Reported("out_of_plane", {"distance_mm": 3.0}, None, "The arm leaves the plane.")
+    out = Reported("out_of_plane", {"distance_mm": 3.0}, None, "The arm leaves its plane by 3 mm.")
     refused = verdict_of(replace(run, remarks=(out,)))
     assert refused.refusal is not None
     assert refused.refusal.code == "out_of_plane"
