@@ -17,6 +17,9 @@ from rod import PARAMETER_COLUMNS
 from rod.arm_law.curves import CellCurve
 from rod.same_pressure import is_same
 
+#: further columns of a state, by their names in experiments.json
+_OF_STATE = ("cavity_volume_mm3", "stretch_of_curve", "min_J", "max_stretch", "min_gap_mm", "stress_error")
+
 
 def rows_of_run(report: RunReport) -> list[Row]:
     """Experiments, five parameters with the error of the mesh, how far the rods are from the finite elements, the cell
@@ -31,10 +34,9 @@ def rows_of_run(report: RunReport) -> list[Row]:
                 row |= _five(parameters)
         row |= _errors(c for c in report.comparisons if c.state.in_sample and is_same(c.record.pressure_kPa, pressure))
         row["notes"] = render_all(report.remarks)
-    for pressure, of_cell in zip(
-        report.config.pressures_kPa, rows_of_law(report.config, report.arm.measured), strict=True
-    ):
-        rows[pressure] |= of_cell
+    of_cell = rows_of_law(report.config, report.arm.measured)
+    for pressure, row in zip(report.config.pressures_kPa, of_cell, strict=True):
+        rows[pressure] |= row
     return list(rows.values())
 
 
@@ -68,21 +70,15 @@ def _states(outcomes: Outcomes, pressure: float, pitch: float) -> Row:
 
 
 def _state(record: Record, pitch: float) -> Row:
-    summary = record.summary
-    force: Row = {"force_x_N": summary.reaction_N[0], "force_y_N": summary.reaction_N[1]}
-    return {
-        "end_x_mm": summary.end_mm[0],
-        "end_y_mm": summary.end_mm[1],
+    row: Row = {
+        "end_x_mm": record.summary.end_x_mm,
+        "end_y_mm": record.summary.end_y_mm,
         "end_angle_rad": record.centreline.end_angle,
         "kappa_middle_per_mm": record.kappa_middle(pitch),
-        **(force if record.experiment == "III" else {}),
-        "cavity_volume_mm3": summary.cavity_volume_mm3,
-        "stretch_of_curve": summary.stretch_of_curve,
-        "min_J": summary.min_J,
-        "max_stretch": summary.max_stretch,
-        "min_gap_mm": summary.min_gap_mm,
-        "stress_error": summary.stress_error,
     }
+    if record.experiment == "III":
+        row |= dict(zip(("force_x_N", "force_y_N"), record.summary.reaction_N, strict=True))
+    return row | {name: getattr(record.summary, name) for name in _OF_STATE}
 
 
 def _five(parameters: Parameters) -> Row:
@@ -96,23 +92,20 @@ def _five(parameters: Parameters) -> Row:
 
 def _errors(comparisons: Iterable[Comparison]) -> Row:
     """Largest distance of each rod over the length and the error of its end force, by experiment and rod."""
+    errors = [error for comparison in comparisons for error in comparison.errors if not error.reason]
     row: Row = {}
-    for comparison in comparisons:
-        for error in comparison.errors:
-            if not error.reason:
-                name = f"{error.experiment}_{error.rod}"
-                row[f"{name}_distance_over_length"] = error.distance_over_length
-                if error.force_error is not None:
-                    row[f"{name}_force_error"] = error.force_error
+    for error in errors:
+        name = f"{error.experiment}_{error.rod}"
+        row[f"{name}_distance_over_length"] = error.distance_over_length
+        if error.force_error is not None:
+            row[f"{name}_force_error"] = error.force_error
     return row
 
 
 def _cell(cell: CellCurve) -> Row:
     kappa, stretch, _ = cell.at(0.0)
-    rigidities = {
-        "rigidity_N_mm2": cell.rigidity,
-        "axial_rigidity_N": cell.axial_rigidity,
-        "shear_rigidity_N": cell.shear_rigidity,
-    }
-    at_rest = {name: float(np.interp(0.0, cell.moment, values)) for name, values in rigidities.items()}
-    return {f"cell_{name}": value for name, value in {"kappa_0_per_mm": kappa, "stretch": stretch, **at_rest}.items()}
+    row: Row = {"cell_kappa_0_per_mm": kappa, "cell_stretch": stretch}
+    for name in ("rigidity", "axial_rigidity", "shear_rigidity"):
+        unit = "N_mm2" if name == "rigidity" else "N"
+        row[f"cell_{name}_{unit}"] = float(np.interp(0.0, cell.moment, getattr(cell, name)))
+    return row

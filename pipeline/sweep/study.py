@@ -167,7 +167,7 @@ class _SetInProgress:
         unlike = [key.removesuffix("_hash") for key in own if key != "base" and key in kept and kept[key] != own[key]]
         if not unlike:
             return
-        name = f"the sweep '{kept['name']}'"
+        name = f"the sweep '{kept.get('name')}'"
         other = f", not of '{own['name']}'" if "name" in unlike else f" with another {' and '.join(unlike)}"
         raise InputError(
             f"--out {self.folder.directory}: holds the results of {name}{other}; give another --out, or --fresh to "
@@ -182,17 +182,13 @@ class _SetInProgress:
     @property
     def solved(self) -> tuple[SolvedPoint, ...]:
         """All points; those without a record are waiting."""
-        return tuple(
-            SolvedPoint(point.number, "", point.setting, PointRecord(REFUSED, point.reason))
-            if isinstance(point, RefusedPoint)
-            else SolvedPoint(
-                point.number,
-                f"{POINTS}/{point.name}",
-                point.setting,
-                self.records.get(point.name, PointRecord(WAITING, "")),
-            )
-            for point in self.set.points
-        )
+        return tuple(map(self._solved, self.set.points))
+
+    def _solved(self, point: Point | RefusedPoint) -> SolvedPoint:
+        if isinstance(point, RefusedPoint):
+            return SolvedPoint(point.number, "", point.setting, PointRecord(REFUSED, point.reason))
+        record = self.records.get(point.name, PointRecord(WAITING, ""))
+        return SolvedPoint(point.number, f"{POINTS}/{point.name}", point.setting, record)
 
     def save(self, *, now: bool = False) -> None:
         """Write what is known, unless it was written a moment ago and points are missing. Raises OSError."""
