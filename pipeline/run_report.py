@@ -12,8 +12,7 @@ from pipeline.config.config import Config
 from pipeline.errors import RunFailed
 from pipeline.identification.parameters import Parameters
 from pipeline.notes import record_reason, render, render_all
-from pipeline.simulation.effects_record import EffectState
-from pipeline.simulation.mesh_record import MeshRecord
+from pipeline.results.values import Effect
 from pipeline.simulation.outcome import Outcomes
 from pipeline.store.formats import FORMAT
 from pipeline.store.json_values import JsonObject
@@ -44,9 +43,9 @@ class RunReport:
     parameters: tuple[Parameters, ...]  #: by ascending pressure
     comparisons: tuple[Comparison, ...]  #: rod against finite elements, loads of the identification first
     arm: LawOfRun  #: the arm's own law
-    effects: tuple[EffectState, ...]
+    effects: tuple[Effect, ...]
     accuracy: ReviewedPlan | None  #: None where no accuracy was requested
-    mesh: MeshRecord
+    mesh: JsonObject  #: the key `mesh` of run.json
     seconds: Mapping[str, float]  #: wall time by stage
     failures: tuple[Reason, ...]  #: one for everything that was not reached; empty where all was
     remarks: tuple[Reason, ...]  #: what is unusual about the design and its results, and pressures without parameters
@@ -73,7 +72,7 @@ class RunReport:
             "config": self.config.record(),
             "config_hash": self.config.hash,
             **provenance(),
-            "mesh": self.mesh.record,
+            "mesh": self.mesh,
             "seconds": self.seconds,
             "solver_seconds": self.outcomes.seconds_by_stage,
             "factorizations": {outcome.name: outcome.factorizations for outcome in self.outcomes},

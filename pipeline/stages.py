@@ -28,7 +28,7 @@ from pipeline.run_report import ReviewedPlan, RunReport
 from pipeline.simulation.below_limit import complete_experiments, highest_of_use
 from pipeline.simulation.effects_record import effect_states
 from pipeline.simulation.kernels import begin_loading
-from pipeline.simulation.mesh_record import MeshRecord
+from pipeline.simulation.mesh_record import mesh_record
 from pipeline.simulation.outcome import Outcomes
 from pipeline.simulation.pictures import draw_all
 from pipeline.simulation.scene import Scene
@@ -201,7 +201,7 @@ def report(
     scene, outcomes, plan = state.scene, identified.outcomes, state.planned.plan
     with state.stages.timed("report"):
         effects = (*effect_states(scene, outcomes), arm.effect)
-        state.context.store.save_json("effects.json", [effect.row() for effect in effects])
+        save_value(state.context.store, "effects.json", effects)
         reviewed = review(plan, outcomes, identified.parameters, outcomes.largest_indicator) if plan else None
         result = RunReport(
             directory=state.context.store.directory,
@@ -212,7 +212,7 @@ def report(
             arm=arm,
             effects=effects,
             accuracy=ReviewedPlan(plan, reviewed) if plan else None,
-            mesh=MeshRecord.of(scene),
+            mesh=mesh_record(scene),
             seconds=dict(state.stages.seconds),
             failures=_failures(state.config, identified, arm, validated),
             remarks=_remarks(state, identified, arm),

@@ -11,7 +11,7 @@ from pipeline.cell.study import save_law
 from pipeline.context import RunContext
 from pipeline.errors import InputError, RunFailed, WorkerLost
 from pipeline.parallel import Pending
-from pipeline.simulation.effects_record import EffectState
+from pipeline.results.values import Effect
 from pipeline.simulation.outcome import Outcomes
 from pipeline.simulation.scene import Scene
 from pipeline.store.store import Store
@@ -59,9 +59,9 @@ class LawOfRun:
             save_law(store, self.measured)
 
     @property
-    def effect(self) -> EffectState:
+    def effect(self) -> Effect:
         """The row of effects.json."""
-        return EffectState("arm_law", "off" if self.measured is None else "on", self.reason, None)
+        return Effect("arm_law", "off" if self.measured is None else "on", self.reason, None)
 
 
 def law_of_run(scene: Scene, context: RunContext, highest_kPa: Callable[[], float] | None = None) -> Pending[LawOfRun]:

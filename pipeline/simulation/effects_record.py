@@ -1,36 +1,16 @@
 """Which effects took part in a run, and why."""
 
-from dataclasses import dataclass
 from math import isfinite
 
 from fem.elements import ELEMENTS
 from pipeline.config.config import Config
 from pipeline.config.effects import CavityPressure
+from pipeline.results.values import Effect
 from pipeline.simulation.outcome import Outcomes
 from pipeline.simulation.scene import Scene
-from pipeline.store.json_values import JsonObject
 
 
-@dataclass(frozen=True)
-class EffectState:
-    """Whether an effect took part in a run, and why."""
-
-    effect: str
-    state: str  #: on or off
-    reason: str
-    fraction_of_time: float | None  #: of the solver's time; None for an effect without time of its own
-
-    def row(self) -> JsonObject:
-        """The row of effects.json."""
-        return {
-            "effect": self.effect,
-            "state": self.state,
-            "reason": self.reason,
-            "share_of_time": self.fraction_of_time,
-        }
-
-
-def effect_states(scene: Scene, outcomes: Outcomes) -> tuple[EffectState, ...]:
+def effect_states(scene: Scene, outcomes: Outcomes) -> tuple[Effect, ...]:
     """Every effect with its state in a run and the reason for it."""
     config = scene.config
     states = {
@@ -42,7 +22,7 @@ def effect_states(scene: Scene, outcomes: Outcomes) -> tuple[EffectState, ...]:
     }
     timeless = ("symmetry", "incompressibility")
     return tuple(
-        EffectState(effect, state, reason, None if effect in timeless else _fraction_of_time(effect, outcomes))
+        Effect(effect, state, reason, None if effect in timeless else _fraction_of_time(effect, outcomes))
         for effect, (state, reason) in states.items()
     )
 
