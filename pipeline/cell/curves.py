@@ -19,6 +19,7 @@ from pipeline.cell.reach import Reach
 from pipeline.config.config import Config
 from pipeline.context import RunContext
 from pipeline.parallel import Pending, TaskContext
+from pipeline.pressure import in_MPa, name_of_state
 from pipeline.progress import Progress
 from pipeline.store.store import Store
 from rod import RodError
@@ -78,9 +79,9 @@ class PieceCurves:
         """The curvature of the cell without moment at a pressure in kPa, 1/mm."""
 
         def measure(piece: BendingPiece) -> Measured[float]:
-            return Measured(cell_without_moment(piece, pressure / 1000.0).state.angle / piece.body.length)
+            return Measured(cell_without_moment(piece, in_MPa(pressure)).state.angle / piece.body.length)
 
-        return self._of_cell(float, f"bend_{pressure:.12g}kPa", measure)
+        return self._of_cell(float, name_of_state("bend", pressure), measure)
 
     def cell(self, pressure: float, bend: float) -> Measured[CellCurve]:
         """The cell at a pressure in kPa, for arms whose cells bend up to a curvature `bend` (1/mm) without moment."""
@@ -89,13 +90,13 @@ class PieceCurves:
             sweep = sweep_cell(piece, pressure, Reach.of(self.pieces.config, bend))
             return Measured(sweep.curve(piece.body.length), tuple(sweep.limits), sweep.error)
 
-        measured = self._of_cell(CellCurve, f"cell_{pressure:.12g}kPa", measure)
+        measured = self._of_cell(CellCurve, name_of_state("cell", pressure), measure)
         self.progress.step_done("cell", pressure, 0.0 if measured.is_stored else measured.seconds)
         return measured
 
     def between(self, lower: CellCurve, upper: CellCurve) -> Measured[float]:
         """How far the law interpolated halfway between two pressures is from the cell there, 1/mm at equal moments."""
-        name = f"between_{lower.pressure:.12g}kPa_{upper.pressure:.12g}kPa"
+        name = name_of_state(name_of_state("between", lower.pressure), upper.pressure)
         return self._of_cell(float, name, lambda piece: Measured(largest_deviation(piece, lower, upper)))
 
     def clamp_without_moment(self, cell: CellCurve, half_cells: int) -> Measured[ClampCurve]:
@@ -213,7 +214,7 @@ class PieceCurves:
 
 
 def _end_name(kind: str, half_cells: int, cell: CellCurve) -> str:
-    return f"{kind}_{half_cells}_{cell.pressure:.12g}kPa"
+    return name_of_state(f"{kind}_{half_cells}", cell.pressure)
 
 
 @dataclass(frozen=True)

@@ -8,6 +8,7 @@ import numpy as np
 from fem.cell.piece import BendingPiece
 from fem.cell.response import inflated
 from geometry.arrays import Index
+from pipeline.pressure import in_MPa
 from rod.arm_law.between import measure_disagreement
 from rod.arm_law.curves import CellCurve
 from rod.arm_law.section import SectionLaw, section_at
@@ -28,7 +29,7 @@ def largest_deviation(piece: BendingPiece, lower: CellCurve, upper: CellCurve) -
     the cell does not reach a curvature of the law, and `RodError` where there is no law.
     """
     section = section_at((lower, upper), 0.5 * (lower.pressure + upper.pressure))
-    pressure, rows = section.pressure / 1000.0, _doubtful(section, lower, upper)
+    pressure, rows = in_MPa(section.pressure), _doubtful(section, lower, upper)
     angles = section.kappa * piece.body.length
     first, largest = rows[np.argmin(np.abs(section.moment[rows]))], 0.0
     middle = inflated(piece, pressure, float(angles[first]))

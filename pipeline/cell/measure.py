@@ -14,6 +14,7 @@ from fem.path.predictor import extrapolate
 from geometry.arrays import Array
 from pipeline.cell.point import PiecePoint, stable, without_moment
 from pipeline.cell.reach import Range, Reach
+from pipeline.pressure import in_MPa
 from rod.arm_law.curves import CellCurve
 from rod.cubics import cubic, cubic_slope
 
@@ -103,7 +104,7 @@ def sweep_cell(piece: BendingPiece, pressure_kPa: float, reach: Reach, start: Pi
     start: a state at another pressure. Raises `PieceFailed` where the unloaded cell is not reached.
     """
     h = piece.body.length
-    middle = cell_without_moment(piece, pressure_kPa / 1000.0, start)
+    middle = cell_without_moment(piece, in_MPa(pressure_kPa), start)
     sweep = CellSweep(pressure_kPa, [middle], shear=[(middle.moment, _shear(piece, middle))])
     softest = SOFTENED * slopes(piece, piece.rest()).moment_by_angle
     kappa, rigidity = middle.state.angle / h, middle.slopes.moment_by_angle * h

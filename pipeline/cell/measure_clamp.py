@@ -14,6 +14,7 @@ from fem.cell.response import inflated
 from fem.path.predictor import extrapolate
 from geometry.arrays import Array
 from pipeline.cell.point import PiecePoint, reached, without_moment
+from pipeline.pressure import in_MPa
 from rod.arm_law.curves import CellCurve, ClampCurve
 from rod.cubics import cubic
 
@@ -77,7 +78,7 @@ def _first(piece: BendingPiece, cell: CellCurve, start: PieceState | None) -> "_
     part, (lowest, last) = _steps(cell)[0], cell.moment[[0, -1]]
     part = 1.0 - part if cell.contact[0] and not cell.contact[-1] else part
     angle = cell.at(float(lowest + part * (last - lowest)))[0] * piece.body.length
-    return reached(piece, cell.pressure / 1000.0, angle, start, partial(_ClampPoint.on, piece, cell))
+    return reached(piece, in_MPa(cell.pressure), angle, start, partial(_ClampPoint.on, piece, cell))
 
 
 def _steps(cell: CellCurve) -> tuple[float, int]:
@@ -91,7 +92,7 @@ def clamp_without_moment(piece: BendingPiece, cell: CellCurve) -> ClampCurve:
     Raises `PieceFailed` where it is not reached.
     """
     angle = cell.at(0.0)[0] * piece.body.length
-    point = without_moment(piece, inflated(piece, cell.pressure / 1000.0, angle), PiecePoint.of, NEARLY_STRAIGHT)
+    point = without_moment(piece, inflated(piece, in_MPa(cell.pressure), angle), PiecePoint.of, NEARLY_STRAIGHT)
     return _curve(piece, cell, [_ClampPoint.on(piece, cell, point.state)])
 
 

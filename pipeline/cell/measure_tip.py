@@ -10,6 +10,7 @@ from fem.cell.edge import FreeEdge, free_edge
 from fem.cell.piece import BendingPiece, PieceState
 from geometry.arrays import Array
 from pipeline.cell.point import reached, stable
+from pipeline.pressure import in_MPa
 from rod.arm_law.curves import CellCurve, TipCurve
 
 #: turns of the end of the arm at which its support is described; between them its couple is right to 0.4 % of the
@@ -81,7 +82,7 @@ def _with_edge(piece: BendingPiece, cell: CellCurve, start: PieceState | None) -
         with stable(piece, state):
             return state, free_edge(piece, state)
 
-    return reached(piece, cell.pressure / 1000.0, 0.0, start, with_edge)
+    return reached(piece, in_MPa(cell.pressure), 0.0, start, with_edge)
 
 
 def axis_by_pull(cell: CellCurve, s: Array, beside_end: Array) -> Array:

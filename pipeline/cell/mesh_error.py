@@ -16,6 +16,7 @@ from pipeline.cell.refinement import MOST_UNKNOWNS
 from pipeline.context import RunContext
 from pipeline.errors import InputError
 from pipeline.identification.richardson import extrapolate
+from pipeline.pressure import in_MPa
 from pipeline.store.json_values import JsonObject
 from rod.arm_law.curves import CellCurve
 
@@ -160,7 +161,7 @@ def _numbers_on(curves: PieceCurves, cell: CellCurve, change: float) -> tuple[fl
     kept = store.read_json(name)
     if kept is None or kept["key"] != store.numbers_key:
         piece = pieces.cell
-        at, h = cell_without_moment(piece, cell.pressure / 1000.0).state, piece.body.length
+        at, h = cell_without_moment(piece, in_MPa(cell.pressure)).state, piece.body.length
         angles = (at.angle + change * h, 0.5 * cell.at(0.0)[0] * h)
         bent, halved = (piece.solve(at.pressure, angle, at) for angle in angles)
         numbers = (at.angle / h, (bent.moment - at.moment) / change, halved.moment)

@@ -11,6 +11,7 @@ from fem.cell.piece import BendingPiece, PieceFailed, PieceState
 from fem.cell.response import Slopes, inflated, slopes
 from fem.equations.linear import SingularMatrix
 from fem.path.predictor import PathPoint, extrapolate
+from pipeline.pressure import in_kPa
 
 #: Newton's method for the angle without moment: largest error of the angle to first order, rad
 STRAIGHT, MAX_ITERATIONS = 1e-8, 12
@@ -64,7 +65,7 @@ def without_moment(
         angle = state.angle + float(np.clip(correction, -LARGEST_TURN, LARGEST_TURN))
         state = piece.solve(state.pressure, angle, state, extrapolate(None, point.path_point, angle))
     raise PieceFailed(
-        f"the {piece.name} at {1000.0 * state.pressure:.4g} kPa has no state without moment near the last one"
+        f"the {piece.name} at {in_kPa(state.pressure):.4g} kPa has no state without moment near the last one"
     )
 
 
@@ -96,5 +97,5 @@ def stable(piece: BendingPiece, state: PieceState) -> Iterator[None]:
     except SingularMatrix as failure:
         curvature = state.angle / piece.body.length
         raise PieceFailed(
-            f"the {piece.name} is not stable at {1000.0 * state.pressure:.4g} kPa and {curvature:.4g} 1/mm: {failure}"
+            f"the {piece.name} is not stable at {in_kPa(state.pressure):.4g} kPa and {curvature:.4g} 1/mm: {failure}"
         ) from None

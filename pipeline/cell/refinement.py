@@ -9,6 +9,7 @@ from pipeline.cell.pieces import ArmPieces
 from pipeline.context import RunContext
 from pipeline.errors import InputError, RunFailed
 from pipeline.identification.richardson import extrapolate
+from pipeline.pressure import in_MPa
 from pipeline.store.json_values import JsonObject
 
 #: size of a mesh over that of the next finer one
@@ -100,7 +101,7 @@ def _numbers(pieces: ArmPieces, context: RunContext, size: float, pressure: floa
     kept = store.read_json(name)
     if kept is None or kept["key"] != store.numbers_key:
         piece = pieces.with_mesh_size(size).cell
-        middle = cell_without_moment(piece, pressure / 1000.0)
+        middle = cell_without_moment(piece, in_MPa(pressure))
         h, change = piece.body.length, 1.0 / pieces.design.length
         bent = piece.solve(middle.state.pressure, middle.state.angle + change * h, middle.state)
         numbers = CellNumbers(

@@ -5,6 +5,7 @@ from collections.abc import Iterator
 from geometry import Reason
 from pipeline.config.config import AUTO, Config
 from pipeline.identification.too_short import too_short
+from pipeline.pressure import in_MPa
 
 #: p V_air / (E V_solid), about half the strain of a wall under the pressure p: the arms of the paper have 0.003 to
 #: 0.03, arms in the hard cases reach a limit between 0.02 and 0.06
@@ -35,7 +36,7 @@ def check_design(config: Config) -> tuple[Reason, ...]:
 def _pressure(config: Config) -> Reason | None:
     """Pressures that make walls inflate like balloons, or hardly bend them, most likely in another unit."""
     modulus, design, pressure = config.material.built().young_modulus, config.design, config.pressures_kPa[-1]
-    load = pressure / (1000.0 * modulus) * design.cavity_volume / design.solid_volume
+    load = in_MPa(pressure) / modulus * design.cavity_volume / design.solid_volume
     values = {"pressure_kPa": pressure, "modulus_MPa": modulus, "load": load}
     if config.effects.pressure.off or SMALLEST_LOAD <= load <= LARGEST_LOAD:
         return None
