@@ -16,10 +16,11 @@ from fem.model import Model
 from fem.path.loadpath import follow, follow_volume
 from fem.path.newton import NewtonOptions
 from fem.path.options import PathObserver, PathOptions
-from fem.post.extremes import outside_stable_range, unstable_stretch
+from fem.post.extremes import outside_stable_range, unstable_stretches
 from fem.post.fields import element_fields
 from fem.post.recovery import StressError, stress_error
-from fem.post.self_intersection import crossing_at_rest, self_intersection_clause
+from fem.post.self_intersection import crossing_at_rest, self_intersection
+from fem.reasons import sentence
 from fem.solution import End, NotConverged, Seconds, Solution, Step, step_from_arrays, step_to_arrays
 from fem.supports import Fixed, Prescribed, SharedPlane, Support, SupportError, Symmetry, Tied
 from fem.warm_up import compile_kernels
@@ -74,9 +75,10 @@ __all__ = [
     "follow_volume",
     "laws_of",
     "outside_stable_range",
-    "self_intersection_clause",
+    "self_intersection",
+    "sentence",
     "step_from_arrays",
     "step_to_arrays",
     "stress_error",
-    "unstable_stretch",
+    "unstable_stretches",
 ]

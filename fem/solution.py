@@ -11,6 +11,7 @@ from fem.discretisation import Discretisation
 from fem.effects.loads import enclosed_volume
 from fem.effects.tightening import Tightening
 from fem.equations.state import Change
+from fem.reasons import Reasons, reasons_from_text, reasons_to_text, sentence
 from fem.supports import Where, nodes_at
 from geometry.arrays import Array, Index
 
@@ -85,7 +86,7 @@ class Step:
     extremes: Extremes
     min_gap: float  #: smallest signed gap between facing walls, mm; infinity without such walls
     negative_pivots: int  #: of the tangent; 0 in an equilibrium that is stable while the load is held
-    instability: str  #: in how many directions the equilibrium is unstable and where; empty for a stable one
+    instability: Reasons  #: in how many directions the equilibrium is unstable and where; empty for a stable one
     newton_iterations: int  #: of the increments since the previous step that converged; starts that failed left out
     #: all since the previous step: one for each Newton iteration, those of failed starts and increments included, one
     #: for the tangent at rest, and one where the stability of an unstable equilibrium is analysed
@@ -102,7 +103,7 @@ class Step:
     spent: Seconds  #: the same by what they were spent on; no set-up
     #: for comparison where nodes in a cavity press beside the triangles of their pairs; None elsewhere
     exact: ExactContact | None = None
-    inexact: str = ""  #: a clause why there is nothing to compare with where that was tried; empty elsewhere
+    inexact: Reasons = ()  #: why there is nothing to compare with where that was tried; empty elsewhere
     #: difference to the equilibrium whose contact in creases is that of this load alone, relative to displacement or
     #: strain, where it is too far from the path to be taken; infinity where none was found; 0 elsewhere
     path_dependence: float = 0.0
@@ -157,10 +158,15 @@ class End:
     constant_fraction: float  #: applied of constant loads and displacements, 1 once the first target was reached
     cutbacks: int  #: increments that failed since the last target that was reached
     factorizations: int  #: since then, that of the last equilibrium's stability included
-    cause: str  #: a sentence without full stop
+    reasons: Reasons  #: why the last attempt failed, and what the last equilibrium tells of it
     #: value of the quantity at which the rates of the path become infinite, where no equilibrium was found closely
     #: behind the last one; None where the path did not announce its end
     limit: float | None = None
+
+    @property
+    def cause(self) -> str:
+        """The reasons as a sentence without full stop."""
+        return sentence(self.reasons)
 
 
 class NotConverged(RuntimeError):
@@ -195,9 +201,9 @@ def step_to_arrays(step: Step) -> dict[str, NDArray[Any]]:
         "active": np.array(step.active, dtype=bool),
         "added_pairs": step.added_pairs,
         **_contacts_to_arrays(step.contacts),
-        "instability": np.array(step.instability),
+        "instability": np.array(reasons_to_text(step.instability)),
         **_exact_to_arrays(step.exact),
-        "inexact": np.array(step.inexact),
+        "inexact": np.array(reasons_to_text(step.inexact)),
         "path_dependence": np.array(step.path_dependence),
         "increments": np.array(step.increments),
         "stages": np.array([spent.assembly, spent.analysis, spent.factorization, spent.solve]),
@@ -223,7 +229,7 @@ def step_from_arrays(space: Discretisation, arrays: Mapping[str, NDArray[Any]]) 
         extremes=Extremes(min_J, longest, shortest, J_at, longest_at, shortest_at),
         min_gap=min_gap,
         **dict(zip(COUNTS, arrays["counts"].tolist(), strict=True)),
-        instability=str(arrays["instability"]),
+        instability=reasons_from_text(str(arrays["instability"])),
         effects=tuple(arrays["effects"].tolist()),
         active=tuple(arrays["active"].tolist()),
         added_pairs=arrays["added_pairs"],
@@ -231,9 +237,9 @@ def step_from_arrays(space: Discretisation, arrays: Mapping[str, NDArray[Any]]) 
         seconds=seconds,
         spent=Seconds(0.0, assembly, analysis, factorization, solve, timed),
         exact=_exact_from_arrays(arrays),
-        inexact=str(arrays.get("inexact", "")),
-        path_dependence=float(arrays.get("path_dependence", 0.0)),
-        increments=tuple(arrays["increments"].tolist()) if "increments" in arrays else (),
+        inexact=reasons_from_text(str(arrays["inexact"])),
+        path_dependence=float(arrays["path_dependence"]),
+        increments=tuple(arrays["increments"].tolist()),
     )
 
 

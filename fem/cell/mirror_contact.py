@@ -69,7 +69,7 @@ def tightened(term: Term, x: Array) -> Term:
     if not isinstance(term, FacingTerm) or term.gap(x) > 0.0:
         return term
     if not term.stiffenings:
-        raise StepFailed(term.violation(x))
+        raise StepFailed(*filter(None, [term.violation(x)]))
     return term.tightened(x)
 
 

@@ -19,7 +19,8 @@ import numpy as np
 from fem.effects.effect import Blocks, CarryingTerm, PenaltyTerm, UnilateralTerm
 from fem.effects.facing_pairs import FacingPairs, LocalPairs
 from fem.effects.tightening import Tightening
-from geometry import position_text
+from fem.reasons import position_of
+from geometry import Reason
 from geometry.arrays import Array, Index
 
 #: fraction of the barrier's width that lies behind the wall: without it walls in contact rest at nine tenths of the
@@ -138,14 +139,13 @@ class FacingTerm(PenaltyTerm, CarryingTerm):
     def touching(self, x: Array) -> bool:
         return bool((self.pairs.gaps(x) < self.dhat).any())
 
-    def violation(self, x: Array) -> str:
+    def violation(self, x: Array) -> Reason | None:
         gaps = self.pairs.gaps(x)
         if not (gaps <= self.dhat).any():
-            return ""
+            return None
         if gaps.min() <= 0:
-            position = x[self.pairs.nodes[int(np.argmin(gaps))]]
-            return f"two walls pass through each other at {position_text(position)}"
-        return self.exact(self.stiffness).violation(x) if self.exact else ""
+            return Reason("walls_cross", where=position_of(x[self.pairs.nodes[int(np.argmin(gaps))]]))
+        return self.exact(self.stiffness).violation(x) if self.exact else None
 
     def gives_way(self, x: Array) -> bool:
         return self.stiffenings > 0 and bool((self.pairs.gaps(x) < -CLEAR_OVERLAP * self.dhat).any())

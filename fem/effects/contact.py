@@ -20,7 +20,8 @@ from fem.effects.effect import NO_BLOCKS, Blocks, Effect, InteriorTerm, PenaltyT
 from fem.effects.facing_pairs import FARTHEST, NO_PAIRS, FacingPairs
 from fem.effects.tightening import Tightening
 from fem.materials.material import Material
-from geometry import position_text
+from fem.reasons import position_of
+from geometry import Reason
 from geometry.arrays import Array, Index, Mask
 from geometry.vectors import cross
 
@@ -261,17 +262,18 @@ class BarrierTerm(InteriorTerm):
     def near_pairs(self, x: Array) -> tuple[Index, Index]:
         return self._images.near_pairs(x) if self._images else super().near_pairs(x)
 
-    def violation(self, x: Array) -> str:
+    def violation(self, x: Array) -> Reason | None:
         if not self._ipctk.has_intersections(self._mesh, self._surface(x)):
-            return self._images.violation(x) if self._images else ""
+            return self._images.violation(x) if self._images else None
         edges, triangles = crossings(x, self._triangles)  # with rounding, where the test above has none
         if not len(edges):
-            return "two walls pass through each other"
-        edge, apart = edges[0], ""
+            return Reason("walls_cross")
+        edge = edges[0]
+        where = position_of(x[edge].mean(axis=0))
         distance = float(np.linalg.norm(self._rest[edge].mean(axis=0) - self._rest[triangles[0]].mean(axis=0)))
         if distance > FARTHEST * float(np.linalg.norm(self._rest[edge[1]] - self._rest[edge[0]])):
-            apart = f" that are {distance:.3g} mm apart at rest"  # the ends of an arm that has curled up
-        return f"two walls{apart} pass through each other at {position_text(x[edge].mean(axis=0))}"
+            return Reason("far_walls_cross", {"apart_mm": distance}, where)  # the ends of an arm that has curled up
+        return Reason("walls_cross", where=where)
 
     def gap(self, x: Array) -> float:
         """Exact within dhat, infinity beyond it, or the smallest gap to a mirror image."""

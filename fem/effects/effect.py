@@ -15,6 +15,7 @@ import numpy as np
 from fem.discretisation import Discretisation
 from fem.effects.tightening import Tightening
 from fem.materials.material import Material
+from geometry import Reason
 from geometry.arrays import Array, Index
 
 
@@ -114,8 +115,8 @@ class UnilateralTerm(Term):
         """Whether parts are within the activation distance at x (n, 3)."""
 
     @abstractmethod
-    def violation(self, x: Array) -> str:
-        """Why a converged state x (n, 3) is not admissible, in a clause; empty where it is."""
+    def violation(self, x: Array) -> Reason | None:
+        """Why a converged state x (n, 3) is not admissible; None where it is."""
 
     def near_pairs(self, x: Array) -> tuple[Index, Index]:
         """Node pairs rows <= columns, two lists (m,), that may come into contact near the positions x (n, 3).

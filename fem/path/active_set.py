@@ -6,6 +6,7 @@ from typing import Self, final
 
 from fem.effects.effect import InteriorTerm, PenaltyTerm, Terms, UnilateralTerm
 from fem.effects.tightening import Tightening
+from fem.reasons import Reasons
 from fem.solution import Step
 from geometry.arrays import Array
 
@@ -100,10 +101,10 @@ class ActiveSet:
         terms = zip(self.model, self.is_active, strict=True)
         return any(isinstance(term, UnilateralTerm) and active and term.touching(x) for term, active in terms)
 
-    def violations(self, x: Array) -> tuple[str, ...]:
-        """Why the state x (n, 3), converged with the active terms, is not admissible; a clause for each violation."""
-        clauses = (term.violation(x) for term in self.active if isinstance(term, UnilateralTerm))
-        return tuple(clause for clause in clauses if clause)
+    def violations(self, x: Array) -> Reasons:
+        """Why the state x (n, 3), converged with the active terms, is not admissible; a reason for each violation."""
+        reasons = (term.violation(x) for term in self.active if isinstance(term, UnilateralTerm))
+        return tuple(reason for reason in reasons if reason)
 
     def tightened(self, x: Array) -> Self:
         """With the next stiffer term for each active contact that x (n, 3) violates; itself where there is none."""

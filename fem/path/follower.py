@@ -15,14 +15,7 @@ from fem.effects.effect import at_constant_fraction, smallest_gap
 from fem.path.active_set import ActiveSet
 from fem.path.control import Control
 from fem.path.costs import Costs
-from fem.path.diagnosis import (
-    NOT_FOLLOWED,
-    NOT_FOLLOWED_EARLIER,
-    instability,
-    law_limit_clause,
-    near_limit_point,
-    not_followed,
-)
+from fem.path.diagnosis import NOT_FOLLOWED_EARLIER, instability, why_path_ends
 from fem.path.effort import effort_of
 from fem.path.exact_contact import with_exact_distances
 from fem.path.increments import LIMIT_ACCURACY, MAX_NEAR_FAILURES, Increments
@@ -33,7 +26,9 @@ from fem.path.options import PathEnded, PathObserver, PathOptions
 from fem.path.predictor import PathPoint, Predictor
 from fem.path.solver import Increment, IncrementSolver
 from fem.post.extremes import extremes_of
-from fem.solution import End, Seconds, Solution, Step
+from fem.reasons import Reasons
+from fem.solution import End, ExactContact, Seconds, Solution, Step
+from geometry import Reason
 
 #: part of the way to the first target on which constant loads are brought up, before the rest of the driven one
 CONSTANTS_FIRST = 1e-3
@@ -110,8 +105,8 @@ class PathFollower:
         #: the last point on the way to the first target, with its rate while constant loads grow as well
         self.arrival: PathPoint | None = None
         self.is_stable = True  #: whether the last equilibrium is
-        #: a clause where the path lost its stability on the way to the target, or before and has not regained it
-        self.not_followed = ""
+        #: where the path lost its stability on the way to the target, or before and has not regained it
+        self.not_followed: Reason | None = None
         #: of the last equilibrium at a target (`fem.solution.Step`)
         self.path_dependence = 0.0
 
@@ -145,7 +140,7 @@ class PathFollower:
         self.solver.begin_target()
         converged = self.solver.solve(self._increment(control, increments, increments.target))
         if converged.negative_pivots:
-            raise Unstable(f"the equilibrium is unstable ({converged.negative_pivots} negative pivots)")
+            raise Unstable(Reason("equilibrium_unstable", {"negative_pivots": converged.negative_pivots}))
         point = self._point(control, converged)
         self._check_continuation(control, converged, point, increments)
         self.points = [self.points[-1], point]
@@ -157,7 +152,8 @@ class PathFollower:
         state = self.system.state_at(step.displacement, step.factor)
         active_set = ActiveSet.of_step(self.system.terms, step)
         self.solver.active_set, self.is_stable = active_set, step.negative_pivots == 0
-        self.not_followed = NOT_FOLLOWED_EARLIER if NOT_FOLLOWED in step.instability else ""
+        was_left = any(reason.code.startswith("not_followed") for reason in step.instability)
+        self.not_followed = NOT_FOLLOWED_EARLIER if was_left else None
         terms = at_constant_fraction(active_set.active, 1.0)
         return PathPoint(value, 1.0, state, active_set.touching(step.positions), terms=terms)
 
@@ -168,7 +164,7 @@ class PathFollower:
         of their motions hide a step that jumps past a limit of the driven load.
         """
         before, is_first, rest = Costs.of(self.system), len(self.points) == 1, self.points[0]
-        self.not_followed = NOT_FOLLOWED_EARLIER if self.not_followed and not self.is_stable else ""
+        self.not_followed = NOT_FOLLOWED_EARLIER if self.not_followed and not self.is_stable else None
         constant = None
         if is_first and self.control.gives_load and self.predictor.has_constant_loads:
             constant = self._with_constant_loads(target, before)
@@ -206,7 +202,7 @@ class PathFollower:
         load_step = _LoadStep(self.points[-1], target.value)
         increments = Increments(load_step.origin.value, target.value, target.min_increment)
         increments.limit = self._announced_limit(self.points[0], self.points[-1])
-        iterations, values, cause = 0, list[float](), StepFailed("no increment was tried")
+        iterations, values, cause = 0, list[float](), StepFailed(Reason("nothing_tried"))
         self.solver.begin_target()
         give_up_checked = False
         while True:
@@ -218,7 +214,7 @@ class PathFollower:
                 give_up_checked = True
                 if reason := self.options.give_up(target.announced):
                     last = load_step.control(self.control, increments.reached)
-                    raise PathEnded(self._end(last, increments, before, reason))
+                    raise PathEnded(self._end(last, increments, before, (Reason("given_up", {"why": reason}),)))
             control = load_step.control(self.control, fraction)
             try:
                 increment = self._increment(control, increments, target.announced)
@@ -233,7 +229,7 @@ class PathFollower:
                 increments.failed(fraction, isinstance(failure, Unstable), isinstance(failure, Inverted))
                 last = load_step.control(self.control, increments.reached)
                 if not increments.reached and self.solver.keep_contact():
-                    cause = StepFailed("no increment was tried")  # softer contact tells nothing of the end of the path
+                    cause = StepFailed(Reason("nothing_tried"))  # softer contact tells nothing of the end of the path
                 elif increments.ended:
                     raise PathEnded(self._end_after(cause, last, increments, before)) from None
                 continue
@@ -257,9 +253,9 @@ class PathFollower:
         """
         is_stable = converged.negative_pivots == 0
         if self.control.gives_load and self.is_stable and not is_stable and fraction < 1.0:
-            self.not_followed = not_followed(reached, fraction)
+            self.not_followed = Reason("not_followed", {"stable": reached, "unstable": fraction})
         elif is_stable and self.not_followed == NOT_FOLLOWED_EARLIER:
-            self.not_followed = ""
+            self.not_followed = None
         self.is_stable = is_stable
 
     def _increment(self, control: Control, increments: Increments, announced: float) -> Increment:
@@ -288,11 +284,11 @@ class PathFollower:
         if self.is_stable and converged.negative_pivots:
             is_small = increments.is_small
             if not (way.is_straight or (is_small and way.is_smooth) if way else is_small):
-                raise Unstable(f"the equilibrium is unstable ({converged.negative_pivots} negative pivots)")
+                raise Unstable(Reason("equilibrium_unstable", {"negative_pivots": converged.negative_pivots}))
         if way and way.is_jump:
-            raise Unstable("the body jumps to another equilibrium, to which no continuous path leads")
+            raise Unstable(Reason("jump"))
         if increments.passes_limit and way and not (way.is_smooth and increments.may_pass_limit):
-            raise Unstable("beyond the limit that the path announces there is another equilibrium only")
+            raise Unstable(Reason("beyond_limit"))
         return arrival
 
     def _settled(self, converged: Converged, point: PathPoint, increment: Increment) -> tuple[Converged, PathPoint]:
@@ -330,34 +326,32 @@ class PathFollower:
         return PathPoint(control.value, control.constant_fraction, converged.state, touching, rate, terms)
 
     def _end(
-        self, reached: Control, increments: Increments, before: Costs, cause: str, limit: float | None = None
+        self, reached: Control, increments: Increments, before: Costs, reasons: Reasons, limit: float | None = None
     ) -> End:
         factorizations = (Costs.of(self.system) - before).factorizations
         ways = reached.value, reached.constant_fraction, increments.cutbacks
-        return End(self.control.name, increments.target, *ways, factorizations, cause, limit)
+        return End(self.control.name, increments.target, *ways, factorizations, reasons, limit)
 
     def _end_after(self, failure: StepFailed, reached: Control, increments: Increments, before: Costs) -> End:
         """The end of the path where increments fail, with what is known of the limit."""
-        last, law = self.points[-1], law_limit_clause(self.system, self.points[-1].state)
         limit = increments.confirmed_limit
-        gives_load = self.control.gives_load
-        cause = str(failure) + law + near_limit_point(self.system, last, bool(law), limit is not None, gives_load)
-        if increments.is_stuck:
-            failed = f"{MAX_NEAR_FAILURES} increments of at most {LIMIT_ACCURACY:.0%} of the load failed there"
-            cause = f"{failed}; the last one: {cause}"
+        search: Reasons = ()
         if increments.is_exhausted:
-            cause = f"the search ended after {increments.tried} increments; the last one that failed: {cause}"
-        return self._end(reached, increments, before, cause, limit)
+            search = (Reason("search_ended", {"increments": increments.tried}),)
+        if increments.is_stuck:
+            search += (Reason("stuck", {"failures": MAX_NEAR_FAILURES, "accuracy": LIMIT_ACCURACY}),)
+        explained = why_path_ends(self.system, self.points[-1], limit is not None, self.control.gives_load)
+        return self._end(reached, increments, before, (*search, *failure.reasons, *explained), limit)
 
     def _step(self, reached: _Reached, target: float, before: Costs) -> Step:
         control, converged = reached.control, reached.converged
         system, state, rate = self.system, converged.state, self.points[-1].rate
         active_set, options = self.solver.active_set, self.options.newton
         unstable = instability(system, converged, self.points[-1].terms)  # factorizes where it is unstable
-        exact, inexact = None, ""
-        if self.control.gives_load:  # under a prescribed volume the pressure would differ as well
-            watch = self._watch(target)
-            exact, inexact = with_exact_distances(control, converged, active_set, options, watch)
+        # under a prescribed volume the pressure would differ as well
+        compared: tuple[ExactContact | None, Reasons] = None, ()
+        if self.control.gives_load:
+            compared = with_exact_distances(control, converged, active_set, options, self._watch(target))
         costs = Costs.of(system) - before
         return Step(
             space=system.space,
@@ -369,7 +363,7 @@ class PathFollower:
             extremes=extremes_of(system.space, converged.assembly.strain, converged.assembly.jacobian),
             min_gap=smallest_gap(active_set.stiffened, self.solver.positions(converged)),
             negative_pivots=converged.negative_pivots,
-            instability="; ".join(filter(None, (unstable, self.not_followed))),
+            instability=(*unstable, self.not_followed) if self.not_followed else unstable,
             newton_iterations=reached.iterations,
             factorizations=costs.factorizations,
             cutbacks=reached.cutbacks,
@@ -379,8 +373,8 @@ class PathFollower:
             contacts=active_set.tightenings,
             seconds=costs.wall,
             spent=costs.seconds,
-            exact=exact,
-            inexact=inexact,
+            exact=compared[0],
+            inexact=compared[1],
             path_dependence=self.path_dependence,
             increments=reached.increments,
         )

@@ -32,6 +32,8 @@ from fem.equations.linearised import Linearised
 from fem.equations.state import Assembly, State
 from fem.equations.system import System
 from fem.path.control import Control
+from fem.reasons import FailedForReasons
+from geometry import Reason
 from geometry.arrays import Array
 
 #: relative residual below which a state shows which walls meet, as well as an equilibrium does
@@ -100,8 +102,8 @@ class Converged:
         return 0 if self.linearised is None else self.linearised.negative_pivots
 
 
-class StepFailed(ArithmeticError):
-    """An attempt at an increment ended without equilibrium; the sentence says where and why."""
+class StepFailed(FailedForReasons):
+    """An attempt at an increment ended without equilibrium."""
 
 
 class Unstable(StepFailed):
@@ -109,7 +111,7 @@ class Unstable(StepFailed):
 
 
 class NotAdmissible(StepFailed):
-    """An attempt ended with an equilibrium that no body can have: the sentence names its cause."""
+    """An attempt ended with an equilibrium that no body can have; its first reason is the cause."""
 
 
 class Inverted(NotAdmissible):
@@ -152,26 +154,26 @@ def solve(
             if smallest_gap(inactive, x) < 0 or (is_sure and any(term.gives_way(x) for term in penalties)):
                 return Converged(state, assembly, iteration, relative, linearised)
         if not np.isfinite(relative):
-            raise StepFailed(f"the residual grew without bound after {iteration} iterations")
+            raise StepFailed(Reason("residual_unbounded", {"iterations": iteration}))
         far += relative > FAR
         if far > max_far + 1:  # the first one is the start
-            raise StepFailed(f"no equilibrium near after {iteration} iterations (relative residual {relative:.1e})")
+            raise StepFailed(Reason("far_from_equilibrium", {"iterations": iteration, "residual": relative}))
         pivots = 0 if linearised is None else linearised.negative_pivots
         unstable += pivots > 0
         if start.stays_stable and pivots and unstable < iteration:
-            raise Unstable(f"the tangent becomes indefinite ({pivots} negative pivots)")
+            raise Unstable(Reason("tangent_turns_indefinite", {"negative_pivots": pivots}))
         if linearised is not None and start.max_unstable is not None and unstable > start.max_unstable:
-            raise Unstable(f"the tangent is indefinite ({linearised.negative_pivots} negative pivots)")
+            raise Unstable(Reason("tangent_indefinite", {"negative_pivots": pivots}))
         if linearised is not None and limited > max_limited:
-            raise Unstable(f"the tangent stays indefinite ({linearised.negative_pivots} negative pivots)")
+            raise Unstable(Reason("tangent_stays_indefinite", {"negative_pivots": pivots}))
         if iteration > 1 and is_limited and pivots > many_pivots:
-            raise Unstable(f"the tangent is indefinite in many directions ({pivots} negative pivots)")
+            raise Unstable(Reason("tangent_very_indefinite", {"negative_pivots": pivots}))
         if iteration < max_iterations:
             before = _Iterate(state, terms, assembly, correction)
             state, linearised, is_limited = _iterate(before, control, relative > CONVEX_ABOVE, options.strain)
             limited += is_limited
             terms = advanced(terms, before.positions(system), state.displacement - before.state.displacement)
-    raise StepFailed(f"no equilibrium after {max_iterations} iterations (relative residual {relative:.1e})")
+    raise StepFailed(Reason("not_converged", {"iterations": max_iterations, "residual": relative}))
 
 
 @dataclass(frozen=True)
@@ -196,7 +198,7 @@ def _iterate(before: _Iterate, control: Control, convex: bool, max_strain: float
         linearised = system.linearise(state, assembly, terms, before.correction, convex=convex)
         change, unstable = control.increment(state, assembly, linearised, before.correction, terms)
     except SingularMatrix as error:
-        raise StepFailed(f"the tangent is singular ({error})") from None
+        raise StepFailed(Reason("tangent_singular", {"why": str(error)})) from None
     change = replace(change, displacement=change.displacement + before.correction)
     strain = system.linearised_strain(state, change.displacement)
     largest = float(np.abs(strain).max())

@@ -18,7 +18,7 @@ from fem.path.effort import Effort
 from fem.path.newton import Converged, Inverted, NewtonOptions, NotAdmissible, Start, StepFailed, Unstable, Watch
 from fem.path.predictor import PathPoint, Predictor
 from fem.post.extremes import extremes_of
-from geometry import position_text
+from geometry import Reason
 from geometry.arrays import Array
 
 #: largest number of iterations with an indefinite tangent from a stable equilibrium to the next where walls are kept
@@ -119,9 +119,7 @@ class IncrementSolver:
         """The same; raises `Inverted` where an element is turned inside out."""
         if converged.assembly.jacobian.min() <= 0:
             worst = extremes_of(self.system.space, converged.assembly.strain, converged.assembly.jacobian)
-            raise Inverted(
-                f"an element is turned inside out at {position_text(worst.min_J_at)} (J = {worst.min_J:.3g})"
-            )
+            raise Inverted(Reason("element_inverted", {"min_J": worst.min_J}, worst.min_J_at))
         return converged
 
     def _kept_apart(self, converged: Converged, increment: Increment) -> Converged:
@@ -136,7 +134,8 @@ class IncrementSolver:
             try:
                 converged = self._activate(self._solve(start, increment), increment)
             except StepFailed as failure:
-                raise type(failure)(f"{violations[0]}, and with more or stiffer contact {failure}") from None
+                reasons = violations[0], Reason("stiffer_contact_fails"), *failure.reasons
+                raise type(failure)(*reasons) from None
         return converged
 
     def _approach(self, increment: Increment) -> bool:
@@ -163,7 +162,7 @@ class IncrementSolver:
 
     def _from_predictor(self, increment: Increment) -> Converged:
         """Equilibrium, or a state that activates contact, from the first start of the predictor that leads to one."""
-        failure, points, effort = StepFailed("no start was tried"), increment.points, increment.effort
+        failure, points, effort = StepFailed(Reason("nothing_tried")), increment.points, increment.effort
         for start in self.predictor.starts(points, increment.control, self.active_set.active, increment.limit):
             is_extrapolated = start.max_iterations is not None
             if is_extrapolated and self.predictor_failed:

@@ -1,5 +1,7 @@
 """The extreme stretches of a state, their positions, and whether the law is stable at them."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from fem.discretisation import Discretisation
@@ -7,8 +9,9 @@ from fem.kernels.element import VOIGT, green_lagrange
 from fem.materials import LAWS
 from fem.materials.material import Material
 from fem.materials.regions import ByRegion, Laws, Solid
+from fem.reasons import Reasons
 from fem.solution import Extremes
-from geometry import position_text
+from geometry import Reason
 from geometry.arrays import Array, Index
 
 
@@ -67,35 +70,31 @@ def _candidates(strain: Array) -> tuple[tuple[Index, ...], tuple[Index, ...]]:
     return np.nonzero(low), np.nonzero(high)
 
 
-def unstable_stretch(space: Discretisation, displacement: Array, solid: Solid) -> str:
-    """A clause that names a stretch at displacements (n, 3) outside the stable range of a law, and its region; empty
-    where all are inside."""
+def unstable_stretches(space: Discretisation, displacement: Array, solid: Solid) -> Reasons:
+    """The stretch at displacements (n, 3) that is outside the stable range of its law, for each law where one is."""
     strain, jacobian = strain_at_stress_points(space, displacement)
-    if not isinstance(solid, ByRegion):
-        return outside_stable_range(extremes_of(space, strain, jacobian), solid)
-    clauses = []
+    reasons = []
     for law, elements in Laws.on(solid, space.regions, space.nodes.shape[0]).parts:
-        if clause := outside_stable_range(extremes_of(space, strain, jacobian, elements), law):
-            names = [name for name, other in solid.regions.items() if other == law and law != solid.body]
-            clauses.append(f"in the region {' and '.join(names)} {clause}" if names else clause)
-    return "; ".join(clauses)
+        names = []
+        if isinstance(solid, ByRegion) and law != solid.body:
+            names = [name for name, other in solid.regions.items() if other == law]
+        if reason := outside_stable_range(extremes_of(space, strain, jacobian, elements), law, names):
+            reasons.append(reason)
+    return tuple(reasons)
 
 
-def outside_stable_range(extremes: Extremes, material: Material) -> str:
-    """A clause that names a stretch outside the stable range of the law; empty where all are inside."""
+def outside_stable_range(extremes: Extremes, material: Material, regions: Sequence[str] = ()) -> Reason | None:
+    """The stretch that is outside the stable range of the law; None where all are inside."""
     lowest, highest = material.stretch_limits
     law = next((name for name, known in LAWS.items() if known is type(material)), type(material).__name__)
-    volume = f"the smallest volume ratio J is {extremes.min_J:.3g} at {position_text(extremes.min_J_at)}"
+    named: dict[str, float | str] = {
+        "law": law,
+        "of_region": f" of the region {' and '.join(regions)}" if regions else "",
+    }
     if extremes.min_stretch < lowest:
-        position = position_text(extremes.min_stretch_at)
-        return (
-            f"a stretch of {extremes.min_stretch:.3g} at {position} is below {lowest:.3g}, "
-            f"where the law {law} in compression is no longer stable; {volume}"
-        )
+        named |= {"stretch": extremes.min_stretch, "limit": lowest}
+        return Reason("stretch_too_small", named, extremes.min_stretch_at)
     if extremes.max_stretch > highest:
-        position = position_text(extremes.max_stretch_at)
-        return (
-            f"a stretch of {extremes.max_stretch:.3g} at {position} is above {highest:.3g}, "
-            f"the largest at which the law {law} is stable; {volume}"
-        )
-    return ""
+        named |= {"stretch": extremes.max_stretch, "limit": highest}
+        return Reason("stretch_too_large", named, extremes.max_stretch_at)
+    return None

@@ -4,7 +4,8 @@ import numpy as np
 
 from fem.discretisation import Discretisation
 from fem.effects.contact import crossings, triangles_cross
-from geometry import Mesh, position_text
+from fem.reasons import position_of
+from geometry import Mesh, Reason
 from geometry.arrays import Array
 
 #: search radius over the longest edge of the surface: where two triangles cross, it contains a node of each
@@ -13,10 +14,10 @@ SEARCH_RADIUS = 1.1
 MIN_DISTANCE_AT_REST = 2.0
 
 
-def self_intersection_clause(space: Discretisation, x: Array, half: bool) -> str:
+def self_intersection(space: Discretisation, x: Array, half: bool) -> Reason | None:
     """Where the body at the positions x (n, 3) passes through itself, or, being `half`, through its mirror image.
 
-    A clause; empty where it does not. Walls that are closer at rest than two edges of the mesh are not examined here:
+    None where it does not. Walls that are closer at rest than two edges of the mesh are not examined here:
     where they face each other, their contact term does so, and where they meet in a re-entrant edge that closes, the
     body only overlaps beside that edge, by less than an element.
     """
@@ -26,7 +27,7 @@ def self_intersection_clause(space: Discretisation, x: Array, half: bool) -> str
     triangles = local.reshape(triangles.shape)
     rest, current = space.points[nodes], x[nodes]
     if half and current[:, 2].min() < -1e-6 * np.ptp(rest, axis=0).max():
-        return f"passes through its mirror image near {position_text(current[int(np.argmin(current[:, 2]))])}"
+        return Reason("crosses_mirror_image", where=position_of(current[int(np.argmin(current[:, 2]))]))
     ends = current[triangles[:, [0, 1, 2, 0]]]
     radius = SEARCH_RADIUS * float(np.linalg.norm(np.diff(ends, axis=1), axis=2).max())
     from scipy.spatial import cKDTree
@@ -34,15 +35,15 @@ def self_intersection_clause(space: Discretisation, x: Array, half: bool) -> str
     pairs = cKDTree(current).query_pairs(radius, output_type="ndarray")
     distance_at_rest = np.linalg.norm(rest[pairs[:, 0]] - rest[pairs[:, 1]], axis=1)
     if not (distance_at_rest > MIN_DISTANCE_AT_REST * radius).any():
-        return ""
+        return None
     edges, crossed = crossings(current, triangles)
     between = rest[edges][:, :, None] - rest[crossed][:, None, :]
     distance_at_rest = np.linalg.norm(between, axis=3).min(axis=(1, 2))
     apart = np.flatnonzero(distance_at_rest > MIN_DISTANCE_AT_REST * radius)
     if apart.size == 0:
-        return ""
+        return None
     farthest = int(apart[np.argmax(distance_at_rest[apart])])
-    return f"passes through itself near {position_text(current[edges[farthest]].mean(axis=0))}"
+    return Reason("crosses_itself", where=position_of(current[edges[farthest]].mean(axis=0)))
 
 
 def crossing_at_rest(mesh: Mesh) -> tuple[float, float, float] | None:

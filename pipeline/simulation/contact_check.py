@@ -31,7 +31,7 @@ class ContactCheck:
     def of(cls, experiment: fem.Experiment, step: fem.Step) -> "ContactCheck | None":
         """None for a step that needs no comparison."""
         if step.inexact:
-            return cls(None, None, step.inexact)
+            return cls(None, None, fem.sentence(step.inexact))
         if step.exact is None:
             return None
         exact = replace(step, displacement=step.exact.displacement, gradient=step.exact.gradient)

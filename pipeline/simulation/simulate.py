@@ -130,8 +130,8 @@ def _before_intersection(scene: Scene, steps: Sequence[fem.Step]) -> tuple[Seque
     if scene.config.effects.self_contact.off:
         return steps, ""
     for count, step in enumerate(steps):
-        if where := fem.self_intersection_clause(step.space, step.positions, scene.body.half):
-            return steps[:count], f"the body {where}, where contact is not simulated"
+        if reason := fem.self_intersection(step.space, step.positions, scene.body.half):
+            return steps[:count], fem.sentence([reason])
     return steps, ""
 
 
@@ -165,8 +165,7 @@ def _summary(
     cavities = scene.config.effects.pressure.following or experiment.body.cavities[:1]
     air = sum(step.cavity_volume(name) for name in cavities)
     remarks = (
-        fem.unstable_stretch(step.space, step.displacement, material),
-        step.instability,
+        fem.sentence((*fem.unstable_stretches(step.space, step.displacement, material), *step.instability)),
         contact.clause if contact else "",
         f"{PATH_DEPENDENT}: {path_dependence(step.path_dependence)}" if step.path_dependence else "",
     )

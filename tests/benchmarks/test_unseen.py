@@ -229,7 +229,9 @@ def test_a_second_law_confirms_a_limit_near_the_first() -> None:
     assert not judged(of_body, 12.6, "neo_hooke", None)[1]
     for law, stretches in ((fem.StVenantKirchhoff(1.0, 0.4), (0.3, 1.1)), (fem.Hencky(1.0, 0.4), (0.9, 2.8))):
         extremes = Extremes(0.5, max(stretches), min(stretches), (0.0,) * 3, (0.0,) * 3, (0.0,) * 3)
-        of_law = replace(of_body, reason=f"no equilibrium; there {fem.outside_stable_range(extremes, law)}")
+        of_law = replace(
+            of_body, reason=f"no equilibrium; there {fem.sentence([fem.outside_stable_range(extremes, law)])}"
+        )
         assert judged(of_law, 12.6, "neo_hooke", None)[1]
     assert judged(of_law, 12.6, "neo_hooke", far)[1]  # it goes on well beyond the limit of the first law
     before, shortly_before, behind = (Failure(20.0, REASON, 0, 0, kPa) for kPa in (9.0, 11.0, 15.9))
@@ -264,11 +266,11 @@ def test_the_sentence_that_nothing_explains_an_end_names_no_limit() -> None:
     mesh, law = box((4, 1, 1), (4.0, 1.0, 1.0)), fem.StVenantKirchhoff(1.0, 0.0)
     system = fem.Model(mesh, law, [fem.Fixed("left")], [compression]).system()
     rest = PathPoint(0.0, 0.0, system.rest_state())
-    unexplained = near_limit_point(system, rest)
+    unexplained = fem.sentence(near_limit_point(system, rest))
     assert UNEXPLAINED in unexplained
     assert not names_a_limit(f"{STOPPED}{unexplained}")
     assert not names_a_limit("no equilibrium within the limit of 30 iterations")
-    assert names_a_limit(f"{STOPPED}{near_limit_point(system, rest, limit_is_confirmed=True)}")
+    assert names_a_limit(STOPPED + fem.sentence(near_limit_point(system, rest, limit_is_confirmed=True)))
     assert outcome(record(**{**MISSED, "reasons": {"I": REASON, "II": f"{STOPPED}{unexplained}"}})) == NO_LIMIT
 
 

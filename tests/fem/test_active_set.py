@@ -9,7 +9,10 @@ from fem.effects.effect import NO_BLOCKS, Blocks, InteriorTerm, PenaltyTerm, Ter
 from fem.effects.facing_pairs import NO_PAIRS
 from fem.effects.tightening import Tightening
 from fem.path.active_set import ActiveSet
+from geometry import Reason
 from geometry.arrays import Array
+
+BEYOND_FLOOR, BEYOND_WALL = Reason("walls_cross"), Reason("far_walls_cross")
 
 
 def at(height: float) -> Array:
@@ -55,8 +58,8 @@ class Wall(InteriorTerm):
     def touching(self, x: Array) -> bool:
         return self.gap(x) < 0.1
 
-    def violation(self, x: Array) -> str:
-        return "" if self.gap(x) > 0 else "below the impenetrable floor"
+    def violation(self, x: Array) -> Reason | None:
+        return None if self.gap(x) > 0 else BEYOND_WALL
 
     def step_limit(self, x: Array, dx: Array) -> float:
         return 0.5
@@ -93,8 +96,8 @@ class Floor(PenaltyTerm):
     def touching(self, x: Array) -> bool:
         return self.gap(x) < 0.1
 
-    def violation(self, x: Array) -> str:
-        return "" if self.gap(x) > 0 else "below the floor"
+    def violation(self, x: Array) -> Reason | None:
+        return None if self.gap(x) > 0 else BEYOND_FLOOR
 
     def gives_way(self, x: Array) -> bool:
         return self.stiffness < 4.0 and self.gap(x) <= 0
@@ -151,7 +154,7 @@ def test_violated_contact_is_tightened_until_there_is_nothing_stiffer() -> None:
     active = ActiveSet.of((WEIGHT, PRESENT), at(1.0))
     assert active.violations(at(0.05)) == ()
     assert active.tightened(at(0.05)) is active
-    assert active.violations(at(-0.1)) == ("below the floor",)
+    assert active.violations(at(-0.1)) == (BEYOND_FLOOR,)
     stiffer = active.tightened(at(-0.1))
     assert stiffer.stiffened != stiffer.model
     assert not stiffer.needs_admissible_start
@@ -160,7 +163,7 @@ def test_violated_contact_is_tightened_until_there_is_nothing_stiffer() -> None:
     exact = stiffer.tightened(at(-0.1))
     assert isinstance(exact.active[1], Wall)
     assert exact.needs_admissible_start
-    assert exact.violations(at(-0.1)) == ("below the impenetrable floor",)
+    assert exact.violations(at(-0.1)) == (BEYOND_WALL,)
     assert exact.tightened(at(-0.1)) is exact
     assert exact.restored().active == active.active
     assert exact.restored().stiffened == active.model

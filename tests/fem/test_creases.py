@@ -14,6 +14,7 @@ from fem.path import follower
 from fem.path.newton import Converged, Start, StepFailed
 from fem.path.solver import Increment, IncrementSolver
 from fem.solution import step_from_arrays, step_to_arrays
+from geometry import Reason
 from geometry.arrays import Array
 from tests.bodies import bricks, named, on_plane
 from tests.collapse import LAW, collapsing
@@ -75,7 +76,7 @@ def test_walls_of_a_crease_get_pairs_of_their_own_which_part_them() -> None:
     rest = crease.pairs.gaps(space.points)
     assert rest.min() > 0.05  # the edge where both begin is in no pair
     np.testing.assert_allclose(crease.dhat, np.minimum(DHAT, 0.2 * rest))
-    assert "two walls pass through each other at (" in crease.violation(x)
+    assert crease.violation(x).code == "walls_cross"
     out = np.zeros_like(x)
     crease.gradient(x, 1.0, out)
     pushed = np.isclose(space.points[:, 1], 2.0) & (space.points[:, 0] == 1.0)
@@ -184,7 +185,7 @@ def test_a_state_has_the_pairs_of_its_own_load_alone(monkeypatch: pytest.MonkeyP
     settle = IncrementSolver.settled
 
     def fails(self: IncrementSolver, start: Start, increment: Increment) -> Converged:
-        raise StepFailed("no equilibrium")
+        raise StepFailed(Reason("not_converged"))
 
     def without_success(self: IncrementSolver, converged: Converged, increment: Increment) -> Converged:
         with monkeypatch.context() as alone:

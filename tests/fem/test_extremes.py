@@ -1,4 +1,4 @@
-"""Extreme stretches, and the clause that names a stretch outside the stable range of a law."""
+"""Extreme stretches, and the reason that names a stretch outside the stable range of a law."""
 
 from dataclasses import replace
 
@@ -8,6 +8,7 @@ import pytest
 from fem import NeoHooke, StVenantKirchhoff, outside_stable_range
 from fem.discretisation import Discretisation
 from fem.post.extremes import extremes_of, principal_stretches, strain_at_stress_points
+from fem.reasons import sentence
 from fem.solution import Extremes
 from tests.bodies import box
 
@@ -15,23 +16,24 @@ LAW = StVenantKirchhoff(1.2, 0.495)
 MILD = Extremes(0.95, 1.2, 0.8, (1.0, 2.0, 3.0), (4.0, 5.0, 6.0), (7.0, 8.0, 9.0))
 
 
-def test_no_clause_for_stretches_within_the_stable_range() -> None:
-    assert outside_stable_range(MILD, LAW) == ""
-    assert outside_stable_range(replace(MILD, min_stretch=0.5), NeoHooke(0.4, 40.0)) == ""
+def test_no_reason_for_stretches_within_the_stable_range() -> None:
+    assert outside_stable_range(MILD, LAW) is None
+    assert outside_stable_range(replace(MILD, min_stretch=0.5), NeoHooke(0.4, 40.0)) is None
 
 
-def test_the_clause_for_compression_beyond_the_limit_point_of_the_law() -> None:
-    assert outside_stable_range(replace(MILD, min_stretch=0.5), LAW) == (
-        "a stretch of 0.5 at (7.0, 8.0, 9.0) mm is below 0.577, where the law svk in compression is no longer "
-        "stable; the smallest volume ratio J is 0.95 at (1.0, 2.0, 3.0) mm"
+def test_compression_beyond_the_limit_point_of_the_law() -> None:
+    reason = outside_stable_range(replace(MILD, min_stretch=0.5), LAW)
+    assert sentence((reason,)) == (
+        "a stretch of 0.5 at (7.0, 8.0, 9.0) mm is below 0.577, where the law svk in compression is no longer stable"
     )
 
 
-def test_the_clause_for_tension_beyond_zero_volume() -> None:
-    clause = outside_stable_range(replace(MILD, max_stretch=1.8), LAW)
-    assert clause.startswith(
-        "a stretch of 1.8 at (4.0, 5.0, 6.0) mm is above 1.74, the largest at which the law svk is"
-    )
+def test_tension_beyond_zero_volume() -> None:
+    reason = outside_stable_range(replace(MILD, max_stretch=1.8), LAW)
+    assert reason is not None
+    assert (reason.code, reason.where) == ("stretch_too_large", (4.0, 5.0, 6.0))
+    assert (reason.values["stretch"], reason.values["law"]) == (1.8, "svk")
+    assert reason.values["limit"] == pytest.approx(1.74, abs=5e-3)
 
 
 @pytest.mark.parametrize("size", [0.0, 1e-9, 0.02, 0.3])

@@ -218,4 +218,4 @@ def test_a_bifurcation_is_passed_where_the_path_goes_straight_on() -> None:
     assert stable.negative_pivots == 0
     assert unstable.negative_pivots == 2
     assert unstable.cutbacks == 0
-    assert "unstable in 2 directions" in unstable.instability
+    assert unstable.instability[0].values == {"directions": 2}

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from fem import crossing_at_rest, self_intersection_clause
+from fem import crossing_at_rest, self_intersection
 from fem.discretisation import Discretisation
 from fem.effects.contact import crossings
 from geometry import Mesh
@@ -28,14 +28,14 @@ def curled(space: Discretisation, turns: float) -> Array:
 
 @pytest.mark.parametrize("turns", [0.1, 0.5, 0.9])
 def test_a_beam_curled_by_less_than_a_turn_does_not_intersect_itself(beam: Discretisation, turns: float) -> None:
-    assert self_intersection_clause(beam, curled(beam, turns), half=False) == ""
+    assert self_intersection(beam, curled(beam, turns), half=False) is None
 
 
 def test_a_beam_curled_by_more_than_a_turn_passes_through_itself(beam: Discretisation) -> None:
-    where = self_intersection_clause(beam, curled(beam, 1.1), half=False)
-    x, y, _ = (
-        float(part) for part in where.removeprefix("passes through itself near (").removesuffix(") mm").split(",")
-    )
+    reason = self_intersection(beam, curled(beam, 1.1), half=False)
+    assert reason is not None
+    assert reason.code == "crosses_itself"
+    x, y, _ = reason.where
     radius = LENGTH / (2 * np.pi * 1.1)
     # the ends overlap over 0.1 turns beside the clamp, at the bottom of the circle
     assert 0.0 <= np.arctan2(x, radius - y) <= 2 * np.pi * 0.1 + 0.2
@@ -43,17 +43,17 @@ def test_a_beam_curled_by_more_than_a_turn_passes_through_itself(beam: Discretis
 
 def test_half_a_body_that_crosses_its_plane_of_symmetry() -> None:
     space = Discretisation.of(hollow_box(half=True), "p2")
-    assert self_intersection_clause(space, space.points, half=True) == ""
+    assert self_intersection(space, space.points, half=True) is None
     x = space.points.copy()
     x[space.surface("cavity").unique_nodes, 2] -= 0.7
-    assert self_intersection_clause(space, x, half=True).startswith("passes through its mirror image near (")
+    assert self_intersection(space, x, half=True).code == "crosses_mirror_image"
 
 
 def test_walls_that_are_close_at_rest_are_not_examined() -> None:
     space = Discretisation.of(fork(0.4), "p2")
     x = space.points.copy()
     x[x[:, 1] > 1.2, 1] -= 0.6
-    assert self_intersection_clause(space, x, half=False) == ""
+    assert self_intersection(space, x, half=False) is None
 
 
 def test_a_crossing_of_neighbouring_walls_is_not_counted(
@@ -61,14 +61,14 @@ def test_a_crossing_of_neighbouring_walls_is_not_counted(
 ) -> None:
     """Two ends of the beam come near each other without crossing, and a node is pushed through its own corner."""
     x = curled(beam, 0.93)
-    assert self_intersection_clause(beam, x, half=False) == ""
+    assert self_intersection(beam, x, half=False) is None
     surface = np.unique(np.concatenate([faces.triangles for faces in beam.surfaces.values()]))
     rest = beam.points[surface]
     corner = surface[int(np.argmin(np.linalg.norm(rest - (12.0, 0.0, 0.0), axis=1)))]
     x[corner] += 2.0 * (x[surface[int(np.argmin(np.linalg.norm(rest - (12.0, 1.0, 0.5), axis=1)))]] - x[corner])
     triangles = np.concatenate([faces.triangles for faces in beam.surfaces.values()])
     assert crossings(x, triangles)[0].size > 0
-    assert self_intersection_clause(beam, x, half=False) == ""
+    assert self_intersection(beam, x, half=False) is None
 
 
 def test_a_boundary_that_crosses_itself_at_rest_is_found_where_it_does() -> None:

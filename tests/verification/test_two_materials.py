@@ -141,8 +141,11 @@ def test_a_stretch_beyond_the_law_of_a_region_is_named_with_it() -> None:
     solid = ByRegion(NeoHooke(0.4, 8.0), {"base": StVenantKirchhoff(1.2, 0.4)})
     space = Discretisation.of(mesh, "p2")
     pressed = space.points * [0.5 - 1, 0.0, 0.0]
-    assert fem.unstable_stretch(space, pressed, solid).startswith("in the region base a stretch of 0.5 at")
-    assert fem.unstable_stretch(space, pressed, NeoHooke(0.4, 8.0)) == ""
+    (reason,) = fem.unstable_stretches(space, pressed, solid)
+    assert reason.code == "stretch_too_small"
+    assert reason.values["stretch"] == pytest.approx(0.5)
+    assert reason.values["of_region"] == " of the region base"
+    assert fem.unstable_stretches(space, pressed, NeoHooke(0.4, 8.0)) == ()
 
 
 def test_regions_that_the_mesh_does_not_have_are_refused() -> None:

@@ -12,6 +12,7 @@ import fem
 from fem.path import follower
 from fem.path.newton import Converged, StepFailed
 from fem.path.solver import Increment, IncrementSolver
+from geometry import Reason
 from pipeline.config.load import load_config
 from pipeline.context import RunContext
 from pipeline.progress import Silent
@@ -51,7 +52,7 @@ def test_small_and_large_steps_end_at_the_same_limit_point(model: fem.Model, pre
     assert [step.factor for step in partial.steps] == list(pressures_kPa[:-1])
     assert end.limit == pytest.approx(LIMIT_KPA, rel=5e-3)
     assert 0.99 * LIMIT_KPA < end.reached < LIMIT_KPA
-    assert "a limit point" in end.cause
+    assert "limit_point" in [reason.code for reason in end.reasons]
     # a state takes 3 to 7; from rest on the search takes 34 to 42, and took 330 to 465
     assert end.factorizations < (50 if len(pressures_kPa) == 1 else 20)
 
@@ -91,7 +92,7 @@ def test_where_the_constant_load_is_not_borne_alone_both_grow_together(
     def without_all_of_the_load(self: IncrementSolver, increment: Increment) -> Converged:
         control = increment.control
         if control.value <= follower.CONSTANTS_FIRST and not (bears and control.constant_fraction == 0.5):
-            raise StepFailed("the body does not bear it alone")
+            raise StepFailed(Reason("nothing_tried"))
         return solve(self, increment)
 
     monkeypatch.setattr(IncrementSolver, "solve", without_all_of_the_load)
@@ -105,7 +106,7 @@ def test_a_constant_load_alone_is_nothing_of_the_pressure(monkeypatch: pytest.Mo
 
     def without_pressure(self: IncrementSolver, increment: Increment) -> Converged:
         if increment.control.value > follower.CONSTANTS_FIRST:
-            raise StepFailed("no pressure is borne")
+            raise StepFailed(Reason("nothing_tried"))
         return solve(self, increment)
 
     monkeypatch.setattr(IncrementSolver, "solve", without_pressure)

@@ -3,13 +3,14 @@
 from dataclasses import replace
 
 from fem import End
+from geometry import Reason
 from pipeline.config.config import End as ArmEnd
 from pipeline.simulation.case_path import failure_in_kPa, given_up_in_kPa
 from pipeline.simulation.loadcase import LoadCase, PressureSchedule
 
 
 def test_where_a_path_ended_in_the_units_of_the_configuration() -> None:
-    end = End("load factor", 1.0, 0.4, 0.5, 3, 40, "no luck")
+    end = End("load factor", 1.0, 0.4, 0.5, 3, 40, (Reason("given_up", {"why": "no luck"}),))
     schedule = PressureSchedule((45.0,), 45.0)
     free, held, drawn = (
         LoadCase(name, name, schedule, at_end)
@@ -25,7 +26,8 @@ def test_where_a_path_ended_in_the_units_of_the_configuration() -> None:
 
 
 def test_how_far_a_path_was_followed_that_was_given_up() -> None:
-    end = End("load factor", 1.0, 0.4, 1.0, 3, 40, "experiment II of the same arm has its limit at 20 kPa")
+    why = Reason("given_up", {"why": "experiment II of the same arm has its limit at 20 kPa"})
+    end = End("load factor", 1.0, 0.4, 1.0, 3, 40, (why,))
     case = LoadCase("I", "I", PressureSchedule((45.0,), 45.0), ArmEnd())
     assert given_up_in_kPa(end, case) == (
         "it was followed up to 18 kPa only, because experiment II of the same arm has its limit at 20 kPa"

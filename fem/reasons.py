@@ -1,0 +1,108 @@
+"""Why a path, a state or a piece of a body is as it is: the sentence of each code of `geometry.Reason`."""
+
+import json
+from collections.abc import Iterable, Mapping
+from dataclasses import asdict
+
+from geometry import Reason, position_text
+
+#: sentence without full stop by code; {at} is the position
+SENTENCES: Mapping[str, str] = {
+    # Newton's method
+    "residual_unbounded": "the residual grew without bound after {iterations} iterations",
+    "far_from_equilibrium": "no equilibrium near after {iterations} iterations (relative residual {residual:.1e})",
+    "not_converged": "no equilibrium after {iterations} iterations (relative residual {residual:.1e})",
+    "tangent_turns_indefinite": "the tangent becomes indefinite",
+    "tangent_indefinite": "the tangent is indefinite",
+    "tangent_stays_indefinite": "the tangent stays indefinite",
+    "tangent_very_indefinite": "the tangent is indefinite in many directions",
+    "tangent_singular": "the tangent is singular ({why})",
+    # an equilibrium that is refused
+    "element_inverted": "an element is turned inside out at {at} (J = {min_J:.3g})",
+    "walls_cross": "two walls pass through each other at {at}",
+    "far_walls_cross": "two walls that are {apart_mm:.3g} mm apart at rest pass through each other at {at}",
+    "stiffer_contact_fails": "more or stiffer contact does not help",
+    "further_walls_meet": "further walls meet",
+    "out_of_memory": "{why}",
+    "equilibrium_unstable": "the equilibrium is unstable",
+    "jump": "the body jumps to another equilibrium, to which no continuous path leads",
+    "beyond_limit": "beyond the limit that the path announces there is another equilibrium only",
+    # the end of a path
+    "nothing_tried": "no increment was tried",
+    "given_up": "{why}",
+    "stuck": "{failures} increments of at most {accuracy:.0%} of the load failed there",
+    "search_ended": "the search ended after {increments} increments",
+    "stretch_too_small": "a stretch of {stretch:.3g} at {at} is below {limit:.3g}, where the law {law}{of_region} in "
+    "compression is no longer stable",
+    "stretch_too_large": "a stretch of {stretch:.3g} at {at} is above {limit:.3g}, the largest at which the law "
+    "{law}{of_region} is stable",
+    "body_not_held": "at rest the tangent is singular: a part of the body is not held",
+    "limit_point": "the last equilibrium has {stiffness:.1%} of its elastic stiffness left in a motion that is largest "
+    "at {at}: a limit point",
+    "singular_limit_point": "the tangent at the last equilibrium is singular: a limit point",
+    # beyond such limits of half discs and bars of St. Venant-Kirchhoff a prescribed volume did not lead, and
+    # neo-Hooke's law led 1.1 to 1.4 times as far, on three designs drawn at random
+    "law_exceeded": "the law is beyond its limits there, and another law may lead further",
+    "volume_leads_on": "only a prescribed volume (in Python, fem.follow_volume) or displacement leads beyond it",
+    # 12 to 16 % on arms of rubber, 78.8 instead of 93.7 kPa
+    "early_limit": "(p2p0 elements are too soft and reach limit points up to 16 % early)",
+    "unexplained": "neither the law nor a limit point explains it: the last equilibrium has {stiffness:.0%} of its "
+    "elastic stiffness left, least in a motion that is largest at {at}; a finer mesh there, another formulation or "
+    "pressures in between may lead further",
+    "unexplained_under_volume": "the law does not explain it: a finer mesh, another formulation or volumes in between "
+    "may lead further",
+    # the stability of a state
+    "unstable": "unstable in {directions} direction(s); the motion nearest to a limit point is largest at {at}",
+    "unstable_at_limit_point": "unstable in {directions} direction(s), at a limit point",
+    "not_followed": "the path was not followed: it lost its stability between {stable:.1%} and {unstable:.1%} of the "
+    "way to this state; smaller steps there end at a limit point or follow another branch",
+    "not_followed_earlier": "the path was not followed: it lost its stability on the way to an earlier state; smaller "
+    "steps there end at a limit point or follow another branch",
+    # a body without contact
+    "crosses_itself": "the body passes through itself near {at}, where contact is not simulated",
+    "crosses_mirror_image": "the body passes through its mirror image near {at}, where contact is not simulated",
+}
+
+
+def position_of(point: Iterable[float]) -> tuple[float, float, float]:
+    """Three numbers (3,) as the position of a reason."""
+    x, y, z = map(float, point)
+    return x, y, z
+
+
+#: what explains one thing together, in the order of a sentence
+Reasons = tuple[Reason, ...]
+
+
+def sentence(reasons: Iterable[Reason]) -> str:
+    """Reasons as one sentence without full stop; empty without reasons."""
+    return "; ".join(map(_clause, reasons))
+
+
+def _clause(reason: Reason) -> str:
+    at = "an unknown place" if reason.where is None else position_text(reason.where)
+    return SENTENCES[reason.code].format(**reason.values, at=at)
+
+
+def reasons_to_text(reasons: Reasons) -> str:
+    """For a file."""
+    return json.dumps([asdict(reason) for reason in reasons])
+
+
+def reasons_from_text(text: str) -> Reasons:
+    """What `reasons_to_text` gave."""
+    return tuple(
+        Reason(row["code"], row["values"], None if row["where"] is None else position_of(row["where"]))
+        for row in json.loads(text)
+    )
+
+
+class FailedForReasons(ArithmeticError):
+    """A failure that carries its reasons."""
+
+    def __init__(self, *reasons: Reason) -> None:
+        super().__init__(*reasons)
+        self.reasons: Reasons = reasons
+
+    def __str__(self) -> str:
+        return sentence(self.reasons)
