@@ -4,6 +4,7 @@ import io
 import json
 import subprocess
 import sys
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -37,7 +38,7 @@ def simulated(
     with open_store(out, config) as store:
         outcomes = simulate(scene, RunContext.alone(store, Silent()), experiments)
     assert [outcome.failure for outcome in outcomes] == [None] * len(experiments)
-    return outcomes, {state.effect: state.row() for state in effect_states(scene, outcomes)}
+    return outcomes, {state.effect: asdict(state) for state in effect_states(scene, outcomes)}
 
 
 def ends(outcomes: Outcomes) -> np.ndarray:
