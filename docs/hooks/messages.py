@@ -3,10 +3,11 @@
 import ast
 import html
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import NamedTuple
 
+from fem.reasons import SENTENCES
 from pipeline.notes.templates import TEMPLATES
 
 HEADER = """# Messages
@@ -36,11 +37,14 @@ class Message(NamedTuple):
 
 def messages_page(root: Path) -> str:
     """The page as Markdown, from the packages in the folder `root`."""
-    notes = [(f"`{code}`", _safe(re.sub(r"{(\w+)[^}]*}", r"<\1>", text))) for code, text in TEMPLATES.items()]
-    return "\n".join(
-        [HEADER, *_table("Notes and failures of a run", ("code", "sentence"), notes)]
-        + [line for room in TITLES for line in _table(TITLES[room], Message._fields, _messages_in(root, room))]
-    )
+    by_code = {"Notes and failures of a run": TEMPLATES, "Why a load path ends, or what limits a state": SENTENCES}
+    coded = [line for title, texts in by_code.items() for line in _table(title, ("code", "sentence"), _coded(texts))]
+    raised = [line for room in TITLES for line in _table(TITLES[room], Message._fields, _messages_in(root, room))]
+    return "\n".join([HEADER, *coded, *raised])
+
+
+def _coded(texts: Mapping[str, str]) -> list[tuple[str, ...]]:
+    return [(f"`{code}`", _safe(re.sub(r"{(\w+)[^}]*}", r"<\1>", text))) for code, text in texts.items()]
 
 
 def _table(title: str, columns: tuple[str, ...], rows: list[tuple[str, ...]]) -> list[str]:
