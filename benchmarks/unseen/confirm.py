@@ -94,10 +94,9 @@ def by_prescribed_volume(config: Config, outcome: Outcome, limit_kPa: float) -> 
     change = STEP * slope * (limit_kPa / reference - begin)
     targets = [volumes[1] + change * (1 + k / 8) * k for k in range(1, VOLUMES + 1)]
     path: list[fem.Step] = []
-    observer = fem.PathObserver(step_done=path.append)
     first = replace(start[-1], rate=None)  # its rate is one by the load factor
     try:
-        _until_turned(model, cavity, volumes[1], targets, first, observer, path)
+        _until_turned(model, cavity, volumes[1], targets, first, path)
         why = f"it still rises at {reference * path[-1].factor:.4g} kPa" if path else "nothing was solved"
     except fem.NotConverged as failed:
         why = f"it ended: {failed.reason}"
@@ -110,10 +109,10 @@ def _until_turned(
     volume: float,
     targets: Sequence[float],
     first: fem.Step,
-    observer: fem.PathObserver,
     path: list[fem.Step],
 ) -> None:
     """Drive the volume in parts of four, and stop when the pressure has fallen behind its maximum."""
+    observer = fem.PathObserver(step_done=path.append)
     for k in range(0, len(targets), 4):
         fem.follow_volume(model, cavity, [volume, *targets[: k + 4]], None, observer, resume=[first, *path])
         highest = max(step.factor for step in path)

@@ -49,7 +49,6 @@ def parameters_record(
     """
     drawn: Mapping[str, Any] = config.record()
     mass = config.mass_tonne
-    single_lines = [p.by_cells.single_line for p in parameters]
     load = parameters[0].free.load if parameters else Load()
     return RodParameters(
         format=FORMAT,
@@ -68,16 +67,7 @@ def parameters_record(
         d_given_mm=config.identification.d_mm,
         **_bounds([p.numbers["d"] for p in parameters], parameters),
         **_linear(parameters),
-        single_line_alpha_N_mm2=tuple(line.alpha.value for line in single_lines),
-        single_line_alpha_N_mm2_std=tuple(line.alpha.std for line in single_lines),
-        single_line_m0_N_mm=tuple(line.m0.value for line in single_lines),
-        single_line_suffices=tuple(not p.two_lines for p in parameters),
-        evidence_for_two_lines=tuple(p.by_cells.evidence for p in parameters),
-        evidence_of_choice=tuple(p.evidence for p in parameters),
-        two_lines_on_coarser_mesh=tuple(p.two_lines_on_coarser for p in parameters),
-        r2_two_lines=tuple(p.by_cells.r2 for p in parameters),
-        r2_single_line=tuple(line.r2 for line in single_lines),
-        observations=tuple(p.by_cells.observations for p in parameters),
+        **_choice(parameters),
         mesh_error=_mesh_error(config, parameters),
         mesh_error_reason=mesh_error_reason,
         moment_range_N_mm=_ranges([p.moment_range for p in parameters]),
@@ -92,6 +82,23 @@ def parameters_record(
             for p in parameters
         ),
     )
+
+
+def _choice(parameters: Sequence[Parameters]) -> dict[str, Any]:
+    """The single line beside two, and what speaks for either."""
+    single_lines = [p.by_cells.single_line for p in parameters]
+    return {
+        "single_line_alpha_N_mm2": tuple(line.alpha.value for line in single_lines),
+        "single_line_alpha_N_mm2_std": tuple(line.alpha.std for line in single_lines),
+        "single_line_m0_N_mm": tuple(line.m0.value for line in single_lines),
+        "single_line_suffices": tuple(not p.two_lines for p in parameters),
+        "evidence_for_two_lines": tuple(p.by_cells.evidence for p in parameters),
+        "evidence_of_choice": tuple(p.evidence for p in parameters),
+        "two_lines_on_coarser_mesh": tuple(p.two_lines_on_coarser for p in parameters),
+        "r2_two_lines": tuple(p.by_cells.r2 for p in parameters),
+        "r2_single_line": tuple(line.r2 for line in single_lines),
+        "observations": tuple(p.by_cells.observations for p in parameters),
+    }
 
 
 def _columns(numbers: Sequence[Mapping[str, Interval] | None]) -> dict[str, Any]:
