@@ -12,13 +12,15 @@ else:
 
     def __getattr__(name: str) -> Any:
         """The name of `fem.public`; raises AttributeError where there is none."""
-        if name == "__all__" or not name.startswith("_"):
-            from fem.collector import paused
+        if name == "__all__":
+            return __dir__()
+        if not name.startswith("_"):
+            from fem.memory import paused
 
             with paused():
                 import fem.public as public
 
-            if name in (*public.__all__, "__all__"):
+            if name in vars(public):
                 return getattr(public, name)
         raise AttributeError(f"module 'fem' has no attribute {name!r}")
 
@@ -26,4 +28,4 @@ else:
 def __dir__() -> list[str]:
     import fem.public as public
 
-    return public.__all__
+    return [name for name in vars(public) if not name.startswith("_")]

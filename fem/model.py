@@ -9,7 +9,8 @@ from fem.discretisation import Discretisation
 from fem.effects.effect import Effect
 from fem.elements import element_of
 from fem.equations.constraints import Constraints
-from fem.equations.linear import LinearSolver, available_solver
+from fem.equations.linear import LinearSolver
+from fem.equations.pardiso import available_solver
 from fem.equations.system import System
 from fem.materials.regions import Solid, laws_of
 from fem.supports import Support

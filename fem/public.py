@@ -1,3 +1,4 @@
+# ruff: noqa: F401
 """The names that users and the other rooms write as `fem.NAME`."""
 
 from fem.discretisation import Discretisation
@@ -6,7 +7,7 @@ from fem.effects.contact import ACTIVATION, ContactError, SelfContact
 from fem.effects.effect import Effect
 from fem.effects.loads import Gravity, LineForce, Pressure
 from fem.effects.membrane import LayerError, StrainLimitingLayer
-from fem.equations.linear import available_solver
+from fem.equations.pardiso import available_solver
 from fem.experiments import Experiment
 from fem.materials import Hencky, Material, MaterialError, MooneyRivlin, NeoHooke, Ogden, StVenantKirchhoff, Yeoh
 from fem.materials.material import Uniaxial
@@ -24,61 +25,3 @@ from fem.reasons import sentence
 from fem.solution import End, NotConverged, Seconds, Solution, Step, step_from_arrays, step_to_arrays
 from fem.supports import Fixed, Prescribed, SharedPlane, Support, SupportError, Symmetry, Tied
 from fem.warm_up import compile_kernels
-
-__all__ = [
-    "ACTIVATION",
-    "OVERLAP",
-    "ByRegion",
-    "ContactError",
-    "Discretisation",
-    "Effect",
-    "End",
-    "Experiment",
-    "Fixed",
-    "Gravity",
-    "Hencky",
-    "IsochoricLaw",
-    "LayerError",
-    "LineForce",
-    "Material",
-    "MaterialError",
-    "Model",
-    "MooneyRivlin",
-    "NeoHooke",
-    "NewtonOptions",
-    "NotConverged",
-    "Ogden",
-    "PathObserver",
-    "PathOptions",
-    "Prescribed",
-    "Pressure",
-    "Seconds",
-    "SelfContact",
-    "SharedPlane",
-    "Solid",
-    "Solution",
-    "StVenantKirchhoff",
-    "Step",
-    "StrainLimitingLayer",
-    "StressError",
-    "Support",
-    "SupportError",
-    "Symmetry",
-    "Tied",
-    "Uniaxial",
-    "Yeoh",
-    "available_solver",
-    "compile_kernels",
-    "crossing_at_rest",
-    "element_fields",
-    "follow",
-    "follow_volume",
-    "laws_of",
-    "outside_stable_range",
-    "self_intersection",
-    "sentence",
-    "step_from_arrays",
-    "step_to_arrays",
-    "stress_error",
-    "unstable_stretches",
-]

@@ -2,12 +2,12 @@
 
 import numpy as np
 
-from fem.collector import pass_over_what_is_loaded, paused
 from fem.effects.effect import Effect
 from fem.effects.loads import Pressure
 from fem.effects.membrane import StrainLimitingLayer
 from fem.materials import StVenantKirchhoff
 from fem.materials.regions import Solid, laws_of
+from fem.memory import pass_over_what_is_loaded, paused
 from fem.model import Model
 from fem.path.loadpath import follow
 from fem.post.recovery import stress_error

@@ -109,7 +109,7 @@ def _check_pictures() -> str:
 def _check_linear_solver() -> str:
     import numpy as np
 
-    from fem.equations.linear import available_solver
+    from fem.equations.pardiso import available_solver
 
     solver = available_solver()()
     solver.analyse(np.array([0, 2, 3]), np.array([0, 1, 1]))

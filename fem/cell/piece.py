@@ -25,8 +25,9 @@ from fem.discretisation import Discretisation
 from fem.effects.contact import SelfContact
 from fem.effects.effect import Effect, Terms
 from fem.equations.constraints import Constraints
-from fem.equations.linear import LinearTimes, available_solver
+from fem.equations.linear import LinearTimes
 from fem.equations.linearised import Linearised
+from fem.equations.pardiso import available_solver
 from fem.equations.state import Assembly, State
 from fem.equations.system import System
 from fem.materials.regions import Solid, laws_of

@@ -1,6 +1,5 @@
 """Factorizations of a symmetric matrix given by its upper triangle."""
 
-import importlib.util
 import math
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, field
@@ -129,10 +128,3 @@ class SuperLU(LinearSolver):
     def close(self) -> None:
         self.generation += 1
         self._factor = None
-
-
-def available_solver() -> type[LinearSolver]:
-    """PARDISO where its package is installed, SuperLU elsewhere (ARM has no MKL wheel)."""
-    from fem.equations.pardiso import Pardiso  # here: it builds on this module
-
-    return Pardiso if importlib.util.find_spec("pypardiso") else SuperLU

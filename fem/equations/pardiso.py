@@ -1,6 +1,7 @@
 """PARDISO of the MKL (the only door to pypardiso)."""
 
 import ctypes
+import importlib.util
 import os
 import weakref
 from contextlib import suppress
@@ -15,7 +16,15 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 from scipy.sparse.linalg import LinearOperator, gmres
 
-from fem.equations.linear import SINGULAR, ZERO_PIVOT_EXPONENT, LinearSolver, LinearTimes, SingularMatrix, check_finite
+from fem.equations.linear import (
+    SINGULAR,
+    ZERO_PIVOT_EXPONENT,
+    LinearSolver,
+    LinearTimes,
+    SingularMatrix,
+    SuperLU,
+    check_finite,
+)
 from geometry.arrays import Array
 
 #: orderings of PARDISO: minimum degree is as fast as nested dissection or faster for slender bodies, which have small
@@ -239,6 +248,11 @@ class Pardiso(LinearSolver):
         with suppress(SingularMatrix, MemoryError):
             self._call(RELEASE_FACTOR, np.zeros(self._matrix.shape[0]))
         return not self._failed
+
+
+def available_solver() -> type[LinearSolver]:
+    """PARDISO where its package is installed, SuperLU elsewhere (ARM has no MKL wheel)."""
+    return Pardiso if importlib.util.find_spec("pypardiso") else SuperLU
 
 
 def forget_unused_analyses() -> None:

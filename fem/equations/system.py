@@ -1,15 +1,17 @@
 """The assembled equations of a model: residual and tangent of the total potential under its constraints."""
 
+from collections import defaultdict
+from collections.abc import Iterator
+from contextlib import contextmanager
+from time import perf_counter
 from typing import final
 
 import numpy as np
 
 from fem.discretisation import Discretisation
 from fem.effects.effect import Terms, near_pairs
-from fem.equations.clock import Clock
 from fem.equations.constraints import Constraints
 from fem.equations.formulation import formulation_of
-from fem.equations.heap import keep_freed_memory
 from fem.equations.linear import LinearSolver
 from fem.equations.linearised import Linearised
 from fem.equations.state import Assembly, Change, State
@@ -17,9 +19,27 @@ from fem.equations.storage import TangentStorage
 from fem.kernels import element as kernels
 from fem.kernels.tangent import LawArrays, Product, tangent_matrix
 from fem.materials.regions import Solid, laws_of
+from fem.memory import keep_freed_memory
 from geometry.arrays import Array
 
 NO_INCREMENT = np.empty((0, 3))
+
+
+@final
+class Clock:
+    """Seconds by what they were spent on: "assembly" and the names of effects."""
+
+    def __init__(self) -> None:
+        self.seconds: defaultdict[str, float] = defaultdict(float)
+
+    @contextmanager
+    def timing(self, name: str) -> Iterator[None]:
+        """Add the time of the block to `name`."""
+        start = perf_counter()
+        try:
+            yield
+        finally:
+            self.seconds[name] += perf_counter() - start
 
 
 @final

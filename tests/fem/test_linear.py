@@ -11,9 +11,9 @@ import scipy.sparse as sp
 
 from fem import Fixed, Model, NewtonOptions, PathOptions, Pressure, StVenantKirchhoff, follow
 from fem.equations import pardiso
-from fem.equations.heap import keep_freed_memory
-from fem.equations.linear import LinearSolver, SingularMatrix, SuperLU, available_solver
-from fem.equations.pardiso import Pardiso
+from fem.equations.linear import LinearSolver, SingularMatrix, SuperLU
+from fem.equations.pardiso import Pardiso, available_solver
+from fem.memory import keep_freed_memory
 from geometry.arrays import Array
 from tests.bodies import hollow_box
 
@@ -300,7 +300,7 @@ def test_freed_arrays_are_used_again() -> None:
     """Each of these arrays has 2 048 pages, which are mapped once and not for each array."""
     command = (
         "import resource, numpy as np\n"
-        "from fem.equations.heap import keep_freed_memory\n"
+        "from fem.memory import keep_freed_memory\n"
         "keep_freed_memory()\n"
         "pages = lambda: resource.getrusage(resource.RUSAGE_SELF).ru_minflt\n"
         "before = pages()\n"

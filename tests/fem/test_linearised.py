@@ -7,9 +7,9 @@ import pytest
 
 from fem import Fixed, Model, NewtonOptions, Pressure, StVenantKirchhoff
 from fem.effects.effect import Terms
-from fem.equations.linear import LinearSolver, SuperLU, available_solver
+from fem.equations.linear import LinearSolver, SuperLU
 from fem.equations.linearised import Linearised, StaleFactorization
-from fem.equations.pardiso import Pardiso
+from fem.equations.pardiso import Pardiso, available_solver
 from fem.equations.state import State
 from fem.equations.system import System
 from fem.path import newton

@@ -5,7 +5,7 @@ import pytest
 
 from fem import Fixed, Model, NeoHooke
 from fem.equations.constraints import Constraints
-from fem.equations.linear import available_solver
+from fem.equations.pardiso import available_solver
 from fem.equations.system import System
 from fem.supports import SharedPlane
 from tests.bodies import box

@@ -6,8 +6,8 @@ from types import ModuleType
 import pytest
 
 import fem
-from fem.collector import paused
 from fem.kernels import element, mixed, recovery, surface, tangent, tensors
+from fem.memory import paused
 from fem.post.recovery import stress_error
 from tests.bodies import box
 

@@ -1,7 +1,14 @@
-"""Freed memory stays with the process, so that the arrays of the next iteration need no new pages from the system."""
+"""Memory of the process: Python's garbage collector while libraries are loaded, and freed arrays of the C library.
+
+The libraries of the solver make half a million objects that stay until the process ends. Collections on the way and one
+at the end of the process look at every one of them and find nothing to free.
+"""
 
 import ctypes
+import gc
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from functools import cache
 
 #: parameters of glibc's mallopt (malloc.h): free memory at the end of the heap above which it is given back, and size
@@ -9,6 +16,23 @@ from functools import cache
 TRIM_THRESHOLD, MMAP_THRESHOLD = -1, -3
 #: bytes: the largest threshold that glibc allows, and what may stay at the end of the heap
 LARGEST_ARRAY, LARGEST_END = 32 << 20, 256 << 20
+
+
+@contextmanager
+def paused() -> Iterator[None]:
+    """No collection inside the block."""
+    was_enabled = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if was_enabled:
+            gc.enable()
+
+
+def pass_over_what_is_loaded() -> None:
+    """From now on collections pass over the objects that exist, the last one at the end of the process too."""
+    gc.freeze()
 
 
 @cache
