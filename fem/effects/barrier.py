@@ -24,11 +24,11 @@ from geometry import Reason
 from geometry.arrays import Array, Index
 
 #: fraction of the barrier's width that lies behind the wall: without it walls in contact rest at nine tenths of the
-#: width, with more of it they cross and the stiffness must be raised (docs/decisions.md)
+#: width, with more of it they cross and the stiffness must be raised (studies/solver.md)
 OVERLAP = 0.7
 #: what the stiffness is multiplied by where walls pass through each other, and how often
 STIFFENING_FACTOR, MAX_STIFFENINGS = 4.0, 2
-#: how often pairs are added in an increment where walls cross in a crease; designs of docs/decisions.md need one or two
+#: how often pairs are added in an increment where walls cross in a crease; designs of studies/solver.md need one or two
 MAX_CREASE_SEARCHES = 4
 #: depth over the activation distance from which on walls that overlap shortly before equilibrium do so in equilibrium
 #: as well: there gaps changed by up to 0.008 of it
@@ -36,7 +36,7 @@ CLEAR_OVERLAP = 0.02
 #: distance over the barrier's width below which it is continued quadratically
 CONTINUATION = 0.5
 #: compliance of the body at a pair over the smallest one of the barrier, as Newton's method assumes it where it chooses
-#: the carried gap. 10 costs a twentieth more factorizations, 30 to 3000 as many (docs/decisions.md)
+#: the carried gap. 10 costs a twentieth more factorizations, 30 to 3000 as many (studies/solver.md)
 COMPLIANCE = 300.0
 #: largest number of iterations for a carried gap; it need not be exact
 GAP_ITERATIONS = 20

@@ -26,7 +26,7 @@ from geometry.arrays import Array, Index, Mask
 from geometry.vectors import cross
 
 #: stiffness of the barrier over Young's modulus, for which 3 mu stands (near incompressibility): with an overlap, and
-#: without one. A soft barrier costs fewer factorizations; a table of both is in docs/decisions.md
+#: without one. A soft barrier costs fewer factorizations; a table of both is in studies/solver.md
 STIFFNESS, STIFFNESS_NO_OVERLAP = 0.025, 0.1
 #: activation distance over the smallest gap at rest, with an overlap, and without one
 ACTIVATION, ACTIVATION_NO_OVERLAP = 0.02, 0.1

@@ -37,7 +37,7 @@ CONSTANTS_FIRST = 1e-3
 #: with a force of 0.05 N on its end, strain 0.18); on the half discs whose limits were jumped it is 0.002 and 0.004
 CONSTANTS_STRAIN = 0.1
 #: largest difference of an equilibrium whose contact is that of its load alone from the one to which the path leads;
-#: where a divider folds onto its wall (design 131-73 of docs/unseen.md) it was 0.011
+#: where a divider folds onto its wall (design 131-73 of studies/unseen_designs.csv) it was 0.011
 NEAR_SETTLED = 0.05
 #: smallest increment that is tried there, as a part of it; where it takes more the loads grow together
 CONSTANTS_INCREMENT = 1 / 16

@@ -1,7 +1,7 @@
 """What the mesh contributes to the error of the arm's own law: the cell on a second mesh of half the size.
 
 A cell is cheap enough for a finer mesh, and that tells more than a coarser one: twice as coarse as the walls are thick,
-walls bend and touch by other laws. Limits by both meshes are in docs/cell.md beside those of fine meshes.
+walls bend and touch by other laws. Limits by both meshes are in studies/cell.md beside those of fine meshes.
 """
 
 import math

@@ -1,6 +1,6 @@
 """Elements, grading and size of a mesh where the configuration leaves them to the program, each with its reason.
 
-The constants are measured (docs/accuracy.md, "Elements chosen by the program").
+The constants are measured (studies/accuracy.md).
 """
 
 from collections.abc import Mapping
@@ -19,7 +19,7 @@ from pipeline.config.section import Field, Kind, Section, conflict, known, raise
 from pipeline.config.units import LENGTH, convert
 
 #: size without grading over that with it, because the walls are coarser there: the deflection of the finger of
-#: docs/how_to/own_bodies_tried.md from an STL file is off by 2.0 % with 0.9 and by 3.5 % with 1.2, its end force by 2.0
+#: studies/own_bodies.md from an STL file is off by 2.0 % with 0.9 and by 3.5 % with 1.2, its end force by 2.0
 #: and 3.8 % (20 kPa, against a mesh of 1.6 mm)
 WITHOUT_GRADING = 0.9
 #: largest size over the smallest side of a body

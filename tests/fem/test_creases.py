@@ -203,7 +203,7 @@ def test_a_corner_that_folds_needs_no_exact_distances(monkeypatch: pytest.Monkey
     """Walls do not cross with pairs in the crease; without them the barrier with exact distances takes over.
 
     Measured: 36 and 43 factorizations, ends 0.088 mm apart, with a fifth of the activation distance 0.099 mm. That is
-    the error of the pairs that were searched at rest (docs/decisions.md); pairs in the crease alone move the end by
+    the error of the pairs that were searched at rest (studies/solver.md); pairs in the crease alone move the end by
     0.006 mm.
     """
     tightened, taken = FacingTerm.tightened, []
