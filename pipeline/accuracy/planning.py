@@ -2,7 +2,7 @@
 
 The error of the mesh is estimated from two pilots, II and III at the lowest pressure of the run on two coarse meshes,
 and from their error indicators (`pipeline.accuracy.error_model`). The error of contact follows from its activation
-distance with a ratio measured in studies/accuracy.md. Sizes, their bounds and their cost are in `pipeline.accuracy.sizes`.
+distance with a ratio measured in studies/accuracy.md. Sizes and their cost are in `pipeline.accuracy.sizes`.
 """
 
 from dataclasses import dataclass, replace
