@@ -1,20 +1,11 @@
-"""The comparison of contact by pairs of walls with exact distances between them, and of contact in creases with
-that searched anew."""
+"""The comparison of contact by pairs of walls with exact distances between them."""
 
 from dataclasses import dataclass, replace
-from math import isinf
 
 import numpy as np
 
 import fem
 
-#: why a state is compared
-BESIDE = "walls of a cavity have moved along each other, so that their contact is approximate"
-#: what a state is whose contact in creases (`fem.Step.path_dependence`) may not be that of its load alone
-PATH_DEPENDENT = (
-    "folded walls of a cavity may touch in more than one way, and in which of them they do may depend on the load "
-    "increments"
-)
 #: mm and N; smaller differences are not told
 NOTHING = 1e-5
 
@@ -42,22 +33,9 @@ class ContactCheck:
     @property
     def clause(self) -> str:
         """What it means for the state."""
-        return f"{BESIDE}: {self.difference}"
-
-    @property
-    def difference(self) -> str:
-        """By how much end and force differ, or that this is not known."""
         if self.end_mm is None or self.end_N is None:
-            return f"how far is not known, because the comparison with exact distances failed ({self.reason})"
-        errors = ((self.end_mm, "mm", "the end is displaced by"), (self.end_N, "N", "the force on the end differs by"))
-        differences = [f"{what} {error:.2g} {unit}" for error, unit, what in errors if error > NOTHING]
-        return f"with exact distances between them {' and '.join(differences) or 'the end and its force are the same'}"
-
-
-def path_dependence(*differences: float) -> str:
-    """By how much states differ at most, or that this is not known (infinity), as a clause."""
-    largest = max(differences)
-    if isinf(largest):
-        return "contact searched anew led to no equilibrium to compare with"
-    by = "by at most" if len(differences) > 1 else "by"
-    return f"the equilibrium with contact searched anew differs {by} {100 * largest:.2g} % in displacement or strain"
+            return f"sliding contact is approximate by an unknown amount ({self.reason})"
+        return (
+            f"sliding contact is approximate: exact distances move the end by {self.end_mm:.2g} mm and change the "
+            f"force on it by {self.end_N:.2g} N"
+        )

@@ -30,6 +30,10 @@ class Failure:
         return self.limit_kPa or self.reached_kPa or first_kPa
 
     @property
-    def first_clause(self) -> str:
-        """The beginning of the reason: the last equilibrium, and the limit or the first cause."""
-        return self.reason.partition("; ")[0]
+    def brief(self) -> str:
+        """The limit or the last equilibrium, where one of them says why the path ended, else the reason."""
+        if self.not_followed or self.passes_through_itself or not self.end_kPa:
+            return self.reason
+        if self.limit_kPa:
+            return f"the limit is at {self.limit_kPa:.4g} kPa"
+        return f"no equilibrium found beyond {self.reached_kPa:.4g} kPa"

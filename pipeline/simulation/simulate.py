@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
+from math import isinf
 
 import fem
 from pipeline.config.config import Config
@@ -10,7 +11,7 @@ from pipeline.errors import RunFailed
 from pipeline.parallel import Pending, TaskContext
 from pipeline.progress import Progress
 from pipeline.simulation.case_path import CasePath
-from pipeline.simulation.contact_check import PATH_DEPENDENT, ContactCheck, path_dependence
+from pipeline.simulation.contact_check import ContactCheck
 from pipeline.simulation.failure import Failure
 from pipeline.simulation.kernels import load_kernels
 from pipeline.simulation.known_limit import FIRST, EndOfII, waits_for_II
@@ -104,7 +105,7 @@ def _followed(case: LoadCase, scene: Scene, store: Store, progress: Progress, en
         rejected_kPa = case.schedule.pressures_kPa[len(steps)]
         failure = Failure(rejected_kPa, intersection, 0, 0, reached_kPa=reached_kPa, passes_through_itself=True)
     if failure:
-        progress.stopped(case.name, case.schedule.pressures_kPa[len(steps) :], failure.first_clause)
+        progress.stopped(case.name, case.schedule.pressures_kPa[len(steps) :], failure.brief)
     seconds = sum((step.spent for step in solution.steps), fem.Seconds(set_up=solution.seconds.set_up))
     pressures, rejected = case.schedule.pressures_kPa[: len(steps)], path.cpu_seconds[len(steps) :]
     states = zip(pressures, steps, path.cpu_seconds[: len(steps)], strict=True)
@@ -167,7 +168,7 @@ def _summary(
     remarks = (
         fem.sentence((*fem.unstable_stretches(step.space, step.displacement, material), *step.instability)),
         contact.clause if contact else "",
-        f"{PATH_DEPENDENT}: {path_dependence(step.path_dependence)}" if step.path_dependence else "",
+        _on_load_steps(step.path_dependence),
     )
     return StateSummary(
         experiment=experiment.name,
@@ -198,3 +199,11 @@ def _summary(
         seconds=step.seconds,
         reason="; ".join(filter(None, remarks)),
     )
+
+
+def _on_load_steps(path_dependence: float) -> str:
+    """By how much the contact of a state in creases depends on the load steps; empty where it does not."""
+    if not path_dependence:
+        return ""
+    how = "may depend" if isinf(path_dependence) else f"depends by {path_dependence:.2%}"
+    return f"walls fold, and the state found {how} on the load steps"

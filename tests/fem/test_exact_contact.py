@@ -107,7 +107,7 @@ def test_where_there_is_no_such_state_it_is_said_why(
     error = ContactCheck.of(experiment, alone)
     assert error is not None
     assert error.end_mm is error.end_N is None
-    assert "the comparison with exact distances failed (no equilibrium after 2 iterations" in error.clause
+    assert "by an unknown amount (no equilibrium after 2 iterations" in error.clause
 
 
 def test_the_error_of_contact_is_that_of_end_and_force(collapse: tuple[Experiment, Model, Sequence[Step]]) -> None:
@@ -118,10 +118,4 @@ def test_the_error_of_contact_is_that_of_end_and_force(collapse: tuple[Experimen
     assert error.end_mm is not None
     assert 0.05 < error.end_mm < 0.2
     assert error.end_N == pytest.approx(0.0, abs=1e-6)  # the end of II is free
-    assert error.clause == (
-        "walls of a cavity have moved along each other, so that their contact is approximate: with exact distances "
-        f"between them the end is displaced by {error.end_mm:.2g} mm"
-    )
-    held = ContactCheck(0.0, 0.0123)
-    assert held.difference == "with exact distances between them the force on the end differs by 0.012 N"
-    assert ContactCheck(0.0, 0.0).difference.endswith("the end and its force are the same")
+    assert f"move the end by {error.end_mm:.2g} mm" in error.clause
