@@ -235,9 +235,9 @@ def test_the_same_command_goes_on_from_what_is_finished(config_file: Path, resul
     report = run(load_config(config_file), tmp_path, 2, False, Silent())
     assert [reason.code for reason in report.remarks if reason.code == "folded_contact_open"]
     reasons = {(row["experiment"], row["pressure_kPa"]): row["reason"] for row in read(tmp_path, "experiments.json")}
-    assert "searched anew differs by 8.1 % in displacement or strain" in reasons.pop(("II", 8.0))
-    assert "contact searched anew led to no equilibrium" in reasons.pop(("II", 16.0))
-    assert not any("searched anew" in reason for reason in reasons.values())
+    assert "depends by 8.10% on the load steps" in reasons.pop(("II", 8.0))
+    assert "may depend on the load steps" in reasons.pop(("II", 16.0))
+    assert not any("load steps" in reason for reason in reasons.values())
     for name in ("end_x_mm", "end_y_mm", "cavity_volume_mm3"):
         first = [row[name] for row in read(results, "experiments.json")]
         again = [row[name] for row in read(tmp_path, "experiments.json")]
