@@ -201,7 +201,7 @@ def report(
     scene, outcomes, plan = state.scene, identified.outcomes, state.planned.plan
     with state.stages.timed("report"):
         effects = (*effect_states(scene, outcomes), arm.effect)
-        save_value(state.context.store, "effects.json", effects)
+        save_value(state.context.store, "effects.json", list(effects))
         reviewed = review(plan, outcomes, identified.parameters, outcomes.largest_indicator) if plan else None
         result = RunReport(
             directory=state.context.store.directory,
