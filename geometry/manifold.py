@@ -5,7 +5,7 @@ import numpy as np
 from geometry.arrays import Index
 from geometry.errors import MeshError, position_text
 from geometry.mesh import Mesh
-from geometry.topology import OUTWARD, normals, row_keys, triangle_edges
+from geometry.topology import OUTWARD, normals, parts_of_graph, row_keys, triangle_edges
 
 
 def check_manifold(mesh: Mesh) -> None:
@@ -75,15 +75,7 @@ def check_half(mesh: Mesh) -> None:
 
 def count_components(mesh: Mesh) -> int:
     """Number of connected components: sets of tetrahedra that share no vertex with the others."""
-    a, b = mesh.edges.T
-    lowest = np.arange(len(mesh.points))  # smallest vertex known to be in the same component
-    while True:
-        before = lowest.copy()
-        np.minimum.at(lowest, a, before[b])
-        np.minimum.at(lowest, b, before[a])
-        lowest = lowest[lowest]  # the vertex it points to may point to a smaller one
-        if np.array_equal(lowest, before):
-            return len(np.unique(lowest))
+    return int(parts_of_graph(len(mesh.points), mesh.edges).max()) + 1
 
 
 def _position(mesh: Mesh, triangle: Index) -> str:

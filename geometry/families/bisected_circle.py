@@ -6,22 +6,18 @@ from math import acos, pi, sqrt
 from typing import ClassVar, final
 
 from geometry.errors import DesignError
-from geometry.families.design import SymmetricDesign
 from geometry.families.dimensions import check_design, not_less
-from geometry.families.semicircular_single import nominal_cells
-from geometry.grading import Grading
-from geometry.meshing.mirror import Repetition
-from geometry.meshing.shapes import RoundBar
-from geometry.meshing.solid import Solid, mesh_solid
+from geometry.families.partitioned import UndividedDesign
+from geometry.meshing.shapes import RoundBar, Shape
 
 
 @final
 @dataclass(frozen=True)
-class BisectedCircle(SymmetricDesign):
+class BisectedCircle(UndividedDesign):
     """A disc extruded along x with a dividing wall in the plane y = 0 and a cavity on each side; all lengths in mm.
 
     Faces: clamp (x = 0), tip (x = length), sym (z = 0), cavity (the upper one, which is pressurised), cavity_lower,
-    outer. The paper gives no dimensions, so all of them are assumed. The cells are nominal (`nominal_cells`).
+    outer. The paper gives no dimensions, so all of them are assumed. The cells are nominal.
     """
 
     family: ClassVar[str] = "bisected_circle"
@@ -54,14 +50,6 @@ class BisectedCircle(SymmetricDesign):
         return 0.0
 
     @property
-    def cell_count(self) -> int:
-        return nominal_cells(self.length - 2 * self.end_wall, self.radius)[0]
-
-    @property
-    def pitch(self) -> float:
-        return nominal_cells(self.length - 2 * self.end_wall, self.radius)[1]
-
-    @property
     def solid_volume(self) -> float:
         return pi * self.radius**2 * self.length - 2 * self.cavity_volume
 
@@ -77,19 +65,13 @@ class BisectedCircle(SymmetricDesign):
     def thinnest_wall(self) -> float:
         return min(self.wall, self.divider, self.end_wall)
 
-    def repetition(self, size: float, grading: Grading) -> Repetition:
-        count, pitch = nominal_cells(self.length - 2 * self.end_wall, self.radius)
-        middle = self.end_wall + pitch / 2
-        edge = middle + pitch / 2
-        material = {"end": self._halves(0, middle, self.radius, 0)}
-        hollow = [self._halves(self.end_wall, middle, self.radius - self.wall, self.divider / 2)]
-        if count > 1:
-            material["cell"] = self._halves(middle, edge, self.radius, 0)
-            hollow.append(self._halves(middle, edge, self.radius - self.wall, self.divider / 2))
-        air = {name: [halves[k][0] for halves in hollow] for k, name in enumerate(self.cavities)}
-        return Repetition(mesh_solid(Solid(material, air), size, grading), middle, edge, 2 * (count - 1))
+    def _bar(self, start: float, stop: float) -> list[list[Shape]]:
+        return [[half] for half in self._halves(start, stop, self.radius, 0)]
+
+    def _cavities(self, start: float, stop: float) -> list[Shape]:
+        return self._halves(start, stop, self.radius - self.wall, self.divider / 2)
 
     @staticmethod
-    def _halves(start: float, stop: float, radius: float, height: float) -> list[list[RoundBar]]:
+    def _halves(start: float, stop: float, radius: float, height: float) -> list[Shape]:
         """The parts y >= height and y <= -height of a round bar, start <= x <= stop, in mm."""
-        return [[RoundBar(start, stop, 0, radius, bottom=height)], [RoundBar(start, stop, 0, radius, top=-height)]]
+        return [RoundBar(start, stop, 0, radius, bottom=height), RoundBar(start, stop, 0, radius, top=-height)]

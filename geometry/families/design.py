@@ -206,23 +206,17 @@ class Design(ABC):
             raise DesignError("mesh.size", f"must be a length from {SHORTEST:g} mm to {LONGEST:g} mm, not {size:g} mm")
         if size > largest:
             raise DesignError(
-                "mesh.size",
-                f"{size:g} mm is larger than the body, which measures {measures} mm; at most {largest:g} mm",
+                "mesh.size", f"{size:g} mm is larger than the body of {measures} mm; at most {largest:g} mm"
             )
         count, least = expected_tets(size, extent, volume), expected_tets(largest, extent, volume)
-        if least > MOST_TETS:
-            raise DesignError(
-                "mesh.size",
-                f"a body of {measures} mm has about {least:.0e} elements even if their edges are as long as the body "
-                f"is thick, and at most {MOST_TETS:.0e} fit into memory; choose a shorter body",
-            )
         if count > MOST_TETS:
             filled, walled = volume / (REGULAR_TET * MOST_TETS), TETS_PER_SQUARE * _half_surface(extent) / MOST_TETS
             smallest = max(filled ** (1 / 3), walled**0.5)
+            remedy = "choose a shorter body" if least > MOST_TETS else f"at least {smallest:.2g} mm"
             raise DesignError(
                 "mesh.size",
-                f"{size:g} mm would give about {count:.0e} elements in a body of {measures} mm; at least "
-                f"{smallest:.2g} mm",
+                f"{size:g} mm would give about {count:.0e} elements in a body of {measures} mm, of which "
+                f"{MOST_TETS:.0e} fit into memory; {remedy}",
             )
 
     @property

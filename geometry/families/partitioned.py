@@ -1,10 +1,10 @@
-"""Arms whose chambers are parted by solid partitions and that are smooth outside: what their families share."""
+"""Arms that are smooth outside, with chambers parted by solid partitions or with one cavity: what families share."""
 
 from abc import abstractmethod
 
 from geometry.families.design import SymmetricDesign
 from geometry.grading import Grading
-from geometry.meshing.mirror import Repetition
+from geometry.meshing.mirror import Repetition, slices
 from geometry.meshing.shapes import Box, Shape
 from geometry.meshing.solid import Solid, mesh_solid
 
@@ -77,3 +77,45 @@ class PartitionedDesign(SymmetricDesign):
         channel = Box((far, self.base, 0), (edge, self.base + self.channel, self.channel / 2))
         hollow += [self._cavity(middle, far), channel]
         return Solid({"end": self._bar(0, middle), "cell": self._bar(middle, edge)}, {"cavity": hollow})
+
+
+class UndividedDesign(SymmetricDesign):
+    """A round bar without partitions, whose cells are nominal: equal parts of its cavities, about 4/3 radii long.
+
+    A family is a dataclass with the fields named here, all lengths in mm, and defines the solid bar and its cavities.
+    """
+
+    length: float
+    radius: float
+    end_wall: float
+
+    @abstractmethod
+    def _bar(self, start: float, stop: float) -> list[list[Shape]]:
+        """The half z >= 0 of the solid without cavities, cut at the material curve; start <= x <= stop, in mm."""
+
+    @abstractmethod
+    def _cavities(self, start: float, stop: float) -> list[Shape]:
+        """The half z >= 0 of each cavity in the order of `cavities`; start <= x <= stop, in mm."""
+
+    @property
+    def _cells(self) -> tuple[int, float]:
+        """Number of cells and their length, mm."""
+        return slices(self.length - 2 * self.end_wall, 4 / 3 * self.radius)
+
+    @property
+    def cell_count(self) -> int:
+        return self._cells[0]
+
+    @property
+    def pitch(self) -> float:
+        return self._cells[1]
+
+    def repetition(self, size: float, grading: Grading) -> Repetition:
+        middle = self.end_wall + self.pitch / 2
+        edge = middle + self.pitch / 2
+        material, hollow = {"end": self._bar(0, middle)}, [self._cavities(self.end_wall, middle)]
+        if self.cell_count > 1:
+            material["cell"] = self._bar(middle, edge)
+            hollow.append(self._cavities(middle, edge))
+        air = dict(zip(self.cavities, map(list, zip(*hollow, strict=True)), strict=True))
+        return Repetition(mesh_solid(Solid(material, air), size, grading), middle, edge, 2 * (self.cell_count - 1))

@@ -11,8 +11,7 @@ from geometry.errors import DesignError
 from geometry.families.design import SymmetricDesign
 from geometry.families.dimensions import check_design, not_less
 from geometry.grading import OFF, Grading
-from geometry.meshing.face_names import name_faces
-from geometry.meshing.mirror import Repetition
+from geometry.meshing.mirror import Repetition, name_faces
 from geometry.meshing.shapes import Box, Fillet, Shape
 from geometry.meshing.solid import Solid, mesh_solid
 

@@ -6,21 +6,19 @@ from math import pi
 from typing import ClassVar, final
 
 from geometry.errors import DesignError
-from geometry.families.design import SymmetricDesign
 from geometry.families.dimensions import check_design, not_less
+from geometry.families.partitioned import UndividedDesign
 from geometry.families.semicircular import cavity, dome
-from geometry.grading import Grading
-from geometry.meshing.mirror import Repetition, slices
-from geometry.meshing.solid import Solid, mesh_solid
+from geometry.meshing.shapes import Shape
 
 
 @final
 @dataclass(frozen=True)
-class SemicircularSingle(SymmetricDesign):
+class SemicircularSingle(UndividedDesign):
     """A half disc extruded along x on a base plate of the same width, with a single cavity; all lengths in mm.
 
     Faces: clamp (x = 0), tip (x = length), sym (z = 0), cavity, outer. The paper gives no dimensions, so those of the
-    semicircular arm with chambers are assumed. The cells are nominal (`nominal_cells`).
+    semicircular arm with chambers are assumed. The cells are nominal.
     """
 
     family: ClassVar[str] = "semicircular_single"
@@ -51,14 +49,6 @@ class SemicircularSingle(SymmetricDesign):
         return self.base
 
     @property
-    def cell_count(self) -> int:
-        return nominal_cells(self.length - 2 * self.end_wall, self.radius)[0]
-
-    @property
-    def pitch(self) -> float:
-        return nominal_cells(self.length - 2 * self.end_wall, self.radius)[1]
-
-    @property
     def solid_volume(self) -> float:
         section = 2 * self.radius * self.base + pi / 2 * self.radius**2
         return section * self.length - self.cavity_volume
@@ -71,19 +61,8 @@ class SemicircularSingle(SymmetricDesign):
     def thinnest_wall(self) -> float:
         return min(self.wall, self.base, self.end_wall)
 
-    def repetition(self, size: float, grading: Grading) -> Repetition:
-        count, pitch = nominal_cells(self.length - 2 * self.end_wall, self.radius)
-        middle = self.end_wall + pitch / 2
-        edge = middle + pitch / 2
-        inner = self.radius - self.wall
-        material = {"end": dome(self, 0, middle, self.radius, self.base)}
-        hollow = [cavity(self.end_wall, middle, inner, self.base)]
-        if count > 1:
-            material["cell"] = dome(self, middle, edge, self.radius, self.base)
-            hollow.append(cavity(middle, edge, inner, self.base))
-        return Repetition(mesh_solid(Solid(material, {"cavity": hollow}), size, grading), middle, edge, 2 * (count - 1))
+    def _bar(self, start: float, stop: float) -> list[list[Shape]]:
+        return dome(self, start, stop, self.radius, self.base)
 
-
-def nominal_cells(cavity_length: float, radius: float) -> tuple[int, float]:
-    """Number and pitch (mm) of the nominal cells of an arm without chambers: equal parts, about 4/3 radii long."""
-    return slices(cavity_length, 4 / 3 * radius)
+    def _cavities(self, start: float, stop: float) -> list[Shape]:
+        return [cavity(start, stop, self.radius - self.wall, self.base)]

@@ -14,16 +14,15 @@ import numpy as np
 
 from geometry.curved import CurvedEdges
 from geometry.errors import DesignError
-from geometry.files.cad_chambers import chambers, gaps
 from geometry.files.cad_checks import BODY, check_curve, check_ends, check_position, check_symmetric, named_parts
 from geometry.files.cad_import import CadBody, bounds, import_solids, is_in_material
-from geometry.files.chambers import Range
+from geometry.files.chambers import Range, chambers, gaps
 from geometry.files.frame import Point, no_end_face
 from geometry.files.inlets import fill_cad_inlets, hole_advice
 from geometry.files.shells import NOTHING_OPEN
 from geometry.grading import Grading
 from geometry.mesh import Mesh
-from geometry.meshing.face_names import name_faces
+from geometry.meshing.mirror import name_faces
 from geometry.meshing.shapes import Volume
 from geometry.meshing.size_field import set_size_field, thinnest_wall
 from geometry.meshing.solid import SolidMesh, collect_mesh, generate, optimize, session, walls_between

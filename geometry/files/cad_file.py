@@ -11,7 +11,7 @@ from typing import ClassVar, final
 import numpy as np
 
 from geometry.body import Body
-from geometry.errors import DesignError, MeshError, raise_together
+from geometry.errors import DesignError, MeshError
 from geometry.files.cad import CadMeasures, edges_of, measure, measure_gaps, measure_thinnest_wall, mesh_cad
 from geometry.files.cad_import import STEP, SUFFIXES, CadBody, CadSource, defeatured, file_bounds
 from geometry.files.cells import (
@@ -23,8 +23,8 @@ from geometry.files.cells import (
     mesh_cells,
 )
 from geometry.files.chambers import Range, runs_through
-from geometry.files.frame import PITCHES, SAME, Axes, Point, rotation
-from geometry.files.from_file import FileDesign, Plug, wrong_points
+from geometry.files.frame import PITCHES, Point, rotation
+from geometry.files.from_file import FileDesign
 from geometry.files.mesh_reader import SUFFIXES as MESH_SUFFIXES
 from geometry.files.surface import SUFFIXES as SURFACE_SUFFIXES
 from geometry.grading import OFF, Grading
@@ -48,43 +48,12 @@ class CadFile(FileDesign):
 
     family: ClassVar[str] = "cad_file"
 
-    file: str  #: path of the .step, .stp, .brep or .brp file
-    curve: float  #: y of the material curve
-    clamp: float | None = None  #: x of the clamped end face; without it the end with the smallest x
-    tip: float | None = None  #: x of the other end face; without it the other end
-    air: Mapping[str, Point] = field(default_factory=dict)  #: a point in each cavity; needed with several cavities
     symmetric: bool | None = None  #: `true` if the file holds one half alone, `false` for halves that differ
-    cell: float | CellPlanes | None = None  #: its length or [planes](cell.md#own-bodies), sought if left out
-    unit: float = 1.0  #: unit of length of a BREP file, which does not store it
-    axes: Axes = SAME  #: which directions of the file are x, y and z of the arm
-    middle: float = 0.0  #: z of the plane of symmetry in the file; all other z are measured from it
     unite: bool = False  #: whether several solids that touch become one
     parts: Mapping[str, Point] = field(default_factory=dict)  #: a point in each solid of another material
-    plug: Plug = False  #: `true` closes an inlet in the plane of the clamp; points in the mouths of inlets fill them
     defeature: float | None = None  #: faces narrower than this are removed: small fillets, holes, ribs and letters
 
-    def __post_init__(self) -> None:
-        path = Path(self.file)
-        if path.suffix.lower() not in SUFFIXES:
-            raise DesignError(
-                "file",
-                f"{path.name} is not a CAD file that can be read ({', '.join(SUFFIXES)}), nor a mesh "
-                f"({', '.join(MESH_SUFFIXES)}) or a surface ({', '.join(SURFACE_SUFFIXES)})",
-            )
-        if not path.is_file():
-            raise DesignError("file", f"{path} does not exist")
-        raise_together(
-            (*self._wrong_values(), *self._not_positive("defeature", self.defeature), *self._contradictions())
-        )
-        self._keep_own_copies()
-        object.__setattr__(self, "parts", dict(self.parts))
-        try:
-            self._read()
-        except MeshError as error:
-            raise DesignError("file", str(error)) from error
-
     def _read(self) -> None:
-        """Read and check the file. Raises `DesignError`, and `MeshError` where Gmsh cannot work with it."""
         clamp, tip = self._ends
         if clamp == tip:
             raise DesignError(("clamp", "tip"), f"clamp and tip are both at x = {clamp:g} mm; they are the two ends")
@@ -103,11 +72,16 @@ class CadFile(FileDesign):
                 "thinnest wall or a quarter of the smallest side; give a smaller length",
             )
 
-    def _contradictions(self) -> Iterator[DesignError]:
-        """What is wrong whatever the file holds."""
-        if self.unit != 1 and Path(self.file).suffix.lower() in STEP:
+    def _wrong_values(self) -> Iterator[DesignError]:
+        path = Path(self.file)
+        if path.suffix.lower() not in SUFFIXES:
+            known = ", ".join((*SUFFIXES, *MESH_SUFFIXES, *SURFACE_SUFFIXES))
+            yield DesignError("file", f"{path.name} cannot be read; it may end with {known}")
+        elif not path.is_file():
+            yield DesignError("file", f"{path} does not exist")
+        yield from super()._wrong_values()
+        if self.unit != 1 and path.suffix.lower() in STEP:
             yield DesignError("unit", "STEP files store their unit; leave it out")
-        yield from wrong_points("parts", self.parts)
         if self.parts and self.unite:
             yield DesignError(
                 ("parts", "unite"), "solids of another material stay solids of their own; give one of the two"

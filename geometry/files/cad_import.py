@@ -134,8 +134,8 @@ def _of_file(gmsh: Any, source: CadSource) -> list[Volume]:
     if len(solids) > 1 and not (source.unite or source.apart):
         raise DesignError(
             "file",
-            f"{path} holds {len(solids)} solids; unite them to one, write unite: true if they touch, or overlap, or "
-            "give parts, a point in each one of another material",
+            f"{path} holds {len(solids)} solids, around {_centres(gmsh, solids)}; leave out one of air, unite them "
+            "with unite: true if they touch, or give parts, a point in each one of another material",
         )
     if len(solids) > 1:
         solids = _touching(gmsh, solids) if source.apart else _united(gmsh, solids)
@@ -174,16 +174,14 @@ def _check_defeatured(gmsh: Any, solids: list[Volume], volume: float, low: Point
     if len(solids) != 1:
         raise DesignError("defeature", f"without its narrow faces the body falls into {len(solids)} parts; {_IN_CAD}")
     change = float(gmsh.model.occ.getMass(*solids[0])) / volume - 1
-    if abs(change) > MOST_CHANGE:
-        raise DesignError(
-            "defeature",
-            f"without its narrow faces the volume of the material changes by {100 * change:.2g} %, and at most "
-            f"{100 * MOST_CHANGE:g} % are allowed; give a smaller length",
-        )
     new_low, new_high = bounds(gmsh, solids)
     grown = np.concatenate([np.subtract(low, new_low), np.subtract(new_high, high)])
-    if grown.max() > BEYOND * max(np.subtract(high, low)):
-        raise DesignError("defeature", f"without its narrow faces the body would reach farther than before; {_IN_CAD}")
+    if abs(change) > MOST_CHANGE or grown.max() > BEYOND * max(np.subtract(high, low)):
+        raise DesignError(
+            "defeature",
+            f"without its narrow faces the volume of the material changes by {100 * change:.2g} % (at most "
+            f"{100 * MOST_CHANGE:g} %), or the body reaches farther; give a smaller length",
+        )
 
 
 def _touching(gmsh: Any, solids: list[Volume]) -> list[Volume]:
@@ -209,13 +207,18 @@ def _united(gmsh: Any, solids: list[Volume], key: str = "unite") -> list[Volume]
     occ.synchronize()
     united = [volume for volume in united if volume[0] == 3]
     if len(united) > 1:
-        points = "; ".join("(" + ", ".join(f"{x:.4g}" for x in occ.getCenterOfMass(*volume)) + ")" for volume in united)
         raise DesignError(
             key,
-            f"the {len(solids)} solids of the file are {len(united)} parts that do not touch, around {points} in the "
-            "file's own frame; save the body alone",
+            f"the {len(solids)} solids of the file are {len(united)} parts that do not touch, around "
+            f"{_centres(gmsh, united)} in the file's own frame; save the body alone",
         )
     return united
+
+
+def _centres(gmsh: Any, solids: list[Volume]) -> str:
+    """The centres of solids, for sentences."""
+    centres = (gmsh.model.occ.getCenterOfMass(*solid) for solid in solids)
+    return "; ".join("(" + ", ".join(f"{round(x, 6) + 0.0:.4g}" for x in centre) + ")" for centre in centres)
 
 
 def file_bounds(source: CadSource) -> tuple[Point, Point]:

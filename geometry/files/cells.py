@@ -166,10 +166,9 @@ def _cells(
     odd = int(planes.stop < planes.start)  # of the numbers of the planes in the middle of a cell
     middles = first + (first + odd) % 2, last - (last + odd) % 2
     if middles[1] - middles[0] < 2:
+        repeated = (last - first) * half_pitch
         raise DesignError(
-            "cell",
-            f"the body repeats its cell only on {(last - first) * half_pitch:.4g} mm of its length; two whole cells at "
-            "least are needed",
+            "cell", f"the body repeats its cell only on {repeated:.4g} mm, and two whole cells are needed"
         )
     first_middle = low - body.clamp + middles[0] * half_pitch
     return Cells(first_middle, half_pitch, middles[1] - middles[0], planes.start - body.clamp)
@@ -294,11 +293,7 @@ class _Slots:
         ends = []
         for side in (-1, 1):
             if not self._is_within(side):
-                raise DesignError(
-                    "cell",
-                    f"beside x = {self._told(max(side, 0)):g} mm the arm has no room for another half cell; give "
-                    "two planes that are farther from its ends",
-                )
+                raise DesignError("cell", f"beside x = {self._told(max(side, 0)):g} mm is no room for a half cell")
             if not is_compared:
                 self._check_neighbour(side)
             number = side
@@ -369,17 +364,14 @@ class _Slots:
         """Raise `DesignError` unless a neighbour of slot 0 is its mirror image."""
         found = self.difference(number)
         if found.fraction > SAME:
-            x, around, planes = self._told(max(number, 0)), "", "give planes"
+            x, around = self._told(max(number, 0)), ""
             if found.centre is not None:
                 x_centre, y, z = (round(coordinate, 3) for coordinate in found.centre)
                 around = f", around {self.body.words((x_centre, y, z))}"
-            if self.body.turned:
-                planes = "turn the body with axes, and give planes"
             raise DesignError(
                 "cell",
                 f"the body is not symmetric about the plane x = {x:g} mm: the material {self.h:g} mm before and behind "
-                f"it differs by {100 * min(found.fraction, 1.0):.2g} % of its volume{around}; {planes} in the middle "
-                "of a cell and between two equal cells, or a length alone",
+                f"it differs by {100 * min(found.fraction, 1.0):.2g} % of its volume{around}",
             )
 
 

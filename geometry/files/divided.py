@@ -1,6 +1,5 @@
 """A mesh with a line of element edges in it, and better elements around that line."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -94,7 +93,6 @@ def improve(mesh: DividedMesh, line: Line, first_new: int) -> None:
     """
     beside = np.unique(mesh.tets[line.passes(mesh.points, mesh.tets)])
     beside = np.union1d(beside, np.arange(first_new, len(mesh.points)))
-    attempts = _Attempts(mesh, line)
     for _ in range(PASSES):
         poor = mesh.tets[np.isin(mesh.tets, beside).any(axis=1)]
         poor = poor[radius_ratios(mesh.points, poor) < POOR]
@@ -102,53 +100,15 @@ def improve(mesh: DividedMesh, line: Line, first_new: int) -> None:
             return
         changes = 0
         for tet in poor:
-            changes += any(attempts.collapse(int(v)) for v in tet if v >= first_new)
-            changes += sum(attempts.move(int(v)) for v in tet)
+            changes += any(_collapse(mesh, line, int(v)) for v in tet if v >= first_new)
+            changes += sum(_move(mesh, line, int(v)) for v in tet)
         if not changes:
             return
 
 
-#: changes a mesh at a vertex with the elements of these numbers around it; whether it could
-Change = Callable[[DividedMesh, Line, int, Index], bool]
-
-
-class _Attempts:
-    """Attempts to draw vertices into a neighbour or to move them.
-
-    The vertices of each poor element are tried, which it shares with others: an attempt that failed is not repeated as
-    long as the elements around the vertex are the same.
-    """
-
-    def __init__(self, mesh: DividedMesh, line: Line) -> None:
-        self._mesh = mesh
-        self._line = line
-        self._failed: set[tuple[int, int, bytes, bytes]] = set()
-
-    def collapse(self, vertex: int) -> bool:
-        """It depends on elements elsewhere too, whose number falls with every vertex that is drawn into another."""
-        return self._done(_collapse, vertex, len(self._mesh.tets))
-
-    def move(self, vertex: int) -> bool:
-        """It depends on the elements around the vertex alone."""
-        return self._done(_move, vertex, 0)
-
-    def _done(self, change: Change, vertex: int, elements: int) -> bool:
-        around = _cells_with(self._mesh.tets, vertex)
-        star = self._mesh.tets[around]
-        state = (vertex, elements, star.tobytes(), self._mesh.points[star].tobytes())
-        if state in self._failed:
-            return False
-        is_done = change(self._mesh, self._line, vertex, around)
-        if not is_done:
-            self._failed.add(state)
-        return is_done
-
-
-def _collapse(mesh: DividedMesh, line: Line, vertex: int, around: Index) -> bool:
-    """Draw a vertex into that neighbour with which its elements are best, if they are better than now.
-
-    around: numbers (k,) of the elements around it.
-    """
+def _collapse(mesh: DividedMesh, line: Line, vertex: int) -> bool:
+    """Draw a vertex into that neighbour with which its elements are best, if they are better than now."""
+    around = _cells_with(mesh.tets, vertex)
     if not len(around) or (mesh.curved.ends == vertex).any() or len(np.unique(mesh.parts[around])) > 1:
         return False
     star = mesh.tets[around]
@@ -206,12 +166,10 @@ def _without(cells: Index, vertex: int, other: int) -> tuple[Index, Mask]:
     return np.where(cells == vertex, other, cells)[kept], kept
 
 
-def _move(mesh: DividedMesh, line: Line, vertex: int, around: Index) -> bool:
+def _move(mesh: DividedMesh, line: Line, vertex: int) -> bool:
     """Move a vertex towards the middle of its neighbours, along the line if it lies on it, if its elements become
-    better.
-
-    around: numbers (k,) of the elements around it.
-    """
+    better."""
+    around = _cells_with(mesh.tets, vertex)
     star = mesh.tets[around]
     if not len(star) or len(np.unique(mesh.parts[around])) > 1:
         return False

@@ -2,6 +2,7 @@
 
 from abc import abstractmethod
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 from functools import cached_property
 from hashlib import sha256
 from itertools import chain
@@ -9,7 +10,7 @@ from math import isfinite
 from pathlib import Path
 from typing import ClassVar, TypeAlias
 
-from geometry.errors import DesignError
+from geometry.errors import DesignError, MeshError, raise_together
 from geometry.families.design import Design
 from geometry.files.chambers import Range, distances, middles_of
 from geometry.files.frame import PITCHES, SAME, Axes, CellPlanes, Point, usual_cell
@@ -25,44 +26,54 @@ COMPANIONS = (".h5", ".bin", ".node", ".ele")
 Plug: TypeAlias = bool | Mapping[str, Point]
 
 
+@dataclass(frozen=True)
 class FileDesign(Design):
-    """A body that a file describes. A family is a dataclass with the fields named here, all lengths in mm."""
+    """A body that a file describes; all lengths in mm. The constructor reads and checks the file."""
 
     is_from_file: ClassVar[bool] = True
 
-    file: str
-    curve: float
-    air: Mapping[str, Point]
-    cell: float | CellPlanes | None
-    unit: float
-    axes: Axes
-    middle: float
-    plug: Plug
+    file: str  #: path of the file
+    curve: float  #: y of the material curve
+    clamp: float | None = None  #: x of the clamped end face; without it the end with the smallest x
+    tip: float | None = None  #: x of the other end face; without it the other end
+    air: Mapping[str, Point] = field(default_factory=dict)  #: a point in each cavity; needed with several cavities
+    cell: float | CellPlanes | None = None  #: its length or [planes](cell.md#own-bodies), sought if left out
+    unit: float = 1.0  #: unit of length of the file; STEP files store theirs
+    axes: Axes = SAME  #: which directions of the file are x, y and z of the arm
+    middle: float = 0.0  #: z of the plane of symmetry in the file; all other z are measured from it
+    plug: Plug = False  #: `true` closes an inlet in the plane of the clamp; points in the mouths of inlets fill them
+
+    def __post_init__(self) -> None:
+        raise_together(self._wrong_values())
+        for name in ("air", "parts", "plug"):  # own copies, whatever happens to what was given
+            if isinstance(given := getattr(self, name, None), Mapping):
+                object.__setattr__(self, name, dict(given))
+        object.__setattr__(self, "axes", tuple(self.axes))
+        try:
+            self._read()
+        except MeshError as error:
+            raise DesignError("file", str(error)) from error
+
+    @abstractmethod
+    def _read(self) -> None:
+        """Read and check the file. Raises `DesignError`, and `MeshError` where the body cannot be used."""
 
     def _wrong_values(self) -> Iterator[DesignError]:
         """A `DesignError` for each value that no file makes right: lengths, points, names of cavities."""
-        if not isinstance(self.cell, CellPlanes):
-            yield from self._not_positive("cell", self.cell)
-        yield from self._not_positive("unit", self.unit)
+        cell = None if isinstance(self.cell, CellPlanes) else self.cell
+        for key, length in (("cell", cell), ("unit", self.unit), ("defeature", getattr(self, "defeature", None))):
+            if length is not None and not (isfinite(length) and length > 0):
+                yield DesignError(key, f"must be a positive length, not {length!r}")
         if not isfinite(self.middle):
             yield DesignError("middle", f"must be a length, not {self.middle!r}")
-        yield from wrong_points("air", self.air)
-        if isinstance(self.plug, Mapping):
-            yield from wrong_points("plug", self.plug)
+        for key in ("air", "parts", "plug"):
+            points = getattr(self, key, None)
+            for name, point in points.items() if isinstance(points, Mapping) else ():
+                if len(point) != 3 or not all(isfinite(coordinate) for coordinate in point):
+                    yield DesignError(f"{key}.{name}", f"must be a point (x, y, z) in mm, not {point!r}")
         for name in TAKEN:
             if name in self.air:
                 yield DesignError(f"air.{name}", f"a cavity cannot be named {name}; choose another name")
-
-    def _not_positive(self, key: str, length: float | None) -> Iterator[DesignError]:
-        if length is not None and not (isfinite(length) and length > 0):
-            yield DesignError(key, f"must be a positive length, not {length!r}")
-
-    def _keep_own_copies(self) -> None:
-        """Keep the values of `air`, `axes` and `plug`, whatever happens to what was given."""
-        object.__setattr__(self, "air", dict(self.air))
-        object.__setattr__(self, "axes", tuple(self.axes))
-        if isinstance(self.plug, Mapping):
-            object.__setattr__(self, "plug", dict(self.plug))
 
     @cached_property
     def digest(self) -> str:
@@ -123,13 +134,6 @@ class FileDesign(Design):
     @property
     def reason_for_pitch(self) -> str:
         return usual_pitch(self.length, self.chamber_distances)[1] if self.cell is None else ""
-
-
-def wrong_points(key: str, points: Mapping[str, Point]) -> Iterator[DesignError]:
-    """A `DesignError` for each value of points by name that is no point."""
-    for name, point in points.items():
-        if len(point) != 3 or not all(isfinite(coordinate) for coordinate in point):
-            yield DesignError(f"{key}.{name}", f"must be a point (x, y, z) in mm, not {point!r}")
 
 
 def usual_pitch(length: float, between: Sequence[float]) -> tuple[float, str]:

@@ -1,7 +1,7 @@
 """A body from a mesh file: its faces by planes, or by the names that the file has."""
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import combinations
 from pathlib import Path
@@ -11,9 +11,9 @@ import numpy as np
 
 from geometry.arrays import Array, Index
 from geometry.body import Body
-from geometry.errors import DesignError, MeshError, position_text, raise_together
+from geometry.errors import DesignError, MeshError, position_text
 from geometry.files.chambers import Range, chambers_of, has_gaps
-from geometry.files.frame import SAME, Axes, Point, position_of
+from geometry.files.frame import position_of
 from geometry.files.from_file import FileDesign
 from geometry.files.mesh_reader import FileMesh, read_mesh_file
 from geometry.files.placing import FLAT, Placed, Placing, check_across, moved, placed_by_planes, turned
@@ -41,21 +41,11 @@ class MeshFile(FileDesign):
     family: ClassVar[str] = "mesh_file"
     has_drawing: ClassVar[bool] = False
 
-    file: str  #: path of the mesh
-    curve: float  #: y of the material curve
-    clamp: float | None = None  #: x of the clamped end face; without it the end with the smallest x
-    tip: float | None = None  #: x of the other end face; without it the other end
-    air: Mapping[str, Point] = field(default_factory=dict)  #: a point in each cavity; needed with several cavities
     symmetric: bool = False  #: whether the file holds one half alone, z >= 0 or z <= 0
     cell: float | None = None  #: length over which curvature is averaged; that of equal chambers, or up to 10 mm
-    unit: float = 1.0  #: unit of length of the file
-    axes: Axes = SAME  #: which directions of the file are x, y and z of the arm
-    middle: float = 0.0  #: z of the plane of symmetry in the file; all other z are measured from it
     plug: bool = False  #: whether an inlet in the plane of the clamp is closed there
 
-    def __post_init__(self) -> None:
-        raise_together(self._wrong_values())
-        self._keep_own_copies()
+    def _read(self) -> None:
         _ = self.fixed_body
 
     @cached_property

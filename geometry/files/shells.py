@@ -6,6 +6,7 @@ import numpy as np
 
 from geometry.arrays import Array, Index, Mask
 from geometry.errors import DesignError
+from geometry.files.frame import Point
 from geometry.topology import open_edges, parts_of_graph, row_keys, triangle_edges
 from geometry.vectors import cross
 
@@ -47,12 +48,7 @@ def parts_of(points: Array, surface: Index, plug: float | None, tolerance: float
 
 
 def refuse_open(
-    points: Array,
-    surface: Index,
-    ends: tuple[float, float],
-    plug: bool | Mapping[str, object],
-    tolerance: float,
-    fills: bool = False,
+    points: Array, surface: Index, ends: tuple[float, float], plug: object, tolerance: float, fills: bool = False
 ) -> None:
     """Raise `DesignError` for a surface without cavities, with the place of its inlet where that is in the plane of an
     end; ends: x of clamp and tip, mm; plug: the key as it is; fills: whether points in it fill inlets."""
@@ -60,32 +56,15 @@ def refuse_open(
         _, inner = parts_of(points, surface, x, tolerance)
         if inner and not (plug is True and name == "clamp"):
             rim = points[open_edges(inner[0], len(points))].reshape(-1, 3).mean(axis=0)
-            y, z = (f"{round(coordinate, 3) + 0.0:g}" for coordinate in rim[1:])
-            remedy = _closing(name, plug, fills, f"[{x + 0.0:g} mm, {y} mm, {z} mm]")
-            raise DesignError(
-                ("air", "file"), f"the air is open at the {name}, around (y, z) = ({y}, {z}) mm; {remedy}"
-            )
-    remedy = "give a point in each of their mouths in plug: {inlet: [x, y, z]}" if fills else "close them"
+            place = "[" + ", ".join(f"{round(float(at), 3) + 0.0:g} mm" for at in (x, rim[1], rim[2])) + "]"
+            ways = ["write plug: true"] if name == "clamp" and plug is False else []
+            ways.append(f"give this point in plug: {{inlet: {place}}}" if fills else "close it in CAD")
+            raise DesignError(("air", "file"), f"the air is open at the {name}, around {place}; {', or '.join(ways)}")
+    mouths = ", or give a point in each of their mouths in plug: {inlet: [x, y, z]}" if fills else ""
     raise DesignError(
         ("air", "file"),
-        "the body has no closed cavity: all of its surface is connected, and this is not because of one inlet in the "
-        f"plane of the clamp or of the tip alone; it is solid, or has other or several inlets: {remedy}, or save the "
-        "walls of its air as well",
+        f"the body has no closed cavity: its surface has no walls of air, or several inlets; close them in CAD{mouths}",
     )
-
-
-def _closing(end: str, plug: bool | Mapping[str, object], fills: bool, point: str) -> str:
-    """What closes an inlet at `point` in the plane of an end, as in `refuse_open`."""
-    filled = "and it is filled with the material"
-    if fills and isinstance(plug, Mapping):
-        return f"add a point in it to plug, {point}, {filled}"
-    if end == "clamp":
-        return "write plug: true, and it is closed there"
-    if not fills:
-        return "close it in the file"
-    if plug:
-        return f"give a point in each inlet in plug instead of true, here {point}"
-    return f"write plug: {{inlet: {point}}}, {filled}"
 
 
 def windings(at: Array, corners: Array) -> float:
@@ -110,11 +89,7 @@ def closed_by_mirrors(corners: Array, planes: Iterable[tuple[int, float]]) -> Ar
 
 
 def named_cavities(
-    points: Array,
-    inner: list[Index],
-    surface: Index,
-    air: Mapping[str, tuple[float, float, float]],
-    mirrors: list[tuple[int, float]],
+    points: Array, inner: list[Index], surface: Index, air: Mapping[str, Point], mirrors: list[tuple[int, float]]
 ) -> dict[str, Index]:
     """The walls of each cavity by name: around the points `air` (mm), or `cavity` where there is one cavity alone.
 
@@ -122,57 +97,29 @@ def named_cavities(
     (axis, position) in which walls may be open: x of the clamp, z = 0 of a half. Raises `DesignError` unless every
     cavity has exactly one point in it, and one of them is open at the clamp where walls may be.
     """
-    named = _named_walls(points, inner, surface, air, mirrors)
-    if any(axis == 0 for axis, _ in mirrors) and not any(opens_at(points, walls, mirrors) for walls in named.values()):
-        raise DesignError("plug", NOTHING_OPEN)
-    return named
-
-
-def _named_walls(
-    points: Array,
-    inner: list[Index],
-    surface: Index,
-    air: Mapping[str, tuple[float, float, float]],
-    mirrors: list[tuple[int, float]],
-) -> dict[str, Index]:
-    if not air:
-        if len(inner) > 1:
-            positions = "; ".join(_position(points, walls) for walls in inner)
-            raise DesignError(
-                "air",
-                f"the body has {len(inner)} cavities, around {positions}; name each by a point in it, for example "
-                f"air: {{cavity: [{', '.join(f'{x:.4g} mm' for x in middle_of(points, inner[0]))}]}}",
-            )
-        return {"cavity": inner[0]}
-    closed = [closed_by_mirrors(points[walls], mirrors) for walls in inner]
-    whole = closed_by_mirrors(points[surface], [plane for plane in mirrors if plane[0] == 2])
-    named: dict[str, Index] = {}
-    taken: dict[int, str] = {}
+    clamps = [position for axis, position in mirrors if axis == 0]
+    closed = [closed_by_mirrors(points[walls], mirrors) for walls in inner] if air else []
+    named, taken = {} if air or len(inner) > 1 else {"cavity": inner[0]}, dict[int, str]()
     for name, given in air.items():
-        at = np.array(given, dtype=float)
+        at, place = np.array(given, dtype=float), "the point (" + ", ".join(f"{x:g}" for x in given) + ") mm"
         holder = next((k for k, corners in enumerate(closed) if abs(windings(at, corners)) > 0.5), None)
-        coordinates = "(" + ", ".join(f"{x:g}" for x in given) + ") mm"
-        for plane in (position for axis, position in mirrors if axis == 0):
-            if holder is not None and (at[0] - plane) * (middle_of(points, inner[holder])[0] - plane) < 0:
-                raise DesignError(
-                    f"air.{name}",
-                    f"the point {coordinates} lies behind the plane of the clamp, x = {plane:g} mm; give a point in a "
-                    "cavity",
-                )
+        if holder is not None and any((at[0] - x) * (middle_of(points, inner[holder])[0] - x) < 0 for x in clamps):
+            raise DesignError(f"air.{name}", f"{place} lies behind the plane of the clamp; give a point in a cavity")
         if holder is None:
-            where = "in the material" if abs(windings(at, whole)) > 0.5 else "outside the body or in an open cavity"
-            raise DesignError(f"air.{name}", f"the point {coordinates} lies {where}; give a point in a closed cavity")
+            whole = closed_by_mirrors(points[surface], [plane for plane in mirrors if plane[0] == 2])
+            where = "in the material" if abs(windings(at, whole)) > 0.5 else "in no closed cavity"
+            raise DesignError(f"air.{name}", f"{place} lies {where}; give a point in a closed cavity")
         if holder in taken:
-            raise DesignError(
-                f"air.{name}", f"the point {coordinates} lies in the same cavity as that of {taken[holder]}"
-            )
-        taken[holder] = name
-        named[name] = inner[holder]
-    for k, walls in enumerate(inner):
-        if k not in taken and not opens_at(points, walls, mirrors):  # a hole in the clamped face may have no name
-            raise DesignError(
-                "air", f"the body has one more cavity, around {_position(points, walls)}; name it by a point in it"
-            )
+            raise DesignError(f"air.{name}", f"{place} lies in the same cavity as that of {taken[holder]}")
+        taken[holder], named[name] = name, inner[holder]
+    # a hole in the clamped face may have no name
+    others = [walls for k, walls in enumerate(inner) if k not in taken] if air or not named else []
+    nameless = [walls for walls in others if not (air and opens_at(points, walls, mirrors))]
+    if nameless:
+        places = "; ".join(_position(points, walls) for walls in nameless)
+        raise DesignError("air", f"no name for {len(nameless)} cavities, around {places}; give a point in each")
+    if clamps and not any(opens_at(points, walls, mirrors) for walls in named.values()):
+        raise DesignError("plug", NOTHING_OPEN)
     return named
 
 

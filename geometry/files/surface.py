@@ -1,13 +1,23 @@
-"""Closed surfaces of triangles from a file: which faults are named, and how thick the walls are."""
+"""Closed surfaces of triangles from a file: which faults are named, how thick the walls are, and tetrahedra inside.
 
+Triangles are sorted into smooth patches, which Gmsh meshes anew: those of CAD programs are often long and thin. The
+patches keep the shape of the triangles and the edges between them; elements on round patches have curved edges.
+"""
+
+from contextlib import suppress
 from dataclasses import dataclass
+from math import pi, radians
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from geometry.arrays import Array, Index
+from geometry.curved import CurvedEdges
 from geometry.errors import MeshError
+from geometry.files.mesh_reader import FileMesh
 from geometry.files.shells import outside_first, shells, windings
+from geometry.meshing.solid import collect_mesh, optimize, session, told
 from geometry.topology import normals, open_edges, parts_of_graph, row_keys, triangle_edges
 
 #: what a file of a surface may end with
@@ -19,6 +29,16 @@ SAME = 1e-6
 ROUNDED = 2e-5
 #: but never vertices farther apart than this part of the shortest side of the triangles at the open edges
 SHORTER = 1 / 3
+#: two triangles that are turned against each other by more than this belong to different patches, rad
+EDGE = radians(30)
+#: the same where Gmsh makes no patches with that
+FLATTER_EDGE = radians(20)
+#: a mesh with a tetrahedron of a smaller radius ratio than this is optimized once more
+FLAT = 0.1
+#: distance of a middle from the straight edge, over the length of the edge, up to which it is rounding of the file
+ROUNDING = 1e-3
+#: why Gmsh may not fill a surface, and what helps
+MAY_TOUCH = "it may touch itself or pass through itself: repair it, or try another mesh.size"
 #: at most this many places are measured for the thickness of the walls
 PLACES = 300
 
@@ -192,3 +212,84 @@ def _through(start: Array, direction: Array, corners: Array) -> float:
         distance = np.einsum("ij,ij->i", aside, second) / determinant
         met = (u >= 0) & (v >= 0) & (u + v <= 1) & (distance > 1e-6 * size)
     return float(distance[met].min(initial=np.inf))
+
+
+def fill(surface: Surface, size: float) -> FileMesh:
+    """Mesh the material with element edges of about `size` (in the unit of the points) at most.
+
+    Raises `MeshError` where Gmsh cannot.
+    """
+    with suppress(_NoPatches):
+        return _filled(surface, size, EDGE, cut=False)
+    with suppress(_NoPatches):
+        return _filled(surface, size, EDGE, cut=True)
+    return _filled(surface, size, FLATTER_EDGE, cut=False)
+
+
+class _NoPatches(MeshError):
+    """Gmsh could not make patches of the triangles."""
+
+
+def _filled(surface: Surface, size: float, edge: float, *, cut: bool) -> FileMesh:
+    """The mesh; edge: the angle between patches, rad; cut: whether none goes through the middle of the body across
+    z."""
+    with session() as gmsh:
+        _draw(gmsh, surface, edge, cut)
+        volume = _volume(gmsh, surface)
+        gmsh.option.setNumber("Mesh.MeshSizeMax", size)
+        gmsh.option.setNumber("Mesh.MeshSizeFromPoints", 0)
+        with told("Gmsh could not fill the surface", MAY_TOUCH):
+            gmsh.model.mesh.generate(3)
+        if not len(gmsh.model.mesh.getElementsByType(4)[0]):
+            raise MeshError("Gmsh put no tetrahedra into the surface; does it pass through itself?")
+        optimize(gmsh, FLAT)
+        mesh = collect_mesh(gmsh, {(3, volume): "body"}, {}, ["body"], [])
+    tets = mesh.regions["body"]
+    return FileMesh(mesh.points, tets, {}, _without_rounding(mesh.points, mesh.curved))
+
+
+def _draw(gmsh: Any, surface: Surface, edge: float, cut: bool) -> None:
+    """Put the triangles into the session, and patches over them.
+
+    Gmsh fails at some flat faces with a hole, depending on how the rim is divided. `cut` gives it the triangles of both
+    sides of the middle apart, so that it makes two patches of each such face.
+    """
+    z = surface.points[surface.triangles, 2].mean(axis=1)
+    side = (z > (surface.points[:, 2].min() + surface.points[:, 2].max()) / 2) & cut
+    nodes = np.arange(1, len(surface.points) + 1)
+    for k, part in enumerate(filter(len, (surface.triangles[~side], surface.triangles[side]))):
+        entity = gmsh.model.addDiscreteEntity(2)
+        if k == 0:
+            gmsh.model.mesh.addNodes(2, entity, nodes, surface.points.ravel())
+        gmsh.model.mesh.addElementsByType(entity, 2, [], (part + 1).ravel())
+    with told("Gmsh could not sort the triangles into smooth patches", MAY_TOUCH, _NoPatches):
+        gmsh.model.mesh.classifySurfaces(edge, True, True, pi)
+        gmsh.model.mesh.createGeometry()
+
+
+def _volume(gmsh: Any, surface: Surface) -> int:
+    """The tag of the volume between the outside and the walls of the air."""
+    part_of = np.zeros(len(surface.points) + 1, dtype=np.int64)
+    for k, part in enumerate(surface.parts):
+        part_of[part + 1] = k
+    patches: dict[int, list[int]] = {}
+    for _, patch in gmsh.model.getEntities(2):
+        nodes = gmsh.model.mesh.getElementsByType(2, patch)[1]
+        patches.setdefault(_part(gmsh, nodes, part_of), []).append(patch)
+    loops = [gmsh.model.geo.addSurfaceLoop(patches[k]) for k in sorted(patches)]
+    volume = int(gmsh.model.geo.addVolume(loops))
+    gmsh.model.geo.synchronize()
+    return volume
+
+
+def _part(gmsh: Any, nodes: Index, part_of: Index) -> int:
+    """Number of the part of the surface to which most of the nodes belong."""
+    return int(np.bincount(part_of[nodes[nodes < len(part_of)].astype(np.int64)]).argmax())
+
+
+def _without_rounding(points: Array, curved: CurvedEdges) -> CurvedEdges:
+    """Curved edges without those of flat walls, whose vertices the file rounds."""
+    ends = points[curved.ends]
+    away = np.linalg.norm(curved.middles - ends.mean(axis=1), axis=1)
+    kept = away > ROUNDING * np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
+    return CurvedEdges(curved.ends[kept], curved.middles[kept])

@@ -1,7 +1,7 @@
 """A body from the closed surface in a file, filled with elements."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import ClassVar, final
@@ -10,15 +10,14 @@ import numpy as np
 
 from geometry.arrays import Array, Index
 from geometry.body import Body
-from geometry.errors import DesignError, MeshError, raise_together
+from geometry.errors import DesignError, MeshError
 from geometry.files.chambers import Range, chambers_of, has_gaps
-from geometry.files.fill import fill
-from geometry.files.frame import SAME, Axes, Point, check_dimensions, in_frame, misplaced
-from geometry.files.from_file import FileDesign, Plug
+from geometry.files.frame import check_dimensions, in_frame, misplaced
+from geometry.files.from_file import FileDesign
 from geometry.files.inlets import fill_surface_inlets
 from geometry.files.placing import FLAT, Placed, Placing, ends_of, placed_by_planes
 from geometry.files.shells import named_cavities, parts_of, refuse_open
-from geometry.files.surface import Surface, enclosed, read_surface, thinnest
+from geometry.files.surface import Surface, enclosed, fill, read_surface, thinnest
 from geometry.grading import OFF, Grading
 
 #: largest difference between the volumes of the mesh (or its air) and of the surface, over that of the surface
@@ -40,22 +39,13 @@ class SurfaceFile(FileDesign):
     family: ClassVar[str] = "surface_file"
     has_drawing: ClassVar[bool] = False
 
-    file: str  #: path of the surface
-    curve: float  #: y of the material curve
-    clamp: float | None = None  #: x of the clamped end face; without it the end with the smallest x
-    tip: float | None = None  #: x of the other end face; without it the other end
-    air: Mapping[str, Point] = field(default_factory=dict)  #: a point in each cavity; needed with several cavities
     cell: float | None = None  #: length over which curvature is averaged; that of equal chambers, or up to 10 mm
-    unit: float = 1.0  #: unit of length of the file
-    axes: Axes = SAME  #: which directions of the file are x, y and z of the arm
-    middle: float = 0.0  #: z of the plane of symmetry in the file; all other z are measured from it
-    plug: Plug = False  #: `true` closes an inlet in the plane of the clamp; points in the mouths of inlets fill them
 
-    def __post_init__(self) -> None:
-        raise_together(self._wrong_values())
-        self._keep_own_copies()
+    def _read(self) -> None:
         _ = self.surface, self.length
-        self._check_middle()
+        low, high = self.surface.points.min(axis=0), self.surface.points.max(axis=0)
+        if not low[2] < 0 < high[2] or min(-low[2], high[2]) <= FLAT * max(self.extent):
+            raise misplaced(low, high, self.middle, self.is_reoriented)
         _ = self.cavity_volumes
 
     @cached_property
@@ -70,19 +60,10 @@ class SurfaceFile(FileDesign):
     @cached_property
     def _plugged(self) -> tuple[Surface, Mapping[str, float]]:
         """The surface, and the depths of the plugs in its inlets, mm."""
-        try:
-            surface = read_surface(Path(self.file))
-            surface = replace(surface, points=in_frame(surface.points, self.unit, self.axes, self.middle))
-            check_dimensions(np.ptp(surface.points, axis=0))
-            return fill_surface_inlets(surface, self.plug) if isinstance(self.plug, Mapping) else (surface, {})
-        except MeshError as error:
-            raise DesignError("file", str(error)) from error
-
-    def _check_middle(self) -> None:
-        """Raise `DesignError` unless z = 0 lies within the body."""
-        low, high = self.surface.points.min(axis=0), self.surface.points.max(axis=0)
-        if not low[2] < 0 < high[2] or min(-low[2], high[2]) <= FLAT * max(self.extent):
-            raise misplaced(low, high, self.middle, self.axes != SAME)
+        surface = read_surface(Path(self.file))
+        surface = replace(surface, points=in_frame(surface.points, self.unit, self.axes, self.middle))
+        check_dimensions(np.ptp(surface.points, axis=0))
+        return fill_surface_inlets(surface, self.plug) if isinstance(self.plug, Mapping) else (surface, {})
 
     @property
     def _placing(self) -> Placing:

@@ -4,8 +4,9 @@ import ctypes
 import os
 import signal
 import threading
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from contextvars import ContextVar
 from dataclasses import dataclass
 from typing import Any
 
@@ -15,7 +16,6 @@ from geometry.arrays import Array, Index
 from geometry.curved import NO_CURVED_EDGES, CurvedEdges, curved_edges
 from geometry.errors import MeshError
 from geometry.grading import OFF, Grading
-from geometry.meshing.progress import report
 from geometry.meshing.round_walls import divide_round_walls
 from geometry.meshing.shapes import Shape, Volume, drawn
 from geometry.meshing.size_field import set_size_field
@@ -29,6 +29,26 @@ DEGENERATE = 1e-9
 SMALLER = "a smaller mesh.size follows thin or round walls better"
 
 _ONE_SESSION = threading.Lock()  # Gmsh has one global state per process
+
+
+_RECEIVER: ContextVar[Callable[[str], None] | None] = ContextVar("receiver of the progress of meshing", default=None)
+
+
+@contextmanager
+def progress_to(receiver: Callable[[str], None]) -> Iterator[None]:
+    """Call `receiver` with a sentence (no full stop) at each step of meshing in this thread, until the block ends."""
+    token = _RECEIVER.set(receiver)
+    try:
+        yield
+    finally:
+        _RECEIVER.reset(token)
+
+
+def report(sentence: str) -> None:
+    """Give the receiver, if there is one, a sentence on how far meshing is."""
+    receiver = _RECEIVER.get()
+    if receiver is not None:
+        receiver(sentence)
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from time import perf_counter
 
-from geometry.meshing.progress import progress_to
+from geometry.meshing.solid import progress_to
 from pipeline.config.config import Config
 from pipeline.progress import Progress
 from pipeline.simulation.scene import Scene

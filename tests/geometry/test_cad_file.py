@@ -107,7 +107,7 @@ def asymmetric(occ: Any) -> None:
 
 BAD_FILES: dict[str, tuple[Draw, str, str]] = {
     "open": (lambda occ: finger(occ, hole=True), "air.cavity", "no closed cavity"),
-    "several": (lambda occ: [finger(occ), box(occ, (0, 20, -1), (60, 22, 1))], "file", "holds 2 solids; unite them"),
+    "several": (lambda occ: [finger(occ), box(occ, (0, 20, -1), (60, 22, 1))], "file", r"holds 2 solids, around \("),
     "surface": (lambda occ: occ.addRectangle(0, 0, 0, 60, 10), "file", "holds no solid"),
     "huge": (lambda occ: occ.dilate(finger(occ), 0, 0, 0, 1e3, 1e3, 1e3), "file", "is it in another unit"),
     "asymmetric": (asymmetric, "symmetric", "differ"),
@@ -200,7 +200,7 @@ def test_solid_that_touches_itself_along_a_line_is_refused(folder: Path) -> None
 def test_files_of_another_format_are_refused(tmp_path: Path) -> None:
     with pytest.raises(DesignError, match=r"file: .* does not exist"):
         design_of(tmp_path / "none.step")
-    with pytest.raises(DesignError, match="is not a CAD file"):
+    with pytest.raises(DesignError, match=r"finger.stl cannot be read; it may end with \.step"):
         design_of(tmp_path / "finger.stl")
     (tmp_path / "text.step").write_text("not a solid\n")
     with pytest.raises(DesignError, match=r"cannot be read as STEP or BREP|holds no solid"):

@@ -204,7 +204,7 @@ def test_a_half_solid_below_is_the_same_arm(turned: bool, folder: Path) -> None:
 
 def test_solids_that_touch_are_united(folder: Path) -> None:
     path = save(folder / "pair.step", two_solids)
-    with pytest.raises(DesignError, match=r"holds 2 solids; unite them to one, write unite: true"):
+    with pytest.raises(DesignError, match=r"holds 2 solids, around .* unite: true"):
         CadFile(str(path), 1.5)
     check_bar(CadFile(str(path), 1.5, unite=True))
     apart = save(folder / "apart.step", lambda occ: (bar(occ), box(occ, (0, 20, -2), (60, 24, 2))))
@@ -232,20 +232,12 @@ def test_an_inlet_at_the_clamp_of_a_mesh_is_closed(folder: Path, kind: str) -> N
         path, reader = write_surface(folder / "inlet.stl", bar_with_inlet, 50, around=48), SurfaceFile
     else:
         path, reader = write_mesh(folder / "inlet.vtu", *meshed(bar_with_inlet, 4.0)), MeshFile
-    with pytest.raises(DesignError, match=r"the air is open at the clamp, around \(y, z\) = \(6, .*write plug: true"):
+    with pytest.raises(DesignError, match=r"the air is open at the clamp, around \[0 mm, 6 mm, .*; write plug: true"):
         reader(str(path), 1.5)
-    remedy = (
-        r"give a point in each inlet in plug instead of true, here \[0 mm, 6 mm, 0 mm\]"
-        if kind == "stl"
-        else "close it in the file"
-    )
-    with pytest.raises(DesignError, match=rf"the air is open at the tip, around .*; {remedy}"):
-        reader(str(path), 1.5, clamp=60, tip=0, plug=True)
+    for plug in (True, False):
+        with pytest.raises(DesignError, match=r"the air is open at the tip, around \[0 mm, 6 mm, 0 mm\]"):
+            reader(str(path), 1.5, clamp=60, tip=0, plug=plug)
     if kind == "stl":  # what is written is accepted
-        with pytest.raises(
-            DesignError, match=r"open at the tip, .*; write plug: {inlet: \[0 mm, 6 mm, 0 mm\]}, and it is"
-        ):
-            SurfaceFile(str(path), 1.5, clamp=60, tip=0)
         filled = SurfaceFile(str(path), 1.5, clamp=60, tip=0, plug={"inlet": (0, 6, 0)})
         assert filled.cavity_volume == pytest.approx(BAR_AIR, rel=1e-3)
     design = reader(str(path), 1.5, plug=True)
@@ -255,7 +247,7 @@ def test_an_inlet_at_the_clamp_of_a_mesh_is_closed(folder: Path, kind: str) -> N
     assert mesh.area("clamp") == pytest.approx(180 - np.pi * 1.5**2, rel=1e-2)  # elements of 4 mm around the hole
     named = reader(str(path), 1.5, plug=True, air={"cavity": (1, 6, 0)})
     assert named.cavity_volume == pytest.approx(design.cavity_volume, rel=1e-9)
-    with pytest.raises(DesignError, match=r"the point \(-1, 6, 0\) mm lies behind the plane of the clamp, x = 0 mm"):
+    with pytest.raises(DesignError, match=r"the point \(-1, 6, 0\) mm lies behind the plane of the clamp"):
         reader(str(path), 1.5, plug=True, air={"cavity": (-1, 6, 0)})
 
 
@@ -266,15 +258,11 @@ def test_inlets_at_both_ends_of_a_surface_are_filled(folder: Path) -> None:
         return occ.cut(bar_with_inlet(occ), [(3, occ.addCylinder(55, 6, 0, 10, 0, 0, 1.5))])[0]
 
     path = str(write_surface(folder / "both.stl", open_at_both_ends, 50, around=48))
-    with pytest.raises(
-        DesignError, match=r"solid, or has other or several inlets: give a point in each of their mouths"
-    ):
+    with pytest.raises(DesignError, match=r"no closed cavity: .* several inlets"):
         SurfaceFile(path, 1.5)
     ends = {"clamp": (0.0, 6.0, 0.0), "tip": (60.0, 6.0, 0.0)}
     for given, other, at in (("clamp", "tip", 60), ("tip", "clamp", 0)):
-        with pytest.raises(
-            DesignError, match=rf"open at the {other}, .* add a point in it to plug, \[{at} mm, 6 mm, 0 mm\]"
-        ):
+        with pytest.raises(DesignError, match=rf"open at the {other}, .* plug: {{inlet: \[{at} mm, 6 mm, 0 mm\]"):
             SurfaceFile(path, 1.5, plug={given: ends[given]})
     assert SurfaceFile(path, 1.5, plug=ends).cavity_volume == pytest.approx(BAR_AIR, rel=1e-3)
 

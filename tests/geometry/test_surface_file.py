@@ -145,7 +145,7 @@ def test_inches_and_z_up(stl: Path, folder: Path) -> None:
 
 def test_cavities_by_points(folder: Path) -> None:
     path = write_surface(folder / "two.stl", two_chambers, 50)
-    with pytest.raises(DesignError, match=r"air: the body has 2 cavities"):
+    with pytest.raises(DesignError, match=r"air: no name for 2 cavities"):
         SurfaceFile(str(path), curve=1.5)
     design = SurfaceFile(str(path), curve=1.5, air={"far": (40, 5, 0), "near": (20, 5, 0)}, clamp=60, tip=0)
     assert design.cavity_volumes == pytest.approx({"far": 1820, "near": 1820}, rel=1e-5)

@@ -14,7 +14,7 @@ from fem.cell.axis import axis_of
 from fem.cell.piece import BendingPiece
 from fem.cell.response import shear_rigidity, slopes
 from geometry import Body, Mesh
-from geometry.meshing.face_names import name_faces
+from geometry.meshing.mirror import name_faces
 from geometry.meshing.shapes import RoundBar
 from geometry.meshing.solid import Solid, mesh_solid
 from tests.bodies import box, named, on_plane

@@ -281,7 +281,7 @@ def hinge(occ: Any) -> None:
 
 BAD: dict[str, tuple[Callable[[Any], Any], str]] = {
     "open": (lambda occ: occ.cut(finger(occ), [(3, occ.addCylinder(-1, 6, 0, 10, 0, 0, 1))]), "no closed cavity"),
-    "several": (lambda occ: (finger(occ), occ.addBox(0, 20, -1, 60, 2, 2)), "holds 2 solids; unite them to one"),
+    "several": (lambda occ: (finger(occ), occ.addBox(0, 20, -1, 60, 2, 2)), "holds 2 solids, around ("),
     "metres": (lambda occ: occ.dilate(finger(occ), 0, 0, 0, 1e3, 1e3, 1e3), "is it in another unit"),
     "pinched": (hinge, "not manifold"),
 }
