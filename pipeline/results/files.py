@@ -29,7 +29,8 @@ _IDENTITY = "states/configuration.json"  #: written when a run starts
 
 def save_value(folder: ResultFolder, name: str, value: RodParameters | Sequence[State | RodError | Effect]) -> None:
     """Write the content of one of the files in `TYPES`; NaN and infinity become null."""
-    folder.save_json(name, TypeAdapter(TYPES[name]).dump_python(value))
+    content = value if isinstance(value, RodParameters) else list(value)
+    folder.save_json(name, TypeAdapter(TYPES[name]).dump_python(content))
 
 
 def json_schema() -> dict[str, Any]:

@@ -36,7 +36,7 @@ def test_every_file_is_read() -> None:
 
 def test_what_is_written_is_read_again(tmp_path: Path) -> None:
     """Infinity becomes null, which stands for a number that does not exist."""
-    rows = [State("II", 10.0, end_x_mm=1.5, reaction_N=(0.0, 2.0), min_gap_mm=np.inf), State("III", 10.0)]
+    rows = (State("II", 10.0, end_x_mm=1.5, reaction_N=(0.0, 2.0), min_gap_mm=np.inf), State("III", 10.0))
     save_value(ResultFolder(tmp_path), "experiments.json", rows)
     again = read_results(tmp_path).states
     assert again[0].reaction_N == (0.0, 2.0)
