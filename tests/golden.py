@@ -4,8 +4,8 @@
     python -m tests.golden DIR             # exit status 1 and a line for every number that differs
     python -m tests.golden --accept DIR    # keep DIR's numbers; refused where a number that was kept has changed
 
-Texts and times are left out. On the processor that the numbers were made with they agree to 1e-12. On another one the
-linear algebra rounds differently, and the solver's own tolerance decides.
+Texts and times are left out. On the processor and number of cores that the numbers were made with they agree to 1e-12.
+Elsewhere the linear algebra rounds differently, and the solver's own tolerance decides.
 """
 
 import argparse
@@ -13,6 +13,7 @@ import csv
 import gzip
 import json
 import math
+import os
 import platform
 import sys
 from collections.abc import Iterator
@@ -63,12 +64,13 @@ def _is_number(text: str) -> bool:
 
 
 def processor() -> str:
-    """The kind of processor, which decides how the linear algebra rounds."""
+    """The kind of processor and the number of cores, which decide how the linear algebra rounds."""
     if sys.platform != "linux":
-        return f"{platform.system()} {platform.processor()}"
+        return f"{platform.system()} {platform.processor()}, {os.cpu_count()} cores"
     lines = [line.partition(":") for line in Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()]
     words = {name.strip(): value.strip() for name, _, value in lines}
-    return ", ".join(words.get(name, "") for name in ("model name", "cpu family", "model", "stepping"))
+    kind = ", ".join(words.get(name, "") for name in ("model name", "cpu family", "model", "stepping"))
+    return f"{kind}, {len(os.sched_getaffinity(0))} cores"
 
 
 def differences(kept: dict[str, float], found: dict[str, float], tolerance: float) -> list[str]:
