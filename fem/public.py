@@ -23,5 +23,5 @@ from fem.post.recovery import StressError, stress_error
 from fem.post.self_intersection import crossing_at_rest, self_intersection
 from fem.reasons import sentence
 from fem.solution import End, NotConverged, Seconds, Solution, Step, step_from_arrays, step_to_arrays
-from fem.supports import Fixed, Prescribed, SharedPlane, Support, SupportError, Symmetry, Tied
+from fem.supports import Fixed, Prescribed, SharedPlane, Support, SupportError
 from fem.warm_up import compile_kernels

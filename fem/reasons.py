@@ -1,8 +1,7 @@
 """Why a path, a state or a piece of a body is as it is: the sentence of each code of `geometry.Reason`."""
 
-import json
 from collections.abc import Iterable, Mapping
-from dataclasses import asdict
+from typing import Any
 
 from geometry import Reason, position_text
 
@@ -84,17 +83,9 @@ def _clause(reason: Reason) -> str:
     return SENTENCES[reason.code].format(**reason.values, at=at)
 
 
-def reasons_to_text(reasons: Reasons) -> str:
-    """For a file."""
-    return json.dumps([asdict(reason) for reason in reasons])
-
-
-def reasons_from_text(text: str) -> Reasons:
-    """What `reasons_to_text` gave."""
-    return tuple(
-        Reason(row["code"], row["values"], None if row["where"] is None else position_of(row["where"]))
-        for row in json.loads(text)
-    )
+def reasons_of(rows: Iterable[Mapping[str, Any]]) -> Reasons:
+    """Reasons from their fields, as JSON gives them."""
+    return tuple(Reason(row["code"], row["values"], row["where"] and position_of(row["where"])) for row in rows)
 
 
 class FailedForReasons(ArithmeticError):

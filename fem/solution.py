@@ -1,7 +1,8 @@
 """The result of a load path: steps as values, their form as plain arrays to be stored, and why a path ended."""
 
-from collections.abc import Mapping, Sequence
-from dataclasses import astuple, dataclass, field
+import json
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field
 from typing import Any
 
 import numpy as np
@@ -11,7 +12,7 @@ from fem.discretisation import Discretisation
 from fem.effects.loads import enclosed_volume
 from fem.effects.tightening import Tightening
 from fem.equations.state import Change
-from fem.reasons import Reasons, reasons_from_text, reasons_to_text, sentence
+from fem.reasons import Reasons, position_of, reasons_of, sentence
 from fem.supports import Where, nodes_at
 from geometry.arrays import Array, Index
 
@@ -182,95 +183,59 @@ class NotConverged(RuntimeError):
         self.partial = partial
 
 
-#: the counts of a step, in the order in which they are stored
-COUNTS = ("negative_pivots", "newton_iterations", "factorizations", "cutbacks")
+#: arrays of a step under their own names, and its further values that are sequences
+_ARRAYS = ("displacement", "stress", "gradient", "added_pairs")
+_SEQUENCES = ("effects", "active", "increments")
+_NUMBERS = (
+    *("factor", "min_gap", "negative_pivots", "newton_iterations", "factorizations", "cutbacks"),
+    *("seconds", "path_dependence"),
+)
 
 
 def step_to_arrays(step: Step) -> dict[str, NDArray[Any]]:
     """Everything of a step but its discretisation, by name, so that it can be stored and a path resumed from it."""
-    spent = step.spent
-    return {
-        "displacement": step.displacement,
-        "stress": step.stress,
-        **_rate_to_arrays(step.rate),
-        "gradient": step.gradient,
-        "numbers": np.array([step.factor, step.min_gap, step.seconds]),
-        "counts": np.array([getattr(step, name) for name in COUNTS]),
-        "extremes": np.concatenate([np.atleast_1d(value) for value in astuple(step.extremes)]),
-        "effects": np.array(step.effects, dtype=str),
-        "active": np.array(step.active, dtype=bool),
-        "added_pairs": step.added_pairs,
-        **_contacts_to_arrays(step.contacts),
-        "instability": np.array(reasons_to_text(step.instability)),
-        **_exact_to_arrays(step.exact),
-        "inexact": np.array(reasons_to_text(step.inexact)),
-        "path_dependence": np.array(step.path_dependence),
-        "increments": np.array(step.increments),
-        "stages": np.array([spent.assembly, spent.analysis, spent.factorization, spent.solve]),
-        "timed_effects": np.array(list(spent.effects), dtype=str),
-        "effect_seconds": np.array(list(spent.effects.values())),
-    }
-
-
-def step_from_arrays(space: Discretisation, arrays: Mapping[str, NDArray[Any]]) -> Step:
-    """The step of which `step_to_arrays` gave these arrays, on an equal discretisation."""
-    min_J, longest, shortest = arrays["extremes"][:3].tolist()
-    J_at, longest_at, shortest_at = ((float(x), float(y), float(z)) for x, y, z in arrays["extremes"][3:].reshape(3, 3))
-    assembly, analysis, factorization, solve = arrays["stages"].tolist()
-    factor, min_gap, seconds = arrays["numbers"].tolist()
-    timed = dict(zip(arrays["timed_effects"].tolist(), arrays["effect_seconds"].tolist(), strict=True))
-    return Step(
-        space=space,
-        factor=factor,
-        displacement=arrays["displacement"],
-        stress=arrays["stress"],
-        rate=_rate_from_arrays(arrays),
-        gradient=arrays["gradient"],
-        extremes=Extremes(min_J, longest, shortest, J_at, longest_at, shortest_at),
-        min_gap=min_gap,
-        **dict(zip(COUNTS, arrays["counts"].tolist(), strict=True)),
-        instability=reasons_from_text(str(arrays["instability"])),
-        effects=tuple(arrays["effects"].tolist()),
-        active=tuple(arrays["active"].tolist()),
-        added_pairs=arrays["added_pairs"],
-        contacts=tuple(Tightening.from_arrays(_contact(k), arrays) for k in range(len(arrays["active"]))),
-        seconds=seconds,
-        spent=Seconds(0.0, assembly, analysis, factorization, solve, timed),
-        exact=_exact_from_arrays(arrays),
-        inexact=reasons_from_text(str(arrays["inexact"])),
-        path_dependence=float(arrays["path_dependence"]),
-        increments=tuple(arrays["increments"].tolist()),
-    )
-
-
-def _contacts_to_arrays(contacts: Sequence[Tightening | None]) -> dict[str, NDArray[Any]]:
-    arrays: dict[str, NDArray[Any]] = {}
-    for number, contact in enumerate(contacts):
+    others = {name: getattr(step, name) for name in (*_NUMBERS, *_SEQUENCES)}
+    others |= {"extremes": asdict(step.extremes), "spent": asdict(step.spent)}
+    others |= {name: list(map(asdict, getattr(step, name))) for name in ("instability", "inexact")}
+    arrays = {name: getattr(step, name) for name in _ARRAYS}
+    arrays["others"] = np.array(json.dumps(others, default=lambda value: value.item()))
+    if step.rate is not None:
+        rate = step.rate
+        arrays |= {
+            "rate": rate.displacement,
+            "rate_of_pressures": rate.pressure,
+            "rate_of_factor": np.array(rate.factor),
+        }
+    if step.exact is not None:
+        arrays |= {"exact_displacement": step.exact.displacement, "exact_gradient": step.exact.gradient}
+    for number, contact in enumerate(step.contacts):
         arrays |= {} if contact is None else contact.arrays(_contact(number))
     return arrays
 
 
+def step_from_arrays(space: Discretisation, arrays: Mapping[str, NDArray[Any]]) -> Step:
+    """The step of which `step_to_arrays` gave these arrays, on an equal discretisation."""
+    others = json.loads(str(arrays["others"]))
+    values: dict[str, Any] = {name: arrays[name] for name in _ARRAYS} | {name: others[name] for name in _NUMBERS}
+    values |= {name: tuple(others[name]) for name in _SEQUENCES}
+    values |= {name: reasons_of(others[name]) for name in ("instability", "inexact")}
+    extremes: dict[str, Any] = others["extremes"]
+    extremes |= {name: position_of(place) for name, place in extremes.items() if name.endswith("_at")}
+    rate, exact = None, None
+    if "rate" in arrays:
+        rate = Change(float(arrays["rate_of_factor"]), arrays["rate"], arrays["rate_of_pressures"])
+    if "exact_displacement" in arrays:
+        exact = ExactContact(arrays["exact_displacement"], arrays["exact_gradient"])
+    return Step(
+        space=space,
+        **values,
+        rate=rate,
+        extremes=Extremes(**extremes),
+        contacts=tuple(Tightening.from_arrays(_contact(k), arrays) for k in range(len(others["active"]))),
+        spent=Seconds(**others["spent"]),
+        exact=exact,
+    )
+
+
 def _contact(number: int) -> str:
     return f"contact_{number}"
-
-
-def _exact_to_arrays(exact: ExactContact | None) -> dict[str, NDArray[Any]]:
-    return {} if exact is None else {"exact_displacement": exact.displacement, "exact_gradient": exact.gradient}
-
-
-def _exact_from_arrays(arrays: Mapping[str, NDArray[Any]]) -> ExactContact | None:
-    if "exact_displacement" not in arrays:
-        return None
-    return ExactContact(arrays["exact_displacement"], arrays["exact_gradient"])
-
-
-def _rate_to_arrays(rate: Change | None) -> dict[str, NDArray[Any]]:
-    if rate is None:
-        return {}
-    return {"rate": rate.displacement, "rate_of_pressures": rate.pressure, "rate_of_factor": np.array(rate.factor)}
-
-
-def _rate_from_arrays(arrays: Mapping[str, NDArray[Any]]) -> Change | None:
-    if "rate" not in arrays:
-        return None
-    return Change(float(arrays["rate_of_factor"]), arrays["rate"], arrays["rate_of_pressures"])

@@ -133,32 +133,6 @@ class Prescribed(Support):
 
 @final
 @dataclass(frozen=True)
-class Symmetry(Support):
-    """Nodes that move only within a plane of any direction: their displacement along its normal is prescribed.
-
-    normal: (3,) of any length. offset: displacement along the normal in mm at load factor 1, zero by default; with
-    ramp=False it is prescribed in full from the first target on. Raises `SupportError` for a normal of length zero and
-    an offset that is not finite.
-    """
-
-    where: Where
-    normal: tuple[float, float, float]
-    offset: float = 0.0
-    ramp: bool = True
-
-    def __post_init__(self) -> None:
-        check_finite("symmetry plane: offset (mm)", self.offset, SupportError)
-
-    def equations(self, space: Discretisation) -> Equations:
-        """n . u = offset."""
-        nodes, normal = nodes_at(self.where, space), _unit(self.normal)
-        along = np.abs(normal) > 0.0
-        components = _components("xyz", nodes).reshape(-1, 3)[:, along]
-        return Equations.of(components, normal[along], np.full(nodes.shape[0], self.offset), self.ramp)
-
-
-@final
-@dataclass(frozen=True)
 class SharedPlane(Support):
     """Nodes that lie in one plane of given normal whose distance from the origin is an unknown of the model.
 
@@ -180,35 +154,6 @@ class SharedPlane(Support):
         distance = space.points[nodes] @ normal
         components = _components("xyz", nodes).reshape(-1, 3)
         return Equations.of(components, normal, distance.mean() - distance, self.ramp, common=1.0)
-
-    def distance(self, space: Discretisation, positions: Array) -> float:
-        """c, the distance of the plane from the origin in mm, at the current positions (n, 3) in mm of all nodes."""
-        return float(np.mean(positions[nodes_at(self.where, space)] @ _unit(self.normal)))
-
-
-@final
-@dataclass(frozen=True)
-class Tied(Support):
-    """Nodes whose displacement components equal those of other nodes.
-
-    `to` is a single node, to which all are tied, or has the same number of nodes: each node is then tied to the one at
-    the same position of `to`, up to one translation of all (zero where two surfaces coincide). Name coincident nodes by
-    faces: a position cannot tell them apart. Displacements are tied, the pressures of mixed elements are not.
-
-    components: one or more of the letters x, y and z. Raises `SupportError` where the nodes do not match.
-    """
-
-    where: Where
-    to: Where
-    components: str = "xyz"
-
-    def equations(self, space: Discretisation) -> Equations:
-        """u_i - u_i(to) = 0."""
-        nodes, targets = nodes_at(self.where, space), nodes_at(self.to, space)
-        targets = np.repeat(targets, nodes.shape[0]) if targets.shape[0] == 1 else _matching(nodes, targets, space)
-        pairs = np.stack([_components(self.components, nodes), _components(self.components, targets)], axis=-1)
-        pairs = pairs.reshape(-1, 2)
-        return Equations.of(pairs, np.array([1.0, -1.0]), np.zeros(pairs.shape[0]), ramp=False)
 
 
 def nodes_at(where: Where, space: Discretisation) -> Index:
@@ -246,19 +191,6 @@ def _unit(normal: tuple[float, float, float]) -> Array:
     if not (np.isfinite(length) and length > 0.0):
         raise SupportError(f"a plane needs a normal of finite length greater than zero, not {tuple(normal)}")
     return np.asarray(normal, dtype=float) / length
-
-
-def _matching(nodes: Index, targets: Index, space: Discretisation) -> Index:
-    """The nodes among the targets that stand where `nodes` (k,) stand, up to a translation; raises `SupportError`."""
-    if nodes.shape[0] != targets.shape[0]:
-        raise SupportError(f"{nodes.shape[0]} nodes cannot be tied to {targets.shape[0]}: their numbers must be equal")
-    positions, others = space.points[nodes], space.points[targets]
-    translated = positions + (others.mean(axis=0) - positions.mean(axis=0))
-    distance, order = _nearest(others, translated)
-    if distance.max() > NEAR * np.ptp(space.points, axis=0).max() or np.unique(order).shape[0] != order.shape[0]:
-        worst = positions[int(np.argmax(distance))]
-        raise SupportError(f"the node at {tuple(np.round(worst, 6))} mm has no counterpart among those it is tied to")
-    return targets[order]
 
 
 def _nearest(points: Array, positions: Array) -> tuple[Array, Index]:

@@ -1,6 +1,5 @@
 """The arm's own law as a part of a run: made where the arm and its effects have one, else a sentence why not."""
 
-import re
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
@@ -16,9 +15,6 @@ from pipeline.simulation.outcome import Outcomes
 from pipeline.simulation.scene import Scene
 from pipeline.store.store import Store
 from rod import ArmLaw
-
-#: what a reason says on the factorization of a tangent; law.json keeps it
-_PIVOTS = re.compile(r" \(\d+ negative pivots\)")
 
 
 @dataclass(frozen=True)
@@ -110,7 +106,7 @@ def _law(choice: str, pieces: ArmPieces, context: RunContext, highest_kPa: Calla
         f"moment, stretch and rigidities of one cell from {law.pressures[0]:g} to {law.pressures[-1]:g} kPa, "
         f"and of both ends; nothing is fitted to the arm as a whole; {between}"
     )
-    remarks = "; ".join(_PIVOTS.sub("", sentence) for sentence in (*measured.failures, *measured.limits))
+    remarks = "; ".join((*measured.failures, *measured.limits))
     incomplete = (Reason("law_incomplete", {"why": why}) for why in measured.failures)
     failures = tuple(incomplete) if choice == "cell" else ()
     not_borne = bool(measured.failures)

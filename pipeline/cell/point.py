@@ -92,7 +92,7 @@ def stable(piece: BendingPiece, state: PieceState) -> Iterator[None]:
     """An unstable state, or one with a singular tangent, becomes a `PieceFailed` that names it."""
     try:
         if state.negative_pivots:
-            raise SingularMatrix(f"its tangent is indefinite ({state.negative_pivots} negative pivots)")
+            raise SingularMatrix("its tangent is indefinite")
         yield
     except SingularMatrix as failure:
         curvature = state.angle / piece.body.length

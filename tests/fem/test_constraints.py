@@ -24,8 +24,6 @@ from fem import (
     StVenantKirchhoff,
     Support,
     SupportError,
-    Symmetry,
-    Tied,
     follow,
 )
 from fem.discretisation import Discretisation
@@ -39,6 +37,7 @@ from fem.supports import nodes_at
 from geometry import Mesh
 from geometry.arrays import Array
 from tests.bodies import box, difference, fork, hollow_box
+from tests.supports import Symmetry, Tied
 
 LAW = StVenantKirchhoff(E=1.0, nu=0.3)
 EXACT = PathOptions(NewtonOptions(tolerance=1e-10))
@@ -116,8 +115,6 @@ def test_a_normal_along_an_axis_only_selects_components() -> None:
     ("supports", "sentence"),
     [
         ([Symmetry("left", (0.0, 0.0, 0.0))], "a plane needs a normal of finite length greater than zero"),
-        ([Tied("left", "top")], "9 nodes cannot be tied to 15: their numbers must be equal"),
-        ([Tied(("left", "top"), ("left", "front"))], "has no counterpart among those it is tied to"),
         ([Tied("left", "right", "w")], "component 'w' does not exist"),
         (
             [Fixed("left"), Symmetry("left", (1.0, 1.0, 0.0), offset=0.1)],
@@ -283,7 +280,8 @@ def test_a_slice_in_lateral_tension_contracts_freely_between_mirror_planes(formu
     supports = [Fixed("left", "x"), Fixed("bottom", "y"), Fixed("back", "z"), Prescribed("top", "y", stretch - 1.0)]
     step = solved(box((2, 1, 1), (2.0, 1.0, 1.0)), [*supports, plane], [], formulation)
     bar = LAW.uniaxial(np.array([stretch]))
-    assert plane.distance(step.space, step.positions) == pytest.approx(2.0 * bar.lateral[0], rel=1e-9)
+    distances = step.positions[nodes_at(plane.where, step.space)] @ plane.normal / np.linalg.norm(plane.normal)
+    assert distances.mean() == pytest.approx(2.0 * bar.lateral[0], rel=1e-9)
     assert step.reaction("right")[0] == pytest.approx(0.0, abs=1e-9)
     assert step.reaction("left")[0] == pytest.approx(0.0, abs=1e-9)
     assert step.reaction("top")[1] == pytest.approx(2.0 * bar.nominal[0], rel=1e-8)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from fem import Fixed, Model, Prescribed, Pressure, StVenantKirchhoff, Symmetry, follow
+from fem import Fixed, Model, Prescribed, Pressure, StVenantKirchhoff, follow
 from fem.discretisation import Discretisation
 from fem.equations.constraints import Constraints
 from fem.supports import SupportError, nodes_at
@@ -76,7 +76,6 @@ def test_a_support_that_names_nothing_is_refused_with_a_sentence(support: Fixed 
     ("make", "sentence"),
     [
         (lambda: Prescribed("right", "x", np.nan), r"prescribed displacement x: value \(mm\) must be finite, not nan"),
-        (lambda: Symmetry("right", (1, 0, 0), np.inf), r"symmetry plane: offset \(mm\) must be finite, not inf"),
     ],
 )
 def test_a_support_with_a_value_that_is_not_finite_is_refused(make, sentence: str) -> None:

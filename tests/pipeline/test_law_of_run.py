@@ -10,7 +10,6 @@ import pytest
 
 import pneurod
 from geometry import Reason
-from pipeline.cell import of_run
 from pipeline.cell.of_run import LawOfRun, law_of_run
 from pipeline.cell.pieces import ArmPieces, NoArmLaw
 from pipeline.config.config import Config
@@ -137,16 +136,6 @@ def test_a_body_of_which_no_piece_is_made_fails_with_the_reason(
 def law_up_to(pressure: float, not_borne: bool) -> LawOfRun:
     measured: Any = SimpleNamespace(law=SimpleNamespace(pressures=(0.0, pressure)))
     return LawOfRun(measured, "of one cell", (), not_borne)
-
-
-def test_the_reason_of_a_limit_has_no_number_of_pivots(monkeypatch: pytest.MonkeyPatch) -> None:
-    limit = "no equilibrium of the clamped end at 37 kPa: the tangent stays indefinite (1 negative pivots)"
-    law = SimpleNamespace(pressures=(0.0, 37.0))
-    measured = SimpleNamespace(law=law, error_between=None, failures=(), limits=(limit,))
-    monkeypatch.setattr(of_run, "build_law", lambda pieces, context, highest: measured)
-    pieces: Any = None
-    made = of_run._law("both", pieces, pieces, None)
-    assert made.reason.endswith("at 37 kPa: the tangent stays indefinite")
 
 
 def test_where_the_whole_arm_ends_is_named_beside_its_law() -> None:

@@ -3,12 +3,13 @@
 import numpy as np
 import pytest
 
-from fem import StVenantKirchhoff, Symmetry
+from fem import StVenantKirchhoff
 from fem.cell.edge import FreeEdge, free_edge
 from fem.cell.piece import BendingPiece
 from fem.supports import Line, SharedPlane, Support, nodes_at
 from geometry import PneuNet
 from geometry.arrays import Array
+from tests.supports import Symmetry
 
 SVK = StVenantKirchhoff(E=1.2, nu=0.495)
 BODY = PneuNet().end_piece(1, 4.0)
