@@ -138,6 +138,7 @@ class CasePath:
             reached_kPa=at(end.reached),
             not_followed=self.is_given_up,
             with_part_of_end=_has_part_of_end(end, self.case),
+            causes=end.reasons,
         )
 
     def _iteration(self, factor: float, iteration: int, residual: float) -> None:

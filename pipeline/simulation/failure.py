@@ -2,6 +2,8 @@
 
 from dataclasses import dataclass
 
+from geometry import Reason
+
 
 @dataclass(frozen=True)
 class Failure:
@@ -18,6 +20,7 @@ class Failure:
     with_part_of_end: bool = False
     #: whether there is an equilibrium at the pressure, and the body passes through itself in it
     passes_through_itself: bool = False
+    causes: tuple[Reason, ...] = ()  #: why the last attempt failed, by the codes of `fem.reasons`
 
     @property
     def end_kPa(self) -> float:

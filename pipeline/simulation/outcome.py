@@ -132,8 +132,13 @@ class Outcome:
         """Which pressure was not reached and why; None where all were. `load`: the name of a load of the validation."""
         if (failure := self.failure) is None:
             return None
-        ends = {"reached_kPa": failure.reached_kPa, "limit_kPa": failure.limit_kPa}
-        values: Values = {"pressure_kPa": failure.pressure_kPa, "why": failure.reason, **ends}
+        values: Values = {
+            "pressure_kPa": failure.pressure_kPa,
+            "why": failure.reason,
+            "reached_kPa": failure.reached_kPa,
+            "limit_kPa": failure.limit_kPa,
+            "causes": [cause.code for cause in failure.causes],
+        }
         if load:
             return Reason("load_stopped", {"load": load, **values})
         return Reason("stopped", {"experiment": self.name, **values})

@@ -5,6 +5,7 @@ from dataclasses import replace
 from math import isinf
 
 import fem
+from geometry import Reason
 from pipeline.config.config import Config
 from pipeline.context import RunContext
 from pipeline.errors import RunFailed
@@ -103,7 +104,12 @@ def _followed(case: LoadCase, scene: Scene, store: Store, progress: Progress, en
     if intersection:
         reached_kPa = case.schedule.pressures_kPa[len(steps) - 1] if steps else 0.0
         rejected_kPa = case.schedule.pressures_kPa[len(steps)]
-        failure = Failure(rejected_kPa, intersection, 0, 0, reached_kPa=reached_kPa, passes_through_itself=True)
+        failure = Failure(
+            *(rejected_kPa, fem.sentence(intersection), 0, 0),
+            reached_kPa=reached_kPa,
+            passes_through_itself=True,
+            causes=intersection,
+        )
     if failure:
         progress.stopped(case.name, case.schedule.pressures_kPa[len(steps) :], failure.brief)
     seconds = sum((step.spent for step in solution.steps), fem.Seconds(set_up=solution.seconds.set_up))
@@ -123,17 +129,17 @@ def _followed(case: LoadCase, scene: Scene, store: Store, progress: Progress, en
     )
 
 
-def _before_intersection(scene: Scene, steps: Sequence[fem.Step]) -> tuple[Sequence[fem.Step], str]:
-    """The steps before the body passes through itself where no contact is simulated, and a sentence if it does.
+def _before_intersection(scene: Scene, steps: Sequence[fem.Step]) -> tuple[Sequence[fem.Step], tuple[Reason, ...]]:
+    """The steps before the body passes through itself where no contact is simulated, and where it does, if so.
 
     Where contact is switched off it may.
     """
     if scene.config.effects.self_contact.off:
-        return steps, ""
+        return steps, ()
     for count, step in enumerate(steps):
         if reason := fem.self_intersection(step.space, step.positions, scene.body.half):
-            return steps[:count], fem.sentence([reason])
-    return steps, ""
+            return steps[:count], (reason,)
+    return steps, ()
 
 
 def _record(

@@ -75,7 +75,7 @@ def test_states_restored_from_an_earlier_path_count_once() -> None:
 def test_a_failure_is_a_reason_and_a_row() -> None:
     stopped = outcome("III", record(10.0), failure=Failure(20.0, "no luck", 2, 7))
     outcomes = Outcomes({"II": outcome("II", record(10.0), record(20.0)), "III": stopped})
-    values = {"pressure_kPa": 20.0, "why": "no luck", "reached_kPa": 0.0, "limit_kPa": 0.0}
+    values = {"pressure_kPa": 20.0, "why": "no luck", "reached_kPa": 0.0, "limit_kPa": 0.0, "causes": []}
     assert outcomes.failures == (Reason("stopped", {"experiment": "III", **values}),)
     assert stopped.why_stopped("end at +3 mm") == Reason("load_stopped", {"load": "end at +3 mm", **values})
     rows = outcomes.rows()
