@@ -52,8 +52,8 @@ def check_states(solved: Solved) -> tuple[Reason, ...]:
 
 def _beyond_law(solved: Solved) -> Iterator[Reason]:
     """Stretches beyond those for which the laws of the solid and of its regions describe rubber, or are stable."""
-    parts = [("material", solved.config.material, _rows_outside(solved))]
-    parts += [(f"materials.{name}", law, solved.regions.get(name)) for name, law in solved.config.materials.items()]
+    parts = [("the walls", solved.config.material, _rows_outside(solved))]
+    parts += [(f"the part {name}", law, solved.regions.get(name)) for name, law in solved.config.materials.items()]
     for part, material, rows in parts:
         states = [(*_stretches(record, rows), record.summary.pressure_kPa) for record in solved.outcomes.records]
         smallest = min(low for low, _, _ in states)

@@ -73,21 +73,22 @@ class Verdict:
         named = self.bending
         if len(named) > MOST_NAMED:
             named = (named[0], named[len(named) // 2], named[-1])
-        parts = ", ".join(
-            f"{b.angle_deg:.0f}° at {b.pressure_kPa:g} kPa (tip {b.tip_x_mm:.1f}, {b.tip_y_mm:.1f} mm)" for b in named
-        )
-        return f"{self.design}, {number(self.length_mm)} mm long, bends by {parts}."
+        angles = ", ".join(f"{b.angle_deg:.0f}°" for b in named)
+        pressures = ", ".join(f"{b.pressure_kPa:g}" for b in named)
+        tips = ", ".join(f"({b.tip_x_mm:.1f}, {b.tip_y_mm:.1f})" for b in named)
+        length = number(self.length_mm)
+        return f"{self.design}, {length} mm long, bends by {angles} at {pressures} kPa; its tip is at {tips} mm."
 
     def _takes(self) -> str:
         if self.refusal is not None:
             return self.refusal.text
         if self.shape_error is None:
             return "No rod was compared with the finite elements."
-        force = "" if self.force_error is None else f", its force within {percent(self.force_error)}"
+        force = "" if self.force_error is None else f", force within {percent(self.force_error)}"
         mesh = "rod and mesh together" if self.mesh.largest is not None else "without the error of the mesh"
         return (
-            f"Take the rod with {TITLES[self.rod]} ({self.rod}): its shape is within {percent(self.shape_error)} of "
-            f"the length{force} ({mesh})."
+            f"Take the rod with {TITLES[self.rod]}: shape within {percent(self.shape_error)} of the length{force}, "
+            f"{mesh}."
         )
 
     def _holds(self) -> str:

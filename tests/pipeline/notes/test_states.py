@@ -169,7 +169,7 @@ def test_stretches_beyond_those_for_which_a_law_holds(
         assert check_states(run) == ()
         return
     values = only(run).values
-    assert (values["part"], values["law"]) == ("material", run.config.material.law)
+    assert (values["part"], values["law"]) == ("the walls", run.config.material.law)
     assert (values["smallest"], values["largest"], values["pressure_kPa"]) == (*stretches, 20.0)
     assert (values["holds_from"], values["holds_to"]) == pytest.approx(holds, abs=0.005)
     assert values["unstable_below"] <= values["holds_from"] < values["holds_to"] <= values["unstable_above"]
@@ -180,7 +180,7 @@ def test_the_law_of_a_region_is_compared_with_the_stretches_in_it() -> None:
     low, high = np.array([0.5, 0.95, 0.57]), np.array([1.4, 1.05, 1.08])
     run.outcomes.records[0].fields = {"smallest_stretch": low, "stretch": high}
     values = only(replace(run, regions={"base": np.array([1, 2])})).values
-    assert (values["part"], values["smallest"], values["largest"]) == ("materials.base", 0.57, 1.08)
+    assert (values["part"], values["smallest"], values["largest"]) == ("the part base", 0.57, 1.08)
     assert values["unstable_below"] == pytest.approx(1 / np.sqrt(3))
     assert check_states(replace(run, regions={"base": np.array([1])})) == ()
 
