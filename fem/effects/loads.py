@@ -37,56 +37,55 @@ class Pressure(Effect):
         return PressureTerm(faces, self.value, constant_fraction=None if self.ramp else 0.0)
 
 
+#: adds the derivative (n, 3) of minus the volume behind faces by the positions (n, 3), mm2, and gives minus that volume
+#: by face (f,), mm3
+Flux = Callable[[FaceArrays, Array, Array, Array], None]
+#: fills the blocks (f, pair, 3, 3) of the second derivative of minus the volume
+FluxTangent = Callable[[FaceArrays, Array, Array], None]
+
+
 @final
 @dataclass(frozen=True, eq=False)  # arrays inside: two terms are the same one or not
 class PressureTerm(LoadTerm):
-    """-p V(x), V enclosed by the faces and symmetry planes through the origin."""
+    """-p V(x), V behind faces whose normals point into it; closed by planes through the origin unless `flux` is another
+    one."""
 
     effect = "pressure"
 
     faces: Faces
     value: float  #: MPa at load factor 1
+    flux: Flux = surface_pressure
+    tangent: FluxTangent = surface_pressure_tangent
 
     def energy(self, x: Array, factor: float) -> float:
-        return -self._pressure(factor) * enclosed_volume(self.faces, x)
+        return -self._pressure(factor) * enclosed_volume(self.faces, x, self.flux)
 
     def gradient(self, x: Array, factor: float, out: Array) -> None:
-        out -= self._pressure(factor) * volume_gradient(self.faces, x)
+        out -= self._pressure(factor) * volume_gradient(self.faces, x, self.flux)
 
     def blocks(self, x: Array, factor: float, convex: bool) -> Blocks:
-        return pressure_blocks(self.faces, x, self._pressure(factor), surface_pressure_tangent)
+        rows, columns, swapped = self.faces.node_pairs
+        values = np.empty((rows.shape[0], 3, 3))
+        self.tangent(self.faces.arrays, x, values.reshape(self.faces.nodes.shape[0], -1, 3, 3))
+        values *= self._pressure(factor)
+        values[swapped] = values[swapped].transpose(0, 2, 1)
+        return Blocks(rows, columns, values)
 
     def _pressure(self, factor: float) -> float:
         return self.value * self.scale(factor)
 
 
-def pressure_blocks(
-    faces: Faces, x: Array, pressure: float, tangent: Callable[[FaceArrays, Array, Array], None]
-) -> Blocks:
-    """Second derivative of -p V at positions x (n, 3), p in MPa.
-
-    tangent: a kernel that fills the blocks (f, pair, 3, 3) of the second derivative of -V, the normals of the faces
-    leaving the solid.
-    """
-    rows, columns, swapped = faces.node_pairs
-    values = np.empty((rows.shape[0], 3, 3))
-    tangent(faces.arrays, x, values.reshape(faces.nodes.shape[0], -1, 3, 3))
-    values *= pressure
-    values[swapped] = values[swapped].transpose(0, 2, 1)
-    return Blocks(rows, columns, values)
-
-
-def enclosed_volume(faces: Faces, x: Array) -> float:
-    """Volume enclosed by faces whose normals point into it (mm3), closed by planes through the origin."""
+def enclosed_volume(faces: Faces, x: Array, flux: Flux = surface_pressure) -> float:
+    """Volume behind faces whose normals point into it (mm3), closed by planes through the origin by default."""
     volume = np.empty(faces.nodes.shape[0])
-    surface_pressure(faces.arrays, x, np.zeros_like(x), volume)
+    flux(faces.arrays, x, np.zeros_like(x), volume)
     return -float(volume.sum())
 
 
-def volume_gradient(faces: Faces, x: Array) -> Array:
-    """Derivative (n, 3) of the enclosed volume by the positions x (n, 3), mm2."""
+def volume_gradient(faces: Faces, x: Array, flux: Flux = surface_pressure) -> Array:
+    """Derivative (n, 3) of that volume by the positions x (n, 3), mm2."""
     normals = np.zeros_like(x)
-    surface_pressure(faces.arrays, x, normals, np.empty(faces.nodes.shape[0]))
+    flux(faces.arrays, x, normals, np.empty(faces.nodes.shape[0]))
     # the faces' normals leave the solid, so the cavity's volume falls along them
     return -normals
 
