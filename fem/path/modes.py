@@ -8,6 +8,7 @@ import numpy as np
 from fem.effects.effect import Terms
 from fem.equations.state import State
 from fem.equations.system import System
+from fem.reasons import position_of
 from geometry.arrays import Array
 
 #: largest number of inverse iterations for the eigenvalue nearest to zero, and the change at which they end
@@ -72,5 +73,5 @@ def _random_motion(system: System) -> Array:
 
 def _mode(system: System, stiffness: float, motion: Array) -> Mode:
     motion = motion / np.linalg.norm(motion)
-    x, y, z = system.space.points[int(np.argmax(np.linalg.norm(motion, axis=1)))]
-    return Mode(stiffness, motion, (float(x), float(y), float(z)))
+    most = int(np.argmax(np.linalg.norm(motion, axis=1)))
+    return Mode(stiffness, motion, position_of(system.space.points[most]))

@@ -9,7 +9,7 @@ from fem.kernels.element import VOIGT, green_lagrange
 from fem.materials import LAWS
 from fem.materials.material import Material
 from fem.materials.regions import ByRegion, Laws, Solid
-from fem.reasons import Reasons
+from fem.reasons import Reasons, position_of
 from fem.solution import Extremes
 from geometry import Reason
 from geometry.arrays import Array, Index
@@ -41,8 +41,7 @@ def extremes_of(
     least, largest = principal_stretches(strain[low])[..., 0], principal_stretches(strain[high])[..., 2]
 
     def centre(element: int) -> tuple[float, float, float]:
-        x, y, z = space.points[vertices[element]].mean(axis=0)
-        return float(x), float(y), float(z)
+        return position_of(space.points[vertices[element]].mean(axis=0))
 
     return Extremes(
         min_J=float(jacobian.min()),

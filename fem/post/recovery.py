@@ -20,6 +20,7 @@ from fem.discretisation import Discretisation
 from fem.kernels.recovery import TERMS, Patches, blended, normal_equations
 from fem.materials.regions import Laws, Solid, laws_of
 from fem.post.extremes import strain_at_stress_points
+from fem.reasons import position_of
 from fem.solution import Step
 from geometry.arrays import Array, Index
 
@@ -60,11 +61,10 @@ def stress_error(step: Step, material: Solid) -> StressError:
     if computed.sum() <= (STRESS_FREE * modulus) ** 2 * weight.sum():
         squares = np.zeros_like(squares)
     total = float(squares.sum())
-    x, y, z = space.points[space.vertices[int(np.argmax(squares))]].mean(axis=0)
     return StressError(
         energy=total / float(computed.sum()) if total else 0.0,
         fraction=squares / total if total else squares,
-        worst_at=(float(x), float(y), float(z)),
+        worst_at=position_of(space.points[space.vertices[int(np.argmax(squares))]].mean(axis=0)),
     )
 
 

@@ -63,5 +63,4 @@ def crossing_at_rest(mesh: Mesh) -> tuple[float, float, float] | None:
             crossing = middle
         else:
             apart = middle
-    x, y, z = (float(coordinate) for coordinate in points[triangles[crossing - 1]].mean(axis=0))
-    return x, y, z
+    return position_of(points[triangles[crossing - 1]].mean(axis=0))
