@@ -65,4 +65,4 @@ if len(sys.argv) == 2:
     results = pneurod.read_results(sys.argv[1])
     pressure = sum(results.pressures_kPa) / len(results.pressures_kPa)
     x, y = results.rod(pressure).solve(force=(0.0, 0.05)).end
-    print(f"{results.run.name} at {pressure:g} kPa under 0.05 N: tip at ({x:.2f}, {y:.2f}) mm")
+    print(f"{results.run.design} at {pressure:g} kPa under 0.05 N: tip at ({x:.2f}, {y:.2f}) mm")
