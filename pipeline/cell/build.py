@@ -74,13 +74,13 @@ class _Builder:
         self.failures: list[str] = []
         self.factorizations = dict.fromkeys(("cell", "between", "ends"), 0)
         self.seconds = dict.fromkeys(self.factorizations, 0.0)
-        self.errors: dict[tuple[float, float], float] = {}  #: 1/mm, in the middle between two pressures in kPa
+        #: 1/mm, in the middle between two pressures in kPa; None where it could not be checked
+        self.errors: dict[tuple[float, float], float | None] = {}
         #: by interval of pressures: the errors of those that it is a part of, the largest interval first
         self.errors_above: dict[tuple[float, float], tuple[float, ...]] = {}
         self.not_borne: set[float] = set()  #: kPa, between those of the configuration
         self.bends: dict[float, float] = {}  #: 1/mm, by pressure in kPa
         self.error_between: float | None = None
-        self.unchecked: set[tuple[float, float]] = set()  #: intervals of pressures, kPa, that could not be checked
         self.error_along_clamp = 0.0
         self.unknowns: dict[str, Pending[int]] = {}  #: displacement components by piece
 
@@ -213,10 +213,9 @@ class _Builder:
         allowed = BETWEEN * max(float(np.abs(cell.curve.kappa).max()) for cell in cells)
         while True:
             errors = self._errors_between(cells)
-            checked = [errors[lower, upper] for lower, upper in errors if _interval(lower, upper) not in self.unchecked]
-            self.error_between = max(checked) / allowed * BETWEEN if checked else None
+            self.error_between = max(errors.values()) / allowed * BETWEEN if errors else None
             worst = sorted((pair for pair in errors if errors[pair] > allowed), key=lambda pair: -errors[pair])
-            middles = [middle for lower, upper in worst if (middle := self._divided(lower, upper, allowed))]
+            middles = [middle for pair in worst if (middle := self._divided(pair, errors[pair], allowed))]
             more = sorted(p for p in middles[: MOST_ADDED - len(added)] if p not in self.not_borne)
             if not more:
                 break
@@ -234,43 +233,35 @@ class _Builder:
             )
         return cells
 
-    def _divided(self, lower: Measured[CellCurve], upper: Measured[CellCurve], allowed: float) -> float | None:
-        """The pressure in kPa in the middle of two neighbours; None where dividing their interval does not help."""
-        low, high = lower.curve.pressure, upper.curve.pressure
-        errors = (*self.errors_above.get((low, high), ()), self.errors[low, high])
+    def _divided(self, interval: tuple[float, float], error: float, allowed: float) -> float | None:
+        """The pressure in kPa in the middle of an interval; None where dividing it does not help."""
+        errors = (*self.errors_above.get(interval, ()), error)
         if is_not_reduced(errors, allowed):
             return None
+        low, high = interval
         middle = 0.5 * (low + high)
         self.errors_above[low, middle] = self.errors_above[middle, high] = errors
         return middle
 
-    def _errors_between(
-        self, cells: Sequence[Measured[CellCurve]]
-    ) -> dict[tuple[Measured[CellCurve], Measured[CellCurve]], float]:
-        """Largest error of the curvature in the middle between two neighbours, 1/mm.
+    def _errors_between(self, cells: Sequence[Measured[CellCurve]]) -> dict[tuple[float, float], float]:
+        """Largest error of the curvature in the middle between two neighbours, 1/mm, by their pressures in kPa.
 
-        Zero, and a sentence among the limits, where it cannot be found.
+        Where it cannot be found it is left out, and a sentence is among the limits.
         """
-        neighbours = [(lower, upper, _interval(lower, upper)) for lower, upper in pairwise(cells)]
-        pending = {
-            pair: self.tasks.submit(PieceCurves.between, lower.curve, upper.curve)
-            for lower, upper, pair in neighbours
-            if pair not in self.errors
-        }
-        for pair, task in pending.items():
-            self.errors[pair] = self._error_between(pair, task)
-        return {(lower, upper): self.errors[pair] for lower, upper, pair in neighbours}
-
-    def _error_between(self, pair: tuple[float, float], pending: Pending[Measured[float]]) -> float:
-        try:
-            deviation = pending.result()
-        except (PieceFailed, RodError) as failure:
-            reason = str(failure).rstrip(".")
-            self.limits.append(f"the interpolation at {0.5 * sum(pair):g} kPa could not be checked: {reason}")
-            self.unchecked.add(pair)
-            return 0.0
-        self._count("between", deviation)
-        return deviation.curve
+        neighbours = {(a.curve.pressure, b.curve.pressure): (a.curve, b.curve) for a, b in pairwise(cells)}
+        submit = self.tasks.submit
+        new = {p: submit(PieceCurves.between, *both) for p, both in neighbours.items() if p not in self.errors}
+        for pair, pending in new.items():
+            self.errors[pair] = None
+            try:
+                deviation = pending.result()
+            except (PieceFailed, RodError) as failure:
+                reason = str(failure).rstrip(".")
+                self.limits.append(f"the interpolation at {0.5 * sum(pair):g} kPa could not be checked: {reason}")
+                continue
+            self._count("between", deviation)
+            self.errors[pair] = deviation.curve
+        return {pair: error for pair in neighbours if (error := self.errors[pair]) is not None}
 
     def _ends(self, cells: Sequence[Measured[CellCurve]], half_cells: int) -> tuple[list[ClampCurve], list[TipCurve]]:
         """The clamped end and the tip by rising pressure, up to the last one that is borne."""
@@ -301,11 +292,6 @@ class _Builder:
     def _count(self, part: str, measured: Measured[Any]) -> None:
         self.factorizations[part] += measured.factorizations
         self.seconds[part] += measured.seconds
-
-
-def _interval(lower: Measured[CellCurve], upper: Measured[CellCurve]) -> tuple[float, float]:
-    """The pressures of two cells, kPa."""
-    return lower.curve.pressure, upper.curve.pressure
 
 
 def _error_along(cells: Sequence[Measured[CellCurve]]) -> float:

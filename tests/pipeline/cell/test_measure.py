@@ -196,5 +196,5 @@ def test_an_unstable_equilibrium_of_a_cell_is_no_state_of_the_law() -> None:
     below = cell_without_moment(cell, 0.064)
     assert below.state.negative_pivots == 0
     for pressure in (0.065, 0.066):
-        with pytest.raises(PieceFailed, match=r"is not stable at 6[56] kPa .*\(1 negative pivots\)"):
+        with pytest.raises(PieceFailed, match=r"is not stable at 6[56] kPa .* its tangent is indefinite"):
             cell_without_moment(cell, pressure)
