@@ -45,7 +45,7 @@ def check_parameters(content: Mapping[str, Any]) -> None:
     _check_deviations(content, sizes)
     positive(content["solid_volume_mm3"], "solid_volume_mm3")
     check_table(content["kappa_0"], _PROFILE, "kappa_0", sizes)
-    if "cell_averaged_per_mm" in content["kappa_0"]:
+    if content["kappa_0"].get("cell_averaged_per_mm"):
         check_table(content["kappa_0"], _AVERAGED, "kappa_0", {"n": sizes["n"]})
     reach = float(content["kappa_0"]["s_mm"][-1])
     if abs(reach - length) > 1e-6 * length:
@@ -65,7 +65,8 @@ def _check_moment_range(content: Mapping[str, Any], name: str, sizes: Mapping[st
 def _check_deviations(content: Mapping[str, Any], sizes: Mapping[str, int]) -> None:
     """Standard deviations may be null, or not be there."""
     for key in (f"{column}_std" for column in PARAMETER_COLUMNS.values()):
-        if None not in content.get(key, [None]):
+        column = content.get(key) or ()
+        if column and None not in column:
             check_table(content, {key: ("n",)}, sizes=sizes)
-        elif key in content and len(content[key]) != sizes["n"]:
-            raise RodError(f"{key} must be {sizes['n']} numbers, and has {len(content[key])}.")
+        elif column and len(column) != sizes["n"]:
+            raise RodError(f"{key} must be {sizes['n']} numbers, and has {len(column)}.")

@@ -110,7 +110,7 @@ def test_parameters(tmp_path: Path, path: tuple[str | int, ...], value: Any, sen
     assert sentence in refusal(tmp_path / "parameters.json", content)
     with pytest.raises(pneurod.InputError, match=r"parameters\.json: ") as refused:
         pneurod.read_results(tmp_path)
-    assert sentence.removesuffix(".") in str(refused.value)
+    assert str(path[0]) in str(refused.value)
 
 
 @pytest.mark.parametrize(
