@@ -94,6 +94,12 @@ class MeshErrors:
         """The largest of those that are known."""
         return _largest([self.kappa_0, self.rigidity, self.force])
 
+    @property
+    def worst(self) -> tuple[str, float]:
+        """The quantity with the largest error in words, and the error."""
+        errors = {"curvature without load": self.kappa_0, "bending rigidity": self.rigidity, "moment": self.force}
+        return max(((name, error or 0.0) for name, error in errors.items()), key=lambda pair: pair[1])
+
 
 def mesh_errors(run: Run, rod: str) -> MeshErrors:
     """The errors of the mesh in the numbers of a rod, at the worst pressure."""

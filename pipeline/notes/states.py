@@ -68,7 +68,7 @@ def _beyond_law(solved: Solved) -> Iterator[Reason]:
 def _law_for(smallest: float, largest: float) -> str:
     """A law that describes rubber up to these stretches, and how its constants are found."""
     laws = [law for law, (low, high) in HOLDS.items() if low <= smallest and largest <= high]
-    return f"{' or '.join([*laws[:1], 'a law'])} fitted with pneurod material"
+    return f"{laws[0]} or one fitted with pneurod material" if laws else "one fitted with pneurod material"
 
 
 def _range_of(material: Material) -> dict[str, float]:

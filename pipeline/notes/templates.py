@@ -35,7 +35,7 @@ TEMPLATES: Mapping[str, str] = {
     "accuracy_unknown": "accuracy not estimated, because {why}; the mesh has {formulation} elements of {size_mm:.3g} "
     "mm, which mesh.size changes",
     "accuracy_ends_early": "mixed elements of law svk end early in the corner at the clamp; give lower pressures, law "
-    "hencky, or no accuracy",
+    "hencky, or leave accuracy out",
     # a meshed body
     "flat_element": "the flattest element has a radius ratio of {radius_ratio:.2g} near {at} (a regular one has 1); "
     "mend the body there or change mesh.size",
@@ -48,14 +48,14 @@ TEMPLATES: Mapping[str, str] = {
     "mirrored_cavity": "the cavity {cavities} does not touch z = 0, so its mirror image is added; set "
     "geometry.symmetric: false if the file is the whole arm",
     "partial_clamp": "the face clamp leaves {free_mm2:.3g} of {plane_mm2:.3g} mm2 in its plane free, near {at}; if "
-    "all is held, name all of it clamp",
+    "the whole plane is held, add the rest to clamp",
     "part_has_walls": "the solid geometry.parts.{part} ({volume_mm3:.4g} mm3) has {percent:.0f} % of the cavity walls, "
     "`material` {percent_of_material:.0f} %; if that is wrong, choose a point in another solid",
     "not_along_x": "the body is {length_mm:.3g} mm along x and {longest_mm:.3g} mm along {axis}; if {axis} is its "
     "length, give geometry.axes: {axes}",
     # states
     "beyond_law": "stretches in {part} go from {smallest:.2f} to {largest:.2f} ({pressure_kPa:g} kPa), but law {law} "
-    "holds from {holds_from:.2f} to {holds_to:.2f}; take {instead}",
+    "holds from {holds_from:.2f} to {holds_to:.2f}; set material.law: {instead}",
     "out_of_plane": "the arm leaves its plane by {distance_mm:.3g} mm, {percent:.3g} % of its length ({experiment}, "
     "{pressure_kPa:g} kPa); do not use these planar rods",
     "volume_lost": "the material loses {percent:.0f} % of its volume at {at} ({experiment}, {pressure_kPa:g} kPa); "
@@ -72,12 +72,12 @@ TEMPLATES: Mapping[str, str] = {
     "arm's own law",
     "one_line_or_two": "at {pressures_kPa:g} kPa one line (α₂ {single_N_mm2:.3g} N mm²) or two ({two_N_mm2:.3g}) are "
     "nearly as good; add pressures or use the arm's own law",
-    "approximate_contact": "sliding contact is approximate: the end is wrong by {end_mm:.2g} mm and {end_N:.2g} N "
+    "approximate_contact": "sliding contact changes the end by about {end_mm:.2g} mm and {end_N:.2g} N "
     "({experiment}, {pressure_kPa:g} kPa); compare with a smaller mesh.size",
     "contact_not_compared": "sliding contact in {states} is approximate by an unknown amount; compare with a smaller "
     "mesh.size",
-    "path_dependent_contact": "walls fold, and the state found ({experiment}, {pressure_kPa:g} kPa) depends by "
-    "{percent:.2g} % on the load steps; add pressures below it",
+    "path_dependent_contact": "walls fold, and results ({experiment}, {pressure_kPa:g} kPa) change by {percent:.2g} % "
+    "with the load steps; add pressures below it",
     "folded_contact_open": "walls fold, and the state found ({experiment}, {pressure_kPa:g} kPa) may depend on the "
     "load steps; add pressures below it",
     "solved_below_limit": "II and III reach no given pressure and were solved at {reached_kPa:g} kPa; give pressures "
@@ -91,17 +91,17 @@ TEMPLATES: Mapping[str, str] = {
     "{end_kPa:.4g} kPa; give lower pressures",
     "not_identified": "no five parameters at {pressure_kPa:g} kPa: {why}",
     "pressure_not_added": "no pressure was added at {pressure_kPa:g} kPa: {why}",
-    "no_arm_law": "no law of the arm: {why}; take five parameters with law: five",
+    "no_arm_law": "no law of the arm: {why}; set law: five to take five parameters",
     "law_incomplete": "the arm's own law is incomplete: {why}",
     # the rods
     "no_rod_is_near": "do not use a rod of this run, because the nearest one is {percent:.2g} % of the length off the "
     "finite elements",
     "mesh_too_coarse": "do not use a rod of this run, because the mesh makes an error of about {percent:.2g} % in its "
-    "numbers",
-    "mesh_error_unknown": "the error of the mesh is not known; --set mesh.coarser=1.5 or a run with another mesh.size "
-    "shows it",
-    "offsets_bend": "under small loads this rod is off, because its offsets m₀₁ and m₀₂ bend it as soon as any load "
-    "acts",
+    "{quantity}",
+    "mesh_error_unknown": "the error of the mesh is not known; repeat the run with --set mesh.coarser=1.5 to estimate "
+    "it",
+    "offsets_bend": "under small loads the rod with five parameters is off, because its offsets m₀₁ and m₀₂ bend it "
+    "under any load",
 }
 #: why there are no five parameters
 NO_PARAMETERS = ("too_short", "nodes_too_far_apart", "not_identified")

@@ -85,7 +85,7 @@ class Verdict:
         if self.shape_error is None:
             return "No rod was compared with the finite elements."
         force = "" if self.force_error is None else f", force within {percent(self.force_error)}"
-        mesh = "rod and mesh together" if self.mesh.largest is not None else "without the error of the mesh"
+        mesh = "errors of rod and mesh added" if self.mesh.largest is not None else "the error of the mesh not included"
         return (
             f"Take the rod with {TITLES[self.rod]}: shape within {percent(self.shape_error)} of the length{force}, "
             f"{mesh}."
@@ -165,7 +165,8 @@ def _refusal(run: Run, errors: tuple[RodErrors, ...], mesh: MeshErrors) -> Repor
     if errors[0].shape > POOR:
         return report_reason(Reason("no_rod_is_near", {"percent": 100.0 * errors[0].shape}))
     if (mesh.largest or 0.0) > LARGE_MESH_ERROR:
-        return report_reason(Reason("mesh_too_coarse", {"percent": 100.0 * (mesh.largest or 0.0)}))
+        quantity, error = mesh.worst
+        return report_reason(Reason("mesh_too_coarse", {"percent": 100.0 * error, "quantity": quantity}))
     return None
 
 
@@ -213,7 +214,8 @@ def _instead(run: Run, mesh: MeshErrors) -> str:
     if (mesh.largest or 0.0) > LARGE_MESH_ERROR:
         if run.mesh.get("from_file") or not size:
             return "Next: run the body with a finer mesh."
-        return f"Next: run it with smaller elements: --set mesh.size='{FINER * size:.2g} mm' and another --out."
+        finer = f"--set mesh.size='{FINER * size:.2g} mm'"
+        return f"Next: mesh.size was {size:g} mm; repeat the run with {finer} and another --out."
     if run.failures:
         return "Next: give lower pressures, or change walls or material, in another --out."
     return ""

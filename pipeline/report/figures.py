@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -12,6 +13,11 @@ from pipeline.results.values import Curve, RodError, Run, bending_deg
 from pipeline.store.formats import ARM_LAW, CURVE_PREFIXES, EXTENSIBLE, FIVE
 
 FINITE_ELEMENTS = "finite elements"
+EXPERIMENTS = {
+    "I": "Experiment I: free under pressure",
+    "II": "Experiment II: clamped, under pressure",
+    "III": "Experiment III: clamped, with the end displaced",
+}
 #: lengths of a cell at each end of an arm within which averages over a cell are not those of inner cells
 END_CELLS = 1.5
 
@@ -253,3 +259,17 @@ def _estimated(curve: Curve) -> Array:
         inside[: changes[0]] = False
         inside[changes[-1] + 2 :] = False
     return inside
+
+
+def make_figures(run: Run) -> dict[str, Any]:
+    """All figures of the report by the name that the template gives them; empty texts for those without data."""
+    experiments = {title: of_experiment(run, name) for name, title in EXPERIMENTS.items()}
+    return {
+        "bending": bending_angle(run),
+        "experiments": {title: drawn for title, drawn in experiments.items() if drawn},
+        "moments": moments(run),
+        "rigidities": rigidities(run),
+        "validation": validation_shapes(run),
+        "forces": end_forces(run),
+        "arm_law": arm_law(run),
+    }

@@ -3,7 +3,6 @@
 import base64
 import json
 from pathlib import Path
-from typing import Any
 
 import jinja2
 
@@ -14,15 +13,9 @@ from pipeline.report import figures, tables
 from pipeline.report.body_view import body_view, experiments_of
 from pipeline.results.files import read_results
 from pipeline.results.values import Run
-from pipeline.store.formats import EXTENSIBLE
 
 #: what the page is made of
 TEMPLATES = Path(__file__).parent / "templates"
-_EXPERIMENTS = {
-    "I": "Experiment I: free under pressure",
-    "II": "Experiment II: clamped, under pressure",
-    "III": "Experiment III: clamped, with the end displaced",
-}
 #: colours of a field on the body, from its smallest to its largest value
 _RAMP = ("#440154", "#472d7b", "#3b528b", "#2c728e", "#21918c", "#28ae80", "#5ec962", "#addc30", "#fde725")
 
@@ -44,8 +37,8 @@ def render_page(run: Run, verdict: Verdict) -> str:
         verdict=verdict,
         bent=_picture(run, _bent_body(run)),
         body=_picture(run, "body_open") or _picture(run, "body"),
-        figures=_figures(run),
-        tables=_tables(run),
+        figures=figures.make_figures(run),
+        tables=tables.make_tables(run),
         view=view,
         view_experiments=experiments_of(view),
         ramp=[[int(colour[k : k + 2], 16) / 255 for k in (1, 3, 5)] for colour in _RAMP],
@@ -65,29 +58,3 @@ def _picture(run: Run, name: str) -> str:
     """A picture as PNG in base64; empty where there is none."""
     path = run.picture(name)
     return base64.b64encode(path.read_bytes()).decode() if path else ""
-
-
-def _figures(run: Run) -> dict[str, Any]:
-    experiments = {title: figures.of_experiment(run, name) for name, title in _EXPERIMENTS.items()}
-    return {
-        "bending": figures.bending_angle(run),
-        "experiments": {title: drawn for title, drawn in experiments.items() if drawn},
-        "moments": figures.moments(run),
-        "rigidities": figures.rigidities(run),
-        "validation": figures.validation_shapes(run),
-        "forces": figures.end_forces(run),
-        "arm_law": figures.arm_law(run),
-    }
-
-
-def _tables(run: Run) -> dict[str, tables.Table | None]:
-    return {
-        "five": tables.five_parameters(run),
-        "extensible": tables.five_parameters(run, EXTENSIBLE),
-        "rods": tables.rods(run),
-        "loads": tables.loads(run),
-        "states": tables.states(run),
-        "effects": tables.effects(run),
-        "design": tables.design(run),
-        "cost": tables.cost(run),
-    }

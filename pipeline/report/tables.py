@@ -21,17 +21,16 @@ NUMBERS = (
 )
 #: columns of the table of states: field of `State`, title
 _STATES = (
-    *(
-        ("experiment", "experiment"),
-        ("pressure_kPa", "p (kPa)"),
-        ("end_x_mm", "end x (mm)"),
-        ("end_y_mm", "end y (mm)"),
-    ),
-    *(("reaction_N", "reaction (N)"), ("stretch_of_curve", "stretch of curve"), ("min_stretch", "smallest stretch")),
-    *(("max_stretch", "largest stretch"), ("min_J", "smallest J"), ("min_gap_mm", "smallest gap (mm)")),
+    ("experiment", "experiment"),
+    ("pressure_kPa", "p (kPa)"),
+    *(("end_x_mm", "end x (mm)"), ("end_y_mm", "end y (mm)"), ("reaction_N", "reaction x, y (N)")),
+    *(("stretch_of_curve", "length of curve / at rest"), ("min_stretch", "smallest stretch")),
+    *(("max_stretch", "largest stretch"), ("min_J", "smallest volume ratio J"), ("min_gap_mm", "smallest gap (mm)")),
     *(("newton_iterations", "Newton iterations"), ("factorizations", "factorizations"), ("seconds", "seconds")),
     *(("status", "status"), ("reason", "remark")),
 )
+#: errors of a rod under one load
+_ERRORS = ("distance / length", "error of end angle (°)", "error of force", "error of curvature")
 
 
 @dataclass(frozen=True)
@@ -68,8 +67,8 @@ def five_parameters(run: Run, rod: str = FIVE) -> Table | None:
     return Table(
         ("p (kPa)", *(f"{symbol} ({unit})" for _, symbol, unit in keys)),
         rows,
-        f"The paper's five parameters. ± is one standard deviation, {included} the error of the mesh. The 95 % "
-        "interval stands below.",
+        "The paper's five parameters: α₁ and m₀₁ near the clamp (s < d), α₂ and m₀₂ beyond. ± is one standard "
+        f"deviation, {included} the error of the mesh. The second line is the 95 % interval.",
     )
 
 
@@ -106,8 +105,8 @@ def rods(run: Run) -> Table | None:
             )
         )
     heads = (
-        *("rod", "loads fitted", "shape / l", "force", "other loads", "shape / l", "force", "without solution"),
-        *("mesh error of κ₀", "of the rigidity", "of the moment"),
+        *("rod", "fitted loads", "distance / length", "force error", "other loads", "distance / length", "force error"),
+        *("loads without solution", "mesh error of κ₀", "mesh error of rigidity", "mesh error of moment"),
     )
     return Table(heads, tuple(rows)) if rows else None
 
@@ -116,14 +115,14 @@ def loads(run: Run) -> Table | None:
     """Every load, pressure and rod; None where nothing was compared."""
     rows = tuple(
         (
-            *(row.location, TITLES[row.rod], "fitted" if row.sample == "in" else "not fitted"),
+            *(row.location, TITLES[row.rod], "yes" if row.sample == "in" else "no"),
             percent(row.distance_over_length),
             number(None if row.end_angle_error_rad is None else math.degrees(row.end_angle_error_rad)),
             *(percent(row.force_error), percent(row.curvature_error), row.reason or row.warning),
         )
         for row in sorted(run.rod_errors, key=lambda row: (row.load, row.experiment, row.pressure_kPa))
     )
-    heads = ("load", "rod", "to this load", "shape / l", "end angle (°)", "force", "curvature", "remark")
+    heads = ("load", "rod", "fitted to it", *_ERRORS, "remark")
     return Table(heads, rows) if rows else None
 
 
@@ -171,3 +170,17 @@ def _cell(value: Any) -> str:
     if isinstance(value, Sequence) and not isinstance(value, str):
         return ", ".join(_cell(item) for item in value)
     return number(value) if isinstance(value, float) else str(value)
+
+
+def make_tables(run: Run) -> dict[str, Table | None]:
+    """All tables of the report by the name that the template gives them; None for those without data."""
+    return {
+        "five": five_parameters(run),
+        "extensible": five_parameters(run, EXTENSIBLE),
+        "rods": rods(run),
+        "loads": loads(run),
+        "states": states(run),
+        "effects": effects(run),
+        "design": design(run),
+        "cost": cost(run),
+    }

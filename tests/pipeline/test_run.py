@@ -230,7 +230,8 @@ def test_the_same_command_goes_on_from_what_is_finished(config_file: Path, resul
     for name, difference in (("II_8kPa", 0.081), ("II_16kPa", np.inf)):  # as if contact depended on the load increments
         state = tmp_path / "states" / f"{name}.npz"
         with np.load(state, allow_pickle=False) as stored:
-            arrays = {**stored, "path_dependence": np.array(difference)}
+            others = json.loads(str(stored["others"])) | {"path_dependence": difference}
+            arrays = {**stored, "others": np.array(json.dumps(others))}
         np.savez(state, **arrays)
     report = run(load_config(config_file), tmp_path, 2, False, Silent())
     assert [reason.code for reason in report.remarks if reason.code == "folded_contact_open"]

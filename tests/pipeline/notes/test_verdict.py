@@ -113,7 +113,7 @@ def test_an_unknown_error_of_the_mesh_is_said(run: Run) -> None:
     assert unknown.usable
     assert unknown.shape_error == unknown.errors[0].shape
     assert "mesh_error_unknown" in {warning.code for warning in unknown.warnings}
-    assert "without the error of the mesh" in unknown.lines[1]
+    assert "the error of the mesh not included" in unknown.lines[1]
 
 
 def test_failures_are_named(run: Run) -> None:

@@ -141,7 +141,7 @@ def refusal(path: Path, *overrides: str) -> str:
     ("override", "sentence"),
     [
         ("geometry.file=none.step", "--set geometry.file: .*none.step does not exist"),
-        ("geometry.file=finger.yaml", "--set geometry.file: finger.yaml is not a CAD file that can be read"),
+        ("geometry.file=finger.yaml", "--set geometry.file: finger.yaml cannot be read; it may end with .step"),
         ("geometry.tip=90 mm", "--set geometry.tip: x = 90 mm lies outside the body, which reaches from 0 to 80 mm"),
         ("geometry.air.cavity=[40 mm, 1 mm, 0 mm]", "--set geometry.air.cavity: the point .* lies in the material"),
         ("geometry.air.cavity=[40 mm, 1 mm]", "--set geometry.air.cavity: has 2 entries instead of 3"),
