@@ -4,6 +4,7 @@ pydantic checks what is read: a file that was edited by hand is refused with the
 """
 
 import json
+import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -15,7 +16,7 @@ from pipeline.errors import InputError
 from pipeline.results.parameters import RodParameters
 from pipeline.results.values import Curve, Effect, Law, Reported, RodError, Run, State
 from pipeline.store.formats import FORMAT
-from pipeline.store.result_folder import ResultFolder
+from pipeline.store.result_folder import ResultFolder, json_text
 
 #: file -> the type of its content
 TYPES: dict[str, Any] = {
@@ -141,3 +142,7 @@ def _curve(key: Any, rows: Any) -> Curve:
 
 def _unreadable(path: Path, reason: str) -> InputError:
     return InputError(f"{path}: is not a result file of a run: {reason}; repeat the run or restore the file")
+
+
+if __name__ == "__main__":
+    sys.stdout.write(json_text(json_schema()))
