@@ -30,7 +30,7 @@ def percent(value: float | None) -> str:
     if value is None:
         return "-"
     if 0.0 < abs(100.0 * value) < LEAST_PERCENT:
-        return f"less than {LEAST_PERCENT:g} %"
+        return f"<{LEAST_PERCENT:g} %"
     return f"{number(float(f'{100 * value:.2g}'))} %"
 
 

@@ -115,7 +115,7 @@ def loads(run: Run) -> Table | None:
     """Every load, pressure and rod; None where nothing was compared."""
     rows = tuple(
         (
-            *(row.location, TITLES[row.rod], "yes" if row.sample == "in" else "no"),
+            *(row.location, row.rod, "yes" if row.sample == "in" else "no"),
             percent(row.distance_over_length),
             number(None if row.end_angle_error_rad is None else math.degrees(row.end_angle_error_rad)),
             *(percent(row.force_error), percent(row.curvature_error), row.reason or row.warning),
