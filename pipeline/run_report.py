@@ -6,7 +6,6 @@ from math import isfinite
 from pathlib import Path
 
 from geometry import Reason
-from pipeline.accuracy.plan import Estimate, Plan
 from pipeline.cell.of_run import LawOfRun
 from pipeline.config.config import Config
 from pipeline.errors import RunFailed
@@ -21,19 +20,6 @@ from pipeline.validation.compare import Comparison
 
 
 @dataclass(frozen=True)
-class ReviewedPlan:
-    """The discretisation chosen for a requested accuracy, and the error estimated after the run."""
-
-    plan: Plan
-    review: Estimate | None  #: None where no state was reached
-
-    @property
-    def sentence(self) -> str:
-        """What was requested, chosen and is estimated to remain."""
-        return self.plan.sentence(self.review)
-
-
-@dataclass(frozen=True)
 class RunReport:
     """The results of a run as far as it went; the same numbers stand in the files of `directory`."""
 
@@ -44,7 +30,7 @@ class RunReport:
     comparisons: tuple[Comparison, ...]  #: rod against finite elements, loads of the identification first
     arm: LawOfRun  #: the arm's own law
     effects: tuple[Effect, ...]
-    accuracy: ReviewedPlan | None  #: None where no accuracy was requested
+    accuracy: JsonObject | None  #: the key `accuracy` of run.json; None where no accuracy was requested
     mesh: JsonObject  #: the key `mesh` of run.json
     seconds: Mapping[str, float]  #: wall time by stage
     failures: tuple[Reason, ...]  #: one for everything that was not reached; empty where all was
@@ -79,7 +65,7 @@ class RunReport:
             "degrees_of_freedom": {outcome.name: outcome.degrees_of_freedom for outcome in self.outcomes},
             "solver": sorted({outcome.solver for outcome in self.outcomes}),
             **({"indicator": indicator.record()} if indicator else {}),
-            **({"accuracy": self.accuracy.plan.record(self.accuracy.review)} if self.accuracy else {}),
+            **({"accuracy": self.accuracy} if self.accuracy else {}),
             "failures": [*map(record_reason, self.failures)],
             **({"end_kPa": end} if isfinite(end := self.outcomes.lowest_end_kPa()) else {}),
             "remarks": [*map(record_reason, self.remarks)],

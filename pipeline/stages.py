@@ -24,7 +24,7 @@ from pipeline.parallel import Pending
 from pipeline.progress import Progress
 from pipeline.report.saved import save_report
 from pipeline.results.files import save_value
-from pipeline.run_report import ReviewedPlan, RunReport
+from pipeline.run_report import RunReport
 from pipeline.simulation.below_limit import complete_experiments, highest_of_use
 from pipeline.simulation.effects_record import effect_states
 from pipeline.simulation.kernels import begin_loading
@@ -211,7 +211,7 @@ def report(
             comparisons=(*comparisons, *validated.comparisons),
             arm=arm,
             effects=effects,
-            accuracy=ReviewedPlan(plan, reviewed) if plan else None,
+            accuracy=plan.record(reviewed) if plan else None,
             mesh=mesh_record(scene),
             seconds=dict(state.stages.seconds),
             failures=_failures(state.config, identified, arm, validated),
