@@ -13,6 +13,7 @@ from pipeline.cli import app
 from pipeline.rods.saved import SavedRod
 from pipeline.store.formats import FORMAT
 from rod import FiveParameters, Rod, law_record
+from tests.coarse import copy_with
 from tests.rod.arm_law.test_arm_law import law_of, straight_law
 
 LENGTH = 112.0
@@ -436,3 +437,15 @@ def test_options_of_the_five_parameters_and_missing_parts_are_named_for_a_law(re
     file.write_text(json.dumps({key: value for key, value in record.items() if key != "curves"}))
     status, _, sentence = call(*command)
     assert (status, "The law of an arm lacks the key 'curves'" in sentence) == (2, True)
+
+
+def test_a_law_with_a_range_of_stretches_is_exported(tmp_path: Path) -> None:
+    """`holds_between`, which `pneurod material` prints with a law, is no constant of it."""
+
+    def with_range(content: dict[str, dict[str, object]]) -> None:
+        content["material"]["holds_between"] = [0.8, 1.4]
+
+    folder = copy_with(tmp_path / "arm", "parameters.json", with_range)
+    code, _, message = call("export", str(folder), "--to", "pyelastica", "--law", "five")
+    assert (code, message) == (0, "")
+    assert list(folder.glob("rod_pyelastica_*.py"))
