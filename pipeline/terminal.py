@@ -1,10 +1,9 @@
 """Tables on the terminal: body, verdict of a run, study of effects, material laws, law of a cell, convergence study."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 from rich.table import Table
-from rich.text import Text
 
 from geometry import Body
 from pipeline.accuracy.study import ConvergenceStudy
@@ -61,14 +60,6 @@ def text_table(of: TextTable) -> Table:
         column.justify = "right"
     for row in of.rows:
         table.add_row(*row)
-    return table
-
-
-def spent_table(seconds: Mapping[str, float]) -> Table:
-    """The wall time of every stage of a run."""
-    table = Table.grid(padding=(0, 2))
-    for stage, spent in seconds.items():
-        table.add_row(stage, Text(f"{spent:.1f} s", justify="right"))
     return table
 
 

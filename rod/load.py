@@ -34,11 +34,6 @@ class Load:
         return Load(weight=self.weight, weight_height=self.weight_height)
 
     @property
-    def without_weight(self) -> "Load":
-        """Force and couple on the end."""
-        return Load(self.force, self.couple)
-
-    @property
     def force_size(self) -> float:
         """N, |F|."""
         return math.hypot(*self.force)

@@ -10,6 +10,7 @@ from pipeline.context import RunContext
 from pipeline.errors import InputError, RunFailed
 from pipeline.identification.richardson import extrapolate
 from pipeline.pressure import in_MPa
+from pipeline.results.values import SMALLEST_TURN
 from pipeline.store.json_values import JsonObject
 
 #: size of a mesh over that of the next finer one
@@ -18,8 +19,6 @@ RATIO = 1.4
 MESHES = 3
 #: displacement components of a cell beyond which no finer one is tried
 MOST_UNKNOWNS = 60_000
-#: the error of kappa_0 is taken over kappa_0, or over the curvature that turns the arm by this angle in rad, if larger
-SMALLEST_TURN = 0.1
 
 
 @dataclass(frozen=True)

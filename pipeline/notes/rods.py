@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from geometry.arrays import Array
-from pipeline.results.values import Column, Curve, RodError, Run
+from pipeline.results.values import SMALLEST_TURN, Column, Curve, RodError, Run
 from pipeline.store.formats import ARM_LAW, EXTENSIBLE, FIVE
 
 #: the rods in words
@@ -18,8 +18,6 @@ TITLES = {
 }
 #: distance over the length beyond which no rod is recommended
 POOR = 0.10
-#: rad: an error of the curvature is relative to the curvature that turns the arm by at least this angle
-SMALLEST_TURN = 0.1
 
 
 @dataclass(frozen=True)

@@ -14,10 +14,14 @@ import numpy as np
 
 from geometry.arrays import Array
 from pipeline.results.parameters import Column, Numbers, RodParameters
-from pipeline.store.formats import ARM_LAW, CONVERGED, FIVE
+from pipeline.store.formats import CONVERGED, FIVE
 
 Pair = tuple[float, float]
 Position = tuple[float, float, float]
+
+
+#: rad: an error of the curvature is relative to the curvature that turns the arm by at least this angle
+SMALLEST_TURN = 0.1
 
 
 @dataclass(frozen=True)
@@ -288,12 +292,3 @@ class Run:
         """The picture of this name without suffix (body, body_open, II_17kPa); None where there is none."""
         path = self.directory / "pictures" / f"{name}.png"
         return path if path.is_file() else None
-
-    @property
-    def highest_of_law_kPa(self) -> float | None:
-        """The highest pressure of the arm's own law."""
-        return self.law.pressures_kPa[-1] if self.law else None
-
-    def has_rod(self, rod: str) -> bool:
-        """Whether the folder has the file that this rod is read from."""
-        return self.law is not None if rod == ARM_LAW else bool(self.identified_kPa)
