@@ -10,6 +10,7 @@ from pipeline.notes import render, render_all
 from pipeline.simulation.outcome import Outcomes
 from pipeline.simulation.scene import Scene
 from pipeline.simulation.simulate import simulate
+from rod.same_pressure import is_among
 
 #: one variant at one pressure, as in effects_table.json
 EffectRow = Mapping[str, Any]
@@ -49,7 +50,7 @@ def variant_rows(scene: Scene, outcomes: Outcomes) -> list[dict[str, Any]]:
     without = [pressure for pressure in outcomes.reached_kPa if pressure not in identified]
     reasons = dict(zip(without, map(render, refused), strict=True))
     for pressure in config.pressures_kPa:
-        if pressure not in outcomes.reached_kPa:
+        if not is_among(outcomes.reached_kPa, pressure):
             stopped = (outcome.why_stopped() for outcome in outcomes if outcome.at(pressure) is None)
             reasons[pressure] = render_all(filter(None, stopped))
     cost = {

@@ -19,6 +19,7 @@ from fem.path.active_set import ActiveSet
 from pipeline.config.config import Config
 from pipeline.context import RunContext
 from pipeline.errors import InputError, RunFailed
+from pipeline.pressure import in_MPa
 from pipeline.progress import Silent
 from pipeline.simulation.loadcase import LoadCase, has_height_alone, schedule
 from pipeline.simulation.outcome import Record
@@ -118,7 +119,7 @@ def _steps_and_work(config: Config, state: Record, folder: Path) -> tuple[float,
         curve, of_run = experiment.centreline(steps[-1]), state.centreline
         distance = np.hypot(curve.x - of_run.x, curve.y - of_run.y)
         differences.append(float(distance.max()) / config.design.length)
-        work = work_difference(model, steps, top / 1000.0, scene.body.cavities[0])
+        work = work_difference(model, steps, in_MPa(top), scene.body.cavities[0])
         if work <= ALLOWED["work"]:
             break
     return max(differences), work if state.experiment == "II" or has_rest_height_alone else None
@@ -133,7 +134,7 @@ def followed(
     scene: Scene, experiment: fem.Experiment, factors: Sequence[float]
 ) -> tuple[fem.Model, Sequence[fem.Step]]:
     """An experiment at load factors, without a run's knowledge of limits. Raises `fem.NotConverged`."""
-    effects = scene.effects(scene.config.pressures_kPa[-1] / 1000.0)
+    effects = scene.effects(in_MPa(scene.config.pressures_kPa[-1]))
     model = experiment.model(scene.material, effects, scene.config.mesh.formulation)
     return model, fem.follow(model, factors).steps
 

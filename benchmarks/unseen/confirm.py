@@ -15,6 +15,7 @@ from pathlib import Path
 import fem
 from pipeline.config.config import Config, Material
 from pipeline.context import RunContext
+from pipeline.pressure import in_MPa
 from pipeline.progress import Silent
 from pipeline.simulation.failure import Failure
 from pipeline.simulation.loadcase import LoadCase, schedule
@@ -81,7 +82,7 @@ def by_prescribed_volume(config: Config, outcome: Outcome, limit_kPa: float) -> 
     reference = config.pressures_kPa[-1]
     at_end = config.end
     experiment = fem.Experiment.of(outcome.name, scene.body, at_end.y_mm, at_end.force_N, at_end.x_mm)
-    model = experiment.model(scene.material, scene.effects(reference / 1000.0), config.mesh.formulation)
+    model = experiment.model(scene.material, scene.effects(in_MPa(reference)), config.mesh.formulation)
     cavity = scene.body.cavities[0]
     # a state shortly before the limit, on the way of the run
     begin = 0.9 * limit_kPa / reference

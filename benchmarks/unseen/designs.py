@@ -16,6 +16,7 @@ from scipy.stats import qmc
 
 from fem.materials import LAWS
 from geometry import FAMILIES
+from pipeline.pressure import in_kPa
 
 #: what is drawn: the columns of the hypercube
 COLUMNS = (
@@ -103,7 +104,7 @@ def _drawn(seed: int, number: int, u: Mapping[str, float]) -> Drawn:
     design = FAMILIES[family](**dimensions)
     air = sum(design.cavity_volumes.values()) if family != "bisected_circle" else design.cavity_volumes["cavity"]
     load = _logarithmic(LOAD, u["load"])
-    high = three_digits(1000.0 * load * E * design.solid_volume / air)
+    high = three_digits(in_kPa(load * E * design.solid_volume / air))
     document = {
         "name": f"unseen_{seed}_{number:02d}",
         "geometry": {"family": family}
@@ -141,7 +142,7 @@ def _constants(law: str, E: float, nu: float) -> dict[str, Any]:
     kappa."""
     mu = E / (2.0 * (1.0 + nu))
     if law == "ogden":
-        moduli = [f"{three_digits(2000.0 * mu * part / alpha):g} kPa" for alpha, part in OGDEN]
+        moduli = [f"{three_digits(in_kPa(2.0 * mu * part / alpha)):g} kPa" for alpha, part in OGDEN]
         return {"mu": moduli, "alpha": [alpha for alpha, _ in OGDEN], "nu": nu}
     tensile: dict[str, dict[str, float]] = {
         "svk": {"E": E},
@@ -150,7 +151,7 @@ def _constants(law: str, E: float, nu: float) -> dict[str, Any]:
         "mooney_rivlin": {"c10": mu / 2.0 / (1.0 + MOONEY), "c01": MOONEY * mu / 2.0 / (1.0 + MOONEY)},
         "yeoh": {"c10": mu / 2.0, "c20": YEOH[0] * mu / 2.0, "c30": YEOH[1] * mu / 2.0},
     }
-    return {name: f"{three_digits(1000.0 * value):g} kPa" for name, value in tensile[law].items()} | {"nu": nu}
+    return {name: f"{three_digits(in_kPa(value)):g} kPa" for name, value in tensile[law].items()} | {"nu": nu}
 
 
 def _cells(u: Mapping[str, float]) -> int:

@@ -18,6 +18,7 @@ from pipeline.errors import InputError
 from pipeline.identification.parameters import Parameters
 from pipeline.simulation.outcome import Indicator, Outcomes
 from pipeline.store.json_values import JsonObject
+from rod.same_pressure import is_same
 
 #: angle (rad) by which an arm turns at the pressure of the pilots, below which errors are larger than estimated: of an
 #: arm that turned by 0.003 rad, estimated at 7.8 %, kappa_0 still changed by more than 5 % on the next finer meshes
@@ -220,7 +221,7 @@ def review(
     models += [
         MeshErrorModel.fit(*plan.sizes.pilots, numbers_of(at_pressure))
         for at_pressure in parameters
-        if at_pressure.pressure_kPa == plan.pilots_kPa
+        if is_same(at_pressure.pressure_kPa, plan.pilots_kPa)
     ]
     estimates = [model.with_indicator(indicator.stress_error) for model in models]
     return Estimate(

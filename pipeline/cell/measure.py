@@ -14,7 +14,7 @@ from fem.path.predictor import extrapolate
 from geometry.arrays import Array
 from pipeline.cell.point import PiecePoint, stable, without_moment
 from pipeline.cell.reach import Range, Reach
-from pipeline.pressure import in_MPa
+from pipeline.pressure import KPA_PER_MPA, in_MPa
 from rod.arm_law.curves import CellCurve
 from rod.cubics import cubic, cubic_slope
 
@@ -85,10 +85,10 @@ class CellSweep:
             moment=np.array([p.moment for p in points]),
             kappa=np.array([p.state.angle / h for p in points]),
             rigidity=np.array([p.slopes.moment_by_angle * h for p in points]),
-            moment_by_pressure=np.array([p.slopes.moment_by_pressure / 1000.0 for p in points]),
+            moment_by_pressure=np.array([p.slopes.moment_by_pressure / KPA_PER_MPA for p in points]),
             stretch=np.array([p.axis.stretch for p in points]),
             stretch_by_kappa=np.array([p.axis.stretch_by_angle * h for p in points]),
-            stretch_by_pressure=np.array([p.axis.stretch_by_pressure / 1000.0 for p in points]),
+            stretch_by_pressure=np.array([p.axis.stretch_by_pressure / KPA_PER_MPA for p in points]),
             axial_rigidity=np.array([h / p.slopes.distance_by_force for p in points]),
             shear_rigidity=np.interp([p.moment for p in points], *np.array(sorted(self.shear)).T),
             contact=np.array([p.state.touches for p in points]),

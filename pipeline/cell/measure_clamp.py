@@ -14,7 +14,7 @@ from fem.cell.response import inflated
 from fem.path.predictor import extrapolate
 from geometry.arrays import Array
 from pipeline.cell.point import PiecePoint, reached, without_moment
-from pipeline.pressure import in_MPa
+from pipeline.pressure import KPA_PER_MPA, in_MPa
 from rod.arm_law.curves import CellCurve, ClampCurve
 from rod.cubics import cubic
 
@@ -143,7 +143,7 @@ class _ClampPoint(PiecePoint):
         width = 2.0 * step * known.moment_by_angle
         # at fixed moment the plane of the piece and that of the cells turn with the pressure
         turned_cells = -float(np.interp(state.moment, cell.moment, cell.moment_by_pressure / cell.rigidity))
-        by_pressure = -known.moment_by_pressure / 1000.0 / known.moment_by_angle - turned_cells * piece.body.length
+        by_pressure = -known.moment_by_pressure / KPA_PER_MPA / known.moment_by_angle - turned_cells * piece.body.length
         return _ClampPoint(
             state,
             known,

@@ -16,7 +16,7 @@ from pipeline.cell.refinement import MOST_UNKNOWNS
 from pipeline.context import RunContext
 from pipeline.errors import InputError
 from pipeline.identification.richardson import extrapolate
-from pipeline.pressure import in_MPa
+from pipeline.pressure import in_MPa, name_of_state
 from pipeline.store.json_values import JsonObject
 from rod.arm_law.curves import CellCurve
 
@@ -157,7 +157,7 @@ def _numbers_on(curves: PieceCurves, cell: CellCurve, change: float) -> tuple[fl
     change: of the curvature, 1/mm.
     """
     pieces, store = curves.pieces, curves.store
-    name = f"law/mesh_{pieces.config.mesh.element_size_mm:.12g}mm_{cell.pressure:.12g}kPa.json"
+    name = f"law/{name_of_state(f'mesh_{pieces.config.mesh.element_size_mm:.12g}mm', cell.pressure)}.json"
     kept = store.read_json(name)
     if kept is None or kept["key"] != store.numbers_key:
         piece = pieces.cell

@@ -10,6 +10,7 @@ from fem.materials import LAWS, Constant
 from pipeline.config.document import Document
 from pipeline.config.kinds import Density, Number, PoissonRatio, PositiveStress, Stress, Stretches, list_of, one_or_more
 from pipeline.config.section import Error, Field, Section, chosen, conflict, raise_all, read_keys, section_of, wrong
+from pipeline.pressure import in_MPa
 from pipeline.store.json_values import JsonObject
 
 #: how the constants of a law are written
@@ -93,7 +94,7 @@ def read_material(value: Any, _: Mapping[str, Any], document: Document) -> Mater
 def stiffness_conflicts(material: Material, pressures_kPa: tuple[float, ...], document: Document) -> Iterator[Error]:
     """Refuses pressures or constants that are off by a factor of thousand."""
     highest, modulus = pressures_kPa[-1], material.built().young_modulus
-    ratio = 1e-3 * highest / modulus
+    ratio = in_MPa(highest) / modulus
     if ratio > LARGEST_PRESSURE:
         yield conflict(
             f"{highest:g} kPa is {ratio:.3g} E, with Young's modulus E = {modulus:.4g} MPa of the material at small "

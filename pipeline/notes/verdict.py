@@ -13,6 +13,7 @@ from pipeline.notes.templates import report_reason
 from pipeline.results.values import Curve, Reported, Run
 from pipeline.store.formats import ARM_LAW, EXTENSIBLE, FIVE
 from pipeline.store.json_values import JsonObject
+from rod.same_pressure import is_same
 
 #: relative error of the mesh above which no rod of the run should be used, and the size of a finer mesh over its own
 LARGE_MESH_ERROR, FINER = 0.10, 2 / 3
@@ -183,7 +184,7 @@ def _moments(run: Run, rod: str) -> tuple[float, float] | None:
         cell = run.law.curve(pressures[1]) if pressures else None
         if cell is None:
             return None
-        clamps = [c for c in run.law.clamp.curves if c.pressure_kPa == cell.pressure_kPa]
+        clamps = [c for c in run.law.clamp.curves if is_same(c.pressure_kPa, cell.pressure_kPa)]
         ends = [(curve.moment_N_mm[0], curve.moment_N_mm[-1]) for curve in (cell, *clamps)]
         return max(low for low, _ in ends), min(high for _, high in ends)
     columns = run.parameters.eccentricity if rod == EXTENSIBLE else run.parameters

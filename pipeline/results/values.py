@@ -15,6 +15,7 @@ import numpy as np
 from geometry.arrays import Array
 from pipeline.results.parameters import Column, Numbers, RodParameters
 from pipeline.store.formats import CONVERGED, FIVE
+from rod.same_pressure import is_same
 
 Pair = tuple[float, float]
 Position = tuple[float, float, float]
@@ -192,11 +193,8 @@ class Law:
     mesh_error: LawMeshError | None = None
 
     def curve(self, pressure_kPa: float) -> LawCurve | None:
-        """The curve at the pressure nearest to this one; None where the nearest differs by more than 1 %."""
-        nearest = min(self.curves, key=lambda curve: abs(curve.pressure_kPa - pressure_kPa), default=None)
-        if nearest is None or abs(nearest.pressure_kPa - pressure_kPa) > 0.01 * abs(pressure_kPa):
-            return None
-        return nearest
+        """The curve at a pressure; None where there is none."""
+        return next((curve for curve in self.curves if is_same(curve.pressure_kPa, pressure_kPa)), None)
 
 
 @dataclass(frozen=True)
@@ -281,7 +279,7 @@ class Run:
 
     def curve(self, experiment: str, pressure_kPa: float) -> Curve | None:
         """The curve of one experiment at one pressure; None where it was not reached."""
-        at = (c for c in self.curves if c.experiment == experiment and c.pressure_kPa == pressure_kPa)
+        at = (c for c in self.curves if c.experiment == experiment and is_same(c.pressure_kPa, pressure_kPa))
         return next(at, None)
 
     def curves_of(self, experiment: str) -> list[Curve]:

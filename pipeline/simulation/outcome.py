@@ -202,8 +202,8 @@ class Outcomes:
     @property
     def pairs(self) -> tuple[tuple[Record, Record], ...]:
         """The states of II and of III at every pressure that both reached, by ascending pressure."""
-        free, loaded = ({record.pressure_kPa: record for record in self[name].records} for name in ("II", "III"))
-        return tuple((free[pressure], loaded[pressure]) for pressure in sorted(free.keys() & loaded.keys()))
+        free = sorted(self["II"].records, key=lambda record: record.pressure_kPa)
+        return tuple((record, loaded) for record in free if (loaded := self["III"].at(record.pressure_kPa)))
 
     @property
     def reached_kPa(self) -> tuple[float, ...]:

@@ -183,11 +183,8 @@ def _solution(rod: RodAtPressure, record: Record) -> RodSolution | NoSolution:
 
 def curve_rows(outcomes: Outcomes, comparisons: Sequence[Comparison], pitch: float) -> list[tuple[Any, ...]]:
     """Rows of curves.csv at the cell-averaged curvature's points, in the order of `CURVE_COLUMNS`."""
-    by_state = {(c.record.experiment, c.record.pressure_kPa): c for c in comparisons}
-    rows: list[tuple[Any, ...]] = []
-    for record in outcomes.records:
-        rows.extend(rows_of(record, by_state.get((record.experiment, record.pressure_kPa)), pitch))
-    return rows
+    compared = {id(comparison.record): comparison for comparison in comparisons}
+    return [row for record in outcomes.records for row in rows_of(record, compared.get(id(record)), pitch)]
 
 
 def rows_of(record: Record, comparison: Comparison | None, pitch: float) -> list[tuple[Any, ...]]:
