@@ -39,9 +39,12 @@ def rounded(count: int) -> str:
     return f"{int(float(f'{count:.2g}'))}"
 
 
-def seconds(value: float) -> str:
-    """A time in seconds, without more digits than anybody reads."""
-    return f"{value:.1f} s" if value < 10.0 else f"{value:.0f} s"
+def duration(seconds: float) -> str:
+    """A time in seconds, or in minutes and seconds."""
+    if seconds < 10.0:
+        return f"{seconds:.1f} s"
+    minutes, rest = divmod(round(seconds), 60)
+    return f"{minutes} min {rest:02d} s" if minutes >= 2 else f"{round(seconds)} s"
 
 
 def listed(words: Sequence[str]) -> str:

@@ -5,19 +5,19 @@ single listener receives the progress of every experiment.
 """
 
 import threading
-import time
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any, NamedTuple, final
 
-from rich.console import Console, Group
-from rich.live import Live
-from rich.progress import BarColumn, TextColumn
+from rich.console import Console
+from rich.progress import BarColumn, Task, TaskID, TextColumn, TimeRemainingColumn
 from rich.progress import Progress as Bars
-from rich.text import Text
 
-from pipeline.remaining_time import RemainingTime, duration
+from pipeline.formatting import duration
+
+#: characters of the name of an experiment in the table
+LONGEST_NAME = 20
 
 
 class Message(NamedTuple):
@@ -109,13 +109,10 @@ class Lines(Progress):
     def __init__(self, console: Console, *, verbose: bool = False) -> None:
         self._console = console
         self._verbose = verbose
-        self._clock = RemainingTime()
         self._iterations: dict[str, int] = {}
-        self._has_explained = False
 
     def tell(self, message: Message) -> None:
         """Print a line."""
-        self._clock.follow(*message)
         match message:
             case ("stage", (name,)):
                 self._print(f"stage: {name}")
@@ -127,19 +124,12 @@ class Lines(Progress):
                 if self._verbose:
                     self._print(f"{name}: {pressure:g} kPa, iteration {number}, residual {residual:.0e}")
             case ("step_done", (name, pressure, seconds)):
-                self._reached(name, pressure, seconds)
+                iterations = self._iterations.pop(name, 0)
+                counted = f"{iterations} iterations, " if iterations else ""
+                work = f"{counted}{duration(seconds)}" if seconds > 0.0 else "stored by an earlier run"
+                self._print(f"{name}: {pressure:g} kPa ({work})")
             case _:
                 _print_sentence(self._console, message)
-
-    def _reached(self, name: str, pressure: float, seconds: float) -> None:
-        iterations = self._iterations.pop(name, 0)
-        counted = f"{iterations} iterations, " if iterations else ""
-        work = f"{counted}{duration(seconds)}" if seconds > 0.0 else "stored by an earlier run"
-        left = self._clock.remaining()
-        if left and not self._has_explained:
-            self._print("time left: an estimate for the experiments that have begun; others may follow")
-            self._has_explained = True
-        self._print(f"{name}: {pressure:g} kPa ({work}){f'; {left}' if left else ''}")
 
     def _print(self, text: str) -> None:
         self._console.print(text, highlight=False, markup=False, soft_wrap=True)
@@ -159,66 +149,56 @@ def _print_sentence(console: Console, message: Message) -> None:
 
 @final
 class Terminal(Progress):
-    """A live table: a bar for each experiment with its pressure and Newton iterations, until it ends or the next stage
-    begins, whichever is later."""
+    """A live table: a bar for each experiment with its pressure, Newton iterations and the time left, until it ends or
+    the next stage begins, whichever is later."""
 
     def __init__(self, console: Console) -> None:
-        self._console = console
-        self._clock = RemainingTime()
-        self._stage, self._began = "", time.monotonic()
-        name = TextColumn("{task.fields[name]}", markup=False)
-        self._bars = Bars(name, BarColumn(12), TextColumn("{task.fields[now]}", markup=False), console=console)
-        self._live = Live(get_renderable=self._picture, console=console, refresh_per_second=4)
+        columns = (TextColumn(f"{{task.{shown}}}", markup=False) for shown in ("description", "fields[now]"))
+        name, now = columns
+        self._bars = Bars(name, BarColumn(12), now, TimeRemainingColumn(compact=True), console=console)
+        self._stage: Task | None = None
 
     def tell(self, message: Message) -> None:
         """Show it in the table, or above it."""
-        self._clock.follow(*message)
-        _print_sentence(self._console, message)
+        _print_sentence(self._bars.console, message)
         match message:
             case ("stage", (name,)):
-                self._live.start()  # a second start changes nothing
-                self._begin_stage(name)
+                self._bars.start()  # a second start changes nothing
+                self._end_stage()
+                for task in self._bars.tasks:
+                    if task.finished or task.stop_time is not None:
+                        self._bars.remove_task(task.id)
+                self._stage = self._task(self._bars.add_task("", total=None, now=name))
             case ("experiment", (name, pressures)):
-                self._row(name, len(pressures), now="starts")
+                self._bars.reset(self._row(name), total=len(pressures), now="starts")
             case ("iteration", (name, pressure, number, residual)):
-                self._row(name, iterations=1, now=f"{pressure:g} kPa, iteration {number}, residual {residual:.0e}")
+                self._bars.update(self._row(name), now=f"{pressure:g} kPa, iteration {number}, {residual:.0e}")
             case ("step_done", (name, pressure, _)):
-                self._row(name, reached=1, now=f"{pressure:g} kPa reached, {{}} iterations in total")
+                self._bars.update(self._row(name), advance=1, now=f"{pressure:g} kPa reached")
             case ("stopped", (name, _, _)):
-                self._row(name, now="stopped", stopped=True)
-            case ("done", ()):
-                self._begin_stage("")
-                self._live.stop()
+                self._bars.stop_task(self._row(name))
+            case ("done", _):
+                self._end_stage()
+                self._bars.stop()
 
-    def _row(self, name: str, total: int = 0, *, reached: int = 0, iterations: int = 0, **fields: Any) -> None:
-        """Change the row of an experiment, or begin one."""
-        task = next((task for task in self._bars.tasks if task.description == name), None)
-        if task is not None and total:
-            self._bars.remove_task(task.id)  # of an experiment of this name that has failed
-        if task is None or total:
-            shown = name if len(name) <= 20 else f"{name[:19]}…"
-            first: dict[str, Any] = {"name": shown, "now": "", "iterations": 0, "stopped": False}
-            number = self._bars.add_task(name, total=total or 1, **first)
-            task = next(task for task in self._bars.tasks if task.id == number)
-        iterations += task.fields["iterations"]
-        fields["now"] = fields["now"].format(iterations)
-        self._bars.update(task.id, advance=reached, iterations=iterations, **fields)
+    def _task(self, number: TaskID) -> Task:
+        return next(task for task in self._bars.tasks if task.id == number)
 
-    def _begin_stage(self, name: str) -> None:
-        """Print how long the stage before has taken, and forget the experiments that have ended in it."""
-        if self._stage:
-            self._console.print(f"{self._stage}: {duration(time.monotonic() - self._began)}", highlight=False)
-        self._stage, self._began = name, time.monotonic()
-        for task in self._bars.tasks if name else ():
-            if task.finished or task.fields["stopped"]:
-                self._bars.remove_task(task.id)
+    def _row(self, name: str) -> TaskID:
+        """The row of an experiment, begun where there is none."""
+        shown = name if len(name) <= LONGEST_NAME else f"{name[: LONGEST_NAME - 1]}…"
+        rows = (task.id for task in self._bars.tasks if task.description == shown)
+        found = next(rows, None)
+        return self._bars.add_task(shown, now="") if found is None else found
 
-    def _picture(self) -> Group:
-        if not self._stage:
-            return Group(self._bars)
-        left = self._clock.remaining()
-        head = f"{self._stage}: {duration(time.monotonic() - self._began)}"
-        return Group(Text(f"{head}, {left} for experiments begun" if left else head), self._bars)
+    def _end_stage(self) -> None:
+        """Print how long a stage has taken, if one has begun."""
+        if self._stage is not None:
+            self._bars.console.print(
+                f"{self._stage.fields['now']}: {duration(self._stage.elapsed or 0.0)}", highlight=False
+            )
+            self._bars.remove_task(self._stage.id)
+            self._stage = None
 
 
 def progress_for(console: Console | None = None, *, verbose: bool = False) -> Progress:

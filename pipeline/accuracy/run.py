@@ -13,13 +13,10 @@ from pipeline.accuracy.table import study_page
 from pipeline.config.config import Config
 from pipeline.processes import process_pool
 from pipeline.progress import Progress
-from pipeline.remaining_time import RemainingTime
 from pipeline.simulation.scene import Scene
 from pipeline.store.store import Store, open_store
 
 _MEASURED = TypeAdapter(Measured)
-#: under which name the clock counts rungs, which have numbers instead of pressures there
-_CLOCK = "rungs"
 
 
 def run_study(config: Config, out: Path, jobs: int, fresh: bool, progress: Progress) -> ConvergenceStudy:
@@ -43,18 +40,15 @@ def measured(rungs: Sequence[Rung], store: Store, jobs: int, progress: Progress)
     results = {rung.name: kept for rung in rungs if (kept := _kept(rung, store)) is not None}
     missing = [rung for rung in rungs if rung.name not in results]
     progress.stage(f"{len(rungs)} configurations, {len(missing)} of them to be measured")
-    clock = RemainingTime()
-    clock.add(_CLOCK, range(len(missing)))
     if missing:
         with process_pool(jobs, 1, max_tasks_per_child=1) as pool:
             futures = {pool.submit(measure, rung): rung for rung in missing}
-            for number, future in enumerate(as_completed(futures)):
+            for future in as_completed(futures):
                 rung, result = futures[future], future.result()
                 results[rung.name] = result
                 content = {"key": store.numbers_key, "result": _MEASURED.dump_python(result, mode="json")}
                 store.save_json(_file(rung), content)
-                clock.reach(_CLOCK, number, result.cost.wall_seconds if result.cost else 0.0)
-                progress.stage(f"{_ending(rung, result)}{f'; about {left}' if (left := clock.remaining()) else ''}")
+                progress.stage(_ending(rung, result))
     return [(rung, results[rung.name]) for rung in rungs]
 
 

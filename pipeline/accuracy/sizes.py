@@ -7,8 +7,7 @@ import fem
 from pipeline.accuracy.error_model import MeshErrorModel, Pilot
 from pipeline.config.config import Config
 from pipeline.config.kinds import MOST_ACCURACY
-from pipeline.formatting import rounded
-from pipeline.remaining_time import duration
+from pipeline.formatting import duration, rounded
 from pipeline.simulation.scene import Scene
 
 #: fraction of the requested error that contact may have, and fraction of the rest that the mesh is planned for

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from pipeline.formatting import decimals_beside, decimals_of, interval, number, percent, seconds, with_spread
+from pipeline.formatting import decimals_beside, decimals_of, duration, interval, number, percent, with_spread
 from pipeline.notes.rods import TITLES, mesh_errors, rod_errors
 from pipeline.results.parameters import FiveColumns
 from pipeline.results.values import Run
@@ -142,8 +142,8 @@ def effects(run: Run) -> Table | None:
 
 def cost(run: Run) -> Table | None:
     """Wall time by stage of the run, then the parts of the solver's time; None where it is not known."""
-    stages = [(name, seconds(value)) for name, value in (run.record.get("seconds") or {}).items()]
-    solver = [(f"solver: {name}", seconds(value)) for name, value in (run.record.get("solver_seconds") or {}).items()]
+    stages = [(name, duration(value)) for name, value in (run.record.get("seconds") or {}).items()]
+    solver = [(f"solver: {name}", duration(value)) for name, value in (run.record.get("solver_seconds") or {}).items()]
     return Table(("stage", "time"), (*stages, *solver)) if stages else None
 
 

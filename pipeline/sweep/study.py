@@ -11,7 +11,7 @@ from functools import partial
 from pathlib import Path
 
 from pipeline.errors import InputError, RunFailed
-from pipeline.remaining_time import duration, remaining_of_points
+from pipeline.formatting import duration
 from pipeline.store.atomic_file import remove_parts
 from pipeline.store.json_values import JsonObject
 from pipeline.store.provenance import provenance
@@ -229,15 +229,13 @@ def _solve(sets: Sequence[_SetInProgress], course: Course) -> None:
     try:
         with connected(course.workers) as workers:
             course.say(workers.sentence)
-            begin, spent = time.monotonic(), []
+            begin = time.monotonic()
             for ended, (task, record) in enumerate(workers.records(missing), start=1):
                 own = owners[task.folder]
                 own.records[task.folder.name] = record
-                spent += [record.seconds] if record.seconds else []
-                remaining = len(missing) - ended
-                seconds = remaining_of_points(spent, remaining, workers.number(), time.monotonic() - begin)
+                left = (time.monotonic() - begin) / ended * (len(missing) - ended)
                 reason = f": {record.reason}" if record.reason else ""
-                after = "" if seconds is None else f"; about {duration(seconds)} left"
+                after = f"; about {duration(left)} left" if left else ""
                 sentence = f"{task.folder.name} {record.status} after {duration(record.seconds)}{reason}{after}"
                 course.say(f"{ended} of {len(missing)}: {sentence}")
                 own.save()

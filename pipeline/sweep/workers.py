@@ -99,11 +99,6 @@ class Connected:
 
     client: Client
     sentence: str  #: who they are, and where they can be watched
-    local: int | None = None  #: how many there are, where they were started here
-
-    def number(self) -> int:
-        """How many there are now, each of which is at one point at a time."""
-        return self.local or max(1, len(self.client.scheduler_info(n_workers=-1)["workers"]))
 
     def records(self, tasks: Sequence[PointTask]) -> Iterator[tuple[PointTask, PointRecord]]:
         """The records of the tasks, which are begun in their order, as they end.
@@ -151,7 +146,7 @@ def connected(workers: LocalWorkers | RemoteScheduler) -> Iterator[Connected]:
     ):
         each = f"each a process with one thread and at most {_gigabytes(workers.memory)} of memory"
         sentence = f"{workers.jobs} workers, {each}; dashboard: {cluster.dashboard_link}"
-        yield Connected(client, sentence, workers.jobs)
+        yield Connected(client, sentence)
 
 
 @contextmanager

@@ -5,12 +5,12 @@ import pytest
 from pipeline.formatting import (
     decimals_beside,
     decimals_of,
+    duration,
     fixed,
     interval,
     listed,
     number,
     percent,
-    seconds,
     with_spread,
 )
 
@@ -65,5 +65,5 @@ def test_other_forms() -> None:
     assert interval(None, 1) == ""
     assert [decimals_beside(spread, 1) for spread in (1234.0, 12.3, 0.01, None)] == [-1, 1, 1, 1]
     assert [percent(value) for value in (None, 0.000861, 0.0249, 1.236)] == ["-", "0.086 %", "2.5 %", "120 %"]
-    assert [seconds(value) for value in (0.26, 41.65)] == ["0.3 s", "42 s"]
+    assert [duration(value) for value in (0.26, 41.65)] == ["0.3 s", "42 s"]
     assert [listed(words) for words in ([], ["a"], ["a", "b"], ["a", "b", "c"])] == ["", "a", "a and b", "a, b and c"]

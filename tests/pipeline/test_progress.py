@@ -9,9 +9,7 @@ from typing import Any
 import pytest
 from rich.console import Console
 
-from pipeline import remaining_time
 from pipeline.progress import Lines, Message, Progress, Silent, Terminal, ToQueue, progress_for, relayed
-from pipeline.remaining_time import RemainingTime
 
 CALLS: list[tuple[str, tuple[Any, ...]]] = [
     ("stage", ("experiments",)),
@@ -67,13 +65,12 @@ def test_plain_lines_where_there_is_no_terminal() -> None:
     progress.done()
     lines = text.getvalue().splitlines()
     assert lines[:2] == ["stage: experiments", "experiment II: 17, 37 kPa"]
-    assert lines[2] == "time left: an estimate for the experiments that have begun; others may follow"
-    assert re.fullmatch(r"II: 17 kPa \(2 iterations, 3\.2 s\); [\d.]+ s left", lines[3])
-    assert lines[4] == "II: 37 kPa (stored by an earlier run)"
-    assert lines[5] == "III stopped before 45 kPa: the limit is at 41 kPa"
-    assert lines[6] == "stage: report"
-    report(progress)
-    assert text.getvalue().count("time left: ") == 1
+    assert lines[2:] == [
+        "II: 17 kPa (2 iterations, 3.2 s)",
+        "II: 37 kPa (stored by an earlier run)",
+        "III stopped before 45 kPa: the limit is at 41 kPa",
+        "stage: report",
+    ]
 
 
 def test_a_table_on_a_terminal() -> None:
@@ -83,7 +80,7 @@ def test_a_table_on_a_terminal() -> None:
     for method, arguments in CALLS[:-1]:
         getattr(progress, method)(*arguments)
     progress.done()
-    assert "37 kPa reached, 2 iterations in total" in text.getvalue()
+    assert "37 kPa reached" in text.getvalue()
     assert text.getvalue().count("experiments: ") >= 1
 
 
@@ -102,17 +99,6 @@ def test_an_experiment_stays_in_the_table_while_the_run_waits_for_others() -> No
     assert "II" not in text.getvalue()
 
 
-def test_a_terminal_says_for_what_the_time_left_is() -> None:
-    progress = progress_for(Console(file=io.StringIO(), force_terminal=True, width=120))
-    assert isinstance(progress, Terminal)
-    progress.stage("pictures")
-    progress.experiment("cell", (17.0, 37.0))
-    progress.step_done("cell", 17.0, 1.0)
-    head, _ = progress._picture().renderables
-    progress.done()
-    assert re.fullmatch(r"pictures: [\d.]+ s, [\d.]+ s left for experiments begun", str(head))
-
-
 def test_an_experiment_that_has_stopped_leaves_the_table_with_the_next_stage() -> None:
     text = io.StringIO()
     progress = progress_for(Console(file=text, force_terminal=True, width=120))
@@ -126,29 +112,6 @@ def test_an_experiment_that_has_stopped_leaves_the_table_with_the_next_stage() -
     progress.done()
     assert "cell" in text.getvalue()
     assert "II" not in text.getvalue()
-
-
-def test_pressures_that_will_not_be_reached_are_not_counted(monkeypatch: pytest.MonkeyPatch) -> None:
-    now = 0.0
-    monkeypatch.setattr(remaining_time.time, "monotonic", lambda: now)
-    clock = RemainingTime()
-    for name in ("I", "II", "III"):
-        clock.add(name, (17.0, 37.0, 150.0))
-    now = 10.0
-    clock.reach("II", 17.0, 9.0)
-    assert clock.remaining() == "80 s left"
-    now = 20.0
-    clock.reach("II", 37.0, 9.0)
-    clock.stop("II", (150.0,))
-    assert clock.remaining() == "40 s left", "17 and 37 kPa of I and III"
-    for name in ("I", "III"):
-        for pressure in (17.0, 37.0):
-            assert not clock.is_over
-            clock.reach(name, pressure, 9.0)
-    assert (clock.is_over, clock.remaining()) == (True, "")
-    clock.reach("I", 150.0, 9.0)
-    clock.stop("III", (150.0,))
-    assert clock.is_over
 
 
 def test_every_iteration_where_it_is_requested() -> None:

@@ -15,7 +15,6 @@ from pathlib import Path
 import pytest
 
 from pipeline.errors import InputError
-from pipeline.remaining_time import remaining_of_points
 from pipeline.sweep import study, workers
 from pipeline.sweep.record import PointRecord, PointTask
 from pipeline.sweep.spec import Sweep, read_sweep
@@ -157,9 +156,6 @@ def test_an_interrupted_sweep_leaves_a_table_of_its_own(
     class Interrupted:
         sentence = "no workers"
 
-        def number(self) -> int:
-            return 1
-
         def records(self, tasks: Sequence[PointTask]) -> Iterator[tuple[PointTask, PointRecord]]:
             yield tasks[0], PointRecord("finished", "", ({"pressure_kPa": 2.0, "II_end_y_mm": -0.1},), 3.0)
             raise KeyboardInterrupt
@@ -183,14 +179,6 @@ def test_an_interrupted_sweep_leaves_a_table_of_its_own(
     assert [point["status"] for point in points] == ["finished", "finished", "finished", "waiting"]
     assert not (out / "sweep.html").exists()
     assert lines[-1].endswith("finished after 3.0 s; about 3.0 s left")
-
-
-def test_the_remaining_time_is_shared_by_the_workers() -> None:
-    assert remaining_of_points([10.0], 7, 2, 10.0) is None  # not every worker has ended a point
-    assert remaining_of_points([10.0, 10.0], 6, 2, 10.0) == pytest.approx(30.0)
-    assert remaining_of_points([10.0, 10.0], 6, 2, 14.0) == pytest.approx(26.0)
-    assert remaining_of_points([10.0] * 7, 1, 2, 40.0) == 0.0
-    assert remaining_of_points([10.0] * 8, 0, 2, 40.0) is None
 
 
 def test_ctrl_c_in_a_terminal_ends_with_one_sentence(file: Path, tmp_path: Path) -> None:
