@@ -233,9 +233,9 @@ def _solve(sets: Sequence[_SetInProgress], course: Course) -> None:
             for ended, (task, record) in enumerate(workers.records(missing), start=1):
                 own = owners[task.folder]
                 own.records[task.folder.name] = record
-                left = (time.monotonic() - begin) / ended * (len(missing) - ended)
+                remaining = (time.monotonic() - begin) / ended * (len(missing) - ended)
                 reason = f": {record.reason}" if record.reason else ""
-                after = f"; about {duration(left)} left" if left else ""
+                after = f"; about {duration(remaining)} left" if remaining else ""
                 sentence = f"{task.folder.name} {record.status} after {duration(record.seconds)}{reason}{after}"
                 course.say(f"{ended} of {len(missing)}: {sentence}")
                 own.save()
