@@ -3,8 +3,9 @@
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
+from pipeline.config.config import Config
 from pipeline.config.document import read_document
-from pipeline.config.load import config_of
+from pipeline.config.section import read
 from pipeline.errors import InputError, RunFailed
 from pipeline.processes import available_cores
 from pipeline.progress import Silent, progress_for
@@ -50,7 +51,7 @@ def characterize(
         values.append(("accuracy", accuracy))
     replaces, shown = given_choice(fresh, "fresh"), given_choice(progress, "progress")
     given = read_document(given_path(config, "config", "configs/pneunet.yaml"))
-    design = config_of(given.with_values(values, _argument if accuracy is not None else setting_name))
+    design = read(Config, given.with_values(values, _argument if accuracy is not None else setting_name))
     folder = Path("results") / design.name if out is None else given_path(out, "out", "results/arm")
     at_once = jobs or min(len(EXPERIMENTS), available_cores())
     listener = progress_for() if shown else Silent()

@@ -10,7 +10,6 @@ from fem.cell.mirror_contact import MirrorContact
 from fem.cell.piece import BendingPiece
 from geometry import GRADINGS, Body, Design, DesignError, MeshError
 from geometry.meshing.mirror import Repetition
-from pipeline.config.arm_law import why_no_arm_law
 from pipeline.config.config import Config
 from pipeline.simulation.scene import GAP, Scene, layer_in, material_of
 
@@ -32,7 +31,7 @@ class ArmPieces:
     _pieces: dict[tuple[int, Boundary], BendingPiece] = field(default_factory=dict, init=False, repr=False)
 
     def __post_init__(self) -> None:
-        if reason := why_no_arm_law(self.config.design, self.config.effects):
+        if reason := self.config.effects.why_no_arm_law(self.config.design):
             raise NoArmLaw(reason)
 
     @staticmethod

@@ -15,7 +15,6 @@ from typing import Annotated, Any, Literal, get_args
 from fem.elements import automatic_element
 from geometry import CellPlanes, Design, DesignError, MeshError
 from pipeline.config import kinds
-from pipeline.config.arm_law import why_no_arm_law
 from pipeline.config.automatic_mesh import AUTO, GivenMesh, MeshSettings, read_mesh
 from pipeline.config.body import OWN, design_key, read_design
 from pipeline.config.document import Document, Key, dotted
@@ -92,14 +91,14 @@ def _check_together(unknown: Any, values: Mapping[str, Any], document: Document)
     """The file of a document whose sections go together, as far as they are known."""
     if unknown:
         raise ValueError("unknown key; a key has a name")
-    raise_all(_conflicts(values, document))
+    raise_all(_conflicts(values))
     return str(document.path)
 
 
-def _conflicts(values: Mapping[str, Any], document: Document) -> Iterator[Error]:
+def _conflicts(values: Mapping[str, Any]) -> Iterator[Error]:
     """Refuses sections that do not go together, of those that are not refused by themselves."""
     if {"material", "pressures_kPa"} <= values.keys():
-        yield from stiffness_conflicts(values["material"], values["pressures_kPa"], document)
+        yield from stiffness_conflicts(values["material"], values["pressures_kPa"])
     design, effects, identification = (values.get(name) for name in ("design", "effects", "identification"))
     if identification and identification.weight_of and identification.weight_N is None:
         yield conflict("names a weight that is missing; give weight as well", ("identification", "weight_of"))
@@ -108,7 +107,7 @@ def _conflicts(values: Mapping[str, Any], document: Document) -> Iterator[Error]
         yield conflict(place, ("identification", "d"))
     if design and not design.is_resizable and values.get("accuracy") is not None:
         yield conflict("a ready mesh cannot be made finer; leave it out, or give a drawing", ("accuracy",))
-    if effects and design and values.get("law") == "cell" and (reason := why_no_arm_law(design, effects)):
+    if effects and design and values.get("law") == "cell" and (reason := effects.why_no_arm_law(design)):
         yield conflict(f"cell is not possible: {reason}", ("law",))
     if effects and effects.symmetry.on and effects.gravity.breaks_symmetry:
         sentence = "gravity acts across the plane of symmetry; write symmetry: auto or give its z component 0 m/s^2"

@@ -6,6 +6,7 @@ from dataclasses import dataclass, fields
 from math import isfinite
 from typing import Annotated, Any, Literal, final
 
+from geometry import Design
 from pipeline.config import kinds
 from pipeline.config.section import Field, Kind, Section, section
 from pipeline.config.units import PRESSURE, convert
@@ -175,6 +176,21 @@ class Effects(Section):
         """Whether nothing bends the arm but the pressure of the run: no weight, no constant pressure in a cavity."""
         constant = not self.pressure.off and any(cavity.constant_kPa for cavity in self.pressure.cavities.values())
         return not (self.gravity.on or constant)
+
+    def why_no_arm_law(self, design: Design) -> str:
+        """Why an arm with these effects has no law of its own, a clause; empty where it may have one."""
+        cavities, faces = self.pressure.cavities, self.self_contact.faces or ()
+        if not design.repeats:
+            return design.why_no_cell
+        if self.gravity.on:
+            return "the weight loads every cell differently, so there is no law of one cell with effects.gravity"
+        if any(cavity.constant_kPa for cavity in cavities.values()):
+            return "a cavity has a constant pressure, and the law of a cell has one pressure that all follow"
+        if not self.pressure.acts:
+            return "no cavity is pressurised, so the law of a cell has nothing to depend on"
+        if not self.self_contact.off and (len(faces) > 1 or any(face in cavities for face in faces)):
+            return "the law of a cell has contact on one outer face alone, not on all those the user names"
+        return ""
 
     @property
     def requested(self) -> dict[str, RequestedEffect]:

@@ -4,8 +4,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from fem.materials import LAWS
-from geometry import FAMILIES, CadFile, MeshFile, SurfaceFile
-from pipeline.config.automatic_mesh import NO_KEYS
+from geometry import FAMILIES
 from pipeline.config.body import OWN, design_class
 from pipeline.config.reference import REQUIRED, KeyEntry, effect_keys, general_keys, geometry_keys, material_keys
 
@@ -19,7 +18,7 @@ def example(family: str) -> str:
         f"# A design of the family {family} for pneurod. Behind each value: what it means; its unit; what is allowed.",
         "# A line that begins with '# ' and a key is optional and shows the default. Where there is no value to show,",
         "# the line has an example and says so.",
-        *(_not_of_other_files() if own else ()),
+        *(["# The geometry has the keys of a CAD file; a mesh or a surface has others (docs/configuration.md)."] * own),
     ]
     above: tuple[str, ...] = ()
     for entry, live in _entries(family):
@@ -54,17 +53,6 @@ def _entries(family: str) -> Iterator[tuple[KeyEntry, bool]]:
     for entry in [*general.values(), *effect_keys()]:
         if entry.key not in ("geometry", "material", "materials"):
             yield entry, entry.key == "mesh.size" and not own
-
-
-def _not_of_other_files() -> list[str]:
-    """Comments that name the keys which a mesh and a surface do not have."""
-    keys = {entry.key for entry in geometry_keys(CadFile)}
-    lines = ["# These are the keys for a CAD file."]
-    for what, design in {"a mesh of tetrahedra": MeshFile, "a surface such as STL": SurfaceFile}.items():
-        missing = sorted(f"geometry.{key}" for key in keys - {entry.key for entry in geometry_keys(design)})
-        missing += sorted(f"mesh.{key}" for key in NO_KEYS[design])
-        lines.append(f"# The file of {what} has no {', '.join(missing)}.")
-    return lines
 
 
 def _line(entry: KeyEntry, key: str, *, live: bool) -> str:

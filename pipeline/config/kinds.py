@@ -7,7 +7,7 @@ from itertools import pairwise
 from typing import Annotated, Any
 
 from pipeline.config.section import Kind, not_known
-from pipeline.config.units import ACCELERATION, DENSITY, FORCE, LENGTH, PRESSURE, STRESS, Dimension, convert, with_point
+from pipeline.config.units import ACCELERATION, DENSITY, FORCE, LENGTH, PRESSURE, STRESS, Dimension, convert
 from pipeline.errors import quoted
 from rod.same_pressure import SAME, is_same
 
@@ -19,8 +19,6 @@ def in_unit(dimension: Dimension) -> Callable[[Any], float]:
 
 def number(value: Any) -> float:
     """Reads a number without a unit."""
-    if isinstance(value, str) and (meant := with_point(value)):
-        raise ValueError(f"{quoted(value)} has a decimal comma; did you mean {meant}? Write decimals with a point")
     if isinstance(value, bool) or not isinstance(value, int | float):
         raise ValueError(f"{quoted(value)} is not a plain number; write it without a unit, for example 0.495")
     try:
@@ -145,15 +143,8 @@ Text = Annotated[str, Kind("a text", "pneunet", read=text("pneunet"))]
 
 #: the largest relative error that can be requested
 MOST_ACCURACY = 0.2
-
-
 _ACCURACY = Dimension("an accuracy", "dimensionless", "2 %")
-
-
-def _can_be_reached(accuracy: float | None) -> bool:
-    return accuracy is None or 0.0 < accuracy <= MOST_ACCURACY
-
-
 Percentage = Annotated[
-    float | None, Kind("above 0, at most 20", _ACCURACY.example, "%", in_unit(_ACCURACY), _can_be_reached)
+    float | None,
+    Kind("above 0, at most 20", _ACCURACY.example, "%", in_unit(_ACCURACY), lambda error: 0.0 < error <= MOST_ACCURACY),
 ]

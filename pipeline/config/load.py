@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from pipeline.config.config import Config
-from pipeline.config.document import Document, read_document
+from pipeline.config.document import read_document
 from pipeline.config.section import read
 
 
@@ -17,9 +17,4 @@ def load_config(path: Path | str, overrides: Sequence[str] = ()) -> Config:
     Raises InputError with a sentence for each thing that is wrong, which names the file (or the override), the key and
     what is allowed.
     """
-    return config_of(read_document(Path(path), overrides))
-
-
-def config_of(document: Document) -> Config:
-    """The configuration that a document describes. Raises InputError as `load_config`."""
-    return read(Config, document)
+    return read(Config, read_document(Path(path), overrides))

@@ -4,7 +4,6 @@ A field is a key of the section, without the unit at the end of its name: `size_
 that Python code gives is one inside, in mm, N, MPa and kPa; only what stands in a document is converted and checked.
 """
 
-import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
@@ -33,9 +32,6 @@ __all__ = ["Error", "Field", "FieldInfo", "section"]
 UNITS = ("_mm_s2", "_tonne_mm3", "_mm", "_kPa", "_MPa", "_N")
 #: pydantic's names for a key that a section does not have
 UNKNOWN = ("unexpected_keyword_argument", "invalid_key")
-
-#: the second half of a value that was written with a decimal comma in { } or [ ]
-_AFTER_COMMA = re.compile(r"\d+(\s*[A-Za-z%].*)?")
 
 S = TypeVar("S")
 
@@ -220,8 +216,6 @@ def _complaint(keys: type[Section], error: Any) -> str:
         return str(error["ctx"]["error"])
     if kind in UNKNOWN:
         near = closest(loc[-1], keys.key_fields())
-        if not near and _AFTER_COMMA.fullmatch(str(loc[-1])):
-            return "unknown key; a comma separates two values here: write decimals with a point, for example 4.5 mm"
         having = ", ".join(name for name, others in keys.others.items() if loc[-1] in others)
         instead = f"it is a key of {having}; " if having else ""
         hint = f"did you mean '{near}'? " if near else ""

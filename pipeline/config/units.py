@@ -31,24 +31,19 @@ STRAIN = Dimension("a strain", "dimensionless", "150 %")
 DENSITY = Dimension("a density", "tonne/mm**3", "1130 kg/m^3")
 
 #: The usual units by the unit of their dimension, which need no pint: its import takes longer than `pneurod rod`.
-#: `tests/pipeline/config/test_units.py` compares the factors with those of pint.
+#: `tests/pipeline/config/test_units.py` compares the factors with those of pint, which takes Nm for nanometres.
 _USUAL: dict[str, dict[str, float]] = {
     "mm": {"mm": 1.0, "cm": 10.0, "m": 1000.0},
     "MPa": {"MPa": 1.0, "kPa": 1e-3, "GPa": 1e3},
     "kPa": {"kPa": 1.0, "MPa": 1e3, "Pa": 1e-3, "bar": 100.0, "mbar": 0.1},
     "N": {"N": 1.0, "mN": 1e-3},
-    "N*mm": {"N*mm": 1.0, "N*m": 1e3, "N mm": 1.0, "N m": 1e3},
+    "N*mm": {"N*mm": 1.0, "N*m": 1e3, "N mm": 1.0, "N m": 1e3, "Nmm": 1.0, "Nm": 1e3},
     "mm/s**2": {"m/s^2": 1e3, "mm/s^2": 1.0},
     "dimensionless": {"%": 0.01},
     "tonne/mm**3": {"kg/m^3": 1e-12, "g/cm^3": 1e-9},
 }
 
-#: moments as engineers write them; pint takes Nm for nanometres and does not know the other
-_TORQUE = {"Nm": 1e3, "Nmm": 1.0}
-
 _NUMBER_AND_UNIT = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*?)\s*")
-#: the digits around a decimal comma at the beginning of a value
-_COMMA = re.compile(r"^(\s*[+-]?\d{1,12}),(\d{1,12})(?![\d,])")
 #: what pint reads as a unit without evaluating other numbers than a power of one digit (9**9**9**9 never ends)
 _NAME = r"[^\W\d]+(?:\s*(?:\^|\*\*)\s*[+-]?\d)?"
 _UNIT = re.compile(rf"(?:{_NAME}|%)(?:\s*[*/ ]\s*{_NAME})*")
@@ -66,8 +61,6 @@ def convert(value: Any, dimension: Dimension) -> float:
 
     if isinstance(value, bool) or not isinstance(value, int | float | str):
         raise refused(f"{quoted(value)} is not {dimension.name}")
-    if isinstance(value, str) and (meant := with_point(value)):
-        raise ValueError(f"{quoted(value)} has a decimal comma; did you mean '{meant}'? Write decimals with a point")
     matched = _NUMBER_AND_UNIT.fullmatch(str(value))
     if isinstance(value, str) and matched is None:
         raise refused(f"{quoted(value)} is not a number followed by a unit")
@@ -95,11 +88,6 @@ def in_unit_of(value: str, unit: str) -> float:
     return convert(value, Dimension("a value in this unit", unit, f"1 {unit}"))
 
 
-def with_point(text: str) -> str:
-    """A text that begins with a number with a decimal comma, with a point instead; empty for other texts."""
-    return _COMMA.sub(r"\1.\2", text, count=1).strip() if _COMMA.match(text) else ""
-
-
 @cache
 def _registry() -> "pint.UnitRegistry":
     import pint
@@ -109,7 +97,7 @@ def _registry() -> "pint.UnitRegistry":
 
 def _factor(unit: str, dimension: Dimension) -> float:
     """A unit in that of a dimension. Raises ValueError for no unit, and TypeError for one of another dimension."""
-    usual = _USUAL.get(dimension.unit, {}) | (_TORQUE if dimension is MOMENT else {})
+    usual = _USUAL.get(dimension.unit, {})
     if unit in usual:
         return usual[unit]
     import pint

@@ -5,7 +5,7 @@ import re
 from dataclasses import dataclass
 
 from pipeline.config.config import Config
-from pipeline.config.load import config_of
+from pipeline.config.section import read
 from pipeline.errors import ConflictError, InputError
 from pipeline.simulation.simulate import why_not_free
 from pipeline.sweep.axes import Setting, switch_as_word
@@ -59,7 +59,7 @@ def points_of(sweep: Sweep) -> list[Point | RefusedPoint]:
         try:
             document = document_of(sweep, setting)
             try:
-                config = config_of(document)
+                config = read(Config, document)
             except InputError as failure:
                 if not isinstance(failure, ConflictError):
                     unchecked[number] = failure

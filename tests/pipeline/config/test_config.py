@@ -283,11 +283,9 @@ def test_all_mistakes_between_keys_are_named_at_once(written: Path) -> None:
 @pytest.mark.parametrize(
     ("old", "new", "complaint"),
     [
-        ("size: 4 mm", "size: 4,5 mm", "mesh.size: '4,5 mm' has a decimal comma; did you mean '4.5 mm'?"),
-        ("nu: 0.495", "nu: 0,495", "material.nu: '0,495' has a decimal comma; did you mean 0.495?"),
+        ("size: 4 mm", "size: 4,5 mm", "mesh.size: ',5 mm' in '4,5 mm' is not a known unit; write a length"),
+        ("nu: 0.495", "nu: 0,495", "material.nu: '0,495' is not a plain number"),
         ("[17 kPa, 37 kPa]", "[17 MPa]", "pressures: 17000 kPa is 14.2 E, with Young's modulus E = 1.2 MPa"),
-        ("E: 1.2 MPa", "E: 1.2 kPa", "check the units (kPa, MPa) of both"),
-        ("E: 1.2 MPa", "E: 1.2 GPa", "material.E: with E in GPa the highest pressure is 3.1e-05 E"),
         ("law: svk", "law: neo_hooke", "material.E: unknown key; it is a key of svk, hencky"),
         ("law: svk", "law: SVK", "did you mean 'svk'?"),
         ("formulation: p2p0", "formulation: p2po", "did you mean 'p2p0'?"),
@@ -295,10 +293,6 @@ def test_all_mistakes_between_keys_are_named_at_once(written: Path) -> None:
 )
 def test_a_likely_mistake_gets_a_suggestion(written: Path, old: str, new: str, complaint: str) -> None:
     assert any(complaint in sentence for sentence in refusals(spoil(written, old, new)))
-
-
-def test_a_decimal_comma_in_braces_is_recognised(written: Path) -> None:
-    assert "a comma separates two values here" in refusal(written, "mesh={size: 4,5 mm}")
 
 
 def test_a_rubber_law_takes_nu_instead_of_kappa(configs: Path) -> None:
@@ -417,7 +411,6 @@ def test_the_terms_of_ogden_are_lists(configs: Path) -> None:
         ("mu: [0.4 MPa], alpha: [-2]", "material: Ogden: half the sum of mu times alpha = -0.4 MPa must be positive"),
         ("mu: [0.4 MPa]", "material.alpha: is missing; for example 'alpha: [2]'"),
         ("mu: [], alpha: []", "material.mu[1]: [] is not a stress"),
-        ("mu: [400 GPa], alpha: [2]", "material.mu: with mu in GPa the highest pressure is 3.1e-08 E"),
     ):
         assert sentence in refusal(coarse, f"material={{law: ogden, {constants}, nu: 0.49}}")
 

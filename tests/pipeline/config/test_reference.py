@@ -13,7 +13,6 @@ from fem.materials import LAWS, NeoHooke
 from fem.materials.material import PositiveStress
 from geometry import FAMILIES, CadFile, MeshFile, SurfaceFile
 from pipeline.cli import app
-from pipeline.config.automatic_mesh import NO_KEYS
 from pipeline.config.body import BODIES, OWN
 from pipeline.config.config import AUTO
 from pipeline.config.example import example
@@ -123,17 +122,6 @@ def test_of_a_body_from_a_file_only_required_keys_are_no_comments() -> None:
     assert set(content["geometry"]) == {"family", "file", "curve"}
     assert {"  parts:", "  defeature:", "  cell:", "  air:", "  tip:"} <= set(re.findall(r"^# (  \w+:)", text, re.M))
     assert "# materials: {base: " in text
-
-
-@pytest.mark.parametrize(
-    ("file", "design"), [("a mesh of tetrahedra", MeshFile), ("a surface such as STL", SurfaceFile)]
-)
-def test_the_keys_that_other_files_do_not_have_are_named(file: str, design: type) -> None:
-    [line] = [line for line in example(OWN).splitlines() if line.startswith(f"# The file of {file} has no ")]
-    named = set(re.findall(r"[\w]+\.[\w]+", line))
-    has, of_cad = ({f"geometry.{entry.key}" for entry in geometry_keys(kind)} for kind in (design, CadFile))
-    assert named == of_cad - has | {f"mesh.{key}" for key in NO_KEYS[design]}
-    assert named
 
 
 @pytest.mark.parametrize("family", BODIES)
