@@ -20,12 +20,11 @@ NEAR = 0.35
 LEAST_RATIO = 0.15
 
 
-def with_curve(mesh: Mesh, curve_y: float, length: float, improved: bool = True) -> Mesh:
+def with_curve(mesh: Mesh, curve_y: float, length: float) -> Mesh:
     """The mesh, with its faces and regions, with the lines y = curve_y, z = 0 (from x = 0 to `length`, mm) and
     y = curve_y (in the plane x = length) along edges.
 
-    The regions have no element in common. Where no material is around the curve nothing is divided there. improved:
-    whether elements that become thin are made better, which takes most of the time and leaves the lines as they are.
+    The regions have no element in common. Where no material is around the curve nothing is divided there.
     """
     size = float(np.ptp(mesh.points, axis=0).max())
     points, tets, line = mesh.points.copy(), mesh.tets, Line(curve_y, length, 1e-9 * size)
@@ -40,7 +39,7 @@ def with_curve(mesh: Mesh, curve_y: float, length: float, improved: bool = True)
     fixed = np.unique(tets[~near])
     triangles, walls = np.vstack(list(faces.values())), _boundary(tets, len(points))
     part = DividedMesh(points, tets[near], parts[near], triangles, names, walls, mesh.curved, fixed)
-    if _divide(part, line, 1, curve_y) + _divide(part, line, 2, 0.0) and improved:
+    if _divide(part, line, 1, curve_y) + _divide(part, line, 2, 0.0):
         improve(part, line, len(points))
     tets, parts = np.vstack([tets[~near], part.tets]), np.concatenate([parts[~near], part.parts])
     named = {name: part.triangles[part.names == k] for k, name in enumerate(faces) if name}

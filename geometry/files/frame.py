@@ -5,8 +5,7 @@ Positions are in mm and in the directions of the arm: x along it, y up, z across
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from itertools import islice
-from math import floor, log10
+from math import ceil, floor, log10
 from typing import TypeAlias
 
 import numpy as np
@@ -34,8 +33,8 @@ TURNS = {
 UNEQUAL, ROUNDED = 1e-3, 1e-4
 #: smallest and largest size of an arm, mm, and that below which a body may be in another unit
 SMALLEST, LARGEST, USUAL = 1.0, 3000.0, 10.0
-#: heights of the material curve that are looked at, of which some are tried, where that takes long, and named
-HEIGHTS, TRIED, NAMED = 25, 10, 5
+#: heights of the material curve that are looked at, and most that are named
+HEIGHTS, NAMED = 25, 5
 
 
 @dataclass(frozen=True)
@@ -159,18 +158,13 @@ def position_of(position: float) -> str:
     return f"{round(position, 9) + 0.0:.9g} mm"
 
 
-def height_advice(
-    low: float, high: float, fits: Callable[[float], bool], accepted: Callable[[float], bool] = lambda y: True
-) -> str:
-    """The second half of a sentence: some of the heights between low and high (mm) at which the material curve `fits`,
-    and is `accepted` by a check that may take long."""
+def height_advice(low: float, high: float, fits: Callable[[float], bool]) -> str:
+    """The second half of a sentence: some of the heights between low and high (mm) at which the material curve fits."""
     step = (high - low) / (HEIGHTS + 1)
     digits = max(0, 1 - floor(log10(step)))
     heights = (round(low + step * k, digits) for k in range(1, HEIGHTS + 1))  # as they are written
     fitting = [y for y in heights if fits(y)]
-    spread = fitting[:: max(1, len(fitting) // (NAMED - 1))]
-    order = [*spread, *(y for y in fitting if y not in spread)][:TRIED]
-    named = sorted(islice(filter(accepted, order), NAMED))
-    if not named:
+    if not fitting:
         return "at no height that was tried does it run through the material from end to end"
-    return f"it runs through a wall from end to end for example at y = {', '.join(f'{y + 0.0:.9g}' for y in named)} mm"
+    named = ", ".join(f"{y + 0.0:.9g}" for y in fitting[:: ceil(len(fitting) / NAMED)])
+    return f"it runs through a wall from end to end for example at y = {named} mm"

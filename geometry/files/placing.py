@@ -213,7 +213,7 @@ def divided(mesh: Mesh, curve_y: float, length: float) -> Mesh:
 
 
 def _heights(mesh: Mesh, length: float) -> str:
-    """At which of some heights the mesh could be divided along the material curve, the second half of a sentence."""
+    """At which of some heights the material curve is inside the mesh, the second half of a sentence."""
     low, high = mesh.points.min(axis=0), mesh.points.max(axis=0)
     z = 1e-3 * float(high[2] - low[2]) if low[2] >= 0 else 0.0  # within a half body
     along = np.linspace(0.0, length, 2 * HEIGHTS + 2)
@@ -223,13 +223,7 @@ def _heights(mesh: Mesh, length: float) -> str:
     def fits(y: float) -> bool:
         return all(windings(np.array([x, y, z]), corners) > 0.5 for x in along)
 
-    def accepted(y: float) -> bool:
-        try:
-            return curve_gap(with_curve(mesh, y, length, improved=False), y, length) is None
-        except MeshError:  # an element would become flat
-            return False
-
-    return height_advice(float(low[1]), float(high[1]), fits, accepted)
+    return height_advice(float(low[1]), float(high[1]), fits)
 
 
 def curve_gap(mesh: Mesh, curve_y: float, length: float) -> tuple[float, float] | None:

@@ -4,9 +4,8 @@ import ctypes
 import os
 import signal
 import threading
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from contextvars import ContextVar
 from dataclasses import dataclass
 from typing import Any
 
@@ -29,26 +28,6 @@ DEGENERATE = 1e-9
 SMALLER = "a smaller mesh.size follows thin or round walls better"
 
 _ONE_SESSION = threading.Lock()  # Gmsh has one global state per process
-
-
-_RECEIVER: ContextVar[Callable[[str], None] | None] = ContextVar("receiver of the progress of meshing", default=None)
-
-
-@contextmanager
-def progress_to(receiver: Callable[[str], None]) -> Iterator[None]:
-    """Call `receiver` with a sentence (no full stop) at each step of meshing in this thread, until the block ends."""
-    token = _RECEIVER.set(receiver)
-    try:
-        yield
-    finally:
-        _RECEIVER.reset(token)
-
-
-def report(sentence: str) -> None:
-    """Give the receiver, if there is one, a sentence on how far meshing is."""
-    receiver = _RECEIVER.get()
-    if receiver is not None:
-        receiver(sentence)
 
 
 @dataclass(frozen=True)
@@ -184,8 +163,6 @@ def generate(gmsh: Any) -> None:
 def _generate(gmsh: Any) -> None:
     mesh = gmsh.model.mesh
     mesh.generate(2)
-    report(f"the surface is meshed: {len(mesh.getElementsByType(2)[0])} triangles")
-    report("the volume is being filled with tetrahedra")
     count = len(mesh.getNodes()[0])
     gmsh.option.setNumber("Mesh.Algorithm3D", _INITIAL)
     mesh.generate(3)

@@ -7,10 +7,11 @@ one from a file.
 import hashlib
 import json
 from collections.abc import Iterator, Mapping
-from dataclasses import fields, is_dataclass, replace
-from enum import Enum
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any, Literal, get_args
+
+from pydantic_core import to_jsonable_python
 
 from fem.elements import automatic_element
 from geometry import CellPlanes, Design, DesignError, MeshError
@@ -171,10 +172,13 @@ class Config(Section):
 
     def record(self) -> JsonObject:
         """Everything that decides the results, ready for JSON, with the keys of the YAML and their units."""
-        values = {field.name: _record(getattr(self, field.name)) for field in fields(self)}
+        values = to_jsonable_python(self, by_alias=False)
+        del values["source"], values["mesh"]["chosen"]
         values["design"] = {"family": self.family, **_dimensions(self.design)}
-        special = ("source", *(() if self.materials else ("materials",)))
-        return {"geometry" if name == "design" else name: v for name, v in values.items() if name not in special}
+        values["material"] = self.material.record()
+        values["materials"] = {name: material.record() for name, material in self.materials.items()}
+        names = {"design": "geometry"}
+        return {names.get(name, name): value for name, value in values.items() if value or name != "materials"}
 
     @property
     def family(self) -> str:
@@ -240,25 +244,13 @@ class Config(Section):
         return replace(self, mesh=replace(self.mesh, size_mm=size_mm))
 
 
-def _record(value: Any) -> Json:
-    """A value as JSON: sections become objects with the names of their fields."""
-    if isinstance(value, Material):
-        return value.record()
-    if isinstance(value, CellPlanes):
-        return {"from": value.start, "to": value.stop}
-    if is_dataclass(value):
-        value = {field.name: getattr(value, field.name) for field in fields(value) if field.name != "chosen"}
-    if isinstance(value, Mapping):
-        return {str(name): _record(entry) for name, entry in value.items()}
-    if isinstance(value, tuple):
-        return [_record(entry) for entry in value]
-    return str(value.value) if isinstance(value, Enum) else value
-
-
-def _dimensions(design: Any) -> JsonObject:
+def _dimensions(design: Any) -> dict[str, Json]:
     """The keys of a design as in the YAML; a file stands there with the digest of what is in it."""
-    values = {field.name: getattr(design, field.name) for field in fields(design)}
-    if design.is_from_file:
-        values |= {"file": Path(design.file).name, "sha256": design.digest}
-    left_out = [name for name, value in values.items() if value == () or (name == "parts" and not value)]
-    return {name: _record(value) for name, value in values.items() if name not in left_out}
+    values: dict[str, Json] = {
+        name: value
+        for name, value in to_jsonable_python(design).items()
+        if value != [] and (name, value) != ("parts", {})
+    }
+    if isinstance(planes := getattr(design, "cell", None), CellPlanes):
+        values["cell"] = {"from": planes.start, "to": planes.stop}
+    return values | ({"file": Path(design.file).name, "sha256": design.digest} if design.is_from_file else {})

@@ -5,7 +5,6 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from time import perf_counter
 
-from geometry.meshing.solid import progress_to
 from pipeline.config.config import Config
 from pipeline.progress import Progress
 from pipeline.simulation.scene import Scene
@@ -33,6 +32,6 @@ def remarks_while_waiting(progress: Progress, what: str, every: float = EVERY) -
 
 
 def meshed_with_progress(config: Config, progress: Progress) -> Scene:
-    """The scene of a configuration, with remarks on how far meshing is. Raises InputError as `Scene.meshed`."""
-    with remarks_while_waiting(progress, "meshing the body"), progress_to(progress.remark):
+    """The scene of a configuration, with remarks while it is meshed. Raises InputError as `Scene.meshed`."""
+    with remarks_while_waiting(progress, "meshing the body"):
         return Scene.meshed(config)
