@@ -180,11 +180,10 @@ def sweep(
 
     from pipeline.sweep.spec import read_sweep
     from pipeline.sweep.study import Course, run_sweeps
-    from pipeline.sweep.workers import LocalWorkers, RemoteScheduler
+    from pipeline.sweep.workers import LocalWorkers
 
     sweeps = [read_sweep(file) for file in files]
-    local = LocalWorkers.of(jobs or available_cores(), memory)
-    workers = local if scheduler is None else RemoteScheduler(scheduler)
+    workers = scheduler or LocalWorkers.of(jobs or available_cores(), memory)
     parent = out or Path("results")
     folders = [parent / sweep.name if out is None or len(sweeps) > 1 else out for sweep in sweeps]
     requests = list(zip(sweeps, folders, strict=True))

@@ -23,7 +23,7 @@ from pipeline.sweep.points import Point, RefusedPoint, points_of
 from pipeline.sweep.record import FILE, FINISHED, REFUSED, WAITING, PointRecord, PointTask, kept_record
 from pipeline.sweep.spec import Run, Sweep
 from pipeline.sweep.table import Column, SolvedPoint, save_table, table_rows
-from pipeline.sweep.workers import LocalWorkers, RemoteScheduler, connected
+from pipeline.sweep.workers import Workers, connected
 
 #: the folder of the points, and the file that says what the folder is
 POINTS, RECORD = "points", "sweep.json"
@@ -37,7 +37,7 @@ PAUSE, PAUSE_OVER_WRITING = 2.0, 20.0
 class Course:
     """How a sweep is carried out; it decides no result."""
 
-    workers: LocalWorkers | RemoteScheduler
+    workers: Workers
     fresh: bool  #: whether earlier results are deleted
     retry: bool  #: whether points that were not reached are tried again
     say: Callable[[str], None]  #: receives sentences about the progress

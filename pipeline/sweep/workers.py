@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from concurrent.futures import CancelledError
 from contextlib import AbstractContextManager, contextmanager, suppress
 from dataclasses import dataclass
-from typing import TypeVar
+from typing import TypeAlias, TypeVar
 
 import dask
 from dask.utils import parse_bytes
@@ -54,21 +54,18 @@ class LocalWorkers:
     @staticmethod
     def of(jobs: int, memory: str | None) -> "LocalWorkers":
         """memory: of each worker with its unit, or None for equal parts of that of the machine. Raises InputError."""
-        least, machine = _gigabytes(LEAST_MEMORY), _gigabytes(MEMORY_LIMIT)
+        share = MEMORY_LIMIT // jobs
         try:
-            each = MEMORY_LIMIT // jobs if memory is None else parse_bytes(memory)
+            each = share if memory is None else parse_bytes(memory)
         except ValueError:
             raise InputError(f"--memory {memory}: is no amount of memory; for example --memory '4 GB'") from None
-        if memory is not None and not LEAST_MEMORY <= each <= MEMORY_LIMIT:
+        if (memory is not None or jobs > 1) and not LEAST_MEMORY <= each <= share:
+            given = f"--jobs {jobs}" if memory is None else f"--memory {memory}"
+            most = max(1, MEMORY_LIMIT // max(each, LEAST_MEMORY))
             raise InputError(
-                f"--memory {memory}: a worker needs at least {least} and this machine has {machine}; give an amount "
-                "between them with its unit, for example '4 GB'"
-            )
-        needed = LEAST_MEMORY if memory is None else each
-        if jobs > 1 and jobs * needed > MEMORY_LIMIT:
-            raise InputError(
-                f"--jobs {jobs}: each worker needs {_gigabytes(needed)}, and this machine has {machine} for all; give "
-                f"--jobs {max(1, MEMORY_LIMIT // needed)}"
+                f"{given}: each of {jobs} workers needs from {_gigabytes(LEAST_MEMORY)} to its part of the "
+                f"{_gigabytes(MEMORY_LIMIT)} of this machine; give at most --jobs {most}, or --memory with such an "
+                "amount and its unit, for example '4 GB'"
             )
         return LocalWorkers(jobs, each)
 
@@ -77,11 +74,8 @@ def _gigabytes(number: int) -> str:
     return f"{number / 1e9:.3g} GB"
 
 
-@dataclass(frozen=True)
-class RemoteScheduler:
-    """A Dask scheduler with workers of its own."""
-
-    address: str
+#: workers started here, or the address of a Dask scheduler with workers of its own
+Workers: TypeAlias = LocalWorkers | str
 
 
 def solve(task: PointTask) -> PointRecord:
@@ -122,13 +116,19 @@ class Connected:
 
 
 @contextmanager
-def connected(workers: LocalWorkers | RemoteScheduler) -> Iterator[Connected]:
+def connected(workers: Workers) -> Iterator[Connected]:
     """Workers until the block ends. Raises InputError for a scheduler that cannot be reached."""
-    if isinstance(workers, RemoteScheduler):
-        with _client(workers.address) as client:
-            number = len(client.scheduler_info(n_workers=-1)["workers"])
-            sentence = f"scheduler {workers.address}: {number} workers; dashboard: {client.dashboard_link}"
-            yield Connected(client, sentence)
+    if isinstance(workers, str):
+        try:
+            remote = Client(workers, timeout=PATIENCE)
+        except (OSError, ValueError) as failure:
+            raise InputError(
+                f"--scheduler {workers}: no scheduler answers there ({failure}); start one with `dask scheduler` and "
+                "give the address that it prints, such as tcp://127.0.0.1:8786"
+            ) from None
+        with remote:
+            number = len(remote.scheduler_info(n_workers=-1)["workers"])
+            yield Connected(remote, f"scheduler {workers}: {number} workers; dashboard: {remote.dashboard_link}")
         return
     with (
         dask.config.set(_SETTINGS),
@@ -161,19 +161,6 @@ def closed_after(resource: AbstractContextManager[Resource]) -> Iterator[Resourc
             resource.__exit__(type(failure), failure, failure.__traceback__)
         raise
     resource.__exit__(None, None, None)
-
-
-@contextmanager
-def _client(address: str) -> Iterator[Client]:
-    try:
-        client = Client(address, timeout=PATIENCE)
-    except (OSError, ValueError) as failure:
-        raise InputError(
-            f"--scheduler {address}: no scheduler answers there ({failure}); start one with `dask scheduler` and give "
-            "the address that it prints, such as tcp://127.0.0.1:8786"
-        ) from None
-    with client:
-        yield client
 
 
 def _record(future: Future) -> PointRecord:

@@ -19,7 +19,7 @@ from pipeline.sweep import study, workers
 from pipeline.sweep.record import PointRecord, PointTask
 from pipeline.sweep.spec import Sweep, read_sweep
 from pipeline.sweep.study import Course, SweepReport, run_sweeps
-from pipeline.sweep.workers import LocalWorkers, RemoteScheduler, closed_after
+from pipeline.sweep.workers import LocalWorkers, Workers, closed_after
 
 HERE = Path(__file__).resolve().parent.parent.parent.parent
 BASE = """
@@ -52,7 +52,7 @@ def sweep(file: Path) -> Sweep:
     return read_sweep(file)
 
 
-def solved(sweep: Sweep, out: Path, on: LocalWorkers | RemoteScheduler, lines: list[str] | None = None) -> SweepReport:
+def solved(sweep: Sweep, out: Path, on: Workers, lines: list[str] | None = None) -> SweepReport:
     [report] = run_sweeps([(sweep, out)], Course(on, False, False, (lines if lines is not None else []).append))
     return report
 
@@ -279,7 +279,7 @@ def test_two_workers_started_by_hand_give_the_same_table_though_one_is_killed(
 
         until(scheduler_file.is_file)
         lines = KillAtFirst()
-        solved(sweep, out, RemoteScheduler(json.loads(scheduler_file.read_text())["address"]), lines)
+        solved(sweep, out, json.loads(scheduler_file.read_text())["address"], lines)
     assert doomed.returncode == -signal.SIGKILL
     assert lines[1].startswith("scheduler tcp://127.0.0.1:")
     assert table(out) == table(results)
@@ -291,28 +291,26 @@ def test_a_scheduler_that_does_not_answer_is_named(
     monkeypatch.setattr(workers, "PATIENCE", 0.2)
     for address in ("tcp://127.0.0.1:1", "nonsense://x", "a b"):
         with pytest.raises(InputError, match=r"--scheduler .*: no scheduler answers there") as refused:
-            solved(sweep, tmp_path, RemoteScheduler(address))
+            solved(sweep, tmp_path, address)
         assert "\n" not in str(refused.value)
 
 
-@pytest.mark.parametrize("memory", ["4", "4 kB", "0.8 GB"])
-def test_too_little_memory_is_refused(memory: str) -> None:
-    with pytest.raises(InputError, match=f"--memory {memory}: a worker needs at least 0.9 GB"):
-        LocalWorkers.of(1, memory)
-
-
-def test_more_workers_than_the_memory_suffices_for_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize(
+    ("jobs", "memory", "sentence"),
+    [
+        (1, "4", "--memory 4: each of 1 workers needs from 0.9 GB"),
+        (1, "0.8 GB", "--memory 0.8 GB: each of 1 workers needs from 0.9 GB"),
+        (2, "900 TB", r"--memory 900 TB: .* part of the 25 GB of this machine; give at most --jobs 1, "),
+        (64, None, r"--jobs 64: .* 25 GB of this machine; give at most --jobs 27, "),
+        (8, "4 GB", r"--memory 4 GB: each of 8 workers .* give at most --jobs 6, "),
+        (2, "much", "--memory much: is no amount of memory"),
+    ],
+)
+def test_memory_that_workers_cannot_have_is_refused(
+    jobs: int, memory: str | None, sentence: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr(workers, "MEMORY_LIMIT", 25_000_000_000)
-    with pytest.raises(InputError, match=r"--jobs 64: each worker needs 0.9 GB, and .* 25 GB for all; give --jobs 27"):
-        LocalWorkers.of(64, None)
-    with pytest.raises(InputError, match=r"--jobs 8: each worker needs 4 GB, and .* 25 GB for all; give --jobs 6"):
-        LocalWorkers.of(8, "4 GB")
+    with pytest.raises(InputError, match=sentence):
+        LocalWorkers.of(jobs, memory)
     assert LocalWorkers.of(6, "4 GB").memory == 4_000_000_000
     assert LocalWorkers.of(27, None).memory > workers.LEAST_MEMORY
-
-
-def test_a_wrong_amount_of_memory_is_refused() -> None:
-    with pytest.raises(InputError, match=r"--memory 900 TB: a worker needs at least 0.9 GB and this machine has \d+"):
-        LocalWorkers.of(2, "900 TB")
-    with pytest.raises(InputError, match="--memory much: is no amount of memory"):
-        LocalWorkers.of(2, "much")
