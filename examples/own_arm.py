@@ -65,7 +65,7 @@ for pressure, distance in distances.items():
 # Shapes under loads that were never simulated, here a weight of 5 g at the tip at 15 kPa.
 
 # %%
-rod = results.rod(pressure_kPa=15.0)
+rod = results.rod("15 kPa")
 free, loaded = rod.solve(), rod.solve(force=(0.0, -0.005 * 9.81))
 print(f"5 g at the tip move it by {loaded.end[1] - free.end[1]:.1f} mm")
 

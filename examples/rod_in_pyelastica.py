@@ -64,7 +64,7 @@ specification.loader.exec_module(arm)
 # %%
 force = (0.0, 0.02)  # N
 dynamic = 1e3 * arm.simulate(15.0, force).position_collection[:2]  # mm
-static = results.rod(pressure_kPa=15.0).solve(force=force)
+static = results.rod("15 kPa", kind="five").solve(force=force)
 
 # %% [markdown]
 # ## 4. How far apart?

@@ -65,8 +65,20 @@ def init(
     print_lines(f"written: {file}; change it and check the body with `pneurod mesh {file}`")
 
 
+Kind = Annotated[
+    str | None,
+    typer.Option(
+        "--rod",
+        metavar="law|five|five_extensible",
+        help="The arm's own law, or five parameters; by default the rod that the verdict recommends.",
+    ),
+]
+
+
 def rod(
-    parameters: Annotated[Path, typer.Argument(metavar="PARAMETERS.json", help="Of a finished run; or a law.json.")],
+    path: Annotated[
+        Path, typer.Argument(metavar="DIR", help="Results of a run; or a parameters.json or law.json alone.")
+    ],
     pressure: Annotated[str, typer.Option(metavar="P", help="With its unit: '31 kPa'.")],
     force: Annotated[
         str | None, typer.Option(metavar="[FX, FY]", help="Dead force on the end: '[0 N, 0.05 N]'.")
@@ -77,24 +89,17 @@ def rod(
     ] = None,
     end: Annotated[str | None, typer.Option(metavar="[X, Y]", help="Position of the end from the clamped end.")] = None,
     extrapolate: Annotated[bool, typer.Option("--extrapolate", help="Go beyond the identified pressures.")] = False,
-    extensible: Annotated[
-        bool | None,
-        typer.Option(
-            "--stretch/--no-stretch",
-            help="The rod whose curve stretches, or not; by itself the one that stretches where the free curve of the "
-            "arm is longer by more than 0.5 %.",
-            show_default=False,
-        ),
-    ] = None,
+    kind: Kind = None,
     out: Annotated[Path | None, typer.Option("--out", metavar="FILE", help="Write the shape as CSV.")] = None,
 ) -> None:
     """The rod alone, in milliseconds: its shape under loads."""
-    from pipeline.rods.end_loads import EndLoads, end_lines, write_shape
-    from pipeline.rods.saved import rod_of_file
+    from pipeline.rods.choice import rod_of_path
+    from pipeline.rods.end_loads import EndLoads, end_lines, rod_at, write_shape
 
-    selected = rod_of_file(parameters, pressure, extrapolate, extensible)
-    shape = EndLoads.read(force, moment, end_y, end).shape(selected.rod)
-    print_lines(*end_lines(selected, shape), *filter(None, [selected.warning(shape)]))
+    loads, chosen = EndLoads.read(force, moment, end_y, end), rod_of_path(path, kind)
+    selected = rod_at(chosen, pressure, extrapolate)
+    shape = loads.shape(selected)
+    print_lines(*end_lines(selected, shape, chosen.error_text))
     if out is not None:
         write_shape(shape, out)
 

@@ -5,7 +5,7 @@
     results = pneurod.characterize("configs/pneunet.yaml", out="results/pneunet", progress=True)
     results = pneurod.read_results("results/pneunet")   # the same value, from the files of a finished run
     results.parameters                                  # a pandas frame, units in the column names
-    rod = results.rod(pressure_kPa=31.0)                # a pneurod.Rod
+    rod = results.rod("31 kPa")                         # the pneurod.Rod that the verdict recommends
     shape = rod.solve(force=(0.0, 0.05))                # equilibrium under an end force in N, in milliseconds
     shape.end, shape.curve                              # of the material curve, mm, from its clamped end
 
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from pipeline.errors import InputError, RunFailed
     from pneurod.characterization import characterize
     from pneurod.results import Results, read_results
-    from rod import ArmLaw, FiveParameters, Interval, LawRod, Rod, RodError, RodSolution
+    from rod import ArmLaw, FiveParameters, Interval, LawRod, Rod, RodError, RodSolution, RodWarning
 
 __all__ = [
     "ArmLaw",
@@ -36,6 +36,7 @@ __all__ = [
     "Rod",
     "RodError",
     "RodSolution",
+    "RodWarning",
     "RunFailed",
     "characterize",
     "fem",

@@ -5,7 +5,9 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from pipeline.config.units import PRESSURE, convert
 from pipeline.errors import InputError, quoted
+from rod.checked import finite
 
 _SETTING = 'a text such as "6 mm", a plain number, true or false, or a list of these'
 
@@ -27,6 +29,14 @@ def given_choice(value: Any, name: str) -> bool:
     if not isinstance(plain, bool):
         raise InputError(f"{name}: {quoted(value)} is not allowed; give True or False")
     return plain
+
+
+def given_pressure(value: Any) -> float:
+    """kPa, of a number or a text with its unit. Raises InputError for anything else."""
+    try:
+        return convert(value, PRESSURE) if isinstance(value, str) else finite(value, "The pressure in kPa")
+    except ValueError as failure:  # a RodError is one
+        raise InputError(f"pressure_kPa: {failure}") from None
 
 
 def given_settings(given: Any) -> list[tuple[str, Any]]:

@@ -1,8 +1,7 @@
 """What a run leaves, in Python: the values of the run, pandas frames with units in their columns, and its rods."""
 
 import math
-from collections.abc import Iterator
-from contextlib import contextmanager
+import warnings
 from dataclasses import asdict, dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -14,16 +13,13 @@ from pipeline.errors import InputError, quoted
 from pipeline.notes.verdict import Verdict, verdict_of
 from pipeline.results.files import read_results as read_run
 from pipeline.results.values import Effect, RodError, Run, State
-from pipeline.rods.at_pressure import RodAtPressure
 from pipeline.rods.checks import check_parameters
-from pipeline.rods.saved import pressurised_rod
-from pneurod.arguments import given_choice, given_path
+from pipeline.rods.choice import RodOfRun, check_kind, choose_rod, nothing_identified
+from pneurod.arguments import given_choice, given_path, given_pressure
 from pneurod.frames import by_pressure, curves_frame, expanded, frame_of, profiles
-from rod import PARAMETER_COLUMNS, ArmLaw, FiveParameters, Interval, OutsidePressures, PressurisedRod, Rod
+from rod import PARAMETER_COLUMNS, ArmLaw, FiveParameters, Interval, OutsidePressures, Rod, RodWarning
 from rod import RodError as NoRod
-from rod.checked import finite
 from rod.same_pressure import known_at
-from rod.solution import RodSolution
 
 
 @dataclass(frozen=True)
@@ -35,6 +31,7 @@ class Results:
     """
 
     run: Run = field(repr=False)  #: configuration, states, errors, effects and curves as frozen values
+    _rods: dict[str | None, RodOfRun] = field(default_factory=dict, init=False, repr=False, compare=False)
 
     @property
     def directory(self) -> Path:
@@ -135,12 +132,12 @@ class Results:
         clamped = self.run.curves_of("II")
         return (float(clamped[0]["x_mm"][0]), float(clamped[0]["y_mm"][0])) if clamped else (math.nan, math.nan)
 
-    def law(self, pressure_kPa: float) -> FiveParameters:
+    def law(self, pressure_kPa: float | str) -> FiveParameters:
         """The five parameters at an identified pressure. Raises InputError for another one."""
         row = self._row(pressure_kPa)
         return FiveParameters(*(float(row[name]) for name in PARAMETER_COLUMNS.values()))
 
-    def interval(self, name: str, pressure_kPa: float) -> Interval:
+    def interval(self, name: str, pressure_kPa: float | str) -> Interval:
         """alpha1, alpha2 (N mm2), m01, m02 (N mm) or d (mm) with its standard deviation and 95 % interval.
 
         Raises InputError for a pressure that was not identified or a name that is none of these.
@@ -150,55 +147,40 @@ class Results:
         row, column = self._row(pressure_kPa), PARAMETER_COLUMNS[name]
         return Interval(*(float(row[f"{column}{ending}"]) for ending in ("", "_std", "_95_low", "_95_high")))
 
-    def rod(self, pressure_kPa: float, *, extensible: bool | None = None, extrapolate: bool = False) -> Rod:
-        """The rod with five parameters at a pressure; between identified pressures by cubics.
+    def rod(self, pressure_kPa: float | str, kind: str | None = None, *, extrapolate: bool = False) -> Rod:
+        """The rod at a pressure, in kPa or written with its unit ("12 kPa"): the one that the verdict recommends.
 
-        Its origin is the clamped end of the material curve. extensible: the rod whose curve stretches; None for the one
-        that stretches where the free curve is longer by more than 0.5 %. extrapolate: also outside the identified
-        pressures. Raises InputError where nothing was identified, and outside these pressures. A rod with the arm's own
-        law is `Rod(results.length_mm, law=results.arm_law.at(pressure))`.
+        kind: "law" for the arm's own law, "five" for the five parameters of the paper, "five_extensible" for those of
+        the rod whose curve stretches. Its origin is the clamped end of the material curve. extrapolate: five
+        parameters also outside the identified pressures.
+
+        Warns with `RodWarning` where the rod is less certain than usual; its `notes`, and those of its shapes, say the
+        same. Raises InputError outside its pressures, where the run has no such rod, and for an arm that leaves its
+        plane.
         """
-        rods, beyond = self._rods(extensible), given_choice(extrapolate, "extrapolate")
-        with _told():
-            return rods.at(pressure_kPa, extrapolate=beyond)
-
-    def warning(
-        self, pressure_kPa: float, shape: RodSolution, *, extensible: bool | None = None, extrapolate: bool = False
-    ) -> str:
-        """What to know where the moments of a shape of the rod leave those of its identification; else empty.
-
-        shape: from `rod(...).solve(...)` with the same other arguments. Raises as `rod`.
-        """
-        if not isinstance(shape, RodSolution):
-            raise InputError(f"shape: {quoted(shape)} is no shape of a rod; give what the `solve` of a rod returns")
-        rods, beyond = self._rods(extensible), given_choice(extrapolate, "extrapolate")
-        with _told():
-            return RodAtPressure.of(rods, pressure_kPa, beyond).warning(shape)
-
-    def _rods(self, extensible: bool | None) -> PressurisedRod:
-        if not self.pressures_kPa:
-            raise self._nothing_identified()
-        content = asdict(self.run.parameters)
-        rods = [pressurised_rod(content, stretching) for stretching in (False, True)]
-        stretches = rods[1].stretches if extensible is None else given_choice(extensible, "extensible")
-        return rods[1 if stretches else 0]
-
-    def _row(self, pressure_kPa: float) -> "pd.Series":
-        if not self.pressures_kPa:
-            raise self._nothing_identified()
+        check_kind(kind, "kind: ")
+        beyond, pressure = given_choice(extrapolate, "extrapolate"), given_pressure(pressure_kPa)
+        if kind not in self._rods:
+            self._rods[kind] = choose_rod(self.run, kind)
         try:
-            pressure = finite(pressure_kPa, "The pressure in kPa")
+            rod = self._rods[kind].at(pressure, extrapolate=beyond)
+        except OutsidePressures as failure:
+            raise InputError(f"{failure} Give extrapolate=True to go beyond it.") from None
         except NoRod as failure:
             raise InputError(str(failure)) from None
+        for note in rod.notes:
+            warnings.warn(note, RodWarning, stacklevel=2)
+        return rod
+
+    def _row(self, pressure_kPa: float | str) -> "pd.Series":
+        if not self.pressures_kPa:
+            raise nothing_identified(self.run)
+        pressure = given_pressure(pressure_kPa)
         known = known_at(self.pressures_kPa, pressure)
         if known is None:
             identified = ", ".join(f"{p:g}" for p in self.pressures_kPa)
             raise InputError(f"there are no parameters at {pressure:g} kPa; identified are {identified} kPa")
         return self.parameters.iloc[known]
-
-    def _nothing_identified(self) -> InputError:
-        reason = self.run.failure or "the run has not come to the identification"
-        return InputError(f"{self.directory}: holds no parameters of a rod: {reason}")
 
 
 def read_results(directory: Path | str) -> Results:
@@ -215,14 +197,3 @@ def read_results(directory: Path | str) -> Results:
     except (KeyError, TypeError, ValueError) as failure:  # a file that was edited by hand
         raise InputError(f"{run.directory / 'parameters.json'}: {failure}") from None
     return Results(run)
-
-
-@contextmanager
-def _told() -> Iterator[None]:
-    """Raise InputError for the error of a rod in the block."""
-    try:
-        yield
-    except OutsidePressures as failure:
-        raise InputError(f"{failure} Give extrapolate=True to go beyond it.") from None
-    except NoRod as failure:
-        raise InputError(str(failure)) from None

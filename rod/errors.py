@@ -5,6 +5,10 @@ class RodError(ValueError):
     """A request to the rod cannot be fulfilled; the message is one sentence that says why."""
 
 
+class RodWarning(UserWarning):
+    """A rod, or its shape under a load, is less certain than usual; the message is one sentence that says why."""
+
+
 def buckles_at(part: float) -> str:
     """The sentence on a path of loads that becomes unstable beyond a part of the load."""
     reached = f"{100 * part:.3g} % of the load"

@@ -28,8 +28,6 @@ from rod.law import PARAMETER_NAMES, FiveParameters
 from rod.mechanics.equilibrium import Rod
 from rod.same_pressure import as_known, known_at
 
-#: an arm whose curve is longer than at rest by more than this part, inflated without load, needs a rod that stretches
-STRETCHES = 0.005
 #: how far beyond the highest identified pressure a rod is extrapolated, over the range of identified pressures
 FARTHEST = 0.5
 #: where the numbers at an identified pressure come from
@@ -83,6 +81,7 @@ class PressurisedRod:
         by more than `FARTHEST` of it, and where the extrapolated parameters are no law.
         """
         self._interval(pressure, extrapolate)  # refuses what is outside
+        origin = self.origin_at(pressure)
         try:
             law = FiveParameters(*(self._at([getattr(law, n) for law in self.laws], pressure) for n in PARAMETER_NAMES))
         except RodError as failure:
@@ -104,16 +103,9 @@ class PressurisedRod:
             extension=extension,
             weight=self.weight,
             weight_height=self.weight_height,
+            moment_range=self.moment_range_at(pressure, extrapolate=extrapolate),
+            notes=() if origin == IDENTIFIED else (f"The parameters at {pressure:g} kPa are {origin}.",),
         )
-
-    @property
-    def stretches(self) -> bool:
-        """Whether the curve of the inflated arm without load is longer than at rest by more than STRETCHES.
-
-        False where no extensions are given.
-        """
-        rest = [np.trapezoid(e.rest_stretch, e.s) / np.ptp(e.s) - 1.0 for e in self.extensions]
-        return bool(max(np.abs(rest), default=0.0) > STRETCHES)
 
     def _at(self, values: Any, pressure: float) -> Any:
         """Values (n, ...) over the pressures at one of them, at one between by monotone cubics, or beyond by lines."""

@@ -8,7 +8,7 @@ from rod.curves.curve import Curvature, Moment, moment_between, moment_from_load
 from rod.curves.extension import Extension, extension, moment_about_neutral_axis
 from rod.curves.rest_shape import rest_curvature
 from rod.curves.uncertainty import Bootstrap, Interval
-from rod.errors import RodError
+from rod.errors import RodError, RodWarning
 from rod.export.arm import Arm
 from rod.export.formats import EXPORTS, export_arm
 from rod.identification.moment_range import MomentRange
@@ -48,6 +48,7 @@ __all__ = [
     "Rod",
     "RodError",
     "RodSolution",
+    "RodWarning",
     "Straightness",
     "TwoSlopes",
     "cell_averaged",

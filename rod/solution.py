@@ -34,6 +34,7 @@ class RodSolution:
     force: Array  #: (2,) N, F_x and F_y on the end s = l
     load_steps: int  #: steps of the continuation
     shear: Array | None = field(default=None, repr=False)  #: (n,) slope Q/GA; None: the rod does not shear
+    notes: tuple[str, ...] = ()  #: what limits the trust in this shape, a sentence each
     #: (m, 2) mm at s (m,): the material curve beside the axis, along and normal to it; None: it is the axis
     beside: Callable[[Array], Array] | None = field(default=None, repr=False)
     #: (n,) N mm, what bends a rod with two lines: its moment about the neutral axis, less that of its own weight where

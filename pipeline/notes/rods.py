@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from geometry.arrays import Array
+from pipeline.formatting import percent
 from pipeline.results.values import SMALLEST_TURN, Column, Curve, RodError, Run
 from pipeline.store.formats import ARM_LAW, EXTENSIBLE, FIVE
 
@@ -130,6 +131,39 @@ def _relative(values: Column, deviations: Column, least: Sequence[float]) -> flo
         std / size
         for value, std, smallest in pairs
         if value is not None and std is not None and (size := max(abs(value), smallest))
+    )
+
+
+@dataclass(frozen=True)
+class RodAndMesh:
+    """The largest errors of a rod under the loads that it was compared under, those of its mesh added where known."""
+
+    shape: float  #: over the length; infinite where the rod has no solution
+    force: float | None  #: over the largest force; None where no load had one
+    angle_rad: float | None  #: of the end; None where none was compared
+    mesh: MeshErrors  #: the part of the mesh
+
+    @property
+    def text(self) -> str:
+        """The errors of shape and force in words."""
+        force = "" if self.force is None else f", force within {percent(self.force)}"
+        mesh = "errors of rod and mesh added" if self.mesh.largest is not None else "the error of the mesh not included"
+        return f"shape within {percent(self.shape)} of the length{force}, {mesh}"
+
+
+def rod_and_mesh(run: Run, errors: RodErrors) -> RodAndMesh:
+    """The errors of a rod together with those of its mesh."""
+    mesh = mesh_errors(run, errors.rod)
+    bent = [curve for curve in run.curves_of("II") if not curve.load]
+    relative = mesh.kappa_0 or 0.0
+    has_force = any(row.force_N is not None for row in run.rod_errors)
+    angle = _largest(row.end_angle_error_rad for row in run.errors_of(errors.rod))
+    turn = max((float(np.ptp(curve["theta_rad"])) for curve in bent), default=0.0)
+    return RodAndMesh(
+        shape=errors.shape + max((tip_moves_by(curve, relative) for curve in bent), default=0.0),
+        force=errors.force + (mesh.force or 0.0) if has_force else None,
+        angle_rad=None if angle is None else angle + relative * turn,
+        mesh=mesh,
     )
 
 

@@ -7,8 +7,8 @@ import shlex
 from dataclasses import asdict, dataclass
 
 from geometry import Reason
-from pipeline.formatting import number, percent
-from pipeline.notes.rods import POOR, TITLES, MeshErrors, RodErrors, mesh_errors, rod_errors, tip_moves_by
+from pipeline.formatting import number
+from pipeline.notes.rods import POOR, TITLES, MeshErrors, RodAndMesh, RodErrors, rod_and_mesh, rod_errors
 from pipeline.notes.templates import report_reason
 from pipeline.results.values import Curve, Reported, Run
 from pipeline.store.formats import ARM_LAW, EXTENSIBLE, FIVE
@@ -85,12 +85,8 @@ class Verdict:
             return self.refusal.text
         if self.shape_error is None:
             return "No rod was compared with the finite elements."
-        force = "" if self.force_error is None else f", force within {percent(self.force_error)}"
-        mesh = "errors of rod and mesh added" if self.mesh.largest is not None else "the error of the mesh not included"
-        return (
-            f"Take the rod with {TITLES[self.rod]}: shape within {percent(self.shape_error)} of the length{force}, "
-            f"{mesh}."
-        )
+        errors = RodAndMesh(self.shape_error, self.force_error, None, self.mesh)
+        return f"Take the rod with {TITLES[self.rod]}: {errors.text}."
 
     def _holds(self) -> str:
         if not self.usable or self.pressures_kPa is None:
@@ -117,7 +113,8 @@ def verdict_of(run: Run) -> Verdict:
     """The verdict on the results of a run."""
     errors = rod_errors(run)
     rod = errors[0].rod if errors else ""
-    mesh = mesh_errors(run, rod) if rod else MeshErrors(None, None, None)
+    both = rod_and_mesh(run, errors[0]) if errors else None
+    mesh = MeshErrors(None, None, None) if both is None else both.mesh
     bent = [curve for curve in run.curves_of("II") if not curve.load]
     refusal = _refusal(run, errors, mesh)
     usable = bool(rod) and refusal is None
@@ -127,8 +124,8 @@ def verdict_of(run: Run) -> Verdict:
         bending=tuple(_bending(curve) for curve in bent),
         rod=rod,
         refusal=refusal,
-        shape_error=errors[0].shape + _shape_by_mesh(bent, mesh) if usable else None,
-        force_error=_force(run, errors[0], mesh) if usable else None,
+        shape_error=both.shape if both and usable else None,
+        force_error=both.force if both and usable else None,
         mesh=mesh,
         pressures_kPa=_pressures(run, rod) if rod else None,
         moments_N_mm=_moments(run, rod) if rod else None,
@@ -142,19 +139,6 @@ def verdict_of(run: Run) -> Verdict:
 def _bending(curve: Curve) -> Bending:
     x, y = curve.tip_mm
     return Bending(curve.pressure_kPa, curve.bending_deg, x, y)
-
-
-def _shape_by_mesh(bent: list[Curve], mesh: MeshErrors) -> float:
-    """How far an error of the curvature moves the most bent curve, over the length; 0 where it is not known."""
-    if mesh.kappa_0 is None or not bent:
-        return 0.0
-    return max(tip_moves_by(curve, mesh.kappa_0) for curve in bent)
-
-
-def _force(run: Run, errors: RodErrors, mesh: MeshErrors) -> float | None:
-    if all(row.force_N is None for row in run.rod_errors):
-        return None
-    return errors.force + (mesh.force or 0.0)
 
 
 def _refusal(run: Run, errors: tuple[RodErrors, ...], mesh: MeshErrors) -> Reported | None:
@@ -193,11 +177,9 @@ def _moments(run: Run, rod: str) -> tuple[float, float] | None:
 
 def _use(run: Run, rod: str) -> str:
     """The command with which the rod is used, under the load of experiment III where that is a height of the end."""
-    file = shlex.quote(str(run.directory / ("law.json" if rod == ARM_LAW else "parameters.json")))
-    stretch = {EXTENSIBLE: " --stretch", FIVE: " --no-stretch"}.get(rod, "")
     pressures = _pressures(run, rod)
     pressure = f" --pressure '{pressures[1]:g} kPa'" if pressures else ""
-    return f"Use it: pneurod rod {file}{pressure}{_load(run, pressures)}{stretch}"
+    return f"Use it: pneurod rod {shlex.quote(str(run.directory))}{pressure}{_load(run, pressures)}"
 
 
 def _load(run: Run, pressures: tuple[float, float] | None) -> str:

@@ -3,15 +3,16 @@
 pydantic checks what is read: a file that was edited by hand is refused with the key that is wrong.
 """
 
+import csv
 import json
 import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from pydantic import TypeAdapter, ValidationError
 
-from geometry.arrays import Array
 from pipeline.errors import InputError
 from pipeline.results.parameters import RodParameters
 from pipeline.results.values import Curve, Effect, Law, Reported, RodError, Run, State
@@ -74,7 +75,7 @@ def read_results(directory: Path) -> Run:
 
 
 def _check_there(directory: Path, contents: Mapping[str, Any]) -> None:
-    if any(contents.get(name) for name in ("experiments.json", "parameters.json", "run.json")):
+    if any(contents.get(name) for name in ("experiments.json", "parameters.json", "law.json", "run.json")):
         return
     if not directory.is_dir():
         raise InputError(f"{directory}: no such folder; give the folder of a run, such as results/pneunet")
@@ -121,23 +122,24 @@ def _typed(path: Path, kind: Any, content: Any) -> Any:
 def _curves(path: Path) -> tuple[Curve, ...]:
     if not path.is_file():
         return ()
-    import pandas as pd
-
     try:
-        table = pd.read_csv(path, dtype={"experiment": str, "load": str})
-        groups = table.fillna({"load": ""}).groupby(
-            [name for name in ("experiment", "pressure_kPa", "load") if name in table], sort=False
-        )
-        return tuple(_curve(key, rows) for key, rows in groups)
-    except (KeyError, ValueError, TypeError) as failure:
-        raise _unreadable(path, str(failure).partition("\n")[0]) from None
+        with path.open(encoding="utf-8", newline="") as lines:
+            table = list(reader := csv.DictReader(lines, strict=True))
+        if not reader.fieldnames:
+            raise ValueError("it is empty")
+        curves: dict[tuple[str, float, str], list[dict[str, str]]] = {}
+        for row in table:
+            key = row["experiment"], float(row["pressure_kPa"]), row.get("load", "")
+            curves.setdefault(key, []).append(row)
+        return tuple(_curve(*key, rows) for key, rows in curves.items())
+    except (KeyError, ValueError, TypeError, csv.Error) as failure:
+        raise _unreadable(path, str(failure)) from None
 
 
-def _curve(key: Any, rows: Any) -> Curve:
-    columns: dict[str, Array] = {
-        name: rows[name].to_numpy(dtype=float) for name in rows if name not in ("experiment", "pressure_kPa", "load")
-    }
-    return Curve(str(key[0]), float(key[1]), columns, str(key[2]) if len(key) > 2 else "")
+def _curve(experiment: str, pressure: float, load: str, rows: list[dict[str, str]]) -> Curve:
+    names = [name for name in rows[0] if name not in ("experiment", "pressure_kPa", "load")]
+    columns = {name: np.array([float(row[name] or "nan") for row in rows]) for name in names}
+    return Curve(experiment, pressure, columns, load)
 
 
 def _unreadable(path: Path, reason: str) -> InputError:

@@ -1,18 +1,21 @@
 """Loads on the end of a rod from the command line, and the shapes under them."""
 
 import math
+import warnings
 from dataclasses import dataclass
 from pathlib import Path
 
-from pipeline.config.units import FORCE, LENGTH, MOMENT
-from pipeline.errors import RunFailed
-from pipeline.rods.at_pressure import RodAtPressure
+from pipeline.config.units import FORCE, LENGTH, MOMENT, PRESSURE
+from pipeline.errors import InputError, RunFailed
+from pipeline.rods.choice import RodOfRun
 from pipeline.rods.options import option_pair, option_value
 from pipeline.store.atomic_file import write_atomic
+from pipeline.store.formats import ARM_LAW, EXTENSIBLE, FIVE
 from pipeline.store.result_folder import open_file
 from rod.arm_law.law import LawRod
-from rod.errors import RodError
+from rod.errors import RodError, RodWarning
 from rod.mechanics.equilibrium import Rod
+from rod.pressurised_rod import OutsidePressures
 from rod.solution import RodSolution
 
 
@@ -30,7 +33,9 @@ class EndLoads:
 
     @staticmethod
     def read(force: str | None, moment: str, end_y: str | None, end: str | None) -> "EndLoads":
-        """From the options of the command line, written with units. Raises InputError."""
+        """From the options of the command line, written with units. Raises InputError, also where they contradict."""
+        if sum(given is not None for given in (force, end_y, end)) > 1:
+            raise InputError("--force, --end-y, --end: give one of them; the others follow from it")
         return EndLoads(
             None if force is None else option_pair("--force", force, FORCE),
             option_value("--moment", moment, MOMENT),
@@ -39,39 +44,63 @@ class EndLoads:
         )
 
     def shape(self, rod: Rod) -> RodSolution:
-        """The equilibrium of a rod under these loads. Raises RunFailed where there is none."""
+        """The equilibrium of a rod under these loads; its `notes` say what a `RodWarning` would.
+
+        Raises RunFailed where there is none, InputError for an end farther away than the arm is long.
+        """
         try:
-            return rod.solve(force=self.force, moment=self.moment, end_y=self.end_y, end=self.end)
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore", RodWarning)
+                return rod.solve(force=self.force, moment=self.moment, end_y=self.end_y, end=self.end)
         except RodError as failure:
-            raise RunFailed(f"{failure}{self._beyond_reach(rod)}") from None
-
-    def _beyond_reach(self, rod: Rod) -> str:
-        """A sentence where the end of a rod that stretches is to be farther from the clamped end than the arm is long;
-        empty elsewhere: an inextensible rod says so itself."""
-        away = abs(self.end_y or 0.0) if self.end is None else math.hypot(*self.end)
-        inextensible = rod.extension is None and not isinstance(rod.law, LawRod)
-        if away <= rod.length or inextensible:
-            return ""
-        return (
-            f" The end is to be {away:g} mm away from the clamped end, but the arm is {rod.length:g} mm long at rest."
-        )
+            away = abs(self.end_y or 0.0) if self.end is None else math.hypot(*self.end)
+            if away <= rod.length:
+                raise RunFailed(str(failure)) from None
+            raise InputError(
+                f"{'--end-y' if self.end is None else '--end'}: is {away:g} mm away from the clamped end, but the arm "
+                f"is {rod.length:g} mm long"
+            ) from None
 
 
-def end_lines(selected: RodAtPressure, shape: RodSolution) -> list[str]:
-    """Which rod it is, position, angle and force of its end, and the moment at the clamp, one line each."""
+def rod_at(rods: RodOfRun, pressure: str, extrapolate: bool = False) -> Rod:
+    """The rod at a pressure written with its unit. Raises InputError."""
+    value = option_value("--pressure", pressure, PRESSURE)
+    try:
+        return rods.at(value, extrapolate=extrapolate)
+    except OutsidePressures as failure:
+        raise InputError(f"--pressure {pressure}: {failure} Give --extrapolate to go beyond it.") from None
+    except RodError as failure:
+        raise InputError(f"--pressure {pressure}: {failure}") from None
+
+
+def end_lines(rod: Rod, shape: RodSolution, errors: str = "") -> list[str]:
+    """Which rod it is, position, angle and force of its end, and the moment at the clamp, one line each; then notes.
+
+    errors: of the rod against finite elements, where known.
+    """
     x, y = shape.end
     lines = {
-        "rod": selected.description,
+        "rod": _described(rod),
+        **({"errors": errors} if errors else {}),
         "end": f"x = {_rounded(x):.3f} mm, y = {_rounded(y):.3f} mm from the clamped end of the curve",
         "end angle": f"{shape.end_angle:.4f} rad",
         "end force": f"[{shape.force[0]:.5g}, {shape.force[1]:.5g}] N",
         "moment at the clamp": f"{shape.clamp_moment:.5g} N mm",
     }
-    if any(selected.rod.weight):
-        x, y = (selected.rod.length * component for component in selected.rod.weight)
+    if any(rod.weight):
+        x, y = (rod.length * component for component in rod.weight)
         lines["weight"] = f"[{x:.5g}, {y:.5g}] N, which the rod carries besides"
     width = max(map(len, lines))
-    return [f"{name:<{width}}  {value}" for name, value in lines.items()]
+    return [*(f"{name:<{width}}  {value}" for name, value in lines.items()), *shape.notes]
+
+
+def _described(rod: Rod) -> str:
+    """Which rod it is: its name in validation.json, and its name in words."""
+    if isinstance(rod.law, LawRod):
+        return f"{ARM_LAW}: the arm's own law"
+    if rod.extension is None:
+        return f"{FIVE}: five parameters, inextensible"
+    return f"{EXTENSIBLE}: five parameters of the key eccentricity, with the stretch of the curve"
 
 
 def _rounded(coordinate: float) -> float:

@@ -71,12 +71,12 @@ def left_out(folder: Path, target: str | None, options: ExportOptions) -> list[s
     saved = SavedRod.read(path, extensible=False)
     pressures = [options.pressure] if options.pressure else [f"{known:g} kPa" for known in saved.rods.pressures]
     selected = {pressure: saved.at(pressure, options.extrapolate) for pressure in pressures}
-    sentences = [f"The numbers at {p} are {at.origin}." for p, at in selected.items() if at.origin != IDENTIFIED]
+    sentences = list(dict.fromkeys(note for rod in selected.values() for note in rod.notes))
     if SavedRod.has_extensible(path):
         stretching = SavedRod.read(path, extensible=True)
         apart = {
-            p: math.dist(at.rod.solve().end, stretching.at(p, options.extrapolate).rod.solve().end)
-            for p, at in selected.items()
+            p: math.dist(rod.solve().end, stretching.at(p, options.extrapolate).solve().end)
+            for p, rod in selected.items()
         }
         sentences.append(
             f"The exported rod is inextensible (five). {_unloaded('the rod that stretches (five_extensible)', apart)}."
@@ -94,7 +94,7 @@ def left_out(folder: Path, target: str | None, options: ExportOptions) -> list[s
             "is left out (pneurod rod has it)."
         )
     if not EXPORTS[target].has_kappa_0:
-        apart = {p: unloaded_distance(at.rod) for p, at in selected.items()}
+        apart = {p: unloaded_distance(rod) for p, rod in selected.items()}
         sentences.append(
             "The file describes a loaded rod, with the rest curvature kappa_0 - m0/alpha. "
             f"{_unloaded('the five parameters', apart)}; csv and json have kappa_0, the curvature without load, too."
@@ -130,8 +130,8 @@ def _arm(path: Path, options: ExportOptions) -> Arm:
             raise InputError(
                 f"--pressure {options.pressure}: is not exported; give one above 0 kPa, at which the arm is at rest"
             )
-        selected = saved.at(options.pressure, options.extrapolate)
-        rods, deviations, origin = (selected.rod,), saved.deviations_at(pressures[0]), selected.origin
+        rods, deviations = (saved.at(options.pressure, options.extrapolate),), saved.deviations_at(pressures[0])
+        origin = saved.rods.origin_at(pressures[0])
     radius = math.sqrt(saved.area_mm2 / math.pi)
     arm = Arm(
         pressures,

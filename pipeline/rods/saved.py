@@ -1,4 +1,4 @@
-"""The rod of a parameters.json or a law.json."""
+"""The rod of a parameters.json."""
 
 import json
 from collections.abc import Mapping, Sequence
@@ -9,10 +9,8 @@ from typing import Any
 import numpy as np
 
 from geometry.arrays import Array
-from pipeline.cell.saved import SavedLaw, is_law
 from pipeline.config.units import PRESSURE
 from pipeline.errors import InputError
-from pipeline.rods.at_pressure import RodAtPressure
 from pipeline.rods.checks import check_parameters
 from pipeline.rods.options import option_value
 from pipeline.rods.without_parameters import refuse_without_parameters
@@ -21,6 +19,7 @@ from rod.errors import RodError
 from rod.identification.moment_range import MomentRange
 from rod.law import PARAMETER_COLUMNS, FiveParameters
 from rod.load import pair
+from rod.mechanics.equilibrium import Rod
 from rod.pressurised_rod import OutsidePressures, PressurisedRod
 from rod.same_pressure import known_at
 
@@ -37,18 +36,15 @@ class SavedRod:
     averaged: tuple[Array, Array] | None  #: s (m,) in mm and kappa_0 (n, m) averaged over a cell; None likewise
 
     @staticmethod
-    def read(path: Path, extensible: bool | None = None) -> "SavedRod":
-        """The inextensible or the extensible rod of a file. Raises InputError.
-
-        extensible: None for the rod that stretches where the arm does, see `PressurisedRod.stretches`.
-        """
+    def read(path: Path, extensible: bool = False) -> "SavedRod":
+        """The inextensible or the extensible rod of a file. Raises InputError."""
         try:
             content = json.loads(path.read_text(encoding="utf-8"))
             refuse_without_parameters(path, content)
             material = content["material"]
             mass = None if content["mass_g"] is None else float(content["mass_g"])
             return SavedRod(
-                default_rod(content) if extensible is None else pressurised_rod(content, extensible),
+                pressurised_rod(content, extensible),
                 mass,
                 dict(material),
                 float(content["solid_volume_mm3"]) / float(content["length_mm"]),
@@ -84,14 +80,14 @@ class SavedRod:
         """Whether a readable file has the numbers of a rod that stretches."""
         return bool(json.loads(path.read_text(encoding="utf-8")).get("eccentricity"))
 
-    def at(self, pressure: str, extrapolate: bool = False) -> "RodAtPressure":
+    def at(self, pressure: str, extrapolate: bool = False) -> Rod:
         """The rod at a pressure written with its unit; its origin is the clamped end of the material curve.
 
         Raises InputError.
         """
         value = option_value("--pressure", pressure, PRESSURE)
         try:
-            return RodAtPressure.of(self.rods, value, extrapolate)
+            return self.rods.at(value, extrapolate=extrapolate)
         except OutsidePressures as failure:
             raise InputError(f"--pressure {pressure}: {failure} Give --extrapolate to go beyond it.") from None
         except RodError as failure:
@@ -130,31 +126,6 @@ def _averaged(profile: Mapping[str, Any]) -> tuple[Array, Array] | None:
     return np.array(profile["cell_s_mm"], float), np.array(profile["cell_averaged_per_mm"], float)
 
 
-def rod_of_file(path: Path, pressure: str, extrapolate: bool, extensible: bool | None) -> RodAtPressure:
-    """The rod of a parameters.json or of a law.json at a pressure written with its unit. Raises InputError."""
-    if path.is_dir():
-        there = [file for name in ("law.json", "parameters.json") if (file := path / name).is_file()]
-        if len(there) != 1:
-            raise InputError(
-                f"{path}: is a folder; give its law.json (the arm's own law) or parameters.json (five parameters)"
-            )
-        (path,) = there
-    try:
-        content = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError):
-        content = None  # the sentence is that of the parameters
-    if not is_law(content):
-        return SavedRod.read(path, extensible).at(pressure, extrapolate)
-    if extrapolate:
-        raise InputError("--extrapolate: the arm's own law is not extrapolated; measure it at more pressures")
-    if extensible is not None:
-        raise InputError("--stretch, --no-stretch: are for the five parameters; the arm's own law has its own stretch")
-    try:
-        return RodAtPressure(SavedLaw.of(path, content).rod(option_value("--pressure", pressure, PRESSURE)), None)
-    except RodError as failure:
-        raise InputError(f"--pressure {pressure}: {failure}") from None
-
-
 def pressurised_rod(content: Mapping[str, Any], extensible: bool = False) -> PressurisedRod:
     """The rod of the content of a parameters.json. Raises KeyError, TypeError or ValueError for one that has none."""
     check_parameters(content)
@@ -175,15 +146,3 @@ def pressurised_rod(content: Mapping[str, Any], extensible: bool = False) -> Pre
         weight=pair(content.get("weight_N_per_mm", (0.0, 0.0)), "weight_N_per_mm"),
         weight_height=float(content.get("weight_height_mm", 0.0)),
     )
-
-
-def default_rod(content: Mapping[str, Any]) -> PressurisedRod:
-    """The rod of the content of a parameters.json that stretches if the arm does, else the inextensible one.
-
-    Raises as `pressurised_rod`.
-    """
-    if content.get("eccentricity"):
-        extensible = pressurised_rod(content, extensible=True)
-        if extensible.stretches:
-            return extensible
-    return pressurised_rod(content)

@@ -9,11 +9,10 @@ import numpy as np
 from geometry import Centreline
 from geometry.arrays import Array
 from pipeline.results.values import RodError as ErrorOfRod
-from pipeline.rods.at_pressure import RodAtPressure
 from pipeline.simulation.outcome import Outcomes, Record
 from pipeline.store.formats import CURVE_PREFIXES
 from pipeline.validation.rods import ArmRods, NoSolution, Rods
-from rod import Load, RodError, RodSolution, cell_averaged, moment_from_load, without_stretch
+from rod import LawRod, Load, Rod, RodError, RodSolution, cell_averaged, moment_from_load, without_stretch
 from rod.same_pressure import is_among
 
 
@@ -157,26 +156,28 @@ def compare_rods(rods: Rods, state: ComparedState, pitch: float) -> Comparison:
     return Comparison(state, tuple(_under_load(name, rod, state) for name, rod in rods.items()), pitch)
 
 
-def _under_load(name: str, rod: RodAtPressure | NoSolution, state: ComparedState) -> RodUnderLoad:
+def _under_load(name: str, rod: Rod | NoSolution, state: ComparedState) -> RodUnderLoad:
     if isinstance(rod, NoSolution):
         return RodUnderLoad(name, rod, in_sample=False, warning="")
     solution = _solution(rod, state.record)
-    if rod.moment_range is None:  # nothing was fitted to the law of the arm
+    if isinstance(rod.law, LawRod):  # nothing was fitted to the law of the arm
         return RodUnderLoad(name, solution, in_sample=False, warning="")
-    warning = "" if isinstance(solution, NoSolution) else rod.moment_range.warning(solution)
+    warning = ""
+    if rod.moment_range is not None and isinstance(solution, RodSolution):
+        warning = rod.moment_range.warning(solution)
     return RodUnderLoad(name, solution, state.in_sample, warning)
 
 
-def _solution(rod: RodAtPressure, record: Record) -> RodSolution | NoSolution:
-    length, identified = record.centreline.length, rod.rod.length
+def _solution(rod: Rod, record: Record) -> RodSolution | NoSolution:
+    length, identified = record.centreline.length, rod.length
     if abs(length - identified) > 1e-6 * identified:
         return NoSolution(f"The numbers are those of an arm of {identified:g} mm, the shape is one of {length:g} mm.")
     load = Load()
     if record.experiment in ("III", "dead"):  # of the weight the rod itself knows
-        load = Load(record.load.force, 0.0 if rod.moment_range is None else record.load.couple)
+        load = Load(record.load.force, 0.0 if isinstance(rod.law, LawRod) else record.load.couple)
     end_x, end_y = record.held_end
     try:
-        return rod.rod.under(load, end_y, end_x)
+        return rod.under(load, end_y, end_x)
     except RodError as failure:
         return NoSolution(str(failure))
 

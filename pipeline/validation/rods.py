@@ -5,7 +5,6 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
-from pipeline.rods.at_pressure import RodAtPressure
 from pipeline.rods.saved import pressurised_rod
 from pipeline.store.formats import ARM_LAW, EXTENSIBLE, FIVE
 from rod import ArmLaw, PressurisedRod, Rod, RodError
@@ -19,7 +18,7 @@ class NoSolution:
 
 
 #: the rods of one pressure by their names
-Rods = Mapping[str, RodAtPressure | NoSolution]
+Rods = Mapping[str, Rod | NoSolution]
 
 
 @dataclass(frozen=True)
@@ -47,16 +46,15 @@ class ArmRods:
 
     def at(self, pressure: float) -> Rods:
         """The rods at a pressure in kPa, between identified ones by cubics; a reason for each that is none."""
-        rods: dict[str, RodAtPressure | NoSolution] = {}
+        rods: dict[str, Rod | NoSolution] = {}
         for name, over_pressure in self._fitted.items():
             try:
-                rods[name] = RodAtPressure.of(over_pressure, pressure, extrapolate=False)
+                rods[name] = over_pressure.at(pressure)
             except RodError as failure:
                 rods[name] = NoSolution(str(failure))
         if self.law is not None:
             try:
-                rod = Rod(self.law.length, law=self.law.at(pressure), start=self.start)
-                rods[ARM_LAW] = RodAtPressure(rod, None)
+                rods[ARM_LAW] = Rod(self.law.length, law=self.law.at(pressure), start=self.start)
             except RodError as failure:
                 rods[ARM_LAW] = NoSolution(str(failure))
         return rods

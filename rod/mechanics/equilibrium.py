@@ -14,6 +14,7 @@ stands in the place of M in kappa (`shooting`).
 
 import math
 import reprlib
+import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -25,7 +26,8 @@ from geometry.arrays import Array
 from rod.arm_law.law import ArmLaw, LawRod
 from rod.checked import finite, positive
 from rod.curves.extension import Extension
-from rod.errors import RodError
+from rod.errors import RodError, RodWarning
+from rod.identification.moment_range import MomentRange
 from rod.law import FiveParameters, TwoSlopes
 from rod.load import Load, held_at, pair, requested
 from rod.mechanics.continuation import LoadPoint, Problem, continue_to_full_load, too_large
@@ -35,6 +37,9 @@ from rod.solution import RodSolution
 
 #: how much finer than the usual the steps may become: at nearly twice the force that this solver follows to all ends
 FINEST = 60.0
+
+#: N mm, a moment whose own effect is nothing, under which the offsets of the law act
+NEXT_TO_NOTHING = 1e-9
 
 Order = Literal["as tested", "together", "pressure first"]
 
@@ -64,6 +69,8 @@ class Rod:
     #: N/mm, x and y of the weight of the arm per rest length, under which it has kappa_0 where nothing else acts
     weight: tuple[float, float] = (0.0, 0.0)
     weight_height: float = 0.0  #: mm, of its mass above the material curve
+    moment_range: MomentRange | None = None  #: of the identification of the five parameters
+    notes: tuple[str, ...] = ()  #: what limits the trust in this rod, a sentence each; every shape has them too
 
     def __post_init__(self) -> None:
         positive(self.length, "The length of a rod")
@@ -136,14 +143,29 @@ class Rod:
         end_y is prescribed, because in experiment III the end is held while the pressure rises, else pressure first.
         With the arm's own law the order is always "as tested".
 
-        Raises `RodError` when the loads contradict each other, when the end is put farther away than the rod is long,
-        and when the path ends before the full load is reached.
+        Warns with `RodWarning` where the moments leave those of the identification; the `notes` of the shape say so
+        too. Raises `RodError` when the loads contradict each other, when the end is put farther away than the rod is
+        long, and when the path ends before the full load is reached.
         """
         load, held = requested(force, moment, end, end_x, end_y)
         if isinstance(self.law, LawRod):
-            return _by_arm_law(self.law, self.start, load, held, order)
+            return replace(_by_arm_law(self.law, self.start, load, held, order), notes=self.notes)
         loaded = force is not None or load.couple != 0.0
-        return self._equilibrium(_LoadCase(load, held, _grow_together(order, held, loaded=loaded)))
+        solution = self._equilibrium(_LoadCase(load, held, _grow_together(order, held, loaded=loaded)))
+        if outside := self._outside(solution):
+            warnings.warn(outside, RodWarning, stacklevel=2)
+        return replace(solution, notes=(*self.notes, *filter(None, [outside])))
+
+    def _outside(self, shape: RodSolution) -> str:
+        """A sentence where the moments of a shape leave those of the identification; empty elsewhere."""
+        outside = "" if self.moment_range is None else self.moment_range.warning(shape)
+        if not outside:
+            return ""
+        jump = math.dist(self.under(Load()).end, self.under(Load(couple=NEXT_TO_NOTHING)).end)
+        return (
+            f"{outside} Under any load, however small, the offsets m0 bend this rod as well: its end is then "
+            f"{jump:.3g} mm from its place without load."
+        )
 
     def under(self, load: Load, end_y: float | None = None, end_x: float | None = None) -> RodSolution:
         """The equilibrium under a load, grown "as tested".

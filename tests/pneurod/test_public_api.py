@@ -6,6 +6,7 @@ import pickle
 import shutil
 import subprocess
 import sys
+import warnings
 from collections.abc import Callable, Iterator
 from dataclasses import FrozenInstanceError, replace
 from pathlib import Path
@@ -46,6 +47,12 @@ def design(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="module")
 def results(design: Path, tmp_path_factory: pytest.TempPathFactory) -> pneurod.Results:
     return pneurod.characterize(design, out=tmp_path_factory.mktemp("results"), jobs=1)
+
+
+def quiet(results: pneurod.Results, pressure: float, kind: str = "five", **options: bool) -> pneurod.Rod:
+    """A rod of the run without its warnings, which `tests/pipeline/rods/test_choice.py` has."""
+    with warnings.catch_warnings(action="ignore", category=pneurod.RodWarning):
+        return results.rod(pressure, kind, **options)
 
 
 def frames(results: pneurod.Results) -> Iterator[tuple[str, pd.DataFrame]]:
@@ -109,7 +116,7 @@ def test_parameters_carry_units_and_errors(results: pneurod.Results) -> None:
     assert results.law(16.0).alpha2 == content["alpha2_N_mm2"][1]
     assert results.law(16.00005) == results.law(16.0)  # the same pressure with six digits
     assert results.interval("alpha2", 16.00005) == spread
-    assert results.rod(16.00005).law == results.law(16.0)
+    assert quiet(results, 16.00005).law == results.law(16.0)
     assert np.isfinite(results.kappa_0["kappa_0_per_mm"]).all()
     assert results.kappa_0.groupby("pressure_kPa")["s_mm"].max().tolist() == [72.0, 72.0]
     assert np.isfinite(results.extensible["eccentricity_mm"]).all()
@@ -130,7 +137,7 @@ def test_experiments_and_curves_are_complete(results: pneurod.Results) -> None:
 def test_rods_moved_to_the_start_of_the_curve_lie_on_the_curves(results: pneurod.Results) -> None:
     free = results.curves.query("experiment == 'II' and pressure_kPa == 16.0")
     assert results.curve_start_mm == (0.0, 1.0)  # the material curve of this arm is 1 mm above its lower face
-    curve = results.rod(16.0, extensible=False).solve().positions(free["s_mm"].to_numpy()) + results.curve_start_mm
+    curve = quiet(results, 16.0).solve().positions(free["s_mm"].to_numpy()) + results.curve_start_mm
     np.testing.assert_allclose(curve, free[["rod_x_mm", "rod_y_mm"]], atol=1e-6)
 
 
@@ -139,14 +146,17 @@ def test_results_can_be_pickled_and_copied(results: pneurod.Results) -> None:
         assert again.run.record == results.run.record
         assert again.pictures == results.pictures
         pd.testing.assert_frame_equal(again.curves, results.curves)
-        assert again.rod(12.0).solve().end == results.rod(12.0).solve().end
+        assert quiet(again, 12.0).solve().end == quiet(results, 12.0).solve().end
 
 
 def test_a_pressure_that_is_no_number_is_refused(results: pneurod.Results) -> None:
-    text: Any = "12 kPa"
+    nothing: Any = None
     for method in (results.rod, results.law, lambda p: results.interval("d", p)):
-        with pytest.raises(pneurod.InputError, match="The pressure in kPa must be a finite number, not '12 kPa'"):
-            method(text)
+        with pytest.raises(pneurod.InputError, match="The pressure in kPa must be a finite number, not None"):
+            method(nothing)
+        with pytest.raises(pneurod.InputError, match=r"^pressure_kPa: '16 mm' is not a pressure"):
+            method("16 mm")
+    assert results.law("16 kPa") == results.law(16.0)
 
 
 def test_the_record_of_the_run_is_there(results: pneurod.Results) -> None:
@@ -172,24 +182,12 @@ def test_the_rod_of_results_is_the_rod_of_the_validation(results: pneurod.Result
     """In III the rod must need the force that validation.json says."""
     curve = results.curves.query("experiment == 'III' and pressure_kPa == 16.0")
     row = results.validation.query("experiment == 'III' and pressure_kPa == 16.0").iloc[0]
-    clamped = replace(results.rod(16.0), start=(0.0, float(curve["y_mm"].iloc[0])))
+    clamped = replace(quiet(results, 16.0, "five_extensible"), start=(0.0, float(curve["y_mm"].iloc[0])))
     held = clamped.solve(end_y=float(curve["y_mm"].iloc[-1]))
     assert held.force[1] == pytest.approx(row["rod_force_N"], rel=0.05)  # without the couple of the held edge
-    assert results.rod(12.0, extensible=True).extension is not None
-    with pytest.raises(pneurod.InputError, match="outside the identified range"):
-        results.rod(40.0)
-    assert results.rod(20.0, extrapolate=True).length == 72.0
-
-
-def test_a_load_beyond_the_identification_is_told(results: pneurod.Results) -> None:
-    pressure = results.pressures_kPa[-1]
-    rod = results.rod(pressure)
-    assert results.warning(pressure, rod.solve()) == ""
-    shape = rod.solve(force=(0.0, -3.0))
-    assert "N mm of the identification on" in results.warning(pressure, shape)
-    assert "N mm of the identification on" in results.warning(pressure, shape, extensible=True)
-    with pytest.raises(pneurod.InputError, match=r"Give extrapolate=True to go beyond it"):
-        results.warning(1.2 * pressure, shape)
+    with pytest.raises(pneurod.InputError, match=r"outside the identified range.* Give extrapolate=True to go beyond"):
+        results.rod(18.0, "five")
+    assert quiet(results, 20.0, extrapolate=True).length == 72.0
 
 
 def test_arguments_of_a_run_that_are_none_are_refused(design: Path) -> None:
@@ -307,33 +305,21 @@ def test_what_is_no_path_is_refused(design: Path, wrong: Any) -> None:
 @pytest.mark.parametrize("wrong", ["no", 1, None])
 def test_what_is_neither_true_nor_false_is_refused(design: Path, wrong: Any) -> None:
     results = pneurod.read_results(COARSE)
-    shape = results.rod(20.0).solve()
     calls: dict[str, list[Callable[..., object]]] = {
         "fresh": [lambda value: pneurod.characterize(design, fresh=value)],
         "progress": [lambda value: pneurod.characterize(design, progress=value)],
-        "extrapolate": [
-            lambda value: results.rod(20.0, extrapolate=value),
-            lambda value: results.warning(20.0, shape, extrapolate=value),
-        ],
+        "extrapolate": [lambda value: results.rod(20.0, extrapolate=value)],
     }
-    if wrong is not None:  # which chooses the rod
-        calls["extensible"] = [
-            lambda value: results.rod(20.0, extensible=value),
-            lambda value: results.warning(20.0, shape, extensible=value),
-        ]
     for name, functions in calls.items():
         for function in functions:
             with pytest.raises(pneurod.InputError, match=f"^{name}: {wrong!r} is not allowed; give True or False$"):
                 function(wrong)
 
 
-def test_a_name_or_a_shape_of_another_type_is_refused() -> None:
-    results, other = pneurod.read_results(COARSE), "x"
+def test_a_name_of_another_type_is_refused() -> None:
+    results = pneurod.read_results(COARSE)
     with pytest.raises(pneurod.InputError, match=r"\['alpha1'\] is no parameter of the rod; allowed: alpha1, "):
         results.interval(["alpha1"], 17.0)  # type: ignore[arg-type]
-    with pytest.raises(pneurod.InputError, match="shape: 'x' is no shape of a rod; give what the `solve` of a rod"):
-        results.warning(20.0, other)  # type: ignore[arg-type]
-    assert results.rod(20.0, extensible=np.bool_(True)).extension is not None
 
 
 def test_a_failed_run_says_where_its_results_are(design: Path, tmp_path: Path) -> None:
@@ -367,7 +353,7 @@ def test_a_stored_run_has_all_frames() -> None:
     assert set(results.validation["rod"]) == {"five", "five_extensible", "arm_law"}
     assert results.experiments["reaction_y_N"].notna().all()
     assert results.experiments["max_stretch_at_z_mm"].notna().all()
-    assert results.rod(27.0, extensible=True).extension is not None
+    assert quiet(results, 27.0, "five_extensible").extension is not None
     assert results.arm_law is not None
     assert results.verdict.rod == "arm_law"
 

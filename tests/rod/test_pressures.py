@@ -111,17 +111,6 @@ def test_an_arm_that_is_bent_without_pressure_does_not_go_to_a_straight_one():
     assert np.asarray(straight.at(0.0, extrapolate=True).kappa_0)[0, 1] == 0.0
 
 
-def test_an_arm_stretches_where_its_free_curve_is_longer_by_half_a_percent():
-    def with_stretch(stretch):
-        extension = Extension(S, np.full(len(S), 1.0 + stretch), 1.0)
-        return dataclasses.replace(ROD, extensions=(extension, extension))
-
-    assert not ROD.stretches
-    assert not with_stretch(0.004).stretches
-    assert with_stretch(0.006).stretches
-    assert with_stretch(-0.006).stretches
-
-
 def test_outside_the_range_only_on_request():
     with pytest.raises(RodError, match=r"45 kPa lies outside the identified range of 17 to 37 kPa"):
         ROD.at(45.0)

@@ -8,7 +8,6 @@ import pytest
 from fem import Seconds
 from geometry import Centreline
 from pipeline.results.values import RodError
-from pipeline.rods.at_pressure import RodAtPressure
 from pipeline.simulation.outcome import Record, StateSummary
 from pipeline.store.formats import CURVE_COLUMNS, EXTENSIBLE, FIVE
 from pipeline.validation.compare import ComparedState, compare_rods, rows_of
@@ -28,8 +27,8 @@ ALL = MomentRange(-100.0, 100.0)
 
 def rods(rod: Rod, moment_range: MomentRange = ALL) -> Rods:
     return {
-        FIVE: RodAtPressure(rod, moment_range),
-        EXTENSIBLE: RodAtPressure(replace(rod, extension=LONGER), moment_range),
+        FIVE: replace(rod, moment_range=moment_range),
+        EXTENSIBLE: replace(rod, extension=LONGER, moment_range=moment_range),
     }
 
 
@@ -173,7 +172,7 @@ def test_the_extensible_rod_follows_a_curve_that_stretches() -> None:
 def test_the_reason_of_an_extensible_rod_without_equilibrium_is_kept() -> None:
     solid = record("III", ROD, end_y=60.0)
     short = replace(ROD, extension=Extension(S, np.full(len(S), 0.3), 0.0))  # 34 mm long, its end cannot be at 60 mm
-    both = {FIVE: RodAtPressure(ROD, ALL), EXTENSIBLE: RodAtPressure(short, ALL)}
+    both = {FIVE: ROD, EXTENSIBLE: short}
     row = row_of(both, solid)
     assert row.reason == ""
     assert abs(row.force_error) < 1e-7

@@ -1,0 +1,138 @@
+"""The rods of a result folder over the pressure, and which of them to take: the one that the verdict recommends."""
+
+import json
+from dataclasses import asdict, dataclass, replace
+from math import isfinite
+from pathlib import Path
+from typing import Any
+
+from geometry import Reason
+from pipeline.cell.saved import SavedLaw, is_law
+from pipeline.errors import InputError, quoted
+from pipeline.notes.rods import RodAndMesh, rod_and_mesh
+from pipeline.notes.templates import report_reason
+from pipeline.notes.verdict import Verdict, verdict_of
+from pipeline.results.files import read_results
+from pipeline.results.values import Run
+from pipeline.rods.saved import SavedRod, pressurised_rod
+from pipeline.store.formats import ARM_LAW, EXTENSIBLE, FIVE
+from rod.arm_law.law import ArmLaw
+from rod.mechanics.equilibrium import Rod
+from rod.pressurised_rod import PressurisedRod
+
+#: the rods by the names that a user gives them: the arm's own law, five parameters, and those of a curve that stretches
+KINDS = {"law": ARM_LAW, "five": FIVE, "five_extensible": EXTENSIBLE}
+#: error of the shape over the length, of rod and mesh together, from which on every shape of the rod has a note
+NOTED = 0.05
+
+
+@dataclass(frozen=True, eq=False)  # arrays inside
+class RodOfRun:
+    """One of the rods of a run over the pressure."""
+
+    kind: str  #: one of KINDS
+    source: ArmLaw | PressurisedRod
+    errors: RodAndMesh | None = None  #: None where it was not compared with finite elements
+    notes: tuple[str, ...] = ()  #: what limits the trust in it, a sentence each
+
+    @property
+    def error_text(self) -> str:
+        """Its errors against finite elements in words; empty where it was not compared."""
+        return "" if self.errors is None or not isfinite(self.errors.shape) else self.errors.text
+
+    @property
+    def pressures_kPa(self) -> tuple[float, float]:
+        """The lowest and the highest pressure."""
+        known = self.source.pressures
+        return float(known[0]), float(known[-1])
+
+    def at(self, pressure_kPa: float, *, extrapolate: bool = False) -> Rod:
+        """The rod at a pressure; its origin is the clamped end of the material curve.
+
+        Raises `RodError` outside its pressures; on request five parameters go beyond them.
+        """
+        if isinstance(self.source, PressurisedRod):
+            rod = self.source.at(pressure_kPa, extrapolate=extrapolate)
+        elif extrapolate:
+            raise InputError("the arm's own law is not extrapolated; measure it at more pressures, or take rod five")
+        else:
+            rod = Rod(self.source.length, law=self.source.at(pressure_kPa))
+        return replace(rod, notes=(*self.notes, *rod.notes))
+
+
+def rod_of_path(path: Path, kind: str | None) -> RodOfRun:
+    """The rod of a result folder, or the one of a parameters.json or a law.json alone. Raises InputError."""
+    check_kind(kind, "--rod ")
+    if path.is_dir():
+        return choose_rod(read_results(path), kind)
+    try:
+        content = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        content = None  # the sentence is that of the parameters
+    there = ("law",) if is_law(content) else ("five", "five_extensible")
+    if kind not in (None, *there):
+        raise InputError(f"--rod {kind}: is not in {path.name}; give the folder of the run")
+    if is_law(content):
+        return RodOfRun("law", SavedLaw.of(path, content).law)
+    chosen = kind or "five"
+    return RodOfRun(chosen, SavedRod.read(path, extensible=chosen == "five_extensible").rods)
+
+
+def check_kind(kind: Any, before: str) -> None:
+    """Raise InputError for what is no name of a rod; before: how it was given, up to the name."""
+    if kind is not None and (not isinstance(kind, str) or kind not in KINDS):
+        raise InputError(f"{before}{kind if isinstance(kind, str) else quoted(kind)}: allowed are {', '.join(KINDS)}")
+
+
+def choose_rod(run: Run, kind: str | None = None) -> RodOfRun:
+    """The rod that the verdict recommends, or the one of a kind.
+
+    Where nothing was compared with finite elements it is the one with the arm's own law, if there is one. Raises
+    InputError where the run has no such rod, and for an arm that leaves its plane.
+    """
+    verdict = verdict_of(run)
+    if verdict.refusal is not None and verdict.refusal.code == "out_of_plane":
+        raise InputError(f"{run.directory}: {verdict.refusal.text}")
+    names = {name: kind for kind, name in KINDS.items()}
+    chosen = kind or names.get(verdict.rod, "law" if run.law else "five")
+    rod = KINDS[chosen]
+    compared = next((errors for errors in verdict.errors if errors.rod == rod), None)
+    errors = None if compared is None else rod_and_mesh(run, compared)
+    return RodOfRun(chosen, _source(run, chosen), errors, _notes(verdict, errors))
+
+
+def _source(run: Run, kind: str) -> ArmLaw | PressurisedRod:
+    if kind == "law":
+        if run.law is None:
+            raise InputError(f"{run.directory}: has no law.json, the arm's own law{_why(run)}; take rod five")
+        return SavedLaw.read(run.directory / "law.json").law
+    if not run.identified_kPa:
+        raise nothing_identified(run)
+    extensible = kind == "five_extensible"
+    if extensible and run.parameters.eccentricity is None:
+        raise InputError(f"{run.directory}: has no parameters of a rod that stretches; take rod five")
+    return pressurised_rod(asdict(run.parameters), extensible)
+
+
+def nothing_identified(run: Run) -> InputError:
+    """The refusal of a run without five parameters."""
+    reason = run.failure or "the run has not come to the identification"
+    return InputError(f"{run.directory}: holds no parameters of a rod: {reason}")
+
+
+def _why(run: Run) -> str:
+    """Why a run has no law of its own, a clause in brackets; empty where it does not say so."""
+    reason = next((r.text for r in (*run.failures, *run.remarks) if r.code == "no_arm_law"), "")
+    return f" ({reason.rstrip('.')})" if reason else ""
+
+
+def _notes(verdict: Verdict, errors: RodAndMesh | None) -> tuple[str, ...]:
+    """The refusal of the verdict, a large error, or one that is not known."""
+    notes = [] if verdict.refusal is None else [verdict.refusal.text]
+    if errors is None:
+        return tuple(notes)
+    if errors.mesh.largest is None:
+        notes.append(report_reason(Reason("mesh_error_unknown")).text)
+    if verdict.refusal is None and errors.shape > NOTED:
+        notes.append(f"The errors of this rod are large: {errors.text}.")
+    return tuple(notes)
