@@ -29,7 +29,15 @@ def output_of(name: str, *arguments: str, cwd: Path) -> str:
     The errors of its coarse rods, which a `RodWarning` tells, are allowed.
     """
     environment = {**os.environ, "PYTHONPATH": str(HERE), "MPLBACKEND": "agg"}
-    command = [sys.executable, "-W", "error", "-W", "ignore::rod.errors.RodWarning", str(EXAMPLES / f"{name}.py"), *arguments]
+    command = [
+        sys.executable,
+        "-W",
+        "error",
+        "-W",
+        "ignore::rod.errors.RodWarning",
+        str(EXAMPLES / f"{name}.py"),
+        *arguments,
+    ]
     ended = subprocess.run(command, capture_output=True, text=True, check=False, cwd=cwd, env=environment)
     assert (ended.returncode, ended.stderr) == (0, "")
     return ended.stdout

@@ -21,9 +21,11 @@ LARGE_MESH_ERROR, FINER = 0.10, 2 / 3
 MOST_NAMED = 3
 #: warnings that the verdict shows
 MOST_WARNINGS = 3
+#: code of the remark on an arm that no rod describes
+OUT_OF_PLANE = "out_of_plane"
 #: codes of remarks by rank; others follow in the order in which they were found
 RANKS = (
-    *("beyond_law", "out_of_plane", "volume_lost", "volume_lost_unevenly", "law_beyond_end", "hardly_bent"),
+    *("beyond_law", OUT_OF_PLANE, "volume_lost", "volume_lost_unevenly", "law_beyond_end", "hardly_bent"),
     *("rigidity_open", "one_rigidity_poor"),
 )
 
@@ -65,8 +67,11 @@ class Verdict:
     @property
     def lines(self) -> tuple[str, ...]:
         """The verdict in words, at most eight lines."""
-        lines = [self._bends(), self._takes(), self._holds(), self.command, *self._not_reached()]
+        lines = [*self._leaves_plane(), self._bends(), self._takes(), self._holds(), self.command, *self._not_reached()]
         return tuple(filter(None, (*lines, *(f"Warning: {warning.text}" for warning in self.warnings))))
+
+    def _leaves_plane(self) -> list[str]:
+        return [f"{self.design}: {self.refusal.text}"] if self.refusal and self.refusal.code == OUT_OF_PLANE else []
 
     def _bends(self) -> str:
         if not self.bending:
@@ -82,7 +87,7 @@ class Verdict:
 
     def _takes(self) -> str:
         if self.refusal is not None:
-            return self.refusal.text
+            return "" if self.refusal.code == OUT_OF_PLANE else self.refusal.text
         if self.shape_error is None:
             return "No rod was compared with the finite elements."
         errors = RodAndMesh(self.shape_error, self.force_error, None, self.mesh)
@@ -143,10 +148,10 @@ def _bending(curve: Curve) -> Bending:
 
 def _refusal(run: Run, errors: tuple[RodErrors, ...], mesh: MeshErrors) -> Reported | None:
     """Why no rod should be used: the arm leaves the plane, the mesh is too coarse, or every rod is far off."""
+    if plane := next((remark for remark in run.remarks if remark.code == OUT_OF_PLANE), None):
+        return plane
     if not errors:
         return None
-    if plane := next((remark for remark in run.remarks if remark.code == "out_of_plane"), None):
-        return plane
     if errors[0].shape > POOR:
         return report_reason(Reason("no_rod_is_near", {"percent": 100.0 * errors[0].shape}))
     if (mesh.largest or 0.0) > LARGE_MESH_ERROR:

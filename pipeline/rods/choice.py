@@ -11,7 +11,7 @@ from pipeline.cell.saved import SavedLaw, is_law
 from pipeline.errors import InputError, quoted
 from pipeline.notes.rods import RodAndMesh, rod_and_mesh
 from pipeline.notes.templates import report_reason
-from pipeline.notes.verdict import Verdict, verdict_of
+from pipeline.notes.verdict import OUT_OF_PLANE, Verdict, verdict_of
 from pipeline.results.files import read_results
 from pipeline.results.values import Run
 from pipeline.rods.saved import SavedRod, pressurised_rod
@@ -90,15 +90,20 @@ def choose_rod(run: Run, kind: str | None = None) -> RodOfRun:
     Where nothing was compared with finite elements it is the one with the arm's own law, if there is one. Raises
     InputError where the run has no such rod, and for an arm that leaves its plane.
     """
+    refuse_out_of_plane(run)
     verdict = verdict_of(run)
-    if verdict.refusal is not None and verdict.refusal.code == "out_of_plane":
-        raise InputError(f"{run.directory}: {verdict.refusal.text}")
     names = {name: kind for kind, name in KINDS.items()}
     chosen = kind or names.get(verdict.rod, "law" if run.law else "five")
     rod = KINDS[chosen]
     compared = next((errors for errors in verdict.errors if errors.rod == rod), None)
     errors = None if compared is None else rod_and_mesh(run, compared)
     return RodOfRun(chosen, _source(run, chosen), errors, _notes(verdict, errors))
+
+
+def refuse_out_of_plane(run: Run) -> None:
+    """Raise InputError for an arm that leaves its plane."""
+    if remark := next((remark for remark in run.remarks if remark.code == OUT_OF_PLANE), None):
+        raise InputError(f"{run.directory}: {remark.text}")
 
 
 def _source(run: Run, kind: str) -> ArmLaw | PressurisedRod:

@@ -8,6 +8,8 @@ from pathlib import Path
 from pipeline.cell.saved import SavedLaw
 from pipeline.config.units import PRESSURE
 from pipeline.errors import InputError, RunFailed
+from pipeline.results.files import read_results
+from pipeline.rods.choice import refuse_out_of_plane
 from pipeline.rods.options import option_value
 from pipeline.rods.saved import SavedRod
 from pipeline.store.result_folder import open_folder
@@ -46,6 +48,8 @@ def exported(folder: Path, target: str | None, options: ExportOptions) -> list[P
         raise InputError(f"--law {options.law}: allowed are {', '.join(LAWS)}")
     if folder.is_file():
         raise InputError(f"{folder}: is a file; give the folder of the run, {folder.parent}")
+    if (folder / "run.json").is_file():
+        refuse_out_of_plane(read_results(folder))
     into = options.out or folder
     if _takes_law(folder, options):
         return [_law_table(folder / "law.json", target, into, options)]

@@ -88,7 +88,9 @@ def test_an_arm_that_leaves_the_plane_has_no_rod(run: Run) -> None:
     refused = verdict_of(replace(run, remarks=(out,)))
     assert refused.refusal is not None
     assert refused.refusal.code == "out_of_plane"
-    assert "3 mm" in refused.lines[1]
+    assert refused.lines[0] == "pneunet_coarse: The arm leaves its plane by 3 mm."
+    assert sum("3 mm" in line for line in refused.lines) == 1
+    assert verdict_of(replace(run, remarks=(out,), rod_errors=())).refusal == out  # without a rod to compare, too
     assert not refused.warnings  # it is said once
 
 

@@ -67,6 +67,16 @@ def test_an_arm_that_leaves_its_plane_has_no_rod() -> None:
             choose_rod(replace(coarse_run(MESH_ERROR), remarks=(out,)), kind)
 
 
+def test_commands_refuse_an_arm_that_leaves_its_plane_and_write_nothing(tmp_path: Path) -> None:
+    remark = {"code": "out_of_plane", "values": {}, "where": None, "text": "The arm leaves its plane."}
+    folder = copy_with(tmp_path / "arm", "run.json", lambda record: record | {"remarks": [remark]})
+    before = sorted(folder.iterdir())
+    for command in (("rod", str(folder), "--pressure", "17 kPa"), ("export", str(folder), "--to", "csv")):
+        ended = CliRunner().invoke(app, command)
+        assert (ended.exit_code, ended.stderr) == (2, f"pneurod: {folder}: The arm leaves its plane.\n")
+    assert sorted(folder.iterdir()) == before
+
+
 def test_a_law_alone_is_taken(tmp_path: Path) -> None:
     """As `pneurod cell` leaves it: nothing was compared with finite elements."""
     shutil.copy(COARSE / "law.json", tmp_path)
