@@ -7,9 +7,9 @@ class MeshError(ValueError):
     """A mesh that cannot be used, with the reason in one sentence."""
 
 
-def position_text(point: Iterable[float]) -> str:
-    """A point (3,) in mm to a tenth of a millimetre, with the unit, for sentences."""
-    return "(" + ", ".join(f"{x:.1f}" for x in point) + ") mm"
+def position_text(point: Iterable[float], digits: str = ".1f") -> str:
+    """A point (3,) in mm with its unit, for sentences; digits: as in a format, by default a tenth of a millimetre."""
+    return "(" + ", ".join(f"{x:{digits}}" for x in point) + ") mm"
 
 
 class DesignError(ValueError):

@@ -199,85 +199,63 @@ class PneuNet(SymmetricDesign):
         if self.has_equal_cells:
             return super().body(size, grading)
         self.check_size(size)
-        solid = mesh_solid(self._whole(), size, grading)
+        solid = mesh_solid(self._solid({"arm": (0.0, self.length)}), size, grading)
         planes = {"clamp": (0, 0.0), "tip": (0, self.length), "sym": (2, 0.0)}
         return self._body(
             name_faces(solid.points, solid.regions["arm"], solid.walls, planes, solid.curved), self.length, True
         )
 
-    def _whole(self) -> Solid:
-        """The arm with all its chambers."""
-        z, top, chambers = self.width / 2, self.base + self.strip, self._chambers
-        plate, bottom = self.base_plate(0.0, self.length)
-        blocks: list[Shape] = [Box((0.0, bottom, 0.0), (self.length, top, z))]
-        for chamber in chambers:
-            blocks.append(Box((chamber.start, bottom, 0.0), (chamber.stop, top + chamber.height, z)))
-            blocks += [*self._fillet(chamber.start, -1), *self._fillet(chamber.stop, 1)]
-        air: dict[str, list[Shape]] = {
-            "cavity": [
-                Box(
-                    (chamber.start + self.wall, self.base, 0.0),
-                    (chamber.stop - self.wall, top + chamber.height - self.roof, z - self.side_wall),
-                )
-                for chamber in chambers
-            ],
-            "gap": [],
-        }
-        for before, behind in pairwise(chambers):
-            inner = (before.stop - self.wall, behind.start + self.wall)
-            channel = (inner[1], self.base + self.channel, self.channel / 2)
-            air["cavity"].append(Box((inner[0], self.base, 0.0), channel))
-            ceiling = top + max(before.height, behind.height)
-            fillets = [*self._fillet(before.stop, 1), *self._fillet(behind.start, -1)]
-            air["gap"].append(Box((before.stop, top, 0.0), (behind.start, ceiling, z), fillets))
-        return Solid({"arm": [*plate, blocks]}, {name: shapes for name, shapes in air.items() if shapes})
-
-    def _fillet(self, x: float, side: int) -> list[Fillet]:
-        """Of the edge below a wall, on its outside."""
-        return [Fillet(x, self.base + self.strip, self.fillet, side, self.width / 2)] if self.fillet else []
-
     def repetition(self, size: float, grading: Grading) -> Repetition:
         if not self.has_equal_cells:
             raise DesignError(next(name for name in self.lists if getattr(self, name)), self.why_no_cell)
         gap, chamber_length = self._each("gap")[0], self._each("chamber_length")[0]
-        middle = gap + chamber_length / 2
-        edge = 1.5 * gap + chamber_length
-        return Repetition(mesh_solid(self._drawing(middle, edge), size, grading), middle, edge, 2 * (self.chambers - 1))
+        middle, edge = gap + chamber_length / 2, 1.5 * gap + chamber_length
+        regions = {"end": (0.0, middle), "cell": (middle, edge)} if self.chambers > 1 else {"end": (0.0, middle)}
+        return Repetition(mesh_solid(self._solid(regions), size, grading), middle, edge, 2 * (self.chambers - 1))
 
-    def _drawing(self, middle: float, edge: float) -> Solid:
-        """The end piece and the half cell that are repeated.
+    def _solid(self, regions: Mapping[str, tuple[float, float]]) -> Solid:
+        """The half z >= 0 of the arm between two x (mm) for each region."""
+        air: dict[str, list[Shape]] = {"cavity": [], "gap": []}
+        for start, stop in regions.values():
+            air["cavity"] += self._cavities(start, stop)
+            air["gap"] += self._gaps(start, stop)
+        material = {name: self._blocks(start, stop) for name, (start, stop) in regions.items()}
+        return Solid(material, {name: shapes for name, shapes in air.items() if shapes})
 
-        The end piece reaches to the middle of the first chamber (x = middle, mm). With more than one chamber the half
-        cell reaches from there to the middle of the first gap (x = edge, mm).
-        """
-        z, first, fillet = self.width / 2, self._chambers[0], self._fillet
-        near, far, ceiling = first.start, first.stop, self.base + self.strip + first.height
+    def _blocks(self, start: float, stop: float) -> list[list[Shape]]:
+        """The base plate, and the strip with chambers and fillets, without cavities."""
+        plate, bottom = self.base_plate(start, stop)
+        top, z = self.base + self.strip, self.width / 2
+        blocks: list[Shape] = [Box((start, bottom, 0.0), (stop, top, z))]
+        for chamber in self._chambers:
+            low, high = max(start, chamber.start), min(stop, chamber.stop)
+            if low < high:
+                blocks.append(Box((low, bottom, 0.0), (high, top + chamber.height, z)))
+            blocks += self._fillets({chamber.start: -1, chamber.stop: 1}, start, stop)
+        return [*plate, blocks]
 
-        def plates_and_block(
-            start: float, stop: float, chamber: tuple[float, float], fillets: list[Fillet]
-        ) -> list[list[Shape]]:
-            plate, bottom = self.base_plate(start, stop)
-            return [
-                *plate,
-                [
-                    Box((start, bottom, 0), (stop, self.base + self.strip, z)),
-                    Box((chamber[0], bottom, 0), (chamber[1], ceiling, z)),
-                    *fillets,
-                ],
-            ]
+    def _cavities(self, start: float, stop: float) -> list[Shape]:
+        """The air in chambers, and then that in channels."""
+        wall, channel = self.wall, (self.base + self.channel, self.channel / 2)
+        top, z = self.base + self.strip, self.width / 2 - self.side_wall
+        ranges = [(c.start + wall, c.stop - wall, top + c.height - self.roof, z) for c in self._chambers]
+        ranges += [(one.stop - wall, two.start + wall, *channel) for one, two in pairwise(self._chambers)]
+        cut = [(max(start, low), min(stop, high), y, z) for low, high, y, z in ranges]
+        return [Box((low, self.base, 0.0), (high, y, z)) for low, high, y, z in cut if low < high]
 
-        def cavity(start: float, stop: float) -> Box:
-            return Box((start, self.base, 0), (stop, ceiling - self.roof, z - self.side_wall))
+    def _gaps(self, start: float, stop: float) -> list[Shape]:
+        """The air in gaps up to the higher one of the chambers beside them."""
+        top, shapes = self.base + self.strip, list[Shape]()
+        for before, behind in pairwise(self._chambers):
+            low, high = max(start, before.stop), min(stop, behind.start)
+            if low < high:
+                upper = (high, top + max(before.height, behind.height), self.width / 2)
+                fillets = self._fillets({before.stop: 1, behind.start: -1}, start, stop)
+                shapes.append(Box((low, top, 0.0), upper, fillets))
+        return shapes
 
-        end = plates_and_block(0, middle, (near, middle), fillet(near, -1))
-        if self.chambers == 1:
-            return Solid({"end": end}, {"cavity": [cavity(near + self.wall, middle)]})
-        inner = far - self.wall
-        channel = Box((inner, self.base, 0), (edge, self.base + self.channel, self.channel / 2))
-        return Solid(
-            material={"end": end, "cell": plates_and_block(middle, edge, (middle, far), fillet(far, 1))},
-            air={
-                "cavity": [cavity(near + self.wall, middle), cavity(middle, inner), channel],
-                "gap": [Box((far, self.base + self.strip, 0), (edge, ceiling, z), fillet(far, 1))],
-            },
-        )
+    def _fillets(self, walls: Mapping[float, int], start: float, stop: float) -> list[Fillet]:
+        """Of the edges below walls between start and stop, each by the side (1 or -1) of its outside."""
+        top, z = self.base + self.strip, self.width / 2
+        within = {x: side for x, side in walls.items() if start < x <= stop and self.fillet}
+        return [Fillet(x, top, self.fillet, side, z) for x, side in within.items()]

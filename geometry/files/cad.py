@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from geometry.arrays import Array
 from geometry.curved import CurvedEdges
 from geometry.errors import DesignError
 from geometry.files.cad_checks import BODY, check_curve, check_ends, check_position, check_symmetric, named_parts
@@ -29,8 +30,6 @@ from geometry.meshing.solid import SolidMesh, collect_mesh, generate, optimize, 
 
 #: A mesh with a tetrahedron of a smaller radius ratio than this is optimized once more.
 FLAT = 0.05
-
-
 #: Length (mm) of an edge below which it is a point, such as the pole of a sphere.
 SHORTEST = 1e-6
 
@@ -120,13 +119,9 @@ def mesh_session(gmsh: Any, size: float, grading: Grading, half: bool) -> None:
 
 
 def _named_mesh(body: CadBody, mesh: SolidMesh) -> Mesh:
-    """The mesh with its clamp at x = 0 and named faces; points near the named planes are moved into them."""
-    points = mesh.points - [body.clamp, 0, 0]
+    """The mesh with its clamp at x = 0 and named faces."""
     length = body.tip - body.clamp
-    tolerance = 1e-6 * length
-    for axis, position in ((0, 0.0), (0, length), (1, body.curve), (2, 0.0)):
-        near = np.abs(points[:, axis] - position) < tolerance  # files carry about seven digits
-        points[near, axis] = position
+    points = in_frame_of(body, mesh.points, (0.0, length))
     planes = {"clamp": (0, 0.0), "tip": (0, length)} | ({"sym": (2, 0.0)} if body.half else {})
     curved = CurvedEdges(mesh.curved.ends, mesh.curved.middles - [body.clamp, 0, 0])
     tets = np.vstack(list(mesh.regions.values()))
@@ -138,6 +133,16 @@ def _named_mesh(body: CadBody, mesh: SolidMesh) -> Mesh:
     numbers = np.split(np.arange(len(tets)), ends[:-1])
     regions = {name: of_name for name, of_name in zip(mesh.regions, numbers, strict=True) if name != BODY}
     return replace(named, regions=regions)
+
+
+def in_frame_of(body: CadBody, points: Array, planes: Collection[float]) -> Array:
+    """Points (n, 3), mm, moved so that the clamp is at x = 0; those near a plane (x, mm), the height of the curve or
+    z = 0 lie there exactly."""
+    moved = points - [body.clamp, 0, 0]
+    tolerance = 1e-6 * (body.tip - body.clamp)  # files carry about seven digits
+    for axis, position in (*((0, x) for x in planes), (1, body.curve), (2, 0.0)):
+        moved[np.abs(moved[:, axis] - position) < tolerance, axis] = position
+    return moved
 
 
 @contextmanager

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from geometry.arrays import Array
-from geometry.errors import DesignError
+from geometry.errors import DesignError, position_text
 from geometry.files.cad_defeature import without_narrow_faces
 from geometry.files.frame import Point
 from geometry.meshing.solid import Volume, session
@@ -83,7 +83,7 @@ class CadBody:
         """A point of this frame in the one that the user knows; digits: as in a format, such as .4."""
         x, y, z = point
         upright = (-x, y, z if self.half else -z) if self.turned else point
-        return "(" + ", ".join(f"{coordinate + 0.0:{digits}g}" for coordinate in upright) + ") mm"
+        return position_text((coordinate + 0.0 for coordinate in upright), f"{digits}g")
 
     def within_half(self, point: Point, low: Point, high: Point) -> Point:
         """A point, or its mirror image in the half z > 0 if that alone is meshed; low, high: bounds of the body, mm."""

@@ -16,7 +16,7 @@ import numpy as np
 from geometry.arrays import Array
 from geometry.curved import CurvedEdges
 from geometry.errors import DesignError
-from geometry.files.cad import cad_session, keep_material, mesh_session
+from geometry.files.cad import cad_session, in_frame_of, keep_material, mesh_session
 from geometry.files.cad_import import CadBody
 from geometry.files.cad_mirror import Difference, box, difference, have_equal_boundaries, moments
 from geometry.files.frame import CellPlanes
@@ -193,7 +193,7 @@ def mesh_cells(body: CadBody, cells: Cells, size: float, grading: Grading) -> Re
         keep_material(gmsh, list(material))
         mesh_session(gmsh, size, grading, body.half)
         mesh = collect_mesh(gmsh, material, walls, list(windows), body.cavities)
-    points = _in_frame(mesh.points, body, (0.0, middle, edge, length - shift))
+    points = in_frame_of(body, mesh.points, (0.0, middle, edge, length - shift))
     within = np.unique(mesh.regions["cell"])
     for name, triangles in mesh.walls.items():
         if not np.isin(triangles, within).all(axis=1).any():
@@ -208,15 +208,6 @@ def mesh_cells(body: CadBody, cells: Cells, size: float, grading: Grading) -> Re
         *(middle, edge, cells.half_cells, last),
         half=body.half,
     )
-
-
-def _in_frame(points: Array, body: CadBody, planes: tuple[float, ...]) -> Array:
-    """Points (n, 3), mm, moved so that the clamp is at x = 0; those near a named plane lie in it exactly."""
-    moved = points - [body.clamp, 0, 0]
-    tolerance = 1e-6 * (body.tip - body.clamp)
-    for axis, position in (*((0, x) for x in planes), (1, body.curve), (2, 0.0)):
-        moved[np.abs(moved[:, axis] - position) < tolerance, axis] = position
-    return moved
 
 
 def _fragmented(

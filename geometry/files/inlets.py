@@ -15,7 +15,7 @@ from typing import Any, Protocol, TypeVar
 import numpy as np
 
 from geometry.arrays import Array, Index, Mask
-from geometry.errors import DesignError
+from geometry.errors import DesignError, position_text
 from geometry.files.cad_defeature import Faces, without_faces
 from geometry.files.cad_import import CadBody, bounds, is_in_material
 from geometry.files.frame import Point
@@ -257,6 +257,6 @@ def fill_surface_inlets(surface: Surface, plugs: Mapping[str, Point]) -> tuple[S
         mouth = _around(patches.mouths(point, near), point, near)
         result = None if mouth is None else patches.filled(mouth)
         if result is None:
-            raise _refusal(name, "(" + ", ".join(f"{x:g}" for x in point) + ") mm")
+            raise _refusal(name, position_text(point, "g"))
         surface, depths[name] = result
     return surface, depths

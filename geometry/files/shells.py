@@ -5,7 +5,7 @@ from collections.abc import Iterable, Mapping
 import numpy as np
 
 from geometry.arrays import Array, Index, Mask
-from geometry.errors import DesignError
+from geometry.errors import DesignError, position_text
 from geometry.files.frame import Point
 from geometry.topology import open_edges, parts_of_graph, row_keys, triangle_edges
 from geometry.vectors import cross
@@ -101,7 +101,7 @@ def named_cavities(
     closed = [closed_by_mirrors(points[walls], mirrors) for walls in inner] if air else []
     named, taken = {} if air or len(inner) > 1 else {"cavity": inner[0]}, dict[int, str]()
     for name, given in air.items():
-        at, place = np.array(given, dtype=float), "the point (" + ", ".join(f"{x:g}" for x in given) + ") mm"
+        at, place = np.array(given, dtype=float), f"the point {position_text(given, 'g')}"
         holder = next((k for k, corners in enumerate(closed) if abs(windings(at, corners)) > 0.5), None)
         if holder is not None and any((at[0] - x) * (middle_of(points, inner[holder])[0] - x) < 0 for x in clamps):
             raise DesignError(f"air.{name}", f"{place} lies behind the plane of the clamp; give a point in a cavity")
@@ -116,7 +116,7 @@ def named_cavities(
     others = [walls for k, walls in enumerate(inner) if k not in taken] if air or not named else []
     nameless = [walls for walls in others if not (air and opens_at(points, walls, mirrors))]
     if nameless:
-        places = "; ".join(_position(points, walls) for walls in nameless)
+        places = "; ".join(position_text(middle_of(points, walls) + 0.0, ".4g") for walls in nameless)
         raise DesignError("air", f"no name for {len(nameless)} cavities, around {places}; give a point in each")
     if clamps and not any(opens_at(points, walls, mirrors) for walls in named.values()):
         raise DesignError("plug", NOTHING_OPEN)
@@ -141,7 +141,3 @@ def lies_in(points: Array, triangles: Index, plane: tuple[int, float], tolerance
 def middle_of(points: Array, walls: Index) -> Array:
     corners = points[walls].reshape(-1, 3)
     return np.asarray((corners.min(axis=0) + corners.max(axis=0)) / 2)
-
-
-def _position(points: Array, walls: Index) -> str:
-    return "(" + ", ".join(f"{x + 0.0:.4g}" for x in middle_of(points, walls)) + ") mm"
