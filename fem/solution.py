@@ -14,6 +14,7 @@ from fem.effects.tightening import Tightening
 from fem.equations.state import Change
 from fem.reasons import Reasons, position_of, reasons_of, sentence
 from fem.supports import Where, nodes_at
+from geometry import PneurodError
 from geometry.arrays import Array, Index
 
 
@@ -170,7 +171,7 @@ class End:
         return sentence(self.reasons)
 
 
-class NotConverged(RuntimeError):
+class NotConverged(PneurodError, RuntimeError):
     """The path ended before the last target. Carries the end, the reason as a sentence, and the steps reached."""
 
     def __init__(self, end: End, partial: Solution) -> None:

@@ -12,6 +12,7 @@ import numpy as np
 
 from fem.discretisation import Discretisation
 from fem.finite import check_finite
+from geometry import PneurodError
 from geometry.arrays import Array, Index
 
 COMPONENTS = "xyz"
@@ -19,7 +20,7 @@ COMPONENTS = "xyz"
 NEAR = 1e-6
 
 
-class SupportError(ValueError):
+class SupportError(PneurodError, ValueError):
     """A support that names no node or component, or that contradicts another one."""
 
 

@@ -2,7 +2,7 @@
 
 from geometry.body import Body
 from geometry.centreline import Centreline
-from geometry.errors import DesignError, MeshError, position_text
+from geometry.errors import DesignError, MeshError, PneurodError, position_text
 from geometry.families import FAMILIES, BisectedCircle, PneuNet, Rectangular, Semicircular, SemicircularSingle
 from geometry.families.design import Design
 from geometry.files.cad_file import CadFile
@@ -36,6 +36,7 @@ __all__ = [
     "MeshFile",
     "Plug",
     "PneuNet",
+    "PneurodError",
     "Quality",
     "Reason",
     "Rectangular",

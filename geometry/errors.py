@@ -3,7 +3,11 @@
 from collections.abc import Iterable, Sequence
 
 
-class MeshError(ValueError):
+class PneurodError(Exception):
+    """Base class of the errors that a caller of pneurod may want to catch; the message is a sentence."""
+
+
+class MeshError(PneurodError, ValueError):
     """A mesh that cannot be used, with the reason in one sentence."""
 
 
@@ -12,7 +16,7 @@ def position_text(point: Iterable[float], digits: str = ".1f") -> str:
     return "(" + ", ".join(f"{x:{digits}}" for x in point) + ") mm"
 
 
-class DesignError(ValueError):
+class DesignError(PneurodError, ValueError):
     """Dimensions that no body can have.
 
     `keys` are the names of the dimensions as in a config (`("wall", "chamber_length")`), `sentence` tells what is

@@ -4,18 +4,20 @@ import reprlib
 from pathlib import Path
 from typing import Any, final
 
+from geometry import PneurodError
+
 #: Characters of a user's value that a sentence repeats.
 LONGEST = 60
 
 
-class _Sentence(Exception):
+class _Sentence(PneurodError):
     """One sentence on one line, whatever it quotes."""
 
     def __init__(self, sentence: str) -> None:
         super().__init__(_one_line(sentence))
 
 
-class InputError(Exception):
+class InputError(PneurodError):
     """What the user gave is wrong (exit status 2). A sentence names the file, the key and what is allowed.
 
     Several things that are wrong are as many sentences, one on each line.

@@ -3,6 +3,9 @@
     import pneurod
 
     results = pneurod.characterize("configs/pneunet.yaml", out="results/pneunet", progress=True)
+    results = pneurod.characterize(  # a design without a file
+        pneurod.PneuNet(chambers=6, wall="1.2 mm"), material=pneurod.NeoHooke(mu="0.1 MPa"), pressures=["4 kPa"]
+    )
     results = pneurod.read_results("results/pneunet")   # the same value, from the files of a finished run
     results.parameters                                  # a pandas frame, units in the column names
     rod = results.rod("31 kPa")                         # the pneurod.Rod that the verdict recommends
@@ -21,23 +24,51 @@ if TYPE_CHECKING:
     import geometry
     import pipeline
     import rod
+    from geometry import PneurodError
     from pipeline.errors import InputError, RunFailed
     from pneurod.characterization import characterize
+    from pneurod.designs import (
+        BisectedCircle,
+        BodyFile,
+        Hencky,
+        MooneyRivlin,
+        NeoHooke,
+        Ogden,
+        PneuNet,
+        Rectangular,
+        Semicircular,
+        SemicircularSingle,
+        StVenantKirchhoff,
+        Yeoh,
+    )
     from pneurod.results import Results, read_results
     from rod import ArmLaw, FiveParameters, Interval, LawRod, Rod, RodError, RodSolution, RodWarning
 
 __all__ = [
     "ArmLaw",
+    "BisectedCircle",
+    "BodyFile",
     "FiveParameters",
+    "Hencky",
     "InputError",
     "Interval",
     "LawRod",
+    "MooneyRivlin",
+    "NeoHooke",
+    "Ogden",
+    "PneuNet",
+    "PneurodError",
+    "Rectangular",
     "Results",
     "Rod",
     "RodError",
     "RodSolution",
     "RodWarning",
     "RunFailed",
+    "Semicircular",
+    "SemicircularSingle",
+    "StVenantKirchhoff",
+    "Yeoh",
     "characterize",
     "fem",
     "geometry",
@@ -84,4 +115,10 @@ def _imported(name: str) -> object:
             from pneurod import results
 
             return getattr(results, name)
+        case "PneurodError":
+            return geometry.PneurodError
+    if not hasattr(rod, name):
+        from pneurod import designs
+
+        return getattr(designs, name)
     return getattr(rod, name)

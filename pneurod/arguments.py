@@ -1,7 +1,7 @@
 """Arguments of the Python interface whose type is wrong, refused in one sentence."""
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -9,6 +9,8 @@ from pipeline.config.units import PRESSURE, convert
 from pipeline.errors import InputError, quoted
 from rod.checked import finite
 
+#: numbers with their unit and words as texts, plain numbers, and lists of them
+Setting = str | float | bool | Sequence[Any] | Mapping[str, Any]
 _SETTING = 'a text such as "6 mm", a plain number, true or false, or a list of these'
 
 
@@ -39,7 +41,7 @@ def given_pressure(value: Any) -> float:
         raise InputError(f"pressure_kPa: {failure}") from None
 
 
-def given_settings(given: Any) -> list[tuple[str, Any]]:
+def given_settings(given: Any, naming: Callable[[str], str] | None = None) -> list[tuple[str, Any]]:
     """The keys and values of `settings`, arrays as lists. Raises InputError, naming the key, for what is none."""
     if given is None:
         return []
@@ -48,7 +50,7 @@ def given_settings(given: Any) -> list[tuple[str, Any]]:
     for key in given:
         if not isinstance(key, str):
             raise InputError(f'settings: {quoted(key)} is not a key; keys are texts such as "mesh.size"')
-    return [(key, _setting(value, setting_name(key))) for key, value in given.items()]
+    return [(key, _setting(value, (naming or setting_name)(key))) for key, value in given.items()]
 
 
 def setting_name(key: str) -> str:

@@ -1,7 +1,9 @@
 """Why a request to the rod cannot be fulfilled."""
 
+from geometry import PneurodError
 
-class RodError(ValueError):
+
+class RodError(PneurodError, ValueError):
     """A request to the rod cannot be fulfilled; the message is one sentence that says why."""
 
 

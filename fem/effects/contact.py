@@ -21,7 +21,7 @@ from fem.effects.facing_pairs import FARTHEST, NO_PAIRS, FacingPairs
 from fem.effects.tightening import Tightening
 from fem.materials.material import Material
 from fem.reasons import position_of
-from geometry import Reason
+from geometry import PneurodError, Reason
 from geometry.arrays import Array, Index, Mask
 from geometry.vectors import cross
 
@@ -39,7 +39,7 @@ ACTIVATION_IN_CREASE = 0.2
 NEAR = 0.5
 
 
-class ContactError(ValueError):
+class ContactError(PneurodError, ValueError):
     """Faces that can never meet, or an activation distance that does not fit them."""
 
 

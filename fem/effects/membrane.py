@@ -22,6 +22,7 @@ from fem.kernels.membrane import (
     membrane_tangent,
 )
 from fem.materials.material import Material, check_moduli
+from geometry import PneurodError
 from geometry.arrays import Array, Index, Mask
 
 #: Barycentric coordinates (q, 3) of the stress points of a triangle, all of equal weight. One point, as for the
@@ -31,7 +32,7 @@ from geometry.arrays import Array, Index, Mask
 POINTS = np.full((1, 3), 1 / 3)
 
 
-class LayerError(ValueError):
+class LayerError(PneurodError, ValueError):
     """A layer without faces of the mesh or without thickness."""
 
 

@@ -16,10 +16,11 @@ from typing import Annotated, ClassVar, Self, get_type_hints
 
 import numpy as np
 
+from geometry import PneurodError
 from geometry.arrays import Array
 
 
-class MaterialError(ValueError):
+class MaterialError(PneurodError, ValueError):
     """A material constant outside what the law allows; the sentence says what is allowed."""
 
 

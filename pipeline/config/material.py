@@ -27,6 +27,8 @@ CONSTANTS: dict[Constant, Any] = {
 }
 #: the constant of a rubber law for which Poisson's ratio may be given
 BULK = "kappa"
+#: Poisson's ratio of a rubber law for which neither it nor the bulk modulus is given, as of the paper's silicone
+RUBBER_POISSON_RATIO = 0.495
 #: the largest pressure over the initial Young's modulus with which a body is solved
 LARGEST_PRESSURE = 3.0
 
@@ -58,7 +60,7 @@ def material_section(law: type[fem.materials.Material]) -> type[Section]:
     keys = {name: (CONSTANTS[kind], Field(description=meanings[name])) for name, kind in law.constants().items()}
     if BULK in keys:
         keys[BULK] = (PositiveStress | None, Field(default=None, examples=["20 MPa"], description=meanings[BULK]))
-        ratio = f"Poisson's ratio, which can be given instead of `{BULK}`"
+        ratio = f"Poisson's ratio, which can be given instead of `{BULK}`; {RUBBER_POISSON_RATIO:g} without both"
         keys["nu"] = (PoissonRatio | None, Field(default=None, description=ratio))
     keys["density"] = (Density | None, Field(default=None, description=_DENSITY))
     keys["holds_between"] = (Stretches | None, Field(default=None, description=_HOLDS))
@@ -80,11 +82,11 @@ def read_material(value: Any, _: Mapping[str, Any], document: Document) -> Mater
     constants = {name: getattr(keys, name) for name in LAWS[law].constants()}
     if BULK in constants:
         nu, kappa = keys.nu, constants.pop(BULK)  # type: ignore[attr-defined]
-        if nu is None and kappa is None:
-            raise_all([wrong("is missing; for example 'kappa: 20 MPa', or instead 'nu: 0.495'", (BULK,))])
         if nu is not None and kappa is not None:
             raise_all([wrong("give nu or kappa, not both", ("nu",))])
-        constants[BULK] = LAWS[law].from_uniaxial(constants, nu).kappa if kappa is None else kappa  # type: ignore[attr-defined]
+        if kappa is None:
+            kappa = LAWS[law].from_uniaxial(constants, RUBBER_POISSON_RATIO if nu is None else nu).kappa  # type: ignore[attr-defined]
+        constants[BULK] = kappa
     material = Material(law, constants, keys.density, keys.holds_between)  # type: ignore[attr-defined]
     material.built()  # its error is a ValueError, for constants that do not go together
     return material
