@@ -6,6 +6,8 @@ SHELL := /bin/bash
 
 BIN := .venv/bin
 READY := .venv/.ready
+# with the packages for tests, style and documentation
+DEV := .venv/.ready-dev
 PEERS := .venv-peers
 # those with the longest points first
 paper_sweeps := lengths cells heights arms pneunet contact forces
@@ -32,7 +34,7 @@ pneunet: $(READY)  ## the gapped pneu-net arm: five parameters and a report in r
 pneunet-coarse: $(READY)  ## the same arm on a coarse mesh, in less time
 	@$(BIN)/pneurod run configs/pneunet_coarse.yaml --out results/pneunet_coarse
 
-golden: $(READY)  ## the coarse arm, and its numbers against those kept from an earlier version
+golden: $(DEV)  ## the coarse arm, and its numbers against those kept from an earlier version
 	@$(BIN)/pneurod run configs/pneunet_coarse.yaml --fresh --out results/golden
 	$(BIN)/python -m tests.golden results/golden
 
@@ -58,11 +60,11 @@ cell: $(READY)  ## the arm's own law of the four coarse arms: table and pictures
 sweep: $(READY)  ## nine designs of the coarse arm, the arm's own law of each: table and picture in results/walls_and_heights
 	@$(BIN)/pneurod sweep examples/sweep.yaml
 
-paper-coarse: $(READY)  ## figures and claims of the paper reproduced on coarse meshes, in results/paper_coarse
+paper-coarse: $(DEV)  ## figures and claims of the paper reproduced on coarse meshes, in results/paper_coarse
 	@$(BIN)/pneurod sweep $(paper_sweeps:%=configs/paper/coarse/%.yaml) --out results/paper_coarse || [ $$? -eq 1 ]
 	$(BIN)/python -m benchmarks.paper results/paper_coarse
 
-paper: $(READY)  ## the same on the meshes of the shipped configurations, in results/paper
+paper: $(DEV)  ## the same on the meshes of the shipped configurations, in results/paper
 	@$(BIN)/pneurod sweep $(paper_sweeps:%=configs/paper/fine/%.yaml) --out results/paper || [ $$? -eq 1 ]
 	$(BIN)/python -m benchmarks.paper results/paper
 
@@ -80,61 +82,61 @@ accuracy: $(READY)  ## convergence studies of the four coarse arms, in results/*
 
 # one process per core; with more threads of the linear algebra they wait for each other, and take three times as long
 test: export OMP_NUM_THREADS := 1
-test: $(READY)  ## all tests but the slow ones
+test: $(DEV)  ## all tests but the slow ones
 	@# a test that hangs fails after a quarter of an hour, with the lines it stands at; the longest takes a minute
 	$(BIN)/python -m pytest -n auto --maxprocesses 4 --dist loadfile --timeout 900 --durations 15
 
-slow: $(READY)  ## the tests that take longer, and whole runs that repeat what faster tests do
+slow: $(DEV)  ## the tests that take longer, and whole runs that repeat what faster tests do
 	@$(BIN)/python -m pytest -m slow
 
-hard: $(READY)  ## hard cases: each is solved and checked, or its limit is named; the table of docs/hard_cases.md
+hard: $(DEV)  ## hard cases: each is solved and checked, or its limit is named; the table of docs/hard_cases.md
 	@$(BIN)/python -m tests.hard_cases.run_all
 
-fuzz: $(READY)  ## two thousand valid and invalid configurations: each is meshed or refused in one sentence
+fuzz: $(DEV)  ## two thousand valid and invalid configurations: each is meshed or refused in one sentence
 	@$(BIN)/python -m pytest -m slow tests/pipeline/config/test_fuzzed.py --hypothesis-show-statistics
 
-kills: $(READY)  ## fifty runs killed at random times and continued, compared with uninterrupted runs
+kills: $(DEV)  ## fifty runs killed at random times and continued, compared with uninterrupted runs
 	@$(BIN)/python benchmarks/kills.py
 
-unseen: $(READY)  ## N=40 designs drawn at random with SEED=7, run (JOBS at a time), checked and sorted by their outcome; a table
+unseen: $(DEV)  ## N=40 designs drawn at random with SEED=7, run (JOBS at a time), checked and sorted by their outcome; a table
 	@$(BIN)/python -m benchmarks.unseen --seed $(SEED) --count $(N) --finer $(FINER) $(addprefix --jobs ,$(JOBS)) --law $(LAW) --larger $(LARGER)
 
-nightly: $(READY)  ## for a scheduler: hard cases, slow tests, and 40 designs drawn with today's date as the seed
+nightly: $(DEV)  ## for a scheduler: hard cases, slow tests, and 40 designs drawn with today's date as the seed
 	@status=0
 	$(BIN)/python -m tests.hard_cases.run_all || status=1
 	$(BIN)/python -m pytest -m slow || status=1
 	$(BIN)/python -m benchmarks.unseen --seed $$(date +%Y%m%d) --count 40 --finer 40 --law both || status=1
 	exit $$status
 
-wheel: $(READY)  ## the wheel, built, installed into a fresh environment outside the checkout and run there
+wheel: $(DEV)  ## the wheel, built, installed into a fresh environment outside the checkout and run there
 	@$(BIN)/python -m pytest -m "slow or not slow" tests/test_packaging.py
 
-examples: $(READY)  ## the programs in examples/, results in results/
+examples: $(DEV)  ## the programs in examples/, results in results/
 	@for example in own_arm compare_materials own_material own_mesh rod_alone rod_in_pyelastica; do
 		echo "examples/$$example.py"
 		$(BIN)/python examples/$$example.py
 	done
 
-lint: $(READY)  ## style: ruff
+lint: $(DEV)  ## style: ruff
 	@$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 
-types: $(READY)  ## types: mypy
+types: $(DEV)  ## types: mypy
 	@$(BIN)/mypy
 	$(BIN)/mypy examples
 	$(BIN)/mypy --explicit-package-bases benchmarks
 
-docs: $(READY)  ## the documentation as a site in build/site; broken links and warnings are refused
+docs: $(DEV)  ## the documentation as a site in build/site; broken links and warnings are refused
 	@NO_MKDOCS_2_WARNING=1 PYTHONPATH=. $(BIN)/mkdocs build --strict --quiet
 	echo "open build/site/index.html"
 
 doctor: $(READY)  ## what is installed, what is missing, and the command that installs it
 	@$(BIN)/pneurod doctor
 
-bench-peers: $(READY) $(PEERS)/.ready  ## pneurod compared with NGSolve and FElupe: tables (six minutes on a machine without other load)
+bench-peers: $(DEV) $(PEERS)/.ready  ## pneurod compared with NGSolve and FElupe: tables (six minutes on a machine without other load)
 	@$(BIN)/python -m benchmarks.peers --python $(PEERS)/bin/python
 
-bench-run: $(READY)  ## make pneunet from this checkout and from OTHER=../other in turn: times, memory, whether results agree
+bench-run: $(DEV)  ## make pneunet from this checkout and from OTHER=../other in turn: times, memory, whether results agree
 	@$(BIN)/python benchmarks/run.py $(or $(OTHER),$(error give another checkout: make bench-run OTHER=../other))
 
 clean:  ## remove results and caches; the virtual environments stay
@@ -145,7 +147,11 @@ $(READY): pyproject.toml requirements.lock pipeline/system_packages.txt setup.sh
 	@bash setup.sh
 	touch $@
 
-$(PEERS)/.ready: benchmarks/peers/requirements.txt | $(READY)
+$(DEV): pyproject.toml requirements.lock pipeline/system_packages.txt setup.sh
+	@bash setup.sh dev
+	touch $(READY) $@
+
+$(PEERS)/.ready: benchmarks/peers/requirements.txt | $(DEV)
 	@$(BIN)/python -m venv --clear $(PEERS)
 	$(PEERS)/bin/python -m pip install --quiet --disable-pip-version-check --requirement $<
 	touch $@

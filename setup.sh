@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
 # What `make setup` does: system packages, virtual environment, pinned packages, and a look whether gmsh and VTK load.
+# `setup.sh dev` installs the packages for tests, style and documentation too.
 # On Debian and Ubuntu root installs what is missing; everybody else is told the one command to run.
 set -euo pipefail
 cd "$(dirname "$0")"
@@ -51,7 +52,7 @@ fi
 echo "installing the pinned packages into .venv"
 # Python modules are compiled at the end, on one core while another compiles the kernels
 with_pip=(.venv/bin/python -m pip install --no-compile --quiet --disable-pip-version-check --constraint requirements.lock)
-packages=(--no-build-isolation --editable '.[dev]')
+packages=(--no-build-isolation --editable ".${1:+[$1]}")
 
 configured=$(.venv/bin/python -m pip config list)
 

@@ -20,17 +20,10 @@ import pneurod
 # the example is quick; 4 mm gives better numbers.
 
 # %%
-design = """
-name: own_arm
-geometry: {family: pneunet, chambers: 8, width: 18 mm, chamber_height: 14 mm, wall: 1.2 mm}
-material: {law: neo_hooke, mu: 0.4 MPa, kappa: 20 MPa, density: 1070 kg/m^3}
-pressures: [10 kPa, 20 kPa]
-mesh: {size: 8 mm, formulation: p2p0, grading: off}
-"""
+body = pneurod.PneuNet(chambers=8, width="18 mm", chamber_height="14 mm", wall="1.2 mm")
+rubber = pneurod.NeoHooke(mu="0.4 MPa", kappa="20 MPa", density="1070 kg/m^3")
+mesh = {"size": "8 mm", "formulation": "p2p0", "grading": False}
 folder = Path(sys.argv[1] if len(sys.argv) == 2 else "results/own_arm")
-folder.mkdir(parents=True, exist_ok=True)
-config = folder / "own_arm.yaml"
-config.write_text(design, encoding="utf-8")
 
 # %% [markdown]
 # ## 2. The run
@@ -38,7 +31,15 @@ config.write_text(design, encoding="utf-8")
 # Mesh, finite elements, five parameters, the rod and a report.
 
 # %%
-results = pneurod.characterize(config, out=folder, progress=True)
+results = pneurod.characterize(
+    body,
+    folder,
+    name="own_arm",
+    material=rubber,
+    pressures=["10 kPa", "20 kPa"],
+    settings={"mesh": mesh},
+    progress=True,
+)
 
 # %% [markdown]
 # ## 3. The five parameters at every pressure, with the standard deviations of the identification

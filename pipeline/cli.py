@@ -15,7 +15,6 @@ from typer.core import TyperCommand
 
 from pipeline.commands_of_design import accuracy, cell, effects, mesh, run
 from pipeline.ending import print_lines, print_sentences, with_sentences
-from pipeline.errors import InputError, RunFailed
 from pipeline.processes import available_cores
 
 app = typer.Typer(
@@ -53,6 +52,7 @@ def init(
     from pipeline.config.body import BODIES
     from pipeline.config.example import example
     from pipeline.config.section import not_known
+    from pipeline.errors import InputError
     from pipeline.store.atomic_file import write_atomic
     from pipeline.store.result_folder import open_file
 
@@ -142,6 +142,7 @@ def material(
     density: Annotated[str | None, typer.Option(metavar="RHO", help="For the configuration: '1070 kg/m^3'.")] = None,
 ) -> None:
     """Tensile tests: constants of every law, the stretches it holds for, E_L and E_H."""
+    from pipeline.errors import RunFailed
     from pipeline.material.fits import ALL, WIDEST, FitOptions
     from pipeline.material.sentences import caveats, configuration_line, moduli_sentences, none_usable
     from pipeline.material.study import fit_material
@@ -180,6 +181,8 @@ def sweep(
     fresh: Annotated[bool, typer.Option("--fresh", help="Delete earlier results in DIR and begin again.")] = False,
 ) -> None:
     """Many designs: a base configuration and axes, every point a run of its own, one table, on Dask."""
+    from pipeline.errors import InputError
+
     if scheduler is not None and (jobs is not None or memory is not None):
         raise InputError("--scheduler: its workers are started apart; leave out --jobs and --memory")
 
@@ -222,6 +225,8 @@ def doctor() -> None:
     It compares the version of every package with the one that is required, meshes one chamber, draws a picture, solves
     two equations, starts the threads and writes a file that it removes again.
     """
+    from pipeline.errors import RunFailed
+
     print_lines(
         "Checked are the versions of Python and of all packages, a mesh, a picture, the solver of linear "
         "equations, threads and the disk. Nothing is installed or changed; this takes about ten seconds."

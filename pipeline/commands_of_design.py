@@ -8,7 +8,6 @@ import typer
 from rich.console import Console
 
 from pipeline.ending import print_json, print_lines, print_sentences
-from pipeline.errors import RunFailed
 from pipeline.processes import available_cores
 
 if TYPE_CHECKING:
@@ -135,6 +134,8 @@ def effects(
     fresh: Fresh = False,
 ) -> None:
     """Each effect on and off: what it changes, what it costs."""
+    from pipeline.errors import RunFailed
+
     design, folder = _design(config, settings, out, "_effects")
 
     from pipeline.effects_study import compare_effects

@@ -8,8 +8,6 @@ from typing import TYPE_CHECKING, NoReturn, ParamSpec
 import typer
 from rich.console import Console, RenderableType
 
-from pipeline.errors import InputError, RunFailed
-
 if TYPE_CHECKING:
     from pipeline.store.json_values import JsonObject
 
@@ -66,10 +64,6 @@ _CONTINUES = "finished results are kept, and the same command continues from the
 def _ending_of(failure: BaseException) -> tuple[str, int] | None:
     """The sentence and the exit status; None for what is no failure of the user, the machine or the run."""
     match failure:
-        case InputError():
-            return "\npneurod: ".join(failure.sentences), 2
-        case RunFailed():
-            return failure.brief, 1
         case KeyboardInterrupt():
             return f"interrupted; {_CONTINUES}", 130
         case MemoryError():
@@ -83,6 +77,13 @@ def _ending_of(failure: BaseException) -> tuple[str, int] | None:
             return f"{file}{failure.strerror}; {_remedy(failure)}; finished results are kept", 1
         case RuntimeError() if "no locator available" in str(failure):  # numba's, when it finds no folder for its cache
             return "no folder for compiled kernels can be written; name one that can: NUMBA_CACHE_DIR=FOLDER", 1
+    from pipeline.errors import InputError, RunFailed
+
+    match failure:
+        case InputError():
+            return "\npneurod: ".join(failure.sentences), 2
+        case RunFailed():
+            return failure.brief, 1
     return None
 
 

@@ -137,8 +137,15 @@ def test_a_design_runs_far_from_the_sources(installed: Installed) -> None:
 
 
 @pytest.mark.slow
-def test_a_type_checker_sees_the_types_of_the_installed_package(installed: Installed) -> None:
+@pytest.mark.parametrize("editable", [False, True])
+def test_a_type_checker_sees_the_types_of_the_installed_package(
+    installed: Installed, wheel: Path, editable: bool
+) -> None:
     program = installed.folder / "program.py"
+    if editable:  # the sources beside the wheel, in place of what the wheel holds
+        install = ["-m", "pip", "install", "--quiet", "--no-deps", "--no-index", "--no-build-isolation", "--editable"]
+        installed.output(*install, str(wheel.parent / "sources"))
+        assert not (installed.packages / "pneurod").exists()
     program.write_text(
         "import pneurod\n"
         "law = pneurod.FiveParameters(alpha1=2.0, alpha2=1.0, m01=0.1, m02=-0.05, d=0.13)\n"

@@ -1,0 +1,98 @@
+"""Designs described in Python: bodies, materials, and the sentences for what is wrong with them."""
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import geometry
+import pneurod
+from fem.materials import LAWS
+from pipeline.config.config import Config
+from pipeline.config.load import load_config
+from pneurod import characterization, designs
+
+
+def config_of(monkeypatch: pytest.MonkeyPatch, *arguments: Any, **keywords: Any) -> Config:
+    """The configuration that would be run."""
+    given: list[Config] = []
+
+    class Stopped(Exception):
+        pass
+
+    def stop(config: Config, *_: Any) -> None:
+        given.append(config)
+        raise Stopped
+
+    monkeypatch.setattr(characterization, "run", stop)
+    with pytest.raises(Stopped):
+        pneurod.characterize(*arguments, **keywords)
+    return given[0]
+
+
+def test_every_family_and_every_law_has_a_class() -> None:
+    classes = [value for value in vars(designs).values() if isinstance(value, type) and "_choice" in vars(value)]
+    chosen = {kind: {c._choice[1] for c in classes if issubclass(c, kind)} for kind in (designs.Body, designs.Material)}
+    assert chosen == {designs.Body: {*geometry.FAMILIES, "own"}, designs.Material: set(LAWS)}
+    assert {kind.__name__ for kind in classes} <= set(pneurod.__all__)
+
+
+def test_a_design_in_python_is_the_one_of_a_file(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    path = tmp_path / "finger.yaml"
+    path.write_text(
+        "name: finger\ngeometry: {family: pneunet, chambers: 6, wall: 1.2 mm}\n"
+        "material: {law: neo_hooke, mu: 0.1 MPa, kappa: 5 MPa}\npressures: [2 kPa, 4 kPa]\nmesh: {size: 6 mm}\n"
+    )
+    body = pneurod.PneuNet(chambers=6, wall="1.2 mm")
+    rubber = pneurod.NeoHooke(mu="0.1 MPa", kappa="5 MPa")
+    pressures, mesh = ["2 kPa", "4 kPa"], {"mesh.size": "6 mm"}
+    given = config_of(monkeypatch, body, name="finger", material=rubber, pressures=pressures, settings=mesh)
+    assert given.record() == load_config(path).record()
+    changed = config_of(monkeypatch, path, material=pneurod.Hencky(E="1 MPa", nu=0.49), pressures=["3 kPa"])
+    assert (changed.material.law, changed.pressures_kPa) == ("hencky", (3.0,))
+    assert changed.design == given.design
+    assert body == pneurod.PneuNet(wall="1.2 mm", chambers=6)
+    assert body != pneurod.Semicircular(wall="1.2 mm", chambers=6)
+    assert repr(body) == "PneuNet(chambers=6, wall='1.2 mm')"
+
+
+def test_a_family_names_the_design_and_its_folder(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert (
+        config_of(
+            monkeypatch, pneurod.BisectedCircle(), material=pneurod.Yeoh(c10="0.1 MPa", c20="0 MPa", c30="0 MPa")
+        ).name
+        == "bisected_circle"
+    )
+
+
+@pytest.mark.parametrize(
+    ("body", "keywords", "sentence"),
+    [
+        (pneurod.PneuNet(wall=1.2), {}, "PneuNet: geometry.wall: 1.2 has no unit"),
+        (pneurod.PneuNet(chambrs=6), {}, "geometry.chambrs: unknown key; did you mean 'chambers'?"),
+        (pneurod.PneuNet(), {"material": None}, "PneuNet: material: is missing"),
+        (pneurod.PneuNet(), {"material": "rubber"}, "material: 'rubber' is no material"),
+        (pneurod.PneuNet(), {"material": pneurod.NeoHooke(mu="1 kg")}, "material.mu: '1 kg' is not a stress"),
+        (pneurod.PneuNet(), {"pressures": ["10"]}, "pressures[1]: 10 has no unit"),
+        (pneurod.PneuNet(), {"settings": {"mesh.siz": "1 mm"}}, 'settings["mesh.siz"]: unknown key'),
+        (pneurod.BodyFile(file="no.step", clamp="0 mm", tip="9 mm", curve="1 mm"), {}, "no.step"),
+    ],
+)
+def test_what_is_wrong_is_named(body: Any, keywords: dict[str, Any], sentence: str, tmp_path: Path) -> None:
+    given = {"material": pneurod.NeoHooke(mu="0.1 MPa"), **keywords}
+    with pytest.raises(pneurod.PneurodError) as refused:
+        pneurod.characterize(body, tmp_path / "out", **given)
+    assert isinstance(refused.value, pneurod.InputError)
+    assert sentence in str(refused.value)
+    assert not (tmp_path / "out").exists()
+
+
+def test_every_error_for_callers_has_one_base() -> None:
+    for error in (
+        pneurod.InputError,
+        pneurod.RunFailed,
+        pneurod.RodError,
+        pneurod.fem.NotConverged,
+        geometry.MeshError,
+    ):
+        assert issubclass(error, pneurod.PneurodError)
