@@ -11,8 +11,6 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any, Literal, get_args
 
-from pydantic_core import to_jsonable_python
-
 from fem.elements import automatic_element
 from geometry import CellPlanes, Design, DesignError, MeshError
 from pipeline.config import kinds
@@ -21,7 +19,17 @@ from pipeline.config.body import OWN, design_key, read_design
 from pipeline.config.document import Document, Key, dotted
 from pipeline.config.effects import CavityPressure, Effects, State
 from pipeline.config.material import Material, read_material, stiffness_conflicts
-from pipeline.config.section import Error, Field, Kind, Section, WrittenAs, conflict, raise_all, section
+from pipeline.config.section import (
+    Error,
+    Field,
+    Kind,
+    Section,
+    WrittenAs,
+    conflict,
+    raise_all,
+    section,
+    to_jsonable_python,
+)
 from pipeline.config.validation import End, GivenEnd, GivenValidation, Validation, read_end, read_validation
 from pipeline.errors import InputError, quoted
 from pipeline.store.json_values import Json, JsonObject

@@ -20,13 +20,13 @@ from pydantic import (
 )
 from pydantic.dataclasses import dataclass as section
 from pydantic.fields import FieldInfo
-from pydantic_core import CoreSchema, PydanticCustomError, core_schema
+from pydantic_core import CoreSchema, PydanticCustomError, core_schema, to_jsonable_python
 from pydantic_core import InitErrorDetails as Error
 
 from pipeline.config.document import Document, Key
 from pipeline.errors import ConflictError, InputError, quoted
 
-__all__ = ["Error", "Field", "FieldInfo", "section"]
+__all__ = ["Error", "Field", "FieldInfo", "section", "to_jsonable_python"]
 
 #: units at the end of the names of fields; keys have none
 UNITS = ("_mm_s2", "_tonne_mm3", "_mm", "_kPa", "_MPa", "_N")
