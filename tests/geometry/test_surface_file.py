@@ -1,6 +1,5 @@
 """Bodies from closed surfaces (STL): filled with elements, and refused with the position of what is wrong."""
 
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -84,12 +83,6 @@ def test_elements_that_are_too_large_for_round_walls_become_smaller(folder: Path
 def test_other_formats_of_surfaces(suffix: str, stl: Path, folder: Path) -> None:
     design = SurfaceFile(str(written(folder / f"bar{suffix}", *triangles_of(stl))), curve=1.5)
     assert design.solid_volume == pytest.approx(BAR_VOLUME, rel=1e-6)
-
-
-def test_stl_as_text(folder: Path) -> None:
-    path = write_surface(folder / "text.stl", bar, 50, binary=False)
-    assert path.read_bytes()[:5] == b"solid"
-    assert SurfaceFile(str(path), curve=1.5).solid_volume == pytest.approx(BAR_VOLUME, rel=1e-6)
 
 
 def loose(path: Path, corners: np.ndarray, noise: float, digits: int = 9) -> Path:
@@ -211,7 +204,7 @@ def test_surfaces_that_cannot_be_used(case: str, stl: Path, tmp_path: Path, capf
     assert capfd.readouterr() == ("", "")
 
 
-def test_position_and_names_are_checked_before_filling(stl: Path, folder: Path) -> None:
+def test_the_position_is_checked_before_filling(stl: Path, folder: Path) -> None:
     points, triangles = triangles_of(stl)
     for shift in (7.5, 20):
         path = written(folder / "aside.stl", np.add(points, [0, 0, shift]), triangles)
@@ -220,64 +213,21 @@ def test_position_and_names_are_checked_before_filling(stl: Path, folder: Path) 
             match=r"middle: the body reaches from z = ",
         ):
             SurfaceFile(str(path), curve=1.5)
-    for name in ("clamp", "tip", "sym", "outer"):
-        with pytest.raises(DesignError, match=rf"air\.{name}: a cavity cannot be named {name}"):
-            SurfaceFile(str(stl), curve=1.5, air={name: (30, 5, 0)})
 
 
-#: how a corner of a face is written, from the number of its vertex
-CORNERS: dict[str, Callable[[int, int], str]] = {
-    "vertices": lambda vertex, count: f"{vertex + 1}",
-    "textures": lambda vertex, count: f"{vertex + 1}/1",
-    "normals": lambda vertex, count: f"{vertex + 1}//2",
-    "both": lambda vertex, count: f"{vertex + 1}/1/2",
-    "backwards": lambda vertex, count: f"{vertex - count}/-1/-1",
-}
-
-
-@pytest.mark.parametrize("corner", CORNERS)
-def test_obj_files_as_other_programs_write_them(corner: str, folder: Path, tmp_path: Path) -> None:
-    """Two objects and a group with a colour at their vertices: the outside in two parts, and the walls of the air."""
-    points, triangles = triangles_of(write_surface(folder / "bar.stl", bar, 50))
-    write = CORNERS[corner]
-    lines = ["# a bar", "mtllib bar.mtl", "o outside", *(f"v {x} {y} {z} 0.5 0.5 1" for x, y, z in points)]
-    lines += ["vt 0 0", "vn 0 0 1", "vn 0 1 0", "s off"]
-    groups = ("usemtl rubber", "o upper half", "g walls of the air")
-    for group, part in zip(groups, np.array_split(triangles, 3), strict=True):
-        lines += [group, *("f " + " ".join(write(vertex, len(points)) for vertex in face) for face in part)]
-    path = tmp_path / "bar.OBJ"
-    path.write_text("\n".join(lines), encoding="utf-8")
-    design = SurfaceFile(str(path), curve=1.5)
-    assert design.solid_volume == pytest.approx(BAR_VOLUME, rel=1e-6)
-    assert design.cavity_volume == pytest.approx(BAR_AIR, rel=1e-6)
-
-
-@pytest.mark.parametrize(
-    "text",
-    [
-        "v 0 0 0\nv 1 zero 0\n",
-        "v 0 0 0\nv 1 0\n",
-        "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1/1 2/1 4/1\n",
-        "v 0 0 0\nv 1 0 0\nf 1 2\n",
-        f"v 0 0 0\nf 1 1 {10**30}\n",
-        "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 1 2\n",
-        "solid bar\n",
-    ],
-)
-def test_obj_files_that_cannot_be_read(text: str, tmp_path: Path) -> None:
-    (tmp_path / "bar.obj").write_text(text, encoding="utf-8")
-    with pytest.raises(DesignError) as caught:
-        SurfaceFile(str(tmp_path / "bar.obj"), curve=1.5)
-    assert caught.value.keys == ("file",)
-
-
-def test_faces_with_more_than_four_corners_are_divided(tmp_path: Path) -> None:
-    """A closed prism on a pentagon: its two ends have five corners."""
+def test_obj_files(tmp_path: Path) -> None:
+    """A closed prism on a pentagon, whose ends have five corners; texts without triangles are refused."""
     corners = [(x, np.sin(angle), np.cos(angle)) for x in (0, 9) for angle in np.arange(5) * 2 * np.pi / 5]
     sides = [f"f {k + 1} {(k + 1) % 5 + 1} {(k + 1) % 5 + 6} {k + 6}" for k in range(5)]
     lines = [f"v {x} {y} {z}" for x, y, z in corners] + sides + ["f 5 4 3 2 1", "f 6 7 8 9 10"]
-    (tmp_path / "prism.obj").write_text("\n".join(lines))
-    assert read_surface(tmp_path / "prism.obj").volume == pytest.approx(9 * 2.5 * np.sin(0.4 * np.pi))
+    path = tmp_path / "prism.obj"
+    path.write_text("\n".join(["mtllib bar.mtl", "o upper half", "usemtl rubber", *lines]))
+    assert read_surface(path).volume == pytest.approx(9 * 2.5 * np.sin(0.4 * np.pi))
+    for text in ("v 0 0 0\nv 1 zero 0\n", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1/1 2/1 4/1\n", "solid bar\n"):
+        path.write_text(text, encoding="utf-8")
+        with pytest.raises(DesignError) as caught:
+            SurfaceFile(str(path), curve=1.5)
+        assert caught.value.keys == ("file",)
 
 
 def test_what_only_filling_shows(stl: Path) -> None:

@@ -163,11 +163,6 @@ def test_the_version() -> None:
     ("setting", "complaint"),
     [
         ("mesh.size=4", "--set mesh.size: 4 has no unit; write a length with its unit, for example '4 mm'"),
-        ("mesh.colour=4 mm", "--set mesh.colour: unknown key; allowed here: size, formulation"),
-        ("material.E=3 mm", "--set material.E: '3 mm' is not a stress; "),
-        ("pressures=[37 kPa, 17 kPa]", "--set pressures: 17 kPa after 37 kPa is not in ascending order"),
-        ("pressures=[-5 kPa]", "--set pressures: -5 kPa is not above zero; "),
-        ("material.nu=0.5", "--set material.nu: 0.5 is not allowed"),
         ("mesh.size=200 mm", "--set mesh.size: 200 mm is larger than the body"),
     ],
 )
