@@ -65,13 +65,11 @@ def run(
     from pipeline.notes.verdict import verdict_of
     from pipeline.progress import Silent, progress_for
     from pipeline.report import tables
-    from pipeline.results.files import read_results
     from pipeline.run import run as run_design
     from pipeline.terminal import text_table
 
     progress = Silent() if quiet else progress_for(Console(stderr=as_json), verbose=verbose)
-    report = _solve(run_design, design, folder, jobs or min(3, available_cores()), fresh, progress)
-    results = read_results(folder)
+    results = _solve(run_design, design, folder, jobs or min(3, available_cores()), fresh, progress).results
     verdict = verdict_of(results)
     if as_json:
         print_json(verdict.record())
@@ -82,7 +80,7 @@ def run(
             print_lines(*(text_table(table) for table in shown if table is not None))
             print_sentences(*(f"Note: {note.text}" for note in results.remarks if verbose))
         print_lines(f"report: {folder / 'report.html'}")
-    report.raise_if_failed()
+    results.raise_if_failed()
 
 
 def _details(results: "Run") -> tuple["Table | None", ...]:

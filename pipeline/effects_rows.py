@@ -77,7 +77,7 @@ def _numbers(outcomes: Outcomes, pressure: float, pitch: float, parameters: Para
         **dict.fromkeys(NUMBERS),
         "kappa_0_middle_per_mm": free.kappa_middle(pitch) if free else None,
         "end_force_N": loaded.load.force[1] if loaded else None,
-        "end_y_II_mm": free.summary.end_mm[1] if free else None,
+        "end_y_II_mm": free.state.end_mm[1] if free else None,
         "stretch_of_curve": [record.centreline.stretch if record else None for record in (free, loaded)],
         "contact": any("self_contact" in record.effects for record in (free, loaded) if record),
     }

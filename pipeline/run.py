@@ -9,20 +9,19 @@ from pipeline.context import RunContext, run_context
 from pipeline.notes import render
 from pipeline.notes.design import check_design
 from pipeline.progress import Progress
-from pipeline.run_report import RunReport
 from pipeline.store.result_folder import ON_COMMAND_LINE, FolderWords
 from pipeline.store.store import open_store
 
 
 def run(
     config: Config, out: Path, jobs: int, fresh: bool, progress: Progress, words: FolderWords = ON_COMMAND_LINE
-) -> RunReport:
+) -> stages.SolvedRun:
     """From a configuration to `out`/report.html, `jobs` tasks at a time; `fresh` replaces earlier results.
 
-    A pressure that is not reached is named in the report's `failures`; everything finished is in `out` then, the report
-    included. Raises InputError for a body that cannot be meshed, a folder that cannot be used (in the words of the
-    caller) or a requested accuracy that no mesh reaches, and RunFailed where nothing more can be solved (faces that
-    cannot touch, a process that was ended from outside).
+    A pressure that is not reached is among the `failures` of the results; everything finished is in `out` then, the
+    report included. Raises InputError for a body that cannot be meshed, a folder that cannot be used (in the words of
+    the caller) or a requested accuracy that no mesh reaches, and RunFailed where nothing more can be solved (faces
+    that cannot touch, a process that was ended from outside).
     """
     with open_store(out, config, fresh=fresh, words=words) as store:
         for reason in check_design(config):
@@ -32,15 +31,15 @@ def run(
             return _solved(planned, context)
 
 
-def _solved(planned: Planned, context: RunContext) -> RunReport:
+def _solved(planned: Planned, context: RunContext) -> stages.SolvedRun:
     """The stages of a run. One waits for what it needs; tasks of later ones are done meanwhile."""
     state = stages.mesh(planned, context)
     state, outcomes, law = stages.solve_experiments(state)
-    identified, improved = stages.identify(state, outcomes)
+    state, identified, improved = stages.identify(state, outcomes)
     loads = stages.begin_validation(state, outcomes)
     stages.draw(state, identified.outcomes)
-    arm = stages.measure_law(state, identified.outcomes, law)
-    identified = stages.add_mesh_error(state, identified, improved, arm)
-    rods, comparisons = stages.compare_rods(state, identified, arm)
-    validated = stages.validate(state, loads, rods, comparisons)
+    state, arm = stages.measure_law(state, identified.outcomes, law)
+    state, identified = stages.add_mesh_error(state, identified, improved, arm)
+    state, rods, comparisons = stages.compare_rods(state, identified, arm)
+    state, validated = stages.validate(state, loads, rods, comparisons)
     return stages.report(state, identified, arm, comparisons, validated)

@@ -2,9 +2,10 @@
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
+from math import isfinite
 from time import perf_counter
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 from geometry import Reason
 from pipeline.accuracy.plan import review
@@ -16,26 +17,26 @@ from pipeline.identification.added_pressures import Identified, identify_run
 from pipeline.identification.mesh_error import with_mesh_error
 from pipeline.identification.parameters import Parameters
 from pipeline.identification.record import parameters_record
-from pipeline.notes import render
+from pipeline.notes import render, report_reason
 from pipeline.notes.design import check_design
 from pipeline.notes.mesh import check_body
 from pipeline.notes.states import Solved, check_states
 from pipeline.parallel import Pending
 from pipeline.progress import Progress
 from pipeline.report.saved import save_report
-from pipeline.results.files import save_value
-from pipeline.run_report import RunReport
+from pipeline.results.files import CURVES, VALIDATION_CURVES, save_curves, save_value
+from pipeline.results.record import RunRecord
+from pipeline.results.values import Run
 from pipeline.simulation.below_limit import complete_experiments, highest_of_use
 from pipeline.simulation.effects_record import effect_states
 from pipeline.simulation.kernels import begin_loading
-from pipeline.simulation.mesh_record import mesh_record
 from pipeline.simulation.outcome import Outcomes
 from pipeline.simulation.pictures import draw_all
 from pipeline.simulation.scene import Scene
 from pipeline.simulation.simulate import begin_II
 from pipeline.simulation.waiting import meshed_with_progress
-from pipeline.store.formats import CURVE_COLUMNS
-from pipeline.validation.compare import Comparison, compare, curve_rows
+from pipeline.store.provenance import provenance
+from pipeline.validation.compare import Comparison, compare, curves_of
 from pipeline.validation.rods import ArmRods
 from pipeline.validation.validate import Validated, beyond_end_of_II, validation_outcomes, with_reached_loads
 from pipeline.validation.validate import validate as compare_loads
@@ -88,6 +89,7 @@ class RunState:
     stages: Stages
     scene: Scene
     remarks: tuple[Reason, ...]  #: on the design and on how far it went, which the user was told
+    written: Run  #: the results that are in the files already
 
     @property
     def config(self) -> Config:
@@ -100,6 +102,22 @@ class RunState:
             self.context.progress.remark(render(remark))
         return replace(self, remarks=(*self.remarks, *remarks))
 
+    def with_results(self, **results: Any) -> "RunState":
+        """With further parts of `Run`, which are in their files."""
+        return replace(self, written=replace(self.written, **results))
+
+
+@dataclass(frozen=True)
+class SolvedRun:
+    """The results of a run as its files have them, and what they were made from."""
+
+    results: Run
+    config: Config  #: as it was solved, with the mesh that an accuracy was planned with
+    outcomes: Outcomes  #: of experiments I, II and III
+    parameters: tuple[Parameters, ...]  #: by ascending pressure
+    comparisons: tuple[Comparison, ...]  #: rod against finite elements, loads of the identification first
+    arm: LawOfRun  #: the arm's own law
+
 
 def mesh(planned: Planned, context: RunContext) -> RunState:
     """Mesh the body, while the workers load the solver."""
@@ -107,7 +125,7 @@ def mesh(planned: Planned, context: RunContext) -> RunState:
     loading = begin_loading(context, planned.config)
     with stages.timed("mesh"):
         scene = meshed_with_progress(planned.config, context.progress)
-    state = RunState(planned, context, stages, scene, planned.remarks)
+    state = RunState(planned, context, stages, scene, planned.remarks, Run(context.store.directory))
     state = state.with_remarks(*check_body(scene.body, planned.config))
     with stages.timed("kernels (compiled once)"):
         for pending in loading:
@@ -135,13 +153,14 @@ def begin_validation(state: RunState, outcomes: Outcomes) -> tuple[Scene, Pendin
     return scene, context.workers.beside(validation_outcomes, scene, context, outcomes.reached_kPa)
 
 
-def identify(state: RunState, outcomes: Outcomes) -> tuple[Identified, Pending[WithMeshError]]:
+def identify(state: RunState, outcomes: Outcomes) -> tuple[RunState, Identified, Pending[WithMeshError]]:
     """Identify the five parameters, write experiments.json, and begin with their error on the coarser mesh."""
     with state.stages.timed("identification"):
         identified = identify_run(state.scene, state.context, outcomes)
-        state.context.store.save_json("experiments.json", identified.outcomes.rows())
+        states = save_value(state.context.store, "experiments.json", identified.outcomes.states)
         context, parameters = state.context, identified.parameters
-        return identified, context.workers.beside(with_mesh_error, state.config, context, parameters)
+        improved = context.workers.beside(with_mesh_error, state.config, context, parameters)
+    return state.with_results(states=states), identified, improved
 
 
 def draw(state: RunState, outcomes: Outcomes) -> None:
@@ -150,75 +169,91 @@ def draw(state: RunState, outcomes: Outcomes) -> None:
         draw_all(state.scene.body, outcomes, state.context.store)
 
 
-def measure_law(state: RunState, outcomes: Outcomes, law: Pending[LawOfRun]) -> LawOfRun:
+def measure_law(state: RunState, outcomes: Outcomes, law: Pending[LawOfRun]) -> tuple[RunState, LawOfRun]:
     """Write law.json."""
     with state.stages.timed("cell law"):
         arm = law.result().beside(outcomes)
-        arm.save(state.context.store)
-    return arm
+        return state.with_results(law=arm.save(state.context.store)), arm
 
 
 def add_mesh_error(
     state: RunState, identified: Identified, improved: Pending[WithMeshError], arm: LawOfRun
-) -> Identified:
+) -> tuple[RunState, Identified]:
     """Write parameters.json, with the errors of the mesh."""
     with state.stages.timed(_COARSER_MESH):
         parameters, no_mesh_error = improved.result()
-    if state.config.law != "cell":
-        content = parameters_record(state.config, parameters, arm.law, no_mesh_error)
-        save_value(state.context.store, "parameters.json", content)
-    return replace(identified, parameters=parameters)
+    identified = replace(identified, parameters=parameters)
+    if state.config.law == "cell":
+        return state, identified
+    content = parameters_record(state.config, parameters, arm.law, no_mesh_error)
+    return state.with_results(parameters=save_value(state.context.store, "parameters.json", content)), identified
 
 
-def compare_rods(state: RunState, identified: Identified, arm: LawOfRun) -> tuple[ArmRods, tuple[Comparison, ...]]:
+def compare_rods(
+    state: RunState, identified: Identified, arm: LawOfRun
+) -> tuple[RunState, ArmRods, tuple[Comparison, ...]]:
     """Compare the rods with experiments II and III; write curves.csv."""
     body, outcomes = state.scene.body, identified.outcomes
     with state.stages.timed("rod"):
-        store = state.context.store
-        parameters = store.read_json("parameters.json") if state.config.law != "cell" else {}
-        rods = ArmRods(parameters, arm.law, (0.0, body.curve_y))
+        rods = ArmRods(asdict(state.written.parameters), arm.law, (0.0, body.curve_y))
         comparisons = compare(outcomes, rods, body.pitch)
-        rows = curve_rows(outcomes, comparisons, body.pitch)
-        store.save_rows("curves.csv", CURVE_COLUMNS, rows)
-    return rods, comparisons
+        curves = curves_of(outcomes, comparisons, body.pitch)
+        save_curves(state.context.store, CURVES, curves)
+    return state.with_results(curves=curves), rods, comparisons
 
 
 def validate(
     state: RunState, loads: tuple[Scene, Pending[Outcomes]], rods: ArmRods, comparisons: Sequence[Comparison]
-) -> Validated:
+) -> tuple[RunState, Validated]:
     """Compare the rods with the loads of the validation; write validation.json, with the comparisons before."""
     scene, pending = loads
     with state.stages.timed("validation"):
         validated = compare_loads(scene, pending.result(), rods) if rods.identified_kPa or rods.law else Validated()
-        validated.save(state.context.store, comparisons)
-    return validated
+        compared = (*comparisons, *validated.comparisons)
+        errors = tuple(error for comparison in compared for error in comparison.errors)
+        errors, curves = save_value(state.context.store, "validation.json", errors), validated.curves
+        save_curves(state.context.store, VALIDATION_CURVES, curves)
+    return state.with_results(rod_errors=errors, validation_curves=curves), validated
 
 
 def report(
     state: RunState, identified: Identified, arm: LawOfRun, comparisons: Sequence[Comparison], validated: Validated
-) -> RunReport:
+) -> SolvedRun:
     """Write effects.json, run.json and report.html."""
-    scene, outcomes, plan = state.scene, identified.outcomes, state.planned.plan
+    outcomes, parameters = identified.outcomes, identified.parameters
+    failures = _failures(state.config, identified, arm, validated)
     with state.stages.timed("report"):
-        effects = (*effect_states(scene, outcomes), arm.effect)
-        save_value(state.context.store, "effects.json", list(effects))
-        reviewed = review(plan, outcomes, identified.parameters, outcomes.largest_indicator) if plan else None
-        result = RunReport(
-            directory=state.context.store.directory,
-            config=state.config,
-            outcomes=outcomes,
-            parameters=identified.parameters,
-            comparisons=(*comparisons, *validated.comparisons),
-            arm=arm,
-            effects=effects,
-            accuracy=plan.record(reviewed) if plan else None,
-            mesh=mesh_record(scene),
-            seconds=dict(state.stages.seconds),
-            failures=_failures(state.config, identified, arm, validated),
-            remarks=_remarks(state, identified, arm),
-        )
-        save_report(state.context.store, result.record())
-    return result
+        found = (*effect_states(state.scene, outcomes), arm.effect)
+        effects = save_value(state.context.store, "effects.json", found)
+        record = _record(state, identified, failures, _remarks(state, identified, arm))
+        results = save_report(state.context.store, replace(state.written, effects=effects, record=record))
+    compared = (*comparisons, *validated.comparisons)
+    return SolvedRun(results, state.config, outcomes, parameters, compared, arm)
+
+
+def _record(
+    state: RunState, identified: Identified, failures: Sequence[Reason], remarks: Sequence[Reason]
+) -> RunRecord:
+    """The content of run.json."""
+    config, plan, outcomes = state.config, state.planned.plan, identified.outcomes
+    reviewed = review(plan, outcomes, identified.parameters, outcomes.largest_indicator) if plan else None
+    end_kPa = outcomes.lowest_end_kPa()
+    return RunRecord(
+        config=config.record(),
+        config_hash=config.hash,
+        **provenance(),
+        mesh=state.scene.mesh_record,
+        seconds=dict(state.stages.seconds),
+        solver_seconds=outcomes.seconds_by_stage,
+        factorizations={outcome.name: outcome.factorizations for outcome in outcomes},
+        degrees_of_freedom={outcome.name: outcome.degrees_of_freedom for outcome in outcomes},
+        solver=tuple(sorted({outcome.solver for outcome in outcomes})),
+        indicator=outcomes.largest_indicator,
+        accuracy=plan.record(reviewed) if plan else None,
+        end_kPa=end_kPa if isfinite(end_kPa) else None,
+        failures=tuple(map(report_reason, failures)),
+        remarks=tuple(map(report_reason, remarks)),
+    )
 
 
 def _failures(config: Config, identified: Identified, arm: LawOfRun, validated: Validated) -> tuple[Reason, ...]:

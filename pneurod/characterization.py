@@ -14,7 +14,7 @@ from pipeline.simulation.simulate import EXPERIMENTS
 from pipeline.store.result_folder import FolderWords
 from pneurod.arguments import Setting, given_choice, given_path, given_settings, setting_name
 from pneurod.designs import Body, Material
-from pneurod.results import Results, read_results
+from pneurod.results import Results
 
 #: how the refusal of a result folder names what was given here
 _WORDS = FolderWords(out="out", joint="=", fresh="fresh=True")
@@ -65,12 +65,13 @@ def characterize(
     at_once = jobs or min(len(EXPERIMENTS), available_cores())
     listener = progress_for() if shown else Silent()
     try:
-        run(design, folder, at_once, replaces, listener, _WORDS).raise_if_failed()
+        results = run(design, folder, at_once, replaces, listener, _WORDS).results
+        results.raise_if_failed()
     except RunFailed as failure:
         raise RunFailed(str(failure), directory=folder) from None
     finally:
         listener.done()
-    return read_results(folder)
+    return Results(results)
 
 
 def _document(config: Path | str | Body) -> Document:

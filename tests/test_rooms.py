@@ -43,7 +43,7 @@ DOORS: dict[str, set[str]] = {
     "ipctk": {"fem/effects/contact.py"},
     "pypardiso": {"fem/equations/pardiso.py"},
     "pydantic": {
-        *("pipeline/config/section.py", "pipeline/results/files.py"),
+        *("pipeline/config/section.py", "pipeline/results/files.py", "pipeline/results/values.py"),
         *("pipeline/accuracy/planning.py", "pipeline/accuracy/run.py", "pipeline/sweep/record.py"),
     },
     "pydantic_core": {"pipeline/config/section.py"},

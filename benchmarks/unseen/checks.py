@@ -177,7 +177,7 @@ def _volume_rate(step: fem.Step, cavity: str) -> float:
 def _whole(config: Config, state: Record, folder: Path) -> tuple[float]:
     """The whole body without its plane of symmetry."""
     other = _solved(config.with_effect("symmetry", "off"), state.pressure_kPa, folder / "whole")
-    return (_moved(other.summary.end_mm, state) / config.design.length,)
+    return (_moved(other.state.end_mm, state) / config.design.length,)
 
 
 def _other_elements(config: Config, state: Record, folder: Path) -> tuple[float]:
@@ -186,8 +186,8 @@ def _other_elements(config: Config, state: Record, folder: Path) -> tuple[float]
     mesh = replace(config.mesh, formulation=other_name)
     other = _solved(replace(config, mesh=mesh), state.pressure_kPa, folder / other_name)
     rest = (config.design.length, config.design.curve_y)
-    displacement = float(np.hypot(*np.subtract(state.summary.end_mm, rest)))
-    return (_moved(other.summary.end_mm, state) / max(displacement, SMALL * config.design.length),)
+    displacement = float(np.hypot(*np.subtract(state.state.end_mm, rest)))
+    return (_moved(other.state.end_mm, state) / max(displacement, SMALL * config.design.length),)
 
 
 def _solved(config: Config, pressure_kPa: float, folder: Path) -> Record:
@@ -202,4 +202,4 @@ def _solved(config: Config, pressure_kPa: float, folder: Path) -> Record:
 
 def _moved(end_mm: tuple[float, ...], state: Record) -> float:
     """Distance (mm) between the ends of two states."""
-    return float(np.hypot(*np.subtract(end_mm, state.summary.end_mm)))
+    return float(np.hypot(*np.subtract(end_mm, state.state.end_mm)))

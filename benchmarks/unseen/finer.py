@@ -12,10 +12,10 @@ from pipeline.identification.mesh_error import RELATIVE, numbers_on_mesh
 from pipeline.identification.richardson import extrapolate
 from pipeline.notes import render_all
 from pipeline.progress import Silent
-from pipeline.run_report import RunReport
 from pipeline.simulation.outcome import Outcomes
 from pipeline.simulation.scene import Scene
 from pipeline.simulation.simulate import simulate
+from pipeline.stages import SolvedRun
 from pipeline.store.store import open_store
 from rod import RodError
 
@@ -23,15 +23,15 @@ from rod import RodError
 FINER = 1.5
 
 
-def against_finer_mesh(report: RunReport) -> dict[str, Any]:
+def against_finer_mesh(solved: SolvedRun) -> dict[str, Any]:
     """At the lowest pressure, with as many lines of the rod on the finer mesh as the run chose.
 
     The error is the difference from the extrapolated limit over that limit, with the standard deviation of the limit.
     """
-    if not report.parameters:
+    if not solved.parameters:
         return {"failure": "no five parameters on the default mesh"}
-    first, size = report.parameters[0], report.config.mesh.element_size_mm
-    config = replace(report.config.with_mesh_size(size / FINER), pressures_kPa=(first.pressure_kPa,))
+    first, size = solved.parameters[0], solved.config.mesh.element_size_mm
+    config = replace(solved.config.with_mesh_size(size / FINER), pressures_kPa=(first.pressure_kPa,))
     try:
         outcomes = _solved(config)
     except (InputError, RunFailed) as failure:

@@ -25,13 +25,11 @@ from benchmarks.unseen.designs import Drawn
 from benchmarks.unseen.finer import against_finer_mesh
 from pipeline.config.load import load_config
 from pipeline.errors import InputError, RunFailed
-from pipeline.notes import render
 from pipeline.notes.rods import rod_errors
 from pipeline.processes import SPAWN, end_with_main_process
 from pipeline.progress import Silent
-from pipeline.results.files import read_results
 from pipeline.run import run
-from pipeline.run_report import RunReport
+from pipeline.stages import SolvedRun
 from pipeline.store.atomic_file import write_atomic
 from pipeline.store.provenance import provenance
 from pipeline.store.state_key import ALL_SOURCES, result_key
@@ -177,12 +175,12 @@ def _work(design: Drawn, folder: Path, limit: float, finer: bool) -> None:
     """All stages that the record in the folder lacks; in the process of the design, which ends with the campaign."""
     end_with_main_process()
     record = kept(folder, _key(design)) or _begun(design)
-    report: RunReport | None = None
+    solved: SolvedRun | None = None
     try:
         with _timed(record, "run", limit):
             config = load_config(folder / "design.yaml")
-            report = run(config, folder, 1, False, Silent())
-            record |= {"ended": RAN, **_of_report(report)}
+            solved = run(config, folder, 1, False, Silent())
+            record |= {"ended": RAN, **_of_report(solved)}
     except _TooSlow:
         record |= {"ended": SLOW, "reason": f"the run needed more than {limit:g} s of CPU time"}
     except InputError as refused:
@@ -193,15 +191,15 @@ def _work(design: Drawn, folder: Path, limit: float, finer: bool) -> None:
         record |= {"ended": ERROR, "reason": f"{type(error).__name__}: {error}"}
         (folder / "error.txt").write_text(traceback.format_exc(), encoding="utf-8")
     _keep(folder, record)
-    if report is not None:
-        _stages_after(record, report, folder, limit, finer)
+    if solved is not None:
+        _stages_after(record, solved, folder, limit, finer)
     record["finished"] = True
     _keep(folder, record)
 
 
-def _stages_after(record: Record, report: RunReport, folder: Path, limit: float, finer: bool) -> None:
+def _stages_after(record: Record, solved: SolvedRun, folder: Path, limit: float, finer: bool) -> None:
     """Checks, limits and the finer mesh, each within its own time."""
-    config, outcomes = report.config, report.outcomes
+    config, outcomes = solved.config, solved.outcomes
     ended = [outcome for outcome in outcomes if outcome.failure]
     if not record["checks"]:
         reached = outcomes["II"].records, outcomes["III"].records
@@ -214,7 +212,7 @@ def _stages_after(record: Record, report: RunReport, folder: Path, limit: float,
         _keep(folder, record)
     if finer and "finer" not in record:
         record["finer"] = {"failure": "not finished"}
-        _stage(record, "finer", 2.0 * limit, lambda: against_finer_mesh(report))
+        _stage(record, "finer", 2.0 * limit, lambda: against_finer_mesh(solved))
 
 
 def _stage(record: Record, name: str, limit: float, work: Callable[[], Any]) -> None:
@@ -251,29 +249,28 @@ def _cpu_seconds() -> float:
     return used.ru_utime + used.ru_stime
 
 
-def _of_report(report: RunReport) -> Record:
+def _of_report(solved: SolvedRun) -> Record:
     """What the sorting and the table need of a run."""
-    config, outcomes = report.config, report.outcomes
+    config, outcomes = solved.config, solved.outcomes
     states = [
         {"experiment": outcome.name, "pressure_kPa": pressure, "reached": outcome.at(pressure) is not None}
         for outcome in outcomes
         for pressure in config.pressures_kPa
     ]
     reasons = {outcome.name: outcome.failure.reason for outcome in outcomes if outcome.failure}
-    errors = rod_errors(read_results(report.directory))
-    known = set(outcomes.failures)
-    first = report.parameters[0] if report.parameters else None
+    errors = rod_errors(solved.results)
+    first = solved.parameters[0] if solved.parameters else None
     return {
         "elements": config.mesh.formulation,
         "size_mm": config.mesh.element_size_mm,
         "unknowns": outcomes.degrees_of_freedom,
         "states": states,
         "reasons": reasons,
-        "other_failures": [render(reason) for reason in report.failures if reason not in known],
-        "five_at_kPa": [parameters.pressure_kPa for parameters in report.parameters],
-        "has_arm_law": report.arm.law is not None,
-        "why_no_arm_law": "" if report.arm.law is not None else report.arm.reason,
-        "remarks": [*map(render, report.remarks)],
+        "other_failures": [why.text for why in solved.results.failures if why.code != "stopped"],
+        "five_at_kPa": [parameters.pressure_kPa for parameters in solved.parameters],
+        "has_arm_law": solved.arm.law is not None,
+        "why_no_arm_law": "" if solved.arm.law is not None else solved.arm.reason,
+        "remarks": [remark.text for remark in solved.results.remarks],
         "rod": asdict(errors[0]) if errors else None,
         "turn_rad": first.kappa_0_middle * config.design.length if first else None,
         "estimated": dict(first.mesh_errors) if first else {},

@@ -126,9 +126,9 @@ def numbers_of(parameters: Parameters) -> RodNumbers:
         alpha2_N_mm2=numbers["alpha2"].value,
         d_mm=numbers["d"].value if parameters.two_lines else None,
         force_N=loaded.load.force[1] or loaded.load.force_size,  # that along x where none acts along y
-        end_mm=free.summary.end_mm,
+        end_mm=free.state.end_mm,
         alpha2_std_N_mm2=numbers["alpha2"].std,
-        stress_error=max(free.summary.stress_error, loaded.summary.stress_error),
+        stress_error=max(free.state.stress_error, loaded.state.stress_error),
     )
 
 

@@ -16,7 +16,8 @@ from pipeline.config.config import Config, MeshSettings, Newton
 from pipeline.config.kinds import MOST_ACCURACY
 from pipeline.errors import InputError
 from pipeline.identification.parameters import Parameters
-from pipeline.simulation.outcome import Indicator, Outcomes
+from pipeline.results.record import Indicator
+from pipeline.simulation.outcome import Outcomes
 from pipeline.store.json_values import JsonObject
 from rod.same_pressure import is_same
 
@@ -142,7 +143,7 @@ class Plan:
             parts.append(f"newton.tolerance {self.newton_tolerance:g} (given: {self.newton_given:g})")
         parts.append(f"errors estimated before the run: {self.estimate}")
         if review and review.indicator:
-            parts.append(f"after it: {review} (the error indicator is largest {review.indicator.location()})")
+            parts.append(f"after it: {review} (the error indicator is largest {review.indicator.location})")
         parts += [
             f"the requested accuracy {'is not reached' if present.largest > self.requested else reached}",
             *doubts,

@@ -10,7 +10,7 @@ from pipeline.cell.study import save_law
 from pipeline.context import RunContext
 from pipeline.errors import InputError, RunFailed, WorkerLost
 from pipeline.parallel import Pending
-from pipeline.results.values import Effect
+from pipeline.results.values import Effect, Law
 from pipeline.simulation.outcome import Outcomes
 from pipeline.simulation.scene import Scene
 from pipeline.store.store import Store
@@ -49,10 +49,9 @@ class LawOfRun:
         """None where there is none."""
         return None if self.measured is None else self.measured.law
 
-    def save(self, store: Store) -> None:
-        """Write law.json where there is a law."""
-        if self.measured is not None:
-            save_law(store, self.measured)
+    def save(self, store: Store) -> Law | None:
+        """Write law.json where there is a law, and return the part of it that the report reads."""
+        return None if self.measured is None else save_law(store, self.measured)
 
     @property
     def effect(self) -> Effect:

@@ -12,6 +12,8 @@ from pipeline.config.config import AUTO, Config
 from pipeline.context import run_context
 from pipeline.errors import InputError, RunFailed
 from pipeline.progress import Progress
+from pipeline.results.files import law_of
+from pipeline.results.values import Law
 from pipeline.simulation.kernels import begin_loading
 from pipeline.simulation.scene import Scene
 from pipeline.store.formats import FORMAT
@@ -96,9 +98,11 @@ def _first_size(config: Config) -> float:
     return COARSEST * min(config.design.extent) if config.mesh.size_mm is AUTO else config.mesh.element_size_mm
 
 
-def save_law(store: Store, measured: MeasuredLaw, refined: RefinedMesh | None = None) -> None:
-    """Write law.json."""
-    store.save_json("law.json", law_content(measured, refined))
+def save_law(store: Store, measured: MeasuredLaw, refined: RefinedMesh | None = None) -> Law:
+    """Write law.json, and return the part of it that the report reads."""
+    content = law_content(measured, refined)
+    store.save_json("law.json", content)
+    return law_of(content)
 
 
 def law_content(measured: MeasuredLaw, refined: RefinedMesh | None) -> JsonObject:

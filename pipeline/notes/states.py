@@ -12,8 +12,9 @@ from geometry.arrays import Index
 from pipeline.config.config import Config, Material
 from pipeline.identification.parameters import Parameters
 from pipeline.notes.design import SEVERAL
+from pipeline.results.values import State
 from pipeline.simulation.contact_check import NOTHING
-from pipeline.simulation.outcome import Outcomes, Record, StateSummary
+from pipeline.simulation.outcome import Outcomes, Record
 
 #: Poisson's ratio from which on a material keeps its volume, and the largest change of volume that is not mentioned
 KEEPS_ITS_VOLUME, VOLUME_CHANGE = 0.49, 0.3
@@ -56,7 +57,7 @@ def _beyond_law(solved: Solved) -> Iterator[Reason]:
     parts = [("the walls", solved.config.material, _rows_outside(solved))]
     parts += [(f"the part {name}", law, solved.regions.get(name)) for name, law in solved.config.materials.items()]
     for part, material, rows in parts:
-        states = [(*_stretches(record, rows), record.summary.pressure_kPa) for record in solved.outcomes.records]
+        states = [(*_stretches(record, rows), record.state.pressure_kPa) for record in solved.outcomes.records]
         smallest = min(low for low, _, _ in states)
         largest, pressure = max((high, pressure) for _, high, pressure in states)
         holds = _range_of(material)
@@ -92,7 +93,7 @@ def _rows_outside(solved: Solved) -> Index | None:
 def _stretches(record: Record, rows: Index | None) -> tuple[float, float]:
     """The smallest and the largest stretch of some of the elements, or of all."""
     if rows is None:
-        return record.summary.min_stretch, record.summary.max_stretch
+        return record.state.min_stretch, record.state.max_stretch
     return float(record.fields["smallest_stretch"][rows].min()), float(record.fields["stretch"][rows].max())
 
 
@@ -102,13 +103,13 @@ def _out_of_plane(solved: Solved) -> Iterator[Reason]:
     An arm that is moved little may leave the plane by less than a rod is wrong, and yet more than it bends in it.
     """
     length = solved.config.design.length
-    far = [record for record in solved.outcomes.records if record.summary.curve_z_mm >= OUT_OF_PLANE * length]
+    far = [record for record in solved.outcomes.records if record.state.curve_z_mm >= OUT_OF_PLANE * length]
     free = [record for record in solved.outcomes.records if record.experiment == "II"]
-    aside = [r for r in free if r.summary.curve_z_mm >= max(ASIDE * _deflection(r), NOISE * length)]
+    aside = [r for r in free if r.state.curve_z_mm >= max(ASIDE * _deflection(r), NOISE * length)]
     if far or aside:
-        worst = max(aside or far, key=lambda record: record.summary.curve_z_mm)
-        distances = {"distance_mm": worst.summary.curve_z_mm, "deflection_mm": _deflection(worst)}
-        yield Reason("out_of_plane", {**distances, **_state(worst.summary)})
+        worst = max(aside or far, key=lambda record: record.state.curve_z_mm)
+        distances = {"distance_mm": worst.state.curve_z_mm, "deflection_mm": _deflection(worst)}
+        yield Reason("out_of_plane", {**distances, **_state(worst.state)})
 
 
 def _deflection(record: Record) -> float:
@@ -119,7 +120,7 @@ def _deflection(record: Record) -> float:
 def _volume_lost(solved: Solved) -> Iterator[Reason]:
     """Elements with one point for the volumetric part change their volume where it should be kept, and those with a
     pressure of their own do where they are too large for how the body deforms."""
-    worst = min((record.summary for record in solved.outcomes.records), key=lambda summary: summary.min_J)
+    worst = min((record.state for record in solved.outcomes.records), key=lambda state: state.min_J)
     ratio, lost = solved.config.material.built().poisson_ratio, 1.0 - worst.min_J
     if ratio < KEEPS_ITS_VOLUME - ROUNDING or lost < VOLUME_CHANGE:
         return
@@ -190,7 +191,7 @@ def _one_line_or_two(solved: Solved) -> Iterator[Reason]:
 
 def _approximate_contact(solved: Solved) -> Iterator[Reason]:
     """Contact whose distances were compared with exact ones: the largest difference, and where none is known."""
-    checks = [(r.contact_check, r.summary) for r in solved.outcomes.records if r.contact_check]
+    checks = [(r.contact_check, r.state) for r in solved.outcomes.records if r.contact_check]
     known = [(check.end_mm or 0.0, check.end_N or 0.0, s) for check, s in checks if check.end_mm is not None]
     wrong = [row for row in known if max(row[:2]) > NOTHING]
     if wrong:
@@ -205,13 +206,13 @@ def _path_dependent_contact(solved: Solved) -> Iterator[Reason]:
     """Contact in creases that may depend on the load increments: the largest difference that is known."""
     worst = max(solved.outcomes.records, key=lambda record: record.path_dependence)
     if isinf(worst.path_dependence):
-        yield Reason("folded_contact_open", _state(worst.summary))
+        yield Reason("folded_contact_open", _state(worst.state))
     elif worst.path_dependence:
-        yield Reason("path_dependent_contact", {"percent": 100 * worst.path_dependence, **_state(worst.summary)})
+        yield Reason("path_dependent_contact", {"percent": 100 * worst.path_dependence, **_state(worst.state)})
 
 
-def _state(summary: StateSummary) -> Values:
-    return {"experiment": summary.experiment, "pressure_kPa": summary.pressure_kPa}
+def _state(state: State) -> Values:
+    return {"experiment": state.experiment, "pressure_kPa": state.pressure_kPa}
 
 
 #: the rules, those whose reasons are most serious first

@@ -1,12 +1,10 @@
 """The sentence of every reason, by its code, as a clause: it begins small and has no full stop."""
 
 from collections.abc import Iterable, Mapping
-from dataclasses import asdict
 from typing import Any
 
 from geometry import Reason, position_text
-from pipeline.results.values import Reported
-from pipeline.store.json_values import JsonObject
+from pipeline.results.record import Reported
 
 #: {at} is the place of the reason; a list is written with commas between its entries
 TEMPLATES: Mapping[str, str] = {
@@ -123,11 +121,6 @@ def report_reason(reason: Reason) -> Reported:
     """A reason with its sentence, as run.json has it."""
     text = render(reason)
     return Reported(reason.code, dict(reason.values), reason.where, f"{text[:1].upper()}{text[1:]}.")
-
-
-def record_reason(reason: Reason) -> JsonObject:
-    """The entry of a reason in run.json."""
-    return asdict(report_reason(reason))
 
 
 class _Listed(list[Any]):

@@ -10,7 +10,8 @@ from geometry import Reason
 from pipeline.formatting import number
 from pipeline.notes.rods import POOR, TITLES, MeshErrors, RodAndMesh, RodErrors, rod_and_mesh, rod_errors
 from pipeline.notes.templates import report_reason
-from pipeline.results.values import Curve, Reported, Run
+from pipeline.results.record import Reported
+from pipeline.results.values import Curve, Run
 from pipeline.store.formats import ARM_LAW, EXTENSIBLE, FIVE
 from pipeline.store.json_values import JsonObject
 from rod.same_pressure import is_same
@@ -198,12 +199,11 @@ def _load(run: Run, pressures: tuple[float, float] | None) -> str:
 
 def _instead(run: Run, mesh: MeshErrors) -> str:
     """What to do where no rod can be used."""
-    size = run.mesh.get("size_mm")
     if (mesh.largest or 0.0) > LARGE_MESH_ERROR:
-        if run.mesh.get("from_file") or not size:
+        if run.mesh is None or run.mesh.from_file:
             return "Next: run the body with a finer mesh."
-        finer = f"--set mesh.size='{FINER * size:.2g} mm'"
-        return f"Next: mesh.size was {size:g} mm; repeat the run with {finer} and another --out."
+        finer = f"--set mesh.size='{FINER * run.mesh.size_mm:.2g} mm'"
+        return f"Next: mesh.size was {run.mesh.size_mm:g} mm; repeat the run with {finer} and another --out."
     if run.failures:
         return "Next: give lower pressures, or change walls or material, in another --out."
     return ""

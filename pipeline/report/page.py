@@ -6,12 +6,11 @@ from pathlib import Path
 
 import jinja2
 
-from pipeline.notes.verdict import Verdict, verdict_of
+from pipeline.notes.verdict import verdict_of
 from pipeline.plots import library_scripts
 from pipeline.pressure import name_of_state
 from pipeline.report import figures, tables
 from pipeline.report.body_view import body_view, experiments_of
-from pipeline.results.files import read_results
 from pipeline.results.values import Run
 
 #: what the page is made of
@@ -20,21 +19,15 @@ TEMPLATES = Path(__file__).parent / "templates"
 _RAMP = ("#440154", "#472d7b", "#3b528b", "#2c728e", "#21918c", "#28ae80", "#5ec962", "#addc30", "#fde725")
 
 
-def render_report(directory: Path) -> str:
-    """The page on the results in a folder."""
-    run = read_results(directory)
-    return render_page(run, verdict_of(run))
-
-
-def render_page(run: Run, verdict: Verdict) -> str:
-    """The page on a run with its verdict."""
+def render_page(run: Run) -> str:
+    """The page on a run, whose pictures are in its folder."""
     environment = jinja2.Environment(
         loader=jinja2.FileSystemLoader(TEMPLATES), autoescape=True, trim_blocks=True, undefined=jinja2.StrictUndefined
     )
     view = body_view(run.directory)
     return environment.get_template("report.html.j2").render(
         run=run,
-        verdict=verdict,
+        verdict=verdict_of(run),
         bent=_picture(run, _bent_body(run)),
         body=_picture(run, "body_open") or _picture(run, "body"),
         figures=figures.make_figures(run),

@@ -2,11 +2,13 @@
 
 import hashlib
 import json
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from pipeline.report.page import TEMPLATES, render_report
-from pipeline.store.json_values import JsonObject
+from pipeline.report.page import TEMPLATES, render_page
+from pipeline.results.files import read_results, save_value
+from pipeline.results.values import Run
 from pipeline.store.state_key import ALL_SOURCES, result_key
 from pipeline.store.store import Store
 
@@ -17,8 +19,8 @@ _KEY = "states/report.json"
 _TIMES = ("seconds", "share_of_time")
 
 
-def save_report(store: Store, record: JsonObject) -> None:
-    """Write `record` as run.json and the report on all results.
+def save_report(store: Store, run: Run) -> Run:
+    """Write run.json and the report on all results, and return the results as the files have them.
 
     Where nothing was solved anew and no source or template has changed since the report was written, both files stay:
     they tell how long the run took when it solved something.
@@ -26,10 +28,11 @@ def save_report(store: Store, record: JsonObject) -> None:
     key = {"solved": _digest(store)}
     complete = all((store.directory / name).is_file() for name in ("run.json", "report.html"))
     if complete and store.read_json(_KEY) == key:
-        return
-    store.save_json("run.json", record)
-    store.save_text("report.html", render_report(store.directory))
+        return replace(run, record=read_results(store.directory).record)
+    run = replace(run, record=save_value(store, "run.json", run.record))
+    store.save_text("report.html", render_page(run))
     store.save_json(_KEY, key)
+    return run
 
 
 def _digest(store: Store) -> str:

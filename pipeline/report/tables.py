@@ -142,8 +142,8 @@ def effects(run: Run) -> Table | None:
 
 def cost(run: Run) -> Table | None:
     """Wall time by stage of the run, then the parts of the solver's time; None where it is not known."""
-    stages = [(name, duration(value)) for name, value in (run.record.get("seconds") or {}).items()]
-    solver = [(f"solver: {name}", duration(value)) for name, value in (run.record.get("solver_seconds") or {}).items()]
+    stages = [(name, duration(value)) for name, value in run.record.seconds.items()]
+    solver = [(f"solver: {name}", duration(value)) for name, value in run.record.solver_seconds.items()]
     return Table(("stage", "time"), (*stages, *solver)) if stages else None
 
 
@@ -158,9 +158,9 @@ def design(run: Run) -> Table | None:
     materials = {"material": run.config.get("material") or {}, **(run.config.get("materials") or {})}
     rows += [(name, ", ".join(f"{key} {_cell(v)}" for key, v in law.items())) for name, law in materials.items() if law]
     if mesh:
-        edges = f"edges {mesh['mean_edge_mm']:.2g} mm on average, {mesh['longest_edge_mm']:.2g} mm at most"
-        rows.append(("mesh", f"{mesh['elements']} {mesh['formulation']} elements, {edges}"))
-        rows += [(f"chosen {name}", reason) for name, reason in mesh["chosen"].items()]
+        edges = f"edges {mesh.mean_edge_mm:.2g} mm on average, {mesh.longest_edge_mm:.2g} mm at most"
+        rows.append(("mesh", f"{mesh.elements} {mesh.formulation} elements, {edges}"))
+        rows += [(f"chosen {name}", reason) for name, reason in mesh.chosen.items()]
     return Table(("key", "value"), tuple(rows)) if rows else None
 
 

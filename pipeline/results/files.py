@@ -8,36 +8,61 @@ import json
 import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from pydantic import TypeAdapter, ValidationError
 
 from pipeline.errors import InputError
 from pipeline.results.parameters import RodParameters
-from pipeline.results.values import Curve, Effect, Law, Reported, RodError, Run, State
-from pipeline.store.formats import FORMAT
+from pipeline.results.record import RunRecord
+from pipeline.results.values import Curve, Effect, Law, RodError, Run, State
+from pipeline.store.formats import CURVE_COLUMNS, FORMAT
+from pipeline.store.json_values import JsonObject
 from pipeline.store.result_folder import ResultFolder, json_text
 
+Value = TypeVar("Value")
 #: file -> the type of its content
 TYPES: dict[str, Any] = {
-    "experiments.json": list[State],
-    "validation.json": list[RodError],
-    "effects.json": list[Effect],
+    "experiments.json": tuple[State, ...],
+    "validation.json": tuple[RodError, ...],
+    "effects.json": tuple[Effect, ...],
     "parameters.json": RodParameters,
+    "law.json": Law,
+    "run.json": RunRecord,
 }
+CURVES, VALIDATION_CURVES = "curves.csv", "validation_curves.csv"
+_KEYS = ("experiment", "pressure_kPa")
 _IDENTITY = "states/configuration.json"  #: written when a run starts
 
 
-def save_value(folder: ResultFolder, name: str, value: RodParameters | Sequence[State | RodError | Effect]) -> None:
-    """Write the content of one of the files in `TYPES`; NaN and infinity become null."""
-    content = value if isinstance(value, RodParameters) else list(value)
-    folder.save_json(name, TypeAdapter(TYPES[name]).dump_python(content))
+def save_value(folder: ResultFolder, name: str, value: Value) -> Value:
+    """Write the content of one of the files in `TYPES`, and return it as it is read: NaN and infinity become null."""
+    adapter: TypeAdapter[Value] = TypeAdapter(TYPES[name])
+    text = json_text(adapter.dump_python(value))
+    folder.save_text(name, text)
+    return adapter.validate_json(text)
+
+
+def save_curves(folder: ResultFolder, name: str, curves: Sequence[Curve]) -> None:
+    """Write `CURVES` or `VALIDATION_CURVES`, which has a column for the load."""
+    keys = ("load", *_KEYS) if name == VALIDATION_CURVES else _KEYS
+    rows: list[tuple[Any, ...]] = []
+    for curve in curves:
+        table = np.column_stack([curve[column] for column in CURVE_COLUMNS[len(_KEYS) :]])
+        rows += [(*(getattr(curve, key) for key in keys), *values) for values in table.tolist()]
+    folder.save_rows(name, (*keys, *CURVE_COLUMNS[len(_KEYS) :]), rows)
+
+
+def law_of(content: JsonObject) -> Law:
+    """The part of law.json that the report reads, from its content."""
+    law: Law = TypeAdapter(Law).validate_json(json_text(content))
+    return law
 
 
 def json_schema() -> dict[str, Any]:
     """The JSON schemas of the result files by name; that of law.json has the part that the report reads."""
-    return {name: TypeAdapter(kind).json_schema() for name, kind in {**TYPES, "law.json": Law}.items()}
+    return {name: TypeAdapter(kind).json_schema() for name, kind in TYPES.items()}
 
 
 def read_results(directory: Path) -> Run:
@@ -48,29 +73,21 @@ def read_results(directory: Path) -> Run:
     """
     contents = {path.name: _content(path) for path in sorted(directory.glob("*.json"))}
     _check_there(directory, contents)
-    record = _mapping(directory / "run.json", contents.get("run.json"))
-    if not record:  # stopped before its report: the configuration alone
-        record = _mapping(directory / _IDENTITY, _content(directory / _IDENTITY))
-    parameters = _mapping(directory / "parameters.json", contents.get("parameters.json"))
-    for name, content in (("run.json", record), ("parameters.json", parameters)):
-        _check_format(directory / name, content)
+    if not contents.get("run.json"):  # stopped before its report: the configuration alone
+        contents["run.json"] = _content(directory / _IDENTITY) or {}
+    for name in ("run.json", "parameters.json"):
+        _check_format(directory / name, contents.get(name))
     values = {name: _typed(directory / name, TYPES[name], contents[name]) for name in TYPES if name in contents}
-    notes = {
-        key: tuple(_typed(directory / "run.json", list[Reported], record.get(key) or []))
-        for key in ("failures", "remarks")
-    }
-    law = contents.get("law.json")
     return Run(
         directory=directory,
-        record=record,
+        record=values["run.json"],
         parameters=values.get("parameters.json", RodParameters()),
-        states=tuple(values.get("experiments.json", ())),
-        curves=_curves(directory / "curves.csv"),
-        rod_errors=tuple(values.get("validation.json", ())),
-        validation_curves=_curves(directory / "validation_curves.csv"),
-        effects=tuple(values.get("effects.json", ())),
-        law=None if law is None else _typed(directory / "law.json", Law, law),
-        **notes,
+        states=values.get("experiments.json", ()),
+        curves=_curves(directory / CURVES),
+        rod_errors=values.get("validation.json", ()),
+        validation_curves=_curves(directory / VALIDATION_CURVES),
+        effects=values.get("effects.json", ()),
+        law=values.get("law.json"),
     )
 
 
@@ -97,17 +114,10 @@ def _content(path: Path) -> Any:
         raise _unreadable(path, str(failure)) from None
 
 
-def _mapping(path: Path, content: Any) -> Mapping[str, Any]:
-    if content is None:
-        return {}
-    if not isinstance(content, dict):
-        raise _unreadable(path, "it has no keys")
-    return content
-
-
-def _check_format(path: Path, content: Mapping[str, Any]) -> None:
-    if content.get("format", FORMAT) != FORMAT:
-        raise InputError(f"{path}: has format {content['format']}, and this version reads {FORMAT}; repeat the run")
+def _check_format(path: Path, content: Any) -> None:
+    found = content.get("format", FORMAT) if isinstance(content, dict) else FORMAT
+    if found != FORMAT:
+        raise InputError(f"{path}: has format {found}, and this version reads {FORMAT}; repeat the run")
 
 
 def _typed(path: Path, kind: Any, content: Any) -> Any:
@@ -137,7 +147,7 @@ def _curves(path: Path) -> tuple[Curve, ...]:
 
 
 def _curve(experiment: str, pressure: float, load: str, rows: list[dict[str, str]]) -> Curve:
-    names = [name for name in rows[0] if name not in ("experiment", "pressure_kPa", "load")]
+    names = [name for name in rows[0] if name not in (*_KEYS, "load")]
     columns = {name: np.array([float(row[name] or "nan") for row in rows]) for name in names}
     return Curve(experiment, pressure, columns, load)
 

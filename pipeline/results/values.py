@@ -1,25 +1,36 @@
 """The results of a run as frozen values, one field for every key of the result files.
 
-Units are in the names of the fields: mm, N, MPa, rad and kPa. None stands for a number that does not exist. A new
-column of a table is a new field here; `pipeline.results.files` reads and writes it.
+Units are in the names of the fields: mm, N, MPa, rad and kPa. None or NaN stands for a number that does not exist.
+A new column of a table is a new field here; `pipeline.results.files` reads and writes it.
 """
 
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
+from pydantic import BeforeValidator, WithJsonSchema
 
 from geometry.arrays import Array
+from pipeline.errors import RunFailed
 from pipeline.results.parameters import Column, Numbers, RodParameters
+from pipeline.results.record import MeshRecord, Position, Reported, RunRecord
 from pipeline.store.formats import CONVERGED, FIVE
 from rod.same_pressure import is_same
 
-Pair = tuple[float, float]
-Position = tuple[float, float, float]
 
+def _nan_of_null(value: Any) -> Any:
+    return math.nan if value is None else value
+
+
+#: a number; NaN, in JSON null, where there is none
+Number = Annotated[
+    float, BeforeValidator(_nan_of_null), WithJsonSchema({"anyOf": [{"type": "number"}, {"type": "null"}]})
+]
+Pair = tuple[Number, Number]
+_NONE = (math.nan, math.nan)
 
 #: rad: an error of the curvature is relative to the curvature that turns the arm by at least this angle
 SMALLEST_TURN = 0.1
@@ -31,32 +42,37 @@ class State:
 
     experiment: str  #: I, II or III
     pressure_kPa: float
-    end_x_mm: float | None = None  #: current position of the end of the material curve
-    end_y_mm: float | None = None
-    reaction_N: Pair | None = None  #: on the end
-    clamp_reaction_N: Pair | None = None
-    clamp_moment_N_mm: float | None = None
-    cavity_volume_mm3: float | None = None
-    stretch_of_curve: float | None = None  #: current length of the material curve over its length at rest
-    curve_z_mm: float | None = None  #: largest distance of the material curve from the plane z = 0
-    min_J: float | None = None
-    max_stretch: float | None = None
-    min_stretch: float | None = None
+    end_x_mm: Number = math.nan  #: current position of the end of the material curve
+    end_y_mm: Number = math.nan
+    reaction_N: Pair = _NONE  #: on the end
+    clamp_reaction_N: Pair = _NONE
+    clamp_moment_N_mm: Number = math.nan
+    cavity_volume_mm3: Number = math.nan
+    stretch_of_curve: Number = math.nan  #: current length of the material curve over its length at rest
+    curve_z_mm: Number = math.nan  #: largest distance of the material curve from the plane z = 0
+    min_J: Number = math.nan
+    max_stretch: Number = math.nan
+    min_stretch: Number = math.nan
     min_J_at_mm: Position | None = None
     max_stretch_at_mm: Position | None = None
     min_stretch_at_mm: Position | None = None
-    min_gap_mm: float | None = None  #: smallest signed gap between facing walls; None without such walls
-    contact_error_mm: float | None = None
-    contact_error_N: float | None = None
-    stress_error: float | None = None  #: energy of the difference to the recovered stress over that of the stress
+    min_gap_mm: Number = math.nan  #: smallest signed gap between facing walls; NaN without such walls
+    contact_error_mm: Number = math.nan  #: NaN where contact was not compared with exact distances
+    contact_error_N: Number = math.nan
+    stress_error: Number = math.nan  #: energy of the difference to the recovered stress over that of the stress
     stress_error_at_mm: Position | None = None
     negative_pivots: int | None = None
     newton_iterations: int | None = None
     factorizations: int | None = None
     cutbacks: int | None = None
-    seconds: float | None = None
+    seconds: Number = math.nan
     status: str = CONVERGED
     reason: str = ""  #: why the pressure was not reached, or what limits the trust in the state
+
+    @property
+    def end_mm(self) -> tuple[float, float]:
+        """Current position of the end of the material curve."""
+        return self.end_x_mm, self.end_y_mm
 
     @property
     def reached(self) -> bool:
@@ -138,16 +154,6 @@ def bending_deg(tip_mm: Pair) -> float:
 
 
 @dataclass(frozen=True)
-class Reported:
-    """A reason as run.json holds it: code, values, and the sentence that was made of them."""
-
-    code: str
-    values: Mapping[str, Any] = field(default_factory=dict)
-    where: Position | None = None  #: mm
-    text: str = ""
-
-
-@dataclass(frozen=True)
 class LawMeshError:
     """Standard deviations of the arm's own law due to its mesh, by pressure (the key mesh_error of law.json)."""
 
@@ -202,36 +208,51 @@ class Run:
     """Everything in a result folder; what a failed run did not write is empty."""
 
     directory: Path
-    record: Mapping[str, Any] = field(repr=False)  #: run.json; empty where the run did not come to its report
-    parameters: RodParameters = field(repr=False)  #: without pressures where nothing was identified
-    states: tuple[State, ...] = field(repr=False)
-    curves: tuple[Curve, ...] = field(repr=False)
-    rod_errors: tuple[RodError, ...] = field(repr=False)
-    validation_curves: tuple[Curve, ...] = field(repr=False)
-    effects: tuple[Effect, ...] = field(repr=False)
-    law: Law | None = field(repr=False)  #: None where the arm's own law was not made
-    failures: tuple[Reported, ...] = ()  #: what was not reached; empty where everything was
-    remarks: tuple[Reported, ...] = ()  #: what is unusual about the design and its results
+    record: RunRecord = field(default_factory=RunRecord, repr=False)  #: run.json
+    parameters: RodParameters = field(default_factory=RodParameters, repr=False)  #: no pressures: nothing identified
+    states: tuple[State, ...] = field(default=(), repr=False)
+    curves: tuple[Curve, ...] = field(default=(), repr=False)
+    rod_errors: tuple[RodError, ...] = field(default=(), repr=False)
+    validation_curves: tuple[Curve, ...] = field(default=(), repr=False)
+    effects: tuple[Effect, ...] = field(default=(), repr=False)
+    law: Law | None = field(default=None, repr=False)  #: None where the arm's own law was not made
 
     @property
     def config(self) -> Mapping[str, Any]:
-        """The configuration in mm, MPa, tonne/mm3 and kPa; empty where run.json is missing."""
-        return self.record.get("config") or {}
+        """The configuration in mm, MPa, tonne/mm3 and kPa."""
+        return self.record.config
 
     @property
-    def mesh(self) -> Mapping[str, Any]:
-        """The mesh that was solved on (the key mesh of run.json)."""
-        return self.record.get("mesh") or {}
+    def mesh(self) -> MeshRecord | None:
+        """The mesh that was solved on; None where the run did not come to its report."""
+        return self.record.mesh
 
     @property
     def finished(self) -> bool:
         """Whether the run came to its report; it may have failures even so."""
-        return "pneurod" in self.record
+        return bool(self.record.pneurod)
+
+    @property
+    def failures(self) -> tuple[Reported, ...]:
+        """What was not reached; empty where everything was."""
+        return self.record.failures
+
+    @property
+    def remarks(self) -> tuple[Reported, ...]:
+        """What is unusual about the design and its results."""
+        return self.record.remarks
 
     @property
     def failure(self) -> str:
-        """What was not reached, in one sentence; empty where everything was."""
+        """What was not reached, in one text; empty where everything was."""
         return " ".join(failure.text for failure in self.failures)
+
+    def raise_if_failed(self) -> None:
+        """Raise RunFailed with the failures and the directory where anything was not reached."""
+        if self.failures:
+            there = f"What was reached is in {self.directory}."
+            brief = f"{self.failures[0].text} {there}"
+            raise RunFailed(f"{self.failure} {there}", directory=self.directory, brief=brief)
 
     @property
     def design(self) -> str:
@@ -266,7 +287,7 @@ class Run:
     @property
     def averaging_mm(self) -> float:
         """Length over which curvatures are averaged, mm; 0 where it is not known."""
-        return float(self.mesh.get("averaging_mm") or 0.0)
+        return self.mesh.averaging_mm if self.mesh else 0.0
 
     @property
     def rods(self) -> tuple[str, ...]:

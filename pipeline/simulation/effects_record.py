@@ -69,8 +69,8 @@ def _contact(config: Config, outcomes: Outcomes) -> tuple[str, str]:
         return "on", f"walls came within the activation distance of contact: {', '.join(touched)}"
     if not outcomes.records:
         return "on", "no pressure was reached; on the way contact acts on walls that come near each other"
-    nearest = min(record.summary.min_gap_mm for record in outcomes.records)
-    smallest = f"the smallest gap was {nearest:.2g} mm" if isfinite(nearest) else "no walls face each other"
+    gaps = [gap for record in outcomes.records if isfinite(gap := record.state.min_gap_mm)]
+    smallest = f"the smallest gap was {min(gaps):.2g} mm" if gaps else "no walls face each other"
     return "off", f"no walls came within the activation distance of contact; {smallest}"
 
 

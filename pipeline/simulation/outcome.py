@@ -1,73 +1,28 @@
 """The results of experiments: states with their numbers, how far an experiment went, and several experiments."""
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, field, replace
 from math import inf
 
 import numpy as np
 
 import fem
-from geometry import Centreline, Reason, Values, position_text
+from geometry import Centreline, Reason, Values
 from geometry.arrays import Array, Index
-from pipeline.results.values import Position, State
+from pipeline.results.record import Indicator
+from pipeline.results.values import State
 from pipeline.simulation.contact_check import ContactCheck
 from pipeline.simulation.failure import Failure
-from pipeline.store.formats import CONVERGED, NOT_CONVERGED
-from pipeline.store.json_values import JsonObject
+from pipeline.store.formats import NOT_CONVERGED
 from rod import Load, RodError, cell_averaged
 from rod.same_pressure import is_same
-
-
-@dataclass(frozen=True)
-class StateSummary:
-    """The numbers of one equilibrium, a field for every column of experiments.json but `status`.
-
-    `pipeline.results.values.State` describes the columns. Forces, moments and volumes are those of the full body.
-    """
-
-    experiment: str  #: I, II, III or dead
-    pressure_kPa: float
-    end_x_mm: float
-    end_y_mm: float
-    reaction_N: tuple[float, float]
-    clamp_reaction_N: tuple[float, float]
-    clamp_moment_N_mm: float
-    cavity_volume_mm3: float
-    stretch_of_curve: float
-    curve_z_mm: float
-    min_J: float
-    max_stretch: float
-    min_stretch: float
-    min_J_at_mm: Position
-    max_stretch_at_mm: Position
-    min_stretch_at_mm: Position
-    min_gap_mm: float  #: infinity without walls that face each other
-    contact_error_mm: float | None
-    contact_error_N: float | None
-    stress_error: float
-    stress_error_at_mm: Position
-    negative_pivots: int
-    newton_iterations: int
-    factorizations: int
-    cutbacks: int
-    seconds: float
-    reason: str  #: what limits the trust in this equilibrium; empty where nothing does
-
-    @property
-    def end_mm(self) -> tuple[float, float]:
-        """Current position of the end of the material curve."""
-        return self.end_x_mm, self.end_y_mm
-
-    def row(self) -> JsonObject:
-        """The row of experiments.json."""
-        return {column.name: getattr(self, column.name, CONVERGED) for column in fields(State)}
 
 
 @dataclass(frozen=True)
 class Record:
     """One experiment at one pressure: what later stages need of it. Forces are those on the full body."""
 
-    summary: StateSummary
+    state: State
     centreline: Centreline
     load: Load  #: end force, its couple about the end of the curve, and the weight of the arm
     displacement: Array = field(repr=False)  #: (n, 3), mm
@@ -96,12 +51,12 @@ class Record:
     @property
     def experiment(self) -> str:
         """I, II, III or dead."""
-        return self.summary.experiment
+        return self.state.experiment
 
     @property
     def pressure_kPa(self) -> float:
         """The pressure of the run."""
-        return self.summary.pressure_kPa
+        return self.state.pressure_kPa
 
 
 @dataclass(frozen=True)
@@ -151,39 +106,8 @@ class Outcome:
             self,
             records=tuple(sorted((*self.records, *added), key=lambda record: record.pressure_kPa)),
             seconds=self.seconds + spent,
-            factorizations=self.factorizations + sum(record.summary.factorizations for record in added),
+            factorizations=self.factorizations + sum(record.state.factorizations or 0 for record in added),
             unused_cpu_seconds=self.unused_cpu_seconds + more.unused_cpu_seconds,
-        )
-
-
-@dataclass(frozen=True)
-class Indicator:
-    """How far the stress of the elements is from one recovered from it (`fem.stress_error`), in one state."""
-
-    stress_error: float  #: energy of the difference over that of the stress
-    experiment: str
-    pressure_kPa: float
-    at_mm: tuple[float, float, float]  #: centre of the element with the largest part of it
-
-    def record(self) -> JsonObject:
-        """The part of run.json about it."""
-        return {
-            "stress_error": self.stress_error,
-            "experiment": self.experiment,
-            "pressure_kPa": self.pressure_kPa,
-            "at_mm": self.at_mm,
-            "sentence": self.sentence(),
-        }
-
-    def location(self) -> str:
-        """The state and the position in the body, in words."""
-        return f"in {self.experiment} at {self.pressure_kPa:g} kPa, most of it at {position_text(self.at_mm)}"
-
-    def sentence(self) -> str:
-        """For the report."""
-        return (
-            f"The stress of the elements differs from a smooth one recovered from it by at most "
-            f"{100 * self.stress_error:.2g} % in energy, {self.location()}"
         )
 
 
@@ -282,8 +206,14 @@ class Outcomes:
         """The error indicator of the state in which it is largest; None where no state was reached."""
         if not self.records:
             return None
-        worst = max((record.summary for record in self.records), key=lambda summary: summary.stress_error)
-        return Indicator(worst.stress_error, worst.experiment, worst.pressure_kPa, worst.stress_error_at_mm)
+        worst = max((record.state for record in self.records), key=lambda state: state.stress_error)
+        assert worst.stress_error_at_mm is not None
+        found = Indicator(worst.stress_error, worst.experiment, worst.pressure_kPa, worst.stress_error_at_mm)
+        sentence = (
+            "The stress of the elements differs from a smooth one recovered from it by at most "
+            f"{100 * found.stress_error:.2g} % in energy, {found.location}"
+        )
+        return replace(found, sentence=sentence)
 
     def merged(self, more: "Outcomes") -> "Outcomes":
         """These outcomes with the further states of `more`, which has the same load cases."""
@@ -295,18 +225,12 @@ class Outcomes:
             {name: replace(outcome, records=change(outcome.records)) for name, outcome in self.by_name.items()}
         )
 
-    def rows(self) -> list[JsonObject]:
+    @property
+    def states(self) -> tuple[State, ...]:
         """The rows of experiments.json: every state, and behind those of an experiment the pressure it failed at."""
-        rows: list[JsonObject] = []
+        states: list[State] = []
         for outcome in self:
-            rows.extend(record.summary.row() for record in outcome.records)
-            if outcome.failure:
-                rows.append(
-                    {
-                        "experiment": outcome.name,
-                        "pressure_kPa": outcome.failure.pressure_kPa,
-                        "status": NOT_CONVERGED,
-                        "reason": outcome.failure.reason,
-                    }
-                )
-        return rows
+            states += [record.state for record in outcome.records]
+            if failure := outcome.failure:
+                states.append(State(outcome.name, failure.pressure_kPa, status=NOT_CONVERGED, reason=failure.reason))
+        return tuple(states)

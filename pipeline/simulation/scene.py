@@ -11,6 +11,7 @@ from geometry import GRADINGS, Body, DesignError, MeshError, position_text
 from pipeline.config.config import AUTO, Config, Material
 from pipeline.errors import InputError
 from pipeline.pressure import in_MPa
+from pipeline.results.record import MeshRecord
 from rod import Load
 
 #: The name of outer faces that can meet, where the user names no others, and that of all outer faces of a body from a
@@ -50,6 +51,25 @@ class Scene:
         scene = Scene(config, body.full() if whole else body)
         scene._check_contact()
         return scene
+
+    @property
+    def mesh_record(self) -> MeshRecord:
+        """The mesh as run.json has it: what was chosen and why, how long its edges are, and its volume."""
+        mesh, settings, design = self.body.mesh, self.config.mesh, self.config.design
+        averaging = {"averaging": reason} if (reason := design.reason_for_pitch) else {}
+        return MeshRecord(
+            size_mm=settings.element_size_mm,
+            from_file=not design.is_resizable,
+            formulation=settings.formulation,
+            grading=settings.grading,
+            averaging_mm=self.body.pitch,
+            chosen=dict(settings.chosen) | averaging,
+            elements=len(mesh.tets),
+            mean_edge_mm=mesh.quality.mean_edge,
+            longest_edge_mm=mesh.quality.longest_edge,
+            smallest_radius_ratio=mesh.quality.minimum,
+            volume_over_drawing=self.body.volume / design.solid_volume,
+        )
 
     @property
     def material(self) -> fem.Solid:

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
-from math import isinf
+from math import isinf, nan
 
 import fem
 from geometry import Reason
@@ -11,13 +11,14 @@ from pipeline.context import RunContext
 from pipeline.errors import RunFailed
 from pipeline.parallel import Pending, TaskContext
 from pipeline.progress import Progress
+from pipeline.results.values import State
 from pipeline.simulation.case_path import CasePath
 from pipeline.simulation.contact_check import ContactCheck
 from pipeline.simulation.failure import Failure
 from pipeline.simulation.kernels import load_kernels
 from pipeline.simulation.known_limit import FIRST, EndOfII, waits_for_II
 from pipeline.simulation.loadcase import LoadCase, identification_case
-from pipeline.simulation.outcome import Outcome, Outcomes, Record, StateSummary
+from pipeline.simulation.outcome import Outcome, Outcomes, Record
 from pipeline.simulation.scene import Scene
 from pipeline.store.store import Store
 
@@ -148,7 +149,7 @@ def _record(
     force, contact = experiment.end_force(step), ContactCheck.of(experiment, step)
     curve = experiment.centreline(step)
     return Record(
-        summary=_summary(scene, experiment, pressure_kPa, step, contact),
+        state=_state(scene, experiment, pressure_kPa, step, contact),
         centreline=curve,
         load=replace(scene.weight, force=(float(force[0]), float(force[1])), couple=experiment.end_couple(step)),
         displacement=step.displacement,
@@ -162,9 +163,9 @@ def _record(
     )
 
 
-def _summary(
+def _state(
     scene: Scene, experiment: fem.Experiment, pressure_kPa: float, step: fem.Step, contact: ContactCheck | None
-) -> StateSummary:
+) -> State:
     """The row of a state; forces, moments and volumes are those of the full body."""
     material, extremes = scene.material, step.extremes
     end, force, clamp = experiment.end(step), experiment.end_force(step), experiment.clamp_force(step)
@@ -176,7 +177,7 @@ def _summary(
         contact.clause if contact else "",
         _on_load_steps(step.path_dependence),
     )
-    return StateSummary(
+    return State(
         experiment=experiment.name,
         pressure_kPa=pressure_kPa,
         end_x_mm=float(end[0]),
@@ -193,9 +194,9 @@ def _summary(
         min_J_at_mm=extremes.min_J_at,
         max_stretch_at_mm=extremes.max_stretch_at,
         min_stretch_at_mm=extremes.min_stretch_at,
-        min_gap_mm=step.min_gap,
-        contact_error_mm=contact.end_mm if contact else None,
-        contact_error_N=contact.end_N if contact else None,
+        min_gap_mm=nan if isinf(step.min_gap) else step.min_gap,
+        contact_error_mm=nan if contact is None or contact.end_mm is None else contact.end_mm,
+        contact_error_N=nan if contact is None or contact.end_N is None else contact.end_N,
         stress_error=error.energy,
         stress_error_at_mm=error.worst_at,
         negative_pivots=step.negative_pivots,

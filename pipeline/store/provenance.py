@@ -5,10 +5,9 @@ import platform
 import subprocess
 from importlib import metadata
 from pathlib import Path
+from typing import Any
 
 from packaging.requirements import Requirement
-
-from pipeline.store.json_values import JsonObject
 
 
 def pinned() -> dict[str, str]:
@@ -21,7 +20,7 @@ def pinned() -> dict[str, str]:
     }
 
 
-def provenance() -> JsonObject:
+def provenance() -> dict[str, Any]:
     """The part of run.json that does not depend on the design."""
     return {
         "pneurod": metadata.version("pneurod"),

@@ -8,9 +8,8 @@ from pipeline.cell.build import MeasuredLaw
 from pipeline.config.config import Config
 from pipeline.identification.mesh_error import RELATIVE
 from pipeline.identification.parameters import Parameters
-from pipeline.notes import render_all
-from pipeline.run_report import RunReport
 from pipeline.simulation.outcome import Outcomes, Record
+from pipeline.stages import SolvedRun
 from pipeline.sweep.record import Row
 from pipeline.validation.compare import Comparison
 from rod import PARAMETER_COLUMNS
@@ -21,21 +20,21 @@ from rod.same_pressure import is_same
 _OF_STATE = ("cavity_volume_mm3", "stretch_of_curve", "min_J", "max_stretch", "min_gap_mm", "stress_error")
 
 
-def rows_of_run(report: RunReport) -> list[Row]:
+def rows_of_run(solved: SolvedRun) -> list[Row]:
     """Experiments, five parameters with the error of the mesh, how far the rods are from the finite elements, the cell
     without moment, and the notes on the design and its results, which are the same at every pressure."""
-    outcomes, pitch = report.outcomes, report.config.design.pitch
-    pressures = sorted({record.pressure_kPa for record in outcomes.records} | set(report.config.pressures_kPa))
-    rows = {pressure: {**_arm(report.config), "pressure_kPa": pressure} for pressure in pressures}
+    outcomes, pitch = solved.outcomes, solved.config.design.pitch
+    pressures = sorted({record.pressure_kPa for record in outcomes.records} | set(solved.config.pressures_kPa))
+    rows = {pressure: {**_arm(solved.config), "pressure_kPa": pressure} for pressure in pressures}
     for pressure, row in rows.items():
         row |= _states(outcomes, pressure, pitch)
-        for parameters in report.parameters:
+        for parameters in solved.parameters:
             if is_same(parameters.pressure_kPa, pressure):
                 row |= _five(parameters)
-        row |= _errors(c for c in report.comparisons if c.state.in_sample and is_same(c.record.pressure_kPa, pressure))
-        row["notes"] = render_all(report.remarks)
-    of_cell = rows_of_law(report.config, report.arm.measured)
-    for pressure, row in zip(report.config.pressures_kPa, of_cell, strict=True):
+        row |= _errors(c for c in solved.comparisons if c.state.in_sample and is_same(c.record.pressure_kPa, pressure))
+        row["notes"] = " ".join(remark.text for remark in solved.results.remarks)
+    of_cell = rows_of_law(solved.config, solved.arm.measured)
+    for pressure, row in zip(solved.config.pressures_kPa, of_cell, strict=True):
         rows[pressure] |= row
     return list(rows.values())
 
@@ -71,14 +70,14 @@ def _states(outcomes: Outcomes, pressure: float, pitch: float) -> Row:
 
 def _state(record: Record, pitch: float) -> Row:
     row: Row = {
-        "end_x_mm": record.summary.end_x_mm,
-        "end_y_mm": record.summary.end_y_mm,
+        "end_x_mm": record.state.end_x_mm,
+        "end_y_mm": record.state.end_y_mm,
         "end_angle_rad": record.centreline.end_angle,
         "kappa_middle_per_mm": record.kappa_middle(pitch),
     }
     if record.experiment == "III":
-        row |= dict(zip(("force_x_N", "force_y_N"), record.summary.reaction_N, strict=True))
-    return row | {name: getattr(record.summary, name) for name in _OF_STATE}
+        row |= dict(zip(("force_x_N", "force_y_N"), record.state.reaction_N, strict=True))
+    return row | {name: getattr(record.state, name) for name in _OF_STATE}
 
 
 def _five(parameters: Parameters) -> Row:

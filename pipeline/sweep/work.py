@@ -15,10 +15,10 @@ from pipeline.effects_rows import EFFECTS_RUN, solve_variant
 from pipeline.errors import InputError, RunFailed
 from pipeline.notes import render
 from pipeline.progress import Silent
+from pipeline.results.files import CURVES, save_curves, save_value
 from pipeline.run import run
 from pipeline.simulation.scene import Scene
 from pipeline.simulation.simulate import in_balance, simulate, why_not_free
-from pipeline.store.formats import CURVE_COLUMNS
 from pipeline.store.result_folder import ResultFolder, open_folder
 from pipeline.store.state_key import ALL_SOURCES, result_key
 from pipeline.store.store import locked, open_store
@@ -35,7 +35,7 @@ from pipeline.sweep.record import (
     kept_record,
 )
 from pipeline.sweep.spec import CELL, WHOLE
-from pipeline.validation.compare import curve_rows
+from pipeline.validation.compare import curves_of
 
 #: seconds that a point waits for the end of a run in its folder, such as that of a worker that is being killed
 PATIENCE = 60.0
@@ -96,8 +96,8 @@ def _ended(task: PointTask, folder: ResultFolder) -> PointRecord:
 
 
 def _whole(task: PointTask) -> Worked:
-    report = run(task.config, task.folder, 1, False, Silent())
-    return rows_of_run(report), [*map(render, report.failures)]
+    solved = run(task.config, task.folder, 1, False, Silent())
+    return rows_of_run(solved), [failure.text for failure in solved.results.failures]
 
 
 def _cell(task: PointTask) -> Worked:
@@ -116,8 +116,8 @@ def _experiments(task: PointTask) -> Worked:
     with open_store(task.folder, config) as store:
         scene = Scene.meshed(config)
         outcomes = simulate(scene, RunContext.alone(store, Silent()), in_balance(config, task.run))
-        store.save_json("experiments.json", outcomes.rows())
-        store.save_rows("curves.csv", CURVE_COLUMNS, curve_rows(outcomes, (), scene.body.pitch))
+        save_value(store, "experiments.json", outcomes.states)
+        save_curves(store, CURVES, curves_of(outcomes, (), scene.body.pitch))
     remark = why_not_free(config) if "I" in task.run else ""
     return rows_of_experiments(config, outcomes, remark), [*map(render, outcomes.failures)]
 

@@ -2,15 +2,15 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from geometry import Centreline
 from geometry.arrays import Array
+from pipeline.results.values import Curve
 from pipeline.results.values import RodError as ErrorOfRod
 from pipeline.simulation.outcome import Outcomes, Record
-from pipeline.store.formats import CURVE_PREFIXES
+from pipeline.store.formats import CURVE_COLUMNS, CURVE_PREFIXES
 from pipeline.validation.rods import ArmRods, NoSolution, Rods
 from rod import LawRod, Load, Rod, RodError, RodSolution, cell_averaged, moment_from_load, without_stretch
 from rod.same_pressure import is_among
@@ -182,24 +182,24 @@ def _solution(rod: Rod, record: Record) -> RodSolution | NoSolution:
         return NoSolution(str(failure))
 
 
-def curve_rows(outcomes: Outcomes, comparisons: Sequence[Comparison], pitch: float) -> list[tuple[Any, ...]]:
-    """Rows of curves.csv at the cell-averaged curvature's points, in the order of `CURVE_COLUMNS`."""
+def curves_of(outcomes: Outcomes, comparisons: Sequence[Comparison], pitch: float) -> tuple[Curve, ...]:
+    """The curves of all states, and of the rods that were compared with them: curves.csv."""
     compared = {id(comparison.record): comparison for comparison in comparisons}
-    return [row for record in outcomes.records for row in rows_of(record, compared.get(id(record)), pitch)]
+    return tuple(curve_of(record, compared.get(id(record)), pitch) for record in outcomes.records)
 
 
-def rows_of(record: Record, comparison: Comparison | None, pitch: float) -> list[tuple[Any, ...]]:
-    """The curve of one record and of the rods it is compared with, in the order of `CURVE_COLUMNS`."""
+def curve_of(record: Record, comparison: Comparison | None, pitch: float) -> Curve:
+    """The curve of one state and of the rods it is compared with, at the nodes of the material curve."""
     curve = record.centreline
-    moment = moment_from_load(curve, record.load)
     s = curve.s - curve.s[0]
     kappa, std = _curvature(curve, s, pitch)
-    middles = 0.5 * (s[1:] + s[:-1])
-    theta = np.interp(s, middles, np.unwrap(curve.angle))
-    shapes = (None if comparison is None else comparison.shape(name) for name in CURVE_PREFIXES)
+    theta = np.interp(s, 0.5 * (s[1:] + s[:-1]), np.unwrap(curve.angle))
+    shapes = [None if comparison is None else comparison.shape(name) for name in CURVE_PREFIXES]
     rods = [column for shape in shapes for column in _rod_columns(shape, s, pitch)]
-    table = np.column_stack([s, curve.x, curve.y, theta, kappa, std, moment.value, *rods])
-    return [(record.experiment, record.pressure_kPa, *values) for values in table.tolist()]
+    arrays = (s, curve.x, curve.y, theta, kappa, std, moment_from_load(curve, record.load).value, *rods)
+    columns = dict(zip(CURVE_COLUMNS[2:], arrays, strict=True))
+    load = "" if comparison is None else comparison.state.load
+    return Curve(record.experiment, record.pressure_kPa, columns, load)
 
 
 def _rod_columns(shape: RodSolution | None, s: Array, pitch: float) -> tuple[Array, Array, Array]:

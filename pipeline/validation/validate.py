@@ -1,24 +1,20 @@
 """The rod under loads that its parameters were not fitted to."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from math import isfinite
 
 from geometry import Reason, Values
 from pipeline.config.config import Config
 from pipeline.context import RunContext
-from pipeline.results.files import save_value
+from pipeline.results.values import Curve
 from pipeline.simulation.loadcase import LoadCase, validation_cases
 from pipeline.simulation.outcome import Outcomes
 from pipeline.simulation.scene import Scene
 from pipeline.simulation.simulate import simulate
-from pipeline.store.formats import CURVE_COLUMNS
-from pipeline.store.store import Store
-from pipeline.validation.compare import ComparedState, Comparison, compare_rods, rows_of
+from pipeline.validation.compare import ComparedState, Comparison, compare_rods, curve_of
 from pipeline.validation.rods import ArmRods
 from rod.same_pressure import is_among
-
-VALIDATION_COLUMNS = ("load", *CURVE_COLUMNS)
 
 
 @dataclass(frozen=True)
@@ -28,12 +24,10 @@ class Validated:
     comparisons: tuple[Comparison, ...] = ()
     failures: tuple[Reason, ...] = ()  #: one for each load that was not solved
 
-    def save(self, store: Store, in_sample: Sequence[Comparison]) -> None:
-        """Write validation.json (what is in sample first) and validation_curves.csv."""
-        errors = [error for c in (*in_sample, *self.comparisons) for error in c.errors]
-        save_value(store, "validation.json", errors)
-        rows = [(c.state.load, *row) for c in self.comparisons for row in rows_of(c.record, c, c.pitch)]
-        store.save_rows("validation_curves.csv", VALIDATION_COLUMNS, rows)
+    @property
+    def curves(self) -> tuple[Curve, ...]:
+        """The curves of validation_curves.csv."""
+        return tuple(curve_of(c.record, c, c.pitch) for c in self.comparisons)
 
 
 def with_reached_loads(scene: Scene, outcomes: Outcomes) -> Scene:

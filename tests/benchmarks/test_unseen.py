@@ -386,9 +386,9 @@ def test_checks_notice_a_state_that_is_slightly_wrong(tmp_path: Path) -> None:
         outcomes = simulate(Scene.meshed(config), RunContext.alone(store, Silent()), ["II", "III"])
 
     def lifted(state: Record) -> Record:
-        (x, y), height, curve = state.summary.end_mm, 1e-4 * config.design.length, state.centreline
-        summary = replace(state.summary, end_x_mm=x, end_y_mm=y + height)
-        return replace(state, summary=summary, centreline=replace(curve, y=curve.y + height))
+        (x, y), height, curve = state.state.end_mm, 1e-4 * config.design.length, state.centreline
+        moved = replace(state.state, end_x_mm=x, end_y_mm=y + height)
+        return replace(state, state=moved, centreline=replace(curve, y=curve.y + height))
 
     free, held = (lifted(outcomes[name].records[0]) for name in ("II", "III"))
     by_name = {check.name: check for check in checks_of(config, [free], [held], tmp_path)}

@@ -65,7 +65,7 @@ def line_of(case: HardCase) -> Line:
         solved = solve(case.scene)
     except Refused as refused:
         return Line(case, str(refused), np.nan, 0, 0, 0, np.nan, np.nan, np.nan, np.inf)
-    outcome, states = solved.outcome, [record.summary for record in solved.outcome.records]
+    outcome, states = solved.outcome, [record.state for record in solved.outcome.records]
     failure = outcome.failure
     error, reason = np.nan, failure.reason if failure else ""
     if case.check is not None and not reason:
@@ -143,7 +143,7 @@ def _error(check: Check, solved: Solved) -> tuple[float, str]:
 
 
 def _quantity(of: str, solved: Solved) -> np.ndarray:
-    state = solved.outcome.records[-1].summary
+    state = solved.outcome.records[-1].state
     quantities: dict[str, float | tuple[float, float]] = {
         "end": state.end_mm,
         "force": state.reaction_N,

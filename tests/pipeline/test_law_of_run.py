@@ -47,7 +47,7 @@ def config(folder: Path, *settings: str) -> Config:
 @pytest.fixture(scope="module")
 def results(tmp_path_factory: pytest.TempPathFactory) -> Path:
     out = tmp_path_factory.mktemp("results")
-    run(config(tmp_path_factory.mktemp("config"), "law=cell"), out, 1, False, Silent()).raise_if_failed()
+    run(config(tmp_path_factory.mktemp("config"), "law=cell"), out, 1, False, Silent()).results.raise_if_failed()
     return out
 
 
@@ -82,7 +82,7 @@ def test_the_law_of_a_run_is_a_file_that_gives_a_rod(results: Path) -> None:
 @pytest.mark.slow
 def test_the_law_predicts_the_five_parameters(tmp_path: Path) -> None:
     both = config(tmp_path, "pressures=[12 kPa]", "validation=off", "geometry.chambers=8")
-    run(both, tmp_path / "both", 1, False, Silent()).raise_if_failed()
+    run(both, tmp_path / "both", 1, False, Silent()).results.raise_if_failed()
     content = read(tmp_path / "both", "parameters.json")
     predicted, identified = content["predicted_by_arm_law"], content["estimators"]["cell_averaged"]
     assert predicted["reason"] == [""]

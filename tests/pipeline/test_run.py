@@ -234,7 +234,7 @@ def test_the_same_command_goes_on_from_what_is_finished(config_file: Path, resul
             arrays = {**stored, "others": np.array(json.dumps(others))}
         np.savez(state, **arrays)
     report = run(load_config(config_file), tmp_path, 2, False, Silent())
-    assert [reason.code for reason in report.remarks if reason.code == "folded_contact_open"]
+    assert [reason.code for reason in report.results.remarks if reason.code == "folded_contact_open"]
     reasons = {(row["experiment"], row["pressure_kPa"]): row["reason"] for row in read(tmp_path, "experiments.json")}
     assert "depends by 8.10% on the load steps" in reasons.pop(("II", 8.0))
     assert "may depend on the load steps" in reasons.pop(("II", 16.0))
@@ -251,7 +251,7 @@ def test_the_same_command_goes_on_from_what_is_finished(config_file: Path, resul
     assert {path: path.stat().st_mtime_ns for path in written} == written
 
 
-REFUSED = r"experiment I+ stopped before 1000 kPa: no equilibrium found beyond [\d.]+ kPa on the way to 1000 kPa: "
+REFUSED = r"Experiment I+ stopped before 1000 kPa: no equilibrium found beyond [\d.]+ kPa on the way to 1000 kPa: "
 
 
 def test_a_pressure_that_cannot_be_borne_ends_in_a_sentence_and_keeps_the_rest(
@@ -260,9 +260,9 @@ def test_a_pressure_that_cannot_be_borne_ends_in_a_sentence_and_keeps_the_rest(
     config = load_config(config_file, ["pressures=[8 kPa, 1 MPa]", "geometry.chambers=2"])
     report = run(config, tmp_path, 2, False, Silent())
     with pytest.raises(RunFailed, match=REFUSED) as failure:
-        report.raise_if_failed()
+        report.results.raise_if_failed()
     assert "\n" not in str(failure.value)
-    assert failure.value.brief.startswith("experiment")
+    assert failure.value.brief.startswith("Experiment")
     assert {outcome.failure and outcome.failure.pressure_kPa for outcome in report.outcomes} == {1000.0}
     rows = read(tmp_path, "experiments.json")
     assert {row["status"] for row in rows if row["pressure_kPa"] == 8.0} == {"converged"}
@@ -285,4 +285,4 @@ def test_exit_status_of_a_failed_run_is_one_and_of_wrong_input_two(config_file: 
     assert "nu" in message
     code, message = status("--set", "geometry.chambers=1", "--set", "pressures=[1 MPa]", "--jobs", "1")
     assert code == 1
-    assert message.startswith("pneurod: experiment")
+    assert message.startswith("pneurod: Experiment")

@@ -164,9 +164,9 @@ def test_the_record_of_the_run_is_there(results: pneurod.Results) -> None:
     assert run.finished
     assert run.failure == ""
     assert run.design == "short"
-    assert run.record["packages"]["numpy"] == np.__version__
-    assert run.record["seconds"]["experiments"] > 0.0
-    assert set(run.record["factorizations"]) == {"I", "II", "III"}
+    assert run.record.packages["numpy"] == np.__version__
+    assert run.record.seconds["experiments"] > 0.0
+    assert run.record.factorizations.keys() == {"I", "II", "III"}
     assert results.report.is_file()
     assert results.pictures["body"].is_file()
 
@@ -263,7 +263,7 @@ def test_numbers_of_numpy_are_settings(design: Path, results: pneurod.Results) -
     same: Any = {"geometry.chambers": np.int64(7), "pressures": np.array(["8 kPa", "16 kPa"])}
     same["material.nu"] = np.float64(0.495)
     again = pneurod.characterize(design, out=results.directory, settings=same, jobs=1)
-    assert again.run.record["config_hash"] == results.run.record["config_hash"]
+    assert again.run.record.config_hash == results.run.record.config_hash
 
 
 def test_a_wrong_accuracy_is_named_as_it_was_given(design: Path) -> None:
@@ -325,7 +325,7 @@ def test_a_name_of_another_type_is_refused() -> None:
 def test_a_failed_run_says_where_its_results_are(design: Path, tmp_path: Path) -> None:
     """Three chambers are too few for five parameters, but their experiments are there."""
     settings: dict[str, str | int | list[str]] = {"geometry.chambers": 3, "pressures": ["5 kPa"]}
-    with pytest.raises(pneurod.RunFailed, match="five parameters need") as failure:
+    with pytest.raises(pneurod.RunFailed, match="Five parameters need") as failure:
         pneurod.characterize(design, out=tmp_path, settings=settings, jobs=1)
     assert failure.value.directory == tmp_path
     partial = pneurod.read_results(tmp_path)

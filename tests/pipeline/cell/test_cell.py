@@ -141,7 +141,7 @@ def test_the_stated_error_is_the_true_one_within_a_quarter_for_every_assumed_ord
 def test_the_law_is_read_back_and_gives_the_same_rod(report: LawReport) -> None:
     results = pneurod.read_results(report.directory)
     assert isinstance(results.arm_law, pneurod.ArmLaw)
-    assert results.run.record["config_hash"] == report.config.hash
+    assert results.run.record.config_hash == report.config.hash
     for pressure in (7.5, 9.0):
         ours, theirs = (law.at(pressure).solve(end_y=0.0) for law in (results.arm_law, report.measured.law))
         assert np.array_equal(ours.x, theirs.x)

@@ -20,7 +20,6 @@ from geometry import (
 from geometry.families.design import expected_tets
 from pipeline.config.automatic_mesh import MOST_CHOSEN_TETS, GivenMesh, MeshSettings, chosen_mesh
 from pipeline.config.load import load_config
-from pipeline.simulation.mesh_record import mesh_record
 from pipeline.simulation.scene import Scene
 from tests.foreign_bodies import two_chambers
 from tests.step_bodies import box, pneunet_as_step, save
@@ -120,11 +119,11 @@ def test_without_keys_the_mesh_and_a_second_one_are_chosen(written: Path, overri
 
 def test_the_record_tells_what_was_chosen_and_how_long_the_edges_are(written: Path) -> None:
     scene = Scene.meshed(load_config(written, ["mesh.size=6 mm"]))
-    record = mesh_record(scene)
-    assert record["longest_edge_mm"] == pytest.approx(scene.body.mesh.quality.longest_edge)
-    assert 0.0 < float(str(record["mean_edge_mm"])) < 6.0
-    assert (record["formulation"], record["grading"], record["size_mm"]) == ("mixed", "walls", 6.0)
-    assert set(record["chosen"]) == {"formulation", "grading"}  # type: ignore[arg-type]
+    record = scene.mesh_record
+    assert record.longest_edge_mm == pytest.approx(scene.body.mesh.quality.longest_edge)
+    assert 0.0 < float(str(record.mean_edge_mm)) < 6.0
+    assert (record.formulation, record.grading, record.size_mm) == ("mixed", "walls", 6.0)
+    assert set(record.chosen) == {"formulation", "grading"}  # type: ignore[arg-type]
 
 
 def test_the_record_tells_over_which_length_curvature_is_averaged(tmp_path: Path) -> None:
@@ -133,9 +132,9 @@ def test_the_record_tells_over_which_length_curvature_is_averaged(tmp_path: Path
     (tmp_path / "two.yaml").write_text(
         f"name: two\ngeometry: {own}\nmaterial: {{law: neo_hooke, mu: 0.1 MPa, nu: 0.49}}\npressures: [5 kPa]\n"
     )
-    record = mesh_record(Scene.meshed(load_config(tmp_path / "two.yaml", ["mesh.size=10 mm"])))
-    assert record["averaging_mm"] == pytest.approx(6.0)
-    assert "averaging" in record["chosen"]  # type: ignore[operator]
+    record = Scene.meshed(load_config(tmp_path / "two.yaml", ["mesh.size=10 mm"])).mesh_record
+    assert record.averaging_mm == pytest.approx(6.0)
+    assert "averaging" in record.chosen  # type: ignore[operator]
 
 
 @pytest.mark.parametrize("symmetric", [None, False])

@@ -39,7 +39,7 @@ def solved(
 ) -> Any:
     """A run with one state of II at 20 kPa and the parameters at this pressure."""
     low, high = stretches
-    summary = SimpleNamespace(
+    state = SimpleNamespace(
         experiment="II",
         pressure_kPa=20.0,
         min_J=min_J,
@@ -49,7 +49,7 @@ def solved(
         curve_z_mm=curve_z_mm,
     )
     record = SimpleNamespace(
-        summary=summary,
+        state=state,
         contact_check=contact_check,
         path_dependence=path_dependence,
         experiment="II",

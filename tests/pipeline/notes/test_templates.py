@@ -3,13 +3,14 @@
 import ast
 import json
 from collections.abc import Iterator
+from dataclasses import asdict
 from pathlib import Path
 from string import Formatter
 
 import pytest
 
 from geometry import Reason
-from pipeline.notes import record_reason, render
+from pipeline.notes import render, report_reason
 from pipeline.notes.templates import NO_PARAMETERS, TEMPLATES
 from pipeline.store.result_folder import json_text
 
@@ -58,12 +59,12 @@ def test_a_template_is_one_short_sentence(code: str) -> None:
     assert len(TEMPLATES[code].split()) <= 25
     assert not text.endswith(".")
     assert ("(1.0, 2.0, 3.0) mm" in text) == ("at" in fields_of(code))
-    assert json.loads(json_text(record_reason(Reason(code, values)))) if "at" not in fields_of(code) else True
+    assert json.loads(json_text(asdict(report_reason(Reason(code, values))))) if "at" not in fields_of(code) else True
 
 
 def test_a_list_is_written_with_commas() -> None:
     reason = Reason("load_left_out", {"load": "dead", "pressures_kPa": [5.0, 7.25], "end_kPa": float("inf")})
     assert "dead at 5, 7.25 kPa" in (text := render(reason))
-    written = json.loads(json_text(record_reason(reason)))
+    written = json.loads(json_text(asdict(report_reason(reason))))
     assert written["values"] == {"load": "dead", "pressures_kPa": [5.0, 7.25], "end_kPa": None}
     assert (written["code"], written["where"], written["text"]) == ("load_left_out", None, f"V{text[1:]}.")

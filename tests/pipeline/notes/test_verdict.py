@@ -11,7 +11,6 @@ from typer.testing import CliRunner
 from pipeline.cli import app
 from pipeline.notes.rods import tip_moves_by
 from pipeline.notes.verdict import MOST_WARNINGS, Verdict, verdict_of
-from pipeline.results.parameters import RodParameters
 from pipeline.results.values import Reported, Run
 from pipeline.store.result_folder import json_text
 from tests.coarse import coarse_run
@@ -85,7 +84,7 @@ def test_a_coarse_mesh_is_a_reason_not_to_use_the_rod() -> None:
 
 def test_an_arm_that_leaves_the_plane_has_no_rod(run: Run) -> None:
     out = Reported("out_of_plane", {"distance_mm": 3.0}, None, "The arm leaves its plane by 3 mm.")
-    refused = verdict_of(replace(run, remarks=(out,)))
+    refused = verdict_of(replace(run, record=replace(run.record, remarks=(out,))))
     assert refused.refusal is not None
     assert refused.refusal.code == "out_of_plane"
     assert refused.lines[0] == "pneunet_coarse: The arm leaves its plane by 3 mm."
@@ -104,7 +103,7 @@ def test_a_rod_far_from_the_finite_elements_is_refused(run: Run) -> None:
 def test_warnings_are_ranked_and_few(run: Run) -> None:
     codes = ("few_pressures", "hardly_bent", "beyond_law", "coarse", "flat")
     remarks = tuple(Reported(code, {}, None, f"About {code}.") for code in codes)
-    warned = verdict_of(replace(run, remarks=remarks))
+    warned = verdict_of(replace(run, record=replace(run.record, remarks=remarks)))
     assert [warning.code for warning in warned.warnings] == ["beyond_law", "hardly_bent", "few_pressures"]
     assert len(warned.warnings) == MOST_WARNINGS
     assert_short(warned)
@@ -120,16 +119,13 @@ def test_an_unknown_error_of_the_mesh_is_said(run: Run) -> None:
 
 def test_failures_are_named(run: Run) -> None:
     failures = (Reported("stopped", {}, None, "experiment II stopped before 45 kPa."), Reported("other", {}, None, "x"))
-    failed = verdict_of(replace(run, failures=failures))
+    failed = verdict_of(replace(run, record=replace(run.record, failures=failures)))
     assert failed.lines[4] == "Not reached: experiment II stopped before 45 kPa. (1 more in the report)"
     assert_short(failed)
 
 
 def test_a_run_without_any_state_has_a_verdict(run: Run) -> None:
-    empty = replace(
-        run, states=(), curves=(), rod_errors=(), parameters=RodParameters(), law=None, failures=(), remarks=()
-    )
-    nothing = verdict_of(empty)
+    nothing = verdict_of(Run(run.directory))
     assert not nothing.usable
     assert np.isnan(nothing.length_mm)
     assert_short(nothing)

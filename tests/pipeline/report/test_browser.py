@@ -13,7 +13,8 @@ import pytest
 from playwright.sync_api import Browser, Page, sync_playwright
 
 from pipeline.drawing.pictures import draw_body
-from pipeline.report.page import render_report
+from pipeline.report.page import render_page
+from pipeline.results.files import read_results
 from tests.bar import write_surfaces
 from tests.coarse import COARSE
 
@@ -83,7 +84,7 @@ def report(tmp_path_factory: pytest.TempPathFactory) -> Path:
     arrays = write_surfaces(results)
     for name in ("body", "body_open", "II_37kPa"):
         draw_body(results / "pictures" / f"{name}.png", *arrays["body"])
-    (results / "report.html").write_text(render_report(results), encoding="utf-8")
+    (results / "report.html").write_text(render_page(read_results(results)), encoding="utf-8")
     return results / "report.html"
 
 

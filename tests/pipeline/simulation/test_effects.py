@@ -42,7 +42,7 @@ def simulated(
 
 
 def ends(outcomes: Outcomes) -> np.ndarray:
-    return np.array([record.summary.end_mm for record in outcomes.records])
+    return np.array([record.state.end_mm for record in outcomes.records])
 
 
 def test_half_and_whole_body_give_the_same_end(tmp_path: Path) -> None:
@@ -57,7 +57,7 @@ def test_half_and_whole_body_give_the_same_end(tmp_path: Path) -> None:
     assert np.abs(ends(half) - ends(whole)).max() < 1e-6 * 32
     for record, other in zip(half["III"].records, whole["III"].records, strict=True):
         assert record.load.force == pytest.approx(other.load.force, rel=1e-4, abs=1e-8)
-        assert record.summary.cavity_volume_mm3 == pytest.approx(other.summary.cavity_volume_mm3, rel=1e-8)
+        assert record.state.cavity_volume_mm3 == pytest.approx(other.state.cavity_volume_mm3, rel=1e-8)
 
 
 def test_contact_joins_when_walls_come_near(tmp_path: Path) -> None:
@@ -121,7 +121,7 @@ def test_weight_is_whole_at_every_pressure(tmp_path: Path) -> None:
     config = load_config(HERE / "configs/semicircular_coarse.yaml", SHORT)
     mass = config.material.density_tonne_mm3 * Scene.meshed(config).body.mesh.volume * 2
     for record in outcomes["II"].records:
-        assert record.summary.clamp_reaction_N == pytest.approx([0.0, mass * 9810.0], abs=1e-6)
+        assert record.state.clamp_reaction_N == pytest.approx([0.0, mass * 9810.0], abs=1e-6)
     assert rows["gravity"]["state"] == "on"
     assert rows["gravity"]["reason"].startswith("(0, -9.81, 0) m/s2 at every pressure")
 
@@ -142,8 +142,8 @@ def test_layer_keeps_the_length_of_the_curve(tmp_path: Path) -> None:
     plain, _ = simulated(tmp_path / "plain", *arguments, experiments=names)
     paper, rows = simulated(tmp_path / "paper", *arguments, "effects.strain_limiting_layer=on", experiments=names)
     for name in names:
-        assert max(abs(record.summary.stretch_of_curve - 1.0) for record in plain[name].records) > 1e-2
-        assert max(abs(record.summary.stretch_of_curve - 1.0) for record in paper[name].records) < 2e-3
+        assert max(abs(record.state.stretch_of_curve - 1.0) for record in plain[name].records) > 1e-2
+        assert max(abs(record.state.stretch_of_curve - 1.0) for record in paper[name].records) < 2e-3
     assert rows["strain_limiting_layer"]["state"] == "on"
     assert rows["strain_limiting_layer"]["share_of_time"] > 0.0
 
@@ -170,9 +170,9 @@ def test_the_volume_is_that_of_the_cavity_under_pressure_and_the_stretch_counts_
     below = "effects.pressure={cavities: {cavity_lower: 1}}"
     plain, _ = simulated(tmp_path / "plain", *bar, below)
     heavy, _ = simulated(tmp_path / "heavy", *bar, below, weight)
-    volumes = [record.summary.cavity_volume_mm3 for record in plain.records]
+    volumes = [record.state.cavity_volume_mm3 for record in plain.records]
     assert volumes[0] < volumes[1]
-    sides, straight = heavy.records[0].summary, plain.records[0].summary
+    sides, straight = heavy.records[0].state, plain.records[0].state
     assert sides.curve_z_mm > 2.0
     planar = heavy.records[0].centreline.stretch
     assert planar < straight.stretch_of_curve - 1e-3
@@ -186,7 +186,7 @@ def test_coarse_parameterization_is_cheap(name: str, tmp_path: Path) -> None:
         overrides = [f"effects.strain_limiting_layer={layer}"]
         outcomes, _ = simulated(tmp_path / layer, f"{name}_coarse", *overrides, experiments=("II", "III"))
         assert outcomes.factorizations <= 60
-        stretch = [record.summary.stretch_of_curve for record in outcomes.records]
+        stretch = [record.state.stretch_of_curve for record in outcomes.records]
         assert layer == "off" or np.abs(np.array(stretch) - 1.0).max() < 2e-3
 
 

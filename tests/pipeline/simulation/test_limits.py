@@ -270,5 +270,5 @@ def test_the_others_take_the_increments_of_two(tmp_path: Path) -> None:
     assert len(increments["II"]) > 2
     assert increments["II"][-1] == 1.0
     assert increments["I"] == increments["III"] == increments["II"]
-    cutbacks = {name: outcomes[name].records[-1].summary.cutbacks for name in increments}
+    cutbacks = {name: outcomes[name].records[-1].state.cutbacks for name in increments}
     assert cutbacks == {"I": 0, "II": 3, "III": 1}

@@ -1,6 +1,6 @@
 """Outcomes of experiments as values: merging, failures in sentences, the rows of experiments.json."""
 
-from dataclasses import fields, replace
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -14,51 +14,31 @@ from pipeline.config.load import load_config
 from pipeline.results.values import State
 from pipeline.simulation.effects_record import effect_states
 from pipeline.simulation.failure import Failure
-from pipeline.simulation.outcome import Outcome, Outcomes, Record, StateSummary
+from pipeline.simulation.outcome import Outcome, Outcomes, Record
 from pipeline.simulation.scene import Scene
 from rod import Load
 
-REST = (0.0, 0.0, 0.0)
 CURVE = Centreline(np.arange(5.0), np.arange(5.0), np.zeros(5))
 
 
 def record(pressure: float, stress_error: float = 0.1, factorizations: int = 3) -> Record:
-    summary = StateSummary(
-        experiment="II",
-        pressure_kPa=pressure,
+    state = State(
+        "II",
+        pressure,
         end_x_mm=100.0,
         end_y_mm=-pressure,
-        reaction_N=(0.0, 0.0),
-        clamp_reaction_N=(0.0, 0.0),
-        clamp_moment_N_mm=0.0,
-        cavity_volume_mm3=1.0,
-        stretch_of_curve=1.0,
-        curve_z_mm=0.0,
-        min_J=1.0,
-        max_stretch=1.0,
-        min_stretch=1.0,
-        min_J_at_mm=REST,
-        max_stretch_at_mm=REST,
-        min_stretch_at_mm=REST,
-        min_gap_mm=float("inf"),
-        contact_error_mm=None,
-        contact_error_N=None,
         stress_error=stress_error,
-        stress_error_at_mm=REST,
-        negative_pivots=0,
+        stress_error_at_mm=(0.0, 0.0, 0.0),
         newton_iterations=factorizations,
         factorizations=factorizations,
-        cutbacks=0,
-        seconds=1.0,
-        reason="",
     )
     spent = Seconds(assembly=1.0, factorization=2.0, effects={"pressure": 0.25, "self_contact": 0.5})
-    return Record(summary, CURVE, Load(), np.zeros((2, 3)), {}, ("pressure",), spent, (False, False))
+    return Record(state, CURVE, Load(), np.zeros((2, 3)), {}, ("pressure",), spent, (False, False))
 
 
 def outcome(name: str, *records: Record, failure: Failure | None = None) -> Outcome:
     seconds = sum((state.spent for state in records), Seconds(set_up=0.5))
-    factorizations = sum(state.summary.factorizations for state in records)
+    factorizations = sum(state.state.factorizations for state in records)
     return Outcome(name, records, failure, seconds, factorizations, 100, "LU", np.zeros((2, 3)), np.zeros((1, 4), int))
 
 
@@ -78,14 +58,11 @@ def test_a_failure_is_a_reason_and_a_row() -> None:
     values = {"pressure_kPa": 20.0, "why": "no luck", "reached_kPa": 0.0, "limit_kPa": 0.0, "causes": []}
     assert outcomes.failures == (Reason("stopped", {"experiment": "III", **values}),)
     assert stopped.why_stopped("end at +3 mm") == Reason("load_stopped", {"load": "end at +3 mm", **values})
-    rows = outcomes.rows()
-    assert [row["status"] for row in rows] == ["converged", "converged", "converged", "not converged"]
-    assert rows[-1] == {
-        "experiment": "III",
-        "pressure_kPa": 20.0,
-        "status": "not converged",
-        "reason": "no luck",
-    }
+    states = outcomes.states
+    assert [state.reached for state in states] == [True, True, True, False]
+    failed = states[-1]
+    assert (failed.experiment, failed.pressure_kPa, failed.reason) == ("III", 20.0, "no luck")
+    assert np.isnan(failed.end_x_mm)
     assert stopped.at(20.0) is None
     assert stopped.at(10.0) is stopped.records[0]
 
@@ -127,7 +104,7 @@ def test_the_indicator_is_that_of_the_worst_state() -> None:
     worst = outcomes.largest_indicator
     assert worst is not None
     assert (worst.stress_error, worst.pressure_kPa) == (0.3, 20.0)
-    assert "at most 30 % in energy, in II at 20 kPa" in worst.sentence()
+    assert "at most 30 % in energy, in II at 20 kPa" in worst.sentence
     assert Outcomes({}).largest_indicator is None
 
 
@@ -156,7 +133,7 @@ def test_records_can_be_replaced_in_all_outcomes() -> None:
 def test_a_smallest_gap_is_named_where_there_is_one(gaps: tuple[float, ...], reason: str, configs: Path) -> None:
     states = [record(10.0 * (k + 1)) for k in range(len(gaps))]
     states = [
-        replace(state, summary=replace(state.summary, min_gap_mm=gap)) for state, gap in zip(states, gaps, strict=True)
+        replace(state, state=replace(state.state, min_gap_mm=gap)) for state, gap in zip(states, gaps, strict=True)
     ]
     body: Any = SimpleNamespace(half=True)
     scene = Scene(load_config(configs / "pneunet_coarse.yaml"), body)
@@ -181,10 +158,3 @@ def test_the_first_reason_is_not_that_another_experiment_has_ended() -> None:
     }
     outcomes = Outcomes({name: outcome(name, record(5.0), failure=failure) for name, failure in ends.items()})
     assert [reason.values["experiment"] for reason in outcomes.failures] == ["II", "III", "I"]
-
-
-def test_a_row_has_all_columns_of_a_state_in_their_order() -> None:
-    row = record(10.0).summary.row()
-    assert list(row) == [column.name for column in fields(State)]
-    assert row["status"] == "converged"
-    assert {column.name for column in fields(StateSummary)} == set(row) - {"status"}

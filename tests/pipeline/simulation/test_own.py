@@ -91,8 +91,8 @@ def test_own_body_is_inflated(tmp_path: Path) -> None:
         outcomes = simulate(scene, RunContext.alone(store, Silent()), ("II",))
         rows = {state.effect: state for state in effect_states(scene, outcomes)}
     (record,) = outcomes["II"].records
-    assert record.summary.end_mm[1] < 1.0 - 2.0
-    assert abs(record.summary.stretch_of_curve - 1.0) < 2e-3
+    assert record.state.end_mm[1] < 1.0 - 2.0
+    assert abs(record.state.stretch_of_curve - 1.0) < 2e-3
     assert rows["self_contact"].state == "off"
     assert rows["symmetry"].state == rows["strain_limiting_layer"].state == "on"
 
@@ -241,7 +241,7 @@ def test_the_clamp_carries_the_pressure_on_an_inlet(tmp_path: Path) -> None:
     scene = Scene.meshed(config)
     with open_store(tmp_path / "out", config) as store:
         outcomes = simulate(scene, RunContext.alone(store, Silent()), ("II",))
-    summary = outcomes["II"].records[0].summary
+    summary = outcomes["II"].records[0].state
     assert summary.clamp_reaction_N[0] == pytest.approx(-4e-3 * np.pi * 1.5**2, rel=0.03)
     reason = next(state.reason for state in effect_states(scene, outcomes) if state.effect == "pressure")
     assert "experiment I, without a clamp, is not simulated" in reason

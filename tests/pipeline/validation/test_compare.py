@@ -7,10 +7,10 @@ import pytest
 
 from fem import Seconds
 from geometry import Centreline
-from pipeline.results.values import RodError
-from pipeline.simulation.outcome import Record, StateSummary
-from pipeline.store.formats import CURVE_COLUMNS, EXTENSIBLE, FIVE
-from pipeline.validation.compare import ComparedState, compare_rods, rows_of
+from pipeline.results.values import RodError, State
+from pipeline.simulation.outcome import Record
+from pipeline.store.formats import EXTENSIBLE, FIVE
+from pipeline.validation.compare import ComparedState, compare_rods, curve_of
 from pipeline.validation.rods import NoSolution, Rods
 from rod import Extension, FiveParameters, Load, MomentRange, Rod
 
@@ -49,38 +49,9 @@ def row_of(compared: Rods, solid: Record, load: str = "", rod: str = FIVE) -> Ro
     return next(row for row in rows if row.rod == rod)
 
 
-def summary(experiment: str) -> StateSummary:
+def summary(experiment: str) -> State:
     """A state of which only the experiment and the pressure matter."""
-    rest = (0.0, 0.0, 0.0)
-    return StateSummary(
-        experiment=experiment,
-        pressure_kPa=24.0,
-        end_x_mm=0.0,
-        end_y_mm=0.0,
-        reaction_N=(0.0, 0.0),
-        clamp_reaction_N=(0.0, 0.0),
-        clamp_moment_N_mm=0.0,
-        cavity_volume_mm3=1.0,
-        stretch_of_curve=1.0,
-        curve_z_mm=0.0,
-        min_J=1.0,
-        max_stretch=1.0,
-        min_stretch=1.0,
-        min_J_at_mm=rest,
-        max_stretch_at_mm=rest,
-        min_stretch_at_mm=rest,
-        min_gap_mm=float("inf"),
-        contact_error_mm=None,
-        contact_error_N=None,
-        stress_error=0.0,
-        stress_error_at_mm=rest,
-        negative_pivots=0,
-        newton_iterations=1,
-        factorizations=1,
-        cutbacks=0,
-        seconds=0.0,
-        reason="",
-    )
+    return State(experiment, 24.0)
 
 
 @pytest.mark.parametrize(
@@ -157,7 +128,7 @@ def test_numbers_of_another_arm_and_loads_without_solution_say_so() -> None:
     row = row_of(rods(ROD), beyond)
     assert row.reason.endswith(".")
     assert row.force_error is None
-    assert np.isnan(rows_of(beyond, None, PITCH)[0][CURVE_COLUMNS.index("rod_x_mm")])
+    assert np.isnan(curve_of(beyond, None, PITCH)["rod_x_mm"][0])
 
 
 def test_the_extensible_rod_follows_a_curve_that_stretches() -> None:
