@@ -90,11 +90,10 @@ def test_the_help_shows_the_defaults_that_the_program_finds(name: str, default: 
 
 def test_run_passes_its_options_on(replace_run: Callable[[Task], None], coarse: str, tmp_path: Path) -> None:
     calls = []
-    report = types.SimpleNamespace(raise_if_failed=lambda: None)
 
     def task(*arguments: object) -> object:
         calls.append(arguments)
-        return report
+        return types.SimpleNamespace(results=read_results(DATA))
 
     replace_run(task)
     out = shutil.copytree(DATA, tmp_path / "out")
@@ -116,7 +115,7 @@ def test_the_verdict_ends_a_run(replace_run: Callable[[Task], None], coarse: str
     def task(config: object, out: Path, jobs: int, fresh: bool, progress: Progress) -> object:
         progress.stage("experiments")
         progress.iteration("II", 17.0, 1, 0.5)
-        return types.SimpleNamespace(raise_if_failed=lambda: None)
+        return types.SimpleNamespace(results=read_results(out))
 
     replace_run(task)
     result = call("run", coarse, "--out", str(results), *([option] if option else []))
@@ -142,15 +141,12 @@ def test_the_verdict_of_a_failed_run_is_shown_before_the_reason(
     replace_run: Callable[[Task], None], coarse: str, tmp_path: Path
 ) -> None:
     reason = "experiment II stopped before 45 kPa"
-    failures = [{"code": "stopped", "values": {}, "where": None, "text": f"{reason}: a limit point at 41 kPa"}]
+    failures = [{"code": "stopped", "values": {}, "where": None, "text": f"{reason}: a limit point at 41 kPa."}]
     results = copy_with(tmp_path / "out", "run.json", lambda content: {**content, "failures": failures})
 
-    def fail() -> None:
-        raise RunFailed(f"{reason}; more", directory=results, brief=reason)
-
-    replace_run(lambda *arguments: types.SimpleNamespace(raise_if_failed=fail))
+    replace_run(lambda *arguments: types.SimpleNamespace(results=read_results(results)))
     result = call("run", coarse, "--out", str(results), "-q")
-    assert sentence(result, 1) == reason
+    assert sentence(result, 1) == f"{reason}: a limit point at 41 kPa. What was reached is in {results}."
     assert result.stdout.count("a limit point at 41 kPa") == 1
 
 
