@@ -62,9 +62,10 @@ def test_between_pressures_five_parameters_are_interpolated_with_a_note() -> Non
 
 def test_an_arm_that_leaves_its_plane_has_no_rod() -> None:
     out = Reported("out_of_plane", {}, None, "The arm leaves its plane.")
+    run = coarse_run(MESH_ERROR)
     for kind in (None, "law", "five"):
         with pytest.raises(InputError, match=r"The arm leaves its plane\.$"):
-            choose_rod(replace(coarse_run(MESH_ERROR), remarks=(out,)), kind)
+            choose_rod(replace(run, record=replace(run.record, remarks=(out,))), kind)
 
 
 def test_commands_refuse_an_arm_that_leaves_its_plane_and_write_nothing(tmp_path: Path) -> None:
