@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import numpy as np
+from pydantic_core import to_json
 
 from pipeline.errors import InputError
 from pipeline.store.atomic_file import write_atomic
@@ -38,7 +38,7 @@ class ResultFolder:
         text = io.StringIO()
         writer = csv.writer(text, lineterminator="\n")
         writer.writerow(columns)
-        writer.writerows([["" if cell is None else cell for cell in map(_plain, row)] for row in rows])
+        writer.writerows([["" if isinstance(c, float) and not math.isfinite(c) else c for c in row] for row in rows])
         write_atomic(self.path(name), text.getvalue().encode())
 
     def save_text(self, name: str, text: str) -> None:
@@ -99,17 +99,9 @@ def open_file(file: Path) -> Path:
 
 def json_text(value: Json) -> str:
     """`value` as JSON that ends with a line break. Arrays become lists; NaN and infinity become null."""
-    return json.dumps(_plain(value), indent=2, allow_nan=False) + "\n"
+    return to_json(value, indent=2, inf_nan_mode="null", fallback=_plain).decode() + "\n"
 
 
 def _plain(value: Any) -> Any:
-    """`value` in the types JSON has."""
-    if isinstance(value, Mapping):
-        return {str(name): _plain(entry) for name, entry in value.items()}
-    if isinstance(value, np.ndarray | np.generic):
-        return _plain(value.tolist())
-    if isinstance(value, list | tuple):
-        return [_plain(entry) for entry in value]
-    if isinstance(value, float) and not math.isfinite(value):
-        return None
-    return value
+    """What JSON has instead of an array, a number of numpy or a mapping that is no dict."""
+    return dict(value) if isinstance(value, Mapping) else value.tolist()
