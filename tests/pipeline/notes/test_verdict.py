@@ -84,12 +84,13 @@ def test_a_coarse_mesh_is_a_reason_not_to_use_the_rod() -> None:
 
 def test_an_arm_that_leaves_the_plane_has_no_rod(run: Run) -> None:
     out = Reported("out_of_plane", {"distance_mm": 3.0}, None, "The arm leaves its plane by 3 mm.")
-    refused = verdict_of(replace(run, record=replace(run.record, remarks=(out,))))
+    record = replace(run.record, remarks=(out,))
+    refused = verdict_of(replace(run, record=record))
     assert refused.refusal is not None
     assert refused.refusal.code == "out_of_plane"
     assert refused.lines[0] == "pneunet_coarse: The arm leaves its plane by 3 mm."
     assert sum("3 mm" in line for line in refused.lines) == 1
-    assert verdict_of(replace(run, remarks=(out,), rod_errors=())).refusal == out  # without a rod to compare, too
+    assert verdict_of(replace(run, record=record, rod_errors=())).refusal == out  # without a rod to compare, too
     assert not refused.warnings  # it is said once
 
 
