@@ -180,11 +180,13 @@ def cell(
     design, folder = _design(config, _with_accuracy(settings, accuracy), out, "_cell")
 
     from pipeline.cell.study import measure_law
-    from pipeline.cell.table import law_sentences
-    from pipeline.terminal import cell_table
+    from pipeline.cell.table import law_remarks, law_table
+    from pipeline.notes import render
+    from pipeline.terminal import text_table
 
     report = _solve(measure_law, design, folder, jobs or 1, fresh)
-    print_lines(cell_table(report.measured), *law_sentences(report))
+    print_lines(text_table(law_table(report.measured)))
+    print_sentences(*(f"Note: {render(remark)}." for remark in law_remarks(report)))
     print_lines(f"law: {folder / 'law.json'}, picture: {folder / 'law.html'}")
     report.raise_if_failed()
 

@@ -38,7 +38,7 @@ def _solved(planned: Planned, context: RunContext) -> stages.SolvedRun:
     state, identified, improved = stages.identify(state, outcomes)
     loads = stages.begin_validation(state, outcomes)
     stages.draw(state, identified.outcomes)
-    state, arm = stages.measure_law(state, identified.outcomes, law)
+    state, arm = stages.measure_law(state, law)
     state, identified = stages.add_mesh_error(state, identified, improved, arm)
     state, rods, comparisons = stages.compare_rods(state, identified, arm)
     state, validated = stages.validate(state, loads, rods, comparisons)

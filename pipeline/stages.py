@@ -169,10 +169,10 @@ def draw(state: RunState, outcomes: Outcomes) -> None:
         draw_all(state.scene.body, outcomes, state.context.store)
 
 
-def measure_law(state: RunState, outcomes: Outcomes, law: Pending[LawOfRun]) -> tuple[RunState, LawOfRun]:
+def measure_law(state: RunState, law: Pending[LawOfRun]) -> tuple[RunState, LawOfRun]:
     """Write law.json."""
     with state.stages.timed("cell law"):
-        arm = law.result().beside(outcomes)
+        arm = law.result()
         return state.with_results(law=arm.save(state.context.store)), arm
 
 

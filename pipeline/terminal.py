@@ -9,9 +9,6 @@ from geometry import Body
 from pipeline.accuracy.study import ConvergenceStudy
 from pipeline.accuracy.table import COLUMNS as STUDY_COLUMNS
 from pipeline.accuracy.table import cells
-from pipeline.cell.build import MeasuredLaw
-from pipeline.cell.table import COLUMNS as CELL_COLUMNS
-from pipeline.cell.table import cell_rows
 from pipeline.config.config import Config
 from pipeline.effects_rows import BASE, COLUMNS, EffectRow
 from pipeline.material.fits import Fits
@@ -127,16 +124,6 @@ def law_table(fits: Fits, name: str) -> Table:
             stable = _stretches(*fit.solved.stretch_limits)
             name_and_points = f"{fit.name}\n{fit.points} points"
             table.add_row(name_and_points, _constants(fit), f"{fit.rms:.2g}", holds, fit.limited_by, stable)
-    return table
-
-
-def cell_table(measured: MeasuredLaw) -> Table:
-    """The curves of the arm's own law, one row per pressure."""
-    table = Table(*CELL_COLUMNS, box=None, padding=(0, 1, 0, 0))
-    for column in table.columns:
-        column.justify = "right"
-    for row in cell_rows(measured):
-        table.add_row(*row)
     return table
 
 

@@ -44,7 +44,7 @@ DOORS: dict[str, set[str]] = {
     "pypardiso": {"fem/equations/pardiso.py"},
     "pydantic": {
         *("pipeline/config/section.py", "pipeline/results/files.py", "pipeline/results/values.py"),
-        *("pipeline/accuracy/planning.py", "pipeline/accuracy/run.py", "pipeline/sweep/record.py"),
+        *("pipeline/store/kept.py", "pipeline/sweep/record.py"),
     },
     "pydantic_core": {"pipeline/config/section.py"},
     "pint": {"pipeline/config/units.py"},

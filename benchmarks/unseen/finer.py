@@ -49,7 +49,7 @@ def against_finer_mesh(solved: SolvedRun) -> dict[str, Any]:
         values = [on_default[name], on_finer[name]]
         limit = extrapolate((size, size / FINER), values)
         errors[name] = {
-            "error": limit.error / limit.limit,  # above zero where the number is too large
+            "error": (limit.value - limit.limit) / limit.limit,  # above zero where the number is too large
             "std": limit.limit_std / abs(limit.limit),
             "estimated": first.mesh_errors.get(name),
             "values": values,

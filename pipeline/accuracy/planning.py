@@ -7,8 +7,6 @@ distance with a ratio measured in studies/accuracy.md. Sizes and their cost are 
 
 from dataclasses import dataclass, replace
 
-from pydantic import TypeAdapter
-
 from fem.elements import MOST_ACCURATE
 from geometry import Reason
 from pipeline.accuracy.error_model import MeshErrorModel, Pilot
@@ -22,6 +20,7 @@ from pipeline.errors import InputError
 from pipeline.identification.too_short import too_short
 from pipeline.notes import render
 from pipeline.progress import Progress
+from pipeline.store.kept import kept
 from pipeline.store.state_key import NUMBER_SOURCES, result_key
 from pipeline.store.store import Store
 
@@ -33,8 +32,6 @@ PILOTS = (0.4, 0.27)
 NEWTON_FRACTION = 1e-3
 #: smallest mesh size over that of the finer pilot
 FINEST = 0.35
-
-_PILOTS = TypeAdapter(tuple[Pilot, Pilot])
 
 
 @dataclass(frozen=True)
@@ -122,15 +119,15 @@ class _NoNumbers(Exception):
 
 def _pilots(config: Config, store: Store, progress: Progress) -> tuple[Pilot, Pilot]:
     """The coarser and the finer pilot, which serve for every accuracy. Raises _NoNumbers."""
-    name, key = "states/pilots.json", result_key(replace(config, accuracy=None).hash, NUMBER_SOURCES)
-    kept = store.read_json(name)
-    if kept is not None and kept["key"] == key:
-        return _PILOTS.validate_python(kept["pilots"])
-    progress.stage("pilots for the requested accuracy")
-    piloted, smallest_side = _of_pilots(config), min(config.design.extent)
-    coarse, fine = (_pilot(piloted, fraction * smallest_side) for fraction in PILOTS)
-    store.save_json(name, {"key": key, "pilots": _PILOTS.dump_python((coarse, fine), mode="json")})
-    return coarse, fine
+
+    def solve() -> tuple[Pilot, Pilot]:
+        progress.stage("pilots for the requested accuracy")
+        piloted, smallest_side = _of_pilots(config), min(config.design.extent)
+        coarse, fine = (_pilot(piloted, fraction * smallest_side) for fraction in PILOTS)
+        return coarse, fine
+
+    key = result_key(replace(config, accuracy=None).hash, NUMBER_SOURCES)
+    return kept(store, "states/pilots.json", tuple[Pilot, Pilot], solve, key)
 
 
 def _of_pilots(config: Config) -> Config:

@@ -4,8 +4,6 @@ from collections.abc import Sequence
 from concurrent.futures import as_completed
 from pathlib import Path
 
-from pydantic import TypeAdapter
-
 from pipeline.accuracy.ladder import Rung, ladder
 from pipeline.accuracy.measure import Measured, measure
 from pipeline.accuracy.study import ConvergenceStudy, convergence_study
@@ -14,9 +12,8 @@ from pipeline.config.config import Config
 from pipeline.processes import process_pool
 from pipeline.progress import Progress
 from pipeline.simulation.scene import Scene
+from pipeline.store.kept import read_kept, save_kept
 from pipeline.store.store import Store, open_store
-
-_MEASURED = TypeAdapter(Measured)
 
 
 def run_study(config: Config, out: Path, jobs: int, fresh: bool, progress: Progress) -> ConvergenceStudy:
@@ -37,7 +34,7 @@ def run_study(config: Config, out: Path, jobs: int, fresh: bool, progress: Progr
 def measured(rungs: Sequence[Rung], store: Store, jobs: int, progress: Progress) -> list[tuple[Rung, Measured]]:
     """All rungs with their results. Each that the store does not hold from these sources is measured in a process of
     its own with one thread, `jobs` at a time, and kept as soon as it is there."""
-    results = {rung.name: kept for rung in rungs if (kept := _kept(rung, store)) is not None}
+    results = {rung.name: kept for rung in rungs if (kept := read_kept(store, _file(rung), Measured)) is not None}
     missing = [rung for rung in rungs if rung.name not in results]
     progress.stage(f"{len(rungs)} configurations, {len(missing)} of them to be measured")
     if missing:
@@ -46,15 +43,9 @@ def measured(rungs: Sequence[Rung], store: Store, jobs: int, progress: Progress)
             for future in as_completed(futures):
                 rung, result = futures[future], future.result()
                 results[rung.name] = result
-                content = {"key": store.numbers_key, "result": _MEASURED.dump_python(result, mode="json")}
-                store.save_json(_file(rung), content)
+                save_kept(store, _file(rung), Measured, result)
                 progress.stage(_ending(rung, result))
     return [(rung, results[rung.name]) for rung in rungs]
-
-
-def _kept(rung: Rung, store: Store) -> Measured | None:
-    content = store.read_json(_file(rung))
-    return _MEASURED.validate_python(content["result"]) if content and content["key"] == store.numbers_key else None
 
 
 def _file(rung: Rung) -> str:

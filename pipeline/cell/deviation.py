@@ -1,8 +1,5 @@
 """How far the law interpolated halfway between two pressures is from the cell itself."""
 
-from collections.abc import Sequence
-from itertools import pairwise
-
 import numpy as np
 
 from fem.cell.piece import BendingPiece
@@ -15,10 +12,6 @@ from rod.arm_law.section import SectionLaw, section_at
 
 #: states of the cell that are solved
 CHECKS = 5
-#: An interval is not divided further where two halvings in a row have left more than the first part of the error, which
-#: is at most the second number times the allowed one. As a rule such an error comes from curves of neighbouring
-#: pressures that end at different moments, and not from the interpolation in the pressure.
-NOT_REDUCED, NEARLY_ALLOWED = 0.8, 2.0
 
 
 def largest_deviation(piece: BendingPiece, lower: CellCurve, upper: CellCurve) -> float:
@@ -48,10 +41,3 @@ def _doubtful(section: SectionLaw, lower: CellCurve, upper: CellCurve) -> Index:
     difference = np.interp(section.kappa, *measure_disagreement(lower, upper))
     ranges = np.array_split(np.arange(len(section.moment)), CHECKS)
     return np.array([own[int(np.argmax(difference[own]))] for own in ranges])
-
-
-def is_not_reduced(errors: Sequence[float], allowed: float) -> bool:
-    """Whether dividing has not reduced the error of the last of these intervals, each a half of the one before."""
-    if len(errors) < 3 or errors[-1] > NEARLY_ALLOWED * allowed:
-        return False
-    return all(part > NOT_REDUCED * whole for whole, part in pairwise(errors[-3:]))

@@ -11,8 +11,9 @@ from fem.cell.piece import BendingPiece, PieceFailed, PieceState
 from fem.cell.response import inflated, shear_rigidity, slopes
 from fem.equations.state import State
 from fem.path.predictor import extrapolate
+from geometry import Reason
 from geometry.arrays import Array
-from pipeline.cell.point import PiecePoint, stable, without_moment
+from pipeline.cell.point import PiecePoint, reason_of, stable, without_moment
 from pipeline.cell.reach import Range, Reach
 from pipeline.pressure import KPA_PER_MPA, in_MPa
 from rod.arm_law.curves import CellCurve
@@ -54,8 +55,8 @@ class CellSweep:
 
     pressure: float  #: kPa
     points: list[CellPoint] = field(default_factory=list)  #: by increasing curvature
-    #: why the curve ends, a sentence each: at the largest moment (1) and at the smallest (-1), unless it was reached
-    ends: dict[int, str] = field(default_factory=dict)
+    #: why the curve ends at the largest moment (1) and at the smallest (-1), unless it was reached
+    ends: dict[int, Reason] = field(default_factory=dict)
     shear: list[tuple[float, float]] = field(default_factory=list)  #: moments in N mm with GA in N, in any order
     #: intervals with the error of their cubics where it was measured, rad
     errors: list[tuple[CellPoint, CellPoint, float]] = field(default_factory=list)
@@ -65,9 +66,9 @@ class CellSweep:
         return self.points[-1 if side > 0 else 0]
 
     @property
-    def limits(self) -> list[str]:
-        """The sentences of `ends`."""
-        return [self.ends[side] for side in sorted(self.ends)]
+    def limits(self) -> tuple[Reason, ...]:
+        """Why it was not followed further."""
+        return tuple(self.ends[side] for side in sorted(self.ends))
 
     @property
     def error(self) -> float:
@@ -146,21 +147,18 @@ def _sweep_to(piece: BendingPiece, sweep: CellSweep, until: Range, softest: floa
         try:
             point = _next_point(piece, sweep, part * change)
             if outward * (point.moment - last.moment) <= 0.0:
-                raise PieceFailed(f"the moment of the cell falls {_beyond(piece, sweep, last)}")
+                raise PieceFailed(f"the moment of the cell falls at {sweep.pressure:g} kPa")
             sweep.shear.append((point.moment, _shear(piece, point)))
         except PieceFailed as failure:
             if len(followed) == 1 and abs(change) > shortest:
                 change /= 2.0
                 continue
-            sweep.ends[outward] = str(failure)
+            sweep.ends[outward] = reason_of(failure)
             return
         followed.append(point)
         sweep.points.insert(len(sweep.points) if outward > 0 else 0, point)
         if point.slopes.moment_by_angle < softest:
-            sweep.ends[outward] = (
-                f"the cell has less than {SOFTENED:g} of its rigidity at rest {_beyond(piece, sweep, point)}, and the "
-                "law ends there"
-            )
+            sweep.ends[outward] = Reason("cell_softens", _place(sweep, point, piece.body.length))
             return
 
 
@@ -196,8 +194,8 @@ def _shear(piece: BendingPiece, point: CellPoint) -> float:
         return shear_rigidity(piece, point.state, point.slopes)
 
 
-def _beyond(piece: BendingPiece, sweep: CellSweep, point: CellPoint) -> str:
-    return f"at {sweep.pressure:g} kPa beyond a curvature of {point.state.angle / piece.body.length:.4g} 1/mm"
+def _place(sweep: CellSweep, point: CellPoint, half_pitch: float) -> dict[str, float]:
+    return {"pressure_kPa": sweep.pressure, "kappa_per_mm": point.state.angle / half_pitch}
 
 
 def _refine(piece: BendingPiece, sweep: CellSweep) -> None:
@@ -215,7 +213,7 @@ def _refine(piece: BendingPiece, sweep: CellSweep) -> None:
             predicted = _predicted(first, second, angle)
             middle = CellPoint.of(piece, piece.solve(first.state.pressure, angle, first.state, predicted))
         except PieceFailed as failure:
-            _cut(sweep, first, second, str(failure))
+            _cut(sweep, first, second, reason_of(failure))
             pending = [interval for interval in pending if interval[0] in sweep.points and interval[1] in sweep.points]
             continue
         error = _cubic_error(first, second, middle)
@@ -244,16 +242,12 @@ def _keep_rising(sweep: CellSweep, middle: CellPoint, half_pitch: float) -> None
     first = at - (int(np.argmin(rises[:at][::-1])) if not rises[:at].all() else at)
     for side, row in ((-1, first), (1, last)):
         if row not in (0, len(rises)):
-            curvature = sweep.points[row].state.angle / half_pitch
-            sweep.ends[side] = (
-                f"at {sweep.pressure:g} kPa the law of the cell ends at a curvature of {curvature:.4g} 1/mm, because "
-                "its moment does not grow when it is bent further"
-            )
+            sweep.ends[side] = Reason("cell_falls", _place(sweep, sweep.points[row], half_pitch))
     sweep.points[:] = sweep.points[first : last + 1]
 
 
-def _cut(sweep: CellSweep, first: CellPoint, second: CellPoint, reason: str) -> None:
-    """Keep the states on that side of an interval where there is no moment; reason: a sentence."""
+def _cut(sweep: CellSweep, first: CellPoint, second: CellPoint, reason: Reason) -> None:
+    """Keep the states on that side of an interval where there is no moment."""
     position = sweep.points.index(second)
     keeps_first = first.moment + second.moment > 0.0
     sweep.ends[1 if keeps_first else -1] = reason

@@ -1,7 +1,7 @@
 """The clamped end of the arm at one pressure, beside cells continued to it, from finite elements."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import partial
 from itertools import pairwise
 from typing import final
@@ -12,8 +12,9 @@ from fem.cell.axis import circle, components
 from fem.cell.piece import BendingPiece, PieceFailed, PieceState
 from fem.cell.response import inflated
 from fem.path.predictor import extrapolate
+from geometry import Reason
 from geometry.arrays import Array
-from pipeline.cell.point import PiecePoint, reached, without_moment
+from pipeline.cell.point import Measured, PiecePoint, reached, reason_of, without_moment
 from pipeline.pressure import KPA_PER_MPA, in_MPa
 from rod.arm_law.curves import CellCurve, ClampCurve
 from rod.cubics import cubic
@@ -39,18 +40,10 @@ NEARLY_STRAIGHT = 3e-3
 DIFFERENCE = 1e-5
 
 
-@dataclass(frozen=True, eq=False)  # arrays inside
-class MeasuredClamp:
-    """The clamped end, why it was not followed further, and how far its cubics may miss."""
-
-    curve: ClampCurve
-    limits: tuple[str, ...]
-    error: float  #: largest one of the rotation between two states, rad
-    first: PieceState = field(repr=False)  #: that was solved first
-
-
-def clamp_curve(piece: BendingPiece, cell: CellCurve, start: PieceState | None = None) -> MeasuredClamp:
-    """The clamped end over the moments of a cell at the same pressure.
+def clamp_curve(
+    piece: BendingPiece, cell: CellCurve, start: PieceState | None = None
+) -> tuple[Measured[ClampCurve], PieceState]:
+    """The clamped end over the moments of a cell at the same pressure, and the state that was solved first.
 
     start: a state of the piece at a lower pressure to begin with, the piece at rest unless it is given.
 
@@ -60,13 +53,14 @@ def clamp_curve(piece: BendingPiece, cell: CellCurve, start: PieceState | None =
     lowest, last = float(cell.moment[0]), float(cell.moment[-1])
     steps = _steps(cell)[1]
     first = _first(piece, cell, start)
-    limits: list[str] = []
+    limits: list[Reason] = []
     behind, ahead = (_followed(piece, cell, first, moment, steps, limits) for moment in (lowest, last))
     points = [*reversed(behind), first, *ahead]
     if len(points) < 2:
-        raise PieceFailed(limits[0] if limits else f"the clamped end has one state at {cell.pressure:.4g} kPa only")
+        why = limits[0].values["why"] if limits else f"the clamped end has one state at {cell.pressure:.4g} kPa only"
+        raise PieceFailed(why)
     error = _refine(piece, cell, points)
-    return MeasuredClamp(_curve(piece, cell, points), tuple(limits), error, first.state)
+    return Measured(_curve(piece, cell, points), tuple(limits), error), first.state
 
 
 def first_state(piece: BendingPiece, cell: CellCurve, start: PieceState | None) -> PieceState:
@@ -157,7 +151,7 @@ class _ClampPoint(PiecePoint):
 
 
 def _followed(
-    piece: BendingPiece, cell: CellCurve, first: _ClampPoint, limit: float, steps: int, limits: list[str]
+    piece: BendingPiece, cell: CellCurve, first: _ClampPoint, limit: float, steps: int, limits: list[Reason]
 ) -> list[_ClampPoint]:
     """States of the clamped end from the first one on, without it, up to a moment in N mm; steps: over all moments."""
     points = [first]
@@ -171,7 +165,7 @@ def _followed(
         except PieceFailed as failure:
             change /= 2.0
             if change / spacing < SMALLEST_STEP * steps:
-                limits.append(str(failure))
+                limits.append(reason_of(failure))
                 break
     return points[1:]
 

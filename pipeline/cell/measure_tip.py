@@ -1,7 +1,5 @@
 """The free end of the arm at one pressure, beside cells continued to it, from finite elements."""
 
-from dataclasses import dataclass, field
-
 import numpy as np
 from scipy.integrate import cumulative_trapezoid
 
@@ -9,7 +7,7 @@ from fem.cell.axis import circle, components
 from fem.cell.edge import FreeEdge, free_edge
 from fem.cell.piece import BendingPiece, PieceState
 from geometry.arrays import Array
-from pipeline.cell.point import reached, stable
+from pipeline.cell.point import Measured, reached, stable
 from pipeline.pressure import in_MPa
 from rod.arm_law.curves import CellCurve, TipCurve
 
@@ -22,16 +20,10 @@ MIRROR = np.array([-1.0, 1.0])
 PULL_POINTS = 201
 
 
-@dataclass(frozen=True, eq=False)  # arrays inside
-class MeasuredTip:
-    """The tip, and the state that its curve was made of."""
-
-    curve: TipCurve
-    state: PieceState = field(repr=False)
-
-
-def tip_curve(piece: BendingPiece, cell: CellCurve, start: PieceState | None = None) -> MeasuredTip:
-    """The end of the arm without moment; raises `PieceFailed`.
+def tip_curve(
+    piece: BendingPiece, cell: CellCurve, start: PieceState | None = None
+) -> tuple[Measured[TipCurve], PieceState]:
+    """The end of the arm without moment, and the state that its curve is made of; raises `PieceFailed`.
 
     start: a state of the piece at a lower pressure to begin with, the piece at rest unless it is given. The piece is
     the mirror image of the tip: its face `clamp` is the end of the arm, its face `tip` the plane.
@@ -69,7 +61,7 @@ def tip_curve(piece: BendingPiece, cell: CellCurve, start: PieceState | None = N
         beside_pinned=beside(pinned),
         pinned_by_pull=components(by_pull, angle)[::-1],
     )
-    return MeasuredTip(curve, state)
+    return Measured(curve), state
 
 
 def tip_state(piece: BendingPiece, cell: CellCurve, start: PieceState | None) -> PieceState:

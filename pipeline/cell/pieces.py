@@ -1,8 +1,10 @@
 """The pieces of an arm whose own law is measured, as its configuration sets them up."""
 
 import math
+from collections.abc import Hashable
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Any
 
 from fem import ContactError, Discretisation, Effect, SelfContact
 from fem.cell.boundary import Boundary
@@ -34,6 +36,9 @@ class ArmPieces:
         if reason := self.config.effects.why_no_arm_law(self.config.design):
             raise NoArmLaw(reason)
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        return ArmPieces, (self.config, self.dhat, self.outer)  # a worker meshes its own
+
     @staticmethod
     def of(scene: Scene) -> "ArmPieces":
         """The pieces of a meshed arm. Raises `NoArmLaw`."""
@@ -42,6 +47,11 @@ class ArmPieces:
     def with_mesh_size(self, size_mm: float) -> "ArmPieces":
         """The same pieces on another mesh, with the same contact."""
         return ArmPieces(self.config.with_mesh_size(size_mm), self.dhat, self.outer)
+
+    @property
+    def key(self) -> Hashable:
+        """Equal for equal pieces."""
+        return self.config.hash, self.dhat, self.outer
 
     @property
     def walls(self) -> str:

@@ -2,8 +2,8 @@
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass
-from typing import TypeVar
+from dataclasses import dataclass, field
+from typing import Generic, TypeVar
 
 import numpy as np
 
@@ -11,6 +11,8 @@ from fem.cell.piece import BendingPiece, PieceFailed, PieceState
 from fem.cell.response import Slopes, inflated, slopes
 from fem.equations.linear import SingularMatrix
 from fem.path.predictor import PathPoint, extrapolate
+from geometry import Reason
+from pipeline.notes import render
 from pipeline.pressure import in_kPa
 
 #: Newton's method for the angle without moment: largest error of the angle to first order, rad
@@ -45,6 +47,31 @@ class PiecePoint:
 
 Point = TypeVar("Point", bound=PiecePoint)
 Value = TypeVar("Value")
+
+
+@dataclass(frozen=True)
+class Measured(Generic[Value]):
+    """A curve, or a number, and what it cost."""
+
+    curve: Value
+    limits: tuple[Reason, ...] = ()  #: why it was not followed further
+    #: of the cubics between its states: of a cell over the largest curvature, of a clamped end in rad
+    error: float = 0.0
+    factorizations: int = 0
+    seconds: float = 0.0
+    is_stored: bool = field(default=False, compare=False)  #: by an earlier run
+
+
+def reason_of(failure: Exception) -> Reason:
+    """Why a curve ends."""
+    return Reason("piece_fails", {"why": str(failure).rstrip(".")})
+
+
+def failure_of(failure: Exception | Reason) -> Reason:
+    """Why a law lacks a pressure of its configuration."""
+    return Reason(
+        "law_incomplete", {"why": render(failure) if isinstance(failure, Reason) else str(failure).rstrip(".")}
+    )
 
 
 def without_moment(

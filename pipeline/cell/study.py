@@ -1,16 +1,17 @@
 """The command that measures the arm's own law: law.json, law.html, and the record of the run."""
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from time import perf_counter
 
 from pipeline.cell.build import MeasuredLaw, build_law
 from pipeline.cell.figure import law_page
+from pipeline.cell.meshes import RefinedMesh, refine_mesh
 from pipeline.cell.pieces import ArmPieces, NoArmLaw
-from pipeline.cell.refinement import RefinedMesh, refined_mesh
 from pipeline.config.config import AUTO, Config
 from pipeline.context import run_context
 from pipeline.errors import InputError, RunFailed
+from pipeline.notes import render, render_all
 from pipeline.progress import Progress
 from pipeline.results.files import law_of
 from pipeline.results.values import Law
@@ -39,15 +40,13 @@ class LawReport:
     def raise_if_failed(self) -> None:
         """Raise RunFailed where a pressure was not reached."""
         if self.measured.failures:
-            sentence = "; ".join(self.measured.failures)
-            known = f"the law goes up to {self.measured.law.pressures[-1]:g} kPa, the whole arm may bear less, which"
-            raise RunFailed(
-                f"{sentence}; {known} `pneurod run` finds out; what was reached is in {self.directory}",
-                directory=self.directory,
-            )
+            known = f"the law goes up to {self.measured.law.pressures[-1]:g} kPa"
+            sentence = f"{render_all(self.measured.failures)}; {known}; what was reached is in {self.directory}"
+            raise RunFailed(sentence, directory=self.directory)
 
     def record(self) -> JsonObject:
         """The content of run.json."""
+        failure = render_all(self.measured.failures)
         return {
             "format": FORMAT,
             "config": self.config.record(),
@@ -56,14 +55,14 @@ class LawReport:
             "seconds": {**self.measured.seconds, "this call": self.seconds},
             "factorizations": self.measured.factorizations,
             "degrees_of_freedom": self.measured.unknowns,
-            **({"failure": "; ".join(self.measured.failures)} if self.measured.failures else {}),
+            **({"failure": failure} if failure else {}),
         }
 
 
 def measure_law(config: Config, out: Path, jobs: int, fresh: bool, progress: Progress) -> LawReport:
     """From a configuration to `out`/law.json; curves that `out` already holds are not measured again.
 
-    With a requested accuracy the mesh of the configuration is the coarsest that is tried (`pipeline.cell.refinement`).
+    With a requested accuracy the mesh of the configuration is the coarsest that is tried (`pipeline.cell.meshes`).
 
     A pressure that is not reached is named in the report; the law of those below it is in `out` then. Raises InputError
     for an arm without such a law, a body that cannot be meshed and a folder that cannot be used, and RunFailed where
@@ -73,17 +72,17 @@ def measure_law(config: Config, out: Path, jobs: int, fresh: bool, progress: Pro
     with open_store(out, config, fresh=fresh) as store, run_context(store, jobs, progress) as context:
         loading = begin_loading(context, config)
         progress.stage("mesh")
+        size = COARSEST * min(config.design.extent) if config.mesh.size_mm is AUTO else config.mesh.element_size_mm
         try:
-            sized = config.with_mesh_size(_first_size(config))
-            pieces, refined = ArmPieces.of(Scene.meshed(sized)), None
+            pieces, refined = ArmPieces.of(Scene.meshed(config.with_mesh_size(size))), None
             progress.stage("kernels (compiled once)")
             for pending in loading:
                 pending.result()
             if config.accuracy is not None:
-                refined = refined_mesh(pieces, context, config.accuracy)
+                refined = refine_mesh(pieces, context, config.accuracy)
                 pieces = pieces.with_mesh_size(refined.size_mm)
             progress.stage("cell and ends")
-            measured = build_law(pieces, context)
+            measured = build_law(pieces, config.pressures_kPa, context)
         except NoArmLaw as refusal:
             raise InputError(f"{config.source}: {refusal}") from None
         report = LawReport(out, config, measured, refined, perf_counter() - begin)
@@ -93,21 +92,9 @@ def measure_law(config: Config, out: Path, jobs: int, fresh: bool, progress: Pro
     return report
 
 
-def _first_size(config: Config) -> float:
-    """Mesh size of the configuration in mm; where it is to be chosen, the coarsest that is tried."""
-    return COARSEST * min(config.design.extent) if config.mesh.size_mm is AUTO else config.mesh.element_size_mm
-
-
 def save_law(store: Store, measured: MeasuredLaw, refined: RefinedMesh | None = None) -> Law:
-    """Write law.json, and return the part of it that the report reads."""
-    content = law_content(measured, refined)
-    store.save_json("law.json", content)
-    return law_of(content)
-
-
-def law_content(measured: MeasuredLaw, refined: RefinedMesh | None) -> JsonObject:
-    """The content of law.json: the law, its errors, and where it ends."""
-    return {
+    """Write law.json, the law, its errors and where it ends, and return the part of it that the report reads."""
+    content = {
         **law_record(measured.law),
         "added_pressures_kPa": measured.added_kPa,
         "end_half_cells": measured.half_cells,
@@ -117,11 +104,13 @@ def law_content(measured: MeasuredLaw, refined: RefinedMesh | None) -> JsonObjec
             "between_pressures": measured.error_between,
             "ends_over_length": measured.error_ends,
         },
-        "mesh_error": measured.mesh_error.record(),
-        "accuracy": None if refined is None else refined.record(),
-        "limits": measured.limits,
-        "failures": measured.failures,
+        "mesh_error": asdict(measured.mesh_error),
+        "accuracy": refined and refined.record(),
+        "limits": [*map(render, measured.limits)],
+        "failures": [*map(render, measured.failures)],
         "factorizations": measured.factorizations,
         "seconds": measured.seconds,
         "degrees_of_freedom": measured.unknowns,
     }
+    store.save_json("law.json", content)
+    return law_of(content)

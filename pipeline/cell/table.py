@@ -1,32 +1,38 @@
-"""The arm's own law in a table and in sentences."""
+"""The arm's own law as a table, and where it ends."""
+
+from collections.abc import Iterator
 
 import numpy as np
 
+from geometry import Reason
 from pipeline.cell.build import MeasuredLaw
-from pipeline.cell.mesh_error import NUMBERS
 from pipeline.cell.study import LawReport
+from pipeline.report.tables import Table
 from rod.arm_law.curves import CellCurve
 
-#: heads of the table, two lines each
-COLUMNS = (
-    "p\nkPa",
-    "κ₀\n1/mm",
-    "dM/dκ\nN mm²",
-    "EA\nN",
-    "GA\nN",
-    "moments\nN mm",
-    "walls\ntouch from",
-    "states",
-    "s",
+_HEADS = (
+    *("p (kPa)", "κ₀ (1/mm)", "mesh ±", "dM/dκ (N mm²)", "mesh ±", "EA (N)", "GA (N)", "moments (N mm)"),
+    *("walls touch from (1/mm)", "states", "s"),
 )
 
 
-def cell_rows(measured: MeasuredLaw) -> list[tuple[str, ...]]:
+def law_table(measured: MeasuredLaw) -> Table:
     """One row per pressure: the cell without moment, its range of moments, and the work for the cell."""
-    return [_row(cell, seconds) for cell, seconds in zip(measured.law.cells, measured.seconds_of_cells, strict=True)]
+    error = measured.mesh_error
+    relative = np.array(error.rigidity_N_mm2_std, float) / np.array(error.rigidity_N_mm2, float)
+    of_mesh = {
+        pressure: (f"{kappa_0:.2g}", f"{100.0 * rigidity:.2g} %")
+        for pressure, kappa_0, rigidity in zip(error.pressures_kPa, error.kappa_0_per_mm_std, relative, strict=True)
+    }
+    rows = tuple(
+        _row(cell, of_mesh.get(cell.pressure, ("", "")), seconds)
+        for cell, seconds in zip(measured.law.cells, measured.seconds_of_cells, strict=True)
+    )
+    caption = "κ₀: curvature without moment; dM/dκ, EA, GA: rigidities there against bending, stretching and shear"
+    return Table(_HEADS, rows, caption)
 
 
-def _row(cell: CellCurve, seconds: float) -> tuple[str, ...]:
+def _row(cell: CellCurve, of_mesh: tuple[str, str], seconds: float) -> tuple[str, ...]:
     rigidity, axial, shear = (
         float(np.interp(0.0, cell.moment, values))
         for values in (cell.rigidity, cell.axial_rigidity, cell.shear_rigidity)
@@ -34,7 +40,9 @@ def _row(cell: CellCurve, seconds: float) -> tuple[str, ...]:
     return (
         f"{cell.pressure:g}",
         f"{cell.at(0.0)[0]:.5f}",
+        of_mesh[0],
         f"{rigidity:.4g}",
+        of_mesh[1],
         f"{axial:.3g}",
         f"{shear:.3g}",
         f"{cell.moment[0]:.3g} ... {cell.moment[-1]:.3g}",
@@ -51,36 +59,16 @@ def _contact(cell: CellCurve) -> str:
     touching = cell.kappa[cell.contact]
     if cell.contact.all():
         return "everywhere"
-    return f"{touching[0]:.4f} 1/mm" if cell.contact[-1] else f"{touching[0]:.4f} ... {touching[-1]:.4f} 1/mm"
+    return f"{touching[0]:.4f}" if cell.contact[-1] else f"{touching[0]:.4f} ... {touching[-1]:.4f}"
 
 
-def law_sentences(report: LawReport) -> list[str]:
-    """How the law was interpolated, how far its mesh is off, and where it ends."""
+def law_remarks(report: LawReport) -> Iterator[Reason]:
+    """How the law was interpolated, which mesh was taken, and where it ends."""
     measured = report.measured
-    error = measured.mesh_error
-    cells = f"end pieces of {measured.half_cells} half {'cell' if measured.half_cells == 1 else 'cells'}"
-    sentences = [
-        "κ₀: curvature without moment; dM/dκ, EA, GA: rigidities there against bending, stretching and shear",
-        f"{cells}; {len(measured.law.pressures)} pressures"
-        + (
-            f", of which {_list(measured.added_kPa)} kPa were added for the interpolation" if measured.added_kPa else ""
-        ),
-        f"interpolated curvature: within {100 * measured.error_along:.2g} % of the largest one along a curve, "
-        + ("not checked" if measured.error_between is None else f"{100 * measured.error_between:.2g} %")
-        + " between pressures",
-    ]
-    for i, pressure in enumerate(error.pressures_kPa):
-        kappa_0, rigidity, moment = (error.deviations[name][i] for name in NUMBERS)
-        rigidity /= error.values["rigidity_N_mm2"][i]
-        sentences.append(
-            f"standard deviations due to the mesh at {pressure:g} kPa: κ₀ {kappa_0:.2g} 1/mm, mean dM/dκ from "
-            f"there on {100 * rigidity:.2g} %, M at κ₀/2 {moment:.2g} N mm"
-        )
+    values = {"half_cells": measured.half_cells, "along_percent": 100.0 * measured.error_along}
+    yield Reason("law_interpolated", values | {"between_percent": 100.0 * (measured.error_between or 0.0)})
     if report.refined is not None:
-        sentences.append(report.refined.sentence)
-    sentences += [sentence for sentence in (error.reason, *measured.limits) if sentence]
-    return sentences
-
-
-def _list(values: tuple[float, ...]) -> str:
-    return ", ".join(f"{value:g}" for value in values)
+        yield from report.refined.remarks
+    if measured.mesh_error.reason:
+        yield Reason("piece_fails", {"why": measured.mesh_error.reason})
+    yield from measured.limits

@@ -44,15 +44,14 @@ class Extrapolated:
     order_std: float  #: standard deviation of the order
 
     @property
-    def error(self) -> float:
-        """Estimated discretisation error of the finest mesh, value - limit."""
-        return self.value - self.limit
-
-    @property
     def error_std(self) -> float:
-        """Standard deviation of the uncorrected value on the finest mesh due to discretisation: the root sum of
-        squares of its estimated error and of the uncertainty of the limit."""
-        return math.hypot(self.error, self.limit_std)
+        """Standard deviation of the uncorrected value on the finest mesh due to discretisation."""
+        return self.std_of(self.value)
+
+    def std_of(self, value: float) -> float:
+        """Standard deviation of a value on one of the meshes: the root sum of squares of its estimated error and of
+        the uncertainty of the limit."""
+        return math.hypot(value - self.limit, self.limit_std)
 
 
 def extrapolate(

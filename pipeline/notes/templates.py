@@ -91,6 +91,31 @@ TEMPLATES: Mapping[str, str] = {
     "pressure_not_added": "no pressure was added at {pressure_kPa:g} kPa: {why}",
     "no_arm_law": "no law of the arm: {why}; set law: five to take five parameters",
     "law_incomplete": "the arm's own law is incomplete: {why}",
+    # the arm's own law
+    "law_not_wanted": "switched off in the config",
+    "law_measured": "measured on one cell and both ends from {lowest_kPa:g} to {highest_kPa:g} kPa; nothing is fitted "
+    "to the arm as a whole",
+    "piece_fails": "{why}",
+    "cell_softens": "at {pressure_kPa:g} kPa the law of the cell ends at a curvature of {kappa_per_mm:.4g} 1/mm, "
+    "where the cell has lost most of its rigidity",
+    "cell_falls": "at {pressure_kPa:g} kPa the law of the cell ends at a curvature of {kappa_per_mm:.4g} 1/mm, because "
+    "its moment does not grow beyond",
+    "law_up_to": "the law goes up to {pressure_kPa:g} kPa, because the whole arm was not solved at a higher pressure; "
+    "`pneurod cell` measures it there",
+    "law_between": "between two pressures the curvature is interpolated to {percent:.2g} % of the largest one; more "
+    "than {added} added pressures are not tried",
+    "between_unchecked": "the interpolation at {pressure_kPa:g} kPa could not be checked: {why}",
+    "ends_short": "the arm is too short to see how far its ends disturb the cells",
+    "ends_unknown": "how far the ends of the arm disturb its cells is not known: {why}",
+    "ends_differ": "end pieces of {half_cells} and {longer} half cells differ by {percent:.2g} % of the length; longer "
+    "ones were not solved: {why}",
+    "cell_mesh_coarser": "the error of the mesh at {pressures_kPa:g} kPa is estimated from a coarser one, which is "
+    "less certain, because {why}",
+    "cell_accuracy": "for {percent:g} % the mesh of {size_mm:.3g} mm was taken; its errors are {kappa_0_percent:.2g} % "
+    "of κ₀ and {rigidity_percent:.2g} % of the rigidity",
+    "cell_accuracy_missed": "the requested accuracy is not reached: {why}",
+    "law_interpolated": "end pieces of {half_cells} half cells; the curvature is interpolated to "
+    "{along_percent:.2g} % of the largest one along curves and {between_percent:.2g} % between pressures",
     # the rods
     "no_rod_is_near": "do not use a rod of this run, because the nearest one is {percent:.2g} % of the length off the "
     "finite elements",

@@ -102,7 +102,7 @@ def _whole(task: PointTask) -> Worked:
 
 def _cell(task: PointTask) -> Worked:
     report = measure_law(task.config, task.folder, 1, False, Silent())
-    return rows_of_law(task.config, report.measured), report.measured.failures
+    return rows_of_law(task.config, report.measured), [*map(render, report.measured.failures)]
 
 
 def _effects(task: PointTask) -> Worked:

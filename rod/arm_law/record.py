@@ -16,16 +16,10 @@ Curve = CellCurve | ClampCurve | TipCurve
 FORMAT = 2
 
 
-def keys_of(kind: type[Curve]) -> dict[str, str]:
-    """The names of the fields of a curve by their keys in the file."""
-    return {get_args(field.type)[1]: field.name for field in fields(kind)}
-
-
 def _shapes(kind: type[Curve]) -> dict[str, Shape]:
+    """By the key of a field in the file."""
     return {get_args(field.type)[1]: get_args(field.type)[2:] for field in fields(kind)}
 
-
-CELL_KEYS, CLAMP_KEYS, TIP_KEYS = (keys_of(kind) for kind in (CellCurve, ClampCurve, TipCurve))
 
 #: what is interpolated over; curvatures and moments of a cell are compared by `CellCurve`
 _RISING = frozenset({"s_mm", "moment_N_mm"})
@@ -39,9 +33,9 @@ def law_record(law: ArmLaw) -> dict[str, Any]:
         "length_mm": law.length,
         "first_middle_mm": law.first_middle,
         "pressures_kPa": list(law.pressures),
-        "curves": [curve_row(curve, CELL_KEYS) for curve in law.cells],
-        "clamp": {"curves": [curve_row(curve, CLAMP_KEYS) for curve in law.clamps]},
-        "tip": {"curves": [curve_row(curve, TIP_KEYS) for curve in law.tips]},
+        "curves": [record_of(curve) for curve in law.cells],
+        "clamp": {"curves": [record_of(curve) for curve in law.clamps]},
+        "tip": {"curves": [record_of(curve) for curve in law.tips]},
     }
 
 
@@ -54,9 +48,9 @@ def law_from_record(record: Mapping[str, Any]) -> ArmLaw:
             pitch=positive(record["pitch_mm"], "pitch_mm"),
             first_middle=positive(record["first_middle_mm"], "first_middle_mm"),
             length=positive(record["length_mm"], "length_mm"),
-            cells=tuple(CellCurve(**curve_values(row, CELL_KEYS)) for row in _cell_rows(record["curves"])),
-            clamps=tuple(ClampCurve(**curve_values(row, CLAMP_KEYS)) for row in _end_rows(record, "clamp", ClampCurve)),
-            tips=tuple(TipCurve(**curve_values(row, TIP_KEYS)) for row in _end_rows(record, "tip", TipCurve)),
+            cells=tuple(curve_of(CellCurve, row) for row in _cell_rows(record["curves"])),
+            clamps=tuple(curve_of(ClampCurve, row) for row in _end_rows(record, "clamp", ClampCurve)),
+            tips=tuple(curve_of(TipCurve, row) for row in _end_rows(record, "tip", TipCurve)),
         )
     except KeyError as missing:
         raise RodError(f"The law of an arm lacks the key {missing}; write it anew with `pneurod cell`.") from None
@@ -91,12 +85,12 @@ def _rows(rows: Any, kind: type[Curve], name: str) -> list[Mapping[str, Any]]:
     return rows
 
 
-def curve_row(curve: object, keys: Mapping[str, str]) -> dict[str, Any]:
+def record_of(curve: Curve) -> dict[str, Any]:
     """One curve under the keys of the file."""
-    values = {key: getattr(curve, name) for key, name in keys.items()}
+    values = {get_args(field.type)[1]: getattr(curve, field.name) for field in fields(curve)}
     return {key: value.tolist() if isinstance(value, np.ndarray) else value for key, value in values.items()}
 
 
-def curve_values(row: Mapping[str, Any], keys: Mapping[str, str]) -> dict[str, Any]:
-    """The fields of a curve from its row in the file. Raises KeyError."""
-    return {name: row[key] if np.isscalar(row[key]) else np.array(row[key]) for key, name in keys.items()}
+def curve_of(kind: type[Any], record: Mapping[str, Any]) -> Any:
+    """A curve of this kind from its record in the file. Raises KeyError."""
+    return kind(**{field.name: record[get_args(field.type)[1]] for field in fields(kind)})

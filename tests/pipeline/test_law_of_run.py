@@ -108,7 +108,7 @@ def test_an_arm_without_a_law_keeps_its_five_parameters_and_says_why(tmp_path: P
             law = law_of_run(Scene.meshed(heavy), RunContext.alone(store, Silent())).result()
         assert law.law is None
         assert law.effect.state == "off"
-        assert ("switched off" if choice == "five" else "weight") in law.reason
+        assert ("switched off" if choice == "five" else "weight") in law.effect.reason
         assert law.failures == ()
     with pytest.raises(InputError, match=r"law: cell is not possible: the weight loads every cell differently"):
         config(tmp_path, weight, "law=cell")
@@ -133,44 +133,13 @@ def test_a_body_of_which_no_piece_is_made_fails_with_the_reason(
     assert law.failures == (Reason("no_arm_law", {"why": "no wall faces the plane between two cells"}),)
 
 
-def law_up_to(pressure: float, not_borne: bool) -> LawOfRun:
-    measured: Any = SimpleNamespace(law=SimpleNamespace(pressures=(0.0, pressure)))
-    return LawOfRun(measured, "of one cell", (), not_borne)
-
-
-def test_where_the_whole_arm_ends_is_named_beside_its_law() -> None:
-    """Of what a pool of workers has solved nothing is used before all of it is there."""
-    ended = {
-        "I": Failure(150.0, "the limit of II", 0, 0, reached_kPa=17.0, not_followed=True),
-        "II": Failure(150.0, "a limit point", 0, 0, limit_kPa=64.77),
-        "III": Failure(150.0, "a limit point", 0, 0, limit_kPa=44.93, reached_kPa=44.87),
-    }
-    outcomes = Outcomes({name: outcome(name, record(17.0), failure=failure) for name, failure in ended.items()})
-    without = Outcomes({name: outcome(name, record(17.0)) for name in ended})
-    for law in (law_up_to(37.0, True), LawOfRun(None, "the cell bears none of the pressures", (), True)):
-        assert law.beside(outcomes).reason == f"{law.reason}; experiment III of the whole arm ends at 44.93 kPa"
-        assert (law.beside(without), law.remarks(outcomes), law.remarks(without)) == (law, (), ())
-    higher = law_up_to(64.64, False)
-    assert higher.beside(outcomes) == higher
-    assert higher.remarks(without) == ()
-    (remark,) = higher.remarks(outcomes)
-    values = {"highest_kPa": 64.64, "experiment": "III", "end_kPa": 44.93}
-    assert remark == Reason("law_beyond_end", values)
-
-
-@pytest.mark.slow
-def test_a_run_names_where_the_whole_arm_ends_beside_the_law(tmp_path: Path) -> None:
-    design = config(tmp_path, "pressures=[6 kPa, 2 MPa]", "law=cell", "validation=off", "experiments=[II, III]")
-    report = run(design, tmp_path / "out", 1, False, Silent())
-    first = report.outcomes.first_to_end
-    assert first is not None
-    assert report.arm.law is not None
-    assert report.arm.law.pressures[-1] == 6.0
-    (incomplete,) = report.arm.failures
-    assert ", on the way to 2000 kPa: " in str(incomplete.values["why"])
-    effects = {row["effect"]: row for row in read(tmp_path / "out", "effects.json")}
-    clause = f"; experiment {first[0]} of the whole arm ends at {first[1]:.4g} kPa"
-    assert effects["arm_law"]["reason"].endswith(clause)
+def test_a_law_that_goes_beyond_the_end_of_the_whole_arm_is_named() -> None:
+    failure = Failure(150.0, "a limit point", 0, 0, limit_kPa=44.93, reached_kPa=44.87)
+    measured: Any = SimpleNamespace(law=SimpleNamespace(pressures=(0.0, 64.64)))
+    law = LawOfRun(measured, ())
+    assert law.remarks(Outcomes({"III": outcome("III", record(17.0))})) == ()
+    (remark,) = law.remarks(Outcomes({"III": outcome("III", record(17.0), failure=failure)}))
+    assert remark == Reason("law_beyond_end", {"highest_kPa": 64.64, "experiment": "III", "end_kPa": 44.93})
 
 
 def test_pressures_that_the_cell_does_not_bear_end_the_law_below_them(tmp_path: Path) -> None:
@@ -193,8 +162,7 @@ def test_a_cell_that_bears_no_pressure_of_the_configuration_is_measured_below_th
         made = law_of_run(Scene.meshed(large), context, lambda: 8.0).result()
     assert made.law is not None
     assert (made.law.pressures[0], made.law.pressures[-1]) == (0.0, 8.0)
-    assert made.not_borne
-    assert "no equilibrium of the half cell at" in made.reason
+    assert [reason.code for reason in made.reasons][:2] == ["law_measured", "law_incomplete"]
     assert made.measured is not None
     assert 8.0 in made.measured.added_kPa
 
@@ -222,9 +190,7 @@ def test_the_law_goes_no_higher_than_the_whole_arm(
     assert made.law is not None
     assert made.law.pressures[-1] == highest
     assert all(pressure in made.law.pressures for pressure in (6.0, 12.0) if pressure <= highest)
-    assert (f"the law goes up to {highest:g} kPa, because the whole arm was not solved" in made.reason) == (
-        highest < 12.0
-    )
+    assert (Reason("law_up_to", {"pressure_kPa": highest}) in made.reasons) == (highest < 12.0)
     assert made.failures == ()
     assert made.measured is not None
     assert highest in made.measured.mesh_error.pressures_kPa

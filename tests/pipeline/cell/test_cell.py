@@ -10,13 +10,11 @@ from typer.testing import CliRunner
 
 import pneurod
 from fem.cell.piece import BendingPiece, PieceFailed
-from pipeline.cell import curves, mesh_error, refinement
-from pipeline.cell.build import BETWEEN
-from pipeline.cell.deviation import is_not_reduced
+from pipeline.cell import meshes, tasks
+from pipeline.cell.cells import BETWEEN, is_not_reduced
 from pipeline.cell.measure import CellPoint
-from pipeline.cell.mesh_error import NUMBERS
+from pipeline.cell.meshes import NUMBERS, refine_mesh
 from pipeline.cell.pieces import ArmPieces, NoArmLaw
-from pipeline.cell.refinement import refined_mesh
 from pipeline.cell.saved import SavedLaw
 from pipeline.cell.study import LawReport, measure_law
 from pipeline.cli import app
@@ -84,58 +82,57 @@ def test_the_file_holds_the_law_with_its_errors_and_limits(report: LawReport) ->
 def test_a_coarser_mesh_gives_the_error_where_a_finer_one_is_too_large(
     report: LawReport, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(mesh_error, "MOST_UNKNOWNS", 1000)
+    monkeypatch.setattr(meshes, "MOST_UNKNOWNS", 1000)
     config = arm(*ARM)
     with open_store(tmp_path, config, fresh=False) as store:
         cells = report.measured.law.cells
-        error = mesh_error.mesh_error(ArmPieces(config, 0.04), cells, 2000, RunContext.alone(store, Silent()))
+        error = meshes.estimate_mesh_error(ArmPieces(config, 0.04), cells, 2000, RunContext.alone(store, Silent()))
     assert error.second_mm == 9.0
     assert error.pressures_kPa == (6.0, 9.0)
-    assert error.reason.endswith("because a mesh of half the size has more than 1000 unknowns")
+    assert error.reason.endswith("a mesh of half the size has more than 1000 unknowns")
 
 
 def test_a_pressure_that_the_finer_mesh_does_not_bear_costs_the_others_nothing(
     report: LawReport, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     config, whole = arm(*ARM), report.measured.mesh_error
-    solved, lowest = mesh_error.cell_without_moment, min(whole.pressures_kPa)
+    solved, lowest = meshes.cell_without_moment, min(whole.pressures_kPa)
 
     def failing(piece: BendingPiece, pressure_MPa: float) -> CellPoint:
         if pressure_MPa == lowest / 1000.0 and len(piece.space.points) > len(report_cell.space.points):
             raise PieceFailed("the walls buckle.")
         return solved(piece, pressure_MPa)
 
-    monkeypatch.setattr(mesh_error, "cell_without_moment", failing)
+    monkeypatch.setattr(meshes, "cell_without_moment", failing)
     with open_store(tmp_path, config, fresh=False) as store:
         pieces = ArmPieces(config, 0.04)
         report_cell = pieces.cell
         unknowns = report.measured.unknowns["cell"]
         context = RunContext.alone(store, Silent())
-        error = mesh_error.mesh_error(pieces, report.measured.law.cells, unknowns, context)
+        error = meshes.estimate_mesh_error(pieces, report.measured.law.cells, unknowns, context)
     assert error.pressures_kPa == whole.pressures_kPa
     assert error.second_mm == whole.second_mm == 3.0
     for name in NUMBERS:
-        assert error.deviations[name][1:] == whole.deviations[name][1:]
-        assert error.deviations[name][0] != whole.deviations[name][0] > 0.0
-    assert error.reason == (
-        "the error of the mesh at 6 kPa is estimated from a coarser one, which is less certain, because on the mesh of "
-        "3 mm: the walls buckle"
-    )
+        ours, theirs = (getattr(of_mesh, f"{name}_std") for of_mesh in (error, whole))
+        assert ours[1:] == theirs[1:]
+        assert ours[0] != theirs[0] > 0.0
+    assert "at 6 kPa" in error.reason
+    assert error.reason.endswith("on the mesh of 3 mm: the walls buckle")
 
 
 @pytest.mark.parametrize("family", ["pneunet_coarse", "semicircular_coarse"])
 def test_a_mesh_of_half_the_size_has_at_most_as_many_points_as_estimated(family: str) -> None:
     pieces = ArmPieces(load_config(CONFIGS / f"{family}.yaml", ["mesh.size=4 mm"]), 0.04)
     ratio = len(pieces.with_mesh_size(2.0).cell.space.points) / len(pieces.cell.space.points)
-    assert mesh_error.MORE_POINTS / 2 < ratio <= mesh_error.MORE_POINTS
+    assert meshes.MORE_POINTS / 2 < ratio <= meshes.MORE_POINTS
 
 
 @pytest.mark.parametrize("order", [1.0, 1.5, 2.0])
 def test_the_stated_error_is_the_true_one_within_a_quarter_for_every_assumed_order(order: float) -> None:
     error = 0.1
-    estimate = mesh_error.deviation(mesh_error.FINER, 1.0 + error, 1.0 + mesh_error.FINER**order * error)
+    estimate = meshes.deviation(meshes.FINER, 1.0 + error, 1.0 + meshes.FINER**order * error)
     assert estimate == pytest.approx(error, rel=0.25)
-    assert mesh_error.deviation(mesh_error.FINER, 1.0, 1.0) == 0.0
+    assert meshes.deviation(meshes.FINER, 1.0, 1.0) == 0.0
 
 
 def test_the_law_is_read_back_and_gives_the_same_rod(report: LawReport) -> None:
@@ -186,21 +183,22 @@ def test_the_mesh_of_the_cell_is_refined_until_its_error_is_small_enough(
     pieces = ArmPieces(config, 0.04)
     with open_store(tmp_path, config, fresh=False) as store:
         context = RunContext.alone(store, Silent())
-        taken = refined_mesh(pieces, context, 0.1)
+        taken = refine_mesh(pieces, context, 0.1)
         assert taken.is_reached
         assert len(taken.meshes) >= 3
         sizes = [mesh.size_mm for mesh in taken.meshes]
-        assert sizes == pytest.approx([6.0 / refinement.RATIO**k for k in range(len(sizes))])
-        assert f"{taken.size_mm:.3g} mm was taken" in taken.sentence
+        assert sizes == pytest.approx([6.0 / meshes.RATIO**k for k in range(len(sizes))])
+        assert [remark.code for remark in taken.remarks] == ["cell_accuracy"]
         before_last = taken.meshes[-2].degrees_of_freedom
-        monkeypatch.setattr(refinement, "MOST_UNKNOWNS", before_last * refinement.RATIO**2)
-        limited = refined_mesh(pieces, context, 1e-6)  # the same meshes, from the folder
+        monkeypatch.setattr(meshes, "MOST_UNKNOWNS", before_last * meshes.RATIO**2)
+        limited = refine_mesh(pieces, context, 1e-6)  # the same meshes, from the folder
         assert limited.meshes == taken.meshes
         assert not limited.is_reached
-        assert "not reached: a finer mesh has more than" in limited.sentence
-        monkeypatch.setattr(refinement, "MOST_UNKNOWNS", 1)
+        assert limited.remarks[-1].code == "cell_accuracy_missed"
+        assert limited.reason.startswith("a finer mesh has more than")
+        monkeypatch.setattr(meshes, "MOST_UNKNOWNS", 1)
         with pytest.raises(pneurod.RunFailed, match="fewer than 3 meshes"):
-            refined_mesh(pieces, context, 0.1)
+            refine_mesh(pieces, context, 0.1)
 
 
 def test_processes_measure_the_same_law(report: LawReport, tmp_path: Path) -> None:
@@ -224,14 +222,14 @@ def test_a_pressure_that_the_cell_does_not_bear_is_named_and_the_law_below_it_st
     def fail(*arguments: object) -> None:
         raise PieceFailed("no equilibrium of the half cell at 9 kPa and a mean curvature of -0.007 1/mm: for a test")
 
-    monkeypatch.setattr(curves, "sweep_cell", fail)
+    monkeypatch.setattr(tasks, "sweep_cell", fail)
     again = measure_law(arm(*ARM), tmp_path / "again", 1, False, Silent())
     assert again.measured.law.pressures[-1] == 6.0
-    [sentence] = again.measured.failures
-    assert "9 kPa" in sentence
-    with pytest.raises(pneurod.RunFailed, match="no equilibrium of the half cell at 9 kPa") as failure:
+    [failure] = again.measured.failures
+    assert failure.code == "law_incomplete"
+    with pytest.raises(pneurod.RunFailed, match="no equilibrium of the half cell at 9 kPa") as failed:
         again.raise_if_failed()
-    assert "the law goes up to 6 kPa, the whole arm may bear less, which `pneurod run` finds out" in str(failure.value)
+    assert "the law goes up to 6 kPa" in str(failed.value)
 
 
 def test_the_rod_command_reads_the_law(report: LawReport, tmp_path: Path) -> None:

@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from pipeline.cell import deviation, mesh_error
+from pipeline.cell import deviation, meshes
 from pipeline.cell.deviation import CHECKS, largest_deviation
 from rod.arm_law.curves import CellCurve
 
@@ -71,8 +71,8 @@ def test_a_difference_of_the_moment_is_told_as_one_of_the_curvature() -> None:
 def test_the_rigidity_for_the_error_of_the_mesh_is_taken_within_the_curve() -> None:
     """Of a short arm the change of the curvature by one over its length lies beyond the end of the curve."""
     for length, change in ((500.0, 0.002), (10.0, 0.02)):
-        assert mesh_error.change_of(curve(0.01), length) == pytest.approx(change)
-        assert mesh_error._numbers(curve(0.01), change)[1] == pytest.approx(EI)
+        assert meshes.change_of(curve(0.01), length) == pytest.approx(change)
+        assert meshes.numbers_of(curve(0.01), change)[1] == pytest.approx(EI)
 
 
 def test_a_curve_that_ends_without_moment_has_its_rigidity_on_the_other_side() -> None:
@@ -81,6 +81,6 @@ def test_a_curve_that_ends_without_moment_has_its_rigidity_on_the_other_side() -
     ended = {f.name: getattr(whole, f.name) for f in fields(whole)}
     per_moment = {name: value[: at + 1] for name, value in ended.items() if np.shape(value)[:1] == whole.moment.shape}
     low = replace(whole, **per_moment)
-    change = mesh_error.change_of(low, 10.0)
+    change = meshes.change_of(low, 10.0)
     assert change == pytest.approx(low.kappa[0] - low.kappa[-1])
-    assert mesh_error._numbers(low, change)[1] == pytest.approx(EI)
+    assert meshes.numbers_of(low, change)[1] == pytest.approx(EI)

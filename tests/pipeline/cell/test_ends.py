@@ -12,7 +12,7 @@ from fem.cell.piece import BendingPiece, PieceFailed, PieceState
 from fem.cell.response import inflated
 from geometry import SemicircularSingle
 from pipeline.cell import measure_clamp
-from pipeline.cell.decay import difference
+from pipeline.cell.ends import displacement
 from pipeline.cell.measure import sweep_cell
 from pipeline.cell.measure_clamp import SMOOTH, TOLERANCE, clamp_curve, clamp_without_moment, first_state
 from pipeline.cell.measure_tip import tip_curve, tip_state
@@ -62,14 +62,14 @@ def test_an_end_from_the_state_at_a_lower_pressure_is_that_from_rest_in_fewer_fa
     lower, upper = cells
     start = first_state(pieces.clamp, lower, None)
     spent = pieces.clamp.factorizations
-    from_lower = clamp_curve(pieces.clamp, upper, start)
+    from_lower, _ = clamp_curve(pieces.clamp, upper, start)
     between = pieces.clamp.factorizations
-    from_rest = clamp_curve(pieces.clamp, upper)
+    from_rest, _ = clamp_curve(pieces.clamp, upper)
     assert between - spent < pieces.clamp.factorizations - between
     for name in ("moment", "rotation", "offset", "beside"):
         ours, theirs = getattr(from_lower.curve, name), getattr(from_rest.curve, name)
         assert ours == pytest.approx(theirs, rel=1e-5, abs=1e-7), name
-    tips = [tip_curve(pieces.free, upper, start) for start in (tip_state(pieces.free, lower, None), None)]
+    tips = [tip_curve(pieces.free, upper, start)[0] for start in (tip_state(pieces.free, lower, None), None)]
     assert tips[0].curve.beside == pytest.approx(tips[1].curve.beside, abs=1e-7)
     assert tips[0].curve.couple == pytest.approx(tips[1].curve.couple, rel=1e-5, abs=1e-7)
 
@@ -95,7 +95,7 @@ def test_where_the_way_from_the_lower_pressure_fails_the_end_is_solved_from_rest
 def test_without_contact_few_states_describe_the_clamped_end(pieces: Pieces, cells: list[CellCurve]) -> None:
     """Between its states, against states that are solved there."""
     cell, piece = cells[1], pieces.clamp
-    clamp = clamp_curve(piece, cell).curve
+    clamp = clamp_curve(piece, cell)[0].curve
     assert len(clamp.moment) == SMOOTH[1] + 1
     length = piece.body.length
     for moment in 0.5 * (clamp.moment[1:] + clamp.moment[:-1]):
@@ -136,4 +136,4 @@ def test_a_clamped_end_with_little_moment_is_one_without_to_first_order(
     exact = clamp_without_moment(pieces.clamp, cell)
     assert pieces.clamp.factorizations > spent
     assert abs(exact.moment[0]) < 1e-3 * abs(nearly.moment[0])
-    assert difference(nearly, exact, cell, DESIGN.length) < 2e-5
+    assert displacement(nearly, exact, cell, DESIGN.length) < 2e-5

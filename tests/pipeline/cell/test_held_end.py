@@ -34,7 +34,12 @@ def law(cell: CellCurve) -> ArmLaw:
     clamp, tip = (BendingPiece(DESIGN.end_piece(ENDS, SIZE), RUBBER, start) for start in ("clamp", "free"))
     middle = DESIGN.repetition(SIZE, GRADINGS["off"]).middle
     return ArmLaw(
-        DESIGN.pitch, middle, DESIGN.length, (cell,), (clamp_curve(clamp, cell).curve,), (tip_curve(tip, cell).curve,)
+        DESIGN.pitch,
+        middle,
+        DESIGN.length,
+        (cell,),
+        (clamp_curve(clamp, cell)[0].curve,),
+        (tip_curve(tip, cell)[0].curve,),
     )
 
 

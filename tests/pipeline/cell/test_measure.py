@@ -10,7 +10,7 @@ import pytest
 import fem
 from fem.cell.piece import BendingPiece, PieceFailed, PieceState
 from fem.cell.response import inflated
-from geometry import GRADINGS, PneuNet
+from geometry import GRADINGS, PneuNet, Reason
 from pipeline.cell.measure import TOLERANCE, cell_without_moment, sweep_cell
 from pipeline.cell.measure_clamp import NEAREST, TOUCHING, clamp_curve, clamp_without_moment
 from pipeline.cell.measure_clamp import TOLERANCE as CLAMP_TOLERANCE
@@ -41,13 +41,13 @@ class Measured:
     def cell(self) -> CellCurve:
         piece = BendingPiece(DESIGN.half_cell(SIZE), RUBBER, "mirror", dhat=DHAT)
         sweep = sweep_cell(piece, self.pressure, Reach(DESIGN.length, self.force, 0.0, BEND))
-        assert sweep.limits == []
+        assert sweep.limits == ()
         assert sweep.error < TOLERANCE
         return sweep.curve(piece.body.length)
 
     @cached_property
     def clamp(self) -> ClampCurve:
-        clamp = clamp_curve(self._end("clamp"), self.cell)
+        clamp, _ = clamp_curve(self._end("clamp"), self.cell)
         assert clamp.limits == ()
         assert clamp.error <= CLAMP_TOLERANCE
         return clamp.curve
@@ -58,7 +58,7 @@ class Measured:
 
     @cached_property
     def law(self) -> ArmLaw:
-        tip = tip_curve(self._end("free"), self.cell).curve
+        tip = tip_curve(self._end("free"), self.cell)[0].curve
         middle = DESIGN.repetition(SIZE, GRADINGS["off"]).middle
         return ArmLaw(DESIGN.pitch, middle, DESIGN.length, (self.cell,), (self.clamp,), (tip,))
 
@@ -152,8 +152,8 @@ def test_a_clamped_end_that_bears_no_larger_moment_is_named(monkeypatch: pytest.
         return state
 
     monkeypatch.setattr(BendingPiece, "solve_near", limited)
-    clamp = clamp_curve(piece, measured.cell)
-    assert clamp.limits == ("no equilibrium of the clamped end: for a test",)
+    clamp, _ = clamp_curve(piece, measured.cell)
+    assert clamp.limits == (Reason("piece_fails", {"why": "no equilibrium of the clamped end: for a test"}),)
     assert 0.6 * largest < clamp.curve.moment[-1] <= largest
     assert len(angles) < 30
 
@@ -170,9 +170,8 @@ def test_where_the_moment_of_the_clamped_end_does_not_grow_its_law_ends(monkeypa
         return replace(point, slopes=replace(point.slopes, moment_by_angle=slope))
 
     monkeypatch.setattr(PiecePoint, "of", falling)
-    (limit,) = clamp_curve(piece, measured.cell).limits
-    assert limit.startswith("at 20 kPa the clamped end is not described from a moment of ")
-    assert limit.endswith(" N mm on, because that moment does not grow when the end is bent further")
+    (limit,) = clamp_curve(piece, measured.cell)[0].limits
+    assert str(limit.values["why"]).startswith("at 20 kPa the clamped end is not described from a moment of ")
 
 
 def test_the_curves_of_a_cell_rise_and_name_their_contact(measured: Measured) -> None:

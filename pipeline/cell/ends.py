@@ -1,0 +1,103 @@
+"""The two ends of an arm: how many half cells they disturb, and their curves beside those of the cell."""
+
+from collections.abc import Callable, Sequence
+from itertools import zip_longest
+
+import numpy as np
+
+from fem.cell.piece import PieceFailed
+from geometry import Reason
+from geometry.arrays import Array
+from pipeline.cell.pieces import NoArmLaw
+from pipeline.cell.point import Measured
+from pipeline.cell.tasks import CLAMP, TIP, ArmTasks, Log, PieceCurves
+from pipeline.parallel import Pending
+from rod.arm_law.curves import CellCurve, ClampCurve, TipCurve
+
+#: largest displacement of the arm's end, over its length, by which end pieces that differ by a cell may differ
+DECAY = 5e-4
+#: the same beyond which the arm is said to have no undisturbed cells
+NOT_DECAYED = 1e-2
+#: pressures at which an end of the arm is measured by one worker, each from the state at the one before
+IN_TURN = 4
+
+
+def choose_half_cells(
+    clamp: Callable[[int], Pending[Measured[ClampCurve]]], cell: CellCurve, available: int, length: float
+) -> tuple[int, float | None, Reason | None]:
+    """So many half cells of an end piece that two more change the arm's end by less than DECAY.
+
+    clamp: gives the clamped end with so many half cells, without moment, beside the cell; available: half cells of the
+    arm; length: mm, of the arm. Returns also the error of the arm's end by cells that the end still disturbs, over the
+    length, and a reason where it is not known or has not decayed. Raises `NoArmLaw`.
+    """
+    compared: tuple[int, float] | None = None  # half cells and error of the last pair that was solved
+    failure = ""
+    for half_cells in range(1, available // 2 + 1, 2):
+        if half_cells + 2 > available:
+            return half_cells, None, Reason("ends_short")
+        pair = [clamp(half_cells), clamp(half_cells + 2)]
+        try:
+            shorter, longer = (pending.result().curve for pending in pair)
+        except PieceFailed as failed:  # longer ones may have an equilibrium
+            failure = str(failed).rstrip(".")
+            continue
+        error = displacement(shorter, longer, cell, length)
+        if error <= DECAY:
+            return half_cells, error, None
+        compared, failure = (half_cells, error), ""
+    if compared is None:
+        return half_cells, None, Reason("ends_unknown", {"why": failure})
+    half_cells, error = compared
+    if error > NOT_DECAYED:
+        raise NoArmLaw(f"its two ends disturb all cells: two half cells more change its end by {100.0 * error:.2g} %")
+    values = {"half_cells": half_cells, "longer": half_cells + 2, "percent": 100.0 * error}
+    return half_cells, error, Reason("ends_differ", values | {"why": failure or "the arm has no room"})
+
+
+def displacement(first: ClampCurve, second: ClampCurve, cell: CellCurve, length: float) -> float:
+    """Largest displacement of the end of an arm of `length` mm by exchanging its clamped end, over the length.
+
+    Both without moment, to first order up to the moment that straightens the cell.
+    """
+    straight = abs(cell.at(0.0)[0]) * float(np.interp(0.0, cell.moment, cell.rigidity))
+
+    def distance(name: str) -> float:
+        """Of the values without moment, and of their slopes at that moment."""
+        (value, rate), (other, other_rate) = (_without_moment(clamp, name) for clamp in (first, second))
+        return float(np.linalg.norm(value - other) + straight * np.linalg.norm(rate - other_rate))
+
+    return distance("rotation") + distance("offset") / length
+
+
+def _without_moment(clamp: ClampCurve, name: str) -> tuple[Array, Array]:
+    """A value without moment, to first order, and its rate, of the first state."""
+    rate = getattr(clamp, f"{name}_by_moment")[0]
+    return getattr(clamp, name)[0] - clamp.moment[0] * rate, rate
+
+
+def measure_ends(
+    tasks: ArmTasks, log: Log, cells: Sequence[Measured[CellCurve]], half_cells: int
+) -> tuple[list[Measured[ClampCurve]], list[TipCurve]]:
+    """The clamped end and the tip by rising pressure, up to the last one that both bear."""
+    curves = [cell.curve for cell in cells]
+    for end in (CLAMP, TIP):
+        tasks.context.progress.experiment(end.name, [curve.pressure for curve in curves])
+    groups = [curves[first : first + IN_TURN] for first in range(0, len(curves), IN_TURN)]
+    clamped_ends = [tasks.submit(PieceCurves.ends, CLAMP, group, half_cells) for group in groups]
+    free_ends = [tasks.submit(PieceCurves.ends, TIP, group, half_cells) for group in groups]
+    clamps: list[Measured[ClampCurve]] = []
+    tips: list[TipCurve] = []
+    for clamped_end, free_end in zip(clamped_ends, free_ends, strict=True):
+        clamped, free = clamped_end.result(), free_end.result()
+        for clamp, tip in zip_longest(clamped.measured, free.measured):
+            log.count("ends", clamp, tip)
+            if clamp and tip:  # one of them may go further
+                log.limits.extend((*cells[len(clamps)].limits, *clamp.limits, *tip.limits))
+                clamps.append(clamp)
+                tips.append(tip.curve)
+        if clamped.failure or free.failure:
+            clamp_fails = clamped.failure and len(clamped.measured) <= len(free.measured)
+            log.failures.extend(filter(None, [clamped.failure if clamp_fails else free.failure]))
+            break
+    return clamps, tips
