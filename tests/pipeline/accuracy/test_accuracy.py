@@ -223,7 +223,7 @@ def test_a_pressure_that_too_few_meshes_reach_is_left_out(config: Config) -> Non
     assert json.loads(json.dumps(study.record()))["left_out_kPa"] == [37.0]
 
 
-def test_a_study_tells_how_long_it_will_still_take(
+def test_rungs_are_told_and_kept_as_soon_as_they_are_measured(
     config: Config, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     @contextmanager
@@ -239,7 +239,7 @@ def test_a_study_tells_how_long_it_will_still_take(
         results = measured(rungs, store, 1, Lines(Console(file=told)))
         assert measured(rungs[:2], store, 1, Silent()) == results[:2]  # kept
     assert results == [(rung, made_up(rung)) for rung in rungs]
-    assert [line.endswith(" left") for line in told.getvalue().splitlines()[1:]] == [True, True, False]
+    assert len(told.getvalue().splitlines()) == 1 + len(rungs)
 
 
 def test_orders_are_those_of_the_errors(study: ConvergenceStudy) -> None:
