@@ -2,7 +2,7 @@
 
 from geometry.body import Body
 from geometry.centreline import Centreline
-from geometry.errors import DesignError, MeshError, PneurodError, position_text
+from geometry.errors import DesignError, MeshError, PneurodError, Reason, Values, position_text
 from geometry.families import FAMILIES, BisectedCircle, PneuNet, Rectangular, Semicircular, SemicircularSingle
 from geometry.families.design import Design
 from geometry.files.cad_file import CadFile
@@ -14,7 +14,6 @@ from geometry.files.surface import SUFFIXES as SURFACE_SUFFIXES
 from geometry.files.surface_file import SurfaceFile
 from geometry.grading import GRADINGS, Grading
 from geometry.mesh import Mesh, Quality
-from geometry.reason import Reason, Values
 
 __all__ = [
     "FAMILIES",

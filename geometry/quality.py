@@ -5,8 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from geometry.arrays import Array, Index
-from geometry.topology import EDGES, OUTWARD, normals, signed_volumes
-from geometry.vectors import cross
+from geometry.topology import EDGES, OUTWARD, cross, normals, signed_volumes
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,6 @@ import numpy as np
 
 from geometry.arrays import Array, Index
 from geometry.errors import MeshError
-from geometry.vectors import cross
 
 #: Local vertices of the four faces of a positively oriented tetrahedron, each with its normal pointing out of it.
 OUTWARD: Index = np.array([[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]])
@@ -76,3 +75,17 @@ def open_edges(triangles: Index, count: int) -> Index:
     pairs = triangle_edges(triangles)
     _, first, counts = np.unique(row_keys(pairs, count), return_index=True, return_counts=True)
     return pairs[first[counts == 1]]
+
+
+def cross(a: Array, b: Array) -> Array:
+    """Cross products of vectors (..., 3) with others of the same shape or one alone (3,).
+
+    The numbers are those of `numpy.cross`, which takes three to five times as long for a hundred vectors or fewer.
+    """
+    a1, a2, a3 = a[..., 0], a[..., 1], a[..., 2]
+    b1, b2, b3 = b[..., 0], b[..., 1], b[..., 2]
+    product = np.empty(a.shape)
+    product[..., 0] = a2 * b3 - a3 * b2
+    product[..., 1] = a3 * b1 - a1 * b3
+    product[..., 2] = a1 * b2 - a2 * b1
+    return product

@@ -53,11 +53,11 @@ def compare_effects(config: Config, out: Path, jobs: int, fresh: bool, progress:
         progress.remark(f"gravity is not varied: no density is given; {example}")
 
     def rows(solved: Sequence[SolvedPoint]) -> list[EffectRow]:
-        ended = [(point.setting["effect"], point.setting["state"], _rows(config, point)) for point in solved]
+        ended = [(point.values["effect"], point.values["state"], _rows(config, point)) for point in solved]
         return list(compared(ended))
 
     def save(folder: ResultFolder, solved: Sequence[SolvedPoint], _: bool) -> None:
-        folder.save_json(TABLE, rows([point for point in solved if point.record.rows or point.record.reason]))
+        folder.save_json(TABLE, rows([point for point in solved if point.rows or point.reason]))
 
     identity = {"name": f"effects of {config.name}", "config_hash": config.hash}
     own = PointSet(out, identity, EFFECTS_RUN, points, (TABLE,), save)
@@ -67,8 +67,8 @@ def compare_effects(config: Config, out: Path, jobs: int, fresh: bool, progress:
 
 def _rows(config: Config, point: SolvedPoint) -> Sequence[EffectRow]:
     """The rows of a variant; without numbers where it could not be solved."""
-    missing = {**dict.fromkeys((*NUMBERS, *COST)), "reason": point.record.reason}
-    return point.record.rows or [{"pressure_kPa": pressure, **missing} for pressure in config.pressures_kPa]
+    missing = {**dict.fromkeys((*NUMBERS, *COST)), "reason": point.reason}
+    return point.rows or [{"pressure_kPa": pressure, **missing} for pressure in config.pressures_kPa]
 
 
 def _without_density(config: Config) -> list[str]:

@@ -13,7 +13,7 @@ from fem.effects.facing_pairs import FacingPairs
 from fem.materials.material import Material
 from fem.path.newton import StepFailed
 from geometry.arrays import Array, Index
-from geometry.vectors import cross
+from geometry.topology import cross
 
 #: cosine of the largest angle between the normals of a wall and of the plane it faces
 FACING = 0.9

@@ -23,7 +23,7 @@ from fem.materials.material import Material
 from fem.reasons import position_of
 from geometry import PneurodError, Reason
 from geometry.arrays import Array, Index, Mask
-from geometry.vectors import cross
+from geometry.topology import cross
 
 #: stiffness of the barrier over Young's modulus, for which 3 mu stands (near incompressibility): with an overlap, and
 #: without one. A soft barrier costs fewer factorizations; a table of both is in studies/solver.md

@@ -8,7 +8,7 @@ import numpy as np
 
 from fem.discretisation import Faces
 from geometry.arrays import Array, Index, Mask
-from geometry.vectors import cross
+from geometry.topology import cross
 
 #: difference of two distances, over the size of a triangle, that is rounding
 EQUALLY_NEAR = 1e-6

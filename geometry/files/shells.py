@@ -7,8 +7,7 @@ import numpy as np
 from geometry.arrays import Array, Index, Mask
 from geometry.errors import DesignError, position_text
 from geometry.files.frame import Point
-from geometry.topology import open_edges, parts_of_graph, row_keys, triangle_edges
-from geometry.vectors import cross
+from geometry.topology import cross, open_edges, parts_of_graph, row_keys, triangle_edges
 
 #: why `plug: true` is refused for a body that is closed there
 NOTHING_OPEN = "no cavity under pressure is open in the plane of the clamp; leave plug out"

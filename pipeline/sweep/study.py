@@ -18,11 +18,10 @@ from pipeline.store.provenance import provenance
 from pipeline.store.result_folder import ResultFolder, open_folder
 from pipeline.store.state_key import ALL_SOURCES, result_key
 from pipeline.store.store import locked
-from pipeline.sweep.page import sweep_page
 from pipeline.sweep.points import Point, RefusedPoint, points_of
 from pipeline.sweep.record import FILE, FINISHED, REFUSED, WAITING, PointRecord, PointTask, kept_record
 from pipeline.sweep.spec import Run, Sweep
-from pipeline.sweep.table import Column, SolvedPoint, save_table, table_rows
+from pipeline.sweep.table import Column, SolvedPoint, save_table, sweep_page, table_rows
 from pipeline.sweep.workers import Workers, connected
 
 #: the folder of the points, and the file that says what the folder is
@@ -65,17 +64,17 @@ class SweepReport:
 
     def sentence(self) -> str:
         """How many points ended in each way."""
-        statuses = Counter(point.record.status for point in self.points)
+        statuses = Counter(point.status for point in self.points)
         return ", ".join(f"{number} {status}" for status, number in statuses.items())
 
     def raise_if_failed(self) -> None:
         """Raise RunFailed with the reason of the first point that was not finished, if there is one."""
-        others = [point for point in self.points if point.record.status != FINISHED]
+        others = [point for point in self.points if point.status != FINISHED]
         if others:
             first = others[0]
             raise RunFailed(
                 f"{len(others)} of {len(self.points)} points did not finish, as {self.directory / TABLE[0]} says; "
-                f"the first of them is point {first.number}: {first.record.reason}",
+                f"the first of them is point {first.number}: {first.reason}",
                 directory=self.directory,
             )
 
@@ -100,7 +99,7 @@ def run_sweeps(requests: Sequence[tuple[Sweep, Path]], course: Course) -> list[S
 
 
 def _save_sweep(sweep: Sweep, folder: ResultFolder, points: Sequence[SolvedPoint], is_complete: bool) -> None:
-    columns = [Column.of(key, [point.setting for point in points]) for key in sweep.keys]
+    columns = [Column.of(key, [point.values for point in points]) for key in sweep.keys]
     rows = table_rows(columns, points)
     save_table(folder, rows)
     if is_complete:
@@ -186,9 +185,9 @@ class _SetInProgress:
 
     def _solved(self, point: Point | RefusedPoint) -> SolvedPoint:
         if isinstance(point, RefusedPoint):
-            return SolvedPoint(point.number, "", point.setting, PointRecord(REFUSED, point.reason))
+            return SolvedPoint.of(point.number, "", point.setting, PointRecord(REFUSED, point.reason))
         record = self.records.get(point.name, PointRecord(WAITING, ""))
-        return SolvedPoint(point.number, f"{POINTS}/{point.name}", point.setting, record)
+        return SolvedPoint.of(point.number, f"{POINTS}/{point.name}", point.setting, record)
 
     def save(self, *, now: bool = False) -> None:
         """Write what is known, unless it was written a moment ago and points are missing. Raises OSError."""
@@ -197,18 +196,7 @@ class _SetInProgress:
             return
         solved = self.solved
         self.set.save(self.folder, solved, not self.missing)
-        points: list[JsonObject] = [
-            {
-                "number": point.number,
-                "folder": point.folder,
-                "values": point.setting,
-                "status": point.record.status,
-                "reason": point.record.reason,
-                "seconds": point.record.seconds,
-            }
-            for point in solved
-        ]
-        self.folder.save_json(RECORD, {**self.set.identity, **provenance(), "points": points})
+        self.folder.save_json(RECORD, {**self.set.identity, **provenance(), "points": [p.summary() for p in solved]})
         end = time.monotonic()
         self._next_save = end + max(PAUSE, PAUSE_OVER_WRITING * (end - begin))
 
@@ -217,8 +205,8 @@ def _solve(sets: Sequence[_SetInProgress], course: Course) -> None:
     """Complete the records of all sets, and write what belongs to a set as soon as its records are complete."""
     missing = [task for own in sets for task in own.missing]
     points = [point for own in sets for point in own.solved]
-    refused = sum(point.record.status == REFUSED for point in points)
-    left = sum(point.record.status == WAITING for point in points)
+    refused = sum(point.status == REFUSED for point in points)
+    left = sum(point.status == WAITING for point in points)
     kept = len(points) - refused - left
     course.say(f"{len(points)} points: {refused} refused, {kept} kept from earlier, {left} to be solved")
     for own in sets:

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from geometry.vectors import cross
+from geometry.topology import cross
 
 
 @pytest.mark.parametrize("shape", [(3,), (0, 3), (1, 3), (40, 3), (7, 3, 3)])

@@ -3,10 +3,9 @@
 from pathlib import Path
 
 from pipeline.sweep.axes import Axis
-from pipeline.sweep.page import sweep_page
 from pipeline.sweep.points import points_of
 from pipeline.sweep.spec import read_sweep
-from pipeline.sweep.table import Column
+from pipeline.sweep.table import Column, sweep_page
 from tests.pipeline.test_plots import panels_of
 
 BASE = """

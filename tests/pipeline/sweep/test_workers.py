@@ -109,7 +109,7 @@ def test_several_sweeps_share_the_workers_and_each_has_its_table(
     lines: list[str] = []
     reports = run_sweeps(requests, Course(LocalWorkers.of(2, "4 GB"), False, False, lines.append))
     assert table(tmp_path / "first") == table(results)
-    assert [[point.record.status for point in report.points] for report in reports] == [
+    assert [[point.status for point in report.points] for report in reports] == [
         ["finished", "finished", "refused", "finished"],
         ["finished", "finished"],
     ]
