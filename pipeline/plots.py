@@ -8,19 +8,23 @@ import base64
 import gzip
 import json
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from html import escape
 from importlib.resources import files
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from plotly.offline import get_plotlyjs
 
 from geometry.arrays import Array
 
+if TYPE_CHECKING:
+    from plotly.graph_objects import Figure
+
 #: colours of text and of less important lines; the browser puts those of the page in their place
 INK, GREY = "ink", "grey"
+_PRINTED = {INK: "black", GREY: "gray"}
 #: of series without an order; they can be told apart by colour-blind readers, on white and on black
 COLOURS = ("#2a78b8", "#d55e00", "#009e73", "#b8558f", "#c98600", "#3d9ad1", "#8c6bb1", "#7a8b2a", "#a0522d", "#708090")
 #: of series with an order, from the first to the last
@@ -117,8 +121,8 @@ class Panel:
             [line.x for line in self.lines]
         )
 
-    def html(self) -> str:
-        """The panel as an element that `plots.js` draws."""
+    def axes(self) -> tuple[dict[str, Any], dict[str, Any]]:
+        """The axes x and y of plotly."""
         x = {"title": {"text": self.x}, **_axis(self.x_range, self.log_x)}
         y = {"title": {"text": self.y}, **_axis(self.y_range, self.log_y)}
         if self.percent_x:
@@ -130,6 +134,11 @@ class Panel:
             x["constrain"] = "domain"
         elif self.lengths:
             y["title"]["text"] += ", not to scale"
+        return x, y
+
+    def html(self) -> str:
+        """The panel as an element that `plots.js` draws."""
+        x, y = self.axes()
         traces = [trace for line in self.lines for trace in line.traces()]
         content = {"data": traces, "layout": {"xaxis": x, "yaxis": y}}
         drawn = json.dumps(content, ensure_ascii=False, allow_nan=False).replace("</", "<\\/")
@@ -160,6 +169,26 @@ def figure(panels: Sequence[Panel], panel_width: str = "21rem") -> str:
     columns = f"grid-template-columns: repeat(auto-fit, minmax(min(100%, {panel_width}), 1fr))"
     drawn = "".join(panel.html() for panel in panels)
     return f'<div class="plots">{buttons}<div class="plot-panels" style="{columns}">{drawn}</div></div>'
+
+
+def plotly_figure(panels: Sequence[Panel]) -> "Figure":
+    """Panels beside each other as a figure of plotly, which a notebook shows and a program can change."""
+    from plotly.subplots import make_subplots
+
+    drawn = make_subplots(rows=1, cols=len(panels), subplot_titles=[panel.title for panel in panels])
+    names: set[str] = set()
+    for column, panel in enumerate(panels, start=1):
+        for line in panel.lines:
+            *bands, trace = replace(line, colour=_PRINTED.get(line.colour, line.colour)).traces()
+            shown = bool(line.legend) and line.name not in names
+            names.add(line.name)
+            for part in bands:
+                drawn.add_trace(part | {"showlegend": False, "legendgroup": line.name}, row=1, col=column)
+            drawn.add_trace(trace | {"showlegend": shown, "legendgroup": line.name}, row=1, col=column)
+        x, y = panel.axes()
+        drawn.update_xaxes(x, row=1, col=column)
+        drawn.update_yaxes(y | ({"scaleanchor": f"x{column}"} if "scaleanchor" in y else {}), row=1, col=column)
+    return drawn.update_layout(template="plotly_white")
 
 
 @cache

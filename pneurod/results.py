@@ -17,6 +17,7 @@ from pipeline.rods.checks import check_parameters
 from pipeline.rods.choice import RodOfRun, check_kind, choose_rod, nothing_identified
 from pneurod.arguments import given_choice, given_path, given_pressure
 from pneurod.frames import by_pressure, curves_frame, expanded, frame_of, profiles
+from pneurod.plots import Plots
 from rod import PARAMETER_COLUMNS, ArmLaw, FiveParameters, Interval, OutsidePressures, Rod, RodWarning
 from rod import RodError as NoRod
 from rod.same_pressure import known_at
@@ -63,6 +64,23 @@ class Results:
     def pictures(self) -> dict[str, Path]:
         """Name (body, II_17kPa) -> PNG file."""
         return {path.stem: path for path in sorted((self.directory / "pictures").glob("*.png"))}
+
+    def __repr__(self) -> str:
+        return f"Results({str(self.directory)!r})"
+
+    def __str__(self) -> str:
+        return f"{self.verdict}"
+
+    @property
+    def plot(self) -> Plots:
+        """Plots as figures of plotly: `results.plot.angle()`, `.shape("III")`, `.force()`, `.law()`, `.moments()`."""
+        return Plots(self.run)
+
+    def _repr_html_(self) -> str:
+        """Verdict and five parameters, for notebooks."""
+        columns = ["pressure_kPa", *PARAMETER_COLUMNS.values()]
+        table = "" if self.parameters.empty else self.parameters[columns].to_html(index=False, float_format="%.4g")
+        return f"{self.verdict._repr_html_()}{table}"
 
     @cached_property
     def verdict(self) -> Verdict:

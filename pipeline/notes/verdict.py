@@ -5,6 +5,7 @@ The verdict is one value. The terminal, the report, `pneurod run --json` and `pn
 
 import shlex
 from dataclasses import asdict, dataclass
+from html import escape
 
 from geometry import Reason
 from pipeline.formatting import number
@@ -70,6 +71,13 @@ class Verdict:
         """The verdict in words, at most eight lines."""
         lines = [*self._leaves_plane(), self._bends(), self._takes(), self._holds(), self.command, *self._not_reached()]
         return tuple(filter(None, (*lines, *(f"Warning: {warning.text}" for warning in self.warnings))))
+
+    def __str__(self) -> str:
+        return "\n".join(self.lines)
+
+    def _repr_html_(self) -> str:
+        """For notebooks."""
+        return "".join(f"<p>{escape(line)}</p>" for line in self.lines)
 
     def _leaves_plane(self) -> list[str]:
         return [f"{self.design}: {self.refusal.text}"] if self.refusal and self.refusal.code == OUT_OF_PLANE else []

@@ -1,13 +1,13 @@
 """The figures of the report, made from the results of a run. Figs 8, 10 and 16 of the paper have the same form."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from geometry.arrays import Array
-from pipeline.notes.rods import rod_errors
+from pipeline.notes.rods import rod_and_mesh, rod_errors
 from pipeline.plots import COLOURS, INK, Line, Panel, figure, ordered_colour
 from pipeline.results.values import Curve, RodError, Run, bending_deg
 from pipeline.store.formats import ARM_LAW, CURVE_PREFIXES, EXTENSIBLE, FIVE
@@ -49,36 +49,54 @@ _DRAWN = {
 }
 
 
-def bending_angle(run: Run) -> str:
-    """Bending angle of the free arm over the pressure: finite elements, and the rod to take."""
+#: pairs of axes beside each other; none where there is nothing to draw
+Panels = tuple[Panel, ...]
+
+
+def bending(run: Run) -> Panels:
+    """Bending angle over pressure and path of the tip in experiment II: finite elements, and the rod to take.
+
+    Error bars of the rod are the error that the verdict gives, of rod and mesh together.
+    """
     curves = run.curves_of("II")
     if not curves:
-        return ""
+        return ()
     start = [0.0] if run.parameters.straight_without_pressure else []
     pressures = np.array([*start, *(curve.pressure_kPa for curve in curves)])
-    angles = np.array([*start, *(curve.bending_deg for curve in curves)])
-    lines = [Line(pressures, angles, FINITE_ELEMENTS, COLOURS[0], marker="circle")]
+    bent = np.array([*start, *(curve.bending_deg for curve in curves)])
+    tips = np.array([*[(run.length_mm, 0.0)] * len(start), *(curve.tip_mm for curve in curves)])
+    angle = [Line(pressures, bent, FINITE_ELEMENTS, COLOURS[0], marker="circle")]
+    texts = [f"{FINITE_ELEMENTS}, {p:g} kPa" for p in pressures]
+    path = [Line(tips[:, 0], tips[:, 1], FINITE_ELEMENTS, COLOURS[0], marker="circle", texts=texts)]
     if errors := rod_errors(run):
         drawn = _DRAWN[errors[0].rod]
-        at = [(curve.pressure_kPa, bending_deg(tip)) for curve in curves if (tip := drawn.tip_mm(curve))]
+        error = run.length_mm * rod_and_mesh(run, errors[0]).shape
+        at = [(curve.pressure_kPa, tip) for curve in curves if (tip := drawn.tip_mm(curve))]
         if at:
-            x, y = np.array(at).T
-            lines.append(Line(x, y, drawn.entry, INK, dash="", marker=drawn.marker, marker_size=12))
-    return figure([Panel("Bending angle over pressure", "p (kPa)", "bending angle (°)", tuple(lines))])
+            reached, rod_tips = np.array([p for p, _ in at]), np.array([tip for _, tip in at])
+            angles = [bending_deg(tip) for _, tip in at]
+            turned = np.degrees(2.0 * error / np.hypot(*rod_tips.T))
+            turns = Line(reached, angles, drawn.entry, INK, "", drawn.marker, marker_size=12, spread=turned)
+            angle.append(turns)
+            path.append(replace(turns, x=rod_tips[:, 0], y=rod_tips[:, 1], spread=np.full(len(at), error)))
+    return (
+        Panel("Bending angle over pressure", "p (kPa)", "bending angle (°)", tuple(angle)),
+        Panel("Path of the tip", "x (mm)", "y (mm)", tuple(path), lengths=True),
+    )
 
 
-def of_experiment(run: Run, experiment: str) -> str:
+def of_experiment(run: Run, experiment: str) -> Panels:
     """Shape and curvature of the material curve; empty where no pressure was reached."""
     curves = run.curves_of(experiment)
     if not curves:
-        return ""
+        return ()
     rods = _drawn(run)
     shape = Panel("Shape", "x (mm)", "y (mm)", _shapes(run, curves, rods), lengths=True)
     curvature = Panel("Curvature", "s (mm)", "κ (1/mm)", _curvatures(run, curves, rods))
-    return figure([shape, curvature])
+    return shape, curvature
 
 
-def validation_shapes(run: Run) -> str:
+def validation_shapes(run: Run) -> Panels:
     """The material curve under each load that nothing was fitted to."""
     curves = sorted(run.validation_curves, key=lambda curve: curve.pressure_kPa)
     groups = {
@@ -86,15 +104,14 @@ def validation_shapes(run: Run) -> str:
         "Dead force on the end": [c for c in curves if c.experiment == "dead"],
     }
     rods = _drawn(run)
-    panels = [
+    return tuple(
         Panel(title, "x (mm)", "y (mm)", _shapes(run, shown, rods), lengths=True)
         for title, shown in groups.items()
         if shown
-    ]
-    return figure(panels) if panels else ""
+    )
 
 
-def moments(run: Run) -> str:
+def moments(run: Run) -> Panels:
     """Moment in III over the change of curvature against II, both averaged over a cell: finite elements and rod.
 
     The rod is averaged as the finite elements are, so that both can be compared.
@@ -115,12 +132,10 @@ def moments(run: Run) -> str:
             lines.append(
                 Line((rod - rest)[inside], moment, f"{drawn.entry}, {name}", at, entry=drawn.entry, frame=name)
             )
-    return (
-        figure([Panel("Moment over change of curvature", "κ − κ₀ (1/mm)", "M (N mm)", tuple(lines))]) if lines else ""
-    )
+    return (Panel("Moment over change of curvature", "κ − κ₀ (1/mm)", "M (N mm)", tuple(lines)),) if lines else ()
 
 
-def rigidities(run: Run) -> str:
+def rigidities(run: Run) -> Panels:
     """α₁ and α₂ over the pressure, with their standard deviations and the lines of slope β₁ and β₂."""
     pressures = np.array(run.identified_kPa)
     lines: list[Line] = []
@@ -134,11 +149,11 @@ def rigidities(run: Run) -> str:
             line = np.nanmean(values) + slope * (ends - pressures.mean())
             lines.append(Line(ends, line, f"slope of {symbol}", colour, "dash", width=1.4, entry=""))
     if not len(pressures):
-        return ""
-    return figure([Panel("Bending rigidities", "p (kPa)", "α (N mm²)", tuple(lines), from_zero=True)])
+        return ()
+    return (Panel("Bending rigidities", "p (kPa)", "α (N mm²)", tuple(lines), from_zero=True),)
 
 
-def end_forces(run: Run) -> str:
+def end_forces(run: Run) -> Panels:
     """The end force over the pressure, finite elements and rods, for every prescribed height of the end."""
     rods = [drawn for drawn in _drawn(run) if drawn.rod in run.rods]
     rows = [row for row in run.errors_of(rods[0].rod) if row.force_N is not None] if rods else []
@@ -153,10 +168,10 @@ def end_forces(run: Run) -> str:
             name = f"{drawn.entry}, {title}"
             lines.append(_forces(of_rod, "rod_force_N", name, colour, drawn.marker, drawn.entry))
     panel = Panel("Force that holds the end", "p (kPa)", "force (N)", tuple(lines), from_zero=True)
-    return figure([panel]) if lines else ""
+    return (panel,) if lines else ()
 
 
-def arm_law(run: Run) -> str:
+def arm_law(run: Run) -> Panels:
     """Moment over curvature of a cell, and finite elements in III away from the ends of the arm."""
     lines: list[Line] = []
     for pressure in run.pressures_kPa:
@@ -172,7 +187,7 @@ def arm_law(run: Run) -> str:
             lines.append(Line(*there, f"walls touch, {name}", INK, "", "x", entry="walls touch", frame=name))
         if (pair := _pair(run, pressure)) is not None:
             lines.append(_inner_cells(run, pair, colour, name))
-    return figure([Panel("Moment of a cell over its curvature", "κ (1/mm)", "M (N mm)", tuple(lines))]) if lines else ""
+    return (Panel("Moment of a cell over its curvature", "κ (1/mm)", "M (N mm)", tuple(lines)),) if lines else ()
 
 
 def _inner_cells(run: Run, pair: tuple[Curve, Curve], colour: str, name: str) -> Line:
@@ -264,12 +279,15 @@ def _estimated(curve: Curve) -> Array:
 def make_figures(run: Run) -> dict[str, Any]:
     """All figures of the report by the name that the template gives them; empty texts for those without data."""
     experiments = {title: of_experiment(run, name) for name, title in EXPERIMENTS.items()}
-    return {
-        "bending": bending_angle(run),
-        "experiments": {title: drawn for title, drawn in experiments.items() if drawn},
+    drawn = {
+        "bending": bending(run),
         "moments": moments(run),
         "rigidities": rigidities(run),
         "validation": validation_shapes(run),
         "forces": end_forces(run),
         "arm_law": arm_law(run),
+    }
+    return {
+        "experiments": {title: figure(panels) for title, panels in experiments.items() if panels},
+        **{name: figure(panels) if panels else "" for name, panels in drawn.items()},
     }

@@ -36,6 +36,10 @@ class ArmLaw:
         if not parts[0] or any(part != parts[0] for part in parts) or np.any(np.diff(parts[0]) <= 0.0):
             raise RodError("A law must have a cell, a clamped end and a tip at each pressure, in ascending order.")
 
+    def __repr__(self) -> str:
+        low, high = self.pressures[0], self.pressures[-1]
+        return f"ArmLaw({len(self.cells)} pressures from {low:g} to {high:g} kPa, cells of {self.pitch:g} mm)"
+
     @property
     def pressures(self) -> tuple[float, ...]:
         """kPa"""
@@ -76,6 +80,9 @@ class LawRod:
                 f"An arm of {self.length:g} mm is shorter than its two disturbed ends, {ends:g} mm; "
                 "its own law does not describe it."
             )
+
+    def __repr__(self) -> str:
+        return f"LawRod(at {self.section.pressure:g} kPa, length {self.length:g} mm, cells of {self.pitch:g} mm)"
 
     @cached_property
     def _pieces(self) -> Pieces:

@@ -1,7 +1,6 @@
 """The report is made from the results alone, opens offline, is short, and shows what a failed run reached."""
 
 import html
-import json
 import re
 from dataclasses import replace
 from pathlib import Path
@@ -10,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from pipeline.notes.rods import rod_and_mesh, rod_errors
 from pipeline.notes.verdict import verdict_of
 from pipeline.report import figures, tables
 from pipeline.report.page import render_page
@@ -33,10 +33,9 @@ def words_of(page: str) -> list[str]:
     return html.unescape(re.sub(r"<[^>]+>", " ", without)).split()
 
 
-def traces(figure: str) -> list[dict[str, Any]]:
-    """The traces of a figure, with the bands left out."""
-    drawn = re.findall(r'<script type="application/json">(.*?)</script>', figure, flags=re.DOTALL)
-    return [trace for panel in drawn for trace in json.loads(panel)["data"] if "name" in trace]
+def traces(panels: figures.Panels) -> list[dict[str, Any]]:
+    """The traces of the first panel, with the bands left out."""
+    return [trace for line in panels[0].lines for trace in line.traces() if "name" in trace]
 
 
 def test_the_page_begins_with_the_verdict(page: str, run: Run) -> None:
@@ -70,11 +69,18 @@ def test_what_a_failed_run_lacks_is_left_out(run: Run, missing: str) -> None:
 
 
 def test_bending_angle_has_the_rod_to_take_beside_the_finite_elements(run: Run) -> None:
-    solid, rod = traces(figures.bending_angle(run))
+    solid, rod = traces(figures.bending(run))
     assert solid["x"] == [0.0, 17.0, 37.0]
     assert solid["y"] == pytest.approx([0.0, 72.0, 138.1], abs=0.1)
     assert rod["name"] == "rod, the arm's own law"
     assert rod["y"] == pytest.approx(solid["y"][1:], abs=0.1)
+    spread = rod["error_y"]["array"]
+    verdict = rod_and_mesh(run, rod_errors(run)[0])
+    chord = np.hypot(*run.curve("II", 37.0).tip_mm)  # type: ignore[union-attr]
+    assert spread[1] == pytest.approx(np.degrees(2 * verdict.shape * run.length_mm / chord), rel=0.01)
+    path = figures.bending(run)[1].lines
+    assert (path[0].x[0], path[0].y[0]) == (run.length_mm, 0.0)
+    assert path[1].spread[0] == pytest.approx(verdict.shape * run.length_mm)  # type: ignore[index]
 
 
 def test_the_rod_is_averaged_like_the_dots_it_is_compared_with(run: Run) -> None:
@@ -93,9 +99,9 @@ def test_figures_without_data_are_empty(run: Run) -> None:
     nothing = replace(
         run, states=(), curves=(), rod_errors=(), parameters=RodParameters(), law=None, validation_curves=()
     )
-    drawn = (figures.bending_angle, figures.moments, figures.rigidities, figures.end_forces, figures.arm_law)
-    assert [figure(nothing) for figure in (*drawn, figures.validation_shapes)] == [""] * 6
-    assert figures.of_experiment(nothing, "II") == ""
+    drawn = (figures.bending, figures.moments, figures.rigidities, figures.end_forces, figures.arm_law)
+    assert [figure(nothing) for figure in (*drawn, figures.validation_shapes)] == [()] * 6
+    assert figures.of_experiment(nothing, "II") == ()
     made = (tables.five_parameters, tables.rods, tables.loads, tables.states)
     assert [table(nothing) for table in made] == [None] * 4
 
