@@ -159,12 +159,11 @@ def accuracy(
     design, folder = _design(config, settings, out, "_accuracy")
 
     from pipeline.accuracy.run import run_study
-    from pipeline.accuracy.table import left_out_sentences, order_sentences, reference_sentences
-    from pipeline.terminal import study_table
+    from pipeline.accuracy.table import orders_table, references_table, study_table
+    from pipeline.terminal import text_table
 
     study = _solve(run_study, design, folder, jobs or min(2, available_cores()), fresh)
-    print_lines(study_table(study), *reference_sentences(study), *order_sentences(study))
-    print_sentences(*left_out_sentences(study))
+    print_lines(*(text_table(table(study)) for table in (study_table, references_table, orders_table)))
     print_lines(f"picture: {folder / 'accuracy.html'}")
 
 

@@ -6,9 +6,6 @@ from pathlib import Path
 from rich.table import Table
 
 from geometry import Body
-from pipeline.accuracy.study import ConvergenceStudy
-from pipeline.accuracy.table import COLUMNS as STUDY_COLUMNS
-from pipeline.accuracy.table import cells
 from pipeline.config.config import Config
 from pipeline.effects_rows import BASE, COLUMNS, EffectRow
 from pipeline.material.fits import Fits
@@ -133,13 +130,3 @@ def _constants(fit: LawFit) -> str:
 
 def _stretches(low: float, high: float) -> str:
     return f"{low:.3g} - {high:.3g}".replace("inf", "∞")
-
-
-def study_table(study: ConvergenceStudy) -> Table:
-    """Cost and errors of every configuration of the convergence study; those of the Pareto front in bold."""
-    table = Table(*STUDY_COLUMNS, box=None)
-    for column in table.columns[1:]:
-        column.justify = "right"
-    for row in study.rows:
-        table.add_row(*cells(row), style="bold" if row.on_front else "")
-    return table

@@ -16,7 +16,6 @@ from pipeline.errors import InputError, RunFailed
 from pipeline.identification.parameters import Parameters, counts_as_equal_cells, identify_all
 from pipeline.notes import render
 from pipeline.progress import Silent
-from pipeline.simulation.outcome import Outcomes
 from pipeline.simulation.scene import Scene, material_of
 from pipeline.simulation.simulate import simulate
 from pipeline.store.store import open_store
@@ -25,8 +24,15 @@ from pipeline.store.store import open_store
 RIGIDITY = "alpha2_N_mm2"
 #: the numbers whose largest relative error counts as the error of a configuration
 HEADLINE = ("kappa_0_per_mm", RIGIDITY, "force_N")
+#: stages of a measurement by the solver, and what the solver calls their parts
+_SOLVER_STAGES = {
+    "set_up": ("set_up", "analysis"),
+    "assembly": ("assembly",),
+    "factorization": ("factorization", "solve"),
+    "contact": ("contact",),
+}
 #: stages of a measurement
-STAGES = ("mesh", "set_up", "assembly", "factorization", "contact", "fit")
+STAGES = ("mesh", *_SOLVER_STAGES, "fit")
 
 
 @dataclass(frozen=True)
@@ -44,9 +50,11 @@ class RodNumbers:
     stress_error: float  #: the larger error indicator of the two states (`fem.stress_error`)
 
     @property
-    def headline(self) -> dict[str, float]:
-        """The numbers whose error counts, by the names of `HEADLINE`."""
-        return {name: getattr(self, name) for name in HEADLINE}
+    def scalars(self) -> dict[str, float | None]:
+        """By name, the end by its coordinates."""
+        end_x, end_y = self.end_mm
+        names = ("kappa_0_per_mm", "alpha1_N_mm2", RIGIDITY, "d_mm", "force_N")
+        return {**{name: getattr(self, name) for name in names}, "end_x_mm": end_x, "end_y_mm": end_y}
 
     @property
     def has_two_lines(self) -> bool:
@@ -101,11 +109,12 @@ def measure(rung: Rung) -> Measured:
     config, fit_start = rung.config, perf_counter()
     equal = counts_as_equal_cells(config.design)
     parameters, refused = identify_all(outcomes, scene.body.pitch, config.identification.d_mm, equal_cells=equal)
-    end = perf_counter()
+    end, solver = perf_counter(), outcomes.seconds_by_stage
+    spent = {stage: sum(solver[part] for part in parts) for stage, parts in _SOLVER_STAGES.items()}
     cost = Cost(
         wall_seconds=end - start,
         cpu_seconds=process_time() - cpu,
-        seconds={"mesh": meshed, **_solver_seconds(outcomes), "fit": end - fit_start},
+        seconds={"mesh": meshed, **spent, "fit": end - fit_start},
         peak_memory_MB=_peak_memory_MB(),
         degrees_of_freedom=outcomes.degrees_of_freedom,
         tetrahedra=len(scene.body.mesh.tets),
@@ -130,17 +139,6 @@ def numbers_of(parameters: Parameters) -> RodNumbers:
         alpha2_std_N_mm2=numbers["alpha2"].std,
         stress_error=max(free.state.stress_error, loaded.state.stress_error),
     )
-
-
-def _solver_seconds(outcomes: Outcomes) -> dict[str, float]:
-    """Seconds of the solver by stage of `STAGES`."""
-    seconds = outcomes.seconds_by_stage
-    return {
-        "set_up": seconds["set_up"] + seconds["analysis"],
-        "assembly": seconds["assembly"],
-        "factorization": seconds["factorization"] + seconds["solve"],
-        "contact": seconds["contact"],
-    }
 
 
 def _peak_memory_MB() -> float:

@@ -8,14 +8,15 @@ with the run as a third mesh give.
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 
-from pipeline.accuracy.error_model import MeshErrorModel
+from geometry import Reason, Values
+from pipeline.accuracy.error_model import MeshErrorModel, Pilot
 from pipeline.accuracy.measure import HEADLINE, numbers_of
-from pipeline.accuracy.reference import NUMBERS
 from pipeline.accuracy.sizes import Choice, Sizes
 from pipeline.config.config import Config, MeshSettings, Newton
 from pipeline.config.kinds import MOST_ACCURACY
 from pipeline.errors import InputError
 from pipeline.identification.parameters import Parameters
+from pipeline.notes import render_all
 from pipeline.results.record import Indicator
 from pipeline.simulation.outcome import Outcomes
 from pipeline.store.json_values import JsonObject
@@ -44,10 +45,12 @@ class Estimate:
         """The largest error, contact included."""
         return max(self.estimated.values()) + self.estimated_of_contact
 
-    def __str__(self) -> str:
-        parts = ", ".join(f"{100 * error:.1f} % in {NUMBERS[name]}" for name, error in self.estimated.items())
-        contact = f", plus {100 * self.estimated_of_contact:.1f} % from contact" if self.estimated_of_contact else ""
-        return parts + contact
+    @property
+    def remark(self) -> Reason:
+        """The errors."""
+        percent = {name: 100.0 * error for name, error in self.estimated.items()}
+        values = percent | {"contact": 100.0 * self.estimated_of_contact}
+        return Reason("accuracy_estimated", values | {"when": "after" if self.indicator else "before"})
 
 
 @dataclass(frozen=True)
@@ -59,7 +62,6 @@ class Plan:
     formulation: str
     grading: str
     newton_tolerance: float
-    newton_given: float | None  #: tolerance of the configuration; None where it is the usual one
     sizes: Sizes
     choice: Choice
     pilots_kPa: float
@@ -90,30 +92,14 @@ class Plan:
     def record(self, review: Estimate | None) -> JsonObject:
         """The part of run.json about it."""
         before, finer = self.estimate, self._finer(review)
+        own = ("size_was_given", "replaced", "formulation", "grading", "newton_tolerance", "pilots_kPa", "turn_rad")
         return {
             "requested": self.requested,
             "is_reached": self.is_reached(review),
             "size_mm": self.choice.size_mm,
-            "size_was_given": self.size_was_given,
-            "replaced": self.replaced,
-            "formulation": self.formulation,
-            "grading": self.grading,
-            "newton_tolerance": self.newton_tolerance,
             "contact_dhat_mm": self.choice.contact_dhat_mm,
-            "pilots": [
-                {
-                    "size_mm": pilot.size_mm,
-                    "degrees_of_freedom": pilot.degrees_of_freedom,
-                    "cpu_seconds": pilot.cpu_seconds,
-                    "numbers": pilot.numbers.headline,
-                    "alpha2_std_N_mm2": pilot.numbers.alpha2_std_N_mm2,
-                    "two_lines": pilot.numbers.has_two_lines,
-                    "stress_error": pilot.numbers.stress_error,
-                }
-                for pilot in self.sizes.pilots
-            ],
-            "pilots_kPa": self.pilots_kPa,
-            "turn_rad": self.turn_rad,
+            **{name: getattr(self, name) for name in own},
+            "pilots": [_pilot_record(pilot) for pilot in self.sizes.pilots],
             "order": self.sizes.model.order,
             "choices": [
                 {**asdict(choice), "is_reached": choice.is_reached} for choice in self.sizes.compared(self.requested)
@@ -124,37 +110,45 @@ class Plan:
             "identification": before.identification,
             "after": {**asdict(review), "estimated_error": review.largest} if review else None,
             "finer": None if finer is None else asdict(finer),
-            "sentence": self.sentence(review),
+            "sentence": render_all(self.remarks(review)),
         }
 
-    def sentence(self, review: Estimate | None) -> str:
-        """Requested accuracy, discretisation and estimated errors, for the terminal and the report."""
-        kept = " (given)" if self.size_was_given else ""
-        instead = f" instead of {' and '.join(self.replaced)}" if self.replaced else ""
-        graded = "of one size" if self.grading == "off" else f"graded to {self.grading}"
+    def remarks(self, review: Estimate | None) -> tuple[Reason, ...]:
+        """Requested accuracy, discretisation and estimated errors."""
         present = review or self.estimate
-        doubts = self._doubts(present)
-        reached = "may not be reached" if doubts else "is reached"
-        parts = [
-            f"requested accuracy {100 * self.requested:g} %: element {self.formulation}, {graded}{instead}, mesh size "
-            f"{self.choice.size_mm:.3g} mm{kept}"
-        ]
-        if self.newton_given is not None:
-            parts.append(f"newton.tolerance {self.newton_tolerance:g} (given: {self.newton_given:g})")
-        parts.append(f"errors estimated before the run: {self.estimate}")
-        if review and review.indicator:
-            parts.append(f"after it: {review} (the error indicator is largest {review.indicator.location})")
-        parts += [
-            f"the requested accuracy {'is not reached' if present.largest > self.requested else reached}",
-            *doubts,
-        ]
+        values: Values = {
+            "percent": 100.0 * self.requested,
+            "formulation": self.formulation,
+            "size_mm": self.choice.size_mm,
+        }
+        made = [Reason("accuracy_planned", values), self.estimate.remark]
+        if self.replaced:
+            made.append(Reason("accuracy_replaces", {"given": list(self.replaced)}))
+        if review:
+            made.append(review.remark)
+        if present.largest > self.requested:
+            made.append(Reason("accuracy_missed", {"percent": 100.0 * present.largest}))
         if present.identification > self.requested:
-            parts.append(f"the identification of α₂ is uncertain by ± {100 * present.identification:.2g} % on any mesh")
-        return "; ".join(parts)
+            made.append(Reason("accuracy_identified", {"percent": 100.0 * present.identification}))
+        return (*made, *self._doubts(present))
 
-    def announcement(self, config: Config) -> str:
-        """What the run will take and what other accuracies would, in one sentence before it begins."""
-        return f"{self.sentence(None)}; {self._table(config)}"
+    def costs(self, config: Config) -> tuple[Reason, ...]:
+        """What this accuracy, others and the smallest one take, with one worker process."""
+        best, per_pair = self.sizes.best_accuracy, len(config.pressures_kPa) * len(config.experiments) / 2
+        finest = [self.sizes.choice(best)] if best <= MOST_ACCURACY else []
+        choices = [choice for choice in (*self.sizes.compared(self.requested), *finest) if choice.is_reached]
+        return tuple(
+            Reason(
+                "accuracy_costs",
+                {
+                    "percent": 100.0 * choice.accuracy,
+                    "size_mm": choice.size_mm,
+                    "unknowns": choice.degrees_of_freedom,
+                    "seconds": choice.cpu_seconds * per_pair,
+                },
+            )
+            for choice in choices
+        )
 
     def check(self, config: Config) -> None:
         """Raise InputError where the size was to be chosen and none reaches the request."""
@@ -164,34 +158,15 @@ class Plan:
         ask = f"request {100 * best:.3g} % or more" if best <= MOST_ACCURACY else "leave accuracy out"
         raise InputError(
             f"{config.source}: accuracy: {100 * self.requested:g} % cannot be reached: {self.choice.size_mm:.3g} mm is "
-            f"the smallest size that is tried; {ask}, or give mesh.size; {self.announcement(config)}"
+            f"the smallest size that is tried; {ask}, or give mesh.size"
         )
 
-    def _table(self, config: Config) -> str:
-        """Accuracies and what they take, in words."""
-        best = self.sizes.best_accuracy
-        finest = [self.sizes.choice(best)] if best <= MOST_ACCURACY else []
-        rows = [
-            f"{100 * choice.accuracy:.3g} %: {choice.size_mm:.3g} mm, {choice.cost(config)}"
-            if choice.is_reached
-            else f"{100 * choice.accuracy:.3g} %: not reached"
-            for choice in (*self.sizes.compared(self.requested), *finest)
-        ]
-        law = "; the arm's own law several times as much" if config.law == "both" else ""
-        least = " (the least)" if finest else ""
-        return f"sizes and cost by accuracy, with one worker process: {'; '.join(rows)}{least}{law}"
-
-    def _doubts(self, present: Estimate) -> list[str]:
+    def _doubts(self, present: Estimate) -> tuple[Reason, ...]:
         """Why an estimate is not reliable; empty where it is."""
-        doubts = []
-        if self.turn_rad < SMALLEST_TURN:
-            doubts.append(
-                f"the arm hardly bends ({self.turn_rad:.1g} rad at {self.pilots_kPa:g} kPa), so the estimate is not "
-                "reliable; give higher pressures or thinner walls"
-            )
-        if present.largest > RELIABLE:
-            doubts.append(f"errors above {100 * RELIABLE:g} % are not estimated reliably")
-        return doubts
+        values = {"turn_rad": self.turn_rad, "pressure_kPa": self.pilots_kPa}
+        bends_little = [Reason("accuracy_hardly_bent", values)] if self.turn_rad < SMALLEST_TURN else []
+        is_large = [Reason("accuracy_unreliable")] if present.largest > RELIABLE else []
+        return (*bends_little, *is_large)
 
     def _finer(self, review: Estimate | None) -> Choice | None:
         """The size that would reach the request after all; None where it is reached, or where no smaller size would."""
@@ -205,6 +180,19 @@ class Plan:
         if not self.sizes.smallest_mm <= size <= SMALLER * self.choice.size_mm:
             return None
         return self.sizes.with_size(size, self.requested)
+
+
+def _pilot_record(pilot: Pilot) -> JsonObject:
+    numbers = pilot.numbers
+    return {
+        "size_mm": pilot.size_mm,
+        "degrees_of_freedom": pilot.degrees_of_freedom,
+        "cpu_seconds": pilot.cpu_seconds,
+        "numbers": {name: numbers.scalars[name] for name in HEADLINE},
+        "alpha2_std_N_mm2": numbers.alpha2_std_N_mm2,
+        "two_lines": numbers.has_two_lines,
+        "stress_error": numbers.stress_error,
+    }
 
 
 def review(

@@ -7,19 +7,21 @@ distance with a ratio measured in studies/accuracy.md. Sizes and their cost are 
 
 from dataclasses import dataclass, replace
 
+import fem
 from fem.elements import MOST_ACCURATE
 from geometry import Reason
 from pipeline.accuracy.error_model import MeshErrorModel, Pilot
 from pipeline.accuracy.ladder import Rung, mesh_series
 from pipeline.accuracy.measure import measure
 from pipeline.accuracy.plan import Plan
-from pipeline.accuracy.sizes import ContactDistance, Sizes
+from pipeline.accuracy.sizes import Sizes
 from pipeline.config.automatic_mesh import COARSER, GivenMesh, chosen_mesh, not_too_many
 from pipeline.config.config import AUTO, USUAL_TOLERANCE, Config
 from pipeline.errors import InputError
 from pipeline.identification.too_short import too_short
-from pipeline.notes import render
+from pipeline.notes import render, render_all
 from pipeline.progress import Progress
+from pipeline.simulation.scene import Scene
 from pipeline.store.kept import kept
 from pipeline.store.state_key import NUMBER_SOURCES, result_key
 from pipeline.store.store import Store
@@ -72,7 +74,7 @@ def _planned(config: Config, requested: float, store: Store, progress: Progress)
         return _unplanned(config, str(failure), progress)
     plan = _plan(config, requested, pilots)
     plan.check(config)
-    progress.remark(plan.announcement(config))
+    progress.remark(render_all((*plan.remarks(None), *plan.costs(config))))
     return Planned(plan.applied(config), plan, remarks)
 
 
@@ -153,18 +155,23 @@ def _plan(config: Config, requested: float, pilots: tuple[Pilot, Pilot]) -> Plan
     """Raises InputError as `Scene.meshed`."""
     coarse, fine = pilots
     piloted, is_given = _of_pilots(config), config.mesh.size_mm is not AUTO
-    contact = ContactDistance.of(piloted if is_given else piloted.with_mesh_size(coarse.size_mm))
-    smallest = min(not_too_many(config.design, FINEST * fine.size_mm), coarse.size_mm)
-    sizes = Sizes(MeshErrorModel.fit(coarse, fine), pilots, contact, smallest, coarse.size_mm)
-    planned_tolerance, given = min(1e-4, NEWTON_FRACTION * requested), config.newton.tolerance
-    has_tolerance = given != USUAL_TOLERANCE
+    sized = piloted if is_given else piloted.with_mesh_size(coarse.size_mm)
+    default = Scene.meshed(sized.with_contact_distance(None)).activation_distance
+    sizes = Sizes(
+        model=MeshErrorModel.fit(coarse, fine),
+        pilots=pilots,
+        gap_mm=None if default is None else default / fem.ACTIVATION,
+        given_dhat_mm=config.effects.self_contact.dhat_mm,
+        smallest_mm=min(not_too_many(config.design, FINEST * fine.size_mm), coarse.size_mm),
+        largest_mm=coarse.size_mm,
+    )
+    planned, given = min(1e-4, NEWTON_FRACTION * requested), config.newton.tolerance
     return Plan(
         size_was_given=is_given,
         replaced=config.mesh.given_unlike(formulation=FORMULATION, grading=piloted.mesh.grading),
         formulation=FORMULATION,
         grading=piloted.mesh.grading,
-        newton_tolerance=min(planned_tolerance, given) if has_tolerance else planned_tolerance,
-        newton_given=given if has_tolerance else None,
+        newton_tolerance=planned if given == USUAL_TOLERANCE else min(planned, given),
         sizes=sizes,
         choice=sizes.with_size(config.mesh.element_size_mm, requested) if is_given else sizes.choice(requested),
         pilots_kPa=piloted.pressures_kPa[0],

@@ -5,10 +5,7 @@ from math import ceil, floor
 
 import fem
 from pipeline.accuracy.error_model import MeshErrorModel, Pilot
-from pipeline.config.config import Config
 from pipeline.config.kinds import MOST_ACCURACY
-from pipeline.formatting import duration, rounded
-from pipeline.simulation.scene import Scene
 
 #: fraction of the requested error that contact may have, and fraction of the rest that the mesh is planned for
 CONTACT_FRACTION, MESH_FRACTION = 0.4, 0.8
@@ -22,29 +19,6 @@ MIN_DISTANCE = 0.01
 UNKNOWNS_ORDER, SECONDS_ORDER = 1.6, 1.25
 #: accuracies that are compared with the requested one, over that
 COMPARED = (2.0, 0.5)
-
-
-@dataclass(frozen=True)
-class ContactDistance:
-    """The activation distance of contact; without gap where no faces can meet."""
-
-    gap_mm: float | None
-    given_mm: float | None = None  #: that of the configuration, which is kept
-
-    @staticmethod
-    def of(config: Config) -> "ContactDistance":
-        """Of a configuration with a mesh size. Raises InputError as `Scene.meshed`."""
-        default = Scene.meshed(config.with_contact_distance(None)).activation_distance
-        gap = None if default is None else default / fem.ACTIVATION
-        return ContactDistance(gap, config.effects.self_contact.dhat_mm)
-
-    def within(self, error: float) -> tuple[float | None, float]:
-        """The largest distance (mm) with a relative error of `error` at most, unless one is given, and its error."""
-        if self.gap_mm is None:
-            return None, 0.0
-        relative = min(fem.ACTIVATION, max(error / ERROR_PER_DISTANCE, MIN_DISTANCE))
-        distance = self.given_mm or relative * self.gap_mm
-        return distance, ERROR_PER_DISTANCE * distance / self.gap_mm
 
 
 @dataclass(frozen=True)
@@ -64,12 +38,6 @@ class Choice:
         """Whether the estimated error is within the accuracy."""
         return self.estimated_error <= self.accuracy
 
-    def cost(self, config: Config) -> str:
-        """Unknowns of a run and the time of its experiments with one worker process, in words."""
-        seconds = self.cpu_seconds * len(config.pressures_kPa) * len(config.experiments) / 2
-        spent = duration(float(f"{seconds:.2g}"))
-        return f"about {rounded(self.degrees_of_freedom)} unknowns and {spent} for the experiments"
-
 
 @dataclass(frozen=True)
 class Sizes:
@@ -77,13 +45,14 @@ class Sizes:
 
     model: MeshErrorModel
     pilots: tuple[Pilot, Pilot]  #: the coarser first
-    contact: ContactDistance
+    gap_mm: float | None  #: between facing walls; None where no faces can meet
+    given_dhat_mm: float | None  #: activation distance of the configuration, which is kept
     smallest_mm: float
     largest_mm: float
 
     def choice(self, accuracy: float) -> Choice:
         """The size for an accuracy, within the bounds."""
-        _, of_contact = self.contact.within(CONTACT_FRACTION * accuracy)
+        _, of_contact = self._contact(accuracy)
         # a given distance may exceed its part
         of_mesh = max(accuracy - of_contact, (1.0 - CONTACT_FRACTION) * accuracy)
         size = min(max(self.model.size_for(MESH_FRACTION * of_mesh), self.smallest_mm), self.largest_mm)
@@ -91,13 +60,22 @@ class Sizes:
 
     def with_size(self, size_mm: float, accuracy: float) -> Choice:
         """What a size leads to; contact is chosen for the accuracy."""
-        distance, of_contact = self.contact.within(CONTACT_FRACTION * accuracy)
+        distance, of_contact = self._contact(accuracy)
         error = max(self.model.at(size_mm).values()) + of_contact
         fine = self.pilots[1]
         refinement = fine.size_mm / size_mm
         freedom = fine.degrees_of_freedom * refinement**UNKNOWNS_ORDER
         seconds = fine.cpu_seconds * (freedom / fine.degrees_of_freedom) ** SECONDS_ORDER
         return Choice(accuracy, size_mm, distance, of_contact, error, round(freedom), seconds)
+
+    def _contact(self, accuracy: float) -> tuple[float | None, float]:
+        """The largest activation distance (mm) whose relative error is the part of contact, unless one is given, and
+        its error."""
+        if self.gap_mm is None:
+            return None, 0.0
+        relative = min(fem.ACTIVATION, max(CONTACT_FRACTION * accuracy / ERROR_PER_DISTANCE, MIN_DISTANCE))
+        distance = self.given_dhat_mm or relative * self.gap_mm
+        return distance, ERROR_PER_DISTANCE * distance / self.gap_mm
 
     @property
     def best_accuracy(self) -> float:

@@ -1,19 +1,11 @@
 """The result of the convergence study: references, and per configuration its cost and its errors against them."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import asdict, dataclass, replace
 
 from pipeline.accuracy.ladder import CONTACT, TOLERANCE, Rung, mesh_series
-from pipeline.accuracy.measure import Measured
-from pipeline.accuracy.reference import (
-    Errors,
-    Order,
-    References,
-    largest_error,
-    orders_along,
-    pareto_front,
-    references_at,
-)
+from pipeline.accuracy.measure import HEADLINE, Measured
+from pipeline.accuracy.reference import Errors, Order, References, orders_along, references_at
 from pipeline.config.config import Config
 from pipeline.errors import RunFailed
 from pipeline.store.formats import FORMAT
@@ -57,11 +49,11 @@ class StudyRow:
 class ConvergenceStudy:
     """References, and per configuration its cost and its errors against them."""
 
-    name: str  #: of the configuration
+    config: Config
+    contact_mm: float | None  #: activation distance of the configuration
     references: tuple[References, ...]  #: by pressure
     rows: tuple[StudyRow, ...]
     left_out_kPa: tuple[float, ...]  #: pressures of the configuration that too few meshes reached for a reference
-    about: JsonObject = field(repr=False)  #: configuration, provenance and what is configured, as JSON
 
     @property
     def reference_error(self) -> float:
@@ -85,8 +77,14 @@ class ConvergenceStudy:
 
     def record(self) -> JsonObject:
         """The content of accuracy.json."""
+        size = self.config.mesh.element_size_mm
         return {
-            **self.about,
+            "format": FORMAT,
+            "config": self.config.record(),
+            "config_hash": self.config.hash,
+            **provenance(),
+            "pressures_kPa": list(self.config.pressures_kPa),
+            "as_configured": {"series": mesh_series(self.config), "size_mm": size, "contact_mm": self.contact_mm},
             "reference": [references.record() for references in self.references],
             "reference_error": self.reference_error,
             "left_out_kPa": self.left_out_kPa,
@@ -114,20 +112,8 @@ def convergence_study(
     rows = [_row(config.design.length, rung, result, references) for rung, result in rungs]
     points = {number: row.point for number, row in enumerate(rows) if row.point is not None}
     front = {list(points)[index] for index in pareto_front(list(points.values()))}
-    about = {
-        "format": FORMAT,
-        "config": config.record(),
-        "config_hash": config.hash,
-        **provenance(),
-        "pressures_kPa": list(config.pressures_kPa),
-        "as_configured": {
-            "series": mesh_series(config),
-            "size_mm": config.mesh.element_size_mm,
-            "contact_mm": contact_mm,
-        },
-    }
     marked = tuple(replace(row, on_front=number in front) for number, row in enumerate(rows))
-    return ConvergenceStudy(config.name, tuple(references.values()), marked, left_out, about)
+    return ConvergenceStudy(config, contact_mm, tuple(references.values()), marked, left_out)
 
 
 def _row(length: float, rung: Rung, result: Measured, references: Mapping[float, References]) -> StudyRow:
@@ -136,3 +122,19 @@ def _row(length: float, rung: Rung, result: Measured, references: Mapping[float,
     errors = {row.pressure_kPa: references[row.pressure_kPa].errors(row, length) for row in numbers}
     largest = largest_error(list(errors.values())) if len(numbers) == len(references) else None
     return StudyRow(rung.series, rung.value, replace(result, numbers=numbers), errors, largest)
+
+
+def largest_error(errors: Sequence[Errors]) -> float | None:
+    """The largest error of kappa_0(l/2), alpha2 and F over all pressures; None where one of them is missing."""
+    sizes = [at_pressure[name] for at_pressure in errors for name in HEADLINE]
+    present = [abs(size) for size in sizes if size is not None]
+    return max(present) if present and len(present) == len(sizes) else None
+
+
+def pareto_front(points: Sequence[tuple[float, float]]) -> list[int]:
+    """Indices, by cost, of the points (cost, error) that no other point dominates in both."""
+    front: list[int] = []
+    for index in sorted(range(len(points)), key=lambda i: points[i]):
+        if not front or points[index][1] < points[front[-1]][1]:
+            front.append(index)
+    return front

@@ -1,39 +1,45 @@
-"""The convergence study as a table and sentences for the terminal, and as a figure on an HTML page."""
+"""The convergence study as tables for the terminal, and as a figure on an HTML page."""
 
 from collections.abc import Sequence
 
 import numpy as np
 
 from pipeline.accuracy.ladder import CONTACT, TOLERANCE
-from pipeline.accuracy.measure import STAGES
-from pipeline.accuracy.reference import NUMBERS, REFERENCE_ELEMENT
+from pipeline.accuracy.measure import HEADLINE, STAGES
+from pipeline.accuracy.reference import NUMBERS
 from pipeline.accuracy.study import ConvergenceStudy, StudyRow
 from pipeline.plots import COLOURS, GREY, INK, Line, Panel, figure, standalone_page
+from pipeline.report.tables import Table
 
-COLUMNS = (
-    *("series", "", "dofs", "CPU s", "mesh / set-up / assembly / factors / contact / fit s", "MB", "factors"),
-    *(f"{name} %" for name in NUMBERS.values()),
-)
+_COST = ("dofs", "CPU s", "mesh / set-up / assembly / factors / contact / fit s", "MB", "factors")
 #: what varies along the series that are none of meshes, with its unit
 _VARIED = {TOLERANCE: "{:g}", CONTACT: "{:g} mm"}
 
 
-def cells(row: StudyRow) -> list[str]:
-    """One configuration; errors are the largest over the pressures, in per cent. Dashes where it failed."""
-    cost = row.result.cost
+def study_table(study: ConvergenceStudy) -> Table:
+    """Cost of every configuration, and its errors, the largest over the pressures; dashes where it failed."""
+    heads = ("series", "", *_COST, *(f"{symbol} %" for symbol, _ in NUMBERS.values()))
+    caption = "*: no other configuration is both cheaper and more accurate"
+    if study.left_out_kPa:
+        pressures = ", ".join(f"{pressure:g} kPa" for pressure in study.left_out_kPa)
+        caption += f"; left out: {pressures}, which too few meshes reached to extrapolate from"
+    return Table(heads, tuple(map(_cells, study.rows)), caption)
+
+
+def _cells(row: StudyRow) -> tuple[str, ...]:
+    cost, series = row.result.cost, f"{row.series}{' *' if row.on_front else ''}"
     if cost is None or not row.errors:
-        return [row.series, _varied(row), *["-"] * (len(COLUMNS) - 2)]
+        return series, _varied(row), *("-" for _ in (*_COST, *NUMBERS))
     cpu_per_wall = cost.cpu_seconds / cost.wall_seconds  # below 1 where other work shared the processor
-    return [
-        row.series,
-        _varied(row),
+    return (
+        *(series, _varied(row)),
         f"{cost.degrees_of_freedom}",
         f"{cost.cpu_seconds:.1f}",
         " / ".join(f"{cpu_per_wall * cost.seconds[name]:.1f}" for name in STAGES),
         f"{cost.peak_memory_MB:.0f}",
         f"{cost.factorizations}",
         *(_largest(row, name) for name in NUMBERS),
-    ]
+    )
 
 
 def _varied(row: StudyRow) -> str:
@@ -45,36 +51,30 @@ def _largest(row: StudyRow, name: str) -> str:
     return f"{100 * max(present, key=abs):+.1f}" if present else ""
 
 
-def reference_sentences(study: ConvergenceStudy) -> list[str]:
+def references_table(study: ConvergenceStudy) -> Table:
     """The references at every pressure, with two standard deviations."""
-    sentences = []
-    for references in study.references:
-        parts = [
-            f"{NUMBERS[name]} = {', '.join(f'{part.value:.4g} ± {2 * part.std:.2g}' for part in values)}"
-            for name, values in references.by_name.items()
-        ]
-        units = "(1/mm, N mm², mm, N; ± two standard deviations)"
-        sentences.append(f"{references.pressure_kPa:g} kPa: {'; '.join(parts)} {units}")
-    return sentences
+    rows = [
+        (
+            f"{references.pressure_kPa:g}",
+            *("\n".join(f"{part.value:.4g} ± {2 * part.std:.2g}" for part in references.of(name)) for name in NUMBERS),
+        )
+        for references in study.references
+    ]
+    heads = ("p (kPa)", *(f"{symbol} ({unit})" for symbol, unit in NUMBERS.values()))
+    return Table(heads, tuple(rows), "references; ± two standard deviations")
 
 
-def left_out_sentences(study: ConvergenceStudy) -> list[str]:
-    """A note on the pressures without a reference; none where every pressure has one."""
-    pressures = ", ".join(f"{pressure:g} kPa" for pressure in study.left_out_kPa)
-    return [f"Note: {pressures} left out: too few meshes reached that to extrapolate from."] if pressures else []
-
-
-def order_sentences(study: ConvergenceStudy) -> list[str]:
-    """The orders of convergence of the series with the most accurate elements, one sentence per series."""
-    by_series: dict[str, list[str]] = {}
-    for (series, pressure), along in study.orders.items():
-        if series.split(",")[0] == REFERENCE_ELEMENT:
-            orders = ", ".join(
-                f"{NUMBERS[name]} {order.value:.1f} ± {order.std:.1f} ({order.meshes} meshes)"
-                for name, order in along.items()
-            )
-            by_series.setdefault(series, []).append(f"{pressure:g} kPa: {orders}")
-    return [f"orders of convergence, {series}: {'; '.join(parts)}" for series, parts in by_series.items()]
+def orders_table(study: ConvergenceStudy) -> Table:
+    """The orders of convergence by series and pressure."""
+    rows = [
+        (
+            series,
+            f"{pressure:g}",
+            *(f"{o.value:.1f} ± {o.std:.1f}" if (o := along.get(name)) else "" for name in HEADLINE),
+        )
+        for (series, pressure), along in study.orders.items()
+    ]
+    return Table(("series", "p (kPa)", *(NUMBERS[name][0] for name in HEADLINE)), tuple(rows), "orders of convergence")
 
 
 def study_page(study: ConvergenceStudy) -> str:
@@ -92,7 +92,7 @@ def study_page(study: ConvergenceStudy) -> str:
     lines.append(Line(ends, uncertainty, "standard deviation of the reference", GREY, "dash"))
     x, y = "CPU seconds of II and III, one thread", "largest error of κ₀(l/2), α₂ and F (%)"
     panel = Panel("Error over time", x, y, tuple(lines), log_x=True, log_y=True)
-    return standalone_page(f"{study.name}: error over CPU seconds", figure([panel]))
+    return standalone_page(f"{study.config.name}: error over CPU seconds", figure([panel]))
 
 
 def _points(rows: Sequence[StudyRow]) -> tuple[list[float], list[float]]:

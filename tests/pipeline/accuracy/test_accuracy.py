@@ -20,15 +20,13 @@ from pipeline.accuracy.reference import (
     COORDINATES,
     Reference,
     References,
-    largest_error,
     limit,
     orders_along,
-    pareto_front,
     without_contact_distance,
 )
 from pipeline.accuracy.run import measured, run_study
-from pipeline.accuracy.study import ConvergenceStudy, convergence_study
-from pipeline.accuracy.table import COLUMNS, cells, left_out_sentences, order_sentences, reference_sentences, study_page
+from pipeline.accuracy.study import ConvergenceStudy, convergence_study, largest_error, pareto_front
+from pipeline.accuracy.table import orders_table, references_table, study_page, study_table
 from pipeline.config.config import Config
 from pipeline.config.load import load_config
 from pipeline.errors import RunFailed
@@ -219,7 +217,7 @@ def test_a_pressure_that_too_few_meshes_reach_is_left_out(config: Config) -> Non
     assert study.left_out_kPa == (37.0,)
     assert list(study.rows[0].errors) == [17.0]
     assert all(row.largest_error is not None for row in study.rows)  # of the pressure that is reported
-    assert left_out_sentences(study)[0].startswith("Note: 37 kPa left out")
+    assert "left out: 37 kPa" in study_table(study).caption
     assert json.loads(json.dumps(study.record()))["left_out_kPa"] == [37.0]
 
 
@@ -268,13 +266,12 @@ def test_orders_belong_to_the_law_of_the_finest_mesh(config: Config) -> None:
 
 
 def test_table_and_pictures(study: ConvergenceStudy) -> None:
-    assert len(reference_sentences(study)) == 2
-    assert "κ₀(l/2) = -0.016 " in reference_sentences(study)[0]
-    plain, graded = order_sentences(study)
-    assert plain.startswith("orders of convergence, mixed: 17 kPa: κ₀(l/2) ")
-    assert graded.count("(7 meshes)") == 6
+    for table in (study_table(study), references_table(study), orders_table(study)):
+        assert {len(row) for row in table.rows} == {len(table.heads)}
+    assert [row[0] for row in references_table(study).rows] == ["17", "37"]
+    assert references_table(study).rows[0][1].startswith("-0.016 ")
+    assert ("mixed", "17") in {row[:2] for row in orders_table(study).rows}
     assert "Pareto front" in study_page(study)
-    assert {len(cells(row)) for row in study.rows} == {len(COLUMNS)}
 
 
 @pytest.mark.slow
