@@ -28,7 +28,7 @@ SENTENCES: Mapping[str, str] = {
     "beyond_limit": "beyond the limit that the path announces there is another equilibrium only",
     # the end of a path
     "nothing_tried": "no increment was tried",
-    "given_up": "{why}",
+    "given_up": "the target was given up",
     "stuck": "{failures} increments of at most {accuracy:.0%} of the load failed there",
     "search_ended": "the search ended after {increments} increments",
     "stretch_too_small": "a stretch of {stretch:.3g} at {at} is below {limit:.3g}, where the law {law}{of_region} in "

@@ -29,11 +29,10 @@ from pipeline.results.record import RunRecord
 from pipeline.results.values import Run
 from pipeline.simulation.below_limit import complete_experiments, highest_of_use
 from pipeline.simulation.effects_record import effect_states
-from pipeline.simulation.kernels import begin_loading
 from pipeline.simulation.outcome import Outcomes
 from pipeline.simulation.pictures import draw_all
 from pipeline.simulation.scene import Scene
-from pipeline.simulation.simulate import begin_II
+from pipeline.simulation.simulate import begin_II, begin_loading
 from pipeline.simulation.waiting import meshed_with_progress
 from pipeline.store.provenance import provenance
 from pipeline.validation.compare import Comparison, compare, curves_of

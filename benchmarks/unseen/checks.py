@@ -19,6 +19,7 @@ from fem.path.active_set import ActiveSet
 from pipeline.config.config import Config
 from pipeline.context import RunContext
 from pipeline.errors import InputError, RunFailed
+from pipeline.notes import render_all
 from pipeline.pressure import in_MPa
 from pipeline.progress import Silent
 from pipeline.simulation.loadcase import LoadCase, has_height_alone, schedule
@@ -196,7 +197,7 @@ def _solved(config: Config, pressure_kPa: float, folder: Path) -> Record:
     with open_store(folder, config) as store:
         outcome = simulate(Scene.meshed(config), RunContext.alone(store, Silent()), [case])["II"]
     if outcome.failure:
-        raise _NotSolved(outcome.failure.reason)
+        raise _NotSolved(render_all(outcome.failure.reasons))
     return outcome.records[0]
 
 

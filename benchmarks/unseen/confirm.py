@@ -4,11 +4,11 @@ With the volume of the cavity prescribed the pressure is an unknown, and the pat
 the pressure on this path has a maximum near the end of the run and falls behind it, there is no equilibrium beyond on
 that path; if it rises well above that end, the end is no limit. Where the volume cannot be driven that far either, the
 same body of another law is solved up to the pressure that was not reached: it either names a limit as well, near the
-same pressure, or goes on, at least well beyond the limit, where the sentence names the law itself as the cause. A
+same pressure, or goes on, at least well beyond the limit, where its reasons name the law itself as the cause. A
 second law says nothing about an end at which the run itself names no limit.
 """
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -17,9 +17,8 @@ from pipeline.config.config import Config, Material
 from pipeline.context import RunContext
 from pipeline.pressure import in_MPa
 from pipeline.progress import Silent
-from pipeline.simulation.failure import Failure
 from pipeline.simulation.loadcase import LoadCase, schedule
-from pipeline.simulation.outcome import Outcome
+from pipeline.simulation.outcome import Failure, Outcome
 from pipeline.simulation.scene import Scene
 from pipeline.simulation.simulate import simulate
 from pipeline.store.store import open_store
@@ -34,19 +33,14 @@ VOLUMES, STEP = 24, 0.35
 #: begin of what a prescribed volume says where it confirms a limit
 BY_VOLUME = "with a prescribed volume the pressure has its maximum"
 
-#: says that nothing explains the end, although it has the words "a limit point"
-UNEXPLAINED = "neither the law nor a limit point explains it"
-#: names the law, in compression and in tension (`fem.outside_stable_range`; the last one up to seed 59)
-OF_LAW = ("is no longer stable", "the largest at which the law", "can be trusted at")
-#: names a limit: its pressure, a limit point near the last equilibrium, a body that passes through itself
-OF_BODY = ("the limit is at", ": a limit point", "passes through itself")
-#: what the sentence of an experiment says that ends because II does, whose own sentence decides
-BECAUSE_OF_II = (
-    "experiment II of the same arm has its limit",
-    "limit of experiment II of the same arm",
-    "experiment II of the same arm has its last equilibrium",
-    "last equilibrium of experiment II of the same arm",
-)
+#: code of the reason that nothing explains the end
+UNEXPLAINED = "unexplained"
+#: codes that name the law, in compression and in tension
+OF_LAW = ("stretch_too_small", "stretch_too_large")
+#: codes that name a limit: its pressure, a limit point near the last equilibrium, a body that passes through itself
+OF_BODY = ("has_limit", "limit_point", "singular_limit_point", "crosses_itself", "crosses_mirror_image")
+#: codes of an experiment that ends because II does, whose own reasons decide
+BECAUSE_OF_II = ("end_of_II", "followed_near_end_of_II")
 
 
 @dataclass(frozen=True)
@@ -170,7 +164,7 @@ def judged(failure: Failure, limit_kPa: float, law: str, of_second: Failure | No
 
     of_second: why the second law did not reach the pressure; None where it did.
     """
-    is_named, of_law = names_a_limit(failure.reason), names_the_law(failure.reason)
+    is_named, of_law = names_a_limit(failure.codes), names_the_law(failure.codes)
     if of_second is None:
         return f"with {law} the pressure is reached" + (", so the law is the cause" if of_law else ""), of_law
     if failure.passes_through_itself and of_second.passes_through_itself:
@@ -181,7 +175,7 @@ def judged(failure: Failure, limit_kPa: float, law: str, of_second: Failure | No
     if not other:
         what = "the body passes through itself" if of_second.passes_through_itself else "no pressure is reached"
         return f"with {law} {what}", False
-    if not names_a_limit(of_second.reason):
+    if not names_a_limit(of_second.codes):
         return f"with {law} the path ends at {other:.4g} kPa, and no limit is named there", False
     there = f"with {law} a limit is named as well, at {other:.4g} kPa"
     if not of_second.limit_kPa:
@@ -191,11 +185,11 @@ def judged(failure: Failure, limit_kPa: float, law: str, of_second: Failure | No
     return (there, True) if is_named else (f"the run names no limit; {there}", False)
 
 
-def names_a_limit(reason: str) -> bool:
-    """Whether a sentence says which limit was met, or that the experiment was not followed because of the end of II."""
-    return UNEXPLAINED not in reason and any(part in reason for part in (*OF_LAW, *OF_BODY, *BECAUSE_OF_II))
+def names_a_limit(codes: Collection[str]) -> bool:
+    """Whether reasons say which limit was met, or that the experiment was not followed because of the end of II."""
+    return UNEXPLAINED not in codes and any(code in codes for code in (*OF_LAW, *OF_BODY, *BECAUSE_OF_II))
 
 
-def names_the_law(reason: str) -> bool:
-    """Whether a sentence names the material law as the cause."""
-    return any(part in reason for part in OF_LAW)
+def names_the_law(codes: Collection[str]) -> bool:
+    """Whether reasons name the material law as the cause."""
+    return any(code in codes for code in OF_LAW)

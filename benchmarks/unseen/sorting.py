@@ -35,7 +35,7 @@ def outcome(record: Record) -> str:
         return EARLY if record["ended"] == REFUSED else NO_LIMIT
     if not record["reasons"]:
         return SOLVED
-    return LIMIT if all(names_a_limit(reason) for reason in record["reasons"].values()) else NO_LIMIT
+    return LIMIT if all(map(names_a_limit, record["reasons"].values())) else NO_LIMIT
 
 
 @dataclass(frozen=True)

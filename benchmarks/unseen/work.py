@@ -257,7 +257,7 @@ def _of_report(solved: SolvedRun) -> Record:
         for outcome in outcomes
         for pressure in config.pressures_kPa
     ]
-    reasons = {outcome.name: outcome.failure.reason for outcome in outcomes if outcome.failure}
+    reasons = {outcome.name: outcome.failure.codes for outcome in outcomes if outcome.failure}
     errors = rod_errors(solved.results)
     first = solved.parameters[0] if solved.parameters else None
     return {

@@ -212,9 +212,9 @@ class PathFollower:
             fraction = increments.next
             if not give_up_checked and (fraction < 1.0 or not target.is_first):
                 give_up_checked = True
-                if reason := self.options.give_up(target.announced):
+                if self.options.give_up(target.announced):
                     last = load_step.control(self.control, increments.reached)
-                    raise PathEnded(self._end(last, increments, before, (Reason("given_up", {"why": reason}),)))
+                    raise PathEnded(self._end(last, increments, before, (Reason("given_up"),)))
             control = load_step.control(self.control, fraction)
             try:
                 increment = self._increment(control, increments, target.announced)

@@ -16,9 +16,9 @@ class PathOptions:
     #: smallest increment that is tried, as a fraction of the way to the next target or, where that is less, of the load
     #: that is reached
     min_increment: float = 1 / 256
-    #: why a target is not worth the search; empty where it is. Asked before a target is tried; the first one is tried
-    #: at once, and this is asked before smaller increments
-    give_up: Callable[[float], str] = lambda target: ""
+    #: whether a target is not worth the search. Asked before a target is tried; the first one is tried at once, and
+    #: this is asked before smaller increments
+    give_up: Callable[[float], bool] = lambda target: False
     #: load factors at which a neighbouring path has equilibria on the way to a target, ascending; asked for when the
     #: whole way to it has failed
     neighbour: Callable[[float], Sequence[float]] = lambda target: ()

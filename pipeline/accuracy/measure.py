@@ -14,7 +14,7 @@ from pipeline.accuracy.ladder import Rung
 from pipeline.context import RunContext
 from pipeline.errors import InputError, RunFailed
 from pipeline.identification.parameters import Parameters, counts_as_equal_cells, identify_all
-from pipeline.notes import render
+from pipeline.notes import render, render_all
 from pipeline.progress import Silent
 from pipeline.simulation.scene import Scene, material_of
 from pipeline.simulation.simulate import simulate
@@ -105,7 +105,7 @@ def measure(rung: Rung) -> Measured:
             outcomes = simulate(scene, RunContext.alone(store, Silent()), ("III", "II"))
     except (InputError, RunFailed) as failure:
         return Measured(str(failure), (), None)
-    failures = [f"{outcome.name}: {outcome.failure.reason}" for outcome in outcomes if outcome.failure]
+    failures = [f"{outcome.name}: {render_all(outcome.failure.reasons)}" for outcome in outcomes if outcome.failure]
     config, fit_start = rung.config, perf_counter()
     equal = counts_as_equal_cells(config.design)
     parameters, refused = identify_all(outcomes, scene.body.pitch, config.identification.d_mm, equal_cells=equal)

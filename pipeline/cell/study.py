@@ -15,8 +15,8 @@ from pipeline.notes import render, render_all
 from pipeline.progress import Progress
 from pipeline.results.files import law_of
 from pipeline.results.values import Law
-from pipeline.simulation.kernels import begin_loading
 from pipeline.simulation.scene import Scene
+from pipeline.simulation.simulate import begin_loading
 from pipeline.store.formats import FORMAT
 from pipeline.store.json_values import JsonObject
 from pipeline.store.provenance import provenance

@@ -86,8 +86,8 @@ def with_added_pressures(
             break
         cases = [up_to(scene.config, name, pressure) for name in experiments_of(scene.config)]
         more = simulate(scene, context, cases)
-        if causes := [outcome.failure.reason for outcome in more if outcome.failure]:
-            stopped = (Reason("pressure_not_added", {"pressure_kPa": pressure, "why": cause}) for cause in causes)
+        if ended := [list(outcome.failure.reasons) for outcome in more if outcome.failure]:
+            stopped = (Reason("pressure_not_added", {"pressure_kPa": pressure, "why": why}) for why in ended)
             return outcomes, parameters, tuple(stopped)
         outcomes = outcomes.merged(more)
         newest = more.with_records(lambda records: records[-1:])

@@ -13,9 +13,10 @@ from pipeline.config.config import Config, Material
 from pipeline.identification.parameters import Parameters
 from pipeline.notes.design import SEVERAL
 from pipeline.results.values import State
-from pipeline.simulation.contact_check import NOTHING
 from pipeline.simulation.outcome import Outcomes, Record
 
+#: mm and N; smaller errors of contact are not told
+NOTHING = 1e-5
 #: Poisson's ratio from which on a material keeps its volume, and the largest change of volume that is not mentioned
 KEEPS_ITS_VOLUME, VOLUME_CHANGE = 0.49, 0.3
 #: error of a Poisson ratio that follows from kappa
@@ -191,14 +192,16 @@ def _one_line_or_two(solved: Solved) -> Iterator[Reason]:
 
 def _approximate_contact(solved: Solved) -> Iterator[Reason]:
     """Contact whose distances were compared with exact ones: the largest difference, and where none is known."""
-    checks = [(r.contact_check, r.state) for r in solved.outcomes.records if r.contact_check]
-    known = [(check.end_mm or 0.0, check.end_N or 0.0, s) for check, s in checks if check.end_mm is not None]
-    wrong = [row for row in known if max(row[:2]) > NOTHING]
-    if wrong:
-        _, _, worst = max(wrong, key=lambda row: row[:2])
-        errors = {"end_mm": max(row[0] for row in wrong), "end_N": max(row[1] for row in wrong)}
+    records = solved.outcomes.records
+    known = [r.state for r in records if max(r.state.contact_error_mm, r.state.contact_error_N) > NOTHING]
+    if known:
+        worst = max(known, key=lambda state: (state.contact_error_mm, state.contact_error_N))
+        errors = {
+            "end_mm": max(state.contact_error_mm for state in known),
+            "end_N": max(state.contact_error_N for state in known),
+        }
         yield Reason("approximate_contact", {**errors, **_state(worst)})
-    if unknown := [f"{s.experiment} at {s.pressure_kPa:g} kPa" for check, s in checks if check.end_mm is None]:
+    if unknown := [f"{r.state.experiment} at {r.state.pressure_kPa:g} kPa" for r in records if r.inexact]:
         yield Reason("contact_not_compared", {"states": unknown})
 
 

@@ -93,6 +93,25 @@ TEMPLATES: Mapping[str, str] = {
     "below {limit_kPa:.3g} kPa",
     "law_beyond_end": "the arm's own law goes to {highest_kPa:.4g} kPa, but experiment {experiment} ends at "
     "{end_kPa:.4g} kPa; use the law below that pressure",
+    # one state
+    "contact_error": "sliding contact is approximate: exact distances move the end by {end_mm:.2g} mm and change the "
+    "force on it by {end_N:.2g} N",
+    "contact_error_unknown": "sliding contact is approximate by an unknown amount ({why})",
+    "depends_on_load_steps": "walls fold, and the state found depends by {percent:.2g} % on the load steps",
+    "may_depend_on_load_steps": "walls fold, and the state found may depend on the load steps",
+    # how an experiment ended
+    "ends_beyond": "no equilibrium found beyond {reached_kPa:.4g} kPa on the way to {target_kPa:.4g} kPa",
+    "ends_with_part": "no equilibrium found beyond {reached_kPa:.4g} kPa with {percent:.3g} % of {on_end} at the end, "
+    "on the way to {target_kPa:.4g} kPa with all of it",
+    "has_limit": "the limit is at {limit_kPa:.4g} kPa",
+    "not_tried": "it was not solved",
+    "followed_to": "it was followed up to {reached_kPa:.4g} kPa only",
+    "followed_with_part": "it was followed up to {reached_kPa:.4g} kPa and {percent:.3g} % of {on_end} at the end only",
+    "end_of_II": "experiment II of the same arm has its {end} at {end_kPa:.4g} kPa",
+    "followed_near_end_of_II": "it was followed up to {reached_kPa:.4g} kPa only, {percent:g} % of the {end} of "
+    "experiment II of the same arm",
+    "weight_not_held": "experiment I is not simulated, because nothing holds the weight of a free body",
+    "opening_not_held": "experiment I is not simulated, because the clamp carries the pressure on the opening",
     # what a run did not reach
     "stopped": "experiment {experiment} stopped before {pressure_kPa:g} kPa: {why}",
     "load_stopped": "validation {load} stopped before {pressure_kPa:g} kPa: {why}",
@@ -143,9 +162,19 @@ NO_PARAMETERS = ("too_short", "nodes_too_far_apart", "not_identified")
 
 def render(reason: Reason) -> str:
     """The sentence of a reason, without a full stop."""
-    values = {name: _Listed(value) if isinstance(value, list) else value for name, value in reason.values.items()}
+    if reason.code not in TEMPLATES:
+        from fem.reasons import sentence  # the solver's own
+
+        return sentence((reason,))
+    values = {name: _written(value) for name, value in reason.values.items()}
     place = {} if reason.where is None else {"at": position_text(reason.where)}
     return TEMPLATES[reason.code].format(**values, **place)
+
+
+def _written(value: Any) -> Any:
+    if not isinstance(value, list):
+        return value
+    return render_all(value) if any(isinstance(entry, Reason) for entry in value) else _Listed(value)
 
 
 def render_all(reasons: Iterable[Reason]) -> str:

@@ -6,10 +6,11 @@ from time import process_time
 from typing import final
 
 import fem
+from geometry import Reason, Values
 from pipeline.progress import Progress
-from pipeline.simulation.failure import Failure
 from pipeline.simulation.known_limit import FIRST, PART_FOR_III, EndOfII
 from pipeline.simulation.loadcase import LoadCase
+from pipeline.simulation.outcome import Failure
 from pipeline.store.store import Store
 
 
@@ -49,7 +50,7 @@ class CasePath:
         if end_of_II is not None:
             is_like_II = self.case.experiment == "I"  # no support changes on the way
             options = fem.PathOptions(
-                self.newton, give_up=self._why_not, neighbour=self._increments_of_II, neighbour_first=is_like_II
+                self.newton, give_up=self._gives_up, neighbour=self._increments_of_II, neighbour_first=is_like_II
             )
         observer = fem.PathObserver(self._iteration, self._step_done)
         stored = self._stored_steps()
@@ -93,12 +94,11 @@ class CasePath:
                 steps[pressure] = None if arrays is None else fem.step_from_arrays(self.model.space, arrays)
         return [None] * finished + [steps[pressure] for pressure in near]
 
-    def _why_not(self, factor: float) -> str:
-        """Why a load is not worth being tried further, from where II ends."""
+    def _gives_up(self, factor: float) -> bool:
+        """Whether a load is not worth being tried further, from where II ends."""
         assert self.end_of_II is not None
-        reason = self.end_of_II.why_not(self.case.schedule.pressure_at(factor))
-        self.is_given_up = bool(reason)
-        return reason
+        self.is_given_up = self.end_of_II.is_below(self.case.schedule.pressure_at(factor))
+        return self.is_given_up
 
     def _increments_of_II(self, factor: float) -> tuple[float, ...]:
         """The load factors at which experiment II has equilibria on the way to this one; none where it ends before."""
@@ -119,26 +119,24 @@ class CasePath:
             self.is_given_up = False
             end = replace(ended.end, target=self.case.schedule.factors[self.reached])
             return self._failure(end, failure.factorizations + end.factorizations)
-        reason = (
-            f"it was followed up to {part_kPa:.4g} kPa only, {100 * PART_FOR_III:g} % of the {end_of_II.name} of "
-            f"experiment {FIRST} of the same arm"
-        )
+        values: Values = {"reached_kPa": part_kPa, "percent": 100 * PART_FOR_III, "end": end_of_II.name}
+        reasons = (Reason("followed_near_end_of_II", values),)
         factorizations = failure.factorizations + last.factorizations
-        return replace(failure, reason=reason, reached_kPa=part_kPa, factorizations=factorizations)
+        return replace(failure, reasons=reasons, reached_kPa=part_kPa, factorizations=factorizations)
 
     def _failure(self, end: fem.End, factorizations: int) -> Failure:
         """Why the pressure that is being solved was not reached."""
         at = self.case.schedule.pressure_at
+        given_up, second = self.is_given_up, self.end_of_II
         return Failure(
             self._pressure,
-            (given_up_in_kPa if self.is_given_up else failure_in_kPa)(end, self.case),
+            why_left(end, self.case, second) if given_up and second else why_ended(end, self.case),
             end.cutbacks,
             factorizations,
             limit_kPa=at(end.limit) if end.limit else 0.0,
             reached_kPa=at(end.reached),
             not_followed=self.is_given_up,
             with_part_of_end=_has_part_of_end(end, self.case),
-            causes=end.reasons,
         )
 
     def _iteration(self, factor: float, iteration: int, residual: float) -> None:
@@ -160,26 +158,25 @@ class CasePath:
         self.reached += 1
 
 
-def failure_in_kPa(end: fem.End, case: LoadCase) -> str:
-    """Why a path ended, in the units of the configuration."""
-    reached, target = _reached(end, case), f"{case.schedule.pressure_at(end.target):.4g} kPa"
-    if _has_part_of_end(end, case):
-        target += " with all of it"
-    limit = f"the limit is at {case.schedule.pressure_at(end.limit):.4g} kPa; " if end.limit else ""
-    return f"no equilibrium found beyond {reached} on the way to {target}: {limit}{end.cause}"
+def why_ended(end: fem.End, case: LoadCase) -> tuple[Reason, ...]:
+    """Where a path ended, in the units of the configuration, and why."""
+    reached, target = (case.schedule.pressure_at(factor) for factor in (end.reached, end.target))
+    values: Values = {"reached_kPa": reached, "target_kPa": target, **_part_of_end(end, case)}
+    beyond = Reason("ends_with_part" if _has_part_of_end(end, case) else "ends_beyond", values)
+    limit = [Reason("has_limit", {"limit_kPa": case.schedule.pressure_at(end.limit)})] if end.limit else []
+    return (beyond, *limit, *end.reasons)
 
 
-def given_up_in_kPa(end: fem.End, case: LoadCase) -> str:
-    """How far a path was followed that was given up, and why, in the units of the configuration."""
-    followed = f"followed up to {_reached(end, case)} only" if end.reached else "not solved"
-    return f"it was {followed}, because {end.cause}"
+def why_left(end: fem.End, case: LoadCase, end_of_II: EndOfII) -> tuple[Reason, ...]:
+    """How far a path was followed that was given up, and where experiment II ends."""
+    values: Values = {"reached_kPa": case.schedule.pressure_at(end.reached), **_part_of_end(end, case)}
+    followed = Reason("followed_with_part" if _has_part_of_end(end, case) else "followed_to", values)
+    second = Reason("end_of_II", {"end": end_of_II.name, "end_kPa": end_of_II.end_kPa})
+    return (followed if end.reached else Reason("not_tried"), second)
 
 
-def _reached(end: fem.End, case: LoadCase) -> str:
-    reached = f"{case.schedule.pressure_at(end.reached):.4g} kPa"
-    if _has_part_of_end(end, case):
-        reached += f" with {100 * end.constant_fraction:.3g} % of {case.on_end} at the end"
-    return reached
+def _part_of_end(end: fem.End, case: LoadCase) -> Values:
+    return {"percent": 100 * end.constant_fraction, "on_end": case.on_end} if _has_part_of_end(end, case) else {}
 
 
 def _has_part_of_end(end: fem.End, case: LoadCase) -> bool:

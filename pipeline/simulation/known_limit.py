@@ -47,11 +47,9 @@ class EndOfII:
         """Limit, or last equilibrium where no limit could be named."""
         return "limit" if self.is_limit else "last equilibrium"
 
-    def why_not(self, pressure_kPa: float) -> str:
-        """Why a pressure is not worth being tried; empty where it may be."""
-        if self.reached_kPa >= REACHED * pressure_kPa or not 0.0 < self.end_kPa < pressure_kPa:
-            return ""
-        return f"experiment {FIRST} of the same arm has its {self.name} at {self.end_kPa:.4g} kPa"
+    def is_below(self, pressure_kPa: float) -> bool:
+        """Whether a pressure is not worth being tried."""
+        return self.reached_kPa < REACHED * pressure_kPa and 0.0 < self.end_kPa < pressure_kPa
 
 
 def waits_for_II(case: LoadCase) -> bool:

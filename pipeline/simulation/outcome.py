@@ -9,13 +9,53 @@ import numpy as np
 import fem
 from geometry import Centreline, Reason, Values
 from geometry.arrays import Array, Index
+from pipeline.notes import render_all
 from pipeline.results.record import Indicator
 from pipeline.results.values import State
-from pipeline.simulation.contact_check import ContactCheck
-from pipeline.simulation.failure import Failure
 from pipeline.store.formats import NOT_CONVERGED
 from rod import Load, RodError, cell_averaged
 from rod.same_pressure import is_same
+
+#: code of a limit point that a path has found
+HAS_LIMIT = "has_limit"
+
+
+@dataclass(frozen=True)
+class Failure:
+    """A pressure that an experiment did not reach."""
+
+    pressure_kPa: float
+    reasons: tuple[Reason, ...]  #: where its path ended, and why
+    cutbacks: int  #: attempts that failed on the way to it
+    factorizations: int  #: of these attempts
+    limit_kPa: float = 0.0  #: of a limit point that was found; 0 where none was
+    reached_kPa: float = 0.0  #: of the last equilibrium on the way to it
+    not_followed: bool = False  #: whether the path was left because of the end of another experiment
+    #: whether the path ended before all of the displacement of the end, or of the force on it, was reached
+    with_part_of_end: bool = False
+    #: whether there is an equilibrium at the pressure, and the body passes through itself in it
+    passes_through_itself: bool = False
+
+    @property
+    def end_kPa(self) -> float:
+        """The limit point, else the last equilibrium. Where there is none below a first pressure at which the body
+        passes through itself, that pressure, which is an upper bound then. 0 where there is nothing to tell, also where
+        the path ended with a part of the displacement or force of the end, which the body may not bear in full."""
+        if self.with_part_of_end:
+            return 0.0
+        first_kPa = self.pressure_kPa if self.passes_through_itself else 0.0
+        return self.limit_kPa or self.reached_kPa or first_kPa
+
+    @property
+    def codes(self) -> list[str]:
+        """The codes of the reasons."""
+        return [reason.code for reason in self.reasons]
+
+    @property
+    def brief(self) -> tuple[Reason, ...]:
+        """The limit, or where the path ended, without what explains it."""
+        limit = tuple(reason for reason in self.reasons if reason.code == HAS_LIMIT)
+        return self.reasons if self.not_followed else limit or self.reasons[:1]
 
 
 @dataclass(frozen=True)
@@ -31,7 +71,7 @@ class Record:
     spent: fem.Seconds
     held: tuple[bool, bool]  #: whether the displacement of the end along x and along y was prescribed
     cpu_seconds: float = 0.0  #: processor time since the state before, failed increments included
-    contact_check: ContactCheck | None = None  #: where contact was compared with exact distances
+    inexact: tuple[Reason, ...] = ()  #: why its contact could not be compared with exact distances, where it should be
     path_dependence: float = 0.0  #: of contact in creases (`fem.Step`)
 
     @property
@@ -89,10 +129,9 @@ class Outcome:
             return None
         values: Values = {
             "pressure_kPa": failure.pressure_kPa,
-            "why": failure.reason,
             "reached_kPa": failure.reached_kPa,
             "limit_kPa": failure.limit_kPa,
-            "causes": [cause.code for cause in failure.causes],
+            "why": list(failure.reasons),
         }
         if load:
             return Reason("load_stopped", {"load": load, **values})
@@ -232,5 +271,6 @@ class Outcomes:
         for outcome in self:
             states += [record.state for record in outcome.records]
             if failure := outcome.failure:
-                states.append(State(outcome.name, failure.pressure_kPa, status=NOT_CONVERGED, reason=failure.reason))
+                why = render_all(failure.reasons)
+                states.append(State(outcome.name, failure.pressure_kPa, status=NOT_CONVERGED, reason=why))
         return tuple(states)

@@ -1,25 +1,21 @@
 """The load cases on one body, each a task; each state is stored as soon as it is reached."""
 
 from collections.abc import Iterable, Sequence
-from dataclasses import replace
-from math import isinf, nan
 
 import fem
 from geometry import Reason
 from pipeline.config.config import Config
 from pipeline.context import RunContext
 from pipeline.errors import RunFailed
+from pipeline.notes import render_all
 from pipeline.parallel import Pending, TaskContext
 from pipeline.progress import Progress
-from pipeline.results.values import State
 from pipeline.simulation.case_path import CasePath
-from pipeline.simulation.contact_check import ContactCheck
-from pipeline.simulation.failure import Failure
-from pipeline.simulation.kernels import load_kernels
 from pipeline.simulation.known_limit import FIRST, EndOfII, waits_for_II
 from pipeline.simulation.loadcase import LoadCase, identification_case
-from pipeline.simulation.outcome import Outcome, Outcomes, Record
-from pipeline.simulation.scene import Scene
+from pipeline.simulation.outcome import Failure, Outcome, Outcomes
+from pipeline.simulation.records import record_of, steps_before_crossing
+from pipeline.simulation.scene import Scene, material_of
 from pipeline.store.store import Store
 
 #: II first, because the others are told where it ends; then the loaded one, which takes longest
@@ -36,14 +32,11 @@ def in_balance(config: Config, names: Iterable[str]) -> tuple[str, ...]:
     return tuple(name for name in names if name != "I" or not why_not_free(config))
 
 
-def why_not_free(config: Config) -> str:
-    """Why experiment I is not simulated, because forces on a free body are not in balance; empty where it is."""
-    reasons = {
-        "nothing holds the weight of a free body": config.effects.gravity.on,
-        "the clamp carries the pressure on the opening": config.design.is_open_at_clamp,
-    }
-    causes = [reason for reason, holds in reasons.items() if holds]
-    return f"experiment I is not simulated, because {' and '.join(causes)}" if causes else ""
+def why_not_free(config: Config) -> Reason | None:
+    """Why experiment I is not simulated, because forces on a free body are not in balance; None where it is."""
+    if config.effects.gravity.on:
+        return Reason("weight_not_held")
+    return Reason("opening_not_held") if config.design.is_open_at_clamp else None
 
 
 def begin_II(scene: Scene, context: RunContext) -> Pending[Outcome] | None:
@@ -101,24 +94,19 @@ def _followed(case: LoadCase, scene: Scene, store: Store, progress: Progress, en
     newton = fem.NewtonOptions(tolerance=scene.config.newton.tolerance)
     path = CasePath(case, model, newton, store, progress, end_of_II)
     solution, failure = path.followed()
-    steps, intersection = _before_intersection(scene, solution.steps)
-    if intersection:
-        reached_kPa = case.schedule.pressures_kPa[len(steps) - 1] if steps else 0.0
-        rejected_kPa = case.schedule.pressures_kPa[len(steps)]
-        failure = Failure(
-            *(rejected_kPa, fem.sentence(intersection), 0, 0),
-            reached_kPa=reached_kPa,
-            passes_through_itself=True,
-            causes=intersection,
-        )
+    steps, crossing = steps_before_crossing(scene, solution.steps)
+    pressures = case.schedule.pressures_kPa
+    if crossing:
+        reached_kPa = pressures[len(steps) - 1] if steps else 0.0
+        failure = Failure(pressures[len(steps)], crossing, 0, 0, reached_kPa=reached_kPa, passes_through_itself=True)
     if failure:
-        progress.stopped(case.name, case.schedule.pressures_kPa[len(steps) :], failure.brief)
+        progress.stopped(case.name, pressures[len(steps) :], render_all(failure.brief))
     seconds = sum((step.spent for step in solution.steps), fem.Seconds(set_up=solution.seconds.set_up))
-    pressures, rejected = case.schedule.pressures_kPa[: len(steps)], path.cpu_seconds[len(steps) :]
-    states = zip(pressures, steps, path.cpu_seconds[: len(steps)], strict=True)
+    rejected = path.cpu_seconds[len(steps) :]
+    states = zip(pressures[: len(steps)], steps, path.cpu_seconds[: len(steps)], strict=True)
     return Outcome(
         name=case.name,
-        records=tuple(_record(scene, experiment, case, *state) for state in states),
+        records=tuple(record_of(scene, experiment, case, *state) for state in states),
         failure=failure,
         seconds=seconds,
         factorizations=sum(step.factorizations for step in solution.steps),
@@ -130,87 +118,21 @@ def _followed(case: LoadCase, scene: Scene, store: Store, progress: Progress, en
     )
 
 
-def _before_intersection(scene: Scene, steps: Sequence[fem.Step]) -> tuple[Sequence[fem.Step], tuple[Reason, ...]]:
-    """The steps before the body passes through itself where no contact is simulated, and where it does, if so.
+def begin_loading(context: RunContext, config: Config) -> list[Pending[None]]:
+    """Load the kernels of the solver in every worker. The results are there when nothing has to be compiled."""
+    others = [context.submit(_import_solver) for _ in range(context.workers.jobs - 1)]
+    return [context.submit(load_kernels, config), *others]
 
-    Where contact is switched off it may.
+
+def load_kernels(context: TaskContext, config: Config) -> None:
+    """Load the kernels of a configuration in this process, once, so that no experiment is charged with it.
+
+    Raises InputError as `material_of`.
     """
-    if scene.config.effects.self_contact.off:
-        return steps, ()
-    for count, step in enumerate(steps):
-        if reason := fem.self_intersection(step.space, step.positions, scene.body.half):
-            return steps[:count], (reason,)
-    return steps, ()
+    layer = config.effects.strain_limiting_layer.on
+    key = ("kernels", config.mesh.formulation, repr((config.material, config.materials)), layer)
+    context.kept(key, lambda: fem.compile_kernels(config.mesh.formulation, material_of(config), layer))
 
 
-def _record(
-    scene: Scene, experiment: fem.Experiment, case: LoadCase, pressure_kPa: float, step: fem.Step, cpu_seconds: float
-) -> Record:
-    force, contact = experiment.end_force(step), ContactCheck.of(experiment, step)
-    curve = experiment.centreline(step)
-    return Record(
-        state=_state(scene, experiment, pressure_kPa, step, contact),
-        centreline=curve,
-        load=replace(scene.weight, force=(float(force[0]), float(force[1])), couple=experiment.end_couple(step)),
-        displacement=step.displacement,
-        fields=fem.element_fields(step, scene.material),
-        effects=step.effects,
-        spent=step.spent,
-        held=case.held,
-        cpu_seconds=cpu_seconds,
-        contact_check=contact,
-        path_dependence=step.path_dependence,
-    )
-
-
-def _state(
-    scene: Scene, experiment: fem.Experiment, pressure_kPa: float, step: fem.Step, contact: ContactCheck | None
-) -> State:
-    """The row of a state; forces, moments and volumes are those of the full body."""
-    material, extremes = scene.material, step.extremes
-    end, force, clamp = experiment.end(step), experiment.end_force(step), experiment.clamp_force(step)
-    error = fem.stress_error(step, material)
-    cavities = scene.config.effects.pressure.following or experiment.body.cavities[:1]
-    air = sum(step.cavity_volume(name) for name in cavities)
-    remarks = (
-        fem.sentence((*fem.unstable_stretches(step.space, step.displacement, material), *step.instability)),
-        contact.clause if contact else "",
-        _on_load_steps(step.path_dependence),
-    )
-    return State(
-        experiment=experiment.name,
-        pressure_kPa=pressure_kPa,
-        end_x_mm=float(end[0]),
-        end_y_mm=float(end[1]),
-        reaction_N=(float(force[0]), float(force[1])),
-        clamp_reaction_N=(float(clamp[0]), float(clamp[1])),
-        clamp_moment_N_mm=experiment.clamp_moment(step),
-        cavity_volume_mm3=experiment.symmetry_factor * air,
-        stretch_of_curve=experiment.stretch_of_curve(step),
-        curve_z_mm=experiment.distance_from_plane(step),
-        min_J=extremes.min_J,
-        max_stretch=extremes.max_stretch,
-        min_stretch=extremes.min_stretch,
-        min_J_at_mm=extremes.min_J_at,
-        max_stretch_at_mm=extremes.max_stretch_at,
-        min_stretch_at_mm=extremes.min_stretch_at,
-        min_gap_mm=nan if isinf(step.min_gap) else step.min_gap,
-        contact_error_mm=nan if contact is None or contact.end_mm is None else contact.end_mm,
-        contact_error_N=nan if contact is None or contact.end_N is None else contact.end_N,
-        stress_error=error.energy,
-        stress_error_at_mm=error.worst_at,
-        negative_pivots=step.negative_pivots,
-        newton_iterations=step.newton_iterations,
-        factorizations=step.factorizations,
-        cutbacks=step.cutbacks,
-        seconds=step.seconds,
-        reason="; ".join(filter(None, remarks)),
-    )
-
-
-def _on_load_steps(path_dependence: float) -> str:
-    """By how much the contact of a state in creases depends on the load steps; empty where it does not."""
-    if not path_dependence:
-        return ""
-    how = "may depend" if isinf(path_dependence) else f"depends by {path_dependence:.2%}"
-    return f"walls fold, and the state found {how} on the load steps"
+def _import_solver(context: TaskContext) -> None:
+    """Nothing but the imports of this module."""

@@ -13,7 +13,7 @@ STATE_SOURCES = (
 )
 #: what decides the curves of a cell, and the numbers that a mesh is planned with
 NUMBER_SOURCES = (
-    *(*STATE_SOURCES, "rod", "pipeline/simulation/outcome.py"),
+    *(*STATE_SOURCES, "rod", "pipeline/simulation/outcome.py", "pipeline/simulation/records.py"),
     *("pipeline/accuracy", "pipeline/cell", "pipeline/identification"),
 )
 #: what decides a picture besides the states

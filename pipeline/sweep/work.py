@@ -118,7 +118,8 @@ def _experiments(task: PointTask) -> Worked:
         outcomes = simulate(scene, RunContext.alone(store, Silent()), in_balance(config, task.run))
         save_value(store, "experiments.json", outcomes.states)
         save_curves(store, CURVES, curves_of(outcomes, (), scene.body.pitch))
-    remark = why_not_free(config) if "I" in task.run else ""
+    not_free = why_not_free(config) if "I" in task.run else None
+    remark = render(not_free) if not_free else ""
     return rows_of_experiments(config, outcomes, remark), [*map(render, outcomes.failures)]
 
 

@@ -12,6 +12,7 @@ from pipeline.config.config import Config
 from pipeline.config.load import load_config
 from pipeline.context import RunContext
 from pipeline.errors import InputError, RunFailed
+from pipeline.notes import render_all
 from pipeline.progress import Silent
 from pipeline.simulation.loadcase import LoadCase, schedule
 from pipeline.simulation.outcome import Outcome
@@ -67,7 +68,7 @@ def line_of(case: HardCase) -> Line:
         return Line(case, str(refused), np.nan, 0, 0, 0, np.nan, np.nan, np.nan, np.inf)
     outcome, states = solved.outcome, [record.state for record in solved.outcome.records]
     failure = outcome.failure
-    error, reason = np.nan, failure.reason if failure else ""
+    error, reason = np.nan, render_all(failure.reasons) if failure else ""
     if case.check is not None and not reason:
         error, reason = _error(case.check, solved)
     return Line(
@@ -138,7 +139,7 @@ def _error(check: Check, solved: Solved) -> tuple[float, str]:
     assert check.twin is not None
     twin = solve(check.twin)
     if twin.outcome.failure:
-        return np.nan, f"the twin was not solved: {twin.outcome.failure.reason}"
+        return np.nan, f"the twin was not solved: {render_all(twin.outcome.failure.reasons)}"
     return _difference(check.of, value, check.times * _quantity(check.of, twin), solved), ""
 
 

@@ -22,8 +22,7 @@ from pipeline.progress import Silent
 from pipeline.results.files import read_results
 from pipeline.run import run
 from pipeline.simulation.below_limit import highest_of_use
-from pipeline.simulation.failure import Failure
-from pipeline.simulation.outcome import Outcome, Outcomes
+from pipeline.simulation.outcome import Failure, Outcome, Outcomes
 from pipeline.simulation.scene import Scene
 from pipeline.store.store import open_store
 from rod import Rod, law_from_record
@@ -134,7 +133,7 @@ def test_a_body_of_which_no_piece_is_made_fails_with_the_reason(
 
 
 def test_a_law_that_goes_beyond_the_end_of_the_whole_arm_is_named() -> None:
-    failure = Failure(150.0, "a limit point", 0, 0, limit_kPa=44.93, reached_kPa=44.87)
+    failure = Failure(150.0, (), 0, 0, limit_kPa=44.93, reached_kPa=44.87)
     measured: Any = SimpleNamespace(law=SimpleNamespace(pressures=(0.0, 64.64)))
     law = LawOfRun(measured, ())
     assert law.remarks(Outcomes({"III": outcome("III", record(17.0))})) == ()
@@ -201,7 +200,7 @@ def ended(
     design: Config, reached: tuple[float, ...], below_limit: tuple[float, ...], end: float
 ) -> tuple[Pending[Outcome], Pending[tuple[Outcomes, str]]]:
     """Experiment II with states at these pressures, and with those that were added below its limit."""
-    failure = Failure(12.0, "a limit point", 0, 0, limit_kPa=end) if len(reached) < 2 else None
+    failure = Failure(12.0, (), 0, 0, limit_kPa=end) if len(reached) < 2 else None
     second, complete = (
         outcome("II", *map(record, pressures), failure=failure) for pressures in (reached, (*reached, *below_limit))
     )

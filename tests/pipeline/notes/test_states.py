@@ -13,7 +13,6 @@ from geometry import Reason
 from pipeline.config.load import load_config
 from pipeline.notes import render
 from pipeline.notes.states import Solved, check_states
-from pipeline.simulation.contact_check import ContactCheck
 from rod import Interval
 from rod.identification.two_lines import CLEAR
 
@@ -28,7 +27,8 @@ def solved(
     stretches: tuple[float, float] = (0.95, 1.05),
     kappa_0: float = 0.01,
     alpha2: tuple[float, float] = (9, 11),
-    contact_check: ContactCheck | None = None,
+    contact: tuple[float, float] = (np.nan, np.nan),
+    inexact: tuple[Reason, ...] = (),
     evidence: float = 20.0,
     on_coarser: bool | None = None,
     one_rigidity: bool = False,
@@ -47,10 +47,12 @@ def solved(
         min_stretch=low,
         max_stretch=high,
         curve_z_mm=curve_z_mm,
+        contact_error_mm=contact[0],
+        contact_error_N=contact[1],
     )
     record = SimpleNamespace(
         state=state,
-        contact_check=contact_check,
+        inexact=inexact,
         path_dependence=path_dependence,
         experiment="II",
         centreline=SimpleNamespace(s=np.array([0.0, 100.0]), y=np.array([1.0, 1.0 + deflection_mm])),
@@ -99,8 +101,8 @@ def only(run: Solved) -> Reason:
         ((), {"evidence": -0.77, "on_coarser": False}, "one_line_or_two"),
         ((), {"evidence": 10.7, "on_coarser": False}, "one_line_or_two"),
         ((), {"evidence": -7.6, "on_coarser": True}, "one_line_or_two"),
-        ((), {"contact_check": ContactCheck(0.25, 0.01)}, "approximate_contact"),
-        ((), {"contact_check": ContactCheck(None, None, "no equilibrium")}, "contact_not_compared"),
+        ((), {"contact": (0.25, 0.01)}, "approximate_contact"),
+        ((), {"inexact": (Reason("not_converged"),)}, "contact_not_compared"),
         ((), {"path_dependence": 0.081}, "path_dependent_contact"),
         ((), {"path_dependence": inf}, "folded_contact_open"),
     ],
@@ -123,7 +125,7 @@ def test_unusual_states_and_parameters(settings: tuple[str, ...], state: dict[st
         ((), {"evidence": 6.1, "on_coarser": True}),
         ((), {"evidence": -6.1, "on_coarser": False}),
         ((), {"evidence": 1.0, "one_rigidity": True}),
-        ((), {"contact_check": ContactCheck(0.0, 0.0)}),
+        ((), {"contact": (0.0, 0.0)}),
         (("effects.pressure=off",), {"kappa_0": 1e-4}),
     ],
 )
@@ -138,7 +140,7 @@ def test_reasons_have_the_numbers_of_the_states() -> None:
     assert only(solved(curve_z_mm=1.12)).values == {"distance_mm": 1.12, "deflection_mm": 50.0, **at}
     assert only(solved(kappa_0=1e-4)).values == {"pressure_kPa": 20.0, "bend_rad": pytest.approx(0.01)}
     assert only(solved(r2=0.28, evidence=-20.0)).values == {"r2": 0.28, "pressure_kPa": 20.0}
-    assert only(solved(contact_check=ContactCheck(0.25, 0.01))).values == {"end_mm": 0.25, "end_N": 0.01, **at}
+    assert only(solved(contact=(0.25, 0.01))).values == {"end_mm": 0.25, "end_N": 0.01, **at}
     assert only(solved(path_dependence=0.081)).values == {"percent": pytest.approx(8.1), **at}
     open_at = only(solved(alpha2=(9.0, 37.0))).values
     assert open_at == {"rigidity": "α₂", "low": 9.0, "high": 37.0, "pressure_kPa": 20.0}

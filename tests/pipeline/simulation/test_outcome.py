@@ -13,11 +13,11 @@ from geometry import Centreline, Reason
 from pipeline.config.load import load_config
 from pipeline.results.values import State
 from pipeline.simulation.effects_record import effect_states
-from pipeline.simulation.failure import Failure
-from pipeline.simulation.outcome import Outcome, Outcomes, Record
+from pipeline.simulation.outcome import Failure, Outcome, Outcomes, Record
 from pipeline.simulation.scene import Scene
 from rod import Load
 
+WHY = (Reason("not_tried"),)
 CURVE = Centreline(np.arange(5.0), np.arange(5.0), np.zeros(5))
 
 
@@ -53,15 +53,15 @@ def test_states_restored_from_an_earlier_path_count_once() -> None:
 
 
 def test_a_failure_is_a_reason_and_a_row() -> None:
-    stopped = outcome("III", record(10.0), failure=Failure(20.0, "no luck", 2, 7))
+    stopped = outcome("III", record(10.0), failure=Failure(20.0, WHY, 2, 7))
     outcomes = Outcomes({"II": outcome("II", record(10.0), record(20.0)), "III": stopped})
-    values = {"pressure_kPa": 20.0, "why": "no luck", "reached_kPa": 0.0, "limit_kPa": 0.0, "causes": []}
+    values = {"pressure_kPa": 20.0, "reached_kPa": 0.0, "limit_kPa": 0.0, "why": [*WHY]}
     assert outcomes.failures == (Reason("stopped", {"experiment": "III", **values}),)
     assert stopped.why_stopped("end at +3 mm") == Reason("load_stopped", {"load": "end at +3 mm", **values})
     states = outcomes.states
     assert [state.reached for state in states] == [True, True, True, False]
     failed = states[-1]
-    assert (failed.experiment, failed.pressure_kPa, failed.reason) == ("III", 20.0, "no luck")
+    assert (failed.experiment, failed.pressure_kPa, failed.reason) == ("III", 20.0, "it was not solved")
     assert np.isnan(failed.end_x_mm)
     assert stopped.at(20.0) is None
     assert stopped.at(10.0) is stopped.records[0]
@@ -69,9 +69,9 @@ def test_a_failure_is_a_reason_and_a_row() -> None:
 
 def test_the_lowest_end_is_a_limit_or_the_last_equilibrium() -> None:
     ends = {
-        "I": Failure(150.0, "a limit", 0, 0, limit_kPa=64.7, reached_kPa=64.6),
-        "II": Failure(150.0, "it was not solved, because", 0, 0, reached_kPa=5.0, not_followed=True),
-        "III": Failure(150.0, "no luck", 0, 0, reached_kPa=40.0),
+        "I": Failure(150.0, (), 0, 0, limit_kPa=64.7, reached_kPa=64.6),
+        "II": Failure(150.0, (), 0, 0, reached_kPa=5.0, not_followed=True),
+        "III": Failure(150.0, (), 0, 0, reached_kPa=40.0),
     }
     outcomes = Outcomes({name: outcome(name, record(5.0), failure=failure) for name, failure in ends.items()})
     assert outcomes.first_to_end == ("III", 40.0)
@@ -82,18 +82,18 @@ def test_the_lowest_end_is_a_limit_or_the_last_equilibrium() -> None:
 
 
 def test_a_first_pressure_at_which_the_body_passes_through_itself_is_no_lower_than_the_end() -> None:
-    at_first = Failure(128.0, "the body passes through itself", 0, 0, passes_through_itself=True)
+    at_first = Failure(128.0, (), 0, 0, passes_through_itself=True)
     assert at_first.end_kPa == 128.0
     assert replace(at_first, reached_kPa=64.0).end_kPa == 64.0
     assert replace(at_first, passes_through_itself=False).end_kPa == 0.0
-    ends = {"II": Failure(257.0, "a limit point", 0, 0, limit_kPa=223.0), "III": at_first}
+    ends = {"II": Failure(257.0, (), 0, 0, limit_kPa=223.0), "III": at_first}
     outcomes = Outcomes({name: outcome(name, failure=failure) for name, failure in ends.items()})
     assert outcomes.first_to_end == ("III", 128.0)
 
 
 def test_an_end_before_the_end_of_the_arm_is_where_it_is_held_is_no_limit_of_the_pressure() -> None:
     """II bears 20 kPa; III ends at 1.4 kPa, with 7 % of a displacement that the arm is too short for."""
-    too_far = Failure(20.0, "no equilibrium", 0, 0, reached_kPa=1.4, with_part_of_end=True)
+    too_far = Failure(20.0, (), 0, 0, reached_kPa=1.4, with_part_of_end=True)
     assert too_far.end_kPa == 0.0
     outcomes = Outcomes({"II": outcome("II", record(20.0)), "III": outcome("III", failure=too_far)})
     assert outcomes.first_to_end is None
@@ -152,9 +152,9 @@ def test_contact_acts_on_the_way_to_a_pressure_that_is_not_reached(configs: Path
 
 def test_the_first_reason_is_not_that_another_experiment_has_ended() -> None:
     ends = {
-        "I": Failure(150.0, "it was not solved, because II has its limit there", 0, 0, not_followed=True),
-        "II": Failure(150.0, "a limit", 0, 0, limit_kPa=64.7, reached_kPa=64.6),
-        "III": Failure(150.0, "no luck", 0, 0, reached_kPa=40.0),
+        "I": Failure(150.0, (), 0, 0, not_followed=True),
+        "II": Failure(150.0, (), 0, 0, limit_kPa=64.7, reached_kPa=64.6),
+        "III": Failure(150.0, (), 0, 0, reached_kPa=40.0),
     }
     outcomes = Outcomes({name: outcome(name, record(5.0), failure=failure) for name, failure in ends.items()})
     assert [reason.values["experiment"] for reason in outcomes.failures] == ["II", "III", "I"]

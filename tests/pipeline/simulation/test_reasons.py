@@ -5,31 +5,33 @@ from dataclasses import replace
 from fem import End
 from geometry import Reason
 from pipeline.config.config import End as ArmEnd
-from pipeline.simulation.case_path import failure_in_kPa, given_up_in_kPa
+from pipeline.notes import render_all
+from pipeline.simulation.case_path import why_ended, why_left
+from pipeline.simulation.known_limit import EndOfII
 from pipeline.simulation.loadcase import LoadCase, PressureSchedule
+
+SCHEDULE = PressureSchedule((45.0,), 45.0)
+END = End("load factor", 1.0, 0.4, 0.5, 3, 40, (Reason("stiffer_contact_fails"),))
 
 
 def test_where_a_path_ended_in_the_units_of_the_configuration() -> None:
-    end = End("load factor", 1.0, 0.4, 0.5, 3, 40, (Reason("given_up", {"why": "no luck"}),))
-    schedule = PressureSchedule((45.0,), 45.0)
     free, held, drawn = (
-        LoadCase(name, name, schedule, at_end)
+        LoadCase(name, name, SCHEDULE, at_end)
         for name, at_end in (("II", ArmEnd()), ("III", ArmEnd(y_mm=-30.0)), ("III", ArmEnd(force_N=(0.2, 0.0))))
     )
-    assert failure_in_kPa(end, free) == "no equilibrium found beyond 18 kPa on the way to 45 kPa: no luck"
-    assert failure_in_kPa(end, held) == (
-        "no equilibrium found beyond 18 kPa with 50 % of u_y = -30 mm at the end on the way to 45 kPa with all of it: "
-        "no luck"
+    assert why_ended(END, free) == (Reason("ends_beyond", {"reached_kPa": 18.0, "target_kPa": 45.0}), *END.reasons)
+    first, limit, *_ = why_ended(replace(END, limit=0.5), held)
+    assert (first.code, limit) == ("ends_with_part", Reason("has_limit", {"limit_kPa": 22.5}))
+    assert first.values == {"reached_kPa": 18.0, "target_kPa": 45.0, "percent": 50.0, "on_end": "u_y = -30 mm"}
+    assert why_ended(END, drawn)[0].values["on_end"] == "F_x = 0.2 N"
+    assert why_ended(replace(END, constant_fraction=1.0), held)[0].code == "ends_beyond"
+    assert render_all(why_ended(END, free)) == (
+        "no equilibrium found beyond 18 kPa on the way to 45 kPa; more or stiffer contact does not help"
     )
-    assert "50 % of F_x = 0.2 N at the end" in failure_in_kPa(end, drawn)
-    assert "at the end" not in failure_in_kPa(replace(end, constant_fraction=1.0), held)
 
 
 def test_how_far_a_path_was_followed_that_was_given_up() -> None:
-    why = Reason("given_up", {"why": "experiment II of the same arm has its limit at 20 kPa"})
-    end = End("load factor", 1.0, 0.4, 1.0, 3, 40, (why,))
-    case = LoadCase("I", "I", PressureSchedule((45.0,), 45.0), ArmEnd())
-    assert given_up_in_kPa(end, case) == (
-        "it was followed up to 18 kPa only, because experiment II of the same arm has its limit at 20 kPa"
-    )
-    assert given_up_in_kPa(replace(end, reached=0.0), case).startswith("it was not solved, because experiment II")
+    case, second = LoadCase("I", "I", SCHEDULE, ArmEnd()), EndOfII(17.0, 20.0, is_limit=True)
+    because = Reason("end_of_II", {"end": "limit", "end_kPa": 20.0})
+    assert why_left(END, case, second) == (Reason("followed_to", {"reached_kPa": 18.0}), because)
+    assert why_left(replace(END, reached=0.0), case, second) == (Reason("not_tried"), because)

@@ -17,9 +17,8 @@ from pipeline.config.load import load_config
 from pipeline.context import RunContext
 from pipeline.progress import Silent
 from pipeline.run import run
-from pipeline.simulation.failure import Failure
 from pipeline.simulation.loadcase import LoadCase, PressureSchedule, up_to, validation_cases
-from pipeline.simulation.outcome import Outcomes
+from pipeline.simulation.outcome import Failure, Outcomes
 from pipeline.simulation.scene import Scene
 from pipeline.simulation.simulate import simulate
 from pipeline.store.store import open_store
@@ -70,7 +69,7 @@ def test_cases_are_named_by_their_load_and_go_on_from_the_run(config: Config) ->
 
 
 def test_a_requested_load_beyond_the_end_of_II_is_named(config: Config) -> None:
-    limit = Failure(12.0, "a limit point", 0, 0, limit_kPa=11.46)
+    limit = Failure(12.0, (), 0, 0, limit_kPa=11.46)
     ended = Outcomes({"II": outcome("II", record(6.0), failure=limit)})
     left_out = (("dead force 0, 0.01 N", [12.0, 15.0]), ("end at +3 mm", [12.0, 15.0]), ("III", [15.0]), ("II", [15.0]))
     assert beyond_end_of_II(config, ended) == tuple(
