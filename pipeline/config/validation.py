@@ -14,6 +14,8 @@ from rod.same_pressure import as_known
 
 #: how far the end of the load that is part of every run lies from that of experiment III, over the length
 ELSEWHERE = 0.1
+#: dead forces on the end that are part of every run, over EI / l^2 of the arm; the negative one is a payload
+SMALL_FORCES = (-0.1, 0.02)
 
 
 @dataclass(frozen=True)
@@ -68,11 +70,11 @@ class Validation:
     pressures_kPa: tuple[float, ...] = ()  #: ascending; those of the run and others between them
     end_y_mm: tuple[float, ...] = ()  #: displacements u_y of the end in III
     forces_N: tuple[tuple[float, float], ...] = ()  #: dead forces on the end
-    #: whether II and III are solved at the pressures between as well; not for the one load that the program chooses
+    #: whether II and III are solved at the pressures between as well; not for the loads that the program chooses
     with_experiments: bool = True
 
     def among(self, reached_kPa: Sequence[float]) -> "Validation":
-        """The same loads, or the one that the program chooses at a pressure among those (ascending) that were reached.
+        """The same loads, or those that the program chooses at a pressure among those (ascending) that were reached.
 
         Empty where that load has no such pressure.
         """
@@ -85,6 +87,15 @@ class Validation:
         if self.with_experiments or not is_held_down:
             return self
         return replace(self, end_y_mm=tuple(float(f"{2.0 * held_mm - y:.12g}") for y in self.end_y_mm))
+
+    def with_small_forces(self, unit_N: float) -> "Validation":
+        """Adds dead forces on the end, up and down, to the load that the program chooses; of no unit there are none.
+
+        unit_N: EI / l^2 of the arm.
+        """
+        if self.with_experiments or not self.pressures_kPa or not unit_N:
+            return self
+        return replace(self, forces_N=tuple((0.0, float(f"{part * unit_N:.2g}")) for part in SMALL_FORCES))
 
     def up_to(self, highest_kPa: float) -> "Validation":
         """The same loads at the pressures up to this one; empty where there is none."""
@@ -124,8 +135,8 @@ class GivenValidation(Switched):
 def read_validation(given: GivenValidation, fields: Mapping[str, Any], _: Document) -> Validation:
     """The loads not used for the fit; where there are some and no pressures, all pressures of the run.
 
-    Where none are given one is chosen: in the middle of the widest interval of pressures, with the end above that of
-    III.
+    Where none are given the program chooses: the middle of the widest interval of pressures, with the end above that
+    of III, and later with small forces on the end, which need the rigidity of the arm.
     """
     design, of_run, end = known(fields, "design", "pressures_kPa", "end")
     if given.state == "off":

@@ -4,6 +4,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from math import isfinite
 
+import numpy as np
+
 from geometry import Reason, Values
 from pipeline.config.config import Config
 from pipeline.context import RunContext
@@ -39,6 +41,7 @@ def with_reached_loads(scene: Scene, outcomes: Outcomes) -> Scene:
     validation = scene.config.validation.among(outcomes.reached_kPa).up_to(_highest_of_II(outcomes))
     held = scene.config.end.y_mm or 0.0
     validation = validation.beyond(held, is_held_down=_is_held_down(outcomes, held))
+    validation = validation.with_small_forces(_force_of_rigidity(outcomes, validation.pressures_kPa))
     return replace(scene, config=replace(scene.config, validation=validation))
 
 
@@ -56,6 +59,21 @@ def beyond_end_of_II(config: Config, outcomes: Outcomes) -> tuple[Reason, ...]:
             values: Values = {"load": case.load or case.name, "pressures_kPa": left_out, "end_kPa": end_kPa}
             reasons.append(Reason("load_left_out", values))
     return tuple(reasons)
+
+
+def _force_of_rigidity(outcomes: Outcomes, pressures_kPa: tuple[float, ...]) -> float:
+    """EI / l^2 in N from the force and the displacement of the end in III against II, as of a straight cantilever.
+
+    At the pressure of both experiments nearest to the first of these; 0 where there is none.
+    """
+    free, loaded = ({record.pressure_kPa: record for record in outcomes[name].records} for name in ("II", "III"))
+    both = sorted(free.keys() & loaded.keys(), key=lambda known: abs(known - pressures_kPa[0])) if pressures_kPa else []
+    if not both:
+        return 0.0
+    curves = [experiment[both[0]].centreline for experiment in (free, loaded)]
+    moved = np.hypot(curves[1].x[-1] - curves[0].x[-1], curves[1].y[-1] - curves[0].y[-1])
+    force = float(np.linalg.norm(loaded[both[0]].load.force))
+    return force * float(np.ptp(curves[0].s)) / (3.0 * float(moved)) if moved > 0.0 else 0.0
 
 
 def _is_held_down(outcomes: Outcomes, held_mm: float) -> bool:

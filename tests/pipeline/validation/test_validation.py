@@ -23,6 +23,7 @@ from pipeline.simulation.scene import Scene
 from pipeline.simulation.simulate import simulate
 from pipeline.store.store import open_store
 from pipeline.validation.validate import beyond_end_of_II, with_reached_loads
+from rod import Load
 from tests.pipeline.simulation.test_outcome import outcome, record
 
 SHORT = """
@@ -176,3 +177,27 @@ def test_the_chosen_end_of_an_arm_that_III_holds_down_is_below(tmp_path: Path, r
     tested = with_reached_loads(Scene(config, *(None,) * (len(fields(Scene)) - 1)), outcomes)  # type: ignore[arg-type]
     assert config.validation.end_y_mm == (pytest.approx(7.2),)
     assert tested.config.validation.end_y_mm == (pytest.approx(height),)
+
+
+def test_the_small_forces_are_parts_of_EI_over_l2(tmp_path: Path) -> None:
+    """The end of a cantilever with EI = 300 N mm2 and l = 72 mm, which a force F moves by F l^3 / (3 EI)."""
+    path = tmp_path / "seven.yaml"
+    path.write_text("\n".join(line for line in SHORT.splitlines() if "validation" not in line), encoding="utf-8")
+    config = load_config(path)
+    force, rigidity, length = 0.01, 300.0, 72.0
+    s = np.linspace(0.0, length, 20)
+    free = Centreline(s, s, 0.0 * s)
+    moved = Centreline(s, s, force * length**3 / (3.0 * rigidity) * (s / length) ** 2)
+    held = [replace(record(p), centreline=moved, load=Load(force=(0.0, force))) for p in (6.0, 12.0, 24.0)]
+    outcomes = Outcomes(
+        {
+            "II": outcome("II", *(replace(record(p), centreline=free) for p in (6.0, 12.0, 24.0))),
+            "III": outcome("III", *held),
+        }
+    )
+    scene = Scene(config, *(None,) * (len(fields(Scene)) - 1))  # type: ignore[arg-type]
+    small = with_reached_loads(scene, outcomes).config.validation.forces_N
+    unit = rigidity / length**2
+    assert small == ((0.0, pytest.approx(-0.1 * unit, rel=0.05)), (0.0, pytest.approx(0.02 * unit, rel=0.05)))
+    given = replace(scene, config=replace(config, validation=replace(config.validation, with_experiments=True)))
+    assert with_reached_loads(given, outcomes).config.validation.forces_N == ()
