@@ -1,5 +1,5 @@
 # %% [markdown]
-# # The identified rod in PyElastica
+# # The arm in PyElastica
 #
 #     python examples/rod_in_pyelastica.py [FOLDER]
 #
@@ -23,7 +23,7 @@ folder.mkdir(parents=True, exist_ok=True)
 # %% [markdown]
 # ## 1. The run
 #
-# A short arm on a coarse mesh, with the five parameters alone.
+# A short arm on a coarse mesh, with its own law alone.
 
 # %%
 config = folder / "arm.yaml"
@@ -34,7 +34,7 @@ geometry: {family: pneunet, chambers: 8}
 material: {law: svk, E: 1.2 MPa, nu: 0.495, density: 1130 kg/m^3}
 pressures: [15 kPa]
 mesh: {size: 8 mm, formulation: p2p0}
-law: five
+law: cell
 validation: "off"
 """,
     encoding="utf-8",
@@ -59,28 +59,28 @@ specification.loader.exec_module(arm)
 # %% [markdown]
 # ## 3. The same load in both programs
 #
-# PyElastica simulates two seconds with damping, after which the rod is at rest; `pneurod` solves the equilibrium.
+# PyElastica simulates until the arm is at rest; `pneurod` solves the equilibrium. Both give the material curve of the
+# arm, PyElastica at the arc lengths of the table.
 
 # %%
 force = (0.0, 0.02)  # N
-dynamic = 1e3 * arm.simulate(15.0, force).position_collection[:2]  # mm
-static = results.rod("15 kPa", kind="five").solve(force=force)
+dynamic = 1e3 * arm.curve(arm.simulate(15.0, force), 15.0)  # mm
+static = results.rod(15.0).solve(force=force)
 
 # %% [markdown]
 # ## 4. How far apart?
 #
-# Small differences remain, because PyElastica bends at the nodes between 60 straight elements.
+# Small differences remain, because PyElastica bends at the nodes between its straight elements.
 
 # %%
-nodes = np.linspace(0.0, static.s[-1], dynamic.shape[1])
-same = static.positions(nodes).T
-distance = np.linalg.norm(dynamic - same, axis=0).max()
-print(f"end in PyElastica at ({dynamic[0, -1]:.2f}, {dynamic[1, -1]:.2f}) mm")
-print(f"end in pneurod at ({same[0, -1]:.2f}, {same[1, -1]:.2f}) mm")
+same = static.positions(1e3 * np.array(arm.TABLE["s_m"]))
+distance = np.linalg.norm(dynamic - same, axis=1).max()
+print(f"end in PyElastica at ({dynamic[-1, 0]:.2f}, {dynamic[-1, 1]:.2f}) mm")
+print(f"end in pneurod at ({same[-1, 0]:.2f}, {same[-1, 1]:.2f}) mm")
 print(f"largest distance {distance:.3f} mm, {100 * distance / static.s[-1]:.3f} % of the length")
 
 figure, axes = plt.subplots()
-axes.plot(*dynamic, ".", label="PyElastica")
+axes.plot(*dynamic.T, ".", label="PyElastica")
 axes.plot(*static.curve.T, label="pneurod")
 axes.set(xlabel="x (mm)", ylabel="y (mm)", aspect="equal")
 axes.legend()

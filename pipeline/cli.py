@@ -113,23 +113,32 @@ def export(
         ),
     ] = None,
     pressure: Annotated[
-        str | None, typer.Option(metavar="P", help="With its unit (default: all identified pressures).")
+        str | None, typer.Option(metavar="P", help="With its unit (default: all pressures of the rod).")
     ] = None,
-    law: Annotated[
-        str | None, typer.Option("--law", metavar="five|cell", help="Five parameters, or the arm's own law as a table.")
+    rod: Annotated[
+        str | None,
+        typer.Option(
+            "--rod",
+            metavar="law|five",
+            help="Which rod (default: the one with the arm's own law where there is one).",
+        ),
     ] = None,
     out: Annotated[
         Path | None, typer.Option("--out", metavar="DIR", help="Folder for the files (default: DIR).")
     ] = None,
-    smooth: Annotated[bool, typer.Option("--smooth", help="Rest curvature averaged over a cell.")] = False,
-    extrapolate: Annotated[bool, typer.Option("--extrapolate", help="Go beyond the identified pressures.")] = False,
+    smooth: Annotated[
+        bool, typer.Option("--smooth", help="Of --rod five: rest curvature averaged over a cell.")
+    ] = False,
+    extrapolate: Annotated[
+        bool, typer.Option("--extrapolate", help="Of --rod five: go beyond the identified pressures.")
+    ] = False,
     force: Annotated[bool, typer.Option("--force", help="Replace files that exist.")] = False,
 ) -> None:
-    """The identified rod as a file for another rod code, with the pressure as its input."""
-    from pipeline.rods.export import ExportOptions, exported, left_out
+    """The rod to take as a file for another program, with the pressure as its input."""
+    from pipeline.rods.export import ExportOptions, exported
 
-    options = ExportOptions(pressure, law, out, smooth, extrapolate, force)
-    print_lines(*(f"written: {file}" for file in exported(folder, to, options)), *left_out(folder, to, options))
+    done = exported(folder, to, ExportOptions(pressure, rod, out, smooth, extrapolate, force))
+    print_lines(*(f"written: {file}" for file in done.files), *done.sentences)
 
 
 def material(

@@ -10,7 +10,8 @@ from rod.curves.rest_shape import rest_curvature
 from rod.curves.uncertainty import Bootstrap, Interval
 from rod.errors import RodError, RodWarning
 from rod.export.arm import Arm
-from rod.export.formats import EXPORTS, export_arm
+from rod.export.formats import EXPORTS, export_robot
+from rod.export.robot import Robot, Solid
 from rod.identification.moment_range import MomentRange
 from rod.identification.observed import too_few_pitches
 from rod.identification.single_line import LineFit
@@ -45,16 +46,18 @@ __all__ = [
     "OutsidePressures",
     "PressurisedRod",
     "Quantity",
+    "Robot",
     "Rod",
     "RodError",
     "RodSolution",
     "RodWarning",
+    "Solid",
     "Straightness",
     "TwoSlopes",
     "cell_averaged",
     "compile_kernels",
     "end_displacement_closure",
-    "export_arm",
+    "export_robot",
     "extension",
     "identify",
     "is_clear",

@@ -122,6 +122,7 @@ _Pressure = Annotated[float, Kind("any", PRESSURE.example, "kPa", in_unit(PRESSU
 Pressures = Annotated[tuple[_Pressure, ...], list_of("above 0, ascending", "[17 kPa, 37 kPa]", "kPa", _ascending)]
 Number = Annotated[float, Kind("any", "1", "1", number)]
 PoissonRatio = Annotated[Number, Kind("above -1 and below 0.5", "0.495", "1", test=lambda value: -1.0 < value < 0.5)]
+LossFactor = Annotated[Number, Kind("above 0, at most 2", "0.1", "1", test=lambda value: 0.0 < value <= 2.0)]
 Stretches = Annotated[
     tuple[Number, Number],
     list_of(

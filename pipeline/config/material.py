@@ -8,10 +8,20 @@ from typing import Annotated, Any
 import fem.materials
 from fem.materials import LAWS, Constant
 from pipeline.config.document import Document
-from pipeline.config.kinds import Density, Number, PoissonRatio, PositiveStress, Stress, Stretches, list_of, one_or_more
+from pipeline.config.kinds import (
+    Density,
+    LossFactor,
+    Number,
+    PoissonRatio,
+    PositiveStress,
+    Stress,
+    Stretches,
+    list_of,
+    one_or_more,
+)
 from pipeline.config.section import Error, Field, Section, chosen, conflict, raise_all, read_keys, section_of, wrong
 from pipeline.pressure import in_MPa
-from pipeline.store.json_values import JsonObject
+from pipeline.store.json_values import Json, JsonObject
 
 #: how the constants of a law are written
 CONSTANTS: dict[Constant, Any] = {
@@ -27,6 +37,8 @@ CONSTANTS: dict[Constant, Any] = {
 }
 #: the constant of a rubber law for which Poisson's ratio may be given
 BULK = "kappa"
+#: of a material where none is given: that of silicone rubbers is 0.05 to 0.2
+LOSS_FACTOR = 0.1
 #: Poisson's ratio of a rubber law for which neither it nor the bulk modulus is given, as of the paper's silicone
 RUBBER_POISSON_RATIO = 0.495
 #: the largest pressure over the initial Young's modulus with which a body is solved
@@ -41,6 +53,7 @@ class Material:
     constants: Mapping[str, float | tuple[float, ...]]  #: stresses in MPa
     density_tonne_mm3: float | None  #: None where it is not given; only gravity and the mass of the arm need it
     holds_between: tuple[float, float] | None = None  #: stretches between which the law describes the solid, if known
+    loss_factor: float = LOSS_FACTOR  #: lost over stored energy of a vibration, over a radian
 
     def built(self) -> fem.materials.Material:
         """The law with its constants. Raises `fem.materials.MaterialError` where it cannot have them together."""
@@ -49,7 +62,9 @@ class Material:
     def record(self) -> JsonObject:
         """The law, its constants, the density and between which stretches it holds, ready for JSON."""
         constants = {name: list(v) if isinstance(v, tuple) else v for name, v in self.constants.items()}
-        known = {} if self.holds_between is None else {"holds_between": list(self.holds_between)}
+        known: dict[str, Json] = {} if self.holds_between is None else {"holds_between": list(self.holds_between)}
+        if self.loss_factor != LOSS_FACTOR:
+            known["loss_factor"] = self.loss_factor
         return {"law": self.law, **constants, "density_tonne_mm3": self.density_tonne_mm3, **known}
 
 
@@ -64,6 +79,7 @@ def material_section(law: type[fem.materials.Material]) -> type[Section]:
         keys["nu"] = (PoissonRatio | None, Field(default=None, description=ratio))
     keys["density"] = (Density | None, Field(default=None, description=_DENSITY))
     keys["holds_between"] = (Stretches | None, Field(default=None, description=_HOLDS))
+    keys["loss_factor"] = (LossFactor, Field(default=LOSS_FACTOR, description=_LOSS))
     constants = {name: list(other.constants()) for name, other in LAWS.items()}
     return section_of("Material", {"law": (str, Field()), **keys}, constants)
 
@@ -72,6 +88,11 @@ _DENSITY = "mass per volume; for gravity, the mass of the arm and M/(m g l), whi
 _HOLDS = (
     "smallest and largest stretch for which the law describes the solid, as `pneurod material` writes them; beyond "
     "them a run says so"
+)
+
+_LOSS = (
+    "lost over stored energy of a vibrating solid, over a radian: the damping of [exported arms]"
+    f"(how_to/robots.md#damping); {LOSS_FACTOR:g} without it"
 )
 
 
@@ -87,7 +108,8 @@ def read_material(value: Any, _: Mapping[str, Any], document: Document) -> Mater
         if kappa is None:
             kappa = LAWS[law].from_uniaxial(constants, RUBBER_POISSON_RATIO if nu is None else nu).kappa  # type: ignore[attr-defined]
         constants[BULK] = kappa
-    material = Material(law, constants, keys.density, keys.holds_between)  # type: ignore[attr-defined]
+    given = keys.density, keys.holds_between, keys.loss_factor  # type: ignore[attr-defined]
+    material = Material(law, constants, *given)
     material.built()  # its error is a ValueError, for constants that do not go together
     return material
 

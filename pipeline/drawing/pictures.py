@@ -53,6 +53,14 @@ def write_fields(path: Path, points: Array, tets: Array, fields: Mapping[str, Ar
     write_atomic(path, writer.GetOutputString().encode())
 
 
+def read_tetrahedra(path: Path) -> Array:
+    """The corners (n, 4, 3) in mm of the tetrahedra of a .vtu file as `write_fields` wrote it."""
+    grid = pyvista.read(path)
+    cells = grid.cells_dict
+    tets = cells[pyvista.CellType.TETRA if pyvista.CellType.TETRA in cells else pyvista.CellType.QUADRATIC_TETRA]
+    return np.asarray(grid.points, float)[tets[:, :4]]
+
+
 def write_series(path: Path, files: Sequence[tuple[float, str]]) -> None:
     """Write a .pvd time series: pairs of pressure in kPa (its time) and the .vtu file, relative to the .pvd."""
     root = ElementTree.Element("VTKFile", type="Collection", version="0.1", byte_order="LittleEndian")

@@ -1,93 +1,125 @@
-"""The rod of a result folder in the files of other rod codes."""
+"""The rod of a result folder in the files of other programs."""
 
-import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 from pipeline.cell.saved import SavedLaw
+from pipeline.config.material import LOSS_FACTOR
 from pipeline.config.units import PRESSURE
-from pipeline.errors import InputError, RunFailed
+from pipeline.errors import InputError
 from pipeline.results.files import read_results
-from pipeline.rods.choice import refuse_out_of_plane
+from pipeline.results.values import Run
+from pipeline.rods.choice import choose_rod
+from pipeline.rods.judged import judged
 from pipeline.rods.options import option_value
 from pipeline.rods.saved import SavedRod
+from pipeline.rods.solid import solid_of
 from pipeline.store.result_folder import open_folder
-from rod import EXPORTS, Arm, RodError, export_arm
+from rod import EXPORTS, Arm, ArmLaw, Robot, RodError, export_robot
 from rod.export.arm import divide_pressures
-from rod.export.formats import export_files
-from rod.export.tables import unloaded_distance
+from rod.export.formats import PROGRAMS, export_files, with_beside
+from rod.export.tables import write_csv, write_json, write_law_csv, write_law_json
 from rod.pressurised_rod import IDENTIFIED
 from rod.same_pressure import as_known
 
-#: the laws of a result folder that can be exported
-LAWS = ("five", "cell")
+#: the rods of a result folder that can be exported, by the names of `pipeline.rods.choice`
+RODS = ("law", "five")
 
 
 @dataclass(frozen=True)
 class ExportOptions:
     """What `pneurod export` was asked for beside the folder and the format."""
 
-    pressure: str | None = None  #: with its unit; None for all identified pressures
-    law: str | None = None  #: one of LAWS; None for the five parameters, or for the only law there is
+    pressure: str | None = None  #: with its unit; None for all pressures
+    rod: str | None = None  #: one of RODS; None for the one to take
     out: Path | None = None  #: folder of the files; None for the result folder
-    smooth: bool = False  #: kappa_0 averaged over a cell instead of that with its ripple
-    extrapolate: bool = False  #: beyond the identified pressures
+    smooth: bool = False  #: kappa_0 of the five parameters averaged over a cell
+    extrapolate: bool = False  #: beyond the identified pressures of the five parameters
     force: bool = False  #: replace files that exist
 
+    @property
+    def pressure_kPa(self) -> float | None:
+        """Raises InputError where it has no unit."""
+        return None if self.pressure is None else option_value("--pressure", self.pressure, PRESSURE)
 
-def exported(folder: Path, target: str | None, options: ExportOptions) -> list[Path]:
-    """Write the rod of a result folder for another code and return the files.
 
-    Raises InputError for an unknown target, which it answers with the known ones, for other options that do not fit and
-    for files that exist or a folder that cannot be written, and RunFailed where the target cannot take the rod.
+@dataclass(frozen=True)
+class Exported:
+    """What an export left."""
+
+    files: tuple[Path, ...]
+    sentences: tuple[str, ...]  #: the error of the files, and what they leave out
+
+
+def exported(folder: Path, target: str | None, options: ExportOptions) -> Exported:
+    """Write the rod of a result folder for another program.
+
+    Raises InputError for an unknown target, which it answers with the known ones, for other options that do not fit,
+    for a target that cannot take the rod, and for files that exist or a folder that cannot be written.
     """
     if target not in EXPORTS:
         raise InputError(f"--to{'' if target is None else f' {target}'}: allowed are {', '.join(EXPORTS)}")
-    if options.law not in (None, *LAWS):
-        raise InputError(f"--law {options.law}: allowed are {', '.join(LAWS)}")
+    if options.rod not in (None, *RODS):
+        raise InputError(f"--rod {options.rod}: allowed are {', '.join(RODS)}")
     if folder.is_file():
         raise InputError(f"{folder}: is a file; give the folder of the run, {folder.parent}")
-    if (folder / "run.json").is_file():
-        refuse_out_of_plane(read_results(folder))
-    into = options.out or folder
-    if _takes_law(folder, options):
-        return [_law_table(folder / "law.json", target, into, options)]
     try:
-        arm = _arm(folder / "parameters.json", options)
-        arm = arm.smoothed() if options.smooth else arm
-        for path in export_files(arm, target, into):
-            _refuse_existing(path, options)
-        return export_arm(arm, target, open_folder(into).directory)
+        if (folder / "law.json").is_file() and not (folder / "run.json").is_file():  # of `pneurod cell`
+            return _of_law(SavedLaw.read(folder / "law.json").law, None, folder, target, options)
+        run = read_results(folder)
+        if options.rod == "five" or run.law is None:
+            SavedRod.read(folder / "parameters.json")  # refuses, with the reason, a run without five parameters
+        chosen = choose_rod(run, options.rod)
+        if isinstance(chosen.source, ArmLaw):
+            done = _of_law(chosen.source, run, folder, target, options)
+        else:
+            done = _of_five(run, target, options)
+        return replace(done, sentences=(*done.sentences, *chosen.notes))
     except RodError as failure:
-        raise RunFailed(str(failure)) from None
+        raise InputError(f"--to {target}: {failure}") from None
 
 
-def left_out(folder: Path, target: str | None, options: ExportOptions) -> list[str]:
-    """Sentences on numbers that are not identified ones, and on what the exported rod leaves out: its stretch and its
-    shape without load; none for a law.
+def _of_law(law: ArmLaw, run: Run | None, folder: Path, target: str, options: ExportOptions) -> Exported:
+    """The rod with the arm's own law; run: None where the folder has nothing else."""
+    if options.extrapolate or options.smooth:
+        raise InputError("--extrapolate, --smooth: are for --rod five; the arm's own law takes neither")
+    solid = None if run is None else solid_of(run)
+    if run is None and target in PROGRAMS:
+        raise InputError(f"{folder}: has a law and no mass, which {target} needs; give the folder of `pneurod run`")
+    is_linear = target in PROGRAMS and PROGRAMS[target].is_linear
+    of_run = () if run is None else run.config.get("pressures_kPa", ())
+    all_pressures = [p for p in of_run if law.pressures[0] <= p <= law.pressures[-1]] if is_linear else ()
+    single = options.pressure_kPa
+    pressures = tuple(all_pressures or law.pressures) if single is None else (as_known(law.pressures, single),)
+    robot = (Robot.linear_of_law if is_linear else Robot.of_law)(law, solid, pressures)
+    writers: dict[str, Callable[[Path], None]] = {
+        "csv": lambda path: write_law_csv(law, pressures, path),
+        "json": lambda path: write_law_json(law, robot, path),
+    }
+    files = _write(robot, target, options, writers, (options.out or folder) / f"law_{robot.label}.{target}")
+    if target == "csv":
+        return Exported(files, ("The table has the law of the cells; json has both ends of the arm, too.",))
+    return Exported(files, _sentences(robot, target, run, law))
 
-    Raises as `exported`.
-    """
-    path = folder / "parameters.json"
-    if target is None or _takes_law(folder, options):
-        return []
-    saved = SavedRod.read(path, extensible=False)
-    pressures = [options.pressure] if options.pressure else [f"{known:g} kPa" for known in saved.rods.pressures]
-    selected = {pressure: saved.at(pressure, options.extrapolate) for pressure in pressures}
-    sentences = list(dict.fromkeys(note for rod in selected.values() for note in rod.notes))
-    if SavedRod.has_extensible(path):
-        stretching = SavedRod.read(path, extensible=True)
-        apart = {
-            p: math.dist(rod.solve().end, stretching.at(p, options.extrapolate).solve().end)
-            for p, rod in selected.items()
-        }
-        sentences.append(
-            f"The exported rod is inextensible (five). {_unloaded('the rod that stretches (five_extensible)', apart)}."
-        )
+
+def _of_five(run: Run, target: str, options: ExportOptions) -> Exported:
+    """The inextensible rod with five parameters."""
+    saved = SavedRod.read(run.directory / "parameters.json")
+    arm = _arm(saved, options)
+    arm = arm.smoothed() if options.smooth else arm
+    solid = solid_of(run)
+    is_interpolated = target in PROGRAMS and not PROGRAMS[target].is_linear
+    robot = Robot.of_five(arm, solid, between=is_interpolated)
+    writers: dict[str, Callable[[Path], None]] = {
+        "csv": lambda path: write_csv(arm, path),
+        "json": lambda path: write_json(arm, saved.mass_g, path),
+    }
+    files = _write(robot, target, options, writers, (options.out or run.directory) / f"rod_{robot.label}.{target}")
+    sentences = [] if arm.origin == IDENTIFIED else [f"The numbers at {options.pressure} are {arm.origin}."]
     if not saved.rods.straight_without_pressure:
         below = ", nor a pressure below those of the file, where its arm becomes straight"
-        below = below if EXPORTS[target].from_rest else ""
+        below = below if is_interpolated and len(robot.pressures) > 1 else ""
         sentences.append(
             "kappa_0 contains what bends the arm besides the pressure of the run (its weight, a constant pressure in a "
             f"cavity): do not apply that once more in the other program{below}."
@@ -97,79 +129,60 @@ def left_out(folder: Path, target: str | None, options: ExportOptions) -> list[s
             "The exported rod keeps the moments that its weight has without load; how they change when a load moves it "
             "is left out (pneurod rod has it)."
         )
-    if not EXPORTS[target].has_kappa_0:
-        apart = {p: unloaded_distance(rod) for p, rod in selected.items()}
-        sentences.append(
-            "The file describes a loaded rod, with the rest curvature kappa_0 - m0/alpha. "
-            f"{_unloaded('the five parameters', apart)}; csv and json have kappa_0, the curvature without load, too."
-        )
-    return sentences
+    if target in PROGRAMS:
+        return Exported(files, (*sentences, *_sentences(robot, target, run, None)))
+    return Exported(files, tuple(sentences))
 
 
-def _unloaded(other: str, apart: Mapping[str, float]) -> str:
-    """How far the end of the exported rod without load is from that of another rod at most, with the pressure.
-
-    apart: the distances in mm by pressure, at least one.
-    """
-    worst = max(apart, key=lambda pressure: apart[pressure])
-    at_most = "up to " if len(apart) > 1 else ""
-    return f"Without load its end is {at_most}{apart[worst]:.3g} mm from that of {other} at {worst}"
-
-
-def _takes_law(folder: Path, options: ExportOptions) -> bool:
-    only_law = not (folder / "parameters.json").is_file() and (folder / "law.json").is_file()
-    return options.law == "cell" or (options.law is None and only_law)
+def _sentences(robot: Robot, target: str, run: Run | None, law: ArmLaw | None) -> tuple[str, ...]:
+    """The error of the files of a robot, and the damping in them."""
+    if run is None:
+        return ()
+    sentences = [judged(robot, run, law)]
+    if target in ("mujoco", "pyelastica"):
+        loss_factor = robot.body.loss_factor
+        default = " (the default of material.loss_factor)" if loss_factor == LOSS_FACTOR else ""
+        sentences.append(f"Damping: loss factor {loss_factor:g}{default} at the first vibration of the arm.")
+    return tuple(sentences)
 
 
-def _arm(path: Path, options: ExportOptions) -> Arm:
-    """The inextensible rod of a parameters.json: no format takes a stretch that follows the curvature."""
-    saved, origin = SavedRod.read(path, extensible=False), IDENTIFIED
+def _write(
+    robot: Robot, target: str, options: ExportOptions, tables: Mapping[str, Callable[[Path], None]], table: Path
+) -> tuple[Path, ...]:
+    """Write the file of a table, or those of a program into its folder. Refuses files that exist."""
+    if target in tables:
+        files = [table]
+    else:
+        _ = robot.body  # refuses an arm without mass
+        files = with_beside(list(export_files(robot, target, table.parent)), target)
+    for path in files:
+        if path.exists() and not options.force:
+            raise InputError(f"{path}: exists; give another --out, or --force to replace it")
+    open_folder(table.parent)
+    if target in tables:
+        tables[target](table)
+    else:
+        export_robot(robot, target, table.parent)
+    return tuple(files)
+
+
+def _arm(saved: SavedRod, options: ExportOptions) -> Arm:
+    """The rods with five parameters at the pressures that are written."""
     if options.pressure is None:
         pressures = tuple(float(pressure) for pressure in saved.rods.pressures)
         rods = tuple(saved.rods.at(pressure) for pressure in pressures)
-        deviations: Mapping[str, tuple[float, ...]] = saved.deviations
-    else:
-        pressures = (as_known(saved.rods.pressures, option_value("--pressure", options.pressure, PRESSURE)),)
-        if pressures[0] <= 0.0:
-            raise InputError(
-                f"--pressure {options.pressure}: is not exported; give one above 0 kPa, at which the arm is at rest"
-            )
-        rods, deviations = (saved.at(options.pressure, options.extrapolate),), saved.deviations_at(pressures[0])
-        origin = saved.rods.origin_at(pressures[0])
-    radius = math.sqrt(saved.area_mm2 / math.pi)
-    arm = Arm(
-        pressures,
-        rods,
-        saved.mass_g,
-        radius,
-        saved.modulus_MPa,
-        origin=origin,
-        deviations=deviations,
-        smooth=saved.smooth(pressures),
-    )
-    if len(pressures) == 1:
-        return arm
-    more = divide_pressures(pressures)
-    between = tuple(saved.rods.at(pressure) for pressure in more)
-    return replace(arm, finer=replace(arm, pressures=more, rods=between, deviations={}, smooth=saved.smooth(more)))
-
-
-def _law_table(path: Path, target: str, into: Path, options: ExportOptions) -> Path:
-    """The arm's own law as a table."""
-    if options.extrapolate or options.smooth:
-        raise InputError("--extrapolate, --smooth: are for the five parameters; the arm's own law takes neither")
-    saved = SavedLaw.read(path)
-    value = None if options.pressure is None else option_value("--pressure", options.pressure, PRESSURE)
-    try:
-        file = into / saved.file_name(target, value)
-        _refuse_existing(file, options)
-        open_folder(into)
-        saved.export(target, file, value)
-    except RodError as failure:
-        raise InputError(f"--pressure {options.pressure}: {failure}") from None
-    return file
-
-
-def _refuse_existing(path: Path, options: ExportOptions) -> None:
-    if path.exists() and not options.force:
-        raise InputError(f"{path}: exists; give another --out, or --force to replace it")
+        arm = Arm(pressures, rods, deviations=saved.deviations, smooth=saved.smooth(pressures))
+        if len(pressures) == 1:
+            return arm
+        more = divide_pressures(pressures)
+        between = tuple(saved.rods.at(pressure) for pressure in more)
+        return replace(arm, finer=Arm(more, between, smooth=saved.smooth(more)))
+    pressure = as_known(saved.rods.pressures, option_value("--pressure", options.pressure, PRESSURE))
+    if pressure <= 0.0:
+        raise InputError(
+            f"--pressure {options.pressure}: is not exported; give one above 0 kPa, at which the arm is at rest"
+        )
+    selected = saved.at(options.pressure, options.extrapolate)
+    deviations = saved.deviations_at(pressure)
+    origin = saved.rods.origin_at(pressure)
+    return Arm((pressure,), (selected,), origin, deviations, saved.smooth((pressure,)))

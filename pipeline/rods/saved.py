@@ -30,8 +30,6 @@ class SavedRod:
 
     rods: PressurisedRod
     mass_g: float | None  #: None where the configuration has no density
-    material: Mapping[str, Any]  #: the law and its constants, as in the file
-    area_mm2: float  #: of the solid, averaged along the arm
     deviations: Mapping[str, tuple[float, ...]]  #: standard deviations by PARAMETER_NAMES; empty: not in the file
     averaged: tuple[Array, Array] | None  #: s (m,) in mm and kappa_0 (n, m) averaged over a cell; None likewise
 
@@ -41,13 +39,10 @@ class SavedRod:
         try:
             content = json.loads(path.read_text(encoding="utf-8"))
             refuse_without_parameters(path, content)
-            material = content["material"]
             mass = None if content["mass_g"] is None else float(content["mass_g"])
             return SavedRod(
                 pressurised_rod(content, extensible),
                 mass,
-                dict(material),
-                float(content["solid_volume_mm3"]) / float(content["length_mm"]),
                 _deviations(content),
                 _averaged(content["kappa_0"]),
             )
@@ -59,26 +54,6 @@ class SavedRod:
         except (AttributeError, KeyError, TypeError, ValueError) as failure:
             problem = f"the key {failure} is missing" if isinstance(failure, KeyError) else str(failure)
             raise InputError(f"{path}: is not the parameters.json of a finished run: {problem}") from None
-
-    @property
-    def modulus_MPa(self) -> float:
-        """Young's modulus of the law at small strain. Raises RodError where the file has no such law."""
-        from fem.materials import LAWS  # only an export needs the laws
-
-        constants = {
-            name: value
-            for name, value in self.material.items()
-            if name not in ("law", "density_tonne_mm3", "holds_between")
-        }
-        try:
-            return LAWS[self.material["law"]](**constants).young_modulus
-        except (KeyError, TypeError, ValueError) as failure:
-            raise RodError(f"The material of the file is not a law with its constants: {failure}.") from None
-
-    @staticmethod
-    def has_extensible(path: Path) -> bool:
-        """Whether a readable file has the numbers of a rod that stretches."""
-        return bool(json.loads(path.read_text(encoding="utf-8")).get("eccentricity"))
 
     def at(self, pressure: str, extrapolate: bool = False) -> Rod:
         """The rod at a pressure written with its unit; its origin is the clamped end of the material curve.

@@ -1,6 +1,5 @@
-"""A rod over its pressures, with what the programs of other authors need beside it."""
+"""A rod with five parameters over its pressures."""
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
@@ -26,18 +25,13 @@ def divide_pressures(pressures: Sequence[float]) -> tuple[float, ...]:
 
 @dataclass(frozen=True)
 class Arm:
-    """A rod at one or several pressures with the data of its dynamics.
+    """A rod with five parameters at one or several pressures.
 
-    Raises `RodError` for a number that is not positive and for pressures that do not rise from above 0.
+    Raises `RodError` for pressures that do not rise from above 0.
     """
 
     pressures: tuple[float, ...]  #: kPa
     rods: tuple[Rod, ...]  #: with five parameters, one per pressure
-    mass: float | None  #: g; None where it is not known, for tables without dynamics
-    #: mm, of a round section of about the arm's area: it only sets how stiff stretch and shear are
-    radius: float | None
-    modulus: float = 1.2  #: MPa, for stretch and shear
-    elements: int = 60  #: pieces of the chain
     origin: str = IDENTIFIED  #: where the numbers at these pressures come from
     #: standard deviations by PARAMETER_NAMES, one per pressure; empty: not known
     deviations: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
@@ -46,12 +40,6 @@ class Arm:
     finer: "Arm | None" = None
 
     def __post_init__(self) -> None:
-        for name in ("mass", "radius", "modulus"):
-            value = getattr(self, name)
-            if value is not None and not (math.isfinite(value) and value > 0.0):
-                raise RodError(f"{name} must be positive, not {value}.")
-        if self.elements < 4:
-            raise RodError(f"A chain of {self.elements} elements is too coarse; take at least 4.")
         rise = np.diff([0.0, *self.pressures])
         if not self.pressures or len(self.rods) != len(self.pressures) or np.any(rise <= 0.0):
             raise RodError("The pressures of an arm must be above 0 and in ascending order, with one rod for each.")
@@ -60,18 +48,6 @@ class Arm:
     def length(self) -> float:
         """mm."""
         return self.rods[0].length
-
-    @property
-    def piece(self) -> float:
-        """mm, length of one element."""
-        return self.length / self.elements
-
-    @property
-    def dynamics(self) -> tuple[float, float]:
-        """Mass in kg and radius in m. Raises `RodError` where they are not known."""
-        if self.mass is None or self.radius is None:
-            raise RodError("This format needs the mass of the arm; give material.density in the configuration.")
-        return 1e-3 * self.mass, 1e-3 * self.radius
 
     @property
     def columns(self) -> dict[str, list[float]]:
@@ -100,17 +76,6 @@ class Arm:
             raise RodError("The file has no rest curvature averaged over the cells.")
         rods = tuple(_with_curve(rod, curve) for rod, curve in zip(self.rods, self.smooth, strict=True))
         return replace(self, rods=rods, finer=None if self.finer is None else self.finer.smoothed())
-
-    def single(self, index: int) -> "Arm":
-        """The arm at one of its pressures."""
-        return replace(
-            self,
-            pressures=self.pressures[index : index + 1],
-            rods=self.rods[index : index + 1],
-            deviations={name: values[index : index + 1] for name, values in self.deviations.items()},
-            smooth=self.smooth[index : index + 1],
-            finer=None,
-        )
 
 
 def _with_curve(rod: Rod, curve: Array) -> Rod:

@@ -1,190 +1,241 @@
-"""The rod as a chain of hinges with springs, for MuJoCo and SoMo. Files in m, kg, s and rad.
+"""An arm at one pressure as a chain: stiff pieces joined by hinges with springs, as programs for robots take it.
 
-Between two pressures the torque of a spring, k (r - q) with stiffness k, neutral angle r and angle q, is interpolated
-linearly in the pressure; from 0 to the lowest pressure k stays and r grows from zero.
+With the arm's own law the stretch follows the curvature, so that a line at the height dstretch/dkappa above the axis
+keeps its length. The hinges lie on that line; then the chain is as long as the arm and an axial force bends it as the
+arm, although no piece stretches. The first hinge stands for the clamped end. Without load the chain lies on the rod.
+
+A spring is a broken line through states of the law, which is not extrapolated: a program stops the hinge at its ends.
+Shear and the stretch under an axial force are left out.
 """
 
-import json
+import cmath
 import math
-from dataclasses import dataclass
-from pathlib import Path
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from geometry.arrays import Array
-from rod.export.arm import Arm
+from rod.arm_law.law import LawRod
+from rod.cubics import cubic
+from rod.errors import RodError
 from rod.export.lumped import cut_into_joints
+from rod.mechanics.equilibrium import Rod
+
+#: moments of the broken line of a spring over the largest and over the smallest moment of the law
+ABOVE, BELOW = (0.03, 0.08, 0.15, 0.25, 0.4, 0.6, 0.8, 1.0), (0.08, 0.25, 0.5, 0.75, 1.0)
+#: which of these states has no moment
+REST = len(BELOW)
+#: moments for derivatives at rest, over those of the law
+SLIGHT = 1e-3
+#: of Newton's method for a chain under a load: iterations, and largest change of an angle in the last one, rad
+ITERATIONS, SETTLED = 100, 1e-10
+#: rad, largest change of an angle in one of its iterations
+LARGEST_TURN = 0.2
 
 
-@dataclass(frozen=True)
-class Springs:
-    """Springs of the hinges in the middles of the elements, over the pressures of an arm (n,) and elements (m,)."""
+@dataclass(frozen=True, eq=False)  # arrays inside
+class Chain:
+    """A chain of m pieces; piece k follows hinge k and is as the cross section of the rod at s[k] turned.
 
-    stiffness: Array  #: (n, m) N m/rad
-    neutral: Array  #: (n, m) rad; the first hinge also carries the angle of the clamp
-
-    @staticmethod
-    def of(arm: Arm) -> "Springs":
-        """The springs at every pressure."""
-        cuts = [cut_into_joints(rod, np.linspace(0.0, rod.length, arm.elements + 1)) for rod in arm.rods]
-        neutral = np.array([cut.rest_rotation for cut in cuts])
-        neutral[:, 0] += [rod.theta0 for rod in arm.rods]
-        return Springs(np.array([1e-3 / cut.compliance for cut in cuts]), neutral)
-
-
-def write_mujoco(arm: Arm, path: Path) -> None:
-    """An MJCF chain of hinges whose input is the pressure; the last body carries the site `tip`.
-
-    `data.ctrl[:] = p` with p in kPa sets the pressure: every hinge has one actuator per interval of pressure, and each
-    acts between the ends of its interval only (`ctrlrange`). The intervals are those of `Arm.tabulated`. There is a
-    keyframe at every pressure of the arm itself. The first half element is part of the clamp. Joint damping makes the
-    chain settle.
+    Positions are relative to the clamped end of the material curve, those in a piece to its hinge, along and across it.
     """
-    springs, h, (arm_mass, radius) = Springs.of(arm), 1e-3 * arm.piece, arm.dynamics
-    inner = f'<site name="tip" pos="{0.5 * h:.9g} 0 0"/>'
-    for k in range(arm.elements - 1, -1, -1):
-        length = h if k < arm.elements - 1 else 0.5 * h
-        mass = arm_mass * length / (1e-3 * arm.length)
-        position, stiffness = 0.5 * h if k == 0 else h, springs.stiffness[0, k]
-        inner = (
-            f'<body name="piece{k}" pos="{position:.9g} 0 0">'
-            f'<joint name="joint{k}" type="hinge" axis="0 0 1" stiffness="{stiffness:.9g}" springref="0" '
-            f'damping="{0.03 * stiffness:.9g}"/>'
-            f'<geom type="capsule" fromto="0 0 0 {length:.9g} 0 0" size="{radius:.9g}" mass="{mass:.9g}"/>'
-            f"{inner}</body>\n"
-        )
-    path.write_text(
-        '<mujoco model="pneurod">\n'
-        f"<!-- numbers at {', '.join(f'{p:g} kPa' for p in arm.pressures)}: {arm.origin}; "
-        "data.ctrl[:] = pressure in kPa -->\n"
-        '<compiler angle="radian"/>\n'
-        '<option timestep="0.0005" integrator="implicitfast" gravity="0 0 0"><flag contact="disable"/></option>\n'
-        f"<custom>\n{_numerics(arm)}</custom>\n"
-        f'<worldbody>\n<body name="clamp">\n{inner}</body>\n</worldbody>\n'
-        f"<actuator>\n{_actuators(arm.tabulated)}</actuator>\n"
-        f"<keyframe>\n{_keyframes(arm, springs)}</keyframe>\n</mujoco>\n",
-        encoding="utf-8",
+
+    base: Array  #: (2,) mm, of the first hinge
+    legs: Array  #: (m - 1, 2) mm, from the hinge of a piece to the next one
+    s: Array  #: (m,) mm, rest arc lengths, the last one that of the end
+    points: Array  #: (m, 2) mm, of the material curve at s, in the piece
+    lift: float  #: mm, of the hinges above the axis
+    angle: Array  #: (m, n) rad, of the states of the springs, rising
+    moment: Array  #: (m, n) N mm, rising; zero at n = `rest`
+    axial: float  #: N, rigidity against stretch along the hinges
+    shear: float  #: N, against shear
+    is_limited: bool  #: whether the springs are unknown beyond their states; else they go on as straight lines
+
+    @property
+    def rest(self) -> int:
+        """Which state of the springs has no moment."""
+        return REST if self.is_limited else 1
+
+    @property
+    def neutral(self) -> Array:
+        """(m,) rad, without load."""
+        return self.angle[:, self.rest]
+
+    @property
+    def rigidity(self) -> float:
+        """N mm2, of the arm behind the clamped end, without load."""
+        _, slope = self.springs(self.neutral)
+        return float(slope[-1] * (self.s[-1] - self.s[-2]))
+
+    def straight(self) -> "Chain":
+        """The chain with the same springs that is straight without load."""
+        return replace(self, angle=self.angle - self.neutral[:, None])
+
+    def between(self, other: "Chain", t: float) -> "Chain":
+        """The chain between this one (t = 0) and another (t = 1) of as many pieces, by straight lines."""
+        names = ("base", "legs", "points", "lift", "angle", "moment", "axial", "shear")
+        return replace(self, **{name: (1.0 - t) * getattr(self, name) + t * getattr(other, name) for name in names})
+
+    def springs(self, turn: Array) -> tuple[Array, Array]:
+        """Moments (m,) in N mm and their slopes (m,) in N mm/rad at angles (m,) in rad."""
+        rows = np.arange(len(turn))
+        i = (turn[:, None] > self.angle[:, 1:-1]).sum(axis=1)
+        angle, moment = self.angle[rows, i], self.moment[rows, i]
+        slope = (self.moment[rows, i + 1] - moment) / (self.angle[rows, i + 1] - angle)
+        return moment + slope * (turn - angle), slope
+
+    def hinges(self, turn: Array) -> Array:
+        """(m, 2) mm, the positions of the hinges at angles (m,) in rad."""
+        return self.base + np.vstack([np.zeros(2), np.cumsum(_turned(self.legs, np.cumsum(turn)[:-1]), axis=0)])
+
+    def curve(self, turn: Array) -> Array:
+        """(m, 2) mm: the material curve at s."""
+        return self.hinges(turn) + _turned(self.points, np.cumsum(turn))
+
+    def solve(self, force: tuple[float, float] = (0.0, 0.0)) -> Array:
+        """(m,) rad: the angles of the hinges under a dead force in N on the end of the material curve.
+
+        Raises `RodError` where Newton's method does not find them.
+        """
+        turn = self.neutral.copy()
+        for _ in range(ITERATIONS):
+            lever = self.curve(turn)[-1] - self.hinges(turn)
+            acting = lever[:, 0] * force[1] - lever[:, 1] * force[0]
+            moment, slope = self.springs(turn)
+            # a hinge moves the end by its own lever, whichever hinge before it the moment is about
+            behind = np.maximum.outer(np.arange(len(turn)), np.arange(len(turn)))
+            change = -lever[behind, 1] * force[1] - lever[behind, 0] * force[0]
+            step = np.linalg.solve(np.diag(slope) - change, acting - moment)
+            largest = np.abs(step).max()
+            turn = turn + step * min(1.0, LARGEST_TURN / max(largest, 1e-300))
+            if largest < SETTLED:
+                return turn
+        raise RodError("The chain has no equilibrium under this load.")
+
+
+def _turned(vectors: Array, angles: Array) -> Array:
+    """Vectors (n, 2) turned by angles (n,) in rad."""
+    cosine, sine = np.cos(angles), np.sin(angles)
+    x, y = vectors.T
+    return np.column_stack([x * cosine - y * sine, x * sine + y * cosine])
+
+
+def chain_of_law(rod: LawRod, pieces: int) -> Chain:
+    """The chain of a rod with the arm's own law; pieces: behind the clamped end."""
+    section, clamped = rod.section, float(rod.clamp.s[-1])
+    low, high = max(section.moment[0], rod.clamp.moment[0]), min(section.moment[-1], rod.clamp.moment[-1])
+    if not low < 0.0 < high:
+        raise RodError(f"The law at {section.pressure:g} kPa has no point without moment between others.")
+    moment = np.array([*(low * part for part in reversed(BELOW)), 0.0, *(high * part for part in ABOVE)])
+    kappa, stretch = _cells(rod, moment)
+    kappa_0, stretch_0 = kappa[REST], stretch[REST]
+    by_moment = [np.interp(0.0, section.moment, slope) for slope in (section.stretch_slope, section.kappa_slope)]
+    lift = float(by_moment[0] / by_moment[1])
+    h = (rod.length - clamped) / pieces
+    half_turn = 0.5 * kappa_0 * h
+    # the tangents at both ends of a piece of the arm meet in its hinge
+    leg = 0.5 * h * (stretch_0 - lift * kappa_0) * (math.tan(half_turn) / half_turn if half_turn else 1.0)
+    base, turn, reached = _clamped_end(rod, clamped, moment)
+    s = np.linspace(clamped, rod.length, pieces + 1)
+    points = _beside(rod, s) + np.vstack([reached, np.tile([leg, -lift], (pieces, 1))])
+    legs = np.vstack([reached + np.array([leg, lift]), np.tile([2.0 * leg, 0.0], (pieces - 1, 1))])
+    angle: Array = np.vstack([turn, np.tile(kappa * h, (pieces, 1))])
+    moments = np.tile(moment, (pieces + 1, 1))
+    return Chain(base, legs, s, points, lift, angle, moments, *_rigidities(rod), is_limited=True)
+
+
+def _beside(rod: LawRod, s: Array) -> Array:
+    """(m, 2) mm: the material curve beside the axis at s (m,) mm without load, along and across it."""
+    free = rod.solve()
+    assert free.beside is not None  # the arm's own law has it
+    return free.beside(s)
+
+
+def _rigidities(rod: LawRod) -> tuple[float, float]:
+    """Axial and shear rigidity of the cells without moment, N."""
+    section = rod.section
+    axial, shear = (np.interp(0.0, section.moment, v) for v in (section.axial_rigidity, section.shear_rigidity))
+    return float(axial), float(shear)
+
+
+def _cells(rod: LawRod, moment: Array) -> tuple[Array, Array]:
+    """Curvature (n,) in 1/mm and stretch (n,) of the cells at moments (n,) in N mm."""
+    section = rod.section
+    kappa = cubic(section.moment, section.kappa, section.kappa_slope, moment)
+    return kappa, cubic(section.moment, section.stretch, section.stretch_slope, moment)
+
+
+def _clamped_end(rod: LawRod, clamped: float, moment: Array) -> tuple[Array, Array, Array]:
+    """Where the clamped end of an arm (mm) turns, (2,) mm; its angles (n,) in rad at moments (n,) in N mm; and the end
+    of its axis from there, (2,) mm, along and across it.
+
+    Raises `RodError` where the angle does not rise with the moment.
+    """
+
+    def end(at: Array) -> tuple[Array, Array]:
+        kappa, stretch = _cells(rod, at)
+        first, turn = rod.clamp.rotation_at(at), kappa * clamped
+        chord = stretch * clamped * np.sinc(turn / (2.0 * np.pi)) * np.exp(1j * (first + 0.5 * turn))
+        return first + turn, rod.clamp.offset_at(at) @ [1.0, 1j] + chord
+
+    turn = end(moment)[0]
+    if np.any(np.diff(turn) <= 0.0):
+        raise RodError(f"The clamped end at {rod.section.pressure:g} kPa does not turn as its moment, and is no hinge.")
+    turns, positions = end(SLIGHT * min(-moment[0], moment[-1]) * np.array([-1.0, 0.0, 1.0]))
+    # a point that turns by an angle moves by 1j times its distance from the centre
+    away = (positions[2] - positions[0]) / (1j * (turns[2] - turns[0]))
+    along = away * cmath.exp(-1j * turns[1])
+    centre = positions[1] - away
+    return np.array([centre.real, centre.imag]), turn, np.array([along.real, along.imag])
+
+
+def linear_chain_of_law(rod: LawRod, pieces: int) -> Chain:
+    """The chain of equal pieces with straight springs, as stiff as a rod with the arm's own law without load.
+
+    Its hinges lie on the line that keeps its length; the rotation of the clamped end is spread evenly over that piece.
+    """
+    section, clamped = rod.section, float(rod.clamp.s[-1])
+    (kappa,), (stretch,) = _cells(rod, np.zeros(1))
+    by_moment = [float(np.interp(0.0, section.moment, slope)) for slope in (section.kappa_slope, section.stretch_slope)]
+    edges = np.linspace(0.0, rod.length, pieces + 1)
+    in_clamped = np.diff(np.minimum(edges, clamped)) / clamped
+    h = rod.length / pieces
+    slight = SLIGHT * np.ptp(section.moment)
+    rotations = rod.clamp.rotation_at(np.array([-slight, 0.0, slight]))
+    rotation_by_moment = (rotations[2] - rotations[0]) / (2.0 * slight)
+    compliance = by_moment[0] * h + rotation_by_moment * in_clamped
+    if np.any(compliance <= 0.0):
+        raise RodError(f"The clamped end at {section.pressure:g} kPa turns against its moment, and is no spring.")
+    neutral = kappa * h + rotations[1] * in_clamped
+    lift = by_moment[1] / by_moment[0]
+    chain = _linear(edges, h * (stretch - lift * kappa), neutral, compliance, _rigidities(rod))
+    base = chain.base + rod.clamp.offset_at(0.0) + [0.0, lift]
+    return replace(chain, base=base, points=chain.points + _beside(rod, chain.s) - [0.0, lift], lift=lift)
+
+
+def chain_of_five(rod: Rod, pieces: int, axial: float) -> Chain:
+    """The chain of an inextensible rod with five parameters; axial: N, its rigidity against stretch."""
+    edges = np.linspace(0.0, rod.length, pieces + 1)
+    cut = cut_into_joints(rod, edges)
+    neutral = cut.rest_rotation.copy()
+    neutral[0] += rod.theta0
+    chain = _linear(edges, rod.length / pieces, neutral, cut.compliance, (axial, axial / 3.0))
+    return replace(chain, base=chain.base[0] * np.array([math.cos(rod.theta0), math.sin(rod.theta0)]))
+
+
+def _linear(edges: Array, leg: float, neutral: Array, compliance: Array, rigidities: tuple[float, float]) -> Chain:
+    """A chain of equal pieces (mm) whose hinges stand in the middles between the edges (m + 1,) of rest lengths."""
+    count = len(neutral)
+    moment = np.array([-1.0, 0.0, 1.0])
+    return Chain(
+        base=np.array([0.5 * leg, 0.0]),
+        legs=np.tile([leg, 0.0], (count - 1, 1)),
+        s=edges[1:],
+        points=np.tile([0.5 * leg, 0.0], (count, 1)),
+        lift=0.0,
+        angle=neutral[:, None] + compliance[:, None] * moment,
+        moment=np.tile(moment, (count, 1)),
+        axial=rigidities[0],
+        shear=rigidities[1],
+        is_limited=False,
     )
-
-
-def _numerics(arm: Arm) -> str:
-    values = {"pressures_kPa": list(arm.pressures), **arm.columns}
-    return "".join(f'<numeric name="{name}" data="{_spaced(data)}"/>\n' for name, data in values.items())
-
-
-def _actuators(arm: Arm) -> str:
-    """Torque (g0 + g1 q)(p - p_low) of every hinge and interval, p limited to the interval."""
-    springs = Springs.of(arm)
-    torques = springs.stiffness * springs.neutral
-    lines = []
-    for index, high in enumerate(arm.pressures):
-        low = arm.pressures[index - 1] if index else 0.0
-        constant = (torques[index] - (torques[index - 1] if index else 0.0)) / (high - low)
-        slope = -(springs.stiffness[index] - springs.stiffness[max(index - 1, 0)]) / (high - low)
-        for k, (g0, g1) in enumerate(zip(constant, slope, strict=True)):
-            lines.append(
-                f'<general name="pressure{index}_{k}" joint="joint{k}" ctrllimited="true" ctrlrange="{low:g} {high:g}" '
-                f'gaintype="affine" gainprm="{g0:.9g} {g1:.9g} 0" '
-                f'biastype="affine" biasprm="{-g0 * low:.9g} {-g1 * low:.9g} 0"/>\n'
-            )
-    return "".join(lines)
-
-
-def _keyframes(arm: Arm, springs: Springs) -> str:
-    """The chain without load at every pressure."""
-    count = len(arm.tabulated.pressures) * arm.elements
-    lines = [
-        f'<key name="{pressure:g}kPa" qpos="{_spaced(neutral)}" ctrl="{_spaced([pressure] * count)}"/>\n'
-        for pressure, neutral in zip(arm.pressures, springs.neutral, strict=True)
-    ]
-    return "".join(lines)
-
-
-def _spaced(values: Array | tuple[float, ...] | list[float]) -> str:
-    return " ".join(f"{value:.9g}" for value in values)
-
-
-def write_somo(arm: Arm, path: Path) -> None:
-    """A SoMo manipulator definition (JSON, which is YAML) and the URDF beside it, at one pressure.
-
-    One actuator, one revolute joint per element; planar_flag 2 lets every joint have its own spring and neutral
-    position. The arm lies along z and bends about x. Lengths, forces and stiffnesses still have to be multiplied by
-    SoMo's world scale.
-    """
-    springs = Springs.of(arm)
-    definitions = [
-        {
-            "joint_type": "revolute",
-            "axis": [1, 0, 0],
-            "limits": [-math.pi, math.pi, 100, 3],
-            "spring_stiffness": float(stiffness),
-            "joint_neutral_position": float(neutral),
-            "neutral_axis_offset": [0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
-            "joint_control_limit_force": 0.0,
-        }
-        for stiffness, neutral in zip(springs.stiffness[0], springs.neutral[0], strict=True)
-    ]
-    actuator = {
-        "actuator_length": 1e-3 * arm.length,
-        "n_segments": arm.elements,
-        "planar_flag": 2,
-        "link_definition": _somo_link(arm),
-        "joint_definitions": definitions,
-    }
-    urdf = path.with_suffix(".urdf")
-    content = {
-        "manipulator_name": f"pneurod_{arm.label}",
-        "urdf_filename": urdf.name,
-        "n_act": 1,
-        "actuator_definitions": [actuator],
-        "base_definition": None,
-        "tip_definitions": None,
-    }
-    path.write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")
-    urdf.write_text(_urdf(arm), encoding="utf-8")
-
-
-def _somo_link(arm: Arm) -> dict[str, object]:
-    """The box between two joints."""
-    arm_mass, radius = arm.dynamics
-    mass, width, length = arm_mass / arm.elements, 2.0 * radius, 1e-3 * arm.piece
-    inertia = mass * (width**2 + length**2) / 12.0
-    return {
-        "shape_type": "box",
-        "dimensions": [width, width, length],
-        "mass": mass,
-        "inertial_values": [inertia, 0, 0, inertia, 0, mass * width**2 / 6.0],
-        "material_color": [0.2, 0.4, 0.7, 1.0],
-        "material_name": "rod",
-    }
-
-
-_BASE = (
-    '<link name="base_link"><inertial><mass value="0"/>'
-    '<inertia ixx="0" ixy="0" ixz="0" iyy="0" iyz="0" izz="0"/></inertial></link>'
-)
-
-
-def _urdf(arm: Arm) -> str:
-    """Links and joints with the names SoMo gives them: half an element at both ends, hinges in the middles."""
-    arm_mass, radius = arm.dynamics
-    h, width = 1e-3 * arm.piece, 2.0 * radius
-    lines = ['<?xml version="1.0"?>', f'<robot name="pneurod_{arm.label}">', _BASE]
-    parent, position = "base_link", 0.0
-    for k in range(arm.elements + 1):
-        length = 0.5 * h if k in (0, arm.elements) else h
-        mass = arm_mass * length / (1e-3 * arm.length)
-        across, along = mass * (width**2 + length**2) / 12.0, mass * width**2 / 6.0
-        origin = f'<origin xyz="0 0 {0.5 * length:.9g}" rpy="0 0 0"/>'
-        box = f'<geometry><box size="{width:.9g} {width:.9g} {length:.9g}"/></geometry>'
-        child, kind = f"act0Seg{k}", "revolute" if k else "fixed"
-        lines += [
-            f'<link name="{child}"><visual>{origin}{box}</visual><collision>{origin}{box}</collision><inertial>{origin}'
-            f'<mass value="{mass:.9g}"/><inertia ixx="{across:.9g}" ixy="0" ixz="0" iyy="{across:.9g}" iyz="0" '
-            f'izz="{along:.9g}"/></inertial></link>',
-            f'<joint name="{parent}_to_{child}{"_ax0" if k else ""}" type="{kind}"><parent link="{parent}"/>'
-            f'<child link="{child}"/><origin xyz="0 0 {position:.9g}" rpy="0 0 0"/><axis xyz="1 0 0"/>'
-            '<limit lower="-3.14159265" upper="3.14159265" effort="100" velocity="3"/></joint>',
-        ]
-        parent, position = child, length
-    return "\n".join([*lines, "</robot>", ""])

@@ -1,9 +1,7 @@
-"""The five parameters in the files of other rod codes.
+"""The formats for other programs: an arm as chains of hinges and springs, or as tables.
 
-M = alpha (kappa - kappa_0) + m0 is alpha (kappa - kappa_rest) with kappa_rest = kappa_0 - m0/alpha, so every code with
-a bending stiffness and a rest curvature per node can represent them, for loaded rods (see `rod.law`). CSV and JSON are
-in mm and N like everything here; the files of other codes are in m, kg, s, as those expect. The rod lies in the plane
-x, y, clamped at the origin, and bends about z.
+CSV and JSON are in mm and N like everything here; the files of other programs are in m, kg, s, as those expect. The arm
+lies in the plane x, y, clamped at the origin, and bends about z.
 """
 
 from collections.abc import Callable
@@ -11,10 +9,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from rod.errors import RodError
-from rod.export.arm import Arm
-from rod.export.chain import write_mujoco, write_somo
+from rod.export.mujoco import write_mujoco
 from rod.export.pyelastica import write_pyelastica
-from rod.export.tables import write_csv, write_json, write_sorosim
+from rod.export.robot import Robot
+from rod.export.somo import write_somo
+from rod.export.tables import write_sorosim
 
 
 @dataclass(frozen=True)
@@ -22,36 +21,44 @@ class Format:
     """How an arm is written for one program."""
 
     name: str  #: of the file, with {} for the pressures
-    write: Callable[[Arm, Path], None]
+    write: Callable[[Robot, Path], None]
+    is_linear: bool = False  #: whether its springs are straight, those of the arm without load at each pressure
     one_pressure: bool = False  #: whether every pressure needs a file of its own
     beside: tuple[str, ...] = ()  #: suffixes of further files with the same name
-    from_rest: bool = False  #: whether its arm is straight without pressure, and bends from there to the lowest one
-    has_kappa_0: bool = False  #: whether it has the shape without load beside the rest curvature of a loaded rod
 
 
-#: what `pneurod export --to` offers
-EXPORTS: dict[str, Format] = {
-    "csv": Format("rod_{}.csv", write_csv, has_kappa_0=True),
-    "json": Format("rod_{}.json", write_json, has_kappa_0=True),
-    "pyelastica": Format("rod_pyelastica_{}.py", write_pyelastica, from_rest=True),
-    "mujoco": Format("rod_mujoco_{}.xml", write_mujoco, from_rest=True),
-    "somo": Format("rod_somo_{}.yaml", write_somo, one_pressure=True, beside=(".urdf",)),
-    "sorosim": Format("rod_sorosim_{}.mat", write_sorosim),
+#: the programs that take an arm with its mass
+PROGRAMS: dict[str, Format] = {
+    "mujoco": Format("rod_mujoco_{}.xml", write_mujoco, beside=(".py",)),
+    "pyelastica": Format("rod_pyelastica_{}.py", write_pyelastica),
+    "somo": Format("rod_somo_{}.yaml", write_somo, is_linear=True, one_pressure=True, beside=(".urdf",)),
+    "sorosim": Format("rod_sorosim_{}.mat", write_sorosim, is_linear=True),
 }
+#: what `pneurod export --to` offers
+EXPORTS = ("csv", "json", *PROGRAMS)
 
 
-def export_files(arm: Arm, target: str, folder: Path) -> dict[Path, Arm]:
-    """The files that `export_arm` writes, with what is in each. Raises `RodError` for a target not in EXPORTS."""
-    if target not in EXPORTS:
-        raise RodError(f"{target!r} is not among the formats of export: {', '.join(EXPORTS)}.")
-    form = EXPORTS[target]
-    parts = [arm.single(k) for k in range(len(arm.pressures))] if form.one_pressure else [arm]
+def export_files(robot: Robot, target: str, folder: Path) -> dict[Path, Robot]:
+    """The main files that `export_robot` writes, with what is in each. Raises `RodError` for an unknown program."""
+    if target not in PROGRAMS:
+        raise RodError(f"{target!r} is not among the programs of export: {', '.join(PROGRAMS)}.")
+    form = PROGRAMS[target]
+    parts = [robot.single(pressure) for pressure in robot.pressures] if form.one_pressure else [robot]
     return {folder / form.name.format(part.label): part for part in parts}
 
 
-def export_arm(arm: Arm, target: str, folder: Path) -> list[Path]:
-    """Write the arm for one of EXPORTS into the folder and return the files. Raises `RodError` for another target."""
-    files = export_files(arm, target, folder)
+def with_beside(paths: list[Path], target: str) -> list[Path]:
+    """Main files with those that a program has beside each."""
+    return [path.with_suffix(suffix) for path in paths for suffix in (path.suffix, *PROGRAMS[target].beside)]
+
+
+def export_robot(robot: Robot, target: str, folder: Path) -> list[Path]:
+    """Write the arm for one of `PROGRAMS` into the folder and return the files.
+
+    Raises `RodError` for another program, and where the arm has no mass.
+    """
+    files = export_files(robot, target, folder)
+    _ = robot.body
     for path, part in files.items():
-        EXPORTS[target].write(part, path)
-    return [path.with_suffix(suffix) for path in files for suffix in (path.suffix, *EXPORTS[target].beside)]
+        PROGRAMS[target].write(part, path)
+    return with_beside(list(files), target)

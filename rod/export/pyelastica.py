@@ -1,154 +1,220 @@
-"""The rod as a program for PyElastica, with a simulator, damping and a plot. Numbers in m, kg, s."""
+"""The arm as a program for PyElastica: a Cosserat rod that follows its law, a simulator and a plot. m, kg, s."""
 
-import json
-import math
 from pathlib import Path
 
-import numpy as np
-
-from rod.export.arm import Arm
-from rod.export.lumped import cut_into_joints
-from rod.same_pressure import SAME
+from rod.export.program import AT, as_python
+from rod.export.robot import Robot
 
 
-def write_pyelastica(arm: Arm, path: Path) -> None:
-    """A Python program that simulates the arm; its function `build(pressure_kPa)` returns an `elastica.CosseratRod`.
+def write_pyelastica(robot: Robot, path: Path) -> None:
+    """A Python program that simulates the arm; `build(pressure_kPa)` returns an `elastica.CosseratRod`.
 
-    PyElastica bends at the nodes between its elements. The half elements at both ends, which cannot bend, are lumped
-    into the nodes beside them.
+    The nodes between its elements are the hinges of the chain; there a rod of PyElastica bends.
     """
-    h, (mass, radius) = arm.piece, arm.dynamics
-    edges = np.concatenate([[0.0], h * np.arange(1.5, arm.elements - 1.0), [arm.length]])
-    table = arm.tabulated
-    cuts = [cut_into_joints(rod, edges) for rod in table.rods]
-    content: dict[str, object] = {
-        "pressures_kPa": list(arm.pressures),
-        "origin": arm.origin,
-        "elements": arm.elements,
-        "length": 1e-3 * arm.length,
-        "radius": radius,
-        "density": mass / (math.pi * radius**2 * 1e-3 * arm.length),
-        "modulus": 1e6 * arm.modulus,
-        "spring_pressures_kPa": list(table.pressures),
-        "theta0": [rod.theta0 for rod in table.rods],
-        "bending_stiffness": [(1e-6 * h / cut.compliance).tolist() for cut in cuts],
-        "rest_curvature": [(1e3 * cut.rest_rotation / h).tolist() for cut in cuts],
-        **arm.columns,
+    solid = robot.body
+    more = {
+        "length": 1e-3 * robot.length,
+        "radius": 1e-3 * solid.radius,
+        "mass": 1e-3 * solid.mass,
+        "loss_factor": solid.loss_factor,
+        "known_kPa": list(robot.known),
     }
-    path.write_text(_PROGRAM.replace("@ROD@", json.dumps(content)).replace("@SAME@", str(SAME)), encoding="utf-8")
+    program = _PROGRAM.replace("@TABLE@", as_python({**robot.table, **more})).replace("@AT@", AT)
+    path.write_text(program, encoding="utf-8")
 
 
-_PROGRAM = '''"""A pneumatic arm for PyElastica, written by pneurod. SI units; the arm bends in the plane x, y.
+_PROGRAM = '''"""A pneumatic arm in PyElastica, written by pneurod. SI units; the arm bends in the plane x, y.
 
     python THIS_FILE --pressure 17 --force 0 0.02 --plot arm.png
 
-simulates the arm until it rests under a pressure in kPa and a force on its end in N, and prints where the end is.
-`build` and `simulate` can be imported from another program.
+simulates the arm until it rests under a pressure in kPa and a dead force on its end in N, and prints where the end is.
+`build`, `Law`, `simulate` and `curve` can be imported from another program.
 """
 
 import argparse
+import sys
 
-import numpy as np
 import elastica
+import numpy as np
 
-ROD = @ROD@
-#: a pressure above the highest one by no more than this part is that one, written with fewer digits
-SAME_PRESSURE = @SAME@
+#: the arm over the pressures
+TABLE = @TABLE@
+#: the end rests where no node moves faster than this part of the length in the time of a radian of its first vibration
+REST = 1e-5
 
+@AT@
 
-def spring(pressure_kPa):
-    """Bending stiffness (N m2) and rest curvature (1/m) at the inner nodes, and the angle of the clamp (rad).
-
-    Between "spring_pressures_kPa" of ROD the moment is interpolated linearly; without pressure the arm is straight.
-    """
-    known = [0.0, *ROD["spring_pressures_kPa"]]
-    if not 0.0 <= pressure_kPa <= known[-1] * (1.0 + SAME_PRESSURE):
-        raise ValueError(f"{pressure_kPa:g} kPa lies outside 0 to {known[-1]:g} kPa")
-    stiffness = np.array([ROD["bending_stiffness"][0], *ROD["bending_stiffness"]])
-    curvature = np.array([0.0 * stiffness[0], *ROD["rest_curvature"]])
-    weights = np.array([np.interp(pressure_kPa, known, row) for row in np.eye(len(known))])
-    mean = weights @ stiffness
-    return mean, weights @ (stiffness * curvature) / mean, float(weights @ [0.0, *ROD["theta0"]])
+def _springs(now, turn):
+    """Moments (m,) and their slopes (m,) of the hinges at angles (m,)."""
+    kind, rows = TABLE["kind"], np.arange(len(turn))
+    angle, moment = now["angle_rad"][kind], now["moment_N_m"][kind]
+    i = (turn[:, None] > angle[:, 1:-1]).sum(axis=1)
+    slope = (moment[rows, i + 1] - moment[rows, i]) / (angle[rows, i + 1] - angle[rows, i])
+    return moment[rows, i] + slope * (turn - angle[rows, i]), slope
 
 
-def build(pressure_kPa):
-    """The straight CosseratRod with the arm's rest curvature and bending stiffness about z."""
-    stiffness, curvature, theta0 = spring(pressure_kPa)
-    direction = np.array([np.cos(theta0), np.sin(theta0), 0.0])
+def _legs(now):
+    """(m, 2): from each hinge to the next one, and from the last to the end of the material curve."""
+    return np.vstack([now["legs_m"], now["points_m"][-1]])
+
+
+def _directions(now):
+    """(m,): angles of the legs in their pieces."""
+    return np.arctan2(*_legs(now).T[::-1])
+
+
+def _turned(vectors, angles):
+    """Vectors (n, 2) turned by angles (n,)."""
+    cosine, sine = np.cos(angles), np.sin(angles)
+    return np.stack([vectors[:, 0] * cosine - vectors[:, 1] * sine, vectors[:, 0] * sine + vectors[:, 1] * cosine], 1)
+
+
+def equilibrium(pressure_kPa, force=(0.0, 0.0)):
+    """Angles (m,) of the hinges under a dead force (x, y) on the end, by Newton's method, without shear."""
+    now = at(pressure_kPa)
+    turn = now["angle_rad"][TABLE["kind"], TABLE["rest"]]
+    behind = np.maximum.outer(np.arange(len(turn)), np.arange(len(turn)))
+    for _ in range(100):
+        legs = _turned(_legs(now), np.cumsum(turn))
+        lever = np.cumsum(legs[::-1], axis=0)[::-1]
+        moment, slope = _springs(now, turn)
+        missing = lever[:, 0] * force[1] - lever[:, 1] * force[0] - moment
+        matrix = np.diag(slope) + lever[behind, 1] * force[1] + lever[behind, 0] * force[0]
+        step = np.linalg.solve(matrix, missing)
+        turn = turn + step * min(1.0, 0.2 / max(np.abs(step).max(), 1e-300))
+        if np.abs(step).max() < 1e-10:
+            return turn
+    raise ValueError(f"no equilibrium under {force[0]:g}, {force[1]:g} N was found")
+
+
+def build(pressure_kPa, force=(0.0, 0.0)):
+    """The CosseratRod in its equilibrium; `Law` has to act on it. Its first element is clamped."""
+    now, turn = at(pressure_kPa), equilibrium(pressure_kPa, force)
+    base = now["base_m"]
+    nodes = np.cumsum(np.vstack([[0.0, base[1]], [base[0], 0.0], _turned(_legs(now), np.cumsum(turn))]), axis=0)
+    lengths = np.linalg.norm(np.diff(nodes, axis=0), axis=1)
+    area = np.pi * TABLE["radius"] ** 2
     rod = elastica.CosseratRod.straight_rod(
-        ROD["elements"],
-        np.zeros(3),
-        direction,
+        len(lengths),
+        np.array([*nodes[0], 0.0]),
+        np.array([1.0, 0.0, 0.0]),
         np.array([0.0, 0.0, 1.0]),
-        ROD["length"],
-        ROD["radius"],
-        ROD["density"],
-        youngs_modulus=ROD["modulus"],
+        lengths.sum(),
+        TABLE["radius"],
+        TABLE["mass"] / (area * lengths.sum()),
+        youngs_modulus=now["axial_N"] / area,
+        position=np.vstack([nodes.T, np.zeros(len(nodes))]),
     )
-    rod.bend_matrix[0, 0, :] = stiffness
-    rod.rest_kappa[0, :] = curvature
+    for k, rigidity in enumerate((now["shear_N"], now["shear_N"], now["axial_N"])):
+        rod.shear_matrix[k, k, :] = rigidity
+    Law(pressure_kPa).apply_forces(rod)
     return rod
 
 
-class Pressure(elastica.NoForces):
-    """The arm follows a pressure in kPa, given as a function of time in s."""
+def time_step(rod, pressure_kPa):
+    """A stable time step in s for PositionVerlet: that of waves of stretch, and of the turning of an element."""
+    now = at(pressure_kPa)
+    lengths = rod.rest_lengths
+    stretch = 2.0 / lengths * np.sqrt(now["axial_N"] * lengths / rod.mass[1:])
+    slope = (np.diff(now["moment_N_m"]) / np.diff(now["angle_rad"])).max()
+    inertia = rod.mass_second_moment_of_inertia[0, 0]
+    turning = np.sqrt((now["shear_N"] * lengths + 4.0 * slope) / inertia)
+    return 0.5 / max(stretch.max(), turning.max())
 
-    def __init__(self, pressure):
+
+def first_vibration(pressure_kPa):
+    """Its angular frequency in 1/s, as if the arm were straight."""
+    return TABLE["loss_factor"] / float(at(pressure_kPa)["damping_time_s"])
+
+
+class Law(elastica.NoForces):
+    """The arm follows its law under a pressure in kPa, a number or a function of the time in s.
+
+    At each step the bending stiffness is the tangent of the law at the present curvature, and the rest curvature that
+    with which the moment is the one of the law.
+    """
+
+    def __init__(self, pressure_kPa):
         super().__init__()
-        self.pressure, self.present = pressure, None
+        self.pressure = pressure_kPa if callable(pressure_kPa) else lambda time: pressure_kPa
+        self.present = None
 
     def apply_forces(self, system, time=0.0):
-        """Set bending stiffness and rest curvature where the pressure has changed."""
+        """Set bending stiffness, rest curvature and rest stretch."""
         pressure = self.pressure(time)
-        if pressure == self.present:
-            return
-        self.present = pressure
-        stiffness, curvature, _ = spring(pressure)
-        system.bend_matrix[0, 0, :] = stiffness
-        system.rest_kappa[0, :] = curvature
+        if pressure != self.present:
+            self.present, self.now = pressure, at(pressure)
+            directions = _directions(self.now)
+            self.offset = np.diff(directions, prepend=0.0)
+            lengths = np.linalg.norm(np.vstack([self.now["base_m"][:1].repeat(2) * [1, 0], _legs(self.now)]), axis=1)
+            system.rest_sigma[2, 1:] = lengths[1:] / system.rest_lengths[1:] - 1.0
+        between = system.rest_voronoi_lengths
+        turn = system.kappa[0] * between - self.offset
+        moment, slope = _springs(self.now, turn)
+        system.bend_matrix[0, 0, :] = slope * between * system.voronoi_dilatation**3
+        system.rest_kappa[0, :] = (turn + self.offset - moment / slope) / between
+
+
+def curve(rod, pressure_kPa):
+    """The material curve of the arm at the rest arc lengths TABLE["s_m"], (m, 2) in m."""
+    now = at(pressure_kPa)
+    nodes = rod.position_collection[:2, 1:]
+    legs = np.diff(nodes, axis=1)
+    return nodes[:, :-1].T + _turned(now["points_m"], np.arctan2(legs[1], legs[0]) - _directions(now))
 
 
 class _Simulator(elastica.BaseSystemCollection, elastica.Constraints, elastica.Forcing, elastica.Damping):
-    """One clamped rod with a force on its end."""
+    """One clamped arm with a force on its end."""
 
 
-def simulate(pressure_kPa, force=(0.0, 0.0), seconds=2.0, damping=20.0):
-    """The rod after the given time under a pressure in kPa and a dead force (x, y) on its end in N.
+def simulate(pressure_kPa, force=(0.0, 0.0), seconds=None, damping=None, tell=None):
+    """The rod at the end of a simulation under a pressure in kPa and a dead force (x, y) on its end in N.
 
-    pressure_kPa: a number, which is reached after a quarter of the time, or a function of the time in s. damping: rate
-    in 1/s at which velocities decay. The time step is a third of the time a stretch wave needs for an element.
+    pressure_kPa: a number, or a function of the time in s, with `seconds`. It starts from the equilibrium at the
+    beginning. seconds: simulated time; None: until the arm rests. damping: rate in 1/s at which velocities decay; None:
+    twice the first vibration, with which the arm settles soonest; that of the rubber is TABLE["loss_factor"] times the
+    first vibration. tell: is called with the time in s and the speed of the fastest node in m/s, now and then.
     """
-    final = pressure_kPa(seconds) if callable(pressure_kPa) else pressure_kPa
-    schedule = pressure_kPa if callable(pressure_kPa) else lambda time: final * min(1.0, 4.0 * time / seconds)
-    rod, simulator = build(final), _Simulator()
-    step = ROD["length"] / ROD["elements"] / np.sqrt(ROD["modulus"] / ROD["density"]) / 3.0
+    if callable(pressure_kPa) and seconds is None:
+        raise ValueError("with a pressure that changes over time, give the seconds to simulate")
+    first = pressure_kPa(0.0) if callable(pressure_kPa) else pressure_kPa
+    last = pressure_kPa(seconds) if callable(pressure_kPa) else pressure_kPa
+    rod, simulator, frequency = build(first, force), _Simulator(), first_vibration(first)
+    step = min(time_step(rod, first), time_step(rod, last))
     simulator.append(rod)
-    simulator.add_forcing_to(rod).using(Pressure, schedule)
+    simulator.add_forcing_to(rod).using(Law, pressure_kPa)
     simulator.constrain(rod).using(
-        elastica.OneEndFixedBC, constrained_position_idx=(0,), constrained_director_idx=(0,)
+        elastica.FixedConstraint, constrained_position_idx=(0, 1), constrained_director_idx=(0,)
     )
     end = np.array([force[0], force[1], 0.0])
-    simulator.add_forcing_to(rod).using(elastica.EndpointForces, np.zeros(3), end, ramp_up_time=0.1)
-    simulator.dampen(rod).using(
-        elastica.AnalyticalLinearDamper, uniform_damping_constant=damping, time_step=step
-    )
+    simulator.add_forcing_to(rod).using(elastica.EndpointForces, np.zeros(3), end, ramp_up_time=1e-12)
+    rate = 2.0 * frequency if damping is None else damping
+    simulator.dampen(rod).using(elastica.AnalyticalLinearDamper, uniform_damping_constant=rate, time_step=step)
     simulator.finalize()
-    stepper, time = elastica.PositionVerlet(), np.float64(0.0)
-    while time < seconds:
-        time = stepper.step(simulator, time, step)
+    stepper, time, count = elastica.PositionVerlet(), np.float64(0.0), 0
+    while seconds is None or time < seconds:
+        time, count = stepper.step(simulator, time, step), count + 1
+        if count % 200 == 0:
+            speed = float(np.linalg.norm(rod.velocity_collection, axis=0).max())
+            if tell is not None:
+                tell(float(time), speed)
+            if not np.isfinite(speed):
+                raise ValueError("the simulation became unstable")
+            if seconds is None and time * frequency > 1.0 and speed < REST * TABLE["length"] * frequency:
+                break
     return rod
 
 
-def plot(rods, file):
-    """Draw the curves of rods by their labels into a file."""
+def plot(curves, file):
+    """Draw material curves by their labels into a file."""
     import matplotlib
 
     matplotlib.use("Agg")
     import matplotlib.pyplot as plt
 
     figure, axes = plt.subplots()
-    for label, rod in rods.items():
-        axes.plot(*(1e3 * rod.position_collection[:2]), label=label)
+    for label, points in curves.items():
+        axes.plot(*(1e3 * points.T), label=label)
     axes.set(xlabel="x, mm", ylabel="y, mm", aspect="equal")
     axes.legend()
     figure.savefig(file, dpi=150)
@@ -157,18 +223,24 @@ def plot(rods, file):
 def main():
     """Simulate the arm and print where its end comes to rest."""
     options = argparse.ArgumentParser(description="A pneumatic arm in PyElastica.")
-    options.add_argument("--pressure", type=float, nargs="+", default=ROD["pressures_kPa"][-1:], help="kPa")
+    options.add_argument("--pressure", type=float, nargs="+", default=TABLE["known_kPa"][-1:], help="kPa")
     options.add_argument("--force", type=float, nargs=2, default=(0.0, 0.0), metavar=("FX", "FY"), help="N")
-    options.add_argument("--seconds", type=float, default=2.0, help="simulated time")
+    options.add_argument("--seconds", type=float, help="simulated time (default: until the arm rests)")
     options.add_argument("--plot", metavar="FILE", help="draw the curves into this file")
     given = options.parse_args()
-    rods = {}
+
+    def tell(time, speed):
+        sys.stderr.write(f"\\r{pressure:g} kPa: {time:.2f} s simulated, fastest node {1e3 * speed:.2g} mm/s    ")
+
+    curves = {}
     for pressure in given.pressure:
-        rod = rods[f"{pressure:g} kPa"] = simulate(pressure, given.force, given.seconds)
-        x, y = 1e3 * rod.position_collection[:2, -1]
+        rod = simulate(pressure, given.force, given.seconds, tell=tell)
+        sys.stderr.write("\\n")
+        points = curves[f"{pressure:g} kPa"] = curve(rod, pressure)
+        x, y = 1e3 * points[-1]
         print(f"{pressure:g} kPa: end at x = {x:.2f} mm, y = {y:.2f} mm")
     if given.plot:
-        plot(rods, given.plot)
+        plot(curves, given.plot)
         print(f"picture: {given.plot}")
 
 

@@ -1,8 +1,8 @@
-"""The five parameters and kappa_0(s) over the pressures as tables: CSV, JSON, and a .mat file for SoRoSim."""
+"""The law of a rod over the pressures as tables: CSV, JSON, and a .mat file for SoRoSim."""
 
 import json
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -10,8 +10,9 @@ from typing import Any
 import numpy as np
 
 from geometry.arrays import Array
+from rod.arm_law.law import ArmLaw
 from rod.export.arm import Arm
-from rod.law import PARAMETER_COLUMNS
+from rod.export.robot import Robot
 from rod.mechanics.equilibrium import Rod
 
 #: digits after the decimal point of a position in mm that is one of two that are the same
@@ -79,19 +80,22 @@ def arm_table(arm: Arm) -> dict[str, Array]:
 
 def write_csv(arm: Arm, path: Path) -> None:
     """`arm_table` as comma-separated values."""
-    columns = arm_table(arm)
+    _write_columns(arm_table(arm), path)
+
+
+def _write_columns(columns: Mapping[str, Array], path: Path) -> None:
     rows = [",".join(columns), *(",".join(f"{v:.12g}" for v in row) for row in zip(*columns.values(), strict=True))]
     path.write_text("\n".join(rows) + "\n", encoding="utf-8")
 
 
-def write_json(arm: Arm, path: Path) -> None:
-    """The five parameters with their standard deviations, the clamp and the curves over the pressures."""
+def write_json(arm: Arm, mass: float | None, path: Path) -> None:
+    """The five parameters with their standard deviations, the clamp and the curves over the pressures; mass: g."""
     smooth = arm.smoothed().rods if arm.smooth else ()
     s = positions([*arm.rods, *smooth])
     tables = [table(rod, s) for rod in arm.rods]
     content: dict[str, Any] = {
         "length_mm": arm.length,
-        "mass_g": arm.mass,
+        "mass_g": mass,
         "pressures_kPa": list(arm.pressures),
         "origin": arm.origin,
         "theta0_rad": [rod.theta0 for rod in arm.rods],
@@ -105,30 +109,69 @@ def write_json(arm: Arm, path: Path) -> None:
     path.write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")
 
 
-def write_sorosim(arm: Arm, path: Path) -> None:
+def law_table(law: ArmLaw, pressure: float) -> dict[str, Array]:
+    """Columns (n,) over equally spaced moments at a pressure in kPa: the law of the cells. Raises `RodError`."""
+    section = law.at(pressure).section
+    return {
+        "pressure_kPa": np.full(len(section.moment), pressure),
+        "moment_N_mm": section.moment,
+        "kappa_per_mm": section.kappa,
+        "rigidity_N_mm2": 1.0 / np.asarray(section.kappa_slope),
+        "stretch": section.stretch,
+        "axial_rigidity_N": section.axial_rigidity,
+        "shear_rigidity_N": section.shear_rigidity,
+    }
+
+
+def write_law_csv(law: ArmLaw, pressures: Sequence[float], path: Path) -> None:
+    """`law_table` of pressures in kPa one below the other. Raises `RodError` for one outside the law."""
+    tables = [law_table(law, pressure) for pressure in pressures]
+    _write_columns({name: np.concatenate([part[name] for part in tables]) for name in tables[0]}, path)
+
+
+def write_law_json(law: ArmLaw, robot: Robot, path: Path) -> None:
+    """`law_table` of the pressures that are known, and the whole arm as chains. Raises `RodError` as `law_table`."""
+    tables = [law_table(law, pressure) for pressure in robot.known]
+    content = {
+        "pressures_kPa": list(robot.known),
+        "length_mm": law.length,
+        "pitch_mm": law.pitch,
+        "mass_g": None if robot.solid is None else robot.solid.mass,
+        **{name: [part[name].tolist() for part in tables] for name in tables[0] if name != "pressure_kPa"},
+        "chain": robot.table,
+    }
+    path.write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")
+
+
+def write_sorosim(robot: Robot, path: Path) -> None:
     """A .mat file for SoRoSim: reference strain and rigidity over X = s/L and the pressure, SI units.
 
     The order of the strains is that of SoRoSim: torsion, bending about y and z, stretch, shear along y and z. X goes
     from 0 to 1, as in the `xi_starfn` of a SorosimRod; docs/how_to/robots.md has the lines that put the values there.
+    Both ends of every piece are rows, so that a straight line between rows keeps the jumps.
     """
     from scipy.io import savemat
 
-    mass, radius = arm.dynamics
-    s = positions(arm.rods)
-    tables = [table(rod, s) for rod in arm.rods]
-    xi = np.zeros((6, len(s), len(arm.rods)))
-    for k, columns in enumerate(tables):
-        xi[2, :, k], xi[3, :, k] = 1e3 * columns["kappa_rest_per_mm"], 1.0
+    chains, body = robot.chains, robot.body
+    h = robot.length / len(chains[0].s)
+    edges = np.append(0.0, chains[0].s)
+    s = np.column_stack([edges[:-1], edges[1:] - BEFORE_D]).ravel()
+    s[-1] = robot.length
+    xi = np.zeros((6, len(s), len(chains)))
+    rigidity = []
+    for k, chain in enumerate(chains):
+        xi[2, :, k], xi[3, :, k] = np.repeat(1e3 * chain.neutral / h, 2), chain.legs[0, 0] / h
+        rigidity.append(np.repeat(1e-6 * h * chain.springs(chain.neutral)[1], 2))
     content: dict[str, Any] = {
-        "pressures_kPa": np.array(arm.pressures),
-        "L": 1e-3 * arm.length,
-        "mass": mass,
-        "r": radius,
-        "E": 1e6 * arm.modulus,
-        "theta0": np.array([rod.theta0 for rod in arm.rods]),
-        "X": s / arm.length,
+        "pressures_kPa": np.array(robot.pressures),
+        "L": 1e-3 * robot.length,
+        "mass": 1e-3 * body.mass,
+        "r": 1e-3 * body.radius,
+        "E": 1e6 * body.modulus,
+        "X": s / robot.length,
         "xi_star": xi,
-        "EI": 1e-6 * np.column_stack([columns["alpha_N_mm2"] for columns in tables]),
-        **{f"{PARAMETER_COLUMNS[name]}_std": np.array(values) for name, values in arm.deviations.items()},
+        "EI": np.column_stack(rigidity),
+        "start": np.column_stack([1e-3 * (chain.base - 0.5 * chain.legs[0]) for chain in chains]),
+        "tip_beside": np.column_stack([1e-3 * (chain.points[-1] - 0.5 * chain.legs[0]) for chain in chains]),
     }
     savemat(path, {"rod": content}, oned_as="row")

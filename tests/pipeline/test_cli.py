@@ -80,7 +80,7 @@ def test_the_help_of_a_command_is_shown_in_full(name: str) -> None:
         *(("accuracy", "results/NAME_accuracy"), ("cell", "results/NAME_cell"), ("sweep", "results/NAME")),
         *(("run", "number of cores, at most 3"), ("effects", "number of cores, at most 2"), ("cell", "1")),
         *(("accuracy", "number of cores, at most 2"), ("sweep", "number of cores")),
-        *(("export", "DIR"), ("export", "all identified pressures"), ("init", "my_FAMILY.yaml")),
+        *(("export", "DIR"), ("export", "all pressures of the rod"), ("init", "my_FAMILY.yaml")),
     ],
 )
 def test_the_help_shows_the_defaults_that_the_program_finds(name: str, default: str) -> None:
@@ -305,7 +305,7 @@ def test_a_file_is_not_written_over_a_folder_and_its_folder_is_made(tmp_path: Pa
 
 def test_export_of_a_missing_folder_makes_none(tmp_path: Path) -> None:
     message = sentence(call("export", str(tmp_path / "typo"), "--to", "csv"), 2)
-    assert message.startswith(f"{tmp_path / 'typo' / 'parameters.json'}: cannot be read (No such file")
+    assert message.startswith(f"{tmp_path / 'typo'}: no such folder")
     assert not (tmp_path / "typo").exists()
 
 

@@ -1,0 +1,173 @@
+"""The arm as a chain for MuJoCo: an MJCF file, and beside it a Python module that sets its pressure."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+
+from geometry.arrays import Array
+from rod.export.chain import Chain
+from rod.export.program import AT, as_python
+from rod.export.robot import Robot
+
+#: rad, an angle that no hinge has
+FAR = 100.0
+
+
+def write_mujoco(robot: Robot, path: Path) -> None:
+    """The chain at its lowest pressure as MJCF, and the module of the same name.
+
+    Each hinge has a spring, and a fixed tendon for each other slope of its law. The pieces collide with everything but
+    the pieces of such arms: contype 2, conaffinity 1.
+    """
+    chain = robot.chains[0]
+    damping = robot.damping_times[0]
+    path.write_text(
+        '<mujoco model="arm">\n'
+        f"<!-- written by pneurod: {robot.description}, at {robot.pressures[0]:g} kPa; "
+        f"{path.with_suffix('.py').name} sets another pressure. m, kg, s -->\n"
+        '<compiler angle="radian"/>\n'
+        f"<worldbody>\n{_bodies(robot, chain, damping)}</worldbody>\n"
+        f"<tendon>\n{''.join(_tendons(chain))}</tendon>\n</mujoco>\n",
+        encoding="utf-8",
+    )
+    program = _MODULE.replace("@XML@", path.name).replace("@FAR@", f"{FAR:g}").replace("@AT@", AT)
+    section = robot.body.section
+    heights = {"middle_height": 0.5e-3 * (section.low + section.high), "centre_height": 1e-3 * section.centre}
+    program = program.replace("@TABLE@", as_python({**robot.table, **heights}))
+    path.with_suffix(".py").write_text(program, encoding="utf-8")
+
+
+def _bodies(robot: Robot, chain: Chain, damping: float) -> str:
+    """The clamped piece with the moving ones inside it, each inside the one before."""
+    solid, count = robot.body, len(chain.s)
+    lengths = np.append(chain.legs[:, 0], chain.points[-1, 0])
+    whole = chain.base[0] + lengths.sum()
+    slope = _slopes(chain)[:, chain.rest]
+    inner = ""
+    for k in range(count - 1, -1, -1):
+        position = chain.base if k == 0 else chain.legs[k - 1]
+        x, y = 1e-3 * position
+        stiffness, low, high = slope[k], chain.angle[k, 0], chain.angle[k, -1]
+        limits = f' limited="true" range="{low:.9g} {high:.9g}"' if chain.is_limited else ""
+        px, py = 1e-3 * chain.points[k]
+        inner = (
+            f'<body name="piece{k}" pos="{x:.9g} {y:.9g} 0">\n'
+            f'<joint name="joint{k}" type="hinge" axis="0 0 1" stiffness="{stiffness:.9g}" '
+            f'springref="{chain.neutral[k]:.9g}" damping="{damping * stiffness:.9g}"{limits}/>\n'
+            f"{_solid(robot, lengths[k], solid.mass * lengths[k] / whole, chain.lift, f'piece{k}')}"
+            f'<site name="{"tip" if k == count - 1 else f"curve{k}"}" pos="{px:.9g} {py:.9g} 0"/>\n'
+            f"{inner}</body>\n"
+        )
+    clamp = _solid(robot, chain.base[0], solid.mass * chain.base[0] / whole, 0.0, "clamp")
+    return f'<body name="clamp">\n{clamp}{inner}</body>\n'
+
+
+def _solid(robot: Robot, length: float, mass: float, lift: float, name: str) -> str:
+    """Mass (g), inertia and surface of a piece of a length whose hinge lies lift above the material curve, both mm."""
+    section = robot.body.section
+    across, along = (section.spread[k] + length**2 / 12.0 for k in range(2))
+    inertia = 1e-9 * mass * np.array([sum(section.spread), along, across])  # kg m2
+    sizes = 0.5e-3 * np.array([length, section.high - section.low, section.width])
+    middle, centre = 0.5 * (section.low + section.high) - lift, section.centre - lift
+    return (
+        f'<inertial pos="{0.5e-3 * length:.9g} {1e-3 * centre:.9g} 0" mass="{1e-3 * mass:.9g}" '
+        f'diaginertia="{_spaced(inertia)}"/>\n'
+        f'<geom name="{name}" type="box" pos="{0.5e-3 * length:.9g} {1e-3 * middle:.9g} 0" size="{_spaced(sizes)}" '
+        'contype="2" conaffinity="1"/>\n'
+    )
+
+
+def _tendons(chain: Chain) -> Iterator[str]:
+    """For each state of a spring but the outermost: what the next slope away from the state without moment adds."""
+    slopes = _slopes(chain)
+    for k, angles in enumerate(chain.angle):
+        for j in range(1, len(angles) - 1):
+            is_above = j > chain.rest
+            added = (slopes[k, j] - slopes[k, j - 1]) * (1.0 if is_above else -1.0)
+            span = (-FAR, angles[j]) if is_above else (angles[j], FAR)
+            yield (
+                f'<fixed name="spring{k}_{j}" stiffness="{added:.9g}" springlength="{span[0]:.9g} {span[1]:.9g}">'
+                f'<joint joint="joint{k}" coef="1"/></fixed>\n'
+            )
+
+
+def _slopes(chain: Chain) -> Array:
+    """(m, n - 1) N m/rad, of the springs between their states."""
+    return 1e-3 * np.diff(chain.moment) / np.diff(chain.angle)
+
+
+def _spaced(values: Array) -> str:
+    return " ".join(f"{value:.9g}" for value in values)
+
+
+_MODULE = '''"""A pneumatic arm in MuJoCo, written by pneurod: one input, the pressure in kPa.
+
+    model, data = load()
+    set_pressure(model, data, 27.0)
+    mujoco.mj_step(model, data)
+
+Where the arm is attached to another model (mujoco.MjSpec) with a prefix, give it to `set_pressure` as well.
+"""
+
+from functools import lru_cache
+from pathlib import Path
+
+import mujoco
+import numpy as np
+
+#: the arm over the pressures in m, N, rad and s
+TABLE = @TABLE@
+FILE = Path(__file__).with_name("@XML@")
+
+@AT@
+
+@lru_cache(maxsize=8)
+def _numbers(model, prefix):
+    """Numbers of joints, bodies and sites of the arm, and of its first tendon."""
+    count = len(TABLE["kind"])
+    joints = np.array([model.joint(f"{prefix}joint{k}").id for k in range(count)])
+    bodies = np.array([model.body(f"{prefix}piece{k}").id for k in range(count)])
+    sites = np.array([model.site(f"{prefix}curve{k}").id for k in range(count - 1)] + [model.site(f"{prefix}tip").id])
+    geoms = np.array([model.geom(f"{prefix}piece{k}").id for k in range(count)])
+    return joints, bodies, sites, geoms, model.tendon(f"{prefix}spring0_1").id
+
+
+def load(pressure_kPa=TABLE["pressures_kPa"][0]):
+    """The model at a pressure, and its data with the arm at rest in it."""
+    model = mujoco.MjModel.from_xml_path(str(FILE))
+    data = mujoco.MjData(model)
+    set_pressure(model, data, pressure_kPa)
+    data.qpos[:] = model.qpos_spring
+    mujoco.mj_forward(model, data)
+    return model, data
+
+
+def set_pressure(model, data, pressure_kPa, prefix=""):
+    """Give the arm a pressure in kPa, now: its springs change, and its joints move as time goes on.
+
+    prefix: that with which the arm was attached. Raises ValueError for a pressure outside that of the file.
+    """
+    now = at(pressure_kPa)
+    joints, bodies, sites, geoms, tendon = _numbers(model, prefix)
+    kind, rest = TABLE["kind"], TABLE["rest"]
+    angle, moment = now["angle_rad"][kind], now["moment_N_m"][kind]
+    slope = np.diff(moment) / np.diff(angle)
+    model.jnt_stiffness[joints] = slope[:, rest]
+    model.qpos_spring[model.jnt_qposadr[joints]] = angle[:, rest]
+    model.dof_damping[model.jnt_dofadr[joints]] = now["damping_time_s"] * slope[:, rest]
+    if TABLE["is_limited"]:
+        model.jnt_range[joints] = angle[:, [0, -1]]
+    inner = np.arange(1, angle.shape[1] - 1)
+    is_above = inner > rest
+    tendons = slice(tendon, tendon + len(kind) * len(inner))
+    model.tendon_stiffness[tendons] = (np.diff(slope) * np.where(is_above, 1.0, -1.0)).ravel()
+    ends = np.where(is_above, -@FAR@, angle[:, 1:-1]), np.where(is_above, angle[:, 1:-1], @FAR@)
+    model.tendon_lengthspring[tendons] = np.stack(ends, axis=2).reshape(-1, 2)
+    model.body_pos[bodies, :2] = np.vstack([now["base_m"], now["legs_m"]])
+    model.site_pos[sites, :2] = now["points_m"]
+    model.body_ipos[bodies, 1] = TABLE["centre_height"] - now["lift_m"]
+    model.geom_pos[geoms, 1] = TABLE["middle_height"] - now["lift_m"]
+    # positions that were equal when the model was made need not be so any more
+    model.site_sameframe[sites] = model.geom_sameframe[geoms] = model.body_sameframe[bodies] = 0
+'''
