@@ -46,16 +46,11 @@ class Body:
         vertices = np.flatnonzero(on_curve)
         vertices = vertices[np.argsort(points[vertices, 0], kind="stable")]
         x = points[vertices, 0]
+        curve = f"the material curve y = {self.curve_y:g} mm, z = 0; cut the body along it before meshing it"
         if len(vertices) < 2 or abs(x[0]) > tolerance or abs(x[-1] - self.length) > tolerance:
-            raise MeshError(
-                f"the material curve y = {self.curve_y:g} mm, z = 0 from x = 0 to {self.length:g} mm "
-                "has no mesh vertex at each of its ends; cut the body along that line before meshing it"
-            )
+            raise MeshError(f"the mesh has no vertex at each end of {curve}")
         if not self.mesh.has_edges(np.column_stack([vertices[:-1], vertices[1:]])).all():
-            raise MeshError(
-                f"the material curve y = {self.curve_y:g} mm, z = 0 does not run along mesh edges; "
-                "cut the body along that line before meshing it"
-            )
+            raise MeshError(f"the mesh has no edges along {curve}")
         vertices.setflags(write=False)
         return vertices
 

@@ -14,10 +14,8 @@ def check_manifold(mesh: Mesh) -> None:
     _, first, counts = np.unique(row_keys(pairs, len(mesh.points)), return_index=True, return_counts=True)
     if (counts != 2).any():
         where = _position(mesh, pairs[first[counts != 2][0]])
-        raise MeshError(
-            f"the surface of the body is not manifold: an edge near {where} belongs to "
-            f"{counts[counts != 2][0]} boundary triangles; parts that touch along a line must be joined or parted"
-        )
+        edge = f"an edge near {where} belongs to {counts[counts != 2][0]} boundary triangles"
+        raise MeshError(f"the surface is not manifold: {edge}; join or part what touches along a line")
     components = count_components(mesh)
     if components > 1:
         raise MeshError(f"the mesh holds {components} solids that share no vertex; unite them to one")
@@ -41,10 +39,8 @@ def check_untangled(mesh: Mesh) -> None:
     if not same_side.any():
         return
     overlapping = first[same_side]
-    raise MeshError(
-        f"the elements of the mesh are tangled: at {len(overlapping)} of their faces both neighbours lie on the same "
-        f"side, such as near {_position(mesh, overlapping[0])}; move the vertex there back, or mesh the body again"
-    )
+    at = f"at {len(overlapping)} of their faces, such as near {_position(mesh, overlapping[0])}"
+    raise MeshError(f"the elements of the mesh are tangled: {at}, both neighbours lie on the same side; mesh it again")
 
 
 def check_half(mesh: Mesh) -> None:
@@ -57,20 +53,15 @@ def check_half(mesh: Mesh) -> None:
         raise MeshError(f"the face sym must lie in the plane z = 0; a triangle of it is near {where}")
     if mesh.points[:, 2].min() < -tolerance:
         where = position_text(mesh.points[int(np.argmin(mesh.points[:, 2]))])
-        raise MeshError(
-            f"the body has a face sym, so that it must be one half, but it reaches to {where} and to the other side "
-            "of z = 0; leave sym out of the mesh of a whole body"
-        )
+        raise MeshError(f"the body has a face sym, but reaches to {where} beyond z = 0; leave sym out of a whole body")
     in_plane = mesh.boundary[(np.abs(mesh.points[mesh.boundary, 2]) <= tolerance).all(axis=1)]
     count = len(mesh.points)
     missing = in_plane[~np.isin(row_keys(in_plane, count), row_keys(mesh.faces["sym"], count))]
     if len(missing):
         areas = np.linalg.norm(normals(mesh.points[missing]), axis=1) / 2
         where = _position(mesh, missing[int(np.argmax(areas))])
-        raise MeshError(
-            f"the face sym must be all of the boundary in the plane z = 0, and it leaves out {areas.sum():.3g} of "
-            f"{areas.sum() + mesh.area('sym'):.3g} mm2 there, such as near {where}"
-        )
+        part = f"{areas.sum():.3g} of {areas.sum() + mesh.area('sym'):.3g} mm2, such as near {where}"
+        raise MeshError(f"the face sym must be all of the boundary in the plane z = 0, and it leaves out {part}")
 
 
 def count_components(mesh: Mesh) -> int:

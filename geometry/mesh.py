@@ -46,9 +46,8 @@ class Mesh:
         flat = np.abs(volumes) <= 1e-14 * np.ptp(points, axis=0).max() ** 3
         if flat.any():
             first = int(np.flatnonzero(flat)[0])
-            raise MeshError(
-                f"tetrahedron {first} of the mesh is flat, near {position_text(points[tets[first]].mean(axis=0))}"
-            )
+            where = position_text(points[tets[first]].mean(axis=0))
+            raise MeshError(f"tetrahedron {first} of the mesh is flat, near {where}")
         tets[volumes < 0] = tets[volumes < 0][:, [0, 2, 1, 3]]
         object.__setattr__(self, "points", _frozen(points))
         object.__setattr__(self, "tets", _frozen(tets))
@@ -114,13 +113,9 @@ class Mesh:
         if (counts > 2).any():
             centre = self.points[triangles[first[counts > 2][0]]].mean(axis=0)
             doubled = len(self.tets) - len(np.unique(np.sort(self.tets, axis=1), axis=0))
-            twice = (
-                f": {doubled} elements are listed twice, as in files of Gmsh's format 2.2 with a solid in two physical "
-                "groups; save the mesh in format 4.1, or with one group for each solid"
-            )
-            raise MeshError(
-                f"three or more tetrahedra share one face, near {position_text(centre)}{twice if doubled else ''}"
-            )
+            twice = f": {doubled} elements are listed twice; save the mesh with one group for each solid"
+            where = position_text(centre)
+            raise MeshError(f"three or more tetrahedra share one face, near {where}{twice if doubled else ''}")
         return _frozen(triangles[np.sort(first[counts == 1])])
 
     @cached_property
@@ -162,10 +157,9 @@ class Mesh:
         away = planes.max(axis=1).min(axis=1)
         if len(away) and away.max() > 1e-7 * np.ptp(self.points, axis=0).max():
             middle = corners[np.argmax(away)].mean(axis=0)
-            raise MeshError(
-                f"the face {name} encloses no volume: it has an open edge near {position_text(middle)}, away from the "
-                f"clamp{' and z = 0' if half else '; of a half name the faces in the plane z = 0 sym'}"
-            )
+            planes_of = "clamp and z = 0" if half else "clamp; of a half name the faces in the plane z = 0 sym"
+            edge = f"it has an open edge near {position_text(middle)}"
+            raise MeshError(f"the face {name} encloses no volume: {edge}, away from the {planes_of}")
 
     def enclosed_volume(self, name: str) -> float:
         """Volume of the air that a named face encloses, closed by the planes z = 0 and x = 0 if these cut it, mm3.
@@ -192,9 +186,7 @@ class Mesh:
         is no face `sym` in the plane z = 0.
         """
         if "sym" not in self.faces:
-            raise MeshError(
-                f"only a half body with a face named sym can be mirrored; this one has {', '.join(self.faces)}"
-            )
+            raise MeshError(f"only a half with a face named sym can be mirrored; this has {', '.join(self.faces)}")
         shared = np.unique(self.faces["sym"])
         if np.abs(self.points[shared, 2]).max() > 1e-9 * np.ptp(self.points, axis=0).max():
             raise MeshError("the face sym must lie in the plane z = 0")

@@ -31,15 +31,11 @@ def read_content(path: Path, name: Path | None = None) -> Any:
             warnings.simplefilter("ignore")
             return meshio.read(path)
     except ModuleNotFoundError as error:
-        raise MeshError(
-            f"the mesh file {name} cannot be read: meshio needs {error.name} for it, which is not installed; save VTU"
-        ) from error
+        raise MeshError(f"the mesh file {name} cannot be read without {error.name}; save VTU") from error
     except (Exception, SystemExit) as error:
         reason = "" if isinstance(error, SystemExit) else " ".join(str(error).split())  # its number tells nothing
         said = f" (meshio: {reason})" if reason else ""
-        raise MeshError(
-            f"the file {name} cannot be read: it is empty, cut off or of another format{said}; save it again"
-        ) from error
+        raise MeshError(f"the file {name} cannot be read: empty, cut off or unknown{said}; save it again") from error
 
 
 def read_text(path: Path, text: str) -> Any:
@@ -58,9 +54,7 @@ def read_mesh(path: Path) -> tuple[Array, Index, dict[str, Index]]:
         raise MeshError(f"the mesh file {path} has no tetrahedra; mesh the volume and save it with its physical groups")
     faces = named_triangles(content)
     if not faces:
-        raise MeshError(
-            f"the mesh file {path} has no named faces; give its surfaces physical groups (clamp, cavity, ...)"
-        )
+        raise MeshError(f"the mesh file {path} has no named faces; name its surfaces by groups (clamp, cavity, ...)")
     return content.points, np.vstack(tets), faces
 
 

@@ -31,10 +31,7 @@ def row_keys(rows: Index, count: int) -> Index:
     Raises `MeshError` when the integers would not fit into 64 bits.
     """
     if count ** rows.shape[1] >= 2**63:
-        raise MeshError(
-            f"the mesh has {count} points, more than this program can number; save the body with fewer elements or "
-            "triangles"
-        )
+        raise MeshError(f"the mesh has {count} points, more than this program can number; save it with fewer")
     keys = np.zeros(len(rows), dtype=np.int64)
     for column in np.sort(rows, axis=1).T:
         keys = keys * count + column

@@ -39,13 +39,8 @@ class Init(TyperCommand):
 
 
 def init(
-    family: Annotated[
-        str,
-        typer.Argument(metavar="[FAMILY]"),
-    ] = "pneunet",
-    out: Annotated[
-        Path | None, typer.Option("--out", metavar="FILE", help="File to write (default: my_FAMILY.yaml).")
-    ] = None,
+    family: Annotated[str, typer.Argument(metavar="[FAMILY]")] = "pneunet",
+    out: Annotated[Path | None, typer.Option("--out", metavar="FILE", help="(default: my_FAMILY.yaml).")] = None,
     force: Annotated[bool, typer.Option("--force", help="Replace a file that exists.")] = False,
 ) -> None:
     """A commented configuration to start from: every key with its unit, default and range."""
@@ -80,14 +75,10 @@ def rod(
         Path, typer.Argument(metavar="DIR", help="Results of a run; or a parameters.json or law.json alone.")
     ],
     pressure: Annotated[str, typer.Option(metavar="P", help="With its unit: '31 kPa'.")],
-    force: Annotated[
-        str | None, typer.Option(metavar="[FX, FY]", help="Dead force on the end: '[0 N, 0.05 N]'.")
-    ] = None,
+    force: Annotated[str | None, typer.Option(metavar="[FX, FY]", help="Dead force: '[0 N, 0.05 N]'.")] = None,
     moment: Annotated[str, typer.Option(metavar="M", help="Moment on the end: '1 N*mm'.")] = "0 N*mm",
-    end_y: Annotated[
-        str | None, typer.Option(metavar="Y", help="Height of the end over the clamped end: '0 mm'.")
-    ] = None,
-    end: Annotated[str | None, typer.Option(metavar="[X, Y]", help="Position of the end from the clamped end.")] = None,
+    end_y: Annotated[str | None, typer.Option(metavar="Y", help="Height of the end over the clamp: '0 mm'.")] = None,
+    end: Annotated[str | None, typer.Option(metavar="[X, Y]", help="Position of the end from the clamp.")] = None,
     extrapolate: Annotated[bool, typer.Option("--extrapolate", help="Go beyond the identified pressures.")] = False,
     kind: Kind = None,
     out: Annotated[Path | None, typer.Option("--out", metavar="FILE", help="Write the shape as CSV.")] = None,
@@ -177,15 +168,9 @@ def sweep(
         Path | None,
         typer.Option("--out", metavar="DIR", help="Result folder; of several: DIR/NAME (default: results/NAME)."),
     ] = None,
-    scheduler: Annotated[
-        str | None, typer.Option(metavar="ADDRESS", help="A Dask scheduler instead of workers on this machine.")
-    ] = None,
-    jobs: Annotated[
-        int | None, typer.Option(min=1, help="Number of worker processes (default: number of cores).")
-    ] = None,
-    memory: Annotated[
-        str | None, typer.Option(metavar="SIZE", help="Of each worker: '4 GB' (default: equal parts of the machine's).")
-    ] = None,
+    scheduler: Annotated[str | None, typer.Option(metavar="ADDRESS", help="Of Dask, instead of own workers.")] = None,
+    jobs: Annotated[int | None, typer.Option(min=1, help="Worker processes (default: number of cores).")] = None,
+    memory: Annotated[str | None, typer.Option(metavar="SIZE", help="Of each worker (default: equal parts).")] = None,
     retry: Annotated[bool, typer.Option("--retry", help="Try points that were not reached again.")] = False,
     fresh: Annotated[bool, typer.Option("--fresh", help="Delete earlier results in DIR and begin again.")] = False,
 ) -> None:

@@ -36,10 +36,8 @@ class BisectedCircle(UndividedDesign):
         yield from not_less(self, "end_wall", "length", 0.5, "the two end walls leave no cavity")
         across = 2 * (self.radius - self.wall)
         if 0 < across <= self.divider:
-            yield DesignError(
-                ("divider", "radius", "wall"),
-                f"divider {self.divider:g} mm must be less than the inner diameter, {across:g} mm",
-            )
+            keys = ("divider", "radius", "wall")
+            yield DesignError(keys, f"{self.divider:g} mm must be less than the inner diameter, {across:g} mm")
 
     @property
     def extent(self) -> tuple[float, float, float]:

@@ -201,23 +201,18 @@ class Design(ABC):
     def check_size(self, size: float) -> None:
         """Raise `DesignError` on `mesh.size` unless the body can be meshed with elements of `size` mm."""
         extent, volume = self.extent, self.meshed_volume
-        measures, largest = " x ".join(f"{side:g}" for side in extent), min(extent)
+        largest = min(extent)
         if not SHORTEST <= size <= LONGEST:
             raise DesignError("mesh.size", f"must be a length from {SHORTEST:g} mm to {LONGEST:g} mm, not {size:g} mm")
         if size > largest:
-            raise DesignError(
-                "mesh.size", f"{size:g} mm is larger than the body of {measures} mm; at most {largest:g} mm"
-            )
+            raise DesignError("mesh.size", f"{size:g} mm is larger than the body; at most {largest:g} mm")
         count, least = expected_tets(size, extent, volume), expected_tets(largest, extent, volume)
         if count > MOST_TETS:
             filled, walled = volume / (REGULAR_TET * MOST_TETS), TETS_PER_SQUARE * _half_surface(extent) / MOST_TETS
             smallest = max(filled ** (1 / 3), walled**0.5)
             remedy = "choose a shorter body" if least > MOST_TETS else f"at least {smallest:.2g} mm"
-            raise DesignError(
-                "mesh.size",
-                f"{size:g} mm would give about {count:.0e} elements in a body of {measures} mm, of which "
-                f"{MOST_TETS:.0e} fit into memory; {remedy}",
-            )
+            too_many = f"{size:g} mm gives {count:.0e} elements, of which {MOST_TETS:.0e} fit into memory"
+            raise DesignError("mesh.size", f"{too_many}; {remedy}")
 
     @property
     def repeats(self) -> bool:
@@ -246,10 +241,7 @@ class Design(ABC):
         """
         repetition = self._checked_repetition(size, grading)
         if not repetition.half_cells:
-            raise DesignError(
-                self.key_of_cells,
-                "the body has no inner cell: it needs two cells at least",
-            )
+            raise DesignError(self.key_of_cells, "the body has no inner cell: it needs two cells at least")
         return self._body(repetition.half_cell(), repetition.half_pitch, repetition.half)
 
     def end_piece(self, half_cells: int, size: float, grading: Grading = OFF) -> Body:

@@ -39,10 +39,8 @@ def not_less(design: Any, small: str, large: str, fraction: float = 1.0, because
     value, bound = getattr(design, small), fraction * (min(whole) if isinstance(whole, tuple) else whole)
     if not value < bound:
         part = {1.0: "", 0.5: "half of "}[fraction] + ("the smallest of " if isinstance(whole, tuple) else "")
-        yield DesignError(
-            (small, large),
-            f"{small} {value:g} mm must be less than {part}{large}, {bound:g} mm{because and ': ' + because}",
-        )
+        reason = f": {because}" if because else ""
+        yield DesignError((small, large), f"{small} {value:g} mm must be less than {part}{large}, {bound:g} mm{reason}")
 
 
 def _wrong_alone(design: Any, counts: Sequence[str], or_zero: Sequence[str]) -> Iterator[DesignError]:

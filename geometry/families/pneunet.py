@@ -73,31 +73,22 @@ class PneuNet(SymmetricDesign):
         for name, usual in self.lists.items():
             given, count = len(getattr(self, name)), self._count(usual)
             if given not in (0, count):
-                yield DesignError(
-                    (name, "chambers"),
-                    f"must have {count} entries for {self.chambers} chambers, not {given}; give all of them, or "
-                    f"{usual} alone for equal ones",
-                )
+                needed = f"must have {count} entries for {self.chambers} chambers, not {given}"
+                yield DesignError((name, "chambers"), f"{needed}; give all of them, or {usual} alone for equal ones")
         yield from not_less(self, "wall", self._name("chamber_length"), 0.5, "the two walls leave no cavity")
         yield from not_less(self, "side_wall", "width", 0.5, "the two side walls leave no cavity")
         yield from not_less(self, "roof", self._name("chamber_height"), because="the cavity must rise above the strip")
         yield from not_less(self, "channel", "strip", because="a channel as high as the strip would open into the gaps")
         if 0 < self.fillet < SMALLEST_FILLET:
-            yield DesignError(
-                "fillet",
-                f"must be 0 for sharp edges or at least {SMALLEST_FILLET:g} mm, not {self.fillet:g} mm: elements at "
-                "a rounded edge are as small as a third of its arc",
-            )
+            allowed = f"must be 0 for sharp edges or at least {SMALLEST_FILLET:g} mm, not {self.fillet:g} mm"
+            yield DesignError("fillet", f"{allowed}: elements are as small as a third of its arc")
         yield from not_less(self, "fillet", self._name("gap"), 0.5, "the fillets at both sides of a gap meet")
         rounded = "it rounds the edge below the chamber's wall"
         yield from not_less(self, "fillet", self._name("chamber_height"), because=rounded)
         across = self.width - 2 * self.side_wall
         if 0 < across <= self.channel:
-            yield DesignError(
-                ("channel", "width", "side_wall"),
-                f"channel {self.channel:g} mm must be less than the width of the cavity, "
-                f"width - 2 side_wall = {across:g} mm",
-            )
+            allowed = f"must be less than the width of the cavity, width - 2 side_wall = {across:g} mm"
+            yield DesignError(("channel", "width", "side_wall"), f"{self.channel:g} mm {allowed}")
 
     def _count(self, dimension: str) -> int:
         """How many chambers or gaps have this dimension."""

@@ -39,16 +39,11 @@ class Rectangular(PartitionedDesign):
         yield from not_less(self, "side_wall", "width", 0.5, "the two side walls leave no cavity")
         solid, across = self.base + self.roof, self.width - 2 * self.side_wall
         if not solid < self.height:
-            yield DesignError(
-                ("base", "roof", "height"),
-                f"base + roof = {solid:g} mm must be less than height {self.height:g} mm: they leave no cavity",
-            )
+            sentence = f"base + roof = {solid:g} mm must be less than height, {self.height:g} mm"
+            yield DesignError(("base", "roof", "height"), sentence)
         if 0 < min(self.height - solid, across) <= self.channel:
-            yield DesignError(
-                ("channel", "height", "width"),
-                f"channel {self.channel:g} mm must be less than height and width of the cavity, "
-                f"{self.height - solid:g} and {across:g} mm",
-            )
+            cavity = f"must be less than height and width of the cavity, {self.height - solid:g} and {across:g} mm"
+            yield DesignError(("channel", "height", "width"), f"{self.channel:g} mm {cavity}")
 
     @property
     def extent(self) -> tuple[float, float, float]:

@@ -40,11 +40,8 @@ class Semicircular(PartitionedDesign):
         yield from not_less(self, "wall", "radius", because="the wall leaves no cavity")
         corner, inner = hypot(self.channel, self.channel / 2), self.radius - self.wall
         if 0 < inner <= corner:
-            yield DesignError(
-                ("channel", "radius", "wall"),
-                f"channel {self.channel:g} mm must be less than {inner / hypot(1, 0.5):.3g} mm "
-                f"to lie inside the cavity of radius {inner:g} mm",
-            )
+            allowed = f"must be less than {inner / hypot(1, 0.5):.3g} mm in a cavity of radius {inner:g} mm"
+            yield DesignError(("channel", "radius", "wall"), f"{self.channel:g} mm {allowed}")
 
     @property
     def extent(self) -> tuple[float, float, float]:

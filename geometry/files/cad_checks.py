@@ -16,6 +16,7 @@ from geometry.files.frame import (
     height_advice,
     misplaced,
     no_end_face,
+    outside_material,
 )
 from geometry.files.inlets import hole_advice
 from geometry.meshing.shapes import Volume
@@ -71,10 +72,8 @@ def check_symmetric(gmsh: Any, solids: list[Volume]) -> None:
     fraction = difference(gmsh, solids, solids, 2, 0.0, DIFFERENT).fraction
     gmsh.model.occ.synchronize()
     if fraction > DIFFERENT:
-        raise DesignError(
-            "symmetric",
-            f"the halves of the body about z = 0 differ ({50 * fraction:.2g} % of its volume); write false",
-        )
+        part = f"{50 * fraction:.2g} % of its volume"
+        raise DesignError("symmetric", f"the halves of the body about z = 0 differ ({part}); write false")
 
 
 def check_curve(gmsh: Any, body: CadBody, solids: list[Volume], low: Point, high: Point) -> None:
@@ -98,12 +97,8 @@ def check_curve(gmsh: Any, body: CadBody, solids: list[Volume], low: Point, high
     start, stop = gap(body.curve) or (body.clamp, body.tip)
     holes = hole_advice(gmsh, body, solids)
     through = f"; if it crosses an inlet, fill that with plug: {{inlet: [x, y, z]}}{holes}" if holes else ""
-    raise DesignError(
-        "curve",
-        f"the line y = {body.curve:g} mm, z = 0 is outside the material between {start - body.clamp:.4g} and "
-        f"{stop - body.clamp:.4g} mm behind the clamp; "
-        f"{height_advice(low[1], high[1], lambda y: gap(y) is None)}{through}",
-    )
+    heights = height_advice(low[1], high[1], lambda y: gap(y) is None)
+    raise outside_material(body.curve, (start - body.clamp, stop - body.clamp), f"{heights}{through}")
 
 
 def _first_gap(gmsh: Any, body: CadBody, solids: list[Volume], y: float, across: float) -> tuple[float, float] | None:

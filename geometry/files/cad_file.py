@@ -58,19 +58,13 @@ class CadFile(FileDesign):
         if clamp == tip:
             raise DesignError(("clamp", "tip"), f"clamp and tip are both at x = {clamp:g} mm; they are the two ends")
         if isinstance(self.cell, CellPlanes) and tip < clamp:
-            raise DesignError(
-                "cell",
-                "must be a length where the arm is clamped at its larger x; turn the body with axes to give planes",
-            )
+            raise DesignError("cell", "must be a length where the arm is clamped at its larger x, or turn it with axes")
         _ = self.measures
         if isinstance(self.cell, CellPlanes):
             _ = self.cells
         if self.defeature is not None and self.defeature > self.thinnest_wall / 2:
-            raise DesignError(
-                "defeature",
-                f"{self.defeature:g} mm is more than half of {self.thinnest_wall:.3g} mm, the thickness of the "
-                "thinnest wall or a quarter of the smallest side; give a smaller length",
-            )
+            wall = f"{self.thinnest_wall:.3g} mm, the thinnest wall or a quarter of the smallest side"
+            raise DesignError("defeature", f"{self.defeature:g} mm is more than half of {wall}; give a smaller length")
 
     def _wrong_values(self) -> Iterator[DesignError]:
         path = Path(self.file)
@@ -83,17 +77,11 @@ class CadFile(FileDesign):
         if self.unit != 1 and path.suffix.lower() in STEP:
             yield DesignError("unit", "STEP files store their unit; leave it out")
         if self.parts and self.unite:
-            yield DesignError(
-                ("parts", "unite"), "solids of another material stay solids of their own; give one of the two"
-            )
+            yield DesignError(("parts", "unite"), "solids of another material stay apart; give one of the two")
         if self.parts and isinstance(self.cell, CellPlanes):
-            yield DesignError(
-                "cell", "must be a length where the body has parts: an arm of several solids has no law of its own"
-            )
+            yield DesignError("cell", "must be a length where the body has parts, and so no law of its own")
         if self.parts and self.defeature is not None:
-            yield DesignError(
-                ("parts", "defeature"), "narrow faces are removed from one solid only; give one of the two"
-            )
+            yield DesignError(("parts", "defeature"), "faces are removed from one solid only; give one of the two")
 
     @cached_property
     def _ends(self) -> tuple[float, float]:

@@ -132,11 +132,8 @@ def _of_file(gmsh: Any, source: CadSource) -> list[Volume]:
     if any(occ.getMass(*solid) <= 0 for solid in solids):
         raise DesignError("file", f"{path} holds a solid without a volume, which may pass through itself; repair it")
     if len(solids) > 1 and not (source.unite or source.apart):
-        raise DesignError(
-            "file",
-            f"{path} holds {len(solids)} solids, around {_centres(gmsh, solids)}; leave out one of air, unite them "
-            "with unite: true if they touch, or give parts, a point in each one of another material",
-        )
+        ways = "leave out one of air, write unite: true if they touch, or parts: a point in each of another material"
+        raise DesignError("file", f"{path} holds {len(solids)} solids, around {_centres(gmsh, solids)}; {ways}")
     if len(solids) > 1:
         solids = _touching(gmsh, solids) if source.apart else _united(gmsh, solids)
     return solids
@@ -177,11 +174,8 @@ def _check_defeatured(gmsh: Any, solids: list[Volume], volume: float, low: Point
     new_low, new_high = bounds(gmsh, solids)
     grown = np.concatenate([np.subtract(low, new_low), np.subtract(new_high, high)])
     if abs(change) > MOST_CHANGE or grown.max() > BEYOND * max(np.subtract(high, low)):
-        raise DesignError(
-            "defeature",
-            f"without its narrow faces the volume of the material changes by {100 * change:.2g} % (at most "
-            f"{100 * MOST_CHANGE:g} %), or the body reaches farther; give a smaller length",
-        )
+        changes = f"the volume changes by {100 * change:.2g} % (at most {100 * MOST_CHANGE:g} %) or the body grows"
+        raise DesignError("defeature", f"without its narrow faces {changes}; give a smaller length")
 
 
 def _touching(gmsh: Any, solids: list[Volume]) -> list[Volume]:
@@ -193,10 +187,7 @@ def _touching(gmsh: Any, solids: list[Volume]) -> list[Volume]:
     occ.remove(image, recursive=True)
     occ.synchronize()
     if common > OVERLAP * together:
-        raise DesignError(
-            "parts",
-            f"the solids of the file overlap in {common:.3g} mm3; subtract one from the other in the CAD program",
-        )
+        raise DesignError("parts", f"the solids overlap in {common:.3g} mm3; subtract one from the other in CAD")
     return solids
 
 
@@ -207,11 +198,8 @@ def _united(gmsh: Any, solids: list[Volume], key: str = "unite") -> list[Volume]
     occ.synchronize()
     united = [volume for volume in united if volume[0] == 3]
     if len(united) > 1:
-        raise DesignError(
-            key,
-            f"the {len(solids)} solids of the file are {len(united)} parts that do not touch, around "
-            f"{_centres(gmsh, united)} in the file's own frame; save the body alone",
-        )
+        apart = f"the {len(solids)} solids of the file are {len(united)} parts that do not touch"
+        raise DesignError(key, f"{apart}, around {_centres(gmsh, united)}; save the body alone")
     return united
 
 

@@ -53,10 +53,8 @@ def find_cells(body: CadBody, planes: CellPlanes) -> Cells:
     half_pitch, length = planes.half_pitch, body.tip - body.clamp
     for key, x in (("from", planes.start), ("to", planes.stop)):
         if not body.clamp <= x <= body.tip:
-            raise DesignError(
-                f"cell.{key}",
-                f"x = {x:g} mm lies outside the arm, which reaches from {body.clamp:g} to {body.tip:g} mm",
-            )
+            reach = f"which reaches from {body.clamp:g} to {body.tip:g} mm"
+            raise DesignError(f"cell.{key}", f"x = {x:g} mm lies outside the arm, {reach}")
     if not half_pitch > SHORTEST * length:
         raise DesignError("cell", f"the planes are {half_pitch:g} mm apart; give two planes with half a cell between")
     with cad_session(body) as (gmsh, blocks, _, _):
@@ -167,9 +165,7 @@ def _cells(
     middles = first + (first + odd) % 2, last - (last + odd) % 2
     if middles[1] - middles[0] < 2:
         repeated = (last - first) * half_pitch
-        raise DesignError(
-            "cell", f"the body repeats its cell only on {repeated:.4g} mm, and two whole cells are needed"
-        )
+        raise DesignError("cell", f"the body repeats its cell only on {repeated:.4g} mm; two cells are needed")
     first_middle = low - body.clamp + middles[0] * half_pitch
     return Cells(first_middle, half_pitch, middles[1] - middles[0], planes.start - body.clamp)
 
@@ -197,10 +193,8 @@ def mesh_cells(body: CadBody, cells: Cells, size: float, grading: Grading) -> Re
     within = np.unique(mesh.regions["cell"])
     for name, triangles in mesh.walls.items():
         if not np.isin(triangles, within).all(axis=1).any():
-            raise DesignError(
-                ("cell", f"air.{name}"),
-                f"the cavity {name} does not go through the cell; equal cells are in the same cavities",
-            )
+            sentence = f"the cavity {name} does not go through the cell; equal cells are in the same cavities"
+            raise DesignError(("cell", f"air.{name}"), sentence)
     origin = np.array([body.clamp, 0.0, 0.0])
     last = length - middle - cells.half_cells * h
     return Repetition(
@@ -359,11 +353,11 @@ class _Slots:
             if found.centre is not None:
                 x_centre, y, z = (round(coordinate, 3) for coordinate in found.centre)
                 around = f", around {self.body.words((x_centre, y, z))}"
-            raise DesignError(
-                "cell",
-                f"the body is not symmetric about the plane x = {x:g} mm: the material {self.h:g} mm before and behind "
-                f"it differs by {100 * min(found.fraction, 1.0):.2g} % of its volume{around}",
+            part = f"{100 * min(found.fraction, 1.0):.2g} % of its volume{around}"
+            sentence = (
+                f"the body is not symmetric about the plane x = {x:g} mm: beside it the material differs by {part}"
             )
+            raise DesignError("cell", sentence)
 
 
 def _cut_at(gmsh: Any, blocks: Collection[Volume], positions: list[float]) -> list[Volume]:

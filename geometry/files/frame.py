@@ -86,9 +86,7 @@ def check_dimensions(sides: Array) -> None:
     """Raise `DesignError` unless the sides (3,) of a body, mm, are those of an arm."""
     if not SMALLEST <= sides.max() <= LARGEST:
         measures = " x ".join(f"{side:.4g}" for side in sides)
-        raise DesignError(
-            ("file", "unit"), f"the body measures {measures} mm; is it in another unit? give unit, or scale it in CAD"
-        )
+        raise DesignError(("file", "unit"), f"the body measures {measures} mm; is it in another unit? give unit")
 
 
 def check_within(positions: dict[str, float | None], low: Array, high: Array, tolerance: float) -> None:
@@ -97,27 +95,26 @@ def check_within(positions: dict[str, float | None], low: Array, high: Array, to
         axis = 1 if key == "curve" else 0
         if position is not None and not low[axis] - tolerance <= position <= high[axis] + tolerance:
             doubt = "; is its unit right?" if (high - low).max() < USUAL else ""
-            raise DesignError(
-                key,
-                f"{'xyz'[axis]} = {position + 0.0:g} mm lies outside the body, which reaches from {low[axis]:.4g} to "
-                f"{high[axis]:.4g} mm{doubt}",
-            )
+            reach = f"which reaches from {low[axis]:.4g} to {high[axis]:.4g} mm{doubt}"
+            raise DesignError(key, f"{'xy'[axis]} = {position + 0.0:g} mm lies outside the body, {reach}")
 
 
 def no_end_face(name: str, x: float) -> DesignError:
     """The refusal of a body without a face in the plane of the end `name`; x: as the user gave it, mm."""
-    return DesignError(
-        name, f"the body has no flat face in the plane x = {x + 0.0:g} mm; cut a rounded end off, or turn it with axes"
-    )
+    plane = f"the body has no flat face in the plane x = {x + 0.0:g} mm"
+    return DesignError(name, f"{plane}; cut a rounded end off, or turn it with axes")
+
+
+def outside_material(curve: float, gap: tuple[float, float], advice: str) -> DesignError:
+    """The refusal of a material curve at a height (mm) that leaves the material in a gap, mm from the clamp."""
+    line = f"the line y = {curve:g} mm, z = 0 is outside the material"
+    return DesignError("curve", f"{line} from {gap[0]:.4g} to {gap[1]:.4g} mm behind the clamp; {advice}")
 
 
 def goes_on(name: str, x: float) -> DesignError:
     """The refusal of a body with material on both sides of the plane of the end `name`; x: as the user gave it, mm."""
-    return DesignError(
-        name,
-        f"the body goes on beyond x = {x + 0.0:g} mm at the height of the material curve; give the x of its end there, "
-        "another height (curve), or cut the rest off in CAD",
-    )
+    beyond = f"the body goes on beyond x = {x + 0.0:g} mm at the height of the material curve"
+    return DesignError(name, f"{beyond}; give the x of its end there, or another height (curve)")
 
 
 def misplaced(low: Array, high: Array, middle: float, is_reoriented: bool, is_exact: bool = True) -> DesignError:
@@ -130,12 +127,12 @@ def misplaced(low: Array, high: Array, middle: float, is_reoriented: bool, is_ex
         position = round(position, 2)
     sides = " or ".join(position_of(middle + float(side)) for side in (low[2], high[2]))
     turn = _turn(low, high) if not is_reoriented else ""
-    return DesignError(
-        ("symmetric", "middle"),
-        f"the body reaches from z = {low[2] + 0.0:.4g} to {high[2] + 0.0:.4g} mm; "
-        + (f"write axes: {turn} if it lies in that way, " if turn else "")
-        + f"write middle: {position_of(position)} for a whole arm, symmetric: true and middle: {sides} for one half",
+    reach = f"the body reaches from z = {low[2] + 0.0:.4g} to {high[2] + 0.0:.4g} mm"
+    ways = [f"write axes: {turn} if it lies in that way"] if turn else []
+    ways.append(
+        f"write middle: {position_of(position)} for a whole arm, symmetric: true and middle: {sides} for one half"
     )
+    return DesignError(("symmetric", "middle"), f"{reach}; {', '.join(ways)}")
 
 
 def _turn(low: Array, high: Array) -> str:

@@ -60,11 +60,8 @@ def _size(box: Array) -> float:
 
 
 def _refusal(name: str, point: str, advice: str = "") -> DesignError:
-    return DesignError(
-        f"plug.{name}",
-        f"the point {point} is in no hole of a flat face behind which one wall leads to the air; close it in "
-        f"CAD{advice}",
-    )
+    where = f"the point {point} is in no hole of a flat face behind which one wall leads to the air"
+    return DesignError(f"plug.{name}", f"{where}; close it in CAD{advice}")
 
 
 @dataclass(frozen=True)

@@ -185,10 +185,8 @@ def _placed_by_names(content: FileMesh, placing: Placing) -> Placed:
     names = tuple(sorted(name for name in mesh.faces if name.startswith("cavity")))
     missing = next((name for name in ("clamp", "tip") if name not in mesh.faces), "" if names else "cavity...")
     if missing or (placing.half and "sym" not in mesh.faces):
-        raise MeshError(
-            f"the mesh has no face named {missing or 'sym'}; it has {', '.join(mesh.faces)}: name it, or give clamp "
-            "and tip, and no name is used"
-        )
+        has = f"it has {', '.join(mesh.faces)}"
+        raise MeshError(f"the mesh has no face named {missing or 'sym'}; {has}: name it, or give clamp and tip")
     if "sym" in mesh.faces:
         _refuse_shifted(mesh, placing)
         check_half(mesh)
@@ -208,11 +206,8 @@ def _refuse_shifted(mesh: Mesh, placing: Placing) -> None:
     """Raise `DesignError` where the face sym is flat, but in another plane than z = 0."""
     z, tolerance = mesh.points[np.unique(mesh.faces["sym"]), 2], FLAT * float(np.ptp(mesh.points, axis=0).max())
     if np.ptp(z) <= tolerance and abs(z.mean()) > tolerance:
-        raise DesignError(
-            "middle",
-            f"the face sym lies in the plane z = {z.mean():.6g} mm; "
-            f"write middle: {position_of(placing.middle + z.mean())}",
-        )
+        middle = position_of(placing.middle + z.mean())
+        raise DesignError("middle", f"the face sym lies in the plane z = {z.mean():.6g} mm; write middle: {middle}")
 
 
 def _once(triangles: Index, count: int) -> Index:

@@ -55,9 +55,7 @@ def read_mesh_file(path: Path) -> FileMesh:
     content = _content(path)
     _refuse_other_volumes(path, content)
     if np.any(content.point_data.get("nastran:ref", 0)):
-        raise MeshError(
-            f"the mesh file {path} has nodes in a coordinate system of their own (CP of GRID); save without"
-        )
+        raise MeshError(f"the mesh file {path} has nodes in a coordinate system of their own (CP of GRID)")
     blocks = [block.data for block in content.cells if block.type in TETRAHEDRA]
     points = np.asarray(content.points, dtype=np.float64)
     return _collected(path, points, blocks, named_triangles(content), _named_rows(content))
@@ -108,10 +106,8 @@ def _refuse_other_volumes(path: Path, content: Any) -> None:
     others = [block for block in content.cells if block.dim == 3 and block.type not in TETRAHEDRA]
     if others:
         kinds = ", ".join(f"{len(block.data)} {block.type}" for block in others)
-        raise MeshError(
-            f"the mesh file {path} has {kinds}; allowed are tetrahedra with 4 or 10 nodes: mesh the body with them, "
-            "or give its surface as STL"
-        )
+        allowed = "allowed are tetrahedra with 4 or 10 nodes, or a surface as STL"
+        raise MeshError(f"the mesh file {path} has {kinds}; {allowed}")
 
 
 def _collected(
@@ -120,10 +116,7 @@ def _collected(
     """The elements blocks (m, 4) and (m, 10) in one. Raises `MeshError` where there are none or middles lie wrong."""
     blocks = [np.asarray(block, dtype=np.int64) for block in blocks if len(block)]
     if not blocks:
-        raise MeshError(
-            f"the mesh file {path} has no tetrahedra; mesh the volume, or give the surface as STL and this program "
-            "fills it"
-        )
+        raise MeshError(f"the mesh file {path} has no tetrahedra; mesh the volume, or give the surface as STL")
     curved = NO_CURVED_EDGES
     for block in blocks:
         if block.shape[1] == 10:
@@ -154,8 +147,6 @@ def _curved(path: Path, points: Array, tets: Index) -> CurvedEdges:
     if (away > FARTHEST_MIDDLE * lengths).any():
         worst = int(np.argmax(away - FARTHEST_MIDDLE * lengths))
         where = ", ".join(f"{x:.4g}" for x in middles[worst])
-        raise MeshError(
-            f"the mesh file {path} has a quadratic element whose middle node ({where}) lies far from its edge; allowed "
-            "is the order of VTK: the middles of the edges 12, 23, 13, 14, 24 and 34 after the four corners"
-        )
+        order = "allowed is the order of VTK: the corners, then the middles of 12, 23, 13, 14, 24 and 34"
+        raise MeshError(f"the mesh file {path} has a middle node ({where}) that lies far from its edge; {order}")
     return curved_edges(points, pairs, middles)

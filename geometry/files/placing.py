@@ -25,6 +25,7 @@ from geometry.files.frame import (
     in_frame,
     misplaced,
     no_end_face,
+    outside_material,
 )
 from geometry.files.mesh_reader import FileMesh
 from geometry.files.shells import lies_in, named_cavities, parts_of, refuse_open, windings
@@ -197,18 +198,11 @@ def divided(mesh: Mesh, curve_y: float, length: float) -> Mesh:
     try:
         result = with_curve(mesh, curve_y, length)
     except MeshError as error:
-        raise DesignError(
-            "curve",
-            f"the elements around the line y = {curve_y:g} mm, z = 0 cannot be divided along it, because "
-            f"{error}; {_heights(mesh, length)}",
-        ) from error
+        undivided = f"the elements around the line y = {curve_y:g} mm, z = 0 cannot be divided along it"
+        raise DesignError("curve", f"{undivided}, because {error}; {_heights(mesh, length)}") from error
     gap = curve_gap(result, curve_y, length)
     if gap is not None:
-        raise DesignError(
-            "curve",
-            f"the line y = {curve_y:g} mm, z = 0 is outside the material from {gap[0]:.4g} to {gap[1]:.4g} mm behind "
-            f"the clamp; {_heights(mesh, length)}",
-        )
+        raise outside_material(curve_y, gap, _heights(mesh, length))
     return result
 
 

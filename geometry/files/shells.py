@@ -60,10 +60,8 @@ def refuse_open(
             ways.append(f"give this point in plug: {{inlet: {place}}}" if fills else "close it in CAD")
             raise DesignError(("air", "file"), f"the air is open at the {name}, around {place}; {', or '.join(ways)}")
     mouths = ", or give a point in each of their mouths in plug: {inlet: [x, y, z]}" if fills else ""
-    raise DesignError(
-        ("air", "file"),
-        f"the body has no closed cavity: its surface has no walls of air, or several inlets; close them in CAD{mouths}",
-    )
+    without = "the body has no closed cavity: its surface has no walls of air, or several inlets"
+    raise DesignError(("air", "file"), f"{without}; close them in CAD{mouths}")
 
 
 def windings(at: Array, corners: Array) -> float:

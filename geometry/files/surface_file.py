@@ -160,11 +160,8 @@ class SurfaceFile(FileDesign):
                 break
             placed, off = self._placed(part * size)
         if off > LARGEST_ERROR:
-            raise DesignError(
-                "mesh.size",
-                f"elements of {size:g} mm do not follow the round walls: the volume of the mesh differs from that of "
-                f"the surface by {100 * off:.2g} %; take smaller ones, at most {FINER[-1] * size / 1.5:.2g} mm",
-            )
+            wrong = f"with {size:g} mm the mesh does not follow the round walls: its volume is off by {100 * off:.2g} %"
+            raise DesignError("mesh.size", f"{wrong}; take at most {FINER[-1] * size / 1.5:.2g} mm")
         return Body(placed.mesh, self.family, placed.length, self.pitch, self.curve, False, placed.cavities)
 
     def _placed(self, size: float) -> tuple[Placed, float]:

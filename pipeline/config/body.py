@@ -55,18 +55,14 @@ def _unit(value: Any) -> float:
     try:
         return convert(f"1 {value.strip()}" if named else value, LENGTH)
     except ValueError:
-        raise ValueError(
-            f"{quoted(value)} is no unit of length; allowed: mm, cm, m, inch, or a length above 0 such as 25.4 mm"
-        ) from None
+        raise ValueError(f"{quoted(value)} is no unit of length; allowed: mm, cm, m, inch, or a length") from None
 
 
 def _axes(value: Any) -> tuple[str, ...]:
     names = tuple(str(name).replace(" ", "").removeprefix("+") for name in value) if isinstance(value, list) else ()
     if len(names) != 3 or not all(name.removeprefix("-") in ("x", "y", "z") for name in names):
-        raise ValueError(
-            f"{quoted(value)} are no directions; allowed: those of the file that are x (along the arm), y (up) and z "
-            "of the arm, such as [x, z, -y] for a file with z up"
-        )
+        allowed = "the directions of the file that are x (along the arm), y (up) and z of the arm, such as [x, z, -y]"
+        raise ValueError(f"{quoted(value)} are no directions; allowed: {allowed}")
     return names
 
 
@@ -86,10 +82,8 @@ def _plug(value: Any) -> bool | dict[str, tuple[float, ...]]:
         return value
     points = list(value.values()) if isinstance(value, Mapping) else []
     if not points or not all(isinstance(point, list) and len(point) == 3 for point in points):
-        raise ValueError(
-            f"{quoted(value)} is not allowed; allowed: true (closes an inlet in the plane of the clamp), false, or a "
-            "name for each inlet and a point in its mouth, for example {inlet: [40 mm, 0 mm, 0 mm]}"
-        )
+        allowed = "true (closes an inlet in the plane of the clamp), false, or a point in the mouth of each inlet"
+        raise ValueError(f"{quoted(value)} is not allowed; allowed: {allowed}: {{inlet: [40 mm, 0 mm, 0 mm]}}")
     return {str(name): tuple(convert(x, LENGTH) for x in point) for name, point in value.items()}
 
 

@@ -49,10 +49,7 @@ _REGIONS = Kind("a section for each region", "{base: {law: svk, E: 5 MPa, nu: 0.
 def _experiments(value: Any) -> tuple[str, ...]:
     names = tuple(value) if isinstance(value, list) else (value,)
     if sorted(map(str, names)) not in (["I", "II", "III"], ["II", "III"]):
-        raise ValueError(
-            f"{quoted(value)} is not allowed; allowed: [I, II, III] or [II, III], for the parameters need II and III; "
-            "other choices are for `pneurod sweep`"
-        )
+        raise ValueError(f"{quoted(value)} is not allowed; allowed: [I, II, III] or [II, III]")
     return tuple(sorted(names))
 
 

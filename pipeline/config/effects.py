@@ -65,10 +65,8 @@ def _cavity_pressure(value: Any) -> CavityPressure:
     try:
         return CavityPressure(0.0, convert(value, PRESSURE))
     except ValueError:
-        raise ValueError(
-            f"{quoted(value)} is neither a fraction of the pressure, for example 0.5, nor a pressure, for example "
-            "'10 kPa'"
-        ) from None
+        allowed = "a fraction of the pressure, for example 0.5, or a pressure, for example '10 kPa'"
+        raise ValueError(f"{quoted(value)} is not allowed; allowed: {allowed}") from None
 
 
 _CAVITIES = Kind("a number or a pressure for each", "{cavity: 1}", "1 or kPa")

@@ -97,16 +97,12 @@ def _ascending(values: tuple[float, ...]) -> bool:
     if not values:
         raise ValueError("is empty; give at least one pressure, for example [17 kPa, 37 kPa]")
     if min(values) <= 0.0:
-        raise ValueError(
-            f"{min(values):g} kPa is not above zero; give pressures above 0 kPa in ascending order; for a vacuum give "
-            "a cavity a negative fraction of them, for example effects.pressure: {cavities: {cavity: -1}}"
-        )
+        vacuum = "for a vacuum give a cavity a negative fraction of them: effects.pressure: {cavities: {cavity: -1}}"
+        raise ValueError(f"{min(values):g} kPa is not above zero; give pressures above 0 kPa; {vacuum}")
     for earlier, later in pairwise(values):
         if is_same(earlier, later):
-            raise ValueError(
-                f"has {earlier:.12g} kPa and {later:.12g} kPa, which differ by less than {SAME:g} of themselves and "
-                "count as one pressure; list every pressure once"
-            )
+            equal = f"which differ by less than {SAME:g} of themselves and count as one pressure"
+            raise ValueError(f"has {earlier:.12g} kPa and {later:.12g} kPa, {equal}; list it once")
         if later < earlier:
             raise ValueError(f"{later:g} kPa after {earlier:g} kPa is not in ascending order; list the lowest first")
     return True

@@ -119,9 +119,5 @@ def stiffness_conflicts(material: Material, pressures_kPa: tuple[float, ...]) ->
     highest, modulus = pressures_kPa[-1], material.built().young_modulus
     ratio = in_MPa(highest) / modulus
     if ratio > LARGEST_PRESSURE:
-        yield conflict(
-            f"{highest:g} kPa is {ratio:.3g} E, with Young's modulus E = {modulus:.4g} MPa of the material at small "
-            f"strain; allowed: at most {LARGEST_PRESSURE:g} E",
-            ("pressures",),
-            ("material",),
-        )
+        excess = f"{highest:g} kPa is {ratio:.3g} E, with Young's modulus E = {modulus:.4g} MPa at small strain"
+        yield conflict(f"{excess}; allowed: at most {LARGEST_PRESSURE:g} E", ("pressures",), ("material",))

@@ -80,9 +80,8 @@ def open_folder(directory: Path | str, words: FolderWords = ON_COMMAND_LINE) -> 
     except OSError as failure:
         in_the_way = next((part for part in (folder, *folder.parents) if part.is_file()), None)
         reason = f"{in_the_way} is a file" if in_the_way else failure.strerror or str(failure)
-        raise InputError(
-            f"{words.given(folder)}: cannot be written ({reason}); give a folder you may write to"
-        ) from None
+        sentence = f"{words.given(folder)}: cannot be written ({reason}); give a folder you may write to"
+        raise InputError(sentence) from None
     return ResultFolder(folder)
 
 

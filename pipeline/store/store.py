@@ -112,9 +112,8 @@ def locked(folder: Path, words: FolderWords = ON_COMMAND_LINE) -> Iterator[None]
     try:
         lock.acquire()
     except Timeout:
-        raise InputError(
-            f"{words.given(folder)}: another run is at work in it; wait for it or give another {words.out}"
-        ) from None
+        remedy = f"wait for it or give another {words.out}"
+        raise InputError(f"{words.given(folder)}: another run is at work in it; {remedy}") from None
     try:
         yield
     finally:

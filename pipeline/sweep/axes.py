@@ -99,10 +99,8 @@ def _values(entry: Value) -> list[Value]:
         check_value(entry)
         return entry
     if not isinstance(entry, Mapping) or set(entry) != {"from", "to", "number"}:
-        raise ValueError(
-            f"{quoted(entry)} is neither a list, for example [1 mm, 1.5 mm], nor a range, for example "
-            "{from: 8 mm, to: 16 mm, number: 5}"
-        )
+        allowed = "a list such as [1 mm, 1.5 mm] nor a range such as {from: 8 mm, to: 16 mm, number: 5}"
+        raise ValueError(f"{quoted(entry)} is neither {allowed}")
     number = entry["number"]
     if isinstance(number, bool) or not isinstance(number, int) or not 2 <= number <= MOST_POINTS:
         raise ValueError(f"number: {quoted(number)} is not allowed; allowed: a whole number from 2 to {MOST_POINTS}")

@@ -115,10 +115,8 @@ def _refuse_nested(document: Document, keys: Sequence[str]) -> None:
     for outer in keys:
         for inner in keys:
             if inner.startswith(f"{outer}."):
-                raise document.wrong(
-                    ("axes",),
-                    f"{outer} and {inner} are both given, and the first replaces the second; give one of them",
-                )
+                sentence = f"{outer} and {inner} are both given, and the first replaces the second"
+                raise document.wrong(("axes",), f"{sentence}; give one of them")
 
 
 def _axes(document: Document, content: _File) -> list[Axis]:
@@ -130,9 +128,7 @@ def _axes(document: Document, content: _File) -> list[Axis]:
             raise document.wrong(("axes", number), str(refused)) from None
     if cube := content.latin_hypercube:
         if cube.points < 1 or not cube.axes:
-            raise document.wrong(
-                ("latin_hypercube",), "holds no points; give points above 0 and at least one key in its axes"
-            )
+            raise document.wrong(("latin_hypercube",), "holds no points; give some, and at least one key in its axes")
         try:
             axes.append(latin_hypercube(cube.points, cube.seed, cube.axes))
         except ValueError as refused:

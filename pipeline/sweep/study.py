@@ -72,11 +72,8 @@ class SweepReport:
         others = [point for point in self.points if point.status != FINISHED]
         if others:
             first = others[0]
-            raise RunFailed(
-                f"{len(others)} of {len(self.points)} points did not finish, as {self.directory / TABLE[0]} says; "
-                f"the first of them is point {first.number}: {first.reason}",
-                directory=self.directory,
-            )
+            missing = f"{len(others)} of {len(self.points)} points did not finish, as {self.directory / TABLE[0]} says"
+            raise RunFailed(f"{missing}; the first is point {first.number}: {first.reason}", directory=self.directory)
 
 
 def run_sweeps(requests: Sequence[tuple[Sweep, Path]], course: Course) -> list[SweepReport]:
@@ -168,10 +165,8 @@ class _SetInProgress:
             return
         name = f"the sweep '{kept.get('name')}'"
         other = f", not of '{own['name']}'" if "name" in unlike else f" with another {' and '.join(unlike)}"
-        raise InputError(
-            f"--out {self.folder.directory}: holds the results of {name}{other}; give another --out, or --fresh to "
-            "replace them"
-        )
+        held = f"--out {self.folder.directory}: holds the results of {name}{other}"
+        raise InputError(f"{held}; give another --out, or --fresh to replace them")
 
     @property
     def missing(self) -> list[PointTask]:

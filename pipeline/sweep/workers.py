@@ -62,11 +62,9 @@ class LocalWorkers:
         if (memory is not None or jobs > 1) and not LEAST_MEMORY <= each <= share:
             given = f"--jobs {jobs}" if memory is None else f"--memory {memory}"
             most = max(1, MEMORY_LIMIT // max(each, LEAST_MEMORY))
-            raise InputError(
-                f"{given}: each of {jobs} workers needs from {_gigabytes(LEAST_MEMORY)} to its part of the "
-                f"{_gigabytes(MEMORY_LIMIT)} of this machine; give at most --jobs {most}, or --memory with such an "
-                "amount and its unit, for example '4 GB'"
-            )
+            allowed = f"from {_gigabytes(LEAST_MEMORY)} to its part of the {_gigabytes(MEMORY_LIMIT)} of this machine"
+            remedy = f"give at most --jobs {most}, or --memory with its unit, for example '4 GB'"
+            raise InputError(f"{given}: each of {jobs} workers needs {allowed}; {remedy}")
         return LocalWorkers(jobs, each)
 
 
@@ -122,10 +120,8 @@ def connected(workers: Workers) -> Iterator[Connected]:
         try:
             remote = Client(workers, timeout=PATIENCE)
         except (OSError, ValueError) as failure:
-            raise InputError(
-                f"--scheduler {workers}: no scheduler answers there ({failure}); start one with `dask scheduler` and "
-                "give the address that it prints, such as tcp://127.0.0.1:8786"
-            ) from None
+            remedy = "start one with `dask scheduler` and give the address that it prints"
+            raise InputError(f"--scheduler {workers}: no scheduler answers there ({failure}); {remedy}") from None
         with remote:
             number = len(remote.scheduler_info(n_workers=-1)["workers"])
             yield Connected(remote, f"scheduler {workers}: {number} workers; dashboard: {remote.dashboard_link}")
@@ -168,14 +164,10 @@ def _record(future: Future) -> PointRecord:
         record: PointRecord = future.result()
     except KilledWorker:
         return PointRecord(
-            WAITING,
-            "its workers were ended from outside again and again, as happens when memory runs out; the same command "
-            "continues this point",
+            WAITING, "its workers were ended from outside, as when memory runs out; the same command goes on"
         )
     except (CancelledError, CommClosedError):
-        raise RunFailed(
-            "the scheduler ended before the sweep; finished points are kept, and the same command continues"
-        ) from None
+        raise RunFailed("the scheduler ended before the sweep; the same command continues") from None
     except ImportError as failure:
         raise RunFailed(f"a worker cannot import what a point needs ({failure}); install pneurod for it") from None
     return record

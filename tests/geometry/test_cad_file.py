@@ -138,7 +138,7 @@ BAD_SPECS: list[tuple[dict[str, Any], str, str]] = [
     ({"tip": -5}, "tip", "x = -5 mm lies outside the body, which reaches from 0 to 60 mm"),
     ({"tip": 0}, "clamp", "both at x = 0 mm"),
     ({"curve": 17}, "curve", "y = 17 mm lies outside the body"),
-    ({"curve": 5}, "curve", "y = 5 mm, z = 0 is outside the material between .* mm behind the clamp"),
+    ({"curve": 5}, "curve", "y = 5 mm, z = 0 is outside the material from .* mm behind the clamp"),
     ({"cell": 0}, "cell", "positive"),
     ({"unit": float("nan")}, "unit", "positive"),
 ]

@@ -104,7 +104,7 @@ def test_the_curve_may_run_along_the_bottom_of_a_half(folder: Path) -> None:
 @pytest.mark.parametrize(
     ("draw", "keys", "key", "sentence"),
     [
-        (pair, {}, "file", "give parts, a point in each one of another material"),
+        (pair, {}, "file", "or parts: a point in each of another material"),
         (pair, {"parts": {"plate": (20.0, 5.0, 0.0)}}, "parts.plate", "(20, 5, 0) mm lies in no solid of the file"),
         (pair, {"parts": {"a": (1.0, 3.0, 2.0)}}, "parts.a", "(1, 3, 2) mm lies in the boundary of several solids"),
         (pair, {"parts": {"a": IN_PLATE, "b": (9.0, 2.0, 1.0)}}, "parts.b", "lies in the same solid as that of a"),

@@ -159,7 +159,7 @@ def test_a_narrow_slit_across_the_curve_shows_when_the_file_is_read(folder: Path
     """Narrower than the hundredth part of the length."""
     path = save(folder / "slit.step", lambda occ: occ.cut(bar(occ), [box(occ, (30.45, 0.5, -8), (30.55, 2.5, 8))])[0])
     with pytest.raises(
-        DesignError, match=r"curve: the line y = 1.5 mm, z = 0 is outside the material between 30.45 and 30.55"
+        DesignError, match=r"curve: the line y = 1.5 mm, z = 0 is outside the material from 30.45 to 30.55"
     ):
         CadFile(str(path), 1.5)
     assert CadFile(str(path), 11.0).solid_volume == pytest.approx(BAR_VOLUME - 0.1 * 2 * 15)
@@ -185,7 +185,7 @@ def test_elements_that_are_listed_twice(folder: Path) -> None:
 
 
 def test_more_points_than_can_be_numbered() -> None:
-    with pytest.raises(MeshError, match="has 3000000 points, more than this program can number; save the body with"):
+    with pytest.raises(MeshError, match="has 3000000 points, more than this program can number; save it with fewer"):
         row_keys(np.zeros((1, 3), dtype=np.int64), 3_000_000)
 
 

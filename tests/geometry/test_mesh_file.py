@@ -113,14 +113,14 @@ BAD_MESHES: dict[str, tuple[Callable[[Mesh], Mesh], str]] = {
     "filled cavity": (lambda mesh: renamed(mesh.mirrored(), outer="cavity_2"), "cavity_2 encloses"),
     "two solids": (duplicated, "2 solids"),
     "hinge": (with_hinge, "not manifold: an edge near"),
-    "tangled": (with_moved_vertex, r"tangled: at \d+ of their faces .* such as near \("),
+    "tangled": (with_moved_vertex, r"tangled: at \d+ of their faces, such as near \("),
     "narrow sym": (with_narrow_sym, "all of the boundary in the plane z = 0, and it leaves out"),
     "sym elsewhere": (with_sym_elsewhere, "sym must lie in the plane z = 0; a triangle of it is near"),
     "half without sym": (
         lambda mesh: renamed(mesh, sym="rest"),
         "open edge near .* of a half name the faces",
     ),
-    "more than a half": (with_more_than_a_half, "must be one half, but it reaches to .* other side of z = 0"),
+    "more than a half": (with_more_than_a_half, "has a face sym, but reaches to .* beyond z = 0"),
 }
 
 

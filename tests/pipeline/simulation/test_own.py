@@ -270,7 +270,7 @@ def test_a_surface_is_filled_and_recorded(tmp_path: Path) -> None:
     )
     unit = refusal(path, *right, "geometry.unit=fathoms deep")
     assert "geometry.unit: 'fathoms deep' is no unit of length; allowed: mm, cm, m, inch" in unit
-    assert "are no directions; allowed: those of the file" in refusal(path, *right, "geometry.axes=[x, y]")
+    assert "are no directions; allowed: the directions of the file" in refusal(path, *right, "geometry.axes=[x, y]")
 
 
 def hinge(occ: Any) -> None:
