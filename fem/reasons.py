@@ -50,6 +50,19 @@ SENTENCES: Mapping[str, str] = {
     "pressures in between may lead further",
     "unexplained_under_volume": "the law does not explain it: a finer mesh, another formulation or volumes in between "
     "may lead further",
+    # a piece of an arm
+    "no_piece_near": "no equilibrium of the {piece} at {pressure_kPa:.4g} kPa and a mean curvature of "
+    "{kappa_per_mm:.4g} 1/mm",
+    "no_piece_on_the_way": "no equilibrium of the {piece} at {pressure_kPa:.4g} kPa and a mean curvature of "
+    "{kappa_per_mm:.4g} 1/mm, on the way to {target_kPa:.4g} kPa",
+    "piece_unstable": "the {piece} is not stable at {pressure_kPa:.4g} kPa and {kappa_per_mm:.4g} 1/mm",
+    "no_piece_without_moment": "the {piece} at {pressure_kPa:.4g} kPa has no state without moment near the last one",
+    "cell_moment_falls": "the moment of the cell falls at {pressure_kPa:.4g} kPa",
+    "clamp_moment_falls": "at {pressure_kPa:.4g} kPa the clamped end is not described from a moment of "
+    "{moment_N_mm:.4g} N mm on, because that moment does not grow when the end is bent further",
+    "clamp_not_followed": "the clamped end at {pressure_kPa:.4g} kPa was not followed beyond {moment_N_mm:.4g} N mm",
+    "clamp_not_near": "the clamped end at {pressure_kPa:.4g} kPa has no state near {moment_N_mm:.4g} N mm",
+    "clamp_once": "the clamped end has one state at {pressure_kPa:.4g} kPa only",
     # the stability of a state
     "unstable": "unstable in {directions} direction(s); the motion nearest to a limit point is largest at {at}",
     "unstable_at_limit_point": "unstable in {directions} direction(s), at a limit point",

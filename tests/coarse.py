@@ -8,7 +8,8 @@ from pathlib import Path
 from typing import Any
 
 from pipeline.results.files import read_results
-from pipeline.results.values import LawMeshError, Run
+from pipeline.results.law import LawMeshError
+from pipeline.results.values import Run
 
 COARSE = Path(__file__).resolve().parent / "data" / "results_coarse"
 

@@ -34,9 +34,10 @@ from fem.materials.regions import Solid, laws_of
 from fem.path.control import LoadControl
 from fem.path.newton import NewtonOptions, Start, StepFailed, solve
 from fem.post.extremes import extremes_of, strain_at_stress_points
+from fem.reasons import FailedForReasons
 from fem.solution import Extremes
 from fem.supports import Line, Support, nodes_at
-from geometry import Body
+from geometry import Body, Reason
 from geometry.arrays import Array, Index
 
 #: how often the way between two states is halved where Newton's method does not converge
@@ -49,8 +50,8 @@ SAME_ANGLE = 1e-12
 OPTIONS = NewtonOptions(tolerance=1e-6)
 
 
-class PieceFailed(ArithmeticError):
-    """No equilibrium was reached; the sentence tells at which pressure and curvature, and why."""
+class PieceFailed(FailedForReasons):
+    """No equilibrium was reached; the first reason tells at which pressure and curvature."""
 
 
 @final
@@ -181,7 +182,7 @@ class BendingPiece:
             except StepFailed as failure:
                 halvings += 1
                 if halvings > MAX_HALVINGS:
-                    raise PieceFailed(self._sentence(p, phi, str(failure), pressure)) from None
+                    raise PieceFailed(self._where(p, phi, pressure), *failure.reasons) from None
                 increment /= 2.0
                 continue
             fraction = target
@@ -208,7 +209,7 @@ class BendingPiece:
             return self._solve_directly(pressure, angle, Start(predicted, start.terms, iterations, gives_up))
         except StepFailed as failure:
             target = pressure if final is None else final
-            raise PieceFailed(self._sentence(pressure, angle, str(failure), target)) from None
+            raise PieceFailed(self._where(pressure, angle, target), *failure.reasons) from None
 
     def constraints(self, angle: float) -> Constraints:
         """The supports with the plane at an angle in rad, resolved to u = T q + g."""
@@ -274,13 +275,12 @@ class BendingPiece:
             start.terms,
         )
 
-    def _sentence(self, pressure: float, angle: float, cause: str, target: float) -> str:
-        """target: MPa, the pressure to which the way led."""
-        curvature = angle / self.body.length
-        way = "" if pressure == target else f", on the way to {1000.0 * target:.4g} kPa"
-        return (
-            f"no equilibrium of the {self.name} at {1000.0 * pressure:.4g} kPa and a mean curvature of "
-            f"{curvature:.4g} 1/mm{way}: {cause}"
+    def _where(self, pressure: float, angle: float, target: float) -> Reason:
+        """Where there is no equilibrium; target: MPa, the pressure to which the way led."""
+        kPa = {"pressure_kPa": 1000.0 * pressure, "target_kPa": 1000.0 * target}
+        return Reason(
+            "no_piece_near" if pressure == target else "no_piece_on_the_way",
+            {"piece": self.name, "kappa_per_mm": angle / self.body.length, **kPa},
         )
 
 

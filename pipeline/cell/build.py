@@ -15,7 +15,7 @@ from pipeline.cell.point import Measured
 from pipeline.cell.tasks import ArmTasks, Log, PieceCurves
 from pipeline.context import RunContext
 from pipeline.parallel import Pending
-from pipeline.results.values import LawMeshError
+from pipeline.results.law import LawMeshError
 from rod.arm_law.curves import CellCurve, ClampCurve
 from rod.arm_law.law import ArmLaw
 

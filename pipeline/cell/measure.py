@@ -147,7 +147,7 @@ def _sweep_to(piece: BendingPiece, sweep: CellSweep, until: Range, softest: floa
         try:
             point = _next_point(piece, sweep, part * change)
             if outward * (point.moment - last.moment) <= 0.0:
-                raise PieceFailed(f"the moment of the cell falls at {sweep.pressure:g} kPa")
+                raise PieceFailed(Reason("cell_moment_falls", {"pressure_kPa": sweep.pressure}))
             sweep.shear.append((point.moment, _shear(piece, point)))
         except PieceFailed as failure:
             if len(followed) == 1 and abs(change) > shortest:

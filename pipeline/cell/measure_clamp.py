@@ -53,14 +53,13 @@ def clamp_curve(
     lowest, last = float(cell.moment[0]), float(cell.moment[-1])
     steps = _steps(cell)[1]
     first = _first(piece, cell, start)
-    limits: list[Reason] = []
+    limits: list[PieceFailed] = []
     behind, ahead = (_followed(piece, cell, first, moment, steps, limits) for moment in (lowest, last))
     points = [*reversed(behind), first, *ahead]
     if len(points) < 2:
-        why = limits[0].values["why"] if limits else f"the clamped end has one state at {cell.pressure:.4g} kPa only"
-        raise PieceFailed(why)
+        raise limits[0] if limits else PieceFailed(Reason("clamp_once", {"pressure_kPa": cell.pressure}))
     error = _refine(piece, cell, points)
-    return Measured(_curve(piece, cell, points), tuple(limits), error), first.state
+    return Measured(_curve(piece, cell, points), tuple(map(reason_of, limits)), error), first.state
 
 
 def first_state(piece: BendingPiece, cell: CellCurve, start: PieceState | None) -> PieceState:
@@ -122,10 +121,8 @@ class _ClampPoint(PiecePoint):
         point = PiecePoint.of(piece, state)
         known = point.slopes
         if known.moment_by_angle <= 0.0:
-            raise PieceFailed(
-                f"at {cell.pressure:g} kPa the clamped end is not described from a moment of {state.moment:.4g} N mm "
-                "on, because that moment does not grow when the end is bent further"
-            )
+            values = {"pressure_kPa": cell.pressure, "moment_N_mm": state.moment}
+            raise PieceFailed(Reason("clamp_moment_falls", values))
         x = (piece.space.points + state.state.displacement)[piece.curve, :2]
         turned = known.by_angle[piece.curve, :2]
         step = DIFFERENCE * float(np.ptp(cell.moment)) / known.moment_by_angle
@@ -151,7 +148,7 @@ class _ClampPoint(PiecePoint):
 
 
 def _followed(
-    piece: BendingPiece, cell: CellCurve, first: _ClampPoint, limit: float, steps: int, limits: list[Reason]
+    piece: BendingPiece, cell: CellCurve, first: _ClampPoint, limit: float, steps: int, limits: list[PieceFailed]
 ) -> list[_ClampPoint]:
     """States of the clamped end from the first one on, without it, up to a moment in N mm; steps: over all moments."""
     points = [first]
@@ -165,7 +162,7 @@ def _followed(
         except PieceFailed as failure:
             change /= 2.0
             if change / spacing < SMALLEST_STEP * steps:
-                limits.append(reason_of(failure))
+                limits.append(failure)
                 break
     return points[1:]
 
@@ -186,7 +183,8 @@ def _next_point(
     state = piece.solve_near(last.state.pressure, angle, predicted or last.state.state, last.state)
     reached = state.moment - last.moment
     if not 0.0 < reached / change <= min(FARTHEST, left / change):
-        raise PieceFailed(f"the clamped end at {cell.pressure:.4g} kPa was not followed beyond {last.moment:.4g} N mm")
+        values = {"pressure_kPa": cell.pressure, "moment_N_mm": last.moment}
+        raise PieceFailed(Reason("clamp_not_followed", values))
     return _ClampPoint.on(piece, cell, state)
 
 
@@ -242,7 +240,7 @@ def _point_between(piece: BendingPiece, cell: CellCurve, first: _ClampPoint, sec
     predicted = extrapolate(first.path_point, second.path_point, angle)
     state = piece.solve_near(first.state.pressure, angle, predicted or first.state.state, second.state)
     if not first.moment < state.moment < second.moment:
-        raise PieceFailed(f"the clamped end at {cell.pressure:.4g} kPa has no state near {moment:.4g} N mm")
+        raise PieceFailed(Reason("clamp_not_near", {"pressure_kPa": cell.pressure, "moment_N_mm": moment}))
     return _ClampPoint.on(piece, cell, state)
 
 

@@ -18,7 +18,8 @@ from pipeline.errors import InputError, RunFailed
 from pipeline.identification.richardson import extrapolate
 from pipeline.notes import render
 from pipeline.pressure import in_MPa, name_of_state
-from pipeline.results.values import SMALLEST_TURN, LawMeshError
+from pipeline.results.law import LawMeshError
+from pipeline.results.values import SMALLEST_TURN
 from pipeline.store.json_values import JsonObject
 from pipeline.store.kept import kept
 from rod.arm_law.curves import CellCurve

@@ -11,7 +11,7 @@ from fem.cell.piece import BendingPiece, PieceFailed, PieceState
 from fem.cell.response import Slopes, inflated, slopes
 from fem.equations.linear import SingularMatrix
 from fem.path.predictor import PathPoint, extrapolate
-from geometry import Reason
+from geometry import Reason, Values
 from pipeline.notes import render
 from pipeline.pressure import in_kPa
 
@@ -64,7 +64,8 @@ class Measured(Generic[Value]):
 
 def reason_of(failure: Exception) -> Reason:
     """Why a curve ends."""
-    return Reason("piece_fails", {"why": str(failure).rstrip(".")})
+    why = list(failure.reasons) if isinstance(failure, PieceFailed) else str(failure).rstrip(".")
+    return Reason("piece_fails", {"why": why})
 
 
 def failure_of(failure: Exception | Reason) -> Reason:
@@ -91,9 +92,8 @@ def without_moment(
             return point
         angle = state.angle + float(np.clip(correction, -LARGEST_TURN, LARGEST_TURN))
         state = piece.solve(state.pressure, angle, state, extrapolate(None, point.path_point, angle))
-    raise PieceFailed(
-        f"the {piece.name} at {in_kPa(state.pressure):.4g} kPa has no state without moment near the last one"
-    )
+    values: Values = {"piece": piece.name, "pressure_kPa": in_kPa(state.pressure)}
+    raise PieceFailed(Reason("no_piece_without_moment", values))
 
 
 def reached(
@@ -119,10 +119,12 @@ def stable(piece: BendingPiece, state: PieceState) -> Iterator[None]:
     """An unstable state, or one with a singular tangent, becomes a `PieceFailed` that names it."""
     try:
         if state.negative_pivots:
-            raise SingularMatrix("its tangent is indefinite")
+            raise PieceFailed(_unstable(piece, state), Reason("tangent_indefinite"))
         yield
     except SingularMatrix as failure:
-        curvature = state.angle / piece.body.length
-        raise PieceFailed(
-            f"the {piece.name} is not stable at {in_kPa(state.pressure):.4g} kPa and {curvature:.4g} 1/mm: {failure}"
-        ) from None
+        raise PieceFailed(_unstable(piece, state), Reason("tangent_singular", {"why": str(failure)})) from None
+
+
+def _unstable(piece: BendingPiece, state: PieceState) -> Reason:
+    kappa, pressure = state.angle / piece.body.length, in_kPa(state.pressure)
+    return Reason("piece_unstable", {"piece": piece.name, "pressure_kPa": pressure, "kappa_per_mm": kappa})

@@ -14,7 +14,7 @@ from pipeline.errors import InputError, RunFailed
 from pipeline.notes import render, render_all
 from pipeline.progress import Progress
 from pipeline.results.files import law_of
-from pipeline.results.values import Law
+from pipeline.results.law import Law
 from pipeline.simulation.scene import Scene
 from pipeline.simulation.simulate import begin_loading
 from pipeline.store.formats import FORMAT

@@ -8,7 +8,8 @@ import numpy as np
 
 from geometry.arrays import Array
 from pipeline.formatting import percent
-from pipeline.results.values import SMALLEST_TURN, Column, Curve, RodError, Run
+from pipeline.results.parameters import Column
+from pipeline.results.values import SMALLEST_TURN, Curve, RodError, Run
 from pipeline.store.formats import ARM_LAW, EXTENSIBLE, FIVE
 
 #: the rods in words

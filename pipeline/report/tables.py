@@ -2,13 +2,13 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Any
 
 from pipeline.formatting import decimals_beside, decimals_of, duration, interval, number, percent, with_spread
 from pipeline.notes.rods import TITLES, mesh_errors, rod_errors
 from pipeline.results.parameters import FiveColumns
-from pipeline.results.values import Run
+from pipeline.results.values import Run, State
 from pipeline.store.formats import EXTENSIBLE, FIVE
 
 #: key in parameters.json, symbol, unit: the five parameters
@@ -18,16 +18,6 @@ NUMBERS = (
     ("m01_N_mm", "m₀₁", "N mm"),
     ("m02_N_mm", "m₀₂", "N mm"),
     ("d_mm", "d", "mm"),
-)
-#: columns of the table of states: field of `State`, title
-_STATES = (
-    ("experiment", "experiment"),
-    ("pressure_kPa", "p (kPa)"),
-    *(("end_x_mm", "end x (mm)"), ("end_y_mm", "end y (mm)"), ("reaction_N", "reaction x, y (N)")),
-    *(("stretch_of_curve", "length of curve / at rest"), ("min_stretch", "smallest stretch")),
-    *(("max_stretch", "largest stretch"), ("min_J", "smallest volume ratio J"), ("min_gap_mm", "smallest gap (mm)")),
-    *(("newton_iterations", "Newton iterations"), ("factorizations", "factorizations"), ("seconds", "seconds")),
-    *(("status", "status"), ("reason", "remark")),
 )
 #: errors of a rod under one load
 _ERRORS = ("distance / length", "error of end angle (°)", "error of force", "error of curvature")
@@ -128,8 +118,9 @@ def loads(run: Run) -> Table | None:
 
 def states(run: Run) -> Table | None:
     """Every experiment and pressure; None where no experiment was begun."""
-    rows = tuple(tuple(_cell(getattr(state, name)) for name, _ in _STATES) for state in run.states)
-    return Table(tuple(title for _, title in _STATES), rows) if rows else None
+    titles = {column.name: column.metadata["title"] for column in fields(State) if "title" in column.metadata}
+    rows = tuple(tuple(_cell(getattr(state, name)) for name in titles) for state in run.states)
+    return Table(tuple(titles.values()), rows) if rows else None
 
 
 def effects(run: Run) -> Table | None:

@@ -15,7 +15,8 @@ from pydantic import BeforeValidator, WithJsonSchema
 
 from geometry.arrays import Array
 from pipeline.errors import RunFailed
-from pipeline.results.parameters import Column, Numbers, RodParameters
+from pipeline.results.law import Law
+from pipeline.results.parameters import Numbers, RodParameters
 from pipeline.results.record import MeshRecord, Position, Reported, RunRecord
 from pipeline.store.formats import CONVERGED, FIVE
 from rod.same_pressure import is_same
@@ -38,36 +39,43 @@ SMALLEST_TURN = 0.1
 
 @dataclass(frozen=True)
 class State:
-    """One experiment at one pressure: a row of experiments.json. Forces and volumes are those of the full body."""
+    """One experiment at one pressure: a row of experiments.json. Forces and volumes are those of the full body.
 
-    experiment: str  #: I, II or III
-    pressure_kPa: float
-    end_x_mm: Number = math.nan  #: current position of the end of the material curve
-    end_y_mm: Number = math.nan
-    reaction_N: Pair = _NONE  #: on the end
+    The report shows the fields that have a title.
+    """
+
+    experiment: str = field(metadata={"title": "experiment"})  #: I, II or III
+    pressure_kPa: float = field(metadata={"title": "p (kPa)"})
+    #: current position of the end of the material curve
+    end_x_mm: Number = field(default=math.nan, metadata={"title": "end x (mm)"})
+    end_y_mm: Number = field(default=math.nan, metadata={"title": "end y (mm)"})
+    reaction_N: Pair = field(default=_NONE, metadata={"title": "reaction x, y (N)"})  #: on the end
     clamp_reaction_N: Pair = _NONE
     clamp_moment_N_mm: Number = math.nan
     cavity_volume_mm3: Number = math.nan
-    stretch_of_curve: Number = math.nan  #: current length of the material curve over its length at rest
+    #: current length of the material curve over its length at rest
+    stretch_of_curve: Number = field(default=math.nan, metadata={"title": "length of curve / at rest"})
     curve_z_mm: Number = math.nan  #: largest distance of the material curve from the plane z = 0
-    min_J: Number = math.nan
-    max_stretch: Number = math.nan
-    min_stretch: Number = math.nan
+    min_J: Number = field(default=math.nan, metadata={"title": "smallest volume ratio J"})
+    max_stretch: Number = field(default=math.nan, metadata={"title": "largest stretch"})
+    min_stretch: Number = field(default=math.nan, metadata={"title": "smallest stretch"})
     min_J_at_mm: Position | None = None
     max_stretch_at_mm: Position | None = None
     min_stretch_at_mm: Position | None = None
-    min_gap_mm: Number = math.nan  #: smallest signed gap between facing walls; NaN without such walls
+    #: smallest signed gap between facing walls; NaN without such walls
+    min_gap_mm: Number = field(default=math.nan, metadata={"title": "smallest gap (mm)"})
     contact_error_mm: Number = math.nan  #: NaN where contact was not compared with exact distances
     contact_error_N: Number = math.nan
     stress_error: Number = math.nan  #: energy of the difference to the recovered stress over that of the stress
     stress_error_at_mm: Position | None = None
     negative_pivots: int | None = None
-    newton_iterations: int | None = None
-    factorizations: int | None = None
+    newton_iterations: int | None = field(default=None, metadata={"title": "Newton iterations"})
+    factorizations: int | None = field(default=None, metadata={"title": "factorizations"})
     cutbacks: int | None = None
-    seconds: Number = math.nan
-    status: str = CONVERGED
-    reason: str = ""  #: why the pressure was not reached, or what limits the trust in the state
+    seconds: Number = field(default=math.nan, metadata={"title": "seconds"})
+    status: str = field(default=CONVERGED, metadata={"title": "status"})
+    #: why the pressure was not reached, or what limits the trust in the state
+    reason: str = field(default="", metadata={"title": "remark"})
 
     @property
     def end_mm(self) -> tuple[float, float]:
@@ -151,56 +159,6 @@ def bending_deg(tip_mm: Pair) -> float:
     The tangent at the end itself turns with the end wall of a cavity, by up to 10 degrees the other way.
     """
     return abs(math.degrees(2.0 * math.atan2(tip_mm[1], tip_mm[0])))
-
-
-@dataclass(frozen=True)
-class LawMeshError:
-    """Standard deviations of the arm's own law due to its mesh, by pressure (the key mesh_error of law.json)."""
-
-    size_mm: float | None = None
-    second_mm: float | None = None
-    pressures_kPa: Numbers = ()
-    kappa_0_per_mm: Column = ()
-    rigidity_N_mm2: Column = ()
-    moment_N_mm: Column = ()
-    kappa_0_per_mm_std: Column = ()
-    rigidity_N_mm2_std: Column = ()
-    moment_N_mm_std: Column = ()
-    reason: str = ""
-
-
-@dataclass(frozen=True)
-class LawCurve:
-    """Moment over curvature of one cell at one pressure, arrays of one length."""
-
-    pressure_kPa: float
-    kappa_per_mm: Numbers = ()
-    moment_N_mm: Numbers = ()
-    rigidity_N_mm2: Numbers = ()
-    contact: tuple[bool, ...] = ()  #: whether walls touch
-
-
-@dataclass(frozen=True)
-class LawCurves:
-    """The curves of one end of the arm."""
-
-    curves: tuple[LawCurve, ...] = ()
-
-
-@dataclass(frozen=True)
-class Law:
-    """The arm's own law as the report needs it; `rod.ArmLaw` is the whole of law.json."""
-
-    length_mm: float
-    pitch_mm: float
-    pressures_kPa: Numbers
-    curves: tuple[LawCurve, ...]
-    clamp: LawCurves = LawCurves()
-    mesh_error: LawMeshError | None = None
-
-    def curve(self, pressure_kPa: float) -> LawCurve | None:
-        """The curve at a pressure; None where there is none."""
-        return next((curve for curve in self.curves if is_same(curve.pressure_kPa, pressure_kPa)), None)
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ import pytest
 import fem
 from fem.cell.piece import BendingPiece, PieceFailed, PieceState
 from fem.cell.response import inflated
-from geometry import SemicircularSingle
+from geometry import Reason, SemicircularSingle
 from pipeline.cell import measure_clamp
 from pipeline.cell.ends import displacement
 from pipeline.cell.measure import sweep_cell
@@ -82,12 +82,12 @@ def test_where_the_way_from_the_lower_pressure_fails_the_end_is_solved_from_rest
 
     def failing(piece: BendingPiece, *arguments: object, **options: object) -> PieceState:
         if arguments[3].pressure >= 0.01:  # type: ignore[attr-defined]
-            raise PieceFailed("not from there: for a test")
+            raise PieceFailed(Reason("tangent_indefinite"))
         return solved(piece, *arguments, **options)  # type: ignore[arg-type]
 
     expected = inflated(pieces.clamp, 0.02, 0.0)
     monkeypatch.setattr(BendingPiece, "solve_near", failing)
-    with pytest.raises(PieceFailed, match="for a test"):
+    with pytest.raises(PieceFailed, match="the tangent is indefinite"):
         inflated(pieces.clamp, 0.02, 0.0, start)
     assert reached(pieces.clamp, 0.02, 0.0, start, lambda state: state.moment) == pytest.approx(expected.moment)
 

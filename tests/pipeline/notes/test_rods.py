@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from pipeline.notes.rods import RodErrors, mesh_errors, rod_errors, tip_moves_by
-from pipeline.results.values import Curve, LawMeshError, RodError
+from pipeline.results.law import LawMeshError
+from pipeline.results.values import Curve, RodError
 from tests.coarse import coarse_run
 
 
