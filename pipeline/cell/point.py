@@ -64,8 +64,7 @@ class Measured(Generic[Value]):
 
 def reason_of(failure: Exception) -> Reason:
     """Why a curve ends."""
-    why = list(failure.reasons) if isinstance(failure, PieceFailed) else str(failure).rstrip(".")
-    return Reason("piece_fails", {"why": why})
+    return Reason("piece_fails", {"why": str(failure).rstrip(".")})
 
 
 def failure_of(failure: Exception | Reason) -> Reason:

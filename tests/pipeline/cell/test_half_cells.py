@@ -35,7 +35,7 @@ class Answer:
 
     def result(self) -> Any:
         if self.rotation is None:
-            raise PieceFailed("the end piece is not stable.")
+            raise PieceFailed(Reason("tangent_indefinite"))
         return SimpleNamespace(curve=clamp(self.rotation))
 
 
@@ -57,7 +57,7 @@ def test_after_a_piece_without_an_equilibrium_longer_ones_are_compared(short: Ma
 
 
 def test_nothing_is_known_where_no_pair_has_an_equilibrium() -> None:
-    unknown = Reason("ends_unknown", {"why": "the end piece is not stable"})
+    unknown = Reason("ends_unknown", {"why": "the tangent is indefinite"})
     assert chosen(dict.fromkeys((1, 3, 5, 7), None), 10) == (5, None, unknown)
     assert chosen({}, 2) == (1, None, Reason("ends_short"))
 
@@ -66,7 +66,7 @@ def test_the_last_pair_counts_where_longer_pieces_have_no_equilibrium() -> None:
     half_cells, error, limit = chosen({1: 0.1, 3: 0.1 + 4 * DECAY, 5: None, 7: None}, 10)
     assert (half_cells, error) == (1, pytest.approx(4 * DECAY))
     assert limit is not None
-    assert (limit.code, limit.values["why"]) == ("ends_differ", "the end piece is not stable")
+    assert (limit.code, limit.values["why"]) == ("ends_differ", "the tangent is indefinite")
     with pytest.raises(NoArmLaw, match="two half cells more change its end by 2 %"):
         chosen({1: 0.1, 3: 0.1 + 2 * NOT_DECAYED, 5: None, 7: None}, 10)
 
