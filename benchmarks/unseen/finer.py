@@ -8,7 +8,7 @@ from typing import Any
 from pipeline.config.config import Config
 from pipeline.context import RunContext
 from pipeline.errors import InputError, RunFailed
-from pipeline.identification.mesh_error import RELATIVE, numbers_on_mesh
+from pipeline.identification.mesh_error import RELATIVE, OnMesh
 from pipeline.identification.richardson import extrapolate
 from pipeline.notes import render_all
 from pipeline.progress import Silent
@@ -40,8 +40,8 @@ def against_finer_mesh(solved: SolvedRun) -> dict[str, Any]:
     if free is None or loaded is None:
         return {"failure": render_all(outcomes.failures)}
     try:
-        on_default = numbers_on_mesh(first, first.free, first.loaded)
-        on_finer = numbers_on_mesh(first, free, loaded)
+        states = ((first.free, first.loaded), (free, loaded))
+        on_default, on_finer = (OnMesh.of(first, *pair).numbers(first) for pair in states)
     except RodError as failure:
         return {"failure": str(failure)}
     errors = {}

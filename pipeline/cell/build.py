@@ -56,7 +56,6 @@ def build_law(
     lowest pressure is borne.
     """
     tasks, log, repetition = ArmTasks(pieces, context), Log(), pieces.repetition  # refused before anything is solved
-    unknowns_of_cell = tasks.submit(PieceCurves.unknowns_of_cell)
     measurer = CellMeasurer(tasks, log, measure_bends(tasks, log, pressures_kPa, highest_kPa))
     cells = measurer.measure_up_to_failure(sorted({0.0, *measurer.bends}))
     if highest_kPa:
@@ -72,7 +71,6 @@ def build_law(
     cells, error_between = measurer.add_between(cells)
     half_cells, error_ends, limit = choose_half_cells(clamp, last, repetition.half_cells, length)
     log.limits.extend(filter(None, [limit]))
-    unknowns_of_end = tasks.submit(PieceCurves.unknowns_of_end, half_cells)
     clamps, tips = measure_ends(tasks, log, cells, half_cells)
     cells = cells[: len(clamps)]
     check_two(cells, log)
@@ -80,7 +78,7 @@ def build_law(
     law = ArmLaw(
         2.0 * repetition.half_pitch, repetition.middle, length, curves, tuple(end.curve for end in clamps), tuple(tips)
     )
-    unknowns = {"cell": unknowns_of_cell.result(), "end": unknowns_of_end.result()}
+    unknowns = {"cell": cells[0].unknowns, "end": clamps[0].unknowns}
     return MeasuredLaw(
         law=law,
         half_cells=half_cells,

@@ -59,6 +59,7 @@ class Measured(Generic[Value]):
     error: float = 0.0
     factorizations: int = 0
     seconds: float = 0.0
+    unknowns: int = 0  #: displacement components of the piece
     is_stored: bool = field(default=False, compare=False)  #: by an earlier run
 
 

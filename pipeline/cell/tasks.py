@@ -142,14 +142,6 @@ class PieceCurves:
             measured.append(curve)
         return EndCurves(tuple(measured), None)
 
-    def unknowns_of_cell(self) -> int:
-        """Displacement components of the half cell."""
-        return 3 * len(self.pieces.cell.space.points)
-
-    def unknowns_of_end(self, half_cells: int) -> int:
-        """Displacement components of the clamped end with that many half cells."""
-        return 3 * len(self.pieces.end(half_cells, "clamp").space.points)
-
     def _of_cell(
         self, kind: type[Value], name: str, measure: Callable[[BendingPiece], Measured[Value]]
     ) -> Measured[Value]:
@@ -170,7 +162,8 @@ class PieceCurves:
         before = piece.factorizations
         measured = measure(piece)
         spent = piece.factorizations - before
-        measured = replace(measured, factorizations=spent, seconds=perf_counter() - begin)
+        seconds, unknowns = perf_counter() - begin, 3 * len(piece.space.points)
+        measured = replace(measured, factorizations=spent, seconds=seconds, unknowns=unknowns)
         made: Any = measured
         content = made.curve if isinstance(made.curve, float) else record_of(made.curve)
         save_kept(self.store, f"law/{name}.json", Measured[Any], replace(made, curve=content))

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -10,9 +10,15 @@ from fem.elements import MOST_ACCURATE
 from pipeline.config.config import Config
 from pipeline.context import RunContext
 from pipeline.errors import InputError
-from pipeline.identification.parameters import Parameters, choices, has_one_rigidity, numbers_of_curves
+from pipeline.identification.parameters import (
+    Parameters,
+    has_one_rigidity,
+    numbers_of_curves,
+    sum_evidence,
+    takes_two_lines,
+)
 from pipeline.identification.richardson import extrapolate
-from pipeline.notes import render, render_all
+from pipeline.notes import render
 from pipeline.parallel import TaskContext
 from pipeline.simulation.loadcase import LoadCase, schedule
 from pipeline.simulation.outcome import Outcomes, Record
@@ -46,17 +52,17 @@ def with_mesh_error(
     except InputError as failure:
         return parameters, f"the mesh {factor:g} times as coarse cannot be made: {failure}"
     outcomes = _solved(scene, context, "coarser", tuple(p.pressure_kPa for p in parameters))
-    coarse, two_lines, refused = _on_coarser(parameters, outcomes)
-    refused = (*map(render, outcomes.failures), *refused)
+    coarse, refused = _identify(parameters, outcomes, "coarser")
     fine = [_numbers(p) for p in parameters]
-    deviations = mesh_deviations(fine, coarse, config.mesh.element_size_mm, factor)
-    reasons = [f"on the mesh {factor:g} times as coarse: {'; '.join(refused)}"] if refused else []
+    on_coarse = [None if on is None else on.numbers(p) for on, p in zip(coarse, parameters, strict=True)]
+    deviations = mesh_deviations(fine, on_coarse, config.mesh.element_size_mm, factor)
+    reasons = [f"on the mesh {factor:g} times as coarse: {refused}"] if refused else []
     others: dict[str, float] = {}
     compared = _of_half_the_highest(parameters)
     if config.mesh.formulation == UNSTEADY and any(deviations):
         others, reason = _from_mixed(second, context, compared)
         reasons += [reason] if reason else []
-    every = zip(parameters, fine, with_others(deviations, fine, others), two_lines, strict=True)
+    every = zip(parameters, fine, with_others(deviations, fine, others), _two_lines(parameters, coarse), strict=True)
     improved = (_with_errors(*of_pressure) for of_pressure in every)
     mixed_at_kPa = compared.pressure_kPa if others else None
     return tuple(replace(p, mixed_at_kPa=mixed_at_kPa) for p in improved), "; ".join(reasons)
@@ -75,16 +81,14 @@ def _from_mixed(second: Config, context: RunContext, own: Parameters) -> tuple[d
     `_scale`; and why there are none (else empty). Raises RunFailed as `simulate`."""
     grading = "walls" if second.design.has_drawing else second.mesh.grading
     mixed = replace(second, mesh=replace(second.mesh, formulation=MOST_ACCURATE, grading=grading))
-    pressure = own.pressure_kPa
     try:
-        outcomes = _solved(context.submit(_meshed, mixed).result(), context, MOST_ACCURATE, (pressure,))
-        free, loaded = (outcomes[f"{MOST_ACCURATE}_{name}"].at(pressure) for name in ("II", "III"))
-        if free is None or loaded is None:
-            raise RodError(render_all(outcomes.failures).replace(f"{MOST_ACCURATE}_", ""))
-        numbers = numbers_on_mesh(own, free, loaded)
-    except (InputError, RodError) as failure:
+        outcomes = _solved(context.submit(_meshed, mixed).result(), context, MOST_ACCURATE, (own.pressure_kPa,))
+    except InputError as failure:
         return {}, f"{UNSTEADY} elements could not be compared with {MOST_ACCURATE} ones: {failure}"
-    of_run = _numbers(own)
+    (on_mixed,), refused = _identify([own], outcomes, MOST_ACCURATE)
+    if on_mixed is None:
+        return {}, f"{UNSTEADY} elements could not be compared with {MOST_ACCURATE} ones: {refused}"
+    of_run, numbers = _numbers(own), on_mixed.numbers(own)
     return {name: abs(of_run[name] - value) / _scale(name, of_run) for name, value in numbers.items()}, ""
 
 
@@ -172,47 +176,52 @@ def _scale(name: str, numbers: Mapping[str, float]) -> float:
     return abs(numbers[name]) if name.startswith(("alpha", *RELATIVE)) else 1.0
 
 
-def _on_coarser(
-    parameters: Sequence[Parameters], outcomes: Outcomes
-) -> tuple[list[dict[str, float] | None], list[bool | None], tuple[str, ...]]:
-    """The numbers at each pressure there, of as many lines as on the fine mesh, None where it was not reached or none
-    follow from it; whether two lines would be chosen there, None where pressures to decide with are lacking; and why
-    there are no numbers."""
-    states = [[outcomes[f"coarser_{name}"].at(p.pressure_kPa) for name in ("II", "III")] for p in parameters]
-    identified: dict[int, tuple[Record, Record, Identification]] = {}
-    refused = []
-    for k, (p, (free, loaded)) in enumerate(zip(parameters, states, strict=True)):
-        if free is None or loaded is None:
-            continue
-        try:
-            identified[k] = free, loaded, _lines_of(p, free, loaded)
-        except RodError as failure:
-            refused.append(f"no numbers at {p.pressure_kPa:g} kPa: {failure}")
-    numbers: list[dict[str, float] | None] = [None] * len(parameters)
-    for k, found in identified.items():
-        numbers[k] = _with_lines_of(parameters[k], *found)
-    two_lines: list[bool | None] = [None] * len(parameters)
-    if len(identified) == len(parameters):
-        one_rigidity = [has_one_rigidity(parameters[k].equal_cells, *pair) for k, (*pair, _) in identified.items()]
-        d_given = any(p.given_d is not None for p in parameters)  # at all pressures or at none
-        chosen = choices([lines.evidence for *_, lines in identified.values()], one_rigidity, d_given)
-        two_lines = [choice.two_lines for choice in chosen]
-    return numbers, two_lines, tuple(refused)
+@dataclass(frozen=True)
+class OnMesh:
+    """Experiments II and III at one pressure on another mesh, and what follows from them."""
+
+    free: Record
+    loaded: Record
+    lines: Identification
+
+    @staticmethod
+    def of(fine: Parameters, free: Record, loaded: Record) -> "OnMesh":
+        """At the pressure of the parameters on the first mesh. Raises RodError."""
+        curves = free.centreline, loaded.centreline
+        return OnMesh(free, loaded, numbers_of_curves(*curves, loaded.load, fine.kappa.pitch, fine.given_d))
+
+    def numbers(self, fine: Parameters) -> dict[str, float]:
+        """The five numbers, kappa_0(l/2) and F, with as many lines as on the first mesh, because the rigidity of a
+        single line and the second one of two are different numbers."""
+        alpha, m0 = self.lines.single_line.alpha.value, self.lines.single_line.m0.value
+        single = {"alpha1": alpha, "alpha2": alpha, "m01": m0, "m02": m0, "d": fine.shortest_break}
+        two = {name: getattr(self.lines.law, name) for name in PARAMETER_NAMES}
+        return (two if fine.two_lines else single) | _measured(self.free, self.loaded, fine.kappa.pitch)
 
 
-def numbers_on_mesh(fine: Parameters, free: Record, loaded: Record) -> dict[str, float]:
-    """The five numbers, kappa_0(l/2) and F of the same pressure on another mesh, with as many lines as on the first,
-    because the rigidity of a single line and the second one of two are different numbers. Raises RodError."""
-    return _with_lines_of(fine, free, loaded, _lines_of(fine, free, loaded))
+def _identify(parameters: Sequence[Parameters], outcomes: Outcomes, name: str) -> tuple[list[OnMesh | None], str]:
+    """What follows at each pressure from outcomes whose names begin with `name`; None where one was not reached or
+    nothing follows, and why."""
+    refused, found = [*map(render, outcomes.failures)], list[OnMesh | None]()
+    for p in parameters:
+        free, loaded = (outcomes[f"{name}_{experiment}"].at(p.pressure_kPa) for experiment in ("II", "III"))
+        found.append(None)
+        if free is not None and loaded is not None:
+            try:
+                found[-1] = OnMesh.of(p, free, loaded)
+            except RodError as failure:
+                refused.append(f"no numbers at {p.pressure_kPa:g} kPa: {failure}")
+    return found, "; ".join(refused)
 
 
-def _lines_of(fine: Parameters, free: Record, loaded: Record) -> Identification:
-    """Raises RodError."""
-    return numbers_of_curves(free.centreline, loaded.centreline, loaded.load, fine.kappa.pitch, fine.given_d)
-
-
-def _with_lines_of(fine: Parameters, free: Record, loaded: Record, lines: Identification) -> dict[str, float]:
-    alpha, m0 = lines.single_line.alpha.value, lines.single_line.m0.value
-    single = {"alpha1": alpha, "alpha2": alpha, "m01": m0, "m02": m0, "d": fine.shortest_break}
-    two = {name: getattr(lines.law, name) for name in PARAMETER_NAMES}
-    return (two if fine.two_lines else single) | _measured(free, loaded, fine.kappa.pitch)
+def _two_lines(parameters: Sequence[Parameters], coarse: Sequence[OnMesh | None]) -> Sequence[bool | None]:
+    """Whether two lines would be chosen on the coarser mesh; None where pressures to decide with are lacking."""
+    known = [on for on in coarse if on is not None]
+    if len(known) < len(coarse):
+        return [None] * len(coarse)
+    one_rigidity = [
+        has_one_rigidity(p.equal_cells, on.free, on.loaded) for p, on in zip(parameters, known, strict=True)
+    ]
+    decisive = sum_evidence([on.lines.evidence for on in known], one_rigidity)
+    every = zip(decisive, one_rigidity, parameters, strict=True)
+    return [takes_two_lines(evidence, is_one, p.given_d is not None) for evidence, is_one, p in every]

@@ -145,14 +145,6 @@ class Parameters:
         return MomentRange.of(self.bending_moment)
 
 
-@dataclass(frozen=True)
-class Choice:
-    """Of a single line or two, at a pressure."""
-
-    evidence: float  #: for two lines: the criterion of a single line minus that of two, of one pressure or of several
-    two_lines: bool
-
-
 def counts_as_equal_cells(design: Design) -> bool:
     """Whether an arm consists of equal cells, or its curvature is averaged over less than the distance of its cavities:
     it then changes between a cavity and the wall beside it, which two lines would describe."""
@@ -165,15 +157,13 @@ def has_one_rigidity(equal_cells: bool, free: Record, loaded: Record) -> bool:
     return equal_cells and not any("self_contact" in record.effects for record in (free, loaded))
 
 
-def choices(evidence: Sequence[float], one_rigidity: Sequence[bool], d_given: bool) -> list[Choice]:
-    """By pressure, from the evidence for two lines that each has alone.
+def sum_evidence(evidence: Sequence[float], one_rigidity: Sequence[bool]) -> list[float]:
+    """The evidence that decides at each pressure, from the evidence for two lines that each has alone.
 
-    Where the rigidity may vary along the arm the sum over all such pressures decides for each of them. Elsewhere each
-    keeps its own evidence, and a single line is taken unless d is given.
+    Where the rigidity may vary along the arm it is the sum over all such pressures. Elsewhere each keeps its own.
     """
     together = sum(own for own, is_one in zip(evidence, one_rigidity, strict=True) if not is_one)
-    used = [own if is_one else together for own, is_one in zip(evidence, one_rigidity, strict=True)]
-    return [Choice(e, takes_two_lines(e, is_one, d_given)) for e, is_one in zip(used, one_rigidity, strict=True)]
+    return [own if is_one else together for own, is_one in zip(evidence, one_rigidity, strict=True)]
 
 
 def takes_two_lines(evidence: float, one_rigidity: bool, d_given: bool) -> bool:
@@ -181,17 +171,11 @@ def takes_two_lines(evidence: float, one_rigidity: bool, d_given: bool) -> bool:
     return d_given or (evidence > 0.0 and not one_rigidity)
 
 
-def choices_of(identified: Sequence[Identification], parameters: Sequence[Parameters]) -> list[Choice]:
-    """A single line or two for identifications by pressure, decided as for the rod itself."""
-    d_given = any(p.given_d is not None for p in parameters)  # at all pressures or at none
-    return choices([e.evidence for e in identified], [p.one_rigidity for p in parameters], d_given)
-
-
 def decide_together(parameters: Iterable[Parameters]) -> tuple[Parameters, ...]:
     """The parameters of a run, with a single line or two by the evidence of all pressures."""
     parameters = tuple(parameters)
-    chosen = choices_of([p.by_cells for p in parameters], parameters)
-    return tuple(replace(p, evidence=choice.evidence) for p, choice in zip(parameters, chosen, strict=True))
+    decisive = sum_evidence([p.by_cells.evidence for p in parameters], [p.one_rigidity for p in parameters])
+    return tuple(replace(p, evidence=evidence) for p, evidence in zip(parameters, decisive, strict=True))
 
 
 def identify_all(
@@ -206,7 +190,9 @@ def identify_all(
     results: list[Callable[[], Parameters]] = []
     for pair in outcomes.pairs:
         given = (*pair, pitch, d, equal_cells)
-        results.append(partial(_identified, *given) if context is None else context.submit(_task, *given).result)
+        results.append(
+            partial(_identify, None, *given) if context is None else context.submit(_identify, *given).result
+        )
     parameters, refused = [], []
     for (free, _), result in zip(outcomes.pairs, results, strict=True):
         try:
@@ -217,13 +203,10 @@ def identify_all(
     return decide_together(parameters), tuple(refused)
 
 
-def _task(
-    context: TaskContext, free: Record, loaded: Record, pitch: float, d: float | None, equal_cells: bool
+def _identify(
+    context: TaskContext | None, free: Record, loaded: Record, pitch: float, d: float | None, equal_cells: bool
 ) -> Parameters:
-    return _identified(free, loaded, pitch, d, equal_cells)
-
-
-def _identified(free: Record, loaded: Record, pitch: float, d: float | None, equal_cells: bool) -> Parameters:
+    """A task."""
     curves = (free.centreline, loaded.centreline)
     moment, closure = _moment_and_closure(*curves, loaded.load)
     kappa_0, kappa = (cell_averaged(curve, pitch) for curve in curves)

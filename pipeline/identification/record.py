@@ -1,6 +1,7 @@
 """The parameters of a run as the value of parameters.json."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 from geometry import Centreline
@@ -8,7 +9,7 @@ from geometry.arrays import Array
 from pipeline.config.config import Config
 from pipeline.identification.added_pressures import covered_range, quantities_of
 from pipeline.identification.mesh_error import RELATIVE
-from pipeline.identification.parameters import Parameters, choices_of, numbers_of_curves
+from pipeline.identification.parameters import Parameters, numbers_of_curves, sum_evidence
 from pipeline.results.parameters import (
     BreakProfile,
     Dimensionless,
@@ -163,7 +164,9 @@ def _identified(estimates: Sequence[Identification | str], parameters: Sequence[
     columns = _columns(every) | _bounds([None if numbers is None else numbers["d"] for numbers in every], parameters)
     columns["reason"] = tuple(e if isinstance(e, str) else "" for e in estimates)
     if len(identified) == len(parameters):
-        columns["single_line_suffices"] = tuple(not c.two_lines for c in choices_of(identified, parameters))
+        decisive = sum_evidence([e.evidence for e in identified], [p.one_rigidity for p in parameters])
+        decided = [replace(p, evidence=evidence) for p, evidence in zip(parameters, decisive, strict=True)]
+        columns["single_line_suffices"] = tuple(not p.two_lines for p in decided)
         columns["single_line_alpha_N_mm2"] = tuple(e.single_line.alpha.value for e in identified)
         columns["observations"] = tuple(e.observations for e in identified)
     return TwoLines(**columns)

@@ -7,7 +7,13 @@ import pytest
 
 from pipeline.identification import mesh_error
 from pipeline.identification import parameters as identification
-from pipeline.identification.parameters import Parameters, choices, counts_as_equal_cells, identify_all
+from pipeline.identification.parameters import (
+    Parameters,
+    counts_as_equal_cells,
+    identify_all,
+    sum_evidence,
+    takes_two_lines,
+)
 
 
 @pytest.mark.parametrize(
@@ -40,10 +46,11 @@ def test_two_lines_need_a_cause_or_a_given_break(
 def test_the_pressures_at_which_walls_touch_decide_together(
     evidence: list[float], one_rigidity: list[bool], together: list[float], two_lines: list[bool]
 ) -> None:
-    chosen = choices(evidence, one_rigidity, d_given=False)
-    assert [choice.evidence for choice in chosen] == pytest.approx(together)
-    assert [choice.two_lines for choice in chosen] == two_lines
-    assert all(choice.two_lines for choice in choices(evidence, one_rigidity, d_given=True))
+    decisive = sum_evidence(evidence, one_rigidity)
+    assert decisive == pytest.approx(together)
+    for of_pressure, is_one, expected in zip(decisive, one_rigidity, two_lines, strict=True):
+        assert takes_two_lines(of_pressure, is_one, d_given=False) is expected
+        assert takes_two_lines(of_pressure, is_one, d_given=True)
 
 
 @pytest.mark.parametrize(
@@ -89,10 +96,9 @@ def test_a_coarser_mesh_decides_by_the_contact_of_its_own_states(
 ) -> None:
     line = SimpleNamespace(alpha=SimpleNamespace(value=1.0), m0=SimpleNamespace(value=0.0))
     identified = iter([SimpleNamespace(single_line=line, law=None, evidence=evidence) for evidence in (-3.0, 20.0)])
-    monkeypatch.setattr(mesh_error, "_lines_of", lambda *given: next(identified))
-    monkeypatch.setattr(mesh_error, "_measured", lambda *given: {})
-    monkeypatch.setattr(mesh_error, "PARAMETER_NAMES", ())
-    record: Any = SimpleNamespace(effects=("self_contact",) if touching else ())
+    monkeypatch.setattr(mesh_error, "numbers_of_curves", lambda *given: next(identified))
+    effects = ("self_contact",) if touching else ()
+    record: Any = SimpleNamespace(effects=effects, centreline=None, load=None)
     fine: Any = SimpleNamespace(
         pressure_kPa=10.0,
         kappa=SimpleNamespace(pitch=10.0),
@@ -102,8 +108,11 @@ def test_a_coarser_mesh_decides_by_the_contact_of_its_own_states(
         equal_cells=equal_cells,
     )
     outcome = SimpleNamespace(at=lambda pressure: record)
-    outcomes: Any = {"coarser_II": outcome, "coarser_III": outcome}
-    numbers, two_lines, refused = mesh_error._on_coarser((fine, fine), outcomes)
-    assert refused == ()
-    assert None not in numbers
-    assert two_lines == [touching or not equal_cells] * 2
+
+    class Outcomes(dict[str, Any]):
+        failures = ()
+
+    outcomes: Any = Outcomes(coarser_II=outcome, coarser_III=outcome)
+    found, refused = mesh_error._identify((fine, fine), outcomes, "coarser")
+    assert refused == ""
+    assert mesh_error._two_lines((fine, fine), found) == [touching or not equal_cells] * 2
