@@ -9,18 +9,14 @@ from typing import Annotated
 
 import numpy as np
 
-from geometry.arrays import Array, Mask
+from geometry.arrays import Array, Mask, freeze
 from rod.cubics import cubic, monotone_slopes, parabola_slopes, periodic_slopes
 from rod.errors import RodError
 
 
 def _freeze(curve: "CellCurve | ClampCurve | TipCurve") -> None:
     """Everything but the pressure as an array that cannot be changed."""
-    for field in fields(curve):
-        if field.name != "pressure":
-            array = np.array(getattr(curve, field.name))
-            array.setflags(write=False)
-            object.__setattr__(curve, field.name, array)
+    freeze(curve, (field.name for field in fields(curve) if field.name != "pressure"))
 
 
 @dataclass(frozen=True, eq=False)  # arrays inside

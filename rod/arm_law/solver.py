@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from geometry.arrays import Array
+from geometry.arrays import Array, read_only
 from rod.arm_law.curves import ClampCurve, TipCurve, TipState
 from rod.arm_law.integration import ITERATIONS, EndArrays, EndLoad, LawArrays, converge, tip_levers
 from rod.arm_law.section import SectionLaw
@@ -178,10 +178,7 @@ def _solution(shooting: _Shooting, unknowns: Array, count: int) -> RodSolution:
         "force": force,
         "shear": across / np.interp(effective, law.moment, law.shear_rigidity),
     }
-    for name, array in arrays.items():
-        arrays[name] = np.array(array)
-        arrays[name].setflags(write=False)
-    return RodSolution(**arrays, load_steps=count)
+    return RodSolution(**{name: read_only(array) for name, array in arrays.items()}, load_steps=count)
 
 
 def _effective_moment(law: SectionLaw, moment: Array, axial: Array) -> Array:

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from geometry import Centreline
-from geometry.arrays import Array
+from geometry.arrays import Array, read_only
 from rod.curves.curve import mean_angle_weights
 from rod.errors import RodError
 from rod.load import Load
@@ -52,8 +52,7 @@ def end_displacement_closure(free: Centreline, loaded: Centreline, load: Load) -
     before, after = free.angle, loaded.angle
     turn, mean = after - before, 0.5 * (before + after)
     lever = np.diff(s) * np.sinc(turn / (2.0 * np.pi)) * (ey * np.cos(mean) - ex * np.sin(mean))
-    weights = lever @ mean_angle_weights(s, float(s[-1]))
-    weights.setflags(write=False)
+    weights = read_only(lever @ mean_angle_weights(s, float(s[-1])))
     value = float(lever @ turn)
     if value == 0.0:
         raise RodError("The end force has not moved the end; its position contains no information.")

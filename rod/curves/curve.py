@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from geometry import Centreline
-from geometry.arrays import Array
+from geometry.arrays import Array, freeze
 from rod.curves.uncertainty import local_deviation
 from rod.errors import RodError
 from rod.load import Load
@@ -48,12 +48,7 @@ class Curvature:
     response: Array | None = None
 
     def __post_init__(self) -> None:
-        for name in ("s", "kappa", "theta", "covariance", "resolution", "response"):
-            if getattr(self, name) is None:
-                continue
-            array = np.array(getattr(self, name), float)
-            array.setflags(write=False)
-            object.__setattr__(self, name, array)
+        freeze(self, ("s", "kappa", "theta", "covariance", "resolution", "response"))
         if len(self.s) < 6:
             raise RodError(f"A curvature needs at least 6 points along the curve; there are {len(self.s)}.")
 
@@ -76,10 +71,7 @@ class Moment:
     value: Array  #: (n,) N mm
 
     def __post_init__(self) -> None:
-        for name in ("s", "value"):
-            array = np.array(getattr(self, name), float)
-            array.setflags(write=False)
-            object.__setattr__(self, name, array)
+        freeze(self, ("s", "value"))
 
 
 def moment_from_load(centreline: Centreline, load: Load) -> Moment:

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from geometry import Centreline
-from geometry.arrays import Array
+from geometry.arrays import Array, freeze
 from rod.curves.cell_average import cell_averaged
 from rod.curves.curve import Moment, moment_between
 from rod.errors import RodError
@@ -37,10 +37,7 @@ class Extension:
     eccentricity_std: float = 0.0  #: mm
 
     def __post_init__(self) -> None:
-        for name in ("s", "rest_stretch"):
-            array = np.array(getattr(self, name), float)
-            array.setflags(write=False)
-            object.__setattr__(self, name, array)
+        freeze(self, ("s", "rest_stretch"))
         if (
             self.s.ndim != 1
             or len(self.s) < 2

@@ -22,7 +22,7 @@ from typing import Literal, get_args
 
 import numpy as np
 
-from geometry.arrays import Array
+from geometry.arrays import Array, read_only
 from rod.arm_law.law import ArmLaw, LawRod
 from rod.checked import finite, positive
 from rod.curves.extension import Extension
@@ -221,10 +221,7 @@ def _by_arm_law(
     solution = law.under(load, end_x=x, end_y=y)
     if not any(start):
         return solution
-    moved = (solution.x + start[0], solution.y + start[1])
-    for values in moved:
-        values.setflags(write=False)
-    return replace(solution, x=moved[0], y=moved[1])
+    return replace(solution, x=read_only(solution.x + start[0]), y=read_only(solution.y + start[1]))
 
 
 def _grow_together(order: Order, held: tuple[float | None, float | None], *, loaded: bool) -> bool:
@@ -313,16 +310,14 @@ def _solution(rod: Rod, problem: Problem, point: LoadPoint, count: int) -> RodSo
         "s": steps.s * length,
         "x": rod.start[0] + length * point.states[:, 2],
         "y": rod.start[1] + length * point.states[:, 3],
-        "theta": point.states[:, 0].copy(),
+        "theta": point.states[:, 0],
         "kappa": kappa_0 / length + deviation,
         "moment": point.states[:, 1] * (base / length),
         "bending_moment": bending,
         "stretch": _stretch(rod, steps.s * length, deviation),
         "force": _end_force(problem, point) * (base / length**2),
     }
-    for array in arrays.values():
-        array.setflags(write=False)
-    return RodSolution(**arrays, load_steps=count)
+    return RodSolution(**{name: read_only(array) for name, array in arrays.items()}, load_steps=count)
 
 
 def _end_force(problem: Problem, point: LoadPoint) -> Array:
