@@ -236,6 +236,7 @@ def _record(
     """The content of run.json."""
     config, plan, outcomes = state.config, state.planned.plan, identified.outcomes
     reviewed = review(plan, outcomes, identified.parameters, outcomes.largest_indicator) if plan else None
+    shortfalls = plan.shortfalls(reviewed) if plan else ()
     end_kPa = outcomes.lowest_end_kPa()
     return RunRecord(
         config=config.record(),
@@ -251,7 +252,7 @@ def _record(
         accuracy=plan.record(reviewed) if plan else None,
         end_kPa=end_kPa if isfinite(end_kPa) else None,
         failures=tuple(map(report_reason, failures)),
-        remarks=tuple(map(report_reason, remarks)),
+        remarks=tuple(map(report_reason, (*remarks, *shortfalls))),
     )
 
 

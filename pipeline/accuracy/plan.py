@@ -115,7 +115,6 @@ class Plan:
 
     def remarks(self, review: Estimate | None) -> tuple[Reason, ...]:
         """Requested accuracy, discretisation and estimated errors."""
-        present = review or self.estimate
         values: Values = {
             "percent": 100.0 * self.requested,
             "formulation": self.formulation,
@@ -126,11 +125,16 @@ class Plan:
             made.append(Reason("accuracy_replaces", {"given": list(self.replaced)}))
         if review:
             made.append(review.remark)
-        if present.largest > self.requested:
-            made.append(Reason("accuracy_missed", {"percent": 100.0 * present.largest}))
+        return (*made, *self.shortfalls(review))
+
+    def shortfalls(self, review: Estimate | None) -> tuple[Reason, ...]:
+        """Why the request is not reached, or may not be."""
+        present = review or self.estimate
+        large, uncertain = (100.0 * error for error in (present.largest, present.identification))
+        missed = [Reason("accuracy_missed", {"percent": large})] if present.largest > self.requested else []
         if present.identification > self.requested:
-            made.append(Reason("accuracy_identified", {"percent": 100.0 * present.identification}))
-        return (*made, *self._doubts(present))
+            missed.append(Reason("accuracy_identified", {"percent": uncertain}))
+        return (*missed, *self._doubts(present))
 
     def costs(self, config: Config) -> tuple[Reason, ...]:
         """What this accuracy, others and the smallest one take, with one worker process."""

@@ -255,6 +255,8 @@ def test_the_review_after_the_run(configs: Path, tmp_path: Path, piloted: list[R
     worst = Indicator(0.01, "III", 37.0, (10.0, 2.0, 6.5))
     after = Estimate({**plan.estimate.estimated, "force_N": 0.025}, 0.0, 0.18, worst)
     assert codes(plan, after)[-3:] == ["accuracy_estimated", "accuracy_missed", "accuracy_identified"]
+    assert plan.shortfalls(after) == plan.remarks(after)[-2:]
+    assert plan.shortfalls(None) == ()
     record = plan.record(after)
     assert "errors estimated after the run" in str(record["sentence"])
     assert record["after"]["estimated_error"] == 0.025
