@@ -10,7 +10,7 @@ from tempfile import TemporaryDirectory
 from time import perf_counter, process_time
 
 from fem import compile_kernels
-from pipeline.accuracy.ladder import Rung
+from pipeline.config.config import Config
 from pipeline.context import RunContext
 from pipeline.errors import InputError, RunFailed
 from pipeline.identification.parameters import Parameters, counts_as_equal_cells, identify_all
@@ -94,19 +94,19 @@ class Measured:
         return next((numbers for numbers in self.numbers if numbers.pressure_kPa == pressure_kPa), None)
 
 
-def measure(rung: Rung) -> Measured:
+def measure(config: Config) -> Measured:
     """Solve II and III and identify the numbers at every pressure that both reach."""
-    compile_kernels(rung.config.mesh.formulation, material_of(rung.config))
+    compile_kernels(config.mesh.formulation, material_of(config))
     start, cpu = perf_counter(), process_time()
     try:
-        scene = Scene.meshed(rung.config)
+        scene = Scene.meshed(config)
         meshed = perf_counter() - start
-        with TemporaryDirectory() as folder, open_store(Path(folder), rung.config) as store:
+        with TemporaryDirectory() as folder, open_store(Path(folder), config) as store:
             outcomes = simulate(scene, RunContext.alone(store, Silent()), ("III", "II"))
     except (InputError, RunFailed) as failure:
         return Measured(str(failure), (), None)
     failures = [f"{outcome.name}: {render_all(outcome.failure.reasons)}" for outcome in outcomes if outcome.failure]
-    config, fit_start = rung.config, perf_counter()
+    fit_start = perf_counter()
     equal = counts_as_equal_cells(config.design)
     parameters, refused = identify_all(outcomes, scene.body.pitch, config.identification.d_mm, equal_cells=equal)
     end, solver = perf_counter(), outcomes.seconds_by_stage

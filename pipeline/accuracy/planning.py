@@ -11,13 +11,12 @@ import fem
 from fem.elements import MOST_ACCURATE
 from geometry import Reason
 from pipeline.accuracy.error_model import MeshErrorModel, Pilot
-from pipeline.accuracy.ladder import Rung, mesh_series
 from pipeline.accuracy.measure import measure
 from pipeline.accuracy.plan import Plan
 from pipeline.accuracy.sizes import Sizes
 from pipeline.config.automatic_mesh import COARSER, GivenMesh, chosen_mesh, not_too_many
 from pipeline.config.config import AUTO, USUAL_TOLERANCE, Config
-from pipeline.errors import InputError
+from pipeline.errors import InputError, RunFailed
 from pipeline.identification.too_short import too_short
 from pipeline.notes import render, render_all
 from pipeline.progress import Progress
@@ -65,12 +64,14 @@ def _planned(config: Config, requested: float, store: Store, progress: Progress)
     _refuse(config, requested)
     if too_short(config):
         return _unplanned(config, "the arm is too short for five parameters, whose errors count", progress)
-    remarks = _of_law(config)
+    # the arm of the paper ends at 23 to 31 kPa
+    ends_early = config.material.law == "svk" and config.design.outer_corners
+    remarks = (Reason("accuracy_ends_early"),) if ends_early else ()
     for remark in remarks:
         progress.remark(render(remark))
     try:
         pilots = _pilots(config, store, progress)
-    except _NoNumbers as failure:
+    except RunFailed as failure:
         return _unplanned(config, str(failure), progress)
     plan = _plan(config, requested, pilots)
     plan.check(config)
@@ -92,12 +93,6 @@ def _refuse(config: Config, requested: float) -> None:
         )
 
 
-def _of_law(config: Config) -> tuple[Reason, ...]:
-    """A remark on a law that ends early with mixed elements, if it does: the arm of the paper at 23 to 31 kPa."""
-    ends_early = config.material.law == "svk" and config.design.outer_corners
-    return (Reason("accuracy_ends_early"),) if ends_early else ()
-
-
 def _unplanned(config: Config, reason: str, progress: Progress) -> Planned:
     """The configuration with the mesh that it has where no accuracy is requested, and a remark why."""
     mesh, against_locking = config.mesh, config.effects.incompressibility.decided
@@ -115,12 +110,8 @@ def _unplanned(config: Config, reason: str, progress: Progress) -> Planned:
     return Planned(replace(config, mesh=settings), None, (remark,))
 
 
-class _NoNumbers(Exception):
-    """The pilots give no numbers; why, in a clause."""
-
-
 def _pilots(config: Config, store: Store, progress: Progress) -> tuple[Pilot, Pilot]:
-    """The coarser and the finer pilot, which serve for every accuracy. Raises _NoNumbers."""
+    """The coarser and the finer pilot, which serve for every accuracy. Raises RunFailed without numbers."""
 
     def solve() -> tuple[Pilot, Pilot]:
         progress.stage("pilots for the requested accuracy")
@@ -143,11 +134,10 @@ def _of_pilots(config: Config) -> Config:
 
 
 def _pilot(config: Config, size: float) -> Pilot:
-    """II and III on a coarse mesh. Raises _NoNumbers."""
-    config = config.with_mesh_size(size)
-    result = measure(Rung(mesh_series(config), size, config))
+    """II and III on a coarse mesh. Raises RunFailed without numbers."""
+    result = measure(config.with_mesh_size(size))
     if result.cost is None or not result.numbers:
-        raise _NoNumbers(f"the pilot with a mesh of {size:.3g} mm gave no numbers ({result.failure})")
+        raise RunFailed(f"the pilot with a mesh of {size:.3g} mm gave no numbers ({result.failure})")
     return Pilot(size, result.cost.degrees_of_freedom, result.cost.cpu_seconds, result.numbers[0])
 
 

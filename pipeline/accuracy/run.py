@@ -39,7 +39,7 @@ def measured(rungs: Sequence[Rung], store: Store, jobs: int, progress: Progress)
     progress.stage(f"{len(rungs)} configurations, {len(missing)} of them to be measured")
     if missing:
         with process_pool(jobs, 1, max_tasks_per_child=1) as pool:
-            futures = {pool.submit(measure, rung): rung for rung in missing}
+            futures = {pool.submit(measure, rung.config): rung for rung in missing}
             for future in as_completed(futures):
                 rung, result = futures[future], future.result()
                 results[rung.name] = result

@@ -63,11 +63,6 @@ class ArmPieces:
         """The arm."""
         return self.config.design
 
-    @property
-    def fractions(self) -> dict[str, float]:
-        """By the name of a cavity: its pressure over that of the law."""
-        return {name: cavity.fraction for name, cavity in self.config.effects.pressure.cavities.items()}
-
     @cached_property
     def repetition(self) -> Repetition:
         """Where the cells of the arm are. Raises InputError."""
@@ -80,24 +75,32 @@ class ArmPieces:
     @property
     def cell(self) -> BendingPiece:
         """Half a cell between two planes of mirror symmetry. Raises `NoArmLaw` and InputError."""
-        return self._piece(0, "mirror")
+        return self.end(0, "mirror")
 
     def end(self, half_cells: int, start: Boundary) -> BendingPiece:
         """One end of the arm with that many half cells. Raises `NoArmLaw` and InputError."""
-        return self._piece(half_cells, start)
+        key = half_cells, start
+        if key not in self._pieces:
+            self._pieces[key] = self._piece(half_cells, start)
+        return self._pieces[key]
 
     def _piece(self, half_cells: int, start: Boundary) -> BendingPiece:
-        key = (half_cells, start)
-        if key not in self._pieces:
-            config, body = self.config, self._body(half_cells, start)
-            effects, dhat = [*layer_in(body, config), *self._contacts(body)], self.dhat if self.walls == GAP else None
-            try:
-                self._pieces[key] = BendingPiece(
-                    *(body, material_of(config), start, config.mesh.formulation, self.fractions, dhat), effects=effects
-                )
-            except ContactError as failure:
-                raise NoArmLaw(f"{failure} between two cells; leave effects.self_contact.faces out") from None
-        return self._pieces[key]
+        config, size, grading = self.config, self.config.mesh.element_size_mm, GRADINGS[self.config.mesh.grading]
+        fractions = {name: cavity.fraction for name, cavity in config.effects.pressure.cavities.items()}
+        dhat = self.dhat if self.walls == GAP else None
+        try:
+            if start == "mirror":
+                body = self.design.half_cell(size, grading)
+            else:
+                make = self.design.end_piece if start == "clamp" else self.design.tip_piece
+                body = make(half_cells, size, grading)
+            effects = [*layer_in(body, config), *self._contacts(body)]
+            material, formulation = material_of(config), config.mesh.formulation
+            return BendingPiece(body, material, start, formulation, fractions, dhat, effects=effects)
+        except (DesignError, MeshError) as failure:
+            raise config.unmeshable(failure) from None
+        except ContactError as failure:
+            raise NoArmLaw(f"{failure} between two cells; leave effects.self_contact.faces out") from None
 
     def _contacts(self, body: Body) -> list[Effect]:
         """Of outer faces that are no gap, with each other and with their images beyond the plane between two cells."""
@@ -109,20 +112,3 @@ class ArmPieces:
             return [mirrored, among_themselves]  # refused where these walls do not face their images
         space = Discretisation.of(body.mesh, self.config.mesh.formulation)
         return [mirrored, among_themselves] if mirrored.has_walls(space) else [among_themselves]
-
-    def _body(self, half_cells: int, start: Boundary) -> Body:
-        """The meshed piece. Raises `NoArmLaw` and InputError."""
-        try:
-            return self._meshed(half_cells, start)
-        except (DesignError, MeshError) as failure:
-            raise self.config.unmeshable(failure) from None
-
-    def _meshed(self, half_cells: int, start: Boundary) -> Body:
-        size, grading = self.config.mesh.element_size_mm, GRADINGS[self.config.mesh.grading]
-        if start == "mirror":
-            return self.design.half_cell(size, grading)
-        is_clamp = start == "clamp"
-        for (meshed, other), piece in self._pieces.items():
-            if meshed == half_cells and other != "mirror" and (other == "clamp") == is_clamp:
-                return piece.body
-        return (self.design.end_piece if is_clamp else self.design.tip_piece)(half_cells, size, grading)

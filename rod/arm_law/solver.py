@@ -3,7 +3,7 @@
 import math
 from dataclasses import dataclass
 from functools import cached_property
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -178,7 +178,8 @@ def _solution(shooting: _Shooting, unknowns: Array, count: int) -> RodSolution:
         "force": force,
         "shear": across / np.interp(effective, law.moment, law.shear_rigidity),
     }
-    return RodSolution(**{name: read_only(array) for name, array in arrays.items()}, load_steps=count)
+    frozen: dict[str, Any] = {name: read_only(array) for name, array in arrays.items()}
+    return RodSolution(**frozen, load_steps=count)
 
 
 def _effective_moment(law: SectionLaw, moment: Array, axial: Array) -> Array:

@@ -18,7 +18,7 @@ import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Literal, get_args
+from typing import Any, Literal, get_args
 
 import numpy as np
 
@@ -317,7 +317,8 @@ def _solution(rod: Rod, problem: Problem, point: LoadPoint, count: int) -> RodSo
         "stretch": _stretch(rod, steps.s * length, deviation),
         "force": _end_force(problem, point) * (base / length**2),
     }
-    return RodSolution(**{name: read_only(array) for name, array in arrays.items()}, load_steps=count)
+    frozen: dict[str, Any] = {name: read_only(array) for name, array in arrays.items()}
+    return RodSolution(**frozen, load_steps=count)
 
 
 def _end_force(problem: Problem, point: LoadPoint) -> Array:

@@ -10,7 +10,6 @@ from rich.console import Console
 
 from geometry.families.design import expected_tets
 from pipeline.accuracy import planning
-from pipeline.accuracy.ladder import Rung
 from pipeline.accuracy.measure import Cost, Measured, RodNumbers
 from pipeline.accuracy.plan import Estimate, Plan, review
 from pipeline.accuracy.planning import FINEST, FORMULATION, GRADING, PILOTS, Planned, plan_discretisation
@@ -49,14 +48,14 @@ ERROR = 0.04
 
 
 @pytest.fixture
-def piloted(monkeypatch: pytest.MonkeyPatch) -> list[Rung]:
+def piloted(monkeypatch: pytest.MonkeyPatch) -> list[Config]:
     """The pilots that were solved."""
-    pilots: list[Rung] = []
+    pilots: list[Config] = []
 
-    def made_up(rung: Rung) -> Measured:
-        pilots.append(rung)
+    def made_up(config: Config) -> Measured:
+        pilots.append(config)
         cost = Cost(5.0, 5.0, {}, 100.0, 30_000, 9_000, 0.3, 20)
-        return Measured("", (numbers(rung.config.mesh.size_mm, ERROR),), cost)
+        return Measured("", (numbers(config.mesh.size_mm, ERROR),), cost)
 
     monkeypatch.setattr(planning, "measure", made_up)
     return pilots
@@ -79,11 +78,11 @@ def codes(plan: Plan, after: Estimate | None = None) -> list[str]:
     return [remark.code for remark in plan.remarks(after)]
 
 
-def test_mesh_and_contact_distance_are_planned(configs: Path, tmp_path: Path, piloted: list[Rung]) -> None:
+def test_mesh_and_contact_distance_are_planned(configs: Path, tmp_path: Path, piloted: list[Config]) -> None:
     config = load_config(configs / "pneunet_coarse.yaml", ["mesh.size=auto", "accuracy=8 %"])
     applied, plan = planned(config, tmp_path)
-    assert [rung.config.mesh.size_mm for rung in piloted] == pytest.approx([fraction * 15.0 for fraction in PILOTS])
-    assert {rung.config.pressures_kPa for rung in piloted} == {config.pressures_kPa[:1]}
+    assert [pilot.mesh.size_mm for pilot in piloted] == pytest.approx([fraction * 15.0 for fraction in PILOTS])
+    assert {pilot.pressures_kPa for pilot in piloted} == {config.pressures_kPa[:1]}
     assert (applied.mesh.formulation, applied.mesh.grading) == (FORMULATION, GRADING)
     assert applied.pressures_kPa == config.pressures_kPa
     assert plan.sizes.model.order == pytest.approx(ORDER)
@@ -100,7 +99,9 @@ def test_mesh_and_contact_distance_are_planned(configs: Path, tmp_path: Path, pi
     assert len(piloted) == 2  # the kept plan is used the second time
 
 
-def test_a_given_mesh_size_is_kept_and_its_error_estimated(configs: Path, tmp_path: Path, piloted: list[Rung]) -> None:
+def test_a_given_mesh_size_is_kept_and_its_error_estimated(
+    configs: Path, tmp_path: Path, piloted: list[Config]
+) -> None:
     config = load_config(configs / "semicircular_coarse.yaml", ["mesh.size=4 mm", "accuracy=0.1 %"])
     applied, plan = planned(config, tmp_path)
     assert applied.mesh.size_mm == 4.0
@@ -114,20 +115,22 @@ def test_a_given_mesh_size_is_kept_and_its_error_estimated(configs: Path, tmp_pa
     assert plan.estimate.estimated["force_N"] == pytest.approx(expected, rel=1e-6)
 
 
-def test_without_contact_the_mesh_may_have_the_whole_error(configs: Path, tmp_path: Path, piloted: list[Rung]) -> None:
+def test_without_contact_the_mesh_may_have_the_whole_error(
+    configs: Path, tmp_path: Path, piloted: list[Config]
+) -> None:
     config = load_config(configs / "semicircular_coarse.yaml", ["mesh.size=auto", "accuracy=2 %"])
     _, plan = planned(config, tmp_path)
     assert 0.95 * MESH_FRACTION * 0.02 < max(plan.estimate.estimated.values()) <= MESH_FRACTION * 0.02
 
 
-def test_a_coarse_mesh_suffices_for_a_large_error(configs: Path, tmp_path: Path, piloted: list[Rung]) -> None:
+def test_a_coarse_mesh_suffices_for_a_large_error(configs: Path, tmp_path: Path, piloted: list[Config]) -> None:
     config = load_config(configs / "semicircular_coarse.yaml", ["mesh.size=auto", "accuracy=20 %"])
     _, plan = planned(config, tmp_path)
     assert plan.choice.size_mm == pytest.approx(9.5 * PILOTS[0], abs=0.01)
 
 
 def test_an_accuracy_that_no_size_reaches_is_refused_before_solving(
-    configs: Path, tmp_path: Path, piloted: list[Rung]
+    configs: Path, tmp_path: Path, piloted: list[Config]
 ) -> None:
     settings = ["mesh.size=auto", "accuracy=0.01 %"]
     with pytest.raises(InputError, match=r"accuracy: 0\.01 % cannot be reached") as refused:
@@ -147,7 +150,7 @@ def test_an_accuracy_that_no_size_reaches_is_refused_before_solving(
 
 
 def test_a_plan_has_at_most_as_many_elements_as_the_mesh_that_the_program_chooses(
-    configs: Path, tmp_path: Path, piloted: list[Rung]
+    configs: Path, tmp_path: Path, piloted: list[Config]
 ) -> None:
     config = load_config(
         configs / "semicircular_single_coarse.yaml", ["mesh.size=auto", "accuracy=0.1 %", "geometry.length=400 mm"]
@@ -159,7 +162,7 @@ def test_a_plan_has_at_most_as_many_elements_as_the_mesh_that_the_program_choose
     assert size > 1.3 * FINEST * PILOTS[1] * min(config.design.extent)
 
 
-def test_accuracies_are_compared_before_the_run(configs: Path, tmp_path: Path, piloted: list[Rung]) -> None:
+def test_accuracies_are_compared_before_the_run(configs: Path, tmp_path: Path, piloted: list[Config]) -> None:
     config = load_config(configs / "semicircular_coarse.yaml", ["mesh.size=auto", "accuracy=2 %"])
     made, told = decided(config, tmp_path)
     assert made.plan
@@ -174,7 +177,9 @@ def test_accuracies_are_compared_before_the_run(configs: Path, tmp_path: Path, p
     assert [row["is_reached"] for row in made.plan.record(None)["choices"]] == [True, True, True]  # type: ignore[index, union-attr, call-overload]
 
 
-def test_an_accuracy_that_the_run_does_not_have_is_refused(configs: Path, tmp_path: Path, piloted: list[Rung]) -> None:
+def test_an_accuracy_that_the_run_does_not_have_is_refused(
+    configs: Path, tmp_path: Path, piloted: list[Config]
+) -> None:
     for settings, sentence in (
         (["law=cell"], "use `pneurod cell CONFIG --accuracy 8%`"),
         (["effects.incompressibility=off", "mesh={size: 4 mm}"], "effects.incompressibility, accuracy: a requested"),
@@ -185,7 +190,9 @@ def test_an_accuracy_that_the_run_does_not_have_is_refused(configs: Path, tmp_pa
     assert not piloted
 
 
-def test_a_law_that_ends_early_with_mixed_elements_is_named(configs: Path, tmp_path: Path, piloted: list[Rung]) -> None:
+def test_a_law_that_ends_early_with_mixed_elements_is_named(
+    configs: Path, tmp_path: Path, piloted: list[Config]
+) -> None:
     for law, is_named in (("svk", True), ("hencky", False)):
         settings = ["mesh.size=auto", "accuracy=8 %", f"material.law={law}"]
         made, told = decided(load_config(configs / "pneunet_coarse.yaml", settings), tmp_path / law)
@@ -194,7 +201,7 @@ def test_a_law_that_ends_early_with_mixed_elements_is_named(configs: Path, tmp_p
 
 
 def test_the_tolerance_of_the_configuration_is_kept_where_it_is_smaller(
-    configs: Path, tmp_path: Path, piloted: list[Rung]
+    configs: Path, tmp_path: Path, piloted: list[Config]
 ) -> None:
     for given, used in (("1e-9", 1e-9), ("0.001", 2e-5)):
         settings = ["mesh.size=auto", "accuracy=2 %", f"newton.tolerance={given}"]
@@ -207,8 +214,8 @@ def test_the_tolerance_of_the_configuration_is_kept_where_it_is_smaller(
 def test_estimates_of_an_arm_that_hardly_bends_are_not_reliable(
     configs: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def straight(rung: Rung) -> Measured:
-        row = replace(numbers(rung.config.mesh.size_mm, ERROR), kappa_0_per_mm=-1e-4)
+    def straight(config: Config) -> Measured:
+        row = replace(numbers(config.mesh.size_mm, ERROR), kappa_0_per_mm=-1e-4)
         return Measured("", (row,), Cost(5.0, 5.0, {}, 100.0, 30_000, 9_000, 0.3, 20))
 
     monkeypatch.setattr(planning, "measure", straight)
@@ -221,7 +228,7 @@ def test_estimates_of_an_arm_that_hardly_bends_are_not_reliable(
     assert "the arm hardly bends (0.01 rad at 20 kPa)" in told
 
 
-def test_a_large_estimate_is_not_reliable(configs: Path, tmp_path: Path, piloted: list[Rung]) -> None:
+def test_a_large_estimate_is_not_reliable(configs: Path, tmp_path: Path, piloted: list[Config]) -> None:
     config = load_config(configs / "semicircular_coarse.yaml", ["mesh.size=9 mm", "accuracy=8 %"])
     made, told = decided(config, tmp_path)
     assert made.plan
@@ -239,17 +246,17 @@ mesh: {size: 4 mm}
 """
 
 
-def test_a_closed_surface_stays_without_grading(tmp_path: Path, piloted: list[Rung]) -> None:
+def test_a_closed_surface_stays_without_grading(tmp_path: Path, piloted: list[Config]) -> None:
     write_surface(tmp_path / "bar.stl", bar, 50)
     file = tmp_path / "bar.yaml"
     file.write_text(SURFACE, encoding="utf-8")
     config = load_config(file, ["accuracy=8 %"])
     _, plan = planned(config, tmp_path / "out")
     assert plan.grading == "off"
-    assert {rung.config.mesh.grading for rung in piloted} == {"off"}
+    assert {pilot.mesh.grading for pilot in piloted} == {"off"}
 
 
-def test_the_review_after_the_run(configs: Path, tmp_path: Path, piloted: list[Rung]) -> None:
+def test_the_review_after_the_run(configs: Path, tmp_path: Path, piloted: list[Config]) -> None:
     config = load_config(configs / "semicircular_coarse.yaml", ["mesh.size=auto", "accuracy=2 %"])
     _, plan = planned(config, tmp_path)
     worst = Indicator(0.01, "III", 37.0, (10.0, 2.0, 6.5))
@@ -265,7 +272,7 @@ def test_the_review_after_the_run(configs: Path, tmp_path: Path, piloted: list[R
 
 
 def test_a_finer_size_is_suggested_where_the_run_misses_the_request(
-    configs: Path, tmp_path: Path, piloted: list[Rung]
+    configs: Path, tmp_path: Path, piloted: list[Config]
 ) -> None:
     config = load_config(configs / "semicircular_coarse.yaml", ["mesh.size=auto", "accuracy=5 %"])
     _, plan = planned(config, tmp_path)
@@ -282,7 +289,7 @@ def test_a_finer_size_is_suggested_where_the_run_misses_the_request(
     assert plan.record(Estimate(dict.fromkeys(EXACT, 4.0), 0.0, 0.01, worst))["finer"] is None
 
 
-def test_without_a_requested_accuracy_nothing_changes(configs: Path, tmp_path: Path, piloted: list[Rung]) -> None:
+def test_without_a_requested_accuracy_nothing_changes(configs: Path, tmp_path: Path, piloted: list[Config]) -> None:
     config = load_config(configs / "pneunet_coarse.yaml")
     assert decided(config, tmp_path) == (Planned(config), "")
     assert not piloted
@@ -291,7 +298,7 @@ def test_without_a_requested_accuracy_nothing_changes(configs: Path, tmp_path: P
 def test_without_pilots_the_run_goes_on_as_without_the_request(
     configs: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(planning, "measure", lambda rung: Measured("II: inverted", (), None))
+    monkeypatch.setattr(planning, "measure", lambda config: Measured("II: inverted", (), None))
     for number, settings in enumerate(([], ["mesh={size: auto}"], ["mesh={size: 4 mm, formulation: p2}"])):
         made, told = decided(
             load_config(configs / "pneunet_coarse.yaml", ["accuracy=8 %", *settings]), tmp_path / str(number)
@@ -306,7 +313,9 @@ def test_without_pilots_the_run_goes_on_as_without_the_request(
     assert plain.mesh.coarser == COARSER
 
 
-def test_an_arm_too_short_for_five_parameters_has_no_pilots(configs: Path, tmp_path: Path, piloted: list[Rung]) -> None:
+def test_an_arm_too_short_for_five_parameters_has_no_pilots(
+    configs: Path, tmp_path: Path, piloted: list[Config]
+) -> None:
     config = load_config(configs / "pneunet_coarse.yaml", ["accuracy=8 %", "geometry.chambers=6"])
     made, _ = decided(config, tmp_path)
     assert not piloted
