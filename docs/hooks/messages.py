@@ -59,27 +59,39 @@ def _messages_in(root: Path, room: str) -> list[tuple[str, ...]]:
 
 def messages_of(path: Path, root: Path) -> Iterator[Message]:
     """The messages of one source file, in their order there."""
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-        if isinstance(node, ast.Raise) and isinstance(node.exc, ast.Call):
-            error = ast.unparse(node.exc.func).rpartition(".")[2]
-            # a key of the configuration may come before the sentence
-            sentence = next((text for given in node.exc.args[:2] if " " in (text := _sentence(given))), "")
-            if sentence and error not in INTERNAL:
-                yield Message(_safe(sentence), error, str(path.relative_to(root)))
+    nodes = list(ast.walk(ast.parse(path.read_text(encoding="utf-8"))))
+    for function in (node for node in nodes if isinstance(node, ast.FunctionDef)):
+        inside = list(ast.walk(function))
+        parts = {n.targets[0].id: n.value for n in inside if isinstance(n, ast.Assign) and _is_text(n)}
+        for node in inside:
+            if isinstance(node, ast.Raise) and isinstance(node.exc, ast.Call):
+                error = ast.unparse(node.exc.func).rpartition(".")[2]
+                # a key of the configuration may come before the sentence
+                texts = (_sentence(given, parts) for given in node.exc.args[:2])
+                sentence = next((text for text in texts if " " in text), "")
+                if sentence and error not in INTERNAL:
+                    yield Message(_safe(sentence), error, str(path.relative_to(root)))
 
 
-def _sentence(node: ast.expr) -> str:
-    """The text of a string or of a formatted string; empty for anything else."""
+def _is_text(node: ast.Assign) -> bool:
+    """Whether a name is given to a part of a sentence."""
+    return isinstance(node.targets[0], ast.Name) and " " in _sentence(node.value, {})
+
+
+def _sentence(node: ast.expr, parts: Mapping[str, ast.expr]) -> str:
+    """The text of a string or of a formatted string; empty for anything else. parts: of sentences, by their names."""
     match node:
+        case ast.Name(id=name) | ast.FormattedValue(value=ast.Name(id=name)) if name in parts:
+            return _sentence(parts[name], {})
         case ast.Constant(value=str(text)):
             return text
-        case ast.JoinedStr(values=parts):
-            return "".join(_sentence(part) for part in parts)
+        case ast.JoinedStr(values=values):
+            return "".join(_sentence(value, parts) for value in values)
         case ast.FormattedValue(value=value):  # the last name in it
             name = re.findall(r"[A-Za-z]\w*", ast.unparse(value))[-1]
             return f"<{name.replace('_', ' ')}>"
         case ast.BinOp(left=left, op=ast.Add(), right=right):
-            return _sentence(left) + _sentence(right)
+            return _sentence(left, parts) + _sentence(right, parts)
     return ""
 
 
