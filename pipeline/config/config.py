@@ -63,9 +63,7 @@ class IdentificationSettings(Section):
     weight_N: kinds.PositiveForce | None = Field(
         default=None, description="weight of the arm for M/(m g l) in [results](results.md); default: its own"
     )
-    weight_of: kinds.Text = Field(
-        default="", description="name printed beside results made dimensionless with this weight"
-    )
+    weight_of: kinds.Text = Field(default="", description="name of this weight beside dimensionless results")
 
 
 @section(frozen=True)
@@ -141,9 +139,7 @@ class Config(Section):
         default_factory=dict,
         description="[regions](#a-base-of-another-material) of another material than the rest of the body",
     )
-    pressures_kPa: kinds.Pressures = Field(
-        default=(5.0, 17.0, 31.0, 45.0), description="pressures of the run"
-    )  #: ascending
+    pressures_kPa: kinds.Pressures = Field(default=(5.0, 17.0, 31.0, 45.0), description="pressures of the run")
     #: II, III, and I where it is solved
     experiments: Annotated[tuple[str, ...], Kind("`[I, II, III]` or `[II, III]`", "[II, III]", read=_experiments)] = (
         Field(
@@ -152,9 +148,7 @@ class Config(Section):
     )
     end: Annotated[End, WrittenAs(read_end, GivenEnd)] = End()
     identification: IdentificationSettings = IdentificationSettings()
-    added_pressures: kinds.CountFromZero = Field(
-        default=0, description="how many pressures the program may add between the given ones"
-    )
+    added_pressures: kinds.CountFromZero = Field(default=0, description="how many pressures the program may add")
     validation: Annotated[Validation, WrittenAs(read_validation, GivenValidation)] = Field(
         default_factory=dict, validate_default=True
     )
