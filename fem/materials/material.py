@@ -29,6 +29,7 @@ class Constant(Enum):
 
     STRESS = "stress, MPa"
     POSITIVE_STRESS = "stress above zero, MPa"
+    POSITIVE = "above zero, dimensionless"
     POISSON_RATIO = "Poisson's ratio, dimensionless"
     STRESSES = "a stress for each term, MPa"
     EXPONENTS = "an exponent for each term, dimensionless"
@@ -36,13 +37,15 @@ class Constant(Enum):
     @property
     def unit(self) -> str:
         """As it follows each number in a configuration; empty for a dimensionless constant."""
-        return "" if self in (Constant.POISSON_RATIO, Constant.EXPONENTS) else " MPa"
+        dimensionless = (Constant.POSITIVE, Constant.POISSON_RATIO, Constant.EXPONENTS)
+        return "" if self in dimensionless else " MPa"
 
 
 Stress = Annotated[float, Constant.STRESS]
 Stresses = Annotated[tuple[float, ...], Constant.STRESSES]
 Exponents = Annotated[tuple[float, ...], Constant.EXPONENTS]
 PositiveStress = Annotated[float, Constant.POSITIVE_STRESS]
+Positive = Annotated[float, Constant.POSITIVE]
 PoissonRatio = Annotated[float, Constant.POISSON_RATIO, "Poisson's ratio"]
 BulkModulus = Annotated[PositiveStress, "bulk modulus"]
 

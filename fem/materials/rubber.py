@@ -18,7 +18,7 @@ from fem.materials.tensors import IDENTITY, CauchyGreen, Products, scaled
 from geometry.arrays import Array
 
 
-class IsochoricLaw(RubberLaw, LinearLaw):
+class IsochoricLaw(RubberLaw):
     """W = w(I1bar) + c01 (I2bar - 3) + kappa/2 (J - 1)^2."""
 
     @abstractmethod
@@ -75,7 +75,7 @@ def _linear_term(stretch: Array) -> Array:
 
 @final
 @dataclass(frozen=True)
-class NeoHooke(IsochoricLaw):
+class NeoHooke(IsochoricLaw, LinearLaw):
     """W = mu/2 (I1bar - 3) + kappa/2 (J - 1)^2; mu, kappa in MPa, positive. Raises `MaterialError`."""
 
     title = "neo-Hooke"
@@ -100,7 +100,7 @@ class NeoHooke(IsochoricLaw):
 
 @final
 @dataclass(frozen=True)
-class MooneyRivlin(IsochoricLaw):
+class MooneyRivlin(IsochoricLaw, LinearLaw):
     """W = c10 (I1bar - 3) + c01 (I2bar - 3) + kappa/2 (J - 1)^2; MPa, c10 + c01 and kappa positive.
 
     Raises `MaterialError`.
@@ -129,7 +129,7 @@ class MooneyRivlin(IsochoricLaw):
 
 @final
 @dataclass(frozen=True)
-class Yeoh(IsochoricLaw):
+class Yeoh(IsochoricLaw, LinearLaw):
     """W = c10 (I1bar - 3) + c20 (I1bar - 3)^2 + c30 (I1bar - 3)^3 + kappa/2 (J - 1)^2; MPa, c10 and kappa positive.
 
     Raises `MaterialError`. Elastosil M4601: c10 = 0.11, c20 = 0.02 MPa.

@@ -117,6 +117,7 @@ PositiveForce = Annotated[float, Kind("above 0", "0.4 N", "N", in_unit(FORCE), a
 _Pressure = Annotated[float, Kind("any", PRESSURE.example, "kPa", in_unit(PRESSURE))]
 Pressures = Annotated[tuple[_Pressure, ...], list_of("above 0, ascending", "[17 kPa, 37 kPa]", "kPa", _ascending)]
 Number = Annotated[float, Kind("any", "1", "1", number)]
+PositiveNumber = Annotated[Number, Kind("above 0", "1", "1", test=above_zero)]
 PoissonRatio = Annotated[Number, Kind("above -1 and below 0.5", "0.495", "1", test=lambda value: -1.0 < value < 0.5)]
 LossFactor = Annotated[Number, Kind("above 0, at most 2", "0.1", "1", test=lambda value: 0.0 < value <= 2.0)]
 Stretches = Annotated[

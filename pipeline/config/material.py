@@ -13,6 +13,7 @@ from pipeline.config.kinds import (
     LossFactor,
     Number,
     PoissonRatio,
+    PositiveNumber,
     PositiveStress,
     Stress,
     Stretches,
@@ -27,6 +28,7 @@ from pipeline.store.json_values import Json, JsonObject
 CONSTANTS: dict[Constant, Any] = {
     Constant.STRESS: Stress,
     Constant.POSITIVE_STRESS: PositiveStress,
+    Constant.POSITIVE: PositiveNumber,
     Constant.POISSON_RATIO: PoissonRatio,
     Constant.STRESSES: Annotated[
         tuple[Stress, ...], one_or_more(list_of("a list, one for each term", "[0.4 MPa]", "MPa"))
