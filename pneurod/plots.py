@@ -32,7 +32,7 @@ class Plots:
 
     def law(self) -> "Figure":
         """Moment of a cell over its curvature, and the finite elements of the whole arm."""
-        return self._drawn(figures.arm_law(self._run), "law of a cell")
+        return self._drawn(figures.arm_law(self._run), "law of its own")
 
     def moments(self) -> "Figure":
         """Moment over change of curvature in experiment III: finite elements, and the rod with five parameters."""

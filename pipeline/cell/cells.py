@@ -168,7 +168,7 @@ class CellMeasurer:
 def check_two(cells: Sequence[object], log: Log) -> None:
     """Raise RunFailed for fewer than two pressures."""
     if len(cells) < 2:
-        raise RunFailed(f"the law of a cell has fewer than two pressures: {render_all(log.failures)}")
+        raise RunFailed(f"the arm's own law has fewer than two pressures: {render_all(log.failures)}")
 
 
 def is_not_reduced(errors: Sequence[float], allowed: float) -> bool:

@@ -13,7 +13,7 @@ def law_page(name: str, law: ArmLaw) -> str:
         Panel("Curvature without moment", "p (kPa)", "κ₀ (1/mm)", (at_rest,)),
         Panel("Rigidity against bending", "κ (1/mm)", "dM/dκ (N mm²)", _curves(law, "rigidity"), log_y=True),
     )
-    return standalone_page(f"{name}: the law of a cell", figure(panels))
+    return standalone_page(f"{name}: the arm's own law", figure(panels))
 
 
 def _curves(law: ArmLaw, quantity: str) -> tuple[Line, ...]:

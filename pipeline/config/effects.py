@@ -181,13 +181,13 @@ class Effects(Section):
         if not design.repeats:
             return design.why_no_cell
         if self.gravity.on:
-            return "the weight loads every cell differently, so there is no law of one cell with effects.gravity"
+            return "the weight loads every cell differently, so an arm has no law of its own with effects.gravity"
         if any(cavity.constant_kPa for cavity in cavities.values()):
-            return "a cavity has a constant pressure, and the law of a cell has one pressure that all follow"
+            return "a cavity has a constant pressure, and the arm's own law has one pressure that all follow"
         if not self.pressure.acts:
-            return "no cavity is pressurised, so the law of a cell has nothing to depend on"
+            return "no cavity is pressurised, so the arm's own law has nothing to depend on"
         if not self.self_contact.off and (len(faces) > 1 or any(face in cavities for face in faces)):
-            return "the law of a cell has contact on one outer face alone, not on all those the user names"
+            return "the arm's own law has contact on one outer face alone, not on all those the user names"
         return ""
 
     @property

@@ -119,7 +119,7 @@ TEMPLATES: Mapping[str, str] = {
     "{end_kPa:.4g} kPa; give lower pressures",
     "not_identified": "no five parameters at {pressure_kPa:g} kPa: {why}",
     "pressure_not_added": "no pressure was added at {pressure_kPa:g} kPa: {why}",
-    "no_arm_law": "no law of the arm: {why}; set law: five to take five parameters",
+    "no_arm_law": "the arm's own law was not made: {why}; set law: five to take five parameters",
     "law_incomplete": "the arm's own law is incomplete: {why}",
     # the arm's own law
     "law_not_wanted": "switched off in the config",

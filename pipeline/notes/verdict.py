@@ -224,7 +224,8 @@ def _warnings(run: Run, rod: str, mesh: MeshErrors, refusal: Reported | None) ->
         of_rod.append(report_reason(Reason("mesh_error_unknown")))
     if rod in (FIVE, EXTENSIBLE):
         of_rod.append(report_reason(Reason("offsets_bend")))
-    shown = [remark for remark in run.remarks if refusal is None or remark.code != refusal.code]
+    said = {reason.code for reason in (*run.failures, *filter(None, [refusal]))}
+    shown = [remark for remark in run.remarks if remark.code not in said]
     ranked = sorted(shown, key=lambda remark: RANKS.index(remark.code) if remark.code in RANKS else len(RANKS))
     known = [remark for remark in ranked if remark.code in RANKS]
     return tuple([*known, *of_rod, *ranked[len(known) :]][:MOST_WARNINGS])

@@ -180,7 +180,7 @@ def arm_law(run: Run) -> Panels:
             continue
         colour, name = _colour(run, pressure), f"{pressure:g} kPa"
         kappa, moment = np.array(curve.kappa_per_mm), np.array(curve.moment_N_mm)
-        lines.append(Line(kappa, moment, f"law of a cell, {name}", colour, entry="law of a cell", frame=name))
+        lines.append(Line(kappa, moment, f"the arm's own law, {name}", colour, entry="the arm's own law", frame=name))
         touch = np.array(curve.contact, dtype=bool)
         if touch.any():
             there = kappa[touch], moment[touch]

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from typing import Any
 
+from fem.elements import ELEMENTS
 from pipeline.formatting import decimals_beside, decimals_of, duration, interval, number, percent, with_spread
 from pipeline.notes.rods import TITLES, mesh_errors, rod_errors
 from pipeline.results.parameters import FiveColumns
@@ -151,6 +152,7 @@ def design(run: Run) -> Table | None:
     if mesh:
         edges = f"edges {mesh.mean_edge_mm:.2g} mm on average, {mesh.longest_edge_mm:.2g} mm at most"
         rows.append(("mesh", f"{mesh.elements} {mesh.formulation} elements, {edges}"))
+        rows.append((f"elements {mesh.formulation}", ELEMENTS[mesh.formulation].summary))
         rows += [(f"chosen {name}", reason) for name, reason in mesh.chosen.items()]
     return Table(("key", "value"), tuple(rows)) if rows else None
 

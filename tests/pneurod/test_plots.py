@@ -41,7 +41,7 @@ def test_what_was_not_reached_is_named(results: pneurod.Results) -> None:
     nothing = Plots(replace(results.run, curves=(), law=None))
     with pytest.raises(pneurod.InputError, match="has no states of experiment II"):
         nothing.angle()
-    with pytest.raises(pneurod.InputError, match="has no law of a cell"):
+    with pytest.raises(pneurod.InputError, match="has no law of its own"):
         nothing.law()
     with pytest.raises(pneurod.InputError, match="'IV' is none; allowed: I, II, III"):
         results.plot.shape("IV")
