@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 from rich.console import Console
 
+import fem
 from pipeline import effects_rows, effects_study
 from pipeline.config.config import Config
 from pipeline.config.load import load_config
@@ -18,7 +19,6 @@ from pipeline.effects_rows import BASE, COST, NUMBERS, EffectRow, compared, vari
 from pipeline.effects_study import EffectsTable, compare_effects, variant_name, variants
 from pipeline.errors import InputError, RunFailed
 from pipeline.progress import Lines, Silent
-from pipeline.simulation import kernels
 from pipeline.simulation.outcome import Outcomes
 from pipeline.simulation.scene import Scene
 from pipeline.simulation.simulate import simulate
@@ -173,7 +173,7 @@ def test_the_time_of_an_experiment_counts_no_kernels_and_is_kept_with_its_states
 
     config, out = load_config(file), file.parent / "out"
     solved(config, file.parent / "first", "II")  # loads what is loaded once
-    monkeypatch.setattr(kernels, "compile_kernels", compiling)
+    monkeypatch.setattr(fem, "compile_kernels", compiling)
     outcomes = solved(config, out, "II")
     assert 0.0 < outcomes.records[0].cpu_seconds <= outcomes.cpu_seconds < 2.5
     again = solved(config, out, "II")
