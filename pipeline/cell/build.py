@@ -2,21 +2,19 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cache
 
 import numpy as np
 
 from geometry import Reason
-from pipeline.cell.cells import CellMeasurer, check_two, measure_bends
-from pipeline.cell.ends import choose_half_cells, measure_ends
+from pipeline.cell.cells import CellMeasurer, measure_bends
+from pipeline.cell.ends import begin_clamps, choose_half_cells, measure_ends
 from pipeline.cell.meshes import estimate_mesh_error
 from pipeline.cell.pieces import ArmPieces
 from pipeline.cell.point import Measured
-from pipeline.cell.tasks import ArmTasks, Log, PieceCurves
+from pipeline.cell.tasks import ArmTasks, Log
 from pipeline.context import RunContext
-from pipeline.parallel import Pending
 from pipeline.results.law import LawMeshError
-from rod.arm_law.curves import CellCurve, ClampCurve
+from rod.arm_law.curves import CellCurve
 from rod.arm_law.law import ArmLaw
 
 
@@ -61,23 +59,15 @@ def build_law(
     if highest_kPa:
         cells = measurer.end_at(cells, highest_kPa())
     last, length = cells[-1].curve, pieces.design.length
-
-    @cache
-    def clamp(half_cells: int) -> Pending[Measured[ClampCurve]]:
-        return tasks.submit(PieceCurves.clamp_without_moment, last, half_cells)
-
-    if repetition.half_cells >= 3:
-        clamp(1), clamp(3)  # done beside the pressures between
+    clamp = begin_clamps(tasks, last, repetition.half_cells)  # done beside the pressures between
     cells, error_between = measurer.add_between(cells)
     half_cells, error_ends, limit = choose_half_cells(clamp, last, repetition.half_cells, length)
     log.limits.extend(filter(None, [limit]))
-    clamps, tips = measure_ends(tasks, log, cells, half_cells)
-    cells = cells[: len(clamps)]
-    check_two(cells, log)
+    cells, clamps, tips = measure_ends(tasks, log, cells, half_cells)
     curves = tuple(cell.curve for cell in cells)
-    law = ArmLaw(
-        2.0 * repetition.half_pitch, repetition.middle, length, curves, tuple(end.curve for end in clamps), tuple(tips)
-    )
+    ends = tuple(end.curve for end in clamps), tuple(tips)
+    law = ArmLaw(2.0 * repetition.half_pitch, repetition.middle, length, curves, *ends)
+    compared = [curve for curve in curves if curve.pressure in (*pressures_kPa, curves[-1].pressure)]
     unknowns = {"cell": cells[0].unknowns, "end": clamps[0].unknowns}
     return MeasuredLaw(
         law=law,
@@ -87,7 +77,7 @@ def build_law(
         error_between=error_between,
         error_along_clamp=max(end.error for end in clamps),
         error_ends=error_ends,
-        mesh_error=estimate_mesh_error(pieces, curves, unknowns["cell"], context),
+        mesh_error=estimate_mesh_error(pieces, compared, unknowns["cell"], context),
         limits=tuple(dict.fromkeys(log.limits)),
         failures=tuple(log.failures),
         factorizations=log.factorizations,

@@ -1,6 +1,7 @@
 """The two ends of an arm: how many half cells they disturb, and their curves beside those of the cell."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
+from functools import cache
 from itertools import zip_longest
 
 import numpy as np
@@ -8,6 +9,7 @@ import numpy as np
 from fem.cell.piece import PieceFailed
 from geometry import Reason
 from geometry.arrays import Array
+from pipeline.cell.cells import check_two
 from pipeline.cell.pieces import NoArmLaw
 from pipeline.cell.point import Measured
 from pipeline.cell.tasks import CLAMP, TIP, ArmTasks, Log, PieceCurves
@@ -22,14 +24,29 @@ NOT_DECAYED = 1e-2
 IN_TURN = 4
 
 
+def begin_clamps(tasks: ArmTasks, cell: CellCurve, available: int) -> Callable[[int], Pending[Measured[ClampCurve]]]:
+    """Gives the clamped end with so many half cells, without moment; the first two of them are begun at once.
+
+    available: half cells of the arm.
+    """
+
+    @cache
+    def clamp(half_cells: int) -> Pending[Measured[ClampCurve]]:
+        return tasks.submit(PieceCurves.clamp_without_moment, cell, half_cells)
+
+    for half_cells in (1, 3) if available >= 3 else ():
+        clamp(half_cells)
+    return clamp
+
+
 def choose_half_cells(
     clamp: Callable[[int], Pending[Measured[ClampCurve]]], cell: CellCurve, available: int, length: float
 ) -> tuple[int, float | None, Reason | None]:
     """So many half cells of an end piece that two more change the arm's end by less than DECAY.
 
-    clamp: gives the clamped end with so many half cells, without moment, beside the cell; available: half cells of the
-    arm; length: mm, of the arm. Returns also the error of the arm's end by cells that the end still disturbs, over the
-    length, and a reason where it is not known or has not decayed. Raises `NoArmLaw`.
+    clamp, available: as in `begin_clamps`; length: mm, of the arm. Returns also the error of the arm's end by cells
+    that the end still disturbs, over the length, and a reason where it is not known or has not decayed. Raises
+    `NoArmLaw`.
     """
     compared: tuple[int, float] | None = None  # half cells and error of the last pair that was solved
     failure = ""
@@ -77,9 +94,12 @@ def _without_moment(clamp: ClampCurve, name: str) -> tuple[Array, Array]:
 
 
 def measure_ends(
-    tasks: ArmTasks, log: Log, cells: Sequence[Measured[CellCurve]], half_cells: int
-) -> tuple[list[Measured[ClampCurve]], list[TipCurve]]:
-    """The clamped end and the tip by rising pressure, up to the last one that both bear."""
+    tasks: ArmTasks, log: Log, cells: list[Measured[CellCurve]], half_cells: int
+) -> tuple[list[Measured[CellCurve]], list[Measured[ClampCurve]], list[TipCurve]]:
+    """Cells, clamped ends and tips by rising pressure, up to the last one that both ends bear.
+
+    Raises RunFailed for fewer than two.
+    """
     curves = [cell.curve for cell in cells]
     for end in (CLAMP, TIP):
         tasks.context.progress.experiment(end.name, [curve.pressure for curve in curves])
@@ -100,4 +120,5 @@ def measure_ends(
             clamp_fails = clamped.failure and len(clamped.measured) <= len(free.measured)
             log.failures.extend(filter(None, [clamped.failure if clamp_fails else free.failure]))
             break
-    return clamps, tips
+    check_two(clamps, log)
+    return cells[: len(clamps)], clamps, tips

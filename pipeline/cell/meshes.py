@@ -47,18 +47,17 @@ Numbers = tuple[float, float, float]
 def estimate_mesh_error(
     pieces: ArmPieces, cells: Sequence[CellCurve], unknowns: int, context: RunContext
 ) -> LawMeshError:
-    """The errors at those pressures of the configuration at which the law of a cell has been measured, and at its last.
+    """The errors of these cells.
 
-    unknowns: displacement components of the cell. At pressures at which the finer mesh is too large or bears nothing
+    unknowns: displacement components of a cell. At pressures at which the finer mesh is too large or bears nothing
     the errors come from a coarser one; one that gives nothing either is left out.
     """
-    pressurised = [cell for cell in cells if cell.pressure in (*pieces.config.pressures_kPa, cells[-1].pressure)]
     rows: dict[float, tuple[Numbers, Numbers]] = {}
     if unknowns * MORE_POINTS > MOST_UNKNOWNS:
         why = f"a mesh of half the size has more than {MOST_UNKNOWNS} unknowns"
     else:
-        rows, why = _compare(pieces, pressurised, FINER, context)
-    missing, factor, reason = [cell for cell in pressurised if cell.pressure not in rows], FINER, ""
+        rows, why = _compare(pieces, cells, FINER, context)
+    missing, factor, reason = [cell for cell in cells if cell.pressure not in rows], FINER, ""
     if missing:
         coarser = pieces.config.mesh.coarser or COARSER
         factor = FINER if rows else coarser
@@ -188,12 +187,12 @@ class RefinedMesh:
         return (Reason("cell_accuracy", values), *missed)
 
 
-def refine_mesh(pieces: ArmPieces, context: RunContext, requested: float) -> RefinedMesh:
-    """Meshes of the cell from that of `pieces` on, at the highest pressure, until the estimated error is small enough.
+def refine_mesh(pieces: ArmPieces, pressure: float, requested: float, context: RunContext) -> RefinedMesh:
+    """Meshes of the cell from that of `pieces` on, at a pressure in kPa, until the estimated error is small enough.
 
-    Raises RunFailed where the coarsest mesh bears no such pressure, and InputError where it cannot be made.
+    Raises RunFailed where fewer than MESHES of them bear the pressure.
     """
-    pressure, length = pieces.config.pressures_kPa[-1], pieces.design.length
+    length = pieces.design.length
     meshes: list[CellNumbers] = []
     size, reason = pieces.config.mesh.element_size_mm, ""
 

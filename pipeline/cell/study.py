@@ -79,7 +79,7 @@ def measure_law(config: Config, out: Path, jobs: int, fresh: bool, progress: Pro
             for pending in loading:
                 pending.result()
             if config.accuracy is not None:
-                refined = refine_mesh(pieces, context, config.accuracy)
+                refined = refine_mesh(pieces, config.pressures_kPa[-1], config.accuracy, context)
                 pieces = pieces.with_mesh_size(refined.size_mm)
             progress.stage("cell and ends")
             measured = build_law(pieces, config.pressures_kPa, context)

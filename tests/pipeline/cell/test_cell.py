@@ -86,7 +86,7 @@ def test_a_coarser_mesh_gives_the_error_where_a_finer_one_is_too_large(
     monkeypatch.setattr(meshes, "MOST_UNKNOWNS", 1000)
     config = arm(*ARM)
     with open_store(tmp_path, config, fresh=False) as store:
-        cells = report.measured.law.cells
+        cells = [cell for cell in report.measured.law.cells if cell.pressure in config.pressures_kPa]
         error = meshes.estimate_mesh_error(ArmPieces(config, 0.04), cells, 2000, RunContext.alone(store, Silent()))
     assert error.second_mm == 9.0
     assert error.pressures_kPa == (6.0, 9.0)
@@ -110,7 +110,8 @@ def test_a_pressure_that_the_finer_mesh_does_not_bear_costs_the_others_nothing(
         report_cell = pieces.cell
         unknowns = report.measured.unknowns["cell"]
         context = RunContext.alone(store, Silent())
-        error = meshes.estimate_mesh_error(pieces, report.measured.law.cells, unknowns, context)
+        cells = [cell for cell in report.measured.law.cells if cell.pressure in config.pressures_kPa]
+        error = meshes.estimate_mesh_error(pieces, cells, unknowns, context)
     assert error.pressures_kPa == whole.pressures_kPa
     assert error.second_mm == whole.second_mm == 3.0
     for name in NUMBERS:
@@ -184,7 +185,7 @@ def test_the_mesh_of_the_cell_is_refined_until_its_error_is_small_enough(
     pieces = ArmPieces(config, 0.04)
     with open_store(tmp_path, config, fresh=False) as store:
         context = RunContext.alone(store, Silent())
-        taken = refine_mesh(pieces, context, 0.1)
+        taken = refine_mesh(pieces, 9.0, 0.1, context)
         assert taken.is_reached
         assert len(taken.meshes) >= 3
         sizes = [mesh.size_mm for mesh in taken.meshes]
@@ -192,14 +193,14 @@ def test_the_mesh_of_the_cell_is_refined_until_its_error_is_small_enough(
         assert [remark.code for remark in taken.remarks] == ["cell_accuracy"]
         before_last = taken.meshes[-2].degrees_of_freedom
         monkeypatch.setattr(meshes, "MOST_UNKNOWNS", before_last * meshes.RATIO**2)
-        limited = refine_mesh(pieces, context, 1e-6)  # the same meshes, from the folder
+        limited = refine_mesh(pieces, 9.0, 1e-6, context)  # the same meshes, from the folder
         assert limited.meshes == taken.meshes
         assert not limited.is_reached
         assert limited.remarks[-1].code == "cell_accuracy_missed"
         assert limited.reason.startswith("a finer mesh has more than")
         monkeypatch.setattr(meshes, "MOST_UNKNOWNS", 1)
         with pytest.raises(pneurod.RunFailed, match="fewer than 3 meshes"):
-            refine_mesh(pieces, context, 0.1)
+            refine_mesh(pieces, 9.0, 0.1, context)
 
 
 def test_processes_measure_the_same_law(report: LawReport, tmp_path: Path) -> None:
