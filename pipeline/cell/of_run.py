@@ -69,8 +69,9 @@ def law_of_run(scene: Scene, context: RunContext, highest_kPa: Callable[[], floa
 
 
 def _refused(is_needed: bool, why: Exception) -> LawOfRun:
-    reasons = (Reason("no_arm_law", {"why": str(why).rstrip(".")}),)
-    return LawOfRun(None, reasons, reasons if is_needed else ())
+    because = {"why": str(why).rstrip(".")}
+    failures = (Reason("no_arm_law", because),) if is_needed else ()
+    return LawOfRun(None, (Reason("law_not_possible", because),), failures)
 
 
 def _measured(

@@ -123,6 +123,7 @@ TEMPLATES: Mapping[str, str] = {
     "law_incomplete": "the arm's own law is incomplete: {why}",
     # the arm's own law
     "law_not_wanted": "switched off in the config",
+    "law_not_possible": "{why}",
     "law_measured": "measured on one cell and both ends from {lowest_kPa:g} to {highest_kPa:g} kPa; nothing is fitted "
     "to the arm as a whole",
     "piece_fails": "{why}",
