@@ -177,7 +177,7 @@ class Mesh:
     @cached_property
     def quality(self) -> Quality:
         """Shape measures of the tetrahedra with straight edges."""
-        return measure_quality(self.points, self.tets)
+        return measure_quality(self.points, self.tets, self.edges)
 
     def mirrored(self) -> "Mesh":
         """Both halves of a body from its half z >= 0: mirrored at z = 0, without the face `sym`, other faces completed.

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from geometry.arrays import Array, Index
-from geometry.topology import EDGES, OUTWARD, cross, normals, signed_volumes
+from geometry.topology import OUTWARD, cross, normals, signed_volumes
 
 
 @dataclass(frozen=True)
@@ -23,18 +23,18 @@ class Quality:
     mean_edge: float  #: mean over the edges, each counted once, mm
 
 
-def measure_quality(points: Array, tets: Index) -> Quality:
-    """Quality of positively oriented tetrahedra (m, 4) on points (n, 3), mm."""
+def measure_quality(points: Array, tets: Index, edges: Index) -> Quality:
+    """Quality of positively oriented tetrahedra (m, 4) on points (n, 3), mm, with all their edges (e, 2)."""
     corners, ratio = points[tets], radius_ratios(points, tets)
-    edges = np.linalg.norm(corners[:, EDGES[:, 0]] - corners[:, EDGES[:, 1]], axis=2)
+    lengths = np.linalg.norm(points[edges[:, 1]] - points[edges[:, 0]], axis=1)
     x, y, z = (float(v) for v in corners[int(np.argmin(ratio))].mean(axis=0))
     return Quality(
         count=len(ratio),
         minimum=float(ratio.min()),
         mean=float(ratio.mean()),
         position=(x, y, z),
-        longest_edge=float(edges.max()),
-        mean_edge=_mean_edge(points, tets),
+        longest_edge=float(lengths.max()),
+        mean_edge=float(lengths.mean()),
     )
 
 
@@ -48,10 +48,3 @@ def radius_ratios(points: Array, tets: Index) -> Array:
     centre = aa * cross(b, c) + bb * cross(c, a) + cc * cross(a, b)
     radius = np.linalg.norm(centre, axis=1) / (12 * volumes)
     return np.asarray(9 * volumes / areas.sum(axis=1) / radius)
-
-
-def _mean_edge(points: Array, tets: Index) -> float:
-    pairs = np.sort(tets[:, EDGES].reshape(-1, 2), axis=1)
-    keys = np.unique(pairs[:, 0] * len(points) + pairs[:, 1])
-    first, second = np.divmod(keys, len(points))
-    return float(np.linalg.norm(points[second] - points[first], axis=1).mean())
