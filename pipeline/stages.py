@@ -27,13 +27,11 @@ from pipeline.report.saved import save_report
 from pipeline.results.files import CURVES, VALIDATION_CURVES, save_curves, save_value
 from pipeline.results.record import RunRecord
 from pipeline.results.values import Run
-from pipeline.simulation.below_limit import complete_experiments, highest_of_use
 from pipeline.simulation.effects_record import effect_states
 from pipeline.simulation.outcome import Outcomes
 from pipeline.simulation.pictures import draw_all
-from pipeline.simulation.scene import Scene
-from pipeline.simulation.simulate import begin_II, begin_loading
-from pipeline.simulation.waiting import meshed_with_progress
+from pipeline.simulation.scene import Scene, meshed_with_progress
+from pipeline.simulation.simulate import begin_II, begin_loading, complete_experiments, highest_of_use
 from pipeline.store.provenance import provenance
 from pipeline.validation.compare import Comparison, compare, curves_of
 from pipeline.validation.rods import ArmRods

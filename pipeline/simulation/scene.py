@@ -1,9 +1,12 @@
 """From a configuration to its scene: the part of the body that is meshed, its material, and the effects on it."""
 
-from collections.abc import Mapping
+import threading
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import cached_property
 from math import inf
+from time import perf_counter
 
 import fem
 from fem.elements import ELEMENTS, Volumetric
@@ -11,12 +14,15 @@ from geometry import GRADINGS, Body, DesignError, MeshError, position_text
 from pipeline.config.config import AUTO, Config, Material
 from pipeline.errors import InputError
 from pipeline.pressure import in_MPa
+from pipeline.progress import Progress
 from pipeline.results.record import MeshRecord
 from rod import Load
 
 #: The name of outer faces that can meet, where the user names no others, and that of all outer faces of a body from a
 #: file, of which it is not known which ones they are.
 GAP, OUTER = "gap", "outer"
+#: seconds between two remarks while the body is meshed
+EVERY = 20.0
 #: faces that cannot touch others, and why
 _NEVER_MEET = {"clamp": "is held and meets nothing", "sym": "is the plane of symmetry, which meets nothing"}
 
@@ -253,3 +259,27 @@ def _built(config: Config, key: str, material: Material) -> fem.Material:
             f"than shear does; its volumetric modulus here is {law.volumetric_modulus:g} MPa{where}; write p2 or p2p0"
         )
     return law
+
+
+@contextmanager
+def remarks_while_waiting(progress: Progress, what: str, every: float = EVERY) -> Iterator[None]:
+    """Remark every `every` seconds for how long `what` has lasted, until the block ends."""
+    ended, start = threading.Event(), perf_counter()
+
+    def tell() -> None:
+        while not ended.wait(every):
+            progress.remark(f"{what} for {perf_counter() - start:.3g} s so far")
+
+    teller = threading.Thread(target=tell, daemon=True)
+    teller.start()
+    try:
+        yield
+    finally:
+        ended.set()
+        teller.join()
+
+
+def meshed_with_progress(config: Config, progress: Progress) -> Scene:
+    """The scene of a configuration, with remarks while it is meshed. Raises InputError as `Scene.meshed`."""
+    with remarks_while_waiting(progress, "meshing the body"):
+        return Scene.meshed(config)

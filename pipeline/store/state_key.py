@@ -17,7 +17,7 @@ NUMBER_SOURCES = (
     *("pipeline/accuracy", "pipeline/cell", "pipeline/identification"),
 )
 #: what decides a picture besides the states
-PICTURE_SOURCES = ("pipeline/drawing", "pipeline/simulation/pictures.py", "pipeline/simulation/surfaces.py")
+PICTURE_SOURCES = ("pipeline/drawing", "pipeline/simulation/pictures.py")
 #: the whole program, with all its sentences
 ALL_SOURCES = ("geometry", "fem", "rod", "pipeline")
 

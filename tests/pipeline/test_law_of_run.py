@@ -21,9 +21,9 @@ from pipeline.parallel import Pending
 from pipeline.progress import Silent
 from pipeline.results.files import read_results
 from pipeline.run import run
-from pipeline.simulation.below_limit import highest_of_use
 from pipeline.simulation.outcome import Failure, Outcome, Outcomes
 from pipeline.simulation.scene import Scene
+from pipeline.simulation.simulate import highest_of_use
 from pipeline.store.store import open_store
 from rod import Rod, law_from_record
 from tests.pipeline.simulation.test_outcome import outcome, record

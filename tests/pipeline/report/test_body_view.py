@@ -9,7 +9,7 @@ import pytest
 
 from pipeline.report import body_view as module
 from pipeline.report.body_view import Surfaces, body_view
-from pipeline.simulation.surfaces import at_nodes, boundary, von_mises
+from pipeline.simulation.pictures import at_nodes, boundary, von_mises
 from pipeline.store.formats import SURFACES
 from tests.bar import bar, write_surfaces
 

@@ -9,10 +9,9 @@ from geometry import Reason
 from pipeline.config.load import load_config
 from pipeline.context import RunContext
 from pipeline.progress import Silent
-from pipeline.simulation.below_limit import with_states_below_limit
 from pipeline.simulation.outcome import Outcomes
 from pipeline.simulation.scene import Scene
-from pipeline.simulation.simulate import simulate
+from pipeline.simulation.simulate import simulate, with_states_below_limit
 from pipeline.store.store import open_store
 from tests.pipeline.notes.test_design import CONFIGS
 from tests.pipeline.simulation.test_limits import THIN, VACUUM

@@ -14,7 +14,7 @@ import pytest
 from pipeline.config.load import load_config
 from pipeline.notes import render
 from pipeline.notes.design import check_load
-from pipeline.simulation.waiting import remarks_while_waiting
+from pipeline.simulation.scene import remarks_while_waiting
 from tests.step_bodies import save
 
 HERE = Path(__file__).resolve().parent.parent.parent.parent
