@@ -9,9 +9,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 
 from geometry import Reason, Values
-from pipeline.accuracy.error_model import MeshErrorModel, Pilot
+from pipeline.accuracy.error_model import Choice, MeshErrorModel, Pilot, Sizes
 from pipeline.accuracy.measure import HEADLINE, numbers_of
-from pipeline.accuracy.sizes import Choice, Sizes
 from pipeline.config.config import Config, MeshSettings, Newton
 from pipeline.config.kinds import MOST_ACCURACY
 from pipeline.errors import InputError

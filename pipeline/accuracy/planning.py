@@ -2,7 +2,7 @@
 
 The error of the mesh is estimated from two pilots, II and III at the lowest pressure of the run on two coarse meshes,
 and from their error indicators (`pipeline.accuracy.error_model`). The error of contact follows from its activation
-distance with a ratio measured in studies/accuracy.md. Sizes and their cost are in `pipeline.accuracy.sizes`.
+distance with a ratio measured in studies/accuracy.md.
 """
 
 from dataclasses import dataclass, replace
@@ -10,10 +10,9 @@ from dataclasses import dataclass, replace
 import fem
 from fem.elements import MOST_ACCURATE
 from geometry import Reason
-from pipeline.accuracy.error_model import MeshErrorModel, Pilot
+from pipeline.accuracy.error_model import MeshErrorModel, Pilot, Sizes
 from pipeline.accuracy.measure import measure
 from pipeline.accuracy.plan import Plan
-from pipeline.accuracy.sizes import Sizes
 from pipeline.config.automatic_mesh import COARSER, GivenMesh, chosen_mesh, not_too_many
 from pipeline.config.config import AUTO, USUAL_TOLERANCE, Config
 from pipeline.errors import InputError, RunFailed

@@ -10,10 +10,10 @@ from rich.console import Console
 
 from geometry.families.design import expected_tets
 from pipeline.accuracy import planning
+from pipeline.accuracy.error_model import MESH_FRACTION
 from pipeline.accuracy.measure import Cost, Measured, RodNumbers
 from pipeline.accuracy.plan import Estimate, Plan, review
 from pipeline.accuracy.planning import FINEST, FORMULATION, GRADING, PILOTS, Planned, plan_discretisation
-from pipeline.accuracy.sizes import MESH_FRACTION
 from pipeline.config.automatic_mesh import COARSER, MOST_CHOSEN_TETS
 from pipeline.config.config import Config
 from pipeline.config.load import load_config
