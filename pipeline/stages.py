@@ -17,7 +17,7 @@ from pipeline.identification.added_pressures import Identified, identify_run
 from pipeline.identification.mesh_error import with_mesh_error
 from pipeline.identification.parameters import Parameters
 from pipeline.identification.record import parameters_record
-from pipeline.notes import render, report_reason
+from pipeline.notes import render, render_all, report_reason
 from pipeline.notes.design import check_design
 from pipeline.notes.mesh import check_body
 from pipeline.notes.states import Solved, check_states
@@ -73,8 +73,8 @@ class Stages:
         self.seconds[name] = perf_counter() - start
 
 
-#: the parameters with the errors of the mesh, and a sentence where there are none at some pressure
-WithMeshError: TypeAlias = tuple[tuple[Parameters, ...], str]
+#: the parameters with the errors of the mesh, and reasons where there are none at some pressure
+WithMeshError: TypeAlias = tuple[tuple[Parameters, ...], tuple[Reason, ...]]
 
 
 @dataclass(frozen=True)
@@ -182,7 +182,7 @@ def add_mesh_error(
     identified = replace(identified, parameters=parameters)
     if state.config.law == "cell":
         return state, identified
-    content = parameters_record(state.config, parameters, arm.law, no_mesh_error)
+    content = parameters_record(state.config, parameters, arm.law, render_all(no_mesh_error))
     return state.with_results(parameters=save_value(state.context.store, "parameters.json", content)), identified
 
 

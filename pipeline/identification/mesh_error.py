@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fem.elements import MOST_ACCURATE
+from geometry import Reason
 from pipeline.config.config import Config
 from pipeline.context import RunContext
 from pipeline.errors import InputError
@@ -18,7 +19,6 @@ from pipeline.identification.parameters import (
     takes_two_lines,
 )
 from pipeline.identification.richardson import extrapolate
-from pipeline.notes import render
 from pipeline.parallel import TaskContext
 from pipeline.simulation.loadcase import LoadCase, schedule
 from pipeline.simulation.outcome import Outcomes, Record
@@ -35,9 +35,9 @@ RELATIVE = ("kappa_0", "alpha2", "force")
 
 def with_mesh_error(
     config: Config, context: RunContext, parameters: tuple[Parameters, ...]
-) -> tuple[tuple[Parameters, ...], str]:
+) -> tuple[tuple[Parameters, ...], tuple[Reason, ...]]:
     """The parameters with the deviations that II and III on a mesh `config.mesh.coarser` times as coarse suggest,
-    and a sentence where that mesh gave none at some pressure (else empty).
+    and reasons where that mesh gave none at some pressure.
 
     With UNSTEADY elements the difference from mixed ones counts as well. Unchanged where no such factor is configured,
     and where that mesh cannot be made or gives no number at any pressure: a mesh that is too coarse for the arm says
@@ -45,27 +45,27 @@ def with_mesh_error(
     """
     factor = config.mesh.coarser
     if factor is None or not parameters:
-        return parameters, ""
+        return parameters, ()
     second = config.with_mesh_size(factor * config.mesh.element_size_mm)
     try:
         scene = context.submit(_meshed, second).result()
     except InputError as failure:
-        return parameters, f"the mesh {factor:g} times as coarse cannot be made: {failure}"
+        return parameters, (Reason("coarser_not_meshed", {"factor": factor, "why": str(failure)}),)
     outcomes = _solved(scene, context, "coarser", tuple(p.pressure_kPa for p in parameters))
     coarse, refused = _identify(parameters, outcomes, "coarser")
     fine = [_numbers(p) for p in parameters]
     on_coarse = [None if on is None else on.numbers(p) for on, p in zip(coarse, parameters, strict=True)]
     deviations = mesh_deviations(fine, on_coarse, config.mesh.element_size_mm, factor)
-    reasons = [f"on the mesh {factor:g} times as coarse: {refused}"] if refused else []
+    reasons = [Reason("on_coarser_mesh", {"factor": factor, "why": refused})] if refused else []
     others: dict[str, float] = {}
     compared = _of_half_the_highest(parameters)
     if config.mesh.formulation == UNSTEADY and any(deviations):
-        others, reason = _from_mixed(second, context, compared)
-        reasons += [reason] if reason else []
+        others, not_compared = _from_mixed(second, context, compared)
+        reasons += not_compared
     every = zip(parameters, fine, with_others(deviations, fine, others), _two_lines(parameters, coarse), strict=True)
     improved = (_with_errors(*of_pressure) for of_pressure in every)
     mixed_at_kPa = compared.pressure_kPa if others else None
-    return tuple(replace(p, mixed_at_kPa=mixed_at_kPa) for p in improved), "; ".join(reasons)
+    return tuple(replace(p, mixed_at_kPa=mixed_at_kPa) for p in improved), tuple(reasons)
 
 
 def _of_half_the_highest(parameters: Sequence[Parameters]) -> Parameters:
@@ -76,20 +76,20 @@ def _of_half_the_highest(parameters: Sequence[Parameters]) -> Parameters:
     return lower[-1] if lower else parameters[0]
 
 
-def _from_mixed(second: Config, context: RunContext, own: Parameters) -> tuple[dict[str, float], str]:
+def _from_mixed(second: Config, context: RunContext, own: Parameters) -> tuple[dict[str, float], list[Reason]]:
     """By how much the numbers of one pressure differ from those of mixed elements as coarse as the second mesh, over
-    `_scale`; and why there are none (else empty). Raises RunFailed as `simulate`."""
+    `_scale`; and why there are none. Raises RunFailed as `simulate`."""
     grading = "walls" if second.design.has_drawing else second.mesh.grading
     mixed = replace(second, mesh=replace(second.mesh, formulation=MOST_ACCURATE, grading=grading))
     try:
         outcomes = _solved(context.submit(_meshed, mixed).result(), context, MOST_ACCURATE, (own.pressure_kPa,))
     except InputError as failure:
-        return {}, f"{UNSTEADY} elements could not be compared with {MOST_ACCURATE} ones: {failure}"
+        return {}, [Reason("not_compared_with_mixed", {"why": str(failure)})]
     (on_mixed,), refused = _identify([own], outcomes, MOST_ACCURATE)
     if on_mixed is None:
-        return {}, f"{UNSTEADY} elements could not be compared with {MOST_ACCURATE} ones: {refused}"
+        return {}, [Reason("not_compared_with_mixed", {"why": refused})]
     of_run, numbers = _numbers(own), on_mixed.numbers(own)
-    return {name: abs(of_run[name] - value) / _scale(name, of_run) for name, value in numbers.items()}, ""
+    return {name: abs(of_run[name] - value) / _scale(name, of_run) for name, value in numbers.items()}, []
 
 
 def with_others(
@@ -199,10 +199,12 @@ class OnMesh:
         return (two if fine.two_lines else single) | _measured(self.free, self.loaded, fine.kappa.pitch)
 
 
-def _identify(parameters: Sequence[Parameters], outcomes: Outcomes, name: str) -> tuple[list[OnMesh | None], str]:
+def _identify(
+    parameters: Sequence[Parameters], outcomes: Outcomes, name: str
+) -> tuple[list[OnMesh | None], list[Reason]]:
     """What follows at each pressure from outcomes whose names begin with `name`; None where one was not reached or
     nothing follows, and why."""
-    refused, found = [*map(render, outcomes.failures)], list[OnMesh | None]()
+    refused, found = list(outcomes.failures), list[OnMesh | None]()
     for p in parameters:
         free, loaded = (outcomes[f"{name}_{experiment}"].at(p.pressure_kPa) for experiment in ("II", "III"))
         found.append(None)
@@ -210,8 +212,9 @@ def _identify(parameters: Sequence[Parameters], outcomes: Outcomes, name: str) -
             try:
                 found[-1] = OnMesh.of(p, free, loaded)
             except RodError as failure:
-                refused.append(f"no numbers at {p.pressure_kPa:g} kPa: {failure}")
-    return found, "; ".join(refused)
+                why = str(failure).removesuffix(".")
+                refused.append(Reason("not_identified", {"pressure_kPa": p.pressure_kPa, "why": why}))
+    return found, refused
 
 
 def _two_lines(parameters: Sequence[Parameters], coarse: Sequence[OnMesh | None]) -> Sequence[bool | None]:

@@ -147,6 +147,10 @@ TEMPLATES: Mapping[str, str] = {
     "cell_accuracy_missed": "the requested accuracy is not reached: {why}",
     "law_interpolated": "end pieces of {half_cells} half cells; the curvature is interpolated to "
     "{along_percent:.2g} % of the largest one along curves and {between_percent:.2g} % between pressures",
+    # the error of the mesh
+    "coarser_not_meshed": "the mesh {factor:g} times as coarse cannot be made: {why}",
+    "on_coarser_mesh": "on the mesh {factor:g} times as coarse: {why}",
+    "not_compared_with_mixed": "p2p0 elements could not be compared with mixed ones: {why}",
     # the rods
     "no_rod_is_near": "do not use a rod of this run, because the nearest one is {percent:.2g} % of the length off the "
     "finite elements",

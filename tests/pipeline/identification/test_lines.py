@@ -114,5 +114,5 @@ def test_a_coarser_mesh_decides_by_the_contact_of_its_own_states(
 
     outcomes: Any = Outcomes(coarser_II=outcome, coarser_III=outcome)
     found, refused = mesh_error._identify((fine, fine), outcomes, "coarser")
-    assert refused == ""
+    assert refused == []
     assert mesh_error._two_lines((fine, fine), found) == [touching or not equal_cells] * 2

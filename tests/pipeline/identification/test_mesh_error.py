@@ -101,9 +101,9 @@ def test_a_second_mesh_that_cannot_be_made_is_named(tmp_path: Path) -> None:
     path.write_text(SHORT.replace("coarser: 1.5", "coarser: 5"), encoding="utf-8")
     config, parameters = load_config(path), (cast(Parameters, object()),)
     with open_store(tmp_path / "out", config) as store:
-        same, reason = with_mesh_error(config, RunContext.alone(store, Silent()), parameters)
+        same, (reason,) = with_mesh_error(config, RunContext.alone(store, Silent()), parameters)
     assert same == parameters
-    assert reason.startswith("the mesh 5 times as coarse cannot be made: ")
+    assert (reason.code, reason.values["factor"]) == ("coarser_not_meshed", 5.0)
 
 
 def test_a_finer_second_mesh_is_refused(tmp_path: Path) -> None:
