@@ -100,7 +100,7 @@ def mesh(config: ConfigFile, out: Annotated[Path | None, _out("_mesh")] = None, 
     from pipeline.notes.design import check_load
     from pipeline.notes.mesh import check_body
     from pipeline.progress import progress_for
-    from pipeline.simulation.scene import meshed_with_progress
+    from pipeline.simulation.scene import mesh_with_progress
     from pipeline.store.atomic_file import replacing
     from pipeline.store.result_folder import open_folder
     from pipeline.store.store import check_owner
@@ -113,7 +113,7 @@ def mesh(config: ConfigFile, out: Annotated[Path | None, _out("_mesh")] = None, 
         progress.stage("mesh")
         for reason in check_load(design):
             progress.remark(render(reason))
-        scene = meshed_with_progress(design, progress)
+        scene = mesh_with_progress(design, progress)
     finally:
         progress.done()
     body, file = scene.body, results.path("mesh.vtu")

@@ -27,15 +27,15 @@ from pipeline.report.saved import save_report
 from pipeline.results.files import CURVES, VALIDATION_CURVES, save_curves, save_value
 from pipeline.results.record import RunRecord
 from pipeline.results.values import Run
-from pipeline.simulation.effects_record import effect_states
+from pipeline.simulation.effects_record import list_effects
 from pipeline.simulation.outcome import Outcomes
 from pipeline.simulation.pictures import draw_all
-from pipeline.simulation.scene import Scene, meshed_with_progress
-from pipeline.simulation.simulate import begin_II, begin_loading, complete_experiments, highest_of_use
+from pipeline.simulation.scene import Scene, mesh_with_progress
+from pipeline.simulation.simulate import begin_II, begin_loading, complete_experiments, find_highest_pressure
 from pipeline.store.provenance import provenance
 from pipeline.validation.compare import Comparison, compare, curves_of
 from pipeline.validation.rods import ArmRods
-from pipeline.validation.validate import Validated, beyond_end_of_II, validation_outcomes, with_reached_loads
+from pipeline.validation.validate import Validated, find_loads_beyond_II, keep_reached_loads, solve_validation
 from pipeline.validation.validate import validate as compare_loads
 
 #: the stage of a run whose configuration has a second mesh
@@ -121,7 +121,7 @@ def mesh(planned: Planned, context: RunContext) -> RunState:
     stages = Stages(context.progress, stage_names(planned.config))
     loading = begin_loading(context, planned.config)
     with stages.timed("mesh"):
-        scene = meshed_with_progress(planned.config, context.progress)
+        scene = mesh_with_progress(planned.config, context.progress)
     state = RunState(planned, context, stages, scene, planned.remarks, Run(context.store.directory))
     state = state.with_remarks(*check_body(scene.body, planned.config))
     with stages.timed("kernels (compiled once)"):
@@ -136,7 +136,7 @@ def solve_experiments(state: RunState) -> tuple[RunState, Outcomes, Pending[LawO
     with state.stages.timed("experiments"):
         second = begin_II(scene, context)
         complete = context.workers.beside(complete_experiments, scene, context, second)
-        law = law_of_run(scene, context, lambda: highest_of_use(scene, second, complete))
+        law = law_of_run(scene, context, lambda: find_highest_pressure(scene, second, complete))
         outcomes, remark = complete.result()
     return state.with_remarks(*filter(None, [remark])), outcomes, law
 
@@ -146,8 +146,8 @@ def begin_validation(state: RunState, outcomes: Outcomes) -> tuple[Scene, Pendin
 
     The scene is that of the run with the loads that are solved.
     """
-    scene, context = with_reached_loads(state.scene, outcomes), state.context
-    return scene, context.workers.beside(validation_outcomes, scene, context, outcomes.reached_kPa)
+    scene, context = keep_reached_loads(state.scene, outcomes), state.context
+    return scene, context.workers.beside(solve_validation, scene, context, outcomes.reached_kPa)
 
 
 def identify(state: RunState, outcomes: Outcomes) -> tuple[RunState, Identified, Pending[WithMeshError]]:
@@ -220,7 +220,7 @@ def report(
     outcomes, parameters = identified.outcomes, identified.parameters
     failures = _failures(state.config, identified, arm, validated)
     with state.stages.timed("report"):
-        found = (*effect_states(state.scene, outcomes), arm.effect)
+        found = (*list_effects(state.scene, outcomes), arm.effect)
         effects = save_value(state.context.store, "effects.json", found)
         record = _record(state, identified, failures, _remarks(state, identified, arm))
         results = save_report(state.context.store, replace(state.written, effects=effects, record=record))
@@ -257,7 +257,7 @@ def _record(
 def _failures(config: Config, identified: Identified, arm: LawOfRun, validated: Validated) -> tuple[Reason, ...]:
     """One for everything that was to be solved and was not."""
     outcomes, not_identified = identified.outcomes, identified.failures(arm.law is not None)
-    left_out = beyond_end_of_II(config, outcomes)
+    left_out = find_loads_beyond_II(config, outcomes)
     return (*outcomes.failures, *arm.failures, *not_identified, *validated.failures, *left_out)
 
 

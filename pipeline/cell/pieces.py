@@ -13,7 +13,7 @@ from fem.cell.piece import BendingPiece
 from geometry import GRADINGS, Body, Design, DesignError, MeshError
 from geometry.meshing.mirror import Repetition
 from pipeline.config.config import Config
-from pipeline.simulation.scene import GAP, Scene, layer_in, material_of
+from pipeline.simulation.scene import GAP, Scene, make_layer, material_of
 
 
 class NoArmLaw(Exception):
@@ -94,7 +94,7 @@ class ArmPieces:
             else:
                 make = self.design.end_piece if start == "clamp" else self.design.tip_piece
                 body = make(half_cells, size, grading)
-            effects = [*layer_in(body, config), *self._contacts(body)]
+            effects = [*make_layer(body, config), *self._contacts(body)]
             material, formulation = material_of(config), config.mesh.formulation
             return BendingPiece(body, material, start, formulation, fractions, dhat, effects=effects)
         except (DesignError, MeshError) as failure:

@@ -7,7 +7,7 @@ from geometry import Reason
 from pipeline.context import RunContext
 from pipeline.identification.parameters import Parameters, counts_as_equal_cells, decide_together, identify_all
 from pipeline.identification.too_short import too_coarse, too_short
-from pipeline.simulation.loadcase import up_to
+from pipeline.simulation.loadcase import case_up_to
 from pipeline.simulation.outcome import Outcomes
 from pipeline.simulation.scene import Scene
 from pipeline.simulation.simulate import experiments_of, simulate
@@ -84,13 +84,13 @@ def with_added_pressures(
         pressure = next_pressure([p.pressure_kPa for p in parameters], covered_range(parameters))
         if pressure is None or outcomes.failures:
             break
-        cases = [up_to(scene.config, name, pressure) for name in experiments_of(scene.config)]
+        cases = [case_up_to(scene.config, name, pressure) for name in experiments_of(scene.config)]
         more = simulate(scene, context, cases)
         if ended := [list(outcome.failure.reasons) for outcome in more if outcome.failure]:
             stopped = (Reason("pressure_not_added", {"pressure_kPa": pressure, "why": why}) for why in ended)
             return outcomes, parameters, tuple(stopped)
         outcomes = outcomes.merged(more)
-        newest = more.with_records(lambda records: records[-1:])
+        newest = more.newest
         new, refused = _identified(scene, context, newest)
         if refused:
             return outcomes, parameters, refused

@@ -33,7 +33,7 @@ class CasePath:
     cpu_seconds_since: float = 0.0
     _clock: float = field(default=0.0, init=False, repr=False)
 
-    def followed(self) -> tuple[fem.Solution, Failure | None]:
+    def follow(self) -> tuple[fem.Solution, Failure | None]:
         """The states that are reached, those stored by an earlier run included, and why the next pressure is not.
 
         Where II ends below a pressure, I is given up there, and III is followed up to a part of the end of II, because
@@ -41,11 +41,11 @@ class CasePath:
         """
         self._clock = process_time()
         try:
-            return self._followed()
+            return self._follow()
         finally:
             self.cpu_seconds_since = self._lap()
 
-    def _followed(self) -> tuple[fem.Solution, Failure | None]:
+    def _follow(self) -> tuple[fem.Solution, Failure | None]:
         end_of_II, options = self.end_of_II, fem.PathOptions(self.newton)
         if end_of_II is not None:
             is_like_II = self.case.experiment == "I"  # no support changes on the way
@@ -63,7 +63,7 @@ class CasePath:
         # on the way to a first pressure a moved end moves as well, and at a lower one less of it
         is_three_given_up = self.is_given_up and self.case.experiment == "III"
         if end_of_II is not None and is_three_given_up and not failure.with_part_of_end:
-            failure = self._below_end_of_II(end_of_II, failure, solution.steps)
+            failure = self._follow_below_II(end_of_II, failure, solution.steps)
         return solution, failure
 
     @property
@@ -106,7 +106,7 @@ class CasePath:
         arrays = self.store.load_state(FIRST, schedule.pressures_kPa[schedule.factors.index(factor)])
         return () if arrays is None else fem.step_from_arrays(self.model.space, arrays).increments
 
-    def _below_end_of_II(self, end_of_II: EndOfII, failure: Failure, steps: Sequence[fem.Step]) -> Failure:
+    def _follow_below_II(self, end_of_II: EndOfII, failure: Failure, steps: Sequence[fem.Step]) -> Failure:
         """The failure of III after it was followed up to a part of the end of II, or how it ends before that."""
         part_kPa = PART_FOR_III * end_of_II.end_kPa
         if part_kPa <= failure.reached_kPa:

@@ -10,7 +10,7 @@ from pipeline.simulation.outcome import Outcomes
 from pipeline.simulation.scene import Scene
 
 
-def effect_states(scene: Scene, outcomes: Outcomes) -> tuple[Effect, ...]:
+def list_effects(scene: Scene, outcomes: Outcomes) -> tuple[Effect, ...]:
     """Every effect with its state in a run and the reason for it."""
     config = scene.config
     states = {

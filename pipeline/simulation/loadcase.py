@@ -89,7 +89,7 @@ def identification_case(config: Config, experiment: str) -> LoadCase:
     return LoadCase(experiment, experiment, schedule(config), config.end)
 
 
-def up_to(config: Config, experiment: str, pressure_kPa: float) -> LoadCase:
+def case_up_to(config: Config, experiment: str, pressure_kPa: float) -> LoadCase:
     """I, II or III at one more pressure and those of the run below it, from which the path goes on."""
     below = tuple(pressure for pressure in config.pressures_kPa if pressure < pressure_kPa)
     return LoadCase(experiment, experiment, schedule(config, (*below, pressure_kPa)), config.end)

@@ -1,6 +1,6 @@
 """The results of experiments: states with their numbers, how far an experiment went, and several experiments."""
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from math import inf
 
@@ -258,11 +258,11 @@ class Outcomes:
         """These outcomes with the further states of `more`, which has the same load cases."""
         return Outcomes({name: outcome.merged(more[name]) for name, outcome in self.by_name.items()})
 
-    def with_records(self, change: Callable[[tuple[Record, ...]], tuple[Record, ...]]) -> "Outcomes":
-        """The outcomes with their records replaced by `change(records)`."""
-        return Outcomes(
-            {name: replace(outcome, records=change(outcome.records)) for name, outcome in self.by_name.items()}
-        )
+    @property
+    def newest(self) -> "Outcomes":
+        """The last state of each load case alone."""
+        last = {name: replace(outcome, records=outcome.records[-1:]) for name, outcome in self.by_name.items()}
+        return Outcomes(last)
 
     @property
     def states(self) -> tuple[State, ...]:

@@ -101,12 +101,6 @@ class Scene:
         return min((contact.activation_distance(space) for contact in self._intended_contacts), default=None)
 
     @property
-    def smallest_gap(self) -> float:
-        """The smallest gap at rest between the faces that are expected to meet, mm; infinite where there are none."""
-        space = self._space
-        return min((contact.smallest_gap(space) for contact in self._intended_contacts), default=inf)
-
-    @property
     def _space(self) -> fem.Discretisation:
         return fem.Discretisation.of(self.body.mesh, self.config.mesh.formulation)
 
@@ -151,7 +145,7 @@ class Scene:
         if gravity.on:
             density, regions = self._densities
             effects.append(fem.Gravity(density, gravity.acceleration_mm_s2, ramp=False, regions=regions))
-        return [*effects, *layer_in(self.body, self.config)]
+        return [*effects, *make_layer(self.body, self.config)]
 
     @property
     def _densities(self) -> tuple[float, Mapping[str, float]]:
@@ -211,7 +205,7 @@ def _check_boundary(config: Config, body: Body) -> None:
         )
 
 
-def layer_in(body: Body, config: Config) -> list[fem.Effect]:
+def make_layer(body: Body, config: Config) -> list[fem.Effect]:
     """The strain-limiting layer in a body or a piece of it; empty where it is not switched on."""
     layer = config.effects.strain_limiting_layer
     if not layer.on:
@@ -279,7 +273,7 @@ def remarks_while_waiting(progress: Progress, what: str, every: float = EVERY) -
         teller.join()
 
 
-def meshed_with_progress(config: Config, progress: Progress) -> Scene:
+def mesh_with_progress(config: Config, progress: Progress) -> Scene:
     """The scene of a configuration, with remarks while it is meshed. Raises InputError as `Scene.meshed`."""
     with remarks_while_waiting(progress, "meshing the body"):
         return Scene.meshed(config)

@@ -37,10 +37,10 @@ DIGITS = 3
 
 def experiments_of(config: Config) -> tuple[str, ...]:
     """The experiments of a run, without what `why_not_free` leaves out."""
-    return in_balance(config, [name for name in EXPERIMENTS if name in config.experiments])
+    return keep_balanced(config, [name for name in EXPERIMENTS if name in config.experiments])
 
 
-def in_balance(config: Config, names: Iterable[str]) -> tuple[str, ...]:
+def keep_balanced(config: Config, names: Iterable[str]) -> tuple[str, ...]:
     """These experiments, without I where it is not simulated."""
     return tuple(name for name in names if name != "I" or not why_not_free(config))
 
@@ -95,10 +95,10 @@ def simulate(
 def _solve(context: TaskContext, case: LoadCase, scene: Scene, store: Store, end_of_II: EndOfII | None) -> Outcome:
     """Follow the load path of one case from its stored states on."""
     load_kernels(context, scene.config)
-    return _followed(case, scene, store, context.progress, end_of_II)
+    return _follow(case, scene, store, context.progress, end_of_II)
 
 
-def _followed(case: LoadCase, scene: Scene, store: Store, progress: Progress, end_of_II: EndOfII | None) -> Outcome:
+def _follow(case: LoadCase, scene: Scene, store: Store, progress: Progress, end_of_II: EndOfII | None) -> Outcome:
     at_end = case.end
     experiment = fem.Experiment.of(case.experiment, scene.body, at_end.y_mm, at_end.force_N, at_end.x_mm)
     material = scene.material
@@ -106,7 +106,7 @@ def _followed(case: LoadCase, scene: Scene, store: Store, progress: Progress, en
     model = experiment.model(material, effects, scene.config.mesh.formulation)
     newton = fem.NewtonOptions(tolerance=scene.config.newton.tolerance)
     path = CasePath(case, model, newton, store, progress, end_of_II)
-    solution, failure = path.followed()
+    solution, failure = path.follow()
     steps, crossing = steps_before_crossing(scene, solution.steps)
     pressures = case.schedule.pressures_kPa
     if crossing:
@@ -151,7 +151,7 @@ def _import_solver(context: TaskContext) -> None:
     """Nothing but the imports of this module."""
 
 
-def with_states_below_limit(scene: Scene, context: RunContext, outcomes: Outcomes) -> Completed:
+def add_states_below_limit(scene: Scene, context: RunContext, outcomes: Outcomes) -> Completed:
     """The outcomes with states at pressures below the limit, and a remark on them.
 
     The limit is where one of II and III ended (`Failure.end_kPa`). Unchanged, without a remark, where both have
@@ -175,10 +175,10 @@ def with_states_below_limit(scene: Scene, context: RunContext, outcomes: Outcome
 
 def complete_experiments(scene: Scene, context: RunContext, second: Pending[Outcome] | None) -> Completed:
     """The outcomes of the experiments of a run, II of which is submitted, with states below the limit, as above."""
-    return with_states_below_limit(scene, context, simulate(scene, context, second=second))
+    return add_states_below_limit(scene, context, simulate(scene, context, second=second))
 
 
-def highest_of_use(scene: Scene, second: Pending[Outcome] | None, complete: Pending[Completed]) -> float:
+def find_highest_pressure(scene: Scene, second: Pending[Outcome] | None, complete: Pending[Completed]) -> float:
     """Highest pressure in kPa at which a rod of the arm can be compared with experiment II: the largest of its states
     and of the validation loads below its end, or a part of that end where there are none.
 

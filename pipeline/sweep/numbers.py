@@ -31,7 +31,7 @@ def rows_of_run(solved: SolvedRun) -> list[Row]:
         for parameters in solved.parameters:
             if is_same(parameters.pressure_kPa, pressure):
                 row |= _five(parameters)
-        row |= _errors(c for c in solved.comparisons if c.state.in_sample and is_same(c.record.pressure_kPa, pressure))
+        row |= _errors(c for c in solved.comparisons if c.in_sample and is_same(c.record.pressure_kPa, pressure))
         row["notes"] = " ".join(remark.text for remark in solved.results.remarks)
     of_cell = rows_of_law(solved.config, solved.arm.measured)
     for pressure, row in zip(solved.config.pressures_kPa, of_cell, strict=True):

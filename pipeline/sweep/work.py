@@ -18,7 +18,7 @@ from pipeline.progress import Silent
 from pipeline.results.files import CURVES, save_curves, save_value
 from pipeline.run import run
 from pipeline.simulation.scene import Scene
-from pipeline.simulation.simulate import in_balance, simulate, why_not_free
+from pipeline.simulation.simulate import keep_balanced, simulate, why_not_free
 from pipeline.store.result_folder import ResultFolder, open_folder
 from pipeline.store.state_key import ALL_SOURCES, result_key
 from pipeline.store.store import locked, open_store
@@ -115,7 +115,7 @@ def _experiments(task: PointTask) -> Worked:
     config = task.config
     with open_store(task.folder, config) as store:
         scene = Scene.meshed(config)
-        outcomes = simulate(scene, RunContext.alone(store, Silent()), in_balance(config, task.run))
+        outcomes = simulate(scene, RunContext.alone(store, Silent()), keep_balanced(config, task.run))
         save_value(store, "experiments.json", outcomes.states)
         save_curves(store, CURVES, curves_of(outcomes, (), scene.body.pitch))
     not_free = why_not_free(config) if "I" in task.run else None

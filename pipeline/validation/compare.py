@@ -17,36 +17,24 @@ from rod.same_pressure import is_among
 
 
 @dataclass(frozen=True)
-class ComparedState:
-    """A state of the finite elements that rods are compared with."""
-
-    record: Record
-    load: str  #: besides the pressure, in words; empty for II and III as identified
-    in_sample: bool  #: the parameters were fitted to this very load and pressure
-
-
-@dataclass(frozen=True)
 class RodUnderLoad:
     """A rod under the load of a state, or why there is none."""
 
     rod: str  #: one of the names in `pipeline.validation.rods`
     solution: RodSolution | NoSolution
-    in_sample: bool  #: the rod was fitted to this very load
-    warning: str  #: a sentence where the moment leaves the range of the identification; else empty
+    is_fitted: bool = False  #: whether the five parameters are its own
+    warning: str = ""  #: a sentence where the moment leaves the range of the identification
 
 
 @dataclass(frozen=True)
 class Comparison:
     """The rods at one pressure under the load of one state."""
 
-    state: ComparedState
+    record: Record  #: the state of the finite elements
+    load: str  #: besides the pressure, in words; empty for II and III as identified
+    in_sample: bool  #: the five parameters were fitted to this very load and pressure
     rods: tuple[RodUnderLoad, ...]
     pitch: float  #: mm, of the cells over which curvatures are averaged
-
-    @property
-    def record(self) -> Record:
-        """The state of the finite elements."""
-        return self.state.record
 
     def shape(self, name: str) -> RodSolution | None:
         """The rod of this name; None where it was not compared or has no equilibrium."""
@@ -63,9 +51,9 @@ class Comparison:
         return ErrorOfRod(
             experiment=self.record.experiment,
             pressure_kPa=self.record.pressure_kPa,
-            load=self.state.load,
+            load=self.load,
             rod=rod.rod,
-            sample="in" if rod.in_sample else "out",
+            sample="in" if self.in_sample and rod.is_fitted else "out",
             reason=lost.reason if lost else "",
             warning=rod.warning,
             **({} if isinstance(rod.solution, NoSolution) else self._errors(rod.solution)),
@@ -142,30 +130,30 @@ def compare(outcomes: Outcomes, rods: ArmRods, pitch: float) -> tuple[Comparison
     if rods.law is None:
         records = [record for record in records if is_among(identified, record.pressure_kPa)]
     return tuple(
-        compare_rods(rods.at(r.pressure_kPa), ComparedState(r, "", is_among(identified, r.pressure_kPa)), pitch)
-        for r in records
+        compare_rods(rods.at(r.pressure_kPa), r, pitch, in_sample=is_among(identified, r.pressure_kPa)) for r in records
     )
 
 
-def compare_rods(rods: Rods, state: ComparedState, pitch: float) -> Comparison:
+def compare_rods(rods: Rods, record: Record, pitch: float, load: str = "", *, in_sample: bool) -> Comparison:
     """The rods under the load of a state: their end where it is held in III, the force of dead, nothing in II.
 
     In III the edge exerts a couple on the end. A rod with five parameters is given that of the finite elements; the
     law of the arm has its own.
     """
-    return Comparison(state, tuple(_under_load(name, rod, state) for name, rod in rods.items()), pitch)
+    loaded = tuple(_under_load(name, rod, record) for name, rod in rods.items())
+    return Comparison(record, load, in_sample, loaded, pitch)
 
 
-def _under_load(name: str, rod: Rod | NoSolution, state: ComparedState) -> RodUnderLoad:
+def _under_load(name: str, rod: Rod | NoSolution, record: Record) -> RodUnderLoad:
     if isinstance(rod, NoSolution):
-        return RodUnderLoad(name, rod, in_sample=False, warning="")
-    solution = _solution(rod, state.record)
-    if isinstance(rod.law, LawRod):  # nothing was fitted to the law of the arm
-        return RodUnderLoad(name, solution, in_sample=False, warning="")
+        return RodUnderLoad(name, rod)
+    solution = _solution(rod, record)
+    if isinstance(rod.law, LawRod):  # nothing was fitted to the arm's own law
+        return RodUnderLoad(name, solution)
     warning = ""
     if rod.moment_range is not None and isinstance(solution, RodSolution):
         warning = rod.moment_range.warning(solution)
-    return RodUnderLoad(name, solution, state.in_sample, warning)
+    return RodUnderLoad(name, solution, True, warning)
 
 
 def _solution(rod: Rod, record: Record) -> RodSolution | NoSolution:
@@ -198,7 +186,7 @@ def curve_of(record: Record, comparison: Comparison | None, pitch: float) -> Cur
     rods = [column for shape in shapes for column in _rod_columns(shape, s, pitch)]
     arrays = (s, curve.x, curve.y, theta, kappa, std, moment_from_load(curve, record.load).value, *rods)
     columns = dict(zip(CURVE_COLUMNS[2:], arrays, strict=True))
-    load = "" if comparison is None else comparison.state.load
+    load = "" if comparison is None else comparison.load
     return Curve(record.experiment, record.pressure_kPa, columns, load)
 
 

@@ -14,7 +14,7 @@ from pipeline.simulation.loadcase import LoadCase, validation_cases
 from pipeline.simulation.outcome import Outcomes
 from pipeline.simulation.scene import Scene
 from pipeline.simulation.simulate import simulate
-from pipeline.validation.compare import ComparedState, Comparison, compare_rods, curve_of
+from pipeline.validation.compare import Comparison, compare_rods, curve_of
 from pipeline.validation.rods import ArmRods
 from rod.same_pressure import is_among
 
@@ -32,7 +32,7 @@ class Validated:
         return tuple(curve_of(c.record, c, c.pitch) for c in self.comparisons)
 
 
-def with_reached_loads(scene: Scene, outcomes: Outcomes) -> Scene:
+def keep_reached_loads(scene: Scene, outcomes: Outcomes) -> Scene:
     """The scene with the validation load that the program chooses among the pressures that II and III have reached, or
     with those of the configuration up to the highest pressure that II has reached.
 
@@ -45,8 +45,8 @@ def with_reached_loads(scene: Scene, outcomes: Outcomes) -> Scene:
     return replace(scene, config=replace(scene.config, validation=validation))
 
 
-def beyond_end_of_II(config: Config, outcomes: Outcomes) -> tuple[Reason, ...]:
-    """The requested loads that `with_reached_loads` leaves out; the one that the program chooses is not requested."""
+def find_loads_beyond_II(config: Config, outcomes: Outcomes) -> tuple[Reason, ...]:
+    """The requested loads that `keep_reached_loads` leaves out; the one that the program chooses is not requested."""
     if not config.validation.with_experiments:
         return ()
     highest, end = _highest_of_II(outcomes), outcomes.lowest_end_kPa("II")
@@ -87,7 +87,7 @@ def _highest_of_II(outcomes: Outcomes) -> float:
     return max((record.pressure_kPa for record in outcomes["II"].records), default=0.0)
 
 
-def validation_outcomes(scene: Scene, context: RunContext, reached_kPa: tuple[float, ...]) -> Outcomes:
+def solve_validation(scene: Scene, context: RunContext, reached_kPa: tuple[float, ...]) -> Outcomes:
     """The validation loads of the configuration, solved. Raises RunFailed as `simulate` does.
 
     reached_kPa: pressures of the run at which II and III are stored.
@@ -117,6 +117,6 @@ def _comparisons(
                 continue  # on the path to a pressure between
             if not load and is_among(rods.identified_kPa, record.pressure_kPa):
                 continue  # added by bisection: in sample
-            state = ComparedState(record, load, in_sample=False)
-            comparisons.append(compare_rods(rods.at(record.pressure_kPa), state, scene.body.pitch))
-    return tuple(sorted(comparisons, key=lambda c: (c.record.pressure_kPa, c.state.load)))
+            at_pressure = rods.at(record.pressure_kPa)
+            comparisons.append(compare_rods(at_pressure, record, scene.body.pitch, load, in_sample=False))
+    return tuple(sorted(comparisons, key=lambda c: (c.record.pressure_kPa, c.load)))

@@ -23,7 +23,7 @@ from pipeline.results.files import read_results
 from pipeline.run import run
 from pipeline.simulation.outcome import Failure, Outcome, Outcomes
 from pipeline.simulation.scene import Scene
-from pipeline.simulation.simulate import highest_of_use
+from pipeline.simulation.simulate import find_highest_pressure
 from pipeline.store.store import open_store
 from rod import Rod, law_from_record
 from tests.pipeline.simulation.test_outcome import outcome, record
@@ -185,7 +185,7 @@ def test_the_law_goes_no_higher_than_the_whole_arm(
     scene, simulated = Scene.meshed(design), ended(design, reached, below_limit, end)
     with open_store(tmp_path / "out", design) as store:
         context = RunContext.alone(store, Silent())
-        made = law_of_run(scene, context, lambda: highest_of_use(scene, *simulated)).result()
+        made = law_of_run(scene, context, lambda: find_highest_pressure(scene, *simulated)).result()
     assert made.law is not None
     assert made.law.pressures[-1] == highest
     assert all(pressure in made.law.pressures for pressure in (6.0, 12.0) if pressure <= highest)
@@ -210,8 +210,8 @@ def ended(
 def test_the_law_goes_up_to_the_loads_of_the_validation_below_the_end_of_the_arm(tmp_path: Path) -> None:
     design = config(tmp_path, "validation={pressures: [6 kPa, 8 kPa, 10 kPa], end_y: [5 mm]}")
     scene = Scene.meshed(design)
-    assert highest_of_use(scene, *ended(design, (6.0,), (), 9.0)) == 8.0
-    assert highest_of_use(scene, None, Pending.done((Outcomes({}), ""))) == inf
+    assert find_highest_pressure(scene, *ended(design, (6.0,), (), 9.0)) == 8.0
+    assert find_highest_pressure(scene, None, Pending.done((Outcomes({}), ""))) == inf
 
 
 @pytest.mark.parametrize("jobs", [pytest.param(1, marks=pytest.mark.slow), 2])
@@ -221,7 +221,7 @@ def test_a_run_tells_its_law_how_high_it_goes(tmp_path: Path, monkeypatch: pytes
         assert [record.pressure_kPa for record in complete.result()[0]["II"].records] == [6.0, 12.0]
         return 6.0
 
-    monkeypatch.setattr("pipeline.stages.highest_of_use", up_to_six)
+    monkeypatch.setattr("pipeline.stages.find_highest_pressure", up_to_six)
     design = config(tmp_path, "law=cell", "validation=off")
     report = run(design, tmp_path / "out", jobs, False, Silent())
     assert report.arm.law is not None

@@ -11,7 +11,7 @@ from pipeline.context import RunContext
 from pipeline.progress import Silent
 from pipeline.simulation.outcome import Outcomes
 from pipeline.simulation.scene import Scene
-from pipeline.simulation.simulate import simulate, with_states_below_limit
+from pipeline.simulation.simulate import add_states_below_limit, simulate
 from pipeline.store.store import open_store
 from tests.pipeline.notes.test_design import CONFIGS
 from tests.pipeline.simulation.test_limits import THIN, VACUUM
@@ -28,7 +28,7 @@ def followed(folder: Path, *changes: str) -> tuple[Outcomes, Outcomes, Reason | 
         context = RunContext.alone(store, Silent())
         scene = Scene.meshed(config)
         outcomes = simulate(scene, context)
-        return outcomes, *with_states_below_limit(scene, context, outcomes)
+        return outcomes, *add_states_below_limit(scene, context, outcomes)
 
 
 def test_states_below_the_limit_replace_pressures_that_the_arm_does_not_bear(tmp_path: Path) -> None:
@@ -72,12 +72,12 @@ def test_the_last_equilibrium_stands_for_a_limit_that_is_not_named(tmp_path: Pat
         ended = outcomes["II"].failure
         assert ended
         assert 0.9 * ended.limit_kPa < ended.reached_kPa < 5.0
-        added, _ = with_states_below_limit(scene, context, ending(0.0, 1.0))
+        added, _ = add_states_below_limit(scene, context, ending(0.0, 1.0))
         assert [record.pressure_kPa for record in added["II"].records] == [0.4, 0.8]
         crossing = ending(0.0, 0.0, pressure_kPa=1.0, passes_through_itself=True)
-        added, remark = with_states_below_limit(scene, context, crossing)
+        added, remark = add_states_below_limit(scene, context, crossing)
         assert [record.pressure_kPa for record in added["II"].records] == [0.4, 0.8]
         assert remark is not None
         assert remark.values["limit_kPa"] == 1.0
         at_rest = ending(0.0, 0.0)
-        assert with_states_below_limit(scene, context, at_rest) == (at_rest, None)
+        assert add_states_below_limit(scene, context, at_rest) == (at_rest, None)

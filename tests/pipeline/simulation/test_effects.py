@@ -18,7 +18,7 @@ from pipeline.context import RunContext
 from pipeline.effects_rows import BASE
 from pipeline.effects_study import compare_effects, variant_name, variants
 from pipeline.progress import Silent
-from pipeline.simulation.effects_record import effect_states
+from pipeline.simulation.effects_record import list_effects
 from pipeline.simulation.outcome import Outcomes
 from pipeline.simulation.scene import Scene
 from pipeline.simulation.simulate import experiments_of, simulate
@@ -38,7 +38,7 @@ def simulated(
     with open_store(out, config) as store:
         outcomes = simulate(scene, RunContext.alone(store, Silent()), experiments)
     assert [outcome.failure for outcome in outcomes] == [None] * len(experiments)
-    return outcomes, {state.effect: asdict(state) for state in effect_states(scene, outcomes)}
+    return outcomes, {state.effect: asdict(state) for state in list_effects(scene, outcomes)}
 
 
 def ends(outcomes: Outcomes) -> np.ndarray:

@@ -12,7 +12,7 @@ from fem import Seconds
 from geometry import Centreline, Reason
 from pipeline.config.load import load_config
 from pipeline.results.values import State
-from pipeline.simulation.effects_record import effect_states
+from pipeline.simulation.effects_record import list_effects
 from pipeline.simulation.outcome import Failure, Outcome, Outcomes, Record
 from pipeline.simulation.scene import Scene
 from rod import Load
@@ -116,9 +116,9 @@ def test_seconds_by_stage_add_up_to_the_total() -> None:
     assert stages["assembly"] == 3.75
 
 
-def test_records_can_be_replaced_in_all_outcomes() -> None:
+def test_the_newest_states_stand_alone() -> None:
     outcomes = Outcomes({"II": outcome("II", record(10.0), record(20.0))})
-    last = outcomes.with_records(lambda records: records[-1:])
+    last = outcomes.newest
     assert [state.pressure_kPa for state in last.records] == [20.0]
     assert replace(outcomes["II"], records=last["II"].records) == last["II"]
 
@@ -137,13 +137,13 @@ def test_a_smallest_gap_is_named_where_there_is_one(gaps: tuple[float, ...], rea
     ]
     body: Any = SimpleNamespace(half=True)
     scene = Scene(load_config(configs / "pneunet_coarse.yaml"), body)
-    rows = {state.effect: state for state in effect_states(scene, Outcomes({"II": outcome("II", *states)}))}
+    rows = {state.effect: state for state in list_effects(scene, Outcomes({"II": outcome("II", *states)}))}
     assert (rows["self_contact"].state, rows["self_contact"].reason) == ("off", reason)
 
 
 def test_contact_acts_on_the_way_to_a_pressure_that_is_not_reached(configs: Path) -> None:
     scene = Scene(load_config(configs / "pneunet_coarse.yaml"), SimpleNamespace(half=True))  # type: ignore[arg-type]
-    rows = {state.effect: state for state in effect_states(scene, Outcomes({"II": outcome("II")}))}
+    rows = {state.effect: state for state in list_effects(scene, Outcomes({"II": outcome("II")}))}
     assert (rows["self_contact"].state, rows["self_contact"].reason) == (
         "on",
         "no pressure was reached; on the way contact acts on walls that come near each other",

@@ -23,7 +23,7 @@ from pipeline.config.load import load_config
 from pipeline.context import RunContext
 from pipeline.errors import InputError
 from pipeline.progress import Silent
-from pipeline.simulation.effects_record import effect_states
+from pipeline.simulation.effects_record import list_effects
 from pipeline.simulation.loadcase import identification_case
 from pipeline.simulation.scene import Scene
 from pipeline.simulation.simulate import experiments_of, simulate
@@ -89,7 +89,7 @@ def test_own_body_is_inflated(tmp_path: Path) -> None:
     scene = Scene.meshed(config)
     with open_store(tmp_path, config) as store:
         outcomes = simulate(scene, RunContext.alone(store, Silent()), ("II",))
-        rows = {state.effect: state for state in effect_states(scene, outcomes)}
+        rows = {state.effect: state for state in list_effects(scene, outcomes)}
     (record,) = outcomes["II"].records
     assert record.state.end_mm[1] < 1.0 - 2.0
     assert abs(record.state.stretch_of_curve - 1.0) < 2e-3
@@ -243,7 +243,7 @@ def test_the_clamp_carries_the_pressure_on_an_inlet(tmp_path: Path) -> None:
         outcomes = simulate(scene, RunContext.alone(store, Silent()), ("II",))
     summary = outcomes["II"].records[0].state
     assert summary.clamp_reaction_N[0] == pytest.approx(-4e-3 * np.pi * 1.5**2, rel=0.03)
-    reason = next(state.reason for state in effect_states(scene, outcomes) if state.effect == "pressure")
+    reason = next(state.reason for state in list_effects(scene, outcomes) if state.effect == "pressure")
     assert "experiment I, without a clamp, is not simulated" in reason
 
 

@@ -10,7 +10,7 @@ from geometry import Centreline
 from pipeline.results.values import RodError, State
 from pipeline.simulation.outcome import Record
 from pipeline.store.formats import EXTENSIBLE, FIVE
-from pipeline.validation.compare import ComparedState, compare_rods, curve_of
+from pipeline.validation.compare import compare_rods, curve_of
 from pipeline.validation.rods import NoSolution, Rods
 from rod import Extension, FiveParameters, Load, MomentRange, Rod
 
@@ -45,7 +45,7 @@ def record(experiment: str, rod: Rod, **loads) -> Record:
 
 def row_of(compared: Rods, solid: Record, load: str = "", rod: str = FIVE) -> RodError:
     """The row of a rod in validation.json; a load in words makes the state one out of sample."""
-    rows = compare_rods(compared, ComparedState(solid, load, in_sample=not load), PITCH).errors
+    rows = compare_rods(compared, solid, PITCH, load, in_sample=not load).errors
     return next(row for row in rows if row.rod == rod)
 
 

@@ -17,12 +17,12 @@ from pipeline.config.load import load_config
 from pipeline.context import RunContext
 from pipeline.progress import Silent
 from pipeline.run import run
-from pipeline.simulation.loadcase import LoadCase, PressureSchedule, up_to, validation_cases
+from pipeline.simulation.loadcase import LoadCase, PressureSchedule, case_up_to, validation_cases
 from pipeline.simulation.outcome import Failure, Outcomes
 from pipeline.simulation.scene import Scene
 from pipeline.simulation.simulate import simulate
 from pipeline.store.store import open_store
-from pipeline.validation.validate import beyond_end_of_II, with_reached_loads
+from pipeline.validation.validate import find_loads_beyond_II, keep_reached_loads
 from rod import Load
 from tests.pipeline.simulation.test_outcome import outcome, record
 
@@ -66,21 +66,23 @@ def test_cases_are_named_by_their_load_and_go_on_from_the_run(config: Config) ->
     reached = {case.name: case for case in validation_cases(config, (6.0,))}
     assert list(reached) == list(cases)
     assert reached["II"].schedule.pressures_kPa == (6.0, 15.0)  # nothing is solved at a pressure that was not reached
-    assert up_to(config, "III", 18.0) == LoadCase("III", "III", PressureSchedule((6.0, 12.0, 18.0), 24.0), config.end)
+    assert case_up_to(config, "III", 18.0) == LoadCase(
+        "III", "III", PressureSchedule((6.0, 12.0, 18.0), 24.0), config.end
+    )
 
 
 def test_a_requested_load_beyond_the_end_of_II_is_named(config: Config) -> None:
     limit = Failure(12.0, (), 0, 0, limit_kPa=11.46)
     ended = Outcomes({"II": outcome("II", record(6.0), failure=limit)})
     left_out = (("dead force 0, 0.01 N", [12.0, 15.0]), ("end at +3 mm", [12.0, 15.0]), ("III", [15.0]), ("II", [15.0]))
-    assert beyond_end_of_II(config, ended) == tuple(
+    assert find_loads_beyond_II(config, ended) == tuple(
         Reason("load_left_out", {"load": load, "pressures_kPa": pressures, "end_kPa": 11.46})
         for load, pressures in left_out
     )
     bears_all = Outcomes({"II": outcome("II", record(6.0), record(12.0), record(24.0))})
-    assert beyond_end_of_II(config, bears_all) == ()
+    assert find_loads_beyond_II(config, bears_all) == ()
     of_program = replace(config, validation=replace(config.validation, with_experiments=False))
-    assert beyond_end_of_II(of_program, ended) == ()
+    assert find_loads_beyond_II(of_program, ended) == ()
 
 
 def test_rows_out_of_sample_stand_behind_those_in_sample(results: Path) -> None:
@@ -174,7 +176,7 @@ def test_the_chosen_end_of_an_arm_that_III_holds_down_is_below(tmp_path: Path, r
     states = [replace(record(pressure), centreline=bent) for pressure in (6.0, 12.0, 24.0)]
     outcomes = Outcomes({name: outcome(name, *states) for name in ("II", "III")})
     config = load_config(path)
-    tested = with_reached_loads(Scene(config, *(None,) * (len(fields(Scene)) - 1)), outcomes)  # type: ignore[arg-type]
+    tested = keep_reached_loads(Scene(config, *(None,) * (len(fields(Scene)) - 1)), outcomes)  # type: ignore[arg-type]
     assert config.validation.end_y_mm == (pytest.approx(7.2),)
     assert tested.config.validation.end_y_mm == (pytest.approx(height),)
 
@@ -196,8 +198,8 @@ def test_the_small_forces_are_parts_of_EI_over_l2(tmp_path: Path) -> None:
         }
     )
     scene = Scene(config, *(None,) * (len(fields(Scene)) - 1))  # type: ignore[arg-type]
-    small = with_reached_loads(scene, outcomes).config.validation.forces_N
+    small = keep_reached_loads(scene, outcomes).config.validation.forces_N
     unit = rigidity / length**2
     assert small == ((0.0, pytest.approx(-0.1 * unit, rel=0.05)), (0.0, pytest.approx(0.02 * unit, rel=0.05)))
     given = replace(scene, config=replace(config, validation=replace(config.validation, with_experiments=True)))
-    assert with_reached_loads(given, outcomes).config.validation.forces_N == ()
+    assert keep_reached_loads(given, outcomes).config.validation.forces_N == ()
