@@ -21,7 +21,7 @@ LAW := both
 LARGER := 1
 
 all_targets := pneunet pneunet-coarse golden semicircular semicircular-single bisected-circle all effects cell material sweep paper-coarse paper accuracy
-.PHONY: help setup $(all_targets) test slow hard fuzz kills unseen nightly wheel examples lint types docs doctor bench-peers bench-run clean
+.PHONY: help setup $(all_targets) test slow hard fuzz kills unseen exports nightly wheel examples lint types docs doctor bench-peers bench-run clean
 
 help:  ## list the targets
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## (.*)/make \1\t\2/' | expand -t 26
@@ -101,6 +101,9 @@ kills: $(DEV)  ## fifty runs killed at random times and continued, compared with
 unseen: $(DEV)  ## N=40 designs drawn at random with SEED=7, run (JOBS at a time), checked and sorted by their outcome; a table
 	@$(BIN)/python -m benchmarks.unseen --seed $(SEED) --count $(N) --finer $(FINER) $(addprefix --jobs ,$(JOBS)) --law $(LAW) --larger $(LARGER)
 
+exports: $(DEV)  ## eight arms in MuJoCo, PyElastica and other programs against finite elements; the table of docs/how_to/robots.md
+	@$(BIN)/python -m benchmarks.exports
+
 nightly: $(DEV)  ## for a scheduler: hard cases, slow tests, and 40 designs drawn with today's date as the seed
 	@status=0
 	$(BIN)/python -m tests.hard_cases.run_all || status=1
@@ -112,7 +115,7 @@ wheel: $(DEV)  ## the wheel, built, installed into a fresh environment outside t
 	@$(BIN)/python -m pytest -m "slow or not slow" tests/test_packaging.py
 
 examples: $(DEV)  ## the programs in examples/, results in results/
-	@for example in own_arm compare_materials own_material own_mesh rod_alone rod_in_pyelastica; do
+	@for example in own_arm compare_materials own_material own_mesh rod_alone rod_in_pyelastica gripper; do
 		echo "examples/$$example.py"
 		$(BIN)/python examples/$$example.py
 	done

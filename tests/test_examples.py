@@ -45,7 +45,8 @@ def output_of(name: str, *arguments: str, cwd: Path) -> str:
 
 def test_every_example_is_tested() -> None:
     names = {path.stem for path in EXAMPLES.glob("*.py")}
-    assert names == {"compare_materials", "own_arm", "own_material", "own_mesh", "rod_alone", "rod_in_pyelastica"}
+    runs = {"own_arm", "own_material", "own_mesh", "rod_in_pyelastica", "gripper"}
+    assert names == {*runs, "compare_materials", "rod_alone"}
     readme = (HERE / "README.md").read_text(encoding="utf-8")
     makefile = (HERE / "Makefile").read_text(encoding="utf-8")
     assert "examples/" in readme
@@ -119,6 +120,17 @@ def test_the_rod_has_the_same_shape_in_pyelastica(folder: Path) -> None:
     assert float(distance) > 0.0
     assert float(part) < 0.3
     assert (folder / "elastica" / "rod_in_pyelastica.png").stat().st_size > 5_000
+
+
+@pytest.mark.slow  # tests/rod/test_export.py attaches arms and lets them collide
+def test_two_fingers_hold_and_lift_a_cylinder(folder: Path) -> None:
+    printed = output_of("gripper", "gripper", cwd=folder)
+    [(lifted, slip)] = re.findall(r"lifted by (\d+\.\d) mm, and slips by (\d\.\d+) mm", printed)
+    assert float(lifted) == pytest.approx(40.0, abs=1.0)
+    assert float(slip) < 0.1
+    [forces] = re.findall(r"press with (\S+) and (\S+) N", printed)
+    assert all(0.05 < float(force) < 1.0 for force in forces)
+    assert (folder / "gripper" / "gripper.png").stat().st_size > 10_000
 
 
 @pytest.mark.parametrize("path", sorted(EXAMPLES.glob("*.py")), ids=lambda path: path.stem)
