@@ -61,6 +61,7 @@ RADIUS, APART, DEPTH = 0.013, 0.017, 0.036  # m, of the cylinder; half the dista
 scene = mujoco.MjSpec()
 scene.option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
 scene.option.impratio = 10.0
+scene.option.noslip_iterations = 10
 scene.worldbody.add_geom(type=mujoco.mjtGeom.mjGEOM_PLANE, size=[0.2, 0.2, 0.01], pos=[0.0, 0.0, -DEPTH - RADIUS])
 palm = scene.worldbody.add_body(name="palm")
 palm.add_joint(name="lift", type=mujoco.mjtJoint.mjJNT_SLIDE, axis=[0.0, 0.0, 1.0])
@@ -84,14 +85,14 @@ data = mujoco.MjData(model)
 # %% [markdown]
 # ## 3. Squeeze, lift, hold
 #
-# The pressure rises to 25 kPa within a second. Then the palm rises by 40 mm, and everything is held.
+# The pressure rises to 30 kPa within a second. Then the palm rises by 40 mm, and everything is held.
 
 # %%
 fingers = ("left/", "right/")
 pictures, heights = {}, []
 cylinder = model.body("cylinder").id
 while data.time < 4.0:
-    pressure = 25.0 * min(1.0, data.time)
+    pressure = 30.0 * min(1.0, data.time)
     for name in fingers:
         finger.set_pressure(model, data, pressure, name)
     data.ctrl[0] = 0.04 * np.clip(data.time - 1.5, 0.0, 1.0)
@@ -103,11 +104,11 @@ while data.time < 4.0:
 
 forces = dict.fromkeys(fingers, 0.0)
 for number, contact in enumerate(data.contact):
-    touching = [model.geom(geom).name for geom in (contact.geom1, contact.geom2)]
+    touching = [model.body(model.geom_bodyid[geom]).name for geom in (contact.geom1, contact.geom2)]
     wrench = np.zeros(6)
     mujoco.mj_contactForce(model, data, number, wrench)
     for name in fingers:
-        forces[name] += wrench[0] * any(geom.startswith(name) for geom in touching)
+        forces[name] += wrench[0] * any(body.startswith(name) for body in touching)
 
 held = [height for time, height in heights if time > 3.0]
 print(f"the cylinder is lifted by {held[-1]:.1f} mm, and slips by {max(held) - min(held):.2f} mm in the last second")
@@ -125,12 +126,9 @@ for axes, (label, (positions, turns)) in zip(panels, pictures.items(), strict=Tr
     for geom in range(model.ngeom):
         x, z = 1e3 * positions[geom, [0, 2]]
         if model.geom_type[geom] == mujoco.mjtGeom.mjGEOM_BOX:
-            box = corners * model.geom_size[geom, :2]
-            if not model.geom(geom).name:  # the palm, whose height is its third axis
-                box = corners * model.geom_size[geom, [0, 2]]
-                turn = np.eye(2)
-            else:
-                turn = turns[geom].reshape(3, 3)[np.ix_([0, 2], [0, 1])]
+            of_palm = model.geom_bodyid[geom] == model.body("palm").id  # its height is its third axis
+            plane = [0, 2] if of_palm else [0, 1]
+            box, turn = corners * model.geom_size[geom, plane], turns[geom].reshape(3, 3)[np.ix_([0, 2], plane)]
             axes.fill(*(1e3 * box @ turn.T + [x, z]).T, alpha=0.5, edgecolor="black", linewidth=0.3)
         elif model.geom_type[geom] == mujoco.mjtGeom.mjGEOM_CYLINDER:
             axes.add_patch(plt.Circle((x, z), 1e3 * RADIUS, color="darkorange"))

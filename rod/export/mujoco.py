@@ -33,7 +33,9 @@ def write_mujoco(robot: Robot, path: Path) -> None:
     )
     program = _MODULE.replace("@XML@", path.name).replace("@FAR@", f"{FAR:g}").replace("@AT@", AT)
     section = robot.body.section
-    heights = {"middle_height": 0.5e-3 * (section.low + section.high), "centre_height": 1e-3 * section.centre}
+    low, high = section.low + _radius(robot), section.high - _radius(robot)
+    of_geoms = 1e-3 * np.array([0.5 * (section.low + section.high), low, low, high, high])
+    heights = {"geom_heights": of_geoms.tolist(), "centre_height": 1e-3 * section.centre}
     program = program.replace("@TABLE@", as_python({**robot.table, **heights}))
     path.with_suffix(".py").write_text(program, encoding="utf-8")
 
@@ -42,7 +44,8 @@ def _bodies(robot: Robot, chain: Chain, damping: float) -> str:
     """The clamped piece with the moving ones inside it, each inside the one before."""
     solid, count = robot.body, len(chain.s)
     lengths = np.append(chain.legs[:, 0], chain.points[-1, 0])
-    whole = chain.base[0] + lengths.sum()
+    to_end = np.cumsum(lengths[::-1])[::-1]
+    whole = chain.base[0] + to_end[0]
     slope = _slopes(chain)[:, chain.rest]
     inner = ""
     for k in range(count - 1, -1, -1):
@@ -55,16 +58,17 @@ def _bodies(robot: Robot, chain: Chain, damping: float) -> str:
             f'<body name="piece{k}" pos="{x:.9g} {y:.9g} 0">\n'
             f'<joint name="joint{k}" type="hinge" axis="0 0 1" stiffness="{stiffness:.9g}" '
             f'springref="{chain.neutral[k]:.9g}" damping="{damping * stiffness:.9g}"{limits}/>\n'
-            f"{_solid(robot, lengths[k], solid.mass * lengths[k] / whole, chain.lift, f'piece{k}')}"
+            f"{_solid(robot, lengths[k], solid.mass * lengths[k] / whole, chain.lift)}"
+            f"{_rails(robot, lengths[k], to_end[k], chain.lift)}"
             f'<site name="{"tip" if k == count - 1 else f"curve{k}"}" pos="{px:.9g} {py:.9g} 0"/>\n'
             f"{inner}</body>\n"
         )
-    clamp = _solid(robot, chain.base[0], solid.mass * chain.base[0] / whole, 0.0, "clamp")
+    clamp = _solid(robot, chain.base[0], solid.mass * chain.base[0] / whole, 0.0)
     return f'<body name="clamp">\n{clamp}{inner}</body>\n'
 
 
-def _solid(robot: Robot, length: float, mass: float, lift: float, name: str) -> str:
-    """Mass (g), inertia and surface of a piece of a length whose hinge lies lift above the material curve, both mm."""
+def _solid(robot: Robot, length: float, mass: float, lift: float) -> str:
+    """Mass (g), inertia and picture of a piece of a length whose hinge lies lift above the axis, both mm."""
     section = robot.body.section
     across, along = (section.spread[k] + length**2 / 12.0 for k in range(2))
     inertia = 1e-9 * mass * np.array([sum(section.spread), along, across])  # kg m2
@@ -73,9 +77,34 @@ def _solid(robot: Robot, length: float, mass: float, lift: float, name: str) -> 
     return (
         f'<inertial pos="{0.5e-3 * length:.9g} {1e-3 * centre:.9g} 0" mass="{1e-3 * mass:.9g}" '
         f'diaginertia="{_spaced(inertia)}"/>\n'
-        f'<geom name="{name}" type="box" pos="{0.5e-3 * length:.9g} {1e-3 * middle:.9g} 0" size="{_spaced(sizes)}" '
-        'contype="2" conaffinity="1"/>\n'
+        f'<geom type="box" pos="{0.5e-3 * length:.9g} {1e-3 * middle:.9g} 0" size="{_spaced(sizes)}" '
+        'contype="0" conaffinity="0"/>\n'
     )
+
+
+def _radius(robot: Robot) -> float:
+    """mm, of the rails."""
+    section = robot.body.section
+    return 0.25 * min(section.high - section.low, section.width)
+
+
+def _rails(robot: Robot, length: float, to_end: float, lift: float) -> str:
+    """The surface of a piece of a length, at a distance from the end of the arm, in mm: capsules along its edges.
+
+    They go on from piece to piece without edges, at which other bodies would be caught.
+    """
+    section, radius = robot.body.section, _radius(robot)
+    end = min(length, to_end - radius)
+    start = min(0.0, end - 0.01 * radius)
+    lines = []
+    for y in (section.low + radius - lift, section.high - radius - lift):
+        for z in (radius - 0.5 * section.width, 0.5 * section.width - radius):
+            ends = 1e-3 * np.array([start, y, z, end, y, z])
+            lines.append(
+                f'<geom type="capsule" fromto="{_spaced(ends)}" size="{1e-3 * radius:.9g}" group="3" '
+                'contype="2" conaffinity="1"/>\n'
+            )
+    return "".join(lines)
 
 
 def _tendons(chain: Chain) -> Iterator[str]:
@@ -129,7 +158,7 @@ def _numbers(model, prefix):
     joints = np.array([model.joint(f"{prefix}joint{k}").id for k in range(count)])
     bodies = np.array([model.body(f"{prefix}piece{k}").id for k in range(count)])
     sites = np.array([model.site(f"{prefix}curve{k}").id for k in range(count - 1)] + [model.site(f"{prefix}tip").id])
-    geoms = np.array([model.geom(f"{prefix}piece{k}").id for k in range(count)])
+    geoms = model.body_geomadr[bodies][:, None] + np.arange(len(TABLE["geom_heights"]))
     return joints, bodies, sites, geoms, model.tendon(f"{prefix}spring0_1").id
 
 
@@ -167,7 +196,7 @@ def set_pressure(model, data, pressure_kPa, prefix=""):
     model.body_pos[bodies, :2] = np.vstack([now["base_m"], now["legs_m"]])
     model.site_pos[sites, :2] = now["points_m"]
     model.body_ipos[bodies, 1] = TABLE["centre_height"] - now["lift_m"]
-    model.geom_pos[geoms, 1] = TABLE["middle_height"] - now["lift_m"]
+    model.geom_pos[geoms, 1] = np.array(TABLE["geom_heights"]) - now["lift_m"]
     # positions that were equal when the model was made need not be so any more
     model.site_sameframe[sites] = model.geom_sameframe[geoms] = model.body_sameframe[bodies] = 0
 '''
