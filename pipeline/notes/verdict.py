@@ -10,7 +10,7 @@ from html import escape
 from geometry import Reason
 from pipeline.formatting import number
 from pipeline.notes.rods import POOR, TITLES, MeshErrors, RodAndMesh, RodErrors, rod_and_mesh, rod_errors
-from pipeline.notes.templates import report_reason
+from pipeline.notes.templates import report_reason, shorten
 from pipeline.results.record import Reported
 from pipeline.results.values import Curve, Run
 from pipeline.store.formats import ARM_LAW, EXTENSIBLE, FIVE
@@ -115,7 +115,7 @@ class Verdict:
         if not self.failures:
             return []
         more = f" ({len(self.failures) - 1} more in the report)" if len(self.failures) > 1 else ""
-        return [f"Not reached: {self.failures[0].text}{more}"]
+        return [f"Not reached: {shorten(self.failures[0])}{more}"]
 
     def record(self) -> JsonObject:
         """The verdict as `pneurod run --json` writes it."""

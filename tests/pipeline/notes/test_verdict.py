@@ -125,6 +125,20 @@ def test_failures_are_named(run: Run) -> None:
     assert_short(failed)
 
 
+def test_a_failure_is_named_with_its_limit_alone(run: Run) -> None:
+    why = [
+        {"code": "ends_beyond", "values": {"reached_kPa": 40.0, "target_kPa": 45.0}, "where": None},
+        {"code": "has_limit", "values": {"limit_kPa": 41.0}, "where": None},
+        {"code": "limit_point", "values": {"stiffness": 0.1}, "where": [1.0, 2.0, 3.0]},
+    ]
+    failure = Reported("stopped", {"experiment": "II", "pressure_kPa": 45.0, "why": why}, None, "A long sentence.")
+    failed = verdict_of(replace(run, record=replace(run.record, failures=(failure,))))
+    assert "Not reached: Experiment II stopped before 45 kPa: the limit is at 41 kPa." in failed.lines
+    first = replace(failure, values={**failure.values, "why": why[:1]})
+    failed = verdict_of(replace(run, record=replace(run.record, failures=(first,))))
+    assert any(line.endswith("no equilibrium found beyond 40 kPa on the way to 45 kPa.") for line in failed.lines)
+
+
 def test_a_run_without_any_state_has_a_verdict(run: Run) -> None:
     nothing = verdict_of(Run(run.directory))
     assert not nothing.usable
