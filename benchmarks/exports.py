@@ -109,7 +109,7 @@ def rest(model: Any, data: Any, force: tuple[float, float], x: np.ndarray, y: np
         data.qfrc_applied[:] = 0.0
         mujoco.mj_applyFT(model, data, acting, np.zeros(3), point, body, data.qfrc_applied)
         mujoco.mj_step(model, data)
-        if step > 500 and np.abs(data.qvel).max() < 1e-5:
+        if step > 500 and np.abs(data.qvel).max() < 1e-6:
             return
     raise RuntimeError("the arm in MuJoCo does not come to rest")
 

@@ -93,11 +93,14 @@ def _of_law(law: ArmLaw, run: Run | None, folder: Path, target: str, options: Ex
     single = options.pressure_kPa
     pressures = tuple(all_pressures or law.pressures) if single is None else (as_known(law.pressures, single),)
     robot = (Robot.linear_of_law if is_linear else Robot.of_law)(law, solid, pressures)
+    written = robot
+    if target in PROGRAMS and PROGRAMS[target].has_shear:  # of its own, which the hinges must not have as well
+        written = Robot.of_law(law, solid, pressures, has_shear=False)
     writers: dict[str, Callable[[Path], None]] = {
         "csv": lambda path: write_law_csv(law, pressures, path),
         "json": lambda path: write_law_json(law, robot, path),
     }
-    files = _write(robot, target, options, writers, (options.out or folder) / f"law_{robot.label}.{target}")
+    files = _write(written, target, options, writers, (options.out or folder) / f"law_{robot.label}.{target}")
     if target == "csv":
         return Exported(files, ("The table has the law of the cells; json has both ends of the arm, too.",))
     return Exported(files, _sentences(robot, target, run, law))

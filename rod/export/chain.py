@@ -5,7 +5,9 @@ keeps its length. The hinges lie on that line; then the chain is as long as the 
 arm, although no piece stretches. The first hinge stands for the clamped end. Without load the chain lies on the rod.
 
 A spring is a broken line through states of the law, which is not extrapolated: a program stops the hinge at its ends.
-Shear and the stretch under an axial force are left out.
+Shear moves the arm under a force F across its end by s F/GA at s. A turn of the first hinge by F l/GA over its distance
+from the end moves it likewise: that hinge is softer by as much, and turns too far under a couple. The stretch under an
+axial force is left out.
 """
 
 import cmath
@@ -120,8 +122,8 @@ def _turned(vectors: Array, angles: Array) -> Array:
     return np.column_stack([x * cosine - y * sine, x * sine + y * cosine])
 
 
-def chain_of_law(rod: LawRod, pieces: int) -> Chain:
-    """The chain of a rod with the arm's own law; pieces: behind the clamped end."""
+def chain_of_law(rod: LawRod, pieces: int, *, has_shear: bool = True) -> Chain:
+    """The chain of a rod with the arm's own law; pieces: behind the clamped end; has_shear: in its first hinge."""
     section, clamped = rod.section, float(rod.clamp.s[-1])
     low, high = max(section.moment[0], rod.clamp.moment[0]), min(section.moment[-1], rod.clamp.moment[-1])
     if not low < 0.0 < high:
@@ -136,6 +138,8 @@ def chain_of_law(rod: LawRod, pieces: int) -> Chain:
     # the tangents at both ends of a piece of the arm meet in its hinge
     leg = 0.5 * h * (stretch_0 - lift * kappa_0) * (math.tan(half_turn) / half_turn if half_turn else 1.0)
     base, turn, reached = _clamped_end(rod, clamped, moment)
+    if has_shear:
+        turn = turn + moment * _turn_by_shear(rod, base[0])
     s = np.linspace(clamped, rod.length, pieces + 1)
     points = _beside(rod, s) + np.vstack([reached, np.tile([leg, -lift], (pieces, 1))])
     legs = np.vstack([reached + np.array([leg, lift]), np.tile([2.0 * leg, 0.0], (pieces - 1, 1))])
@@ -156,6 +160,12 @@ def _rigidities(rod: LawRod) -> tuple[float, float]:
     section = rod.section
     axial, shear = (np.interp(0.0, section.moment, v) for v in (section.axial_rigidity, section.shear_rigidity))
     return float(axial), float(shear)
+
+
+def _turn_by_shear(rod: LawRod, at: float) -> float:
+    """rad/(N mm), of a hinge at a distance from the clamp (mm) that moves the end as shear does."""
+    _, shear = _rigidities(rod)
+    return rod.length / (shear * (rod.length - at) ** 2)
 
 
 def _cells(rod: LawRod, moment: Array) -> tuple[Array, Array]:
@@ -203,7 +213,7 @@ def linear_chain_of_law(rod: LawRod, pieces: int) -> Chain:
     slight = SLIGHT * np.ptp(section.moment)
     rotations = rod.clamp.rotation_at(np.array([-slight, 0.0, slight]))
     rotation_by_moment = (rotations[2] - rotations[0]) / (2.0 * slight)
-    compliance = by_moment[0] * h + rotation_by_moment * in_clamped
+    compliance = by_moment[0] * h + (rotation_by_moment + _turn_by_shear(rod, 0.5 * clamped)) * in_clamped
     if np.any(compliance <= 0.0):
         raise RodError(f"The clamped end at {section.pressure:g} kPa turns against its moment, and is no spring.")
     neutral = kappa * h + rotations[1] * in_clamped

@@ -23,6 +23,7 @@ class Format:
     name: str  #: of the file, with {} for the pressures
     write: Callable[[Robot, Path], None]
     is_linear: bool = False  #: whether its springs are straight, those of the arm without load at each pressure
+    has_shear: bool = False  #: whether the program has the shear of the arm itself
     one_pressure: bool = False  #: whether every pressure needs a file of its own
     beside: tuple[str, ...] = ()  #: suffixes of further files with the same name
 
@@ -30,7 +31,7 @@ class Format:
 #: the programs that take an arm with its mass
 PROGRAMS: dict[str, Format] = {
     "mujoco": Format("rod_mujoco_{}.xml", write_mujoco, beside=(".py",)),
-    "pyelastica": Format("rod_pyelastica_{}.py", write_pyelastica),
+    "pyelastica": Format("rod_pyelastica_{}.py", write_pyelastica, has_shear=True),
     "somo": Format("rod_somo_{}.yaml", write_somo, is_linear=True, one_pressure=True, beside=(".urdf",)),
     "sorosim": Format("rod_sorosim_{}.mat", write_sorosim, is_linear=True),
 }

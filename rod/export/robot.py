@@ -78,11 +78,14 @@ class Robot:
     description: str  #: which rod it is, and where its numbers come from
 
     @staticmethod
-    def of_law(law: ArmLaw, solid: Solid | None, pressures: Sequence[float]) -> "Robot":
-        """With the arm's own law at pressures in kPa and between them. Raises `RodError` outside those of the law."""
+    def of_law(law: ArmLaw, solid: Solid | None, pressures: Sequence[float], *, has_shear: bool = True) -> "Robot":
+        """With the arm's own law at pressures in kPa and between them; has_shear: in the first hinge.
+
+        Raises `RodError` outside those of the law.
+        """
         known = tuple(as_known(law.pressures, pressure) for pressure in pressures)
         divided = divide_pressures(known)
-        chains = tuple(chain_of_law(law.at(pressure), PIECES) for pressure in divided)
+        chains = tuple(chain_of_law(law.at(pressure), PIECES, has_shear=has_shear) for pressure in divided)
         return Robot(divided, chains, known, law.length, solid, OF_LAW)
 
     @staticmethod

@@ -1,9 +1,7 @@
 """The law of a rod over the pressures as tables: CSV, JSON, and a .mat file for SoRoSim."""
 
 import json
-import math
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -46,16 +44,6 @@ def table(rod: Rod, s: Array | None = None) -> dict[str, Array]:
         "m0_N_mm": rod.five.intercept(s),
         "kappa_rest_per_mm": rod.five.kappa_rest(s, kappa_0),
     }
-
-
-def unloaded_distance(rod: Rod) -> float:
-    """Distance (mm) without load between the end of a rod and that of a code with its rigidity and rest curvature.
-
-    Such a code represents a loaded rod: without load it rests at kappa_0 - m0/alpha instead of kappa_0.
-    """
-    columns = table(rod)
-    other = replace(rod, kappa_0=np.column_stack([columns["s_mm"], columns["kappa_rest_per_mm"]]))
-    return math.dist(rod.solve().end, other.solve().end)
 
 
 def arm_table(arm: Arm) -> dict[str, Array]:
