@@ -32,7 +32,7 @@ from pipeline.results.files import read_results
 from pipeline.rods.export import ExportOptions, exported
 from pipeline.rods.judged import Reference, distance, references
 from pneurod import characterize
-from rod.export.chain import REST, Chain
+from rod.export.chain import Chain
 
 #: name of an arm -> its configuration, with what is changed of it
 ARMS: dict[str, tuple[str, dict[str, Any]]] = {
@@ -152,7 +152,7 @@ def in_json(files: Sequence[Path], states: Sequence[Reference]) -> list[tuple[np
             moment=1e3 * springs[1],
             axial=1.0,
             shear=1.0,
-            is_limited=content["rest"] == REST,
+            is_limited=content["is_limited"],
         )
         curves.append((chain.curve(chain.solve(state.force)), s))
     return curves
@@ -211,8 +211,8 @@ def in_sorosim(files: Sequence[Path], states: Sequence[Reference]) -> list[tuple
             s=s + h,
             points=points,
             lift=0.0,
-            angle=turn[:, None] + np.array([-1.0, 0.0, 1.0]) / slope[:, None],
-            moment=np.tile([-1.0, 0.0, 1.0], (len(s), 1)),
+            angle=turn[:, None] + np.array([0.0, 1.0]) / slope[:, None],
+            moment=np.tile([0.0, 1.0], (len(s), 1)),
             axial=1.0,
             shear=1.0,
             is_limited=False,

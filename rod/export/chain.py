@@ -56,7 +56,7 @@ class Chain:
     @property
     def rest(self) -> int:
         """Which state of the springs has no moment."""
-        return REST if self.is_limited else 1
+        return REST if self.is_limited else 0
 
     @property
     def neutral(self) -> Array:
@@ -236,7 +236,7 @@ def chain_of_five(rod: Rod, pieces: int, axial: float) -> Chain:
 def _linear(edges: Array, leg: float, neutral: Array, compliance: Array, rigidities: tuple[float, float]) -> Chain:
     """A chain of equal pieces (mm) whose hinges stand in the middles between the edges (m + 1,) of rest lengths."""
     count = len(neutral)
-    moment = np.array([-1.0, 0.0, 1.0])
+    moment = np.array([0.0, 1.0])
     return Chain(
         base=np.array([0.5 * leg, 0.0]),
         legs=np.tile([leg, 0.0], (count - 1, 1)),

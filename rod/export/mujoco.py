@@ -159,7 +159,8 @@ def _numbers(model, prefix):
     bodies = np.array([model.body(f"{prefix}piece{k}").id for k in range(count)])
     sites = np.array([model.site(f"{prefix}curve{k}").id for k in range(count - 1)] + [model.site(f"{prefix}tip").id])
     geoms = model.body_geomadr[bodies][:, None] + np.arange(len(TABLE["geom_heights"]))
-    return joints, bodies, sites, geoms, model.tendon(f"{prefix}spring0_1").id
+    has_tendons = len(TABLE["angle_rad"][0][0]) > 2
+    return joints, bodies, sites, geoms, model.tendon(f"{prefix}spring0_1").id if has_tendons else 0
 
 
 def load(pressure_kPa=TABLE["pressures_kPa"][0]):

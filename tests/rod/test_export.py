@@ -219,6 +219,7 @@ def test_five_parameters_in_mujoco(tmp_path: Path) -> None:
     robot = Robot.of_five(arm(), SOLID, between=True)
     program = imported(export_robot(robot, "mujoco", tmp_path)[1])
     model, data = program.load(37.0)
+    assert model.ntendon == 0
     chain = chain_of_five(ROD, 60, 1.0)
     assert data.qpos == pytest.approx(chain.neutral, abs=1e-6)
     model, data = program.load()
