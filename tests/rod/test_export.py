@@ -213,6 +213,22 @@ def test_a_short_arm_in_mujoco_is_faster_than_real_time_by_five(law: ArmLaw, tmp
     assert np.isfinite(data.qpos).all()
 
 
+def test_the_first_vibration_in_mujoco_has_the_loss_factor(mujoco_file: Path) -> None:
+    """By its logarithmic decrement, pi times the loss factor."""
+    mujoco = pytest.importorskip("mujoco")
+    model, data = imported(mujoco_file).load(5.0)
+    tip = model.site("tip").id
+    rest = data.site_xpos[tip, 1]
+    data.qpos += 1e-3 * np.linspace(1.0, 0.0, model.nq)
+    height = []
+    for _ in range(1200):
+        mujoco.mj_step(model, data)
+        height.append(data.site_xpos[tip, 1] - rest)
+    before, now, after = np.array(height)[:-2], np.array(height)[1:-1], np.array(height)[2:]
+    peaks = now[(now > before) & (now >= after) & (now > 0.0)]
+    assert np.log(peaks[0] / peaks[2]) / 2.0 == pytest.approx(np.pi * SOLID.loss_factor, rel=0.1)
+
+
 def test_five_parameters_in_mujoco(tmp_path: Path) -> None:
     """The file has the lines of a loaded rod, whatever acts on it, and is straight at 0 kPa."""
     mujoco = pytest.importorskip("mujoco")
