@@ -68,6 +68,13 @@ Kind = Annotated[
         help="The arm's own law, or five parameters; by default the rod that the verdict recommends.",
     ),
 ]
+Orientation = Annotated[
+    str | None,
+    typer.Option(
+        metavar="O", help="hanging, lying, standing, '30 deg' that it rises, or gravity as '[X, Y]': with its weight."
+    ),
+]
+TipMass = Annotated[str | None, typer.Option(metavar="M", help="A mass that hangs on the end: '20 g'.")]
 
 
 def rod(
@@ -79,15 +86,18 @@ def rod(
     moment: Annotated[str, typer.Option(metavar="M", help="Moment on the end: '1 N*mm'.")] = "0 N*mm",
     end_y: Annotated[str | None, typer.Option(metavar="Y", help="Height of the end over the clamp: '0 mm'.")] = None,
     end: Annotated[str | None, typer.Option(metavar="[X, Y]", help="Position of the end from the clamp.")] = None,
+    orientation: Orientation = None,
+    tip_mass: TipMass = None,
     extrapolate: Annotated[bool, typer.Option("--extrapolate", help="Go beyond the identified pressures.")] = False,
     kind: Kind = None,
     out: Annotated[Path | None, typer.Option("--out", metavar="FILE", help="Write the shape as CSV.")] = None,
 ) -> None:
     """The rod alone, in milliseconds: its shape under loads."""
     from pipeline.rods.choice import rod_of_path
-    from pipeline.rods.end_loads import EndLoads, end_lines, rod_at, write_shape
+    from pipeline.rods.end_loads import EndLoads, Weight, end_lines, rod_at, write_shape
 
-    loads, chosen = EndLoads.read(force, moment, end_y, end), rod_of_path(path, kind)
+    loads = EndLoads.read(force, moment, end_y, end, Weight.read(orientation, tip_mass))
+    chosen = rod_of_path(path, kind)
     selected = rod_at(chosen, pressure, extrapolate)
     shape = loads.shape(selected)
     print_lines(*end_lines(selected, shape, chosen.error_text))

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from rod.checked import finite
-from rod.errors import RodError
+from rod.errors import LoadError, RodError
 
 
 @dataclass(frozen=True)
@@ -63,11 +63,11 @@ def requested(
 ) -> tuple[Load, tuple[float | None, float | None]]:
     """The load and the prescribed position of the end that the arguments of `solve` name.
 
-    Raises `RodError` where they contradict each other.
+    Raises `LoadError` where they contradict each other.
     """
     if end is not None and (end_x is not None or end_y is not None):
-        raise RodError("Give either end = (x, y) or one of end_x and end_y, not both.")
+        raise LoadError("Give either end = (x, y) or one of end_x and end_y, not both.")
     if force is not None and any(value is not None for value in (end, end_x, end_y)):
-        raise RodError("Give either the force on the end or its position, not both: one follows from the other.")
+        raise LoadError("Give either the force on the end or its position, not both: one follows from the other.")
     load = Load((0.0, 0.0) if force is None else pair(force, "force"), moment)
     return load, held_at(end_x, end_y) if end is None else pair(end, "end")

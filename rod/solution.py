@@ -32,6 +32,7 @@ class RodSolution:
     moment: Array  #: (n,) N mm
     stretch: Array  #: (n,), 1 on an inextensible rod
     force: Array  #: (2,) N, F_x and F_y on the end s = l
+    weight: Array  #: (2,) N, x and y of the weight of the rod itself
     load_steps: int  #: steps of the continuation
     shear: Array | None = field(default=None, repr=False)  #: (n,) slope Q/GA; None: the rod does not shear
     notes: tuple[str, ...] = ()  #: what limits the trust in this shape, a sentence each
@@ -62,7 +63,8 @@ class RodSolution:
         The clamp exerts its negative on the body (`clamp_moment_N_mm` of the finite elements).
         """
         x, y = self.x[0] - self.curve[0, 0], self.y[0] - self.curve[0, 1]
-        return float(self.moment[0] + x * self.force[1] - y * self.force[0])
+        force = self.force + self.weight
+        return float(self.moment[0] + x * force[1] - y * force[0])
 
     @property
     def end_angle(self) -> float:

@@ -22,5 +22,5 @@ def _solve_arm_law() -> None:
     law = integration.LawArrays(-1.0, 1.0, *(np.full(3, value) for value in (0.0, 0.01, 1.0, 0.0, 50.0, 10.0)))
     clamp = (np.array([-1.0, 1.0]), np.zeros(2), np.zeros(2), np.zeros((2, 2)), np.zeros((2, 2)), 0.5)
     ends = integration.EndArrays(*clamp, np.zeros((2, 5)), np.zeros((2, 5)), np.zeros(2))
-    load = integration.EndLoad(1.0, np.zeros(2), 0.0, np.zeros(2, bool), np.zeros(2))
+    load = integration.EndLoad(1.0, np.zeros(2), 0.0, np.zeros(2, bool), np.zeros(2), np.zeros((2, 4)))
     integration.converge(law, ends, load, np.zeros(3), np.ones(3), np.empty((2, 4)))

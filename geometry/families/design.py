@@ -263,6 +263,10 @@ class Design(ABC):
         length = repetition.beyond + half_cells * repetition.half_pitch
         return self._body(repetition.tip_piece(half_cells), length, repetition.half)
 
+    def of_pieces(self, repetition: Repetition) -> Body:
+        """The whole body, put together from its meshed pieces."""
+        return self._body(repetition.mesh(), self.length, repetition.half)
+
     def _checked_pieces(self, half_cells: int, size: float, grading: Grading) -> Repetition:
         repetition = self._checked_repetition(size, grading)
         if not 0 <= half_cells <= repetition.half_cells:
@@ -326,7 +330,7 @@ class SymmetricDesign(Design):
 
         Raises `DesignError` on the key `mesh.size` when the size does not suit the body.
         """
-        return self._body(self._checked_repetition(size, grading).mesh(), self.length, True)
+        return self.of_pieces(self._checked_repetition(size, grading))
 
 
 def expected_tets(size: float, extent: Sequence[float], volume: float) -> float:

@@ -14,6 +14,7 @@ from pipeline.cell.point import Measured
 from pipeline.cell.tasks import ArmTasks, Log
 from pipeline.context import RunContext
 from pipeline.results.law import LawMeshError
+from pipeline.simulation.mass import mass_along, weight_per_length
 from rod.arm_law.curves import CellCurve
 from rod.arm_law.law import ArmLaw
 
@@ -66,7 +67,9 @@ def build_law(
     cells, clamps, tips = measure_ends(tasks, log, cells, half_cells)
     curves = tuple(cell.curve for cell in cells)
     ends = tuple(end.curve for end in clamps), tuple(tips)
-    law = ArmLaw(2.0 * repetition.half_pitch, repetition.middle, length, curves, *ends)
+    mass = mass_along(pieces.design.of_pieces(repetition), pieces.config)
+    spread = mass, weight_per_length(mass, pieces.config)
+    law = ArmLaw(2.0 * repetition.half_pitch, repetition.middle, length, curves, *ends, *spread)
     compared = [curve for curve in curves if curve.pressure in (*pressures_kPa, curves[-1].pressure)]
     unknowns = {"cell": cells[0].unknowns, "end": clamps[0].unknowns}
     return MeasuredLaw(

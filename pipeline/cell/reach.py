@@ -1,7 +1,7 @@
 """Over which moments and curvatures a law is measured: those of the loads of its configuration, with a margin."""
 
 from dataclasses import dataclass
-from math import hypot, inf
+from math import hypot, inf, sqrt
 
 import numpy as np
 
@@ -64,6 +64,7 @@ class Reach:
     force: float  #: N, the largest one on the end, with a margin
     end_y: float  #: mm, the largest displacement u_y of the end that is prescribed; infinite for any
     bend: float  #: 1/mm, curvature without moment at the highest pressure at which the curve is used
+    weight: float = 0.0  #: N, of the arm in its plane, in any direction; zero without gravity
 
     @staticmethod
     def of(config: Config, bend: float) -> "Reach":
@@ -72,7 +73,9 @@ class Reach:
         forces = [hypot(*force) for force in (end.force_N, *loads.forces_N)]
         heights = [abs(height) for height in (end.y_mm or 0.0, *loads.end_y_mm)]
         largest = STRETCHED * max(forces)
-        return Reach(config.design.length, largest, max(heights) if end.x_mm is None else inf, bend)
+        end_y, gravity = max(heights) if end.x_mm is None else inf, config.effects.gravity
+        weight = (config.mass_tonne or 0.0) * hypot(*gravity.acceleration_mm_s2) if gravity.on else 0.0
+        return Reach(config.design.length, largest, end_y, bend, weight)
 
     def range_from(self, kappa: float, rigidity: float, outward: int) -> Range:
         """From the cell without moment, its curvature in 1/mm and its rigidity in N mm2, to one side."""
@@ -80,5 +83,11 @@ class Reach:
         part = MARGIN * STRAIGHTENED if outward * self.bend < 0.0 else FURTHER
         straight = max(-outward * kappa, 0.0)
         turn = straight + part * bend + MARGIN * 3.0 * self.end_y / self.length**2
-        farthest = straight + LARGEST / self.length
-        return Range(outward, turn, straight, self.force * self.length, farthest, rigidity)
+        by_weight = self._moment_of_weight(rigidity)
+        farthest = max(straight + LARGEST / self.length, by_weight / rigidity)
+        return Range(outward, turn, straight, max(self.force * self.length, by_weight), farthest, rigidity)
+
+    def _moment_of_weight(self, rigidity: float) -> float:
+        """N mm, at the clamp at the most: of a straight arm that lies, or of a soft one that turns over, whose bending
+        energy per length M^2 / (2 EI) is what its weight gains."""
+        return STRETCHED * min(0.5 * self.weight * self.length, 2.0 * sqrt(rigidity * self.weight))

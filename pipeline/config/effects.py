@@ -11,10 +11,14 @@ from pipeline.config import kinds
 from pipeline.config.section import Field, Kind, Section, section
 from pipeline.config.units import PRESSURE, convert
 from pipeline.errors import quoted
+from rod.weight import gravity_direction
 
 #: whether an effect acts; auto leaves it to the program
 State = Literal["auto", "on", "off"]
-STATES = kinds.one_of(("auto", "on", "off"))
+STATES_OF_EFFECT = ("auto", "on", "off")
+STATES = kinds.one_of(STATES_OF_EFFECT)
+#: m/s2
+STANDARD = 9.81
 
 
 @section(frozen=True)
@@ -123,7 +127,18 @@ class RequestedEffect(Effect, ABC):
 class Gravity(RequestedEffect):
     """The weight of the body."""
 
-    acceleration_mm_s2: kinds.Acceleration = Field(default=(0.0, -9810.0, 0.0), description="acceleration of gravity")
+    acceleration_mm_s2: kinds.Acceleration = Field(
+        default=(0.0, -9810.0, 0.0),
+        description="acceleration of gravity; `gravity: hanging`, `lying`, `standing` or `30 deg`, by which the arm "
+        "rises to its end, is the same with 9.81 m/s²",
+    )
+
+    @classmethod
+    def mapping(cls, value: Any) -> Any:
+        if not isinstance(value, str) or value in STATES_OF_EFFECT:
+            return super().mapping(value)
+        x, y = (f"{STANDARD * component:.12g} m/s^2" for component in gravity_direction(value))
+        return {"state": "on", "acceleration": [x, y, "0 m/s^2"]}
 
     @property
     def reason(self) -> str:
@@ -131,7 +146,7 @@ class Gravity(RequestedEffect):
         if not self.on:
             return "not requested; in the experiments of the paper the arm lies on its side"
         x, y, z = (component / 1000 for component in self.acceleration_mm_s2)
-        rod = "the parameters are those of the body, the rod carries the weight; no experiment I, whose body is free"
+        rod = "the parameters are those under this weight, which the rod carries; no experiment I, whose body is free"
         return f"({x:g}, {y:g}, {z:g}) m/s2 at every pressure; {rod}"
 
     @property
@@ -180,8 +195,8 @@ class Effects(Section):
         cavities, faces = self.pressure.cavities, self.self_contact.faces or ()
         if not design.repeats:
             return design.why_no_cell
-        if self.gravity.on:
-            return "the weight loads every cell differently, so an arm has no law of its own with effects.gravity"
+        if self.gravity.breaks_symmetry:
+            return "the weight bends the arm out of its plane, and its own law is one of bending in it"
         if any(cavity.constant_kPa for cavity in cavities.values()):
             return "a cavity has a constant pressure, and the arm's own law has one pressure that all follow"
         if not self.pressure.acts:

@@ -2,21 +2,24 @@
 
 import math
 import warnings
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
 from pipeline.config.units import FORCE, LENGTH, MOMENT, PRESSURE
 from pipeline.errors import InputError, RunFailed
+from pipeline.results.values import bending_deg
 from pipeline.rods.choice import RodOfRun
 from pipeline.rods.options import option_pair, option_value
 from pipeline.store.atomic_file import write_atomic
 from pipeline.store.formats import ARM_LAW, EXTENSIBLE, FIVE
 from pipeline.store.result_folder import open_file
 from rod.arm_law.law import LawRod
-from rod.errors import RodError, RodWarning
+from rod.errors import LoadError, RodError, RodWarning
 from rod.mechanics.equilibrium import Rod
 from rod.pressurised_rod import OutsidePressures
 from rod.solution import RodSolution
+from rod.weight import gravity_direction, in_grams
 
 
 @dataclass(frozen=True)
@@ -30,17 +33,21 @@ class EndLoads:
     moment: float  #: N mm
     end_y: float | None  #: mm
     end: tuple[float, float] | None  #: mm
+    weight: "Weight"
 
     @staticmethod
-    def read(force: str | None, moment: str, end_y: str | None, end: str | None) -> "EndLoads":
+    def read(force: str | None, moment: str, end_y: str | None, end: str | None, weight: "Weight") -> "EndLoads":
         """From the options of the command line, written with units. Raises InputError, also where they contradict."""
         if sum(given is not None for given in (force, end_y, end)) > 1:
             raise InputError("--force, --end-y, --end: give one of them; the others follow from it")
+        if end is not None and weight.tip_mass_g:
+            raise InputError("--end, --tip-mass: an end that is held carries no mass; leave one of them out")
         return EndLoads(
             None if force is None else option_pair("--force", force, FORCE),
             option_value("--moment", moment, MOMENT),
             None if end_y is None else option_value("--end-y", end_y, LENGTH),
             None if end is None else option_pair("--end", end, LENGTH),
+            weight,
         )
 
     def shape(self, rod: Rod) -> RodSolution:
@@ -51,7 +58,16 @@ class EndLoads:
         try:
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore", RodWarning)
-                return rod.solve(force=self.force, moment=self.moment, end_y=self.end_y, end=self.end)
+                return rod.solve(
+                    self.force,
+                    moment=self.moment,
+                    end_y=self.end_y,
+                    end=self.end,
+                    direction=self.weight.direction,
+                    tip_mass=self.weight.tip_mass_g,
+                )
+        except LoadError as failure:
+            raise InputError(str(failure)) from None
         except RodError as failure:
             away = abs(self.end_y or 0.0) if self.end is None else math.hypot(*self.end)
             if away <= rod.length:
@@ -60,6 +76,38 @@ class EndLoads:
                 f"{'--end-y' if self.end is None else '--end'}: is {away:g} mm away from the clamped end, but the arm "
                 f"is {rod.length:g} mm long"
             ) from None
+
+
+@dataclass(frozen=True)
+class Weight:
+    """Weight and payload of an arm."""
+
+    direction: tuple[float, float] | None = None  #: of gravity; None: no weight but that of the run
+    tip_mass_g: float = 0.0
+
+    @staticmethod
+    def read(orientation: str | None, tip_mass: str | None) -> "Weight":
+        """From the options of the command line. Raises InputError."""
+        if tip_mass is not None and orientation is None:
+            raise InputError("--tip-mass: needs --orientation hanging, lying, standing, '30 deg' or '[0, -1]'")
+        try:
+            direction = None if orientation is None else gravity_direction(_pair_of(orientation))
+        except RodError as failure:
+            raise InputError(f"--orientation: {failure}") from None
+        try:
+            return Weight(direction, 0.0 if tip_mass is None else in_grams(tip_mass))
+        except RodError as failure:
+            raise InputError(f"--tip-mass: {failure}") from None
+
+
+def _pair_of(text: str) -> str | list[str | float]:
+    """The numbers of a text such as [0, -1]; other texts as they are."""
+    if not text.strip().startswith("["):
+        return text
+    parts = text.strip().removeprefix("[").removesuffix("]").split(",")
+    with suppress(ValueError):
+        return [float(part) for part in parts]
+    return list(parts)
 
 
 def rod_at(rods: RodOfRun, pressure: str, extrapolate: bool = False) -> Rod:
@@ -83,13 +131,13 @@ def end_lines(rod: Rod, shape: RodSolution, errors: str = "") -> list[str]:
         "rod": _described(rod),
         **({"errors": errors} if errors else {}),
         "end": f"x = {_rounded(x):.3f} mm, y = {_rounded(y):.3f} mm from the clamped end of the curve",
+        "bends by": f"{bending_deg((x, y)):.2f}°",
         "end angle": f"{shape.end_angle:.4f} rad",
         "end force": f"[{shape.force[0]:.5g}, {shape.force[1]:.5g}] N",
         "moment at the clamp": f"{shape.clamp_moment:.5g} N mm",
     }
-    if any(rod.weight):
-        x, y = (rod.length * component for component in rod.weight)
-        lines["weight"] = f"[{x:.5g}, {y:.5g}] N, which the rod carries besides"
+    if shape.weight.any():
+        lines["weight"] = f"[{shape.weight[0]:.5g}, {shape.weight[1]:.5g}] N, which the rod carries besides"
     width = max(map(len, lines))
     return [*(f"{name:<{width}}  {value}" for name, value in lines.items()), *shape.notes]
 

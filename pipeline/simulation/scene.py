@@ -16,6 +16,7 @@ from pipeline.errors import InputError
 from pipeline.pressure import in_MPa
 from pipeline.progress import Progress
 from pipeline.results.record import MeshRecord
+from pipeline.simulation.mass import GRAMS, element_masses
 from rod import Load
 
 #: The name of outer faces that can meet, where the user names no others, and that of all outer faces of a body from a
@@ -159,14 +160,11 @@ class Scene:
         """The weight of the arm in its plane, spread evenly along it at the height of its centre of mass; none without
         gravity."""
         gravity, mesh = self.config.effects.gravity, self.body.mesh
-        if not gravity.on:
+        masses = element_masses(self.body, self.config) if gravity.on else None
+        if masses is None:
             return Load()
-        density, regions = self._densities
-        mass = density * mesh.volumes
-        for name, of_region in regions.items():
-            mass[mesh.regions[name]] *= of_region / density
-        height = mesh.points[mesh.tets, 1].mean(axis=1) @ mass / mass.sum() - self.body.curve_y
-        per_length = mass.sum() * (2.0 if self.body.half else 1.0) / self.body.length
+        height = mesh.points[mesh.tets, 1].mean(axis=1) @ masses / masses.sum() - self.body.curve_y
+        per_length = masses.sum() / GRAMS / self.body.length
         x, y, _ = (per_length * component for component in gravity.acceleration_mm_s2)
         return Load(weight=(x, y), weight_height=float(height))
 

@@ -14,7 +14,7 @@ slopes of the first and of the second curve differ less.
 """
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import final
 
 import numpy as np
@@ -110,6 +110,7 @@ class _Lines:
         return np.asarray(2.0 * np.abs(difference) / (low.rigidity + high.rigidity))
 
 
+@lru_cache(maxsize=64)  # curves are compared by identity; a law has a dozen neighbours
 def _best(first: CellCurve, second: CellCurve) -> _Lines:
     """The lines whose ends agree best on what is between them."""
     return min(_lines(first, second), key=lambda lines: float(lines.differences.mean()))

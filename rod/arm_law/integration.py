@@ -8,8 +8,9 @@ with t = (cos theta, sin theta), n = (-sin theta, cos theta), axial force N = F 
 
     kappa from M = w'(kappa) - N lambda'(kappa),   lambda = lambda(kappa) + N/EA,   gamma = Q/GA.
 
-The first is kappa(M_e) with the effective moment M_e = M + N dlambda/dkappa, found by iteration, since N is small
-against EA. Fourth-order Runge-Kutta steps of equal length.
+With a weight of the arm F is the force on the end and the weight beyond s, and M' has the couple h (q_x cos theta + q_y
+sin theta) of its height h above the curve besides. The first is kappa(M_e) with the effective moment M_e = M + N
+dlambda/dkappa, found by iteration, since N is small against EA. Fourth-order Runge-Kutta steps of equal length.
 """
 
 import math
@@ -50,8 +51,12 @@ def _cubic(values: Array, slopes: Array, i: int, t: float, step: float) -> tuple
     return value, slope / step
 
 
-def _rate(law: LawArrays, z: Array, fx: float, fy: float, out: Array) -> float:
-    """Right-hand side for z = (theta, M, x, y); returns by how much the effective moment leaves the table, N mm."""
+def _rate(law: LawArrays, z: Array, acting: Array, out: Array) -> float:
+    """Right-hand side for z = (theta, M, x, y); returns by how much the effective moment leaves the table, N mm.
+
+    acting: (4,) force in N and couple per length in N.
+    """
+    fx, fy = float(acting[0]), float(acting[1])
     angle, moment = float(z[0]), float(z[1])
     if not (math.isfinite(angle) and math.isfinite(moment)):
         out[:] = math.nan
@@ -81,29 +86,35 @@ def _rate(law: LawArrays, z: Array, fx: float, fy: float, out: Array) -> float:
     out[0] = kappa
     out[2] = length * cosine - slip * sine
     out[3] = length * sine + slip * cosine
-    out[1] = out[3] * fx - out[2] * fy
+    out[1] = out[3] * fx - out[2] * fy + acting[2] * cosine + acting[3] * sine
     return outside
 
 
-def integrate(law: LawArrays, length: float, force: Array, end: Array, states: Array) -> float:
+def integrate(law: LawArrays, load: "EndLoad", force: Array, end: Array, states: Array) -> float:
     """Integrate from s = length, where the state is end (4,), to s = 0; fills states (n + 1, 4) by increasing s.
 
-    Returns by how much the moment leaves the law at the most, N mm.
+    force: (2,) N, on the end. Returns by how much the moment leaves the law at the most, N mm.
     """
     n = len(states) - 1
-    h, fx, fy = -length / n, float(force[0]), float(force[1])
-    k = np.empty((4, 4))
+    h = -load.length / n
+    k, acting = np.empty((4, 4)), np.empty(4)
     z, stage = end.copy(), np.empty(4)
     states[n] = z
     outside = 0.0
     for step in range(n):
+        before, beyond = load.weight[n - step], load.weight[n - 1 - step]
+        for j in range(2):
+            acting[2 + j] = (before[2 + j] - beyond[2 + j]) / h
         for i in range(4):
+            part = 0.0 if i == 0 else (1.0 if i == 3 else 0.5)
+            for j in range(2):
+                acting[j] = force[j] + before[j] + part * (beyond[j] - before[j])
             stage[:] = z
             if i > 0:
                 factor = h if i == 3 else 0.5 * h
                 for j in range(4):
                     stage[j] += factor * k[i - 1, j]
-            outside = max(outside, _rate(law, stage, fx, fy, k[i]))
+            outside = max(outside, _rate(law, stage, acting, k[i]))
         for j in range(4):
             z[j] += h / 6.0 * (k[0, j] + 2.0 * k[1, j] + 2.0 * k[2, j] + k[3, j])
         states[n - 1 - step] = z
@@ -127,13 +138,16 @@ class EndArrays(NamedTuple):
 
 
 class EndLoad(NamedTuple):
-    """What acts on the end s = length, or holds it."""
+    """What acts on the end s = length, or holds it, and the weight of the arm."""
 
     length: float  #: mm
     force: Array  #: (2,) N, where it is given
     couple: float  #: N mm
     held: Mask  #: (2,) whether the coordinate is prescribed and the force component unknown
     target: Array  #: (2,) mm, prescribed coordinates
+    #: (n + 1, 4) of the part between each of the states and the end: its weight, x and y in N, and the same times the
+    #: height of its mass above the curve, N mm
+    weight: Array
 
 
 def _clamp(ends: EndArrays, moment: float, axial: float, offset: Array) -> tuple[float, float]:
@@ -185,12 +199,12 @@ def residual(law: LawArrays, ends: EndArrays, load: EndLoad, unknowns: Array, st
         force[k] = unknowns[1 + k] if load.held[k] else load.force[k]
     to_end, lever, of_support = tip_levers(ends, unknowns[0], force)
     couple = of_support + load.couple + lever[0] * force[1] - lever[1] * force[0]
-    outside = integrate(law, load.length, force, np.array([unknowns[0], couple, 0.0, 0.0]), states)
+    outside = integrate(law, load, force, np.array([unknowns[0], couple, 0.0, 0.0]), states)
     n = len(states) - 1
     position = ends.position / load.length * n
     i = min(math.floor(position), n - 1)
     decides = states[i, 1] + (position - i) * (states[i + 1, 1] - states[i, 1])
-    rotation, beyond = _clamp(ends, decides, float(force[0]), offset)
+    rotation, beyond = _clamp(ends, decides, float(force[0] + load.weight[0, 0]), offset)
     shift = np.array([offset[0] - states[0, 2], offset[1] - states[0, 3]])
     for row in range(n + 1):
         states[row, 2] += shift[0]

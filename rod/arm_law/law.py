@@ -15,6 +15,7 @@ from rod.checked import finite
 from rod.errors import RodError
 from rod.load import Load, held_at, requested
 from rod.solution import RodSolution
+from rod.weight import Mass
 
 
 @dataclass(frozen=True, eq=False)  # arrays inside
@@ -30,6 +31,8 @@ class ArmLaw:
     cells: tuple[CellCurve, ...]
     clamps: tuple[ClampCurve, ...]
     tips: tuple[TipCurve, ...]
+    mass: Mass | None = None  #: None: not known, because the configuration has no density
+    weight: tuple[float, float] = (0.0, 0.0)  #: N/mm, x and y per rest length, that always acts; zero without gravity
 
     def __post_init__(self) -> None:
         parts = [[curve.pressure for curve in curves] for curves in (self.cells, self.clamps, self.tips)]
@@ -59,6 +62,8 @@ class ArmLaw:
             self.pitch,
             self.first_middle,
             self.length if length is None else finite(length, "The length in mm"),
+            self.mass,
+            self.weight,
         )
 
 
@@ -72,6 +77,8 @@ class LawRod:
     pitch: float  #: mm
     first_middle: float  #: mm
     length: float  #: mm
+    mass: Mass | None = None  #: how a weight is spread along the arm; None: evenly
+    weight: tuple[float, float] = (0.0, 0.0)  #: N/mm, x and y per rest length, that always acts
 
     def __post_init__(self) -> None:
         ends = float(self.clamp.s[-1] - self.tip.s[0])
@@ -86,7 +93,7 @@ class LawRod:
 
     @cached_property
     def _pieces(self) -> Pieces:
-        return Pieces(self.section, self.clamp, self.tip, self.pitch, self.length)
+        return Pieces(self.section, self.clamp, self.tip, self.pitch, self.length, self.mass)
 
     def solve(
         self,
@@ -107,13 +114,15 @@ class LawRod:
     def under(self, load: Load, end_y: float | None = None, end_x: float | None = None) -> RodSolution:
         """The equilibrium under a load; with a prescribed position of the end (mm) that component of the force follows.
 
-        Raises `RodError` for a weight, and as `solve` does.
+        The weight of the load is spread as the mass of the arm is, where that is known. Raises `RodError` as `solve`
+        does.
         """
-        if any(load.weight):
-            raise RodError("A rod with the arm's own law carries no weight.")
         return self._equilibrium(EndConditions(load, held_at(end_x, end_y)))
 
     def _equilibrium(self, conditions: EndConditions) -> RodSolution:
+        load = conditions.load
+        x, y = (own + more for own, more in zip(self.weight, load.weight, strict=True))
+        conditions = conditions._replace(load=replace(load, weight=(x, y)))
         solution = equilibrium(self._pieces, conditions)
         turn = float(solution.theta[-1])
         pull = float(solution.force @ (math.cos(turn), math.sin(turn)))

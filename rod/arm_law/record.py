@@ -10,8 +10,10 @@ from rod.arm_law.curves import CellCurve, ClampCurve, TipCurve
 from rod.arm_law.law import ArmLaw
 from rod.checked import Shape, check_positive, check_table, positive
 from rod.errors import RodError
+from rod.load import pair
+from rod.weight import Mass
 
-Curve = CellCurve | ClampCurve | TipCurve
+Curve = CellCurve | ClampCurve | TipCurve | Mass
 #: of the file; raised when a key changes its meaning
 FORMAT = 2
 
@@ -36,6 +38,8 @@ def law_record(law: ArmLaw) -> dict[str, Any]:
         "curves": [record_of(curve) for curve in law.cells],
         "clamp": {"curves": [record_of(curve) for curve in law.clamps]},
         "tip": {"curves": [record_of(curve) for curve in law.tips]},
+        "mass": None if law.mass is None else record_of(law.mass),
+        "weight_N_per_mm": list(law.weight),
     }
 
 
@@ -51,9 +55,18 @@ def law_from_record(record: Mapping[str, Any]) -> ArmLaw:
             cells=tuple(curve_of(CellCurve, row) for row in _cell_rows(record["curves"])),
             clamps=tuple(curve_of(ClampCurve, row) for row in _end_rows(record, "clamp", ClampCurve)),
             tips=tuple(curve_of(TipCurve, row) for row in _end_rows(record, "tip", TipCurve)),
+            mass=_mass(record.get("mass")),
+            weight=pair(record.get("weight_N_per_mm", (0.0, 0.0)), "weight_N_per_mm"),
         )
     except KeyError as missing:
         raise RodError(f"The law of an arm lacks the key {missing}; write it anew with `pneurod cell`.") from None
+
+
+def _mass(row: Any) -> Mass | None:
+    if row is None:
+        return None
+    check_table(row, _shapes(Mass), "mass")
+    return curve_of(Mass, row)
 
 
 def _cell_rows(rows: Any) -> list[Mapping[str, Any]]:

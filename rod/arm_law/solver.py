@@ -14,6 +14,7 @@ from rod.arm_law.section import SectionLaw
 from rod.errors import RodError, buckles_at
 from rod.load import Load
 from rod.solution import RodSolution
+from rod.weight import Mass
 
 #: longest step of the integration, mm over the pitch
 STEP = 0.2
@@ -35,6 +36,14 @@ class Pieces:
     tip: TipCurve
     pitch: float  #: mm
     length: float  #: mm
+    mass: Mass | None = None  #: how the weight of a load is spread along the arm; None: evenly
+
+    def weight(self, load: Load, s: Array) -> Array:
+        """(n, 4) N and N mm: the weight of a load beyond s (n,), as `EndLoad` has it."""
+        mass = self.mass or Mass.even(self.length, 1.0, load.weight_height)
+        (grams, heights), (all_grams, _) = mass.within(self.length - s), mass.within(np.array([self.length]))
+        total = np.array(load.weight) * self.length / all_grams
+        return np.column_stack([grams[:, None] * total, heights[:, None] * total])
 
     @cached_property
     def arrays(self) -> LawArrays:
@@ -92,6 +101,7 @@ class _Shooting:
         self.held = np.array([value is not None for value in conditions.position])
         self.ends = pieces.ends(conditions.tip_state(pieces.tip))
         self.states = np.empty((math.ceil(pieces.length / (STEP * pieces.pitch)) + 1, 4))
+        self.weight = pieces.weight(self.load, np.linspace(0.0, pieces.length, len(self.states)))
         slope = pieces.section.kappa_slope[len(pieces.section.kappa_slope) // 2]
         # a force that turns the end by about one radian
         self.size = np.array([1.0, *([1.0 / (pieces.length**2 * slope)] * 2)])
@@ -106,7 +116,7 @@ class _Shooting:
         if grown < 1.0:
             arrays = arrays._replace(kappa=arrays.kappa - (1.0 - grown) * self.pieces.section.kappa_0)
         force = factor * np.array(self.load.force)
-        load = EndLoad(self.pieces.length, force, factor * self.load.couple, self.held, target)
+        load = EndLoad(self.pieces.length, force, factor * self.load.couple, self.held, target, factor * self.weight)
         unknowns = guess.copy()
         converged, self.outside, self.determinant = converge(arrays, self.ends, load, unknowns, self.size, self.states)
         unknowns[1:] = np.where(self.held, unknowns[1:], force)
@@ -163,7 +173,8 @@ def _solution(shooting: _Shooting, unknowns: Array, count: int) -> RodSolution:
     states, law = shooting.states, shooting.pieces.section
     force = unknowns[1:]
     cosine, sine = np.cos(states[:, 0]), np.sin(states[:, 0])
-    axial, across = force[0] * cosine + force[1] * sine, force[1] * cosine - force[0] * sine
+    x, y = (force + shooting.weight[:, :2]).T
+    axial, across = x * cosine + y * sine, y * cosine - x * sine
     effective = _effective_moment(law, states[:, 1], axial)
     _check_within_law(shooting, effective)
     by_force = axial / np.interp(effective, law.moment, law.axial_rigidity)
@@ -176,6 +187,7 @@ def _solution(shooting: _Shooting, unknowns: Array, count: int) -> RodSolution:
         "moment": states[:, 1],
         "stretch": np.interp(effective, law.moment, law.stretch) + by_force,
         "force": force,
+        "weight": shooting.weight[0, :2],
         "shear": across / np.interp(effective, law.moment, law.shear_rigidity),
     }
     frozen: dict[str, Any] = {name: read_only(array) for name, array in arrays.items()}

@@ -34,6 +34,7 @@ from rod.mechanics.continuation import LoadPoint, Problem, continue_to_full_load
 from rod.mechanics.own_weight import rest_moment
 from rod.mechanics.profile import Profile, Steps, cut_into_steps
 from rod.solution import RodSolution
+from rod.weight import Mass, Weighing, weighted
 
 #: how much finer than the usual the steps may become: at nearly twice the force that this solver follows to all ends
 FINEST = 60.0
@@ -69,6 +70,7 @@ class Rod:
     #: N/mm, x and y of the weight of the arm per rest length, under which it has kappa_0 where nothing else acts
     weight: tuple[float, float] = (0.0, 0.0)
     weight_height: float = 0.0  #: mm, of its mass above the material curve
+    mass: Mass | None = None  #: None: not known, or that of the arm's own law
     moment_range: MomentRange | None = None  #: of the identification of the five parameters
     notes: tuple[str, ...] = ()  #: what limits the trust in this rod, a sentence each; every shape has them too
 
@@ -81,8 +83,10 @@ class Rod:
         if isinstance(self.law, ArmLaw):
             raise RodError("A rod has the law of an arm at one pressure: law = arm_law.at(pressure in kPa).")
         if isinstance(self.law, LawRod):
-            self._check_nothing_twice()
-            object.__setattr__(self, "law", replace(self.law, length=float(self.length)))
+            self._check_nothing_twice(self.law.weight)
+            object.__setattr__(self, "mass", self.mass or self.law.mass)
+            object.__setattr__(self, "weight", self.law.weight)
+            object.__setattr__(self, "law", replace(self.law, length=float(self.length), mass=self.mass))
             return
         if not isinstance(self.law, TwoSlopes):
             raise RodError("The law of a rod is five parameters, two slopes, or the arm's own law at a pressure.")
@@ -94,9 +98,13 @@ class Rod:
             raise RodError(f"The extension of a rod is a rod.Extension or None, not {reprlib.repr(self.extension)}.")
         _ = self.steps  # refuses a kappa_0 that does not fit
 
-    def _check_nothing_twice(self) -> None:
+    def _check_nothing_twice(self, weight: tuple[float, float]) -> None:
         given = {"kappa_0": self.kappa_0 is not None, "extension": self.extension is not None}
-        given |= {"theta0": self.theta0 != 0.0, "fade": self.fade != 0.0, "weight": any(self.weight)}
+        given |= {
+            "theta0": self.theta0 != 0.0,
+            "fade": self.fade != 0.0,
+            "weight": self.weight not in ((0.0, 0.0), weight),
+        }
         for name, is_given in given.items():
             if is_given:
                 raise RodError(f"A rod with the arm's own law takes no {name}: the law has it or needs none.")
@@ -131,12 +139,19 @@ class Rod:
         end_y: float | None = None,
         moment: float = 0.0,
         order: Order = "as tested",
+        weight: bool = True,
+        direction: str | Sequence[float] | None = None,
+        tip_mass: float | str = 0.0,
     ) -> RodSolution:
         """The equilibrium that is reached when the loads grow from zero.
 
         force: dead end force (F_x, F_y) in N; or end = (x, y), end_x or end_y in mm, the prescribed position of the
         end (the other force component is zero: end_y alone is experiment III). Either may be combined with moment, M(l)
-        in N mm. `under` takes a `Load`, with a weight.
+        in N mm. `under` takes a `Load`.
+
+        direction: of gravity, "hanging", "lying" or "standing", the angle "30 deg" by which the arm rises from its
+        clamp to its end at rest, or (x, y); the weight of the arm acts then unless weight is False. tip_mass: hangs on
+        the end, in g or written with its unit ("20 g").
 
         order selects among several equilibria. "pressure first": the loads grow on the rod that already has
         its kappa_0. "together": kappa_0 and the loads grow together from the straight rod. "as tested": together where
@@ -148,9 +163,14 @@ class Rod:
         long, and when the path ends before the full load is reached.
         """
         load, held = requested(force, moment, end, end_x, end_y)
+        is_weighed = direction is not None or tip_mass != 0.0
+        if is_weighed:
+            carried = self.weight if isinstance(self.law, LawRod) else (0.0, 0.0)
+            weighing = Weighing(self.mass, self.length, carried, any(self.weight) and not any(carried))
+            load = weighted(load, weighing, weight, direction, tip_mass)
         if isinstance(self.law, LawRod):
             return replace(_by_arm_law(self.law, self.start, load, held, order), notes=self.notes)
-        loaded = force is not None or load.couple != 0.0
+        load, loaded = _on_free_axes(load, held), force is not None or load.couple != 0.0 or is_weighed
         solution = self._equilibrium(_LoadCase(load, held, _grow_together(order, held, loaded=loaded)))
         if outside := self._outside(solution):
             warnings.warn(outside, RodWarning, stacklevel=2)
@@ -316,6 +336,7 @@ def _solution(rod: Rod, problem: Problem, point: LoadPoint, count: int) -> RodSo
         "bending_moment": bending,
         "stretch": _stretch(rod, steps.s * length, deviation),
         "force": _end_force(problem, point) * (base / length**2),
+        "weight": problem.weight_at(1.0)[:2] * (base / length**2),
     }
     frozen: dict[str, Any] = {name: read_only(array) for name, array in arrays.items()}
     return RodSolution(**frozen, load_steps=count)

@@ -64,7 +64,9 @@ def test_an_absurd_force_on_the_arm_law_raises_nothing_in_plain_python() -> None
     law = integration.LawArrays(-1.0, 1.0, *(np.full(3, value) for value in (0.0, 0.01, 1.0, 0.0, 50.0, 10.0)))
     states: Array = np.empty((6, 4))
     with np.errstate(all="ignore"):
-        outside = integration.integrate(law, 50.0, np.array([0.0, 1e308]), np.zeros(4), states)
+        nothing = np.zeros(2)
+        load = integration.EndLoad(50.0, nothing, 0.0, np.zeros(2, bool), nothing, np.zeros((6, 4)))
+        outside = integration.integrate(law, load, np.array([0.0, 1e308]), np.zeros(4), states)
     assert outside == math.inf
 
 

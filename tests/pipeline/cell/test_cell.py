@@ -268,7 +268,7 @@ def test_the_section_law_is_exported_as_a_table(report: LawReport, tmp_path: Pat
     ("name", "settings", "sentence"),
     [
         ("pneunet_coarse", ["geometry.chambers=1"], "no inner cell"),
-        ("pneunet_coarse", ["effects.gravity=on"], "weight"),
+        ("pneunet_coarse", ["effects.gravity.acceleration=[0 m/s^2, 0 m/s^2, 9.81 m/s^2]"], "weight"),
         ("finger", ["geometry.cell=8 mm"], "not known where the cells of this body lie"),
         ("pneunet_coarse", ["effects.self_contact={faces: [gap, outer]}"], "contact on one outer face alone"),
     ],

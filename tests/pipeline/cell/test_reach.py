@@ -12,7 +12,8 @@ from scipy.optimize import fsolve
 from geometry.arrays import Array
 from pipeline.cell.reach import LARGEST, LEAST_TURN, STRETCHED, Reach
 from pipeline.config.load import load_config
-from rod import FiveParameters, Rod, RodSolution
+from rod import FiveParameters, Load, Rod, RodSolution
+from rod.weight import gravity_direction
 
 LENGTH, RIGIDITY = 100.0, 400.0
 LINE = FiveParameters(RIGIDITY, RIGIDITY, 0.0, 0.0, LENGTH / 2.0)
@@ -145,3 +146,19 @@ def test_the_loads_are_those_of_experiment_iii_and_of_the_validation(end: str, f
     reach = Reach.of(config, -0.01)
     assert (reach.length, reach.end_y, reach.bend) == (112.0, end_y, -0.01)
     assert reach.force == pytest.approx(STRETCHED * force)
+
+
+@pytest.mark.parametrize("ratio", [0.5, 5.0, 30.0])
+@pytest.mark.parametrize("direction", ["hanging", "lying", "standing", "180 deg"])
+def test_the_weight_in_any_direction_is_within(ratio: float, direction: str) -> None:
+    """ratio: W l^2 / EI."""
+    weight = ratio * RIGIDITY / LENGTH**2
+    load = Load(weight=tuple(weight / LENGTH * component for component in gravity_direction(direction)))
+    shape = rod(-1.0 / LENGTH).under(load)
+    assert is_within(shape, Reach(LENGTH, 0.0, 0.0, -1.0 / LENGTH, weight), -1.0 / LENGTH)
+
+
+def test_the_weight_counts_where_gravity_is_on() -> None:
+    path = Path(__file__).resolve().parent.parent.parent.parent / "configs" / "pneunet.yaml"
+    assert Reach.of(load_config(path), -0.01).weight == 0.0
+    assert Reach.of(load_config(path, ["effects.gravity=hanging"]), -0.01).weight == pytest.approx(0.1623, rel=0.01)

@@ -89,7 +89,7 @@ def test_cavities_may_carry_different_pressures(arm: Path, half: Body) -> None:
             "has 2 entries instead of 3",
         ),
         ("effects.gravity={acceleration: [0, 1, 2]}", "effects.gravity.acceleration[1]", "0 has no unit"),
-        ("effects.gravity=down", "effects.gravity", "'down' is not known"),
+        ("effects.gravity=down", "effects.gravity", "'down' is no orientation of an arm; allowed are hanging"),
         ("effects.strain_limiting_layer={E: 6.5}", "effects.strain_limiting_layer.E", "6.5 has no unit"),
         (
             "effects.strain_limiting_layer={thick: 1 mm}",

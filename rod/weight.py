@@ -1,0 +1,132 @@
+"""Weight on an arm: how its mass is spread along it, which way gravity acts, and a mass that hangs on its end."""
+
+import math
+import re
+import reprlib
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from typing import Annotated, Any, NamedTuple
+
+import numpy as np
+
+from geometry.arrays import Array
+from rod.checked import finite
+from rod.errors import LoadError, RodError
+from rod.load import Load, pair
+
+#: N/g
+WEIGHT_OF_GRAM = 9.81e-3
+#: degrees by which the arm rises from its clamp to its end, at rest
+ORIENTATIONS = {"hanging": -90.0, "lying": 0.0, "standing": 90.0}
+_GRAMS = {"mg": 1e-3, "g": 1.0, "kg": 1e3}
+_DEGREES = {"deg": 1.0, "°": 1.0, "rad": math.degrees(1.0)}
+_NUMBER_AND_UNIT = re.compile(r"\s*([-+]?[\d.]+(?:[eE][-+]?\d+)?)\s*([a-z°]+)\s*")
+
+
+@dataclass(frozen=True, eq=False)  # arrays inside
+class Mass:
+    """The mass of an arm between its end and other places, and its height above the material curve. Read-only arrays.
+
+    Raises `RodError` unless the distances rise from 0 and no mass is negative.
+    """
+
+    #: mm, rest arc length from the end, rising from 0
+    from_end: Annotated[Array, "from_end_mm", "k"] = field(repr=False)
+    grams: Annotated[Array, "mass_g", "k"] = field(repr=False)  #: of the part between the end and there
+    #: g mm, the same times the height of each bit above the material curve
+    heights: Annotated[Array, "mass_times_height_g_mm", "k"] = field(repr=False)
+
+    def __post_init__(self) -> None:
+        for name in ("from_end", "grams", "heights"):
+            array = np.array(getattr(self, name), float)
+            array.setflags(write=False)
+            object.__setattr__(self, name, array)
+        rises = np.all(np.diff(self.from_end) > 0.0) and np.all(np.diff(self.grams) >= 0.0)
+        if not (rises and self.from_end[0] == self.grams[0] == 0.0 < self.grams[-1]):
+            raise RodError("The mass of an arm is given from its end on, at distances that rise from 0, and grows.")
+
+    @staticmethod
+    def even(length: float, grams: float, height: float = 0.0) -> "Mass":
+        """A mass that is spread evenly along a length, at a height above the material curve, mm."""
+        return Mass(*(np.array([0.0, value]) for value in (length, grams, grams * height)))
+
+    def within(self, from_end: Array) -> tuple[Array, Array]:
+        """`grams` and `heights` at distances (n,) from the end, mm; of a longer arm its mean goes on."""
+        beyond = np.maximum(0.0, from_end / self.from_end[-1] - 1.0)
+        return tuple(np.interp(from_end, self.from_end, v) + beyond * v[-1] for v in (self.grams, self.heights))
+
+
+class Weighing(NamedTuple):
+    """What has the weight."""
+
+    mass: Mass | None  #: None: not known
+    length: float  #: mm
+    carried: tuple[float, float]  #: N/mm, x and y, that always acts
+    is_identified: bool  #: under the weight that always acts, of which the parameters then depend
+
+
+def weighted(
+    load: Load, of: Weighing, weight: bool, direction: str | Sequence[float] | None, tip_mass: float | str
+) -> Load:
+    """A load with the weight of an arm in a direction, unless weight is False, and with a mass on its end.
+
+    The weight that always acts does not act then. Raises `LoadError` without a direction, and for the weight of an arm
+    that is not known or on which the parameters depend.
+    """
+    if direction is None:
+        raise LoadError("A weight needs the direction of gravity: hanging, lying, standing, an angle, or x and y.")
+    x, y = (WEIGHT_OF_GRAM * component for component in gravity_direction(direction))
+    grams = in_grams(tip_mass)
+    load = replace(load, force=(load.force[0] + grams * x, load.force[1] + grams * y))
+    if of.is_identified:
+        if weight:
+            raise LoadError(
+                "The parameters of this rod were identified under its weight, which it carries: no other direction of "
+                "gravity is possible."
+            )
+        return load
+    without = -of.carried[0], -of.carried[1]
+    if not weight:
+        return replace(load, weight=without)
+    if of.mass is None:
+        raise LoadError("The mass of the arm is not known: give material.density in its configuration and run it.")
+    (own,), (height,) = of.mass.within(np.array([of.length]))
+    per_length = without[0] + own * x / of.length, without[1] + own * y / of.length
+    return replace(load, weight=per_length, weight_height=height / own)
+
+
+def gravity_direction(value: Any) -> tuple[float, float]:
+    """x and y of the direction of gravity in the frame of the arm, x along it from the clamp and y up as drawn.
+
+    value: "hanging" (end down), "lying" or "standing" (end up); how far the arm at rest rises from its clamp to its
+    end, as "30 deg"; or a pair x, y of any length. Raises `RodError` for anything else.
+    """
+    if isinstance(value, str):
+        angle = ORIENTATIONS.get(value) if value in ORIENTATIONS else _with_unit(value, _DEGREES)
+        if angle is None:
+            allowed = f"{', '.join(ORIENTATIONS)}, an angle such as 30 deg, or a direction x, y"
+            raise RodError(f"{reprlib.repr(value)} is no orientation of an arm; allowed are {allowed}.")
+        return -math.sin(math.radians(angle)), -math.cos(math.radians(angle))
+    x, y = pair(value, "The direction of gravity")
+    size = math.hypot(x, y)
+    if size == 0.0:
+        raise RodError("The direction of gravity must not be zero.")
+    return x / size, y / size
+
+
+def in_grams(value: Any) -> float:
+    """g, of a number or of a text such as "20 g". Raises `RodError` for anything else and below zero."""
+    grams = _with_unit(value, _GRAMS) if isinstance(value, str) else finite(value, "tip_mass")
+    if grams is None or grams < 0.0:
+        raise RodError(f"{reprlib.repr(value)} is no mass; write it in g, or with its unit such as 20 g.")
+    return grams
+
+
+def _with_unit(text: str, units: dict[str, float]) -> float | None:
+    matched = _NUMBER_AND_UNIT.fullmatch(text)
+    if matched is None or matched[2] not in units:
+        return None
+    try:
+        return float(matched[1]) * units[matched[2]]
+    except ValueError:
+        return None
