@@ -14,7 +14,6 @@ SENTENCES: Mapping[str, str] = {
     "tangent_turns_indefinite": "the tangent becomes indefinite",
     "tangent_indefinite": "the tangent is indefinite",
     "tangent_stays_indefinite": "the tangent stays indefinite",
-    "tangent_very_indefinite": "the tangent is indefinite in many directions",
     "tangent_singular": "the tangent is singular ({why})",
     # an equilibrium that is refused
     "element_inverted": "an element is turned inside out at {at} (J = {min_J:.3g})",
@@ -29,7 +28,6 @@ SENTENCES: Mapping[str, str] = {
     # the end of a path
     "nothing_tried": "no increment was tried",
     "given_up": "the target was given up",
-    "stuck": "{failures} increments of at most {accuracy:.0%} of the load failed there",
     "search_ended": "the search ended after {increments} increments",
     "stretch_too_small": "a stretch of {stretch:.3g} at {at} is below {limit:.3g}, where the law {law}{of_region} in "
     "compression is no longer stable",

@@ -109,8 +109,6 @@ class Step:
     #: difference to the equilibrium whose contact in creases is that of this load alone, relative to displacement or
     #: strain, where it is too far from the path to be taken; infinity where none was found; 0 elsewhere
     path_dependence: float = 0.0
-    #: load factors (or mm3) of the equilibria on the way from the previous step, the last one its own
-    increments: tuple[float, ...] = ()
 
     @property
     def points(self) -> Array:
@@ -186,7 +184,7 @@ class NotConverged(PneurodError, RuntimeError):
 
 #: arrays of a step under their own names, and its further values that are sequences
 _ARRAYS = ("displacement", "stress", "gradient", "added_pairs")
-_SEQUENCES = ("effects", "active", "increments")
+_SEQUENCES = ("effects", "active")
 _NUMBERS = (
     *("factor", "min_gap", "negative_pivots", "newton_iterations", "factorizations", "cutbacks"),
     *("seconds", "path_dependence"),

@@ -30,9 +30,6 @@ OVERLAP = 0.7
 STIFFENING_FACTOR, MAX_STIFFENINGS = 4.0, 2
 #: how often pairs are added in an increment where walls cross in a crease; designs of studies/solver.md need one or two
 MAX_CREASE_SEARCHES = 4
-#: depth over the activation distance from which on walls that overlap shortly before equilibrium do so in equilibrium
-#: as well: there gaps changed by up to 0.008 of it
-CLEAR_OVERLAP = 0.02
 #: distance over the barrier's width below which it is continued quadratically
 CONTINUATION = 0.5
 #: compliance of the body at a pair over the smallest one of the barrier, as Newton's method assumes it where it chooses
@@ -146,9 +143,6 @@ class FacingTerm(PenaltyTerm, CarryingTerm):
         if gaps.min() <= 0:
             return Reason("walls_cross", where=position_of(x[self.pairs.nodes[int(np.argmin(gaps))]]))
         return self.exact(self.stiffness).violation(x) if self.exact else None
-
-    def gives_way(self, x: Array) -> bool:
-        return self.stiffenings > 0 and bool((self.pairs.gaps(x) < -CLEAR_OVERLAP * self.dhat).any())
 
     def tightened(self, x: Array) -> UnilateralTerm:
         """A stiffer barrier where walls overlap, as often as that is tried; further pairs where others cross in a

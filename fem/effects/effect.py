@@ -147,10 +147,6 @@ class PenaltyTerm(UnilateralTerm):
     """Contact that is finite where parts overlap: Newton's method may start and iterate through such states."""
 
     @abstractmethod
-    def gives_way(self, x: Array) -> bool:
-        """Whether parts clearly overlap at x (n, 3), shortly before equilibrium, and a stiffer penalty can be tried."""
-
-    @abstractmethod
     def tightened(self, x: Array) -> UnilateralTerm:
         """The term to try where the state x (n, 3), converged with this one, violates it; itself if there is none."""
 

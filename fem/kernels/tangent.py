@@ -44,6 +44,15 @@ class Product(NamedTuple):
 
 
 @njit(cache=True, inline="always")
+def _gather(nodes: Index, u: Array, begin: int, lanes: int, values: Array) -> None:
+    """Displacements values (3 a + i, lane) of the nodes of the elements from `begin` on."""
+    for lane in range(lanes):
+        for a in range(nodes.shape[1]):
+            for i in range(3):
+                values[3 * a + i, lane] = u[nodes[begin + lane, a], i]
+
+
+@njit(cache=True, inline="always")
 def _deformation(reference: Array, values: Array, inverse: Array, lanes: int, along: Array, f: Array) -> None:
     """F (3 i + j, lane) from displacements values (3 a + i, lane) and the inverse Jacobian (3 k + j, lane)."""
     along[:] = 0.0
@@ -187,7 +196,7 @@ def tangent_matrix(
     """
     colours, chunks, nodes = elements.colours, elements.chunks, elements.nodes
     reference, weight, stress, tangent = elements.reference, elements.weight, law.stress, law.tangent
-    n, points = nodes.shape[1], reference.shape[0]
+    points = reference.shape[0]
     for colour in range(colours.shape[0] - 1):
         for chunk in prange(colours[colour], colours[colour + 1]):
             values = np.empty((3 * NODES, LANES))
@@ -204,11 +213,7 @@ def tangent_matrix(
             for begin in range(chunks[chunk], end, LANES):
                 lanes = min(LANES, end - begin)
                 k[:] = 0.0
-                for lane in range(lanes):
-                    e = begin + lane
-                    for a in range(n):
-                        for i in range(3):
-                            values[3 * a + i, lane] = u[nodes[e, a], i]
+                _gather(nodes, u, begin, lanes, values)
                 for q in range(points):
                     for lane in range(lanes):
                         e = begin + lane

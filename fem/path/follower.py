@@ -18,10 +18,10 @@ from fem.path.costs import Costs
 from fem.path.diagnosis import NOT_FOLLOWED_EARLIER, instability, why_path_ends
 from fem.path.effort import effort_of
 from fem.path.exact_contact import with_exact_distances
-from fem.path.increments import LIMIT_ACCURACY, MAX_NEAR_FAILURES, Increments
+from fem.path.increments import Increments
 from fem.path.limit import announced_limit, difference, way_between
 from fem.path.move import MoveControl
-from fem.path.newton import Converged, Inverted, NotAdmissible, StepFailed, Unstable, Watch
+from fem.path.newton import Converged, NotAdmissible, StepFailed, Unstable, Watch
 from fem.path.options import PathEnded, PathObserver, PathOptions
 from fem.path.predictor import PathPoint, Predictor
 from fem.path.solver import Increment, IncrementSolver
@@ -56,12 +56,6 @@ class _LoadStep:
         value = self.target if fraction == 1.0 else start + fraction * (self.target - start)
         return control.target(value, applied + fraction * (1.0 - applied))
 
-    def fractions(self, values: Sequence[float]) -> tuple[float, ...]:
-        """Of the way, at values of the driven quantity; those that are not on it are left out."""
-        way = self.target - self.origin.value
-        fractions = [(value - self.origin.value) / way for value in values] if way else []
-        return tuple(fraction for fraction in fractions if 0.0 < fraction <= 1.0)
-
 
 @dataclass(frozen=True)
 class _Target:
@@ -81,7 +75,6 @@ class _Reached:
     converged: Converged
     iterations: int
     cutbacks: int
-    increments: tuple[float, ...]  #: values of the driven quantity at the equilibria on the way
 
 
 @final
@@ -144,7 +137,7 @@ class PathFollower:
         point = self._point(control, converged)
         self._check_continuation(control, converged, point, increments)
         self.points = [self.points[-1], point]
-        reached = _Reached(control, converged, self.solver.iterations, 0, (converged.state.factor,))
+        reached = _Reached(control, converged, self.solver.iterations, 0)
         return self._step(reached, 1.0, before)
 
     def _resumed(self, step: Step, value: float) -> PathPoint:
@@ -179,8 +172,7 @@ class PathFollower:
         if constant:
             self.points = [rest, self.points[-1]]  # as where the path is resumed
             iterations, cutbacks = reached.iterations + constant.iterations, reached.cutbacks + constant.cutbacks
-            values = constant.increments + reached.increments
-            reached = replace(reached, iterations=iterations, cutbacks=cutbacks, increments=values)
+            reached = replace(reached, iterations=iterations, cutbacks=cutbacks)
         return self._step(reached, target, before)
 
     def _with_constant_loads(self, target: float, before: Costs) -> _Reached | None:
@@ -202,13 +194,10 @@ class PathFollower:
         load_step = _LoadStep(self.points[-1], target.value)
         increments = Increments(load_step.origin.value, target.value, target.min_increment)
         increments.limit = self._announced_limit(self.points[0], self.points[-1])
-        iterations, values, cause = 0, list[float](), StepFailed(Reason("nothing_tried"))
+        iterations, cause = 0, StepFailed(Reason("nothing_tried"))
         self.solver.begin_target()
         give_up_checked = False
         while True:
-            follows = increments.tried == (0 if self.options.neighbour_first else 1)
-            if follows and not increments.reached:
-                increments.follow(load_step.fractions(self.options.neighbour(target.announced)))
             fraction = increments.next
             if not give_up_checked and (fraction < 1.0 or not target.is_first):
                 give_up_checked = True
@@ -226,7 +215,7 @@ class PathFollower:
             except StepFailed as failure:
                 # an equilibrium that no body can have tells more than none
                 cause = cause if isinstance(cause, NotAdmissible) > isinstance(failure, NotAdmissible) else failure
-                increments.failed(fraction, isinstance(failure, Unstable), isinstance(failure, Inverted))
+                increments.failed(fraction, isinstance(failure, Unstable))
                 last = load_step.control(self.control, increments.reached)
                 if not increments.reached and self.solver.keep_contact():
                     cause = StepFailed(Reason("nothing_tried"))  # softer contact tells nothing of the end of the path
@@ -237,11 +226,10 @@ class PathFollower:
             self._note_stability(converged, increments.reached, fraction)
             limit = self._announced_limit(self.points[-1], point)
             self.points, self.arrival = [self.points[-1], point], arrival
-            increments.accepted(fraction, converged.iterations, limit)
-            values.append(control.value)
+            increments.accepted(fraction, limit)
             if fraction == 1.0:
                 self.points = [load_step.origin, point]  # the next extrapolation uses points at targets alone
-                return _Reached(control, converged, iterations, increments.cutbacks, tuple(values))
+                return _Reached(control, converged, iterations, increments.cutbacks)
             if increments.is_confirmed_or_exhausted:
                 raise PathEnded(self._end_after(cause, control, increments, before))
 
@@ -287,7 +275,7 @@ class PathFollower:
                 raise Unstable(Reason("equilibrium_unstable", {"negative_pivots": converged.negative_pivots}))
         if way and way.is_jump:
             raise Unstable(Reason("jump"))
-        if increments.passes_limit and way and not (way.is_smooth and increments.may_pass_limit):
+        if increments.passes_limit and way and not way.is_smooth:
             raise Unstable(Reason("beyond_limit"))
         return arrival
 
@@ -335,11 +323,7 @@ class PathFollower:
     def _end_after(self, failure: StepFailed, reached: Control, increments: Increments, before: Costs) -> End:
         """The end of the path where increments fail, with what is known of the limit."""
         limit = increments.confirmed_limit
-        search: Reasons = ()
-        if increments.is_exhausted:
-            search = (Reason("search_ended", {"increments": increments.tried}),)
-        if increments.is_stuck:
-            search += (Reason("stuck", {"failures": MAX_NEAR_FAILURES, "accuracy": LIMIT_ACCURACY}),)
+        search = (Reason("search_ended", {"increments": increments.tried}),) if increments.is_exhausted else ()
         explained = why_path_ends(self.system, self.points[-1], limit is not None, self.control.gives_load)
         return self._end(reached, increments, before, (*search, *failure.reasons, *explained), limit)
 
@@ -376,7 +360,6 @@ class PathFollower:
             exact=compared[0],
             inexact=compared[1],
             path_dependence=self.path_dependence,
-            increments=reached.increments,
         )
 
     def solution(self, steps: Sequence[Step], set_up: float) -> Solution:

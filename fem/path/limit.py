@@ -87,20 +87,14 @@ def difference(first: State, second: State) -> float:
 
 
 def announced_limit(before: PathPoint, last: PathPoint) -> float | None:
-    """Value of the driven quantity at which the rates of two points become infinite; None where they announce none.
-
-    Where the rate of the first point is not known, the mean one stands for that in the middle between them, and the
-    regular part of the motion is neglected.
-    """
+    """Value of the driven quantity at which the rates of two points become infinite; None where they announce none."""
     increment = last.value - before.value
-    if last.rate is None or not increment:
+    if before.rate is None or last.rate is None or not increment:
         return None
-    mean, second = (last.state.strain - before.state.strain) / increment, last.rate.strain
-    first = mean if before.rate is None else before.rate.strain
+    first, second = before.rate.strain, last.rate.strain
+    mean = (last.state.strain - before.state.strain) / increment
     if not _largest(first) or _largest(second) < GROWTH * _largest(first):
         return None
-    if before.rate is None:
-        return last.value + increment / 2 / ((_largest(second) / _largest(first)) ** 2 - 1.0)
     growth = second - first
     share = float(np.vdot(mean - first, growth) / np.vdot(growth, growth))
     if not 0.0 < share <= LARGEST_SHARE:

@@ -19,7 +19,6 @@ import numpy as np
 
 from fem.effects.effect import (
     InteriorTerm,
-    PenaltyTerm,
     Terms,
     UnilateralTerm,
     advanced,
@@ -38,16 +37,10 @@ from geometry.arrays import Array
 
 #: relative residual below which a state shows which walls meet, as well as an equilibrium does
 NEAR = 0.1
-#: relative residual below which walls that clearly overlap are taken to do so in equilibrium
-OVERLAP_IS_SURE = 1e-2
 #: relative residual above which terms give a positive semi-definite substitute of their second derivative
 CONVEX_ABOVE = 0.1
 #: relative residual above which a state is far from equilibrium
 FAR = 0.5
-#: negative pivots of a tangent, from the second iteration on, beyond which a method whose strain it limits is given up;
-#: and as a part of the unknowns, because fine meshes have more of them. Of the attempts that converged on 32 random
-#: arms, and where a divider folds onto its wall, those had at most 60
-MANY_PIVOTS, MANY_PIVOTS_PART = 100, 1 / 500
 
 #: called after every iteration with its number and the relative residual
 Watch = Callable[[int, float], None]
@@ -88,7 +81,7 @@ class Start:
 
 @dataclass(frozen=True)
 class Converged:
-    """Equilibrium, or a state near to it in which walls cross whose contact is inactive or too soft (see `solve`)."""
+    """Equilibrium, or a state near to it in which walls cross whose contact is inactive (see `solve`)."""
 
     state: State
     assembly: Assembly
@@ -114,28 +107,20 @@ class NotAdmissible(StepFailed):
     """An attempt ended with an equilibrium that no body can have; its first reason is the cause."""
 
 
-class Inverted(NotAdmissible):
-    """An attempt ended with an equilibrium in which an element is turned inside out."""
-
-
 def solve(
     start: Start, control: Control, options: NewtonOptions, watch: Watch, inactive: tuple[UnilateralTerm, ...] = ()
 ) -> Converged:
     """Equilibrium of the body where `control` puts it, from `start`.
 
-    Returns early, unconverged, once the relative residual is below NEAR and a term of `inactive` is penetrated, or
-    below OVERLAP_IS_SURE and a contact that could be stiffer does not keep walls apart; the caller then activates or
-    stiffens it. Raises `StepFailed`.
+    Returns early, unconverged, once the relative residual is below NEAR and a term of `inactive` is penetrated; the
+    caller then activates it. Raises `StepFailed`.
     """
     system, state, terms = control.system, control.start(start.state), start.terms
-    max_iterations = min(options.iterations, start.max_iterations or options.iterations)
-    max_limited = 0 if start.trial else options.limited
+    most = min(options.iterations, start.max_iterations or options.iterations)
+    patience = _Patience.of(start, options, most)
     linearised: Linearised | None = None
-    max_far = max_iterations if any(isinstance(term, InteriorTerm) for term in terms) else options.far
-    many_pivots = max(MANY_PIVOTS, MANY_PIVOTS_PART * system.size)
-    relative, limited, far, unstable = np.inf, 0, 0, 0
-    is_limited = False
-    for iteration in range(max_iterations + 1):
+    relative, is_limited = np.inf, False
+    for iteration in range(most + 1):
         assembly = system.assemble(state, terms)
         correction = system.constraints.correction(state.displacement, control.prescribed)
         relative = _relative_residual(system, assembly)
@@ -147,33 +132,55 @@ def solve(
             relative = _relative_residual(system, exact)
             if relative < options.tolerance:
                 return Converged(consistent, exact, iteration, relative, linearised)
-        if relative < NEAR:
-            x = system.space.points + state.displacement
-            penalties = [term for term in terms if isinstance(term, PenaltyTerm)]
-            is_sure = iteration > 0 and relative < OVERLAP_IS_SURE
-            if smallest_gap(inactive, x) < 0 or (is_sure and any(term.gives_way(x) for term in penalties)):
-                return Converged(state, assembly, iteration, relative, linearised)
-        if not np.isfinite(relative):
-            raise StepFailed(Reason("residual_unbounded", {"iterations": iteration}))
-        far += relative > FAR
-        if far > max_far + 1:  # the first one is the start
-            raise StepFailed(Reason("far_from_equilibrium", {"iterations": iteration, "residual": relative}))
-        pivots = 0 if linearised is None else linearised.negative_pivots
-        unstable += pivots > 0
-        if start.stays_stable and pivots and unstable < iteration:
-            raise Unstable(Reason("tangent_turns_indefinite", {"negative_pivots": pivots}))
-        if linearised is not None and start.max_unstable is not None and unstable > start.max_unstable:
-            raise Unstable(Reason("tangent_indefinite", {"negative_pivots": pivots}))
-        if linearised is not None and limited > max_limited:
-            raise Unstable(Reason("tangent_stays_indefinite", {"negative_pivots": pivots}))
-        if iteration > 1 and is_limited and pivots > many_pivots:
-            raise Unstable(Reason("tangent_very_indefinite", {"negative_pivots": pivots}))
-        if iteration < max_iterations:
+        if relative < NEAR and smallest_gap(inactive, system.space.points + state.displacement) < 0:
+            return Converged(state, assembly, iteration, relative, linearised)
+        patience.check(iteration, relative, linearised, is_limited)
+        if iteration < most:
             before = _Iterate(state, terms, assembly, correction)
             state, linearised, is_limited = _iterate(before, control, relative > CONVEX_ABOVE, options.strain)
-            limited += is_limited
             terms = advanced(terms, before.positions(system), state.displacement - before.state.displacement)
-    raise StepFailed(Reason("not_converged", {"iterations": max_iterations, "residual": relative}))
+    raise StepFailed(Reason("not_converged", {"iterations": most, "residual": relative}))
+
+
+@dataclass
+class _Patience:
+    """How long an attempt may go on without an equilibrium, and what of it is spent."""
+
+    start: Start
+    most_limited: int  #: iterations in which the change of strain is limited
+    most_far: int  #: iterations far from equilibrium, the start among them
+    limited: int = 0
+    far: int = 0
+    unstable: int = 0
+
+    @classmethod
+    def of(cls, start: Start, options: NewtonOptions, iterations: int) -> "_Patience":
+        """At the start; iterations: the largest number of all."""
+        far = iterations if any(isinstance(term, InteriorTerm) for term in start.terms) else options.far
+        return cls(start, 0 if start.trial else options.limited, far + 1)
+
+    def check(self, iteration: int, relative: float, linearised: Linearised | None, is_limited: bool) -> None:
+        """Raises `StepFailed` where the tangent that led to this relative residual leads nowhere, `Unstable` where it
+        is indefinite too long."""
+        if not np.isfinite(relative):
+            raise StepFailed(Reason("residual_unbounded", {"iterations": iteration}))
+        self.far += relative > FAR
+        if self.far > self.most_far:
+            raise StepFailed(Reason("far_from_equilibrium", {"iterations": iteration, "residual": relative}))
+        if linearised is None:
+            return
+        start, pivots = self.start, linearised.negative_pivots
+        self.limited += is_limited
+        self.unstable += pivots > 0
+        code = ""
+        if start.stays_stable and pivots and self.unstable < iteration:
+            code = "tangent_turns_indefinite"
+        elif start.max_unstable is not None and self.unstable > start.max_unstable:
+            code = "tangent_indefinite"
+        elif self.limited > self.most_limited:
+            code = "tangent_stays_indefinite"
+        if code:
+            raise Unstable(Reason(code, {"negative_pivots": pivots}))
 
 
 @dataclass(frozen=True)

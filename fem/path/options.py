@@ -1,6 +1,6 @@
 """How a path is followed, who is told of its progress, and how it ends without its target."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from fem.equations.linear import LinearSolver
@@ -19,12 +19,6 @@ class PathOptions:
     #: whether a target is not worth the search. Asked before a target is tried; the first one is tried at once, and
     #: this is asked before smaller increments
     give_up: Callable[[float], bool] = lambda target: False
-    #: load factors at which a neighbouring path has equilibria on the way to a target, ascending; asked for when the
-    #: whole way to it has failed
-    neighbour: Callable[[float], Sequence[float]] = lambda target: ()
-    #: whether they are asked for before the whole way is tried: where the other path could not go it at once, this one
-    #: hardly ever can
-    neighbour_first: bool = False
     solver: Callable[[], LinearSolver] | None = None  #: makes the linear solver; None: the best installed one
 
 

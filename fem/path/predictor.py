@@ -6,7 +6,7 @@ cubic through two points with rates, a parabola through two points of which the 
 costs one solution with the tangent matrix that is factorized already. Extrapolated displacements alone would strain a
 body that turns.
 
-Where the path cannot be extrapolated - at rest, across a kink, too far ahead - Newton's method starts a small step
+Where the path cannot be extrapolated - at rest, across a kink - Newton's method starts a small step
 along the rate of the last point, but under the whole load and the stress that goes with it to first order. A load that
 follows the surface and the stress that balances it turn with the body: together they make no stiffness against
 rotations. A load without its stress makes one, of either sign, and thin walls become unstable or turn the wrong way. A
@@ -40,9 +40,6 @@ MAX_PREDICTOR_STRAIN = 0.1
 
 #: largest strain of the first point beyond which no parabola is put through it and rest, but its rate alone is followed
 MAX_START_STRAIN = 0.2
-
-#: distance from the last point, over that between the last two, beyond which a cubic is not trusted, but a parabola
-MAX_EXTRAPOLATION = 2.0
 
 
 @dataclass(frozen=True)
@@ -85,8 +82,7 @@ class Predictor:
             last = replace(last, rate=self.rate_from_rest(target))
         else:
             first = before if self._is_smooth(before, last) else None
-            is_balanced = first is None and _is_small_step(last, target.value)  # it is the start below
-            extrapolated = None if is_balanced else extrapolate(first, last, target.value, limit)
+            extrapolated = extrapolate(first, last, target.value, limit)
             if extrapolated is not None:
                 iterations = TRIAL_ITERATIONS_CONTACT if last.touching else TRIAL_ITERATIONS
                 yield Start(extrapolated, terms, iterations, iterates=True, trial=True)
@@ -165,7 +161,7 @@ def extrapolate(before: PathPoint | None, last: PathPoint, value: float, limit: 
     t = ahead / step
     if last.rate is None:
         return weighted_sum([(1.0 + t, last.state), (-t, before.state)])
-    if before.rate is None or not -1.0 - MAX_EXTRAPOLATION <= t <= MAX_EXTRAPOLATION:
+    if before.rate is None:
         return weighted_sum([(1.0 - t**2, last.state), (t**2, before.state), ((t + t**2) * step, last.rate)])
     return weighted_sum(
         [
@@ -195,12 +191,6 @@ def _small_step(last: PathPoint, value: float) -> State | None:
     ahead = value - last.value
     step = float(np.sign(ahead)) * min(abs(ahead), MAX_PREDICTOR_STRAIN / strain)
     return extrapolate(None, last, last.value + step)
-
-
-def _is_small_step(last: PathPoint, value: float) -> bool:
-    """Whether a step to the value along the rate of the last point strains so little that it is the small one."""
-    strain = 0.0 if last.rate is None else float(np.abs(last.rate.strain).max())
-    return 0.0 < strain * abs(value - last.value) <= MAX_PREDICTOR_STRAIN
 
 
 def weighted_sum(parts: Sequence[tuple[float, State]]) -> State:

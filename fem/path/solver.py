@@ -15,15 +15,11 @@ from fem.path import newton
 from fem.path.active_set import ActiveSet
 from fem.path.control import Control
 from fem.path.effort import Effort
-from fem.path.newton import Converged, Inverted, NewtonOptions, NotAdmissible, Start, StepFailed, Unstable, Watch
+from fem.path.newton import Converged, NewtonOptions, NotAdmissible, Start, StepFailed, Unstable, Watch
 from fem.path.predictor import PathPoint, Predictor
 from fem.post.extremes import extremes_of
 from geometry import Reason
 from geometry.arrays import Array
-
-#: largest number of iterations with an indefinite tangent from a stable equilibrium to the next where walls are kept
-#: apart by exact distances: on the hard cases and in tests/fem/test_contact.py 22 solutions had at most 2
-MAX_UNSTABLE_EXACT = 3
 
 
 @dataclass(frozen=True)
@@ -116,10 +112,10 @@ class IncrementSolver:
         return self._checked(self._kept_apart(self._activate(converged, increment), increment))
 
     def _checked(self, converged: Converged) -> Converged:
-        """The same; raises `Inverted` where an element is turned inside out."""
+        """The same; raises `NotAdmissible` where an element is turned inside out."""
         if converged.assembly.jacobian.min() <= 0:
             worst = extremes_of(self.system.space, converged.assembly.strain, converged.assembly.jacobian)
-            raise Inverted(Reason("element_inverted", {"min_J": worst.min_J}, worst.min_J_at))
+            raise NotAdmissible(Reason("element_inverted", {"min_J": worst.min_J}, worst.min_J_at))
         return converged
 
     def _kept_apart(self, converged: Converged, increment: Increment) -> Converged:
@@ -182,7 +178,7 @@ class IncrementSolver:
         control, effort = increment.control, increment.effort
         start = replace(start, terms=at_constant_fraction(start.terms, control.constant_fraction))
         if self.active_set.needs_admissible_start:  # iterates approach slowly, because no wall may cross in them
-            start = replace(start, max_unstable=None if effort.unstable is None else MAX_UNSTABLE_EXACT)
+            start = replace(start, max_unstable=effort.unstable)
         else:
             limits = [limit for limit in (effort.iterations, start.max_iterations) if limit]
             start = replace(start, max_iterations=min(limits, default=None), max_unstable=effort.unstable)

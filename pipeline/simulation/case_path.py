@@ -8,7 +8,7 @@ from typing import final
 import fem
 from geometry import Reason, Values
 from pipeline.progress import Progress
-from pipeline.simulation.known_limit import FIRST, PART_FOR_III, EndOfII
+from pipeline.simulation.known_limit import PART_FOR_III, EndOfII
 from pipeline.simulation.loadcase import LoadCase
 from pipeline.simulation.outcome import Failure
 from pipeline.store.store import Store
@@ -48,10 +48,7 @@ class CasePath:
     def _follow(self) -> tuple[fem.Solution, Failure | None]:
         end_of_II, options = self.end_of_II, fem.PathOptions(self.newton)
         if end_of_II is not None:
-            is_like_II = self.case.experiment == "I"  # no support changes on the way
-            options = fem.PathOptions(
-                self.newton, give_up=self._gives_up, neighbour=self._increments_of_II, neighbour_first=is_like_II
-            )
+            options = fem.PathOptions(self.newton, give_up=self._gives_up)
         observer = fem.PathObserver(self._iteration, self._step_done)
         stored = self._stored_steps()
         factors, begin = self.case.schedule.factors, self._begin(len(stored))
@@ -81,7 +78,7 @@ class CasePath:
             steps.append(fem.step_from_arrays(self.model.space, arrays))
             self.cpu_seconds.append(float(arrays["cpu_seconds"]))
             self.progress.step_done(self.case.name, pressure, 0.0)
-            self._reach()
+            self.reached += 1
         return steps
 
     def _begin(self, finished: int) -> list[fem.Step | None]:
@@ -99,12 +96,6 @@ class CasePath:
         assert self.end_of_II is not None
         self.is_given_up = self.end_of_II.is_below(self.case.schedule.pressure_at(factor))
         return self.is_given_up
-
-    def _increments_of_II(self, factor: float) -> tuple[float, ...]:
-        """The load factors at which experiment II has equilibria on the way to this one; none where it ends before."""
-        schedule = self.case.schedule
-        arrays = self.store.load_state(FIRST, schedule.pressures_kPa[schedule.factors.index(factor)])
-        return () if arrays is None else fem.step_from_arrays(self.model.space, arrays).increments
 
     def _follow_below_II(self, end_of_II: EndOfII, failure: Failure, steps: Sequence[fem.Step]) -> Failure:
         """The failure of III after it was followed up to a part of the end of II, or how it ends before that."""
@@ -147,15 +138,12 @@ class CasePath:
         arrays = fem.step_to_arrays(step)
         self.store.save_state(self.case.name, self._pressure, **arrays, cpu_seconds=self.cpu_seconds[-1])
         self.progress.step_done(self.case.name, self._pressure, step.seconds)
-        self._reach()
+        self.reached += 1
 
     def _lap(self) -> float:
         """Processor time of this process since the last call, s."""
         before, self._clock = self._clock, process_time()
         return self._clock - before
-
-    def _reach(self) -> None:
-        self.reached += 1
 
 
 def why_ended(end: fem.End, case: LoadCase) -> tuple[Reason, ...]:

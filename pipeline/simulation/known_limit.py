@@ -4,10 +4,6 @@ All three have the same walls under the same pressure, and without II there are 
 neo-Hooke, round and rectangular, inflated and under vacuum; studies/solver.md) I and III had their limits between 20 %
 below and 14 % above that of II. That of III matters where it is lower, so III is followed nearly up to the limit of II.
 
-I takes the increments of II on the way to a pressure, and III where the whole way has failed: walls that fold or meet
-do so at nearly the same pressures in all three. Where II could not go the whole way at once, I could in two of 20
-states and III in 13 of 17 (40 designs drawn at random).
-
 Where the path of II ends without a limit that it could name, its last equilibrium stands for the limit: on three random
 designs III ended 2, 2 and 10 % above it (studies/unseen.md).
 """

@@ -99,9 +99,6 @@ class Floor(PenaltyTerm):
     def violation(self, x: Array) -> Reason | None:
         return None if self.gap(x) > 0 else BEYOND_FLOOR
 
-    def gives_way(self, x: Array) -> bool:
-        return self.stiffness < 4.0 and self.gap(x) <= 0
-
     def tightened(self, x: Array) -> UnilateralTerm:
         return replace(self, stiffness=4.0) if self.stiffness < 4.0 else Wall()
 

@@ -5,12 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fem import PathOptions, SelfContact, Step, follow
+from fem import SelfContact, Step, follow
 from fem.discretisation import Discretisation
 from fem.effects.barrier import FacingTerm
 from fem.effects.contact import BarrierTerm, crossings
 from fem.effects.effect import PenaltyTerm, UnilateralTerm
 from fem.path import follower
+from fem.path.increments import Increments
 from fem.path.newton import Converged, Start, StepFailed
 from fem.path.solver import Increment, IncrementSolver
 from fem.solution import step_from_arrays, step_to_arrays
@@ -149,9 +150,12 @@ def test_a_state_has_the_pairs_of_its_own_load_alone(monkeypatch: pytest.MonkeyP
     It does where the search without it finds no equilibrium.
     """
     model = collapsing(LENGTH)[1]
-    on_the_way = {0.4676: (), 1.0: (0.9, 1.0)}
-    options = PathOptions(neighbour=on_the_way.__getitem__, neighbour_first=True)
-    plain = follow(model, [0.4676, 1.0], options).steps[-1]
+
+    def by_way_of(start: float, target: float, smallest: float) -> Increments:
+        return Increments(start, target, smallest, _increment=(0.9 - start) / (target - start) if start else 1.0)
+
+    monkeypatch.setattr(follower, "Increments", by_way_of)
+    plain = follow(model, [0.4676, 1.0]).steps[-1]
     solve, added = IncrementSolver.solve, list[int]()
 
     def leaving_a_pair(self: IncrementSolver, increment: Increment) -> Converged:
@@ -172,13 +176,13 @@ def test_a_state_has_the_pairs_of_its_own_load_alone(monkeypatch: pytest.MonkeyP
         return converged
 
     monkeypatch.setattr(IncrementSolver, "solve", leaving_a_pair)
-    settled = follow(model, [0.4676, 1.0], options).steps[-1]
+    settled = follow(model, [0.4676, 1.0]).steps[-1]
     assert len(added) == 1
     assert np.abs(settled.displacement - plain.displacement).max() < 1e-9 * LENGTH
     assert settled.path_dependence == 0.0
     added.clear()
     monkeypatch.setattr(follower, "NEAR_SETTLED", 0.0)  # as where the state of the load alone is far away
-    kept = follow(model, [0.4676, 1.0], options).steps[-1]
+    kept = follow(model, [0.4676, 1.0]).steps[-1]
     assert 0.0 < kept.path_dependence < 0.05
     assert step_from_arrays(kept.space, step_to_arrays(kept)).path_dependence == kept.path_dependence
     added.clear()
@@ -193,7 +197,7 @@ def test_a_state_has_the_pairs_of_its_own_load_alone(monkeypatch: pytest.MonkeyP
             return settle(self, converged, increment)
 
     monkeypatch.setattr(IncrementSolver, "settled", without_success)  # the state of the increments stays
-    left = follow(model, [0.4676, 1.0], options).steps[-1]
+    left = follow(model, [0.4676, 1.0]).steps[-1]
     assert np.abs(left.displacement - plain.displacement).max() > 1e-6 * LENGTH
     assert left.path_dependence == np.inf
     np.testing.assert_allclose(kept.displacement, left.displacement, atol=1e-12)

@@ -130,61 +130,6 @@ def test_increments_that_fail_are_halved_and_leave_no_trace_in_the_result() -> N
     assert step.newton_iterations > direct.newton_iterations
 
 
-def test_the_increments_of_a_neighbouring_path_are_taken_where_the_whole_way_fails() -> None:
-    options = PathOptions(NewtonOptions(iterations=2))
-    own = follow(beam([WEIGHT]), [1.0], options).steps[0]
-    assert own.cutbacks >= 2
-    assert own.increments[-1] == 1.0
-    assert list(own.increments) == sorted(own.increments)
-    requested: list[float] = []
-
-    def neighbour(target: float) -> tuple[float, ...]:
-        requested.append(target)
-        return own.increments
-
-    step = follow(beam([WEIGHT]), [1.0], replace(options, neighbour=neighbour)).steps[0]
-    assert requested == [1.0]
-    assert step.cutbacks == 1
-    assert step.increments == own.increments
-    assert step.factorizations < own.factorizations
-    np.testing.assert_allclose(step.displacement, own.displacement, atol=1e-4)
-    # nobody is asked where the whole way is reached
-    assert follow(beam([WEIGHT]), [1.0], PathOptions(neighbour=neighbour)).steps[0].increments == (1.0,)
-    assert requested == [1.0]
-
-
-def test_a_neighbour_that_went_the_whole_way_at_once_changes_nothing() -> None:
-    options = PathOptions(NewtonOptions(iterations=2))
-    own = follow(beam([WEIGHT]), [1.0], options).steps[0]
-    step = follow(beam([WEIGHT]), [1.0], replace(options, neighbour=lambda target: (1.0,))).steps[0]
-    assert step.increments == own.increments
-    assert step.factorizations == own.factorizations
-
-
-def test_the_increments_of_a_neighbouring_path_are_tried_before_the_whole_way_on_request() -> None:
-    """Nothing fails then, also on the way to a later target; without any the whole way is tried."""
-    options = PathOptions(NewtonOptions(iterations=2))
-    own = follow(beam([WEIGHT]), [0.5, 1.0], options).steps
-    increments = {0.5: own[0].increments, 1.0: own[1].increments}
-    first = replace(options, neighbour=increments.__getitem__, neighbour_first=True)
-    steps = follow(beam([WEIGHT]), [0.5, 1.0], first).steps
-    assert [step.increments for step in steps] == list(increments.values())
-    assert own[0].cutbacks
-    assert not any(step.cutbacks for step in steps)
-    assert steps[0].factorizations < own[0].factorizations
-    np.testing.assert_allclose(steps[1].displacement, own[1].displacement, atol=1e-9)
-    assert follow(beam([WEIGHT]), [1.0], PathOptions(neighbour_first=True)).steps[0].increments == (1.0,)
-
-
-def test_increments_of_a_neighbour_that_fail_are_halved_as_others() -> None:
-    options = PathOptions(NewtonOptions(iterations=2), neighbour=lambda target: (0.9, 1.0))
-    own = follow(beam([WEIGHT]), [1.0], PathOptions(NewtonOptions(iterations=2))).steps[0]
-    step = follow(beam([WEIGHT]), [1.0], options).steps[0]
-    assert own.increments[0] == 0.125
-    assert step.increments[0] == 0.9 / 4
-    np.testing.assert_allclose(step.displacement, own.displacement, atol=1e-4)
-
-
 @pytest.mark.parametrize("formulation", ["p2", "p2p0", "mixed"])
 def test_the_rate_of_a_step_is_its_derivative(formulation: str) -> None:
     """Of displacement and pressures by the load factor; the tangent matrix is that of the last iteration."""
@@ -351,28 +296,6 @@ def test_a_trial_start_is_given_up_as_soon_as_the_strain_is_limited() -> None:
     with suppress(StepFailed):
         newton.solve(start, control, NewtonOptions(), lambda iteration, residual: iterations.append(iteration))
     assert iterations[-1] > 1
-
-
-def test_a_start_whose_tangents_are_indefinite_in_many_directions_is_given_up_early(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    """The start of the test before, whose tangents have 1 to 25 negative pivots, with other numbers of them allowed."""
-    control, start = far_from_the_path()
-
-    def iterations() -> tuple[int, str]:
-        observed: list[int] = []
-        with pytest.raises(StepFailed) as failed:
-            newton.solve(start, control, NewtonOptions(), lambda iteration, residual: observed.append(iteration))
-        return observed[-1], failed.value.reasons[0].code
-
-    count, code = iterations()
-    assert count > NewtonOptions().limited
-    assert code != "tangent_very_indefinite"
-    monkeypatch.setattr(newton, "MANY_PIVOTS", 0)
-    monkeypatch.setattr(newton, "MANY_PIVOTS_PART", 0.0)
-    few, code = iterations()
-    assert 2 <= few <= 3  # the first tangent is that of a start, which may be anywhere
-    assert code == "tangent_very_indefinite"
 
 
 def test_a_start_has_an_iteration_limit_of_its_own() -> None:

@@ -7,7 +7,7 @@ from fem import Fixed, Model, Pressure, StVenantKirchhoff
 from fem.equations.state import State
 from fem.kernels.element import internal_force
 from fem.path.control import LoadControl
-from fem.path.predictor import MAX_EXTRAPOLATION, MAX_PREDICTOR_STRAIN, PathPoint, Predictor, extrapolate
+from fem.path.predictor import MAX_PREDICTOR_STRAIN, PathPoint, Predictor, extrapolate
 from tests.bodies import hollow_box
 
 
@@ -47,15 +47,6 @@ def test_a_single_point_is_extrapolated_along_its_rate() -> None:
     assert extrapolate(None, point(1.0, function, False), 1.5) is None
 
 
-def test_far_ahead_a_parabola_is_taken() -> None:
-    value = 3.0 + 2.0 * (MAX_EXTRAPOLATION + 0.5)
-    cubic = extrapolate(point(1.0, CUBIC, True), point(3.0, CUBIC, True), value)
-    parabola = extrapolate(point(1.0, CUBIC, False), point(3.0, CUBIC, True), value)
-    assert cubic is not None
-    assert parabola is not None
-    np.testing.assert_array_equal(cubic.displacement, parabola.displacement)
-
-
 @pytest.mark.parametrize("formulation", ["p2p0", "mixed"])
 def test_the_first_start_strains_little_under_a_stress_that_balances_the_whole_load(formulation: str) -> None:
     law, supports = StVenantKirchhoff(1.2, 0.49), [Fixed("clamp"), Fixed("sym", "z")]
@@ -77,22 +68,3 @@ def test_the_first_start_strains_little_under_a_stress_that_balances_the_whole_l
     assert np.linalg.norm(system.constraints.reduce(forces + loads)) < 1e-9 * np.linalg.norm(
         system.constraints.reduce(loads)
     )
-
-
-@pytest.mark.parametrize(("touched", "strains", "starts"), [(True, 0.5, 1), (True, 1.5, 2), (False, 0.5, 2)])
-def test_a_small_step_along_the_rate_is_started_from_only_once(touched: bool, strains: float, starts: int) -> None:
-    """Where walls have met since the last point but one, there is nothing to extrapolate but the rate of the last."""
-    model = Model(hollow_box(half=True), StVenantKirchhoff(1.2, 0.49), [Fixed("clamp")], [Pressure("cavity", 1.0)])
-    system = model.system()
-    rest = system.rest_state()
-    rate = State(
-        1.0, *(np.ones_like(values) for values in (rest.displacement, rest.pressure, rest.strain, rest.stress))
-    )
-    before = PathPoint(1.0, 1.0, rest, rate=rate, terms=system.terms)
-    last = PathPoint(2.0, 1.0, rest, touched, rate, system.terms)
-    target = LoadControl.of(system).target(2.0 + strains * MAX_PREDICTOR_STRAIN, 1.0)
-    predictor = Predictor(PathPoint(0.0, 0.0, rest, terms=system.terms), LoadControl.of(system))
-    along = list(predictor.starts([before, last], target, system.terms))
-    assert len(along) == starts
-    assert along[-1].iterates
-    assert along[-1].max_iterations is None

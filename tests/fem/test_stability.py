@@ -58,7 +58,6 @@ def test_a_resumed_path_tells_the_same_of_its_stability(column_steps: tuple[Step
 
 def test_a_path_under_a_volume_goes_through_a_limit_of_the_load_and_is_followed() -> None:
     (step,) = follow_volume(balloon(), "cavity", [5.5]).steps
-    assert len(step.increments) > 1
     assert step.negative_pivots == 1
     assert codes(step) == ["unstable"]
 

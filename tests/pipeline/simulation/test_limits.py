@@ -1,6 +1,5 @@
 """A limit is named at little cost and from steps of any size, and experiments tell each other."""
 
-import json
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -250,24 +249,3 @@ def test_a_lower_limit_of_the_free_body_is_named(pressures: str, tmp_path: Path)
     failure = outcomes["I"].failure
     assert failure is not None
     assert failure.limit_kPa == pytest.approx(0.525, rel=3e-3)
-
-
-def test_the_others_take_the_increments_of_two(tmp_path: Path) -> None:
-    """The walls of two chambers meet in vacuum, in all three experiments at nearly the same pressures.
-
-    Only III tries the whole way before.
-    """
-    settings = ["geometry.chambers=2", "mesh.size=6 mm", VACUUM, "pressures=[17 kPa, 45 kPa]"]
-    config = load_config(CONFIGS / "pneunet_coarse.yaml", settings)
-    scene, increments = Scene.meshed(config), {}
-    with open_store(tmp_path, config) as store:
-        outcomes = simulate(scene, RunContext.alone(store, Silent()), ["I", "II", "III"])
-        for name in ("I", "II", "III"):
-            state = store.load_state(name, config.pressures_kPa[-1])
-            assert state is not None
-            increments[name] = json.loads(str(state["others"]))["increments"]
-    assert len(increments["II"]) > 2
-    assert increments["II"][-1] == 1.0
-    assert increments["I"] == increments["III"] == increments["II"]
-    cutbacks = {name: outcomes[name].records[-1].state.cutbacks for name in increments}
-    assert cutbacks == {"I": 0, "II": 3, "III": 1}
