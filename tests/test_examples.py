@@ -122,7 +122,6 @@ def test_the_rod_has_the_same_shape_in_pyelastica(folder: Path) -> None:
     assert (folder / "elastica" / "rod_in_pyelastica.png").stat().st_size > 5_000
 
 
-@pytest.mark.slow  # tests/rod/test_export.py attaches arms and lets them collide
 def test_two_fingers_hold_and_lift_a_cylinder(folder: Path) -> None:
     printed = output_of("gripper", "gripper", cwd=folder)
     [(lifted, slip)] = re.findall(r"lifted by (\d+\.\d) mm, and slips by (\d\.\d+) mm", printed)

@@ -64,12 +64,6 @@ class Arm:
         """The arm at the pressures between which a program interpolates linearly."""
         return self if self.finer is None else self.finer
 
-    @property
-    def label(self) -> str:
-        """The pressures in the name of a file: 17kPa, or 17_to_37kPa."""
-        ends = dict.fromkeys(f"{pressure:g}" for pressure in (self.pressures[0], self.pressures[-1]))
-        return "_to_".join(ends) + "kPa"
-
     def smoothed(self) -> "Arm":
         """The arm with the averaged kappa_0 and an unchanged rotation of the end. Raises `RodError` without one."""
         if not self.smooth:

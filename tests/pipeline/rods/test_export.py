@@ -121,6 +121,29 @@ def test_every_material_law_is_exported(tmp_path: Path, name: str, given: dict[s
         assert f"loss factor {given.get('loss_factor', 0.1)}" in out
 
 
+@pytest.mark.slow
+def test_every_line_that_pneurod_material_prints_is_run_and_exported(tmp_path: Path) -> None:
+    """All laws, from the tensile tests to a file whose error against finite elements is small."""
+    tensile = str(COARSE.parents[2] / "configs" / "elastosil_m4601_yeoh.csv")
+    status, out, _ = call("material", tensile, "--density", "1130 kg/m^3", "--out", str(tmp_path / "material"))
+    lines = [line.partition("#")[0].removeprefix("material:") for line in out.splitlines() if line[:9] == "material:"]
+    assert status == 0
+    assert {name for name in LAWS if any(f"law: {name}" in line for line in lines)} == set(LAWS)
+    for number, line in enumerate(lines):
+        folder, config = tmp_path / f"run_{number}", tmp_path / f"arm_{number}.yaml"
+        config.write_text(
+            f"name: arm\ngeometry: {{family: pneunet, chambers: 4}}\nmaterial: {line}\npressures: [6 kPa]\n"
+            "mesh: {size: 8 mm, formulation: p2p0}\nlaw: cell\nvalidation: 'off'\n",
+            encoding="utf-8",
+        )
+        status, _, error = call("run", str(config), "--out", str(folder))
+        assert status == 0, error
+        for target in ("mujoco", "pyelastica", "json", "csv", "somo", "sorosim"):
+            status, out, error = call("export", str(folder), "--to", target)
+            assert (status, error) == (0, ""), line
+            assert target == "csv" or error_in(out) < 0.01, line
+
+
 def _without_density(content: dict[str, Any]) -> None:
     content["mass_g"] = content["material"]["density_tonne_mm3"] = None
 
