@@ -14,7 +14,7 @@ import typer
 from typer.core import TyperCommand
 
 from pipeline.commands_of_design import accuracy, cell, effects, mesh, run
-from pipeline.ending import print_lines, print_sentences, with_sentences
+from pipeline.ending import print_json, print_lines, print_sentences, with_sentences
 from pipeline.processes import available_cores
 
 app = typer.Typer(
@@ -103,6 +103,41 @@ def rod(
     print_lines(*end_lines(selected, shape, chosen.error_text))
     if out is not None:
         write_shape(shape, out)
+
+
+def solve(
+    path: Annotated[Path, typer.Argument(metavar="DIR", help="Results of a run; or a law.json alone.")],
+    tip: Annotated[str | None, typer.Option(metavar="[X, Y]", help="Place of the end: '[30 mm, -40 mm]'.")] = None,
+    angle: Annotated[str | None, typer.Option(metavar="A", help="How far the arm bends: '90 deg'.")] = None,
+    force: Annotated[str | None, typer.Option(metavar="F", help="Force on the held end, upwards: '0.05 N'.")] = None,
+    at_height: Annotated[str | None, typer.Option(metavar="Y", help="Height at which it is held: '0 mm'.")] = None,
+    orientation: Orientation = None,
+    tip_mass: TipMass = None,
+    kind: Kind = None,
+    picture: Annotated[
+        Path | None, typer.Option("--picture", metavar="FILE", help="Page with the tips it reaches, up to --tip-mass.")
+    ] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="The solutions as JSON.")] = False,
+) -> None:
+    """The pressure for a place of the end, an angle, or a force."""
+    from dataclasses import asdict
+
+    from pipeline.rods.choice import rod_of_path
+    from pipeline.rods.end_loads import Weight
+    from pipeline.rods.options import write_new
+    from pipeline.rods.pressures import Wish, pressures_for
+
+    wish = Wish.read(tip, angle, force, at_height, Weight.read(orientation, tip_mass))
+    rods = rod_of_path(path, kind)
+    found = pressures_for(rods, wish)
+    if picture is not None:
+        from pipeline.rods.pressures import tips_page
+
+        write_new(picture, tips_page(rods, wish, found))
+    if as_json:
+        print_json({"solutions": [asdict(at) for at in found]})
+    else:
+        print_lines(*(at.text for at in found), *rods.notes)
 
 
 def export(
@@ -252,7 +287,7 @@ def doctor() -> None:
 
 app.callback()(show_version)
 app.command(cls=Init)(with_sentences(init))
-for command in (run, mesh, effects, accuracy, cell, sweep, rod, material, export, doctor):
+for command in (run, mesh, effects, accuracy, cell, sweep, rod, solve, material, export, doctor):
     app.command()(with_sentences(command))
 
 

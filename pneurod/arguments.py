@@ -5,7 +5,7 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from pipeline.config.units import PRESSURE, convert
+from pipeline.config.units import PRESSURE, Dimension, convert
 from pipeline.errors import InputError, quoted
 from rod.checked import finite
 
@@ -35,10 +35,29 @@ def given_choice(value: Any, name: str) -> bool:
 
 def given_pressure(value: Any) -> float:
     """kPa, of a number or a text with its unit. Raises InputError for anything else."""
+    pressure = given_number(value, PRESSURE, "pressure_kPa")
+    if pressure is None:
+        raise InputError("pressure_kPa: None is no pressure; write it in kPa or as 12 kPa")
+    return pressure
+
+
+def given_number(value: Any, dimension: Dimension, name: str) -> float | None:
+    """A number in the unit of a dimension, of a number or a text with its unit; None for None. Raises InputError."""
+    if value is None:
+        return None
     try:
-        return convert(value, PRESSURE) if isinstance(value, str) else finite(value, "The pressure in kPa")
+        return convert(value, dimension) if isinstance(value, str) else finite(value, name)
     except ValueError as failure:  # a RodError is one
-        raise InputError(f"pressure_kPa: {failure}") from None
+        raise InputError(f"{name}: {failure}") from None
+
+
+def given_pair(values: Any, dimension: Dimension, name: str) -> tuple[float, float]:
+    """Two such numbers. Raises InputError for anything else."""
+    pair = _plain(values)
+    if not isinstance(pair, Sequence) or isinstance(pair, str) or len(pair) != 2 or None in pair:
+        raise InputError(f"{name}: {quoted(values)} is no pair; give x and y, for example (30.0, -40.0)")
+    x, y = (given_number(value, dimension, name) or 0.0 for value in pair)
+    return x, y
 
 
 def given_settings(given: Any, naming: Callable[[str], str] | None = None) -> list[tuple[str, Any]]:

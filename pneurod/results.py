@@ -2,6 +2,7 @@
 
 import math
 import warnings
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -9,13 +10,16 @@ from pathlib import Path
 import pandas as pd
 
 from pipeline.cell.saved import SavedLaw
+from pipeline.config.units import ANGLE, FORCE, LENGTH
 from pipeline.errors import InputError, quoted
 from pipeline.notes.verdict import Verdict, verdict_of
 from pipeline.results.files import read_results as read_run
 from pipeline.results.values import Effect, RodError, Run, State
 from pipeline.rods.checks import check_parameters
 from pipeline.rods.choice import RodOfRun, check_kind, choose_rod, nothing_identified
-from pneurod.arguments import given_choice, given_path, given_pressure
+from pipeline.rods.end_loads import Weight
+from pipeline.rods.pressures import PressureFor, Wish, pressures_for
+from pneurod.arguments import given_choice, given_number, given_pair, given_path, given_pressure
 from pneurod.frames import by_pressure, curves_frame, expanded, frame_of, profiles
 from pneurod.plots import Plots
 from rod import PARAMETER_COLUMNS, ArmLaw, FiveParameters, Interval, OutsidePressures, Rod, RodWarning
@@ -178,10 +182,9 @@ class Results:
         """
         check_kind(kind, "kind: ")
         beyond, pressure = given_choice(extrapolate, "extrapolate"), given_pressure(pressure_kPa)
-        if kind not in self._rods:
-            self._rods[kind] = choose_rod(self.run, kind)
+        chosen = self._chosen(kind)
         try:
-            rod = self._rods[kind].at(pressure, extrapolate=beyond)
+            rod = chosen.at(pressure, extrapolate=beyond)
         except OutsidePressures as failure:
             raise InputError(f"{failure} Give extrapolate=True to go beyond it.") from None
         except NoRod as failure:
@@ -189,6 +192,35 @@ class Results:
         for note in rod.notes:
             warnings.warn(note, RodWarning, stacklevel=2)
         return rod
+
+    def pressure_for(
+        self,
+        *,
+        tip: Sequence[float | str] | None = None,
+        angle: float | str | None = None,
+        force: float | str | None = None,
+        at_height: float | str | None = None,
+        direction: str | Sequence[float] | None = None,
+        tip_mass: float | str = 0.0,
+        kind: str | None = None,
+    ) -> tuple[PressureFor, ...]:
+        """Every pressure at which the end of the arm is as it is wanted, with the error that rod and mesh make of it.
+
+        Give one of: tip, x and y from the clamped end in mm; angle, by which the arm bends, in degrees; force, upwards
+        on the end in N, that is held at_height, mm. Each may be a text with its unit ("30 mm"). direction, tip_mass: as
+        in `Rod.solve`. kind: as in `rod`. Raises InputError for what is out of reach, with the nearest that is not.
+        """
+        check_kind(kind, "kind: ")
+        place = None if tip is None else given_pair(tip, LENGTH, "tip")
+        numbers = given_number(angle, ANGLE, "angle"), given_number(force, FORCE, "force")
+        weight = Weight.of(direction, tip_mass)
+        wish = Wish(place, *numbers, given_number(at_height, LENGTH, "at_height"), weight)
+        return pressures_for(self._chosen(kind), wish)
+
+    def _chosen(self, kind: str | None) -> RodOfRun:
+        if kind not in self._rods:
+            self._rods[kind] = choose_rod(self.run, kind)
+        return self._rods[kind]
 
     def _row(self, pressure_kPa: float | str) -> "pd.Series":
         if not self.pressures_kPa:

@@ -27,6 +27,7 @@ PRESSURE = Dimension("a pressure", "kPa", "37 kPa")
 ACCELERATION = Dimension("an acceleration", "mm/s**2", "-9.81 m/s^2")
 FORCE = Dimension("a force", "N", "0.05 N")
 MOMENT = Dimension("a moment", "N*mm", "1 N*mm")
+ANGLE = Dimension("an angle", "deg", "90 deg")
 STRAIN = Dimension("a strain", "dimensionless", "150 %")
 DENSITY = Dimension("a density", "tonne/mm**3", "1130 kg/m^3")
 
@@ -40,6 +41,7 @@ _USUAL: dict[str, dict[str, float]] = {
     "N*mm": {"N*mm": 1.0, "N*m": 1e3, "N mm": 1.0, "N m": 1e3, "Nmm": 1.0, "Nm": 1e3},
     "mm/s**2": {"m/s^2": 1e3, "mm/s^2": 1.0},
     "dimensionless": {"%": 0.01},
+    "deg": {"deg": 1.0},
     "tonne/mm**3": {"kg/m^3": 1e-12, "g/cm^3": 1e-9},
 }
 

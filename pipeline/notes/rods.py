@@ -141,7 +141,7 @@ class RodAndMesh:
 
     shape: float  #: over the length; infinite where the rod has no solution
     force: float | None  #: over the largest force; None where no load had one
-    angle_rad: float | None  #: of the end; None where none was compared
+    largest_N: float | None  #: the largest force
     mesh: MeshErrors  #: the part of the mesh
 
     @property
@@ -156,14 +156,11 @@ def rod_and_mesh(run: Run, errors: RodErrors) -> RodAndMesh:
     """The errors of a rod together with those of its mesh."""
     mesh = mesh_errors(run, errors.rod)
     bent = [curve for curve in run.curves_of("II") if not curve.load]
-    relative = mesh.kappa_0 or 0.0
-    has_force = any(row.force_N is not None for row in run.rod_errors)
-    angle = _largest(row.end_angle_error_rad for row in run.errors_of(errors.rod))
-    turn = max((float(np.ptp(curve["theta_rad"])) for curve in bent), default=0.0)
+    largest = _largest(row.force_N for row in run.rod_errors)
     return RodAndMesh(
-        shape=errors.shape + max((tip_moves_by(curve, relative) for curve in bent), default=0.0),
-        force=errors.force + (mesh.force or 0.0) if has_force else None,
-        angle_rad=None if angle is None else angle + relative * turn,
+        shape=errors.shape + max((tip_moves_by(curve, mesh.kappa_0 or 0.0) for curve in bent), default=0.0),
+        force=None if largest is None else errors.force + (mesh.force or 0.0),
+        largest_N=largest,
         mesh=mesh,
     )
 

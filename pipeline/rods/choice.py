@@ -1,7 +1,8 @@
 """The rods of a result folder over the pressure, and which of them to take: the one that the verdict recommends."""
 
 import json
-from dataclasses import asdict, dataclass, replace
+from collections.abc import Hashable
+from dataclasses import asdict, dataclass, field, replace
 from math import isfinite
 from pathlib import Path
 from typing import Any
@@ -17,6 +18,7 @@ from pipeline.results.values import Run
 from pipeline.rods.saved import SavedRod, pressurised_rod
 from pipeline.store.formats import ARM_LAW, EXTENSIBLE, FIVE
 from rod.arm_law.law import ArmLaw
+from rod.inverse import Response
 from rod.mechanics.equilibrium import Rod
 from rod.pressurised_rod import PressurisedRod
 
@@ -34,6 +36,7 @@ class RodOfRun:
     source: ArmLaw | PressurisedRod
     errors: RodAndMesh | None = None  #: None where it was not compared with finite elements
     notes: tuple[str, ...] = ()  #: what limits the trust in it, a sentence each
+    responses: dict[Hashable, tuple[Response, ...]] = field(default_factory=dict, repr=False)  #: by load, once made
 
     @property
     def error_text(self) -> str:

@@ -2,6 +2,7 @@
 
 import math
 import warnings
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -50,22 +51,26 @@ class EndLoads:
             weight,
         )
 
+    def solve(self, rod: Rod) -> RodSolution:
+        """As `shape`, and raises `RodError` as `Rod.solve` does."""
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", RodWarning)
+            return rod.solve(
+                self.force,
+                moment=self.moment,
+                end_y=self.end_y,
+                end=self.end,
+                direction=self.weight.direction,
+                tip_mass=self.weight.tip_mass_g,
+            )
+
     def shape(self, rod: Rod) -> RodSolution:
         """The equilibrium of a rod under these loads; its `notes` say what a `RodWarning` would.
 
         Raises RunFailed where there is none, InputError for an end farther away than the arm is long.
         """
         try:
-            with warnings.catch_warnings():
-                warnings.simplefilter("ignore", RodWarning)
-                return rod.solve(
-                    self.force,
-                    moment=self.moment,
-                    end_y=self.end_y,
-                    end=self.end,
-                    direction=self.weight.direction,
-                    tip_mass=self.weight.tip_mass_g,
-                )
+            return self.solve(rod)
         except LoadError as failure:
             raise InputError(str(failure)) from None
         except RodError as failure:
@@ -98,6 +103,14 @@ class Weight:
             return Weight(direction, 0.0 if tip_mass is None else in_grams(tip_mass))
         except RodError as failure:
             raise InputError(f"--tip-mass: {failure}") from None
+
+    @staticmethod
+    def of(direction: str | Sequence[float] | None, tip_mass: float | str) -> "Weight":
+        """From the arguments of `Rod.solve`. Raises InputError."""
+        try:
+            return Weight(None if direction is None else gravity_direction(direction), in_grams(tip_mass))
+        except RodError as failure:
+            raise InputError(str(failure)) from None
 
 
 def _pair_of(text: str) -> str | list[str | float]:

@@ -1,7 +1,11 @@
 """Values of command-line options that are written with their unit."""
 
+from pathlib import Path
+
 from pipeline.config.units import Dimension, convert
 from pipeline.errors import InputError
+from pipeline.store.atomic_file import write_atomic
+from pipeline.store.result_folder import open_file
 
 
 def option_value(option: str, text: str, dimension: Dimension) -> float:
@@ -10,6 +14,13 @@ def option_value(option: str, text: str, dimension: Dimension) -> float:
         return convert(text, dimension)
     except ValueError as failure:
         raise InputError(f"{option}: {failure}") from None
+
+
+def write_new(file: Path, text: str) -> None:
+    """Write a file that does not exist. Raises InputError for one that does, or that cannot be written."""
+    if file.exists():
+        raise InputError(f"{file}: exists; give another file")
+    write_atomic(open_file(file), text.encode())
 
 
 def option_pair(option: str, text: str, dimension: Dimension) -> tuple[float, float]:

@@ -344,7 +344,7 @@ def test_doctor_tells_a_missing_system_library_from_a_missing_package(monkeypatc
 
 def test_effects_checks_its_input_as_run_does(coarse: str, tmp_path: Path) -> None:
     message = sentence(call("effects", coarse, "--out", str(tmp_path), "--set", "effects.gravity=down"), 2)
-    assert message.startswith("--set effects.gravity: 'down' is not known")
+    assert message.startswith("--set effects.gravity: 'down' is no orientation")
 
 
 def test_a_closed_terminal_does_not_end_what_was_started_with_nohup(monkeypatch: pytest.MonkeyPatch) -> None:

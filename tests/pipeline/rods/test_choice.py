@@ -43,7 +43,7 @@ def test_the_rod_of_a_good_run_has_no_notes_and_knows_its_errors() -> None:
     assert chosen.errors is not None
     assert chosen.at(20.0).solve().notes == ()
     assert 0.0 < chosen.errors.shape < 0.01
-    assert chosen.errors.angle_rad is not None
+    assert chosen.errors.largest_N == pytest.approx(0.1, abs=0.09)
 
 
 def test_a_load_outside_the_identification_warns_and_is_noted() -> None:
