@@ -106,7 +106,8 @@ def gravity_direction(value: Any) -> tuple[float, float]:
         if angle is None:
             allowed = f"{', '.join(ORIENTATIONS)}, an angle such as 30 deg, or a direction x, y"
             raise RodError(f"{reprlib.repr(value)} is no orientation of an arm; allowed are {allowed}.")
-        return -math.sin(math.radians(angle)), -math.cos(math.radians(angle))
+        x, y = (-round(f(math.radians(angle)), 15) + 0.0 for f in (math.sin, math.cos))
+        return x, y
     x, y = pair(value, "The direction of gravity")
     size = math.hypot(x, y)
     if size == 0.0:

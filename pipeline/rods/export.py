@@ -84,7 +84,10 @@ def _of_law(law: ArmLaw, run: Run | None, folder: Path, target: str, options: Ex
     """The rod with the arm's own law; run: None where the folder has nothing else."""
     if options.extrapolate or options.smooth:
         raise InputError("--extrapolate, --smooth: are for --rod five; the arm's own law takes neither")
-    solid = None if run is None else solid_of(run)
+    solid, sentences = None if run is None else solid_of(run), list[str]()
+    if run is not None and any(law.weight):  # its finite elements have the weight
+        law, run = replace(law, weight=(0.0, 0.0)), replace(run, curves=(), validation_curves=())
+        sentences.append("The file has no weight, other than the run: let gravity act in the other program.")
     if run is None and target in PROGRAMS:
         raise InputError(f"{folder}: has a law and no mass, which {target} needs; give the folder of `pneurod run`")
     is_linear = target in PROGRAMS and PROGRAMS[target].is_linear
@@ -103,7 +106,7 @@ def _of_law(law: ArmLaw, run: Run | None, folder: Path, target: str, options: Ex
     files = _write(written, target, options, writers, (options.out or folder) / f"law_{robot.label}.{target}")
     if target == "csv":
         return Exported(files, ("The table has the law of the cells; json has both ends of the arm, too.",))
-    return Exported(files, _sentences(robot, target, run, law))
+    return Exported(files, (*sentences, *_sentences(robot, target, run, law)))
 
 
 def _of_five(run: Run, target: str, options: ExportOptions) -> Exported:

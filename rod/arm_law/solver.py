@@ -213,8 +213,9 @@ def _check_within_law(shooting: _Shooting, moment: Array) -> None:
     if shooting.outside <= ROUNDING * float(np.ptp(law.moment)):
         return
     low, high = max(law.moment[0], clamp.moment[0]), min(law.moment[-1], clamp.moment[-1])
+    remedy = ", which counts the weight where effects.gravity is on" if shooting.weight.any() else ""
     raise RodError(
         f"The moment that bends the cells goes from {moment.min():.4g} to {moment.max():.4g} N mm; at "
         f"{law.pressure:g} kPa the law is known from {low:.4g} to {high:.4g} N mm, and it is not extrapolated: a law "
-        "is measured for the loads of its configuration, and this one is larger."
+        f"is measured for the loads of its configuration{remedy}, and this one is larger."
     )

@@ -220,3 +220,14 @@ def test_the_section_of_a_body_is_that_of_its_mesh(tmp_path: Path) -> None:
     assert section.spread == pytest.approx((100.0 / 12.0, 36.0 / 12.0))
     with pytest.raises(RodError, match="is not a law with its constants"):
         young_modulus({"law": "svk", "E": 1.2})
+
+
+def test_the_weight_of_a_run_is_left_to_the_other_program(tmp_path: Path) -> None:
+    """A law measured with gravity on: its file is that of the same law without."""
+    heavy = copy_with(tmp_path / "arm", "law.json", lambda content: content | {"weight_N_per_mm": [0.0, -1e-3]})
+    for folder, out in ((COARSE, "without"), (heavy, "with")):
+        ended = CliRunner().invoke(app, ["export", str(folder), "--to", "json", "--out", str(tmp_path / out)])
+        assert ended.exit_code == 0, ended.stderr
+        assert ("let gravity act in the other program" in ended.stdout) == (out == "with")
+    files = [next((tmp_path / out).glob("*.json")).read_text(encoding="utf-8") for out in ("without", "with")]
+    assert files[0] == files[1]
