@@ -145,6 +145,8 @@ def _sentences(robot: Robot, target: str, run: Run | None, law: ArmLaw | None) -
     if run is None:
         return ()
     sentences = [judged(robot, run, law)]
+    if law is not None and any(law.weight):
+        sentences.append("The file has no weight, which the run has: give the other program its gravity.")
     if target in ("mujoco", "pyelastica"):
         loss_factor = robot.body.loss_factor
         default = " (the default of material.loss_factor)" if loss_factor == LOSS_FACTOR else ""

@@ -61,7 +61,7 @@ def judged(robot: Robot, run: Run, law: ArmLaw | None) -> str:
     """
     states = [state for state in references(run) if robot.has(state.pressure_kPa)]
     try:
-        found = [_error(robot, state) for state in states]
+        found = [_error(robot, state, (0.0, 0.0) if law is None else law.weight) for state in states]
         forces = [math.hypot(*state.force) for state in states if any(state.force)]
         if law is None or forces:
             return _sentence(found, states)
@@ -70,9 +70,14 @@ def judged(robot: Robot, run: Run, law: ArmLaw | None) -> str:
         return f"The error of the file is not known: {failure}"
 
 
-def _error(robot: Robot, state: Reference) -> float:
+def _error(robot: Robot, state: Reference, weight: tuple[float, float]) -> float:
     chain = robot.at(state.pressure_kPa)
-    return distance(chain.curve(chain.solve(state.force)), chain.s, state, robot.length)
+    return distance(chain.curve(chain.solve(state.force, weight, _height(robot))), chain.s, state, robot.length)
+
+
+def _height(robot: Robot) -> float:
+    """mm, of the centre of mass above the material curve."""
+    return 0.0 if robot.solid is None else robot.solid.section.centre
 
 
 def _sentence(found: Sequence[float], states: Sequence[Reference]) -> str:
@@ -94,7 +99,8 @@ def _against_rod(robot: Robot, law: ArmLaw) -> str:
         chain, rod = robot.at(pressure), law.at(pressure)
         for part in SMALL_FORCES:
             force = (0.0, part * chain.rigidity / robot.length**2)
-            apart = chain.curve(chain.solve(force)) - rod.solve(force).positions(chain.s)
+            turn = chain.solve(force, law.weight, _height(robot))
+            apart = chain.curve(turn) - rod.solve(force).positions(chain.s)
             worst = max(worst, float(np.hypot(*apart.T).max()) / robot.length)
     return (
         "The run has no dead forces; under a fiftieth and a tenth of EI/l^2 across the end the file is "

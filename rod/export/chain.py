@@ -15,6 +15,7 @@ import math
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from geometry.arrays import Array
 from rod.arm_law.law import LawRod
@@ -94,25 +95,45 @@ class Chain:
         """(m, 2) mm: the material curve at s."""
         return self.hinges(turn) + _turned(self.points, np.cumsum(turn))
 
-    def solve(self, force: tuple[float, float] = (0.0, 0.0)) -> Array:
+    def solve(
+        self, force: tuple[float, float] = (0.0, 0.0), weight: tuple[float, float] = (0.0, 0.0), height: float = 0.0
+    ) -> Array:
         """(m,) rad: the angles of the hinges under a dead force in N on the end of the material curve.
 
-        Raises `RodError` where Newton's method does not find them.
+        weight: x and y in N/mm, along the pieces at a height in mm above the material curve. Raises `RodError` where
+        Newton's method does not find them.
         """
         turn = self.neutral.copy()
+        lengths = np.append(self.legs[:, 0], self.points[-1, 0])
+        weights = np.outer(lengths, weight)
+        middles = np.column_stack([0.5 * lengths, np.full(len(turn), height - self.lift)])
+        beyond = _sums_to_end(weights)
+        # a hinge moves what is behind it, whichever hinge before it the moment is about
+        behind = np.maximum.outer(np.arange(len(turn)), np.arange(len(turn)))
         for _ in range(ITERATIONS):
-            lever = self.curve(turn)[-1] - self.hinges(turn)
-            acting = lever[:, 0] * force[1] - lever[:, 1] * force[0]
+            hinges = self.hinges(turn)
+            lever = self.curve(turn)[-1] - hinges
+            at = hinges + _turned(middles, np.cumsum(turn))
+            acting = _cross(lever, force) + _sums_to_end(_cross(at, weights)) - _cross(hinges, beyond)
+            along = lever @ force + _sums_to_end((at * weights).sum(axis=1)) - (hinges * beyond).sum(axis=1)
             moment, slope = self.springs(turn)
-            # a hinge moves the end by its own lever, whichever hinge before it the moment is about
-            behind = np.maximum.outer(np.arange(len(turn)), np.arange(len(turn)))
-            change = -lever[behind, 1] * force[1] - lever[behind, 0] * force[0]
+            change = -along[behind]
             step = np.linalg.solve(np.diag(slope) - change, acting - moment)
             largest = np.abs(step).max()
             turn = turn + step * min(1.0, LARGEST_TURN / max(largest, 1e-300))
             if largest < SETTLED:
                 return turn
         raise RodError("The chain has no equilibrium under this load.")
+
+
+def _sums_to_end(rows: Array) -> Array:
+    """At each row of (m, ...) the sum of it and of those behind it."""
+    return np.asarray(np.cumsum(rows[::-1], axis=0)[::-1])
+
+
+def _cross(levers: Array, forces: ArrayLike) -> Array:
+    """(m,) moments of forces (m, 2) or (2,) at levers (m, 2)."""
+    return np.asarray(levers[:, 0] * np.asarray(forces)[..., 1] - levers[:, 1] * np.asarray(forces)[..., 0])
 
 
 def _turned(vectors: Array, angles: Array) -> Array:

@@ -80,6 +80,16 @@ def test_a_chain_lies_on_the_rod_without_load_and_near_it_under_forces(law: ArmL
         assert off(linear.curve(linear.solve(force)), linear.s, rod, force) < 3e-3
 
 
+@pytest.mark.parametrize("weight", [(0.0, -4e-4), (1e-3, 0.0), (-1e-4, 0.0)])
+def test_a_chain_with_a_weight_lies_on_the_rod_with_it(law: ArmLaw, weight: tuple[float, float]) -> None:
+    chain = chain_of_law(law.at(17.0), 20)
+    heavy = replace(law, weight=weight).at(17.0)
+    assert law.mass is not None
+    curve = chain.curve(chain.solve(weight=weight, height=law.mass.heights[-1] / law.mass.grams[-1]))
+    assert np.abs(curve - chain.curve(chain.neutral)).max() > 1.0
+    assert off(curve, chain.s, heavy, (0.0, 0.0)) < 5e-3
+
+
 def test_shear_moves_a_chain_as_the_rod_under_a_force_across_its_end() -> None:
     """F l^3 / (3 EI) and F l / GA, where the one is a third of the other."""
     law = law_of(
