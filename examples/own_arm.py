@@ -63,11 +63,12 @@ for pressure, distance in distances.items():
 # %% [markdown]
 # ## 5. What the rod is for
 #
-# Shapes under loads that were never simulated, here a weight of 5 g at the tip at 15 kPa.
+# Shapes under loads that were never simulated, here a mass of 5 g that hangs on the tip of the lying arm at 15 kPa.
+# Without `weight=False` the weight of the arm itself would act as well.
 
 # %%
 rod = results.rod("15 kPa")
-free, loaded = rod.solve(), rod.solve(force=(0.0, -0.005 * 9.81))
+free, loaded = rod.solve(), rod.solve(direction="lying", tip_mass="5 g", weight=False)
 print(f"5 g at the tip move it by {loaded.end[1] - free.end[1]:.1f} mm")
 
 # %% [markdown]

@@ -21,6 +21,7 @@ from rod.arm_law.law import ArmLaw
 from rod.inverse import Response
 from rod.mechanics.equilibrium import Rod
 from rod.pressurised_rod import PressurisedRod
+from rod.weight import Mass
 
 #: the rods by the names that a user gives them: the arm's own law, five parameters, and those of a curve that stretches
 KINDS = {"law": ARM_LAW, "five": FIVE, "five_extensible": EXTENSIBLE}
@@ -36,6 +37,7 @@ class RodOfRun:
     source: ArmLaw | PressurisedRod
     errors: RodAndMesh | None = None  #: None where it was not compared with finite elements
     notes: tuple[str, ...] = ()  #: what limits the trust in it, a sentence each
+    mass: Mass | None = None  #: of an arm with five parameters; None: not known
     responses: dict[Hashable, tuple[Response, ...]] = field(default_factory=dict, repr=False)  #: by load, once made
 
     @property
@@ -55,7 +57,7 @@ class RodOfRun:
         Raises `RodError` outside its pressures; on request five parameters go beyond them.
         """
         if isinstance(self.source, PressurisedRod):
-            rod = self.source.at(pressure_kPa, extrapolate=extrapolate)
+            rod = replace(self.source.at(pressure_kPa, extrapolate=extrapolate), mass=self.mass)
         elif extrapolate:
             raise InputError("the arm's own law is not extrapolated; measure it at more pressures, or take rod five")
         else:
@@ -100,7 +102,8 @@ def choose_rod(run: Run, kind: str | None = None) -> RodOfRun:
     rod = KINDS[chosen]
     compared = next((errors for errors in verdict.errors if errors.rod == rod), None)
     errors = None if compared is None else rod_and_mesh(run, compared)
-    return RodOfRun(chosen, _source(run, chosen), errors, _notes(verdict, errors))
+    mass = None if chosen == "law" else _mass(run)
+    return RodOfRun(chosen, _source(run, chosen), errors, _notes(verdict, errors), mass)
 
 
 def refuse_out_of_plane(run: Run) -> None:
@@ -120,6 +123,14 @@ def _source(run: Run, kind: str) -> ArmLaw | PressurisedRod:
     if extensible and run.parameters.eccentricity is None:
         raise InputError(f"{run.directory}: has no parameters of a rod that stretches; take rod five")
     return pressurised_rod(asdict(run.parameters), extensible)
+
+
+def _mass(run: Run) -> Mass | None:
+    """As in the law of a run, else spread evenly at the height of the material curve; None where it is not known."""
+    of_law, grams = SavedLaw.read(run.directory / "law.json").law.mass if run.law else None, run.parameters.mass_g
+    if of_law is not None:
+        return of_law
+    return None if grams is None else Mass.even(run.length_mm, grams)
 
 
 def nothing_identified(run: Run) -> InputError:
