@@ -84,10 +84,7 @@ def _of_law(law: ArmLaw, run: Run | None, folder: Path, target: str, options: Ex
     """The rod with the arm's own law; run: None where the folder has nothing else."""
     if options.extrapolate or options.smooth:
         raise InputError("--extrapolate, --smooth: are for --rod five; the arm's own law takes neither")
-    solid, sentences = None if run is None else solid_of(run), list[str]()
-    if run is not None and any(law.weight):  # its finite elements have the weight
-        law, run = replace(law, weight=(0.0, 0.0)), replace(run, curves=(), validation_curves=())
-        sentences.append("The file has no weight, other than the run: let gravity act in the other program.")
+    solid, light = None if run is None else solid_of(run), replace(law, weight=(0.0, 0.0))
     if run is None and target in PROGRAMS:
         raise InputError(f"{folder}: has a law and no mass, which {target} needs; give the folder of `pneurod run`")
     is_linear = target in PROGRAMS and PROGRAMS[target].is_linear
@@ -95,18 +92,18 @@ def _of_law(law: ArmLaw, run: Run | None, folder: Path, target: str, options: Ex
     all_pressures = [p for p in of_run if law.pressures[0] <= p <= law.pressures[-1]] if is_linear else ()
     single = options.pressure_kPa
     pressures = tuple(all_pressures or law.pressures) if single is None else (as_known(law.pressures, single),)
-    robot = (Robot.linear_of_law if is_linear else Robot.of_law)(law, solid, pressures)
+    robot = (Robot.linear_of_law if is_linear else Robot.of_law)(light, solid, pressures)
     written = robot
     if target in PROGRAMS and PROGRAMS[target].has_shear:  # of its own, which the hinges must not have as well
-        written = Robot.of_law(law, solid, pressures, has_shear=False)
+        written = Robot.of_law(light, solid, pressures, has_shear=False)
     writers: dict[str, Callable[[Path], None]] = {
-        "csv": lambda path: write_law_csv(law, pressures, path),
-        "json": lambda path: write_law_json(law, robot, path),
+        "csv": lambda path: write_law_csv(light, pressures, path),
+        "json": lambda path: write_law_json(light, robot, path),
     }
     files = _write(written, target, options, writers, (options.out or folder) / f"law_{robot.label}.{target}")
     if target == "csv":
         return Exported(files, ("The table has the law of the cells; json has both ends of the arm, too.",))
-    return Exported(files, (*sentences, *_sentences(robot, target, run, law)))
+    return Exported(files, _sentences(robot, target, run, law))
 
 
 def _of_five(run: Run, target: str, options: ExportOptions) -> Exported:
@@ -146,7 +143,7 @@ def _sentences(robot: Robot, target: str, run: Run | None, law: ArmLaw | None) -
         return ()
     sentences = [judged(robot, run, law)]
     if law is not None and any(law.weight):
-        sentences.append("The file has no weight, which the run has: give the other program its gravity.")
+        sentences.append("The file has no weight, other than the run: let gravity act in the other program.")
     if target in ("mujoco", "pyelastica"):
         loss_factor = robot.body.loss_factor
         default = " (the default of material.loss_factor)" if loss_factor == LOSS_FACTOR else ""
