@@ -8,6 +8,7 @@ from pipeline.cell.build import MeasuredLaw
 from pipeline.config.config import Config
 from pipeline.identification.mesh_error import RELATIVE
 from pipeline.identification.parameters import Parameters
+from pipeline.results.values import bending_deg
 from pipeline.simulation.outcome import Outcomes, Record
 from pipeline.stages import SolvedRun
 from pipeline.sweep.record import Row
@@ -69,10 +70,12 @@ def _states(outcomes: Outcomes, pressure: float, pitch: float) -> Row:
 
 
 def _state(record: Record, pitch: float) -> Row:
+    curve = record.centreline
     row: Row = {
+        "bending_deg": bending_deg((float(curve.x[-1] - curve.x[0]), float(curve.y[-1] - curve.y[0]))),
         "end_x_mm": record.state.end_x_mm,
         "end_y_mm": record.state.end_y_mm,
-        "end_angle_rad": record.centreline.end_angle,
+        "end_angle_rad": curve.end_angle,
         "kappa_middle_per_mm": record.kappa_middle(pitch),
     }
     if record.experiment == "III":

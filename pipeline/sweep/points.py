@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pipeline.config.config import Config
 from pipeline.config.section import read
 from pipeline.errors import ConflictError, InputError
+from pipeline.notes import render
 from pipeline.simulation.simulate import why_not_free
 from pipeline.sweep.axes import Setting, switch_as_word
 from pipeline.sweep.spec import Run, Sweep, document_of
@@ -65,7 +66,7 @@ def points_of(sweep: Sweep) -> list[Point | RefusedPoint]:
                     unchecked[number] = failure
                 raise
             if sweep.run == ("I",) and (reason := why_not_free(config)):
-                raise InputError(f"{reason}, and run names no other one")
+                raise InputError(f"{render(reason)}, and run names no other one")
             points.append(Point(number, setting, config))
         except InputError as failure:
             points.append(RefusedPoint(number, setting, "; ".join(failure.sentences)))

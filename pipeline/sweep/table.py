@@ -24,7 +24,8 @@ from pipeline.sweep.spec import CELL, WHOLE, Run
 MOST_COLUMNS = 6
 #: columns of the table that are drawn with their titles, by what was run
 _OF_RUN = {
-    "kappa_0_middle_per_mm": "κ₀(l/2) (1/mm)", "alpha2_N_mm2": "α₂ (N mm²)", "III_force_y_N": "F in III (N)",
+    "II_bending_deg": "bending angle (°)", "kappa_0_middle_per_mm": "κ₀(l/2) (1/mm)",
+    "alpha2_N_mm2": "α₂ (N mm²)", "III_force_y_N": "F in III (N)",
 }  # fmt: skip
 _OF_CELL = {
     "cell_kappa_0_per_mm": "κ₀ of a cell (1/mm)",
@@ -122,9 +123,10 @@ def quantities(run: Run) -> Mapping[str, str]:
     """The columns that are drawn of what was run, with their titles."""
     if run in ((WHOLE,), (CELL,)):
         return _OF_RUN if run == (WHOLE,) else _OF_CELL
+    bent = {f"{name}_bending_deg": f"bending angle in {name} (°)" for name in run}
     ends = {f"{name}_end_y_mm": f"y of the end in {name} (mm)" for name in run}
     curvatures = {f"{name}_kappa_middle_per_mm": f"κ(l/2) in {name} (1/mm)" for name in run}
-    return {**ends, **curvatures, **({"III_force_y_N": "F in III (N)"} if "III" in run else {})}
+    return {**bent, **ends, **curvatures, **({"III_force_y_N": "F in III (N)"} if "III" in run else {})}
 
 
 def sweep_page(title: str, run: Run, axes: Sequence[Axis], columns: Sequence[Column], rows: Sequence[Row]) -> str:
@@ -136,7 +138,8 @@ def sweep_page(title: str, run: Run, axes: Sequence[Axis], columns: Sequence[Col
             fixed = [other.name for other in columns if other.key not in axis.keys]
             lines = _lines(rows, quantity, column.name, fixed, is_joined=not axis.is_drawn)
             x = f"{column.key} ({column.unit})" if column.unit else column.key
-            panels.append(Panel("", x, y, lines))
+            if lines:
+                panels.append(Panel("", x, y, lines))
     return standalone_page(title, figure(panels))
 
 
