@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
-from math import inf, isinf
+from math import hypot, inf, isinf
 
 import numpy as np
 
@@ -114,8 +114,10 @@ def _out_of_plane(solved: Solved) -> Iterator[Reason]:
 
 
 def _deflection(record: Record) -> float:
-    """Largest distance in the plane between the material curve and its line at rest, mm."""
-    return float(np.abs(record.centreline.y - record.centreline.y[0]).max())
+    """Distance in the plane between the end of the material curve and its place at rest, mm; walls may bulge by more
+    between."""
+    curve = record.centreline
+    return hypot(curve.x[-1] - curve.x[0] - curve.length, curve.y[-1] - curve.y[0])
 
 
 def _volume_lost(solved: Solved) -> Iterator[Reason]:

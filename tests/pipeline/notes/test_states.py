@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from geometry import Reason
+from geometry import Centreline, Reason
 from pipeline.config.load import load_config
 from pipeline.notes import render
 from pipeline.notes.states import Solved, check_states
@@ -50,12 +50,13 @@ def solved(
         contact_error_mm=contact[0],
         contact_error_N=contact[1],
     )
+    s = np.linspace(0.0, 100.0, 5)
     record = SimpleNamespace(
         state=state,
         inexact=inexact,
         path_dependence=path_dependence,
         experiment="II",
-        centreline=SimpleNamespace(s=np.array([0.0, 100.0]), y=np.array([1.0, 1.0 + deflection_mm])),
+        centreline=Centreline(s, s, 1.0 + deflection_mm * s / 100.0),
     )
     lines = SimpleNamespace(
         evidence=evidence,
