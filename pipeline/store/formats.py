@@ -15,4 +15,4 @@ CURVE_COLUMNS = (
 #: the file with the surface of the body in every state
 SURFACES = "pictures/surfaces.npz"
 #: number of the present set of keys, written as `format` to the files
-FORMAT = 3
+FORMAT = 4
