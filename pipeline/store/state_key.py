@@ -13,7 +13,8 @@ STATE_SOURCES = (
 )
 #: what decides the curves of a cell, and the numbers that a mesh is planned with
 NUMBER_SOURCES = (
-    *(*STATE_SOURCES, "rod", "pipeline/simulation/outcome.py", "pipeline/simulation/records.py"),
+    *(*STATE_SOURCES, "rod"),
+    *(f"pipeline/simulation/{name}.py" for name in ("mass", "outcome", "records")),
     *("pipeline/accuracy", "pipeline/cell", "pipeline/identification"),
 )
 #: what decides a picture besides the states

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-WRONG = {"kills": (["x"],), "run": ([],)}
+WRONG = {"exports": (["x"],), "kills": (["x"],), "run": ([],)}
 
 
 def test_every_script_is_among_these() -> None:

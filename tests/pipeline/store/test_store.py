@@ -148,7 +148,7 @@ def test_the_keys_take_every_source_file() -> None:
     modules = {
         f"pipeline/simulation/{module}.py" for name in solving for module in used.findall((root / name).read_text())
     }
-    of_results = {f"pipeline/simulation/{name}.py" for name in ("outcome", "records")}
+    of_results = {f"pipeline/simulation/{name}.py" for name in ("mass", "outcome", "records")}
     assert len(modules) > 4
     assert modules - deciding == of_results
     assert every == set().union(*rooms.values())
