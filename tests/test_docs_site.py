@@ -64,7 +64,7 @@ def test_the_messages_are_those_of_the_sources(site: Path) -> None:
     assert messages.count("RodError") > 30
     # a sentence that is made in parts is one sentence
     assert "has a triangle that near <centre> is no boundary face of a tetrahedron" in html.unescape(messages)
-    assert "is not among the formats of export" in messages
+    assert "is not among the programs of export" in messages
 
 
 def test_the_python_page_shows_signatures(site: Path) -> None:

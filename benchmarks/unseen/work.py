@@ -25,6 +25,7 @@ from benchmarks.unseen.designs import Drawn
 from benchmarks.unseen.finer import against_finer_mesh
 from pipeline.config.load import load_config
 from pipeline.errors import InputError, RunFailed
+from pipeline.notes import render_all
 from pipeline.notes.rods import rod_errors
 from pipeline.processes import SPAWN, end_with_main_process
 from pipeline.progress import Silent
@@ -269,7 +270,7 @@ def _of_report(solved: SolvedRun) -> Record:
         "other_failures": [why.text for why in solved.results.failures if why.code != "stopped"],
         "five_at_kPa": [parameters.pressure_kPa for parameters in solved.parameters],
         "has_arm_law": solved.arm.law is not None,
-        "why_no_arm_law": "" if solved.arm.law is not None else solved.arm.reason,
+        "why_no_arm_law": "" if solved.arm.law is not None else render_all(solved.arm.reasons),
         "remarks": [remark.text for remark in solved.results.remarks],
         "rod": asdict(errors[0]) if errors else None,
         "turn_rad": first.kappa_0_middle * config.design.length if first else None,
