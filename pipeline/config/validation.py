@@ -89,13 +89,14 @@ class Validation:
         return replace(self, end_y_mm=tuple(float(f"{2.0 * held_mm - y:.12g}") for y in self.end_y_mm))
 
     def with_small_forces(self, unit_N: float) -> "Validation":
-        """Adds dead forces on the end, up and down, to the load that the program chooses; of no unit there are none.
+        """Adds small dead forces on the end, up and down; of no unit there are none.
 
         unit_N: EI / l^2 of the arm.
         """
-        if self.with_experiments or not self.pressures_kPa or not unit_N:
+        if not self.pressures_kPa or not unit_N:
             return self
-        return replace(self, forces_N=tuple((0.0, float(f"{part * unit_N:.2g}")) for part in SMALL_FORCES))
+        small = ((0.0, float(f"{part * unit_N:.2g}")) for part in SMALL_FORCES)
+        return replace(self, forces_N=(*self.forces_N, *small))
 
     def up_to(self, highest_kPa: float) -> "Validation":
         """The same loads at the pressures up to this one; empty where there is none."""

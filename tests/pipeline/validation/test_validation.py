@@ -14,6 +14,7 @@ import fem
 from geometry import Centreline, Reason
 from pipeline.config.config import Config, End
 from pipeline.config.load import load_config
+from pipeline.config.validation import Validation
 from pipeline.context import RunContext
 from pipeline.progress import Silent
 from pipeline.run import run
@@ -201,5 +202,7 @@ def test_the_small_forces_are_parts_of_EI_over_l2(tmp_path: Path) -> None:
     small = keep_reached_loads(scene, outcomes).config.validation.forces_N
     unit = rigidity / length**2
     assert small == ((0.0, pytest.approx(-0.1 * unit, rel=0.05)), (0.0, pytest.approx(0.02 * unit, rel=0.05)))
-    given = replace(scene, config=replace(config, validation=replace(config.validation, with_experiments=True)))
-    assert keep_reached_loads(given, outcomes).config.validation.forces_N == ()
+    given = replace(scene, config=replace(config, validation=Validation((12.0,), (), ((0.0, 0.01),))))
+    assert keep_reached_loads(given, outcomes).config.validation.forces_N == ((0.0, 0.01), *small)
+    off = replace(scene, config=replace(config, validation=Validation()))
+    assert keep_reached_loads(off, outcomes).config.validation.forces_N == ()
