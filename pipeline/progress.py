@@ -126,7 +126,7 @@ class Lines(Progress):
             case ("step_done", (name, pressure, seconds)):
                 iterations = self._iterations.pop(name, 0)
                 counted = f"{iterations} iterations, " if iterations else ""
-                work = f"{counted}{duration(seconds)}" if seconds > 0.0 else "stored by an earlier run"
+                work = f"{counted}{duration(seconds)}" if seconds > 0.0 else "already solved"
                 self._print(f"{name}: {pressure:g} kPa ({work})")
             case _:
                 _print_sentence(self._console, message)

@@ -23,6 +23,8 @@ PARTS = 16
 #: change of the pressure, over the range of pressures, that is made without solving the rod again; most steps
 SETTLED, STEPS = 1e-3, 12
 
+#: how often the interval is halved in which the pressures without an equilibrium begin
+BISECTIONS = 6
 #: kPa, of difference quotients
 DIFFERENCE = 1e-3
 
@@ -60,15 +62,22 @@ class Response:
         reason, where there is none at all, and `LoadError` as solve does.
         """
         pieces: list[list[tuple[float, Array]]] = [[]]
-        reason = ""
-        for pressure in _refined(pressures):
+        reason, unsolved = "", None
+        for pressure in map(float, _refined(pressures)):
             try:
-                pieces[-1].append((float(pressure), solve(pressure)))
+                state = solve(pressure)
             except LoadError:
                 raise
             except RodError as failure:
                 reason = str(failure)
-                pieces.append([])
+                if pieces[-1]:
+                    pieces[-1] += _up_to_edge(solve, pieces[-1][-1][0], pressure)
+                    pieces.append([])
+                unsolved = pressure
+                continue
+            if not pieces[-1] and unsolved is not None:
+                pieces[-1] += reversed(_up_to_edge(solve, pressure, unsolved))
+            pieces[-1].append((pressure, state))
         long = [piece for piece in pieces if len(piece) > 2]
         if not long:
             raise RodError(reason or "One pressure alone is no range in which another one could be found.")
@@ -139,6 +148,20 @@ class Response:
 
 #: of states (n, 4) and their slopes by the pressure (n, 4), (n,)
 Function = Callable[[Array, Array], Array]
+
+
+def _up_to_edge(solve: Callable[[float], Array], solved: float, unsolved: float) -> list[tuple[float, Array]]:
+    """States between a pressure at which there is one and one at which there is none, towards the latter."""
+    states = []
+    for _ in range(BISECTIONS):
+        pressure = 0.5 * (solved + unsolved)
+        try:
+            states.append((pressure, solve(pressure)))
+        except RodError:
+            unsolved = pressure
+        else:
+            solved = pressure
+    return states
 
 
 def _refined(pressures: Sequence[float]) -> Array:

@@ -147,9 +147,9 @@ class RodAndMesh:
     @property
     def text(self) -> str:
         """The errors of shape and force in words."""
-        force = "" if self.force is None else f", force within {percent(self.force)}"
-        mesh = "errors of rod and mesh added" if self.mesh.largest is not None else "the error of the mesh not included"
-        return f"shape within {percent(self.shape)} of the length{force}, {mesh}"
+        force = "" if self.force is None else f", of the force {percent(self.force)}"
+        mesh = "rod and mesh added" if self.mesh.largest is not None else "without the error of the mesh"
+        return f"error of the shape {percent(self.shape)} of the length{force} ({mesh})"
 
 
 def rod_and_mesh(run: Run, errors: RodErrors) -> RodAndMesh:

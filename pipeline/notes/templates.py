@@ -63,7 +63,7 @@ TEMPLATES: Mapping[str, str] = {
     "not_along_x": "the body is {length_mm:.3g} mm along x and {longest_mm:.3g} mm along {axis}; if {axis} is its "
     "length, give geometry.axes: {axes}",
     # states
-    "beyond_law": "stretches in {part} go from {smallest:.2f} to {largest:.2f} ({pressure_kPa:g} kPa), but law {law} "
+    "beyond_law": "stretches in {part} go from {smallest:.2f} to {largest:.2f} ({pressure_kPa:g} kPa); law {law} "
     "holds from {holds_from:.2f} to {holds_to:.2f}; set material.law: {instead}",
     "out_of_plane": "the arm leaves its plane by {distance_mm:.3g} mm, and its end moves by "
     "{deflection_mm:.3g} mm in it ({experiment}, {pressure_kPa:g} kPa); no planar rod describes it",

@@ -108,7 +108,9 @@ class Verdict:
         low, high = self.pressures_kPa
         moments = ""
         if self.moments_N_mm is not None:
-            moments = f", for moments from {self.moments_N_mm[0]:.3g} to {self.moments_N_mm[1]:.3g} N mm"
+            moments = (
+                f"; at {high:g} kPa for moments from {self.moments_N_mm[0]:.3g} to {self.moments_N_mm[1]:.3g} N mm"
+            )
         return f"It holds from {low:g} to {high:g} kPa{moments}."
 
     def _not_reached(self) -> list[str]:
@@ -193,7 +195,7 @@ def _use(run: Run, rod: str) -> str:
     """The command with which the rod is used, under the load of experiment III where that is a height of the end."""
     pressures = _pressures(run, rod)
     pressure = f" --pressure '{pressures[1]:g} kPa'" if pressures else ""
-    return f"Use it: pneurod rod {shlex.quote(str(run.directory))}{pressure}{_load(run, pressures)}"
+    return f"For example: pneurod rod {shlex.quote(str(run.directory))}{pressure}{_load(run, pressures)}"
 
 
 def _load(run: Run, pressures: tuple[float, float] | None) -> str:

@@ -16,7 +16,7 @@ FINITE_ELEMENTS = "finite elements"
 EXPERIMENTS = {
     "I": "Experiment I: free under pressure",
     "II": "Experiment II: clamped, under pressure",
-    "III": "Experiment III: clamped, with the end displaced",
+    "III": "Experiment III: clamped, with the end held",
 }
 #: lengths of a cell at each end of an arm within which averages over a cell are not those of inner cells
 END_CELLS = 1.5

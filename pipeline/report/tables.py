@@ -50,7 +50,7 @@ def five_parameters(run: Run, rod: str = FIVE) -> Table | None:
         (
             f"{pressure:g}",
             *(
-                "single line" if key == "d_mm" and single[k] else _parameter(columns, key, k, digits[key])
+                "one section" if key == "d_mm" and single[k] else _parameter(columns, key, k, digits[key])
                 for key, _, _ in keys
             ),
         )
@@ -139,7 +139,7 @@ def cost(run: Run) -> Table | None:
     """Wall time by stage of the run, then the parts of the solver's time; None where it is not known."""
     stages = [(name, duration(value)) for name, value in run.record.seconds.items()]
     solver = [(f"solver: {name}", duration(value)) for name, value in run.record.solver_seconds.items()]
-    return Table(("stage", "time"), (*stages, *solver)) if stages else None
+    return Table(("stage", "waiting time"), (*stages, *solver)) if stages else None
 
 
 def design(run: Run) -> Table | None:

@@ -54,7 +54,7 @@ class State:
     clamp_moment_N_mm: Number = math.nan
     cavity_volume_mm3: Number = math.nan
     #: current length of the material curve over its length at rest
-    stretch_of_curve: Number = field(default=math.nan, metadata={"title": "length of curve / at rest"})
+    stretch_of_curve: Number = field(default=math.nan, metadata={"title": "stretch of the curve"})
     curve_z_mm: Number = math.nan  #: largest distance of the material curve from the plane z = 0
     min_J: Number = field(default=math.nan, metadata={"title": "smallest volume ratio J"})
     max_stretch: Number = field(default=math.nan, metadata={"title": "largest stretch"})

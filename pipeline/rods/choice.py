@@ -11,7 +11,7 @@ from geometry import Reason
 from pipeline.cell.saved import SavedLaw, is_law
 from pipeline.errors import InputError, quoted
 from pipeline.notes.rods import RodAndMesh, rod_and_mesh
-from pipeline.notes.templates import report_reason
+from pipeline.notes.templates import NO_PARAMETERS, report_reason
 from pipeline.notes.verdict import OUT_OF_PLANE, Verdict, verdict_of
 from pipeline.results.files import read_results
 from pipeline.results.values import Run
@@ -135,7 +135,8 @@ def _mass(run: Run) -> Mass | None:
 
 def nothing_identified(run: Run) -> InputError:
     """The refusal of a run without five parameters."""
-    reason = run.failure or "the run has not come to the identification"
+    named = next((r.text for r in (*run.remarks, *run.failures) if r.code in NO_PARAMETERS), "")
+    reason = named or run.failure or "the run has not come to the identification"
     return InputError(f"{run.directory}: holds no parameters of a rod: {reason}")
 
 

@@ -103,6 +103,6 @@ def _against_rod(robot: Robot, law: ArmLaw) -> str:
             apart = chain.curve(turn) - rod.solve(force).positions(chain.s)
             worst = max(worst, float(np.hypot(*apart.T).max()) / robot.length)
     return (
-        "The run has no dead forces; under a fiftieth and a tenth of EI/l^2 across the end the file is "
+        "The run has no dead forces at these pressures; under EI/l^2 / 50 and EI/l^2 / 10 across the end the file is "
         f"{100 * worst:.2g} % of the length at most from the rod that it was made of."
     )

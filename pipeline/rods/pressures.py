@@ -50,7 +50,7 @@ class Wish:
         if given != 1:
             raise InputError("give one of a tip, an angle and a force")
         if (self.force_N is None) != (self.height_mm is None):
-            raise InputError("a force needs the height at which the end is held, and nothing else does")
+            raise InputError("give the height at which the end is held together with a force, and with nothing else")
 
 
 @dataclass(frozen=True)
@@ -120,7 +120,7 @@ def _for_tip(
     if met:
         return tuple(met)
     raise InputError(
-        f"no pressure{_range(rods)} brings the tip to ({tip[0]:g}, {tip[1]:g}) mm; nearest: {near[0].text}"
+        f"no pressure{_range(rods, responses)} brings the tip to ({tip[0]:g}, {tip[1]:g}) mm; nearest: {near[0].text}"
     )
 
 
@@ -130,12 +130,14 @@ def _out_of_reach(
     ends = [at for response in responses for at in response.extremes(quantity)]
     nearest = min(ends, key=lambda at: abs(at.of(quantity)[0] - target))
     what = f"bends the arm by {target:g}°" if wish.angle_deg is not None else f"gives the end a force of {target:g} N"
-    return f"no pressure{_range(rods)} {what}; nearest: {_met(rods, wish, nearest).text}"
+    return f"no pressure{_range(rods, responses)} {what}; nearest: {_met(rods, wish, nearest).text}"
 
 
-def _range(rods: RodOfRun) -> str:
-    low, high = rods.pressures_kPa
-    return f" from {number(low)} to {number(high)} kPa"
+def _range(rods: RodOfRun, responses: tuple[Response, ...]) -> str:
+    """The pressures that were searched; at others the load leaves the range of the rod."""
+    known = [(float(response.pressures[0]), float(response.pressures[-1])) for response in responses]
+    text = f" from {' and from '.join(f'{number(low)} to {number(high)}' for low, high in known)} kPa"
+    return text if known == [rods.pressures_kPa] else f"{text}, where the rod is known under this load,"
 
 
 def _met(rods: RodOfRun, wish: Wish, at: AtPressure) -> PressureFor:

@@ -47,7 +47,9 @@ class SavedRod:
                 _averaged(content["kappa_0"]),
             )
         except OSError as failure:
-            reason = f"cannot be read ({failure.strerror}); give the parameters.json of a run"
+            reason = (
+                f"cannot be read ({failure.strerror}); give the folder of a run, its parameters.json or its law.json"
+            )
             raise InputError(f"{path}: {reason}") from None
         except RodError as failure:
             raise InputError(f"{path}: {failure}") from None

@@ -67,7 +67,7 @@ def test_plain_lines_where_there_is_no_terminal() -> None:
     assert lines[:2] == ["stage: experiments", "experiment II: 17, 37 kPa"]
     assert lines[2:] == [
         "II: 17 kPa (2 iterations, 3.2 s)",
-        "II: 37 kPa (stored by an earlier run)",
+        "II: 37 kPa (already solved)",
         "III stopped before 45 kPa: the limit is at 41 kPa",
         "stage: report",
     ]

@@ -59,7 +59,7 @@ def test_the_error_contains_rod_and_mesh(verdict: Verdict, run: Run) -> None:
 
 
 def test_the_command_runs(verdict: Verdict) -> None:
-    words = shlex.split(verdict.command.removeprefix("Use it: "))
+    words = shlex.split(verdict.command.removeprefix("For example: "))
     assert words[0] == "pneurod"
     ended = CliRunner().invoke(app, words[1:])
     assert ended.exit_code == 0, ended.output
@@ -115,7 +115,7 @@ def test_an_unknown_error_of_the_mesh_is_said(run: Run) -> None:
     assert unknown.usable
     assert unknown.shape_error == unknown.errors[0].shape
     assert "mesh_error_unknown" in {warning.code for warning in unknown.warnings}
-    assert "the error of the mesh not included" in unknown.lines[1]
+    assert "without the error of the mesh" in unknown.lines[1]
 
 
 def test_failures_are_named(run: Run) -> None:

@@ -115,7 +115,7 @@ def test_the_five_parameters_have_errors_and_intervals(run: Run) -> None:
     single = replace(run, parameters=replace(run.parameters, single_line_suffices=(True, True)))
     one = tables.five_parameters(single)
     assert one is not None
-    assert one.rows[0][-1] == "single line"
+    assert one.rows[0][-1] == "one section"
 
 
 def test_every_rod_and_load_has_a_row(run: Run) -> None:

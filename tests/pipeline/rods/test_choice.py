@@ -34,7 +34,7 @@ def test_python_and_the_command_line_give_the_same_rod(kind: str | None, taken: 
     assert f"end angle            {shape.end_angle:.4f} rad" in ended.stdout
     assert shape.notes == rod.notes
     assert all(note in ended.stdout for note in shape.notes)
-    assert "errors               shape within" in ended.stdout
+    assert "errors               error of the shape" in ended.stdout
 
 
 def test_the_rod_of_a_good_run_has_no_notes_and_knows_its_errors() -> None:

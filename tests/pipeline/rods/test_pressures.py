@@ -101,8 +101,8 @@ def test_what_is_out_of_reach_is_told_with_the_nearest(rods: RodOfRun) -> None:
     [
         ((), "give one of a tip, an angle and a force"),
         (("--tip", "[1 mm, 2 mm]", "--angle", "90 deg"), "give one of a tip, an angle and a force"),
-        (("--force", "0.05 N"), "a force needs the height at which the end is held"),
-        (("--angle", "90 deg", "--at-height", "0 mm"), "a force needs the height at which the end is held"),
+        (("--force", "0.05 N"), "give the height at which the end is held"),
+        (("--angle", "90 deg", "--at-height", "0 mm"), "give the height at which the end is held"),
         (("--angle", "90"), "--angle: '90' has no unit"),
         (("--tip", "[1 mm]"), "--tip: '[1 mm]' is not a pair"),
         (("--angle", "300 deg"), "no pressure from 0 to 37 kPa bends the arm by 300°; nearest: 37.0000"),
