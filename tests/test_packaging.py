@@ -143,8 +143,11 @@ def test_a_type_checker_sees_the_types_of_the_installed_package(
 ) -> None:
     program = installed.folder / "program.py"
     if editable:  # the sources beside the wheel, in place of what the wheel holds
-        install = ["-m", "pip", "install", "--quiet", "--no-deps", "--no-index", "--no-build-isolation", "--editable"]
-        installed.output(*install, str(wheel.parent / "sources"))
+        build = "from setuptools.build_meta import build_editable; print(build_editable('.'))"
+        command = [sys.executable, "-W", "ignore", "-c", build]
+        built = subprocess.run(command, check=True, capture_output=True, text=True, cwd=wheel.parent / "sources")
+        path = wheel.parent / "sources" / built.stdout.split()[-1]
+        installed.output("-m", "pip", "install", "--quiet", "--no-deps", "--no-index", "--force-reinstall", str(path))
         assert not (installed.packages / "pneurod").exists()
     program.write_text(
         "import pneurod\n"
