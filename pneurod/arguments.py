@@ -60,6 +60,13 @@ def given_pair(values: Any, dimension: Dimension, name: str) -> tuple[float, flo
     return x, y
 
 
+def given_jobs(value: Any) -> int | None:
+    """A number of processes, or None. Raises InputError for anything else."""
+    if value is not None and (isinstance(value, bool) or not isinstance(value, int) or value < 1):
+        raise InputError(f"jobs: {value!r} is not allowed; give a whole number from 1 on")
+    return value
+
+
 def given_settings(given: Any, naming: Callable[[str], str] | None = None) -> list[tuple[str, Any]]:
     """The keys and values of `settings`, arrays as lists. Raises InputError, naming the key, for what is none."""
     if given is None:

@@ -12,7 +12,7 @@ from pipeline.progress import Silent, progress_for
 from pipeline.run import run
 from pipeline.simulation.simulate import EXPERIMENTS
 from pipeline.store.result_folder import FolderWords
-from pneurod.arguments import Setting, given_choice, given_path, given_settings, setting_name
+from pneurod.arguments import Setting, given_choice, given_jobs, given_path, given_settings, setting_name
 from pneurod.designs import Body, Material
 from pneurod.results import Results
 
@@ -52,8 +52,6 @@ def characterize(
         raise InputError(
             f'material: {quoted(material)} is no material; give one such as pneurod.NeoHooke(mu="0.1 MPa")'
         )
-    if jobs is not None and (isinstance(jobs, bool) or not isinstance(jobs, int) or jobs < 1):
-        raise InputError(f"jobs: {jobs!r} is not allowed; give a whole number from 1 on")
     constants = None if material is None else material.values
     arguments = {"name": name, "material": constants, "pressures": pressures, "accuracy": accuracy}
     given = {key: value for key, value in arguments.items() if value is not None}
@@ -62,7 +60,7 @@ def characterize(
     document = _document(config).with_values(values, lambda key: key if key in given else setting_name(key))
     design = read(Config, document)
     folder = Path("results") / design.name if out is None else given_path(out, "out", "results/arm")
-    at_once = jobs or min(len(EXPERIMENTS), available_cores())
+    at_once = given_jobs(jobs) or min(len(EXPERIMENTS), available_cores())
     listener = progress_for() if shown else Silent()
     try:
         results = run(design, folder, at_once, replaces, listener, _WORDS).results
