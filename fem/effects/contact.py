@@ -196,6 +196,7 @@ class BarrierTerm(InteriorTerm):
         import ipctk
 
         self._images, self._rest = images, rest
+        ipctk.set_num_threads(1)  # sums in a fixed order: near a loss of stability rounding decides the state
         self._ipctk = ipctk
         self.nodes, self._triangles = surface.unique_nodes, surface.triangles
         faces = np.asfortranarray(np.searchsorted(self.nodes, surface.triangles).astype(np.int32))

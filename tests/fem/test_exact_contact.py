@@ -87,7 +87,7 @@ def test_a_path_that_is_resumed_behind_a_comparison_is_the_same_bit_for_bit(
 
 
 def same(step: Step, other: Step) -> None:
-    """But for rounding: ipctk sums in parallel."""
+    """Both have no state with exact distances, or both the same one."""
     assert (step.exact is None) is (other.exact is None)
     if step.exact and other.exact:
         np.testing.assert_allclose(step.exact.displacement, other.exact.displacement, rtol=0.0, atol=1e-9 * LENGTH)
