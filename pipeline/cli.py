@@ -131,7 +131,7 @@ def solve(
     rods = rod_of_path(path, kind)
     found = pressures_for(rods, wish)
     if picture is not None:
-        from pipeline.rods.pressures import tips_page
+        from pipeline.rods.tips import tips_page
 
         write_new(picture, tips_page(rods, wish, found))
     if as_json:

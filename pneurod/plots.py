@@ -3,6 +3,7 @@
 from typing import TYPE_CHECKING
 
 from pipeline.errors import InputError, quoted
+from pipeline.plots import plotly_figure
 from pipeline.report import figures
 from pipeline.results.values import Run
 
@@ -41,6 +42,4 @@ class Plots:
     def _drawn(self, panels: figures.Panels, what: str) -> "Figure":
         if not panels:
             raise InputError(f"{self._run.directory}: this run has no {what}")
-        from pipeline.plots import plotly_figure
-
         return plotly_figure(panels)

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field
 from functools import cached_property
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import pandas as pd
 
@@ -21,10 +22,12 @@ from pipeline.rods.end_loads import Weight
 from pipeline.rods.pressures import PressureFor, Wish, pressures_for
 from pneurod.arguments import given_choice, given_number, given_pair, given_path, given_pressure
 from pneurod.frames import by_pressure, curves_frame, expanded, frame_of, profiles
-from pneurod.plots import Plots
 from rod import PARAMETER_COLUMNS, ArmLaw, FiveParameters, Interval, OutsidePressures, Rod, RodWarning
 from rod import RodError as NoRod
 from rod.same_pressure import known_at
+
+if TYPE_CHECKING:
+    from pneurod.plots import Plots
 
 
 @dataclass(frozen=True)
@@ -76,8 +79,10 @@ class Results:
         return f"{self.verdict}"
 
     @property
-    def plot(self) -> Plots:
+    def plot(self) -> "Plots":
         """Plots as figures of plotly: `results.plot.angle()`, `.shape("III")`, `.force()`, `.law()`, `.moments()`."""
+        from pneurod.plots import Plots  # plotly is slow to import
+
         return Plots(self.run)
 
     def _repr_html_(self) -> str:

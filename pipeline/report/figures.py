@@ -9,7 +9,7 @@ import numpy as np
 from geometry.arrays import Array
 from pipeline.notes.rods import rod_and_mesh, rod_errors
 from pipeline.plots import COLOURS, INK, Line, Panel, figure, ordered_colour
-from pipeline.results.values import Curve, RodError, Run, bending_deg
+from pipeline.results.values import Curve, RodError, Run, bending_deg, bending_error_deg
 from pipeline.store.formats import ARM_LAW, CURVE_PREFIXES, EXTENSIBLE, FIVE
 
 FINITE_ELEMENTS = "finite elements"
@@ -75,7 +75,7 @@ def bending(run: Run) -> Panels:
         if at:
             reached, rod_tips = np.array([p for p, _ in at]), np.array([tip for _, tip in at])
             angles = [bending_deg(tip) for _, tip in at]
-            turned = np.degrees(2.0 * error / np.hypot(*rod_tips.T))
+            turned = np.array([bending_error_deg(error, tip) for _, tip in at])
             turns = Line(reached, angles, drawn.entry, INK, "", drawn.marker, marker_size=12, spread=turned)
             angle.append(turns)
             path.append(replace(turns, x=rod_tips[:, 0], y=rod_tips[:, 1], spread=np.full(len(at), error)))

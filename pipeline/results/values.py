@@ -153,6 +153,11 @@ class Curve:
         return bending_deg(self.tip_mm)
 
 
+def bending_error_deg(moved_mm: float, tip_mm: Pair) -> float:
+    """Largest change of the bending angle where the end moves by a distance from its position, degrees."""
+    return math.degrees(2.0 * moved_mm / math.hypot(*tip_mm))
+
+
 def bending_deg(tip_mm: Pair) -> float:
     """Angle of the circular arc along x at the clamp whose end is at this position from it, degrees; 0 to 360.
 

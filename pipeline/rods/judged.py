@@ -9,11 +9,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from geometry.arrays import Array
+from pipeline.config.validation import SMALL_FORCES
 from pipeline.results.values import Curve, Run
 from rod import ArmLaw, Robot, RodError
 
-#: dead forces across the end, both ways, over the rigidity over the square of the length
-SMALL_FORCES = (-0.1, -0.02, 0.02, 0.1)
 _NUMBER = r"[-+]?[\d.]+(?:e[-+]?\d+)?"
 #: of the load in a row of validation_curves.csv
 _DEAD_FORCE = re.compile(rf"dead force ({_NUMBER}), ({_NUMBER}) N")
@@ -97,7 +96,7 @@ def _against_rod(robot: Robot, law: ArmLaw) -> str:
     worst = 0.0
     for pressure in robot.known:
         chain, rod = robot.at(pressure), law.at(pressure)
-        for part in SMALL_FORCES:
+        for part in (sign * part for part in SMALL_FORCES for sign in (1.0, -1.0)):
             force = (0.0, part * chain.rigidity / robot.length**2)
             turn = chain.solve(force, law.weight, _height(robot))
             apart = chain.curve(turn) - rod.solve(force).positions(chain.s)

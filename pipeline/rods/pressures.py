@@ -1,8 +1,7 @@
 """The pressure for a tip, a bending or a force: the question that a rod answers, backwards."""
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -10,7 +9,7 @@ from geometry.arrays import Array
 from pipeline.config.units import ANGLE, FORCE, LENGTH
 from pipeline.errors import InputError, RunFailed
 from pipeline.formatting import number
-from pipeline.plots import Line, Panel, figure, ordered_colour, standalone_page
+from pipeline.results.values import bending_error_deg
 from pipeline.rods.choice import RodOfRun
 from pipeline.rods.end_loads import EndLoads, Weight
 from pipeline.rods.options import option_pair, option_value
@@ -19,8 +18,6 @@ from rod.inverse import AtPressure, Quantity, Response
 
 #: distance of the tip from the wanted place, over the length, that is met where the error of the rod is not known
 MET = 0.005
-#: payloads of the picture besides none
-PAYLOADS = 5
 NO_WEIGHT = Weight()
 
 
@@ -81,7 +78,7 @@ def pressures_for(rods: RodOfRun, wish: Wish) -> tuple[PressureFor, ...]:
     Raises InputError for a wish that is out of reach, with what is nearest to it, and RunFailed where the arm has no
     equilibrium under its load.
     """
-    responses = _responses(rods, wish)
+    responses = responses_of(rods, wish)
     if wish.tip_mm is not None:
         return _for_tip(rods, wish, responses, wish.tip_mm)
     quantity, target = (_angle, wish.angle_deg) if wish.angle_deg is not None else (_force, wish.force_N)
@@ -92,7 +89,7 @@ def pressures_for(rods: RodOfRun, wish: Wish) -> tuple[PressureFor, ...]:
     return tuple(_met(rods, wish, at) for at in found)
 
 
-def _responses(rods: RodOfRun, wish: Wish) -> tuple[Response, ...]:
+def responses_of(rods: RodOfRun, wish: Wish) -> tuple[Response, ...]:
     """The arm under the load of a wish over the pressure, kept with the rods."""
     key = (wish.height_mm, wish.weight)
     if key not in rods.responses:
@@ -159,7 +156,7 @@ def _error(rods: RodOfRun, wish: Wish, at: AtPressure) -> float | None:
             return None
         return _over(errors.force * errors.largest_N, at.of(_force)[1])
     if wish.angle_deg is not None:
-        return _over(math.degrees(2.0 * moves / math.hypot(*at.state[:2])), at.of(_angle)[1])
+        return _over(bending_error_deg(moves, (float(at.state[0]), float(at.state[1]))), at.of(_angle)[1])
     return _over(moves, math.hypot(*at.slope[:2]))
 
 
@@ -174,33 +171,3 @@ def _angle(tips: Array, _: Array) -> Array:
 
 def _force(_: Array, forces: Array) -> Array:
     return np.asarray(forces[:, 1])
-
-
-def tips_page(rods: RodOfRun, wish: Wish, found: Sequence[PressureFor]) -> str:
-    """A page with the tips that the arm reaches over its pressures, with a payload from none to that of the wish."""
-    mass = wish.weight.tip_mass_g
-    loads = [replace(wish.weight, tip_mass_g=part * mass / PAYLOADS) for part in range(PAYLOADS + 1)] if mass else []
-    lines = []
-    for k, weight in enumerate(loads or [wish.weight]):
-        name = f"{weight.tip_mass_g:.3g} g" if mass else "tip"
-        for response in _responses(rods, replace(wish, weight=weight)):
-            texts = [f"{name}, {pressure:.4g} kPa" for pressure in response.pressures]
-            colour = ordered_colour(k, max(len(loads), 2))
-            x, y = response.states[:, :2].T
-            lines.append(Line(x, y, name, colour, marker="circle", marker_size=4, texts=texts))
-    if wish.tip_mm is not None:
-        lines.append(Line([wish.tip_mm[0]], [wish.tip_mm[1]], "wanted", dash="", marker="x", marker_size=11))
-    for at in found:
-        lines.append(
-            Line(
-                [at.tip_mm[0]],
-                [at.tip_mm[1]],
-                f"{at.pressure_kPa:.4g} kPa",
-                dash="",
-                marker="circle-open",
-                marker_size=12,
-            )
-        )
-    low, high = rods.pressures_kPa
-    panel = Panel(f"Tips from {low:g} to {high:g} kPa", "x (mm)", "y (mm)", tuple(lines), lengths=True)
-    return standalone_page("Reachable tips", figure([panel], "34rem"))

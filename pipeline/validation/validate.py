@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from math import isfinite
+from math import dist, isfinite
 
 import numpy as np
 
@@ -66,14 +66,13 @@ def _force_of_rigidity(outcomes: Outcomes, pressures_kPa: tuple[float, ...]) -> 
 
     At the pressure of both experiments nearest to the first of these; 0 where there is none.
     """
-    free, loaded = ({record.pressure_kPa: record for record in outcomes[name].records} for name in ("II", "III"))
-    both = sorted(free.keys() & loaded.keys(), key=lambda known: abs(known - pressures_kPa[0])) if pressures_kPa else []
-    if not both:
+    if not (pressures_kPa and outcomes.pairs):
         return 0.0
-    curves = [experiment[both[0]].centreline for experiment in (free, loaded)]
-    moved = np.hypot(curves[1].x[-1] - curves[0].x[-1], curves[1].y[-1] - curves[0].y[-1])
-    force = float(np.linalg.norm(loaded[both[0]].load.force))
-    return force * float(np.ptp(curves[0].s)) / (3.0 * float(moved)) if moved > 0.0 else 0.0
+    free, loaded = min(outcomes.pairs, key=lambda pair: abs(pair[0].pressure_kPa - pressures_kPa[0]))
+    ends = (np.array([record.centreline.x[-1], record.centreline.y[-1]]) for record in (free, loaded))
+    moved = dist(*ends)
+    force = float(np.linalg.norm(loaded.load.force))
+    return force * free.centreline.length / (3.0 * moved) if moved > 0.0 else 0.0
 
 
 def _is_held_down(outcomes: Outcomes, held_mm: float) -> bool:

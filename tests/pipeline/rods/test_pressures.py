@@ -16,7 +16,8 @@ from pipeline.errors import InputError
 from pipeline.results.values import bending_deg
 from pipeline.rods.choice import RodOfRun, choose_rod
 from pipeline.rods.end_loads import Weight
-from pipeline.rods.pressures import Wish, pressures_for, tips_page
+from pipeline.rods.pressures import Wish, pressures_for
+from pipeline.rods.tips import tips_page
 from rod import FiveParameters, Rod, compile_kernels
 from rod.inverse import Response
 from tests.coarse import COARSE, coarse_run
