@@ -13,7 +13,6 @@ SoRoSim and the JSON are read back and solved here. A finished run is used again
 import argparse
 import json
 import runpy
-import subprocess
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
@@ -25,9 +24,8 @@ from scipy.io import loadmat
 
 from benchmarks.markdown import table
 from benchmarks.unseen.designs import drawn
-from pipeline.cell.saved import SavedLaw
 from pipeline.config.load import load_config
-from pipeline.config.validation import SMALL_FORCES, middle_of_widest
+from pipeline.config.validation import middle_of_widest
 from pipeline.results.files import read_results
 from pipeline.rods.export import ExportOptions, exported
 from pipeline.rods.judged import Reference, distance, references
@@ -64,23 +62,10 @@ def drawn_at_random(folder: Path) -> dict[str, tuple[str, dict[str, Any]]]:
 
 
 def solved(name: str, config: str, changes: Mapping[str, Any], folder: Path) -> Path:
-    """The folder of the run of an arm with all loads. Its law, from a cell alone, says which forces are small."""
-    settings = [f"{key}={value}" for key, value in changes.items()]
-    pressures = load_config(Path(config), settings).pressures_kPa
-    between = middle_of_widest(pressures)
-    law_file = folder / f"{name}_law" / "law.json"
-    if not law_file.is_file():
-        options = [option for setting in settings for option in ("--set", setting)]
-        command = [sys.executable, "-m", "pneurod", "cell", config, "--out", str(law_file.parent), *options]
-        subprocess.run(command, check=True)
-    law = SavedLaw.read(law_file).law
-    section = law.at(between).section
-    unit = 1.0 / (float(np.interp(0.0, section.moment, section.kappa_slope)) * law.length**2)
-    validation = {
-        "pressures": [f"{pressure} kPa" for pressure in sorted((*pressures, between))],
-        "forces": [["0 N", f"{part * unit:.2g} N"] for part in SMALL_FORCES],
-    }
-    characterize(config, folder / name, settings={**changes, "validation": validation}, progress=True)
+    """The folder of the run of an arm, free and under the small forces of every run, also between its pressures."""
+    pressures = load_config(Path(config), [f"{key}={value}" for key, value in changes.items()]).pressures_kPa
+    tested = [f"{pressure} kPa" for pressure in sorted((*pressures, middle_of_widest(pressures)))]
+    characterize(config, folder / name, settings={**changes, "validation.pressures": tested}, progress=True)
     return folder / name
 
 
