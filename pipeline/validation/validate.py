@@ -64,11 +64,12 @@ def find_loads_beyond_II(config: Config, outcomes: Outcomes) -> tuple[Reason, ..
 def _force_of_rigidity(outcomes: Outcomes, pressures_kPa: tuple[float, ...]) -> float:
     """EI / l^2 in N from the force and the displacement of the end in III against II, as of a straight cantilever.
 
-    At the pressure of both experiments nearest to the first of these; 0 where there is none.
+    At the pressure of both experiments nearest to the first of these, the lower of two; 0 where there is none.
     """
     if not (pressures_kPa and outcomes.pairs):
         return 0.0
-    free, loaded = min(outcomes.pairs, key=lambda pair: abs(pair[0].pressure_kPa - pressures_kPa[0]))
+    # rounded, so that the last digit of a pressure does not choose between two that are equally near
+    free, loaded = min(outcomes.pairs, key=lambda pair: round(abs(pair[0].pressure_kPa - pressures_kPa[0]), 6))
     ends = (np.array([record.centreline.x[-1], record.centreline.y[-1]]) for record in (free, loaded))
     moved = dist(*ends)
     force = float(np.linalg.norm(loaded.load.force))
