@@ -56,7 +56,7 @@ def drawn_at_random(folder: Path) -> dict[str, tuple[str, dict[str, Any]]]:
         design = drawn(SEED, COUNT)[number]
         path = folder / f"random_{number}.yaml"
         path.write_text(json.dumps(design.document), encoding="utf-8")
-        size = LARGER * load_config(path).mesh.element_size_mm
+        size = LARGER * load_config(path).mesh.size_mm
         arms[f"random_{number}"] = (str(path), {"mesh.size": f"{size:.3g} mm"})
     return arms
 

@@ -31,14 +31,14 @@ def _jobs(default: str) -> Any:
     return typer.Option("--jobs", min=1, help=f"Number of worker processes (default: {default}).")
 
 
-def _accuracy(what: str) -> Any:
-    return typer.Option("--accuracy", metavar="P%", help=what)
-
-
 ConfigFile = Annotated[Path, typer.Argument(metavar="CONFIG", help="A design in YAML, such as configs/pneunet.yaml.")]
 Settings = Annotated[
     list[str] | None,
     typer.Option("--set", metavar="KEY=VALUE", help="Replace a value: --set mesh.size='4 mm'. May be repeated."),
+]
+Accuracy = Annotated[
+    str | None,
+    typer.Option("--accuracy", metavar="P%", help="Error that the mesh may make of the arm's own law: 1%, or off."),
 ]
 Fresh = Annotated[bool, typer.Option("--fresh", help="Delete earlier results in DIR and begin again.")]
 Quiet = Annotated[bool, typer.Option("-q", "--quiet", help="No progress, only the verdict.")]
@@ -50,9 +50,7 @@ def run(
     config: ConfigFile,
     out: Annotated[Path | None, _out()] = None,
     settings: Settings = None,
-    accuracy: Annotated[
-        str | None, _accuracy("Choose the mesh for this error: --set mesh.size=auto --accuracy 2%")
-    ] = None,
+    accuracy: Accuracy = None,
     jobs: Annotated[int | None, _jobs("number of cores, at most 3")] = None,
     fresh: Fresh = False,
     quiet: Quiet = False,
@@ -171,7 +169,7 @@ def cell(
     config: ConfigFile,
     out: Annotated[Path | None, _out("_cell")] = None,
     settings: Settings = None,
-    accuracy: Annotated[str | None, _accuracy("Refine the mesh of the configuration for this error: 1%")] = None,
+    accuracy: Accuracy = None,
     jobs: Annotated[int | None, _jobs("1")] = None,
     fresh: Fresh = False,
 ) -> None:

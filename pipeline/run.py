@@ -3,7 +3,6 @@
 from pathlib import Path
 
 from pipeline import stages
-from pipeline.accuracy.planning import Planned, plan_discretisation
 from pipeline.config.config import Config
 from pipeline.context import RunContext, run_context
 from pipeline.notes import render
@@ -20,20 +19,19 @@ def run(
 
     A pressure that is not reached is among the `failures` of the results; everything finished is in `out` then, the
     report included. Raises InputError for a body that cannot be meshed, a folder that cannot be used (in the words of
-    the caller) or a requested accuracy that no mesh reaches, and RunFailed where nothing more can be solved (faces
-    that cannot touch, a process that was ended from outside).
+    the caller), and RunFailed where nothing more can be solved (faces that cannot touch, a process that was ended from
+    outside).
     """
     with open_store(out, config, fresh=fresh, words=words) as store:
         for reason in check_design(config):
             progress.remark(render(reason))
-        planned = plan_discretisation(config, store, progress)
         with run_context(store, jobs, progress) as context:
-            return _solved(planned, context)
+            return _solved(config, context)
 
 
-def _solved(planned: Planned, context: RunContext) -> stages.SolvedRun:
+def _solved(config: Config, context: RunContext) -> stages.SolvedRun:
     """The stages of a run. One waits for what it needs; tasks of later ones are done meanwhile."""
-    state = stages.mesh(planned, context)
+    state = stages.mesh(config, context)
     state, outcomes, law = stages.solve_experiments(state)
     state, identified, improved = stages.identify(state, outcomes)
     loads = stages.begin_validation(state, outcomes)

@@ -8,8 +8,6 @@ from time import perf_counter
 from typing import Any, TypeAlias
 
 from geometry import Reason
-from pipeline.accuracy.plan import review
-from pipeline.accuracy.planning import Planned
 from pipeline.cell.of_run import LawOfRun, law_of_run
 from pipeline.config.config import Config
 from pipeline.context import RunContext
@@ -81,17 +79,12 @@ WithMeshError: TypeAlias = tuple[tuple[Parameters, ...], tuple[Reason, ...]]
 class RunState:
     """What the stages of a run share."""
 
-    planned: Planned
+    config: Config
     context: RunContext
     stages: Stages
     scene: Scene
     remarks: tuple[Reason, ...]  #: on the design and on how far it went, which the user was told
     written: Run  #: the results that are in the files already
-
-    @property
-    def config(self) -> Config:
-        """As it is solved, with the mesh that an accuracy was planned with."""
-        return self.planned.config
 
     def with_remarks(self, *remarks: Reason) -> "RunState":
         """Tell these remarks."""
@@ -109,21 +102,21 @@ class SolvedRun:
     """The results of a run as its files have them, and what they were made from."""
 
     results: Run
-    config: Config  #: as it was solved, with the mesh that an accuracy was planned with
+    config: Config
     outcomes: Outcomes  #: of experiments I, II and III
     parameters: tuple[Parameters, ...]  #: by ascending pressure
     comparisons: tuple[Comparison, ...]  #: rod against finite elements, loads of the identification first
     arm: LawOfRun  #: the arm's own law
 
 
-def mesh(planned: Planned, context: RunContext) -> RunState:
+def mesh(config: Config, context: RunContext) -> RunState:
     """Mesh the body, while the workers load the solver."""
-    stages = Stages(context.progress, stage_names(planned.config))
-    loading = begin_loading(context, planned.config)
+    stages = Stages(context.progress, stage_names(config))
+    loading = begin_loading(context, config)
     with stages.timed("mesh"):
-        scene = mesh_with_progress(planned.config, context.progress)
-    state = RunState(planned, context, stages, scene, planned.remarks, Run(context.store.directory))
-    state = state.with_remarks(*check_body(scene.body, planned.config))
+        scene = mesh_with_progress(config, context.progress)
+    state = RunState(config, context, stages, scene, (), Run(context.store.directory))
+    state = state.with_remarks(*check_body(scene.body, config))
     with stages.timed("kernels (compiled once)"):
         for pending in loading:
             pending.result()
@@ -232,9 +225,7 @@ def _record(
     state: RunState, identified: Identified, failures: Sequence[Reason], remarks: Sequence[Reason]
 ) -> RunRecord:
     """The content of run.json."""
-    config, plan, outcomes = state.config, state.planned.plan, identified.outcomes
-    reviewed = review(plan, outcomes, identified.parameters, outcomes.largest_indicator) if plan else None
-    shortfalls = plan.shortfalls(reviewed) if plan else ()
+    config, outcomes = state.config, identified.outcomes
     end_kPa = outcomes.lowest_end_kPa()
     return RunRecord(
         config=config.record(),
@@ -247,10 +238,9 @@ def _record(
         degrees_of_freedom={outcome.name: outcome.degrees_of_freedom for outcome in outcomes},
         solver=tuple(sorted({outcome.solver for outcome in outcomes})),
         indicator=outcomes.largest_indicator,
-        accuracy=plan.record(reviewed) if plan else None,
         end_kPa=end_kPa if isfinite(end_kPa) else None,
         failures=tuple(map(report_reason, failures)),
-        remarks=tuple(map(report_reason, (*remarks, *shortfalls))),
+        remarks=tuple(map(report_reason, remarks)),
     )
 
 

@@ -42,7 +42,7 @@ def body_table(file: Path, config: Config, body: Body) -> Table:
 def _chosen_values(config: Config) -> dict[str, str]:
     """What the program has chosen for the mesh, by the key of the section `mesh`."""
     mesh = config.mesh
-    values = {"formulation": mesh.formulation, "grading": mesh.grading, "size": f"{mesh.element_size_mm:g} mm"}
+    values = {"formulation": mesh.formulation, "grading": mesh.grading, "size": f"{mesh.size_mm:g} mm"}
     return {name: value for name, value in values.items() if name in mesh.chosen}
 
 

@@ -40,7 +40,7 @@ def characterize(
     design, by default its name in the file, or its family. material: such as `pneurod.NeoHooke(mu="0.1 MPa")`; a body
     needs one, and the material of a file is replaced. pressures: ["10 kPa", "20 kPa"]. settings: further values, by
     dotted key and with their unit: {"mesh.size": "6 mm", "geometry.chambers": 8}; they replace those of the file.
-    accuracy: the error to aim for, such as "2 %" (with mesh.size "auto" the mesh is chosen for it). jobs: number of
+    accuracy: error that the mesh may make of the arm's own law, "1 %" by default, or "off". jobs: number of
     worker processes, by default the number of cores, at most 3. fresh: delete what `out` holds first. progress: report
     the stages on the terminal; nothing is printed otherwise.
 

@@ -275,7 +275,7 @@ def extras() -> dict[str, st.SearchStrategy[Any]]:
             {}, optional={name: states | more.get(name, st.fixed_dictionaries({"state": states})) for name in EFFECTS}
         ),
         "newton": st.fixed_dictionaries({}, optional={"tolerance": st.floats(0.0, 0.02)}),
-        "accuracy": st.sampled_from(["2 %", "0.5 %", "100 %", "2", "0 %", f"{'9' * 400} %"]),
+        "accuracy": st.sampled_from(["2 %", "off", "0.5 %", "100 %", "2", "0 %", f"{'9' * 400} %"]),
     }
 
 

@@ -53,7 +53,7 @@ def with_larger_elements(designs: Sequence[Drawn], factor: float) -> list[Drawn]
             path = Path(folder) / f"{design.name}.yaml"
             path.write_text(json.dumps(design.document), encoding="utf-8")
             try:
-                size = three_digits(factor * load_config(path).mesh.element_size_mm)
+                size = three_digits(factor * load_config(path).mesh.size_mm)
             except InputError:
                 changed.append(design)
                 continue

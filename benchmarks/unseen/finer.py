@@ -30,7 +30,7 @@ def against_finer_mesh(solved: SolvedRun) -> dict[str, Any]:
     """
     if not solved.parameters:
         return {"failure": "no five parameters on the default mesh"}
-    first, size = solved.parameters[0], solved.config.mesh.element_size_mm
+    first, size = solved.parameters[0], solved.config.mesh.size_mm
     config = replace(solved.config.with_mesh_size(size / FINER), pressures_kPa=(first.pressure_kPa,))
     try:
         outcomes = _solved(config)

@@ -263,7 +263,7 @@ def _of_report(solved: SolvedRun) -> Record:
     first = solved.parameters[0] if solved.parameters else None
     return {
         "elements": config.mesh.formulation,
-        "size_mm": config.mesh.element_size_mm,
+        "size_mm": config.mesh.size_mm,
         "unknowns": outcomes.degrees_of_freedom,
         "states": states,
         "reasons": reasons,

@@ -56,7 +56,7 @@ def ladder(config: Config, contact_mm: float | None) -> list[Rung]:
         sizes = {"off": LOCKING[element.shape.degree]} if element.fully_integrated else SIZES
         for grading, factors in sizes.items():
             for factor in (*factors, *FINEST.get((element.name, grading), ())):
-                size = round(factor * config.mesh.element_size_mm, 6)
+                size = round(factor * config.mesh.size_mm, 6)
                 mesh = replace(config.mesh, size_mm=size, formulation=element.name, grading=grading)
                 changed = replace(config, mesh=mesh)
                 rungs.append(Rung(mesh_series(changed), size, changed))

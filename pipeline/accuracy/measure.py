@@ -61,11 +61,6 @@ class RodNumbers:
         """Whether the law has two slopes."""
         return self.d_mm is not None
 
-    @property
-    def alpha2_relative_std(self) -> float:
-        """Relative standard deviation of alpha2 from its identification."""
-        return self.alpha2_std_N_mm2 / self.alpha2_N_mm2
-
 
 @dataclass(frozen=True)
 class Cost:

@@ -77,7 +77,7 @@ class ConvergenceStudy:
 
     def record(self) -> JsonObject:
         """The content of accuracy.json."""
-        size = self.config.mesh.element_size_mm
+        size = self.config.mesh.size_mm
         return {
             "format": FORMAT,
             "config": self.config.record(),

@@ -64,7 +64,7 @@ def estimate_mesh_error(
         others, why_not = _compare(pieces, missing, coarser, context)
         why, at = "; ".join(filter(None, (why, why_not))), [cell.pressure for cell in missing]
         rows, reason = rows | others, render(Reason("cell_mesh_coarser", {"pressures_kPa": at, "why": why}))
-    size, ordered = pieces.config.mesh.element_size_mm, sorted(rows)
+    size, ordered = pieces.config.mesh.size_mm, sorted(rows)
     columns = {
         f"{name}{suffix}": tuple(rows[pressure][part][i] for pressure in ordered)
         for i, name in enumerate(NUMBERS)
@@ -77,7 +77,7 @@ def _compare(
     pieces: ArmPieces, cells: Sequence[CellCurve], factor: float, context: RunContext
 ) -> tuple[dict[float, tuple[Numbers, Numbers]], str]:
     """Numbers and their standard deviations by pressure, from a mesh `factor` times as large, and why some lack."""
-    size, length = factor * pieces.config.mesh.element_size_mm, pieces.design.length
+    size, length = factor * pieces.config.mesh.size_mm, pieces.design.length
     second = ArmTasks(pieces.with_mesh_size(size), context)
     pending = [(cell, second.submit(_solve_numbers, cell, change_of(cell, length))) for cell in cells]
     rows: dict[float, tuple[Numbers, Numbers]] = {}
@@ -131,7 +131,7 @@ def _solve_numbers(curves: PieceCurves, cell: CellCurve, change: float) -> Numbe
         kappa_0, rigidity, at = _bend(piece, cell.pressure, change)
         return kappa_0, rigidity, piece.solve(at.pressure, 0.5 * cell.at(0.0)[0] * piece.body.length, at).moment
 
-    name = name_of_state(f"law/mesh_{curves.pieces.config.mesh.element_size_mm:.12g}mm", cell.pressure)
+    name = name_of_state(f"law/mesh_{curves.pieces.config.mesh.size_mm:.12g}mm", cell.pressure)
     return kept(curves.store, f"{name}.json", Numbers, solve)
 
 
@@ -194,7 +194,7 @@ def refine_mesh(pieces: ArmPieces, pressure: float, requested: float, context: R
     """
     length = pieces.design.length
     meshes: list[CellNumbers] = []
-    size, reason = pieces.config.mesh.element_size_mm, ""
+    size, reason = pieces.config.mesh.size_mm, ""
 
     def solve() -> CellNumbers:
         piece = pieces.with_mesh_size(size).cell

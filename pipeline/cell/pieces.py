@@ -68,7 +68,7 @@ class ArmPieces:
         """Where the cells of the arm are. Raises InputError."""
         mesh = self.config.mesh
         try:
-            return self.design.repetition(mesh.element_size_mm, GRADINGS[mesh.grading])
+            return self.design.repetition(mesh.size_mm, GRADINGS[mesh.grading])
         except (DesignError, MeshError) as failure:
             raise self.config.unmeshable(failure) from None
 
@@ -85,7 +85,7 @@ class ArmPieces:
         return self._pieces[key]
 
     def _piece(self, half_cells: int, start: Boundary) -> BendingPiece:
-        config, size, grading = self.config, self.config.mesh.element_size_mm, GRADINGS[self.config.mesh.grading]
+        config, size, grading = self.config, self.config.mesh.size_mm, GRADINGS[self.config.mesh.grading]
         fractions = {name: cavity.fraction for name, cavity in config.effects.pressure.cavities.items()}
         dhat = self.dhat if self.walls == GAP else None
         try:

@@ -8,7 +8,7 @@ from pipeline.cell.build import MeasuredLaw, build_law
 from pipeline.cell.figure import law_page
 from pipeline.cell.meshes import RefinedMesh, refine_mesh
 from pipeline.cell.pieces import ArmPieces, NoArmLaw
-from pipeline.config.config import AUTO, Config
+from pipeline.config.config import Config
 from pipeline.context import run_context
 from pipeline.errors import InputError, RunFailed
 from pipeline.notes import render, render_all
@@ -22,9 +22,6 @@ from pipeline.store.json_values import JsonObject
 from pipeline.store.provenance import provenance
 from pipeline.store.store import Store, open_store
 from rod.arm_law.record import law_record
-
-#: coarsest mesh that is tried where `mesh.size` is auto, over the smallest side of the arm
-COARSEST = 0.27
 
 
 @dataclass(frozen=True, eq=False)  # arrays inside
@@ -62,7 +59,7 @@ class LawReport:
 def measure_law(config: Config, out: Path, jobs: int, fresh: bool, progress: Progress) -> LawReport:
     """From a configuration to `out`/law.json; curves that `out` already holds are not measured again.
 
-    With a requested accuracy the mesh of the configuration is the coarsest that is tried (`pipeline.cell.meshes`).
+    For the accuracy of the configuration meshes are refined from its own on (`pipeline.cell.meshes`).
 
     A pressure that is not reached is named in the report; the law of those below it is in `out` then. Raises InputError
     for an arm without such a law, a body that cannot be meshed and a folder that cannot be used, and RunFailed where
@@ -72,9 +69,8 @@ def measure_law(config: Config, out: Path, jobs: int, fresh: bool, progress: Pro
     with open_store(out, config, fresh=fresh) as store, run_context(store, jobs, progress) as context:
         loading = begin_loading(context, config)
         progress.stage("mesh")
-        size = COARSEST * min(config.design.extent) if config.mesh.size_mm is AUTO else config.mesh.element_size_mm
         try:
-            pieces, refined = ArmPieces.of(Scene.meshed(config.with_mesh_size(size))), None
+            pieces, refined = ArmPieces.of(Scene.meshed(config)), None
             progress.stage("kernels (compiled once)")
             for pending in loading:
                 pending.result()

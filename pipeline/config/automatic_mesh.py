@@ -5,7 +5,6 @@ The constants are measured (studies/accuracy.md).
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from enum import Enum
 from math import floor, log10, sqrt
 from typing import Annotated, Any, Literal
 
@@ -36,16 +35,6 @@ MOST_CHOSEN_TETS = 100_000
 COARSER = 1.5
 
 
-class Auto(Enum):
-    """The type of AUTO."""
-
-    AUTO = "auto"
-
-
-#: a value that is chosen by the program
-AUTO = Auto.AUTO
-
-
 def _edge(value: Any) -> float | None:
     return None if value == "auto" else convert(value, LENGTH)
 
@@ -69,7 +58,7 @@ class GivenMesh(Section):
     """What a configuration says about its mesh; "auto", and None as a size, are left to the program."""
 
     size_mm: Annotated[float | None, Kind("above 0, or `auto`", LENGTH.example, "mm", _edge, _is_edge)] = Field(
-        default=None, description="edge that Gmsh aims at; `auto`: from the drawing, or for a requested accuracy"
+        default=None, description="edge that Gmsh aims at; `auto`: from the drawing"
     )
     formulation: Annotated[str, one_of((*ELEMENTS, "auto"))] = Field(
         default="auto", description="[elements](theory.md#elements), `auto` [chooses](#the-mesh)", examples=["mixed"]
@@ -90,35 +79,23 @@ NO_KEYS: dict[Any, tuple[str, ...]] = {MeshFile: ("size", "grading", "coarser"),
 class MeshSettings:
     """How fine the mesh is and which elements it has."""
 
-    size_mm: float | Auto  #: AUTO until a size is planned for the requested accuracy
+    size_mm: float
     formulation: str  #: one of fem.elements.ELEMENTS
-    coarser: float | None = None  #: size of a second mesh over size_mm, for the mesh error of the parameters
+    coarser: float | None = None  #: size of a second mesh over that, for the mesh error of the parameters
     grading: str = "off"  #: one of geometry.GRADINGS
     #: why, by key, for what was left to the program
     chosen: Mapping[str, str] = field(default_factory=dict)
 
-    @property
-    def element_size_mm(self) -> float:
-        """The size as a number. Raises ValueError where it is AUTO."""
-        if isinstance(self.size_mm, Auto):
-            raise ValueError("the mesh size is still to be planned")
-        return self.size_mm
-
-    def given_unlike(self, **others: str) -> tuple[str, ...]:
-        """What the configuration gives and `others` have otherwise, as it is written there."""
-        given = {key: getattr(self, key) for key in others if key not in self.chosen}
-        return tuple(f"mesh.{key}: {value}" for key, value in given.items() if value != others[key])
-
 
 def read_mesh(given: GivenMesh, fields: Mapping[str, Any], document: Document) -> MeshSettings:
-    """The mesh as given, and as the program chooses it where it is not; AUTO where an accuracy decides the size."""
+    """The mesh as given, and as the program chooses it where it is not."""
     (effects,) = known(fields, "effects")
     against_locking, formulation = effects.incompressibility.decided, given.formulation
     if formulation != "auto" and against_locking == ELEMENTS[formulation].fully_integrated:
         sentence = f"incompressibility {effects.incompressibility.state} and formulation {formulation} contradict each"
         keys = ("effects", "incompressibility"), ("mesh", "formulation")
         raise_all([conflict(f"{sentence} other; leave one of them out", *keys)])
-    design, material, materials, accuracy = known(fields, "design", "material", "materials", "accuracy")
+    design, material, materials = known(fields, "design", "material", "materials")
     allowed = [key for key in GivenMesh.key_fields() if key not in NO_KEYS.get(type(design), ())]
     raise_all(
         wrong(f"unknown key; allowed here: {', '.join(allowed)}", (key,))
@@ -126,22 +103,17 @@ def read_mesh(given: GivenMesh, fields: Mapping[str, Any], document: Document) -
         if key not in allowed
     )
     is_ready, coarser = not design.is_resizable, given.coarser
-    planned = accuracy is not None and given.size_mm is None and not is_ready
     nu = max(solid.built().poisson_ratio for solid in (material, *materials.values()))
     try:
         if is_ready:
             given, coarser = replace(given, size_mm=design.given_element_size), "off"
         chosen = chosen_mesh(design, material.law, nu, against_locking, given)
-        size = COARSEST * min(design.extent) if planned else chosen.element_size_mm
         if not is_ready:
-            design.check_size(size)
+            design.check_size(chosen.size_mm)
     except DesignError as refused:
         raise_all(design_conflicts(refused, {}))
-    reasons = {key: why for key, why in chosen.chosen.items() if key != "size" or not planned}
-    if coarser == "auto" and accuracy is not None:
-        reasons["coarser"], coarser = "a requested accuracy has estimates of its own", "off"
     factor = COARSER if coarser == "auto" else None if coarser == "off" else coarser
-    return replace(chosen, size_mm=AUTO if planned else size, coarser=factor, chosen=reasons)
+    return replace(chosen, coarser=factor)
 
 
 def chosen_mesh(design: Design, law: str, nu: float, against_locking: bool | None, given: GivenMesh) -> MeshSettings:

@@ -14,7 +14,7 @@ from typing import Annotated, Any, Literal, get_args
 from fem.elements import automatic_element
 from geometry import CellPlanes, Design, DesignError, MeshError
 from pipeline.config import kinds
-from pipeline.config.automatic_mesh import AUTO, GivenMesh, MeshSettings, read_mesh
+from pipeline.config.automatic_mesh import GivenMesh, MeshSettings, read_mesh
 from pipeline.config.body import OWN, design_key, read_design
 from pipeline.config.document import Document, Key, dotted
 from pipeline.config.effects import CavityPressure, Effects, State
@@ -34,7 +34,7 @@ from pipeline.config.validation import End, GivenEnd, GivenValidation, Validatio
 from pipeline.errors import InputError, quoted
 from pipeline.store.json_values import Json, JsonObject
 
-__all__ = ["AUTO", "Config", "End", "Material", "MeshSettings", "Validation"]
+__all__ = ["Config", "End", "Material", "MeshSettings", "Validation"]
 
 #: the laws of the rod: five parameters and the law from one cell, or one of them
 Laws = Literal["both", "five", "cell"]
@@ -109,8 +109,6 @@ def _conflicts(values: Mapping[str, Any]) -> Iterator[Error]:
     if design and identification and (identification.d_mm or 0.0) >= design.length:
         place = f"{identification.d_mm:g} mm is not on the arm; allowed: below its length, {design.length:g} mm"
         yield conflict(place, ("identification", "d"))
-    if design and not design.is_resizable and values.get("accuracy") is not None:
-        yield conflict("a ready mesh cannot be made finer; leave it out, or give a drawing", ("accuracy",))
     if effects and design and values.get("law") == "cell" and (reason := effects.why_no_arm_law(design)):
         yield conflict(f"cell is not possible: {reason}", ("law",))
     if effects and effects.symmetry.on and effects.gravity.breaks_symmetry:
@@ -158,9 +156,11 @@ class Config(Section):
         examples=["five"],
     )
     newton: Newton = Newton()
-    #: relative error of kappa_0(l/2), alpha2 and F
+    #: relative error of kappa_0, rigidity and moment of the arm's own law; None: on the mesh of the arm alone
     accuracy: kinds.Percentage = Field(
-        default=None, description="[largest error](accuracy.md#requested-accuracy) a run may have; also `--accuracy`"
+        default=None,
+        description="error that the mesh may make of the [arm's own law](cell.md#error-of-the-mesh), or `off`; "
+        "also `--accuracy`",
     )
     effects: Annotated[Effects, WrittenAs(_with_all_cavities, Effects)] = Field(
         default_factory=dict, validate_default=True

@@ -144,5 +144,11 @@ MOST_ACCURACY = 0.2
 _ACCURACY = Dimension("an accuracy", "dimensionless", "2 %")
 Percentage = Annotated[
     float | None,
-    Kind("above 0, at most 20", _ACCURACY.example, "%", in_unit(_ACCURACY), lambda error: 0.0 < error <= MOST_ACCURACY),
+    Kind(
+        "above 0, at most 20, or `off`",
+        _ACCURACY.example,
+        "%",
+        read=lambda value: None if value in (False, "off") else in_unit(_ACCURACY)(value),
+        test=lambda error: error is None or 0.0 < error <= MOST_ACCURACY,
+    ),
 ]

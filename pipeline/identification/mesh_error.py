@@ -46,7 +46,7 @@ def with_mesh_error(
     factor = config.mesh.coarser
     if factor is None or not parameters:
         return parameters, ()
-    second = config.with_mesh_size(factor * config.mesh.element_size_mm)
+    second = config.with_mesh_size(factor * config.mesh.size_mm)
     try:
         scene = context.submit(_meshed, second).result()
     except InputError as failure:
@@ -55,7 +55,7 @@ def with_mesh_error(
     coarse, refused = _identify(parameters, outcomes, "coarser")
     fine = [_numbers(p) for p in parameters]
     on_coarse = [None if on is None else on.numbers(p) for on, p in zip(coarse, parameters, strict=True)]
-    deviations = mesh_deviations(fine, on_coarse, config.mesh.element_size_mm, factor)
+    deviations = mesh_deviations(fine, on_coarse, config.mesh.size_mm, factor)
     reasons = [Reason("on_coarser_mesh", {"factor": factor, "why": refused})] if refused else []
     others: dict[str, float] = {}
     compared = _of_half_the_highest(parameters)

@@ -132,7 +132,7 @@ def _mesh_error(config: Config, parameters: Sequence[Parameters]) -> MeshErrorOf
     columns |= {
         f"{column}_std": tuple(p.mesh_std.get(n) for p in parameters) for n, column in PARAMETER_COLUMNS.items()
     }
-    size = config.mesh.element_size_mm
+    size = config.mesh.size_mm
     return MeshErrorOfFive((size, config.mesh.coarser * size), parameters[0].mixed_at_kPa, **columns)
 
 

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 
 from geometry import Reason
-from pipeline.config.config import AUTO, Config
+from pipeline.config.config import Config
 from pipeline.identification.too_short import too_short
 from pipeline.pressure import in_MPa
 
@@ -60,9 +60,7 @@ def _turned_gravity(config: Config) -> Reason | None:
 
 def _short_edges(config: Config) -> Reason | None:
     """Edges of a CAD file where elements are as small, so that meshing may take minutes."""
-    if config.mesh.size_mm is AUTO:
-        return None
-    limit = SHORT_EDGE * config.mesh.element_size_mm
+    limit = SHORT_EDGE * config.mesh.size_mm
     short = [edge for edge in config.design.edges if edge[0] < limit]
     if not short:
         return None

@@ -48,7 +48,7 @@ def straightened_edges(design: Design) -> Reason | None:
 
 def volume_differs(body: Body, config: Config) -> Reason | None:
     """A mesh that does not follow the round walls of a drawing."""
-    differs, size = body.volume / config.design.solid_volume - 1.0, config.mesh.element_size_mm
+    differs, size = body.volume / config.design.solid_volume - 1.0, config.mesh.size_mm
     if abs(differs) < VOLUME_DIFFERS:
         return None
     return Reason("volume_differs", {"percent": 100 * differs, "size_mm": float(f"{SMALLER_SIZE * size:.2g}")})

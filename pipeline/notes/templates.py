@@ -29,22 +29,6 @@ TEMPLATES: Mapping[str, str] = {
     "single line is taken; identification.d requests two",
     "few_pressures": "{count} pressures cannot show whether the parameters are linear in the pressure; give three or "
     "more",
-    # a requested accuracy
-    "accuracy_unknown": "accuracy not estimated, because {why}; the mesh has {formulation} elements of {size_mm:.3g} "
-    "mm, which mesh.size changes",
-    "accuracy_ends_early": "mixed elements of law svk end early in the corner at the clamp; give lower pressures, law "
-    "hencky, or leave accuracy out",
-    "accuracy_planned": "for an accuracy of {percent:g} % the mesh has {formulation} elements of {size_mm:.3g} mm",
-    "accuracy_estimated": "errors estimated {when} the run: {kappa_0_per_mm:.1f} % in κ₀(l/2), {alpha2_N_mm2:.1f} % in "
-    "α₂, {force_N:.1f} % in F, {contact:.1f} % from contact",
-    "accuracy_replaces": "a requested accuracy does not use {given}",
-    "accuracy_missed": "the requested accuracy is not reached; the largest error is estimated at {percent:.2g} %",
-    "accuracy_identified": "the identification of α₂ is uncertain by ± {percent:.2g} % on any mesh",
-    "accuracy_hardly_bent": "the arm hardly bends ({turn_rad:.1g} rad at {pressure_kPa:g} kPa), so these estimates are "
-    "not reliable; give higher pressures or thinner walls",
-    "accuracy_unreliable": "estimates above 50 % are not reliable",
-    "accuracy_costs": "{percent:.3g} % takes elements of {size_mm:.3g} mm, about {unknowns} unknowns and "
-    "{seconds:.2g} s for the experiments",
     # a meshed body
     "flat_element": "the flattest element has a radius ratio of {radius_ratio:.2g} near {at} (a regular one has 1); "
     "mend the body there or change mesh.size",

@@ -72,7 +72,6 @@ class RunRecord:
     degrees_of_freedom: Mapping[str, int] | int = 0
     solver: tuple[str, ...] = ()
     indicator: Indicator | None = None  #: of the state in which it is largest
-    accuracy: Mapping[str, Any] | None = None  #: plan and errors of a requested accuracy
     end_kPa: float | None = None  #: the lowest pressure at which an experiment has ended
     failures: tuple[Reported, ...] = ()  #: what was not reached; empty where everything was
     remarks: tuple[Reported, ...] = ()  #: what is unusual about the design and its results

@@ -11,7 +11,7 @@ from time import perf_counter
 import fem
 from fem.elements import ELEMENTS, Volumetric
 from geometry import GRADINGS, Body, DesignError, MeshError, position_text
-from pipeline.config.config import AUTO, Config, Material
+from pipeline.config.config import Config, Material
 from pipeline.errors import InputError
 from pipeline.pressure import in_MPa
 from pipeline.progress import Progress
@@ -43,13 +43,8 @@ class Scene:
         law cannot have together.
         """
         material_of(config)
-        if config.mesh.size_mm is AUTO:
-            raise InputError(
-                f"{config.source}: accuracy: only `pneurod run` and `pneurod cell` choose a mesh for a requested "
-                "accuracy; leave accuracy out, or give mesh.size, for example 4 mm"
-            )
         try:
-            body = config.design.body(config.mesh.element_size_mm, GRADINGS[config.mesh.grading])
+            body = config.design.body(config.mesh.size_mm, GRADINGS[config.mesh.grading])
         except (DesignError, MeshError) as failure:
             raise config.unmeshable(failure) from None
         _check_boundary(config, body)
@@ -65,7 +60,7 @@ class Scene:
         mesh, settings, design = self.body.mesh, self.config.mesh, self.config.design
         averaging = {"averaging": reason} if (reason := design.reason_for_pitch) else {}
         return MeshRecord(
-            size_mm=settings.element_size_mm,
+            size_mm=settings.size_mm,
             from_file=not design.is_resizable,
             formulation=settings.formulation,
             grading=settings.grading,

@@ -55,12 +55,6 @@ class Store(ResultFolder):
     key: str  #: sha256 of the configuration, of the sources that decide a state, and of the packages' versions
     numbers_key: str  #: the same with the sources that decide the numbers computed from states
 
-    def disown(self) -> None:
-        """Let a run of another configuration have the folder, unless there are results in it."""
-        has_results = any((self.directory / name).exists() for name in (*_FILES, *_FOLDERS[1:]))
-        if not has_results and not any((self.directory / "states").glob("*.npz")):
-            (self.directory / _IDENTITY).unlink(missing_ok=True)
-
     def save_state(self, experiment: str, pressure_kPa: float, **arrays: ArrayLike) -> None:
         """Store a converged state: numbers, texts and arrays of numbers by name."""
         buffer = io.BytesIO()

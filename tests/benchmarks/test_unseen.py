@@ -303,7 +303,7 @@ def test_larger_elements_are_those_of_the_program_times_a_factor(tmp_path: Path)
     for design in (usual, larger):
         path = tmp_path / "design.yaml"
         path.write_text(json.dumps(design.document))
-        sizes.append(load_config(path).mesh.element_size_mm)
+        sizes.append(load_config(path).mesh.size_mm)
     assert sizes[1] == pytest.approx(1.5 * sizes[0], rel=0.01)
     assert {**larger.document, "mesh": None} == {**usual.document, "mesh": None}
     assert with_larger_elements([usual], 1.0) == [usual]

@@ -137,7 +137,7 @@ mesh: {size: 6 mm}
     config = load_config(folder / "two.yaml")
     assert config.mass_tonne == pytest.approx((2 * PLATE + BLOCK - AIR) * 1e-9, rel=1e-6)
     assert config.record()["geometry"]["parts"] == {"plate": [20.0, 1.0, 0.0]}
-    size = config.mesh.element_size_mm
+    size = config.mesh.size_mm
     assert check_body(config.design.body(size), config) == ()
     exchanged = load_config(folder / "two.yaml", ["geometry.parts={plate: [20 mm, 11 mm, 0 mm]}"])
     (note,) = check_body(exchanged.design.body(size), exchanged)

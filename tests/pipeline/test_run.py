@@ -148,35 +148,6 @@ def test_the_error_indicator_of_every_state_and_the_largest_one(results: Path) -
     assert indicator["at_mm"] == worst["stress_error_at_mm"]
 
 
-ASKED = """
-name: asked
-geometry: {family: semicircular, chambers: 7}
-material: {law: svk, E: 1.2 MPa, nu: 0.495, density: 1130 kg/m^3}
-pressures: [20 kPa]
-law: five
-validation: off
-mesh: {size: auto}
-"""
-
-
-@pytest.mark.slow
-def test_a_requested_accuracy_is_reported_before_and_after_the_run(tmp_path: Path) -> None:
-    path = tmp_path / "asked.yaml"
-    path.write_text(ASKED, encoding="utf-8")
-    run(load_config(path, ["accuracy=20 %"]), tmp_path / "out", 1, False, Silent())
-    record = read(tmp_path / "out", "run.json")
-    accuracy, indicator = record["accuracy"], record["indicator"]
-    assert accuracy["size_mm"] == record["config"]["mesh"]["size_mm"]
-    assert accuracy["is_reached"]
-    assert accuracy["choices"][0]["degrees_of_freedom"] == pytest.approx(
-        record["degrees_of_freedom"]["II"], rel=0.35
-    )  # predicted from the pilots
-    assert 1.0 <= accuracy["order"] <= 4.0
-    before, after = accuracy["estimated_error"], accuracy["after"]["estimated_error"]
-    assert 0.5 * before < after < 1.5 * before
-    assert accuracy["after"]["indicator"]["at_mm"] == indicator["at_mm"]
-
-
 def test_moment_by_equation_seven_balances_the_clamp(results: Path) -> None:
     with (results / "curves.csv").open() as file:
         curves = [row for row in csv.DictReader(file) if row["experiment"] == "III"]

@@ -103,8 +103,6 @@ def test_the_error_of_a_given_mesh_is_estimated_unless_it_is_switched_off(writte
     assert load_config(written, ["mesh={size: 4 mm}"]).mesh.coarser == 1.5
     assert load_config(written, ["mesh={size: 4 mm, coarser: off}"]).mesh.coarser is None
     assert load_config(written, ["mesh={size: 4 mm, coarser: 2}"]).mesh.coarser == 2.0
-    # a requested accuracy has estimates of its own
-    assert load_config(written, ["mesh={size: 4 mm}", "accuracy=2%"]).mesh.coarser is None
 
 
 @pytest.mark.parametrize("override", [(), ("mesh={size: auto, formulation: auto, grading: auto, coarser: auto}",)])

@@ -12,13 +12,13 @@ from fem.elements import ELEMENTS
 from fem.materials import LAWS, Constant
 from geometry import FAMILIES, PneuNet
 from pipeline.cell.pieces import ArmPieces, NoArmLaw
-from pipeline.config.config import AUTO, Config, End, IdentificationSettings, Validation
+from pipeline.config.config import Config, End, IdentificationSettings, Validation
 from pipeline.config.effects import EFFECTS
 from pipeline.config.load import load_config
 from pipeline.config.units import DENSITY, LENGTH, PRESSURE, STRESS, Dimension, convert
 from pipeline.errors import InputError
 from pipeline.notes.design import check_design
-from pipeline.simulation.scene import Scene, material_of
+from pipeline.simulation.scene import material_of
 
 
 def refusal(path: Path, *overrides: str) -> str:
@@ -81,17 +81,11 @@ def test_experiment_one_may_be_left_out_and_the_others_may_not(written: Path) ->
         assert "allowed: [I, II, III] or [II, III]" in refusal(written, f"experiments={wrong}")
 
 
-def test_a_mesh_size_to_be_planned_is_no_number(configs: Path) -> None:
-    config = load_config(configs / "pneunet_coarse.yaml", ["mesh.size=auto", "accuracy=2 %"])
-    assert config.mesh.size_mm is AUTO
-    assert config.record()["mesh"] == {"size_mm": "auto", "formulation": "p2p0", "coarser": None, "grading": "off"}
-    with pytest.raises(ValueError, match="still to be planned"):
-        _ = config.mesh.element_size_mm
-    with pytest.raises(
-        InputError, match="only `pneurod run` and `pneurod cell` choose a mesh for a requested accuracy"
-    ):
-        Scene.meshed(config)
-    assert config.with_mesh_size(3.0).mesh.element_size_mm == 3.0
+def test_an_accuracy_is_one_percent_unless_it_is_given_or_switched_off(written: Path) -> None:
+    assert load_config(written).accuracy is None
+    assert load_config(written, ["accuracy=2 %"]).accuracy == 0.02
+    assert load_config(written, ["accuracy=off"]).accuracy is None
+    assert "allowed: above 0, at most 20, or off" in refusal(written, "accuracy=30 %")
 
 
 def test_a_configuration_travels_to_other_processes(configs: Path) -> None:

@@ -12,7 +12,6 @@ import pytest
 from hypothesis import HealthCheck, event, given, settings
 
 from geometry.families.design import expected_tets
-from pipeline.config.config import AUTO
 from pipeline.config.load import load_config
 from pipeline.errors import InputError
 from pipeline.simulation.scene import Scene
@@ -72,9 +71,9 @@ def first_stage(folder: Path, written: Written, largest: int) -> str:
     try:
         config = load_config(path, written.settings)
         json.dumps(config.record(), allow_nan=False)
-        size = config.mesh.size_mm  # a size that is still to be planned is refused when the body is meshed
+        size = config.mesh.size_mm
         extent, volume = config.design.extent, config.design.solid_volume / 2
-        if size is not AUTO and expected_tets(size, extent, volume) > largest:
+        if expected_tets(size, extent, volume) > largest:
             return "accepted, too large to be meshed here"
         body = Scene.meshed(config).body
     except InputError as refused:
