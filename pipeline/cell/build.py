@@ -8,7 +8,7 @@ import numpy as np
 from geometry import Reason
 from pipeline.cell.cells import CellMeasurer, measure_bends
 from pipeline.cell.ends import begin_clamps, choose_half_cells, measure_ends
-from pipeline.cell.meshes import estimate_mesh_error
+from pipeline.cell.meshes import MeshLimit
 from pipeline.cell.pieces import ArmPieces
 from pipeline.cell.point import Measured
 from pipeline.cell.tasks import ArmTasks, Log
@@ -30,13 +30,14 @@ class MeasuredLaw:
     error_between: float | None  #: of the curvature between two pressures where it was checked; None: nowhere
     error_along_clamp: float  #: of the rotation of the clamped end between two moments, rad
     error_ends: float | None  #: of the arm's end by cells that the end pieces still disturb, over it; None: not known
-    mesh_error: LawMeshError  #: of the cell
     limits: tuple[Reason, ...]  #: where the law ends before the loads that it was made for, and why
     failures: tuple[Reason, ...]  #: pressures that the pieces do not bear
     factorizations: Mapping[str, int] = field(repr=False)  #: by part of the work
     seconds: Mapping[str, float] = field(repr=False)  #: by part of the work, of earlier runs too
     seconds_of_cells: tuple[float, ...] = field(repr=False)  #: by pressure
     unknowns: Mapping[str, int] = field(repr=False)  #: displacement components by piece
+    mesh_error: LawMeshError | None = None  #: of the cell; None: not estimated
+    limit: MeshLimit | None = None  #: of the mesh, to which the law was corrected; None: the law on one mesh
 
 
 def build_law(
@@ -70,8 +71,6 @@ def build_law(
     mass = mass_along(pieces.design.of_pieces(repetition), pieces.config)
     spread = mass, weight_per_length(mass, pieces.config)
     law = ArmLaw(2.0 * repetition.half_pitch, repetition.middle, length, curves, *ends, *spread)
-    compared = [curve for curve in curves if curve.pressure in (*pressures_kPa, curves[-1].pressure)]
-    unknowns = {"cell": cells[0].unknowns, "end": clamps[0].unknowns}
     return MeasuredLaw(
         law=law,
         half_cells=half_cells,
@@ -80,13 +79,12 @@ def build_law(
         error_between=error_between,
         error_along_clamp=max(end.error for end in clamps),
         error_ends=error_ends,
-        mesh_error=estimate_mesh_error(pieces, compared, unknowns["cell"], context),
         limits=tuple(dict.fromkeys(log.limits)),
         failures=tuple(log.failures),
         factorizations=log.factorizations,
         seconds=log.seconds,
         seconds_of_cells=tuple(cell.seconds for cell in cells),
-        unknowns=unknowns,
+        unknowns={"cell": cells[0].unknowns, "end": clamps[0].unknowns},
     )
 
 

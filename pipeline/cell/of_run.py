@@ -4,7 +4,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from geometry import Reason, Values
-from pipeline.cell.build import MeasuredLaw, build_law
+from pipeline.cell.build import MeasuredLaw
+from pipeline.cell.limit import law_on_mesh
 from pipeline.cell.pieces import ArmPieces, NoArmLaw
 from pipeline.cell.study import save_law
 from pipeline.context import RunContext
@@ -78,7 +79,7 @@ def _measured(
     is_needed: bool, pieces: ArmPieces, context: RunContext, highest_kPa: Callable[[], float] | None
 ) -> LawOfRun:
     try:
-        measured = build_law(pieces, pieces.config.pressures_kPa, context, highest_kPa)
+        measured = law_on_mesh(pieces, pieces.config.pressures_kPa, context, highest_kPa)
     except WorkerLost:
         raise
     except (NoArmLaw, InputError, RunFailed) as failure:

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Hashable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
@@ -12,7 +12,7 @@ from fem.cell.mirror_contact import MirrorContact
 from fem.cell.piece import BendingPiece
 from geometry import GRADINGS, Body, Design, DesignError, MeshError
 from geometry.meshing.mirror import Repetition
-from pipeline.config.config import Config
+from pipeline.config.config import Config, MeshSettings
 from pipeline.simulation.scene import GAP, Scene, make_layer, material_of
 
 
@@ -44,9 +44,19 @@ class ArmPieces:
         """The pieces of a meshed arm. Raises `NoArmLaw`."""
         return ArmPieces(scene.config, scene.activation_distance, scene.outer_walls)
 
-    def with_mesh_size(self, size_mm: float) -> "ArmPieces":
+    def with_mesh(self, mesh: MeshSettings) -> "ArmPieces":
         """The same pieces on another mesh, with the same contact."""
-        return ArmPieces(self.config.with_mesh_size(size_mm), self.dhat, self.outer)
+        return ArmPieces(replace(self.config, mesh=mesh), self.dhat, self.outer)
+
+    def with_mesh_size(self, size_mm: float) -> "ArmPieces":
+        """The same on a mesh of another size."""
+        return self.with_mesh(replace(self.config.mesh, size_mm=size_mm))
+
+    @property
+    def mesh_name(self) -> str:
+        """What the folder of their curves is called: mixed_walls_2.7mm."""
+        mesh = self.config.mesh
+        return f"{mesh.formulation}_{mesh.grading}_{mesh.size_mm:.12g}mm"
 
     @property
     def key(self) -> Hashable:

@@ -4,9 +4,9 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from time import perf_counter
 
-from pipeline.cell.build import MeasuredLaw, build_law
+from pipeline.cell.build import MeasuredLaw
 from pipeline.cell.figure import law_page
-from pipeline.cell.meshes import RefinedMesh, refine_mesh
+from pipeline.cell.limit import deliver_law, law_on_mesh
 from pipeline.cell.pieces import ArmPieces, NoArmLaw
 from pipeline.config.config import Config
 from pipeline.context import run_context
@@ -31,7 +31,6 @@ class LawReport:
     directory: Path
     config: Config
     measured: MeasuredLaw
-    refined: RefinedMesh | None  #: the mesh for a requested accuracy
     seconds: float  #: wall time of this call
 
     def raise_if_failed(self) -> None:
@@ -59,7 +58,8 @@ class LawReport:
 def measure_law(config: Config, out: Path, jobs: int, fresh: bool, progress: Progress) -> LawReport:
     """From a configuration to `out`/law.json; curves that `out` already holds are not measured again.
 
-    For the accuracy of the configuration meshes are refined from its own on (`pipeline.cell.meshes`).
+    The mesh of the configuration is that of the arm; with an accuracy the law comes from finer ones of the cell
+    (`pipeline.cell.limit`).
 
     A pressure that is not reached is named in the report; the law of those below it is in `out` then. Raises InputError
     for an arm without such a law, a body that cannot be meshed and a folder that cannot be used, and RunFailed where
@@ -70,25 +70,25 @@ def measure_law(config: Config, out: Path, jobs: int, fresh: bool, progress: Pro
         loading = begin_loading(context, config)
         progress.stage("mesh")
         try:
-            pieces, refined = ArmPieces.of(Scene.meshed(config)), None
+            pieces = ArmPieces.of(Scene.meshed(config))
             progress.stage("kernels (compiled once)")
             for pending in loading:
                 pending.result()
-            if config.accuracy is not None:
-                refined = refine_mesh(pieces, config.pressures_kPa[-1], config.accuracy, context)
-                pieces = pieces.with_mesh_size(refined.size_mm)
             progress.stage("cell and ends")
-            measured = build_law(pieces, config.pressures_kPa, context)
+            if config.accuracy is None:
+                measured = law_on_mesh(pieces, config.pressures_kPa, context)
+            else:
+                measured = deliver_law(pieces, config.pressures_kPa, context, accuracy=config.accuracy)
         except NoArmLaw as refusal:
             raise InputError(f"{config.source}: {refusal}") from None
-        report = LawReport(out, config, measured, refined, perf_counter() - begin)
-        save_law(store, measured, refined)
+        report = LawReport(out, config, measured, perf_counter() - begin)
+        save_law(store, measured)
         store.save_json("run.json", report.record())
         store.save_text("law.html", law_page(config.name, measured.law))
     return report
 
 
-def save_law(store: Store, measured: MeasuredLaw, refined: RefinedMesh | None = None) -> Law:
+def save_law(store: Store, measured: MeasuredLaw) -> Law:
     """Write law.json, the law, its errors and where it ends, and return the part of it that the report reads."""
     content = {
         **law_record(measured.law),
@@ -100,8 +100,8 @@ def save_law(store: Store, measured: MeasuredLaw, refined: RefinedMesh | None = 
             "between_pressures": measured.error_between,
             "ends_over_length": measured.error_ends,
         },
-        "mesh_error": asdict(measured.mesh_error),
-        "accuracy": refined and refined.record(),
+        "mesh_error": measured.mesh_error and asdict(measured.mesh_error),
+        "accuracy": measured.limit and measured.limit.record(),
         "limits": [*map(render, measured.limits)],
         "failures": [*map(render, measured.failures)],
         "factorizations": measured.factorizations,

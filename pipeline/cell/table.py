@@ -6,8 +6,10 @@ import numpy as np
 
 from geometry import Reason
 from pipeline.cell.build import MeasuredLaw
+from pipeline.cell.meshes import MeshLimit
 from pipeline.cell.study import LawReport
 from pipeline.report.tables import Table
+from pipeline.results.law import LawMeshError
 from rod.arm_law.curves import CellCurve
 
 _HEADS = (
@@ -18,7 +20,7 @@ _HEADS = (
 
 def law_table(measured: MeasuredLaw) -> Table:
     """One row per pressure: the cell without moment, its range of moments, and the work for the cell."""
-    error = measured.mesh_error
+    error = measured.mesh_error or LawMeshError()
     relative = np.array(error.rigidity_N_mm2_std, float) / np.array(error.rigidity_N_mm2, float)
     of_mesh = {
         pressure: (f"{kappa_0:.2g}", f"{100.0 * rigidity:.2g} %")
@@ -30,6 +32,16 @@ def law_table(measured: MeasuredLaw) -> Table:
     )
     caption = "κ₀: curvature without moment; dM/dκ, EA, GA: rigidities there against bending, stretching and shear"
     return Table(_HEADS, rows, caption)
+
+
+def mesh_table(limit: MeshLimit) -> Table:
+    """What accuracy costs: one row per mesh of the cell, with the numbers at the highest pressure."""
+    rows = tuple(
+        (f"{mesh.size_mm:.3g}", str(mesh.degrees_of_freedom), f"{100.0 * mesh.error:.2g} %", f"{mesh.seconds:.1f}")
+        for mesh in limit.meshes
+    )
+    heads = ("mesh (mm)", "unknowns", "error", "CPU s")
+    return Table(heads, rows, "error: of κ₀, rigidity and the moment that straightens the cell, the largest")
 
 
 def _row(cell: CellCurve, of_mesh: tuple[str, str], seconds: float) -> tuple[str, ...]:
@@ -67,8 +79,6 @@ def law_remarks(report: LawReport) -> Iterator[Reason]:
     measured = report.measured
     values = {"half_cells": measured.half_cells, "along_percent": 100.0 * measured.error_along}
     yield Reason("law_interpolated", values | {"between_percent": 100.0 * (measured.error_between or 0.0)})
-    if report.refined is not None:
-        yield from report.refined.remarks
-    if measured.mesh_error.reason:
-        yield Reason("piece_fails", {"why": measured.mesh_error.reason})
+    if measured.limit is not None:
+        yield from measured.limit.remarks
     yield from measured.limits

@@ -149,7 +149,7 @@ class PieceCurves:
 
     def _read(self, kind: type[Value], name: str) -> Measured[Value] | None:
         """The value of this name from an earlier run of these sources."""
-        kept: Measured[Any] | None = read_kept(self.store, f"law/{name}.json", Measured[Any])
+        kept: Measured[Any] | None = read_kept(self.store, self.file(name), Measured[Any])
         if kept is None:
             return None
         return replace(kept, curve=kept.curve if kind is float else curve_of(kind, kept.curve), is_stored=True)
@@ -166,8 +166,12 @@ class PieceCurves:
         measured = replace(measured, factorizations=spent, seconds=seconds, unknowns=unknowns)
         made: Any = measured
         content = made.curve if isinstance(made.curve, float) else record_of(made.curve)
-        save_kept(self.store, f"law/{name}.json", Measured[Any], replace(made, curve=content))
+        save_kept(self.store, self.file(name), Measured[Any], replace(made, curve=content))
         return measured
+
+    def file(self, name: str) -> str:
+        """Where what has this name is kept of these pieces."""
+        return f"law/{self.pieces.mesh_name}/{name}.json"
 
 
 @dataclass(frozen=True)

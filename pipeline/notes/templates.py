@@ -124,10 +124,10 @@ TEMPLATES: Mapping[str, str] = {
     "ends_unknown": "how far the ends of the arm disturb its cells is not known: {why}",
     "ends_differ": "end pieces of {half_cells} and {longer} half cells differ by {percent:.2g} % of the length; longer "
     "ones were not solved: {why}",
-    "cell_mesh_coarser": "the error of the mesh at {pressures_kPa:g} kPa is estimated from a coarser one, which is "
-    "less certain, because {why}",
-    "cell_accuracy": "for {percent:g} % the mesh of {size_mm:.3g} mm was taken; its errors are {kappa_0_percent:.2g} % "
-    "of κ₀ and {rigidity_percent:.2g} % of the rigidity",
+    "cell_accuracy": "the law is that of an infinitely fine mesh to {reached_percent:.2g} %, from meshes down to "
+    "{size_mm:.3g} mm; {percent:g} % were requested",
+    "cell_no_limit": "at {pressure_kPa:g} kPa the law may have no limit, because a mesh of {size_mm:.3g} mm does not "
+    "bear it: {why}",
     "cell_accuracy_missed": "the requested accuracy is not reached: {why}",
     "law_interpolated": "end pieces of {half_cells} half cells; the curvature is interpolated to "
     "{along_percent:.2g} % of the largest one along curves and {between_percent:.2g} % between pressures",

@@ -14,7 +14,7 @@ from geometry import Reason
 from pipeline.cell import meshes, tasks
 from pipeline.cell.cells import BETWEEN, is_not_reduced
 from pipeline.cell.measure import CellPoint
-from pipeline.cell.meshes import NUMBERS, refine_mesh
+from pipeline.cell.meshes import find_limit
 from pipeline.cell.pieces import ArmPieces, NoArmLaw
 from pipeline.cell.saved import SavedLaw
 from pipeline.cell.study import LawReport, measure_law
@@ -73,68 +73,13 @@ def test_the_file_holds_the_law_with_its_errors_and_limits(report: LawReport) ->
     keys = {"pressure_kPa", "kappa_per_mm", "moment_N_mm", "stretch", "rigidity_N_mm2", "contact", "min_J"}
     assert all(keys <= set(curve) for curve in content["curves"])
     error = content["mesh_error"]
-    assert (error["size_mm"], error["second_mm"], error["reason"]) == (6.0, 3.0, "")
-    assert all(len(error[f"{name}_std"]) == len(error["pressures_kPa"]) for name in NUMBERS)
-    assert all(value > 0.0 for name in NUMBERS for value in error[f"{name}_std"])
+    assert error["pressures_kPa"] == [6.0, 9.0]
+    for name in ("kappa_0_per_mm", "rigidity_N_mm2", "moment_N_mm"):
+        values, stds = error[name], error[f"{name}_std"]
+        assert all(0.0 < std < 0.2 * abs(value) for value, std in zip(values, stds, strict=True))
+    assert len(content["accuracy"]["meshes"]) >= meshes.MESHES
     for name in ("law.html", "run.json"):
         assert (report.directory / name).stat().st_size > 1000
-
-
-def test_a_coarser_mesh_gives_the_error_where_a_finer_one_is_too_large(
-    report: LawReport, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(meshes, "MOST_UNKNOWNS", 1000)
-    config = arm(*ARM)
-    with open_store(tmp_path, config, fresh=False) as store:
-        cells = [cell for cell in report.measured.law.cells if cell.pressure in config.pressures_kPa]
-        error = meshes.estimate_mesh_error(ArmPieces(config, 0.04), cells, 2000, RunContext.alone(store, Silent()))
-    assert error.second_mm == 9.0
-    assert error.pressures_kPa == (6.0, 9.0)
-    assert error.reason.endswith("a mesh of half the size has more than 1000 unknowns")
-
-
-def test_a_pressure_that_the_finer_mesh_does_not_bear_costs_the_others_nothing(
-    report: LawReport, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    config, whole = arm(*ARM), report.measured.mesh_error
-    solved, lowest = meshes.cell_without_moment, min(whole.pressures_kPa)
-
-    def failing(piece: BendingPiece, pressure_MPa: float) -> CellPoint:
-        if pressure_MPa == lowest / 1000.0 and len(piece.space.points) > len(report_cell.space.points):
-            raise PieceFailed(Reason("tangent_indefinite"))
-        return solved(piece, pressure_MPa)
-
-    monkeypatch.setattr(meshes, "cell_without_moment", failing)
-    with open_store(tmp_path, config, fresh=False) as store:
-        pieces = ArmPieces(config, 0.04)
-        report_cell = pieces.cell
-        unknowns = report.measured.unknowns["cell"]
-        context = RunContext.alone(store, Silent())
-        cells = [cell for cell in report.measured.law.cells if cell.pressure in config.pressures_kPa]
-        error = meshes.estimate_mesh_error(pieces, cells, unknowns, context)
-    assert error.pressures_kPa == whole.pressures_kPa
-    assert error.second_mm == whole.second_mm == 3.0
-    for name in NUMBERS:
-        ours, theirs = (getattr(of_mesh, f"{name}_std") for of_mesh in (error, whole))
-        assert ours[1:] == theirs[1:]
-        assert ours[0] != theirs[0] > 0.0
-    assert "at 6 kPa" in error.reason
-    assert error.reason.endswith("on the mesh of 3 mm: the tangent is indefinite")
-
-
-@pytest.mark.parametrize("family", ["pneunet_coarse", "semicircular_coarse"])
-def test_a_mesh_of_half_the_size_has_at_most_as_many_points_as_estimated(family: str) -> None:
-    pieces = ArmPieces(load_config(CONFIGS / f"{family}.yaml", ["mesh.size=4 mm"]), 0.04)
-    ratio = len(pieces.with_mesh_size(2.0).cell.space.points) / len(pieces.cell.space.points)
-    assert meshes.MORE_POINTS / 2 < ratio <= meshes.MORE_POINTS
-
-
-@pytest.mark.parametrize("order", [1.0, 1.5, 2.0])
-def test_the_stated_error_is_the_true_one_within_a_quarter_for_every_assumed_order(order: float) -> None:
-    error = 0.1
-    estimate = meshes.deviation(meshes.FINER, 1.0 + error, 1.0 + meshes.FINER**order * error)
-    assert estimate == pytest.approx(error, rel=0.25)
-    assert meshes.deviation(meshes.FINER, 1.0, 1.0) == 0.0
 
 
 def test_the_law_is_read_back_and_gives_the_same_rod(report: LawReport) -> None:
@@ -168,7 +113,7 @@ def test_an_interrupted_measurement_continues_with_equal_numbers(
     """A cell, an end and a check that are missing are measured again, from the same states as the first time."""
     shutil.copytree(report.directory, tmp_path / "again")
     for pattern in ("cell_9kPa*", "clamp_*_9kPa*", "between_6*"):
-        file = min((tmp_path / "again" / "law").glob(pattern))
+        file = min((tmp_path / "again" / "law").rglob(pattern))
         file.unlink()
     again = measure_law(arm(*ARM), tmp_path / "again", 1, False, Silent())
     for ours, theirs in zip(again.measured.law.cells, report.measured.law.cells, strict=True):
@@ -178,35 +123,50 @@ def test_an_interrupted_measurement_continues_with_equal_numbers(
         assert np.array_equal(clamp.offset, other.offset)
 
 
-def test_the_mesh_of_the_cell_is_refined_until_its_error_is_small_enough(
+def test_finer_meshes_are_tried_until_the_limit_is_certain_enough(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    config = arm(*ARM, "mesh.size=6 mm")
+    config = arm(*ARM)
     pieces = ArmPieces(config, 0.04)
     with open_store(tmp_path, config, fresh=False) as store:
         context = RunContext.alone(store, Silent())
-        taken = refine_mesh(pieces, 9.0, 0.1, context)
-        assert taken.is_reached
-        assert len(taken.meshes) >= 3
-        sizes = [mesh.size_mm for mesh in taken.meshes]
+        limit = find_limit(pieces, [9.0], 0.1, context)
+        assert limit.is_reached
+        sizes = [mesh.size_mm for mesh in limit.meshes]
         assert sizes == pytest.approx([6.0 / meshes.RATIO**k for k in range(len(sizes))])
-        assert [remark.code for remark in taken.remarks] == ["cell_accuracy"]
-        before_last = taken.meshes[-2].degrees_of_freedom
+        assert len(sizes) >= meshes.MESHES
+        assert [remark.code for remark in limit.remarks] == ["cell_accuracy"]
+        before_last = limit.meshes[-2].degrees_of_freedom
         monkeypatch.setattr(meshes, "MOST_UNKNOWNS", before_last * meshes.RATIO**2)
-        limited = refine_mesh(pieces, 9.0, 1e-6, context)  # the same meshes, from the folder
-        assert limited.meshes == taken.meshes
+        limited = find_limit(pieces, [9.0], 1e-6, context)  # the same meshes, from the folder
+        assert limited.meshes == limit.meshes
         assert not limited.is_reached
-        assert limited.remarks[-1].code == "cell_accuracy_missed"
-        assert limited.reason.startswith("a finer mesh has more than")
-        monkeypatch.setattr(meshes, "MOST_UNKNOWNS", 1)
-        with pytest.raises(pneurod.RunFailed, match="fewer than 3 meshes"):
-            refine_mesh(pieces, 9.0, 0.1, context)
+        assert [remark.code for remark in limited.remarks] == ["cell_accuracy", "cell_accuracy_missed"]
+
+
+def test_a_pressure_that_a_finer_mesh_does_not_bear_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    config, solved = arm(*ARM), meshes.cell_without_moment
+    pieces = ArmPieces(config, 0.04)
+    coarse = len(pieces.cell.space.points)
+
+    def failing(piece: BendingPiece, pressure_MPa: float) -> CellPoint:
+        if pressure_MPa == 0.009 and len(piece.space.points) > coarse:
+            raise PieceFailed(Reason("tangent_indefinite"))
+        return solved(piece, pressure_MPa)
+
+    monkeypatch.setattr(meshes, "cell_without_moment", failing)
+    with open_store(tmp_path, config, fresh=False) as store:
+        limit = find_limit(pieces, [6.0, 9.0], 1.0, RunContext.alone(store, Silent()))
+    assert limit.pressures_kPa == (0.0, 6.0)
+    [reason] = limit.reasons
+    assert (reason.code, reason.values["pressure_kPa"]) == ("cell_no_limit", 9.0)
+    assert reason.values["size_mm"] == pytest.approx(6.0 / meshes.RATIO)
 
 
 def test_processes_measure_the_same_law(report: LawReport, tmp_path: Path) -> None:
     shutil.copytree(report.directory, tmp_path / "again")
     for pattern in ("cell_6kPa*", "cell_9kPa*"):
-        for file in (tmp_path / "again" / "law").glob(pattern):
+        for file in (tmp_path / "again" / "law").rglob(pattern):
             file.unlink()
     again = measure_law(arm(*ARM), tmp_path / "again", 2, False, Silent()).measured.law
     for ours, theirs in zip(again.cells, report.measured.law.cells, strict=True):
@@ -218,7 +178,7 @@ def test_a_pressure_that_the_cell_does_not_bear_is_named_and_the_law_below_it_st
     report: LawReport, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     shutil.copytree(report.directory, tmp_path / "again")
-    [file] = (tmp_path / "again" / "law").glob("cell_9kPa*")
+    [file] = (tmp_path / "again" / "law").rglob("cell_9kPa*")
     file.unlink()
 
     def fail(*arguments: object) -> None:

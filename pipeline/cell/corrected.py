@@ -1,0 +1,78 @@
+"""A law moved to the limit of its mesh: at each pressure the moments of a cell times a factor, its curvatures shifted.
+
+With the factor r and the shift s, both functions of the pressure p, that is M(kappa, p) -> r M(kappa - s, p): the same
+states of the cell at other moments and curvatures. What a state has besides, such as stretch and ripple, stays with it.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from geometry.arrays import Array
+from pipeline.cell.meshes import MeshLimit, Numbers
+from rod.arm_law.curves import CellCurve, ClampCurve
+from rod.arm_law.law import ArmLaw
+from rod.cubics import cubic, cubic_slope, monotone_slopes
+
+
+@dataclass(frozen=True, eq=False)  # arrays inside
+class Corrections:
+    """By pressure, from rest on: monotone cubics between, constant beyond the last."""
+
+    pressures: Array  #: (n,) kPa, rising
+    shift: Array  #: (n,) 1/mm
+    ratio: Array  #: (n,)
+
+    @staticmethod
+    def between(own: Mapping[float, Numbers], limit: MeshLimit) -> "Corrections":
+        """From the numbers of a law by pressure to those in the limit; none where they have no pressure in common."""
+        rows = [
+            (pressure, numbers.kappa_0 - own[pressure].kappa_0, numbers.rigidity / own[pressure].rigidity)
+            for pressure, numbers in zip(limit.pressures_kPa, limit.limits, strict=True)
+            if pressure in own
+        ]
+        return Corrections(*np.array(rows or [(0.0, 0.0, 1.0)]).T)
+
+    def at(self, pressure: float) -> tuple[float, float, float, float]:
+        """Shift (1/mm), ratio, and their slopes per kPa at a pressure in kPa."""
+        (shift, shift_slope), (ratio, ratio_slope) = (self._at(column, pressure) for column in (self.shift, self.ratio))
+        return shift, ratio, shift_slope, ratio_slope
+
+    def _at(self, column: Array, pressure: float) -> tuple[float, float]:
+        if len(column) < 2:
+            return float(column[0]), 0.0
+        slopes = monotone_slopes(self.pressures, column)
+        inside = min(pressure, float(self.pressures[-1]))
+        value, slope = (float(f(self.pressures, column, slopes, inside)) for f in (cubic, cubic_slope))
+        return value, slope if inside == pressure else 0.0
+
+
+def corrected(law: ArmLaw, corrections: Corrections) -> ArmLaw:
+    """The law with its cells and clamped ends at their corrected moments and curvatures."""
+    cells = tuple(_cell(curve, *corrections.at(curve.pressure)) for curve in law.cells)
+    clamps = tuple(_clamp(curve, *corrections.at(curve.pressure)[1::2]) for curve in law.clamps)
+    return replace(law, cells=cells, clamps=clamps)
+
+
+def _cell(curve: CellCurve, shift: float, ratio: float, shift_slope: float, ratio_slope: float) -> CellCurve:
+    by_pressure = ratio * curve.moment_by_pressure + ratio_slope * curve.moment
+    return replace(
+        curve,
+        moment=ratio * curve.moment,
+        kappa=curve.kappa + shift,
+        rigidity=ratio * curve.rigidity,
+        moment_by_pressure=by_pressure - ratio * curve.rigidity * shift_slope,
+        stretch_by_pressure=curve.stretch_by_pressure - curve.stretch_by_kappa * shift_slope,
+    )
+
+
+def _clamp(curve: ClampCurve, ratio: float, ratio_slope: float) -> ClampCurve:
+    turned = curve.rotation_by_moment * curve.moment * ratio_slope / ratio
+    return replace(
+        curve,
+        moment=ratio * curve.moment,
+        rotation_by_moment=curve.rotation_by_moment / ratio,
+        rotation_by_pressure=curve.rotation_by_pressure - turned,
+        offset_by_moment=curve.offset_by_moment / ratio,
+    )
