@@ -32,9 +32,9 @@ def deliver_law(
     `build_law`.
     """
     fine = fine_pieces(pieces)
-    limit = find_limit(fine, pressures_kPa, accuracy, context)
-    own = _numbers(fine, limit.pressures_kPa, context)
     measured = build_law(fine, pressures_kPa, context, highest_kPa)
+    limit = find_limit(fine, _compared(measured, pressures_kPa), accuracy, context)
+    own = _numbers(fine, limit.pressures_kPa, context)
     law = corrected(measured.law, Corrections.between(own, limit))
     error = limit.error_of(law.pressures, {}, fine.config.mesh.size_mm)
     return replace(measured, law=law, mesh_error=error, limit=limit)
@@ -48,7 +48,7 @@ def law_on_mesh(
 ) -> MeasuredLaw:
     """The law as `build_law` measures it on exactly the given mesh, with its error. Raises as `build_law`."""
     measured = build_law(pieces, pressures_kPa, context, highest_kPa)
-    limit = find_limit(fine_pieces(pieces), pressures_kPa, inf, context)
+    limit = find_limit(fine_pieces(pieces), _compared(measured, pressures_kPa), inf, context)
     own = _numbers(pieces, limit.pressures_kPa, context)
     borne = [pressure for pressure in measured.law.pressures if pressure in own]
     return replace(measured, mesh_error=limit.error_of(borne, own, pieces.config.mesh.size_mm))
@@ -61,6 +61,12 @@ def fine_pieces(pieces: ArmPieces) -> ArmPieces:
     mesh = chosen_mesh(config.design, config.material.law, config.poisson_ratio, against_locking, GivenMesh())
     size = min(mesh.size_mm, config.mesh.size_mm)
     return pieces.with_mesh(replace(mesh, size_mm=size, coarser=config.mesh.coarser))
+
+
+def _compared(measured: MeasuredLaw, pressures_kPa: Sequence[float]) -> list[float]:
+    """The pressures of a law that were asked for, and its last one."""
+    pressures = measured.law.pressures
+    return [pressure for pressure in pressures if pressure in pressures_kPa or pressure == pressures[-1]]
 
 
 def _numbers(pieces: ArmPieces, pressures_kPa: Sequence[float], context: RunContext) -> Mapping[float, Numbers]:

@@ -1,12 +1,12 @@
 """The check of the law between two pressures: in which order the cell is bent, and what it finds."""
 
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, field
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from pipeline.cell import deviation, meshes
+from pipeline.cell import deviation
 from pipeline.cell.deviation import CHECKS, largest_deviation
 from rod.arm_law.curves import CellCurve
 
@@ -66,21 +66,3 @@ def test_the_cell_is_bent_to_either_side_from_the_state_of_the_smallest_moment()
 def test_a_difference_of_the_moment_is_told_as_one_of_the_curvature() -> None:
     largest = largest_deviation(Cell(missing=0.25), curve(0.0), curve(20.0))
     assert largest == pytest.approx(0.25 / EI, rel=1e-9)
-
-
-def test_the_rigidity_for_the_error_of_the_mesh_is_taken_within_the_curve() -> None:
-    """Of a short arm the change of the curvature by one over its length lies beyond the end of the curve."""
-    for length, change in ((500.0, 0.002), (10.0, 0.02)):
-        assert meshes.change_of(curve(0.01), length) == pytest.approx(change)
-        assert meshes.numbers_of(curve(0.01), change)[1] == pytest.approx(EI)
-
-
-def test_a_curve_that_ends_without_moment_has_its_rigidity_on_the_other_side() -> None:
-    whole = curve(0.01)
-    at = int(np.argmin(np.abs(whole.moment)))
-    ended = {f.name: getattr(whole, f.name) for f in fields(whole)}
-    per_moment = {name: value[: at + 1] for name, value in ended.items() if np.shape(value)[:1] == whole.moment.shape}
-    low = replace(whole, **per_moment)
-    change = meshes.change_of(low, 10.0)
-    assert change == pytest.approx(low.kappa[0] - low.kappa[-1])
-    assert meshes.numbers_of(low, change)[1] == pytest.approx(EI)
