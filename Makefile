@@ -68,8 +68,9 @@ paper: $(DEV)  ## the same on the meshes of the shipped configurations, in resul
 	@$(BIN)/pneurod sweep $(paper_sweeps:%=configs/paper/fine/%.yaml) --out results/paper || [ $$? -eq 1 ]
 	$(BIN)/python -m benchmarks.paper results/paper
 
-material: $(READY)  ## the constants of every law from the tensile tests of the example
-	@$(BIN)/pneurod material configs/elastosil_m4601_yeoh.csv --out results/material
+material: $(DEV)  ## the law to take from the tensile tests of the example (or FILES=...); how well known laws come back
+	@$(BIN)/pneurod material $(or $(FILES),configs/elastosil_m4601_yeoh.csv) --out results/material
+	$(BIN)/python -m tests.specimens
 
 accuracy: $(READY)  ## convergence studies of the four coarse arms, in results/*_accuracy
 	@for arm in semicircular semicircular_single bisected_circle; do

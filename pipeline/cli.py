@@ -178,33 +178,33 @@ def export(
 
 
 def material(
-    tests: Annotated[list[Path], typer.Argument(metavar="TENSILE.csv...", help="Nominal stress over nominal strain.")],
+    tests: Annotated[list[Path], typer.Argument(metavar="TENSILE.csv...", help="Files of tensile tests.")],
     out: Annotated[Path, typer.Option("--out", metavar="DIR", help="Result folder.")] = Path("results/material"),
-    nu: Annotated[float, typer.Option(metavar="NU", help="Poisson ratio; it gives rubber its kappa.")] = 0.495,
+    run: Annotated[
+        Path | None, typer.Option("--for", metavar="DIR", help="Results of a run: the stretches that its arm needs.")
+    ] = None,
+    length: Annotated[str | None, typer.Option(metavar="L", help="At rest, for extensions: '33 mm'.")] = None,
+    area: Annotated[str | None, typer.Option(metavar="A", help="At rest, for forces: '16 mm^2'.")] = None,
+    cycle: Annotated[int, typer.Option(metavar="N", min=0, help="A later loading than the first one.")] = 0,
+    start: Annotated[str | None, typer.Option("--from", metavar="STRAIN", help="Leave out smaller strains.")] = None,
     up_to: Annotated[str | None, typer.Option(metavar="STRAIN", help="Leave out larger strains: '50 %'.")] = None,
     within: Annotated[str, typer.Option(metavar="ERROR", help="Relative error within which a law holds.")] = "10 %",
-    break_strain: Annotated[str, typer.Option("--break", metavar="STRAIN", help="E_L below, E_H above.")] = "150 %",
+    nu: Annotated[float, typer.Option(metavar="NU", help="Poisson ratio; it gives rubber its kappa.")] = 0.495,
     density: Annotated[str | None, typer.Option(metavar="RHO", help="For the configuration: '1070 kg/m^3'.")] = None,
 ) -> None:
-    """Tensile tests: constants of every law, the stretches it holds for, E_L and E_H."""
+    """Tensile tests: the law to take, its constants, and the stretches over which it can be used."""
     from pipeline.errors import RunFailed
-    from pipeline.material.fits import ALL, WIDEST, FitOptions
-    from pipeline.material.sentences import caveats, configuration_line, moduli_sentences, none_usable
-    from pipeline.material.study import fit_material
+    from pipeline.material.record import fit_material
+    from pipeline.material.study import FitOptions
     from pipeline.terminal import law_table
 
-    fits = fit_material(tests, FitOptions.read(nu, density, break_strain, up_to, within), out)
-    print_sentences(*(f"Note: {note}" for note in fits.notes))
-    print_lines(*moduli_sentences(fits))
-    for name in (ALL, WIDEST):
-        print_lines("", law_table(fits, name))
-    if fits.usable:
-        print_lines(f"\nfor a configuration, fitted to {WIDEST}:")
-        print_lines(*(configuration_line(fit, density) for fit in fits.usable.values()))
-    print_lines("", *caveats(fits))
-    print_lines(f"written: {out / 'material.html'}, material.json, material_curves.csv")
-    if not fits.usable:
-        raise RunFailed(none_usable(fits))
+    texts = {"--length": length, "--area": area, "--from": start, "--up-to": up_to, "--within": within}
+    found = fit_material(tests, FitOptions.read({**texts, "--density": density}, nu, cycle, run), out)
+    print_sentences(*(f"Note: {note}" for note in found.notes))
+    if not found.judged.usable:
+        raise RunFailed(" ".join(found.words))
+    print_lines("", *found.words, "", found.line, "", law_table(found))
+    print_lines(f"\nwritten: {out / 'material.html'} (picture), material.json (all laws as lines), material_curves.csv")
 
 
 def sweep(

@@ -8,9 +8,8 @@ from rich.table import Table
 from geometry import Body
 from pipeline.config.config import Config
 from pipeline.effects_rows import BASE, COLUMNS, EffectRow
-from pipeline.material.fits import Fits
-from pipeline.material.law_fit import LawFit, Refused
-from pipeline.material.sentences import with_error
+from pipeline.material.page import law_rows
+from pipeline.material.study import Material
 from pipeline.report.tables import Table as TextTable
 
 
@@ -103,30 +102,12 @@ def _number(row: EffectRow, value: float | None, name: str, mark: str = "") -> s
     return f"{shown}\n{100 * change:+.{1 if abs(change) < 0.0995 else 0}f} %"
 
 
-def law_table(fits: Fits, name: str) -> Table:
-    """The fits with this name (`ALL` or `WIDEST` of `pipeline.material.fits`); laws without a fit are listed below."""
-    columns = ("law", "constants (MPa)", "rms MPa", "holds for", "limit", "stable for")
-    refused = [fit for both in fits.laws.values() if isinstance(fit := both[name], Refused)]
-    below = "\n".join(f"{fit.name} {fit.reason}" for fit in refused) or None
-    table = Table(*columns, box=None, pad_edge=False, title=f"fitted to {name}", caption=below)
-    table.title_justify = table.caption_justify = "left"
-    for column in table.columns:
-        column.no_wrap = True
-    for column in (table.columns[number] for number in (2, 3, 5)):
-        column.justify = "right"
-    for both in fits.laws.values():
-        fit = both[name]
-        if isinstance(fit, LawFit):
-            holds = "nowhere" if fit.valid_range is None else _stretches(*fit.valid_range)
-            stable = _stretches(*fit.solved.stretch_limits)
-            name_and_points = f"{fit.name}\n{fit.points} points"
-            table.add_row(name_and_points, _constants(fit), f"{fit.rms:.2g}", holds, fit.limited_by, stable)
+def law_table(material: Material) -> Table:
+    """All laws, the one to take first."""
+    head, *rows = law_rows(material)
+    table = Table(*head[:-2], head[-2].replace(" at", "\nat"), head[-1], box=None, padding=(0, 2, 0, 0))
+    for number in (2, 4):
+        table.columns[number].justify = "right"
+    for name, constants, *numbers, why in rows:
+        table.add_row(name, constants.replace(", ", "\n"), *numbers, why)
     return table
-
-
-def _constants(fit: LawFit) -> str:
-    return "\n".join(f"{name} {with_error(value, fit.errors[name])}" for name, value in fit.constants.items())
-
-
-def _stretches(low: float, high: float) -> str:
-    return f"{low:.3g} - {high:.3g}".replace("inf", "∞")

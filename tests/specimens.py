@@ -1,9 +1,20 @@
-"""Synthetic tensile tests: the incompressible Yeoh law with scatter, drawn from a seed."""
+"""Synthetic tensile tests: the example that is shipped, drawn from a seed, and known laws tested with warts.
+
+`python -m tests.specimens` prints how far the recommended law is off the known one.
+"""
+
+import sys
+from collections.abc import Callable
 
 import numpy as np
 
+import fem
 from fem import Yeoh
-from pipeline.material.tensile import TensileTest
+from geometry.arrays import Array
+from pipeline.material.judged import Judged, Need, judge
+from pipeline.material.laws import STATES, Points, nominal
+from pipeline.material.loading import Selection, TensileTest, first_loading
+from pipeline.material.table import Series
 
 #: the example that is shipped: C10, C20 of Elastosil M4601 in MPa, 0 to 700 % in steps of 2.5 %, five specimens
 CONSTANTS = {"c10": 0.11, "c20": 0.02, "c30": 0.0}
@@ -45,3 +56,73 @@ def example() -> str:
         for strain, stress in zip(test.strain, test.stress, strict=True)
     ]
     return HEADER + "\n".join(["test,strain (%),stress (MPa)", *rows]) + "\n"
+
+
+NEED = Need(0.7, 2.0)
+TOLERANCE = 0.1
+TRUTHS = {
+    "neo_hooke": fem.NeoHooke(0.024, 100.0),
+    "yeoh": fem.Yeoh(0.06, 0.004, 0.0, 100.0),
+    "yeoh of three": fem.Yeoh(0.0895, 0.0085, -0.00025, 100.0),
+    "hardening": fem.Yeoh(0.11, 0.02, 0.0, 100.0),
+}
+#: what a test shows of a truth: stress over strain (n,) -> strain and stress as recorded
+Wart = Callable[[Callable[[Array], Array], Array], tuple[Array, Array]]
+
+
+def cycled(stress: Callable[[Array], Array], strain: Array) -> tuple[Array, Array]:
+    """Loaded, unloaded and loaded again, softer than at first."""
+    once = stress(strain)
+    return np.concatenate([strain, strain[::-1], strain]), np.concatenate([once, 0.7 * once[::-1], 0.8 * once])
+
+
+def stepped(stress: Callable[[Array], Array], strain: Array) -> tuple[Array, Array]:
+    """A load cell with steps of 5 % of the stress at a strain of 100 %."""
+    step = 0.05 * float(stress(np.array(1.0)))
+    return strain, np.round(stress(strain) / step) * step
+
+
+def noisy(stress: Callable[[Array], Array], strain: Array) -> tuple[Array, Array]:
+    """Scatter of 2 % of the stress at a strain of 100 %."""
+    size = 0.02 * float(stress(np.array(1.0)))
+    return strain, stress(strain) + size * np.random.default_rng(5).standard_normal(len(strain))
+
+
+WARTS: dict[str, Wart] = {
+    "exact": lambda stress, strain: (strain, stress(strain)),
+    "slack": lambda stress, strain: (strain, stress(np.maximum(strain - 0.02, 0.0))),
+    "rounded": lambda stress, strain: (strain, stress(0.01 * np.log1p(np.exp((strain - 0.02) / 0.01)))),
+    "noise": noisy,
+    "cycles": cycled,
+    "steps": stepped,
+}
+
+
+def judged(strain: Array, stress: Array, need: Need = NEED) -> Judged:
+    series = Series("", strain, stress, np.arange(len(strain)), ())
+    test = first_loading("pull.csv", "pull", series, Selection())
+    return judge(Points.of((test,)), need, 0.4999, TOLERANCE)
+
+
+def errors(truth: str, wart: str, count: int) -> dict[str, float]:
+    """Largest errors of the stress of the recommended law between the stretches 1.2 and 2, by state."""
+    law, s = TRUTHS[truth], np.linspace(1.2, 2.0, 17)
+    best = judged(*WARTS[wart](lambda e: law.incompressible(1 + e), np.linspace(0.0, 2.5, count))).laws[0]
+    assert best.holds is not None
+    assert best.holds[1] >= 1.9
+    ratios = {state: nominal(best.law, s, of(s)) / nominal(law, s, of(s)) for state, of in STATES.items()}
+    return {state: float(np.abs(ratio - 1).max()) for state, ratio in ratios.items()}
+
+
+def main() -> None:
+    """The table of docs/materials.md."""
+    lines = [f"| test | {' | '.join(STATES)} |", "|---|---|---|---|"]
+    for wart in WARTS:
+        rows = [errors(truth, wart, count) for truth in TRUTHS for count in (66, 400)]
+        largest = [100 * max(row[state] for row in rows) for state in STATES]
+        lines.append(f"| {wart} | {' | '.join(f'{error:.1f} %' for error in largest)} |")
+    sys.stdout.write("\n".join([*lines, ""]))
+
+
+if __name__ == "__main__":
+    main()

@@ -25,8 +25,10 @@ class Hencky(TwoModuli):
     title = "Hencky"
 
     @classmethod
-    def uniaxial_terms(cls, stretch: Array) -> dict[str, Array]:
-        return {"E": np.log(stretch) / stretch}
+    def uniaxial_terms(cls, stretch: Array, across: Array | None = None) -> dict[str, Array]:
+        if across is None:
+            return {"E": np.log(stretch) / stretch}
+        return {"E": 2 / 3 * np.log(stretch**2 * across) / stretch}
 
     def uniaxial(self, stretch: Array) -> Uniaxial:
         """t = s^-nu, P = E ln(s) / s."""

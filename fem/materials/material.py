@@ -163,10 +163,11 @@ class LinearLaw(Material):
 
     @classmethod
     @abstractmethod
-    def uniaxial_terms(cls, stretch: Array) -> dict[str, Array]:
+    def uniaxial_terms(cls, stretch: Array, across: Array | None = None) -> dict[str, Array]:
         """The nominal stress at stretches (n,) is the sum of these terms (n,), each times its constant.
 
-        Rubber-like laws are incompressible here, because a tensile test does not determine kappa.
+        Rubber-like laws are incompressible here, because a tensile test does not determine kappa. `across` (n,) is the
+        second principal stretch, the third side being free, in an incompressible body; None for free sides.
         """
 
 

@@ -36,9 +36,10 @@ class IsochoricLaw(RubberLaw):
         return float(2 * (self.first_invariant_energy(np.array(3.0))[1] + self.second_invariant_modulus))
 
     @final
-    def incompressible(self, stretch: Array) -> Array:
-        derivative = self.first_invariant_energy(stretch**2 + 2 / stretch)[1]
-        return np.asarray(2 * (stretch - stretch**-2) * (derivative + self.second_invariant_modulus / stretch))
+    def incompressible(self, stretch: Array, across: Array | None = None) -> Array:
+        derivative = self.first_invariant_energy(_invariant(stretch, across) + 3)[1]
+        second = self.second_invariant_modulus * _square_across(stretch, across)
+        return np.asarray(_linear_term(stretch, across) * (derivative + second))
 
     @final
     def isochoric(self, c: CauchyGreen) -> Response:
@@ -68,9 +69,23 @@ class IsochoricLaw(RubberLaw):
         return Response(energy, stress, c.products(factors))
 
 
-def _linear_term(stretch: Array) -> Array:
-    """Nominal stress (n,) of the incompressible bar over the modulus c10 of W = c10 (I1bar - 3)."""
-    return 2 * (stretch - stretch**-2)
+def _linear_term(stretch: Array, across: Array | None) -> Array:
+    """Nominal stress (n,) of the incompressible body over the modulus c10 of W = c10 (I1bar - 3)."""
+    if across is None:
+        return 2 * (stretch - stretch**-2)
+    return np.asarray(2 * (stretch - (stretch * across) ** -2.0 / stretch))
+
+
+def _invariant(stretch: Array, across: Array | None) -> Array:
+    """I1 - 3 (n,) of the incompressible body."""
+    if across is None:
+        return stretch**2 + 2 / stretch - 3
+    return np.asarray(stretch**2 + across**2 + (stretch * across) ** -2.0 - 3)
+
+
+def _square_across(stretch: Array, across: Array | None) -> Array:
+    """Square (n,) of the second principal stretch."""
+    return 1 / stretch if across is None else across**2
 
 
 @final
@@ -87,8 +102,8 @@ class NeoHooke(IsochoricLaw, LinearLaw):
         check_positive(NeoHooke, {"mu": self.mu, "kappa": self.kappa})
 
     @classmethod
-    def uniaxial_terms(cls, stretch: Array) -> dict[str, Array]:
-        return {"mu": _linear_term(stretch) / 2}
+    def uniaxial_terms(cls, stretch: Array, across: Array | None = None) -> dict[str, Array]:
+        return {"mu": _linear_term(stretch, across) / 2}
 
     def first_invariant_energy(self, invariant: Array) -> tuple[Array, Array, Array]:
         return _polynomial(invariant, self.mu / 2)
@@ -116,8 +131,9 @@ class MooneyRivlin(IsochoricLaw, LinearLaw):
         check_positive(MooneyRivlin, {"c10 + c01": self.c10 + self.c01, "kappa": self.kappa})
 
     @classmethod
-    def uniaxial_terms(cls, stretch: Array) -> dict[str, Array]:
-        return {"c10": _linear_term(stretch), "c01": _linear_term(stretch) / stretch}
+    def uniaxial_terms(cls, stretch: Array, across: Array | None = None) -> dict[str, Array]:
+        linear = _linear_term(stretch, across)
+        return {"c10": linear, "c01": linear * _square_across(stretch, across)}
 
     def first_invariant_energy(self, invariant: Array) -> tuple[Array, Array, Array]:
         return _polynomial(invariant, self.c10)
@@ -148,8 +164,8 @@ class Yeoh(IsochoricLaw, LinearLaw):
         check_finite("Yeoh: c30 (MPa)", self.c30, MaterialError)
 
     @classmethod
-    def uniaxial_terms(cls, stretch: Array) -> dict[str, Array]:
-        linear, invariant = _linear_term(stretch), stretch**2 + 2 / stretch - 3
+    def uniaxial_terms(cls, stretch: Array, across: Array | None = None) -> dict[str, Array]:
+        linear, invariant = _linear_term(stretch, across), _invariant(stretch, across)
         return {"c10": linear, "c20": 2 * linear * invariant, "c30": 3 * linear * invariant**2}
 
     def first_invariant_energy(self, invariant: Array) -> tuple[Array, Array, Array]:

@@ -13,7 +13,7 @@ import numpy as np
 
 from fem.materials.material import BulkModulus, Dilatation, Material, MaterialError, Response, Uniaxial
 from fem.materials.tensors import CauchyGreen, Products, scaled
-from geometry.arrays import Array, Mask
+from geometry.arrays import Array
 
 
 class RubberLaw(Material):
@@ -31,8 +31,11 @@ class RubberLaw(Material):
         """psi and its first two derivatives by the strain; the tangent is contiguous and belongs to the caller."""
 
     @abstractmethod
-    def incompressible(self, stretch: Array) -> Array:
-        """Nominal stress (n,) of the incompressible bar under uniaxial stress at stretches (n,), MPa."""
+    def incompressible(self, stretch: Array, across: Array | None = None) -> Array:
+        """Nominal stress (n,) along the first axis of the incompressible body at stretches (n,), MPa.
+
+        The second principal stretch is `across` (n,), the third side being free; None for a bar with free sides.
+        """
 
     @final
     @classmethod
@@ -110,15 +113,10 @@ def _volume_energy(c: CauchyGreen, modulus: float) -> tuple[Array, Array, Produc
 
 def stable_range(nominal: Callable[[Array], Array]) -> tuple[float, float]:
     """Stretches around 1 within which the nominal stress keeps rising; 0 and infinity where it does from 0.1 to 10."""
-    return range_of(lambda stretch: np.append(np.diff(nominal(stretch)) * np.diff(stretch) > 0, True))
-
-
-def range_of(holds: Callable[[Array], Mask]) -> tuple[float, float]:
-    """Stretches around 1 within which a condition holds; 0 and infinity where it does from 0.1 to 10."""
     ends = []
     for last, unlimited in ((0.1, 0.0), (10.0, np.inf)):
         stretch = np.geomspace(1.0, last, 2001)
-        held = holds(stretch)
+        held = np.append(np.diff(nominal(stretch)) * np.diff(stretch) > 0, True)
         ends.append(unlimited if held.all() else float(stretch[np.argmin(held)]))
     return ends[0], ends[1]
 

@@ -21,8 +21,11 @@ class StVenantKirchhoff(TwoModuli):
     title = "St. Venant-Kirchhoff"
 
     @classmethod
-    def uniaxial_terms(cls, stretch: Array) -> dict[str, Array]:
-        return {"E": stretch * (stretch**2 - 1) / 2}
+    def uniaxial_terms(cls, stretch: Array, across: Array | None = None) -> dict[str, Array]:
+        if across is None:
+            return {"E": stretch * (stretch**2 - 1) / 2}
+        first, third = stretch**2, (stretch * across) ** -2.0
+        return {"E": (first * (first - 1) - third * (third - 1)) / (3 * stretch)}
 
     def uniaxial(self, stretch: Array) -> Uniaxial:
         """t^2 = 1 - nu (s^2 - 1), P = E s (s^2 - 1) / 2."""

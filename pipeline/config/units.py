@@ -22,6 +22,7 @@ class Dimension:
 
 
 LENGTH = Dimension("a length", "mm", "4 mm")
+AREA = Dimension("an area", "mm**2", "16 mm^2")
 STRESS = Dimension("a stress", "MPa", "1.2 MPa")
 PRESSURE = Dimension("a pressure", "kPa", "37 kPa")
 ACCELERATION = Dimension("an acceleration", "mm/s**2", "-9.81 m/s^2")
@@ -35,6 +36,7 @@ DENSITY = Dimension("a density", "tonne/mm**3", "1130 kg/m^3")
 #: `tests/pipeline/config/test_units.py` compares the factors with those of pint, which takes Nm for nanometres.
 _USUAL: dict[str, dict[str, float]] = {
     "mm": {"mm": 1.0, "cm": 10.0, "m": 1000.0},
+    "mm**2": {"mm^2": 1.0, "cm^2": 100.0},
     "MPa": {"MPa": 1.0, "kPa": 1e-3, "GPa": 1e3},
     "kPa": {"kPa": 1.0, "MPa": 1e3, "Pa": 1e-3, "bar": 100.0, "mbar": 0.1},
     "N": {"N": 1.0, "mN": 1e-3},

@@ -1,149 +1,121 @@
-"""What tensile tests tell, in sentences, and each fitted law as a configuration takes it."""
+"""What tensile tests tell, in sentences, and a law as a configuration takes it."""
 
-import math
+from collections.abc import Iterator
 
 import numpy as np
 
-from fem.materials import LAWS, Constant, Ogden
-from pipeline.formatting import listed
-from pipeline.material.fits import Fits
-from pipeline.material.law_fit import LawFit
-from pipeline.material.moduli import check_high_modulus
+from fem.materials import LAWS, Constant
+from pipeline.material.judged import Judged, LawFit, Need, end_of, parting
+from pipeline.material.laws import Points
+from pipeline.material.loading import TensileTest
 
-#: |stretch - 1| below which large scatter needs no sentence
-NEAR_REST = 0.02
-
-
-def with_error(value: float, error: float) -> str:
-    """0.1094 ± 0.002: one digit of the standard error, and the value to the digit after it, six digits at most."""
-    if not (math.isfinite(error) and error > 0 and value):
-        return f"{value:.6g}"
-    digits = math.floor(math.log10(abs(value))) - math.floor(math.log10(error)) + 2
-    return f"{value:.{min(max(digits, 1), 6)}g} ± {error:.1g}"
+#: Young's moduli of rubbers and gels from which arms are made, MPa, and the largest strain that they bear
+SOFTEST, STIFFEST, LARGEST_STRAIN = 0.01, 100.0, 15.0
+#: strain below which a test of rubber is no test, and the largest over which stresses are above those of a rubber
+SMALLEST_STRAIN = 0.02
+#: the least stretch of a column of strains that has stretches, and the stress there over the largest one
+STRETCH_AT_REST, STRESS_AT_REST = (1.95, 2.05), 0.1
 
 
-def yaml_block(fit: LawFit, density: str | None) -> str:
-    """The section `material` of a configuration with this law, the density where one is given, and the stretches
-    between which it holds."""
-    entries = [f"{name}: {_value(fit, name, kind)}" for name, kind in LAWS[fit.law].constants().items()]
-    entries += [] if density is None else [f"density: {density}"]
-    if fit.valid_range:
-        entries.append(f"holds_between: [{', '.join(f'{end:.3g}' for end in _between(fit.valid_range))}]")
-    return f"material: {{law: {fit.law}, {', '.join(entries)}}}"
-
-
-def _between(valid_range: tuple[float, float]) -> tuple[float, float]:
-    """The smallest and the largest stretch in a bar that is stretched over this range, across the bar too.
-
-    A bar that keeps its volume and is stretched to s becomes s**-0.5 times as wide.
-    """
-    low, high = valid_range
-    return min(low, high**-0.5), max(high, low**-0.5)
-
-
-def configuration_line(fit: LawFit, density: str | None) -> str:
-    """The section `material` of a configuration, and as a comment of it what it was fitted to."""
-    low, high = fit.fitted_range
-    return f"{yaml_block(fit, density)}  # from {fit.points} points, stretches {low:.3g} to {high:.3g}"
+def yaml_line(fit: LawFit, density: str | None) -> str:
+    """The section `material` of a configuration with this law, and the stretches between which it holds."""
+    entries = [f"{name}: {_value(fit, name, kind)}" for name, kind in LAWS[fit.form.law].constants().items()]
+    entries += [f"density: {density}"] if density else []
+    if fit.holds:
+        low, high = fit.holds  # inwards, so that no stretch beyond is written as one within
+        entries.append(f"holds_between: [{np.ceil(low * 100) / 100:.3g}, {np.floor(high * 100) / 100:.3g}]")
+    return f"material: {{law: {fit.form.law}, {', '.join(entries)}}}"
 
 
 def _value(fit: LawFit, name: str, kind: Constant) -> str:
     """A constant as a configuration takes it."""
-    value = getattr(fit.solved, name)
+    value = getattr(fit.law, name)
     if isinstance(value, tuple):
-        return f"[{', '.join(f'{entry:.6g}{kind.unit}' for entry in value)}]"
-    return f"{value:{'g' if kind is Constant.POISSON_RATIO else '.6g'}}{kind.unit}"
+        return f"[{', '.join(f'{entry:.4g}{kind.unit}' for entry in value)}]"
+    return f"{value:.4g}{kind.unit}"
 
 
-def moduli_sentences(fits: Fits) -> list[str]:
-    """E_L and E_H with their standard errors, and which line each is the slope of."""
-    moduli, at = fits.moduli, f"{100 * fits.moduli.break_strain:g} %"
-    if not np.isfinite(moduli.low):
-        return [f"E_L: too few points in tension up to {at}"]
-    low = f"E_L = {with_error(moduli.low, moduli.low_error)} MPa: slope of the line through rest, strains up to {at}"
-    if not np.isfinite(moduli.high):
-        return [low, f"E_H: too few points beyond {at}"]
-    return [
-        low,
-        f"E_H = {with_error(moduli.high, moduli.high_error)} MPa: slope of the best line, strains beyond {at}",
-        f"(joined to the end of the first line {moduli.high_joined:.4g}, through rest {moduli.high_from_rest:.4g} MPa)",
+def constants(fit: LawFit) -> str:
+    """The constants as a table shows them."""
+    return ", ".join(f"{name} {value:.4g}" for name, value in zip(fit.form.constants, fit.constants, strict=True))
+
+
+def stretches(fit: LawFit) -> str:
+    """The principal stretches over which a law can be used."""
+    return "-" if fit.holds is None else f"{fit.holds[0]:.2f} to {fit.holds[1]:.2f}"
+
+
+def recommendation(judged: Judged, points: Points, need: Need, within: float) -> list[str]:
+    """Which law to take, in words."""
+    best = judged.laws[0]
+    if best.holds is None:
+        return [f"No law can be used: {best.name}, which comes closest, is {best.why}."]
+    misfit = f"on average {100 * best.misfit:.2g} % off the tests, at most {100 * best.largest:.2g} %"
+    sentences = [
+        f"Take {best.name}: it is {misfit}, and stable in all directions up to a stretch of {best.holds[1]:.3g}."
     ]
-
-
-def none_usable(fits: Fits) -> str:
-    """Why there is no law for a configuration."""
-    likely = "; ".join(fits.notes) or "look at the points in material.html for scatter, offsets and mistakes in units"
-    return f"no law describes these data from rest on within {100 * fits.options.within:g} %: {likely}"
-
-
-def caveats(fits: Fits) -> list[str]:
-    """What to know before choosing a law."""
-    return [*_high_modulus(fits), *_kappa(fits), *_stability(fits), *_scatter(fits), *_compression(fits)]
-
-
-def _high_modulus(fits: Fits) -> list[str]:
-    moduli = fits.moduli
-    check = check_high_modulus(moduli.low, moduli.high, fits.options.nu)
-    if check is None:
-        return []
-    return [
-        f"With these E_L and E_H a St. Venant-Kirchhoff bar of E = E_H carries {check.svk:.3g} MPa at stretch "
-        f"{check.stretch:g}, {check.svk / check.line:.1f} times the measured line E_L times strain; "
-        f"a Hencky bar {check.hencky / check.line:.1f} times."
-    ]
-
-
-def _kappa(fits: Fits) -> list[str]:
-    limited = [law for law, fit in fits.usable.items() if fit.limited_by == "kappa"]
-    if not limited:
-        return []
-    return [
-        f"The range of {listed(limited)} is limited by kappa, which follows from nu = {fits.options.nu:g}: "
-        "the same constants in an incompressible law reach further; a larger --nu extends the range."
-    ]
-
-
-def _stability(fits: Fits) -> list[str]:
-    """Drucker's stability of Ogden's law."""
-    fitted = {fit.name: fit.solved for fit in fits.usable.values() if isinstance(fit.solved, Ogden)}
-    stable = [name for name, law in fitted.items() if law.always_stable]
-    sentences = []
-    for name, law in fitted.items():
-        if name not in stable:
-            limits = [f"{low:.3g} and {high:.3g} in {test}" for test, (low, high) in law.drucker_limits().items()]
-            sentences.append(
-                f"{name} is stable in Drucker's sense (more stress for more strain) between stretches "
-                f"{', '.join(limits).replace('inf', '∞')}; elsewhere not, because mu alpha < 0 in one of its terms."
-            )
-    if stable:
-        sentences.append(
-            f"{listed(stable)}: stable in Drucker's sense (more stress for more strain) at every strain, because "
-            "mu alpha > 0 in every term."
-        )
+    if best.why == "misfit" and best.largest > within:
+        sentences = [f"No law is within {100 * within:g} % of the tests. {best.name} comes closest: it is {misfit}."]
+    if best.holds[1] < 0.98 * need.high:
+        ends = f"ends at a stretch of {best.holds[1]:.3g}"
+        end = f"the test {ends}" if end_of(points) <= best.holds[1] * 1.02 else f"what it describes {ends}"
+        sentences.append(f"An arm may need {need.low:.3g} to {need.high:.3g}, but {end}.")
+    if beside := _beside(judged, min(need.high, best.holds[1])):
+        sentences.append(beside)
     return sentences
 
 
-def _scatter(fits: Fits) -> list[str]:
-    curve, tolerance = fits.curve, f"{100 * fits.options.within:g} %"
-    resolved = curve.nodes[curve.resolves(fits.options.within)]
-    if not len(resolved):
-        return [f"The scatter of the points exceeds {tolerance} of the stress at every stretch."]
-    nearest = resolved[np.argmin(np.abs(np.log(resolved)))]
-    if abs(nearest - 1) <= NEAR_REST:
-        return []
+def _beside(judged: Judged, high: float) -> str:
+    """How far the usable laws part where walls are pulled in two directions."""
+    best, *others = judged.usable
+    ratios = [
+        parting(other.law, best.law, high)[2] for other in others if other.holds and other.holds[1] >= 0.98 * high
+    ]
+    if not ratios:
+        return ""
+    least, most = min(ratios), max(ratios)
+    between = f"{least:.2g} to {most:.2g}" if f"{least:.2g}" != f"{most:.2g}" else f"{least:.2g}"
+    return (
+        "A tensile test does not pull in two directions, as pressure pulls a wall: there the other usable laws have "
+        f"{between} times its stress at a stretch of {high:.3g}."
+    )
+
+
+def facts(judged: Judged, points: Points) -> list[str]:
+    """Numbers to compare with a data sheet, and what no law of this program contains."""
+    modulus = judged.laws[0].law.young_modulus
+    doubled = f", stress at 100 % strain {np.interp(2.0, points.stretch, points.stress):.3g} MPa"
+    spread = f", the specimens differ by {100 * points.spread:.2g} %" if np.isfinite(points.spread) else ""
     return [
-        f"Between rest and stretch {nearest:.3g} the scatter of the points exceeds {tolerance} of the stress; "
-        "no law is rejected there."
+        f"Young's modulus at rest {modulus:.3g} MPa{doubled if points.stretch[-1] >= 2 else ''}{spread}.",
+        "Creep, rate and the softening of later cycles are in none of these laws.",
     ]
 
 
-def _compression(fits: Fits) -> list[str]:
-    compressed, pulled = fits.curve.nodes[0] < 1, fits.curve.nodes[-1] > 1
-    if compressed and pulled:
-        return []
-    if compressed:
-        return [
-            "These are tests in compression only: they do not tell how well a law describes tension, in which the "
-            "walls of an inflated arm are."
-        ]
-    return ["These are tests in tension only: they do not tell how well a law describes compression."]
+def doubts(tests: tuple[TensileTest, ...], points: Points) -> Iterator[str]:
+    """What is most likely wrong with the data."""
+    strain, stress = float(np.abs(points.stretch - 1).max()), float(np.abs(points.stress).max())
+    first, low = points.stretch[0], abs(float(points.stress[0]))
+    if strain < SMALLEST_STRAIN:
+        swapped = SMALLEST_STRAIN <= stress <= 1000 * LARGEST_STRAIN
+        yield f"strains reach {100 * strain:.3g} % only: " + (
+            "are the columns of strain and stress swapped?" if swapped else "check the unit of the strain, % or 1"
+        )
+    elif strain > LARGEST_STRAIN:
+        limit = f"rubbers break below {100 * LARGEST_STRAIN:g} %"
+        yield f"strains reach {100 * strain:.3g} %, and {limit}: is the strain in % where the title says 1?"
+    elif STRETCH_AT_REST[0] <= first <= STRETCH_AT_REST[1] and low <= STRESS_AT_REST * stress:
+        at = f"begin at {100 * (first - 1):.4g} % with a stress of {low:.3g} MPa"
+        yield f"strains {at}: if these are stretches, call the column 'stretch'"
+    else:
+        yield from _of_modulus(3 * points.modulus)
+    yield from (note for test in tests for note in test.notes)
+
+
+def _of_modulus(modulus: float) -> Iterator[str]:
+    """A Young's modulus, MPa, that no rubber has."""
+    if not modulus > 0 or SOFTEST <= modulus <= STIFFEST:
+        return
+    meant, units = (modulus / 1000, "kPa, not MPa") if modulus > STIFFEST else (1000 * modulus, "MPa, not kPa")
+    likely = f": is the stress in {units}? It would be {meant:.3g} MPa" if SOFTEST <= meant <= STIFFEST else ""
+    yield f"Young's modulus is {modulus:.3g} MPa, and rubbers have {SOFTEST:g} to {STIFFEST:g} MPa{likely}"

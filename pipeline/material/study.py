@@ -1,108 +1,113 @@
-"""From tensile tests to the constants of every law: read, fit, write."""
+"""From tensile tests to a law: read, fit, judge."""
 
 from collections.abc import Sequence
-from dataclasses import asdict
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
-from pipeline.material.figure import tensile_page
-from pipeline.material.fits import FitOptions, Fits, fit_laws
-from pipeline.material.law_fit import LawFit, Refused
-from pipeline.material.moduli import PAPER, HighModulusCheck, check_high_modulus
-from pipeline.material.sentences import caveats, moduli_sentences, yaml_block
-from pipeline.material.tensile import read_tensile
-from pipeline.store.formats import FORMAT
-from pipeline.store.json_values import JsonObject
-from pipeline.store.provenance import provenance
-from pipeline.store.result_folder import open_folder
+from fem.materials import MaterialError, StVenantKirchhoff
+from pipeline.config.units import AREA, DENSITY, LENGTH, STRAIN, Dimension, convert
+from pipeline.errors import InputError, RunFailed
+from pipeline.material.judged import Judged, Need, judge
+from pipeline.material.laws import Points
+from pipeline.material.loading import Selection, TensileTest, read_tensile
+from pipeline.material.sentences import doubts, facts, recommendation, yaml_line
+from pipeline.material.table import Specimen
 
-CURVE_COLUMNS = (
-    *("law", "fitted_to", "stretch", "strain", "nominal_stress_MPa", "lateral_stretch", "J"),
-    *("measured_nominal_stress_MPa", "holds"),
-)
-
-
-def fit_material(paths: Sequence[Path], options: FitOptions, out: Path) -> Fits:
-    """Fit everything; `out` then holds material.json, material_curves.csv and material.html. Raises InputError."""
-    fits = fit_laws(read_tensile(paths), options)
-    store = open_folder(out)
-    store.save_json("material.json", _record(paths, fits))
-    store.save_rows("material_curves.csv", CURVE_COLUMNS, _curve_rows(fits))
-    store.save_text("material.html", tensile_page(fits))
-    return fits
+#: stretches that arms reach (docs/materials.md), where no run says others
+USUAL = Need(0.7, 2.0)
+#: a specimen of unknown size, and the first loading
+ANY, FIRST = Specimen(), Selection()
+#: by how much stretches that a run needs are widened, in their logarithm, and the least that is asked for
+WIDER, LEAST = 1.1, (0.9, 1.15)
 
 
-def _record(paths: Sequence[Path], fits: Fits) -> JsonObject:
-    """The content of material.json."""
-    measured = check_high_modulus(fits.moduli.low, fits.moduli.high, fits.options.nu)
-    return {
-        "format": FORMAT,
-        "files": [str(path) for path in paths],
-        "tests": [
-            {"test": test.name, "points": len(test.stretch), "strain": [test.strain[0], test.strain[-1]]}
-            for test in fits.tests
-        ],
-        "requested": asdict(fits.options),
-        "moduli": fits.moduli.record(),
-        "choice_of_E_H": {"these_data": _check_record(measured), "paper": _check_record(check_high_modulus(*PAPER))},
-        "laws": [
-            {"law": law, "fitted_to": name, **_fit_record(fit, fits.options.density)}
-            for law, both in fits.laws.items()
-            for name, fit in both.items()
-        ],
-        "notes": list(fits.notes),
-        "sentences": [*moduli_sentences(fits), *caveats(fits)],
-        **provenance(),
-    }
+@dataclass(frozen=True)
+class FitOptions:
+    """The options of the command line, checked."""
+
+    specimen: Specimen = ANY
+    selection: Selection = FIRST
+    need: Need = USUAL
+    nu: float = 0.495  #: Poisson ratio of the laws that have one; it gives the others their kappa
+    density: str | None = None  #: as written, for the configuration; None where it is not given
+    within: float = 0.1  #: relative error of the nominal stress up to which a law counts as valid
+
+    @staticmethod
+    def read(texts: dict[str, str | None], nu: float, cycle: int, run: Path | None) -> "FitOptions":
+        """From the texts of the command line by the name of the option. Raises InputError."""
+        try:
+            StVenantKirchhoff(1.0, nu)
+        except MaterialError as failure:
+            raise InputError(f"--nu: {failure}") from None
+
+        def value(option: str, dimension: Dimension) -> float | None:
+            text = texts.get(option)
+            return None if text is None else _positive(option, text, dimension)
+
+        value("--density", DENSITY)
+        return FitOptions(
+            Specimen(value("--length", LENGTH), value("--area", AREA)),
+            Selection(cycle, value("--from", STRAIN), value("--up-to", STRAIN) or np.inf),
+            USUAL if run is None else need_of(run),
+            nu,
+            texts.get("--density"),
+            value("--within", STRAIN) or FitOptions.within,
+        )
 
 
-def _check_record(check: HighModulusCheck | None) -> dict[str, float] | None:
-    if check is None:
-        return None
-    return {
-        "stretch": check.stretch,
-        "line_MPa": check.line,
-        "svk_MPa": check.svk,
-        "svk_over_line": check.svk / check.line,
-        "hencky_MPa": check.hencky,
-        "hencky_over_line": check.hencky / check.line,
-    }
+@dataclass(frozen=True)
+class Material:
+    """What tensile tests give."""
+
+    options: FitOptions
+    tests: tuple[TensileTest, ...]
+    points: Points
+    judged: Judged
+    notes: tuple[str, ...]  #: sentences on what was left out, and what is most likely wrong with the data
+
+    @property
+    def words(self) -> list[str]:
+        """The recommendation and what else to know."""
+        said = recommendation(self.judged, self.points, self.options.need, self.options.within)
+        return [*said, *facts(self.judged, self.points)]
+
+    @property
+    def line(self) -> str:
+        """The recommended law for a configuration."""
+        return yaml_line(self.judged.laws[0], self.options.density)
 
 
-def _fit_record(fit: LawFit | Refused, density: str | None) -> JsonObject:
-    if isinstance(fit, Refused):
-        return {"reason": fit.reason}
-    return {
-        "constants_MPa": fit.constants,
-        "standard_errors_MPa": fit.errors,
-        "errors_by_tests": fit.by_tests,
-        "shear_modulus_at_rest_MPa": fit.solved.shear_modulus,
-        "points": fit.points,
-        "fitted_stretches": fit.fitted_range,
-        "rms_MPa": fit.rms,
-        "rms_as_solved_MPa": fit.rms_solved,
-        "holds_between_stretches": fit.valid_range,
-        "ends_by": fit.limited_by,
-        "stretch_limits": fit.solved.stretch_limits,
-        "yaml": yaml_block(fit, density),
-        "reason": "",
-    }
+def need_of(run: Path) -> Need:
+    """The stretches that an arm has reached in a run, and a little more. Raises InputError."""
+    from pipeline.results.files import read_results
+
+    states = read_results(run).states
+    reached = np.array([(state.min_stretch, state.max_stretch) for state in states])
+    if not np.isfinite(reached).all() or not len(reached):
+        raise InputError(f"--for {run}: has no states with stretches; give the folder of a finished run")
+    low, high = reached[:, 0].min() ** WIDER, reached[:, 1].max() ** WIDER
+    return Need(float(min(low, LEAST[0])), float(max(high, LEAST[1])))
 
 
-def _curve_rows(fits: Fits) -> list[tuple[str | float, ...]]:
-    """Every fitted law, as the solver has it, at the nodes of the measured curve."""
-    rows: list[tuple[str | float, ...]] = []
-    for law, both in fits.laws.items():
-        for name, fit in both.items():
-            if isinstance(fit, Refused):
-                continue
-            bar = fit.solved.uniaxial(fits.curve.nodes)
-            low, high = fit.valid_range or (np.inf, -np.inf)
-            valid = (bar.stretch >= low) & (bar.stretch <= high)
-            table = np.column_stack([bar.stretch, bar.stretch - 1, bar.nominal, bar.lateral, bar.J, fits.curve.mean])
-            rows += [
-                (law, name, *values, str(inside).lower())
-                for values, inside in zip(table.tolist(), valid.tolist(), strict=True)
-            ]
-    return rows
+def fit_tests(paths: Sequence[Path], options: FitOptions) -> Material:
+    """Read, fit and judge. Raises InputError, and RunFailed where no law has constants for the tests."""
+    tests = read_tensile(paths, options.specimen, options.selection)
+    points = Points.of(tests)
+    notes = tuple(doubts(tests, points))
+    try:
+        judged = judge(points, options.need, options.nu, options.within)
+    except MaterialError as failure:
+        raise RunFailed("; ".join([f"no law can be fitted: {failure}", *notes])) from None
+    return Material(options, tests, points, judged, notes)
+
+
+def _positive(option: str, text: str, dimension: Dimension) -> float:
+    try:
+        value = convert(text, dimension)
+    except ValueError as failure:
+        raise InputError(f"{option}: {failure}") from None
+    if value <= 0:
+        raise InputError(f"{option}: {text} is not allowed; allowed: above zero, for example '{dimension.example}'")
+    return value

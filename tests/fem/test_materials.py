@@ -233,31 +233,11 @@ def test_ogden_is_stable_at_every_strain_where_all_products_are_positive() -> No
     """Drucker: more stress for more strain, so the second derivative is positive definite in all states."""
     stable, unstable = LAWS["ogden"], Ogden((0.4, 0.02), (2.0, -4.0), 3.0)
     assert isinstance(stable, Ogden)
-    assert (stable.always_stable, unstable.always_stable) == (True, False)
     logs = np.random.default_rng(3).normal(scale=1.0, size=(500, 2))
     states = np.exp(np.column_stack([logs, -logs.sum(axis=1)]))
     lowest = {law: min(np.linalg.eigvalsh(log_hessian(law, s))[0] for s in states) for law in (stable, unstable)}
     assert lowest[stable] > 0 > lowest[unstable]
     assert stable.stretch_limits == (0.0, np.inf)
-    assert set(stable.drucker_limits().values()) == {(0.0, np.inf)}
-
-
-def test_the_strains_at_which_ogden_is_stable() -> None:
-    """The second derivative is positive definite just within the limits and not just beyond; the same state has the
-    same limit in two tests: equibiaxial tension to b is uniaxial compression to b^-2."""
-    law = Ogden((0.4, 0.02), (2.0, -4.0), 3.0)
-    limits = law.drucker_limits()
-    for name, (low, high) in limits.items():
-        for end, inside in ((low, 1.001), (high, 0.999)):
-            if 0 < end < np.inf:
-                s = np.array([end * inside])
-                states = {"uniaxial tension": [s, s**-0.5, s**-0.5], "equibiaxial tension": [s, s, s**-2.0]}
-                stretches = np.ravel(states.get(name, [s, s**0, 1 / s]))
-                assert np.linalg.eigvalsh(log_hessian(law, stretches))[0] > 0
-                outside = stretches ** (1 + 2 * np.log(1 / inside) / np.log(end))
-                assert np.linalg.eigvalsh(log_hessian(law, outside))[0] < 0
-    assert limits["uniaxial tension"][0] == pytest.approx(limits["equibiaxial tension"][1] ** -2, rel=5e-3)
-    assert limits["plane strain tension"][0] == pytest.approx(1 / limits["plane strain tension"][1], rel=5e-3)
 
 
 def test_the_divided_difference_is_continuous_where_its_series_takes_over() -> None:

@@ -1,5 +1,7 @@
 """Uniaxial stress: the closed forms against the energy of each law, and the stretches at which no bar exists."""
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 
@@ -80,8 +82,26 @@ def test_ogden_in_uniaxial_equibiaxial_and_plane_strain_tension() -> None:
         strain[:, 0, :3] = (np.stack(stretches, axis=1) ** 2 - 1) / 2
         kirchhoff = law.shear(strain).stress[:, 0, :3] * np.stack(stretches, axis=1) ** 2
         np.testing.assert_allclose((kirchhoff[:, 0] - kirchhoff[:, 2]) / s, closed[name], rtol=1e-12)
+        np.testing.assert_allclose(law.incompressible(s, stretches[1]), closed[name], rtol=1e-12)
     np.testing.assert_allclose(law.uniaxial(s).nominal, closed["uniaxial"], rtol=1e-4)
     np.testing.assert_allclose(law.incompressible(s), closed["uniaxial"], rtol=1e-12)
+
+
+@pytest.mark.parametrize("name", [name for name, law in LAWS.items() if isinstance(law, LinearLaw)])
+@pytest.mark.parametrize("across", [lambda s: s, np.ones_like], ids=["equibiaxial", "planar"])
+def test_the_terms_in_two_directions_are_differences_of_stresses(name: str, across: Callable[[Array], Array]) -> None:
+    """Kirchhoff stress along the first axis less that along the free one, over the stretch, without volume change."""
+    law, s = LAWS[name], np.array([0.8, 1.2, 1.6])
+    assert isinstance(law, LinearLaw)
+    stretches = np.stack([s, across(s), 1 / (s * across(s))], axis=1)
+    strain = np.zeros((len(s), 1, 6))
+    strain[:, 0, :3] = (stretches**2 - 1) / 2
+    kirchhoff = law.shear(strain).stress[:, 0, :3] * stretches**2
+    terms = law.uniaxial_terms(s, across(s))
+    total = np.sum([getattr(law, key) * term for key, term in terms.items()], axis=0)
+    exact = (kirchhoff[:, 0] - kirchhoff[:, 2]) / s
+    ratio = law.shear_modulus / (law.E / 3) if hasattr(law, "E") else 1.0  # as if E were that of an incompressible body
+    np.testing.assert_allclose(ratio * total, exact, rtol=1e-9)
 
 
 def test_compressibility_softens_a_bar_of_rubber() -> None:
