@@ -1,7 +1,7 @@
 """From a mesh to quadratic or linear tetrahedra: nodes, gradients and quadrature (the only door to scikit-fem)."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -12,6 +12,7 @@ from fem.kernels.element import ElementArrays, chunk_colours
 from fem.kernels.surface import FaceArrays
 from geometry import Mesh
 from geometry.arrays import Array, Index, Mask
+from geometry.topology import EDGES
 
 #: least number of elements in a chunk, and largest number of chunks: enough chunks for the threads of a laptop, and
 #: chunks small enough to stay in the cache of a core
@@ -103,6 +104,23 @@ class Discretisation:
             surfaces=_surfaces(mesh, grid if element.quadratic else None),
             regions={name: np.sort(new_index[tets]) for name, tets in mesh.regions.items()},
         )
+
+    def moved(self, points: Array) -> "Discretisation":
+        """The same elements with their nodes at other positions (n, 3), mm; straight edges must stay straight."""
+        tetrahedron = skfem.ElementTetP2() if self.element.quadratic else skfem.ElementTetP1()
+        _, _, fraction = _stress_points(tetrahedron, self.element)
+        geometry = _straight if self.inverse.shape[1] == 1 else _curved
+        inverse, weight = geometry(points[self.nodes], self.reference, fraction)
+        return replace(self, points=points, inverse=inverse, weight=weight)
+
+    def positions_on(self, mesh: Mesh) -> Array:
+        """Positions (n, 3) of the nodes on a mesh of the same elements whose vertices lie elsewhere, mm."""
+        points = np.empty_like(self.points)
+        points[: len(mesh.points)] = mesh.points
+        if self.element.quadratic:
+            pairs = self.nodes[:, EDGES].reshape(-1, 2)
+            points[self.nodes[:, 4:].ravel()] = mesh.curved.middles_of(pairs, mesh.points)
+        return points
 
     @property
     def arrays(self) -> ElementArrays:

@@ -38,7 +38,7 @@ def axis_of(piece: BendingPiece, at: PieceState, known: Slopes) -> Axis:
     normal, along = np.array([np.cos(phi), np.sin(phi)]), np.array([-np.sin(phi), np.cos(phi)])
     y, eta = float(x[first, 1]), float(x[last, :2] @ along)
     a, b, a_slope, b_slope = _functions(phi)
-    length = ((a + b) * c - phi * (y + eta)) / 2.0
+    length = length_of(phi, c, y + eta)
 
     def change(displacement: Array, angle: float) -> float:
         """Of the length of the axis with a displacement (n, 3) that belongs to a change of the angle."""
@@ -57,6 +57,15 @@ def axis_of(piece: BendingPiece, at: PieceState, known: Slopes) -> Axis:
         s=s,
         ripple=_beside(x[piece.curve, :2], s, length / h, phi / h, middle),
     )
+
+
+def length_of(phi: float, distance: float, heights: float) -> float:
+    """Of the axis over a half cell whose plane has turned by phi, mm; linear in the others.
+
+    distance: c, mm; heights: the sum of those of the material curve in both planes, mm.
+    """
+    a, b, _, _ = _functions(phi)
+    return ((a + b) * distance - phi * heights) / 2.0
 
 
 def circle(s: Array, stretch: float, curvature: float) -> Array:

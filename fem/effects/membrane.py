@@ -108,6 +108,13 @@ class LayerTerm(StressCarryingTerm):
     def settled(self) -> "LayerTerm":
         return replace(self, carried=None)
 
+    def moved(self, before: Array, after: Array) -> "LayerTerm":
+        """The same layer in a body whose nodes at rest (n, 3) lie elsewhere."""
+        nodes = self.arrays.nodes
+        (_, area), (gradients, moved) = _gradients(before[nodes]), _gradients(after[nodes])
+        arrays = MembraneArrays(nodes, gradients, self.arrays.weight * moved / area)
+        return replace(self, arrays=arrays, carried=None)
+
     def stress(self, x: Array) -> Array:
         """Second Piola-Kirchhoff stress (f, q, 3) at the positions x (n, 3), MPa."""
         return np.asarray(self._strain(x) @ self.law)

@@ -3,7 +3,7 @@
 from abc import ABC, abstractmethod
 from collections.abc import Iterable, Mapping, Sequence
 from copy import copy
-from dataclasses import replace
+from dataclasses import fields, replace
 from itertools import pairwise
 from typing import ClassVar, Self
 
@@ -15,7 +15,9 @@ from geometry.errors import DesignError, raise_together
 from geometry.grading import OFF, Grading
 from geometry.mesh import Mesh
 from geometry.meshing.mirror import Repetition
+from geometry.meshing.moving import Drawing, Movement, movements
 from geometry.meshing.shapes import Box, Shape
+from geometry.meshing.solid import mesh_solid
 
 #: Largest number of elements that is meshed: more do not fit into the memory of a workstation.
 MOST_TETS = 3_000_000
@@ -26,6 +28,8 @@ REGULAR_TET = 1 / (6 * 2**0.5)
 TETS_PER_SQUARE = 15.0
 #: Part of a pitch that is rounding, of a length read off a drawing for example.
 ROUNDING_OF_PITCH = 0.01
+#: Change of a dimension in difference quotients of the drawing, over it.
+STEP_OF_DIMENSION = 1e-3
 #: Smallest and largest dimension that Gmsh draws reliably, mm.
 SHORTEST, LONGEST = 1e-3, 1e6
 
@@ -234,6 +238,19 @@ class Design(ABC):
         """
         raise DesignError("cell", "it is not known where the cells of the body lie")
 
+    @property
+    def dimensions(self) -> dict[str, float]:
+        """The lengths that can be changed a little, mm, by the keys of the config."""
+        return {}
+
+    def with_dimension(self, name: str, value: float) -> Self:
+        """The same design with another length, mm. Raises `DesignError`."""
+        return replace(self, **{name: value}).with_regions(self.regions)  # type: ignore[type-var]
+
+    def movements(self, repetition: Repetition) -> dict[str, Movement | DesignError]:
+        """How the meshed pieces move with each of the dimensions, or why a small change of it is not possible."""
+        return {}
+
     def half_cell(self, size: float, grading: Grading = OFF) -> Body:
         """Half a cell between two planes of mirror symmetry, which are its faces `clamp` and `tip`.
 
@@ -311,10 +328,31 @@ class SymmetricDesign(Design):
     def why_no_cell(self) -> str:
         return "the arm has no inner cell; its own law needs two cells at least"
 
+    @property
+    def dimensions(self) -> dict[str, float]:
+        values = {field.name: getattr(self, field.name) for field in fields(self)}  # type: ignore[arg-type]
+        return {name: value for name, value in values.items() if isinstance(value, float) and value > 0.0}
+
+    @property
     @abstractmethod
+    def drawing(self) -> Drawing:
+        """The end piece and the half cell, z >= 0."""
+
     def repetition(self, size: float, grading: Grading) -> Repetition:
-        """The end piece and the half cell, z >= 0, with elements of at most `size` mm, a size that `check_size`
-        accepts."""
+        drawn = self.drawing
+        return Repetition(mesh_solid(drawn.solid, size, grading), drawn.middle, drawn.edge, 2 * (self.cell_count - 1))
+
+    def movements(self, repetition: Repetition) -> dict[str, Movement | DesignError]:
+        drawn, changed, refused = self.drawing, dict[str, tuple[Drawing, Drawing, float]](), {}
+        for name, value in self.dimensions.items():
+            step = STEP_OF_DIMENSION * value
+            try:
+                less, more = (self.with_dimension(name, value + sign * step) for sign in (-1.0, 1.0))
+            except DesignError as failure:
+                refused[name] = failure
+                continue
+            changed[name] = less.drawing, more.drawing, 2.0 * step
+        return movements(repetition, drawn, changed) | refused
 
     def base_plate(self, start: float, stop: float) -> tuple[list[list[Shape]], float]:
         """Blocks of the half z >= 0 of the base plate, start <= x <= stop, and the height up to which they reach, mm.

@@ -3,10 +3,10 @@
 from abc import abstractmethod
 
 from geometry.families.design import SymmetricDesign
-from geometry.grading import Grading
-from geometry.meshing.mirror import Repetition, slices
+from geometry.meshing.mirror import slices
+from geometry.meshing.moving import Drawing
 from geometry.meshing.shapes import Box, Shape
-from geometry.meshing.solid import Solid, mesh_solid
+from geometry.meshing.solid import Solid
 
 
 class PartitionedDesign(SymmetricDesign):
@@ -60,23 +60,17 @@ class PartitionedDesign(SymmetricDesign):
         """Volume of the air in all partitions together, mm3."""
         return (self.chambers - 1) * self.partition * self.channel**2
 
-    def repetition(self, size: float, grading: Grading) -> Repetition:
+    @property
+    def drawing(self) -> Drawing:
+        near, far = self.end_wall, self.end_wall + self.chamber_length
         middle = self.end_wall + self.chamber_length / 2
         edge = middle + self.pitch / 2
-        return Repetition(mesh_solid(self._drawing(middle, edge), size, grading), middle, edge, 2 * (self.chambers - 1))
-
-    def _drawing(self, middle: float, edge: float) -> Solid:
-        """The end piece to the middle of the first chamber (x = middle, mm), and the half cell that is repeated.
-
-        With more than one chamber the half cell reaches from there to the middle of the first partition (x = edge, mm).
-        """
-        near, far = self.end_wall, self.end_wall + self.chamber_length
-        hollow: list[Shape] = [self._cavity(near, middle)]
-        if self.chambers == 1:
-            return Solid({"end": self._bar(0, middle)}, {"cavity": hollow})
-        channel = Box((far, self.base, 0), (edge, self.base + self.channel, self.channel / 2))
-        hollow += [self._cavity(middle, far), channel]
-        return Solid({"end": self._bar(0, middle), "cell": self._bar(middle, edge)}, {"cavity": hollow})
+        material, hollow = {"end": self._bar(0, middle)}, [self._cavity(near, middle)]
+        if self.chambers > 1:
+            material["cell"] = self._bar(middle, edge)
+            channel = Box((far, self.base, 0), (edge, self.base + self.channel, self.channel / 2))
+            hollow += [self._cavity(middle, far), channel]
+        return Drawing(Solid(material, {"cavity": hollow}), middle, edge)
 
 
 class UndividedDesign(SymmetricDesign):
@@ -110,7 +104,8 @@ class UndividedDesign(SymmetricDesign):
     def pitch(self) -> float:
         return self._cells[1]
 
-    def repetition(self, size: float, grading: Grading) -> Repetition:
+    @property
+    def drawing(self) -> Drawing:
         middle = self.end_wall + self.pitch / 2
         edge = middle + self.pitch / 2
         material, hollow = {"end": self._bar(0, middle)}, [self._cavities(self.end_wall, middle)]
@@ -118,4 +113,4 @@ class UndividedDesign(SymmetricDesign):
             material["cell"] = self._bar(middle, edge)
             hollow.append(self._cavities(middle, edge))
         air = dict(zip(self.cavities, map(list, zip(*hollow, strict=True)), strict=True))
-        return Repetition(mesh_solid(Solid(material, air), size, grading), middle, edge, 2 * (self.cell_count - 1))
+        return Drawing(Solid(material, air), middle, edge)

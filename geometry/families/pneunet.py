@@ -12,6 +12,7 @@ from geometry.families.design import SymmetricDesign
 from geometry.families.dimensions import check_design, not_less
 from geometry.grading import OFF, Grading
 from geometry.meshing.mirror import Repetition, name_faces
+from geometry.meshing.moving import Drawing
 from geometry.meshing.shapes import Box, Fillet, Shape
 from geometry.meshing.solid import Solid, mesh_solid
 
@@ -199,10 +200,14 @@ class PneuNet(SymmetricDesign):
     def repetition(self, size: float, grading: Grading) -> Repetition:
         if not self.has_equal_cells:
             raise DesignError(next(name for name in self.lists if getattr(self, name)), self.why_no_cell)
+        return super().repetition(size, grading)
+
+    @property
+    def drawing(self) -> Drawing:
         gap, chamber_length = self._each("gap")[0], self._each("chamber_length")[0]
         middle, edge = gap + chamber_length / 2, 1.5 * gap + chamber_length
         regions = {"end": (0.0, middle), "cell": (middle, edge)} if self.chambers > 1 else {"end": (0.0, middle)}
-        return Repetition(mesh_solid(self._solid(regions), size, grading), middle, edge, 2 * (self.chambers - 1))
+        return Drawing(self._solid(regions), middle, edge)
 
     def _solid(self, regions: Mapping[str, tuple[float, float]]) -> Solid:
         """The half z >= 0 of the arm between two x (mm) for each region."""

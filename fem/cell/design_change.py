@@ -1,0 +1,183 @@
+"""Derivatives of a piece in equilibrium by its design: by a dimension, or by a constant of its material.
+
+In equilibrium the derivative of the least potential by a parameter d is the partial one, and the moment is whole times
+dP/dphi with P the least potential at the angle phi. With V the velocity of the nodes at rest, w a displacement that
+keeps the constraints, D the change of the nodal gradient f with both, and du/dphi the change along the angle,
+
+    dM/dd = whole D . du/dphi,      D = d/dt f(X + t V, u + t w).
+
+Nodes of the plane keep their position there: w = -V. A displacement of the end of the material curve follows from the
+displacement z by a unit force on it, as -z . D: two more right-hand sides at each state, for all parameters. No system
+is solved for a parameter. With mixed elements the residuals of the pressures and their changes belong to D and z.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import final
+
+import numpy as np
+
+from fem.cell.piece import BendingPiece, PieceState
+from fem.cell.response import Slopes
+from fem.discretisation import Discretisation
+from fem.effects.barrier import FacingTerm
+from fem.effects.effect import Term, Terms
+from fem.effects.facing_pairs import FacingPairs
+from fem.effects.membrane import LayerTerm
+from fem.equations.formulation import Formulation, formulation_of
+from fem.equations.state import Change
+from fem.kernels import element as kernels
+from fem.materials.regions import Solid, laws_of
+from geometry.arrays import Array
+
+#: largest displacement of a node in difference quotients, over the length of the piece
+STEP = 1e-5
+
+
+@final
+@dataclass(frozen=True, eq=False)  # arrays inside
+class Variant:
+    """A piece with a parameter a little smaller or larger."""
+
+    space: Discretisation
+    formulation: Formulation
+    stiffness: float  #: of contact, over that of the piece: both follow the shear modulus
+    _walls: dict[int, tuple[FacingPairs, FacingPairs]] = field(default_factory=dict, repr=False)
+
+    @staticmethod
+    def of(piece: BendingPiece, shift: Array | None, material: Solid | None) -> "Variant":
+        """With nodes shifted by (n, 3), mm, or with another material."""
+        space = piece.space if shift is None else piece.space.moved(piece.space.points + shift)
+        solid = piece.material if material is None else material
+        moduli = (laws_of(law)[""].shear_modulus for law in (solid, piece.material))
+        return Variant(space, formulation_of(space, solid), next(moduli) / next(moduli))
+
+    def pairs(self, known: FacingPairs, before: Array) -> FacingPairs:
+        """The facing pairs of walls with their areas in this piece; before: (n, 3) its nodes in the piece itself."""
+        if self.space.points is before:
+            return known
+        if id(known) not in self._walls:
+            self._walls[id(known)] = known, _with_areas(known, self.space, before)
+        return self._walls[id(known)][1]
+
+
+@final
+@dataclass(frozen=True, eq=False)  # arrays inside
+class DesignChange:
+    """One parameter of a piece: the piece with less and with more of it."""
+
+    less: Variant
+    more: Variant
+    step: float  #: of the parameter between them
+    velocity: Array  #: (n, 3) of the nodes at rest, mm per unit of the parameter
+    length: float  #: change of the length of the piece, mm per unit
+
+    @staticmethod
+    def of_dimension(piece: BendingPiece, velocity: Array, length: float) -> "DesignChange":
+        """Nodes that move at a velocity (n, 3), mm per unit, and the change of the length of the piece."""
+        largest = float(np.abs(velocity).max())
+        half = STEP * piece.body.length / largest if largest else 1.0
+        less, more = (Variant.of(piece, sign * half * velocity, None) for sign in (-1.0, 1.0))
+        return DesignChange(less, more, 2.0 * half, velocity, length)
+
+    @staticmethod
+    def of_material(piece: BendingPiece, less: Solid, more: Solid, step: float) -> "DesignChange":
+        """The materials with a constant smaller and larger by half a step."""
+        first, second = (Variant.of(piece, None, solid) for solid in (less, more))
+        return DesignChange(first, second, step, np.zeros_like(piece.space.points), 0.0)
+
+
+@final
+@dataclass(frozen=True, eq=False)  # arrays inside
+class DesignRate:
+    """Change of a piece by one parameter, per unit of it, at a fixed angle of its plane."""
+
+    moment: float  #: N mm, of the whole body
+    end: Array  #: (2,) of the end of the material curve along the normal of the plane and within it, mm
+    start: float  #: height of the start of the material curve, mm
+
+
+def design_rates(
+    piece: BendingPiece, at: PieceState, known: Slopes, changes: Mapping[str, DesignChange]
+) -> dict[str, DesignRate]:
+    """The rates of a state by parameter; one factorization for all, and two assemblies for each.
+
+    Raises `fem.equations.linear.SingularMatrix` at a limit point.
+    """
+    along = Change(0.0, known.by_angle, known.angle_rate.pressure)
+    forced = _end_by_force(piece, at)
+    rates = {}
+    for name, change in changes.items():
+        gradient, residual = gradient_rate(piece, at, change)
+
+        def work(displacement: Change, gradient: Array = gradient, residual: Array = residual) -> float:
+            return float(np.vdot(gradient, displacement.displacement) + residual @ displacement.pressure)
+
+        rates[name] = DesignRate(
+            moment=piece.whole * work(along),
+            end=np.array([-work(one) for one in forced]),
+            start=float(change.velocity[piece.curve[0], 1]),
+        )
+    return rates
+
+
+def gradient_rate(piece: BendingPiece, at: PieceState, change: DesignChange) -> tuple[Array, Array]:
+    """D: of the nodal gradient (n, 3) and of the residuals of the pressures (v,), per unit of the parameter."""
+    less, more = (_gradient(piece, at, variant) for variant in (change.less, change.more))
+    return (more[0] - less[0]) / change.step, (more[1] - less[1]) / change.step
+
+
+def _gradient(piece: BendingPiece, at: PieceState, variant: Variant) -> tuple[Array, Array]:
+    """Of the potential of a variant, whose plane is where it is in the state."""
+    space, state = variant.space, at.state
+    displacement = state.displacement.copy()
+    displacement[piece.plane] += (piece.space.points - space.points)[piece.plane]
+    strain = np.empty((*space.weight.shape, 6))
+    kernels.green_lagrange(space.arrays, displacement, strain, np.empty(space.weight.shape))
+    law = variant.formulation.evaluate(strain, state.pressure)
+    gradient = np.zeros_like(displacement)
+    kernels.internal_force(space.arrays, displacement, law.stress, gradient)
+    for term in _moved(at.terms, piece.space, variant):
+        term.gradient(space.points + displacement, state.factor, gradient)
+    return gradient, variant.formulation.pressure_residual(law, np.zeros_like(strain), state.pressure)
+
+
+def _end_by_force(piece: BendingPiece, at: PieceState) -> list[Change]:
+    """Changes of the unknowns by a unit force on the end of the material curve along the normal, and in the plane."""
+    _, tangent = piece.linearise(at, np.zeros_like(piece.space.points))
+    cosine, sine = np.cos(at.angle), np.sin(at.angle)
+    forced = []
+    for direction in ((cosine, sine, 0.0), (-sine, cosine, 0.0)):
+        load = np.zeros_like(piece.space.points)
+        load[piece.curve[-1]] = -np.array(direction)
+        forced.append(tangent.solve(load))
+    return forced
+
+
+def _moved(terms: Terms, before: Discretisation, variant: Variant) -> Sequence[Term]:
+    """The terms of a state on the variant: what they hold of the body at rest follows it."""
+    return [_moved_term(term, before.points, variant) for term in terms]
+
+
+def _moved_term(term: Term, before: Array, variant: Variant) -> Term:
+    after = variant.space.points
+    if isinstance(term, FacingTerm):
+        return replace(term, pairs=variant.pairs(term.pairs, before), stiffness=variant.stiffness * term.stiffness)
+    if isinstance(term, LayerTerm) and after is not before:
+        return term.moved(before, after)
+    return term
+
+
+def _with_areas(pairs: FacingPairs, space: Discretisation, before: Array) -> FacingPairs:
+    """The pairs with the areas of their nodes, which are those of triangles between such nodes, on moved walls."""
+    ours = np.zeros(len(before), dtype=bool)
+    ours[pairs.nodes] = True
+    triangles = np.unique(np.vstack([surface.triangles for surface in space.surfaces.values()]), axis=0)
+    walls = triangles[ours[triangles].all(axis=1)]
+    areas = []
+    for points in (before, space.points):
+        a, b, c = (points[walls[:, k]] for k in range(3))
+        area = np.linalg.norm(np.cross(b - a, c - a), axis=1)
+        areas.append(np.bincount(walls.ravel(), np.repeat(area, 3), minlength=len(before))[pairs.nodes])
+    ratio = np.divide(areas[1], areas[0], out=np.ones(len(pairs.nodes)), where=areas[0] > 0.0)
+    return replace(pairs, area=pairs.area * ratio)

@@ -1,0 +1,117 @@
+"""Derivatives of a half cell by its design, against central differences of solved half cells."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from fem import Hencky, StVenantKirchhoff
+from fem.cell.axis import axis_of, length_of
+from fem.cell.design_change import DesignChange, DesignRate, design_rates
+from fem.cell.piece import BendingPiece
+from fem.cell.response import inflated, slopes
+from fem.materials.regions import Solid
+from geometry.families import BisectedCircle, PneuNet, Semicircular, SemicircularSingle
+from geometry.families.design import SymmetricDesign
+from geometry.grading import OFF
+from geometry.meshing.mirror import Repetition
+from geometry.meshing.moving import Movement
+
+SVK = StVenantKirchhoff(E=1.2, nu=0.495)
+#: mm, of a dimension in differences of solved cells
+STEP = 1e-3
+#: a design, its elements, activation distance of contact (mm), pressure (MPa), curvature (1/mm), and dimensions; those
+#: of the first case are drawn, and its walls do not touch; they do in the second
+CASES = {
+    "pneunet": (PneuNet(), "p2p0", None, 0.017, -0.004, ("width", "gap", "wall", "base")),
+    "contact": (PneuNet(), "mixed", 0.04, 0.024, -0.004, ("gap", "wall", "chamber_length")),
+    "fillet": (PneuNet(fillet=0.7), "p2p0", None, 0.017, -0.004, ("fillet",)),
+    "semicircular": (Semicircular(), "mixed", None, 0.02, -0.004, ("radius", "wall", "partition", "channel")),
+    "single": (SemicircularSingle(), "p2", None, 0.02, -0.004, ("wall", "base")),
+    "bisected": (BisectedCircle(), "mixed", None, 0.02, -0.004, ("radius", "divider")),
+}
+
+
+def _piece(
+    design: SymmetricDesign, pieces: Repetition, elements: str, dhat: float | None, solid: Solid
+) -> BendingPiece:
+    body = design._body(pieces.half_cell(), pieces.half_pitch, pieces.half)
+    return BendingPiece(body, solid, "mirror", elements, None, dhat)
+
+
+def _solved(piece: BendingPiece, pressure: float, angle: float) -> np.ndarray:  # type: ignore[type-arg]
+    """Moment, and length of the axis."""
+    state = inflated(piece, pressure, angle)
+    return np.array([state.moment, axis_of(piece, state, slopes(piece, state)).stretch * piece.body.length])
+
+
+def _rate(piece: BendingPiece, pressure: float, angle: float, change: DesignChange) -> np.ndarray:  # type: ignore[type-arg]
+    state = inflated(piece, pressure, angle)
+    rate: DesignRate = design_rates(piece, state, slopes(piece, state), {"it": change})["it"]
+    return np.array([rate.moment, length_of(angle, float(rate.end[0]), rate.start + float(rate.end[1]))])
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_by_dimensions(case: str) -> None:
+    """The largest difference, of a wall and a gap of 1 mm, is what is left of the differences of solved cells."""
+    design, elements, dhat, pressure, kappa, names = CASES[case]
+    pieces = design.repetition(4.0, OFF)
+    piece, movements = _piece(design, pieces, elements, dhat, SVK), design.movements(pieces)
+    angle = kappa * piece.body.length
+    assert inflated(piece, pressure, angle).touches == (case == "contact")
+    for name in names:
+        movement = movements[name]
+        assert isinstance(movement, Movement)
+        velocity = piece.space.positions_on(movement.moved(pieces, STEP).half_cell()) - piece.space.points
+        change = DesignChange.of_dimension(piece, velocity / STEP, movement.edge - movement.middle)
+        less, more = (
+            _solved(
+                _piece(
+                    design.with_dimension(name, design.dimensions[name] + step),
+                    movement.moved(pieces, step),
+                    elements,
+                    dhat,
+                    SVK,
+                ),
+                pressure,
+                angle,
+            )
+            for step in (-STEP, STEP)
+        )
+        assert _rate(piece, pressure, angle, change) == pytest.approx((more - less) / (2.0 * STEP), rel=1e-4, abs=2e-6)
+
+
+@pytest.mark.parametrize("name", ["E", "nu"])
+def test_by_constants_of_the_material_with_contact(name: str) -> None:
+    design, law = PneuNet(), Hencky(E=1.2, nu=0.49)
+    pieces = design.repetition(4.0, OFF)
+    piece = _piece(design, pieces, "mixed", 0.04, law)
+    angle, step = -0.004 * piece.body.length, 1e-5
+    solids = [replace(law, **{name: getattr(law, name) + sign * step}) for sign in (-1.0, 1.0)]
+    less, more = (_solved(_piece(design, pieces, "mixed", 0.04, solid), 0.024, angle) for solid in solids)
+    change = DesignChange.of_material(piece, *solids, 2.0 * step)
+    assert inflated(piece, 0.024, angle).touches
+    assert _rate(piece, 0.024, angle, change) == pytest.approx((more - less) / (2.0 * step), rel=1e-5)
+
+
+def test_a_layer_follows_the_body() -> None:
+    """A membrane of paper in a wider body is a wider membrane."""
+    from fem import StrainLimitingLayer
+
+    def made(design: PneuNet, pieces: Repetition) -> BendingPiece:
+        body = design._body(pieces.half_cell(), pieces.half_pitch, pieces.half)
+        layer = StrainLimitingLayer(body.mesh.plane(1, design.curve_y), 0.1, 1000.0, 0.2)
+        return BendingPiece(body, SVK, "mirror", "p2p0", effects=[layer])
+
+    design = PneuNet()
+    pieces = design.repetition(4.0, OFF)
+    movement = design.movements(pieces)["width"]
+    assert isinstance(movement, Movement)
+    piece = made(design, pieces)
+    velocity = piece.space.positions_on(movement.moved(pieces, STEP).half_cell()) - piece.space.points
+    change = DesignChange.of_dimension(piece, velocity / STEP, 0.0)
+    less, more = (
+        _solved(made(design.with_dimension("width", 15.0 + step), movement.moved(pieces, step)), 0.017, -0.02)
+        for step in (-STEP, STEP)
+    )
+    assert _rate(piece, 0.017, -0.02, change) == pytest.approx((more - less) / (2.0 * STEP), rel=1e-5)
