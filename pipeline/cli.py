@@ -42,8 +42,9 @@ def init(
     family: Annotated[str, typer.Argument(metavar="[FAMILY]")] = "pneunet",
     out: Annotated[Path | None, typer.Option("--out", metavar="FILE", help="(default: my_FAMILY.yaml).")] = None,
     force: Annotated[bool, typer.Option("--force", help="Replace a file that exists.")] = False,
+    every: Annotated[bool, typer.Option("--all", help="With every key, its default and its range.")] = False,
 ) -> None:
-    """A commented configuration to start from: every key with its unit, default and range."""
+    """A commented configuration to start from: a body, a rubber by name and pressures."""
     from pipeline.config.body import BODIES
     from pipeline.config.example import example
     from pipeline.config.section import not_known
@@ -56,7 +57,7 @@ def init(
     file = out or Path(f"my_{family}.yaml")
     if file.exists() and not force:
         raise InputError(f"{file}: exists; give another --out, or --force to replace it")
-    write_atomic(open_file(file), example(family).encode())
+    write_atomic(open_file(file), example(family, every=every).encode())
     print_lines(f"written: {file}; change it and check the body with `pneurod mesh {file}`")
 
 

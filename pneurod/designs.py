@@ -78,6 +78,16 @@ class Material(Description):
     """A law of the material and its constants; density as well, such as density="1130 kg/m^3"."""
 
 
+class NamedRubber(Material):
+    """A rubber with known constants: NamedRubber("dragon_skin_30")."""
+
+    def __init__(self, name: str, **values: Setting) -> None:
+        self.values = MappingProxyType({"name": name, **dict(given_settings(values, str))})
+
+    def __repr__(self) -> str:
+        return f"NamedRubber({', '.join(f'{key}={value!r}' for key, value in self.values.items())})"
+
+
 class StVenantKirchhoff(Material):
     """E and nu: the law of the paper, for stretches from 0.91 to 1.10."""
 

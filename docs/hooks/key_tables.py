@@ -11,6 +11,7 @@ from pathlib import Path
 from fem.materials import LAWS
 from pipeline.config.body import DESIGNS
 from pipeline.config.reference import REQUIRED, KeyEntry, effect_keys, general_keys, geometry_keys, material_keys
+from pipeline.config.rubbers import FORMS, RUBBERS
 
 _MARKED = re.compile(r"<!-- keys: (\w+) -->\n.*?<!-- end of keys -->", re.DOTALL)
 
@@ -35,6 +36,10 @@ def _material_table() -> str:
             rows.setdefault((entry.key, entry.unit, entry.allowed, entry.meaning), []).append(law)
     lines = ["| key | unit | allowed | laws | meaning |", "|---|---|---|---|---|"]
     lines.append(f"| `law` | | {_listed(list(LAWS))} | all | law of the solid ([materials](materials.md)) |")
+    named = "a [rubber with known constants](materials.md#rubbers-by-name), instead of `law` and its constants"
+    lines.append(f"| `name` | | {_listed(list(RUBBERS))} | all | {named} |")
+    form = "whether a term has μ/α (`ogden`, as here) or 2 μ/α² (`abaqus`) before its powers"
+    lines.append(f"| `form` | | {_listed(list(FORMS))} | `ogden` | {form} |")
     for (key, unit, allowed, meaning), laws in rows.items():
         names = "all" if len(laws) == len(LAWS) else _listed(laws)
         lines.append(f"| `{key}` | {unit} | {allowed} | {names} | {meaning} |")

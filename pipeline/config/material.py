@@ -20,7 +20,19 @@ from pipeline.config.kinds import (
     list_of,
     one_or_more,
 )
-from pipeline.config.section import Error, Field, Section, chosen, conflict, raise_all, read_keys, section_of, wrong
+from pipeline.config.rubbers import BESIDE, FORMS, RUBBERS, instead, ogden_terms
+from pipeline.config.section import (
+    Error,
+    Field,
+    Section,
+    chosen,
+    conflict,
+    not_known,
+    raise_all,
+    read_keys,
+    section_of,
+    wrong,
+)
 from pipeline.pressure import in_MPa
 from pipeline.store.json_values import Json, JsonObject
 
@@ -56,6 +68,7 @@ class Material:
     density_tonne_mm3: float | None  #: None where it is not given; only gravity and the mass of the arm need it
     holds_between: tuple[float, float] | None = None  #: stretches between which the law describes the solid, if known
     loss_factor: float = LOSS_FACTOR  #: lost over stored energy of a vibration, over a radian
+    name: str = ""  #: of the rubber, where it was given instead of its constants
 
     def built(self) -> fem.materials.Material:
         """The law with its constants. Raises `fem.materials.MaterialError` where it cannot have them together."""
@@ -67,6 +80,8 @@ class Material:
         known: dict[str, Json] = {} if self.holds_between is None else {"holds_between": list(self.holds_between)}
         if self.loss_factor != LOSS_FACTOR:
             known["loss_factor"] = self.loss_factor
+        if self.name:
+            known["name"] = self.name
         return {"law": self.law, **constants, "density_tonne_mm3": self.density_tonne_mm3, **known}
 
 
@@ -100,8 +115,9 @@ _LOSS = (
 
 def read_material(value: Any, _: Mapping[str, Any], document: Document) -> Material:
     """The material that a section describes, with all constants: kappa from nu where nu is given."""
+    value, name = _by_name(value)
     law = chosen(value, "law", tuple(LAWS))
-    keys = read_keys(material_section(LAWS[law]), value, document)
+    keys = read_keys(material_section(LAWS[law]), _in_own_form(law, value), document)
     constants = {name: getattr(keys, name) for name in LAWS[law].constants()}
     if BULK in constants:
         nu, kappa = keys.nu, constants.pop(BULK)  # type: ignore[attr-defined]
@@ -111,9 +127,33 @@ def read_material(value: Any, _: Mapping[str, Any], document: Document) -> Mater
             kappa = LAWS[law].from_uniaxial(constants, RUBBER_POISSON_RATIO if nu is None else nu).kappa  # type: ignore[attr-defined]
         constants[BULK] = kappa
     given = keys.density, keys.holds_between, keys.loss_factor  # type: ignore[attr-defined]
-    material = Material(law, constants, *given)
+    material = Material(law, constants, *given, name)
     material.built()  # its error is a ValueError, for constants that do not go together
     return material
+
+
+def _by_name(value: Any) -> tuple[Any, str]:
+    """The section with the constants of the rubber that it names, and this name."""
+    if not isinstance(value, Mapping) or "name" not in value:
+        return value, ""
+    name = chosen(value, "name", tuple(RUBBERS))
+    beside = {key: entry for key, entry in value.items() if key != "name"}
+    raise_all(
+        wrong(f"the name gives the law and its constants; leave one of them out; allowed: {', '.join(BESIDE)}", (key,))
+        for key in beside
+        if key not in BESIDE
+    )
+    return RUBBERS[name] | beside, name
+
+
+def _in_own_form(law: str, value: Any) -> Any:
+    """The section without what other programs write."""
+    raise_all(wrong(f"unknown key; {hint}", (key,)) for key in value if (hint := instead(law, str(key))))
+    if law != "ogden":
+        return value
+    if "form" in value and value["form"] not in FORMS:
+        raise_all([wrong(not_known(value["form"], FORMS), ("form",))])
+    return ogden_terms(value)
 
 
 def stiffness_conflicts(material: Material, pressures_kPa: tuple[float, ...]) -> Iterator[Error]:

@@ -7,7 +7,7 @@ import numpy as np
 
 from fem.materials import Material, MaterialError
 from geometry.arrays import Array, Mask
-from pipeline.material.laws import FORMS, STATES, Form, Points, is_stable, nominal, stretches
+from pipeline.material.laws import FORMS, PER_LOG, STATES, Form, Points, is_stable, nominal, stretches
 
 #: largest ratio of the stresses of two laws, in any state, up to which both can be used
 FACTOR = 1.5
@@ -171,9 +171,10 @@ def _stable_to(law: Material, high: float) -> float:
     low_limit, high_limit = law.stretch_limits
     ends = [high, high_limit, low_limit**-0.5 if low_limit > 0 else np.inf]
     for state in STATES:
-        grid = stretches(high**-2 if state == "uniaxial" else 1.0, high)
-        unstable = grid[~is_stable(law, state, grid)]
-        ends += [float(np.where(s < 1, s**-0.5, s) * (1 - 1e-3)) for s in unstable]
+        for end in (high**-2, high) if state == "uniaxial" else (high,):
+            grid = np.geomspace(1.0, end, int(PER_LOG * abs(np.log(end))) + 2)
+            last = _last(grid[1:], is_stable(law, state, grid)[1:])
+            ends.append(last if end > 1 else last**-0.5)
     return float(min(ends))
 
 

@@ -14,6 +14,8 @@ from pipeline.plots import COLOURS
 
 #: measured points that are drawn of each test at most, and points of a line
 MOST_POINTS, POINTS_OF_A_LINE = 400, 200
+#: over the stretch of the tests that laws are fitted to: the largest one that is drawn
+FAR = 1.3
 #: strain up to which the start of the tests is drawn
 START = 0.5
 STYLE = (
@@ -113,7 +115,8 @@ def _draw_laws(axes: Any, material: Material, state: str, low: float, high: floa
 def _limit(axes: Any, material: Material, title: str, ends: tuple[float, float] | None) -> None:
     """Axes that end where measured points end, though laws go on."""
     points = material.points
-    low, high = ends or (float(points.stretch[0]), float(points.stretch[-1]))
+    most = max(FAR * material.options.need.reach, *(fit.holds[1] for fit in material.judged.laws if fit.holds), 1.0)
+    low, high = ends or (float(points.stretch[0]), min(float(points.stretch[-1]), most))
     shown = points.stress[(points.stretch >= low) & (points.stretch <= high)]
     top, bottom = (float(shown.max()), float(shown.min())) if len(shown) else (1.0, 0.0)
     margin = 0.05 * (max(top, 0.0) - min(bottom, 0.0))

@@ -20,7 +20,7 @@ SEVERAL = 3
 
 def check_load(config: Config) -> tuple[Reason, ...]:
     """What is unusual about a configuration, whatever is made of it."""
-    rules = (_pressure, _unused_pressure, _turned_gravity, _short_edges)
+    rules = (_pressure, _unused_pressure, _turned_gravity, _short_edges, _batches)
     return (*filter(None, (rule(config) for rule in rules)), *_densities(config))
 
 
@@ -73,6 +73,13 @@ def _densities(config: Config) -> Iterator[Reason]:
         density = 1e12 * (law.density_tonne_mm3 or 0.0)
         if law.density_tonne_mm3 is not None and not LIGHTEST <= density <= HEAVIEST:
             yield Reason("density", {"key": key, "density_kg_m3": density})
+
+
+def _batches(config: Config) -> Reason | None:
+    """A rubber by name has constants of one batch that somebody else has tested."""
+    laws = (config.material, *config.materials.values())
+    names = list(dict.fromkeys(law.name for law in laws if law.name))
+    return Reason("named_rubber", {"names": names}) if names else None
 
 
 def _unequal_cells(config: Config) -> Reason | None:

@@ -17,6 +17,8 @@ TEMPLATES: Mapping[str, str] = {
     "effects.pressure",
     "density": "the value of {key}.density is {density_kg_m3:.4g} kg/m^3, and rubbers have about 1000; check its unit "
     "(kg/m^3, g/cm^3)",
+    "named_rubber": "the constants of {names} are of one published test, and another batch may be half or twice as "
+    "stiff; test yours with pneurod material",
     "turned_gravity": "gravity acts along the arm's own x, from clamp to tip, which is against the x of the file; "
     "check effects.gravity.acceleration",
     "short_edges": "{count} edges of the CAD file are shorter than {limit_mm:.2g} mm ({shortest_mm:.2g} mm near "

@@ -168,4 +168,5 @@ def _word(value: Any) -> str:
         section = json.loads(value)
     except (TypeError, ValueError):
         section = None
-    return str(section["law"]) if isinstance(section, dict) and "law" in section else shortened(str(value))
+    named = [section[key] for key in ("name", "law") if key in section] if isinstance(section, dict) else []
+    return str(named[0]) if named else shortened(str(value))

@@ -403,7 +403,7 @@ def test_the_terms_of_ogden_are_lists(configs: Path) -> None:
         ("mu: [0.4], alpha: [2]", "material.mu[1]: 0.4 has no unit; write a stress with its unit"),
         ("mu: [0.4 MPa], alpha: [2 mm]", "material.alpha[1]: '2 mm' is not a plain number"),
         ("mu: [0.4 MPa], alpha: [0]", "material: Ogden: alpha = [0.0] must be finite numbers other than 0"),
-        ("mu: [0.4 MPa], alpha: [-2]", "material: Ogden: half the sum of mu times alpha = -0.4 MPa must be positive"),
+        ("mu: [-0.4 MPa], alpha: [2]", "material: Ogden: half the sum of mu times alpha = -0.4 MPa must be positive"),
         ("mu: [0.4 MPa]", "material.alpha: is missing; for example 'alpha: [2]'"),
         ("mu: [], alpha: []", "material.mu[1]: [] is not a stress"),
     ):

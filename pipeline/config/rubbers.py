@@ -1,0 +1,75 @@
+"""Rubbers by name, and constants in the forms of other programs.
+
+The constants of the silicones are those that `pneurod material` finds in tensile tests (ASTM D412, type C) of the Soft
+Robotics Materials Database of L. Maréchal et al., Soft Robotics 2021, one batch each; densities are of the data sheets
+of their maker, Smooth-On.
+Elastosil M4601 as the Soft Robotics Toolkit has it, without a range.
+"""
+
+from collections.abc import Mapping
+from typing import Any
+
+from pipeline.config.kinds import number
+from pipeline.config.units import STRESS, convert
+
+
+def _yeoh(c10: float, c20: float, c30: float, density: int, holds: list[float] | None) -> dict[str, Any]:
+    constants = {"c10": f"{c10} MPa", "c20": f"{c20} MPa", "c30": f"{c30} MPa"}
+    written = {"law": "yeoh", **constants, "density": f"{density} kg/m^3"}
+    return written if holds is None else written | {"holds_between": holds}
+
+
+#: the section `material` of a configuration by name, with texts as a user may write them
+RUBBERS: dict[str, dict[str, Any]] = {
+    "dragon_skin_10": _yeoh(0.02349, 0.002701, -7.615e-05, 1070, [0.12, 2.95]),
+    "dragon_skin_20": _yeoh(0.06148, 0.009699, -0.0006031, 1080, [0.22, 2.17]),
+    "dragon_skin_30": _yeoh(0.09182, 0.01025, -0.0005306, 1080, [0.19, 2.35]),
+    "ecoflex_00_30": _yeoh(0.0082, 6.45e-05, 1.275e-06, 1070, [0.07, 3.94]),
+    "ecoflex_00_50": {"law": "neo_hooke", "mu": "0.02391 MPa", "density": "1070 kg/m^3", "holds_between": [0.17, 2.49]},
+    "mold_star_16": _yeoh(0.04346, 0.002615, 4.244e-06, 1180, [0.07, 3.93]),
+    "elastosil_m4601": _yeoh(0.11, 0.02, 0.0, 1130, None),
+}
+#: keys that may stand beside a name
+BESIDE = ("nu", "kappa", "density", "holds_between", "loss_factor")
+#: ways to write the terms of Ogden's law: mu / alpha times the powers, or 2 mu / alpha^2
+FORMS = ("ogden", "abaqus")
+_BULK = {"d1": "write kappa, 2 / d1, or leave it out where d1 is 0"}
+_NEO_HOOKE = {"c10": "write mu, 2 c10", "c1": "write mu, 2 c1", "g": "write mu"}
+_TIME = "creep, rate and the softening of later cycles are in no law; loss_factor damps exported arms"
+#: what to write instead of the constants of other programs, in small letters
+INSTEAD: dict[str, dict[str, str]] = {
+    "neo_hooke": _BULK | _NEO_HOOKE,
+    "mooney_rivlin": _BULK | {"c1": "write c10", "c2": "write c01"},
+    "yeoh": _BULK | {"c1": "write c10", "c2": "write c20", "c3": "write c30"},
+    "ogden": _BULK,
+}
+OF_TIME = ("prony", "viscosity", "viscoelastic", "relaxation", "tau", "damping", "mullins", "creep")
+
+
+def instead(law: str, key: str) -> str:
+    """What to write instead of a key that another program has; empty where none is known."""
+    small = key.lower()
+    return _TIME if small in OF_TIME else INSTEAD.get(law, {}).get(small, "")
+
+
+def ogden_terms(section: Mapping[str, Any]) -> Mapping[str, Any]:
+    """The section of Ogden's law without `form`, in which terms are written as mu / alpha.
+
+    Raises ValueError where terms are most likely those of Abaqus and `form` is not given. Values that are no lists of
+    numbers are left to the checks of the section.
+    """
+    form, rest = section.get("form"), {key: value for key, value in section.items() if key != "form"}
+    try:
+        mu = [convert(value, STRESS) for value in section["mu"]]
+        alpha = [number(value) for value in section["alpha"]]
+        modulus = sum(m * a for m, a in zip(mu, alpha, strict=True)) / 2
+    except (KeyError, TypeError, ValueError):
+        return rest
+    if form is None and any(m > 0 > a for m, a in zip(mu, alpha, strict=True)):
+        raise ValueError(
+            "an entry of mu is above zero where alpha is below; write form: abaqus if the energy has 2 mu / alpha^2 "
+            f"(shear modulus {sum(mu):.4g} MPa), or form: ogden if it has mu / alpha as here ({modulus:.4g} MPa)"
+        )
+    if form != "abaqus":
+        return rest
+    return rest | {"mu": [f"{2 * m / a!r} MPa" for m, a in zip(mu, alpha, strict=True)]}

@@ -1,0 +1,103 @@
+"""Rubbers by name, and constants as other programs write them."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import pneurod
+from pipeline.config.load import load_config
+from pipeline.config.material import Material
+from pipeline.config.rubbers import INSTEAD, RUBBERS
+from pipeline.errors import InputError
+from pipeline.material.laws import STATES, is_stable, stretches
+from pipeline.notes.design import check_load
+from pipeline.notes.templates import TEMPLATES
+
+TERMS = "mu: [0.001887 MPa, 0.02225 MPa, 0.003574 MPa], alpha: [-3.848, 0.663, 4.225], nu: 0.48"
+
+
+def material(configs: Path, written: str) -> Material:
+    return load_config(configs / "pneunet_coarse.yaml", [f"material={{{written}}}", "pressures=[1 kPa]"]).material
+
+
+def refused(configs: Path, written: str) -> str:
+    with pytest.raises(InputError) as caught:
+        material(configs, written)
+    return str(caught.value)
+
+
+@pytest.mark.parametrize("name", RUBBERS)
+def test_a_rubber_by_name_is_stable_where_it_holds(name: str, configs: Path) -> None:
+    rubber = material(configs, f"name: {name}")
+    law = rubber.built()
+    low, high = rubber.holds_between or (0.5, 2.0)
+    for state in STATES:
+        assert is_stable(law, state, stretches(low if state == "uniaxial" else 1.0, high)).all()
+    assert rubber.name == name
+    assert 1e12 * (rubber.density_tonne_mm3 or 0.0) == pytest.approx(1100, abs=100)
+    assert 0.04 < law.young_modulus < 0.7
+    assert law.poisson_ratio == pytest.approx(0.495)
+
+
+def test_the_moduli_of_rubbers_by_name_are_in_the_order_of_their_hardness(configs: Path) -> None:
+    """Ecoflex 00-30 and 00-50, Dragon Skin 10 A, Mold Star 16 A, Dragon Skin 20 A and 30 A."""
+    names = ("ecoflex_00_30", "ecoflex_00_50", "dragon_skin_10", "mold_star_16", "dragon_skin_20", "dragon_skin_30")
+    moduli = [material(configs, f"name: {name}").built().young_modulus for name in names]
+    assert moduli == sorted(moduli)
+
+
+def test_a_name_is_kept_with_what_stands_beside_it(configs: Path) -> None:
+    rubber = material(configs, "name: dragon_skin_30, nu: 0.49, density: 1100 kg/m^3")
+    assert rubber.record()["name"] == "dragon_skin_30"
+    assert rubber.built().poisson_ratio == pytest.approx(0.49)
+    assert rubber.density_tonne_mm3 == pytest.approx(1.1e-9)
+    assert "name" not in material(configs, "law: neo_hooke, mu: 0.1 MPa").record()
+    assert pneurod.NamedRubber("dragon_skin_30").values == {"name": "dragon_skin_30"}
+    assert repr(pneurod.NamedRubber("mold_star_16", nu=0.49)) == "NamedRubber(name='mold_star_16', nu=0.49)"
+
+
+def test_a_run_says_that_another_batch_differs(configs: Path) -> None:
+    named = load_config(configs / "pneunet_coarse.yaml", ["material={name: dragon_skin_30}", "pressures=[5 kPa]"])
+    [reason] = [reason for reason in check_load(named) if reason.code == "named_rubber"]
+    assert reason.values["names"] == ["dragon_skin_30"]
+    assert "named_rubber" in TEMPLATES
+    plain = load_config(configs / "pneunet_coarse.yaml")
+    assert not [reason for reason in check_load(plain) if reason.code == "named_rubber"]
+
+
+def test_terms_of_abaqus_are_asked_about_and_read(configs: Path) -> None:
+    sentence = refused(configs, f"law: ogden, {TERMS}")
+    assert "form: abaqus if the energy has 2 mu / alpha^2 (shear modulus 0.02771 MPa)" in sentence
+    assert "form: ogden if it has mu / alpha as here (0.0113 MPa)" in sentence
+    for form, modulus in (("abaqus", 0.02771), ("ogden", 0.0113)):
+        law = material(configs, f"law: ogden, form: {form}, {TERMS}").built()
+        assert law.shear_modulus == pytest.approx(modulus, rel=1e-2)
+    assert material(configs, "law: ogden, mu: [0.2 MPa, -0.05 MPa], alpha: [3, -2]").built().shear_modulus > 0
+    two = material(configs, "law: ogden, form: abaqus, mu: [0.1 MPa], alpha: [2]").built()
+    one, s = material(configs, "law: neo_hooke, mu: 0.1 MPa").built(), np.array([1.5])
+    np.testing.assert_allclose(two.uniaxial(s).nominal, one.uniaxial(s).nominal)
+
+
+@pytest.mark.parametrize(
+    ("written", "complaint"),
+    [
+        ("name: dragonskin_30", "material.name: 'dragonskin_30' is not known; did you mean 'dragon_skin_30'?"),
+        ("name: dragon_skin_30, mu: 1 MPa", "material.mu: the name gives the law and its constants"),
+        ("name: dragon_skin_30, law: svk", "material.law: the name gives the law and its constants"),
+        ("law: neo_hooke, c10: 0.1 MPa", "material.c10: unknown key; write mu, 2 c10"),
+        ("law: neo_hooke, mu: 0.1 MPa, d1: 0", "material.d1: unknown key; write kappa, 2 / d1"),
+        ("law: yeoh, C1: 0.1 MPa, c20: 0 MPa, c30: 0 MPa", "material.C1: unknown key; write c10"),
+        ("law: neo_hooke, mu: 0.1 MPa, prony: 3", "material.prony: unknown key; creep, rate and the softening"),
+        ("law: ogden, form: ansys, mu: [0.1 MPa], alpha: [2]", "material.form: 'ansys' is not known; allowed: ogden"),
+    ],
+)
+def test_keys_of_other_programs_are_answered(written: str, complaint: str, configs: Path) -> None:
+    assert complaint in refused(configs, written)
+
+
+def test_what_to_write_instead_is_no_key_of_the_law(configs: Path) -> None:
+    from fem.materials import LAWS
+
+    for law, keys in INSTEAD.items():
+        assert not set(keys) & set(LAWS[law].constants())
