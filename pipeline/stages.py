@@ -8,7 +8,7 @@ from time import perf_counter
 from typing import Any, TypeAlias
 
 from geometry import Reason
-from pipeline.cell.of_run import LawOfRun, law_of_run
+from pipeline.cell.of_run import LawOfRun, deliver_law_of_run, law_on_mesh_of_arm
 from pipeline.config.config import Config
 from pipeline.context import RunContext
 from pipeline.identification.added_pressures import Identified, identify_run
@@ -19,10 +19,11 @@ from pipeline.notes import render, render_all, report_reason
 from pipeline.notes.design import check_design
 from pipeline.notes.mesh import check_body
 from pipeline.notes.states import Solved, check_states
+from pipeline.notes.unloaded import unloaded_lines
 from pipeline.parallel import Pending
 from pipeline.progress import Progress
 from pipeline.report.saved import save_report
-from pipeline.results.files import CURVES, VALIDATION_CURVES, save_curves, save_value
+from pipeline.results.files import CURVES, LAW_ON_MESH_OF_ARM, VALIDATION_CURVES, save_curves, save_value
 from pipeline.results.record import RunRecord
 from pipeline.results.values import Run
 from pipeline.simulation.effects_record import list_effects
@@ -35,20 +36,28 @@ from pipeline.validation.compare import Comparison, compare, curves_of
 from pipeline.validation.rods import ArmRods
 from pipeline.validation.validate import Validated, find_loads_beyond_II, keep_reached_loads, solve_validation
 from pipeline.validation.validate import validate as compare_loads
+from rod.arm_law.record import law_record
 
 #: the stage of a run whose configuration has a second mesh
 _COARSER_MESH = "coarser mesh"
+#: the stages of the arm's own law: as it is delivered, and on the mesh on which the whole arm is solved
+_LAW, _LAW_ON_MESH_OF_ARM = "cell and ends", "cell and ends on the mesh of the arm"
 #: in their order
 _STAGES = (
-    *("mesh", "kernels (compiled once)", "experiments", "identification", "pictures", "cell law", _COARSER_MESH),
-    *("rod", "validation", "report"),
+    *("mesh", "kernels (compiled once)", _LAW, "experiments", "identification", "pictures", _LAW_ON_MESH_OF_ARM),
+    *(_COARSER_MESH, "rod", "validation", "report"),
 )
+#: those of a run with the arm's own law alone
+_STAGES_OF_LAW = ("mesh", "kernels (compiled once)", _LAW, "pictures", "report")
 
 
 def stage_names(config: Config) -> tuple[str, ...]:
-    """The stages of a run in their order; a second mesh only where the five parameters are to have its error."""
-    has_coarser = config.mesh.coarser is not None and config.law != "cell"
-    return tuple(name for name in _STAGES if has_coarser or name != _COARSER_MESH)
+    """The stages of a run in their order."""
+    if config.law == "cell":
+        return _STAGES_OF_LAW
+    left_out = {_COARSER_MESH} if config.mesh.coarser is None else set()
+    left_out |= {_LAW, _LAW_ON_MESH_OF_ARM} if config.law == "five" else set()
+    return tuple(name for name in _STAGES if name not in left_out)
 
 
 class Stages:
@@ -106,7 +115,7 @@ class SolvedRun:
     outcomes: Outcomes  #: of experiments I, II and III
     parameters: tuple[Parameters, ...]  #: by ascending pressure
     comparisons: tuple[Comparison, ...]  #: rod against finite elements, loads of the identification first
-    arm: LawOfRun  #: the arm's own law
+    arm: LawOfRun  #: the arm's own law as it is delivered
 
 
 def mesh(config: Config, context: RunContext) -> RunState:
@@ -123,13 +132,32 @@ def mesh(config: Config, context: RunContext) -> RunState:
     return state
 
 
-def solve_experiments(state: RunState) -> tuple[RunState, Outcomes, Pending[LawOfRun]]:
-    """Solve experiments I, II and III, and begin to measure the arm's own law."""
+def deliver_law(state: RunState) -> tuple[RunState, LawOfRun]:
+    """Measure the arm's own law, write law.json and tell the arm without a load."""
+    with state.stages.timed(_LAW):
+        arm = deliver_law_of_run(state.scene, state.context)
+    return _with_law(state, arm), arm
+
+
+def _with_law(state: RunState, arm: LawOfRun) -> RunState:
+    law = arm.save(state.context.store, state.config.pressures_kPa)
+    if law is not None and law.unloaded:
+        state.context.progress.remark("; ".join(unloaded_lines(law)))
+    return state.with_results(law=law)
+
+
+def solve_experiments(state: RunState, arm: LawOfRun) -> tuple[RunState, Outcomes, Pending[LawOfRun]]:
+    """Solve experiments I, II and III, and begin to measure the arm's own law on their mesh."""
     scene, context = state.scene, state.context
     with state.stages.timed("experiments"):
         second = begin_II(scene, context)
         complete = context.workers.beside(complete_experiments, scene, context, second)
-        law = law_of_run(scene, context, lambda: find_highest_pressure(scene, second, complete))
+        is_same_law = scene.config.accuracy is None and arm.law is not None
+        law = (
+            Pending.done(arm)
+            if is_same_law
+            else law_on_mesh_of_arm(scene, context, lambda: find_highest_pressure(scene, second, complete))
+        )
         outcomes, remark = complete.result()
     return state.with_remarks(*filter(None, [remark])), outcomes, law
 
@@ -159,11 +187,18 @@ def draw(state: RunState, outcomes: Outcomes) -> None:
         draw_all(state.scene.body, outcomes, state.context.store)
 
 
-def measure_law(state: RunState, law: Pending[LawOfRun]) -> tuple[RunState, LawOfRun]:
-    """Write law.json."""
-    with state.stages.timed("cell law"):
-        arm = law.result()
-        return state.with_results(law=arm.save(state.context.store)), arm
+def complete_law(state: RunState, arm: LawOfRun, law: Pending[LawOfRun]) -> tuple[RunState, LawOfRun, LawOfRun]:
+    """The law that is delivered, and the one on the mesh of the whole arm, which is written beside it.
+
+    Where the cell bears no pressure of the run, the law below the limit of the whole arm is the one that is delivered.
+    """
+    with state.stages.timed(_LAW_ON_MESH_OF_ARM):
+        on_mesh = law.result()
+    if arm.law is None:
+        return _with_law(state, on_mesh), on_mesh, on_mesh
+    if on_mesh.law is not None and on_mesh is not arm:
+        state.context.store.save_json(LAW_ON_MESH_OF_ARM, law_record(on_mesh.law))
+    return state, arm, on_mesh
 
 
 def add_mesh_error(
@@ -173,19 +208,20 @@ def add_mesh_error(
     with state.stages.timed(_COARSER_MESH):
         parameters, no_mesh_error = improved.result()
     identified = replace(identified, parameters=parameters)
-    if state.config.law == "cell":
-        return state, identified
     content = parameters_record(state.config, parameters, arm.law, render_all(no_mesh_error))
     return state.with_results(parameters=save_value(state.context.store, "parameters.json", content)), identified
 
 
 def compare_rods(
-    state: RunState, identified: Identified, arm: LawOfRun
+    state: RunState, identified: Identified, on_mesh: LawOfRun
 ) -> tuple[RunState, ArmRods, tuple[Comparison, ...]]:
-    """Compare the rods with experiments II and III; write curves.csv."""
+    """Compare the rods with experiments II and III; write curves.csv.
+
+    on_mesh: the law on the mesh of the experiments.
+    """
     body, outcomes = state.scene.body, identified.outcomes
     with state.stages.timed("rod"):
-        rods = ArmRods(asdict(state.written.parameters), arm.law, (0.0, body.curve_y))
+        rods = ArmRods(asdict(state.written.parameters), on_mesh.law, (0.0, body.curve_y))
         comparisons = compare(outcomes, rods, body.pitch)
         curves = curves_of(outcomes, comparisons, body.pitch)
         save_curves(state.context.store, CURVES, curves)

@@ -1,11 +1,16 @@
-"""The arm's own law as a part of a run: made where the arm and its effects have one, else the reason why not."""
+"""The arm's own law as a part of a run: made where the arm and its effects have one, else the reason why not.
 
-from collections.abc import Callable
+A run has two laws. The one that it delivers comes from pieces on the mesh that the requested accuracy needs. The other
+comes from pieces on the mesh of the whole arm: the difference between its rod and the whole arm is the error of the
+rod's theory alone.
+"""
+
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from geometry import Reason, Values
 from pipeline.cell.build import MeasuredLaw
-from pipeline.cell.limit import law_on_mesh
+from pipeline.cell.limit import deliver_law, law_on_mesh
 from pipeline.cell.pieces import ArmPieces, NoArmLaw
 from pipeline.cell.study import save_law
 from pipeline.context import RunContext
@@ -40,9 +45,12 @@ class LawOfRun:
         """None where there is none."""
         return None if self.measured is None else self.measured.law
 
-    def save(self, store: Store) -> Law | None:
-        """Write law.json where there is a law, and return the part of it that the report reads."""
-        return None if self.measured is None else save_law(store, self.measured)
+    def save(self, store: Store, pressures_kPa: Sequence[float]) -> Law | None:
+        """Write law.json where there is a law, and return the part of it that the report reads.
+
+        pressures_kPa: of the configuration, at which the states without load are told.
+        """
+        return None if self.measured is None else save_law(store, self.measured, pressures_kPa)
 
     @property
     def effect(self) -> Effect:
@@ -50,14 +58,34 @@ class LawOfRun:
         return Effect("arm_law", "off" if self.measured is None else "on", render_all(self.reasons), None)
 
 
-def law_of_run(scene: Scene, context: RunContext, highest_kPa: Callable[[], float] | None = None) -> Pending[LawOfRun]:
-    """The law that the configuration requests; with `law: both` an arm without one keeps its five parameters.
+def deliver_law_of_run(scene: Scene, context: RunContext) -> LawOfRun:
+    """The law that the configuration requests, on the mesh that its accuracy needs; waits until it is measured.
+
+    With `law: both` an arm without one keeps its five parameters.
+    """
+    pressures, accuracy = scene.config.pressures_kPa, scene.config.accuracy
+
+    def build(pieces: ArmPieces) -> MeasuredLaw:
+        if accuracy is None:
+            return law_on_mesh(pieces, pressures, context)
+        return deliver_law(pieces, pressures, context, accuracy=accuracy)
+
+    return _begin(scene, context, build).result()
+
+
+def law_on_mesh_of_arm(scene: Scene, context: RunContext, highest_kPa: Callable[[], float]) -> Pending[LawOfRun]:
+    """The law from pieces on the mesh of the whole arm.
 
     highest_kPa: gives the pressure that the law need not exceed, as soon as that is known.
 
     Its tasks are done beside those that are submitted later. Whatever Gmsh has to look at in this process is looked at
     before this function returns, because Gmsh takes the process's output and signals.
     """
+    pressures = scene.config.pressures_kPa
+    return _begin(scene, context, lambda pieces: build_law(pieces, pressures, context, highest_kPa))
+
+
+def _begin(scene: Scene, context: RunContext, build: Callable[[ArmPieces], MeasuredLaw]) -> Pending[LawOfRun]:
     is_needed = scene.config.law == "cell"
     if scene.config.law == "five":
         return Pending.done(LawOfRun(None, (Reason("law_not_wanted"),)))
@@ -66,7 +94,7 @@ def law_of_run(scene: Scene, context: RunContext, highest_kPa: Callable[[], floa
         pieces.repetition  # noqa: B018 - meshed here, or refused
     except (NoArmLaw, InputError) as refusal:
         return Pending.done(_refused(is_needed, refusal))
-    return context.workers.beside(_measured, is_needed, pieces, context, highest_kPa)
+    return context.workers.beside(_measured, is_needed, pieces, build)
 
 
 def _refused(is_needed: bool, why: Exception) -> LawOfRun:
@@ -75,11 +103,9 @@ def _refused(is_needed: bool, why: Exception) -> LawOfRun:
     return LawOfRun(None, (Reason("law_not_possible", because),), failures)
 
 
-def _measured(
-    is_needed: bool, pieces: ArmPieces, context: RunContext, highest_kPa: Callable[[], float] | None
-) -> LawOfRun:
+def _measured(is_needed: bool, pieces: ArmPieces, build: Callable[[ArmPieces], MeasuredLaw]) -> LawOfRun:
     try:
-        measured = law_on_mesh(pieces, pieces.config.pressures_kPa, context, highest_kPa)
+        measured = build(pieces)
     except WorkerLost:
         raise
     except (NoArmLaw, InputError, RunFailed) as failure:

@@ -1,5 +1,6 @@
 """The command that measures the arm's own law: law.json, law.html, and the record of the run."""
 
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from time import perf_counter
@@ -8,6 +9,7 @@ from pipeline.cell.build import MeasuredLaw
 from pipeline.cell.figure import law_page
 from pipeline.cell.limit import deliver_law, law_on_mesh
 from pipeline.cell.pieces import ArmPieces, NoArmLaw
+from pipeline.cell.unloaded import unloaded_states
 from pipeline.config.config import Config
 from pipeline.context import run_context
 from pipeline.errors import InputError, RunFailed
@@ -82,16 +84,20 @@ def measure_law(config: Config, out: Path, jobs: int, fresh: bool, progress: Pro
         except NoArmLaw as refusal:
             raise InputError(f"{config.source}: {refusal}") from None
         report = LawReport(out, config, measured, perf_counter() - begin)
-        save_law(store, measured)
+        save_law(store, measured, config.pressures_kPa)
         store.save_json("run.json", report.record())
         store.save_text("law.html", law_page(config.name, measured.law))
     return report
 
 
-def save_law(store: Store, measured: MeasuredLaw) -> Law:
-    """Write law.json, the law, its errors and where it ends, and return the part of it that the report reads."""
+def save_law(store: Store, measured: MeasuredLaw, pressures_kPa: Sequence[float]) -> Law:
+    """Write law.json, the law, its errors and where it ends, and return the part of it that the report reads.
+
+    pressures_kPa: of the configuration, at which the arm without a load is told.
+    """
     content = {
         **law_record(measured.law),
+        "unloaded": [*map(asdict, unloaded_states(measured.law, pressures_kPa))],
         "added_pressures_kPa": measured.added_kPa,
         "end_half_cells": measured.half_cells,
         "interpolation_error": {

@@ -19,7 +19,7 @@ class Identified:
     """The parameters of a run, and its outcomes with the pressures that were added."""
 
     outcomes: Outcomes
-    parameters: tuple[Parameters, ...]  #: by ascending pressure; empty with `law: cell`
+    parameters: tuple[Parameters, ...]  #: by ascending pressure
     refused: tuple[Reason, ...] = ()  #: why there are no parameters, or none at a pressure
     not_added: tuple[Reason, ...] = ()  #: why pressures could not be added
 
@@ -33,12 +33,10 @@ class Identified:
 
 
 def identify_run(scene: Scene, context: RunContext, outcomes: Outcomes) -> Identified:
-    """The parameters at all pressures and at those to be added; none with `law: cell`.
+    """The parameters at all pressures and at those to be added.
 
     Raises RunFailed as `simulate`.
     """
-    if scene.config.law == "cell":
-        return Identified(outcomes, ())
     if reason := too_short(scene.config) or too_coarse(scene.config, scene.body):
         return Identified(outcomes, (), (reason,))
     parameters, refused = _identified(scene, context, outcomes)

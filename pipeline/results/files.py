@@ -31,6 +31,8 @@ TYPES: dict[str, Any] = {
     "law.json": Law,
     "run.json": RunRecord,
 }
+#: the arm's own law on the mesh on which the whole arm is solved; absent where law.json has it
+LAW_ON_MESH_OF_ARM = "law_on_mesh_of_arm.json"
 CURVES, VALIDATION_CURVES = "curves.csv", "validation_curves.csv"
 _KEYS = ("experiment", "pressure_kPa")
 _IDENTITY = "states/configuration.json"  #: written when a run starts

@@ -41,6 +41,17 @@ class LawCurves:
 
 
 @dataclass(frozen=True)
+class Unloaded:
+    """The clamped arm without a load at one pressure, by its own law."""
+
+    pressure_kPa: float
+    kappa_0_per_mm: float  #: curvature of the cell
+    rigidity_N_mm2: float  #: dM/dkappa of the cell there
+    bending_deg: float  #: angle of the circular arc through both ends
+    tip_mm: tuple[float, float]  #: relative to the clamped end
+
+
+@dataclass(frozen=True)
 class Law:
     """The arm's own law as the report needs it; `rod.ArmLaw` is the whole of law.json."""
 
@@ -50,6 +61,7 @@ class Law:
     curves: tuple[LawCurve, ...]
     clamp: LawCurves = LawCurves()
     mesh_error: LawMeshError | None = None
+    unloaded: tuple[Unloaded, ...] = ()  #: at the pressures of the configuration
 
     def curve(self, pressure_kPa: float) -> LawCurve | None:
         """The curve at a pressure; None where there is none."""

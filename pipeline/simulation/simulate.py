@@ -155,12 +155,11 @@ def add_states_below_limit(scene: Scene, context: RunContext, outcomes: Outcomes
     """The outcomes with states at pressures below the limit, and a remark on them.
 
     The limit is where one of II and III ended (`Failure.end_kPa`). Unchanged, without a remark, where both have
-    reached a pressure of the configuration or neither has an equilibrium but that at rest, and where there would be no
-    five parameters (`law: cell`, a short arm), for which alone these states are solved. Raises RunFailed as `simulate`.
+    reached a pressure of the configuration or neither has an equilibrium but that at rest, and where the arm is too
+    short for five parameters, for which alone these states are solved. Raises RunFailed as `simulate`.
     """
     limit = inf if outcomes.pairs else outcomes.lowest_end_kPa("II", "III")
-    without_five = scene.config.law == "cell" or too_few_pitches(scene.body.length, scene.body.pitch)
-    if limit == inf or without_five:
+    if limit == inf or too_few_pitches(scene.body.length, scene.body.pitch):
         return outcomes, None
     pressures = tuple(_rounded(part * limit) for part in PARTS)
     names = experiments_of(scene.config)
