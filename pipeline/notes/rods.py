@@ -9,7 +9,7 @@ import numpy as np
 from geometry.arrays import Array
 from pipeline.formatting import percent
 from pipeline.results.parameters import Column
-from pipeline.results.values import SMALLEST_TURN, Curve, RodError, Run
+from pipeline.results.values import SMALLEST_TURN, Law, RodError, Run
 from pipeline.store.formats import ARM_LAW, EXTENSIBLE, FIVE
 
 #: the rods in words
@@ -143,13 +143,24 @@ class RodAndMesh:
     force: float | None  #: over the largest force; None where no load had one
     largest_N: float | None  #: the largest force
     mesh: MeshErrors  #: the part of the mesh
+    is_compared: bool = True  #: False without finite elements of the whole arm; the error is then that of the mesh
 
     @property
     def text(self) -> str:
         """The errors of shape and force in words."""
+        if not self.is_compared:
+            moved = f"error of the shape {percent(self.shape)} of the length because of its mesh"
+            return f"{moved}; no whole arm was solved"
         force = "" if self.force is None else f", of the force {percent(self.force)}"
         mesh = "rod and mesh added" if self.mesh.largest is not None else "without the error of the mesh"
         return f"error of the shape {percent(self.shape)} of the length{force} ({mesh})"
+
+
+def rod_to_take(run: Run) -> tuple[str, RodAndMesh] | None:
+    """The rod with the smallest errors, and these; the arm's own law where none was compared. None without a rod."""
+    if errors := rod_errors(run):
+        return errors[0].rod, rod_and_mesh(run, errors[0])
+    return (ARM_LAW, _of_mesh_alone(run.law, mesh_errors(run, ARM_LAW))) if run.law else None
 
 
 def rod_and_mesh(run: Run, errors: RodErrors) -> RodAndMesh:
@@ -157,17 +168,27 @@ def rod_and_mesh(run: Run, errors: RodErrors) -> RodAndMesh:
     mesh = mesh_errors(run, errors.rod)
     bent = [curve for curve in run.curves_of("II") if not curve.load]
     largest = _largest(row.force_N for row in run.rod_errors)
+    moved = (tip_moves_by(curve["s_mm"], curve["theta_rad"], mesh.kappa_0 or 0.0) for curve in bent)
     return RodAndMesh(
-        shape=errors.shape + max((tip_moves_by(curve, mesh.kappa_0 or 0.0) for curve in bent), default=0.0),
+        shape=errors.shape + max(moved, default=0.0),
         force=None if largest is None else errors.force + (mesh.force or 0.0),
         largest_N=largest,
         mesh=mesh,
     )
 
 
-def tip_moves_by(curve: Curve, relative: float) -> float:
-    """Largest distance over the length that a curve moves by where all of its curvature is larger by a fraction."""
-    s, theta = curve["s_mm"], curve["theta_rad"]
+def _of_mesh_alone(law: Law, mesh: MeshErrors) -> RodAndMesh:
+    """Of the arm without a load, as circular arcs."""
+    arcs = [np.linspace(0.0, math.radians(state.bending_deg), 50) for state in law.unloaded]
+    moved = (tip_moves_by(np.linspace(0.0, 1.0, 50), arc, mesh.kappa_0 or 0.0) for arc in arcs)
+    return RodAndMesh(max(moved, default=0.0), None, None, mesh, is_compared=False)
+
+
+def tip_moves_by(s: Array, theta: Array, relative: float) -> float:
+    """Largest distance over the length that a curve moves by where all of its curvature is larger by a fraction.
+
+    s, theta: (n,) rest arc lengths and angles in rad.
+    """
     more = theta[0] + (1.0 + relative) * (theta - theta[0])
     apart = _positions(s, more) - _positions(s, theta)
     return float(np.hypot(*apart).max() / (s[-1] - s[0]))

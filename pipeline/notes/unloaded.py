@@ -1,14 +1,17 @@
 """The arm without a load in words, by its own law."""
 
 from collections.abc import Iterator, Sequence
+from typing import TypeVar
 
-from pipeline.results.law import Law, Unloaded
+from pipeline.results.law import Law
+
+State = TypeVar("State")
 
 #: pressures that are named; of more the lowest, the middle and the highest one
 MOST_NAMED = 3
 
 
-def named_states(states: Sequence[Unloaded]) -> tuple[Unloaded, ...]:
+def named_states(states: Sequence[State]) -> tuple[State, ...]:
     """At most `MOST_NAMED` of the states."""
     return tuple(states) if len(states) <= MOST_NAMED else (states[0], states[len(states) // 2], states[-1])
 

@@ -9,18 +9,17 @@ from html import escape
 
 from geometry import Reason
 from pipeline.formatting import number
-from pipeline.notes.rods import POOR, TITLES, MeshErrors, RodAndMesh, RodErrors, rod_and_mesh, rod_errors
+from pipeline.notes.rods import POOR, TITLES, MeshErrors, RodAndMesh, RodErrors, rod_errors, rod_to_take
 from pipeline.notes.templates import report_reason, shorten
+from pipeline.notes.unloaded import named_states
 from pipeline.results.record import Reported
-from pipeline.results.values import Curve, Run
+from pipeline.results.values import Run
 from pipeline.store.formats import ARM_LAW, EXTENSIBLE, FIVE
 from pipeline.store.json_values import JsonObject
 from rod.same_pressure import is_same
 
 #: relative error of the mesh above which no rod of the run should be used, and the size of a finer mesh over its own
 LARGE_MESH_ERROR, FINER = 0.10, 2 / 3
-#: pressures that the first line names; of more it names the lowest, the middle and the highest one
-MOST_NAMED = 3
 #: warnings that the verdict shows
 MOST_WARNINGS = 3
 #: code of the remark on an arm that no rod describes
@@ -34,7 +33,7 @@ RANKS = (
 
 @dataclass(frozen=True)
 class Bending:
-    """Where the end of the arm is in experiment II; positions are relative to the clamped end."""
+    """Where the end of the arm without a load is; positions are relative to the clamped end."""
 
     pressure_kPa: float
     angle_deg: float  #: of the circular arc through both ends
@@ -84,10 +83,8 @@ class Verdict:
 
     def _bends(self) -> str:
         if not self.bending:
-            return f"{self.design}: no pressure was reached in experiment II."
-        named = self.bending
-        if len(named) > MOST_NAMED:
-            named = (named[0], named[len(named) // 2], named[-1])
+            return f"{self.design}: the arm without a load was not reached at any pressure."
+        named = named_states(self.bending)
         angles = ", ".join(f"{b.angle_deg:.0f}°" for b in named)
         pressures = ", ".join(f"{b.pressure_kPa:g}" for b in named)
         tips = ", ".join(f"({b.tip_x_mm:.1f}, {b.tip_y_mm:.1f})" for b in named)
@@ -99,7 +96,7 @@ class Verdict:
             return "" if self.refusal.code == OUT_OF_PLANE else self.refusal.text
         if self.shape_error is None:
             return "No rod was compared with the finite elements."
-        errors = RodAndMesh(self.shape_error, self.force_error, None, self.mesh)
+        errors = RodAndMesh(self.shape_error, self.force_error, None, self.mesh, bool(self.errors))
         return f"Take the rod with {TITLES[self.rod]}: {errors.text}."
 
     def _holds(self) -> str:
@@ -128,16 +125,14 @@ class Verdict:
 def verdict_of(run: Run) -> Verdict:
     """The verdict on the results of a run."""
     errors = rod_errors(run)
-    rod = errors[0].rod if errors else ""
-    both = rod_and_mesh(run, errors[0]) if errors else None
+    rod, both = rod_to_take(run) or ("", None)
     mesh = MeshErrors(None, None, None) if both is None else both.mesh
-    bent = [curve for curve in run.curves_of("II") if not curve.load]
     refusal = _refusal(run, errors, mesh)
     usable = bool(rod) and refusal is None
     return Verdict(
         design=run.design,
         length_mm=run.length_mm,
-        bending=tuple(_bending(curve) for curve in bent),
+        bending=_bending(run, rod),
         rod=rod,
         refusal=refusal,
         shape_error=both.shape if both and usable else None,
@@ -145,25 +140,26 @@ def verdict_of(run: Run) -> Verdict:
         mesh=mesh,
         pressures_kPa=_pressures(run, rod) if rod else None,
         moments_N_mm=_moments(run, rod) if rod else None,
-        command=_use(run, rod) if usable else _instead(run, mesh),
+        command=_use(run, rod) if usable else _instead(run, rod, mesh),
         failures=run.failures,
         warnings=_warnings(run, rod, mesh, refusal),
         errors=errors,
     )
 
 
-def _bending(curve: Curve) -> Bending:
-    x, y = curve.tip_mm
-    return Bending(curve.pressure_kPa, curve.bending_deg, x, y)
+def _bending(run: Run, rod: str) -> tuple[Bending, ...]:
+    """By the arm's own law where that is the rod to take, because its mesh is finer; else by experiment II."""
+    if rod == ARM_LAW and run.law and run.law.unloaded:
+        return tuple(Bending(state.pressure_kPa, state.bending_deg, *state.tip_mm) for state in run.law.unloaded)
+    bent = (curve for curve in run.curves_of("II") if not curve.load)
+    return tuple(Bending(curve.pressure_kPa, curve.bending_deg, *curve.tip_mm) for curve in bent)
 
 
 def _refusal(run: Run, errors: tuple[RodErrors, ...], mesh: MeshErrors) -> Reported | None:
     """Why no rod should be used: the arm leaves the plane, the mesh is too coarse, or every rod is far off."""
     if plane := next((remark for remark in run.remarks if remark.code == OUT_OF_PLANE), None):
         return plane
-    if not errors:
-        return None
-    if errors[0].shape > POOR:
+    if errors and errors[0].shape > POOR:
         return report_reason(Reason("no_rod_is_near", {"percent": 100.0 * errors[0].shape}))
     if (mesh.largest or 0.0) > LARGE_MESH_ERROR:
         quantity, error = mesh.worst
@@ -173,7 +169,7 @@ def _refusal(run: Run, errors: tuple[RodErrors, ...], mesh: MeshErrors) -> Repor
 
 def _pressures(run: Run, rod: str) -> tuple[float, float] | None:
     known = run.law.pressures_kPa if rod == ARM_LAW and run.law else run.identified_kPa
-    highest = max(run.reached_kPa, default=0.0)
+    highest = max(run.reached_kPa, default=known[-1] if known else 0.0)
     return (known[0], min(known[-1], highest) if rod == ARM_LAW else known[-1]) if known else None
 
 
@@ -207,9 +203,12 @@ def _load(run: Run, pressures: tuple[float, float] | None) -> str:
     return f" --end-y '{round(held.tip_mm[1], 6) + 0.0:g} mm'"
 
 
-def _instead(run: Run, mesh: MeshErrors) -> str:
+def _instead(run: Run, rod: str, mesh: MeshErrors) -> str:
     """What to do where no rod can be used."""
     if (mesh.largest or 0.0) > LARGE_MESH_ERROR:
+        if rod == ARM_LAW:
+            finer = "give lower pressures or another material.law" if run.config.get("accuracy") else "--accuracy 1%"
+            return f"Next: repeat the run with {finer} and another --out."
         if run.mesh is None or run.mesh.from_file:
             return "Next: run the body with a finer mesh."
         finer = f"--set mesh.size='{FINER * run.mesh.size_mm:.2g} mm'"

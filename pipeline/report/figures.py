@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from geometry.arrays import Array
-from pipeline.notes.rods import rod_and_mesh, rod_errors
+from pipeline.notes.rods import rod_errors, rod_to_take
 from pipeline.plots import COLOURS, INK, Line, Panel, figure, ordered_colour
 from pipeline.results.values import Curve, RodError, Run, bending_deg, bending_error_deg
 from pipeline.store.formats import ARM_LAW, CURVE_PREFIXES, EXTENSIBLE, FIVE
@@ -58,8 +58,9 @@ def bending(run: Run) -> Panels:
 
     Error bars of the rod are the error that the verdict gives, of rod and mesh together.
     """
-    curves = run.curves_of("II")
-    if not curves:
+    curves, rod = run.curves_of("II"), rod_to_take(run)
+    at = _rod_tips(run, rod[0], curves) if rod else []
+    if not (curves or at):
         return ()
     start = [0.0] if run.parameters.straight_without_pressure else []
     pressures = np.array([*start, *(curve.pressure_kPa for curve in curves)])
@@ -68,21 +69,25 @@ def bending(run: Run) -> Panels:
     angle = [Line(pressures, bent, FINITE_ELEMENTS, COLOURS[0], marker="circle")]
     texts = [f"{FINITE_ELEMENTS}, {p:g} kPa" for p in pressures]
     path = [Line(tips[:, 0], tips[:, 1], FINITE_ELEMENTS, COLOURS[0], marker="circle", texts=texts)]
-    if errors := rod_errors(run):
-        drawn = _DRAWN[errors[0].rod]
-        error = run.length_mm * rod_and_mesh(run, errors[0]).shape
-        at = [(curve.pressure_kPa, tip) for curve in curves if (tip := drawn.tip_mm(curve))]
-        if at:
-            reached, rod_tips = np.array([p for p, _ in at]), np.array([tip for _, tip in at])
-            angles = [bending_deg(tip) for _, tip in at]
-            turned = np.array([bending_error_deg(error, tip) for _, tip in at])
-            turns = Line(reached, angles, drawn.entry, INK, "", drawn.marker, marker_size=12, spread=turned)
-            angle.append(turns)
-            path.append(replace(turns, x=rod_tips[:, 0], y=rod_tips[:, 1], spread=np.full(len(at), error)))
+    if rod and at:
+        drawn, error = _DRAWN[rod[0]], run.length_mm * rod[1].shape
+        reached, rod_tips = np.array([p for p, _ in at]), np.array([tip for _, tip in at])
+        angles = [bending_deg(tip) for _, tip in at]
+        turned = np.array([bending_error_deg(error, tip) for _, tip in at])
+        turns = Line(reached, angles, drawn.entry, INK, "", drawn.marker, marker_size=12, spread=turned)
+        angle.append(turns)
+        path.append(replace(turns, x=rod_tips[:, 0], y=rod_tips[:, 1], spread=np.full(len(at), error)))
     return (
         Panel("Bending angle over pressure", "p (kPa)", "bending angle (°)", tuple(angle)),
         Panel("Path of the tip", "x (mm)", "y (mm)", tuple(path), lengths=True),
     )
+
+
+def _rod_tips(run: Run, rod: str, curves: Sequence[Curve]) -> list[tuple[float, tuple[float, float]]]:
+    """Pressures in kPa with the position of the end of a rod in mm: by the law that is delivered, or beside curves."""
+    if rod == ARM_LAW and run.law and run.law.unloaded:
+        return [(state.pressure_kPa, state.tip_mm) for state in run.law.unloaded]
+    return [(curve.pressure_kPa, tip) for curve in curves if (tip := _DRAWN[rod].tip_mm(curve))]
 
 
 def of_experiment(run: Run, experiment: str) -> Panels:

@@ -233,8 +233,10 @@ class Run:
 
     @property
     def pressures_kPa(self) -> Numbers:
-        """All pressures that occur, ascending."""
+        """All pressures that occur, ascending; those of the arm's own law where no experiment was solved."""
         occurring = {curve.pressure_kPa for curve in self.curves} | {state.pressure_kPa for state in self.states}
+        if not occurring and self.law:
+            occurring = {state.pressure_kPa for state in self.law.unloaded}
         return tuple(sorted(occurring))
 
     @property

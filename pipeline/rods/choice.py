@@ -10,7 +10,7 @@ from typing import Any
 from geometry import Reason
 from pipeline.cell.saved import SavedLaw, is_law
 from pipeline.errors import InputError, quoted
-from pipeline.notes.rods import RodAndMesh, rod_and_mesh
+from pipeline.notes.rods import RodAndMesh, rod_and_mesh, rod_to_take
 from pipeline.notes.templates import NO_PARAMETERS, report_reason
 from pipeline.notes.verdict import OUT_OF_PLANE, Verdict, verdict_of
 from pipeline.results.files import read_results
@@ -101,7 +101,8 @@ def choose_rod(run: Run, kind: str | None = None) -> RodOfRun:
     chosen = kind or names.get(verdict.rod, "law" if run.law else "five")
     rod = KINDS[chosen]
     compared = next((errors for errors in verdict.errors if errors.rod == rod), None)
-    errors = None if compared is None else rod_and_mesh(run, compared)
+    taken = rod_to_take(run)
+    errors = rod_and_mesh(run, compared) if compared else taken[1] if taken and taken[0] == rod else None
     mass = None if chosen == "law" else _mass(run)
     return RodOfRun(chosen, _source(run, chosen), errors, _notes(verdict, errors), mass)
 

@@ -8,9 +8,8 @@ from typing import Any
 
 import pytest
 
-import pneurod
 from geometry import Reason
-from pipeline.cell.of_run import LawOfRun, law_of_run
+from pipeline.cell.of_run import LawOfRun, deliver_law_of_run, law_on_mesh_of_arm
 from pipeline.cell.pieces import ArmPieces, NoArmLaw
 from pipeline.config.config import Config
 from pipeline.config.load import load_config
@@ -46,7 +45,7 @@ def config(folder: Path, *settings: str) -> Config:
 @pytest.fixture(scope="module")
 def results(tmp_path_factory: pytest.TempPathFactory) -> Path:
     out = tmp_path_factory.mktemp("results")
-    run(config(tmp_path_factory.mktemp("config"), "law=cell"), out, 1, False, Silent()).results.raise_if_failed()
+    run(config(tmp_path_factory.mktemp("config")), out, 1, False, Silent()).results.raise_if_failed()
     return out
 
 
@@ -90,14 +89,17 @@ def test_the_law_predicts_the_five_parameters(tmp_path: Path) -> None:
     assert {row["rod"] for row in read(tmp_path / "both", "validation.json")} == {"five", "five_extensible", "arm_law"}
 
 
-def test_a_run_with_the_law_alone_identifies_no_parameters(results: Path) -> None:
-    assert not (results / "parameters.json").exists()
-    assert "Moment of a cell over its curvature" in (results / "report.html").read_text(encoding="utf-8")
-    assert verdict_of(read_results(results)).rod == "arm_law"
-    read_back = pneurod.read_results(results)
-    assert set(read_back.validation["rod"]) == {"arm_law"}
-    assert read_back.arm_law is not None
-    assert read_back.arm_law.pressures[-1] == 12.0
+def test_a_run_with_the_law_alone_solves_no_whole_arm(tmp_path: Path, results: Path) -> None:
+    run(config(tmp_path, "law=cell"), tmp_path / "out", 1, False, Silent()).results.raise_if_failed()
+    for name in ("parameters", "experiments", "validation", "law_on_mesh_of_arm"):
+        assert not (tmp_path / "out" / f"{name}.json").exists()
+    assert "Moment of a cell over its curvature" in (tmp_path / "out/report.html").read_text(encoding="utf-8")
+    alone, both = read_results(tmp_path / "out"), read_results(results)
+    verdict = verdict_of(alone)
+    assert (verdict.rod, verdict.errors) == ("arm_law", ())
+    assert verdict.bending == verdict_of(both).bending
+    assert alone.law is not None
+    assert alone.law.pressures_kPa[-1] == 12.0
 
 
 def test_an_arm_without_a_law_keeps_its_five_parameters_and_says_why(tmp_path: Path) -> None:
@@ -105,7 +107,7 @@ def test_an_arm_without_a_law_keeps_its_five_parameters_and_says_why(tmp_path: P
     for choice in ("both", "five"):
         heavy = config(tmp_path, weight, f"law={choice}")
         with open_store(tmp_path / choice, heavy) as store:
-            law = law_of_run(Scene.meshed(heavy), RunContext.alone(store, Silent())).result()
+            law = deliver_law_of_run(Scene.meshed(heavy), RunContext.alone(store, Silent()))
         assert law.law is None
         assert law.effect.state == "off"
         assert ("switched off" if choice == "five" else "weight") in law.effect.reason
@@ -128,7 +130,7 @@ def test_a_body_of_which_no_piece_is_made_fails_with_the_reason(
     design = config(tmp_path, "law=cell", "validation=off")
     monkeypatch.setattr(ArmPieces, "repetition", property(refused))
     with open_store(tmp_path / "refused", design) as store:
-        law = law_of_run(Scene.meshed(design), RunContext.alone(store, Silent())).result()
+        law = deliver_law_of_run(Scene.meshed(design), RunContext.alone(store, Silent()))
     assert law.law is None
     assert law.failures == (Reason("no_arm_law", {"why": "no wall faces the plane between two cells"}),)
 
@@ -147,7 +149,7 @@ def test_pressures_that_the_cell_does_not_bear_end_the_law_below_them(tmp_path: 
     for pressures, highest in (("[1 MPa, 2 MPa]", None), ("[6 kPa, 2 MPa]", 6.0)):
         large = config(tmp_path, f"pressures={pressures}", "law=cell", "validation=off")
         with open_store(tmp_path / str(highest), large) as store:
-            made = law_of_run(Scene.meshed(large), RunContext.alone(store, Silent())).result()
+            made = deliver_law_of_run(Scene.meshed(large), RunContext.alone(store, Silent()))
         assert (made.law and made.law.pressures[-1]) == highest
         assert "no equilibrium of the half cell at" in str(made.failures[0].values["why"])
         assert made.failures[0].code == ("no_arm_law" if highest is None else "law_incomplete")
@@ -159,7 +161,7 @@ def test_a_cell_that_bears_no_pressure_of_the_configuration_is_measured_below_th
     large = config(tmp_path, "pressures=[1 MPa, 2 MPa]", "validation=off")
     with open_store(tmp_path / "out", large) as store:
         context = RunContext.alone(store, Silent())
-        made = law_of_run(Scene.meshed(large), context, lambda: 8.0).result()
+        made = law_on_mesh_of_arm(Scene.meshed(large), context, lambda: 8.0).result()
     assert made.law is not None
     assert (made.law.pressures[0], made.law.pressures[-1]) == (0.0, 8.0)
     assert [reason.code for reason in made.reasons][:2] == ["law_measured", "law_incomplete"]
@@ -186,7 +188,7 @@ def test_the_law_goes_no_higher_than_the_whole_arm(
     scene, simulated = Scene.meshed(design), ended(design, reached, below_limit, end)
     with open_store(tmp_path / "out", design) as store:
         context = RunContext.alone(store, Silent())
-        made = law_of_run(scene, context, lambda: find_highest_pressure(scene, *simulated)).result()
+        made = law_on_mesh_of_arm(scene, context, lambda: find_highest_pressure(scene, *simulated)).result()
     assert made.law is not None
     assert made.law.pressures[-1] == highest
     assert all(pressure in made.law.pressures for pressure in (6.0, 12.0) if pressure <= highest)
@@ -223,7 +225,8 @@ def test_a_run_tells_its_law_how_high_it_goes(tmp_path: Path, monkeypatch: pytes
         return 6.0
 
     monkeypatch.setattr("pipeline.stages.find_highest_pressure", up_to_six)
-    design = config(tmp_path, "law=cell", "validation=off")
-    report = run(design, tmp_path / "out", jobs, False, Silent())
-    assert report.arm.law is not None
-    assert report.arm.law.pressures[-1] == 6.0
+    design = config(tmp_path, "accuracy=20 %", "validation=off")
+    delivered = run(design, tmp_path / "out", jobs, False, Silent()).arm.law
+    assert delivered is not None
+    assert delivered.pressures[-1] == 12.0
+    assert read(tmp_path / "out", "law_on_mesh_of_arm.json")["pressures_kPa"][-1] == 6.0

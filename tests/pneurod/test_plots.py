@@ -57,4 +57,4 @@ def test_results_are_short_where_they_are_shown(results: pneurod.Results) -> Non
     shown = results._repr_html_()
     assert "bends by 72°, 138°" in shown
     assert "alpha2_N_mm2" in shown
-    assert "&#x27;" in shown  # quotes of the command
+    assert "--accuracy 1%" in shown

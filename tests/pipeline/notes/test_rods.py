@@ -61,4 +61,4 @@ def test_the_tip_of_an_arc_moves_as_its_closed_form_says(relative: float) -> Non
 
     curve = Curve("II", 10.0, {"s_mm": s, "theta_rad": kappa * s})
     expected = np.linalg.norm(tip(kappa * (1.0 + relative)) - tip(kappa)) / length
-    assert tip_moves_by(curve, relative) == pytest.approx(expected, rel=1e-3)
+    assert tip_moves_by(curve["s_mm"], curve["theta_rad"], relative) == pytest.approx(expected, rel=1e-3)

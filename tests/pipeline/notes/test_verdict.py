@@ -51,7 +51,7 @@ def test_the_error_contains_rod_and_mesh(verdict: Verdict, run: Run) -> None:
     assert verdict.rod == "arm_law"
     curve = run.curve("II", 37.0)
     assert curve is not None
-    rod, mesh = verdict.errors[0].shape, tip_moves_by(curve, MESH_ERROR)
+    rod, mesh = verdict.errors[0].shape, tip_moves_by(curve["s_mm"], curve["theta_rad"], MESH_ERROR)
     assert mesh > 10.0 * rod  # on this mesh nearly all of it is the mesh
     assert verdict.shape_error == pytest.approx(rod + mesh)
     assert verdict.force_error == pytest.approx(verdict.errors[0].force + MESH_ERROR)
@@ -78,7 +78,7 @@ def test_a_coarse_mesh_is_a_reason_not_to_use_the_rod() -> None:
     assert refused.refusal.code == "mesh_too_coarse"
     assert refused.refusal.values["percent"] == pytest.approx(17.4, abs=0.1)
     assert refused.shape_error is None
-    assert "--set mesh.size='2.7 mm'" in refused.command
+    assert "--accuracy 1%" in refused.command
     assert_short(refused)
 
 
