@@ -9,7 +9,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from geometry import Reason, Values
-from pipeline.cell.build import MeasuredLaw
+from pipeline.cell.build import MeasuredLaw, build_law
 from pipeline.cell.limit import deliver_law, law_on_mesh
 from pipeline.cell.pieces import ArmPieces, NoArmLaw
 from pipeline.cell.study import save_law
