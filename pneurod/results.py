@@ -156,8 +156,7 @@ class Results:
 
         Rods begin at (0, 0): `shape.curve + results.curve_start_mm` lies on the curves of the finite elements.
         """
-        clamped = self.run.curves_of("II")
-        return (float(clamped[0]["x_mm"][0]), float(clamped[0]["y_mm"][0])) if clamped else (math.nan, math.nan)
+        return (0.0, self.run.mesh.curve_height_mm) if self.run.mesh else (math.nan, math.nan)
 
     def law(self, pressure_kPa: float | str) -> FiveParameters:
         """The five parameters at an identified pressure. Raises InputError for another one."""

@@ -29,6 +29,7 @@ class MeshRecord:
     formulation: str
     grading: str
     averaging_mm: float  #: length over which curvatures are averaged
+    curve_height_mm: float  #: y of the material curve in the drawing
     chosen: Mapping[str, str]  #: why, by key, for what the program chose
     elements: int
     mean_edge_mm: float

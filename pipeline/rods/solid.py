@@ -29,12 +29,12 @@ def solid_of(run: Run) -> Solid | None:
         mass = None if density is None else 1e6 * density * volume
     if mass is None or volume is None:
         return None
-    area, curves = volume / run.length_mm, run.curves_of("II")
-    if corners is None or not curves:
+    area = volume / run.length_mm
+    if corners is None or run.mesh is None:
         radius = math.sqrt(area / math.pi)
         section = Section(-radius, radius, 2.0 * radius, 0.0, (0.25 * radius**2, 0.25 * radius**2))
     else:
-        section = _section(corners, float(curves[0]["y_mm"][0]))
+        section = _section(corners, run.mesh.curve_height_mm)
     return Solid(mass, young_modulus(material), area, section, float(material.get("loss_factor", LOSS_FACTOR)))
 
 

@@ -65,6 +65,7 @@ class Scene:
             formulation=settings.formulation,
             grading=settings.grading,
             averaging_mm=self.body.pitch,
+            curve_height_mm=self.body.curve_y,
             chosen=dict(settings.chosen) | averaging,
             elements=len(mesh.tets),
             mean_edge_mm=mesh.quality.mean_edge,
