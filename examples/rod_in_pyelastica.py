@@ -35,6 +35,7 @@ material: {law: svk, E: 1.2 MPa, nu: 0.495, density: 1130 kg/m^3}
 pressures: [15 kPa]
 mesh: {size: 8 mm, formulation: p2p0}
 law: cell
+accuracy: "off"
 validation: "off"
 """,
     encoding="utf-8",

@@ -158,7 +158,7 @@ class Config(Section):
     newton: Newton = Newton()
     #: relative error of kappa_0, rigidity and moment of the arm's own law; None: on the mesh of the arm alone
     accuracy: kinds.Percentage = Field(
-        default=None,
+        default=0.01,
         description="error that the mesh may make of the [arm's own law](cell.md#error-of-the-mesh), or `off`; "
         "also `--accuracy`",
     )

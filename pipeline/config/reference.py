@@ -89,7 +89,7 @@ def _text(value: Any, unit: str) -> str:
     if isinstance(value, tuple):
         return "[" + ", ".join(_text(entry, unit) for entry in value) + "]"
     if isinstance(value, float):
-        scaled = value * 1e-3 if unit == "m/s²" else value
+        scaled = value * {"m/s²": 1e-3, "%": 100.0}.get(unit, 1.0)
         number = re.sub(r"^(\d+)e-0?", r"\1.0e-", f"{scaled:g}")  # YAML reads 1e-6 as a text
         return f"{number} {unit.replace('²', '^2')}" if unit not in ("", "1") else number
     return str(value)

@@ -32,6 +32,7 @@ name: five
 geometry: {family: pneunet, chambers: 5}
 material: {law: svk, E: 1.2 MPa, nu: 0.495, density: 1130 kg/m^3}
 pressures: [6 kPa, 12 kPa]
+accuracy: off
 mesh: {size: 8 mm, formulation: p2p0, grading: off, coarser: off}
 """
 
@@ -195,7 +196,6 @@ def test_the_law_goes_no_higher_than_the_whole_arm(
     assert (Reason("law_up_to", {"pressure_kPa": highest}) in made.reasons) == (highest < 12.0)
     assert made.failures == ()
     assert made.measured is not None
-    assert highest in made.measured.mesh_error.pressures_kPa
     assert (highest in made.measured.added_kPa) == (highest not in (6.0, 12.0))
 
 

@@ -82,7 +82,7 @@ def test_experiment_one_may_be_left_out_and_the_others_may_not(written: Path) ->
 
 
 def test_an_accuracy_is_one_percent_unless_it_is_given_or_switched_off(written: Path) -> None:
-    assert load_config(written).accuracy is None
+    assert load_config(written).accuracy == 0.01
     assert load_config(written, ["accuracy=2 %"]).accuracy == 0.02
     assert load_config(written, ["accuracy=off"]).accuracy is None
     assert "allowed: above 0, at most 20, or off" in refusal(written, "accuracy=30 %")

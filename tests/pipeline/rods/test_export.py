@@ -133,7 +133,7 @@ def test_every_line_that_pneurod_material_prints_is_run_and_exported(tmp_path: P
         folder, config = tmp_path / f"run_{number}", tmp_path / f"arm_{number}.yaml"
         config.write_text(
             f"name: arm\ngeometry: {{family: pneunet, chambers: 4}}\nmaterial: {line}\npressures: [6 kPa]\n"
-            "mesh: {size: 8 mm, formulation: p2p0}\nlaw: cell\nvalidation: 'off'\n",
+            "mesh: {size: 8 mm, formulation: p2p0}\nlaw: cell\naccuracy: 'off'\nvalidation: 'off'\n",
             encoding="utf-8",
         )
         status, _, error = call("run", str(config), "--out", str(folder))
