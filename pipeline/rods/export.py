@@ -8,7 +8,7 @@ from pipeline.cell.saved import SavedLaw
 from pipeline.config.material import LOSS_FACTOR
 from pipeline.config.units import PRESSURE
 from pipeline.errors import InputError
-from pipeline.results.files import read_results
+from pipeline.results.files import LAW_ON_MESH_OF_ARM, read_results
 from pipeline.results.values import Run
 from pipeline.rods.choice import choose_rod
 from pipeline.rods.judged import judged
@@ -80,11 +80,16 @@ def exported(folder: Path, target: str | None, options: ExportOptions) -> Export
         raise InputError(f"--to {target}: {failure}") from None
 
 
+def _without_weight(law: ArmLaw) -> ArmLaw:
+    """The law of an arm that bears no weight."""
+    return replace(law, weight=(0.0, 0.0))
+
+
 def _of_law(law: ArmLaw, run: Run | None, folder: Path, target: str, options: ExportOptions) -> Exported:
     """The rod with the arm's own law; run: None where the folder has nothing else."""
     if options.extrapolate or options.smooth:
         raise InputError("--extrapolate, --smooth: are for --rod five; the arm's own law takes neither")
-    solid, light = None if run is None else solid_of(run), replace(law, weight=(0.0, 0.0))
+    solid, light = None if run is None else solid_of(run), _without_weight(law)
     if run is None and target in PROGRAMS:
         raise InputError(f"{folder}: has a law and no mass, which {target} needs; give the folder of `pneurod run`")
     is_linear = target in PROGRAMS and PROGRAMS[target].is_linear
@@ -92,7 +97,8 @@ def _of_law(law: ArmLaw, run: Run | None, folder: Path, target: str, options: Ex
     all_pressures = [p for p in of_run if law.pressures[0] <= p <= law.pressures[-1]] if is_linear else ()
     single = options.pressure_kPa
     pressures = tuple(all_pressures or law.pressures) if single is None else (as_known(law.pressures, single),)
-    robot = (Robot.linear_of_law if is_linear else Robot.of_law)(light, solid, pressures)
+    make = Robot.linear_of_law if is_linear else Robot.of_law
+    robot = make(light, solid, pressures)
     written = robot
     if target in PROGRAMS and PROGRAMS[target].has_shear:  # of its own, which the hinges must not have as well
         written = Robot.of_law(light, solid, pressures, has_shear=False)
@@ -103,7 +109,11 @@ def _of_law(law: ArmLaw, run: Run | None, folder: Path, target: str, options: Ex
     files = _write(written, target, options, writers, (options.out or folder) / f"law_{robot.label}.{target}")
     if target == "csv":
         return Exported(files, ("The table has the law of the cells; json has both ends of the arm, too.",))
-    return Exported(files, _sentences(robot, target, run, law))
+    compared = robot
+    if run is not None and (run.directory / LAW_ON_MESH_OF_ARM).is_file():  # as the finite elements of the run
+        on_mesh = _without_weight(SavedLaw.read(run.directory / LAW_ON_MESH_OF_ARM).law)
+        compared = make(on_mesh, solid, pressures if is_linear or single is not None else on_mesh.pressures)
+    return Exported(files, _sentences(compared, target, run, law))
 
 
 def _of_five(run: Run, target: str, options: ExportOptions) -> Exported:
