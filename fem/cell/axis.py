@@ -48,7 +48,7 @@ def axis_of(piece: BendingPiece, at: PieceState, known: Slopes) -> Axis:
         direct = (a_slope + b_slope) * c - (y + eta)
         return ((a + b) * dc - phi * (dy + deta) + direct * angle) / 2.0
 
-    middle = y + (c * np.tan(phi / 2.0) - (y - eta)) / 2.0  # height of the axis in the middle of the cell
+    middle = _middle(phi, c, eta, y)
     s = piece.space.points[piece.curve, 0]
     return Axis(
         stretch=length / h,
@@ -66,6 +66,20 @@ def length_of(phi: float, distance: float, heights: float) -> float:
     """
     a, b, _, _ = _functions(phi)
     return ((a + b) * distance - phi * heights) / 2.0
+
+
+def end_ripples(phi: float, half_pitch: float, distance: float, eta: float, y: float) -> Array:
+    """(2, 2) mm: the material curve beside the axis in the middle of the cell, at the height y, and at its end, at the
+    distance c and the height eta within the plane, mm; along the axis and normal to it."""
+    normal, along = np.array([np.cos(phi), np.sin(phi)]), np.array([-np.sin(phi), np.cos(phi)])
+    points, s = np.array([[0.0, y], distance * normal + eta * along]), np.array([0.0, half_pitch])
+    stretch = length_of(phi, distance, y + eta) / half_pitch
+    return _beside(points, s, stretch, phi / half_pitch, _middle(phi, distance, eta, y))
+
+
+def _middle(phi: float, distance: float, eta: float, y: float) -> float:
+    """Height of the axis in the middle of the cell, mm."""
+    return y + (distance * float(np.tan(phi / 2.0)) - (y - eta)) / 2.0
 
 
 def circle(s: Array, stretch: float, curvature: float) -> Array:

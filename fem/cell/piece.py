@@ -14,7 +14,7 @@ from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import final
+from typing import Any, final
 
 import numpy as np
 
@@ -107,6 +107,7 @@ class BendingPiece:
         self._system = System(self.space, material, self.terms, self.constraints(0.0), available_solver()())
         self._system.hold_near_pairs()  # all: a state does not depend on those solved before, bit for bit
         self._shear_system: System | None = None
+        self.changes: Mapping[str, Any] = {}  #: `DesignChange` by parameter of which its states give derivatives
 
     @property
     def system(self) -> System:

@@ -1,7 +1,7 @@
 """The arm's own law at given pressures: a cell at each, pressures between, and the two ends."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -11,6 +11,7 @@ from pipeline.cell.ends import begin_clamps, choose_half_cells, measure_ends
 from pipeline.cell.meshes import MeshLimit
 from pipeline.cell.pieces import ArmPieces
 from pipeline.cell.point import Measured
+from pipeline.cell.rates import law_rates
 from pipeline.cell.tasks import ArmTasks, Log
 from pipeline.context import RunContext
 from pipeline.results.law import LawMeshError
@@ -71,6 +72,8 @@ def build_law(
     mass = mass_along(pieces.design.of_pieces(repetition), pieces.config)
     spread = mass, weight_per_length(mass, pieces.config)
     law = ArmLaw(2.0 * repetition.half_pitch, repetition.middle, length, curves, *ends, *spread)
+    if pieces.derivatives:
+        law = replace(law, rates=law_rates(pieces.config, repetition, pieces.movements, cells, clamps))
     return MeasuredLaw(
         law=law,
         half_cells=half_cells,

@@ -52,7 +52,9 @@ def corrected(law: ArmLaw, corrections: Corrections) -> ArmLaw:
     """The law with its cells and clamped ends at their corrected moments and curvatures."""
     cells = tuple(_cell(curve, *corrections.at(curve.pressure)) for curve in law.cells)
     clamps = tuple(_clamp(curve, *corrections.at(curve.pressure)[1::2]) for curve in law.clamps)
-    return replace(law, cells=cells, clamps=clamps)
+    ratios = [corrections.at(curve.pressure)[1] for curve in law.cells]
+    rates = {name: rate.with_moments(ratios) for name, rate in law.rates.items()}
+    return replace(law, cells=cells, clamps=clamps, rates=rates)
 
 
 def _cell(curve: CellCurve, shift: float, ratio: float, shift_slope: float, ratio_slope: float) -> CellCurve:

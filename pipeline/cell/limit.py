@@ -31,7 +31,7 @@ def deliver_law(
     the cell at each pressure; where no mesh reaches it the best law is returned, whose `limit` says so. Raises as
     `build_law`.
     """
-    fine = fine_pieces(pieces)
+    fine = fine_pieces(pieces).with_derivatives()
     measured = build_law(fine, pressures_kPa, context, highest_kPa)
     limit = find_limit(fine, _compared(measured, pressures_kPa), accuracy, context)
     own = _numbers(fine, limit.pressures_kPa, context)

@@ -15,6 +15,7 @@ from fem.path.predictor import extrapolate
 from geometry import Reason
 from geometry.arrays import Array
 from pipeline.cell.point import Measured, PiecePoint, reached, reason_of, without_moment
+from pipeline.cell.rates import clamp_rates
 from pipeline.pressure import KPA_PER_MPA, in_MPa
 from rod.arm_law.curves import CellCurve, ClampCurve
 from rod.cubics import cubic
@@ -59,7 +60,8 @@ def clamp_curve(
     if len(points) < 2:
         raise limits[0] if limits else PieceFailed(Reason("clamp_once", {"pressure_kPa": cell.pressure}))
     error = _refine(piece, cell, points)
-    return Measured(_curve(piece, cell, points), tuple(map(reason_of, limits)), error), first.state
+    why, rates = tuple(map(reason_of, limits)), clamp_rates(piece, points)
+    return Measured(_curve(piece, cell, points), why, error, rates=rates), first.state
 
 
 def first_state(piece: BendingPiece, cell: CellCurve, start: PieceState | None) -> PieceState:

@@ -1,7 +1,7 @@
 """The pieces of an arm whose own law is measured, as its configuration sets them up."""
 
 import math
-from collections.abc import Hashable
+from collections.abc import Hashable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
@@ -12,6 +12,8 @@ from fem.cell.mirror_contact import MirrorContact
 from fem.cell.piece import BendingPiece
 from geometry import GRADINGS, Body, Design, DesignError, MeshError
 from geometry.meshing.mirror import Repetition
+from geometry.meshing.moving import Movement
+from pipeline.cell.rates import changes_of
 from pipeline.config.config import Config, MeshSettings
 from pipeline.simulation.scene import GAP, Scene, make_layer, material_of
 
@@ -30,6 +32,7 @@ class ArmPieces:
     config: Config
     dhat: float | None  #: mm, activation distance of contact of the walls outside; None without contact
     outer: str = ""  #: name of the outer faces that may meet; empty: the first one of the configuration, or the gap
+    derivatives: bool = False  #: whether the curves have derivatives by the design
     _pieces: dict[tuple[int, Boundary], BendingPiece] = field(default_factory=dict, init=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -37,15 +40,19 @@ class ArmPieces:
             raise NoArmLaw(reason)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return ArmPieces, (self.config, self.dhat, self.outer)  # a worker meshes its own
+        return ArmPieces, (self.config, self.dhat, self.outer, self.derivatives)  # a worker meshes its own
 
     @staticmethod
     def of(scene: Scene) -> "ArmPieces":
         """The pieces of a meshed arm. Raises `NoArmLaw`."""
         return ArmPieces(scene.config, scene.activation_distance, scene.outer_walls)
 
+    def with_derivatives(self) -> "ArmPieces":
+        """The same pieces, whose curves have derivatives by the design (`pipeline.cell.rates`)."""
+        return ArmPieces(self.config, self.dhat, self.outer, True)
+
     def with_mesh(self, mesh: MeshSettings) -> "ArmPieces":
-        """The same pieces on another mesh, with the same contact."""
+        """The same pieces on another mesh, with the same contact and without derivatives."""
         return ArmPieces(replace(self.config, mesh=mesh), self.dhat, self.outer)
 
     def with_mesh_size(self, size_mm: float) -> "ArmPieces":
@@ -56,12 +63,13 @@ class ArmPieces:
     def mesh_name(self) -> str:
         """What the folder of their curves is called: mixed_walls_2.7mm."""
         mesh = self.config.mesh
-        return f"{mesh.formulation}_{mesh.grading}_{mesh.size_mm:.12g}mm"
+        rates = "_derivatives" if self.derivatives else ""
+        return f"{mesh.formulation}_{mesh.grading}_{mesh.size_mm:.12g}mm{rates}"
 
     @property
     def key(self) -> Hashable:
         """Equal for equal pieces."""
-        return self.config.hash, self.dhat, self.outer
+        return self.config.hash, self.dhat, self.outer, self.derivatives
 
     @property
     def walls(self) -> str:
@@ -81,6 +89,11 @@ class ArmPieces:
             return self.design.repetition(mesh.size_mm, GRADINGS[mesh.grading])
         except (DesignError, MeshError) as failure:
             raise self.config.unmeshable(failure) from None
+
+    @cached_property
+    def movements(self) -> Mapping[str, Movement | DesignError]:
+        """How the meshed pieces move with the dimensions of the design."""
+        return self.design.movements(self.repetition)
 
     @property
     def cell(self) -> BendingPiece:
@@ -106,11 +119,14 @@ class ArmPieces:
                 body = make(half_cells, size, grading)
             effects = [*make_layer(body, config), *self._contacts(body)]
             material, formulation = material_of(config), config.mesh.formulation
-            return BendingPiece(body, material, start, formulation, fractions, dhat, effects=effects)
+            piece = BendingPiece(body, material, start, formulation, fractions, dhat, effects=effects)
         except (DesignError, MeshError) as failure:
             raise config.unmeshable(failure) from None
         except ContactError as failure:
             raise NoArmLaw(f"{failure} between two cells; leave effects.self_contact.faces out") from None
+        if self.derivatives and start != "free":
+            piece.changes = changes_of(piece, config, self.repetition, self.movements)
+        return piece
 
     def _contacts(self, body: Body) -> list[Effect]:
         """Of outer faces that are no gap, with each other and with their images beyond the plane between two cells."""

@@ -1,9 +1,9 @@
 """States of a piece with their slopes, and the one without moment."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
-from typing import Generic, TypeVar
+from typing import Any, Generic, TypeVar
 
 import numpy as np
 
@@ -60,6 +60,8 @@ class Measured(Generic[Value]):
     factorizations: int = 0
     seconds: float = 0.0
     unknowns: int = 0  #: displacement components of the piece
+    #: derivatives by the design of the states of the curve, by parameter and quantity (`pipeline.cell.rates`)
+    rates: Mapping[str, Mapping[str, Any]] = field(default_factory=dict, repr=False)
     is_stored: bool = field(default=False, compare=False)  #: by an earlier run
 
 

@@ -78,7 +78,7 @@ def measure_law(config: Config, out: Path, jobs: int, fresh: bool, progress: Pro
                 pending.result()
             progress.stage("cell and ends")
             if config.accuracy is None:
-                measured = law_on_mesh(pieces, config.pressures_kPa, context)
+                measured = law_on_mesh(pieces.with_derivatives(), config.pressures_kPa, context)
             else:
                 measured = deliver_law(pieces, config.pressures_kPa, context, accuracy=config.accuracy)
         except NoArmLaw as refusal:

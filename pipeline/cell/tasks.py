@@ -16,6 +16,7 @@ from pipeline.cell.measure_clamp import clamp_curve, clamp_without_moment, first
 from pipeline.cell.measure_tip import tip_curve, tip_state
 from pipeline.cell.pieces import ArmPieces
 from pipeline.cell.point import Measured, failure_of
+from pipeline.cell.rates import cell_rates
 from pipeline.cell.reach import Reach
 from pipeline.context import RunContext
 from pipeline.parallel import Pending, TaskContext
@@ -85,7 +86,8 @@ class PieceCurves:
 
         def measure(cell: BendingPiece) -> Measured[CellCurve]:
             sweep = sweep_cell(cell, pressure, Reach.of(self.pieces.config, bend))
-            return Measured(sweep.curve(cell.body.length), sweep.limits, sweep.error)
+            rates = cell_rates(cell, sweep.points)
+            return Measured(sweep.curve(cell.body.length), sweep.limits, sweep.error, rates=rates)
 
         measured = self._of_cell(CellCurve, name_of_state("cell", pressure), measure)
         self.progress.step_done("cell", pressure, 0.0 if measured.is_stored else measured.seconds)

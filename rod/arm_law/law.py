@@ -1,14 +1,16 @@
 """The arm's own law over all pressures, and the rod that follows it."""
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
 
 from geometry.arrays import Array
 from rod.arm_law.curves import CellCurve, ClampCurve, TipCurve
+from rod.arm_law.derivative import NUMBERS, STEP, Derivative, rates_of
+from rod.arm_law.rates import LawRate, changed_cells, changed_clamps
 from rod.arm_law.section import SectionLaw, clamp_at, section_at, tip_at
 from rod.arm_law.solver import EndConditions, Pieces, equilibrium
 from rod.checked import finite
@@ -33,6 +35,7 @@ class ArmLaw:
     tips: tuple[TipCurve, ...]
     mass: Mass | None = None  #: None: not known, because the configuration has no density
     weight: tuple[float, float] = (0.0, 0.0)  #: N/mm, x and y per rest length, that always acts; zero without gravity
+    rates: Mapping[str, LawRate] = field(default_factory=dict, repr=False)  #: derivatives by parameter of the design
 
     def __post_init__(self) -> None:
         parts = [[curve.pressure for curve in curves] for curves in (self.cells, self.clamps, self.tips)]
@@ -47,6 +50,46 @@ class ArmLaw:
     def pressures(self) -> tuple[float, ...]:
         """kPa"""
         return tuple(curve.pressure for curve in self.cells)
+
+    def with_changes(self, changes: Mapping[str, float]) -> "ArmLaw":
+        """The law of an arm whose parameters differ a little, to first order: `{"geometry.wall": 0.1}`.
+
+        changes: by parameter, in mm, MPa or 1. Mass, axial and shear rigidity, and the tip stay as they are. The
+        derivatives are left out. Raises `RodError` for a parameter without them, and for a change so large that no law
+        is left.
+        """
+        if not changes:
+            return replace(self, rates={})
+        amounts = [(self.rate(name), finite(change, f"The change of {name}")) for name, change in changes.items()]
+        cells = changed_cells(self.cells, [[one.times(amount) for one in rate.cells] for rate, amount in amounts])
+        clamps = changed_clamps(self.clamps, [[one.times(amount) for one in rate.clamps] for rate, amount in amounts])
+        lengths = np.array([self.pitch, self.first_middle, self.length])
+        for rate, amount in amounts:
+            lengths = lengths + amount * np.array([rate.pitch, rate.first_middle, rate.length])
+        pitch, first_middle, length = (float(value) for value in lengths)
+        changed = replace(self, cells=cells, clamps=clamps, rates={})
+        return replace(changed, pitch=pitch, first_middle=first_middle, length=length)
+
+    def derivative(self, name: str) -> Derivative:
+        """Of curvature, rigidity, moment, stretch and angle of the end by a parameter, per mm, MPa or 1 of it.
+
+        name: a key of `rates`, such as "geometry.wall". Raises `RodError` for a parameter without derivatives.
+        """
+        rate, numbers = self.rate(name), rates_of(self, name, self.pressures, NUMBERS)
+        return Derivative(name, rate.value, rate.unit, np.array(self.pressures), **numbers)
+
+    def step(self, name: str) -> float:
+        """A change of a parameter for difference quotients. Raises `RodError` for one without derivatives."""
+        rates = self.rate(name).cells
+        largest, change = (max(float(np.abs(c.moment).max()) for c in curves) for curves in (self.cells, rates))
+        return STEP * largest / change if change else STEP
+
+    def rate(self, name: str) -> LawRate:
+        """The derivatives of the curves by a parameter. Raises `RodError` for one without."""
+        if name not in self.rates:
+            known = f"it has those by {', '.join(self.rates)}" if self.rates else "it has none"
+            raise RodError(f"The law has no derivatives by {name!r}; {known}.")
+        return self.rates[name]
 
     def at(self, pressure: float, length: float | None = None) -> "LawRod":
         """The rod at a pressure in kPa, of the arm's length or another one that is made of the same cells (mm).

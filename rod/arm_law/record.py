@@ -8,6 +8,7 @@ import numpy as np
 
 from rod.arm_law.curves import CellCurve, ClampCurve, TipCurve
 from rod.arm_law.law import ArmLaw
+from rod.arm_law.rates import LawRate
 from rod.checked import Shape, check_positive, check_table, positive
 from rod.errors import RodError
 from rod.load import pair
@@ -23,6 +24,14 @@ def _shapes(kind: type[Curve]) -> dict[str, Shape]:
     return {get_args(field.type)[1]: get_args(field.type)[2:] for field in fields(kind)}
 
 
+#: numbers of the derivatives by their keys in the file
+DERIVATIVES = {
+    "kappa_0_per_mm": "kappa_0",
+    "rigidity_N_mm2": "rigidity",
+    "moment_N_mm": "moment",
+    "stretch": "stretch",
+    "end_angle_rad": "end_angle",
+}
 #: what is interpolated over; curvatures and moments of a cell are compared by `CellCurve`
 _RISING = frozenset({"s_mm", "moment_N_mm"})
 
@@ -40,7 +49,15 @@ def law_record(law: ArmLaw) -> dict[str, Any]:
         "tip": {"curves": [record_of(curve) for curve in law.tips]},
         "mass": None if law.mass is None else record_of(law.mass),
         "weight_N_per_mm": list(law.weight),
+        "derivatives": {name: _derivatives(law, name) for name in law.rates},
     }
+
+
+def _derivatives(law: ArmLaw, name: str) -> dict[str, Any]:
+    """By one parameter: of the curves, and at the pressures of the law what follows from them."""
+    numbers = law.derivative(name)
+    columns = {key: getattr(numbers, field).tolist() for key, field in DERIVATIVES.items()}
+    return columns | law.rate(name).record()
 
 
 def law_from_record(record: Mapping[str, Any]) -> ArmLaw:
@@ -57,6 +74,10 @@ def law_from_record(record: Mapping[str, Any]) -> ArmLaw:
             tips=tuple(curve_of(TipCurve, row) for row in _end_rows(record, "tip", TipCurve)),
             mass=_mass(record.get("mass")),
             weight=pair(record.get("weight_N_per_mm", (0.0, 0.0)), "weight_N_per_mm"),
+            rates={
+                name: LawRate.from_record(row, f"derivatives.{name}")
+                for name, row in record.get("derivatives", {}).items()
+            },
         )
     except KeyError as missing:
         raise RodError(f"The law of an arm lacks the key {missing}; write it anew with `pneurod cell`.") from None

@@ -1,0 +1,207 @@
+"""Derivatives of an arm's own law by a parameter of its design, and the law after a small change of some of them."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, final
+
+import numpy as np
+
+from geometry.arrays import Array
+from rod.arm_law.curves import CellCurve, ClampCurve
+from rod.checked import Shape, check_table, finite
+from rod.cubics import monotone_slopes, parabola_slopes
+
+#: change of the rigidity between two states, over it, from which there is a kink between them
+KINK = 0.05
+
+
+@final
+@dataclass(frozen=True, eq=False)  # arrays inside
+class CellRate:
+    """Of the curve of a cell at one pressure, at fixed curvature, per unit of the parameter."""
+
+    moment: Array  #: (k,) N mm
+    stretch: Array  #: (k,)
+    ripple: Array  #: (k, 2, 2) of the material curve in the middle and at the end of the cell, mm; straight between
+
+    def times(self, change: float) -> "CellRate":
+        """For a change of the parameter."""
+        return CellRate(change * self.moment, change * self.stretch, change * self.ripple)
+
+
+@final
+@dataclass(frozen=True, eq=False)  # arrays inside
+class ClampRate:
+    """Of the curve of the clamped end at one pressure, at fixed moment, per unit of the parameter."""
+
+    rotation: Array  #: (k,) rad
+    offset: Array  #: (k, 2) mm
+
+    def times(self, change: float) -> "ClampRate":
+        """For a change of the parameter."""
+        return ClampRate(change * self.rotation, change * self.offset)
+
+
+@final
+@dataclass(frozen=True, eq=False)  # arrays inside
+class LawRate:
+    """Of a law by one parameter, per unit of it. What is not here does not change to first order, or hardly."""
+
+    value: float  #: of the parameter, to which the law belongs
+    unit: str  #: of the parameter: mm, MPa, or 1
+    pitch: float  #: change of the pitch, mm
+    first_middle: float  #: mm
+    length: float  #: mm
+    cells: tuple[CellRate, ...]  #: at the pressures of the law
+    clamps: tuple[ClampRate, ...]
+
+    def with_moments(self, ratios: Sequence[float]) -> "LawRate":
+        """Of a law whose moments are this many times as large at each pressure."""
+        cells = (replace(cell, moment=ratio * cell.moment) for ratio, cell in zip(ratios, self.cells, strict=True))
+        return replace(self, cells=tuple(cells))
+
+    def record(self) -> dict[str, Any]:
+        """As it stands in law.json."""
+        return {
+            "value": self.value,
+            "unit": self.unit,
+            "pitch_mm": self.pitch,
+            "first_middle_mm": self.first_middle,
+            "length_mm": self.length,
+            "curves": [_row(cell, _CELL) for cell in self.cells],
+            "clamp": [_row(clamp, _CLAMP) for clamp in self.clamps],
+        }
+
+    @staticmethod
+    def from_record(record: Mapping[str, Any], name: str) -> "LawRate":
+        """What `record` gave. Raises `RodError`, and KeyError for a key that is missing."""
+        pitch, middle, length = (
+            finite(record[key], f"{key} of {name}") for key in ("pitch_mm", "first_middle_mm", "length_mm")
+        )
+        cells = (CellRate(**_arrays(row, _CELL, name)) for row in record["curves"])
+        clamps = (ClampRate(**_arrays(row, _CLAMP, name)) for row in record["clamp"])
+        value, unit = finite(record["value"], name), str(record["unit"])
+        return LawRate(value, unit, pitch, middle, length, tuple(cells), tuple(clamps))
+
+
+#: fields by their keys in law.json, with their shapes
+_CELL: dict[str, tuple[str, Shape]] = {
+    "moment_N_mm": ("moment", ("k",)),
+    "stretch": ("stretch", ("k",)),
+    "ripple_mm": ("ripple", ("k", 2, 2)),
+}
+_CLAMP: dict[str, tuple[str, Shape]] = {"rotation_rad": ("rotation", ("k",)), "offset_mm": ("offset", ("k", 2))}
+
+
+def _row(rate: CellRate | ClampRate, keys: Mapping[str, tuple[str, Shape]]) -> dict[str, Any]:
+    return {key: getattr(rate, field).tolist() for key, (field, _) in keys.items()}
+
+
+def _arrays(row: Any, keys: Mapping[str, tuple[str, Shape]], name: str) -> dict[str, Array]:
+    check_table(row, {key: shape for key, (_, shape) in keys.items()}, name)
+    return {field: np.array(row[key], float) for key, (field, _) in keys.items()}
+
+
+def changed_cells(curves: Sequence[CellCurve], changes: Sequence[Sequence[CellRate]]) -> tuple[CellCurve, ...]:
+    """The curves after changes of several parameters; raises `RodError` where hardly a state is left.
+
+    changes: of each parameter by curve, times its change. Where walls begin to touch, the moment over the curvature has
+    a kink, which the parameter moves: states move along the curve with the kinks beside them (`kink_shifts`), so that
+    none comes to lie on the other side of one. States that would pass their neighbour are left out.
+
+    Slopes by the curvature are those of `slopes_of`, slopes by the pressure those of parabolas through neighbouring
+    curves at equal curvature. Axial and shear rigidity stay as they are at equal
+    curvature.
+    """
+    total = [
+        CellRate(
+            *(np.sum([getattr(one, name) for one in of_curve], axis=0) for name in ("moment", "stretch", "ripple"))
+        )
+        for of_curve in zip(*changes, strict=True)
+    ]
+    slopes = _by_pressure(curves, total)
+    return tuple(_changed_cell(*parts) for parts in zip(curves, total, slopes, strict=True))
+
+
+def _changed_cell(curve: CellCurve, change: CellRate, by_pressure: tuple[Array, Array]) -> CellCurve:
+    shift = kink_shifts(curve, change)
+    moment = change.moment + shift * curve.rigidity
+    kappa, moments = curve.kappa + shift, curve.moment + moment
+    kept = np.array([True, *(np.diff(np.maximum.accumulate(kappa)) > 0.0)])
+    kept &= np.array([True, *(np.diff(np.maximum.accumulate(moments)) > 0.0)])
+    spread = slopes_of(curve, curve.kappa, shift)
+    rigidity = curve.rigidity + slopes_of(curve, curve.kappa, moment) - curve.rigidity * spread
+    stretch = change.stretch + shift * curve.stretch_by_kappa
+    by_kappa = slopes_of(curve, curve.kappa, stretch) - curve.stretch_by_kappa * spread
+    new = {
+        "kappa": kappa,
+        "moment": moments,
+        "rigidity": rigidity,
+        "moment_by_pressure": curve.moment_by_pressure + by_pressure[0],
+        "stretch": curve.stretch + stretch,
+        "stretch_by_kappa": curve.stretch_by_kappa + by_kappa,
+        "stretch_by_pressure": curve.stretch_by_pressure + by_pressure[1],
+    }
+    part = (curve.s - curve.s[0]) / np.ptp(curve.s)
+    bulge = (1.0 - part)[:, None] * change.ripple[:, None, 0] + part[:, None] * change.ripple[:, None, 1]
+    new["ripple"] = curve.ripple + bulge + shift[:, None, None] * parabola_slopes(curve.kappa, curve.ripple)
+    new |= {name: getattr(curve, name) for name in ("contact", "min_J")}
+    for name in ("axial_rigidity", "shear_rigidity"):
+        new[name] = np.interp(kappa, curve.kappa, getattr(curve, name))
+    return replace(curve, **{name: values[kept] for name, values in new.items()})
+
+
+def kink_shifts(curve: CellCurve, change: CellRate) -> Array:
+    """By how much the kinks of a curve move near each of its states, (k,) 1/mm; zero where walls touch nowhere.
+
+    Across a kink that moves, the change of the moment at fixed curvature has a step of minus the step of the rigidity
+    times the shift of the kink: by least squares over the intervals with a kink, near ones counting more.
+    """
+    steps, stiffer = np.diff(change.moment), np.diff(curve.rigidity)
+    kinks = np.flatnonzero((np.abs(stiffer) > KINK * np.abs(curve.rigidity[:-1])) & curve.contact[1:])
+    if not kinks.size:
+        return np.zeros_like(curve.moment)
+    distance = np.abs(np.arange(len(curve.moment))[:, None] - (kinks + 0.5))
+    weight = np.exp(-distance) * stiffer[kinks] ** 2
+    return np.asarray(-(weight @ (steps[kinks] / stiffer[kinks])) / weight.sum(axis=1))
+
+
+def slopes_of(curve: CellCurve, x: Array, values: Array) -> Array:
+    """Slopes of derivatives (k,) of a curve over its curvatures or moments x (k,).
+
+    Those of parabolas through neighbouring states; where walls begin to touch the derivatives have a step, across which
+    only monotone cubics do not overshoot.
+    """
+    smooth = curve.contact.all() or not curve.contact.any()
+    return parabola_slopes(x, values) if smooth else monotone_slopes(x, values)
+
+
+def _by_pressure(curves: Sequence[CellCurve], rates: Sequence[CellRate]) -> list[tuple[Array, Array]]:
+    """Slopes of moment and stretch by the pressure at the curvatures of each curve, (k,) each, per kPa."""
+    pressures, slopes = np.array([curve.pressure for curve in curves]), []
+    for k, curve in enumerate(curves):
+        around = range(max(k - 1, 0), min(k + 2, len(curves)))
+        columns = []
+        for name in ("moment", "stretch"):
+            rows = [np.interp(curve.kappa, curves[i].kappa, getattr(rates[i], name)) for i in around]
+            known = parabola_slopes(pressures[list(around)], np.array(rows)) if len(rows) > 1 else np.zeros((1, 1))
+            columns.append(np.broadcast_to(known[k - around[0]], curve.kappa.shape))
+        slopes.append((columns[0], columns[1]))
+    return slopes
+
+
+def changed_clamps(curves: Sequence[ClampCurve], changes: Sequence[Sequence[ClampRate]]) -> tuple[ClampCurve, ...]:
+    """The clamped ends after changes of several parameters: of each parameter by curve, times its change."""
+    return tuple(
+        _changed_clamp(curve, of_curve) for curve, of_curve in zip(curves, zip(*changes, strict=True), strict=True)
+    )
+
+
+def _changed_clamp(curve: ClampCurve, changes: Sequence[ClampRate]) -> ClampCurve:
+    new: dict[str, Any] = {}
+    for name in ("rotation", "offset"):
+        value = np.sum([getattr(change, name) for change in changes], axis=0)
+        slope = parabola_slopes(curve.moment, value) if len(curve.moment) > 1 else np.zeros_like(value)
+        by_moment = f"{name}_by_moment"
+        new |= {name: getattr(curve, name) + value, by_moment: getattr(curve, by_moment) + slope}
+    return replace(curve, **new)

@@ -1,0 +1,120 @@
+"""Derivatives of an arm's own law by its design."""
+
+import json
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import numpy as np
+import pytest
+
+from geometry import PneuNet
+from geometry.meshing.moving import Movement
+from pipeline.cell.parameters import material_steps
+from pipeline.cell.pieces import ArmPieces
+from pipeline.cell.rates import law_rates
+from pipeline.cell.tasks import CLAMP, TIP, PieceCurves
+from pipeline.config.config import Config
+from pipeline.config.load import load_config
+from pipeline.progress import Silent
+from pipeline.store.store import open_store
+from rod import ArmLaw, RodError, law_from_record, law_record
+
+CONFIGS = Path(__file__).resolve().parent.parent.parent.parent / "configs"
+#: kPa, at which the walls of the cell touch when it is straightened, and its curvature there, 1/mm
+PRESSURE, BEND = 20.0, -0.012
+#: mm
+CHANGE = 0.01
+
+
+def config(*settings: str) -> Config:
+    return load_config(CONFIGS / "pneunet_coarse.yaml", ["geometry.chambers=4", "mesh.size=4 mm", *settings])
+
+
+@cache
+def pieces() -> ArmPieces:
+    return ArmPieces(config(), 0.04).with_derivatives()
+
+
+def law_at_one_pressure(arm: ArmPieces) -> ArmLaw:
+    with TemporaryDirectory() as folder, open_store(folder, arm.config) as store:
+        curves = PieceCurves(arm, store, Silent())
+        cell = curves.cell(PRESSURE, BEND)
+        ((clamp,), (tip,)) = (curves.ends(end, [cell.curve], 1).measured for end in (CLAMP, TIP))
+    made = arm.repetition
+    law = ArmLaw(2.0 * made.half_pitch, made.middle, arm.design.length, (cell.curve,), (clamp.curve,), (tip.curve,))
+    return replace(law, rates=law_rates(arm.config, made, arm.movements, [cell], [clamp]))
+
+
+@cache
+def law() -> ArmLaw:
+    return law_at_one_pressure(pieces())
+
+
+def test_by_the_modulus_as_moments_and_pressures_scale() -> None:
+    """All moduli times c at p times c: the moments times c, and the same stretches and rotations."""
+    cell, clamp, rate = law().cells[0], law().clamps[0], law().rates["material.E"]
+    assert cell.contact.any()
+    assert not cell.contact.all()
+    expected = (cell.moment - PRESSURE * cell.moment_by_pressure) / rate.value
+    assert rate.cells[0].moment == pytest.approx(expected, abs=1e-5 * np.abs(expected).max())
+    expected = -PRESSURE * cell.stretch_by_pressure / rate.value
+    assert rate.cells[0].stretch == pytest.approx(expected, abs=1e-5 * np.abs(expected).max())
+    turned = clamp.moment * clamp.rotation_by_moment + PRESSURE * clamp.rotation_by_pressure
+    # interpolated between the states of the cell
+    assert rate.clamps[0].rotation == pytest.approx(-turned / rate.value, abs=0.03 * np.abs(turned).max())
+    assert (rate.value, rate.unit, rate.length) == (1.2, "MPa", 0.0)
+
+
+@pytest.mark.parametrize("name", ["wall", "chamber_length"])
+def test_by_a_dimension_as_laws_of_moved_meshes_differ(name: str) -> None:
+    def moved(change: float) -> ArmLaw:
+        design, movement = pieces().design, pieces().movements[name]
+        assert isinstance(movement, Movement)
+        changed = design.with_dimension(name, design.dimensions[name] + change)
+        mesh = movement.moved(pieces().repetition, change)
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setattr(PneuNet, "repetition", lambda *_: mesh)  # instead of a mesh of its own
+            return law_at_one_pressure(ArmPieces(replace(pieces().config, design=changed), 0.04))
+
+    less, more = moved(-CHANGE), moved(CHANGE)
+    key = f"geometry.{name}"
+    ours = [law().with_changes({key: sign * CHANGE}) for sign in (-1.0, 1.0)]
+    for number in (
+        lambda one: one.at(PRESSURE).section.kappa_0,
+        lambda one: float(one.cells[0].at(0.0)[1]),
+        lambda one: float(one.at(PRESSURE).solve().theta[-1]),
+        lambda one: float(one.at(PRESSURE).solve().y[-1]),
+    ):
+        expected = number(more) - number(less)
+        assert number(ours[1]) - number(ours[0]) == pytest.approx(expected, rel=0.01)
+    rate = law().rates[key]
+    assert rate.length == pytest.approx((more.length - less.length) / (2.0 * CHANGE), abs=1e-9)
+    assert rate.pitch == pytest.approx((more.pitch - less.pitch) / (2.0 * CHANGE), abs=1e-9)
+
+
+def test_the_file_holds_them() -> None:
+    again = law_from_record(json.loads(json.dumps(law_record(law()))))
+    assert list(again.rates) == list(law().rates)
+    ours, theirs = (one.derivative("geometry.wall") for one in (law(), again))
+    assert np.array_equal(ours.kappa_0, theirs.kappa_0)
+    assert (ours.value, ours.unit) == (1.0, "mm")
+    assert ours.end_angle[0] > 0.0  # a thicker wall bends less, and the angle is negative
+
+
+def test_a_parameter_without_derivatives_is_named() -> None:
+    with pytest.raises(RodError, match=r"geometry\.walls.*geometry\.wall"):
+        law().derivative("geometry.walls")
+    with pytest.raises(RodError, match="finite"):
+        law().with_changes({"geometry.wall": float("nan")})
+
+
+def test_constants_of_all_materials_are_parameters() -> None:
+    material = "material={law: ogden, mu: [0.3 MPa, -0.1 MPa], alpha: [2, -2], kappa: 20 MPa}"
+    region = "materials={base: {law: svk, E: 5 MPa, nu: 0.49}}"
+    steps = material_steps(config(material, region))
+    terms = {f"material.{name}.{k}" for name in ("mu", "alpha") for k in (1, 2)}
+    assert set(steps) == terms | {"material.kappa", "materials.base.E", "materials.base.nu"}
+    step = steps["materials.base.E"]
+    assert (step.value, step.unit) == (5.0, "MPa")
