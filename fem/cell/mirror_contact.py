@@ -57,11 +57,15 @@ def gap_and_touch(terms: Terms, x: Array, plane: Index) -> tuple[float, bool]:
     """
     gap, touches = np.inf, False
     for term in terms:
-        if isinstance(term, FacingTerm) and term.pairs.nodes.size:
-            image = 2.0 if np.isin(term.pairs.triangles, plane).all() else 1.0
-            gap = min(gap, image * term.gap(x))
+        if isinstance(term, FacingTerm):
+            gap = min(gap, (2.0 if is_with_images(term, plane) else 1.0) * term.gap(x))
             touches = touches or term.touching(x)
     return gap, touches
+
+
+def is_with_images(term: Term, plane: Index) -> bool:
+    """Whether a term is contact of walls with their mirror images beyond the plane of the nodes (k,)."""
+    return isinstance(term, FacingTerm) and bool(np.isin(term.pairs.triangles, plane).all())
 
 
 def tightened(term: Term, x: Array) -> Term:

@@ -105,7 +105,8 @@ class BendingPiece:
         self.terms = tuple(effect.bind(self.space, laws_of(material)[""]) for effect in (*acting, *effects))
         self._constraints: tuple[float, Constraints] | None = None  #: of the last angle
         self._system = System(self.space, material, self.terms, self.constraints(0.0), available_solver()())
-        self._system.hold_near_pairs()  # all: a state does not depend on those solved before, bit for bit
+        # all of outer walls: where those of cavities do not meet, a state does not depend on those before, bit for bit
+        self._system.hold_near_pairs()
         self._shear_system: System | None = None
         self.changes: Mapping[str, Any] = {}  #: `DesignChange` by parameter of which its states give derivatives
 

@@ -24,8 +24,9 @@ from typing import final
 
 import numpy as np
 
+from fem.cell.mirror_contact import is_with_images
 from fem.cell.piece import BendingPiece, PieceFailed, PieceState, turn
-from fem.effects.effect import Terms, UnilateralTerm
+from fem.effects.effect import Terms
 from fem.equations.constraints import Constraints
 from fem.equations.linear import SingularMatrix
 from fem.equations.linearised import Linearised
@@ -160,8 +161,8 @@ def shear_rigidity(piece: BendingPiece, at: PieceState, known: Slopes) -> float:
     h = piece.body.length
     bending = known.by_angle / known.moment_by_angle  # displacement per moment of the whole body
     moment = -h  # at the plane, for Q = 1
-    terms = tuple(term for term in at.terms if not isinstance(term, UnilateralTerm))
-    contact = tuple(term for term in at.terms if isinstance(term, UnilateralTerm))
+    contact = tuple(term for term in at.terms if is_with_images(term, piece.plane))
+    terms = tuple(term for term in at.terms if term not in contact)
     elastic, closing = _force_change(piece, at, terms, bending), _load_change(piece, at, contact, bending)
     forces = elastic + closing
     middle = piece.space.surface("clamp").unique_nodes
@@ -187,7 +188,7 @@ def shear_rigidity(piece: BendingPiece, at: PieceState, known: Slopes) -> float:
 
 
 def _shear_tangent(piece: BendingPiece, at: PieceState, terms: Terms, middle: Index, increment: Array) -> Linearised:
-    """The tangent without contact where the middle of the cell moves along x alone and the plane within itself."""
+    """The tangent with these terms where the middle of the cell moves along x alone and the plane within itself."""
     space, angle = piece.space, at.angle
     points = space.points[middle]
     column = points[np.abs(points[:, 2]) < 1e-9 * piece.body.length]

@@ -129,7 +129,14 @@ class ArmPieces:
         return piece
 
     def _contacts(self, body: Body) -> list[Effect]:
-        """Of outer faces that are no gap, with each other and with their images beyond the plane between two cells."""
+        """Besides that of the gap: of other outer faces with each other and with their images beyond the plane between
+        two cells, and of the walls of each cavity, as in the whole arm."""
+        if self.config.effects.self_contact.off:
+            return []
+        in_cavities = (SelfContact(name, starts_inactive=True, overlap=0.0) for name in body.cavities)
+        return [*self._outer_contacts(body), *in_cavities]
+
+    def _outer_contacts(self, body: Body) -> list[Effect]:
         if self.walls == GAP or self.dhat is None:
             return []
         mirrored = MirrorContact(self.walls, "tip", self.dhat)
