@@ -46,11 +46,14 @@ def build_law(
     pressures_kPa: Sequence[float],
     context: RunContext,
     highest_kPa: Callable[[], float] | None = None,
+    *,
+    between: bool = True,
 ) -> MeasuredLaw:
     """Measure the law of an arm at rest, at rising pressures, and between where that is needed.
 
-    highest_kPa: gives the pressure that the law need not exceed, as soon as that is known. The cell may be solved above
-    it, the ends of the arm, which cost most, are not.
+    between: False for a law that is read at these pressures alone. highest_kPa: gives the pressure that the law need
+    not exceed, as soon as that is known. The cell may be solved above it, the ends of the arm, which cost most, are
+    not.
 
     Curves that an earlier run has left in the store are not measured again. Raises `NoArmLaw` for an arm or effects
     that such a law does not describe, InputError for pieces that cannot be meshed, and RunFailed where not even the
@@ -63,7 +66,7 @@ def build_law(
         cells = measurer.end_at(cells, highest_kPa())
     last, length = cells[-1].curve, pieces.design.length
     clamp = begin_clamps(tasks, last, repetition.half_cells)  # done beside the pressures between
-    cells, error_between = measurer.add_between(cells)
+    cells, error_between = measurer.add_between(cells) if between else (cells, None)
     half_cells, error_ends, limit = choose_half_cells(clamp, last, repetition.half_cells, length)
     log.limits.extend(filter(None, [limit]))
     cells, clamps, tips = measure_ends(tasks, log, cells, half_cells)

@@ -74,15 +74,15 @@ def deliver_law_of_run(scene: Scene, context: RunContext) -> LawOfRun:
 
 
 def law_on_mesh_of_arm(scene: Scene, context: RunContext, highest_kPa: Callable[[], float]) -> Pending[LawOfRun]:
-    """The law from pieces on the mesh of the whole arm.
+    """The law from pieces on the mesh of the whole arm, at the pressures at which it is compared with experiments.
 
     highest_kPa: gives the pressure that the law need not exceed, as soon as that is known.
 
     Its tasks are done beside those that are submitted later. Whatever Gmsh has to look at in this process is looked at
     before this function returns, because Gmsh takes the process's output and signals.
     """
-    pressures = scene.config.pressures_kPa
-    return _begin(scene, context, lambda pieces: build_law(pieces, pressures, context, highest_kPa))
+    pressures = sorted({*scene.config.pressures_kPa, *scene.config.validation.pressures_kPa})
+    return _begin(scene, context, lambda pieces: build_law(pieces, pressures, context, highest_kPa, between=False))
 
 
 def _begin(scene: Scene, context: RunContext, build: Callable[[ArmPieces], MeasuredLaw]) -> Pending[LawOfRun]:
