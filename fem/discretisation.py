@@ -76,6 +76,7 @@ class Discretisation:
     element: Element
     surfaces: Mapping[str, Faces]
     regions: Mapping[str, Index]  #: name -> (m,) elements of a region with a material of its own
+    of_tets: Index  #: (e,) the element that each tetrahedron of the mesh is; what leaves `fem` is in the mesh's order
 
     @classmethod
     def of(cls, mesh: Mesh, formulation: str) -> "Discretisation":
@@ -103,6 +104,7 @@ class Discretisation:
             element=element,
             surfaces=_surfaces(mesh, grid if element.quadratic else None),
             regions={name: np.sort(new_index[tets]) for name, tets in mesh.regions.items()},
+            of_tets=new_index,
         )
 
     def moved(self, points: Array) -> "Discretisation":
@@ -131,6 +133,11 @@ class Discretisation:
     def vertices(self) -> Index:
         """(e, 4) the nodes that are vertices."""
         return np.ascontiguousarray(self.nodes[:, :4])
+
+    @property
+    def nodes_of_tets(self) -> Index:
+        """(e, a) the nodes of the tetrahedra in the order of the mesh."""
+        return np.ascontiguousarray(self.nodes[self.of_tets])
 
     @property
     def shear_points(self) -> slice:

@@ -11,8 +11,8 @@ from geometry.arrays import Array
 
 
 def element_fields(step: Step, material: Solid) -> dict[str, Array]:
-    """Largest and smallest principal stretch in an element (e,), and means over it of J (e,) and of the Cauchy stress
-    (e, 6; xx, yy, zz, xy, yz, xz; MPa)."""
+    """Largest and smallest principal stretch in a tetrahedron (e,), and means over it of J (e,) and of the Cauchy stress
+    (e, 6; xx, yy, zz, xy, yz, xz; MPa). Tetrahedra are in the order of the mesh."""
     space = step.space
     strain, jacobian = strain_at_stress_points(space, step.displacement)
     law = formulation_of(space, material)
@@ -25,12 +25,13 @@ def element_fields(step: Step, material: Solid) -> dict[str, Array]:
         matrix[:, i, j] = matrix[:, j, i] = second[:, v]
     cauchy = np.einsum("eij,ejk,elk->eil", gradient, matrix, gradient) / np.linalg.det(gradient)[:, None, None]
     stretches = principal_stretches(strain)
-    return {
+    fields = {
         "stretch": stretches[..., 2].max(axis=1),
         "smallest_stretch": stretches[..., 0].min(axis=1),
         "J": jacobian[:, space.shear_points].mean(axis=1),
         "cauchy_stress_MPa": np.stack([cauchy[:, i, j] for i, j in VOIGT], axis=1),
     }
+    return {name: values[space.of_tets] for name, values in fields.items()}
 
 
 def _mean_deformation_gradient(step: Step) -> Array:

@@ -66,7 +66,7 @@ class Record:
     centreline: Centreline
     load: Load  #: end force, its couple about the end of the curve, and the weight of the arm
     displacement: Array = field(repr=False)  #: (n, 3), mm
-    fields: Mapping[str, Array] = field(repr=False)  #: per element
+    fields: Mapping[str, Array] = field(repr=False)  #: per tetrahedron, in the order of the mesh
     effects: tuple[str, ...]  #: names of the effects that took part
     spent: fem.Seconds
     held: tuple[bool, bool]  #: whether the displacement of the end along x and along y was prescribed
@@ -111,7 +111,7 @@ class Outcome:
     degrees_of_freedom: int
     solver: str  #: name of the linear solver
     points: Array = field(repr=False)  #: (n, 3) all nodes at rest, mm
-    nodes: Index = field(repr=False)  #: (e, 10), (e, 4) with linear elements
+    nodes: Index = field(repr=False)  #: (e, 10), (e, 4) with linear elements, in the order of the mesh
     unused_cpu_seconds: float = 0.0  #: processor time that led to none of the records, s
 
     @property

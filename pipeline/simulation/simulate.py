@@ -126,7 +126,7 @@ def _follow(case: LoadCase, scene: Scene, store: Store, progress: Progress, end_
         degrees_of_freedom=solution.degrees_of_freedom,
         solver=solution.solver,
         points=model.space.points,
-        nodes=model.space.nodes,
+        nodes=model.space.nodes_of_tets,
         unused_cpu_seconds=sum(rejected) + path.cpu_seconds_since,
     )
 
