@@ -2,13 +2,16 @@
 
 import numpy as np
 
-from geometry.arrays import Array, Index
+from geometry.arrays import Array, Index, Mask
 from geometry.errors import MeshError
 
 #: Local vertices of the four faces of a positively oriented tetrahedron, each with its normal pointing out of it.
 OUTWARD: Index = np.array([[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]])
 #: Local vertices of the six edges of a tetrahedron.
 EDGES: Index = np.array([[0, 1], [1, 2], [0, 2], [0, 3], [1, 3], [2, 3]])
+#: part of the size of a triangle, and of an edge, by which they may miss each other and still cross: on the plane of
+#: symmetry of half a body they meet edge to edge
+ON_EDGE = 1e-9
 
 
 def find_rows(queries: Index, rows: Index, count: int) -> Index:
@@ -86,3 +89,20 @@ def cross(a: Array, b: Array) -> Array:
     product[..., 1] = a3 * b1 - a1 * b3
     product[..., 2] = a1 * b2 - a2 * b1
     return product
+
+
+def passes_through(edges: Array, triangles: Array) -> Mask:
+    """Whether the edges (m, 2, 3) end on different sides of the triangles (m, 3, 3) and pass them inside, (m,).
+
+    Source: T. Moeller, B. Trumbore, "Fast, minimum storage ray/triangle intersection", J. Graph. Tools 2 (1997).
+    """
+    way, first, second = (pair[:, 1] - pair[:, 0] for pair in (edges, triangles[:, :2], triangles[:, ::2]))
+    start = edges[:, 0] - triangles[:, 0]
+    across, around = cross(way, second), cross(start, first)
+    volume = np.einsum("mi,mi->m", first, across)
+    with np.errstate(divide="ignore", invalid="ignore"):  # an edge along the plane of the triangle
+        a, b, part = (
+            np.einsum("mi,mi->m", u, v) / volume for u, v in ((start, across), (way, around), (second, around))
+        )
+        low, high = -ON_EDGE, 1.0 + ON_EDGE
+        return np.asarray((a >= low) & (b >= low) & (a + b <= high) & (part >= low) & (part <= high))

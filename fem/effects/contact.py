@@ -22,17 +22,14 @@ from fem.effects.tightening import Tightening
 from fem.materials.material import Material
 from fem.reasons import position_of
 from geometry import PneurodError, Reason
-from geometry.arrays import Array, Index, Mask
-from geometry.topology import cross
+from geometry.arrays import Array, Index
+from geometry.topology import passes_through
 
 #: stiffness of the barrier over Young's modulus, for which 3 mu stands (near incompressibility): with an overlap, and
 #: without one. A soft barrier costs fewer factorizations; a table of both is in studies/solver.md
 STIFFNESS, STIFFNESS_NO_OVERLAP = 0.025, 0.1
 #: activation distance over the smallest gap at rest, with an overlap, and without one
 ACTIVATION, ACTIVATION_NO_OVERLAP = 0.02, 0.1
-#: part of the size of a triangle, and of an edge, by which they may miss each other and still cross: on the plane of
-#: symmetry of half a body they meet edge to edge
-ON_EDGE = 1e-9
 #: activation distance over the gap at rest of a pair that is taken up because its walls cross in a crease
 ACTIVATION_IN_CREASE = 0.2
 #: gap over the smallest one at rest below which a pair of walls takes part in the pattern of the matrix
@@ -158,25 +155,8 @@ def crossings(x: Array, triangles: Index) -> tuple[Index, Index]:
     edge_id, face_id = np.array(sorted(near), dtype=np.int64).reshape(-1, 2).T
     edge, face = nodes[edges[edge_id]], nodes[faces[face_id]]
     is_apart = ~(edge[:, :, None] == face[:, None, :]).any(axis=(1, 2))
-    crosses = is_apart & _passes_through(x[edge], x[face])
+    crosses = is_apart & passes_through(x[edge], x[face])
     return edge[crosses], face[crosses]
-
-
-def _passes_through(edges: Array, triangles: Array) -> Mask:
-    """Whether the edges (m, 2, 3) end on different sides of the triangles (m, 3, 3) and pass them inside, (m,).
-
-    Source: T. Moeller, B. Trumbore, "Fast, minimum storage ray/triangle intersection", J. Graph. Tools 2 (1997).
-    """
-    way, first, second = (pair[:, 1] - pair[:, 0] for pair in (edges, triangles[:, :2], triangles[:, ::2]))
-    start = edges[:, 0] - triangles[:, 0]
-    across, around = cross(way, second), cross(start, first)
-    volume = np.einsum("mi,mi->m", first, across)
-    with np.errstate(divide="ignore", invalid="ignore"):  # an edge along the plane of the triangle
-        a, b, part = (
-            np.einsum("mi,mi->m", u, v) / volume for u, v in ((start, across), (way, around), (second, around))
-        )
-        low, high = -ON_EDGE, 1.0 + ON_EDGE
-        return np.asarray((a >= low) & (b >= low) & (a + b <= high) & (part >= low) & (part <= high))
 
 
 @final

@@ -11,8 +11,8 @@ from geometry.arrays import Array
 
 
 def element_fields(step: Step, material: Solid) -> dict[str, Array]:
-    """Largest and smallest principal stretch in a tetrahedron (e,), and means over it of J (e,) and of the Cauchy stress
-    (e, 6; xx, yy, zz, xy, yz, xz; MPa). Tetrahedra are in the order of the mesh."""
+    """Largest and smallest principal stretch in a tetrahedron (e,), and means over it of J (e,) and of the Cauchy
+    stress (e, 6; xx, yy, zz, xy, yz, xz; MPa). Tetrahedra are in the order of the mesh."""
     space = step.space
     strain, jacobian = strain_at_stress_points(space, step.displacement)
     law = formulation_of(space, material)

@@ -74,6 +74,11 @@ class Design(ABC):
         return ()
 
     @property
+    def left_out(self) -> str:
+        """Where the solids of a drawing are that are its air and left out, in mm; empty where there are none."""
+        return ""
+
+    @property
     def given_element_size(self) -> float | None:
         """Longest edge of the elements of a ready mesh, mm; None for a body that is meshed with a size."""
         return None

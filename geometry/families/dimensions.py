@@ -8,6 +8,8 @@ from typing import Any
 from geometry.errors import DesignError, raise_together
 from geometry.families.design import LONGEST, SHORTEST
 
+#: Smallest dimension over the smallest side of a body: a film of 10 um on a body of 20 mm has it.
+THINNEST = 5e-4
 #: Largest number of chambers: one chamber has at least 140 elements, so twice as many exceed MOST_TETS.
 MOST_CHAMBERS = 10_000
 
@@ -29,7 +31,18 @@ def check_design(
     together: list[DesignError] = []
     if not alone or all(_has_kind(field, getattr(design, field.name)) for field in fields(design)):
         together = [error for error in relations() if not wrong.intersection(error.keys)]
-    raise_together([*alone, *together])
+    raise_together([*alone, *together] or _too_small(design, counts))
+
+
+def _too_small(design: Any, counts: Sequence[str]) -> Iterator[DesignError]:
+    """A `DesignError` for each dimension that is too small beside the body, most likely in another unit."""
+    side = min(design.extent)
+    for name in (field.name for field in fields(design) if field.name not in counts):
+        value = getattr(design, name)
+        smallest = min(value, default=side) if isinstance(value, tuple) else value
+        if 0 < smallest < THINNEST * side:
+            ratio = f"{smallest:g} mm is less than {THINNEST:g} of the smallest side of the arm, {side:.4g} mm"
+            yield DesignError(name, f"{ratio}, and cannot be meshed; is its unit right?")
 
 
 def not_less(design: Any, small: str, large: str, fraction: float = 1.0, because: str = "") -> Iterator[DesignError]:

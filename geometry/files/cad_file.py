@@ -13,7 +13,7 @@ import numpy as np
 from geometry.body import Body
 from geometry.errors import DesignError, MeshError
 from geometry.files.cad import CadMeasures, edges_of, measure, measure_gaps, measure_thinnest_wall, mesh_cad
-from geometry.files.cad_import import STEP, SUFFIXES, CadBody, CadSource, defeatured, file_bounds
+from geometry.files.cad_import import STEP, SUFFIXES, CadBody, CadSource, air_left_out, defeatured, file_bounds
 from geometry.files.cells import (
     CellPlanes,
     Cells,
@@ -102,6 +102,10 @@ class CadFile(FileDesign):
     def edges(self) -> tuple[tuple[float, str], ...]:
         """Length (mm) of each edge of the body in the file, and where its middle is, the shortest first."""
         return edges_of(self._cad)
+
+    @cached_property
+    def left_out(self) -> str:
+        return air_left_out(self._source())
 
     @property
     def cells(self) -> Cells | None:

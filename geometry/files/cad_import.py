@@ -11,6 +11,7 @@ import numpy as np
 
 from geometry.arrays import Array
 from geometry.errors import DesignError, position_text
+from geometry.files.cad_air import air_among
 from geometry.files.cad_defeature import without_narrow_faces
 from geometry.files.frame import Point
 from geometry.meshing.solid import Volume, session
@@ -112,7 +113,18 @@ def _of_brep(gmsh: Any, brep: bytes) -> list[Volume]:
     return [(int(dim), int(tag)) for dim, tag in gmsh.model.getEntities(3)]
 
 
-def _of_file(gmsh: Any, source: CadSource) -> list[Volume]:
+def _air(gmsh: Any, source: CadSource, solids: list[Volume]) -> list[Volume]:
+    """Those that are left out; none where the user says what several solids are."""
+    return air_among(gmsh, solids) if len(solids) > 1 and not (source.unite or source.apart) else []
+
+
+def air_left_out(source: CadSource) -> str:
+    """The centres of the solids of the file that are left out because they are air, for sentences; empty without."""
+    with session() as gmsh:
+        return _centres(gmsh, _air(gmsh, source, _all_of_file(gmsh, source)))
+
+
+def _all_of_file(gmsh: Any, source: CadSource) -> list[Volume]:
     """In mm and in the directions of the file."""
     occ, path = gmsh.model.occ, source.path
     gmsh.option.setString("Geometry.OCCTargetUnit", "MM")
@@ -126,7 +138,17 @@ def _of_file(gmsh: Any, source: CadSource) -> list[Volume]:
     except Exception as error:
         raise DesignError("file", f"{path} cannot be read as STEP or BREP: {error}") from error
     occ.synchronize()
-    solids = gmsh.model.getEntities(3)
+    solids: list[Volume] = gmsh.model.getEntities(3)
+    return solids
+
+
+def _of_file(gmsh: Any, source: CadSource) -> list[Volume]:
+    """In mm and in the directions of the file, without those that are air."""
+    occ, path, solids = gmsh.model.occ, source.path, _all_of_file(gmsh, source)
+    if air := _air(gmsh, source, solids):
+        occ.remove(air, recursive=True)
+        occ.synchronize()
+        solids = gmsh.model.getEntities(3)
     if not solids:
         raise DesignError("file", f"{path} holds no solid, only surfaces or curves; close them to one solid")
     if any(occ.getMass(*solid) <= 0 for solid in solids):

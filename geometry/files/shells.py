@@ -7,7 +7,7 @@ import numpy as np
 from geometry.arrays import Array, Index, Mask
 from geometry.errors import DesignError, position_text
 from geometry.files.frame import Point
-from geometry.topology import cross, open_edges, parts_of_graph, row_keys, triangle_edges
+from geometry.topology import cross, open_edges, parts_of_graph, passes_through, row_keys, triangle_edges
 
 #: why `plug: true` is refused for a body that is closed there
 NOTHING_OPEN = "no cavity under pressure is open in the plane of the clamp; leave plug out"
@@ -33,6 +33,26 @@ def outside_first(points: Array, parts: list[Index]) -> list[Index]:
     outside = max(range(len(parts)), key=lambda k: reach(parts[k]))
     rest = [part for k, part in enumerate(parts) if k != outside]
     return [parts[outside], *sorted(rest, key=lambda part: float(points[part][:, :, 0].mean()))]
+
+
+def find_crossing(points: Array, triangles: Index) -> Array | None:
+    """A position (3,) near which an edge of the triangles (k, 3) passes through another triangle; None where none does.
+
+    Edges are not compared with triangles that have one of their ends.
+    """
+    edges = np.unique(np.sort(triangle_edges(triangles), axis=1), axis=0)
+    ends = points[edges]
+    low, high = ends.min(axis=1), ends.max(axis=1)
+    for triangle in triangles:
+        corners = points[triangle]
+        lowest, highest = corners.min(axis=0), corners.max(axis=0)
+        near = np.flatnonzero((low <= highest).all(axis=1) & (high >= lowest).all(axis=1))
+        near = near[~np.isin(edges[near], triangle).any(axis=1)]
+        crossing = near[passes_through(ends[near], np.broadcast_to(corners, (len(near), 3, 3)))]
+        if len(crossing):
+            both = np.maximum(lowest, low[crossing[0]]), np.minimum(highest, high[crossing[0]])
+            return np.asarray((both[0] + both[1]) / 2)
+    return None
 
 
 def parts_of(points: Array, surface: Index, plug: float | None, tolerance: float) -> tuple[Index, list[Index]]:

@@ -4,7 +4,6 @@ Triangles are sorted into smooth patches, which Gmsh meshes anew: those of CAD p
 patches keep the shape of the triangles and the edges between them; elements on round patches have curved edges.
 """
 
-from contextlib import suppress
 from dataclasses import dataclass
 from math import pi, radians
 from pathlib import Path
@@ -16,7 +15,7 @@ from geometry.arrays import Array, Index
 from geometry.curved import CurvedEdges
 from geometry.errors import MeshError
 from geometry.files.mesh_reader import FileMesh
-from geometry.files.shells import outside_first, shells, windings
+from geometry.files.shells import find_crossing, outside_first, shells, windings
 from geometry.meshing.solid import collect_mesh, optimize, session, told
 from geometry.topology import normals, open_edges, parts_of_graph, row_keys, triangle_edges
 
@@ -29,16 +28,16 @@ SAME = 1e-6
 ROUNDED = 2e-5
 #: but never vertices farther apart than this part of the shortest side of the triangles at the open edges
 SHORTER = 1 / 3
-#: two triangles that are turned against each other by more than this belong to different patches, rad
-EDGE = radians(30)
-#: the same where Gmsh makes no patches with that
-FLATTER_EDGE = radians(20)
+#: how triangles are sorted into patches, in the order that is tried, because Gmsh cannot use every sorting: the angle
+#: from which on neighbours belong to different patches, degrees, and whether patches are cut in the middle across z.
+#: With 20 degrees the facets of round walls are patches, and a bellows has three times the elements that it has with 50
+SORTINGS = ((30, False), (30, True), (40, False), (50, False), (60, False), (20, False), (20, True), (15, False))
 #: a mesh with a tetrahedron of a smaller radius ratio than this is optimized once more
 FLAT = 0.1
 #: distance of a middle from the straight edge, over the length of the edge, up to which it is rounding of the file
 ROUNDING = 1e-3
-#: why Gmsh may not fill a surface, and what helps
-MAY_TOUCH = "it may touch itself or pass through itself: repair it, or try another mesh.size"
+#: what helps where Gmsh does not fill a surface in which no fault is found
+ANOTHER_WAY = "the surface is closed and was not found to pass through itself; try another mesh.size, or give a mesh"
 #: at most this many places are measured for the thickness of the walls
 PLACES = 300
 
@@ -217,17 +216,21 @@ def _through(start: Array, direction: Array, corners: Array) -> float:
 def fill(surface: Surface, size: float) -> FileMesh:
     """Mesh the material with element edges of about `size` (in the unit of the points) at most.
 
-    Raises `MeshError` where Gmsh cannot.
+    Raises `MeshError` where the surface passes through itself, and `NotFilled` where Gmsh fails without a known cause.
     """
-    with suppress(_NoPatches):
-        return _filled(surface, size, EDGE, cut=False)
-    with suppress(_NoPatches):
-        return _filled(surface, size, EDGE, cut=True)
-    return _filled(surface, size, FLATTER_EDGE, cut=False)
+    failures = []
+    for degrees, cut in SORTINGS:
+        try:
+            return _filled(surface, size, radians(degrees), cut=cut)
+        except MeshError as error:
+            failures.append(error)
+    if (where := find_crossing(surface.points, surface.triangles)) is not None:
+        raise MeshError(f"the surface passes through itself near {_place(where[None])}; repair it in CAD")
+    raise NotFilled(str(failures[0])) from failures[0]
 
 
-class _NoPatches(MeshError):
-    """Gmsh could not make patches of the triangles."""
+class NotFilled(MeshError):
+    """Gmsh could not fill a surface in which no fault was found."""
 
 
 def _filled(surface: Surface, size: float, edge: float, *, cut: bool) -> FileMesh:
@@ -238,10 +241,10 @@ def _filled(surface: Surface, size: float, edge: float, *, cut: bool) -> FileMes
         volume = _volume(gmsh, surface)
         gmsh.option.setNumber("Mesh.MeshSizeMax", size)
         gmsh.option.setNumber("Mesh.MeshSizeFromPoints", 0)
-        with told("Gmsh could not fill the surface", MAY_TOUCH):
+        with told("Gmsh could not fill the surface", ANOTHER_WAY):
             gmsh.model.mesh.generate(3)
         if not len(gmsh.model.mesh.getElementsByType(4)[0]):
-            raise MeshError("Gmsh put no tetrahedra into the surface; does it pass through itself?")
+            raise MeshError(f"Gmsh put no tetrahedra into the surface; {ANOTHER_WAY}")
         optimize(gmsh, FLAT)
         mesh = collect_mesh(gmsh, {(3, volume): "body"}, {}, ["body"], [])
     tets = mesh.regions["body"]
@@ -262,7 +265,7 @@ def _draw(gmsh: Any, surface: Surface, edge: float, cut: bool) -> None:
         if k == 0:
             gmsh.model.mesh.addNodes(2, entity, nodes, surface.points.ravel())
         gmsh.model.mesh.addElementsByType(entity, 2, [], (part + 1).ravel())
-    with told("Gmsh could not sort the triangles into smooth patches", MAY_TOUCH, _NoPatches):
+    with told("Gmsh could not sort the triangles into smooth patches", ANOTHER_WAY):
         gmsh.model.mesh.classifySurfaces(edge, True, True, pi)
         gmsh.model.mesh.createGeometry()
 

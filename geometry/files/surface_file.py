@@ -17,7 +17,7 @@ from geometry.files.from_file import FileDesign
 from geometry.files.inlets import fill_surface_inlets
 from geometry.files.placing import FLAT, Placed, Placing, ends_of, placed_by_planes
 from geometry.files.shells import named_cavities, parts_of, refuse_open
-from geometry.files.surface import Surface, enclosed, fill, read_surface, thinnest
+from geometry.files.surface import NotFilled, Surface, enclosed, fill, read_surface, thinnest
 from geometry.grading import OFF, Grading
 
 #: largest difference between the volumes of the mesh (or its air) and of the surface, over that of the surface
@@ -169,7 +169,8 @@ class SurfaceFile(FileDesign):
         try:
             placed = placed_by_planes(fill(self.surface, size), self._placing)
         except MeshError as error:
-            raise DesignError("file", str(error)) from error
+            key = "mesh.size" if isinstance(error, NotFilled) else "file"
+            raise DesignError(key, str(error)) from error
         offs = [placed.mesh.volume / self.solid_volume - 1]
         offs += [placed.mesh.enclosed_volume(name) / air - 1 for name, air in self.cavity_volumes.items()]
         return placed, max(map(abs, offs))

@@ -20,7 +20,7 @@ SEVERAL = 3
 
 def check_load(config: Config) -> tuple[Reason, ...]:
     """What is unusual about a configuration, whatever is made of it."""
-    rules = (_pressure, _unused_pressure, _turned_gravity, _short_edges, _batches)
+    rules = (_pressure, _unused_pressure, _turned_gravity, _short_edges, _air_left_out, _batches)
     return (*filter(None, (rule(config) for rule in rules)), *_densities(config))
 
 
@@ -66,6 +66,10 @@ def _short_edges(config: Config) -> Reason | None:
         return None
     length, where = short[0]
     return Reason("short_edges", {"count": len(short), "shortest_mm": length, "limit_mm": limit, "near": where})
+
+
+def _air_left_out(config: Config) -> Reason | None:
+    return Reason("air_left_out", {"around": config.design.left_out}) if config.design.left_out else None
 
 
 def _densities(config: Config) -> Iterator[Reason]:

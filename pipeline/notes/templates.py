@@ -23,6 +23,8 @@ TEMPLATES: Mapping[str, str] = {
     "check effects.gravity.acceleration",
     "short_edges": "{count} edges of the CAD file are shorter than {limit_mm:.2g} mm ({shortest_mm:.2g} mm near "
     "{near}); remove small features in CAD or with geometry.defeature",
+    "air_left_out": "the CAD file has solids that fill closed cavities, around {around}; they are taken as air, and "
+    "geometry.parts makes them material",
     "too_short": "five parameters need an arm of {needed_mm:.4g} mm, and this one has {length_mm:.4g} mm; give more "
     "chambers, a longer arm or a smaller geometry.cell",
     "unequal_cells": "chambers or gaps differ, so five parameters averaged over {averaging_mm:.3g} mm are a rough "

@@ -213,6 +213,25 @@ def test_solids_that_touch_are_united(folder: Path) -> None:
 
 
 @pytest.mark.parametrize("symmetric", [True, False])
+def test_air_that_is_drawn_as_a_solid_is_left_out(folder: Path, symmetric: bool) -> None:
+    def with_air(occ: Any) -> None:
+        two_chambers(occ)
+        box(occ, (3, 3, -5), (29, 10, 5))
+        box(occ, (31, 3, -5), (57, 10, 5))
+
+    air: Any = {"left": (10, 6, 0), "right": (50, 6, 0)}
+    design = CadFile(str(save(folder / "air.step", with_air)), 1.5, air=air, symmetric=symmetric)
+    assert design.left_out == "(16, 6.5, 0); (44, 6.5, 0)"
+    assert design.cavity_volumes == pytest.approx(dict.fromkeys(air, 26.0 * 7 * 10))
+    assert design.solid_volume == pytest.approx(60 * 12 * 15 - 2 * 26 * 7 * 10)
+    insert = save(folder / "insert.step", lambda occ: (two_chambers(occ), box(occ, (4, 3, -5), (28, 10, 5))))
+    with pytest.raises(
+        DesignError, match=r"file: .* holds 2 solids, around \(.*\); \(16, 6.5, 0\); leave out one of air"
+    ):
+        CadFile(str(insert), 1.5, air=air)
+
+
+@pytest.mark.parametrize("symmetric", [True, False])
 def test_an_inlet_at_the_clamp_of_a_solid_is_closed(folder: Path, symmetric: bool) -> None:
     path = save(folder / "inlet.step", bar_with_inlet)
     with pytest.raises(DesignError, match=r"air, file: .* no closed cavity: .* plug: true"):

@@ -52,6 +52,15 @@ def test_a_length_that_may_be_zero_is_no_other_number(family: type[Design], key:
     assert family(**{key: 0}) == family()
 
 
+@pytest.mark.parametrize("family", FAMILIES.values())
+def test_walls_in_another_unit_are_refused_by_their_ratio(family: type[Design]) -> None:
+    key = next(name for name in ("wall", "dividing_wall", "base") if name in names(family))
+    with pytest.raises(DesignError, match=f"^{key}: 0.0012 mm is less than 0.0005 of the smallest side") as caught:
+        family(**{key: 1.2e-3})
+    assert caught.value.keys == (key,)
+    assert isinstance(family(**{key: 0.01}), Design)
+
+
 def test_a_fillet_is_none_or_not_tiny() -> None:
     """One of 0.02 mm would give a half cell 9000 elements."""
     for radius in (0.001, 0.02, 0.099):

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from geometry import DesignError, SurfaceFile
+from geometry.files.shells import find_crossing
 from geometry.files.surface import read_surface, thinnest
 from geometry.manifold import check_manifold, check_untangled
 from tests.foreign_bodies import (
@@ -20,6 +21,8 @@ from tests.foreign_bodies import (
     two_chambers,
     write_surface,
 )
+
+DATA = Path(__file__).resolve().parents[1] / "data"
 
 
 @pytest.fixture(scope="module")
@@ -251,3 +254,27 @@ def test_a_flat_face_with_a_hole_of_which_gmsh_makes_no_patch_is_filled(around: 
     design = SurfaceFile(str(path), 2.0, plug=True)
     assert design.is_open_at_clamp
     assert design.body(6.0).volume == pytest.approx(design.solid_volume, rel=1e-3)
+
+
+@pytest.mark.parametrize("size", [4.0, 8.0])
+def test_two_bellows_with_holes_through_the_body_are_filled(size: float) -> None:
+    """Of the patches of this closed surface Gmsh needs those of another sorting angle."""
+    air = {"left": (20.0, 0.0, -12.0), "right": (20.0, 0.0, 12.0)}
+    design = SurfaceFile(str(DATA / "twin_bellows.stl"), curve=-11.0, air=air)
+    mesh = design.body(size).mesh
+    assert len(mesh.tets) < 8000
+    assert mesh.volume == pytest.approx(design.solid_volume, rel=0.01)
+    for name in air:
+        assert mesh.enclosed_volume(name) == pytest.approx(design.cavity_volumes[name], rel=0.01)
+
+
+def test_a_surface_is_blamed_with_the_place_at_which_it_passes_through_itself(stl: Path, folder: Path) -> None:
+    """A corner of the roof of the cavity is pulled through its floor; a surface without such a place is not blamed."""
+    points, triangles = triangles_of(stl)
+    moved = points.copy()
+    moved[np.linalg.norm(points - [3, 10, -5], axis=1) < 1e-3] = [20, 1.5, 0]
+    design = SurfaceFile(str(written(folder / "crossed.stl", moved, triangles)), curve=1.0)
+    with pytest.raises(DesignError, match=r"file: the surface passes through itself near \([0-9.]+, (2\.|3)"):
+        design.body(6.0)
+    surface = read_surface(stl)
+    assert find_crossing(surface.points, surface.triangles) is None
