@@ -13,6 +13,8 @@ from pipeline.material.laws import FORMS, PER_LOG, STATES, Form, Points, is_stab
 FACTOR = 1.5
 #: strain from which the misfit of a law is judged relative to the stress; below, relative to the stress there
 JUDGED_FROM = 0.2
+#: stress over the shear modulus below which a difference is taken relative to it: nearer to rest than any is judged
+LEAST_STRESS = 1e-3
 #: standard errors of a measured stress by which a law may miss it beyond the tolerance
 ALLOWED_ERRORS = 2.0
 #: the largest stretch that is tried as the end of a range, over that before in ln(stretch); the smallest one, from
@@ -84,7 +86,7 @@ def judge(points: Points, need: Need, nu: float, within: float) -> Judged:
         except MaterialError as failure:
             refused[form.name] = str(failure)
     if not fits:
-        raise MaterialError("; ".join(f"{name}: {why}" for name, why in refused.items()))
+        raise MaterialError("; ".join(dict.fromkeys(refused.values())))
     end = min(need.high, end_of(points))
     fits.sort(key=lambda fit: _rank(fit, end, within))
     taken: list[LawFit] = []
@@ -129,7 +131,9 @@ def _widest(form: Form, points: Points, need: Need, nu: float, within: float) ->
         if fit.holds and fit.holds[1] >= min(end, need.high, end_of(chosen)) * 0.99:
             return fit
     if first is None:
-        raise refused or MaterialError(f"{form.name}: the tests have too few points between the stretches needed")
+        raise refused or MaterialError(
+            f"the tests have too few points between the stretches {need.low:.3g} and {need.reach:.3g}"
+        )
     return first
 
 
@@ -137,7 +141,8 @@ def _fitted(form: Form, chosen: Points, points: Points, need: Need, nu: float, w
     constants = form.fitted(chosen, need.high)
     law = form.solved(constants, nu)
     far = np.abs(chosen.stretch - 1) >= min(JUDGED_FROM, 0.5 * float(np.abs(chosen.stretch - 1).max()))
-    judged = np.abs(law.uniaxial(chosen.stretch[far]).nominal / chosen.stress[far] - 1)
+    off = np.abs(law.uniaxial(chosen.stretch[far]).nominal - chosen.stress[far])
+    judged = np.nan_to_num(off, nan=np.inf) / np.maximum(np.abs(chosen.stress[far]), LEAST_STRESS * points.modulus)
     fitted = float(chosen.stretch[0]), float(chosen.stretch[-1])
     fit = LawFit(form, constants, law, fitted, float(np.sqrt(np.mean(judged**2))), float(judged.max()), None, "")
     return _with_range(fit, points, within)
@@ -155,7 +160,7 @@ def _with_range(fit: LawFit, points: Points, within: float) -> LawFit:
     if (stable := _stable_to(fit.law, high)) < high:
         high, why = stable, "instability"
     low = max(high**-2, pressed if down.any() and not close[down].all() else 0.0)
-    if high < SHORTEST:
+    if high < SHORTEST and (why != "data" or high <= 1):
         return replace(fit, why=f"{why} beyond a stretch of {high:.3g}" if high > 1 else why)
     return replace(fit, holds=(low, high), why=why)
 
@@ -210,4 +215,4 @@ def parting(law: Material, other: Material, high: float) -> tuple[float, str, fl
 def _as_it_is(fit: LawFit, points: Points) -> LawFit:
     """The same for all stretches of the tests at which it is stable, however far off it is."""
     high = _stable_to(fit.law, end_of(points))
-    return replace(fit, holds=(high**-2, high), why="misfit") if high >= SHORTEST else fit
+    return replace(fit, holds=(high**-2, high), why="misfit") if high > 1 else fit

@@ -204,6 +204,8 @@ def _slack(strain: Array, stress: Array, start: float | None) -> tuple[float, fl
     part; 0.0 without slack.
     """
     pulled = strain >= (0 if start is None else start)
+    if strain[0] < -LAST_START:  # it is pressed too
+        return -np.inf if start is None else start, 0.0, 0.0
     strain, stress = strain[pulled], stress[pulled]
     begin = -np.inf if start is None else start
     if len(strain) < MIN_POINTS:

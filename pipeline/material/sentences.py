@@ -51,9 +51,7 @@ def recommendation(judged: Judged, points: Points, need: Need, within: float) ->
     if best.holds is None:
         return [f"No law can be used: {best.name}, which comes closest, is {best.why}."]
     misfit = f"on average {100 * best.misfit:.2g} % off the tests, at most {100 * best.largest:.2g} %"
-    sentences = [
-        f"Take {best.name}: it is {misfit}, and stable in all directions up to a stretch of {best.holds[1]:.3g}."
-    ]
+    sentences = [f"Take {best.name}: it is {misfit}, and can be used up to a stretch of {best.holds[1]:.3g}."]
     if best.why == "misfit" and best.largest > within:
         sentences = [f"No law is within {100 * within:g} % of the tests. {best.name} comes closest: it is {misfit}."]
     if best.holds[1] < 0.98 * need.high:

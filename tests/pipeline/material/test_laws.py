@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import fem
-from fem.materials import LinearLaw
+from fem.materials import LinearLaw, MaterialError
 from pipeline.material.judged import FACTOR, Judged, Need, parting
 from pipeline.material.laws import FORMS, STATES, Points, is_stable, nominal, stretches
 from pipeline.material.loading import TensileTest
@@ -83,6 +83,25 @@ def test_no_law_within_the_tolerance_is_the_best_one_with_its_misfit() -> None:
     assert first.largest > TOLERANCE
     assert first.why == "misfit"
     assert not others or min(fit.holds[1] for fit in found.usable if fit.holds) > 1.0
+
+
+@pytest.mark.parametrize("top", [0.03, 0.015])
+def test_small_strains_give_the_law_of_one_constant(top: float) -> None:
+    law = TRUTHS["neo_hooke"]
+    strain = np.linspace(0.0, top, 80)
+    first = judged(strain, law.incompressible(1 + strain)).laws[0]
+    assert first.law.shear_modulus == pytest.approx(law.shear_modulus, rel=0.01)
+    assert first.holds is not None
+    assert first.holds[1] == pytest.approx(1 + top, abs=0.01)
+
+
+def test_stresses_of_zero_and_points_of_huge_strains_are_no_obstacle() -> None:
+    strain = np.linspace(0.0, 2.5, 100)
+    found = judged(strain, np.where(strain < 0.5, 0.0, strain))
+    assert np.isfinite(found.laws[0].misfit)
+    assert not np.isnan([fit.misfit for fit in found.laws]).any()
+    with pytest.raises(MaterialError, match=r"too few points between the stretches 0\.7 and 2\.71"):
+        judged(100 * strain + 10, strain + 0.1)
 
 
 def test_a_short_need_is_met_by_few_constants() -> None:
