@@ -26,16 +26,18 @@ OTHERS = re.compile(
     r"|yield|strecksp|streckgr|width|breite|largeur|later|transv|quer|time|zeit|temps"
 )
 TRUE = re.compile(r"\b(true|cauchy|wahr\w*|vrai\w*|log\w*|hencky)\b")
+#: words of columns in which compression is positive
+PRESSED = re.compile(r"compress|druck|stauch")
 NOMINAL = re.compile(r"engineering|nominal|technisch|ingenieur")
-#: kind of a column -> words of its title; the first kind that matches, and whose unit fits, is taken
-KINDS: tuple[tuple[str, Dimension, re.Pattern[str]], ...] = (
-    ("stretch", STRAIN, re.compile(r"stretch|lambda|λ|verstreckung|extension ratio|rapport d.allongement")),
-    ("strain", STRAIN, re.compile(r"strain|dehnung|deformation|allongement|elongation|\beps\w*\b|ε")),
-    ("stress", STRESS, re.compile(r"stress|spannung|contrainte|sigma|σ")),
-    ("force", FORCE, re.compile(r"force|load|kraft|charge|effort|\blast\b")),
-    ("extension", LENGTH, re.compile(
-        r"extension|displacement|elongation|verlangerung|dehnung|weg\b|deplacement|allongement|crosshead|stroke")),
-)  # fmt: skip
+#: kind of a column -> what it measures, and words of its title; the first kind whose words and unit fit is taken
+KINDS = {
+    "stretch": (STRAIN, r"stretch|lambda|λ|verstreckung|extension ratio|rapport d.allongement"),
+    "strain": (STRAIN, r"strain|dehnung|deformation|verformung|stauchung|allongement|elongation|\beps\w*\b|ε"),
+    "stress": (STRESS, r"stress|spannung|contrainte|sigma|σ"),
+    "force": (FORCE, r"force|load|kraft|charge|effort|\blast\b|^f$"),
+    "extension": (LENGTH, r"extension|displacement|elongation|deformation|crosshead|stroke|verlangerung|dehnung"
+                          r"|verformung|stauchung|weg\b|deplacement|allongement|^dl$|^δl$"),
+}  # fmt: skip
 TEST = re.compile(r"(test|specimen|sample|probe|prufling|probekorper|eprouvette|essai)( (name|no\.?|id|nr\.?))?")
 #: how units are written that pint reads otherwise or not at all
 UNITS = {"²": "^2", "mm2": "mm^2", "m2": "m^2", "Mpa": "MPa", "mpa": "MPa", "MPA": "MPa", "KPa": "kPa", "kpa": "kPa"}
@@ -148,6 +150,8 @@ def _values(table: _Table, column: _Column, specimen: Specimen) -> tuple[Array, 
             option = "--area '16 mm^2', the cross-section" if is_force else "--length '33 mm', the length"
             raise InputError(f"{table.path}: column '{column.title}' is {_article(column.kind)}; give {option} at rest")
         unit /= size
+    if PRESSED.search(plain(column.title)) and np.nanmedian(values[np.isfinite(values)]) > 0:
+        unit = -unit
     return unit * values - (column.kind == "stretch"), note
 
 
@@ -197,14 +201,15 @@ def _number(cell: str) -> float:
 
 
 def _text(path: Path) -> str:
-    """The text of a file in UTF-8, in UTF-16 with a byte order mark, or in Latin-1. Raises InputError."""
+    """The text of a file in UTF-8, UTF-16 or Latin-1. Raises InputError."""
     try:
         content = path.read_bytes()
     except FileNotFoundError:
         raise InputError(f"{path}: no such file; give a CSV file of tensile tests") from None
     except OSError as failure:
         raise InputError(f"{path}: cannot be read: {failure.strerror}; give a readable CSV file") from None
-    for encoding in ("utf-16",) if content.startswith(_UTF16) else ("utf-8-sig", "cp1252"):
+    unmarked = ("utf-16-le",) if content[1:2] == b"\0" else ("utf-8-sig", "cp1252")
+    for encoding in ("utf-16",) if content.startswith(_UTF16) else unmarked:
         try:
             text = content.decode(encoding)
         except UnicodeDecodeError:
@@ -254,7 +259,7 @@ def _kind(title: str) -> list[tuple[str, Dimension]]:
     name = plain(_unit_of(title)[0])
     if OTHERS.search(name):
         return []
-    return [(kind, dimension) for kind, dimension, words in KINDS if words.search(name)]
+    return [(kind, dimension) for kind, (dimension, words) in KINDS.items() if re.search(words, name)]
 
 
 def _column(kinds: Sequence[tuple[str, Dimension]], position: int, title: str, unit: str) -> _Column:

@@ -67,6 +67,10 @@ def read(path: Path) -> list[Series]:
         ("Temps (s);Allongement (mm);Force (N)", "1;{mm:.6f};{N:.6f}"),
         ("Extension (mm),Load (kN)", "{mm:.6f},{kN:.9f}"),
         ("Strain_% Stress_MPa", "{percent:g} {MPa:g}"),
+        ('"Prüfzeit";"Standardkraft";"Verformung"\n"s";"N";"%"', '"1";"{N:.6f}";"{percent:g}"'),
+        ("Name,Parameter1\n1 _ 1\nTime,Force,Stroke\nsec,N,mm", "1,{N:.6f},{mm:.6f}"),
+        ("Crosshead (mm)\tLoad (N)\tTime (s)", "{mm:.6f}\t{N:.6f}\t1"),
+        ("dL [mm];F [kN]", "{mm:.6f};{kN:.9f}"),
         ("ε (%)\tσ (kPa)", "{percent:g}\t{kPa:g}"),
     ],
 )  # fmt: skip
@@ -78,10 +82,20 @@ def test_titles_units_and_separators(header: str, form: str, tmp_path: Path) -> 
     assert len(test.notes) == ("Engineering Strain;" in header)
 
 
-@pytest.mark.parametrize("encoding", ["utf-16", "utf-16-le", "latin-1", "cp1252", "utf-8-sig"])
+@pytest.mark.parametrize(
+    "title", ["Compressive strain (%),Compressive stress (MPa)", "Stauchung (%),Druckspannung (MPa)"]
+)
+def test_compression_that_is_positive(title: str, tmp_path: Path) -> None:
+    for sign in ("", "-"):
+        [test] = read(written(tmp_path, table(title, points(f"{sign}{{percent:g}},{sign}{{MPa:g}}"))))
+        np.testing.assert_allclose(test.strain, -np.array(STRAINS), atol=1e-12)
+        np.testing.assert_allclose(test.stress, -np.array(STRESSES))
+
+
+@pytest.mark.parametrize("encoding", ["utf-16", "utf-16-be", "utf-16-le", "latin-1", "cp1252", "utf-8-sig"])
 def test_encodings_and_decimal_commas(encoding: str, tmp_path: Path) -> None:
     rows = [row.replace(".", ",") for row in points("{percent:g};{MPa:g};80")]
-    mark = "\ufeff" if encoding == "utf-16-le" else ""
+    mark = "\ufeff" if encoding == "utf-16-be" else ""
     (tmp_path / "pull.csv").write_bytes((mark + table("Dehnung (%);Spannung (MPa);Härte", rows)).encode(encoding))
     [test] = read(tmp_path / "pull.csv")
     np.testing.assert_allclose(test.stress, STRESSES)
