@@ -67,7 +67,7 @@ def deliver_law_of_run(scene: Scene, context: RunContext) -> LawOfRun:
 
     def build(pieces: ArmPieces) -> MeasuredLaw:
         if accuracy is None:
-            return law_on_mesh(pieces, pressures, context)
+            return law_on_mesh(pieces.with_derivatives(), pressures, context)
         return deliver_law(pieces, pressures, context, accuracy=accuracy)
 
     return _begin(scene, context, build).result()

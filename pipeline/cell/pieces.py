@@ -63,8 +63,7 @@ class ArmPieces:
     def mesh_name(self) -> str:
         """What the folder of their curves is called: mixed_walls_2.7mm."""
         mesh = self.config.mesh
-        rates = "_derivatives" if self.derivatives else ""
-        return f"{mesh.formulation}_{mesh.grading}_{mesh.size_mm:.12g}mm{rates}"
+        return f"{mesh.formulation}_{mesh.grading}_{mesh.size_mm:.12g}mm"
 
     @property
     def key(self) -> Hashable:

@@ -32,6 +32,8 @@ P = ParamSpec("P")
 Value = TypeVar("Value")
 Curve = TypeVar("Curve", ClampCurve, TipCurve)
 
+#: how the names of curves begin that have derivatives by the design where pieces have them
+WITH_RATES = ("cell", "clamp")
 #: of the work for a law
 PARTS = ("cell", "between", "ends")
 
@@ -152,7 +154,7 @@ class PieceCurves:
     def _read(self, kind: type[Value], name: str) -> Measured[Value] | None:
         """The value of this name from an earlier run of these sources."""
         kept: Measured[Any] | None = read_kept(self.store, self.file(name), Measured[Any])
-        if kept is None:
+        if kept is None or (self.pieces.derivatives and name.startswith(WITH_RATES) and not kept.rates):
             return None
         return replace(kept, curve=kept.curve if kind is float else curve_of(kind, kept.curve), is_stored=True)
 

@@ -30,6 +30,7 @@ from pipeline.config.section import (
     section,
     to_jsonable_python,
 )
+from pipeline.config.tolerances import Tolerances, read_tolerances
 from pipeline.config.validation import End, GivenEnd, GivenValidation, Validation, read_end, read_validation
 from pipeline.errors import InputError, quoted
 from pipeline.store.json_values import Json, JsonObject
@@ -166,6 +167,16 @@ class Config(Section):
         default_factory=dict, validate_default=True
     )
     mesh: Annotated[MeshSettings, WrittenAs(read_mesh, GivenMesh)] = Field(default_factory=dict, validate_default=True)
+    tolerances: Annotated[
+        Tolerances,
+        WrittenAs(read_tolerances),
+        Kind("a section: a key of the configuration with a length, stress or part of it", "{geometry.wall: 0.1 mm}"),
+    ] = Field(
+        default_factory=dict,
+        validate_default=True,
+        description="of dimensions, `material.stiffness` and `pressure`, for the [budget](how_to/budget.md); "
+        "`process: cast` or `printed` for those that are not given",
+    )
     #: the file it was read from, for messages; it has no key
     source: Annotated[str, WrittenAs(_check_together)] = Field(default="", alias="", validate_default=True)
 
@@ -175,9 +186,11 @@ class Config(Section):
         del values["source"], values["mesh"]["chosen"]
         values["design"] = {"family": self.family, **_dimensions(self.design)}
         values["material"] = self.material.record()
+        values["tolerances"] = self.tolerances.record() if self.tolerances != Tolerances() else None
         values["materials"] = {name: material.record() for name, material in self.materials.items()}
         names = {"design": "geometry"}
-        return {names.get(name, name): value for name, value in values.items() if value or name != "materials"}
+        left_out = ("materials", "tolerances")
+        return {names.get(name, name): value for name, value in values.items() if value or name not in left_out}
 
     @property
     def family(self) -> str:

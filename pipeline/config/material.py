@@ -74,6 +74,11 @@ class Material:
         """The law with its constants. Raises `fem.materials.MaterialError` where it cannot have them together."""
         return LAWS[self.law](**self.constants)
 
+    @property
+    def kinds(self) -> Mapping[str, Constant]:
+        """The kind of each constant."""
+        return LAWS[self.law].constants()
+
     def record(self) -> JsonObject:
         """The law, its constants, the density and between which stretches it holds, ready for JSON."""
         constants = {name: list(v) if isinstance(v, tuple) else v for name, v in self.constants.items()}
