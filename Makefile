@@ -20,7 +20,7 @@ JOBS :=
 LAW := both
 LARGER := 1
 
-all_targets := pneunet pneunet-coarse golden semicircular semicircular-single bisected-circle all effects cell material sweep paper-coarse paper accuracy
+all_targets := pneunet pneunet-coarse golden semicircular semicircular-single bisected-circle all effects cell budget material sweep paper-coarse paper accuracy
 .PHONY: help setup $(all_targets) test slow hard fuzz kills unseen exports nightly wheel examples lint types docs doctor bench-peers bench-run clean
 
 help:  ## list the targets
@@ -55,6 +55,12 @@ effects: $(READY)  ## influence and cost of each effect on the coarse arm
 cell: $(READY)  ## the arm's own law of the four coarse arms: table and pictures in results/cell_*
 	@for arm in pneunet semicircular semicircular_single bisected_circle; do
 		$(BIN)/pneurod cell configs/$${arm}_coarse.yaml --out results/cell_$${arm}
+	done
+
+budget: $(READY)  ## what tolerances of a cast arm do to the four coarse arms: table and picture in results/cell_*
+	@for arm in pneunet semicircular semicircular_single bisected_circle; do
+		[ -f results/cell_$${arm}/law.json ] || $(BIN)/pneurod cell configs/$${arm}_coarse.yaml --out results/cell_$${arm}
+		$(BIN)/pneurod budget results/cell_$${arm}
 	done
 
 sweep: $(READY)  ## nine designs of the coarse arm, the arm's own law of each: table and picture in results/walls_and_heights

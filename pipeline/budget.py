@@ -6,15 +6,23 @@ the root of the sum of their squares.
 
 import math
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 from pipeline.cell.saved import SavedLaw
 from pipeline.config.tolerances import STIFFNESS, Tolerance, Tolerances
+from pipeline.config.units import LENGTH, STRESS, Dimension
+from pipeline.config.units import PRESSURE as UNIT
 from pipeline.errors import InputError
 from pipeline.plots import COLOURS, Line, Panel, figure, standalone_page
 from pipeline.report.tables import Table
+from pipeline.results.files import read_results
 from pipeline.results.values import Run
+from pipeline.rods.options import option_value
+from pipeline.store.atomic_file import write_atomic
+from pipeline.store.result_folder import open_file
 from rod.arm_law.derivative import kappa_0, rigidity
 from rod.arm_law.law import ArmLaw, LawRod
 from rod.errors import RodError
@@ -73,9 +81,8 @@ def budget_of(run: Run, pressure_kPa: float | None = None, tolerances: Tolerance
 
     tolerances: those of the configuration unless they are given. Raises InputError for a pressure outside the law.
     """
-    path = run.directory / "law.json"
-    law = SavedLaw.read(path).law if path.is_file() else None
-    if law is None or not law.rates:
+    law = _law(run)
+    if law is None:
         return None
     chosen = tolerances or Tolerances.from_record(run.config.get("tolerances"))
     pressure = law.pressures[-1] if pressure_kPa is None else pressure_kPa
@@ -84,7 +91,24 @@ def budget_of(run: Run, pressure_kPa: float | None = None, tolerances: Tolerance
     try:
         return make_budget(law, chosen, pressure, held)
     except RodError as failure:
-        raise InputError(f"{path}: {failure}") from None
+        raise InputError(f"{run.directory / 'law.json'}: {failure}") from None
+
+
+def budgets_of(run: Run, tolerances: Tolerances | None = None) -> tuple[Budget, ...]:
+    """The budgets of a run at those pressures of its configuration that its law has; empty without derivatives."""
+    pressures = [state.pressure_kPa for state in run.law.unloaded] if run.law else []
+    found = []
+    for pressure in pressures:
+        with suppress(InputError):
+            found.append(budget_of(run, pressure, tolerances))
+    return tuple(filter(None, found))
+
+
+def _law(run: Run) -> ArmLaw | None:
+    """The law of a run, where it has derivatives."""
+    path = run.directory / "law.json"
+    law = SavedLaw.read(path).law if path.is_file() else None
+    return law if law and law.rates else None
 
 
 def make_budget(law: ArmLaw, tolerances: Tolerances, pressure_kPa: float, held_mm: float | None) -> Budget:
@@ -190,3 +214,41 @@ def _bars(budget: Budget, name: str, title: str, colour: str) -> Line:
 def budget_page(name: str, budgets: Sequence[Budget]) -> str:
     """The figure alone on a page that opens offline."""
     return standalone_page(f"{name}: what its tolerances do", figure(budget_panels(budgets)))
+
+
+def budget_for(
+    folder: Path, pressure: str | None, settings: Sequence[str], out: Path | None = None
+) -> tuple[Budget, Path]:
+    """The budget of a result folder at a pressure written with its unit, and the page with its picture.
+
+    settings: tolerances as KEY=VALUE, in place of those of the configuration. Raises InputError.
+    """
+    run = read_results(folder)
+    tolerances = _with_settings(run, settings)
+    found = budget_of(run, None if pressure is None else option_value("--pressure", pressure, UNIT), tolerances)
+    if found is None:
+        raise InputError(f"{folder}: its law has no derivatives; an arm with cells has them, see docs/cell.md")
+    page = open_file(out or folder / "budget.html")
+    write_atomic(page, budget_page(run.design, budgets_of(run, tolerances) or (found,)).encode())
+    return found, page
+
+
+def _with_settings(run: Run, settings: Sequence[str]) -> Tolerances:
+    """The tolerances of the configuration with others in their place."""
+    known = Tolerances.from_record(run.config.get("tolerances"))
+    law = _law(run)
+    for setting in settings:
+        key, separator, written = setting.partition("=")
+        if not separator:
+            raise InputError(f"--tolerance {setting}: write it as KEY=VALUE, for example geometry.wall='0.1 mm'")
+        try:
+            known = known.with_setting(key.strip(), written.strip(), {} if law is None else _units(law))
+        except ValueError as refused:
+            raise InputError(f"--tolerance {setting}: {refused}") from None
+    return known
+
+
+def _units(law: ArmLaw) -> dict[str, Dimension | None]:
+    """What each tolerance measures."""
+    measured = {"mm": LENGTH, "MPa": STRESS}
+    return {PRESSURE: UNIT, STIFFNESS: None, **{name: measured.get(rate.unit) for name, rate in law.rates.items()}}

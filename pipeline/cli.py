@@ -141,6 +141,27 @@ def solve(
         print_lines(*(at.text for at in found), *rods.notes)
 
 
+def budget(
+    folder: Annotated[Path, typer.Argument(metavar="DIR", help="Results of a run or of `pneurod cell`.")],
+    pressure: Annotated[
+        str | None, typer.Option(metavar="P", help="Of the table, with its unit (default: the highest one).")
+    ] = None,
+    tolerances: Annotated[
+        list[str] | None,
+        typer.Option("--tolerance", metavar="KEY=VALUE", help="geometry.wall='0.1 mm', process=printed. Repeatable."),
+    ] = None,
+    out: Annotated[
+        Path | None, typer.Option("--out", metavar="FILE", help="The picture (default: DIR/budget.html).")
+    ] = None,
+) -> None:
+    """What the tolerances of a built arm do: by how much each moves the tip, the curvature, the rigidity, the force."""
+    from pipeline.budget import budget_for, budget_table
+    from pipeline.terminal import text_table
+
+    found, picture = budget_for(folder, pressure, tolerances or (), out)
+    print_lines(text_table(budget_table(found)), f"picture: {picture}")
+
+
 def export(
     folder: Annotated[Path, typer.Argument(metavar="DIR", help="Results of a finished run.")],
     to: Annotated[
@@ -288,7 +309,7 @@ def doctor() -> None:
 
 app.callback()(show_version)
 app.command(cls=Init)(with_sentences(init))
-for command in (run, mesh, effects, accuracy, cell, sweep, rod, solve, material, export, doctor):
+for command in (run, mesh, effects, accuracy, cell, sweep, rod, solve, budget, material, export, doctor):
     app.command()(with_sentences(command))
 
 

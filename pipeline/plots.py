@@ -56,6 +56,7 @@ class Line:
     spread: Array | None = None  #: (n,) half the height of a band around the line, of error bars where there is no line
     texts: Sequence[str] = ()  #: (n,) shown beside the pointer in place of the name
     entry: str | None = None  #: in the legend, where it shows and hides all lines of this entry; None for the name
+    bars: bool = False  #: bars from zero in place of a line
     frame: str = ""  #: such as "17 kPa": a figure with several frames lets the reader choose one; "" for all
 
     @property
@@ -81,6 +82,9 @@ class Line:
             "hovertemplate": f"{'%{text}' if self.texts else escape(self.name)}<br>%{{x}}, %{{y}}<extra></extra>",
             "meta": {"entry": self.legend, "frame": self.frame},
         }
+        if self.bars:
+            trace = {key: trace[key] for key in ("x", "y", "name", "hovertemplate", "meta")}
+            trace |= {"type": "bar", "marker": {"color": self.colour}}
         if self.texts:
             trace["text"] = list(self.texts)
         if self.spread is not None and not self.dash:

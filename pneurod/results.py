@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 import pandas as pd
 
+from pipeline.budget import Budget, budget_of
 from pipeline.cell.saved import SavedLaw
 from pipeline.config.units import ANGLE, FORCE, LENGTH
 from pipeline.errors import InputError, quoted
@@ -22,6 +23,7 @@ from pipeline.rods.end_loads import Weight
 from pipeline.rods.pressures import PressureFor, Wish, pressures_for
 from pneurod.arguments import given_choice, given_number, given_pair, given_path, given_pressure
 from pneurod.frames import by_pressure, curves_frame, expanded, frame_of, profiles
+from pneurod.sensitivities import sensitivities_frame
 from rod import PARAMETER_COLUMNS, ArmLaw, FiveParameters, Interval, OutsidePressures, Rod, RodWarning
 from rod import RodError as NoRod
 from rod.same_pressure import known_at
@@ -149,6 +151,17 @@ class Results:
         """The arm's own law; None where the folder has no law.json."""
         path = self.directory / "law.json"
         return SavedLaw.read(path).law if path.is_file() else None
+
+    @cached_property
+    def sensitivities(self) -> pd.DataFrame:
+        """Derivatives of the arm's own law by its dimensions and materials, per unit of each, and relative: by how many
+        % a number changes by 1 % of the parameter. No rows where the law has none."""
+        return sensitivities_frame(self.arm_law)
+
+    def budget(self, pressure_kPa: float | str | None = None) -> Budget | None:
+        """What the tolerances of the built arm do at a pressure, the highest one unless it is given; None for a law
+        without derivatives. Raises InputError outside its pressures."""
+        return budget_of(self.run, None if pressure_kPa is None else given_pressure(pressure_kPa))
 
     @property
     def curve_start_mm(self) -> tuple[float, float]:

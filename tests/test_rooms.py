@@ -63,7 +63,7 @@ DOORS: dict[str, set[str]] = {
     "distributed": {"pipeline/sweep/workers.py"},
     "dask": {"pipeline/sweep/workers.py"},
     "pyarrow": {"pipeline/sweep/table.py"},
-    "pandas": {"pneurod/results.py", "pneurod/frames.py", "pipeline/material/table.py"},
+    "pandas": {"pneurod/results.py", "pneurod/frames.py", "pneurod/sensitivities.py", "pipeline/material/table.py"},
 }
 
 #: what `pneurod --help` must not wait for

@@ -6,7 +6,7 @@ FDM. 10 % of the stiffness, from batch to batch, and 2 % of the pressure are cho
 """
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from geometry import Design
@@ -60,9 +60,20 @@ class Tolerances:
     @staticmethod
     def from_record(record: Mapping[str, Any] | None) -> "Tolerances":
         """What `record` gave; the defaults of None."""
-        content = record or Tolerances().record()
-        given = {key: Tolerance(row["amount"], row["is_relative"]) for key, row in content["given"].items()}
-        return Tolerances(content["process"], given)
+        if record is None:
+            return Tolerances()
+        given = {key: Tolerance(row["amount"], row["is_relative"]) for key, row in record["given"].items()}
+        return Tolerances(record["process"], given)
+
+    def with_setting(self, key: str, written: str, units: Mapping[str, Dimension | None]) -> "Tolerances":
+        """With another tolerance, or process; units: what each key measures. Raises ValueError."""
+        if key == "process":
+            if written not in PROCESSES:
+                raise ValueError(not_known(written, PROCESSES))
+            return replace(self, process=written)
+        if key not in units:
+            raise ValueError(not_known(key, ("process", *units)))
+        return replace(self, given={**self.given, key: _read(written, units[key])})
 
     def all(self, dimensions: Mapping[str, float]) -> dict[str, Tolerance]:
         """Those that are given, and the defaults of all others.

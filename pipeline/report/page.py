@@ -6,8 +6,9 @@ from pathlib import Path
 
 import jinja2
 
+from pipeline.budget import budget_panels, budget_table, budgets_of
 from pipeline.notes.verdict import verdict_of
-from pipeline.plots import library_scripts
+from pipeline.plots import figure, library_scripts
 from pipeline.pressure import name_of_state
 from pipeline.report import figures, tables
 from pipeline.report.body_view import body_view, experiments_of
@@ -24,7 +25,7 @@ def render_page(run: Run) -> str:
     environment = jinja2.Environment(
         loader=jinja2.FileSystemLoader(TEMPLATES), autoescape=True, trim_blocks=True, undefined=jinja2.StrictUndefined
     )
-    view = body_view(run.directory)
+    view, budgets = body_view(run.directory), budgets_of(run)
     return environment.get_template("report.html.j2").render(
         run=run,
         verdict=verdict_of(run),
@@ -32,6 +33,8 @@ def render_page(run: Run) -> str:
         body=_picture(run, "body_open") or _picture(run, "body"),
         figures=figures.make_figures(run),
         tables=tables.make_tables(run),
+        budget=budget_table(budgets[-1]) if budgets else None,
+        budget_figure=figure(budget_panels(budgets)) if budgets else "",
         view=view,
         view_experiments=experiments_of(view),
         ramp=[[int(colour[k : k + 2], 16) / 255 for k in (1, 3, 5)] for colour in _RAMP],

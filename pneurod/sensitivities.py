@@ -1,0 +1,36 @@
+"""The derivatives of an arm's own law as a pandas frame."""
+
+import math
+
+import pandas as pd
+
+from rod import ArmLaw
+from rod.arm_law.derivative import NUMBERS
+
+#: unit of each number of a derivative
+UNITS = {"kappa_0": "1/mm", "rigidity": "N mm2", "moment": "N mm", "stretch": "1", "end_angle": "rad"}
+COLUMNS = ("parameter", "number", "pressure_kPa", "derivative", "unit", "relative")
+
+
+def sensitivities_frame(law: ArmLaw | None) -> pd.DataFrame:
+    """One row per parameter, number and pressure above zero.
+
+    relative: by how many % a number changes by 1 % of the parameter; NaN of a number that is zero.
+    """
+    rows = []
+    values = {} if law is None else {pressure: _values(law, pressure) for pressure in law.pressures if pressure}
+    for name in law.rates if law else ():
+        derivative = law.derivative(name)  # type: ignore[union-attr]
+        for number in NUMBERS:
+            unit = UNITS[number] if derivative.unit == "1" else f"{UNITS[number]} per {derivative.unit}"
+            for pressure, rate in zip(derivative.pressures.tolist(), getattr(derivative, number).tolist(), strict=True):
+                if pressure:
+                    value = values[pressure][number]
+                    relative = rate * derivative.value / value if value else math.nan
+                    rows.append((name, number, pressure, rate, unit, relative))
+    return pd.DataFrame(rows, columns=list(COLUMNS))
+
+
+def _values(law: ArmLaw, pressure: float) -> dict[str, float]:
+    rod = law.at(pressure)
+    return {number: function(rod, rod) for number, function in NUMBERS.items()}
