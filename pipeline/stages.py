@@ -14,6 +14,7 @@ from pipeline.context import RunContext
 from pipeline.identification.added_pressures import Identified, identify_run
 from pipeline.identification.mesh_error import with_mesh_error
 from pipeline.identification.parameters import Parameters
+from pipeline.identification.predicted import has_two_laws, with_mesh_error_of_laws
 from pipeline.identification.record import parameters_record
 from pipeline.notes import render, render_all, report_reason
 from pipeline.notes.design import check_design
@@ -55,7 +56,7 @@ def stage_names(config: Config) -> tuple[str, ...]:
     """The stages of a run in their order."""
     if config.law == "cell":
         return _STAGES_OF_LAW
-    left_out = {_COARSER_MESH} if config.mesh.coarser is None else set()
+    left_out = set() if config.mesh.coarser else {_COARSER_MESH}
     left_out |= {_LAW, _LAW_ON_MESH_OF_ARM} if config.law == "five" else set()
     return tuple(name for name in _STAGES if name not in left_out)
 
@@ -171,13 +172,19 @@ def begin_validation(state: RunState, outcomes: Outcomes) -> tuple[Scene, Pendin
     return scene, context.workers.beside(solve_validation, scene, context, outcomes.reached_kPa)
 
 
-def identify(state: RunState, outcomes: Outcomes) -> tuple[RunState, Identified, Pending[WithMeshError]]:
-    """Identify the five parameters, write experiments.json, and begin with their error on the coarser mesh."""
+def identify(state: RunState, outcomes: Outcomes, arm: LawOfRun) -> tuple[RunState, Identified, Pending[WithMeshError]]:
+    """Identify the five parameters, write experiments.json, and begin with their error on the coarser mesh.
+
+    Without a coarser mesh where two laws tell it.
+    """
     with state.stages.timed("identification"):
         identified = identify_run(state.scene, state.context, outcomes)
         states = save_value(state.context.store, "experiments.json", identified.outcomes.states)
         context, parameters = state.context, identified.parameters
-        improved = context.workers.beside(with_mesh_error, state.config, context, parameters)
+        if has_two_laws(state.config, arm.law):
+            improved = Pending[WithMeshError].done((parameters, ()))
+        else:
+            improved = context.workers.beside(with_mesh_error, state.config, context, parameters)
     return state.with_results(states=states), identified, improved
 
 
@@ -202,11 +209,13 @@ def complete_law(state: RunState, arm: LawOfRun, law: Pending[LawOfRun]) -> tupl
 
 
 def add_mesh_error(
-    state: RunState, identified: Identified, improved: Pending[WithMeshError], arm: LawOfRun
+    state: RunState, identified: Identified, improved: Pending[WithMeshError], arm: LawOfRun, on_mesh: LawOfRun
 ) -> tuple[RunState, Identified]:
-    """Write parameters.json, with the errors of the mesh."""
+    """Write parameters.json, with the errors of the mesh: from a coarser one, or from the laws on two meshes."""
     with state.stages.timed(_COARSER_MESH):
         parameters, no_mesh_error = improved.result()
+        if arm.law and on_mesh.law and has_two_laws(state.config, arm.law):
+            parameters = with_mesh_error_of_laws(parameters, arm.law, on_mesh.law)
     identified = replace(identified, parameters=parameters)
     content = parameters_record(state.config, parameters, arm.law, render_all(no_mesh_error))
     return state.with_results(parameters=save_value(state.context.store, "parameters.json", content)), identified

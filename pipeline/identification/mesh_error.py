@@ -63,7 +63,7 @@ def with_mesh_error(
         others, not_compared = _from_mixed(second, context, compared)
         reasons += not_compared
     every = zip(parameters, fine, with_others(deviations, fine, others), _two_lines(parameters, coarse), strict=True)
-    improved = (_with_errors(*of_pressure) for of_pressure in every)
+    improved = (with_errors(*of_pressure) for of_pressure in every)
     mixed_at_kPa = compared.pressure_kPa if others else None
     return tuple(replace(p, mixed_at_kPa=mixed_at_kPa) for p in improved), tuple(reasons)
 
@@ -120,9 +120,13 @@ def _meshed(context: TaskContext, config: Config) -> Scene:
     return Scene.meshed(config)
 
 
-def _with_errors(
+def with_errors(
     parameters: Parameters, numbers: Mapping[str, float], stds: Mapping[str, float], two_lines: bool | None
 ) -> Parameters:
+    """The parameters with deviations by name because of the mesh; numbers: the five, kappa_0 and F on their mesh.
+
+    two_lines: whether two lines are taken on the other mesh; None where that is not known.
+    """
     stds = stds if parameters.two_lines else of_single_line(stds)
     return replace(
         parameters,
@@ -191,12 +195,17 @@ class OnMesh:
         return OnMesh(free, loaded, numbers_of_curves(*curves, loaded.load, fine.kappa.pitch, fine.given_d))
 
     def numbers(self, fine: Parameters) -> dict[str, float]:
-        """The five numbers, kappa_0(l/2) and F, with as many lines as on the first mesh, because the rigidity of a
-        single line and the second one of two are different numbers."""
-        alpha, m0 = self.lines.single_line.alpha.value, self.lines.single_line.m0.value
-        single = {"alpha1": alpha, "alpha2": alpha, "m01": m0, "m02": m0, "d": fine.shortest_break}
-        two = {name: getattr(self.lines.law, name) for name in PARAMETER_NAMES}
-        return (two if fine.two_lines else single) | _measured(self.free, self.loaded, fine.kappa.pitch)
+        """The five numbers, kappa_0(l/2) and F."""
+        return five_numbers(self.lines, fine) | _measured(self.free, self.loaded, fine.kappa.pitch)
+
+
+def five_numbers(lines: Identification, fine: Parameters) -> dict[str, float]:
+    """The five numbers with as many lines as the parameters, because the rigidity of a single line and the second one
+    of two are different numbers."""
+    if fine.two_lines:
+        return {name: getattr(lines.law, name) for name in PARAMETER_NAMES}
+    alpha, m0 = lines.single_line.alpha.value, lines.single_line.m0.value
+    return {"alpha1": alpha, "alpha2": alpha, "m01": m0, "m02": m0, "d": fine.shortest_break}
 
 
 def _identify(

@@ -4,12 +4,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-from geometry import Centreline
 from geometry.arrays import Array
 from pipeline.config.config import Config
 from pipeline.identification.added_pressures import covered_range, quantities_of
 from pipeline.identification.mesh_error import RELATIVE
-from pipeline.identification.parameters import Parameters, numbers_of_curves, sum_evidence
+from pipeline.identification.parameters import Parameters, sum_evidence
+from pipeline.identification.predicted import Predicted, has_two_laws, predictions
 from pipeline.results.parameters import (
     BreakProfile,
     Dimensionless,
@@ -30,9 +30,6 @@ from rod import (
     LinearRange,
     Load,
     MomentRange,
-    Rod,
-    RodError,
-    RodSolution,
     rest_curvature,
 )
 
@@ -69,12 +66,12 @@ def parameters_record(
         **_bounds([p.numbers["d"] for p in parameters], parameters),
         **_linear(parameters),
         **_choice(parameters),
-        mesh_error=_mesh_error(config, parameters),
+        mesh_error=_mesh_error(config, parameters, law),
         mesh_error_reason=mesh_error_reason,
         moment_range_N_mm=_ranges([p.moment_range for p in parameters]),
         eccentricity=_stretching(parameters),
         estimators={ESTIMATOR: _identified([p.by_cells for p in parameters], parameters)},
-        predicted_by_arm_law=None if law is None else _identified(_predictions(parameters, law), parameters),
+        predicted_by_arm_law=None if law is None else _identified(_lines(predictions(parameters, law)), parameters),
         kappa_0=_rest_shape(parameters),
         dimensionless=_dimensionless(config, parameters),
         dimensionless_numbers=_dimensionless_numbers(config, parameters),
@@ -122,9 +119,9 @@ def _bounds(d: Sequence[Interval | None], parameters: Sequence[Parameters]) -> d
     }
 
 
-def _mesh_error(config: Config, parameters: Sequence[Parameters]) -> MeshErrorOfFive | None:
-    """What the mesh contributes to the deviations of the rod's numbers, None where no second mesh tells."""
-    if config.mesh.coarser is None or not any(p.mesh_std for p in parameters):
+def _mesh_error(config: Config, parameters: Sequence[Parameters], law: ArmLaw | None) -> MeshErrorOfFive | None:
+    """What the mesh contributes to the deviations of the rod's numbers, None where nothing tells."""
+    if not any(p.mesh_std for p in parameters):
         return None
     columns: dict[str, Any] = {
         f"{name}_relative": tuple(p.mesh_errors.get(name) for p in parameters) for name in RELATIVE
@@ -132,8 +129,9 @@ def _mesh_error(config: Config, parameters: Sequence[Parameters]) -> MeshErrorOf
     columns |= {
         f"{column}_std": tuple(p.mesh_std.get(n) for p in parameters) for n, column in PARAMETER_COLUMNS.items()
     }
-    size = config.mesh.size_mm
-    return MeshErrorOfFive((size, config.mesh.coarser * size), parameters[0].mixed_at_kPa, **columns)
+    second = None if has_two_laws(config, law) else config.mesh.coarser
+    sizes = (config.mesh.size_mm, *([] if second is None else [second * config.mesh.size_mm]))
+    return MeshErrorOfFive(sizes, parameters[0].mixed_at_kPa, **columns)
 
 
 def _stretching(parameters: Sequence[Parameters]) -> StretchingRod | None:
@@ -157,6 +155,11 @@ def _ranges(ranges: Sequence[MomentRange]) -> tuple[tuple[float, float], ...]:
     return tuple((moments.low, moments.high) for moments in ranges)
 
 
+def _lines(predicted: Sequence[Predicted | str]) -> list[Identification | str]:
+    """They tell which part comes from the cells and their ends, which is all that the law contains."""
+    return [p if isinstance(p, str) else p.lines for p in predicted]
+
+
 def _identified(estimates: Sequence[Identification | str], parameters: Sequence[Parameters]) -> TwoLines:
     """Two lines at every pressure, or why there are none, and whether a single one suffices."""
     identified = [e for e in estimates if not isinstance(e, str)]
@@ -170,37 +173,6 @@ def _identified(estimates: Sequence[Identification | str], parameters: Sequence[
         columns["single_line_alpha_N_mm2"] = tuple(e.single_line.alpha.value for e in identified)
         columns["observations"] = tuple(e.observations for e in identified)
     return TwoLines(**columns)
-
-
-def _predictions(parameters: Sequence[Parameters], law: ArmLaw) -> list[Identification | str]:
-    """The parameters by pressure, identified from experiments II and III of the rod with the arm's own law, or why
-    there are none. They tell which part comes from the cells and their ends, which is all that the law contains."""
-    predictions: list[Identification | str] = []
-    for p in parameters:
-        try:
-            predictions.append(_predicted(p, law))
-        except RodError as failure:
-            predictions.append(str(failure))
-    return predictions
-
-
-def _predicted(parameters: Parameters, law: ArmLaw) -> Identification:
-    """Raises RodError where the law has no such rod."""
-    curve = parameters.free.centreline
-    rod = Rod(law.length, law=law.at(parameters.pressure_kPa), start=(float(curve.x[0]), float(curve.y[0])))
-    end_x, end_y = parameters.loaded.held_end
-    loaded = rod.under(Load(parameters.loaded.load.force), end_y, end_x)
-    force = (float(loaded.force[0]), float(loaded.force[1]))
-    lever = loaded.positions(loaded.s[-1:])[0] - [loaded.x[-1], loaded.y[-1]]
-    # about the end of the material curve
-    couple = float(loaded.moment[-1]) - lever[0] * force[1] + lever[1] * force[0]
-    curves = _centreline(rod.solve(), curve.s), _centreline(loaded, curve.s)
-    return numbers_of_curves(*curves, Load(force, couple), parameters.kappa.pitch, parameters.given_d)
-
-
-def _centreline(shape: RodSolution, s: Array) -> Centreline:
-    """The material curve of a rod at the nodes s (n,), mm, of the finite elements."""
-    return Centreline(s, *shape.positions(s - s[0]).T)
 
 
 def _linear(parameters: Sequence[Parameters]) -> dict[str, Any]:
