@@ -11,8 +11,8 @@ from rod.arm_law.section import SectionLaw
 from rod.errors import RodError
 from rod.solution import RodSolution
 
-#: change of the moments of the law in difference quotients, over the largest one
-STEP = 1e-4
+#: change of the moments of the law in difference quotients, over the largest one, and that of the parameter at most
+STEP, LARGEST_STEP = 1e-4, 1e-2
 
 
 class Arm(Protocol):
@@ -122,12 +122,21 @@ def rates_of(
     numbers: each of the rod of a changed law, beside the rod of the law itself; NaN where a rod has no such number.
     Raises `RodError` for a parameter without derivatives.
     """
-    step, rows = law.step(name), []
-    less, more = (law.with_changes({name: sign * step}) for sign in (-1.0, 1.0))
-    for pressure in pressures:
+    step = law.step(name)
+    try:
+        less, more = (law.with_changes({name: sign * step}) for sign in (-1.0, 1.0))
+    except RodError:
+        return {number: np.full(len(pressures), np.nan) for number in numbers}
+    rows = [_differences(law, less, more, pressure, numbers) for pressure in pressures]
+    return dict(zip(numbers, np.array(rows, float).T / (2.0 * step), strict=True))
+
+
+def _differences(law: Law, less: Law, more: Law, pressure: float, numbers: Mapping[str, Number]) -> list[float]:
+    try:
         known, low, high = (one.at(pressure) for one in (law, less, more))
-        rows.append([_difference(number, known, low, high) / (2.0 * step) for number in numbers.values()])
-    return dict(zip(numbers, np.array(rows, float).T, strict=True))
+    except RodError:
+        return [np.nan] * len(numbers)
+    return [_difference(number, known, low, high) for number in numbers.values()]
 
 
 def _difference(number: Number, known: Arm, low: Arm, high: Arm) -> float:

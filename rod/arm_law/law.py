@@ -9,7 +9,7 @@ import numpy as np
 
 from geometry.arrays import Array
 from rod.arm_law.curves import CellCurve, ClampCurve, TipCurve
-from rod.arm_law.derivative import NUMBERS, STEP, Derivative, rates_of
+from rod.arm_law.derivative import LARGEST_STEP, NUMBERS, STEP, Derivative, rates_of
 from rod.arm_law.rates import LawRate, changed_cells, changed_clamps
 from rod.arm_law.section import SectionLaw, clamp_at, section_at, tip_at
 from rod.arm_law.solver import EndConditions, Pieces, equilibrium
@@ -80,9 +80,10 @@ class ArmLaw:
 
     def step(self, name: str) -> float:
         """A change of a parameter for difference quotients. Raises `RodError` for one without derivatives."""
-        rates = self.rate(name).cells
-        largest, change = (max(float(np.abs(c.moment).max()) for c in curves) for curves in (self.cells, rates))
-        return STEP * largest / change if change else STEP
+        rate = self.rate(name)
+        largest, change = (max(float(np.abs(c.moment).max()) for c in curves) for curves in (self.cells, rate.cells))
+        most = LARGEST_STEP * abs(rate.value) or STEP  # of a parameter that the cells do not have
+        return min(most, STEP * largest / change) if change else most
 
     def rate(self, name: str) -> LawRate:
         """The derivatives of the curves by a parameter. Raises `RodError` for one without."""

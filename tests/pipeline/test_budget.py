@@ -40,7 +40,8 @@ def scaled_law() -> ArmLaw:
         for one in law.clamps
     )
     rate = LawRate(E, "MPa", 0.0, 0.0, 0.0, tuple(map(of_cell, law.cells)), clamps)
-    none = tuple(CellRate(0.0 * c.moment, 0.0 * c.moment, np.zeros((len(c.moment), 2, 2))) for c in law.cells)
+    # rounding is left of the moments of cells that do not have the parameter
+    none = tuple(CellRate(1e-15 * c.moment, 0.0 * c.moment, np.zeros((len(c.moment), 2, 2))) for c in law.cells)
     still = tuple(ClampRate(0.0 * c.rotation, 0.0 * c.offset) for c in law.clamps)
     longer = LawRate(10.0, "mm", 0.0, 0.0, 1.0, none, still)
     return replace(law, rates={"material.E": rate, "geometry.end": longer})
