@@ -19,6 +19,7 @@ import numpy as np
 from fem.effects.effect import Blocks, CarryingTerm, PenaltyTerm, UnilateralTerm
 from fem.effects.facing_pairs import FacingPairs, LocalPairs
 from fem.effects.tightening import Tightening
+from fem.kernels import contact as kernels
 from fem.reasons import position_of
 from geometry import Reason
 from geometry.arrays import Array, Index
@@ -51,7 +52,6 @@ WEIGHT = 1.55 / 2
 class _Pressed(NamedTuple):
     """Pairs in contact, with the derivatives of their energy by the gap."""
 
-    pairs: FacingPairs
     local: LocalPairs
     force: Array  #: (m,) first derivative, linearised around the carried gap, N
     slope: Array  #: (m,) first derivative at the carried gap, N
@@ -94,31 +94,20 @@ class FacingTerm(PenaltyTerm, CarryingTerm):
 
     def gradient(self, x: Array, factor: float, out: Array) -> None:
         pressed = self._pressed(x)
-        np.add.at(out, pressed.local.nodes, pressed.force[:, None, None] * pressed.local.first)
+        kernels.add_forces(pressed.local.nodes, pressed.local.first, pressed.force, out)
 
     def blocks(self, x: Array, factor: float, convex: bool) -> Blocks:
         pressed = self._pressed(x)
-        a, b = np.triu_indices(4)
-        first = pressed.local.first
-        values = pressed.curvature[:, None, None, None] * first[:, a, :, None] * first[:, b, None, :]
-        if not convex:
-            values += pressed.slope[:, None, None, None] * pressed.local.second(a, b)
-        rows, columns, swapped = pressed.pairs.node_pairs
-        values[swapped] = values[swapped].transpose(0, 2, 1)
-        # a node that faces the mirror image of its own triangle is there twice: both blocks belong on the diagonal
-        values, twice = values.reshape(-1, 3, 3), (rows == columns) & np.tile(a != b, len(swapped))
-        values[twice] += values[twice].transpose(0, 2, 1)
-        return Blocks(rows, columns, values)
+        return Blocks(*pressed.local.blocks(pressed.curvature, 0.0 * pressed.slope if convex else pressed.slope))
 
     def near_pairs(self, x: Array) -> tuple[Index, Index]:
-        rows, columns, _ = self.pairs.taken(np.flatnonzero(self.pairs.gaps(x) < self.near)).node_pairs
-        return rows, columns
+        return self.pairs.taken(np.flatnonzero(self.pairs.gaps(x) < self.near)).node_pairs
 
     def advanced(self, x: Array, dx: Array) -> "FacingTerm":
-        local = self.pairs.local(x)
-        before = local.gap if self.carried is None else self.carried
+        now, change = self.pairs.gaps_after(x, dx)
+        before = now if self.carried is None else self.carried
         _, slope, curvature = contact_potential(before, self.dhat, self.overlap)
-        gap = local.gap + np.einsum("kai,kai->k", local.first, dx[local.nodes])
+        gap = now + change
         pressure = np.maximum(-slope - curvature * (gap - before), 0.0)
         return replace(self, carried=carried_gaps(gap, pressure, self.dhat, self.overlap))
 
@@ -193,10 +182,9 @@ class FacingTerm(PenaltyTerm, CarryingTerm):
         which = np.flatnonzero((self.pairs.gaps(x) < self.dhat) & ~self.pairs.is_mirrored)
         if which.size == 0:
             return 0.0
-        pairs = self.pairs.taken(which)
-        local = pairs.local(x)
+        local = self.pairs.local(x, which)
         _, slope, _ = contact_potential(local.gap, self._dhats[which], self.overlap)
-        force = -slope * pairs.area
+        force = -slope * self.pairs.area[which]
         return float(force[local.outside > BESIDE_TRIANGLE].sum() / force.sum())
 
     @property
@@ -208,11 +196,11 @@ class FacingTerm(PenaltyTerm, CarryingTerm):
         """The pairs whose carried gap is below dhat, beyond which the barrier is zero."""
         gap = self.pairs.gaps(x) if self.carried is None else self.carried
         which = np.flatnonzero(gap < self.dhat)
-        pairs, gap, dhat = self.pairs.taken(which), gap[which], self._dhats[which]
-        local, scale = pairs.local(x), WEIGHT * self.stiffness * pairs.area
+        gap, dhat = gap[which], self._dhats[which]
+        local, scale = self.pairs.local(x, which), WEIGHT * self.stiffness * self.pairs.area[which]
         _, slope, curvature = contact_potential(gap, dhat, self.overlap)
         force = slope if self.carried is None else slope + curvature * (local.gap - gap)
-        return _Pressed(pairs, local, scale * force, scale * slope, scale * curvature)
+        return _Pressed(local, scale * force, scale * slope, scale * curvature)
 
 
 def contact_potential(gap: Array, dhat: float | Array, overlap: float = OVERLAP) -> tuple[Array, Array, Array]:
@@ -235,39 +223,14 @@ def carried_gaps(gap: Array, pressure: Array, dhat: float | Array, overlap: floa
 
         e - gap = c (p(e) - pressure),    c = COMPLIANCE times that of the barrier where it is quadratic.
     """
-    dhat = np.broadcast_to(dhat, gap.shape)
-    deepest = -dhat / (1.0 - overlap)
-    c = COMPLIANCE / contact_potential(deepest, dhat, overlap)[2]
-    e = gap - c * pressure  # the solution where the barrier does not press
-    pressed = np.flatnonzero(e < dhat)
-    gap, pressure, dhat, c, now = (values[pressed] for values in (gap, pressure, dhat, c, deepest))
-    for _ in range(GAP_ITERATIONS):  # monotone from the quadratic part, because p is convex
-        _, slope, curvature = contact_potential(now, dhat, overlap)
-        change = (now - gap + c * (slope + pressure)) / (1.0 + c * curvature)
-        now = now - change
-        if (np.abs(change) < 1e-9 * dhat).all():
-            break
-    e[pressed] = now
-    return np.asarray(e)
+    e, width = np.array(gap, dtype=float), np.full(gap.shape, dhat / (1.0 - overlap))
+    kernels.gaps_at_pressures(e, pressure, width, overlap, CONTINUATION, COMPLIANCE, GAP_ITERATIONS)
+    return e
 
 
 def continued_barrier(distance: Array, width: float | Array) -> tuple[Array, Array, Array]:
     """phi(d) = w (1 - r)^2 (-ln r), r = (d / w)^2, with first and second derivative; 0 beyond the width w, quadratic
     below CONTINUATION w. Distances d (k,) and w, one number or (k,), in mm; values in mm, 1 and 1/mm."""
-    start = CONTINUATION * width
-    inside = np.clip(distance, start, width)
-    r = (inside / width) ** 2
-    log = -np.log(r)
-    slope_r = -2 * (1 - r) * log - (1 - r) ** 2 / r
-    curvature_r = 2 * log + 4 * (1 - r) / r + (1 - r) ** 2 / r**2
-    r1, r2 = 2 * inside / width**2, 2 / width**2
-    value = width * (1 - r) ** 2 * log
-    slope = width * slope_r * r1
-    curvature = width * (curvature_r * r1**2 + slope_r * r2)
-    below = np.minimum(distance - start, 0.0)
-    beyond = distance >= width
-    return (
-        np.where(beyond, 0.0, value + slope * below + 0.5 * curvature * below**2),
-        np.where(beyond, 0.0, slope + curvature * below),
-        np.where(beyond, 0.0, curvature),
-    )
+    values = np.empty((3, *distance.shape))
+    kernels.continued_barriers(distance, np.full(distance.shape, width), CONTINUATION, values)
+    return values[0], values[1], values[2]

@@ -2,11 +2,13 @@
 crease; their signed gaps with derivatives."""
 
 from dataclasses import dataclass
+from functools import cached_property
 from hashlib import sha256
 
 import numpy as np
 
 from fem.discretisation import Faces
+from fem.kernels import contact as kernels
 from geometry.arrays import Array, Index, Mask
 from geometry.topology import cross
 
@@ -123,47 +125,43 @@ class FacingPairs:
         return FacingPairs(self.nodes[which], self.triangles[which], self.area[which], self.is_mirrored[which])
 
     @property
-    def node_pairs(self) -> tuple[Index, Index, Mask]:
-        """Of the ten pairs of the four nodes of each gap, the smaller and the larger node (10 k,), and whether they
-        were swapped for it (k, 10)."""
-        nodes = np.column_stack([self.nodes, self.triangles])
+    def node_pairs(self) -> tuple[Index, Index]:
+        """Of the ten pairs of the four nodes of each gap, the smaller and the larger node (10 k,)."""
         a, b = np.triu_indices(4)
-        first, second = nodes[:, a], nodes[:, b]
-        return np.minimum(first, second).ravel(), np.maximum(first, second).ravel(), first > second
+        first, second = self.corners[:, a], self.corners[:, b]
+        return np.minimum(first, second).ravel(), np.maximum(first, second).ravel()
 
     def gaps(self, x: Array) -> Array:
         """Signed gap (k,) in mm of each pair at the positions x (n, 3), along the triangle's normal."""
-        normal = _normals(x, self.triangles)
-        return np.einsum("ki,ki->k", self._facing(x) - x[self.triangles].mean(axis=1), normal)
+        gap = np.empty(self.nodes.shape)
+        kernels.facing_gaps(self.corners, self._sign, x, gap)
+        return gap
 
-    def local(self, x: Array) -> "LocalPairs":
-        """First and second derivatives of the gaps at the positions x (n, 3)."""
-        node, triangle = self.nodes, self.triangles
-        normal = _normals(x, triangle)
-        first, second = _edges(x, triangle)
-        reach = self._facing(x) - x[triangle[:, 0]]
-        g11, g12, g22 = (np.einsum("ki,ki->k", u, v) for u, v in ((first, first), (first, second), (second, second)))
-        det = g11 * g22 - g12**2
-        slope = np.zeros((node.shape[0], 4, 3))
-        slope[:, 2] = (g22[:, None] * first - g12[:, None] * second) / det[:, None]
-        slope[:, 3] = (g11[:, None] * second - g12[:, None] * first) / det[:, None]
-        slope[:, 1] = -slope[:, 2] - slope[:, 3]
-        shape = np.zeros((node.shape[0], 4))
-        shape[:, 2:] = -np.einsum("kai,ki->ka", slope[:, 2:], reach)
-        shape[:, 0], shape[:, 1] = 1.0, -1.0 - shape[:, 2] - shape[:, 3]
-        gap = np.einsum("ki,ki->k", reach, normal)
-        sign = np.ones((node.shape[0], 4, 3))
-        sign[:, 0] = self._sign
-        return LocalPairs(np.column_stack([node, triangle]), normal, shape, slope, sign, gap)
+    def gaps_after(self, x: Array, dx: Array) -> tuple[Array, Array]:
+        """Gaps (k,) at x (n, 3) and their changes (k,) with a motion dx (n, 3) to first order, mm."""
+        gap, change = np.empty((2, *self.nodes.shape))
+        kernels.facing_motion(self.corners, self._sign, x, dx, gap, change)
+        return gap, change
 
-    @property
+    def local(self, x: Array, which: Index | None = None) -> "LocalPairs":
+        """First and second derivatives of the gaps at the positions x (n, 3), of all pairs or those with numbers (m,).
+        """
+        corners, sign = (self.corners, self._sign) if which is None else (self.corners[which], self._sign[which])
+        count = corners.shape[0]
+        gap, normal, shape = np.empty(count), np.empty((count, 3)), np.empty((count, 4))
+        slope, first = np.empty((2, count, 4, 3))
+        kernels.facing_derivatives(corners, sign, x, gap, normal, shape, slope, first)
+        return LocalPairs(corners, normal, shape, slope, sign, gap, first)
+
+    @cached_property
+    def corners(self) -> Index:
+        """(k, 4) the node and the triangle of each pair."""
+        return np.column_stack([self.nodes, self.triangles])
+
+    @cached_property
     def _sign(self) -> Array:
-        """(k, 3): what the position of each node is multiplied by where its mirror image faces the triangle."""
-        return np.where(self.is_mirrored[:, None], MIRROR, 1.0)
-
-    def _facing(self, x: Array) -> Array:
-        """Positions (k, 3) of the nodes, or of their mirror images, that face the triangles; x (n, 3)."""
-        return np.asarray(x[self.nodes] * self._sign)
+        """(k,) what z of each node is multiplied by where its mirror image faces the triangle."""
+        return np.where(self.is_mirrored, -1.0, 1.0)
 
 
 NO_PAIRS = FacingPairs(NO_NODES, np.empty((0, 3), np.int64), np.empty(0), np.empty(0, dtype=bool))
@@ -183,31 +181,22 @@ class LocalPairs:
     normal: Array  #: (m, 3)
     shape: Array  #: (m, 4) 1 for the node, minus the barycentric coordinates of its foot point for the triangle
     slope: Array  #: (m, 4, 3) in-plane gradients of the barycentric coordinates, 0 for the node
-    sign: Array  #: (m, 4, 3) derivative of x_k by the position of the node: 1, and -1 for z of mirror images
+    sign: Array  #: (m,) what z of the node is multiplied by: -1 for mirror images
     gap: Array  #: (m,) mm
+    first: Array  #: (m, 4, 3) derivative of g by the positions of the nodes, d g / d x_k = shape_k n
 
     @property
     def outside(self) -> Array:
         """How far outside of its triangle each foot lies, (m,): minus the smallest barycentric coordinate."""
         return np.asarray(self.shape[:, 1:].max(axis=1))
 
-    @property
-    def first(self) -> Array:
-        """Derivative of g by the positions of the nodes, (m, 4, 3): d g / d x_k = shape_k n."""
-        return self.sign * self.shape[:, :, None] * self.normal[:, None, :]
-
-    def second(self, a: Index, b: Index) -> Array:
-        """Second derivative of g by the positions of the nodes a and b, index lists (p,): (m, p, 3, 3).
-
-        From dn = -sum_k slope_k (n . dx_k) and d2g = 2 dn . w - g |dn|^2, with w = sum_k shape_k dx_k the motion at the
-        foot.
-        """
-        n = self.normal[:, None, :]
-        across = np.einsum("mpi,mpj->mpij", self.shape[:, b, None] * n, self.slope[:, a])
-        along = self.shape[:, a, None, None] * self.slope[:, b, :, None] * n[:, :, None, :]
-        turn = self.gap[:, None] * np.einsum("mpi,mpi->mp", self.slope[:, a], self.slope[:, b])
-        by_x = -across - along - turn[:, :, None, None] * (n[..., :, None] * n[..., None, :])
-        return np.asarray(self.sign[:, a, :, None] * by_x * self.sign[:, b, None, :])
+    def blocks(self, curvature: Array, slope: Array) -> tuple[Index, Index, Array]:
+        """Rows <= columns (10 m,) and blocks (10 m, 3, 3) of curvature (m,) times dg dg plus slope (m,) times d2g."""
+        rows, columns = np.empty((2, 10 * self.gap.shape[0]), dtype=np.int64)
+        values = np.empty((rows.shape[0], 3, 3))
+        local = self.gap, self.normal, self.shape, self.slope, self.first
+        kernels.gap_blocks(self.nodes, self.sign, local, np.stack([curvature, slope]), rows, columns, values)
+        return rows, columns, values
 
 
 @dataclass(frozen=True)
