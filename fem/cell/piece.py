@@ -10,11 +10,11 @@ with the angle phi prescribed and the distance c an unknown, so that no axial fo
 of `fem.equations`, with the constraints of one angle after the other.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Hashable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any, final
+from typing import Any, TypeVar, final
 
 import numpy as np
 
@@ -40,6 +40,10 @@ from fem.supports import Line, Support, nodes_at
 from geometry import Body, Reason
 from geometry.arrays import Array, Index
 
+Value = TypeVar("Value")
+
+#: results that a piece keeps
+KEPT = 12
 #: how often the way between two states is halved where Newton's method does not converge
 MAX_HALVINGS = 6
 #: iterations after which a predicted state is given up: where walls meet on the way, it takes up to eleven
@@ -109,6 +113,10 @@ class BendingPiece:
         self._system.hold_near_pairs()
         self._shear_system: System | None = None
         self.changes: Mapping[str, Any] = {}  #: `DesignChange` by parameter of which its states give derivatives
+        #: the last equilibrium and its assembly, which its slopes need again
+        self._latest: tuple[State, Assembly] | None = None
+        self._kept: dict[Hashable, tuple[Any, int]] = {}  #: by what it is: a result, and its factorizations
+        self._repeated = 0  #: factorizations of results that were asked for again
 
     @property
     def system(self) -> System:
@@ -123,8 +131,25 @@ class BendingPiece:
 
     @property
     def factorizations(self) -> int:
-        """Of all states and slopes so far, those of attempts without equilibrium included."""
-        return sum(times.factorizations for times in self.solver_times)
+        """Of all states and slopes so far, those of attempts without equilibrium included.
+
+        Those of a kept result count each time it is used: numbers do not depend on which process did what before.
+        """
+        return sum(times.factorizations for times in self.solver_times) + self._repeated
+
+    def kept(self, key: Hashable, make: Callable[[], Value]) -> Value:
+        """What was made of this piece under this key before, or what is made now; the latest results are kept."""
+        if key in self._kept:
+            value, spent = self._kept[key]
+            self._repeated += spent
+        else:
+            before = self.factorizations
+            value = make()
+            self._kept[key] = value, self.factorizations - before
+            if len(self._kept) > KEPT:
+                del self._kept[next(iter(self._kept))]
+        result: Value = value
+        return result
 
     @property
     def name(self) -> str:
@@ -147,7 +172,11 @@ class BendingPiece:
         return nodes_at(Line(self.body.mesh.points[self.body.curve_vertices]), self.space)
 
     def rest(self) -> PieceState:
-        """The piece without pressure and bending."""
+        """The piece without pressure and bending; the same object on each call."""
+        return self._rest
+
+    @cached_property
+    def _rest(self) -> PieceState:
         x = self.space.points
         state = self._system.rest_state()
         return PieceState(
@@ -234,7 +263,10 @@ class BendingPiece:
         Raises `fem.equations.linear.SingularMatrix`.
         """
         self._constrain(piece.angle)
-        assembly = self._system.assemble(piece.state, piece.terms)
+        if self._latest is not None and self._latest[0] is piece.state:
+            assembly = self._latest[1]
+        else:
+            assembly = self._system.assemble(piece.state, piece.terms)
         return assembly, self._system.linearise(piece.state, assembly, piece.terms, increment)
 
     def rotation(self, x: Array) -> Array:
@@ -263,7 +295,7 @@ class BendingPiece:
             if stiffer == start.terms:
                 break
             start = replace(start, state=converged.state, terms=stiffer)
-        gradient = converged.assembly.gradient
+        gradient, self._latest = converged.assembly.gradient, (converged.state, converged.assembly)
         return PieceState(
             pressure,
             angle,

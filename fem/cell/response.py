@@ -26,7 +26,7 @@ import numpy as np
 
 from fem.cell.mirror_contact import is_with_images
 from fem.cell.piece import BendingPiece, PieceFailed, PieceState, turn
-from fem.effects.effect import Terms
+from fem.effects.effect import LoadTerm, Terms
 from fem.equations.constraints import Constraints
 from fem.equations.linear import SingularMatrix
 from fem.equations.linearised import Linearised
@@ -61,6 +61,10 @@ def slopes(piece: BendingPiece, at: PieceState) -> Slopes:
 
     Raises `fem.equations.linear.SingularMatrix` at a limit point.
     """
+    return piece.kept("slopes at rest", lambda: _slopes(piece, at)) if at is piece.rest() else _slopes(piece, at)
+
+
+def _slopes(piece: BendingPiece, at: PieceState) -> Slopes:
     x = piece.space.points + at.state.displacement
     turned = piece.rotation(x)
     assembly, tangent = piece.linearise(at, turned)
@@ -207,8 +211,9 @@ def _shear_tangent(piece: BendingPiece, at: PieceState, terms: Terms, middle: In
 def _load_by_pressure(piece: BendingPiece, at: PieceState) -> Array:
     """Change (n, 3) of the gradient per MPa; the loads are linear in the pressure."""
     system, displacement = piece.system, at.state.displacement
-    more = system.loads(displacement, at.pressure + 0.5, at.terms)
-    return more - system.loads(displacement, at.pressure - 0.5, at.terms)
+    loads = tuple(term for term in at.terms if isinstance(term, LoadTerm))
+    more = system.loads(displacement, at.pressure + 0.5, loads)
+    return more - system.loads(displacement, at.pressure - 0.5, loads)
 
 
 def _force_change(piece: BendingPiece, at: PieceState, terms: Terms, displacement: Array) -> Array:

@@ -144,8 +144,7 @@ class FacingPairs:
         return gap, change
 
     def local(self, x: Array, which: Index | None = None) -> "LocalPairs":
-        """First and second derivatives of the gaps at the positions x (n, 3), of all pairs or those with numbers (m,).
-        """
+        """The gaps at positions x (n, 3) with their derivatives, of all pairs or of those with the numbers (m,)."""
         corners, sign = (self.corners, self._sign) if which is None else (self.corners[which], self._sign[which])
         count = corners.shape[0]
         gap, normal, shape = np.empty(count), np.empty((count, 3)), np.empty((count, 4))

@@ -86,7 +86,7 @@ class Constraints:
 
     def reduce(self, forces: Array) -> Array:
         """T^T f (m,) of nodal forces (n, 3)."""
-        return np.asarray(self.transformation.T @ forces.ravel())
+        return np.asarray(self._transposed @ forces.ravel())
 
     def expand(self, unknowns: Array) -> Array:
         """T q (n, 3), mm, of changes of the unknowns (m,)."""
@@ -109,11 +109,15 @@ class Constraints:
         return np.asarray(change)
 
     @cached_property
+    def _transposed(self) -> sp.csc_matrix:
+        return self.transformation.T
+
+    @cached_property
     def _normal(self) -> SuperLU | None:
         """T^T T, factorized; None where it is the identity."""
         if self.selects:
             return None
-        return splu((self.transformation.T @ self.transformation).tocsc(), permc_spec="MMD_AT_PLUS_A")
+        return splu((self._transposed @ self.transformation).tocsc(), permc_spec="MMD_AT_PLUS_A")
 
 
 @final
@@ -156,12 +160,39 @@ class _Elimination:
         extra = self.owner.shape[0] + number
         if equations.common:
             self.common.add(extra)
-        for row in range(equations.components.shape[0]):
+        for row in np.flatnonzero(~self._take_apart(extra, equations)):
             terms = list(zip(equations.components[row].tolist(), equations.coefficients[row].tolist(), strict=True))
             if equations.common:
                 terms.append((extra, -equations.common))
             right = np.array([equations.ramped[row], equations.constant[row]])
             self._eliminate(number, terms, right)
+
+    def _take_apart(self, extra: int, equations: Equations) -> Mask:
+        """Do all equations with a free component at once, by the rules of `_eliminate`; which of them these are.
+
+        None where a component stands in two of them, or in earlier ones with several components.
+        """
+        components, coefficients = equations.components, equations.coefficients
+        known, several = self.expressed.keys() | self.users.keys(), np.unique(components).size < components.size
+        if several or not known.isdisjoint(components.ravel().tolist()):
+            return np.zeros(components.shape[0], dtype=bool)
+        size = np.abs(coefficients)
+        scale = np.maximum(size.max(axis=1, keepdims=True), abs(equations.common))
+        free = self.owner[components] < 0
+        size = np.where(free & (size > NEGLIGIBLE * scale), size, 0.0)
+        done = size.any(axis=1)
+        rows, first = np.arange(components.shape[0]), np.argmax(size >= PIVOT * size.max(axis=1, keepdims=True), axis=1)
+        known_part = np.sum(coefficients[..., None] * self.values[components], axis=1)
+        right = np.stack([equations.ramped, equations.constant], axis=1) - known_part
+        free[rows, first] = False
+        for row in np.flatnonzero(done):
+            pivot, leading = int(components[row, first[row]]), float(coefficients[row, first[row]])
+            others, factors = components[row, free[row]].tolist(), -coefficients[row, free[row]] / leading
+            expression = dict(zip(others, factors.tolist(), strict=True))
+            if equations.common:
+                expression[extra] = equations.common / leading
+            self._express(pivot, expression, right[row] / leading)
+        return np.asarray(done)
 
     def _eliminate(self, number: int, terms: Sequence[tuple[int, float]], right: Array) -> None:
         """Express one more component by the equation sum of coefficient times component = right (2,)."""
@@ -213,21 +244,23 @@ class _Elimination:
         free = self.owner < 0
         free[[component for component in self.expressed if component < count]] = False
         unknowns = [*np.flatnonzero(free).tolist(), *sorted(self.common - self.expressed.keys())]
-        column = {component: number for number, component in enumerate(unknowns)}
+        column = np.full(self.values.shape[0], -1)
+        column[unknowns] = np.arange(len(unknowns))
         entries = [
-            (component, column[other], value)
+            (component, other, value)
             for component, expression in self.expressed.items()
             if component < count
             for other, value in expression.items()
         ]
-        rows, columns, values = np.array(entries, dtype=float).reshape(-1, 3).T
+        rows, others, values = np.array(entries, dtype=float).reshape(-1, 3).T
+        rows, columns = rows.astype(np.int64), column[others.astype(np.int64)]
         independent = np.flatnonzero(free)
         matrix = sp.csr_matrix(
             (
                 np.concatenate([np.ones(independent.shape[0]), values]),
                 (
-                    np.concatenate([independent, rows.astype(np.int64)]),
-                    np.concatenate([np.arange(independent.shape[0]), columns.astype(np.int64)]),
+                    np.concatenate([independent, rows]),
+                    np.concatenate([np.arange(independent.shape[0]), columns]),
                 ),
             ),
             shape=(count, len(unknowns)),

@@ -1,6 +1,7 @@
 """Sparsity pattern of the reduced upper triangle, kept by node pairs and made once per model."""
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -70,11 +71,16 @@ class Pattern:
         (..., 3), -1 where that component of the first node is prescribed, or all of the second node are. Of no meaning
         for pairs of a node with itself. Raises `MissingPairs` where the pattern does not hold a pair.
         """
-        rank = np.cumsum(self.node_dof >= 0, axis=1) - 1  # among the free components of a node
-        behind = self.indptr[self.node_dof] + self.free[:, None] - rank
-        own = np.where(self.node_dof < 0, -1, behind).astype(np.int32)[rows]
+        own = self._behind_own[rows]
         offset = self.offset_of(rows, columns).astype(np.int32)[..., None]
         return np.where((own < 0) | (self.free[columns] == 0)[..., None], np.int32(-1), own + offset)
+
+    @cached_property
+    def _behind_own(self) -> NDArray[np.int32]:
+        """(n, 3) where the columns of other nodes begin in the row of each component, -1 where it is prescribed."""
+        rank = np.cumsum(self.node_dof >= 0, axis=1) - 1  # among the free components of a node
+        behind = self.indptr[self.node_dof] + self.free[:, None] - rank
+        return np.where(self.node_dof < 0, -1, behind).astype(np.int32)
 
     def scatter(self, data: Array, rows: Index, columns: Index, values: Array, starts: NDArray[np.int32]) -> None:
         """Add node blocks values (m, 3, 3), rows <= columns, to data (nnz,); starts as `starts_of` gives them."""

@@ -122,9 +122,12 @@ def cell_without_moment(piece: BendingPiece, pressure: float, start: PieceState 
     start: a state to begin with, the cell at rest unless it is given. Raises `PieceFailed`.
     """
     if start is None:
-        state = inflated(piece, pressure, 0.0)
-    else:
-        state = start if start.pressure == pressure else piece.solve(pressure, start.angle, start)
+
+        def from_rest() -> CellPoint:
+            return without_moment(piece, inflated(piece, pressure, 0.0), CellPoint.of)
+
+        return piece.kept(("without moment", pressure), from_rest)
+    state = start if start.pressure == pressure else piece.solve(pressure, start.angle, start)
     return without_moment(piece, state, CellPoint.of)
 
 
