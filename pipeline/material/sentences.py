@@ -13,6 +13,8 @@ from pipeline.material.loading import TensileTest
 SOFTEST, STIFFEST, LARGEST_STRAIN = 0.01, 100.0, 15.0
 #: strain below which a test of rubber is no test, and the largest over which stresses are above those of a rubber
 SMALLEST_STRAIN = 0.02
+#: part of the stretch with the invariant of what is needed in two directions that a test should reach
+ENOUGH = 0.95
 #: the least stretch of a column of strains that has stretches, and the stress there over the largest one
 STRETCH_AT_REST, STRESS_AT_REST = (1.95, 2.05), 0.1
 
@@ -60,6 +62,8 @@ def recommendation(judged: Judged, points: Points, need: Need, within: float) ->
         sentences.append(f"An arm may need {need.low:.3g} to {need.high:.3g}, but {end}.")
     if beside := _beside(judged, min(need.high, best.holds[1])):
         sentences.append(beside)
+    if end_of(points) < ENOUGH * need.reach:
+        sentences.append(f"A test up to a stretch of {need.reach:.2g} would tell more about two directions.")
     return sentences
 
 

@@ -103,6 +103,7 @@ def test_a_test_that_ends_early_says_so(tmp_path: Path) -> None:
     strain = np.linspace(0.0, 0.4, 60)
     result = call(written(tmp_path, strain, YEOH.incompressible(1 + strain)), "--out", str(tmp_path / "out"))
     assert "An arm may need 0.7 to 2, but the test ends at a stretch of 1.4." in result.stdout
+    assert "A test up to a stretch of 2.7 would tell more about two directions." in result.stdout
 
 
 def test_forces_and_extensions(tmp_path: Path) -> None:
