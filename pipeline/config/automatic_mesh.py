@@ -140,13 +140,13 @@ def _formulation(design: Design, law: str, nu: float, against_locking: bool | No
     if against_locking is False:
         return "p2", "effects.incompressibility is off"
     if against_locking is None and nu < NEARLY_INCOMPRESSIBLE:
-        return "p2", f"with a Poisson ratio of {nu:.3g} nothing locks"
+        return "p2", f"with a Poisson ratio of {nu:.6g} nothing locks"
     if law == "svk" and design.outer_corners:
         return "p2p0", (
             "mixed elements, though more accurate, end early in the corner at the clamp, with fillets too: a surface "
             "of the St. Venant-Kirchhoff law buckles where it is compressed to 0.66 of its length, other laws bear more"
         )
-    return MOST_ACCURATE, f"it does not lock at a Poisson ratio of {nu:.3g} and its error falls fastest with the mesh"
+    return MOST_ACCURATE, f"it does not lock at a Poisson ratio of {nu:.6g} and its error falls fastest with the mesh"
 
 
 def _size(design: Design, grading: str) -> tuple[float, str]:

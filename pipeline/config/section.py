@@ -24,6 +24,7 @@ from pydantic_core import CoreSchema, PydanticCustomError, core_schema, to_jsona
 from pydantic_core import InitErrorDetails as Error
 
 from pipeline.config.document import Document, Key
+from pipeline.config.not_there import NOT_THERE
 from pipeline.errors import ConflictError, InputError, quoted
 
 __all__ = ["Error", "Field", "FieldInfo", "section", "to_jsonable_python"]
@@ -215,6 +216,8 @@ def _complaint(keys: type[Section], error: Any) -> str:
     if kind == "value_error":
         return str(error["ctx"]["error"])
     if kind in UNKNOWN:
+        if sought := NOT_THERE.get(str(loc[-1]).lower()):
+            return f"unknown key; {sought}"
         near = closest(loc[-1], keys.key_fields())
         having = ", ".join(name for name, others in keys.others.items() if loc[-1] in others)
         instead = f"it is a key of {having}; " if having else ""

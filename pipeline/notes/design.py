@@ -29,7 +29,7 @@ def check_design(config: Config) -> tuple[Reason, ...]:
     short = too_short(config)
     if short or config.law == "cell":
         return (*check_load(config), *([short] if short else []))
-    rules = (_unequal_cells, _long_cells, _few_pressures)
+    rules = (_unequal_cells, _few_pressures)
     return (*check_load(config), *filter(None, (rule(config) for rule in rules)))
 
 
@@ -89,14 +89,6 @@ def _batches(config: Config) -> Reason | None:
 def _unequal_cells(config: Config) -> Reason | None:
     design = config.design
     return None if design.has_equal_cells else Reason("unequal_cells", {"averaging_mm": design.pitch})
-
-
-def _long_cells(config: Config) -> Reason | None:
-    """Cavities that follow one another at larger distances than the curvature is averaged over."""
-    design = config.design
-    if not design.averages_within_cavities or config.identification.d_mm is not None:
-        return None
-    return Reason("long_cells", {"averaging_mm": design.pitch, "between_mm": design.cavity_pitch})
 
 
 def _few_pressures(config: Config) -> Reason | None:

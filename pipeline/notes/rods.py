@@ -20,6 +20,8 @@ TITLES = {
 }
 #: distance over the length beyond which no rod is recommended
 POOR = 0.10
+#: errors of shape and of force below which one rod is as good as another
+EQUAL = 1e-3
 
 
 @dataclass(frozen=True)
@@ -71,14 +73,15 @@ def _largest(values: Iterable[float | None]) -> float | None:
 def rod_errors(run: Run) -> tuple[RodErrors, ...]:
     """The errors of every rod, the rod to take first.
 
-    A rod without a solution under some load comes behind those that have one, and a rod farther than `POOR` last.
+    A rod without a solution under some load comes behind those that have one, and a rod farther than `POOR` last. Of
+    two others that is first which is nearer by the larger factor, in shape or in force.
     """
-    return tuple(
-        sorted(
-            (RodErrors.of(run, rod) for rod in run.rods),
-            key=lambda errors: (errors.shape > POOR, errors.loads_without_solution, max(errors.shape, errors.force)),
-        )
-    )
+
+    def rank(errors: RodErrors) -> tuple[bool, int, float]:
+        both = max(errors.shape, EQUAL) * max(errors.force, EQUAL)
+        return errors.shape > POOR, errors.loads_without_solution, both
+
+    return tuple(sorted((RodErrors.of(run, rod) for rod in run.rods), key=rank))
 
 
 @dataclass(frozen=True)

@@ -192,6 +192,17 @@ def _one_line_or_two(solved: Solved) -> Iterator[Reason]:
         yield Reason("one_line_or_two", {"pressures_kPa": [p.pressure_kPa for p in unclear], **rigidities})
 
 
+def _long_cells(solved: Solved) -> Iterator[Reason]:
+    """A single line because cavities follow one another at larger distances than the curvature is averaged over."""
+    design = solved.config.design
+    if not design.averages_within_cavities:
+        return
+    single = [p.pressure_kPa for p in solved.parameters if p.one_rigidity and not p.two_lines]
+    if single:
+        distances = {"averaging_mm": design.pitch, "between_mm": design.cavity_pitch}
+        yield Reason("long_cells", {**distances, "pressures_kPa": single})
+
+
 def _approximate_contact(solved: Solved) -> Iterator[Reason]:
     """Contact whose distances were compared with exact ones: the largest difference, and where none is known."""
     records = solved.outcomes.records
@@ -229,6 +240,7 @@ RULES: tuple[Callable[[Solved], Iterator[Reason]], ...] = (
     _rigidity_open,
     _one_rigidity_poor,
     _one_line_or_two,
+    _long_cells,
     _few_reached,
     _approximate_contact,
     _path_dependent_contact,

@@ -30,7 +30,7 @@ TEMPLATES: Mapping[str, str] = {
     "unequal_cells": "chambers or gaps differ, so five parameters averaged over {averaging_mm:.3g} mm are a rough "
     "model; see their errors in the report",
     "long_cells": "cavities are {between_mm:.3g} mm apart but curvatures averaged over {averaging_mm:.3g} mm, so a "
-    "single line is taken; identification.d requests two",
+    "single line is taken at {pressures_kPa:g} kPa; identification.d requests two",
     "few_pressures": "{count} pressures cannot show whether the parameters are linear in the pressure; give three or "
     "more",
     # a meshed body

@@ -54,8 +54,10 @@ class SavedRod:
         except RodError as failure:
             raise InputError(f"{path}: {failure}") from None
         except (AttributeError, KeyError, TypeError, ValueError) as failure:
-            problem = f"the key {failure} is missing" if isinstance(failure, KeyError) else str(failure)
-            raise InputError(f"{path}: is not the parameters.json of a finished run: {problem}") from None
+            problem = f"is not the parameters.json of a finished run{_problem(failure)}"
+            raise InputError(
+                f"{path}: {problem}; give the folder of a run, its parameters.json or its law.json"
+            ) from None
 
     def at(self, pressure: str, extrapolate: bool = False) -> Rod:
         """The rod at a pressure written with its unit; its origin is the clamped end of the material curve.
@@ -87,6 +89,16 @@ class SavedRod:
         over = np.vstack([kappa[:1] * (not self.rods.straight_without_pressure), kappa])
         columns = [[float(np.interp(pressure, known, values)) for values in over.T] for pressure in pressures]
         return tuple(np.column_stack([s, column]) for column in columns)
+
+
+def _problem(failure: Exception) -> str:
+    """What an error of the reader says of the file, in words of a user."""
+    if isinstance(failure, json.JSONDecodeError):
+        return f", line {failure.lineno} is not JSON"
+    if isinstance(failure, KeyError):
+        return f", the key {failure} is missing"
+    # Python's own sentences about types tell nothing of the file
+    return f": {failure}" if type(failure) is ValueError else ""
 
 
 def _deviations(content: Mapping[str, Any]) -> dict[str, tuple[float, ...]]:

@@ -39,6 +39,25 @@ def test_a_second_mesh_that_shows_no_convergence_is_refused(written: str) -> Non
     assert "is not allowed; allowed: 1.1 to 5" in refused(f"mesh.coarser={written}")
 
 
+@pytest.mark.parametrize(
+    ("key", "answer"),
+    [
+        ("fibre", "fibres do not exist; a sheet is effects: {strain_limiting_layer: on}"),
+        ("dynamics", "nothing moves in time"),
+        ("tip_load", "write end: {y: -0.1 N}"),
+        ("gravity", "write effects: {gravity: hanging}"),
+        ("volume_control", "fem.follow_volume"),
+        ("rest_curvature", "arms are straight at rest"),
+        ("absolute_pressure", "differences to the air outside"),
+    ],
+)
+def test_what_is_not_there_is_said_where_it_is_looked_for(key: str, answer: str) -> None:
+    assert f"{key}: unknown key; " in (sentence := refused(f"{key}=1"))
+    assert answer in sentence
+    written = {"tip_load": ["end.y=-0.1 N"], "gravity": ["effects.gravity=hanging"]}
+    assert load_config(COARSE, written.get(key, [])).name
+
+
 def test_parameters_of_an_effect_go_beside_its_state() -> None:
     """The file has `self_contact: auto`."""
     effect = load_config(COARSE, ["effects.self_contact.dhat=0.1 mm"]).effects.self_contact

@@ -36,6 +36,13 @@ def test_the_rod_to_take_is_first() -> None:
     assert rod_errors(replace(coarse_run(), rod_errors=far))[0].rod == "five_extensible"
 
 
+def test_a_rod_that_is_far_nearer_in_shape_is_not_behind_one_that_is_little_nearer_in_force() -> None:
+    five, law = row("five", 0.06, 0.02, 1.0), row("arm_law", 0.001, 0.07, 1.0)
+    assert [errors.rod for errors in rod_errors(replace(coarse_run(), rod_errors=(five, law)))] == ["arm_law", "five"]
+    closer = replace(five, distance_over_length=0.002, force_error=0.01)
+    assert rod_errors(replace(coarse_run(), rod_errors=(closer, law)))[0].rod == "five"
+
+
 def test_errors_of_the_mesh_are_relative_to_their_values() -> None:
     errors = mesh_errors(coarse_run(0.03), "arm_law")
     assert errors.kappa_0 == pytest.approx(0.03)

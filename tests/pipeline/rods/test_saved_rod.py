@@ -253,6 +253,15 @@ def test_other_files_are_rejected(tmp_path: Path) -> None:
     status, _, sentence = call("rod", str(file), "--pressure", "17 kPa")
     assert status == 2
     assert "is not the parameters.json of a finished run" in sentence
+    for text, problem in (
+        ("[{}]", ";"),
+        ("{", ", line 1 is not JSON;"),
+        ("{}", ", the key 'pressures_kPa' is missing;"),
+    ):
+        file.write_text(text)
+        sentence = call("rod", str(file), "--pressure", "17 kPa")[2]
+        assert f"is not the parameters.json of a finished run{problem}" in sentence
+        assert not any(word in sentence for word in ("list indices", "str", "char"))
 
 
 @pytest.mark.parametrize(
