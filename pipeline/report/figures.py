@@ -66,15 +66,16 @@ def bending(run: Run) -> Panels:
     pressures = np.array([*start, *(curve.pressure_kPa for curve in curves)])
     bent = np.array([*start, *(curve.bending_deg for curve in curves)])
     tips = np.array([*[(run.length_mm, 0.0)] * len(start), *(curve.tip_mm for curve in curves)])
-    angle = [Line(pressures, bent, FINITE_ELEMENTS, COLOURS[0], marker="circle")]
     texts = [f"{FINITE_ELEMENTS}, {p:g} kPa" for p in pressures]
-    path = [Line(tips[:, 0], tips[:, 1], FINITE_ELEMENTS, COLOURS[0], marker="circle", texts=texts)]
+    angle = [Line(pressures, bent, FINITE_ELEMENTS, COLOURS[0], marker="circle")] if curves else []
+    path = [Line(tips[:, 0], tips[:, 1], FINITE_ELEMENTS, COLOURS[0], marker="circle", texts=texts)] if curves else []
     if rod and at:
         drawn, error = _DRAWN[rod[0]], run.length_mm * rod[1].shape
         reached, rod_tips = np.array([p for p, _ in at]), np.array([tip for _, tip in at])
         angles = [bending_deg(tip) for _, tip in at]
         turned = np.array([bending_error_deg(error, tip) for _, tip in at])
-        turns = Line(reached, angles, drawn.entry, INK, "", drawn.marker, marker_size=12, spread=turned)
+        entry = drawn.entry + (" on a finer mesh" if rod[0] == ARM_LAW and run.config.get("accuracy") else "")
+        turns = Line(reached, angles, entry, INK, "", drawn.marker, marker_size=12, spread=turned)
         angle.append(turns)
         path.append(replace(turns, x=rod_tips[:, 0], y=rod_tips[:, 1], spread=np.full(len(at), error)))
     return (
