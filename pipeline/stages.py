@@ -1,13 +1,14 @@
 """The stages of a run, each a function of the state of the run and of what earlier stages have found."""
 
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import asdict, dataclass, replace
 from math import isfinite
 from time import perf_counter
 from typing import Any, TypeAlias
 
-from geometry import Reason
+from geometry import Reason, Values
+from pipeline.budget import make_budget
 from pipeline.cell.of_run import LawOfRun, deliver_law_of_run, law_on_mesh_of_arm
 from pipeline.config.config import Config
 from pipeline.context import RunContext
@@ -37,6 +38,7 @@ from pipeline.validation.compare import Comparison, compare, curves_of
 from pipeline.validation.rods import ArmRods
 from pipeline.validation.validate import Validated, find_loads_beyond_II, keep_reached_loads, solve_validation
 from pipeline.validation.validate import validate as compare_loads
+from rod import ArmLaw, RodError
 from rod.arm_law.record import law_record
 
 #: the stage of a run whose configuration has a second mesh
@@ -296,10 +298,30 @@ def _failures(config: Config, identified: Identified, arm: LawOfRun, validated: 
     return (*outcomes.failures, *arm.failures, *not_identified, *validated.failures, *left_out)
 
 
+def _tolerances(config: Config, law: ArmLaw | None) -> Iterator[Reason]:
+    """What the tolerances of the built arm do to it at the highest pressure; nothing without derivatives of the law."""
+    if law is None or not law.rates:
+        return
+    pressure = max(p for p in (0.0, *config.pressures_kPa) if p <= law.pressures[-1])
+    with suppress(RodError):
+        budget = make_budget(law, config.tolerances, pressure, config.end.y_mm if config.end.x_mm is None else None)
+        most = budget.largest()
+        values: Values = {
+            "process": budget.process,
+            "percent": 100.0 * budget.total("tip"),
+            "pressure_kPa": pressure,
+            "parameter": most.parameter,
+            "tolerance": most.tolerance,
+            "most_percent": 100.0 * most.tip,
+        }
+        yield Reason("tolerances", values)
+
+
 def _remarks(state: RunState, identified: Identified, arm: LawOfRun) -> tuple[Reason, ...]:
     """What is unusual about the design and its results, each remark once."""
     config, outcomes = state.config, identified.outcomes
     regions = {name: state.scene.body.mesh.regions[name] for name in config.materials}
     solved = Solved(config, outcomes, identified.parameters, regions)
     of_results = (*identified.remarks(arm.law is not None), *arm.remarks(outcomes), *check_states(solved))
+    of_results = (*of_results, *_tolerances(config, arm.law))
     return tuple(dict.fromkeys((*check_design(config), *state.remarks, *of_results)))

@@ -144,6 +144,8 @@ TEMPLATES: Mapping[str, str] = {
     "finite elements",
     "mesh_too_coarse": "do not use a rod of this run, because the mesh makes an error of about {percent:.2g} % in its "
     "{quantity}",
+    "tolerances": "a {process} arm's tolerances move its tip by {percent:.2g} % of the length ({pressure_kPa:g} kPa); "
+    "measure {parameter} first: {most_percent:.2g} % by ± {tolerance}",
     "mesh_error_unknown": "the error of the mesh is not known; repeat the run with --set mesh.coarser=1.5 to estimate "
     "it",
     "offsets_bend": "under small loads the rod with five parameters is off, because its offsets m₀₁ and m₀₂ bend it "

@@ -21,9 +21,11 @@ from rod.same_pressure import is_same
 #: relative error of the mesh above which no rod of the run should be used, and the size of a finer mesh over its own
 LARGE_MESH_ERROR, FINER = 0.10, 2 / 3
 #: warnings that the verdict shows
-MOST_WARNINGS = 3
+MOST_WARNINGS = 2
 #: code of the remark on an arm that no rod describes
 OUT_OF_PLANE = "out_of_plane"
+#: code of the remark on what the tolerances of the built arm do, which has a line of its own
+TOLERANCES = "tolerances"
 #: codes of remarks by rank; others follow in the order in which they were found
 RANKS = (
     *("beyond_law", OUT_OF_PLANE, "volume_lost", "volume_lost_unevenly", "law_beyond_end", "hardly_bent"),
@@ -55,6 +57,7 @@ class Verdict:
     mesh: MeshErrors  #: the part of the mesh in them
     pressures_kPa: tuple[float, float] | None  #: between which the rod holds
     moments_N_mm: tuple[float, float] | None  #: for which it holds at the highest pressure
+    tolerances: Reported | None  #: what the tolerances of the built arm do; None where that is not known
     command: str  #: how to use the rod, or what to do instead
     failures: tuple[Reported, ...]
     warnings: tuple[Reported, ...]  #: ranked, at most `MOST_WARNINGS`
@@ -68,7 +71,9 @@ class Verdict:
     @property
     def lines(self) -> tuple[str, ...]:
         """The verdict in words, at most eight lines."""
-        lines = [*self._leaves_plane(), self._bends(), self._takes(), self._holds(), self.command, *self._not_reached()]
+        lines = [*self._leaves_plane(), self._bends(), self._takes()]
+        lines += [self.tolerances.text] if self.usable and self.tolerances else []
+        lines += [self._holds(), self.command, *self._not_reached()]
         return tuple(filter(None, (*lines, *(f"Warning: {warning.text}" for warning in self.warnings))))
 
     def __str__(self) -> str:
@@ -140,6 +145,7 @@ def verdict_of(run: Run) -> Verdict:
         mesh=mesh,
         pressures_kPa=_pressures(run, rod) if rod else None,
         moments_N_mm=_moments(run, rod) if rod else None,
+        tolerances=next((remark for remark in run.remarks if remark.code == TOLERANCES), None),
         command=_use(run, rod) if usable else _instead(run, rod, mesh),
         failures=run.failures,
         warnings=_warnings(run, rod, mesh, refusal),
@@ -225,7 +231,7 @@ def _warnings(run: Run, rod: str, mesh: MeshErrors, refusal: Reported | None) ->
         of_rod.append(report_reason(Reason("mesh_error_unknown")))
     if rod in (FIVE, EXTENSIBLE):
         of_rod.append(report_reason(Reason("offsets_bend")))
-    said = {reason.code for reason in (*run.failures, *filter(None, [refusal]))}
+    said = {TOLERANCES} | {reason.code for reason in (*run.failures, *filter(None, [refusal]))}
     shown = [remark for remark in run.remarks if remark.code not in said]
     ranked = sorted(shown, key=lambda remark: RANKS.index(remark.code) if remark.code in RANKS else len(RANKS))
     known = [remark for remark in ranked if remark.code in RANKS]
