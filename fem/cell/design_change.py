@@ -28,6 +28,7 @@ from fem.equations.formulation import Formulation, formulation_of
 from fem.equations.state import Change
 from fem.kernels import element as kernels
 from fem.materials.regions import Solid, laws_of
+from fem.post.extremes import extremes_of, strain_at_stress_points
 from geometry.arrays import Array
 
 #: largest displacement of a node in difference quotients, over the length of the piece
@@ -118,6 +119,29 @@ def design_rates(
             end=np.array([-work(one) for one in forced]),
             start=float(change.velocity[piece.curve[0], 1]),
         )
+    return rates
+
+
+def largest_stretch_rates(
+    piece: BendingPiece, at: PieceState, known: Slopes, changes: Mapping[str, DesignChange]
+) -> dict[str, float]:
+    """Of the largest principal stretch of a state without moment, whose angle follows the parameter, per unit of it.
+
+    One factorization, and for each parameter one right-hand side. Raises `fem.equations.linear.SingularMatrix`.
+    """
+    _, tangent = piece.linearise(at, np.zeros_like(piece.space.points))
+    rates = {}
+    for name, change in changes.items():
+        gradient, residual = gradient_rate(piece, at, change)
+        work = float(np.vdot(gradient, known.by_angle) + residual @ known.angle_rate.pressure)
+        turn = -piece.whole * work / known.moment_by_angle
+        moved = tangent.solve(gradient, residual).displacement + turn * known.by_angle
+        moved[piece.plane] -= change.velocity[piece.plane]
+        largest = []
+        for variant, part in ((change.less, -0.5), (change.more, 0.5)):
+            strain = strain_at_stress_points(variant.space, at.state.displacement + part * change.step * moved)
+            largest.append(extremes_of(variant.space, *strain).max_stretch)
+        rates[name] = (largest[1] - largest[0]) / change.step
     return rates
 
 

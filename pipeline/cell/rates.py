@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from fem.cell.axis import circle, end_ripples, length_of
-from fem.cell.design_change import DesignChange, DesignRate, design_rates
+from fem.cell.design_change import DesignChange, DesignRate, design_rates, largest_stretch_rates
 from fem.cell.piece import BendingPiece, PieceState
 from geometry import Design, DesignError
 from geometry.arrays import Array
@@ -72,7 +72,18 @@ def cell_rates(piece: BendingPiece, points: Sequence[Any]) -> Rates:
             "ripple": ((ahead - behind) / (2.0 * DIFFERENCE)).tolist(),
         }
 
-    return _table(piece, points, row)
+    return _with_stretch(piece, points, _table(piece, points, row))
+
+
+def _with_stretch(piece: BendingPiece, points: Sequence[PiecePoint], table: dict[str, dict[str, Any]]) -> Rates:
+    """The rates with that of the largest stretch of the state without moment."""
+    if table:
+        middle = min(points, key=lambda point: abs(point.moment))
+        with stable(piece, middle.state):
+            rates = largest_stretch_rates(piece, middle.state, middle.slopes, piece.changes)
+        for name, rate in rates.items():
+            table[name]["largest_stretch"] = rate
+    return table
 
 
 def clamp_rates(piece: BendingPiece, points: Sequence[PiecePoint]) -> Rates:
@@ -89,8 +100,8 @@ def clamp_rates(piece: BendingPiece, points: Sequence[PiecePoint]) -> Rates:
     return _table(piece, points, row)
 
 
-def _table(piece: BendingPiece, points: Sequence[PiecePoint], row: Any) -> Rates:
-    table: dict[str, dict[str, list[Any]]] = {}
+def _table(piece: BendingPiece, points: Sequence[PiecePoint], row: Any) -> dict[str, dict[str, Any]]:
+    table: dict[str, dict[str, Any]] = {}
     for point in points:
         for name, rate in _rates(piece, point.state, point).items():
             for quantity, value in row(point, rate, piece.changes[name].length).items():

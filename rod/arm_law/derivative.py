@@ -61,6 +61,8 @@ class Derivative:
     moment: Array  #: (n,) at half the curvature without moment, N mm
     stretch: Array  #: (n,) of the axis without load
     end_angle: Array  #: (n,) of the end of the arm without load, rad
+    contact_onset: Array  #: (n,) curvature beyond which walls touch up to the end of a curve, 1/mm
+    largest_stretch: Array  #: (n,) largest principal stretch of a cell without moment
 
 
 #: numbers of an arm at one pressure, by the name of the field of `Derivative`

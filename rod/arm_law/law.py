@@ -10,7 +10,7 @@ import numpy as np
 from geometry.arrays import Array
 from rod.arm_law.curves import CellCurve, ClampCurve, TipCurve
 from rod.arm_law.derivative import LARGEST_STEP, NUMBERS, STEP, Derivative, rates_of
-from rod.arm_law.rates import LawRate, changed_cells, changed_clamps
+from rod.arm_law.rates import LawRate, changed_cells, changed_clamps, onset_rate
 from rod.arm_law.section import SectionLaw, clamp_at, section_at, tip_at
 from rod.arm_law.solver import EndConditions, Pieces, equilibrium
 from rod.checked import finite
@@ -76,7 +76,10 @@ class ArmLaw:
         name: a key of `rates`, such as "geometry.wall". Raises `RodError` for a parameter without derivatives.
         """
         rate, numbers = self.rate(name), rates_of(self, name, self.pressures, NUMBERS)
-        return Derivative(name, rate.value, rate.unit, np.array(self.pressures), **numbers)
+        onset = np.array([onset_rate(*pair) for pair in zip(self.cells, rate.cells, strict=True)])
+        stretch = np.array([float(cell.largest_stretch) for cell in rate.cells])
+        of_cells = {"contact_onset": onset, "largest_stretch": stretch}
+        return Derivative(name, rate.value, rate.unit, np.array(self.pressures), **numbers, **of_cells)
 
     def step(self, name: str) -> float:
         """A change of a parameter for difference quotients. Raises `RodError` for one without derivatives."""

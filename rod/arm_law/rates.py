@@ -1,7 +1,7 @@
 """Derivatives of an arm's own law by a parameter of its design, and the law after a small change of some of them."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from typing import Any, final
 
 import numpy as np
@@ -23,10 +23,11 @@ class CellRate:
     moment: Array  #: (k,) N mm
     stretch: Array  #: (k,)
     ripple: Array  #: (k, 2, 2) of the material curve in the middle and at the end of the cell, mm; straight between
+    largest_stretch: Array  #: () largest principal stretch of the cell without moment
 
     def times(self, change: float) -> "CellRate":
         """For a change of the parameter."""
-        return CellRate(change * self.moment, change * self.stretch, change * self.ripple)
+        return CellRate(*(change * getattr(self, field.name) for field in fields(self)))
 
 
 @final
@@ -89,6 +90,7 @@ _CELL: dict[str, tuple[str, Shape]] = {
     "moment_N_mm": ("moment", ("k",)),
     "stretch": ("stretch", ("k",)),
     "ripple_mm": ("ripple", ("k", 2, 2)),
+    "largest_stretch": ("largest_stretch", ()),
 }
 _CLAMP: dict[str, tuple[str, Shape]] = {"rotation_rad": ("rotation", ("k",)), "offset_mm": ("offset", ("k", 2))}
 
@@ -114,9 +116,7 @@ def changed_cells(curves: Sequence[CellCurve], changes: Sequence[Sequence[CellRa
     curvature.
     """
     total = [
-        CellRate(
-            *(np.sum([getattr(one, name) for one in of_curve], axis=0) for name in ("moment", "stretch", "ripple"))
-        )
+        CellRate(*(np.sum([getattr(one, field.name) for one in of_curve], axis=0) for field in fields(CellRate)))
         for of_curve in zip(*changes, strict=True)
     ]
     slopes = _by_pressure(curves, total)
@@ -164,6 +164,14 @@ def kink_shifts(curve: CellCurve, change: CellRate) -> Array:
     distance = np.abs(np.arange(len(curve.moment))[:, None] - (kinks + 0.5))
     weight = np.exp(-distance) * stiffer[kinks] ** 2
     return np.asarray(-(weight @ (steps[kinks] / stiffer[kinks])) / weight.sum(axis=1))
+
+
+def onset_rate(curve: CellCurve, rate: CellRate) -> float:
+    """Of the curvature beyond which walls touch up to the end of a curve, 1/mm per unit; NaN where there is none."""
+    free = np.flatnonzero(~curve.contact)
+    if curve.onset is None:
+        return float("nan")
+    return float(kink_shifts(curve, rate)[free[-1] : free[-1] + 2].mean())
 
 
 def slopes_of(curve: CellCurve, x: Array, values: Array) -> Array:

@@ -31,6 +31,8 @@ DERIVATIVES = {
     "moment_N_mm": "moment",
     "stretch": "stretch",
     "end_angle_rad": "end_angle",
+    "contact_onset_per_mm": "contact_onset",
+    "largest_stretch": "largest_stretch",
 }
 #: what is interpolated over; curvatures and moments of a cell are compared by `CellCurve`
 _RISING = frozenset({"s_mm", "moment_N_mm"})

@@ -17,7 +17,7 @@ from pipeline.errors import InputError
 from pneurod.sensitivities import sensitivities_frame
 from rod import ArmLaw
 from rod.arm_law.curves import CellCurve
-from rod.arm_law.rates import CellRate, ClampRate, LawRate
+from rod.arm_law.rates import CellRate, ClampRate, LawRate, changed_cells, onset_rate
 from tests.coarse import COARSE, coarse_run
 
 CONFIG = Path(__file__).resolve().parent.parent.parent / "configs" / "pneunet_coarse.yaml"
@@ -30,7 +30,7 @@ def scaled_law() -> ArmLaw:
     def of_cell(cell: CellCurve) -> CellRate:
         p = cell.pressure
         moment = (cell.moment - p * cell.moment_by_pressure) / E
-        return CellRate(moment, -p * cell.stretch_by_pressure / E, np.zeros((len(moment), 2, 2)))
+        return CellRate(moment, -p * cell.stretch_by_pressure / E, np.zeros((len(moment), 2, 2)), np.zeros(()))
 
     clamps = tuple(
         ClampRate(
@@ -41,7 +41,9 @@ def scaled_law() -> ArmLaw:
     )
     rate = LawRate(E, "MPa", 0.0, 0.0, 0.0, tuple(map(of_cell, law.cells)), clamps)
     # rounding is left of the moments of cells that do not have the parameter
-    none = tuple(CellRate(1e-15 * c.moment, 0.0 * c.moment, np.zeros((len(c.moment), 2, 2))) for c in law.cells)
+    none = tuple(
+        CellRate(1e-15 * c.moment, 0.0 * c.moment, np.zeros((len(c.moment), 2, 2)), np.zeros(())) for c in law.cells
+    )
     still = tuple(ClampRate(0.0 * c.rotation, 0.0 * c.offset) for c in law.clamps)
     longer = LawRate(10.0, "mm", 0.0, 0.0, 1.0, none, still)
     return replace(law, rates={"material.E": rate, "geometry.end": longer})
@@ -140,3 +142,22 @@ def test_derivatives_as_a_frame() -> None:
     assert row["unit"].iloc[0] == "1/mm per MPa"
     assert float(row["relative"].iloc[0]) == pytest.approx(-0.71, abs=0.01)
     assert sensitivities_frame(None).empty
+
+
+def test_the_onset_of_contact_moves_with_a_kink() -> None:
+    """Two lines of rigidity 160 and 240 N mm2 that meet at a curvature which moves by 0.02 1/mm per unit."""
+    cell, moves = SavedLaw.read(COARSE / "law.json").law.cells[-1], 0.02
+    onset = float(cell.kappa[len(cell.kappa) // 2 - 1 : len(cell.kappa) // 2 + 1].mean())
+    beyond = cell.kappa > onset
+    kinked = replace(
+        cell,
+        moment=160.0 * cell.kappa + 80.0 * np.maximum(cell.kappa - onset, 0.0),
+        rigidity=np.where(beyond, 240.0, 160.0),
+        contact=beyond,
+    )
+    rate = CellRate(3.0 - 80.0 * moves * beyond, 0.0 * cell.kappa, np.zeros((len(beyond), 2, 2)), np.zeros(()))
+    assert onset_rate(kinked, rate) == pytest.approx(moves)
+    (changed,) = changed_cells([kinked], [[rate.times(0.01)]])
+    assert changed.onset == pytest.approx(onset + 0.01 * moves)
+    assert changed.rigidity == pytest.approx(kinked.rigidity)
+    assert np.isnan(onset_rate(replace(kinked, contact=~beyond & beyond), rate))

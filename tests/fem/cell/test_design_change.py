@@ -7,7 +7,7 @@ import pytest
 
 from fem import Hencky, StVenantKirchhoff
 from fem.cell.axis import axis_of, length_of
-from fem.cell.design_change import DesignChange, DesignRate, design_rates
+from fem.cell.design_change import DesignChange, DesignRate, design_rates, largest_stretch_rates
 from fem.cell.piece import BendingPiece
 from fem.cell.response import inflated, slopes
 from fem.materials.regions import Solid
@@ -16,6 +16,7 @@ from geometry.families.design import SymmetricDesign
 from geometry.grading import OFF
 from geometry.meshing.mirror import Repetition
 from geometry.meshing.moving import Movement
+from pipeline.cell.measure import CellPoint, cell_without_moment
 
 SVK = StVenantKirchhoff(E=1.2, nu=0.495)
 #: mm, of a dimension in differences of solved cells
@@ -115,3 +116,24 @@ def test_a_layer_follows_the_body() -> None:
         for step in (-STEP, STEP)
     )
     assert _rate(piece, 0.017, -0.02, change) == pytest.approx((more - less) / (2.0 * STEP), rel=1e-5)
+
+
+@pytest.mark.parametrize("name", ["wall", "chamber_length"])
+def test_largest_stretch_without_moment(name: str) -> None:
+    """The cell turns with the dimension, so that it stays without moment."""
+    design = PneuNet()
+    pieces = design.repetition(4.0, OFF)
+    movement = design.movements(pieces)[name]
+    assert isinstance(movement, Movement)
+
+    def solved(step: float) -> tuple[BendingPiece, CellPoint]:
+        changed = design.with_dimension(name, design.dimensions[name] + step)
+        piece = _piece(changed, movement.moved(pieces, step), "mixed", 0.04, SVK)
+        return piece, cell_without_moment(piece, 0.02)
+
+    piece, point = solved(0.0)
+    velocity = piece.space.positions_on(movement.moved(pieces, STEP).half_cell()) - piece.space.points
+    change = DesignChange.of_dimension(piece, velocity / STEP, movement.edge - movement.middle)
+    less, more = (solved(step)[1].state.extremes.max_stretch for step in (-STEP, STEP))
+    rate = largest_stretch_rates(piece, point.state, point.slopes, {name: change})[name]
+    assert rate == pytest.approx((more - less) / (2.0 * STEP), rel=1e-3)
