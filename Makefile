@@ -68,10 +68,12 @@ sweep: $(READY)  ## nine designs of the coarse arm, the arm's own law of each: t
 
 paper-coarse: $(DEV)  ## figures and claims of the paper reproduced on coarse meshes, in results/paper_coarse
 	@$(BIN)/pneurod sweep $(paper_sweeps:%=configs/paper/coarse/%.yaml) --out results/paper_coarse || [ $$? -eq 1 ]
+	$(BIN)/python -m benchmarks.paper.random_cells --out results/paper_coarse
 	$(BIN)/python -m benchmarks.paper results/paper_coarse
 
 paper: $(DEV)  ## the same on the meshes of the shipped configurations, in results/paper
 	@$(BIN)/pneurod sweep $(paper_sweeps:%=configs/paper/fine/%.yaml) --out results/paper || [ $$? -eq 1 ]
+	$(BIN)/python -m benchmarks.paper.random_cells --out results/paper
 	$(BIN)/python -m benchmarks.paper results/paper
 
 material: $(DEV)  ## the law to take from the tensile tests of the example (or FILES=...); how well known laws come back

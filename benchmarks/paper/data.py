@@ -6,6 +6,7 @@ from functools import cached_property
 from pathlib import Path
 
 from benchmarks.paper.estimates import Estimate, estimates_of
+from benchmarks.paper.random_cells import RandomCell, read
 from benchmarks.paper.states import EndState, State, ends_of, laws_of, states_of, unreached
 from rod import ArmLaw
 
@@ -48,6 +49,11 @@ class Data:
     def laws(self) -> dict[tuple[str, str], ArmLaw]:
         """The arms' own laws by arm and material law."""
         return laws_of(self.sweeps["cells"]) if "cells" in self.sweeps else {}
+
+    @cached_property
+    def random_cells(self) -> list[RandomCell]:
+        """Half cells drawn at random."""
+        return read(self.folder)
 
     def of(self, sweep: str, law: str, arm: str = "", estimator: str = "") -> list[Estimate]:
         """The estimates of a sweep, ascending in pressure; of all arms and estimators where none is named."""

@@ -12,13 +12,15 @@ from benchmarks.paper.claims.curvature import (
     middle_of_arm,
 )
 from benchmarks.paper.claims.lengths import curvature_over_length, rigidity_over_length
+from benchmarks.paper.claims.random import falling_rigidity, one_line
 from benchmarks.paper.claims.rigidities import (
     contact_is_the_cause,
-    five_numbers_everywhere,
     straight,
     trend,
+    two_lines_everywhere,
     two_slopes,
 )
+from benchmarks.paper.claims.simulations import three_simulations
 from benchmarks.paper.claims.zone import length_of_zone, zone_of_arms, zone_over_height, zone_over_pressure
 from benchmarks.paper.data import ARMS, Data
 from benchmarks.paper.reading import Claim
@@ -63,15 +65,19 @@ _CLAIMS: tuple[Callable[[Data], Claim], ...] = (
         "8b", ARMS[2:], "alpha1", True, "α₁ of the arms with one cavity along the axis rises with p (Fig. 15 b)",
         "A single line describes these arms, so α₁ is a matter of the estimator.",
     ),
+    falling_rigidity,
     length_of_zone,
     zone_over_pressure,
     zone_over_height,
     zone_of_arms,
+    one_line,
     curvature_over_length,
     rigidity_over_length,
     curvature_by_equation_nine,
     end_force,
     rods_of("17a", ARMS[:1], "Rod and finite elements of the pneu-net agree in II and III (Fig. 10)"),
     rods_of("17b", ROUND, "Rod and finite elements of the other arms agree in II and III (Fig. 16)"),
-    five_numbers_everywhere,
+    rods_of("18a", ARMS, "The five-parameter relation is germane to all four arms (abstract)"),
+    two_lines_everywhere,
+    three_simulations,
 )  # fmt: skip
