@@ -18,8 +18,8 @@ _NOT_RUN = "`python -m benchmarks.paper.random_cells` has not been run"
 def falling_rigidity(data: Data) -> Claim:
     says = "α₂ of arms with one cavity along the axis falls with p (Fig. 15 c), bodies drawn at random"
     why = (
-        "Walls stiffen as they are stretched. Bisected circles that bend far soften instead: they are near the pressure "
-        "at which they balloon."
+        "Walls stiffen as they are stretched. Bisected circles that bend far soften instead: they are near the "
+        "pressure at which they balloon."
     )
     name = "with a rigidity that falls with p"
     return claim(
