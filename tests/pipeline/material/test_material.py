@@ -43,6 +43,7 @@ def test_the_command(configs: Path, tmp_path: Path) -> None:
     lines = [line for line in result.stdout.splitlines() if line]
     assert lines[0].startswith("Take yeoh: it is on average 3")
     assert "the specimens differ by 2" in result.stdout
+    assert "No other law agrees with it in two directions beyond a stretch of 1.65" in result.stdout
     record = json.loads((tmp_path / "material.json").read_text(encoding="utf-8"))
     assert record["recommended"] == "yeoh"
     assert record["yaml"] in lines
