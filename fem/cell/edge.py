@@ -98,10 +98,11 @@ def free_edge(piece: BendingPiece, at: PieceState) -> FreeEdge:
     x = (piece.space.points + at.state.displacement)[:, :2]
     _, tangent = piece.linearise(at, np.zeros_like(piece.space.points))
     edge, curve = (np.empty((len(which), 2, len(nodes), 2)) for which in (nodes, piece.curve))
+    loads = np.zeros((2 * len(nodes), *piece.space.points.shape))
     for row, node in enumerate(nodes):
         for k in range(2):
-            load = np.zeros_like(piece.space.points)
-            load[node, k] = -1.0 / piece.whole
-            displacement = tangent.solve(load).displacement[:, :2]
-            edge[:, :, row, k], curve[:, :, row, k] = displacement[nodes], displacement[piece.curve]
+            loads[2 * row + k, node, k] = -1.0 / piece.whole
+    for number, change in enumerate(tangent.solve_each([(load, None) for load in loads])):
+        row, k = divmod(number, 2)
+        edge[:, :, row, k], curve[:, :, row, k] = change.displacement[nodes, :2], change.displacement[piece.curve, :2]
     return FreeEdge(x[nodes], line.nodal_weights(piece.space), edge, x[piece.curve], curve)

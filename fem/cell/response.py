@@ -71,14 +71,13 @@ def _slopes(piece: BendingPiece, at: PieceState) -> Slopes:
     reaction = np.zeros_like(x)
     reaction[piece.plane] = turn(assembly.gradient[piece.plane])
     coupling = tangent.coupling
-    by_angle = tangent.solve(coupling.displacement - reaction, coupling.pressure)
     load = _load_by_pressure(piece, at)
-    by_pressure = tangent.solve(load)
     pull = np.zeros_like(x)
     normal = np.array([np.cos(at.angle), np.sin(at.angle), 0.0])
     node = piece.plane[0]
     pull[node] = -normal / piece.whole
-    by_force = tangent.solve(pull)
+    turning = coupling.displacement - reaction, coupling.pressure
+    by_angle, by_pressure, by_force = tangent.solve_each([turning, (load, None), (pull, None)])
     angle_change = by_angle.displacement + turned
 
     def moment_change(change: Change, displacement: Array, force: float) -> float:

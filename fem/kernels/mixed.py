@@ -4,18 +4,18 @@ import numpy as np
 from numba import njit, prange
 
 from fem.kernels.element import (
+    FAST,
     ElementArrays,
     ReducedMatrix,
     at_nodes,
     deformation_gradient,
-    gradients,
     scatter_block,
     symmetric,
 )
 from geometry.arrays import Array, Index
 
 
-@njit(cache=True, parallel=True)
+@njit(cache=True, parallel=True, fastmath=FAST)
 def pressure_columns(
     elements: ElementArrays,
     pressures: Index,
@@ -37,9 +37,9 @@ def pressure_columns(
     for c in range(colours.shape[0] - 1):
         for chunk in prange(colours[c], colours[c + 1]):
             values = np.empty((n, 3))
-            g = np.empty((n, 3))
             f = np.empty((3, 3))
             s = np.empty((3, 3))
+            p = np.empty((3, 3))
             k = np.empty((n, 3, 4))
             block = np.zeros((3, 3))
             for e in range(chunks[chunk], chunks[chunk + 1]):
@@ -47,17 +47,22 @@ def pressure_columns(
                 at_nodes(nodes[e], u, values)
                 for q in range(reference.shape[0]):
                     at = inverse[e, q if inverse.shape[1] > 1 else 0]
-                    gradients(at, reference[q], g)
                     deformation_gradient(at, reference[q], values, f)
                     gradient = dilatation[e, q] if dilatation.shape[0] > 1 else dilatation[0, 0]
-                    symmetric(gradient, 1.0, s)
-                    for a in range(n):
-                        for i in range(3):
-                            value = 0.0
-                            for j in range(3):
-                                value += f[i, j] * (s[j, 0] * g[a, 0] + s[j, 1] * g[a, 1] + s[j, 2] * g[a, 2])
+                    symmetric(gradient, weight[e, q], s)
+                    for i in range(3):
+                        for j in range(3):
+                            p[i, j] = f[i, 0] * s[0, j] + f[i, 1] * s[1, j] + f[i, 2] * s[2, j]
+                    for i in range(3):  # times grad N_a, as in `internal_force`
+                        along0 = p[i, 0] * at[0, 0] + p[i, 1] * at[0, 1] + p[i, 2] * at[0, 2]
+                        along1 = p[i, 0] * at[1, 0] + p[i, 1] * at[1, 1] + p[i, 2] * at[1, 2]
+                        along2 = p[i, 0] * at[2, 0] + p[i, 1] * at[2, 1] + p[i, 2] * at[2, 2]
+                        for a in range(n):
+                            value = (
+                                along0 * reference[q, a, 0] + along1 * reference[q, a, 1] + along2 * reference[q, a, 2]
+                            )
                             for m in range(4):
-                                k[a, i, m] += weight[e, q] * value * shape[q, m]
+                                k[a, i, m] += value * shape[q, m]
                 for a in range(n):
                     for m in range(4):
                         for i in range(3):

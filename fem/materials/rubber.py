@@ -178,6 +178,10 @@ class Yeoh(IsochoricLaw, LinearLaw):
 
 def _polynomial(invariant: Array, *coefficients: float) -> tuple[Array, Array, Array]:
     """sum_k coefficients_k (I - 3)^k from k = 1 on, with its first two derivatives."""
-    energy = np.polynomial.Polynomial([0.0, *coefficients])
     x = invariant - 3
-    return energy(x), energy.deriv()(x), energy.deriv(2)(x)
+    energy, first, half = np.zeros((3, *np.shape(x)))
+    for coefficient in (*reversed(coefficients), 0.0):  # Horner's rule and its derivatives
+        half = half * x + first
+        first = first * x + energy
+        energy = energy * x + coefficient
+    return energy, first, 2 * half
