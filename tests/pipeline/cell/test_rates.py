@@ -118,3 +118,29 @@ def test_constants_of_all_materials_are_parameters() -> None:
     assert set(steps) == terms | {"material.kappa", "materials.base.E", "materials.base.nu"}
     step = steps["materials.base.E"]
     assert (step.value, step.unit) == (5.0, "MPa")
+
+
+def test_by_the_scale_of_a_body_from_a_file(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of all three axes by s: moments s^3 M(s kappa), and lengths of the clamped end s times as large."""
+    arm = config()
+    monkeypatch.setattr(PneuNet, "is_from_file", True)
+    monkeypatch.setattr(PneuNet, "file", "arm.step", raising=False)
+    scaled = law_at_one_pressure(ArmPieces(arm, None).with_derivatives())
+    cell, clamp = scaled.cells[0], scaled.clamps[0]
+    rates = [scaled.rates[f"geometry.scale_{axis}"] for axis in "xyz"]
+    assert [rate.unit for rate in rates] == ["1"] * 3
+
+    def total(part: str, name: str) -> np.ndarray:  # type: ignore[type-arg]
+        return np.sum([getattr(getattr(rate, part)[0], name) for rate in rates], axis=0)
+
+    expected = 3.0 * cell.moment + cell.kappa * cell.rigidity
+    assert total("cells", "moment") == pytest.approx(expected, abs=1e-5 * np.abs(expected).max())
+    assert total("cells", "stretch") == pytest.approx(cell.kappa * cell.stretch_by_kappa, abs=1e-6)
+    assert total("cells", "ripple")[:, 1] == pytest.approx(
+        cell.ripple[:, -1] + cell.kappa[:, None] * np.gradient(cell.ripple[:, -1], cell.kappa, axis=0), abs=1e-2
+    )
+    # interpolated between the states of the cell
+    assert total("clamps", "rotation") == pytest.approx(-3.0 * clamp.moment * clamp.rotation_by_moment, abs=2e-3)
+    expected = clamp.offset - 3.0 * clamp.moment[:, None] * clamp.offset_by_moment
+    assert total("clamps", "offset") == pytest.approx(expected, abs=2e-2)
+    assert sum(rate.length for rate in rates) == pytest.approx(scaled.length)
