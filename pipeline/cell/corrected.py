@@ -4,13 +4,13 @@ With the factor r and the shift s, both functions of the pressure p, that is M(k
 states of the cell at other moments and curvatures. What a state has besides, such as stretch and ripple, stays with it.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from geometry.arrays import Array
-from pipeline.cell.meshes import MeshLimit, Numbers
+from pipeline.cell.meshes import MeshLimit, Numbers, moment_at
 from rod.arm_law.curves import CellCurve, ClampCurve
 from rod.arm_law.law import ArmLaw
 from rod.cubics import cubic, cubic_slope, monotone_slopes
@@ -25,14 +25,17 @@ class Corrections:
     ratio: Array  #: (n,)
 
     @staticmethod
-    def between(own: Mapping[float, Numbers], limit: MeshLimit) -> "Corrections":
-        """From the numbers of a law by pressure to those in the limit; none where they have no pressure in common."""
-        rows = [
-            (pressure, numbers.kappa_0 - own[pressure].kappa_0, numbers.rigidity / own[pressure].rigidity)
-            for pressure, numbers in zip(limit.pressures_kPa, limit.limits, strict=True)
-            if pressure in own
-        ]
-        return Corrections(*np.array(rows or [(0.0, 0.0, 1.0)]).T)
+    def of(cells: Sequence[CellCurve], own: Mapping[float, Numbers], limit: MeshLimit, length: float) -> "Corrections":
+        """From cells with their own numbers by pressure to those in the limit; none where they have none in common.
+
+        length: mm, of the arm.
+        """
+        curves, rows = {cell.pressure: cell for cell in cells}, [(0.0, 0.0, 1.0)]
+        for pressure, numbers in zip(limit.pressures_kPa, limit.limits, strict=True):
+            if pressure in own and (cell := curves.get(pressure)):
+                rows = [row for row in rows if row[0] != pressure]
+                rows.append((pressure, numbers.kappa_0 - cell.at(0.0)[0], _ratio(cell, own[pressure], numbers, length)))
+        return Corrections(*np.array(rows).T)
 
     def at(self, pressure: float) -> tuple[float, float, float, float]:
         """Shift (1/mm), ratio, and their slopes per kPa at a pressure in kPa."""
@@ -55,6 +58,16 @@ def corrected(law: ArmLaw, corrections: Corrections) -> ArmLaw:
     ratios = [corrections.at(curve.pressure)[1] for curve in law.cells]
     rates = {name: rate.with_moments(ratios) for name, rate in law.rates.items()}
     return replace(law, cells=cells, clamps=clamps, rates=rates)
+
+
+def _ratio(cell: CellCurve, own: Numbers, limit: Numbers, length: float) -> float:
+    """Of the moments in the limit over those of a cell: where it is straight, if that bends it by more than one over
+    the length of the arm, else where it is bent by that much, on which the curve need not reach."""
+    if abs(limit.kappa_0) > 1.0 / length:
+        straight = moment_at(cell, cell.at(0.0)[0] - limit.kappa_0)
+        if straight is not None:
+            return limit.moment / straight
+    return limit.rigidity / own.rigidity
 
 
 def _cell(curve: CellCurve, shift: float, ratio: float, shift_slope: float, ratio_slope: float) -> CellCurve:

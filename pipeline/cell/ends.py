@@ -49,13 +49,15 @@ def choose_half_cells(
     `NoArmLaw`.
     """
     compared: tuple[int, float] | None = None  # half cells and error of the last pair that was solved
-    failure = ""
+    borne, failure = 0, ""  # half cells of the shortest end that has an equilibrium
     for half_cells in range(1, available // 2 + 1, 2):
         if half_cells + 2 > available:
             return half_cells, None, Reason("ends_short")
         pair = [clamp(half_cells), clamp(half_cells + 2)]
         try:
-            shorter, longer = (pending.result().curve for pending in pair)
+            shorter = pair[0].result().curve
+            borne = borne or half_cells
+            longer = pair[1].result().curve
         except PieceFailed as failed:  # longer ones may have an equilibrium
             failure = str(failed).rstrip(".")
             continue
@@ -64,7 +66,7 @@ def choose_half_cells(
             return half_cells, error, None
         compared, failure = (half_cells, error), ""
     if compared is None:
-        return half_cells, None, Reason("ends_unknown", {"why": failure})
+        return borne or half_cells, None, Reason("ends_unknown", {"why": failure})
     half_cells, error = compared
     if error > NOT_DECAYED:
         raise NoArmLaw(f"its two ends disturb all cells: two half cells more change its end by {100.0 * error:.2g} %")

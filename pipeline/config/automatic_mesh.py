@@ -29,6 +29,8 @@ COARSEST = 0.4
 COARSEST_OF_FAMILY = {"pneunet": COARSEST, "semicircular_single": 0.15, "rectangular": 0.12}
 #: the same of other families, and of bodies from files
 COARSEST_OF_OTHERS = 0.18
+#: size of the coarsest mesh of a cell over the length over which walls bend
+OF_CELL = 1.4
 #: most elements of a chosen mesh, about 500 000 unknowns: minutes per pressure
 MOST_CHOSEN_TETS = 100_000
 #: size of the second mesh over that of the first, by which the error of a chosen mesh is estimated
@@ -135,6 +137,16 @@ def chosen_mesh(design: Design, law: str, nu: float, against_locking: bool | Non
     return MeshSettings(size, formulation, None, grading, reasons)
 
 
+def cell_mesh(design: Design, nu: float, against_locking: bool | None) -> MeshSettings:
+    """The mesh from which the law of a cell can be corrected to its limit; arguments as those of `chosen_mesh`.
+
+    A cell has no clamp, in whose corner a body of the St. Venant-Kirchhoff law ends early.
+    """
+    formulation, _ = _formulation(design, "", nu, against_locking)
+    grading = "walls" if design.has_drawing else "off"
+    return MeshSettings(two_digits_down(OF_CELL * _for_walls(design, grading)), formulation, None, grading)
+
+
 def _formulation(design: Design, law: str, nu: float, against_locking: bool | None) -> tuple[str, str]:
     """The element and why."""
     if against_locking is False:
@@ -153,7 +165,7 @@ def _size(design: Design, grading: str) -> tuple[float, str]:
     """The size (mm) and why."""
     wall, side = design.thinnest_wall, min(design.extent)
     part = COARSEST_OF_FAMILY.get(design.family, COARSEST_OF_OTHERS)
-    suits = sqrt(wall * side / 2) * (WITHOUT_GRADING if grading == "off" else 1.0)  # over that length walls bend
+    suits = _for_walls(design, grading)
     reason = f"walls of {wall:.3g} mm in a body {side:.3g} mm across need it"
     if suits > part * side:
         suits = part * side
@@ -163,6 +175,12 @@ def _size(design: Design, grading: str) -> tuple[float, str]:
     if size > suits:
         reason = f"{suits:.2g} mm would be right, but the body would then have more than {MOST_CHOSEN_TETS} elements"
     return two_digits_down(size), reason
+
+
+def _for_walls(design: Design, grading: str) -> float:
+    """The length (mm) over which walls bend, as far as a grading resolves them."""
+    length = sqrt(design.thinnest_wall * min(design.extent) / 2)
+    return length * (WITHOUT_GRADING if grading == "off" else 1.0)
 
 
 def not_too_many(design: Design, size: float) -> float:

@@ -1,0 +1,82 @@
+"""True and stated errors of the limit that a cell is corrected to: python -m benchmarks.cell_limit [SEED COUNT].
+
+For the coarse arms, or designs drawn at random, the limit from the meshes that the program compares stands beside that
+from FINER finer ones.
+"""
+
+import json
+import sys
+from collections.abc import Iterator
+from math import inf
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import yaml
+
+from benchmarks.unseen.designs import drawn
+from fem.cell.piece import PieceFailed
+from pipeline.cell.limit import fine_mesh
+from pipeline.cell.measure import cell_without_moment
+from pipeline.cell.meshes import MESHES, Numbers, find_limit
+from pipeline.cell.pieces import ArmPieces
+from pipeline.config.config import Config
+from pipeline.config.load import load_config
+from pipeline.context import RunContext
+from pipeline.pressure import in_MPa
+from pipeline.progress import Silent
+from pipeline.simulation.scene import Scene
+from pipeline.store.store import open_store
+
+#: finer meshes for the true error
+FINER = 2
+ARMS = {
+    "pneunet_coarse": ["material.law=hencky"],
+    "semicircular_coarse": [],
+    "semicircular_single_coarse": [],
+    "bisected_circle_coarse": [],
+}
+
+
+def configs(arguments: list[str]) -> Iterator[Config]:
+    """The coarse arms, or so many designs of a seed."""
+    if not arguments:
+        yield from (load_config(Path(f"configs/{name}.yaml"), settings) for name, settings in ARMS.items())
+        return
+    seed, count = map(int, arguments)
+    for design in drawn(seed, count):
+        with TemporaryDirectory() as folder:
+            file = Path(folder) / "design.yaml"
+            file.write_text(yaml.safe_dump(json.loads(json.dumps(dict(design.document), default=float))))
+            yield load_config(file, [])
+
+
+def rows(config: Config) -> Iterator[str]:
+    """One row per pressure: the true errors and the stated ones of the three numbers, in %."""
+    arm = ArmPieces.of(Scene.meshed(config))
+    pieces, length = arm.with_mesh(fine_mesh(arm)), config.design.length
+    bends = {0.0: 0.0}
+    for pressure in config.pressures_kPa:
+        try:
+            cell = pieces.cell
+            bends[pressure] = cell_without_moment(cell, in_MPa(pressure)).state.angle / cell.body.length
+        except PieceFailed as failure:
+            yield f"| {config.name}, {pressure:g} kPa | {failure} |"
+    with TemporaryDirectory() as folder, open_store(Path(folder), config, fresh=False) as store:
+        context = RunContext.alone(store, Silent())
+        used, true = (find_limit(pieces, bends, inf, context, MESHES + more) for more in (0, FINER))
+    limits = dict(zip(true.pressures_kPa, true.limits, strict=True))
+    for pressure, own, stds in zip(used.pressures_kPa, used.limits, used.stds, strict=True):
+        if pressure:
+            limit = limits[pressure]
+            values = zip(own, limit, stds, limit.over(length), strict=True)
+            cells = [f"{100.0 * (a - b) / c:+.2f} | {100.0 * std / c:.2f}" for a, b, std, c in values]
+            yield f"| {config.name}, {pressure:g} kPa | {' | '.join(cells)} | {len(true.meshes)} |"
+
+
+if __name__ == "__main__":
+    heads = " | ".join(f"{name}: error | stated" for name in Numbers._fields)
+    sys.stdout.write(f"| cell | {heads} | meshes |\n")
+    for one in configs(sys.argv[1:]):
+        for row in rows(one):
+            sys.stdout.write(f"{row}\n")
+            sys.stdout.flush()
