@@ -170,7 +170,7 @@ class Config(Section):
     tolerances: Annotated[
         Tolerances,
         WrittenAs(read_tolerances),
-        Kind("a section: a key of the configuration with a length, stress or part of it", "{geometry.wall: 0.1 mm}"),
+        Kind("a section: a key of the configuration with a length, stress or part of it", "{pressure: 2 %}"),
     ] = Field(
         default_factory=dict,
         validate_default=True,
