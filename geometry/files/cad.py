@@ -103,18 +103,18 @@ def mesh_cad(body: CadBody, size: float, grading: Grading) -> Mesh:
     with cad_session(body) as (gmsh, blocks, air, _):
         walls = walls_between(gmsh, blocks, air)
         keep_material(gmsh, blocks)
-        mesh_session(gmsh, size, grading, body.half)
+        mesh_session(gmsh, size, grading, body.half, several=bool(body.parts))
         mesh = collect_mesh(gmsh, blocks, walls, [BODY, *body.parts], body.cavities)
     return _named_mesh(body, mesh)
 
 
-def mesh_session(gmsh: Any, size: float, grading: Grading, half: bool) -> None:
+def mesh_session(gmsh: Any, size: float, grading: Grading, half: bool, several: bool = False) -> None:
     """Mesh the volumes of the session with element edges of about `size` mm at most."""
     gmsh.option.setNumber("Mesh.MeshSizeMax", size)
     gmsh.option.setNumber("Mesh.MeshSizeFromCurvature", 16)  # chords of at most pi/8
     gmsh.model.mesh.setSize(gmsh.model.getEntities(0), size)
     set_size_field(gmsh, size, grading, half=half, mirrored=False)
-    generate(gmsh)
+    generate(gmsh, several)
     optimize(gmsh, FLAT)
 
 

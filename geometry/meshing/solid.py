@@ -149,25 +149,26 @@ def mesh_solid(solid: Solid, size: float, grading: Grading = OFF) -> SolidMesh:
         return collect_mesh(gmsh, material, walls, list(solid.material), list(solid.air))
 
 
-def generate(gmsh: Any) -> None:
+def generate(gmsh: Any, several: bool = False) -> None:
     """Mesh the volumes of the session: by HXT, or by Delaunay's algorithm where edges of the surfaces need more points.
 
     HXT corrupts its memory where it puts such points (Steiner points) on the edges between surfaces, and ends the
     process. A mesh without inner points, which takes a hundredth of a second, shows whether some are needed.
+    several: whether solids of a drawing share their faces; HXT ends the process at some sheets between them, too.
     Raises `MeshError`.
     """
     with told("Gmsh could not mesh the body", SMALLER):
-        _generate(gmsh)
+        _generate(gmsh, several)
 
 
-def _generate(gmsh: Any) -> None:
+def _generate(gmsh: Any, several: bool) -> None:
     mesh = gmsh.model.mesh
     mesh.generate(2)
     count = len(mesh.getNodes()[0])
     gmsh.option.setNumber("Mesh.Algorithm3D", _INITIAL)
     mesh.generate(3)
     needs_points = len(mesh.getNodes()[0]) > count
-    gmsh.option.setNumber("Mesh.Algorithm3D", _DELAUNAY if needs_points else _OPTIONS["Mesh.Algorithm3D"])
+    gmsh.option.setNumber("Mesh.Algorithm3D", _DELAUNAY if needs_points or several else _OPTIONS["Mesh.Algorithm3D"])
     mesh.clear([] if needs_points else gmsh.model.getEntities(3))  # the points have changed the surfaces
     mesh.generate(3)
 

@@ -1,5 +1,6 @@
 """A CAD file of several solids, some of which are of another material."""
 
+import gzip
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -11,8 +12,18 @@ from geometry import CadFile, DesignError, Mesh
 from pipeline.config.load import load_config
 from pipeline.errors import InputError
 from pipeline.notes.mesh import check_body
+from pipeline.simulation.scene import Scene
 from tests.step_bodies import box, save
 
+DATA = Path(__file__).resolve().parents[1] / "data"
+PAPER = """
+name: paper
+geometry: {family: own, file: paper.step, curve: 2.1 mm, parts: {paper: [40 mm, 2.1 mm, 0 mm]}}
+material: {law: yeoh, c10: 0.11 MPa, c20: 0.02 MPa, c30: 0 MPa, nu: 0.495}
+materials: {paper: {law: hencky, E: 6500 MPa, nu: 0.2}}
+pressures: [20 kPa]
+mesh: {size: 4.2 mm}
+"""
 #: mm3: a plate of 60 x 3 x 15 mm below a block of 60 x 9 x 15 mm, and a cavity of 54 x 5 x 9 mm that the plate closes
 PLATE, BLOCK, AIR = 60.0 * 3 * 15, 60.0 * 9 * 15, 54.0 * 5 * 9
 IN_PLATE, IN_BLOCK = (20.0, 1.0, 0.0), (20.0, 11.0, 0.0)
@@ -169,3 +180,11 @@ def test_parts_that_are_no_points_are_refused(parts: str, complaint: str, folder
     with pytest.raises(InputError) as refused:
         load_config(folder / "wrong.yaml")
     assert complaint in str(refused.value)
+
+
+def test_a_sheet_far_thinner_than_the_elements_is_meshed(tmp_path: Path) -> None:
+    """Gmsh's fastest mesher ends the process at this one."""
+    (tmp_path / "paper.step").write_bytes(gzip.decompress((DATA / "paper.step.gz").read_bytes()))
+    (tmp_path / "paper.yaml").write_text(PAPER, encoding="utf-8")
+    mesh = Scene.meshed(load_config(tmp_path / "paper.yaml")).body.mesh
+    assert mesh.volumes[mesh.regions["paper"]].sum() == pytest.approx(80 * 0.2 * 8, rel=1e-6)
