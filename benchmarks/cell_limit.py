@@ -1,9 +1,10 @@
-"""True and stated errors of the limit that a cell is corrected to: python -m benchmarks.cell_limit [SEED COUNT].
+"""True and stated errors of the limit to which a cell is corrected: python -m benchmarks.cell_limit [--seed S].
 
 For the coarse arms, or designs drawn at random, the limit from the meshes that the program compares stands beside that
 from FINER finer ones.
 """
 
+import argparse
 import json
 import sys
 from collections.abc import Iterator
@@ -37,12 +38,11 @@ ARMS = {
 }
 
 
-def configs(arguments: list[str]) -> Iterator[Config]:
+def configs(seed: int | None, count: int) -> Iterator[Config]:
     """The coarse arms, or so many designs of a seed."""
-    if not arguments:
+    if seed is None:
         yield from (load_config(Path(f"configs/{name}.yaml"), settings) for name, settings in ARMS.items())
         return
-    seed, count = map(int, arguments)
     for design in drawn(seed, count):
         with TemporaryDirectory() as folder:
             file = Path(folder) / "design.yaml"
@@ -73,10 +73,19 @@ def rows(config: Config) -> Iterator[str]:
             yield f"| {config.name}, {pressure:g} kPa | {' | '.join(cells)} | {len(true.meshes)} |"
 
 
-if __name__ == "__main__":
+def main() -> None:
+    """Print the table."""
+    parser = argparse.ArgumentParser(description="True and stated errors of the limit that a cell is corrected to.")
+    parser.add_argument("--seed", type=int, help="of designs drawn at random; default: the four coarse arms")
+    parser.add_argument("--count", type=int, default=10, help="how many of them")
+    given = parser.parse_args()
     heads = " | ".join(f"{name}: error | stated" for name in Numbers._fields)
     sys.stdout.write(f"| cell | {heads} | meshes |\n")
-    for one in configs(sys.argv[1:]):
+    for one in configs(given.seed, given.count):
         for row in rows(one):
             sys.stdout.write(f"{row}\n")
             sys.stdout.flush()
+
+
+if __name__ == "__main__":
+    main()

@@ -13,12 +13,13 @@ import argparse
 import csv
 import json
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import astuple, dataclass, fields
 from itertools import islice
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from time import process_time
+from typing import Any
 
 import numpy as np
 from scipy.interpolate import CubicHermiteSpline
@@ -138,8 +139,9 @@ def write(path: Path, cells: Sequence[RandomCell]) -> None:
         writer.writerows(map(astuple, cells))
 
 
-def _typed(kind: object, text: str) -> int | float | str:
-    return {int: int, float: float}.get(kind, str)(text)  # type: ignore[call-overload,no-any-return]
+def _typed(kind: object, text: str) -> Any:
+    read: Callable[[str], Any] = int if kind is int else float if kind is float else str
+    return read(text)
 
 
 def main() -> None:

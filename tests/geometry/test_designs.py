@@ -209,7 +209,7 @@ def test_meshing_is_silent_and_works_in_threads(capfd: pytest.CaptureFixture[str
 
 
 def test_a_family_defines_nine_members() -> None:
-    members = {"length", "extent", "curve_y", "pitch", "cell_count", "repetition"}
+    members = {"length", "extent", "curve_y", "pitch", "cell_count", "drawing"}
     members |= {"solid_volume", "cavity_volumes", "thinnest_wall"}
     assert SymmetricDesign.__abstractmethods__ == members
 

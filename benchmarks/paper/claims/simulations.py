@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import astuple, replace
+from typing import Any
 
 import numpy as np
 
@@ -43,14 +44,14 @@ def _errors(low: State, high: State, tested: Sequence[State]) -> Iterator[Readin
             ("κ₀ of II at the pressure itself", beside, state),
         ):
             counts = given is numbers
-            law = between(*given, (state.pressure - low.pressure) / (high.pressure - low.pressure))
+            law = between(given[0], given[1], (state.pressure - low.pressure) / (high.pressure - low.pressure))
             for part, loaded in (("II", False), ("III", True)):
                 try:
                     shape = _beside_elements(at, state, law, loaded=loaded)
                 except RodError:
                     continue
                 required = AT_MOST if counts else None
-                kind = {"unit": "%", "law": state.law, "pressure": pressure}
+                kind: dict[str, Any] = {"unit": "%", "law": state.law, "pressure": pressure}
                 what = f"distance over l in {part} at {pressure}, {name}"
                 yield single(what, 100.0 * shape.largest, part=part, required=required, **kind)
                 if loaded:
