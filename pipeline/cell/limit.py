@@ -9,10 +9,11 @@ import numpy as np
 
 from fem.cell.piece import PieceFailed
 from pipeline.cell.build import MeasuredLaw, build_law
+from pipeline.cell.cells import measure_bends
 from pipeline.cell.corrected import Corrections, corrected
 from pipeline.cell.meshes import MeshLimit, Numbers, find_limit, solve_numbers
 from pipeline.cell.pieces import ArmPieces
-from pipeline.cell.tasks import ArmTasks
+from pipeline.cell.tasks import ArmTasks, Log
 from pipeline.config.automatic_mesh import MeshSettings, cell_mesh
 from pipeline.context import RunContext
 from pipeline.errors import InputError, RunFailed
@@ -83,8 +84,7 @@ def _farthest(
     """
     laws: list[tuple[MeasuredLaw, ArmPieces]] = []
     failure: InputError | RunFailed | None = None
-    for given in dict.fromkeys((fine_pieces(pieces), pieces)):
-        own = given.with_derivatives()
+    for own in _by_pressures([one.with_derivatives() for one in (fine_pieces(pieces), pieces)], pressures_kPa, context):
         try:
             measured = build_law(own, pressures_kPa, context, highest_kPa)
         except (InputError, RunFailed) as failed:
@@ -96,6 +96,22 @@ def _farthest(
     if not laws and failure:
         raise failure
     return max(laws, key=lambda pair: pair[0].law.pressures[-1])
+
+
+def _by_pressures(
+    pieces: Sequence[ArmPieces], pressures_kPa: Sequence[float], context: RunContext
+) -> Sequence[ArmPieces]:
+    """Two meshes without the first one where its cell bears fewer of the pressures; one where both are the same."""
+    fine, own = pieces
+    if fine.key == own.key:
+        return [own]
+    borne = []
+    for one in pieces:
+        try:
+            borne.append(len(measure_bends(ArmTasks(one, context), Log(), pressures_kPa, None)))
+        except (InputError, RunFailed):
+            borne.append(0)
+    return [own] if borne[0] < borne[1] else pieces
 
 
 def _limit(
