@@ -72,7 +72,7 @@ def fine_pieces(pieces: ArmPieces) -> ArmPieces:
 def fine_mesh(pieces: ArmPieces) -> MeshSettings:
     """The coarsest of the meshes from which the limit follows."""
     config = pieces.config
-    return cell_mesh(config.design, config.poisson_ratio, config.effects.incompressibility.decided)
+    return cell_mesh(config.design, config.material.law, config.poisson_ratio, config.effects.incompressibility.decided)
 
 
 def _farthest(
