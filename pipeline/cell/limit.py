@@ -65,8 +65,8 @@ def fine_pieces(pieces: ArmPieces) -> ArmPieces:
     of kappa_0 between the numbers that it is corrected by, on this mesh by 0.1 to 2 % (studies/cell.md).
     """
     own, mesh = pieces.config.mesh, fine_mesh(pieces)
-    same = (own.formulation, own.grading) == (mesh.formulation, mesh.grading)
-    return pieces if same and own.size_mm <= mesh.size_mm else pieces.with_mesh(mesh)
+    is_fine = own.formulation == mesh.formulation and own.size_mm <= mesh.size_mm
+    return pieces if is_fine else pieces.with_mesh(mesh)
 
 
 def fine_mesh(pieces: ArmPieces) -> MeshSettings:
