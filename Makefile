@@ -35,7 +35,7 @@ pneunet-coarse: $(READY)  ## the same arm on a coarse mesh, in less time
 	@$(BIN)/pneurod run configs/pneunet_coarse.yaml --out results/pneunet_coarse
 
 golden: $(DEV)  ## the coarse arm, and its numbers against those kept from an earlier version
-	@$(BIN)/pneurod run configs/pneunet_coarse.yaml --accuracy off --fresh --out results/golden
+	@$(BIN)/pneurod run configs/pneunet_coarse.yaml --accuracy off --jobs 1 --fresh --out results/golden
 	$(BIN)/python -m tests.golden results/golden
 
 semicircular: $(READY)  ## the semicircular arm with 11 cavities

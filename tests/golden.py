@@ -1,6 +1,6 @@
 """The numbers of the coarse arm, kept from an earlier version, and a comparison of a run with them.
 
-    pneurod run configs/pneunet_coarse.yaml --accuracy off --out DIR
+    pneurod run configs/pneunet_coarse.yaml --accuracy off --jobs 1 --out DIR
     python -m tests.golden DIR             # exit status 1 and a line for every number that differs
     python -m tests.golden --accept DIR    # keep DIR's numbers; refused where a number that was kept has changed
 
