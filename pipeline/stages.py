@@ -15,7 +15,7 @@ from pipeline.context import RunContext
 from pipeline.identification.added_pressures import Identified, identify_run
 from pipeline.identification.mesh_error import with_mesh_error
 from pipeline.identification.parameters import Parameters
-from pipeline.identification.predicted import has_two_laws, with_mesh_error_of_laws
+from pipeline.identification.predicted import predictions, with_mesh_error_of_laws
 from pipeline.identification.record import parameters_record
 from pipeline.notes import render, render_all, report_reason
 from pipeline.notes.design import check_design
@@ -183,7 +183,7 @@ def identify(state: RunState, outcomes: Outcomes, arm: LawOfRun) -> tuple[RunSta
         identified = identify_run(state.scene, state.context, outcomes)
         states = save_value(state.context.store, "experiments.json", identified.outcomes.states)
         context, parameters = state.context, identified.parameters
-        if has_two_laws(state.config, arm.law):
+        if state.config.accuracy is not None and arm.law is not None:
             improved = Pending[WithMeshError].done((parameters, ()))
         else:
             improved = context.workers.beside(with_mesh_error, state.config, context, parameters)
@@ -216,10 +216,12 @@ def add_mesh_error(
     """Write parameters.json, with the errors of the mesh: from a coarser one, or from the laws on two meshes."""
     with state.stages.timed(_COARSER_MESH):
         parameters, no_mesh_error = improved.result()
-        if arm.law and on_mesh.law and has_two_laws(state.config, arm.law):
-            parameters = with_mesh_error_of_laws(parameters, arm.law, on_mesh.law)
+        predicted, coarser = None if arm.law is None else predictions(parameters, arm.law), state.config.mesh.coarser
+        if predicted is not None and on_mesh.law and on_mesh is not arm:
+            parameters = with_mesh_error_of_laws(parameters, predicted, predictions(parameters, on_mesh.law))
+            coarser = None
     identified = replace(identified, parameters=parameters)
-    content = parameters_record(state.config, parameters, arm.law, render_all(no_mesh_error))
+    content = parameters_record(state.config, parameters, predicted, coarser, render_all(no_mesh_error))
     return state.with_results(parameters=save_value(state.context.store, "parameters.json", content)), identified
 
 

@@ -1,6 +1,6 @@
 """The arm's own law at the limit of its mesh: measured on a fine mesh and corrected to the limit of finer ones."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from math import inf
@@ -18,26 +18,21 @@ from pipeline.config.automatic_mesh import MeshSettings, cell_mesh
 from pipeline.context import RunContext
 from pipeline.errors import InputError, RunFailed
 
-#: largest relative error of a delivered law unless another one is requested
-ACCURACY = 0.01
 #: pressures at which the limit is found, at most; corrections are interpolated between them
 PRESSURES = 3
 
 
-def deliver_law(
-    pieces: ArmPieces,
-    pressures_kPa: Sequence[float],
-    context: RunContext,
-    highest_kPa: Callable[[], float] | None = None,
-    accuracy: float = ACCURACY,
-) -> MeasuredLaw:
-    """The law of an arm as `build_law` measures it, but on a mesh of its own, and corrected to the limit of finer ones.
+def deliver_law(pieces: ArmPieces, context: RunContext) -> MeasuredLaw:
+    """The law of an arm at the pressures of its configuration, with its derivatives and the error of its mesh.
 
-    pieces: those on the mesh of the arm. accuracy: relative, of kappa_0, the rigidity and the moment that straightens
-    the cell at each pressure; where no mesh reaches it the best law is returned, whose `limit` says so. Raises as
-    `build_law`.
+    pieces: those on the mesh of the arm. The law has the relative accuracy of the configuration in kappa_0, the
+    rigidity and the moment that straightens the cell; where no mesh reaches it the best law is returned, whose `limit`
+    says so. Without an accuracy it is the law on the mesh of the arm. Raises as `build_law`.
     """
-    measured, taken = _farthest(pieces, pressures_kPa, context, highest_kPa)
+    pressures_kPa, accuracy = pieces.config.pressures_kPa, pieces.config.accuracy
+    if accuracy is None:
+        return _law_on_mesh(pieces.with_derivatives(), pressures_kPa, context)
+    measured, taken = _farthest(pieces, pressures_kPa, context)
     limit = _limit(pieces, measured, pressures_kPa, accuracy, context)
     length, size = pieces.design.length, taken.config.mesh.size_mm
     own = _numbers(taken, _bends(measured, limit.pressures_kPa), context)
@@ -45,14 +40,9 @@ def deliver_law(
     return replace(measured, law=law, mesh_error=limit.error_of(law.cells, length, size), limit=limit)
 
 
-def law_on_mesh(
-    pieces: ArmPieces,
-    pressures_kPa: Sequence[float],
-    context: RunContext,
-    highest_kPa: Callable[[], float] | None = None,
-) -> MeasuredLaw:
-    """The law as `build_law` measures it on exactly the given mesh, with its error. Raises as `build_law`."""
-    measured = build_law(pieces, pressures_kPa, context, highest_kPa)
+def _law_on_mesh(pieces: ArmPieces, pressures_kPa: Sequence[float], context: RunContext) -> MeasuredLaw:
+    """The law as `build_law` measures it on exactly the given mesh, with its error."""
+    measured = build_law(pieces, pressures_kPa, context)
     limit = _limit(pieces, measured, pressures_kPa, inf, context)
     error = limit.error_of(measured.law.cells, pieces.design.length, pieces.config.mesh.size_mm)
     return replace(measured, mesh_error=error)
@@ -75,9 +65,7 @@ def fine_mesh(pieces: ArmPieces) -> MeshSettings:
     return cell_mesh(config.design, config.material.law, config.poisson_ratio, config.effects.incompressibility.decided)
 
 
-def _farthest(
-    pieces: ArmPieces, pressures_kPa: Sequence[float], context: RunContext, highest_kPa: Callable[[], float] | None
-) -> tuple[MeasuredLaw, ArmPieces]:
+def _farthest(pieces: ArmPieces, pressures_kPa: Sequence[float], context: RunContext) -> tuple[MeasuredLaw, ArmPieces]:
     """The law on a fine mesh, or on that of the arm where only that one bears the pressures, and the pieces of it.
 
     A surface may buckle on a fine mesh where a coarse one cannot.
@@ -86,7 +74,7 @@ def _farthest(
     failure: InputError | RunFailed | None = None
     for own in _by_pressures([one.with_derivatives() for one in (fine_pieces(pieces), pieces)], pressures_kPa, context):
         try:
-            measured = build_law(own, pressures_kPa, context, highest_kPa)
+            measured = build_law(own, pressures_kPa, context)
         except (InputError, RunFailed) as failed:
             failure = failure or failed
             continue

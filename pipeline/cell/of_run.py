@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 from geometry import Reason, Values
 from pipeline.cell.build import MeasuredLaw, build_law
-from pipeline.cell.limit import deliver_law, law_on_mesh
+from pipeline.cell.limit import deliver_law
 from pipeline.cell.pieces import ArmPieces, NoArmLaw
 from pipeline.cell.study import save_law
 from pipeline.context import RunContext
@@ -63,14 +63,7 @@ def deliver_law_of_run(scene: Scene, context: RunContext) -> LawOfRun:
 
     With `law: both` an arm without one keeps its five parameters.
     """
-    pressures, accuracy = scene.config.pressures_kPa, scene.config.accuracy
-
-    def build(pieces: ArmPieces) -> MeasuredLaw:
-        if accuracy is None:
-            return law_on_mesh(pieces.with_derivatives(), pressures, context)
-        return deliver_law(pieces, pressures, context, accuracy=accuracy)
-
-    return _begin(scene, context, build).result()
+    return _begin(scene, context, lambda pieces: deliver_law(pieces, context)).result()
 
 
 def law_on_mesh_of_arm(scene: Scene, context: RunContext, highest_kPa: Callable[[], float]) -> Pending[LawOfRun]:

@@ -7,7 +7,7 @@ from time import perf_counter
 
 from pipeline.cell.build import MeasuredLaw
 from pipeline.cell.figure import law_page
-from pipeline.cell.limit import deliver_law, law_on_mesh
+from pipeline.cell.limit import deliver_law
 from pipeline.cell.pieces import ArmPieces, NoArmLaw
 from pipeline.cell.unloaded import unloaded_states
 from pipeline.config.config import Config
@@ -77,10 +77,7 @@ def measure_law(config: Config, out: Path, jobs: int, fresh: bool, progress: Pro
             for pending in loading:
                 pending.result()
             progress.stage("cell and ends")
-            if config.accuracy is None:
-                measured = law_on_mesh(pieces.with_derivatives(), config.pressures_kPa, context)
-            else:
-                measured = deliver_law(pieces, config.pressures_kPa, context, accuracy=config.accuracy)
+            measured = deliver_law(pieces, context)
         except NoArmLaw as refusal:
             raise InputError(f"{config.source}: {refusal}") from None
         report = LawReport(out, config, measured, perf_counter() - begin)

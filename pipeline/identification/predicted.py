@@ -9,7 +9,6 @@ from dataclasses import dataclass
 
 from geometry import Centreline
 from geometry.arrays import Array
-from pipeline.config.config import Config
 from pipeline.identification.mesh_error import five_numbers, with_errors
 from pipeline.identification.parameters import Parameters, numbers_of_curves
 from rod import ArmLaw, Identification, Load, Rod, RodError, RodSolution
@@ -55,18 +54,13 @@ def predictions(parameters: Sequence[Parameters], law: ArmLaw) -> list[Predicted
     return found
 
 
-def has_two_laws(config: Config, law: ArmLaw | None) -> bool:
-    """Whether a run has the law of the arm on two meshes, which tell the error of the mesh without a further one."""
-    return config.accuracy is not None and law is not None
-
-
-def with_mesh_error_of_laws(parameters: Sequence[Parameters], limit: ArmLaw, on_mesh: ArmLaw) -> tuple[Parameters, ...]:
+def with_mesh_error_of_laws(
+    parameters: Sequence[Parameters], limit: Sequence[Predicted | str], on_mesh: Sequence[Predicted | str]
+) -> tuple[Parameters, ...]:
     """The parameters with the differences between what the law in the limit of its mesh predicts and what the law on
     the mesh of the experiments does, as standard deviations; unchanged at a pressure at which one has no rod."""
     found = []
-    for p, first, second in zip(
-        parameters, predictions(parameters, limit), predictions(parameters, on_mesh), strict=True
-    ):
+    for p, first, second in zip(parameters, limit, on_mesh, strict=True):
         if isinstance(first, str) or isinstance(second, str):
             found.append(p)
             continue

@@ -9,7 +9,7 @@ from pipeline.config.config import Config
 from pipeline.identification.added_pressures import covered_range, quantities_of
 from pipeline.identification.mesh_error import RELATIVE
 from pipeline.identification.parameters import Parameters, sum_evidence
-from pipeline.identification.predicted import Predicted, has_two_laws, predictions
+from pipeline.identification.predicted import Predicted
 from pipeline.results.parameters import (
     BreakProfile,
     Dimensionless,
@@ -24,7 +24,6 @@ from pipeline.store.formats import FORMAT
 from rod import (
     PARAMETER_COLUMNS,
     PARAMETER_NAMES,
-    ArmLaw,
     Identification,
     Interval,
     LinearRange,
@@ -39,11 +38,16 @@ _DIVIDED = {"alpha": "over_m_g_length2", "m0": "over_m_g_length", "d": "over_len
 
 
 def parameters_record(
-    config: Config, parameters: Sequence[Parameters], law: ArmLaw | None = None, mesh_error_reason: str = ""
+    config: Config,
+    parameters: Sequence[Parameters],
+    predicted: Sequence[Predicted | str] | None = None,
+    coarser: float | None = None,
+    mesh_error_reason: str = "",
 ) -> RodParameters:
     """The numbers of the rod at the top, those of two lines under `estimators`.
 
-    law: of the arm, which predicts the numbers as well; None where it was not made.
+    predicted: by the arm's own law; None where it was not made. coarser: size of a second mesh of the whole arm over
+    that of the first one, where it tells the error of the mesh.
     """
     drawn: Mapping[str, Any] = config.record()
     mass = config.mass_tonne
@@ -66,12 +70,12 @@ def parameters_record(
         **_bounds([p.numbers["d"] for p in parameters], parameters),
         **_linear(parameters),
         **_choice(parameters),
-        mesh_error=_mesh_error(config, parameters, law),
+        mesh_error=_mesh_error(config, parameters, coarser),
         mesh_error_reason=mesh_error_reason,
         moment_range_N_mm=_ranges([p.moment_range for p in parameters]),
         eccentricity=_stretching(parameters),
         estimators={ESTIMATOR: _identified([p.by_cells for p in parameters], parameters)},
-        predicted_by_arm_law=None if law is None else _identified(_lines(predictions(parameters, law)), parameters),
+        predicted_by_arm_law=None if predicted is None else _identified(_lines(predicted), parameters),
         kappa_0=_rest_shape(parameters),
         dimensionless=_dimensionless(config, parameters),
         dimensionless_numbers=_dimensionless_numbers(config, parameters),
@@ -119,7 +123,7 @@ def _bounds(d: Sequence[Interval | None], parameters: Sequence[Parameters]) -> d
     }
 
 
-def _mesh_error(config: Config, parameters: Sequence[Parameters], law: ArmLaw | None) -> MeshErrorOfFive | None:
+def _mesh_error(config: Config, parameters: Sequence[Parameters], coarser: float | None) -> MeshErrorOfFive | None:
     """What the mesh contributes to the deviations of the rod's numbers, None where nothing tells."""
     if not any(p.mesh_std for p in parameters):
         return None
@@ -129,8 +133,7 @@ def _mesh_error(config: Config, parameters: Sequence[Parameters], law: ArmLaw | 
     columns |= {
         f"{column}_std": tuple(p.mesh_std.get(n) for p in parameters) for n, column in PARAMETER_COLUMNS.items()
     }
-    second = None if has_two_laws(config, law) else config.mesh.coarser
-    sizes = (config.mesh.size_mm, *([] if second is None else [second * config.mesh.size_mm]))
+    sizes = (config.mesh.size_mm, *([] if coarser is None else [coarser * config.mesh.size_mm]))
     return MeshErrorOfFive(sizes, parameters[0].mixed_at_kPa, **columns)
 
 
