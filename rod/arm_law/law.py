@@ -11,9 +11,10 @@ from geometry.arrays import Array
 from rod.arm_law.curves import CellCurve, ClampCurve, TipCurve
 from rod.arm_law.derivative import LARGEST_STEP, NUMBERS, STEP, Derivative, rates_of
 from rod.arm_law.rates import LawRate, changed_cells, changed_clamps, onset_rate
+from rod.arm_law.scaling import scaled_curve, scaled_rate
 from rod.arm_law.section import SectionLaw, clamp_at, section_at, tip_at
 from rod.arm_law.solver import EndConditions, Pieces, equilibrium
-from rod.checked import finite
+from rod.checked import finite, positive
 from rod.errors import RodError
 from rod.load import Load, held_at, requested
 from rod.solution import RodSolution
@@ -50,6 +51,21 @@ class ArmLaw:
     def pressures(self) -> tuple[float, ...]:
         """kPa"""
         return tuple(curve.pressure for curve in self.cells)
+
+    def scaled(self, factor: float) -> "ArmLaw":
+        """The law of an arm whose moduli are all multiplied by a factor, with the same Poisson ratios; exact.
+
+        It is known at the pressures of this one times the factor. Mass and weight stay as they are. Raises `RodError`
+        unless the factor is above zero.
+        """
+        factor = positive(factor, "The factor of all moduli")
+        return replace(
+            self,
+            cells=tuple(scaled_curve(cell, factor) for cell in self.cells),
+            clamps=tuple(scaled_curve(clamp, factor) for clamp in self.clamps),
+            tips=tuple(scaled_curve(tip, factor) for tip in self.tips),
+            rates={name: scaled_rate(rate, factor) for name, rate in self.rates.items()},
+        )
 
     def with_changes(self, changes: Mapping[str, float]) -> "ArmLaw":
         """The law of an arm whose parameters differ a little, to first order: `{"geometry.wall": 0.1}`.

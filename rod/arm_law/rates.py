@@ -61,6 +61,12 @@ class LawRate:
         cells = (replace(cell, moment=ratio * cell.moment) for ratio, cell in zip(ratios, self.cells, strict=True))
         return replace(self, cells=tuple(cells))
 
+    def times(self, change: float) -> "LawRate":
+        """For a change of the parameter, whose value stays as it is."""
+        lengths = {name: change * getattr(self, name) for name in ("pitch", "first_middle", "length")}
+        cells = tuple(cell.times(change) for cell in self.cells)
+        return replace(self, **lengths, cells=cells, clamps=tuple(clamp.times(change) for clamp in self.clamps))
+
     def record(self) -> dict[str, Any]:
         """As it stands in law.json."""
         return {

@@ -1,7 +1,7 @@
 """Derivatives of an arm's own law by its design."""
 
 import json
-from dataclasses import replace
+from dataclasses import fields, replace
 from functools import cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -37,10 +37,10 @@ def pieces() -> ArmPieces:
     return ArmPieces(config(), 0.04).with_derivatives()
 
 
-def law_at_one_pressure(arm: ArmPieces) -> ArmLaw:
+def law_at_one_pressure(arm: ArmPieces, pressure: float = PRESSURE) -> ArmLaw:
     with TemporaryDirectory() as folder, open_store(folder, arm.config) as store:
         curves = PieceCurves(arm, store, Silent())
-        cell = curves.cell(PRESSURE, BEND)
+        cell = curves.cell(pressure, BEND)
         ((clamp,), (tip,)) = (curves.ends(end, [cell.curve], 1).measured for end in (CLAMP, TIP))
     made = arm.repetition
     law = ArmLaw(2.0 * made.half_pitch, made.middle, arm.design.length, (cell.curve,), (clamp.curve,), (tip.curve,))
@@ -65,6 +65,25 @@ def test_by_the_modulus_as_moments_and_pressures_scale() -> None:
     # interpolated between the states of the cell
     assert rate.clamps[0].rotation == pytest.approx(-turned / rate.value, abs=0.03 * np.abs(turned).max())
     assert (rate.value, rate.unit, rate.length) == (1.2, "MPa", 0.0)
+
+
+def test_moduli_times_a_factor_need_no_finite_elements() -> None:
+    """A law of half the modulus, solved at half the pressure, is the law of the arm scaled by one half."""
+    softer = ArmPieces(config("material.E=0.6 MPa"), 0.04).with_derivatives()
+    solved, scaled = law_at_one_pressure(softer, 0.5 * PRESSURE), law().scaled(0.5)
+    curves = [(law.cells[0], law.clamps[0], law.tips[0]) for law in (solved, scaled, law())]
+    for own, by_factor, known in zip(*curves, strict=True):
+        for field in fields(own):
+            expected, old = getattr(own, field.name), getattr(known, field.name)
+            assert getattr(by_factor, field.name) == pytest.approx(expected, rel=1e-9, abs=1e-9 * np.abs(old).max())
+    for name, rate in solved.rates.items():
+        other = scaled.rates[name]
+        assert other.value == pytest.approx(rate.value)
+        for own, by_factor in ((rate.cells[0], other.cells[0]), (rate.clamps[0], other.clamps[0])):
+            for field in fields(own):
+                expected = getattr(own, field.name)
+                close = pytest.approx(expected, rel=1e-5, abs=1e-6 * np.abs(expected).max())
+                assert getattr(by_factor, field.name) == close
 
 
 @pytest.mark.parametrize("name", ["wall", "chamber_length"])

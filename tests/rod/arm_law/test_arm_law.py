@@ -10,6 +10,7 @@ from rod import FiveParameters, Load, Rod, RodError
 from rod.arm_law.curves import CellCurve, ClampCurve, TipCurve
 from rod.arm_law.law import ArmLaw
 from rod.arm_law.record import law_from_record, law_record
+from rod.arm_law.scaling import power_of_modulus
 from rod.arm_law.section import section_at
 
 LENGTH, PITCH = 110.0, 10.0
@@ -402,3 +403,20 @@ def test_what_the_law_has_itself_is_refused_beside_it() -> None:
         Rod(length=LENGTH, law=FiveParameters(EI, EI, 0.0, 0.0, 20.0))
     with pytest.raises(RodError, match="needs a law"):
         Rod(LENGTH, 0.0)
+
+
+def test_all_moduli_times_a_factor() -> None:
+    """Pressures, moments and forces times the factor; the shapes are the same, and the range of pressures moves."""
+    law = law_of(straight_law(10.0, -0.004, EA=1e4, GA=3e3), straight_law(30.0, -0.012, EA=1e4, GA=3e3))
+    scaled = law.scaled(0.6)
+    assert scaled.pressures == pytest.approx((6.0, 18.0))
+    force = np.array([0.01, -0.02])
+    known, other = law.at(20.0).solve(force), scaled.at(12.0).solve(0.6 * force)
+    assert np.abs(other.positions(other.s) - known.positions(known.s)).max() < 1e-9 * LENGTH
+    assert np.abs(other.moment - 0.6 * known.moment).max() < 1e-9 * np.abs(known.moment).max()
+    assert [
+        power_of_modulus(key) for key in ("moment_by_pressure_N_mm_per_kPa", "min_J", "offset_by_moment_per_N")
+    ] == [*(0, 0, -1)]
+    for factor in (0.0, -1.0, np.nan):
+        with pytest.raises(RodError):
+            law.scaled(factor)
