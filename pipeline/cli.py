@@ -89,7 +89,6 @@ def rod(
     end: Annotated[str | None, typer.Option(metavar="[X, Y]", help="Position of the end from the clamp.")] = None,
     orientation: Orientation = None,
     tip_mass: TipMass = None,
-    extrapolate: Annotated[bool, typer.Option("--extrapolate", help="Go beyond the identified pressures.")] = False,
     kind: Kind = None,
     out: Annotated[Path | None, typer.Option("--out", metavar="FILE", help="Write the shape as CSV.")] = None,
 ) -> None:
@@ -99,7 +98,7 @@ def rod(
 
     loads = EndLoads.read(force, moment, end_y, end, Weight.read(orientation, tip_mass))
     chosen = rod_of_path(path, kind)
-    selected = rod_at(chosen, pressure, extrapolate)
+    selected = rod_at(chosen, pressure)
     shape = loads.shape(selected)
     print_lines(*end_lines(selected, shape, chosen.error_text))
     if out is not None:
@@ -184,18 +183,12 @@ def export(
     out: Annotated[
         Path | None, typer.Option("--out", metavar="DIR", help="Folder for the files (default: DIR).")
     ] = None,
-    smooth: Annotated[
-        bool, typer.Option("--smooth", help="Of --rod five: rest curvature averaged over a cell.")
-    ] = False,
-    extrapolate: Annotated[
-        bool, typer.Option("--extrapolate", help="Of --rod five: go beyond the identified pressures.")
-    ] = False,
     force: Annotated[bool, typer.Option("--force", help="Replace files that exist.")] = False,
 ) -> None:
     """The rod to take as a file for another program, with the pressure as its input."""
     from pipeline.rods.export import ExportOptions, exported
 
-    done = exported(folder, to, ExportOptions(pressure, rod, out, smooth, extrapolate, force))
+    done = exported(folder, to, ExportOptions(pressure, rod, out, force))
     print_lines(*(f"written: {file}" for file in done.files), *done.sentences)
 
 

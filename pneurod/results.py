@@ -21,10 +21,10 @@ from pipeline.rods.checks import check_parameters
 from pipeline.rods.choice import RodOfRun, check_kind, choose_rod, nothing_identified
 from pipeline.rods.end_loads import Weight
 from pipeline.rods.pressures import PressureFor, Wish, pressures_for
-from pneurod.arguments import given_choice, given_number, given_pair, given_path, given_pressure
+from pneurod.arguments import given_number, given_pair, given_path, given_pressure
 from pneurod.frames import by_pressure, curves_frame, expanded, frame_of, profiles
 from pneurod.sensitivities import sensitivities_frame
-from rod import PARAMETER_COLUMNS, ArmLaw, FiveParameters, Interval, OutsidePressures, Rod, RodWarning
+from rod import PARAMETER_COLUMNS, ArmLaw, FiveParameters, Interval, Rod, RodWarning
 from rod import RodError as NoRod
 from rod.same_pressure import known_at
 
@@ -186,24 +186,21 @@ class Results:
         row, column = self._row(pressure_kPa), PARAMETER_COLUMNS[name]
         return Interval(*(float(row[f"{column}{ending}"]) for ending in ("", "_std", "_95_low", "_95_high")))
 
-    def rod(self, pressure_kPa: float | str, kind: str | None = None, *, extrapolate: bool = False) -> Rod:
+    def rod(self, pressure_kPa: float | str, kind: str | None = None) -> Rod:
         """The rod at a pressure, in kPa or written with its unit ("12 kPa"): the one that the verdict recommends.
 
         kind: "law" for the arm's own law, "five" for the five parameters of the paper, "five_extensible" for those of
-        the rod whose curve stretches. Its origin is the clamped end of the material curve. extrapolate: five
-        parameters also outside the identified pressures.
+        the rod whose curve stretches. Its origin is the clamped end of the material curve.
 
         Warns with `RodWarning` where the rod is less certain than usual; its `notes`, and those of its shapes, say the
         same. Raises InputError outside its pressures, where the run has no such rod, and for an arm that leaves its
         plane.
         """
         check_kind(kind, "kind: ")
-        beyond, pressure = given_choice(extrapolate, "extrapolate"), given_pressure(pressure_kPa)
+        pressure = given_pressure(pressure_kPa)
         chosen = self._chosen(kind)
         try:
-            rod = chosen.at(pressure, extrapolate=beyond)
-        except OutsidePressures as failure:
-            raise InputError(f"{failure} Give extrapolate=True to go beyond it.") from None
+            rod = chosen.at(pressure)
         except NoRod as failure:
             raise InputError(str(failure)) from None
         for note in rod.notes:

@@ -4,8 +4,7 @@ Numbers and kappa_0(s) curve over the pressure, because walls meet and materials
 pressures miss that. The five parameters and the eccentricity follow monotone cubics (PCHIP), which never go beyond two
 neighbours, so that a rigidity stays positive. F. N. Fritsch, R. E. Carlson, SIAM J. Numer. Anal. 17 (1980).
 
-Outside the identified pressures, on request alone, the parameters follow the lines through the two outermost values; so
-do kappa_0 and the rest stretch above, while below they go to the arm without pressure where that is straight.
+Outside the identified pressures there is no rod.
 
 kappa_0(s) and the rest stretch ripple along the arm by more than their mean, so that their interpolation must be linear
 in the values: only then is the mean of the interpolated profile the interpolated mean. They and theta0 follow cubics
@@ -14,7 +13,7 @@ pressure, unless something else than the pressure of the run bends the arm. With
 """
 
 from dataclasses import dataclass
-from typing import Any, final
+from typing import Any
 
 import numpy as np
 
@@ -28,15 +27,8 @@ from rod.law import PARAMETER_NAMES, FiveParameters
 from rod.mechanics.equilibrium import Rod
 from rod.same_pressure import as_known, known_at
 
-#: how far beyond the highest identified pressure a rod is extrapolated, over the range of identified pressures
-FARTHEST = 0.5
 #: where the numbers at an identified pressure come from
 IDENTIFIED = "identified"
-
-
-@final
-class OutsidePressures(RodError):
-    """A pressure outside the identified range, which the rod can be extrapolated to."""
 
 
 @dataclass(frozen=True)
@@ -70,29 +62,17 @@ class PressurisedRod:
         if any(given and len(given) != count for given in (self.extensions, self.moment_ranges)):
             raise RodError("Where extensions or ranges of moments are given, every pressure needs its own.")
 
-    def at(self, pressure: float, *, extrapolate: bool = False) -> Rod:
-        """The rod at a pressure (kPa) in the identified range; outside it only on request.
-
-        Below the range the rest shape goes to the straight arm without pressure, if it is straight. Above it kappa_0
-        and the rest stretch follow the lines through the two outermost values, and theta0 keeps its last value. All
-        else follows such lines below and above.
-
-        Raises `OutsidePressures`, a `RodError`, outside the range unless asked; `RodError` below 0 kPa, above the range
-        by more than `FARTHEST` of it, and where the extrapolated parameters are no law.
-        """
-        self._interval(pressure, extrapolate)  # refuses what is outside
-        origin = self.origin_at(pressure)
-        try:
-            law = FiveParameters(*(self._at([getattr(law, n) for law in self.laws], pressure) for n in PARAMETER_NAMES))
-        except RodError as failure:
-            raise RodError(f"No rod can be extrapolated to {pressure:g} kPa: {failure}") from None
+    def at(self, pressure: float) -> Rod:
+        """The rod at a pressure (kPa) in the identified range. Raises `RodError` outside it."""
+        origin = self.origin_at(pressure)  # refuses what is outside
+        law = FiveParameters(*(self._at([getattr(law, n) for law in self.laws], pressure) for n in PARAMETER_NAMES))
         extension = None
         if self.extensions:
             rest = self._shape_at([e.rest_stretch for e in self.extensions], pressure, 1.0)
             eccentricity = self._at([e.eccentricity for e in self.extensions], pressure)
             extension = Extension(self.extensions[0].s, rest, float(eccentricity))
         kappa_0 = self._shape_at(self.kappa_0, pressure, 0.0)
-        theta0 = float(self._shape_at(self.theta0, min(float(pressure), float(self.pressures[-1])), 0.0))
+        theta0 = float(self._shape_at(self.theta0, pressure, 0.0))
         profile = np.column_stack([self.s, kappa_0])
         return Rod(
             self.length,
@@ -103,69 +83,46 @@ class PressurisedRod:
             extension=extension,
             weight=self.weight,
             weight_height=self.weight_height,
-            moment_range=self.moment_range_at(pressure, extrapolate=extrapolate),
+            moment_range=self.moment_range_at(pressure),
             notes=() if origin == IDENTIFIED else (f"The parameters at {pressure:g} kPa are {origin}.",),
         )
 
     def _at(self, values: Any, pressure: float) -> Any:
-        """Values (n, ...) over the pressures at one of them, at one between by monotone cubics, or beyond by lines."""
+        """Values (n, ...) over the pressures at one of them, or at one between by monotone cubics."""
         p, v = self.pressures, np.asarray(values, float)
-        known = _at_or_beyond(p, v, pressure)
-        return cubic(p, v, monotone_slopes(p, v), pressure) if known is None else known
+        known = known_at(p, pressure)
+        return cubic(p, v, monotone_slopes(p, v), pressure) if known is None else v[known]
 
     def _shape_at(self, values: Any, pressure: float, straight: float) -> Any:
         """Values (n, ...) at a pressure, by cubics that are linear in them; straight: the value of the straight arm."""
         p, v = self.pressures, np.asarray(values, float)
         if self.straight_without_pressure and p[0] > 0.0:
             p, v = np.append(0.0, p), np.concatenate([np.full_like(v[:1], straight), v])
-        known = _at_or_beyond(p, v, pressure)
+        known = known_at(p, pressure)
         if known is not None:
-            return known
+            return v[known]
         return cubic(p, v, np.gradient(v, p, axis=0, edge_order=2 if len(p) > 2 else 1), pressure)
 
-    def moment_range_at(self, pressure: float, *, extrapolate: bool = False) -> MomentRange | None:
-        """The range of moments behind the rod at a pressure (kPa), None where it is not given; outside the identified
-        pressures that of the nearest one. Raises as `at`."""
-        i, j, t = self._interval(pressure, extrapolate)
-        t = min(max(t, 0.0), 1.0)
+    def moment_range_at(self, pressure: float) -> MomentRange | None:
+        """The range of moments behind the rod at a pressure (kPa), None where it is not given. Raises as `at`."""
+        i, j, t = self._interval(pressure)
         return self.moment_ranges[i].between(self.moment_ranges[j], t) if self.moment_ranges else None
 
     def origin_at(self, pressure: float) -> str:
-        """Where the numbers at a pressure (kPa) come from, in words. Raises `RodError` as `at` does on request."""
-        i, j, _ = self._interval(pressure, extrapolate=True)
+        """Where the numbers at a pressure (kPa) come from, in words. Raises `RodError` as `at`."""
+        i, j, _ = self._interval(pressure)
         p = self.pressures
         if known_at(p, pressure) is not None:
             return IDENTIFIED
-        if p[0] <= pressure <= p[-1]:
-            return f"interpolated between those identified at {p[i]:g} and {p[j]:g} kPa"
-        return f"extrapolated from those identified at {p[i]:g} and {p[j]:g} kPa"
+        return f"interpolated between those identified at {p[i]:g} and {p[j]:g} kPa"
 
-    def _interval(self, pressure: float, extrapolate: bool) -> tuple[int, int, float]:
+    def _interval(self, pressure: float) -> tuple[int, int, float]:
         """Indices of the two pressures between which to interpolate, and the fraction of the interval between them."""
         p = self.pressures
         pressure = as_known(p, finite(pressure, "The pressure in kPa"))
+        if not p[0] <= pressure <= p[-1]:
+            raise RodError(f"{pressure:g} kPa lies outside the identified range of {p[0]:g} to {p[-1]:g} kPa.")
         if len(p) == 1:
-            if pressure != p[0]:
-                raise RodError(f"From one pressure, {p[0]:g} kPa, there is no line to extrapolate to {pressure:g} kPa.")
             return 0, 0, 0.0
-        outside = f"{pressure:g} kPa lies outside the identified range of {p[0]:g} to {p[-1]:g} kPa"
-        if pressure < 0.0:
-            raise RodError(f"{outside}, and rods are not extrapolated below 0 kPa.")
-        if pressure > p[-1] + FARTHEST * (p[-1] - p[0]):
-            raise RodError(f"{outside} by more than half of it, and is not extrapolated so far.")
-        if not (p[0] <= pressure <= p[-1]) and not extrapolate:
-            raise OutsidePressures(f"{outside}.")
         i = int(np.clip(np.searchsorted(p, pressure) - 1, 0, len(p) - 2))
         return i, i + 1, float((pressure - p[i]) / (p[i + 1] - p[i]))
-
-
-def _at_or_beyond(p: Array, v: Array, pressure: float) -> Any | None:
-    """Values v (n, ...) at one of the pressures p (n,), or beyond them by the line through the two outermost values;
-    None between them."""
-    if (known := known_at(p, pressure)) is not None:
-        return v[known]
-    if p[0] < pressure < p[-1]:
-        return None
-    i = 0 if pressure < p[0] else len(p) - 2
-    t = (pressure - p[i]) / (p[i + 1] - p[i])
-    return (1.0 - t) * v[i] + t * v[i + 1]

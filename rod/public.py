@@ -20,7 +20,7 @@ from rod.law import PARAMETER_COLUMNS, PARAMETER_NAMES, FiveParameters, TwoSlope
 from rod.load import Load
 from rod.mechanics.equilibrium import Rod
 from rod.pressures import LinearRange, Quantity, Straightness, linear_range, next_pressure, straightness
-from rod.pressurised_rod import OutsidePressures, PressurisedRod
+from rod.pressurised_rod import PressurisedRod
 from rod.solution import RodSolution
 from rod.warm_up import compile_kernels
 
@@ -43,7 +43,6 @@ __all__ = [
     "Load",
     "Moment",
     "MomentRange",
-    "OutsidePressures",
     "PressurisedRod",
     "Quantity",
     "Robot",

@@ -51,15 +51,13 @@ class RodOfRun:
         known = self.source.pressures
         return float(known[0]), float(known[-1])
 
-    def at(self, pressure_kPa: float, *, extrapolate: bool = False) -> Rod:
+    def at(self, pressure_kPa: float) -> Rod:
         """The rod at a pressure; its origin is the clamped end of the material curve.
 
-        Raises `RodError` outside its pressures; on request five parameters go beyond them.
+        Raises `RodError` outside its pressures.
         """
         if isinstance(self.source, PressurisedRod):
-            rod = replace(self.source.at(pressure_kPa, extrapolate=extrapolate), mass=self.mass)
-        elif extrapolate:
-            raise InputError("the arm's own law is not extrapolated; measure it at more pressures, or take rod five")
+            rod = replace(self.source.at(pressure_kPa), mass=self.mass)
         else:
             rod = Rod(self.source.length, law=self.source.at(pressure_kPa))
         return replace(rod, notes=(*self.notes, *rod.notes))

@@ -18,7 +18,6 @@ from pipeline.store.result_folder import open_file
 from rod.arm_law.law import LawRod
 from rod.errors import LoadError, RodError, RodWarning
 from rod.mechanics.equilibrium import Rod
-from rod.pressurised_rod import OutsidePressures
 from rod.solution import RodSolution
 from rod.weight import gravity_direction, in_grams
 
@@ -123,13 +122,11 @@ def _pair_of(text: str) -> str | list[str | float]:
     return list(parts)
 
 
-def rod_at(rods: RodOfRun, pressure: str, extrapolate: bool = False) -> Rod:
+def rod_at(rods: RodOfRun, pressure: str) -> Rod:
     """The rod at a pressure written with its unit. Raises InputError."""
     value = option_value("--pressure", pressure, PRESSURE)
     try:
-        return rods.at(value, extrapolate=extrapolate)
-    except OutsidePressures as failure:
-        raise InputError(f"--pressure {pressure}: {failure} Give --extrapolate to go beyond it.") from None
+        return rods.at(value)
     except RodError as failure:
         raise InputError(f"--pressure {pressure}: {failure}") from None
 

@@ -34,8 +34,6 @@ class ExportOptions:
     pressure: str | None = None  #: with its unit; None for all pressures
     rod: str | None = None  #: one of RODS; None for the one to take
     out: Path | None = None  #: folder of the files; None for the result folder
-    smooth: bool = False  #: kappa_0 of the five parameters averaged over a cell
-    extrapolate: bool = False  #: beyond the identified pressures of the five parameters
     force: bool = False  #: replace files that exist
 
     @property
@@ -87,8 +85,6 @@ def _without_weight(law: ArmLaw) -> ArmLaw:
 
 def _of_law(law: ArmLaw, run: Run | None, folder: Path, target: str, options: ExportOptions) -> Exported:
     """The rod with the arm's own law; run: None where the folder has nothing else."""
-    if options.extrapolate or options.smooth:
-        raise InputError("--extrapolate, --smooth: are for --rod five; the arm's own law takes neither")
     solid, light = None if run is None else solid_of(run), _without_weight(law)
     if run is None and target in PROGRAMS:
         raise InputError(f"{folder}: has a law and no mass, which {target} needs; give the folder of `pneurod run`")
@@ -120,7 +116,6 @@ def _of_five(run: Run, target: str, options: ExportOptions) -> Exported:
     """The inextensible rod with five parameters."""
     saved = SavedRod.read(run.directory / "parameters.json")
     arm = _arm(saved, options)
-    arm = arm.smoothed() if options.smooth else arm
     solid = solid_of(run)
     is_interpolated = target in PROGRAMS and not PROGRAMS[target].is_linear
     robot = Robot.of_five(arm, solid, between=is_interpolated)
@@ -186,18 +181,18 @@ def _arm(saved: SavedRod, options: ExportOptions) -> Arm:
     if options.pressure is None:
         pressures = tuple(float(pressure) for pressure in saved.rods.pressures)
         rods = tuple(saved.rods.at(pressure) for pressure in pressures)
-        arm = Arm(pressures, rods, deviations=saved.deviations, smooth=saved.smooth(pressures))
+        arm = Arm(pressures, rods, deviations=saved.deviations)
         if len(pressures) == 1:
             return arm
         more = divide_pressures(pressures)
         between = tuple(saved.rods.at(pressure) for pressure in more)
-        return replace(arm, finer=Arm(more, between, smooth=saved.smooth(more)))
+        return replace(arm, finer=Arm(more, between))
     pressure = as_known(saved.rods.pressures, option_value("--pressure", options.pressure, PRESSURE))
     if pressure <= 0.0:
         raise InputError(
             f"--pressure {options.pressure}: is not exported; give one above 0 kPa, at which the arm is at rest"
         )
-    selected = saved.at(options.pressure, options.extrapolate)
+    selected = saved.at(options.pressure)
     deviations = saved.deviations_at(pressure)
     origin = saved.rods.origin_at(pressure)
-    return Arm((pressure,), (selected,), origin, deviations, saved.smooth((pressure,)))
+    return Arm((pressure,), (selected,), origin, deviations)

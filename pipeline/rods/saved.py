@@ -1,14 +1,13 @@
 """The rod of a parameters.json."""
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from geometry.arrays import Array
 from pipeline.config.units import PRESSURE
 from pipeline.errors import InputError
 from pipeline.rods.checks import check_parameters
@@ -20,7 +19,7 @@ from rod.identification.moment_range import MomentRange
 from rod.law import PARAMETER_COLUMNS, FiveParameters
 from rod.load import pair
 from rod.mechanics.equilibrium import Rod
-from rod.pressurised_rod import OutsidePressures, PressurisedRod
+from rod.pressurised_rod import PressurisedRod
 from rod.same_pressure import known_at
 
 
@@ -31,7 +30,6 @@ class SavedRod:
     rods: PressurisedRod
     mass_g: float | None  #: None where the configuration has no density
     deviations: Mapping[str, tuple[float, ...]]  #: standard deviations by PARAMETER_NAMES; empty: not in the file
-    averaged: tuple[Array, Array] | None  #: s (m,) in mm and kappa_0 (n, m) averaged over a cell; None likewise
 
     @staticmethod
     def read(path: Path, extensible: bool = False) -> "SavedRod":
@@ -40,12 +38,7 @@ class SavedRod:
             content = json.loads(path.read_text(encoding="utf-8"))
             refuse_without_parameters(path, content)
             mass = None if content["mass_g"] is None else float(content["mass_g"])
-            return SavedRod(
-                pressurised_rod(content, extensible),
-                mass,
-                _deviations(content),
-                _averaged(content["kappa_0"]),
-            )
+            return SavedRod(pressurised_rod(content, extensible), mass, _deviations(content))
         except OSError as failure:
             reason = (
                 f"cannot be read ({failure.strerror}); give the folder of a run, its parameters.json or its law.json"
@@ -59,16 +52,14 @@ class SavedRod:
                 f"{path}: {problem}; give the folder of a run, its parameters.json or its law.json"
             ) from None
 
-    def at(self, pressure: str, extrapolate: bool = False) -> Rod:
+    def at(self, pressure: str) -> Rod:
         """The rod at a pressure written with its unit; its origin is the clamped end of the material curve.
 
         Raises InputError.
         """
         value = option_value("--pressure", pressure, PRESSURE)
         try:
-            return self.rods.at(value, extrapolate=extrapolate)
-        except OutsidePressures as failure:
-            raise InputError(f"--pressure {pressure}: {failure} Give --extrapolate to go beyond it.") from None
+            return self.rods.at(value)
         except RodError as failure:
             raise InputError(f"--pressure {pressure}: {failure}") from None
 
@@ -76,19 +67,6 @@ class SavedRod:
         """The standard deviations at an identified pressure (kPa) by PARAMETER_NAMES; elsewhere they are not known."""
         k = known_at(self.rods.pressures, pressure)
         return {} if k is None else {name: (values[k],) for name, values in self.deviations.items()}
-
-    def smooth(self, pressures: Sequence[float]) -> tuple[Array, ...]:
-        """Columns (m, 2) of s and the averaged kappa_0 at pressures (kPa), straight lines between; empty without it.
-
-        Below the lowest pressure that of the lowest one where the arm is not straight without pressure.
-        """
-        if self.averaged is None:
-            return ()
-        s, kappa = self.averaged
-        known = np.append(0.0, self.rods.pressures)
-        over = np.vstack([kappa[:1] * (not self.rods.straight_without_pressure), kappa])
-        columns = [[float(np.interp(pressure, known, values)) for values in over.T] for pressure in pressures]
-        return tuple(np.column_stack([s, column]) for column in columns)
 
 
 def _problem(failure: Exception) -> str:
@@ -107,12 +85,6 @@ def _deviations(content: Mapping[str, Any]) -> dict[str, tuple[float, ...]]:
     if any(not column or None in column for column in columns.values()):
         return {}
     return {name: tuple(float(value) for value in column) for name, column in columns.items()}
-
-
-def _averaged(profile: Mapping[str, Any]) -> tuple[Array, Array] | None:
-    if "cell_averaged_per_mm" not in profile:
-        return None
-    return np.array(profile["cell_s_mm"], float), np.array(profile["cell_averaged_per_mm"], float)
 
 
 def pressurised_rod(content: Mapping[str, Any], extensible: bool = False) -> PressurisedRod:

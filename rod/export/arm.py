@@ -1,12 +1,11 @@
 """A rod with five parameters over its pressures."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from itertools import pairwise
 
 import numpy as np
 
-from geometry.arrays import Array
 from rod.errors import RodError
 from rod.law import PARAMETER_COLUMNS
 from rod.mechanics.equilibrium import Rod
@@ -35,7 +34,6 @@ class Arm:
     origin: str = IDENTIFIED  #: where the numbers at these pressures come from
     #: standard deviations by PARAMETER_NAMES, one per pressure; empty: not known
     deviations: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
-    smooth: tuple[Array, ...] = ()  #: (m, 2) columns s and kappa_0 averaged over a cell, per pressure; empty: not known
     #: the same at more pressures, for files whose program interpolates between theirs; None: at these
     finer: "Arm | None" = None
 
@@ -63,19 +61,3 @@ class Arm:
     def tabulated(self) -> "Arm":
         """The arm at the pressures between which a program interpolates linearly."""
         return self if self.finer is None else self.finer
-
-    def smoothed(self) -> "Arm":
-        """The arm with the averaged kappa_0 and an unchanged rotation of the end. Raises `RodError` without one."""
-        if not self.smooth:
-            raise RodError("The file has no rest curvature averaged over the cells.")
-        rods = tuple(_with_curve(rod, curve) for rod, curve in zip(self.rods, self.smooth, strict=True))
-        return replace(self, rods=rods, finer=None if self.finer is None else self.finer.smoothed())
-
-
-def _with_curve(rod: Rod, curve: Array) -> Rod:
-    """The rod with kappa_0 (m, 2) that ends short of both ends; constant there, and shifted to the same rotation."""
-    s = np.concatenate([[0.0], curve[:, 0], [rod.length]])
-    kappa = np.concatenate([curve[:1, 1], curve[:, 1], curve[-1:, 1]])
-    free = rod.solve()
-    missing = free.theta[-1] - free.theta[0] - np.trapezoid(kappa, s)
-    return replace(rod, kappa_0=np.column_stack([s, kappa + missing / rod.length]))

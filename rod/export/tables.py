@@ -47,16 +47,12 @@ def table(rod: Rod, s: Array | None = None) -> dict[str, Array]:
 
 
 def arm_table(arm: Arm) -> dict[str, Array]:
-    """`table` of all pressures one below the other, with the pressure, the angle at the clamp, standard deviations and
-    the smooth kappa_0."""
-    smooth = arm.smoothed().rods if arm.smooth else ()
-    s = positions([*arm.rods, *smooth])
+    """`table` of all pressures one below the other, with pressure, angle at the clamp and standard deviations."""
+    s = positions(arm.rods)
     parts: list[dict[str, Array]] = []
     for index, (pressure, rod) in enumerate(zip(arm.pressures, arm.rods, strict=True)):
         ends = {"pressure_kPa": np.full(len(s), pressure), "theta0_rad": np.full(len(s), rod.theta0)}
         part = {**ends, **table(rod, s)}
-        if smooth:
-            part["kappa_0_smooth_per_mm"] = table(smooth[index], s)["kappa_0_per_mm"]
         first = part["s_mm"] < rod.five.d
         for name, pair in {"alpha_N_mm2": ("alpha1", "alpha2"), "m0_N_mm": ("m01", "m02")}.items():
             if arm.deviations:
@@ -78,8 +74,7 @@ def _write_columns(columns: Mapping[str, Array], path: Path) -> None:
 
 def write_json(arm: Arm, mass: float | None, path: Path) -> None:
     """The five parameters with their standard deviations, the clamp and the curves over the pressures; mass: g."""
-    smooth = arm.smoothed().rods if arm.smooth else ()
-    s = positions([*arm.rods, *smooth])
+    s = positions(arm.rods)
     tables = [table(rod, s) for rod in arm.rods]
     content: dict[str, Any] = {
         "length_mm": arm.length,
@@ -92,8 +87,6 @@ def write_json(arm: Arm, mass: float | None, path: Path) -> None:
     }
     for name in ("kappa_0_per_mm", "kappa_rest_per_mm"):
         content[name] = [columns[name].tolist() for columns in tables]
-    if smooth:
-        content["kappa_0_smooth_per_mm"] = [table(rod, s)["kappa_0_per_mm"].tolist() for rod in smooth]
     path.write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")
 
 

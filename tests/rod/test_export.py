@@ -31,14 +31,13 @@ LOWER = Rod(112.0, 0.008 * RIPPLE, FiveParameters(160.0, 300.0, -0.4, 0.1, 12.0)
 PRESSURES = (17.0, 37.0)
 FORCE = (0.01, -0.05)
 STD = {"alpha1": (9.0, 8.0), "alpha2": (1.0, 2.0), "m01": (0.3, 0.4), "m02": (0.01, 0.02), "d": (0.5, 0.6)}
-SMOOTH = tuple(np.column_stack([S[20:-20], np.full(185, kappa)]) for kappa in (0.008, 0.015))
 SOLID = Solid(16.5, 1.2, 130.0, Section(-1.0, 16.0, 15.0, 4.0, (25.0, 18.0)), 0.1)
 #: of the largest distance from the rod over the length
 SMALL = 3e-3
 
 
 def arm() -> Arm:
-    return Arm(PRESSURES, (LOWER, ROD), deviations=STD, smooth=SMOOTH)
+    return Arm(PRESSURES, (LOWER, ROD), deviations=STD)
 
 
 @pytest.fixture(scope="module")
@@ -325,7 +324,7 @@ def test_tables_carry_the_five_parameters(tmp_path: Path) -> None:
     lines = file.read_text().splitlines()
     whole = arm_table(arm())
     assert lines[0].split(",") == list(whole)
-    assert {"pressure_kPa", "kappa_0_smooth_per_mm", "alpha_N_mm2_std", "m0_N_mm_std"} <= set(whole)
+    assert {"pressure_kPa", "alpha_N_mm2_std", "m0_N_mm_std"} <= set(whole)
     rows = np.loadtxt(lines[1:], delimiter=",")
     assert np.array_equal(np.unique(rows[:, 0]), PRESSURES)
     upper = {name: column[rows[:, 0] == PRESSURES[1]] for name, column in zip(whole, rows.T, strict=True)}
@@ -371,9 +370,6 @@ def test_tables_turn_the_end_as_the_rod() -> None:
     assert np.trapezoid(columns["kappa_0_per_mm"], columns["s_mm"]) == pytest.approx(turned, rel=1e-9)
     coarse = table(rod, np.linspace(0.0, 112.0, 225))
     assert abs(np.trapezoid(coarse["kappa_0_per_mm"], coarse["s_mm"]) / turned - 1.0) > 1e-3
-    smooth = np.column_stack([np.linspace(5.0, 107.0, 30), np.full(30, -0.02)])
-    both = arm_table(Arm((17.0,), (rod,), smooth=(smooth,)))
-    assert np.trapezoid(both["kappa_0_smooth_per_mm"], both["s_mm"]) == pytest.approx(turned, rel=1e-9)
 
 
 def test_tables_have_both_sides_of_the_jump_at_d() -> None:
@@ -388,15 +384,6 @@ def test_tables_have_both_sides_of_the_jump_at_d() -> None:
     assert abs(np.trapezoid(without["kappa_rest_per_mm"], without["s_mm"]) - turned) > 0.04 * jump
     compliance = np.trapezoid(1.0 / columns["alpha_N_mm2"], columns["s_mm"])
     assert compliance == pytest.approx(13.7 / five.alpha1 + (112.0 - 13.7) / five.alpha2, rel=1e-7)
-
-
-def test_the_smooth_curve_has_no_ripple_and_the_rotation_of_the_end() -> None:
-    for rod, smooth in zip((LOWER, ROD), arm().smoothed().rods, strict=True):
-        free, plain = rod.solve(), smooth.solve()
-        assert np.ptp(plain.kappa) < 0.05 * np.ptp(free.kappa)
-        assert plain.theta[-1] == pytest.approx(free.theta[-1], abs=1e-4)
-    with pytest.raises(RodError, match="no rest curvature averaged"):
-        Arm((17.0,), (ROD,)).smoothed()
 
 
 def test_mujoco_opens_the_urdf_of_somo_with_the_springs_of_its_definition(law: ArmLaw, tmp_path: Path) -> None:

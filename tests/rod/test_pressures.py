@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from rod import Extension, FiveParameters, MomentRange, OutsidePressures, RodError
+from rod import Extension, FiveParameters, RodError
 from rod.pressures import Quantity, linear_range, next_pressure, straightness
 from rod.pressurised_rod import PressurisedRod
 
@@ -94,69 +94,43 @@ def test_the_mean_of_an_interpolated_profile_is_the_interpolated_mean():
 
 
 def test_an_arm_that_is_bent_without_pressure_does_not_go_to_a_straight_one():
-    """The same states at all pressures, as of an arm that carries its weight: so are those between and below."""
+    """An arm that carries its weight has equal states at all pressures, and between them."""
     p = np.array([2.0, 4.0])
     laws = (FiveParameters(200.0, 400.0, 0.0, 0.0, 12.0),) * 2
     same = np.full((2, len(S)), -0.01)
     stretched = (Extension(S, np.full(len(S), 1.02), 1.0),) * 2
     bent = PressurisedRod(112.0, p, laws, S, same, np.full(2, 0.1), (0.0, 0.0), stretched, (), False)
-    for pressure in (0.0, 1.0, 2.0, 3.0, 4.0, 4.5):
-        rod = bent.at(pressure, extrapolate=True)
+    for pressure in (2.0, 3.0, 4.0):
+        rod = bent.at(pressure)
         assert np.asarray(rod.kappa_0)[:, 1] == pytest.approx(-0.01, abs=1e-12)
         assert rod.theta0 == pytest.approx(0.1, abs=1e-12)
         assert rod.extension is not None
         assert rod.extension.rest_stretch == pytest.approx(1.02, abs=1e-12)
     straight = dataclasses.replace(bent, straight_without_pressure=True)
     assert np.asarray(straight.at(3.0).kappa_0)[0, 1] == pytest.approx(-0.01125)
-    assert np.asarray(straight.at(0.0, extrapolate=True).kappa_0)[0, 1] == 0.0
 
 
-def test_outside_the_range_only_on_request():
-    with pytest.raises(RodError, match=r"45 kPa lies outside the identified range of 17 to 37 kPa"):
-        ROD.at(45.0)
-    assert ROD.at(45.0, extrapolate=True).law.alpha1 == pytest.approx(52.0)
-    softer = dataclasses.replace(ROD, laws=(ROD.laws[0], dataclasses.replace(ROD.laws[1], alpha1=20.0)))
-    with pytest.raises(RodError, match=r"No rod can be extrapolated to 45 kPa: alpha1 is a rigidity and must be"):
-        softer.at(45.0, extrapolate=True)
+def test_one_pressure_is_a_rod_at_that_pressure():
     single = dataclasses.replace(
         ROD, pressures=ROD.pressures[:1], laws=ROD.laws[:1], kappa_0=ROD.kappa_0[:1], theta0=ROD.theta0[:1]
     )
     assert single.at(17.0).law == ROD.laws[0]
-    with pytest.raises(RodError, match="there is no line to extrapolate"):
-        single.at(20.0, extrapolate=True)
-
-
-def test_below_the_range_the_rest_shape_goes_to_the_straight_arm():
-    stretching = (Extension(S, np.full(len(S), 1.01), 1.0), Extension(S, np.full(len(S), 1.05), 1.0))
-    rod = dataclasses.replace(ROD, extensions=stretching, moment_ranges=(MomentRange(0, 2), MomentRange(0, 5)))
-    at_rest = rod.at(0.0, extrapolate=True)
-    np.testing.assert_array_equal(np.asarray(at_rest.kappa_0)[:, 1], 0.0)
-    assert at_rest.extension is not None
-    np.testing.assert_array_equal(at_rest.extension.rest_stretch, 1.0)
-    assert at_rest.theta0 == 0.0
-    assert at_rest.solve().end == pytest.approx((112.0, 1.0))
-    assert at_rest.five.alpha1 == pytest.approx(97.0)  # on the line
-    below = rod.at(8.0, extrapolate=True)
-    parabola = np.polyval(np.polyfit([0.0, 17.0, 37.0], [0.0, 0.012, 0.03], 2), 8.0)
-    assert np.asarray(below.kappa_0)[0, 1] == pytest.approx(1.1 * parabola)
-    just_below, lowest = rod.at(17.0 - 1e-9, extrapolate=True), rod.at(17.0)
-    np.testing.assert_allclose(np.asarray(just_below.kappa_0), np.asarray(lowest.kappa_0), atol=1e-9)
-    assert rod.moment_range_at(8.0, extrapolate=True) == MomentRange(0, 2)
+    with pytest.raises(RodError, match=r"20 kPa lies outside the identified range of 17 to 17 kPa"):
+        single.at(20.0)
 
 
 @pytest.mark.parametrize(
     ("pressure", "sentence"),
     [
-        (-1.0, r"^-1 kPa lies outside .*, and rods are not extrapolated below 0 kPa\.$"),
-        (47.5, r"^47\.5 kPa lies outside the identified range of 17 to 37 kPa by more than half of it"),
+        (16.0, r"^16 kPa lies outside the identified range of 17 to 37 kPa\.$"),
+        (47.5, r"^47\.5 kPa lies outside the identified range of 17 to 37 kPa\.$"),
         (float("nan"), r"^The pressure in kPa must be a finite number, not nan\.$"),
         ("28 kPa", r"^The pressure in kPa must be a finite number, not '28 kPa'\.$"),
     ],
 )
-def test_pressures_far_outside_and_none_are_refused(pressure, sentence):
-    with pytest.raises(RodError, match=sentence) as refused:
-        ROD.at(pressure, extrapolate=True)
-    assert not isinstance(refused.value, OutsidePressures)
+def test_pressures_outside_and_none_are_refused(pressure, sentence):
+    with pytest.raises(RodError, match=sentence):
+        ROD.at(pressure)
 
 
 @pytest.mark.parametrize(

@@ -94,8 +94,6 @@ def test_a_kind_or_a_pressure_that_is_none_is_refused(tmp_path: Path) -> None:
         results.rod(17.0, kind="six")
     with pytest.raises(pneurod.InputError, match="50 kPa is outside, and it is not extrapolated"):
         results.rod(50.0)
-    with pytest.raises(pneurod.InputError, match=r"the arm's own law is not extrapolated; .* or take rod five"):
-        results.rod(50.0, extrapolate=True)
     with pytest.raises(pneurod.InputError, match=r"^pressure_kPa: '12' has no unit"):
         results.rod("12")
     without = copy_with(tmp_path / "arm", "parameters.json", lambda content: content | {"eccentricity": None})

@@ -162,7 +162,6 @@ def _same(content: dict[str, Any]) -> None:
         (_same, ("--to", "mujoco", "--pressure", "50 kPa"), "50 kPa is outside"),
         (_same, ("--to", "mujoco", "--pressure", "50"), "--pressure: "),
         (_same, ("--to", "mujoco", "--rod", "cell"), "--rod cell: allowed are law, five"),
-        (_same, ("--to", "mujoco", "--smooth"), "are for --rod five"),
         (_same, ("--to", "abaqus"), "allowed are csv, json, mujoco"),
         (_same, (), "--to: allowed are"),
         (_without_density, ("--to", "mujoco"), "needs the mass of the arm; give material.density"),

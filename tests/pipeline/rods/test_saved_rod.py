@@ -125,16 +125,10 @@ def test_the_extensible_rod_has_a_longer_curve(results: Path) -> None:
     assert "five: five parameters, inextensible" in out
 
 
-@pytest.mark.parametrize("smooth", [False, True])
-def test_files_that_interpolate_over_the_pressure_follow_the_cubics_of_the_rod(results: Path, smooth: bool) -> None:
-    file = results / "parameters.json"
-    content = json.loads(file.read_text())
-    content["kappa_0"] |= {"cell_s_mm": [20.0, 90.0], "cell_averaged_per_mm": [[-0.012] * 2, [-0.023] * 2]}
-    file.write_text(json.dumps(content))
+def test_files_that_interpolate_over_the_pressure_follow_the_cubics_of_the_rod(results: Path) -> None:
     springs = {}
     for pressure in ("17 kPa", "24.5 kPa", "37 kPa", "17_to_37kPa"):
         options = ("--pressure", pressure) if " " in pressure else ()
-        options += ("--smooth",) if smooth else ()
         assert call("export", str(results), "--to", "pyelastica", *options)[0] == 0
         program = runpy.run_path(str(results / f"rod_pyelastica_{pressure.replace(' ', '')}.py"))
         now = program["at"](float(pressure.split()[0]) if " " in pressure else 24.5)
@@ -187,11 +181,9 @@ def test_numbers_that_were_not_identified_are_called_so(results: Path) -> None:
     names = ("alpha1_N_mm2", "alpha2_N_mm2", "m01_N_mm", "m02_N_mm", "d_mm")
     Path(file).write_text(json.dumps(content | {f"{name}_std": [0.1, 0.2] for name in names}))
     between = "interpolated between those identified at 17 and 37 kPa"
-    beyond = ("--pressure", "40 kPa", "--extrapolate")
     for options, origin in (
         (("--pressure", "17 kPa"), "identified"),
         (("--pressure", "27 kPa"), between),
-        (beyond, "extrapolated from those identified at 17 and 37 kPa"),
     ):
         code, out, _ = call("rod", file, *options)
         assert code == 0
@@ -227,9 +219,7 @@ def test_the_command_prints_the_end_and_writes_the_shape(results: Path) -> None:
 @pytest.mark.parametrize(
     ("arguments", "code", "sentence"),
     [
-        (("--pressure", "91 kPa"), 2, "outside the identified range of 17 to 37 kPa by more than half of it"),
-        (("--pressure", "40 kPa"), 2, "of 17 to 37 kPa. Give --extrapolate to go beyond it."),
-        (("--pressure", "-1 kPa", "--extrapolate"), 2, "not extrapolated below 0 kPa"),
+        (("--pressure", "40 kPa"), 2, "40 kPa lies outside the identified range of 17 to 37 kPa"),
         (("--pressure", "27"), 2, "has no unit"),
         (("--pressure", "27 kPa", "--force", "[0, 1]"), 2, "has no unit"),
         (("--pressure", "27 kPa", "--force", "0.1 N"), 2, "is not a pair"),
@@ -310,28 +300,18 @@ def test_an_export_at_one_pressure_has_it_in_its_name(results: Path, tmp_path: P
     assert call(*command, "--pressure", "27 kPa")[0] == 0
     assert json.loads((tmp_path / "rod_27kPa.json").read_text())["pressures_kPa"] == [27.0]
     status, _, sentence = call(*command, "--pressure", "45 kPa")
-    assert (status, "--extrapolate" in sentence) == (2, True)
-    assert call(*command, "--pressure", "45 kPa", "--extrapolate")[0] == 0
-    assert (tmp_path / "rod_45kPa.json").is_file()
-    status, _, sentence = call(*command, "--pressure", "50 kPa", "--extrapolate")
-    assert (status, "by more than half of it" in sentence) == (2, True)
-    status, _, sentence = call(*command, "--smooth")
-    assert (status, "no rest curvature averaged" in sentence) == (2, True)
+    assert (status, "outside the identified range" in sentence) == (2, True)
 
 
-def test_standard_deviations_and_the_averaged_curvature_are_exported(results: Path, tmp_path: Path) -> None:
+def test_standard_deviations_are_exported(results: Path, tmp_path: Path) -> None:
     file = results / "parameters.json"
     content = json.loads(file.read_text())
     for key in ("alpha1_N_mm2", "alpha2_N_mm2", "m01_N_mm", "m02_N_mm", "d_mm"):
         content[f"{key}_std"] = [0.5, 0.25]
-    content["kappa_0"] |= {"cell_s_mm": [20.0, 90.0], "cell_averaged_per_mm": [[-0.011, -0.013], [-0.022, -0.024]]}
     file.write_text(json.dumps(content))
     assert call("export", str(results), "--to", "json", "--out", str(tmp_path / "files"))[0] == 0
     written = json.loads((tmp_path / "files" / "rod_17_to_37kPa.json").read_text())
     assert written["d_mm_std"] == [0.5, 0.25]
-    smooth = np.array(written["kappa_0_smooth_per_mm"])
-    assert smooth[:, 112] == pytest.approx([-0.012, -0.023], abs=1e-3)
-    assert call("export", str(results), "--to", "mujoco", "--smooth", "--out", str(tmp_path / "files"))[0] == 0
 
 
 def test_an_unknown_export_is_rejected(results: Path) -> None:
@@ -383,8 +363,6 @@ def test_options_of_the_five_parameters_and_missing_parts_are_named_for_a_law(re
     assert "arm_law: the arm's own law" in out
     status, _, sentence = call(*command, "--rod", "five")
     assert (status, "--rod five: is not in law.json" in sentence) == (2, True)
-    status, _, sentence = call(*command, "--extrapolate")
-    assert (status, "the arm's own law is not extrapolated" in sentence) == (2, True)
     record = json.loads(file.read_text())
     file.write_text(json.dumps({key: value for key, value in record.items() if key != "curves"}))
     status, _, sentence = call(*command)
