@@ -63,7 +63,7 @@ DOORS: dict[str, set[str]] = {
     "distributed": {"pipeline/sweep/workers.py"},
     "dask": {"pipeline/sweep/workers.py"},
     "pyarrow": {"pipeline/sweep/table.py"},
-    "pandas": {"pneurod/results.py", "pneurod/frames.py", "pneurod/sensitivities.py", "pipeline/material/table.py"},
+    "pandas": {"pneurod/results.py", "pneurod/frames.py", "pneurod/sensitivities.py", "pipeline/written_table.py"},
 }
 
 #: what `pneurod --help` must not wait for
@@ -192,7 +192,7 @@ def test_every_door_is_used(library: str) -> None:
         ("fem/model.py", "import importlib\nimportlib.import_module('rod')", "fem has no use for it"),
         ("pipeline/store/store.py", "import pyvista", "its door is pipeline/drawing/pictures.py"),
         ("pipeline/store/store.py", "import requests", "pipeline has no use for it"),
-        ("pipeline/report/page.py", "import pandas", "its door is pipeline/material/table.py"),
+        ("pipeline/report/page.py", "import pandas", "its door is pipeline/written_table.py"),
         ("pipeline/cli.py", "def f():\n    from pneurod import Results", "pipeline must not know pneurod"),
         ("fem/model.py", "import pneurod", "fem must not know pneurod"),
     ],

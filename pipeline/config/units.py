@@ -29,6 +29,7 @@ ACCELERATION = Dimension("an acceleration", "mm/s**2", "-9.81 m/s^2")
 FORCE = Dimension("a force", "N", "0.05 N")
 MOMENT = Dimension("a moment", "N*mm", "1 N*mm")
 ANGLE = Dimension("an angle", "deg", "90 deg")
+MASS = Dimension("a mass", "g", "20 g")
 STRAIN = Dimension("a strain", "dimensionless", "150 %")
 DENSITY = Dimension("a density", "tonne/mm**3", "1130 kg/m^3")
 
@@ -44,6 +45,7 @@ _USUAL: dict[str, dict[str, float]] = {
     "mm/s**2": {"m/s^2": 1e3, "mm/s^2": 1.0},
     "dimensionless": {"%": 0.01},
     "deg": {"deg": 1.0},
+    "g": {"g": 1.0, "kg": 1e3, "mg": 1e-3},
     "tonne/mm**3": {"kg/m^3": 1e-12, "g/cm^3": 1e-9},
 }
 

@@ -1,22 +1,21 @@
-"""The table of tensile tests in a text file, as testing machines and spreadsheets write it.
+"""The table of tensile tests in a text file (`pipeline.written_table`).
 
-Found by themselves are the encoding, the separator, the decimal sign, the line of titles below any metadata, a second
-line of titles, and a line of units. Titles may be English, German or French.
+Found by themselves are the line of titles below any metadata, a second line of titles, and a line of units. Titles may
+be English, German or French.
 """
 
-import io
 import re
-import unicodedata
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import accumulate
 from pathlib import Path
 
 import numpy as np
-import pandas as pd
 
 from geometry.arrays import Array
-from pipeline.config.units import FORCE, LENGTH, STRAIN, STRESS, Dimension, convert
+from pipeline.config.units import FORCE, LENGTH, STRAIN, STRESS, Dimension
 from pipeline.errors import InputError, quoted
+from pipeline.written_table import is_unit, name_and_unit, number_in, per_unit, plain, read_cells
 
 #: what a file without points is told
 EXAMPLE = "a line of titles names columns with their units, for example 'strain (%), stress (MPa)'"
@@ -39,16 +38,9 @@ KINDS = {
                           r"|verformung|stauchung|weg\b|deplacement|allongement|^dl$|^δl$"),
 }  # fmt: skip
 TEST = re.compile(r"(test|specimen|sample|probe|prufling|probekorper|eprouvette|essai)( (name|no\.?|id|nr\.?))?")
-#: how units are written that pint reads otherwise or not at all
-UNITS = {"²": "^2", "mm2": "mm^2", "m2": "m^2", "Mpa": "MPa", "mpa": "MPa", "MPA": "MPa", "KPa": "kPa", "kpa": "kPa"}
-PURE = {"1", "-", "mm/mm", "m/m", "in/in", "dimensionless", "decimal", "abs"}
-PER_CENT = {"percent", "prozent", "pct", "pourcent"}
 #: largest strain without a unit that is a number; beyond it is in per cent, because no rubber bears so much
 LARGEST_STRAIN = 15.0
-_TITLE = re.compile(
-    r"(?P<name>.*?)\s*(?:\((?P<round>[^()]*)\)|\[(?P<square>[^\]]*)\]|(?:/|\bin\b|,|[\s_])\s*(?P<bare>[^\s_]+))?"
-)
-_UTF16 = (b"\xff\xfe", b"\xfe\xff")
+DIMENSIONS = (STRAIN, STRESS, FORCE, LENGTH)
 
 
 @dataclass(frozen=True)
@@ -81,8 +73,8 @@ class _Column:
 
 def read_table(path: Path, specimen: Specimen) -> list[Series]:
     """The tests of a file: one for each name in a column of tests, or for each pair of columns. Raises InputError."""
-    cells = _cells(path)
-    numbers = np.array([[_number(cell) for cell in row] for row in cells], dtype=float)
+    cells = read_cells(path, "tensile tests", EXAMPLE)
+    numbers = np.array([[number_in(cell) for cell in row] for row in cells], dtype=float)
     columns, first = _columns(path, cells, numbers)
     strains, stresses = _chosen(columns, ("stretch", "strain"), "extension"), _chosen(columns, ("stress",), "force")
     pairs = list(zip(strains, stresses, strict=False))
@@ -126,8 +118,9 @@ def _series(
         raise InputError(f"{table.path}: line {line}: {value:g} % is no possible strain; allowed: above -100 %")
     names = np.full(len(lines), number)
     if table.tests is not None:
-        written = pd.Series(table.cells[:, table.tests.position]).replace("", None).ffill().fillna("")
-        names = np.array([f"{name} {number}".strip() for name in written[known]])
+        column: list[str] = table.cells[:, table.tests.position].tolist()
+        written = accumulate(column, lambda before, cell: cell or before)
+        names = np.array([f"{name} {number}".strip() for name in written])[known]
     for name in dict.fromkeys(names.tolist()):
         of_test = names == name
         yield Series(name, strain[of_test], stress[of_test], lines[of_test], notes)
@@ -137,7 +130,7 @@ def _series(
 def _values(table: _Table, column: _Column, specimen: Specimen) -> tuple[Array, str]:
     """(rows,) strains or stresses in MPa, and what is assumed about them."""
     values, note, unit = table.numbers[:, column.position], "", column.unit
-    if column.problem and column.kind == "strain" and not _unit_of(column.title)[1]:
+    if column.problem and column.kind == "strain" and not name_and_unit(column.title, DIMENSIONS)[1]:
         largest = float(np.nanmax(np.abs(values), initial=0.0))
         unit, name = (1.0, "1") if largest <= LARGEST_STRAIN else (0.01, "%")
         note = f"{table.path}: column '{column.title}' has no unit and reaches {largest:.3g}; it is read in {name}"
@@ -166,59 +159,6 @@ def _chosen(columns: Sequence[_Column], kinds: Sequence[str], otherwise: str) ->
     return [column for column in found if NOMINAL.search(plain(column.title))] or found
 
 
-def _cells(path: Path) -> Array:
-    """(lines, columns) the texts of all cells; lines without any, and comments, have empty ones."""
-    lines = ["" if line.lstrip().startswith("#") else line for line in _text(path).splitlines()]
-    separator = max(("\t", ";", ",", r"\s+"), key=lambda mark: _numeric_lines(lines, mark))  # of equal ones the first
-    width = max((len(re.split(separator, line)) for line in lines), default=0)
-    if width < 2:
-        raise InputError(f"{path}: holds no table; {EXAMPLE}")
-    try:
-        frame = pd.read_csv(
-            io.StringIO("\n".join(lines)), sep=separator, header=None, names=range(width), dtype=str, engine="python",
-            skip_blank_lines=False, keep_default_na=False, skipinitialspace=True, index_col=False,
-        )  # fmt: skip
-    except (pd.errors.ParserError, pd.errors.EmptyDataError) as failure:
-        raise InputError(f"{path}: cannot be read as a table: {failure}; {EXAMPLE}") from None
-    return np.array([[str(cell).strip() for cell in row] for row in frame.fillna("").to_numpy()], dtype=object)
-
-
-def _numeric_lines(lines: Sequence[str], separator: str) -> int:
-    """How many lines have two numbers or more between separators."""
-    return sum(
-        sum(np.isfinite(_number(cell.strip(' "'))) for cell in re.split(separator, line)) > 1 for line in lines[:2000]
-    )
-
-
-def _number(cell: str) -> float:
-    """A number with a decimal point or comma, and perhaps the other sign between thousands; else NaN."""
-    if "," in cell and "." in cell:
-        cell = cell.replace(min(",", ".", key=cell.index), "")
-    try:
-        return float(cell.replace(",", "."))
-    except ValueError:
-        return np.nan
-
-
-def _text(path: Path) -> str:
-    """The text of a file in UTF-8, UTF-16 or Latin-1. Raises InputError."""
-    try:
-        content = path.read_bytes()
-    except FileNotFoundError:
-        raise InputError(f"{path}: no such file; give a CSV file of tensile tests") from None
-    except OSError as failure:
-        raise InputError(f"{path}: cannot be read: {failure.strerror}; give a readable CSV file") from None
-    unmarked = ("utf-16-le",) if content[1:2] == b"\0" else ("utf-8-sig", "cp1252")
-    for encoding in ("utf-16",) if content.startswith(_UTF16) else unmarked:
-        try:
-            text = content.decode(encoding)
-        except UnicodeDecodeError:
-            continue
-        if encoding != "cp1252" or all(sign.isprintable() or sign in "\t\n\r\f" for sign in text):
-            return text.replace("\0", "")
-    raise InputError(f"{path}: is not a text; save it as CSV, in UTF-8 or UTF-16")
-
-
 def _columns(path: Path, cells: Array, numbers: Array) -> tuple[list[_Column], int]:
     """The columns that the titles name, and the first row below them."""
     of_body = ""
@@ -229,7 +169,7 @@ def _columns(path: Path, cells: Array, numbers: Array) -> tuple[list[_Column], i
             if depth == 2:
                 titles = [f"{above} {below}".strip() for above, below in zip(titles, cells[row + 1], strict=True)]
             units = cells[row + depth]
-            is_units = not np.isfinite(numbers[row + depth]).any() and any(_is_unit(unit) for unit in units)
+            is_units = not np.isfinite(numbers[row + depth]).any() and any(is_unit(unit, DIMENSIONS) for unit in units)
             columns = _named(titles, units if is_units else [""] * len(titles))
             kinds = {column.kind for column in columns}
             if kinds & {"stretch", "strain", "extension"} and kinds & {"stress", "force"}:
@@ -250,13 +190,13 @@ def _named(titles: Sequence[str], units: Sequence[str]) -> list[_Column]:
         if TEST.fullmatch(plain(title)):
             columns.append(_Column("test", position, title, np.nan))
         elif not TRUE.search(plain(title)) and (kind := _kind(title)):
-            columns.append(_column(kind, position, title, unit or _unit_of(title)[1]))
+            columns.append(_column(kind, position, title, unit or name_and_unit(title, DIMENSIONS)[1]))
     return columns
 
 
 def _kind(title: str) -> list[tuple[str, Dimension]]:
     """What a column may hold."""
-    name = plain(_unit_of(title)[0])
+    name = plain(name_and_unit(title, DIMENSIONS)[0])
     if OTHERS.search(name):
         return []
     return [(kind, dimension) for kind, (dimension, words) in KINDS.items() if re.search(words, name)]
@@ -265,43 +205,10 @@ def _kind(title: str) -> list[tuple[str, Dimension]]:
 def _column(kinds: Sequence[tuple[str, Dimension]], position: int, title: str, unit: str) -> _Column:
     """A column of the first kind that its unit fits."""
     for kind, dimension in kinds:
-        value = 1.0 if kind == "stretch" and not unit else _per_unit(unit, dimension)
+        value = 1.0 if kind == "stretch" and not unit else per_unit(unit, dimension)
         if np.isfinite(value):
             return _Column(kind, position, title, value)
     kind, dimension = kinds[0]
     right = f"write it as in '{kind} ({dimension.example.split()[-1]})'"
     wrong = f"has the unit '{unit}', which is not that of {dimension.name}" if unit else "has no unit"
     return _Column(kind, position, title, np.nan, f"{wrong}; {right}")
-
-
-def _unit_of(title: str) -> tuple[str, str]:
-    """Name and unit of a title; what stands in brackets and is no unit belongs to the name."""
-    match = _TITLE.fullmatch(title)
-    unit = next((part.strip() for part in match.groups()[1:] if part), "") if match else ""
-    return (match["name"], unit) if match and _is_unit(unit) else (title, "")
-
-
-def _is_unit(text: str) -> bool:
-    unit = text.strip("()[] ")
-    return bool(unit) and any(np.isfinite(_per_unit(unit, of)) for of in (STRAIN, STRESS, FORCE, LENGTH))
-
-
-def _per_unit(text: str, dimension: Dimension) -> float:
-    """MPa, N, mm or strain of one unit; NaN where this is no unit of the dimension."""
-    unit = text.strip("()[] ")
-    for written, meant in UNITS.items():
-        unit = unit.replace(written, meant)
-    if dimension is STRAIN and plain(unit) in PURE:
-        return 1.0
-    if dimension is STRAIN and plain(unit) in PER_CENT:
-        return 0.01
-    try:
-        return convert(f"1 {unit}", dimension)
-    except ValueError:
-        return np.nan
-
-
-def plain(text: str) -> str:
-    """Small letters without accents."""
-    parts = unicodedata.normalize("NFKD", text.replace("_", " ").lower())
-    return "".join(sign for sign in parts if not unicodedata.combining(sign)).strip()
