@@ -7,7 +7,6 @@ be English, German or French.
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from itertools import accumulate
 from pathlib import Path
 
 import numpy as np
@@ -118,9 +117,9 @@ def _series(
         raise InputError(f"{table.path}: line {line}: {value:g} % is no possible strain; allowed: above -100 %")
     names = np.full(len(lines), number)
     if table.tests is not None:
-        column: list[str] = table.cells[:, table.tests.position].tolist()
-        written = accumulate(column, lambda before, cell: cell or before)
-        names = np.array([f"{name} {number}".strip() for name in written])[known]
+        column = table.cells[:, table.tests.position]
+        last = np.maximum.accumulate(np.where(column != "", np.arange(len(column)), 0))  # the last that is not empty
+        names = np.array([f"{name} {number}".strip() for name in column[last][known]])
     for name in dict.fromkeys(names.tolist()):
         of_test = names == name
         yield Series(name, strain[of_test], stress[of_test], lines[of_test], notes)
