@@ -6,7 +6,7 @@ from geometry.errors import DesignError, MeshError, PneurodError, Reason, Values
 from geometry.families import FAMILIES, BisectedCircle, PneuNet, Rectangular, Semicircular, SemicircularSingle
 from geometry.families.design import Design
 from geometry.files.cad_file import CadFile
-from geometry.files.frame import Axes, CellPlanes
+from geometry.files.frame import Axes, CellPlanes, Directions
 from geometry.files.from_file import FileDesign, Plug
 from geometry.files.mesh_file import MeshFile
 from geometry.files.mesh_reader import SUFFIXES as MESH_SUFFIXES
@@ -28,6 +28,7 @@ __all__ = [
     "Centreline",
     "Design",
     "DesignError",
+    "Directions",
     "FileDesign",
     "Grading",
     "Mesh",

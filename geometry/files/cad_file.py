@@ -10,6 +10,7 @@ from typing import ClassVar, final
 
 import numpy as np
 
+from geometry.arrays import Array, Index
 from geometry.body import Body
 from geometry.errors import DesignError, MeshError
 from geometry.files.cad import CadMeasures, edges_of, measure, measure_gaps, measure_thinnest_wall, mesh_cad
@@ -23,6 +24,7 @@ from geometry.files.cells import (
     mesh_cells,
 )
 from geometry.files.chambers import Range, runs_through
+from geometry.files.directions import surface_of
 from geometry.files.frame import PITCHES, Point, rotation
 from geometry.files.from_file import FileDesign
 from geometry.files.mesh_reader import SUFFIXES as MESH_SUFFIXES
@@ -31,6 +33,9 @@ from geometry.grading import OFF, Grading
 from geometry.manifold import check_manifold
 from geometry.mesh import Mesh
 from geometry.meshing.mirror import Repetition
+
+#: the rotation of a body that stays as it is in its file
+AS_IN_FILE = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
 
 
 @final
@@ -65,6 +70,9 @@ class CadFile(FileDesign):
         if self.defeature is not None and self.defeature > self.thinnest_wall / 2:
             wall = f"{self.thinnest_wall:.3g} mm, the thinnest wall or a quarter of the smallest side"
             raise DesignError("defeature", f"{self.defeature:g} mm is more than half of {wall}; give a smaller length")
+
+    def _outline(self) -> tuple[Array, Index]:
+        return surface_of(CadSource(Path(self.file), self.unit, AS_IN_FILE, self.unite, bool(self.parts)))
 
     def _wrong_values(self) -> Iterator[DesignError]:
         path = Path(self.file)
@@ -173,8 +181,7 @@ class CadFile(FileDesign):
         """Kept, because it takes seconds where many faces are removed."""
         if self.defeature is None:
             return None
-        as_in_file = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
-        return defeatured(CadSource(Path(self.file), self.unit, as_in_file, self.unite), self.defeature)
+        return defeatured(CadSource(Path(self.file), self.unit, AS_IN_FILE, self.unite), self.defeature)
 
     @cached_property
     def _cad(self) -> CadBody:

@@ -168,7 +168,7 @@ def chambers(gmsh: Any, air: Mapping[Volume, str], length: float) -> dict[str, t
         of_cavity[name] = ((low[0], high[0]),)
         with suppress(MeshError):
             faces = gmsh.model.getBoundary([volume], combined=False, oriented=False)
-            points, walls = _triangles(gmsh, [volume], faces, length / BODY_OVER_EDGES)
+            points, walls = triangles_of(gmsh, [volume], faces, length / BODY_OVER_EDGES)
             exact = float(gmsh.model.occ.getMass(*volume))
             if abs(enclosed(points, walls) - exact) <= INACCURATE * exact:
                 of_cavity[name] = chambers_of(points, walls)
@@ -182,11 +182,11 @@ def gaps(gmsh: Any, volumes: Collection[Volume], length: float) -> bool:
     """
     outside = gmsh.model.getBoundary(list(volumes), combined=True, oriented=False)
     with suppress(MeshError):
-        return has_gaps(*_triangles(gmsh, volumes, outside, length / BODY_OVER_EDGES))
+        return has_gaps(*triangles_of(gmsh, volumes, outside, length / BODY_OVER_EDGES))
     return False
 
 
-def _triangles(gmsh: Any, volumes: Collection[Volume], faces: Collection[Face], size: float) -> tuple[Array, Index]:
+def triangles_of(gmsh: Any, volumes: Collection[Volume], faces: Collection[Face], size: float) -> tuple[Array, Index]:
     """Points (n, 3), mm, and triangles (k, 3) of faces that each belong to one of the volumes, seen from outside."""
     gmsh.model.setVisibility(gmsh.model.getEntities(), 0)
     gmsh.model.setVisibility(faces, 1, recursive=True)

@@ -3,7 +3,7 @@
 Positions are in mm and in the directions of the arm: x along it, y up, z across, its middle at z = 0.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from math import ceil, floor, log10
 from typing import TypeAlias
@@ -14,8 +14,18 @@ from geometry.arrays import Array
 from geometry.errors import DesignError
 
 Point: TypeAlias = tuple[float, float, float]
-#: which directions of the file are x, y and z of the arm: ("x", "z", "-y")
-Axes: TypeAlias = tuple[str, str, str]
+
+
+@dataclass(frozen=True)
+class Directions:
+    """Directions in a file of any length: that of the arm, and one that is up; both may be oblique."""
+
+    along: Point
+    up: Point  #: its part perpendicular to `along` counts
+
+
+#: which directions of the file are x, y and z of the arm: ("x", "z", "-y"), or two directions
+Axes: TypeAlias = tuple[str, str, str] | Directions
 
 SAME: Axes = ("x", "y", "z")
 #: length of an arm, in lengths over which curvature is averaged, that five parameters need (`rod.too_few_pitches`)
@@ -33,6 +43,8 @@ TURNS = {
 UNEQUAL, ROUNDED = 1e-3, 1e-4
 #: smallest and largest size of an arm, mm, and that below which a body may be in another unit
 SMALLEST, LARGEST, USUAL = 1.0, 3000.0, 10.0
+#: sine of the smallest angle between the directions along and up
+LEAST_ANGLE = 1e-3
 #: heights of the material curve that are looked at, and most that are named
 HEIGHTS, NAMED = 25, 5
 
@@ -50,11 +62,13 @@ class CellPlanes:
         return abs(self.stop - self.start)
 
 
-def rotation(axes: Sequence[str]) -> Array:
+def rotation(axes: Axes) -> Array:
     """The matrix (3, 3) that turns a point of the file into the frame of the arm: its rows are the arm's x, y and z.
 
-    Raises `DesignError` unless the three directions are perpendicular and right-handed.
+    Raises `DesignError` unless three directions are perpendicular and right-handed, and two differ.
     """
+    if isinstance(axes, Directions):
+        return _between(axes)
     rows = np.zeros((3, 3))
     for row, axis in zip(rows, axes, strict=True):
         row["xyz".index(axis[-1])] = -1.0 if axis.startswith("-") else 1.0
@@ -66,7 +80,21 @@ def rotation(axes: Sequence[str]) -> Array:
     return rows
 
 
-def in_frame(points: Array, unit: float, axes: Sequence[str], middle: float) -> Array:
+def _between(directions: Directions) -> Array:
+    along, up = np.array(directions.along, dtype=float), np.array(directions.up, dtype=float)
+    lengths = np.linalg.norm(along), np.linalg.norm(up)
+    if not (np.isfinite(lengths).all() and min(lengths) > 0):
+        raise DesignError("axes", "along and up must be directions, three finite numbers that are not all zero")
+    along /= lengths[0]
+    up = up / lengths[1]
+    up -= (up @ along) * along
+    if np.linalg.norm(up) < LEAST_ANGLE:
+        raise DesignError("axes", "up must be another direction than along")
+    up /= np.linalg.norm(up)
+    return np.stack([along, up, np.cross(along, up)])
+
+
+def in_frame(points: Array, unit: float, axes: Axes, middle: float) -> Array:
     """Points (n, 3) of a file with that unit (mm) in the frame of the arm, mm; middle: z of its middle, mm.
 
     Raises `DesignError` as `rotation`.

@@ -2,6 +2,7 @@
 
 from abc import abstractmethod
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cached_property
 from hashlib import sha256
@@ -10,10 +11,12 @@ from math import isfinite
 from pathlib import Path
 from typing import ClassVar, TypeAlias
 
+from geometry.arrays import Array, Index
 from geometry.errors import DesignError, MeshError, raise_together
 from geometry.families.design import Design
 from geometry.files.chambers import Range, distances, middles_of
-from geometry.files.frame import PITCHES, SAME, Axes, CellPlanes, Point, usual_cell
+from geometry.files.directions import oblique_directions
+from geometry.files.frame import PITCHES, SAME, Axes, CellPlanes, Directions, Point, usual_cell
 from geometry.meshing.mirror import slices
 
 #: largest difference of the distances of chambers, over the largest, with which these are the cells of the arm
@@ -48,11 +51,32 @@ class FileDesign(Design):
         for name in ("air", "parts", "plug"):  # own copies, whatever happens to what was given
             if isinstance(given := getattr(self, name, None), Mapping):
                 object.__setattr__(self, name, dict(given))
-        object.__setattr__(self, "axes", tuple(self.axes))
+        if not isinstance(self.axes, Directions):
+            object.__setattr__(self, "axes", tuple(self.axes))
         try:
             self._read()
-        except MeshError as error:
-            raise DesignError("file", str(error)) from error
+        except (DesignError, MeshError) as error:
+            if oblique := self._oblique():
+                raise oblique from error
+            if isinstance(error, MeshError):
+                raise DesignError("file", str(error)) from error
+            raise
+
+    def _oblique(self) -> DesignError | None:
+        """What to write for a body that lies in other directions than those of its file; None where it does not."""
+        found = None
+        if not self.is_reoriented and Path(self.file).is_file():
+            with suppress(DesignError, MeshError):
+                found = oblique_directions(*self._outline())
+        if found is None:
+            return None
+        along, up = (", ".join(f"{part + 0.0:.9g}" for part in direction) for direction in (found.along, found.up))
+        ways = f"write axes: {{along: [{along}], up: [{up}]}}, or the opposite direction up"
+        return DesignError("axes", f"the body lies obliquely in its file; {ways}")
+
+    @abstractmethod
+    def _outline(self) -> tuple[Array, Index]:
+        """Points (n, 3) and triangles (k, 3) of the surface of the body, in the directions of the file."""
 
     @abstractmethod
     def _read(self) -> None:

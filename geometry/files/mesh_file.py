@@ -48,6 +48,10 @@ class MeshFile(FileDesign):
     def _read(self) -> None:
         _ = self.fixed_body
 
+    def _outline(self) -> tuple[Array, Index]:
+        content = read_mesh_file(Path(self.file))
+        return content.points, Mesh(content.points, content.tets, {}).boundary
+
     @cached_property
     def fixed_body(self) -> Body:
         """The body, moved along x so that its clamp is at x = 0, with the regions of `with_regions`."""

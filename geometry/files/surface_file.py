@@ -12,11 +12,11 @@ from geometry.arrays import Array, Index
 from geometry.body import Body
 from geometry.errors import DesignError, MeshError
 from geometry.files.chambers import Range, chambers_of, has_gaps
-from geometry.files.frame import check_dimensions, in_frame, misplaced
+from geometry.files.frame import check_dimensions, in_frame, misplaced, no_end_face
 from geometry.files.from_file import FileDesign
 from geometry.files.inlets import fill_surface_inlets
 from geometry.files.placing import FLAT, Placed, Placing, ends_of, placed_by_planes
-from geometry.files.shells import named_cavities, parts_of, refuse_open
+from geometry.files.shells import lies_in, named_cavities, parts_of, refuse_open
 from geometry.files.surface import NotFilled, Surface, enclosed, fill, read_surface, thinnest
 from geometry.grading import OFF, Grading
 
@@ -46,7 +46,14 @@ class SurfaceFile(FileDesign):
         low, high = self.surface.points.min(axis=0), self.surface.points.max(axis=0)
         if not low[2] < 0 < high[2] or min(-low[2], high[2]) <= FLAT * max(self.extent):
             raise misplaced(low, high, self.middle, self.is_reoriented)
+        for name, x in zip(("clamp", "tip"), self._ends, strict=True):
+            if not lies_in(self.surface.points, self.surface.triangles, (0, x), self._tolerance).any():
+                raise no_end_face(name, x)
         _ = self.cavity_volumes
+
+    def _outline(self) -> tuple[Array, Index]:
+        surface = read_surface(Path(self.file))
+        return surface.points, surface.triangles
 
     @cached_property
     def surface(self) -> Surface:

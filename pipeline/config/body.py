@@ -17,12 +17,13 @@ from geometry import (
     CellPlanes,
     Design,
     DesignError,
+    Directions,
     MeshFile,
     Plug,
     SurfaceFile,
 )
 from pipeline.config.document import Document, Key
-from pipeline.config.kinds import Count, Length, PositiveLength, Text, YesNo, above_zero, list_of
+from pipeline.config.kinds import Count, Length, PositiveLength, Text, YesNo, above_zero, list_of, number
 from pipeline.config.section import Error, Field, Kind, Section, chosen, conflict, raise_all, read_keys, section_of
 from pipeline.config.units import LENGTH, convert
 from pipeline.errors import quoted
@@ -46,6 +47,7 @@ _EXAMPLES = {
     "chamber_heights": f"[{', '.join(['12 mm'] * 11)}]",
     "gaps": f"[{', '.join(['2 mm'] * 12)}]",
 }
+_OBLIQUE = "{along: [1, 0, 1], up: [0, 1, 0]}"
 _COMMENT = re.compile(r"^    (\w+): [^#\n]*  #: (.*)$", re.MULTILINE)
 
 
@@ -58,10 +60,23 @@ def _unit(value: Any) -> float:
         raise ValueError(f"{quoted(value)} is no unit of length; allowed: mm, cm, m, inch, or a length") from None
 
 
-def _axes(value: Any) -> tuple[str, ...]:
+def _direction(value: Any) -> tuple[float, float, float]:
+    if not isinstance(value, list) or len(value) != 3:
+        raise ValueError(f"{quoted(value)} is no direction; allowed: three numbers: {_OBLIQUE}")
+    x, y, z = map(number, value)
+    return x, y, z
+
+
+def _axes(value: Any) -> tuple[str, ...] | Directions:
+    """Three directions of the file, or the directions along and up in it."""
+    if isinstance(value, Mapping):
+        if set(value) != {"along", "up"}:
+            raise ValueError(f"{quoted(value)} are no directions; allowed: {_OBLIQUE}")
+        return Directions(_direction(value["along"]), _direction(value["up"]))
     names = tuple(str(name).replace(" ", "").removeprefix("+") for name in value) if isinstance(value, list) else ()
     if len(names) != 3 or not all(name.removeprefix("-") in ("x", "y", "z") for name in names):
-        allowed = "the directions of the file that are x (along the arm), y (up) and z of the arm, such as [x, z, -y]"
+        allowed = "the directions of the file that are x (along the arm), y (up) and z of the arm, such as [x, z, -y], "
+        allowed += f"or {_OBLIQUE}"
         raise ValueError(f"{quoted(value)} are no directions; allowed: {allowed}")
     return names
 
@@ -100,7 +115,7 @@ _KINDS: dict[Any, Any] = {
     str: Text,
     bool: YesNo,
     bool | None: YesNo | None,
-    Axes: Annotated[Any, Kind("three of `x`, `-x`, `y`, `-y`, `z`, `-z`", "[x, z, -y]", read=_axes)],
+    Axes: Annotated[Any, Kind("three of `x`, `-x`, `y`, `-y`, `z`, `-z`, or `{along, up}`", "[x, z, -y]", read=_axes)],
     float | CellPlanes | None: Annotated[Any, Kind("a length, or two planes `{from, to}`", "8 mm", "mm", _cell)],
     Plug: Annotated[Any, Kind("`true`, `false`, or a name and a point for each", "true", "mm", _plug)],
 }

@@ -7,8 +7,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
-from geometry import CadFile, Design, DesignError, MeshFile, SurfaceFile
+from geometry import CadFile, Design, DesignError, Directions, MeshFile, SurfaceFile
 from geometry.files.frame import misplaced, rotation
 from tests.foreign_bodies import bar, meshed, write_mesh, write_surface
 from tests.step_bodies import Draw, box, save
@@ -110,3 +111,43 @@ def test_a_whole_mesh_that_is_called_a_half_is_not_told_to_move(tmp_path: Path) 
     path = str(write_mesh(tmp_path / "bar.vtk", *meshed(bar, 5.0)))
     with pytest.raises(DesignError, match=r"z = 0 at its side: leave it out$"):
         MeshFile(path, 1.5, symmetric=True)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_an_oblique_body_is_told_its_directions_and_turned(kind: str, tmp_path: Path, configs: Path) -> None:
+    """The shipped finger, turned in its file by a rotation about an oblique axis."""
+    turn = Rotation.from_rotvec([0.4, -0.9, 1.1])
+    axis, angle = turn.as_rotvec() / turn.magnitude(), turn.magnitude()
+
+    def oblique(occ):
+        solids = occ.importShapes(str(configs / "finger.step"))
+        occ.rotate(solids, 0, 0, 0, *axis, angle)
+        return solids
+
+    family, write = KINDS[kind]
+    path = str(write(tmp_path / f"finger.{kind}", oblique))
+    with pytest.raises(DesignError, match="write axes: ") as refused:
+        family(path, 1.0)
+    along, up = (
+        [float(part) for part in re.search(rf"{name}: \[(.*?)\]", refused.value.sentence)[1].split(", ")]
+        for name in ("along", "up")
+    )
+    expected = turn.as_matrix()
+    assert np.abs(np.dot(along, expected)) == pytest.approx([1, 0, 0], abs=1e-6)
+    assert np.abs(np.dot(up, expected)) == pytest.approx([0, 1, 0], abs=1e-6)
+    signs = np.sign([np.dot(along, expected)[0], np.dot(up, expected)[1]])
+    design = family(path, 1.0, axes=Directions(tuple(signs[0] * np.array(along)), tuple(signs[1] * np.array(up))))
+    original = CadFile(str(configs / "finger.step"), 1.0)
+    assert design.extent == pytest.approx(original.extent, rel=1e-6)
+    assert sum(design.cavity_volumes.values()) == pytest.approx(sum(original.cavity_volumes.values()), rel=1e-6)
+    if kind == "step":
+        assert design.body(4.0).volume == pytest.approx(original.body(4.0).volume, rel=1e-6)
+
+
+def test_directions_of_any_length_and_angle_are_made_perpendicular() -> None:
+    turn = rotation(Directions((0.0, 0.0, 3.0), (0.0, 2.0, 5.0)))
+    np.testing.assert_allclose(turn, [[0, 0, 1], [0, 1, 0], [-1, 0, 0]], atol=1e-15)
+    with pytest.raises(DesignError, match="must be directions"):
+        rotation(Directions((0.0, 0.0, 0.0), (0.0, 1.0, 0.0)))
+    with pytest.raises(DesignError, match="another direction"):
+        rotation(Directions((0.0, 0.0, 1.0), (0.0, 0.0, -2.0)))

@@ -271,6 +271,11 @@ def test_a_surface_is_filled_and_recorded(tmp_path: Path) -> None:
     unit = refusal(path, *right, "geometry.unit=fathoms deep")
     assert "geometry.unit: 'fathoms deep' is no unit of length; allowed: mm, cm, m, inch" in unit
     assert "are no directions; allowed: the directions of the file" in refusal(path, *right, "geometry.axes=[x, y]")
+    for axes in ("{along: [1, 0, 0]}", "{along: [1, 0, 0], up: [0, 1]}"):
+        assert "allowed: " in refusal(path, *right, f"geometry.axes={axes}")
+    turned = load_config(path, [*right, "geometry.axes={along: [2, 0, 0], up: [1, 1, 0]}"])
+    assert turned.record()["geometry"]["axes"] == {"along": [2.0, 0.0, 0.0], "up": [1.0, 1.0, 0.0]}
+    assert turned.design.extent == pytest.approx(config.design.extent)
 
 
 def hinge(occ: Any) -> None:
