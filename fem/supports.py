@@ -157,6 +157,23 @@ class SharedPlane(Support):
         return Equations.of(components, normal, distance.mean() - distance, self.ramp, common=1.0)
 
 
+@final
+@dataclass(frozen=True)
+class FixedAlong(Support):
+    """Displacements along one direction that stay zero; those across it are free.
+
+    normal: the direction, (3,) of any length. Raises `SupportError` for a length of zero.
+    """
+
+    where: Where
+    normal: tuple[float, float, float]
+
+    def equations(self, space: Discretisation) -> Equations:
+        """n . u = 0."""
+        components = _components("xyz", nodes_at(self.where, space)).reshape(-1, 3)
+        return Equations.of(components, _unit(self.normal), np.zeros(components.shape[0]), ramp=False)
+
+
 def nodes_at(where: Where, space: Discretisation) -> Index:
     """Node numbers (k,) of a face, of the common edge of two faces, at given positions (n, 3), or along a line.
 

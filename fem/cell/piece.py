@@ -111,7 +111,7 @@ class BendingPiece:
         self._system = System(self.space, material, self.terms, self.constraints(0.0), available_solver()())
         # all of outer walls: where those of cavities do not meet, a state does not depend on those before, bit for bit
         self._system.hold_near_pairs()
-        self._shear_system: System | None = None
+        self._other_systems: dict[str, System] = {}  #: by what they are for
         self.changes: Mapping[str, Any] = {}  #: `DesignChange` by parameter of which its states give derivatives
         #: the last equilibrium and its assembly, which its slopes need again
         self._latest: tuple[State, Assembly] | None = None
@@ -125,9 +125,8 @@ class BendingPiece:
 
     @property
     def solver_times(self) -> tuple[LinearTimes, ...]:
-        """What the linear equations took so far: in bending, and in shear where a shear rigidity was computed."""
-        systems = (self._system, self._shear_system)
-        return tuple(system.solver.times for system in systems if system is not None)
+        """What the linear equations took so far, those of shear and out of the plane included."""
+        return tuple(system.solver.times for system in (self._system, *self._other_systems.values()))
 
     @property
     def factorizations(self) -> int:
@@ -249,13 +248,14 @@ class BendingPiece:
             self._constraints = angle, Constraints.of([*self.supports, *held], self.space)
         return self._constraints[1]
 
-    def system_in_shear(self, terms: Terms, constraints: Constraints) -> System:
-        """The equations with other terms and constraints; its pattern and symbolic analysis are kept as well."""
-        if self._shear_system is None:
-            self._shear_system = System(self.space, self.material, terms, constraints, available_solver()())
+    def other_system(self, name: str, terms: Terms, constraints: Constraints) -> System:
+        """The equations with other terms and constraints; by name, pattern and symbolic analysis are kept as well."""
+        if name in self._other_systems:
+            self._other_systems[name].replace_constraints(constraints)
         else:
-            self._shear_system.replace_constraints(constraints)
-        return self._shear_system
+            system = System(self.space, self.material, terms, constraints, available_solver()())
+            self._other_systems[name] = system
+        return self._other_systems[name]
 
     def linearise(self, piece: PieceState, increment: Array) -> tuple[Assembly, Linearised]:
         """Tangent at a state with the constraints of its angle, and its product with an increment (n, 3), mm.

@@ -203,7 +203,7 @@ def _shear_tangent(piece: BendingPiece, at: PieceState, terms: Terms, middle: In
         *(Prescribed(end, "x", 0.0) for end in ends),
         SharedPlane("tip", (-float(np.sin(angle)), float(np.cos(angle)), 0.0)),
     ]
-    system = piece.system_in_shear(terms, Constraints.of(supports, space))
+    system = piece.other_system("shear", terms, Constraints.of(supports, space))
     return system.linearise(at.state, system.assemble(at.state, terms), terms, increment)
 
 

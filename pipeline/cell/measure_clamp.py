@@ -14,6 +14,7 @@ from fem.cell.response import inflated
 from fem.path.predictor import extrapolate
 from geometry import Reason
 from geometry.arrays import Array
+from pipeline.cell.in_space import clamp_in_space
 from pipeline.cell.point import Measured, PiecePoint, reached, reason_of, without_moment
 from pipeline.cell.rates import clamp_rates
 from pipeline.pressure import KPA_PER_MPA, in_MPa
@@ -61,7 +62,8 @@ def clamp_curve(
         raise limits[0] if limits else PieceFailed(Reason("clamp_once", {"pressure_kPa": cell.pressure}))
     error = _refine(piece, cell, points)
     why, rates = tuple(map(reason_of, limits)), clamp_rates(piece, points)
-    return Measured(_curve(piece, cell, points), why, error, rates=rates), first.state
+    curve, unstable = clamp_in_space(piece, cell, _curve(piece, cell, points), points)
+    return Measured(curve, (*why, *unstable), error, rates=rates), first.state
 
 
 def first_state(piece: BendingPiece, cell: CellCurve, start: PieceState | None) -> PieceState:

@@ -11,6 +11,7 @@ from fem.cell.boundary import Boundary
 from fem.cell.piece import BendingPiece, PieceFailed, PieceState
 from geometry import Reason
 from pipeline.cell.deviation import largest_deviation
+from pipeline.cell.in_space import cell_in_space
 from pipeline.cell.measure import cell_without_moment, sweep_cell
 from pipeline.cell.measure_clamp import clamp_curve, clamp_without_moment, first_state
 from pipeline.cell.measure_tip import tip_curve, tip_state
@@ -88,8 +89,11 @@ class PieceCurves:
 
         def measure(cell: BendingPiece) -> Measured[CellCurve]:
             sweep = sweep_cell(cell, pressure, Reach.of(self.pieces.config, bend))
-            rates = cell_rates(cell, sweep.points)
-            return Measured(sweep.curve(cell.body.length), sweep.limits, sweep.error, rates=rates)
+            rates, curve, limits = cell_rates(cell, sweep.points), sweep.curve(cell.body.length), sweep.limits
+            if self.pieces.config.law_in_space:
+                curve, unstable = cell_in_space(cell, curve, [(p.state, p.axis) for p in sweep.points])
+                limits = (*limits, *unstable)
+            return Measured(curve, limits, sweep.error, rates=rates)
 
         measured = self._of_cell(CellCurve, name_of_state("cell", pressure), measure)
         self.progress.step_done("cell", pressure, 0.0 if measured.is_stored else measured.seconds)

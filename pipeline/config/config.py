@@ -156,6 +156,10 @@ class Config(Section):
         description="of the rod, not of the material: five parameters, the [arm's own law](cell.md) or both",
         examples=["five"],
     )
+    law_in_space: kinds.YesNo = Field(
+        default=False,
+        description="whether the arm's own law also has [rigidities out of the plane](cell.md#out-of-the-plane)",
+    )
     newton: Newton = Newton()
     #: relative error of kappa_0, rigidity and moment of the arm's own law; None: on the mesh of the arm alone
     accuracy: kinds.Percentage = Field(
@@ -189,7 +193,7 @@ class Config(Section):
         values["tolerances"] = self.tolerances.record() if self.tolerances != Tolerances() else None
         values["materials"] = {name: material.record() for name, material in self.materials.items()}
         names = {"design": "geometry"}
-        left_out = ("materials", "tolerances")
+        left_out = ("materials", "tolerances", "law_in_space")
         return {names.get(name, name): value for name, value in values.items() if value or name not in left_out}
 
     @property

@@ -117,6 +117,9 @@ TEMPLATES: Mapping[str, str] = {
     "piece_fails": "{why}",
     "cell_softens": "at {pressure_kPa:g} kPa the law of the cell ends at a curvature of {kappa_per_mm:.4g} 1/mm, "
     "where the cell has lost most of its rigidity",
+    "unstable_sideways": "out of its plane the {piece} is unstable at {pressure_kPa:g} kPa and a curvature of "
+    "{kappa_per_mm:.4g} 1/mm",
+    "no_law_in_space": "the body is not symmetric about z = 0, so the law has no rigidities out of the plane",
     "cell_falls": "at {pressure_kPa:g} kPa the law of the cell ends at a curvature of {kappa_per_mm:.4g} 1/mm, because "
     "its moment does not grow beyond",
     "law_up_to": "the law goes up to {pressure_kPa:g} kPa, because the whole arm was not solved at a higher pressure; "

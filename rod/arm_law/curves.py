@@ -1,10 +1,11 @@
 """What the pieces of an arm gave at one pressure: a cell and a clamped end over the moment, and the tip.
 
 Moments and forces are those of the whole body; curvature is the rotation per rest length of the axis. With the type of
-a field stand its key in law.json and its shape: k moments, m positions, n turns.
+a field stand its key in law.json and its shape: k moments, m positions, n turns. Fields with a default may be missing
+there; they are empty then.
 """
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 from typing import Annotated
 
 import numpy as np
@@ -13,10 +14,17 @@ from geometry.arrays import Array, Mask, freeze
 from rod.cubics import cubic, monotone_slopes, parabola_slopes, periodic_slopes
 from rod.errors import RodError
 
+#: of a cell out of its plane
+IN_SPACE = ("lateral_rigidity", "torsional_rigidity", "lateral_shear_rigidity", "twist_axis", "tilt_by_torque")
+
+
+def _nothing() -> Array:
+    return np.empty(0)
+
 
 def _freeze(curve: "CellCurve | ClampCurve | TipCurve") -> None:
     """Everything but the pressure as an array that cannot be changed."""
-    freeze(curve, (field.name for field in fields(curve) if field.name != "pressure"))
+    freeze(curve, (one.name for one in fields(curve) if one.name != "pressure"))
 
 
 @dataclass(frozen=True, eq=False)  # arrays inside
@@ -41,6 +49,17 @@ class CellCurve:
     s: Annotated[Array, "s_mm", "m"]  #: rest positions along half a cell, from its middle to its end, mm
     #: of the material curve beside the axis there, along and normal to it, mm
     ripple: Annotated[Array, "ripple_mm", "k", "m", 2]
+    #: B_2, against bending out of the plane, N mm2; negative where the cell is unstable
+    lateral_rigidity: Annotated[Array, "lateral_rigidity_N_mm2", "k"] = field(default_factory=_nothing)
+    torsional_rigidity: Annotated[Array, "torsional_rigidity_N_mm2", "k"] = field(
+        default_factory=_nothing
+    )  #: GJ, N mm2
+    #: against shear across the plane, without twist, N
+    lateral_shear_rigidity: Annotated[Array, "lateral_shear_rigidity_N", "k"] = field(default_factory=_nothing)
+    #: of the axis of twist, above that of the rod, mm
+    twist_axis: Annotated[Array, "twist_axis_mm", "k"] = field(default_factory=_nothing)
+    #: difference between the tilts of the planes at the end and in the middle of the cell, rad/(N mm)
+    tilt_by_torque: Annotated[Array, "tilt_by_torque_rad_per_N_mm", "k"] = field(default_factory=_nothing)
 
     def __post_init__(self) -> None:
         _freeze(self)
@@ -51,6 +70,11 @@ class CellCurve:
             if falls.size:
                 value = getattr(self, name)[falls[0]]
                 raise RodError(f"The {name} of a cell does not rise at {self.pressure:g} kPa beyond {value:g} {unit}.")
+
+    @property
+    def is_in_space(self) -> bool:
+        """Whether the rigidities out of the plane are known."""
+        return len(self.lateral_rigidity) > 0
 
     @property
     def onset(self) -> float | None:
@@ -92,6 +116,9 @@ class ClampCurve:
     s: Annotated[Array, "s_mm", "m"]  #: rest positions of the nodes of the material curve in the piece, mm
     #: of the nodes beside the axis of that rod, along and normal to it, mm
     beside: Annotated[Array, "beside_mm", "k", "m", 2]
+    #: without moment: turn about the tangent and tilt about the normal, at the clamp, per torque and moment about the
+    #: normal there, beyond those of cells continued to the clamp, rad/(N mm)
+    lateral_compliance: Annotated[Array, "lateral_compliance_rad_per_N_mm", 2, 2] = field(default_factory=_nothing)
 
     def __post_init__(self) -> None:
         _freeze(self)

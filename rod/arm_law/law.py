@@ -8,11 +8,12 @@ from functools import cached_property
 import numpy as np
 
 from geometry.arrays import Array
-from rod.arm_law.curves import CellCurve, ClampCurve, TipCurve
+from rod.arm_law.curves import IN_SPACE, CellCurve, ClampCurve, TipCurve
 from rod.arm_law.derivative import LARGEST_STEP, NUMBERS, STEP, Derivative, rates_of
 from rod.arm_law.rates import LawRate, changed_cells, changed_clamps, onset_rate
 from rod.arm_law.scaling import scaled_curve, scaled_rate
 from rod.arm_law.section import SectionLaw, clamp_at, section_at, tip_at
+from rod.arm_law.sideways import PlanarRod, SidewaysResponse, sideways, twisting_compliance
 from rod.arm_law.solver import EndConditions, Pieces, equilibrium
 from rod.checked import finite, positive
 from rod.errors import RodError
@@ -173,6 +174,24 @@ class LawRod:
         Raises `RodError` where loads contradict each other, where the path ends, and where a moment leaves the law.
         """
         return self._equilibrium(EndConditions(*requested(force, moment, end, None, end_y)))
+
+    def sideways(self, state: RodSolution) -> SidewaysResponse:
+        """What a small force along z on the end does to a state of this rod, and whether that buckles sideways.
+
+        To first order. Raises `RodError` for a law without rigidities out of the plane.
+        """
+        law, clamp = self.section, self.clamp
+        if not law.in_space or not clamp.lateral_compliance.size:
+            raise RodError("The law has no rigidities out of the plane; measure it with law_in_space: true.")
+        tables = [np.interp(state.kappa, law.kappa, law.in_space[name]) for name in IN_SPACE[:4]]
+        cosine, sine = np.cos(state.theta), np.sin(state.theta)
+        along, across = np.column_stack([cosine, sine]), np.column_stack([-sine, cosine])
+        rate = state.stretch[:, None] * along + np.asarray(state.shear)[:, None] * across
+        wx, wy = (float(part) / self.length for part in state.weight)
+        force = state.force + self._pieces.weight(Load(weight=(wx, wy)), state.s)[:, :2]
+        rod = PlanarRod(state.s, state.theta, rate, state.moment, force, tables[0], twisting_compliance(*tables[1:]))
+        lever = self.tip.edge[0] * along[-1] + self.tip.edge[1] * across[-1]
+        return sideways(rod, clamp.lateral_compliance, clamp.position, lever)
 
     def under(self, load: Load, end_y: float | None = None, end_x: float | None = None) -> RodSolution:
         """The equilibrium under a load; with a prescribed position of the end (mm) that component of the force follows.

@@ -7,7 +7,7 @@ from typing import Any, final
 import numpy as np
 
 from geometry.arrays import Array
-from rod.arm_law.curves import CellCurve, ClampCurve
+from rod.arm_law.curves import IN_SPACE, CellCurve, ClampCurve
 from rod.checked import Shape, check_table, finite
 from rod.cubics import monotone_slopes, parabola_slopes
 
@@ -152,7 +152,7 @@ def _changed_cell(curve: CellCurve, change: CellRate, by_pressure: tuple[Array, 
     bulge = (1.0 - part)[:, None] * change.ripple[:, None, 0] + part[:, None] * change.ripple[:, None, 1]
     new["ripple"] = curve.ripple + bulge + shift[:, None, None] * parabola_slopes(curve.kappa, curve.ripple)
     new |= {name: getattr(curve, name) for name in ("contact", "min_J")}
-    for name in ("axial_rigidity", "shear_rigidity"):
+    for name in ("axial_rigidity", "shear_rigidity", *(IN_SPACE if curve.is_in_space else ())):
         new[name] = np.interp(kappa, curve.kappa, getattr(curve, name))
     return replace(curve, **{name: values[kept] for name, values in new.items()})
 

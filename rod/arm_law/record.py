@@ -1,7 +1,7 @@
 """The arm's own law as the numbers of law.json, and back."""
 
-from collections.abc import Mapping
-from dataclasses import fields
+from collections.abc import Collection, Mapping
+from dataclasses import MISSING, Field, fields
 from typing import Any, get_args
 
 import numpy as np
@@ -19,9 +19,14 @@ Curve = CellCurve | ClampCurve | TipCurve | Mass
 FORMAT = 2
 
 
-def _shapes(kind: type[Curve]) -> dict[str, Shape]:
-    """By the key of a field in the file."""
-    return {get_args(field.type)[1]: get_args(field.type)[2:] for field in fields(kind)}
+def _shapes(kind: type[Curve], given: Collection[str] = ()) -> dict[str, Shape]:
+    """By the key of a field in the file, of those that it must have or that are given."""
+    keys = {get_args(field.type)[1]: field for field in fields(kind)}
+    return {key: get_args(field.type)[2:] for key, field in keys.items() if key in given or not _may_be_missing(field)}
+
+
+def _may_be_missing(field: "Field[Any]") -> bool:
+    return field.default_factory is not MISSING
 
 
 #: numbers of the derivatives by their keys in the file
@@ -114,7 +119,7 @@ def _rows(rows: Any, kind: type[Curve], name: str) -> list[Mapping[str, Any]]:
     if not isinstance(rows, list):
         raise RodError(f"{name} must be a list of curves.")
     for k, row in enumerate(rows):
-        check_table(row, _shapes(kind), f"{name}[{k}]")
+        check_table(row, _shapes(kind, row if isinstance(row, Mapping) else ()), f"{name}[{k}]")
         for key in _RISING.intersection(row):
             if np.any(np.diff(row[key]) <= 0.0):
                 raise RodError(f"{key} of {name}[{k}] must rise.")
@@ -123,10 +128,13 @@ def _rows(rows: Any, kind: type[Curve], name: str) -> list[Mapping[str, Any]]:
 
 def record_of(curve: Curve) -> dict[str, Any]:
     """One curve under the keys of the file."""
-    values = {get_args(field.type)[1]: getattr(curve, field.name) for field in fields(curve)}
+    known = [field for field in fields(curve) if not (_may_be_missing(field) and getattr(curve, field.name).size == 0)]
+    values = {get_args(field.type)[1]: getattr(curve, field.name) for field in known}
     return {key: value.tolist() if isinstance(value, np.ndarray) else value for key, value in values.items()}
 
 
 def curve_of(kind: type[Any], record: Mapping[str, Any]) -> Any:
     """A curve of this kind from its record in the file. Raises KeyError."""
-    return kind(**{field.name: record[get_args(field.type)[1]] for field in fields(kind)})
+    keys = {field.name: get_args(field.type)[1] for field in fields(kind)}
+    needed = {field.name for field in fields(kind) if not _may_be_missing(field)}
+    return kind(**{name: record[key] for name, key in keys.items() if name in needed or key in record})

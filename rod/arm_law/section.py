@@ -5,7 +5,7 @@ Between two pressures the states that belong together are joined (`rod.arm_law.b
 and what a section bulges by cubics in the pressure (`_beyond_straight`). Nothing is extrapolated.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TypeVar
 
@@ -13,7 +13,7 @@ import numpy as np
 
 from geometry.arrays import Array
 from rod.arm_law.between import interpolate_columns, join_states
-from rod.arm_law.curves import CellCurve, ClampCurve, TipCurve
+from rod.arm_law.curves import IN_SPACE, CellCurve, ClampCurve, TipCurve
 from rod.cubics import cubic, cubic_slope, hermite, monotone_slopes, parabola_slopes
 from rod.errors import RodError
 from rod.same_pressure import known_at
@@ -46,6 +46,7 @@ class SectionLaw:
     shear_rigidity: Array  #: GA, N
     s: Array  #: (m,) along half a cell, mm
     ripple: Array  #: (POINTS, m, 2) mm
+    in_space: Mapping[str, Array]  #: rigidities out of the plane as in `CellCurve`, by name; empty where not known
 
     @property
     def kappa_0(self) -> float:
@@ -96,6 +97,7 @@ def section_at(curves: Sequence[CellCurve], pressure: float) -> SectionLaw:
         straight("shear_rigidity"),
         first.s,
         straight("ripple") + _beyond_straight_at(_around(curves, lower, upper), _ripple_at, pressure, moment),
+        {name: straight(name) for name in IN_SPACE if first.is_in_space and second.is_in_space},
     )
 
 
@@ -111,11 +113,16 @@ def _along(curve: CellCurve) -> SectionLaw:
         cubic_slope(*kappa, moment),
         cubic(*stretch, moment),
         cubic_slope(*stretch, moment),
-        interpolate_columns(moment, curve.moment, curve.axial_rigidity),
-        interpolate_columns(moment, curve.moment, curve.shear_rigidity),
+        _over(moment, curve, "axial_rigidity"),
+        _over(moment, curve, "shear_rigidity"),
         curve.s,
         interpolate_columns(moment, curve.moment, curve.ripple),
+        {name: _over(moment, curve, name) for name in IN_SPACE if curve.is_in_space},
     )
+
+
+def _over(moment: Array, curve: CellCurve, name: str) -> Array:
+    return interpolate_columns(moment, curve.moment, getattr(curve, name))
 
 
 def bracket(pressures: Sequence[float], pressure: float) -> tuple[int, int, float]:
@@ -179,7 +186,14 @@ def clamp_at(clamps: Sequence[ClampCurve], cells: Sequence[CellCurve], pressure:
         offset_by_moment=parabola_slopes(moment, offset),
         s=first.s,
         beside=straight(ClampCurve.beside_at) + _beyond_straight_at(around, ClampCurve.beside_at, pressure, moment),
+        lateral_compliance=_straight_compliance(first, second, pairs.t),
     )
+
+
+def _straight_compliance(first: ClampCurve, second: ClampCurve, t: float) -> Array:
+    """(2, 2), empty where one of both curves has none."""
+    low, high = first.lateral_compliance, second.lateral_compliance
+    return (1 - t) * low + t * high if low.size and high.size else np.empty(0)
 
 
 def _ripple_at(curve: CellCurve, moment: Array) -> Array:

@@ -1,0 +1,106 @@
+"""Rigidities out of the plane as a part of the arm's own law, against finite elements of a whole arm."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import fem
+from fem import Experiment, LineForce, Model, follow
+from fem.cell.lateral import LateralRigidities
+from fem.cell.piece import BendingPiece
+from fem.equations.constraints import Constraints
+from fem.supports import Fixed
+from geometry import GRADINGS, PneuNet, Reason
+from pipeline.cell import in_space
+from pipeline.cell.in_space import cell_in_space
+from pipeline.cell.measure import CellSweep, sweep_cell
+from pipeline.cell.measure_clamp import clamp_curve
+from pipeline.cell.measure_tip import tip_curve
+from pipeline.cell.reach import Reach
+from rod import RodError
+from rod.arm_law.curves import IN_SPACE, CellCurve
+from rod.arm_law.law import ArmLaw
+from rod.arm_law.record import curve_of, law_from_record, law_record, record_of
+
+DESIGN = PneuNet(chambers=5)
+SIZE, DHAT, PRESSURE = 5.0, 0.04, 20.0
+BEND = -0.012  #: 1/mm, about the curvature of the cell without moment
+RUBBER = fem.StVenantKirchhoff(E=1.2, nu=0.495)
+
+
+@pytest.fixture(scope="module")
+def swept() -> tuple[BendingPiece, CellSweep]:
+    piece = BendingPiece(DESIGN.half_cell(SIZE), RUBBER, "mirror", dhat=DHAT)
+    return piece, sweep_cell(piece, PRESSURE, Reach(DESIGN.length, 0.0, 0.0, BEND))
+
+
+@pytest.fixture(scope="module")
+def cell(swept: tuple[BendingPiece, CellSweep]) -> CellCurve:
+    piece, sweep = swept
+    curve, limits = cell_in_space(piece, sweep.curve(piece.body.length), [(p.state, p.axis) for p in sweep.points])
+    assert limits == ()
+    return curve
+
+
+@pytest.fixture(scope="module")
+def law(cell: CellCurve) -> ArmLaw:
+    clamp, _ = clamp_curve(BendingPiece(DESIGN.end_piece(1, SIZE), RUBBER, "clamp", dhat=DHAT), cell)
+    tip, _ = tip_curve(BendingPiece(DESIGN.tip_piece(1, SIZE), RUBBER, "free", dhat=DHAT), cell)
+    repetition = DESIGN.repetition(SIZE, GRADINGS["off"])
+    parts = (cell,), (clamp.curve,), (tip.curve,)
+    return ArmLaw(2.0 * repetition.half_pitch, repetition.middle, DESIGN.length, *parts)
+
+
+def test_an_arm_gives_way_across_its_plane_as_finite_elements_of_the_whole_arm_do(law: ArmLaw) -> None:
+    experiment = Experiment.of("II", DESIGN.body(SIZE), None)
+    effects = [fem.Pressure("cavity", PRESSURE / 1000.0), fem.SelfContact("gap", DHAT)]
+    model = experiment.model(RUBBER, effects, "p2p0")
+    step = follow(model, [1.0]).steps[-1]
+    across = Model(experiment.body.mesh, RUBBER, [Fixed("sym", "xy"), Fixed("clamp")], effects)
+    system = across.system()
+    assert system.constraints.size == Constraints.of(across.supports, across.space).size
+    state = system.state_at(step.displacement, 1.0)
+    tangent = system.linearise(state, system.assemble(state, system.terms), system.terms)
+    load = np.zeros_like(state.displacement)
+    LineForce(experiment.edge, (0.0, 0.0, -0.5)).bind(across.space, RUBBER).gradient(load, 1.0, load)
+    lift = 2.0 * float(np.vdot(load, tangent.solve(-load).displacement))
+    rod = law.at(PRESSURE)
+    found = rod.sideways(rod.solve())
+    assert found.end_lift == pytest.approx(lift, rel=1e-2)
+    assert found.is_stable
+
+
+def test_the_law_in_the_plane_stays_as_it_is(swept: tuple[BendingPiece, CellSweep], cell: CellCurve) -> None:
+    piece, sweep = swept
+    planar, record = record_of(sweep.curve(piece.body.length)), record_of(cell)
+    assert {key: record[key] for key in planar} == planar
+    assert len(record) == len(planar) + len(IN_SPACE)
+    assert not curve_of(CellCurve, planar).is_in_space
+
+
+def test_the_rigidities_stand_in_the_file_and_follow_the_moduli(law: ArmLaw) -> None:
+    read = law_from_record(law_record(law))
+    np.testing.assert_array_equal(read.cells[0].twist_axis, law.cells[0].twist_axis)
+    np.testing.assert_array_equal(read.clamps[0].lateral_compliance, law.clamps[0].lateral_compliance)
+    rod, soft = law.at(PRESSURE), law.scaled(0.5).at(0.5 * PRESSURE)
+    lifts = [one.sideways(one.solve()).end_lift for one in (rod, soft)]
+    assert lifts[1] == pytest.approx(2.0 * lifts[0], rel=1e-9)
+
+
+def test_a_law_of_the_plane_alone_says_nothing_of_space(law: ArmLaw) -> None:
+    nothing = dict.fromkeys(IN_SPACE, np.empty(0))
+    rod = replace(law, cells=(replace(law.cells[0], **nothing),)).at(PRESSURE)
+    with pytest.raises(RodError, match="law_in_space"):
+        rod.sideways(rod.solve())
+
+
+def test_an_unstable_direction_is_a_reason_with_its_place(
+    swept: tuple[BendingPiece, CellSweep], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    piece, sweep = swept
+    monkeypatch.setattr(in_space, "lateral_rigidities", lambda *_: LateralRigidities(-1.0, 1.0, 1.0, 0.0, 0.0, 0))
+    curve, limits = cell_in_space(piece, sweep.curve(piece.body.length), [(p.state, p.axis) for p in sweep.points])
+    assert np.all(curve.lateral_rigidity == -1.0)
+    place = {"piece": "half cell", "pressure_kPa": PRESSURE, "kappa_per_mm": curve.kappa[0]}
+    assert limits == (Reason("unstable_sideways", place),)
