@@ -20,7 +20,7 @@ JOBS :=
 LAW := both
 LARGER := 1
 
-all_targets := pneunet pneunet-coarse golden semicircular semicircular-single bisected-circle all effects cell budget material sweep paper-coarse paper accuracy
+all_targets := pneunet pneunet-coarse golden semicircular semicircular-single bisected-circle all effects cell budget design material sweep paper-coarse paper accuracy
 .PHONY: help setup $(all_targets) test slow hard fuzz kills unseen exports nightly wheel examples lint types docs doctor bench-peers bench-run clean
 
 help:  ## list the targets
@@ -62,6 +62,10 @@ budget: $(READY)  ## what tolerances of a cast arm do to the four coarse arms: t
 		[ -f results/cell_$${arm}/law.json ] || $(BIN)/pneurod cell configs/$${arm}_coarse.yaml --out results/cell_$${arm}
 		$(BIN)/pneurod budget results/cell_$${arm}
 	done
+
+design: $(READY)  ## dimensions for a wish, of two arms that are known: results/wish_pneunet and results/wish_semicircular
+	@$(BIN)/pneurod design examples/wish_pneunet.yaml
+	$(BIN)/pneurod design examples/wish_semicircular.yaml
 
 sweep: $(READY)  ## nine designs of the coarse arm, the arm's own law of each: table and picture in results/walls_and_heights
 	@$(BIN)/pneurod sweep examples/sweep.yaml

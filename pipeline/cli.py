@@ -13,7 +13,7 @@ from typing import Annotated, Any
 import typer
 from typer.core import TyperCommand
 
-from pipeline.commands_of_design import accuracy, cell, effects, mesh, run
+from pipeline.commands_of_design import accuracy, cell, design, effects, mesh, run
 from pipeline.ending import print_json, print_lines, print_sentences, with_sentences
 from pipeline.processes import available_cores
 
@@ -302,7 +302,7 @@ def doctor() -> None:
 
 app.callback()(show_version)
 app.command(cls=Init)(with_sentences(init))
-for command in (run, mesh, effects, accuracy, cell, sweep, rod, solve, budget, material, export, doctor):
+for command in (run, mesh, effects, accuracy, cell, design, sweep, rod, solve, budget, material, export, doctor):
     app.command()(with_sentences(command))
 
 

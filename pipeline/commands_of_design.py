@@ -1,4 +1,4 @@
-"""The commands that solve a design: run, mesh, effects, accuracy, cell."""
+"""The commands that solve a design: run, mesh, effects, accuracy, cell, design."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -188,6 +188,37 @@ def cell(
     print_sentences(*(f"Note: {render(remark)}." for remark in law_remarks(report)))
     print_lines(f"law: {folder / 'law.json'}, picture: {folder / 'law.html'}")
     report.raise_if_failed()
+
+
+def design(
+    wish: Annotated[Path, typer.Argument(metavar="WISH", help="Base, what is free, wishes and limits in YAML.")],
+    out: Annotated[Path | None, _out()] = None,
+    jobs: Annotated[int | None, _jobs("number of cores, at most 3")] = None,
+    no_run: Annotated[bool, typer.Option("--no-run", help="Leave out the run of the design.")] = False,
+    fresh: Fresh = False,
+    quiet: Quiet = False,
+) -> None:
+    """Dimensions and pressures for a wish: curvature, angle, tip, force, stiffness, within limits."""
+    from pipeline.wishes.spec import read_wishes
+
+    file = read_wishes(wish)
+    folder = out or Path("results") / file.name
+
+    from pipeline.progress import Silent, progress_for
+    from pipeline.terminal import text_table
+    from pipeline.wishes.design import Course, find_design, raise_if_missed
+    from pipeline.wishes.report import dimensions_table, wishes_table
+
+    progress = Silent() if quiet else progress_for(Console())
+    try:
+        report = find_design(file, folder, Course.of(jobs, fresh, not no_run), progress)
+    finally:
+        progress.done()
+    print_lines(text_table(dimensions_table(report)), text_table(wishes_table(report)))
+    print_lines(f"configuration: {folder / 'design.yaml'}, picture: {folder / 'design.html'}")
+    if report.run is not None:
+        print_lines(f"report of its run: {report.run / 'report.html'}")
+    raise_if_missed(report)
 
 
 def _with_accuracy(settings: list[str] | None, accuracy: str | None) -> list[str]:

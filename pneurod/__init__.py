@@ -43,12 +43,14 @@ if TYPE_CHECKING:
         Yeoh,
     )
     from pneurod.results import Results, read_results
+    from pneurod.wishes import DesignReport, design
     from rod import ArmLaw, FiveParameters, Interval, LawRod, Rod, RodError, RodSolution, RodWarning
 
 __all__ = [
     "ArmLaw",
     "BisectedCircle",
     "BodyFile",
+    "DesignReport",
     "FiveParameters",
     "Hencky",
     "InputError",
@@ -72,6 +74,7 @@ __all__ = [
     "StVenantKirchhoff",
     "Yeoh",
     "characterize",
+    "design",
     "fem",
     "geometry",
     "pipeline",
@@ -117,6 +120,10 @@ def _imported(name: str) -> object:
             from pneurod import results
 
             return getattr(results, name)
+        case "DesignReport" | "design":
+            from pneurod import wishes
+
+            return getattr(wishes, name)
         case "PneurodError":
             return geometry.PneurodError
     if not hasattr(rod, name):

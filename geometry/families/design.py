@@ -261,7 +261,10 @@ class Design(ABC):
 
         Raises `DesignError` for a body without an inner cell, and as `body` does.
         """
-        repetition = self._checked_repetition(size, grading)
+        return self.half_cell_of(self._checked_repetition(size, grading))
+
+    def half_cell_of(self, repetition: Repetition) -> Body:
+        """Half a cell of these meshed pieces. Raises `DesignError` for a body without an inner cell."""
         if not repetition.half_cells:
             raise DesignError(self.key_of_cells, "the body has no inner cell: it needs two cells at least")
         return self._body(repetition.half_cell(), repetition.half_pitch, repetition.half)
@@ -271,7 +274,11 @@ class Design(ABC):
 
         Raises `DesignError` as `half_cell` does, and ValueError for more half cells than the body has.
         """
-        repetition = self._checked_pieces(half_cells, size, grading)
+        return self.end_piece_of(half_cells, self._checked_repetition(size, grading))
+
+    def end_piece_of(self, half_cells: int, repetition: Repetition) -> Body:
+        """The same of these meshed pieces. Raises ValueError for more half cells than the body has."""
+        _check_room(half_cells, repetition)
         length = repetition.middle + half_cells * repetition.half_pitch
         return self._body(repetition.end_piece(half_cells), length, repetition.half)
 
@@ -281,19 +288,17 @@ class Design(ABC):
 
         Raises as `end_piece` does.
         """
-        repetition = self._checked_pieces(half_cells, size, grading)
+        return self.tip_piece_of(half_cells, self._checked_repetition(size, grading))
+
+    def tip_piece_of(self, half_cells: int, repetition: Repetition) -> Body:
+        """The same of these meshed pieces. Raises ValueError for more half cells than the body has."""
+        _check_room(half_cells, repetition)
         length = repetition.beyond + half_cells * repetition.half_pitch
         return self._body(repetition.tip_piece(half_cells), length, repetition.half)
 
     def of_pieces(self, repetition: Repetition) -> Body:
         """The whole body, put together from its meshed pieces."""
         return self._body(repetition.mesh(), self.length, repetition.half)
-
-    def _checked_pieces(self, half_cells: int, size: float, grading: Grading) -> Repetition:
-        repetition = self._checked_repetition(size, grading)
-        if not 0 <= half_cells <= repetition.half_cells:
-            raise ValueError(f"half_cells = {half_cells}: the body has {repetition.half_cells}")
-        return repetition
 
     def _checked_repetition(self, size: float, grading: Grading) -> Repetition:
         self.check_size(size)
@@ -379,6 +384,11 @@ class SymmetricDesign(Design):
 def expected_tets(size: float, extent: Sequence[float], volume: float) -> float:
     """Estimated number of elements of `size` mm in a body of that extent (x, y, z, mm) and meshed volume (mm3)."""
     return max(volume / (REGULAR_TET * size**3), TETS_PER_SQUARE * _half_surface(extent) / size**2)
+
+
+def _check_room(half_cells: int, repetition: Repetition) -> None:
+    if not 0 <= half_cells <= repetition.half_cells:
+        raise ValueError(f"half_cells = {half_cells}: the body has {repetition.half_cells}")
 
 
 def _half_surface(extent: Sequence[float]) -> float:

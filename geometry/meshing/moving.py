@@ -23,6 +23,8 @@ ON_FACE = 1e-7
 HELD = 1e-6
 #: disagreement of the faces at a node, over the largest velocity, from which a dimension tears the body apart
 TORN = 1e-6
+#: smallest volume of a moved element over that before
+FLATTENED = 0.2
 
 
 @final
@@ -55,6 +57,32 @@ class Movement:
             middle=repetition.middle + change * self.middle,
             edge=repetition.edge + change * self.edge,
         )
+
+
+def moved(
+    repetition: Repetition, known: Mapping[str, Movement | DesignError], changes: Mapping[str, float]
+) -> Repetition:
+    """The meshed pieces for changes of dimensions in mm.
+
+    Raises `DesignError` for a dimension that nodes cannot follow, and for changes that fold or flatten an element.
+    """
+    mesh = repetition
+    for name, change in changes.items():
+        movement = known.get(name, DesignError(name, "nodes cannot follow a change of it"))
+        if isinstance(movement, DesignError):
+            raise movement
+        mesh = movement.moved(mesh, change)
+    tets = np.vstack(list(mesh.solid.regions.values()))
+    before, after = (_volumes(one.solid.points, tets) for one in (repetition, mesh))
+    if np.any(after < FLATTENED * before):
+        raise DesignError(tuple(changes), "so large a change would fold elements of the mesh")
+    return mesh
+
+
+def _volumes(points: Array, tets: Index) -> Array:
+    """(m,) mm3, negative of folded elements."""
+    corners = points[tets]
+    return np.asarray(np.linalg.det(corners[:, 1:] - corners[:, :1]) / 6.0)
 
 
 def movements(

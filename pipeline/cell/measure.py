@@ -106,7 +106,7 @@ def sweep_cell(piece: BendingPiece, pressure_kPa: float, reach: Reach, start: Pi
     """
     h = piece.body.length
     middle = cell_without_moment(piece, in_MPa(pressure_kPa), start)
-    sweep = CellSweep(pressure_kPa, [middle], shear=[(middle.moment, _shear(piece, middle))])
+    sweep = CellSweep(pressure_kPa, [middle], shear=[(middle.moment, shear_at(piece, middle))])
     softest = SOFTENED * slopes(piece, piece.rest()).moment_by_angle
     kappa, rigidity = middle.state.angle / h, middle.slopes.moment_by_angle * h
     for outward in (1, -1):
@@ -131,7 +131,7 @@ def cell_without_moment(piece: BendingPiece, pressure: float, start: PieceState 
     return without_moment(piece, state, CellPoint.of)
 
 
-def _predicted(before: CellPoint | None, last: CellPoint, angle: float) -> State | None:
+def predicted_at(before: CellPoint | None, last: CellPoint, angle: float) -> State | None:
     """Where Newton's method starts at an angle on the path through one or two points."""
     return extrapolate(None if before is None else before.path_point, last.path_point, angle)
 
@@ -151,7 +151,7 @@ def _sweep_to(piece: BendingPiece, sweep: CellSweep, until: Range, softest: floa
             point = _next_point(piece, sweep, part * change)
             if outward * (point.moment - last.moment) <= 0.0:
                 raise PieceFailed(Reason("cell_moment_falls", {"pressure_kPa": sweep.pressure}))
-            sweep.shear.append((point.moment, _shear(piece, point)))
+            sweep.shear.append((point.moment, shear_at(piece, point)))
         except PieceFailed as failure:
             if len(followed) == 1 and abs(change) > shortest:
                 change /= 2.0
@@ -180,7 +180,7 @@ def _next_point(piece: BendingPiece, sweep: CellSweep, change: float) -> CellPoi
         before = sweep.points[-2 if outward > 0 else 1]
     angle = last.state.angle + change / last.slopes.moment_by_angle
     for _ in range(MAX_RETRIES):
-        predicted = _predicted(before, last, angle)
+        predicted = predicted_at(before, last, angle)
         point = CellPoint.of(piece, piece.solve(last.state.pressure, angle, last.state, predicted))
         if abs(point.moment - last.moment) <= FARTHEST * abs(change) or outward * (point.moment - last.moment) <= 0.0:
             break
@@ -191,7 +191,7 @@ def _next_point(piece: BendingPiece, sweep: CellSweep, change: float) -> CellPoi
     return point
 
 
-def _shear(piece: BendingPiece, point: CellPoint) -> float:
+def shear_at(piece: BendingPiece, point: CellPoint) -> float:
     """GA in N. Raises `PieceFailed`."""
     with stable(piece, point.state):
         return shear_rigidity(piece, point.state, point.slopes)
@@ -213,7 +213,7 @@ def _refine(piece: BendingPiece, sweep: CellSweep) -> None:
             continue
         angle = first.state.angle + _division(first, second) * (second.state.angle - first.state.angle)
         try:
-            predicted = _predicted(first, second, angle)
+            predicted = predicted_at(first, second, angle)
             middle = CellPoint.of(piece, piece.solve(first.state.pressure, angle, first.state, predicted))
         except PieceFailed as failure:
             _cut(sweep, first, second, reason_of(failure))

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Hashable, Mapping
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Any
 
 from fem import ContactError, Discretisation, Effect, SelfContact
@@ -12,7 +12,7 @@ from fem.cell.mirror_contact import MirrorContact
 from fem.cell.piece import BendingPiece
 from geometry import GRADINGS, Body, Design, DesignError, MeshError
 from geometry.meshing.mirror import Repetition
-from geometry.meshing.moving import Movement
+from geometry.meshing.moving import Movement, moved
 from pipeline.cell.rates import changes_of
 from pipeline.config.config import Config, MeshSettings
 from pipeline.simulation.scene import GAP, Scene, make_layer, material_of
@@ -33,6 +33,8 @@ class ArmPieces:
     dhat: float | None  #: mm, activation distance of contact of the walls outside; None without contact
     outer: str = ""  #: name of the outer faces that may meet; empty: the first one of the configuration, or the gap
     derivatives: bool = False  #: whether the curves have derivatives by the design
+    by: tuple[str, ...] = ()  #: the parameters of these derivatives, such as geometry.wall; empty: all
+    mesh_of: Config | None = None  #: the design whose mesh is moved to these dimensions; None: a mesh of its own
     _pieces: dict[tuple[int, Boundary], BendingPiece] = field(default_factory=dict, init=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -40,7 +42,8 @@ class ArmPieces:
             raise NoArmLaw(reason)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return ArmPieces, (self.config, self.dhat, self.outer, self.derivatives)  # a worker meshes its own
+        own = self.config, self.dhat, self.outer, self.derivatives, self.by, self.mesh_of
+        return ArmPieces, own  # a worker meshes its own
 
     @staticmethod
     def of(scene: Scene) -> "ArmPieces":
@@ -68,7 +71,8 @@ class ArmPieces:
     @property
     def key(self) -> Hashable:
         """Equal for equal pieces."""
-        return self.config.hash, self.dhat, self.outer, self.derivatives
+        moved = None if self.mesh_of is None else self.mesh_of.hash
+        return self.config.hash, self.dhat, self.outer, self.derivatives, self.by, moved
 
     @property
     def walls(self) -> str:
@@ -83,9 +87,12 @@ class ArmPieces:
     @cached_property
     def repetition(self) -> Repetition:
         """Where the cells of the arm are. Raises InputError."""
-        mesh = self.config.mesh
+        mesh, design = self.config.mesh, self.design
         try:
-            return self.design.repetition(mesh.size_mm, GRADINGS[mesh.grading])
+            design.check_size(mesh.size_mm)
+            if self.mesh_of is not None:
+                return _moved(self.mesh_of.design, design, mesh.size_mm, mesh.grading)
+            return design.repetition(mesh.size_mm, GRADINGS[mesh.grading])
         except (DesignError, MeshError) as failure:
             raise self.config.unmeshable(failure) from None
 
@@ -107,15 +114,15 @@ class ArmPieces:
         return self._pieces[key]
 
     def _piece(self, half_cells: int, start: Boundary) -> BendingPiece:
-        config, size, grading = self.config, self.config.mesh.size_mm, GRADINGS[self.config.mesh.grading]
+        config = self.config
         fractions = {name: cavity.fraction for name, cavity in config.effects.pressure.cavities.items()}
         dhat = self.dhat if self.walls == GAP else None
         try:
             if start == "mirror":
-                body = self.design.half_cell(size, grading)
+                body = self.design.half_cell_of(self.repetition)
             else:
-                make = self.design.end_piece if start == "clamp" else self.design.tip_piece
-                body = make(half_cells, size, grading)
+                make = self.design.end_piece_of if start == "clamp" else self.design.tip_piece_of
+                body = make(half_cells, self.repetition)
             effects = [*make_layer(body, config), *self._contacts(body)]
             material, formulation = material_of(config), config.mesh.formulation
             piece = BendingPiece(body, material, start, formulation, fractions, dhat, effects=effects)
@@ -124,7 +131,7 @@ class ArmPieces:
         except ContactError as failure:
             raise NoArmLaw(f"{failure} between two cells; leave effects.self_contact.faces out") from None
         if self.derivatives and start != "free":
-            piece.changes = changes_of(piece, config, self.repetition, self.movements)
+            piece.changes = changes_of(piece, config, self.repetition, self.movements, self.by)
         return piece
 
     def _contacts(self, body: Body) -> list[Effect]:
@@ -144,3 +151,20 @@ class ArmPieces:
             return [mirrored, among_themselves]  # refused where these walls do not face their images
         space = Discretisation.of(body.mesh, self.config.mesh.formulation)
         return [mirrored, among_themselves] if mirrored.has_walls(space) else [among_themselves]
+
+
+def _moved(known: Design, design: Design, size: float, grading: str) -> Repetition:
+    """The mesh of a design moved to the dimensions of another one. Raises `DesignError`."""
+    repetition, velocities = _movable(known, known.regions, size, grading)
+    values = design.dimensions
+    changes = {name: values[name] - value for name, value in known.dimensions.items() if values[name] != value}
+    return moved(repetition, velocities, changes)
+
+
+@lru_cache(maxsize=2)  # a worker meshes a design once, whose mesh it moves many times
+def _movable(
+    design: Design, regions: tuple[str, ...], size: float, grading: str
+) -> tuple[Repetition, Mapping[str, Movement | DesignError]]:
+    """regions: of the design, by which equal dimensions may differ."""
+    repetition = design.repetition(size, GRADINGS[grading])
+    return repetition, design.movements(repetition)

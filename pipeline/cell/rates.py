@@ -28,12 +28,17 @@ DIFFERENCE = 1e-6
 
 
 def changes_of(
-    piece: BendingPiece, config: Config, repetition: Repetition, movements: Mapping[str, Movement | DesignError]
+    piece: BendingPiece,
+    config: Config,
+    repetition: Repetition,
+    movements: Mapping[str, Movement | DesignError],
+    by: Sequence[str] = (),
 ) -> dict[str, DesignChange]:
-    """All parameters of a piece by which its states have derivatives."""
+    """The parameters of a piece by which its states have derivatives: those of `by`, or all where it is empty."""
     changes = {}
     for name, step in material_steps(config).items():
-        changes[name] = DesignChange.of_material(piece, step.less, step.more, step.step)
+        if not by or name in by:
+            changes[name] = DesignChange.of_material(piece, step.less, step.more, step.step)
     if config.design.is_from_file:
         for axis, name in enumerate(SCALES):
             velocity = np.zeros_like(piece.space.points)
@@ -41,7 +46,7 @@ def changes_of(
             changes[name] = DesignChange.of_dimension(piece, velocity, piece.body.length if axis == 0 else 0.0)
         return changes
     for name, movement in movements.items():
-        if isinstance(movement, Movement):
+        if isinstance(movement, Movement) and (not by or f"geometry.{name}" in by):
             changed = movement.moved(repetition, CHANGE)
             count = round((piece.body.length - repetition.middle) / repetition.half_pitch)
             mesh = changed.half_cell() if piece.start == "mirror" else changed.end_piece(count)

@@ -15,6 +15,7 @@ from pipeline.cell.in_space import cell_in_space
 from pipeline.cell.measure import cell_without_moment, sweep_cell
 from pipeline.cell.measure_clamp import clamp_curve, clamp_without_moment, first_state
 from pipeline.cell.measure_tip import tip_curve, tip_state
+from pipeline.cell.near import cell_near
 from pipeline.cell.pieces import ArmPieces
 from pipeline.cell.point import Measured, failure_of
 from pipeline.cell.rates import cell_rates
@@ -98,6 +99,15 @@ class PieceCurves:
         measured = self._of_cell(CellCurve, name_of_state("cell", pressure), measure)
         self.progress.step_done("cell", pressure, 0.0 if measured.is_stored else measured.seconds)
         return measured
+
+    def near(self, pressure: float, bend: float) -> Measured[CellCurve]:
+        """The cell at a pressure in kPa without moment, and bent by `bend` (1/mm) more and less."""
+
+        def measure(cell: BendingPiece) -> Measured[CellCurve]:
+            sweep = cell_near(cell, pressure, bend)
+            return Measured(sweep.curve(cell.body.length), rates=cell_rates(cell, sweep.points))
+
+        return self._of_cell(CellCurve, name_of_state("cell_near", pressure), measure)
 
     def between(self, lower: CellCurve, upper: CellCurve) -> Measured[float]:
         """How far the law interpolated halfway between two pressures is from the cell there, 1/mm at equal moments."""

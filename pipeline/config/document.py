@@ -40,6 +40,11 @@ class Document:
         keys = tuple(_override(content, key, value, naming) for key, value in values)
         return Document(self.path, content, (*self.overridden, *keys), naming)
 
+    @property
+    def text(self) -> str:
+        """What the file would say, in YAML."""
+        return str(yaml.safe_dump(dict(self.content), sort_keys=False, allow_unicode=True, width=120))
+
     def wrong(self, key: Key, complaint: str) -> InputError:
         """The refusal of one key."""
         return InputError(self.sentence(key, complaint))

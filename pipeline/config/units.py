@@ -31,6 +31,8 @@ MOMENT = Dimension("a moment", "N*mm", "1 N*mm")
 ANGLE = Dimension("an angle", "deg", "90 deg")
 MASS = Dimension("a mass", "g", "20 g")
 STRAIN = Dimension("a strain", "dimensionless", "150 %")
+CURVATURE = Dimension("a curvature", "1/mm", "-12 1/m")
+STIFFNESS = Dimension("a stiffness", "N/mm", "5 N/m")
 DENSITY = Dimension("a density", "tonne/mm**3", "1130 kg/m^3")
 
 #: The usual units by the unit of their dimension, which need no pint: its import takes longer than `pneurod rod`.
@@ -46,6 +48,8 @@ _USUAL: dict[str, dict[str, float]] = {
     "dimensionless": {"%": 0.01},
     "deg": {"deg": 1.0},
     "g": {"g": 1.0, "kg": 1e3, "mg": 1e-3},
+    "1/mm": {"1/mm": 1.0, "1/m": 1e-3, "1/cm": 0.1},
+    "N/mm": {"N/mm": 1.0, "N/m": 1e-3, "mN/mm": 1e-3},
     "tonne/mm**3": {"kg/m^3": 1e-12, "g/cm^3": 1e-9},
 }
 

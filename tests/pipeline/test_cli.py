@@ -275,6 +275,7 @@ WRITING: dict[str, list[str]] = {
     "init": ["init"],
     **{name: [name, "CONFIG"] for name in ("run", "mesh", "effects", "accuracy", "cell")},
     "sweep": ["sweep", "examples/sweep.yaml"],
+    "design": ["design", "examples/wish_semicircular.yaml"],
     "export": ["export", "RESULTS", "--to", "csv"],
     "rod": ["rod", "RESULTS/parameters.json", "--pressure", "31 kPa"],
     "material": ["material", "configs/elastosil_m4601_yeoh.csv"],

@@ -1,0 +1,1 @@
+"""From wishes to the dimensions of an arm that has them."""

@@ -1,0 +1,106 @@
+"""The command for a wish: search, files, and a run of the design that was found."""
+
+import shutil
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from pipeline.config.config import Config
+from pipeline.context import run_context
+from pipeline.errors import InputError, RunFailed
+from pipeline.processes import available_cores
+from pipeline.progress import Progress
+from pipeline.run import run
+from pipeline.simulation.simulate import begin_loading
+from pipeline.store.provenance import provenance
+from pipeline.store.result_folder import ON_COMMAND_LINE, FolderWords
+from pipeline.store.store import Store, check_owner, clear, open_store
+from pipeline.wishes.feasible import check_feasible
+from pipeline.wishes.measured import POINTS, NotBorne, store_of
+from pipeline.wishes.report import DesignReport, design_page, history_rows, report_of
+from pipeline.wishes.search import Found, Search
+from pipeline.wishes.spec import WishFile
+
+#: the files of a design, and the folder of its run
+FILES = ("design.yaml", "design.json", "history.csv", "design.html")
+RUN = "run"
+#: the folder of the curves of a law
+LAW = "law"
+
+
+@dataclass(frozen=True)
+class Course:
+    """How a design is looked for; it decides no result."""
+
+    jobs: int
+    fresh: bool
+    with_run: bool  #: whether the design that was found is run in full
+    words: FolderWords = ON_COMMAND_LINE
+
+    @staticmethod
+    def of(jobs: int | None, fresh: bool, with_run: bool, words: FolderWords = ON_COMMAND_LINE) -> "Course":
+        """With as many processes as cores, at most 3, unless a number is given."""
+        return Course(jobs or min(3, available_cores()), fresh, with_run, words)
+
+
+def find_design(file: WishFile, out: Path, course: Course, progress: Progress) -> DesignReport:
+    """From a wish to `out`/design.yaml; designs that `out` already holds are not measured again.
+
+    Raises InputError for limits that no design keeps and a folder that cannot be used, and RunFailed where no design
+    has a law. Where wishes are missed the report says so (`raise_if_missed`).
+    """
+    check_feasible(file)
+    with open_store(out, file, fresh=course.fresh, words=course.words) as store:
+        if course.fresh:
+            for name in (POINTS, RUN):
+                shutil.rmtree(out / name, ignore_errors=True)
+        with run_context(store, course.jobs, progress) as context:
+            for pending in begin_loading(context, file.config(file.wishes.start)):
+                pending.result()
+            try:
+                found = Search(file, context).run()
+            except NotBorne as failure:
+                raise RunFailed(f"no design was found: {failure}; designs that were tried are kept in {out}") from None
+        report = report_of(file, found, out, out / RUN if course.with_run else None)
+        _save(store, file, found, report)
+        if course.with_run:
+            _run(file, found, store, course, progress)
+    return report
+
+
+def raise_if_missed(report: DesignReport) -> None:
+    """Raise RunFailed where a wish is missed, or a limit."""
+    if report.given_up:
+        count = len(report.wishes) + len(report.limits)
+        missed = f"{len(report.given_up)} of {count} wishes and limits are missed"
+        nearest = f"{report.directory / FILES[0]} is the nearest design"
+        raise RunFailed(f"{missed}: {'; '.join(report.given_up)}; {nearest}", directory=report.directory)
+
+
+def _save(store: Store, file: WishFile, found: Found, report: DesignReport) -> None:
+    store.save_text(FILES[0], _yaml(file, found, report))
+    store.save_json(FILES[1], {**report.record(), **provenance()})
+    columns, rows = history_rows(file.wishes, report.history)
+    store.save_rows(FILES[2], columns, rows)
+    store.save_text(FILES[3], design_page(file.wishes, report, found))
+
+
+def _yaml(file: WishFile, found: Found, report: DesignReport) -> str:
+    """The configuration of the design."""
+    verdict = "meets every wish" if not report.given_up else f"misses: {'; '.join(report.given_up)}"
+    head = f"# Found by `pneurod design {file.source}`; it {verdict}.\n"
+    return head + file.document(np.array(found.trial.point)).text
+
+
+def _run(file: WishFile, found: Found, store: Store, course: Course, progress: Progress) -> None:
+    """The run of the design, whose law is there already. A run that misses something says so in its own results."""
+    config: Config = file.config(np.array(found.trial.point))
+    known, folder = store_of(store, config).directory / LAW, store.directory / RUN
+    try:
+        check_owner(folder, config, "")
+    except InputError:  # of another design of this wish
+        clear(folder)
+    if known.is_dir():
+        shutil.copytree(known, folder / LAW, dirs_exist_ok=True)
+    run(config, folder, course.jobs, False, progress, course.words)
