@@ -20,7 +20,7 @@ from pipeline.wishes.feasible import check_feasible
 from pipeline.wishes.measured import POINTS, NotBorne, store_of
 from pipeline.wishes.report import DesignReport, design_page, history_rows, report_of
 from pipeline.wishes.search import Found, Search
-from pipeline.wishes.spec import WishFile
+from pipeline.wishes.wish_file import WishFile
 
 #: the files of a design, and the folder of its run
 FILES = ("design.yaml", "design.json", "history.csv", "design.html")
@@ -59,7 +59,7 @@ def find_design(file: WishFile, out: Path, course: Course, progress: Progress) -
             for pending in begin_loading(context, file.config(file.wishes.start)):
                 pending.result()
             try:
-                found = Search(file, context).run()
+                found = Search.of(file, context).run()
             except NotBorne as failure:
                 raise RunFailed(f"no design was found: {failure}; designs that were tried are kept in {out}") from None
         report = report_of(file, found, out, out / RUN if course.with_run else None)

@@ -8,9 +8,9 @@ from scipy.optimize import minimize
 from geometry import DesignError
 from geometry.arrays import Array
 from pipeline.errors import InputError
-from pipeline.wishes.spec import WishFile
 from pipeline.wishes.step import exact_ratios
 from pipeline.wishes.wish import exact_limits
+from pipeline.wishes.wish_file import WishFile
 
 #: corners of the bounds that are looked at
 MOST_CORNERS = 64

@@ -27,8 +27,8 @@ from pipeline.store.kept import kept
 from pipeline.store.state_key import NUMBER_SOURCES, STATE_SOURCES, result_key
 from pipeline.store.store import Store
 from pipeline.wishes.numbers import numbers_of, rates_of, tip_at, with_pressures
-from pipeline.wishes.spec import WALL, WishFile, rounded
 from pipeline.wishes.wish import Wishes
+from pipeline.wishes.wish_file import WALL, WishFile, rounded
 from rod import RodError
 from rod.arm_law.curves import CellCurve
 from rod.arm_law.law import ArmLaw

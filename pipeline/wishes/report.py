@@ -9,9 +9,10 @@ from geometry.arrays import Array
 from pipeline.plots import COLOURS, INK, Line, Panel, figure, standalone_page
 from pipeline.report.tables import Table
 from pipeline.store.json_values import JsonObject
-from pipeline.wishes.search import Found, Trial
-from pipeline.wishes.spec import WishFile
+from pipeline.wishes.search import Found
+from pipeline.wishes.trial import Trial
 from pipeline.wishes.wish import Limits, Wish, Wishes, exact_limits
+from pipeline.wishes.wish_file import WishFile
 
 
 @dataclass(frozen=True)

@@ -1,32 +1,22 @@
 """The file of a wish: a base configuration, what is free, what is wanted, limits, and what is made small."""
 
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
-from functools import cached_property
-from hashlib import sha256
-from json import dumps
+from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from geometry import DesignError
-from geometry.arrays import Array
 from pipeline.config.config import Config
 from pipeline.config.document import Document, read_document
 from pipeline.config.kinds import Count, Name, Text
 from pipeline.config.section import Field, Section, closest, not_known, read, section
 from pipeline.config.units import LENGTH, MASS, PRESSURE, Dimension, convert, number_and_unit
 from pipeline.errors import InputError, quoted
-from pipeline.store.json_values import JsonObject
 from pipeline.wishes.wish import OBJECTIVES, QUANTITIES, Free, Limits, Wish, Wishes
 from pipeline.wishes.wish import PRESSURE as PRESSURE_KEY
-
-#: significant digits of dimensions and pressures
-DIGITS = 6
-GEOMETRY = "geometry."
-#: the dimension that `minimize: sensitivity` is about
-WALL = "geometry.wall"
+from pipeline.wishes.wish_file import GEOMETRY, WALL, WishFile
 
 
 @section(frozen=True)
@@ -66,68 +56,6 @@ class _Wish(Section):
     force: Any = None
     stiffness: Any = None
     at_height: Any = Field(default=None, examples=["0 mm"])
-
-
-@dataclass(frozen=True)
-class WishFile:
-    """What a file says, with the configurations that follow from it."""
-
-    source: Path
-    name: str
-    base: Document  #: with the values of `set`
-    wishes: Wishes
-
-    def record(self) -> JsonObject:
-        """Everything that decides the result."""
-        base = sha256(dumps(self.base.content, sort_keys=True, default=str).encode()).hexdigest()
-        return {"name": self.name, "base_hash": base, "wishes": repr(self.wishes)}
-
-    @property
-    def hash(self) -> str:
-        """sha256 of the record."""
-        return sha256(dumps(self.record(), sort_keys=True).encode()).hexdigest()
-
-    def settings(self, point: Array) -> dict[str, Any]:
-        """What replaces values of the base at a point (n,): dimensions, pressures, and how the end is held."""
-        values = self.wishes.values(point)
-        found: dict[str, Any] = {"name": self.name}
-        found |= {key: f"{values[key]:.{DIGITS}g} mm" for key in self.wishes.dimensions}
-        found["pressures"] = [f"{pressure:.{DIGITS}g} kPa" for pressure in self.wishes.pressures_kPa(point)]
-        heights = list(dict.fromkeys(wish.height_mm for wish in self.wishes.wishes if wish.quantity == "force"))
-        if heights:
-            found["end"] = {"y": f"{heights[0]:g} mm"}
-        if heights[1:]:
-            found["validation"] = {"end_y": [f"{height:g} mm" for height in heights[1:]]}
-        return found
-
-    def document(self, point: Array) -> Document:
-        """The base with the values of a point (n,)."""
-        return self.base.with_values(list(self.settings(point).items()), lambda key: f"{self.source}: {key}")
-
-    def config(self, point: Array) -> Config:
-        """The design of a point (n,). Raises InputError."""
-        return read(Config, self.document(point))
-
-    @cached_property
-    def start(self) -> Config:
-        """The design at the start. Raises InputError."""
-        return self.config(self.wishes.start)
-
-    def drawn(self, point: Array) -> Config:
-        """The design of a point (n,) with the other values of the start, for what follows from its drawing alone.
-
-        Raises `DesignError`.
-        """
-        values, known = self.wishes.values(point), self.start.design
-        changes = {key.removeprefix(GEOMETRY): values[key] for key in self.wishes.dimensions}
-        design: Any = replace(known, **changes)  # type: ignore[type-var]
-        changed: Mapping[str, Any] = {"design": design.with_regions(known.regions)}
-        return replace(self.start, **changed)
-
-
-def rounded(point: Array) -> Array:
-    """A point (n,) with the digits with which it is written."""
-    return np.array([float(f"{value:.{DIGITS}g}") for value in point])
 
 
 def read_wishes(path: Path) -> WishFile:
@@ -321,9 +249,3 @@ def _number(document: Document, place: tuple[str | int, ...], written: Any, dime
         return convert(written, dimension)
     except ValueError as refused:
         raise document.wrong(place, str(refused)) from None
-
-
-def corners(bounds: Array) -> Iterator[Array]:
-    """The corners (n,) of bounds (n, 2)."""
-    for number in range(2 ** len(bounds)):
-        yield np.array([pair[(number >> k) & 1] for k, pair in enumerate(bounds)])

@@ -15,8 +15,8 @@ from geometry import DesignError
 from geometry.arrays import Array, Mask
 from pipeline.errors import InputError
 from pipeline.wishes.measured import Numbers
-from pipeline.wishes.spec import WishFile
 from pipeline.wishes.wish import PRESSURE, Wishes, exact_limits
+from pipeline.wishes.wish_file import WishFile
 
 #: part of its tolerance within which a wish counts as met in the model, and of a limit
 MET, KEPT = 0.7, 0.995

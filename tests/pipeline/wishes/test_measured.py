@@ -9,8 +9,9 @@ from pipeline.context import RunContext
 from pipeline.progress import Silent
 from pipeline.store.store import open_store
 from pipeline.wishes.measured import Coarse, NotBorne, store_of
-from pipeline.wishes.spec import WishFile, read_wishes
+from pipeline.wishes.spec import read_wishes
 from pipeline.wishes.wish import exact_limits
+from pipeline.wishes.wish_file import WishFile
 
 CONFIGS = Path(__file__).resolve().parent.parent.parent.parent / "configs"
 SMALL = f"""
@@ -59,8 +60,29 @@ def test_derivatives_are_those_of_designs_that_were_measured(tmp_path: Path) -> 
     assert np.all(known.tips[1] == known.values[1:3])
 
 
-def test_a_design_that_does_not_bear_its_pressure_is_named(tmp_path: Path) -> None:
-    file = small(tmp_path, SMALL.replace("at: 20 kPa, within: 2 %}\n  - {tip", "at: 900 kPa, within: 2 %}\n  - {tip"))
+SENSITIVE = f"""
+name: sensitive
+base: {CONFIGS}/semicircular_coarse.yaml
+set: {{mesh.size: 6 mm, accuracy: off}}
+free: {{geometry.wall: {{from: 0.7 mm, to: 1.6 mm}}}}
+wishes: [{{kappa_0: -0.6 1/m, at: 20 kPa, within: 2 %}}]
+minimize: sensitivity
+"""
+
+
+def test_the_sensitivity_to_the_wall_is_that_of_the_curvature(tmp_path: Path) -> None:
+    file = small(tmp_path, SENSITIVE)
+    with open_store(tmp_path / "out", file) as store:
+        coarse = Coarse.of(file, file.wishes.start, RunContext.alone(store, Silent()))
+        ends = [coarse.numbers(np.array([wall])) for wall in (1.0, 1.02)]
+        powers = [abs(end.rates[0, 0] * wall / end.values[0]) for end, wall in zip(ends, (1.0, 1.02), strict=True)]
+        value, rates = coarse.sensitivity(np.array([1.0]))
+    assert value == pytest.approx(powers[0], rel=1e-4)
+    assert rates == pytest.approx([(powers[1] - powers[0]) / 0.02], rel=0.02)
+
+
+def test_a_margin_that_the_cell_does_not_bear_is_named(tmp_path: Path) -> None:
+    file = small(tmp_path, SENSITIVE.replace("minimize: sensitivity", "limits: {bears: 40}"))
     with open_store(tmp_path / "out", file) as store:
         coarse = Coarse.of(file, file.wishes.start, RunContext.alone(store, Silent()))
         with pytest.raises(NotBorne, match="kPa"):

@@ -7,7 +7,7 @@ import pytest
 
 from pipeline.errors import InputError
 from pipeline.wishes.feasible import check_feasible
-from pipeline.wishes.spec import rounded
+from pipeline.wishes.wish_file import rounded
 from tests.pipeline.wishes.test_measured import SMALL, small
 
 

@@ -7,11 +7,12 @@ import numpy as np
 import pytest
 
 from geometry.arrays import Array
+from pipeline.wishes.descent import Correction
 from pipeline.wishes.measured import Numbers
-from pipeline.wishes.search import Correction, starts
-from pipeline.wishes.spec import WishFile
-from pipeline.wishes.step import Model, merit_of, missing_slopes, propose
-from tests.pipeline.wishes.test_measured import CONFIGS, small
+from pipeline.wishes.search import starts
+from pipeline.wishes.step import Model, exact_objective, merit_of, missing_slopes, propose
+from pipeline.wishes.wish_file import WishFile
+from tests.pipeline.wishes.test_measured import CONFIGS, SMALL, small
 
 TWO = f"""
 name: two
@@ -102,6 +103,13 @@ def test_an_exceeded_limit_costs_more_than_a_wish() -> None:
     assert met == pytest.approx(2.0)
     assert over > met
     assert merit_of(np.array([0.9]), np.zeros(0), 0.5) == 0.5
+
+
+def test_the_least_pressure_is_over_that_at_the_start(tmp_path: Path) -> None:
+    file = small(tmp_path, SMALL + "minimize: pressure\n")
+    u = np.log(file.wishes.start)
+    assert exact_objective(file, u) == pytest.approx(1.0)
+    assert exact_objective(file, u + np.log([1.3, 1.0, 0.8])) == pytest.approx(0.8)
 
 
 def test_starts_are_the_given_one_and_others_within_the_bounds(tmp_path: Path) -> None:
