@@ -17,7 +17,7 @@ from pipeline.wishes.wish_file import WishFile
 DELIVERED = 4
 #: part of its tolerance within which every wish is near enough, and the least gain over the merit: on the coarse mesh
 #: and on that of the law
-ROUGHLY, FINELY = (0.7, 0.1), (0.15, 0.01)
+ROUGHLY, FINELY = (0.7, 0.1), (0.4, 0.05)
 #: miss over the tolerance on the mesh of the law up to which the delivered law may still have every wish
 HOPEFUL = 3.0
 SEED = 1

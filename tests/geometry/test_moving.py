@@ -7,7 +7,7 @@ from geometry import DesignError
 from geometry.families import BisectedCircle, PneuNet, Rectangular, Semicircular, SemicircularSingle
 from geometry.families.design import SymmetricDesign
 from geometry.grading import OFF
-from geometry.meshing.moving import Movement
+from geometry.meshing.moving import Movement, moved
 
 #: mm, of the dimension in difference quotients of the mesh
 STEP = 1e-4
@@ -36,10 +36,38 @@ def test_pieces_of_a_moved_mesh_have_the_planes_of_the_changed_design() -> None:
     repetition = design.repetition(4.0, OFF)
     movement = design.movements(repetition)["chamber_length"]
     assert isinstance(movement, Movement)
-    moved, changed = movement.moved(repetition, 0.1), design.with_dimension("chamber_length", 8.1)
-    assert moved.half_pitch == pytest.approx(changed.pitch / 2.0, abs=1e-12)
-    assert np.ptp(moved.half_cell().points[:, 0]) == pytest.approx(changed.pitch / 2.0, abs=1e-12)
-    assert np.ptp(moved.end_piece(2).points[:, 0]) == pytest.approx(changed.gap + 8.1 / 2.0 + changed.pitch)
+    pieces, changed = movement.moved(repetition, 0.1), design.with_dimension("chamber_length", 8.1)
+    assert pieces.half_pitch == pytest.approx(changed.pitch / 2.0, abs=1e-12)
+    assert np.ptp(pieces.half_cell().points[:, 0]) == pytest.approx(changed.pitch / 2.0, abs=1e-12)
+    assert np.ptp(pieces.end_piece(2).points[:, 0]) == pytest.approx(changed.gap + 8.1 / 2.0 + changed.pitch)
+
+
+@pytest.mark.parametrize(
+    ("design", "changes"),
+    [
+        (PneuNet(), {"wall": 0.25, "side_wall": -0.5, "gap": 0.4, "base": 0.5}),
+        (Semicircular(), {"wall": -0.2, "radius": 1.8, "base": -0.4}),
+    ],
+)
+def test_several_dimensions_move_by_a_quarter(design: SymmetricDesign, changes: dict[str, float]) -> None:
+    """Volumes are those of the drawing, of round walls to the elements' approximation of the arc."""
+    repetition = design.repetition(4.0, OFF)
+    mesh, drawn = moved(repetition, design.movements(repetition), changes).mesh(), design
+    for name, change in changes.items():
+        drawn = drawn.with_dimension(name, design.dimensions[name] + change)
+    assert 2.0 * mesh.volume == pytest.approx(drawn.solid_volume, rel=2e-3)
+    assert 2.0 * mesh.enclosed_volume("cavity") == pytest.approx(drawn.cavity_volume, rel=2e-3)
+    assert mesh.volumes.min() > 0.0
+
+
+def test_changes_that_nodes_cannot_follow_are_refused() -> None:
+    design = PneuNet()
+    repetition = design.repetition(4.0, OFF)
+    known = design.movements(repetition)
+    with pytest.raises(DesignError, match="cannot follow"):
+        moved(repetition, known, {"fillet": 0.2})
+    with pytest.raises(DesignError, match="fold"):
+        moved(repetition, known, {"wall": 2.9, "gap": -1.8})
 
 
 def test_a_dimension_at_its_bound_has_no_velocity() -> None:
