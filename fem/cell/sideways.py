@@ -7,7 +7,8 @@ plane admits two kinds of them:
 - bent: the plane stays one. It tilts about its direction e2 in the plane of bending, and all moves freely within it.
 - twisted: the plane turns about its normal n and moves along z. All moves freely along the normal, so that it warps.
 
-Walls in contact with their mirror images press on a plane that stays one, and move with a plane that warps.
+Walls in contact with their mirror images press on a plane that stays one. Beside a plane that warps they slide
+(`fem.cell.sliding_walls`).
 """
 
 from collections.abc import Sequence
@@ -20,6 +21,8 @@ import numpy as np
 from fem.cell.mirror_contact import is_with_images
 from fem.cell.piece import BendingPiece, PieceState
 from fem.cell.rim import rim_forces
+from fem.cell.sliding_walls import SlidingWalls
+from fem.effects.barrier import FacingTerm
 from fem.effects.effect import Terms
 from fem.equations.constraints import Constraints
 from fem.equations.system import System
@@ -159,7 +162,13 @@ class Twisted:
         within, normal = place.within, place.normal
         held = [*supports, Fixed("tip", "z"), FixedAlong("tip", (float(within[0]), float(within[1]), 0.0))]
         self.place = place
-        terms = tuple(term for term in place.at.terms if not is_with_images(term, place.piece.plane))
+        space, plane = place.piece.space, place.piece.plane
+        terms = tuple(
+            SlidingWalls.of(term, space, place.x, normal)
+            if isinstance(term, FacingTerm) and term.pairs.nodes.size and is_with_images(term, plane)
+            else term
+            for term in place.at.terms
+        )
         self.equations = Sideways(place, "twisted", terms, held)
         lift = place.on_plane(np.broadcast_to([0.0, 0.0, 1.0], place.x.shape))
         self.moves = (place.on_plane(place.turned(normal)), lift)

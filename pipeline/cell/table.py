@@ -10,7 +10,8 @@ from pipeline.cell.meshes import MeshLimit
 from pipeline.cell.study import LawReport
 from pipeline.report.tables import Table
 from pipeline.results.law import LawMeshError
-from rod.arm_law.curves import CellCurve
+from rod.arm_law.curves import IN_SPACE, CellCurve
+from rod.arm_law.law import ArmLaw
 
 _HEADS = (
     *("p (kPa)", "κ₀ (1/mm)", "mesh ±", "dM/dκ (N mm²)", "mesh ±", "EA (N)", "GA (N)", "moments (N mm)"),
@@ -32,6 +33,19 @@ def law_table(measured: MeasuredLaw) -> Table:
     )
     caption = "κ₀: curvature without moment; dM/dκ, EA, GA: rigidities there against bending, stretching and shear"
     return Table(_HEADS, rows, caption)
+
+
+def space_table(law: ArmLaw) -> Table | None:
+    """One row per pressure with the rigidities out of the plane, without moment; None where they are not known."""
+    cells = [cell for cell in law.cells if cell.is_in_space]
+    if not cells:
+        return None
+    rows = []
+    for cell in cells:
+        values = (float(np.interp(0.0, cell.moment, getattr(cell, name))) for name in IN_SPACE[:4])
+        rows.append((f"{cell.pressure:g}", *(f"{value:.4g}" for value in values)))
+    heads = ("p (kPa)", "B₂ (N mm²)", "GJ (N mm²)", "GA across (N)", "twist axis (mm)")
+    return Table(heads, tuple(rows), "out of the plane, without moment; the twist axis is above the axis of the rod")
 
 
 def mesh_table(limit: MeshLimit) -> Table:

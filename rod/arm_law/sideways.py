@@ -132,16 +132,19 @@ def sideways(rod: PlanarRod, clamp: Array, position: float, lever: Array) -> Sid
     """The rod under a force along z.
 
     clamp: (2, 2) turns of the clamped end about x and y per moment about them at s = position, rad/(N mm). lever: (2,)
-    mm, from the end of the axis to the point in which forces act.
+    mm, from the end of the axis to the point in which that force acts. The force in the plane keeps its direction; it
+    acts where it makes the moment of the end.
     """
-    lifted = np.array([lever[1], -lever[0]])  # of that point beyond the axis, by turns of the end
     force = rod.force[-1]
+    square, missing = float(force @ force), float(rod.moment[-1] - lever[0] * force[1] + lever[1] * force[0])
+    acts_at = lever + missing / square * np.array([force[1], -force[0]]) if square else lever
+    lifted, carried = (np.array([point[1], -point[0]]) for point in (lever, acts_at))  # along z by turns of the end
 
     def solve(state: PlanarRod, acting: Array) -> tuple[Array, Array, float]:
         from_end = state.from_end()
         start = np.zeros((SIZE, 4))  # by turns and lift of the end, and the force
         start[:3, :3] = np.eye(3)
-        start[3, :2], start[4, :2] = acting[1] * lifted, -acting[0] * lifted
+        start[3, :2], start[4, :2] = -acting[1] * carried, acting[0] * carried
         start[3:, 3] = lever[1], -lever[0], 1.0
         at_clamp = from_end[0] @ start
         row = position / float(state.s[-1]) * (len(state.s) - 1)

@@ -18,6 +18,7 @@ from pipeline.cell.measure import CellSweep, sweep_cell
 from pipeline.cell.measure_clamp import clamp_curve
 from pipeline.cell.measure_tip import tip_curve
 from pipeline.cell.reach import Reach
+from pipeline.cell.table import space_table
 from rod import RodError
 from rod.arm_law.curves import IN_SPACE, CellCurve
 from rod.arm_law.law import ArmLaw
@@ -88,9 +89,21 @@ def test_the_rigidities_stand_in_the_file_and_follow_the_moduli(law: ArmLaw) -> 
     assert lifts[1] == pytest.approx(2.0 * lifts[0], rel=1e-9)
 
 
+def test_the_table_has_the_rigidities_without_moment(law: ArmLaw) -> None:
+    table = space_table(law)
+    assert table is not None
+    ((pressure, bending, torsion, *_),) = table.rows
+    assert float(pressure) == PRESSURE
+    cell = law.cells[0]
+    assert cell.lateral_rigidity.min() * 0.999 <= float(bending) <= cell.lateral_rigidity.max() * 1.001
+    assert cell.torsional_rigidity.min() * 0.999 <= float(torsion) <= cell.torsional_rigidity.max() * 1.001
+
+
 def test_a_law_of_the_plane_alone_says_nothing_of_space(law: ArmLaw) -> None:
     nothing = dict.fromkeys(IN_SPACE, np.empty(0))
-    rod = replace(law, cells=(replace(law.cells[0], **nothing),)).at(PRESSURE)
+    planar = replace(law, cells=(replace(law.cells[0], **nothing),))
+    assert space_table(planar) is None
+    rod = planar.at(PRESSURE)
     with pytest.raises(RodError, match="law_in_space"):
         rod.sideways(rod.solve())
 

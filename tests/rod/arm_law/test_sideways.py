@@ -51,6 +51,21 @@ def loaded(force: float) -> SidewaysResponse:
     return sideways(rod, RIGID, 0.0, np.zeros(2))
 
 
+def test_a_force_in_the_plane_beyond_the_end_acts_as_through_a_rigid_part() -> None:
+    """A deep beam whose last 20 mm are rigid, beside one of 80 mm with the force 20 mm ahead of its end."""
+
+    def lift(length: float, lever: float) -> float:
+        s = np.linspace(0.0, length, 1601)
+        stiff = np.where(s > 80.0 + 1e-9, 1e7, 1.0)
+        twisting = twisting_compliance(GJ * stiff, np.full_like(s, 1e12), np.zeros_like(s))
+        along, force = np.column_stack([np.ones_like(s), np.zeros_like(s)]), 0.1
+        moment, forces = force * (100.0 - s), np.tile([0.0, force], (len(s), 1))
+        rod = PlanarRod(s, np.zeros_like(s), along, moment, forces, B * stiff, twisting)
+        return sideways(rod, RIGID, 0.0, np.array([lever, 0.0])).end_lift
+
+    assert lift(80.0, 20.0) == pytest.approx(lift(100.0, 0.0), rel=2e-3)
+
+
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_a_deep_beam_buckles_sideways_at_the_force_of_timoshenko(sign: float) -> None:
     """S. P. Timoshenko and J. M. Gere, "Theory of Elastic Stability", 6.3: F = 4.013 sqrt(B GJ) / l^2."""
