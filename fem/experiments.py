@@ -11,6 +11,8 @@ import numpy as np
 
 from fem.effects.effect import Effect
 from fem.effects.loads import LineForce
+from fem.effects.membrane import StrainLimitingLayer
+from fem.effects.mirror_layer import MirroredLayer
 from fem.materials.regions import Solid
 from fem.model import Model
 from fem.solution import Step
@@ -73,7 +75,13 @@ class Experiment:
 
     def model(self, material: Solid, effects: Sequence[Effect], formulation: str) -> Model:
         """The model of this experiment."""
-        return Model(self.body.mesh, material, list(self.supports), [*effects, *self._dead_force()], formulation)
+        acting = [*effects, *self._clamped_layers(effects), *self._dead_force()]
+        return Model(self.body.mesh, material, list(self.supports), acting, formulation)
+
+    def _clamped_layers(self, effects: Sequence[Effect]) -> list[MirroredLayer]:
+        """What holds the slope of layers at the clamp; nothing in I."""
+        layers = [effect for effect in effects if isinstance(effect, StrainLimitingLayer)]
+        return [] if self.name == "I" else [MirroredLayer(layer, "clamp") for layer in layers]
 
     def _dead_force(self) -> list[LineForce]:
         if not any(self.force):

@@ -13,6 +13,8 @@ Boundary = Literal["mirror", "clamp", "free"]
 
 #: the pieces in sentences, by what holds their start
 BOUNDARY_NAMES: dict[Boundary, str] = {"mirror": "half cell", "clamp": "clamped end", "free": "free end"}
+#: the faces of a piece that a layer meets at a right angle, by what holds the piece's start
+UPRIGHT: dict[Boundary, tuple[str, ...]] = {"mirror": ("clamp", "tip"), "clamp": ("clamp", "tip"), "free": ("tip",)}
 
 
 def supports_of(body: Body, curve: Array, start: Boundary, angle: float) -> list[Support]:

@@ -24,6 +24,7 @@ from fem.effects.barrier import FacingTerm
 from fem.effects.effect import Term, Terms
 from fem.effects.facing_pairs import FacingPairs
 from fem.effects.membrane import LayerTerm
+from fem.effects.mirror_layer import MirroredLayerTerm
 from fem.equations.formulation import Formulation, formulation_of
 from fem.equations.state import Change
 from fem.kernels import element as kernels
@@ -187,7 +188,7 @@ def _moved_term(term: Term, before: Array, variant: Variant) -> Term:
     after = variant.space.points
     if isinstance(term, FacingTerm):
         return replace(term, pairs=variant.pairs(term.pairs, before), stiffness=variant.stiffness * term.stiffness)
-    if isinstance(term, LayerTerm) and after is not before:
+    if isinstance(term, LayerTerm | MirroredLayerTerm) and after is not before:
         return term.moved(before, after)
     return term
 

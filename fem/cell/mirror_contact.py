@@ -10,6 +10,7 @@ from fem.effects.barrier import OVERLAP, FacingTerm
 from fem.effects.contact import STIFFNESS, ContactError
 from fem.effects.effect import Effect, Term, Terms
 from fem.effects.facing_pairs import FacingPairs
+from fem.effects.mirror_layer import MirroredLayerTerm
 from fem.materials.material import Material
 from fem.path.newton import StepFailed
 from geometry.arrays import Array, Index
@@ -64,7 +65,10 @@ def gap_and_touch(terms: Terms, x: Array, plane: Index) -> tuple[float, bool]:
 
 
 def is_with_images(term: Term, plane: Index) -> bool:
-    """Whether a term is contact of walls with their mirror images beyond the plane of the nodes (k,)."""
+    """Whether a term is contact of walls with their mirror images beyond the plane of the nodes (k,), or the bending of
+    a layer at such a plane."""
+    if isinstance(term, MirroredLayerTerm):
+        return True
     return isinstance(term, FacingTerm) and bool(np.isin(term.pairs.triangles, plane).all())
 
 

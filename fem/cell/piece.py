@@ -19,11 +19,13 @@ from typing import Any, TypeVar, final
 import numpy as np
 
 from fem.cell.air import AirPressure
-from fem.cell.boundary import BOUNDARY_NAMES, Boundary, supports_of
+from fem.cell.boundary import BOUNDARY_NAMES, UPRIGHT, Boundary, supports_of
 from fem.cell.mirror_contact import MirrorContact, gap_and_touch, tightened
 from fem.discretisation import Discretisation
 from fem.effects.contact import SelfContact
 from fem.effects.effect import Effect, Terms
+from fem.effects.membrane import StrainLimitingLayer
+from fem.effects.mirror_layer import MirroredLayer
 from fem.equations.constraints import Constraints
 from fem.equations.linear import LinearTimes
 from fem.equations.linearised import Linearised
@@ -106,6 +108,8 @@ class BendingPiece:
         if dhat is not None and "gap" in body.mesh.faces:
             acting.append(MirrorContact("gap", "tip", dhat))
             acting.append(SelfContact("gap", dhat, starts_inactive=True, near=np.inf))
+        layers = [effect for effect in effects if isinstance(effect, StrainLimitingLayer)]
+        acting += [MirroredLayer(layer, plane) for layer in layers for plane in UPRIGHT[start]]
         self.terms = tuple(effect.bind(self.space, laws_of(material)[""]) for effect in (*acting, *effects))
         self._constraints: tuple[float, Constraints] | None = None  #: of the last angle
         self._system = System(self.space, material, self.terms, self.constraints(0.0), available_solver()())

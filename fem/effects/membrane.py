@@ -1,8 +1,9 @@
 """A strain-limiting layer: thin paper or fabric in the body, as a membrane on faces of the mesh.
 
-The membrane shares the nodes of the tetrahedra beside it and adds no degree of freedom. It obeys the
-St. Venant-Kirchhoff law in plane stress, W = t/2 E : C : E per area at rest with the Green-Lagrange strain E of the
-surface; bending of the layer itself and wrinkling are not simulated. Newton carries the membrane's stress as it does
+The membrane shares the nodes of the tetrahedra beside it and adds no degree of freedom. It obeys the St. Venant-
+Kirchhoff law in plane stress, W = t/2 E : C : E per area at rest with the Green-Lagrange strain E of the surface, and
+resists bending (`fem.effects.layer_bending`). Without that a compressed layer in soft material would wrinkle at
+wavelengths of the mesh, under the less compression the finer it is. Newton carries the membrane's stress as it does
 that of the solid (`fem.path.newton`), without which a layer a thousand times stiffer than the body takes many small
 steps.
 """
@@ -14,6 +15,7 @@ import numpy as np
 
 from fem.discretisation import Discretisation
 from fem.effects.effect import Blocks, Effect, StressCarryingTerm
+from fem.effects.layer_bending import BendingForm, bending_form
 from fem.kernels.membrane import (
     MembraneArrays,
     membrane_force,
@@ -30,6 +32,9 @@ from geometry.arrays import Array, Index, Mask
 #: displacements, and a nearly inextensible layer could not bend either (with three points the semicircular arm bends a
 #: fifth less on a mesh of 4 mm).
 POINTS = np.full((1, 3), 1 / 3)
+
+#: the face of half a body in its plane of symmetry, and how far nodes of that plane may be off, over the body's size
+SYMMETRY, NEAR = "sym", 1e-9
 
 
 class LayerError(PneurodError, ValueError):
@@ -66,39 +71,73 @@ class StrainLimitingLayer(Effect):
         weight = self.thickness * area / POINTS.shape[0]
         plane = np.array([[1.0, self.nu, 0.0], [self.nu, 1.0, 0.0], [0.0, 0.0, (1 - self.nu) / 2]])
         arrays, law = MembraneArrays(nodes, gradients, weight), self.E / (1 - self.nu**2) * plane
+        mirror = _in_plane_of_symmetry(space)
+        bending = bending_form(space.points, nodes, self._rigidity, self.nu, mirror)
+        return LayerTerm(arrays, law, self._rigidity, mirror, bending, _Pairs.of(nodes, bending), None)
+
+    @property
+    def _rigidity(self) -> float:
+        """D, N mm."""
+        return self.E * self.thickness**3 / (12 * (1 - self.nu**2))
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class _Pairs:
+    """Node pairs of the second derivative, those of stretching and behind them those of bending."""
+
+    rows: Index  #: (m,)
+    columns: Index  #: (m,)
+    swapped: Mask  #: (k,) of those of stretching whether the nodes were swapped, so that rows <= columns
+    bending: Array  #: (m - k, 3, 3) second derivative of bending, N/mm
+
+    @staticmethod
+    def of(nodes: Index, bending: BendingForm) -> "_Pairs":
+        """Of the faces with nodes (f, a)."""
         a, b = np.triu_indices(nodes.shape[1])
         first, second = nodes[:, a].ravel(), nodes[:, b].ravel()
-        pairs = np.minimum(first, second), np.maximum(first, second), first > second
-        return LayerTerm(arrays, law, pairs, None)
+        rows, columns, values = bending.blocks
+        all_rows = np.concatenate([np.minimum(first, second), rows])
+        return _Pairs(all_rows, np.concatenate([np.maximum(first, second), columns]), first > second, values)
 
 
 @final
 @dataclass(frozen=True, eq=False)  # arrays inside: two terms are the same one or not
 class LayerTerm(StressCarryingTerm):
-    """The stretching energy of a membrane."""
+    """The energy of stretching and bending of a layer."""
 
     effect = "strain_limiting_layer"
 
     arrays: MembraneArrays
     law: Array  #: (3, 3) tangent in plane stress, MPa
-    pairs: tuple[Index, Index, Mask]  #: (m,) smaller and larger node of each pair of a face, and whether swapped
+    rigidity: float  #: D of bending, N mm
+    mirror: Mask  #: (n,) whether a node is in the plane of symmetry
+    bending: BendingForm
+    pairs: _Pairs
     carried: Array | None  #: (f, q, 3) stress of the geometric stiffness, MPa; None where it is that of the strain
+
+    @property
+    def nu(self) -> float:
+        """Poisson's ratio."""
+        return float(self.law[0, 1] / self.law[0, 0])
 
     def energy(self, x: Array, factor: float) -> float:
         strain = self._strain(x)
-        return 0.5 * float(np.einsum("fq,fqv,vw,fqw", self.arrays.weight, strain, self.law, strain))
+        stretching = 0.5 * float(np.einsum("fq,fqv,vw,fqw", self.arrays.weight, strain, self.law, strain))
+        return stretching + self.bending.energy(x)
 
     def gradient(self, x: Array, factor: float, out: Array) -> None:
         membrane_force(self.arrays, x, self.stress(x), out)
+        out += self.bending.force(x)
 
     def blocks(self, x: Array, factor: float, convex: bool) -> Blocks:
         stress = self.stress(x) if self.carried is None else self.carried
-        rows, columns, swapped = self.pairs
-        values = np.empty((self.arrays.nodes.shape[0], rows.shape[0] // self.arrays.nodes.shape[0], 3, 3))
+        faces, pairs = self.arrays.nodes.shape[0], self.pairs
+        values = np.empty((faces, pairs.swapped.shape[0] // faces, 3, 3))
         membrane_tangent(self.arrays, x, stress, self.law, values)
         values = values.reshape(-1, 3, 3)
-        values[swapped] = values[swapped].transpose(0, 2, 1)
-        return Blocks(rows, columns, values)
+        values[pairs.swapped] = values[pairs.swapped].transpose(0, 2, 1)
+        return Blocks(pairs.rows, pairs.columns, np.concatenate([values, pairs.bending]))
 
     def advanced(self, x: Array, dx: Array) -> "LayerTerm":
         change = np.empty((*self.arrays.weight.shape, 3))
@@ -113,7 +152,9 @@ class LayerTerm(StressCarryingTerm):
         nodes = self.arrays.nodes
         (_, area), (gradients, moved) = _gradients(before[nodes]), _gradients(after[nodes])
         arrays = MembraneArrays(nodes, gradients, self.arrays.weight * moved / area)
-        return replace(self, arrays=arrays, carried=None)
+        bending = bending_form(after, nodes, self.rigidity, self.nu, self.mirror)
+        pairs = _Pairs.of(nodes, bending)
+        return replace(self, arrays=arrays, bending=bending, pairs=pairs, carried=None)
 
     def stress(self, x: Array) -> Array:
         """Second Piola-Kirchhoff stress (f, q, 3) at the positions x (n, 3), MPa."""
@@ -142,6 +183,14 @@ def _gradients(positions: Array) -> tuple[Array, Array]:
     jacobian = np.einsum("fdi,fai,qak->fqdk", frame, positions, reference)
     gradients = np.einsum("qak,fqkd->fqad", reference, np.linalg.inv(jacobian))
     return np.ascontiguousarray(gradients), np.abs(np.linalg.det(jacobian)) / 2
+
+
+def _in_plane_of_symmetry(space: Discretisation) -> Mask:
+    """(n,) whether a node is on the face `sym`, in the plane z = 0."""
+    mirror = np.zeros(space.points.shape[0], dtype=bool)
+    if SYMMETRY in space.surfaces:
+        mirror[space.surface(SYMMETRY).unique_nodes] = True
+    return mirror & (np.abs(space.points[:, 2]) < NEAR * np.ptp(space.points, axis=0).max())
 
 
 def _nodes(space: Discretisation, triangles: Index) -> Index:
