@@ -1,5 +1,6 @@
 """Bodies as other programs write them: meshes without names or a material curve, surfaces, solids in other frames."""
 
+import shutil
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -10,6 +11,7 @@ import numpy as np
 from geometry.meshing.solid import session
 from tests.step_bodies import Draw, box, save
 
+TWIN_BELLOWS = Path(__file__).parent / "data" / "twin_bellows.stl"
 #: the bar: 60 x 12 x 15 mm with a cavity of 54 x 7 x 10 mm, 3 mm over the base
 BAR_VOLUME, BAR_AIR = 60 * 12 * 15 - 54 * 7 * 10, 54 * 7 * 10
 
@@ -150,6 +152,33 @@ def finger_with_inlet_below(occ: Any) -> Any:
     return occ.cut(finger(occ), [(3, occ.addCylinder(35, -1, 0, 0, 6, 0, 1.5))])[0]
 
 
+def finger_with_air(occ: Any) -> Any:
+    """The finger and its air, which some programs write as a solid of its own."""
+    return [*finger(occ), box(occ, (3, 4, -4.5), (67, 10, 4.5))]
+
+
+#: axis and angle (rad) of the rotation of the oblique finger
+OBLIQUE = ((0.36, -0.48, 0.8), 1.2)
+
+
+def oblique_finger(occ: Any) -> Any:
+    """The finger turned about an oblique axis through the origin."""
+    solids = finger(occ)
+    occ.rotate(solids, 0, 0, 0, *OBLIQUE[0], OBLIQUE[1])
+    return solids
+
+
+def oblique_axes() -> str:
+    """The key `axes` of the oblique finger."""
+    axis, angle = np.array(OBLIQUE[0]), OBLIQUE[1]
+
+    def turned(direction: np.ndarray) -> str:
+        side = np.cos(angle) * direction + np.sin(angle) * np.cross(axis, direction)
+        return ", ".join(f"{part:.9g}" for part in side + (1 - np.cos(angle)) * (axis @ direction) * axis)
+
+    return f"axes: {{along: [{turned(np.eye(3)[0])}], up: [{turned(np.eye(3)[1])}]}}"
+
+
 def half_finger(occ: Any) -> Any:
     """The half z >= 0 of the finger."""
     return occ.intersect(finger(occ), [box(occ, (-1, -1, 0), (71, 20, 8))])[0]
@@ -173,7 +202,7 @@ class Tried:
 
 
 def write_tried(folder: Path) -> list[Tried]:
-    """Write the files of studies/own_bodies.md; all but the last are the finger."""
+    """Write the files of studies/own_bodies.md; all but the last two are the finger."""
     points, tets = meshed(finger, 4.0)
     write_mesh(folder / "finger.vtk", points, tets)
     write_mesh(folder / "finger10.msh", *meshed(finger, 4.0, order=2), file_format="gmsh22")
@@ -185,6 +214,10 @@ def write_tried(folder: Path) -> list[Tried]:
     save(folder / "finger_inlet.step", finger_with_inlet)
     save(folder / "finger_inlet_below.step", finger_with_inlet_below)
     save(folder / "half.brep", half_finger)
+    save(folder / "finger_with_air.step", finger_with_air)
+    save(folder / "finger_oblique.step", oblique_finger)
+    write_surface(folder / "finger_oblique.stl", oblique_finger, 50)
+    shutil.copy(TWIN_BELLOWS, folder)
     write_surface(folder / "finger.stl", finger, 50)
     write_surface(folder / "finger_inlet_below.stl", finger_with_inlet_below, 50)
     content = meshio.read(folder / "finger.stl")
@@ -208,7 +241,10 @@ def write_tried(folder: Path) -> list[Tried]:
             "curve: 2 mm, plug: {inlet: [35 mm, 0 mm, 0 mm]}",
         ),
         Tried("half.brep", "BREP, half z ≥ 0", "curve: 2 mm, symmetric: true"),
+        Tried("finger_with_air.step", "STEP, air as a solid of its own", "curve: 2 mm"),
+        Tried("finger_oblique.step", "STEP, oblique", f"curve: 2 mm, {oblique_axes()}"),
         Tried("finger.stl", "STL", "curve: 2 mm"),
+        Tried("finger_oblique.stl", "STL, oblique", f"curve: 2 mm, {oblique_axes()}"),
         Tried(
             "finger_inlet_below.stl",
             "STL, open inlet in the base, filled",
@@ -224,5 +260,10 @@ def write_tried(folder: Path) -> list[Tried]:
             "chambers.stl",
             "STL, two cavities",
             "curve: 1.5 mm, air: {near: [20 mm, 5 mm, 0 mm], far: [40 mm, 5 mm, 0 mm]}",
+        ),
+        Tried(
+            TWIN_BELLOWS.name,
+            "STL of two bellows",
+            "curve: -11 mm, air: {left: [20 mm, 0 mm, -12 mm], right: [20 mm, 0 mm, 12 mm]}",
         ),
     ]
