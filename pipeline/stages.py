@@ -21,7 +21,7 @@ from pipeline.notes import render, render_all, report_reason
 from pipeline.notes.design import check_design
 from pipeline.notes.mesh import check_body
 from pipeline.notes.states import Solved, check_states
-from pipeline.notes.unloaded import unloaded_lines
+from pipeline.notes.unloaded import delivered_numbers
 from pipeline.parallel import Pending
 from pipeline.progress import Progress
 from pipeline.report.saved import save_report
@@ -55,10 +55,11 @@ _STAGES_OF_LAW = ("mesh", "kernels (compiled once)", _LAW, "pictures", "report")
 
 
 def stage_names(config: Config) -> tuple[str, ...]:
-    """The stages of a run in their order."""
+    """The stages of a run in their order, without a second mesh of the arm that its own law replaces."""
     if config.law == "cell":
         return _STAGES_OF_LAW
-    left_out = set() if config.mesh.coarser else {_COARSER_MESH}
+    is_replaced = config.accuracy is not None and config.law != "five"
+    left_out = {_COARSER_MESH} if is_replaced or not config.mesh.coarser else set()
     left_out |= {_LAW, _LAW_ON_MESH_OF_ARM} if config.law == "five" else set()
     return tuple(name for name in _STAGES if name not in left_out)
 
@@ -70,6 +71,12 @@ class Stages:
         self._progress = progress
         self._names = names
         self.seconds: dict[str, float] = {}
+
+    def add(self, name: str, before: str) -> None:
+        """Count a stage that turned out to be needed."""
+        if name not in self._names:
+            at = self._names.index(before)
+            self._names = (*self._names[:at], name, *self._names[at:])
 
     @contextmanager
     def timed(self, name: str) -> Iterator[None]:
@@ -145,7 +152,7 @@ def deliver_law(state: RunState) -> tuple[RunState, LawOfRun]:
 def _with_law(state: RunState, arm: LawOfRun) -> RunState:
     law = arm.save(state.context.store, state.config.pressures_kPa)
     if law is not None and law.unloaded:
-        state.context.progress.remark("; ".join(unloaded_lines(law)))
+        state.context.progress.remark(delivered_numbers(law))
     return state.with_results(law=law)
 
 
@@ -186,6 +193,8 @@ def identify(state: RunState, outcomes: Outcomes, arm: LawOfRun) -> tuple[RunSta
         if state.config.accuracy is not None and arm.law is not None:
             improved = Pending[WithMeshError].done((parameters, ()))
         else:
+            if state.config.mesh.coarser:
+                state.stages.add(_COARSER_MESH, before="rod")
             improved = context.workers.beside(with_mesh_error, state.config, context, parameters)
     return state.with_results(states=states), identified, improved
 

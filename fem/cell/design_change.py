@@ -13,6 +13,7 @@ is solved for a parameter. With mixed elements the residuals of the pressures an
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import final
 
 import numpy as np
@@ -97,86 +98,90 @@ class DesignRate:
     moment: float  #: N mm, of the whole body
     end: Array  #: (2,) of the end of the material curve along the normal of the plane and within it, mm
     start: float  #: height of the start of the material curve, mm
+    #: of the largest principal stretch without moment, where the angle follows the parameter; NaN where not asked for
+    largest_stretch: float = float("nan")
 
 
 def design_rates(
-    piece: BendingPiece, at: PieceState, known: Slopes, changes: Mapping[str, DesignChange]
+    piece: BendingPiece, at: PieceState, known: Slopes, changes: Mapping[str, DesignChange], *, stretch: bool = False
 ) -> dict[str, DesignRate]:
-    """The rates of a state by parameter; one factorization for all, and two assemblies for each.
+    """The rates of a state by parameter; two assemblies for each.
 
-    Raises `fem.equations.linear.SingularMatrix` at a limit point.
+    known: slopes with `by_end_force`. stretch: whether that of the largest stretch is asked for, of a state without
+    moment: one factorization more for all, and a right-hand side for each. Raises
+    `fem.equations.linear.SingularMatrix` at a limit point.
     """
     along = Change(0.0, known.by_angle, known.angle_rate.pressure)
-    forced = _end_by_force(piece, at)
-    rates = {}
+    tangent = piece.linearise(at, np.zeros_like(piece.space.points))[1] if stretch else None
+    assemblies, rates = _Assemblies(piece, at), {}
     for name, change in changes.items():
-        gradient, residual = gradient_rate(piece, at, change)
-
-        def work(displacement: Change, gradient: Array = gradient, residual: Array = residual) -> float:
-            return float(np.vdot(gradient, displacement.displacement) + residual @ displacement.pressure)
-
+        rate = assemblies.rate(change)
+        moment = piece.whole * _work(rate, along)
         rates[name] = DesignRate(
-            moment=piece.whole * work(along),
-            end=np.array([-work(one) for one in forced]),
+            moment=moment,
+            end=np.array([-_work(rate, one) for one in known.by_end_force]),
             start=float(change.velocity[piece.curve[0], 1]),
         )
+        if tangent:
+            turn = -moment / known.moment_by_angle
+            moved = tangent.solve(*rate).displacement + turn * known.by_angle
+            rates[name] = replace(rates[name], largest_stretch=_stretch_rate(piece, at, change, moved))
     return rates
 
 
-def largest_stretch_rates(
-    piece: BendingPiece, at: PieceState, known: Slopes, changes: Mapping[str, DesignChange]
-) -> dict[str, float]:
-    """Of the largest principal stretch of a state without moment, whose angle follows the parameter, per unit of it.
-
-    One factorization, and for each parameter one right-hand side. Raises `fem.equations.linear.SingularMatrix`.
-    """
-    _, tangent = piece.linearise(at, np.zeros_like(piece.space.points))
-    rates = {}
-    for name, change in changes.items():
-        gradient, residual = gradient_rate(piece, at, change)
-        work = float(np.vdot(gradient, known.by_angle) + residual @ known.angle_rate.pressure)
-        turn = -piece.whole * work / known.moment_by_angle
-        moved = tangent.solve(gradient, residual).displacement + turn * known.by_angle
-        moved[piece.plane] -= change.velocity[piece.plane]
-        largest = []
-        for variant, part in ((change.less, -0.5), (change.more, 0.5)):
-            strain = strain_at_stress_points(variant.space, at.state.displacement + part * change.step * moved)
-            largest.append(extremes_of(variant.space, *strain).max_stretch)
-        rates[name] = (largest[1] - largest[0]) / change.step
-    return rates
+def _work(rate: tuple[Array, Array], change: Change) -> float:
+    """Of a gradient (n, 3) and residuals of the pressures (v,) on a change of the unknowns."""
+    return float(np.vdot(rate[0], change.displacement) + rate[1] @ change.pressure)
 
 
-def gradient_rate(piece: BendingPiece, at: PieceState, change: DesignChange) -> tuple[Array, Array]:
-    """D: of the nodal gradient (n, 3) and of the residuals of the pressures (v,), per unit of the parameter."""
-    less, more = (_gradient(piece, at, variant) for variant in (change.less, change.more))
-    return (more[0] - less[0]) / change.step, (more[1] - less[1]) / change.step
+def _stretch_rate(piece: BendingPiece, at: PieceState, change: DesignChange, moved: Array) -> float:
+    """Of the largest principal stretch, per unit; moved: (n, 3) mm per unit, displacement of the nodes."""
+    velocity = moved.copy()
+    velocity[piece.plane] -= change.velocity[piece.plane]
+    u = at.state.displacement
+    less, more = (
+        extremes_of(variant.space, *strain_at_stress_points(variant.space, u + step * velocity)).max_stretch
+        for variant, step in ((change.less, -0.5 * change.step), (change.more, 0.5 * change.step))
+    )
+    return (more - less) / change.step
 
 
-def _gradient(piece: BendingPiece, at: PieceState, variant: Variant) -> tuple[Array, Array]:
-    """Of the potential of a variant, whose plane is where it is in the state."""
-    space, state = variant.space, at.state
-    displacement = state.displacement.copy()
-    displacement[piece.plane] += (piece.space.points - space.points)[piece.plane]
+@final
+class _Assemblies:
+    """Gradients of the potential of one state on variants of its piece."""
+
+    def __init__(self, piece: BendingPiece, at: PieceState) -> None:
+        self._piece, self._at = piece, at
+
+    def rate(self, change: DesignChange) -> tuple[Array, Array]:
+        """D: of the nodal gradient (n, 3) and of the residuals of the pressures (v,), per unit of the parameter."""
+        less, more = (self._gradient(variant) for variant in (change.less, change.more))
+        return (more[0] - less[0]) / change.step, (more[1] - less[1]) / change.step
+
+    def _gradient(self, variant: Variant) -> tuple[Array, Array]:
+        """Of the potential of a variant, whose plane is where it is in the state."""
+        piece, space, state = self._piece, variant.space, self._at.state
+        displacement = state.displacement.copy()
+        displacement[piece.plane] += (piece.space.points - space.points)[piece.plane]
+        strain = self._own_strain if space is piece.space else _strain(space, displacement)
+        law = variant.formulation.evaluate(strain, state.pressure)
+        gradient = np.zeros_like(displacement)
+        kernels.internal_force(space.arrays, displacement, law.stress, gradient)
+        for term in _moved(self._at.terms, piece.space, variant):
+            term.gradient(space.points + displacement, state.factor, gradient)
+        return gradient, variant.formulation.pressure_residual(law, np.zeros_like(strain), state.pressure)
+
+    @cached_property
+    def _own_strain(self) -> Array:
+        """(e, q, 6) on the mesh of the piece itself, which variants of the material share."""
+        return _strain(self._piece.space, self._at.state.displacement)
+
+
+def _strain(space: Discretisation, displacement: Array) -> Array:
+    """Green-Lagrange strain (e, q, 6) of a displacement (n, 3)."""
     strain = np.empty((*space.weight.shape, 6))
     kernels.green_lagrange(space.arrays, displacement, strain, np.empty(space.weight.shape))
-    law = variant.formulation.evaluate(strain, state.pressure)
-    gradient = np.zeros_like(displacement)
-    kernels.internal_force(space.arrays, displacement, law.stress, gradient)
-    for term in _moved(at.terms, piece.space, variant):
-        term.gradient(space.points + displacement, state.factor, gradient)
-    return gradient, variant.formulation.pressure_residual(law, np.zeros_like(strain), state.pressure)
-
-
-def _end_by_force(piece: BendingPiece, at: PieceState) -> list[Change]:
-    """Changes of the unknowns by a unit force on the end of the material curve along the normal, and in the plane."""
-    _, tangent = piece.linearise(at, np.zeros_like(piece.space.points))
-    cosine, sine = np.cos(at.angle), np.sin(at.angle)
-    forced = []
-    for direction in ((cosine, sine, 0.0), (-sine, cosine, 0.0)):
-        load = np.zeros_like(piece.space.points)
-        load[piece.curve[-1]] = -np.array(direction)
-        forced.append(tangent.solve(load))
-    return forced
+    return strain
 
 
 def _moved(terms: Terms, before: Discretisation, variant: Variant) -> Sequence[Term]:

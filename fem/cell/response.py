@@ -17,7 +17,7 @@ only the normal displacement is free. The energy of one pitch P = 2 h then gives
     U = P^3 / (24 EI) + P / (2 GA)        for Q = 1.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from typing import final
@@ -54,6 +54,9 @@ class Slopes:
     angle_rate: State = field(repr=False)  #: change of the state by the angle, per rad
     pressure_rate: State = field(repr=False)  #: per MPa
     distance_by_force: float  #: mm/N, of the plane along its normal, by an axial force at a fixed angle
+    #: of the unknowns by a unit force on the end of the material curve, along the normal of the plane and within it;
+    #: none for a piece without derivatives by the design
+    by_end_force: tuple[Change, ...] = field(default=(), repr=False)
 
 
 def slopes(piece: BendingPiece, at: PieceState) -> Slopes:
@@ -78,6 +81,7 @@ def _slopes(piece: BendingPiece, at: PieceState) -> Slopes:
     pull[node] = -normal / piece.whole
     turning = coupling.displacement - reaction, coupling.pressure
     by_angle, by_pressure, by_force = tangent.solve_each([turning, (load, None), (pull, None)])
+    forces = [(force, None) for force in _end_forces(piece, at.angle)] if piece.changes else []
     angle_change = by_angle.displacement + turned
 
     def moment_change(change: Change, displacement: Array, force: float) -> float:
@@ -96,7 +100,17 @@ def _slopes(piece: BendingPiece, at: PieceState) -> Slopes:
         angle_rate=piece.system.rate(at.state, assembly, replace(by_angle, displacement=angle_change)),
         pressure_rate=piece.system.rate(at.state, assembly, replace(by_pressure, factor=1.0)),
         distance_by_force=float(by_force.displacement[node] @ normal),
+        by_end_force=tuple(tangent.solve_each(forces)) if forces else (),
     )
+
+
+def _end_forces(piece: BendingPiece, angle: float) -> Iterator[Array]:
+    """Gradients (n, 3) of unit forces on the end of the material curve, along the normal of the plane and within it."""
+    cosine, sine = np.cos(angle), np.sin(angle)
+    for direction in ((cosine, sine, 0.0), (-sine, cosine, 0.0)):
+        load = np.zeros_like(piece.space.points)
+        load[piece.curve[-1]] = -np.array(direction)
+        yield load
 
 
 def inflated(piece: BendingPiece, pressure: float, angle: float, start: PieceState | None = None) -> PieceState:

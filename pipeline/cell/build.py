@@ -15,7 +15,6 @@ from pipeline.cell.rates import law_rates
 from pipeline.cell.tasks import ArmTasks, Log
 from pipeline.context import RunContext
 from pipeline.results.law import LawMeshError
-from pipeline.simulation.mass import mass_along, weight_per_length
 from rod.arm_law.curves import CellCurve
 from rod.arm_law.law import ArmLaw
 
@@ -70,11 +69,7 @@ def build_law(
     half_cells, error_ends, limit = choose_half_cells(clamp, last, repetition.half_cells, length)
     log.limits.extend(filter(None, [limit]))
     cells, clamps, tips = measure_ends(tasks, log, cells, half_cells)
-    curves = tuple(cell.curve for cell in cells)
-    ends = tuple(end.curve for end in clamps), tuple(tips)
-    mass = mass_along(pieces.design.of_pieces(repetition), pieces.config)
-    spread = mass, weight_per_length(mass, pieces.config)
-    law = ArmLaw(2.0 * repetition.half_pitch, repetition.middle, length, curves, *ends, *spread)
+    law = pieces.law([cell.curve for cell in cells], [end.curve for end in clamps], tips)
     if pieces.derivatives:
         law = replace(law, rates=law_rates(pieces.config, repetition, pieces.movements, cells, clamps))
     return MeasuredLaw(

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from math import inf
 
 import numpy as np
@@ -14,9 +14,12 @@ from pipeline.cell.corrected import Corrections, corrected
 from pipeline.cell.meshes import MeshLimit, Numbers, find_limit, solve_numbers
 from pipeline.cell.pieces import ArmPieces
 from pipeline.cell.tasks import ArmTasks, Log
+from pipeline.cell.unloaded import begin_first_states, reached_states
 from pipeline.config.automatic_mesh import MeshSettings, cell_mesh
 from pipeline.context import RunContext
 from pipeline.errors import InputError, RunFailed
+from pipeline.notes.unloaded import first_numbers
+from pipeline.progress import Silent
 
 #: pressures at which the limit is found, at most; corrections are interpolated between them
 PRESSURES = 3
@@ -27,25 +30,35 @@ def deliver_law(pieces: ArmPieces, context: RunContext) -> MeasuredLaw:
 
     pieces: those on the mesh of the arm. The law has the relative accuracy of the configuration in kappa_0, the
     rigidity and the moment that straightens the cell; where no mesh reaches it the best law is returned, whose `limit`
-    says so. Without an accuracy it is the law on the mesh of the arm. Raises as `build_law`.
+    says so. Without an accuracy it is the law on exactly the mesh of the arm, with its error. The limit is found beside
+    the law, from the curvatures of single states. Raises as `build_law`.
     """
     pressures_kPa, accuracy = pieces.config.pressures_kPa, pieces.config.accuracy
-    if accuracy is None:
-        return _law_on_mesh(pieces.with_derivatives(), pressures_kPa, context)
-    measured, taken = _farthest(pieces, pressures_kPa, context)
-    limit = _limit(pieces, measured, pressures_kPa, accuracy, context)
+    first = pieces if accuracy is None else fine_pieces(pieces)
+    given = [one.with_derivatives() for one in dict.fromkeys((first, pieces))]
+    tell_first(given[0], context)
+    meshes, bends = _by_pressures(given, pressures_kPa, context)
+    search = _Search(pieces, pressures_kPa, inf if accuracy is None else accuracy, context)
+    begun = context.workers.beside(search.limit, bends)
+    measured, taken = _farthest(meshes, pressures_kPa, context)
+    borne = _bends(measured, measured.law.pressures)
+    limit = begun.result() if search.at(borne) == search.at(bends) else search.limit(borne)
     length, size = pieces.design.length, taken.config.mesh.size_mm
-    own = _numbers(taken, _bends(measured, limit.pressures_kPa), context)
-    law = corrected(measured.law, Corrections.of(measured.law.cells, own, limit, length))
-    return replace(measured, law=law, mesh_error=limit.error_of(law.cells, length, size), limit=limit)
+    law = measured.law
+    if accuracy is not None:
+        own = _numbers(taken, _bends(measured, limit.pressures_kPa), context)
+        law = corrected(law, Corrections.of(law.cells, own, limit, length))
+        measured = replace(measured, law=law, limit=limit)
+    return replace(measured, mesh_error=limit.error_of(law.cells, length, size))
 
 
-def _law_on_mesh(pieces: ArmPieces, pressures_kPa: Sequence[float], context: RunContext) -> MeasuredLaw:
-    """The law as `build_law` measures it on exactly the given mesh, with its error."""
-    measured = build_law(pieces, pressures_kPa, context)
-    limit = _limit(pieces, measured, pressures_kPa, inf, context)
-    error = limit.error_of(measured.law.cells, pieces.design.length, pieces.config.mesh.size_mm)
-    return replace(measured, mesh_error=error)
+def tell_first(pieces: ArmPieces, context: RunContext) -> None:
+    """Tell the arm without a load from single states of these pieces, unless nobody listens."""
+    if isinstance(context.progress, Silent):
+        return
+    begun = begin_first_states(ArmTasks(pieces, context), pieces.config.pressures_kPa)
+    if states := reached_states(begun):
+        context.progress.remark(first_numbers(states, pieces.config.mesh.size_mm))
 
 
 def fine_pieces(pieces: ArmPieces) -> ArmPieces:
@@ -65,14 +78,16 @@ def fine_mesh(pieces: ArmPieces) -> MeshSettings:
     return cell_mesh(config.design, config.material.law, config.poisson_ratio, config.effects.incompressibility.decided)
 
 
-def _farthest(pieces: ArmPieces, pressures_kPa: Sequence[float], context: RunContext) -> tuple[MeasuredLaw, ArmPieces]:
-    """The law on a fine mesh, or on that of the arm where only that one bears the pressures, and the pieces of it.
+def _farthest(
+    meshes: Sequence[ArmPieces], pressures_kPa: Sequence[float], context: RunContext
+) -> tuple[MeasuredLaw, ArmPieces]:
+    """The law on the first mesh that bears the pressures, or on that which bears most, and the pieces of it.
 
     A surface may buckle on a fine mesh where a coarse one cannot.
     """
     laws: list[tuple[MeasuredLaw, ArmPieces]] = []
     failure: InputError | RunFailed | None = None
-    for own in _by_pressures([one.with_derivatives() for one in (fine_pieces(pieces), pieces)], pressures_kPa, context):
+    for own in meshes:
         try:
             measured = build_law(own, pressures_kPa, context)
         except (InputError, RunFailed) as failed:
@@ -87,30 +102,45 @@ def _farthest(pieces: ArmPieces, pressures_kPa: Sequence[float], context: RunCon
 
 
 def _by_pressures(
-    pieces: Sequence[ArmPieces], pressures_kPa: Sequence[float], context: RunContext
-) -> Sequence[ArmPieces]:
-    """Two meshes without the first one where its cell bears fewer of the pressures; one where both are the same."""
-    fine, own = pieces
-    if fine.key == own.key:
-        return [own]
+    meshes: Sequence[ArmPieces], pressures_kPa: Sequence[float], context: RunContext
+) -> tuple[Sequence[ArmPieces], dict[float, float]]:
+    """The meshes without a first one whose cell bears fewer of the pressures, and without a second one like the first.
+
+    With the curvatures without moment on the first of them, 1/mm by pressure; none where it bears no pressure.
+    """
+    if len({own.key for own in meshes}) == 1:
+        meshes = meshes[:1]
     borne = []
-    for one in pieces:
+    for own in meshes:
         try:
-            borne.append(len(measure_bends(ArmTasks(one, context), Log(), pressures_kPa, None)))
+            borne.append(measure_bends(ArmTasks(own, context), Log(), pressures_kPa, None))
         except (InputError, RunFailed):
-            borne.append(0)
-    return [own] if borne[0] < borne[1] else pieces
+            borne.append({})
+    first = 0 if len(borne[0]) >= len(borne[-1]) else 1
+    return meshes[first:], borne[first]
 
 
-def _limit(
-    pieces: ArmPieces, measured: MeasuredLaw, pressures_kPa: Sequence[float], accuracy: float, context: RunContext
-) -> MeshLimit:
-    """At rest, at some pressures of a law that were asked for, and at its last one."""
-    pressures = measured.law.pressures
-    asked = [pressure for pressure in pressures if pressure in pressures_kPa or pressure == pressures[-1]]
-    rows = np.unique(np.linspace(0, len(asked) - 1, PRESSURES).round().astype(int))
-    coarsest = pieces.with_mesh(fine_mesh(pieces))
-    return find_limit(coarsest, _bends(measured, [0.0, *(asked[row] for row in rows)]), accuracy, context)
+@dataclass(frozen=True)
+class _Search:
+    """Finds the limit of an arm's cell at rest, at some pressures that were asked for, and at the last one of a law."""
+
+    pieces: ArmPieces
+    pressures_kPa: Sequence[float]
+    accuracy: float
+    context: RunContext
+
+    def at(self, bends: Mapping[float, float]) -> tuple[float, ...]:
+        """The pressures of the limit, kPa; bends: of all pressures that are borne."""
+        pressures = sorted({0.0, *bends})
+        asked = [p for p in pressures if p in self.pressures_kPa or p == pressures[-1]]
+        rows = np.unique(np.linspace(0, len(asked) - 1, PRESSURES).round().astype(int))
+        return tuple(dict.fromkeys((0.0, *(asked[row] for row in rows))))
+
+    def limit(self, bends: Mapping[float, float]) -> MeshLimit:
+        """bends: curvatures without moment by the pressures that are borne, 1/mm."""
+        coarsest = self.pieces.with_mesh(fine_mesh(self.pieces))
+        known = {0.0: 0.0, **bends}
+        return find_limit(coarsest, {p: known[p] for p in self.at(bends)}, self.accuracy, self.context)
 
 
 def _bends(measured: MeasuredLaw, pressures_kPa: Sequence[float]) -> dict[float, float]:

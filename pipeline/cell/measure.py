@@ -1,7 +1,7 @@
 """The curves of a cell of the arm, from finite elements of half a cell."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import final
 
 import numpy as np
@@ -47,6 +47,15 @@ class CellPoint(PiecePoint):
         """One factorization. Raises `PieceFailed` where the cell is not stable."""
         point = PiecePoint.of(piece, state)
         return CellPoint(state, point.slopes, axis_of(piece, state, point.slopes))
+
+    def turned(self, angle: float) -> "CellPoint":
+        """The state turned by an angle in rad, to first order."""
+        state = replace(
+            self.state, angle=self.state.angle + angle, moment=self.moment + self.slopes.moment_by_angle * angle
+        )
+        return replace(
+            self, state=state, axis=replace(self.axis, stretch=self.axis.stretch + self.axis.stretch_by_angle * angle)
+        )
 
 
 @dataclass
@@ -114,6 +123,16 @@ def sweep_cell(piece: BendingPiece, pressure_kPa: float, reach: Reach, start: Pi
     _refine(piece, sweep)
     _keep_rising(sweep, middle, h)
     return sweep
+
+
+def straight_curve(piece: BendingPiece, pressure_kPa: float, turn: float) -> CellCurve:
+    """A half cell at one pressure to first order about its state without moment, by `turn` rad to either side.
+
+    Raises `PieceFailed`.
+    """
+    point = cell_without_moment(piece, in_MPa(pressure_kPa))
+    sweep = CellSweep(pressure_kPa, [point.turned(-turn), point.turned(turn)], shear=[(0.0, shear_at(piece, point))])
+    return sweep.curve(piece.body.length)
 
 
 def cell_without_moment(piece: BendingPiece, pressure: float, start: PieceState | None = None) -> CellPoint:

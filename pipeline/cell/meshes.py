@@ -146,12 +146,17 @@ class _Ladder:
         self.sizes.append(size)
         tasks, length = ArmTasks(self.pieces.with_mesh_size(size), self.context), self.pieces.design.length
         borne = [pressure for pressure in self.bends if pressure not in self.failures]
+        name, progress = f"cell, mesh {size:.3g} mm", self.context.progress
+        progress.experiment(name, borne)
         pending = [(p, tasks.submit(solve_numbers, p, self.bends[p], length)) for p in borne]
         for pressure, numbers in pending:
             try:
-                self.solved.setdefault(pressure, {})[size] = numbers.result()
+                known = self.solved.setdefault(pressure, {})[size] = numbers.result()
             except (PieceFailed, InputError) as failure:
                 self.failures[pressure] = size, str(failure).rstrip(".")
+                progress.stopped(name, [pressure], self.failures[pressure][1])
+                continue
+            progress.step_done(name, pressure, known.seconds)
 
     def limits(self) -> dict[float, Limits]:
         """The limits of the numbers by the pressures at which two meshes have some."""
@@ -208,7 +213,6 @@ def find_limit(
     """
     ladder, size, why = _Ladder(pieces, bends, context), pieces.config.mesh.size_mm, ""
     while not why:
-        context.progress.stage(f"cell on a mesh of {size:.3g} mm")
         ladder.solve(size)
         limits = ladder.limits()
         reached, size = ladder.reached(limits), size / RATIO

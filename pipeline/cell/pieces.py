@@ -1,7 +1,7 @@
 """The pieces of an arm whose own law is measured, as its configuration sets them up."""
 
 import math
-from collections.abc import Hashable, Mapping
+from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 from typing import Any
@@ -15,7 +15,10 @@ from geometry.meshing.mirror import Repetition
 from geometry.meshing.moving import Movement, moved
 from pipeline.cell.rates import changes_of
 from pipeline.config.config import Config, MeshSettings
+from pipeline.simulation.mass import mass_along, weight_per_length
 from pipeline.simulation.scene import GAP, Scene, make_layer, material_of
+from rod.arm_law.curves import CellCurve, ClampCurve, TipCurve
+from rod.arm_law.law import ArmLaw
 
 
 class NoArmLaw(Exception):
@@ -100,6 +103,13 @@ class ArmPieces:
     def movements(self) -> Mapping[str, Movement | DesignError]:
         """How the meshed pieces move with the dimensions of the design."""
         return self.design.movements(self.repetition)
+
+    def law(self, cells: Sequence[CellCurve], clamps: Sequence[ClampCurve], tips: Sequence[TipCurve]) -> ArmLaw:
+        """The law of the arm from the curves of its pieces at rising pressures, with its mass and its weight."""
+        lengths = 2.0 * self.repetition.half_pitch, self.repetition.middle, self.design.length
+        mass = mass_along(self.design.of_pieces(self.repetition), self.config)
+        weight = weight_per_length(mass, self.config)
+        return ArmLaw(*lengths, tuple(cells), tuple(clamps), tuple(tips), mass, weight)
 
     @property
     def cell(self) -> BendingPiece:

@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 
 from fem.cell.axis import circle, end_ripples, length_of
-from fem.cell.design_change import DesignChange, DesignRate, design_rates, largest_stretch_rates
-from fem.cell.piece import BendingPiece, PieceState
+from fem.cell.design_change import DesignChange, DesignRate, design_rates
+from fem.cell.piece import BendingPiece
 from geometry import Design, DesignError
 from geometry.arrays import Array
 from geometry.meshing.mirror import Repetition
@@ -77,18 +77,7 @@ def cell_rates(piece: BendingPiece, points: Sequence[Any]) -> Rates:
             "ripple": ((ahead - behind) / (2.0 * DIFFERENCE)).tolist(),
         }
 
-    return _with_stretch(piece, points, _table(piece, points, row))
-
-
-def _with_stretch(piece: BendingPiece, points: Sequence[PiecePoint], table: dict[str, dict[str, Any]]) -> Rates:
-    """The rates with that of the largest stretch of the state without moment."""
-    if table:
-        middle = min(points, key=lambda point: abs(point.moment))
-        with stable(piece, middle.state):
-            rates = largest_stretch_rates(piece, middle.state, middle.slopes, piece.changes)
-        for name, rate in rates.items():
-            table[name]["largest_stretch"] = rate
-    return table
+    return _table(piece, points, row, min(points, key=lambda point: abs(point.moment)))
 
 
 def clamp_rates(piece: BendingPiece, points: Sequence[PiecePoint]) -> Rates:
@@ -105,18 +94,21 @@ def clamp_rates(piece: BendingPiece, points: Sequence[PiecePoint]) -> Rates:
     return _table(piece, points, row)
 
 
-def _table(piece: BendingPiece, points: Sequence[PiecePoint], row: Any) -> dict[str, dict[str, Any]]:
+def _table(
+    piece: BendingPiece, points: Sequence[PiecePoint], row: Any, middle: PiecePoint | None = None
+) -> dict[str, dict[str, Any]]:
+    """Lists of numbers, one of each point, by parameter and quantity; of the middle point also the largest stretch."""
     table: dict[str, dict[str, Any]] = {}
     for point in points:
-        for name, rate in _rates(piece, point.state, point).items():
+        with stable(piece, point.state):
+            rates = design_rates(piece, point.state, point.slopes, piece.changes, stretch=point is middle)
+        for name, rate in rates.items():
+            of_parameter = table.setdefault(name, {})
             for quantity, value in row(point, rate, piece.changes[name].length).items():
-                table.setdefault(name, {}).setdefault(quantity, []).append(value)
+                of_parameter.setdefault(quantity, []).append(value)
+            if point is middle:
+                of_parameter["largest_stretch"] = rate.largest_stretch
     return table
-
-
-def _rates(piece: BendingPiece, state: PieceState, point: PiecePoint) -> Mapping[str, DesignRate]:
-    with stable(piece, state):
-        return design_rates(piece, state, point.slopes, piece.changes)
 
 
 def law_rates(

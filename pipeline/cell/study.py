@@ -14,6 +14,7 @@ from pipeline.config.config import Config
 from pipeline.context import run_context
 from pipeline.errors import InputError, RunFailed
 from pipeline.notes import render, render_all
+from pipeline.notes.unloaded import delivered_numbers
 from pipeline.progress import Progress
 from pipeline.results.files import law_of
 from pipeline.results.law import Law
@@ -81,7 +82,9 @@ def measure_law(config: Config, out: Path, jobs: int, fresh: bool, progress: Pro
         except NoArmLaw as refusal:
             raise InputError(f"{config.source}: {refusal}") from None
         report = LawReport(out, config, measured, perf_counter() - begin)
-        save_law(store, measured, config.pressures_kPa)
+        law = save_law(store, measured, config.pressures_kPa)
+        if law.unloaded:
+            progress.remark(delivered_numbers(law))
         store.save_json("run.json", report.record())
         store.save_text("law.html", law_page(config.name, measured.law))
     return report

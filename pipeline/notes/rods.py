@@ -107,18 +107,18 @@ class MeshErrors:
 def mesh_errors(run: Run, rod: str) -> MeshErrors:
     """The errors of the mesh in the numbers of a rod, at the worst pressure."""
     if rod == ARM_LAW:
-        return _of_law(run)
+        return law_mesh_errors(run.law)
     known = run.parameters.mesh_error
     if known is None:
         return MeshErrors(None, None, None)
     return MeshErrors(*map(_largest, (known.kappa_0_relative, known.alpha2_relative, known.force_relative)))
 
 
-def _of_law(run: Run) -> MeshErrors:
-    error = run.law and run.law.mesh_error
-    if not error:
+def law_mesh_errors(law: Law | None) -> MeshErrors:
+    """The errors of the mesh in the numbers of an arm's own law, at the worst pressure."""
+    if law is None or not law.mesh_error:
         return MeshErrors(None, None, None)
-    turning = SMALLEST_TURN / run.length_mm
+    error, turning = law.mesh_error, SMALLEST_TURN / law.length_mm
     moments = tuple(0.5 * turning * abs(rigidity or 0.0) for rigidity in error.rigidity_N_mm2)
     none = (0.0,) * len(error.pressures_kPa)
     return MeshErrors(
@@ -159,10 +159,14 @@ class RodAndMesh:
         return f"error of the shape {percent(self.shape)} of the length{force} ({mesh})"
 
 
-def rod_to_take(run: Run) -> tuple[str, RodAndMesh] | None:
-    """The rod with the smallest errors, and these; the arm's own law where none was compared. None without a rod."""
-    if errors := rod_errors(run):
-        return errors[0].rod, rod_and_mesh(run, errors[0])
+def rod_to_take(run: Run, errors: Sequence[RodErrors] | None = None) -> tuple[str, RodAndMesh] | None:
+    """The rod with the smallest errors, and these; the arm's own law where none was compared. None without a rod.
+
+    errors: those of `rod_errors`, where they are known.
+    """
+    ranked = rod_errors(run) if errors is None else errors
+    if ranked:
+        return ranked[0].rod, rod_and_mesh(run, ranked[0])
     return (ARM_LAW, _of_mesh_alone(run.law, mesh_errors(run, ARM_LAW))) if run.law else None
 
 

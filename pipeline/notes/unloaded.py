@@ -1,9 +1,11 @@
 """The arm without a load in words, by its own law."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from typing import TypeVar
 
-from pipeline.results.law import Law
+from pipeline.formatting import percent
+from pipeline.notes.rods import law_mesh_errors
+from pipeline.results.law import Law, Unloaded
 
 State = TypeVar("State")
 
@@ -16,11 +18,26 @@ def named_states(states: Sequence[State]) -> tuple[State, ...]:
     return tuple(states) if len(states) <= MOST_NAMED else (states[0], states[len(states) // 2], states[-1])
 
 
-def unloaded_lines(law: Law) -> Iterator[str]:
-    """Bending angle, tip, curvature and rigidity of the arm without a load, a part of a sentence each."""
-    named = named_states(law.unloaded)
+def first_numbers(states: Sequence[Unloaded], size_mm: float) -> str:
+    """The arm without a load in one sentence, before the error of its mesh is known; size_mm: of that mesh."""
+    return f"first numbers, on a mesh of {size_mm:.3g} mm whose error is not known yet: {_numbers(states)}"
+
+
+def delivered_numbers(law: Law) -> str:
+    """The arm without a load in one sentence, with the error of the mesh where it is known."""
+    error = law_mesh_errors(law).largest
+    known = "" if error is None else f", known to {percent(error)} for the mesh"
+    return f"numbers of the law{known}: {_numbers(law.unloaded)}"
+
+
+def _numbers(states: Sequence[Unloaded]) -> str:
+    """Bending angle, tip, curvature and rigidity."""
+    named = named_states(states)
     pressures = ", ".join(f"{state.pressure_kPa:g}" for state in named)
-    yield f"the arm bends by {', '.join(f'{state.bending_deg:.0f}°' for state in named)} at {pressures} kPa"
-    yield f"its tip is at {', '.join('({:.1f}, {:.1f})'.format(*state.tip_mm) for state in named)} mm"
-    yield f"κ₀ = {', '.join(f'{1000.0 * state.kappa_0_per_mm:.3g}' for state in named)} 1/m"
-    yield f"rigidity {', '.join(f'{state.rigidity_N_mm2:.3g}' for state in named)} N mm²"
+    parts = (
+        f"the arm bends by {', '.join(f'{state.bending_deg:.0f}°' for state in named)} at {pressures} kPa",
+        f"its tip is at {', '.join('({:.1f}, {:.1f})'.format(*state.tip_mm) for state in named)} mm",
+        f"κ₀ = {', '.join(f'{1000.0 * state.kappa_0_per_mm:.3g}' for state in named)} 1/m",
+        f"rigidity {', '.join(f'{state.rigidity_N_mm2:.3g}' for state in named)} N mm²",
+    )
+    return "; ".join(parts)

@@ -130,7 +130,7 @@ class Verdict:
 def verdict_of(run: Run) -> Verdict:
     """The verdict on the results of a run."""
     errors = rod_errors(run)
-    rod, both = rod_to_take(run) or ("", None)
+    rod, both = rod_to_take(run, errors) or ("", None)
     mesh = MeshErrors(None, None, None) if both is None else both.mesh
     refusal = _refusal(run, errors, mesh)
     usable = bool(rod) and refusal is None

@@ -99,7 +99,7 @@ def choose_rod(run: Run, kind: str | None = None) -> RodOfRun:
     chosen = kind or names.get(verdict.rod, "law" if run.law else "five")
     rod = KINDS[chosen]
     compared = next((errors for errors in verdict.errors if errors.rod == rod), None)
-    taken = rod_to_take(run)
+    taken = rod_to_take(run, verdict.errors)
     errors = rod_and_mesh(run, compared) if compared else taken[1] if taken and taken[0] == rod else None
     mass = None if chosen == "law" else _mass(run)
     return RodOfRun(chosen, _source(run, chosen), errors, _notes(verdict, errors), mass)

@@ -4,6 +4,7 @@ import csv
 import io
 import json
 import math
+import re
 import tempfile
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -15,6 +16,9 @@ from pydantic_core import to_json
 from pipeline.errors import InputError
 from pipeline.store.atomic_file import write_atomic
 from pipeline.store.json_values import Json
+
+#: a list without texts, lists and objects in it, over several lines (no text of JSON has a line break); its breaks
+_LIST_OF_NUMBERS, _BREAK = re.compile(r'\[\n\s+([^\[\]{}"]+?)\n\s*\]'), re.compile(r"\n\s*")
 
 
 @dataclass(frozen=True)
@@ -97,8 +101,12 @@ def open_file(file: Path) -> Path:
 
 
 def json_text(value: Json) -> str:
-    """`value` as JSON that ends with a line break. Arrays become lists; NaN and infinity become null."""
-    return to_json(value, indent=2, inf_nan_mode="null", fallback=_plain).decode() + "\n"
+    """`value` as JSON that ends with a line break. Arrays become lists; NaN and infinity become null.
+
+    A list of numbers has a line of its own, which makes a file of many numbers two fifths smaller.
+    """
+    text = to_json(value, indent=2, inf_nan_mode="null", fallback=_plain).decode()
+    return _LIST_OF_NUMBERS.sub(lambda found: f"[{_BREAK.sub(' ', found[1])}]", text) + "\n"
 
 
 def _plain(value: Any) -> Any:

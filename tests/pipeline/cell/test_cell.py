@@ -3,6 +3,8 @@
 import json
 import shutil
 from pathlib import Path
+from typing import Any
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -13,16 +15,22 @@ from fem.cell.piece import BendingPiece, PieceFailed, PieceState
 from geometry import Reason
 from pipeline.cell import meshes, tasks
 from pipeline.cell.cells import BETWEEN, is_not_reduced
+from pipeline.cell.limit import tell_first
 from pipeline.cell.measure import CellPoint
 from pipeline.cell.meshes import find_limit
 from pipeline.cell.pieces import ArmPieces, NoArmLaw
 from pipeline.cell.saved import SavedLaw
 from pipeline.cell.study import LawReport, measure_law
+from pipeline.cell.tasks import ArmTasks
+from pipeline.cell.unloaded import begin_first_states, reached_states, unloaded_states
 from pipeline.cli import app
 from pipeline.config.config import Config
 from pipeline.config.load import load_config
 from pipeline.context import RunContext
-from pipeline.progress import Silent
+from pipeline.parallel import Pending
+from pipeline.progress import Progress, Silent
+from pipeline.results.law import Unloaded
+from pipeline.simulation.scene import Scene
 from pipeline.store.store import open_store
 from rod import RodError
 from rod.arm_law.record import law_from_record
@@ -266,3 +274,28 @@ def test_another_file_is_no_law(tmp_path: Path) -> None:
         SavedLaw.read(tmp_path / "law.json")
     with pytest.raises(RodError, match="format"):
         law_from_record({"format": 99})
+
+
+def test_the_first_numbers_are_those_of_the_law_on_the_same_mesh(report: LawReport, tmp_path: Path) -> None:
+    config, told = arm(*ARM), Mock(spec=Progress)
+    with open_store(tmp_path, config) as store:
+        pieces, context = ArmPieces.of(Scene.meshed(config)), RunContext.alone(store, told)
+        tell_first(pieces, context)
+        first = reached_states(begin_first_states(ArmTasks(pieces, context), config.pressures_kPa))  # kept
+    for one, other in zip(first, unloaded_states(report.measured.law, config.pressures_kPa), strict=True):
+        for name in ("kappa_0_per_mm", "rigidity_N_mm2", "bending_deg", "tip_mm"):
+            assert getattr(one, name) == pytest.approx(getattr(other, name), rel=2e-4)
+    (sentence,) = told.remark.call_args.args
+    assert "on a mesh of 6 mm" in sentence
+    assert f"bends by {first[0].bending_deg:.0f}°, {first[1].bending_deg:.0f}° at 6, 9 kPa" in sentence
+
+
+def test_first_numbers_leave_out_pressures_that_the_cell_does_not_bear() -> None:
+    state = Unloaded(6.0, -0.004, 160.0, 20.0, (40.0, -7.0))
+
+    class Failed:
+        def result(self) -> Unloaded:
+            raise PieceFailed(Reason("tangent_indefinite"))
+
+    begun: list[Any] = [Pending.done(state), Failed()]
+    assert reached_states(begun) == (state,)

@@ -58,7 +58,8 @@ def test_after_a_piece_without_an_equilibrium_longer_ones_are_compared(short: Ma
 
 def test_nothing_is_known_where_no_pair_has_an_equilibrium() -> None:
     unknown = Reason("ends_unknown", {"why": "the tangent is indefinite"})
-    assert chosen(dict.fromkeys((1, 3, 5, 7), None), 10) == (5, None, unknown)
+    assert chosen({1: None, 3: None}, 10) == (1, None, unknown)  # longer ones are not tried
+    assert chosen({1: None, 3: 0.1, 5: None}, 10) == (3, None, unknown)
     assert chosen({}, 2) == (1, None, Reason("ends_short"))
 
 
@@ -72,7 +73,14 @@ def test_the_last_pair_counts_where_longer_pieces_have_no_equilibrium() -> None:
 
 
 def test_ends_that_disturb_all_cells_are_named() -> None:
-    half_cells, error, limit = chosen({1: 0.1, 3: 0.11, 5: 0.11 + 4 * DECAY, 7: 0.11 + 8 * DECAY}, 10)
-    assert (half_cells, error) == (5, pytest.approx(4 * DECAY))
+    half_cells, error, limit = chosen({1: 0.1, 3: 0.11, 5: 0.11 + 4 * DECAY, 7: 0.11 + 6 * DECAY}, 10)
+    assert (half_cells, error) == (5, pytest.approx(2 * DECAY))
     assert limit is not None
     assert limit.values["why"] == "the arm has no room"
+
+
+def test_longer_pieces_that_are_not_nearer_to_each_other_end_the_search() -> None:
+    half_cells, error, limit = chosen({1: 0.1, 3: 0.1 + 3 * DECAY, 5: 0.1 + 7 * DECAY}, 20)
+    assert (half_cells, error) == (1, pytest.approx(4 * DECAY))
+    assert limit is not None
+    assert (limit.code, limit.values["why"]) == ("ends_differ", "longer ones are not nearer to each other")

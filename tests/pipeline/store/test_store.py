@@ -46,6 +46,10 @@ def test_json_and_rows_come_back(tmp_path: Path, config: Config) -> None:
         )
         assert store.read_json("a.json") == {"x": 0.1, "n": 3, "row": [1.0, None], "t": [1, 2]}
         assert store.read_json("none.json") is None
+        assert '"row": [1.0, null]' in (tmp_path / "out/a.json").read_text()
+        texts = {"a": ["[\n 1\n]", "b"], "rows": [[1, 2], []], "none": [], "objects": [{"x": [True]}]}
+        store.save_json("c.json", texts)
+        assert store.read_json("c.json") == texts
     assert (tmp_path / "out" / "b.csv").read_text() == "experiment,s_mm\nI,0.30000000000000004\nII,\nIII,3.0\n"
 
 
