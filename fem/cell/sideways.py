@@ -24,6 +24,8 @@ from fem.cell.rim import rim_forces
 from fem.cell.sliding_walls import SlidingWalls
 from fem.effects.barrier import FacingTerm
 from fem.effects.effect import Terms
+from fem.effects.membrane import LayerTerm
+from fem.effects.mirror_layer import MirroredLayerTerm
 from fem.equations.constraints import Constraints
 from fem.equations.system import System
 from fem.supports import Fixed, FixedAlong, Support
@@ -81,6 +83,7 @@ class Sideways:
 
     def __init__(self, place: Place, name: str, terms: Terms, supports: Sequence[Support]) -> None:
         piece, at = place.piece, place.at
+        terms = tuple(term.sideways() if isinstance(term, LayerTerm) else term for term in terms)
         self.place, self.terms = place, terms
         held = Constraints.of([Fixed("sym", "xy"), *supports], piece.space)
         self.system: System = piece.other_system(name, terms, held)
@@ -151,6 +154,11 @@ class Bent:
         return np.asarray(forces / np.sum(forces[:, 0] * self.place.x[:, 2]))
 
 
+def _warps(piece: BendingPiece, term: MirroredLayerTerm) -> bool:
+    """Whether the layer meets a plane that warps in twist, beyond which it goes on without a jump of its slope."""
+    return piece.start == "mirror" or np.array_equal(term.plane, piece.plane)
+
+
 @final
 class Twisted:
     """A piece whose plane turns about n by a unit angle, and moves along z by a unit length: two displacements.
@@ -168,6 +176,7 @@ class Twisted:
             if isinstance(term, FacingTerm) and term.pairs.nodes.size and is_with_images(term, plane)
             else term
             for term in place.at.terms
+            if not (isinstance(term, MirroredLayerTerm) and _warps(place.piece, term))
         )
         self.equations = Sideways(place, "twisted", terms, held)
         lift = place.on_plane(np.broadcast_to([0.0, 0.0, 1.0], place.x.shape))

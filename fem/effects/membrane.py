@@ -156,6 +156,12 @@ class LayerTerm(StressCarryingTerm):
         pairs = _Pairs.of(nodes, bending)
         return replace(self, arrays=arrays, bending=bending, pairs=pairs, carried=None)
 
+    def sideways(self) -> "LayerTerm":
+        """The same for motions that are antisymmetric about the plane of symmetry, in which they make no crease."""
+        mirror = np.zeros_like(self.mirror)
+        bending = bending_form(self.bending.rest, self.arrays.nodes, self.rigidity, self.nu, mirror)
+        return replace(self, mirror=mirror, bending=bending, pairs=_Pairs.of(self.arrays.nodes, bending))
+
     def stress(self, x: Array) -> Array:
         """Second Piola-Kirchhoff stress (f, q, 3) at the positions x (n, 3), MPa."""
         return np.asarray(self._strain(x) @ self.law)

@@ -2,9 +2,9 @@
 
 An edge of the layer in a plane of mirror symmetry has the mirror image of its triangle beside it, so that the part of
 its slope along the plane is half a jump (`fem.effects.layer_bending`). A clamp holds the slope in the same way. With
-the unit normal N of the plane and the matrix A of one component, the energy is
+the direction T of the plane in the plane z = 0 and the matrix A of one component, the energy is
 
-    W = 1/2 sum_c x_c . A x_c - 1/2 (x N) . A (x N).
+    W = 1/2 (x T) . A (x T).
 
 The plane is parallel to the z axis and may turn. N follows from the positions of two of its nodes a and b, which are d
 apart across z: with T = (cos theta, sin theta, 0) along d, N = (T_y, -T_x, 0), so that dN = T dtheta
@@ -74,16 +74,14 @@ class MirroredLayerTerm(Term):
         return self.of(self.layer.moved(before, after), self.plane, self.ends, after)
 
     def energy(self, x: Array, factor: float) -> float:
-        normal = self._frame(x)[1]
-        y = x[self.nodes]
-        squares = y.T @ self.matrix @ y
-        return 0.5 * float(np.trace(squares) - normal @ squares @ normal)
+        y = x[self.nodes] @ self._frame(x)[0]
+        return 0.5 * float(y @ self.matrix @ y)
 
     def gradient(self, x: Array, factor: float, out: Array) -> None:
         along, normal, distance = self._frame(x)
         y = x[self.nodes]
         force = self.matrix @ y
-        out[self.nodes] += force - np.outer(force @ normal, normal)
+        out[self.nodes] += np.outer(force @ along, along)
         turning = (
             float(along @ (y.T @ force) @ normal) / distance * normal
         )  # dW/dtheta = -T . S N, dtheta = -N . dd / d
@@ -95,7 +93,7 @@ class MirroredLayerTerm(Term):
         y = x[self.nodes]
         force = self.matrix @ y
         squares = y.T @ force
-        second = np.einsum("ij,cd->icjd", self.matrix, np.eye(3) - np.outer(normal, normal))
+        second = np.einsum("ij,cd->icjd", self.matrix, np.outer(along, along))
         by_angle = -(np.outer(force @ along, normal) + np.outer(force @ normal, along))
         angle = np.zeros_like(y)  # derivative of theta by the positions
         angle[self._local_ends] = np.array([[1.0], [-1.0]]) * normal / distance

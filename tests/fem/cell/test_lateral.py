@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from fem import Model, SharedPlane, StVenantKirchhoff, follow
+from fem import Effect, Model, SharedPlane, StrainLimitingLayer, StVenantKirchhoff, follow
 from fem.cell.axis import axis_of
 from fem.cell.lateral import LateralRigidities, lateral_rigidities
 from fem.cell.lateral_end import clamped_compliance
@@ -25,8 +25,9 @@ CELL = PneuNet().half_cell(4.0)
 SOFT = StVenantKirchhoff(E=E, nu=0.495)
 
 
-def rigidities(mesh: Mesh, length: float) -> LateralRigidities:
-    piece = BendingPiece(Body(mesh, "bar", length, 2 * length, 0.0, True, ()), LAW, "mirror", "p2", pressures={})
+def rigidities(mesh: Mesh, length: float, *effects: Effect) -> LateralRigidities:
+    body = Body(mesh, "bar", length, 2 * length, 0.0, True, ())
+    piece = BendingPiece(body, LAW, "mirror", "p2", pressures={}, effects=effects)
     at = piece.rest()
     return lateral_rigidities(piece, at, axis_of(piece, at, slopes(piece, at)))
 
@@ -76,6 +77,17 @@ def test_a_rectangle(height: float, width: float, counts: tuple[int, int], torsi
     assert found.torsion == pytest.approx(G * torsion * width**3, rel=2e-3)
     assert found.twist_axis == pytest.approx(height / 2, abs=1e-3)
     assert found.unstable == 0
+
+
+def test_a_layer_adds_the_bending_in_its_plane_and_its_own_torsion() -> None:
+    """In the middle of a square, where the section does not warp: E t w^3 / 12, and G t^3 w / 3 of a thin strip."""
+    mesh, stiff, thickness, width = prism(4.0, 4.0, (8, 4)), 100 * E, 0.2, 4.0
+    found = rigidities(mesh, 2.0, StrainLimitingLayer(mesh.plane(1, 2.0), thickness, stiff, NU))
+    # one stress point of each triangle of the layer, four across half the width
+    assert found.bending == pytest.approx((E * 4.0 + stiff * thickness) * width**3 / 12, rel=1e-2)
+    own = 100 * G * thickness**3 * width / 3
+    assert found.torsion == pytest.approx(G * 0.1406 * 4 * width**3 + own, rel=4e-3)
+    assert own > 0.02 * found.torsion
 
 
 def test_a_circle() -> None:
