@@ -14,6 +14,7 @@ import typer
 from typer.core import TyperCommand
 
 from pipeline.commands_of_design import accuracy, cell, design, effects, mesh, run
+from pipeline.commands_of_measurement import calibrate, compare
 from pipeline.ending import print_json, print_lines, print_sentences, with_sentences
 from pipeline.processes import available_cores
 
@@ -302,7 +303,8 @@ def doctor() -> None:
 
 app.callback()(show_version)
 app.command(cls=Init)(with_sentences(init))
-for command in (run, mesh, effects, accuracy, cell, design, sweep, rod, solve, budget, material, export, doctor):
+OF_DESIGNS = (run, mesh, effects, accuracy, cell, design, sweep)
+for command in (*OF_DESIGNS, rod, solve, budget, compare, calibrate, material, export, doctor):
     app.command()(with_sentences(command))
 
 

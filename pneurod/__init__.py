@@ -11,6 +11,8 @@
     rod = results.rod("31 kPa")                         # the pneurod.Rod that the verdict recommends
     shape = rod.solve(force=(0.0, 0.05))                # equilibrium under an end force in N, in milliseconds
     shape.end, shape.curve                              # of the material curve, mm, from its clamped end
+    pneurod.compare("results/pneunet", "arm.csv")       # a measured arm beside its rod
+    pneurod.calibrate("results/pneunet", "arm.csv")     # modulus and dimensions of that arm, with intervals
 
 Units everywhere: mm, N, MPa, tonne/mm3, rad; pressures of a run in kPa. The four rooms are here under their own names:
 `pneurod.fem` is the module `fem`. Everything is imported when it is first used: `import pneurod` alone loads none of
@@ -42,6 +44,7 @@ if TYPE_CHECKING:
         StVenantKirchhoff,
         Yeoh,
     )
+    from pneurod.measured import calibrate, compare
     from pneurod.results import Results, read_results
     from pneurod.wishes import DesignReport, design
     from rod import ArmLaw, FiveParameters, Interval, LawRod, Rod, RodError, RodSolution, RodWarning
@@ -73,7 +76,9 @@ __all__ = [
     "SemicircularSingle",
     "StVenantKirchhoff",
     "Yeoh",
+    "calibrate",
     "characterize",
+    "compare",
     "design",
     "fem",
     "geometry",
@@ -116,6 +121,10 @@ def _imported(name: str) -> object:
             from pneurod import characterization
 
             return characterization.characterize
+        case "calibrate" | "compare":
+            from pneurod import measured
+
+            return getattr(measured, name)
         case "Results" | "read_results":
             from pneurod import results
 

@@ -40,8 +40,8 @@ class State:
 
     @property
     def is_at_rest(self) -> bool:
-        """Whether nothing acts but a weight that always acts."""
-        return self == State(0.0)
+        """Whether nothing acts but a weight."""
+        return self.pressure_kPa == 0.0 and not any(self.force_N) and not self.tip_mass_g and self.held_y_mm is None
 
     @property
     def load(self) -> str:

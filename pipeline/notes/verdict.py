@@ -26,6 +26,8 @@ MOST_WARNINGS = 2
 OUT_OF_PLANE = "out_of_plane"
 #: code of the remark on what the tolerances of the built arm do, which has a line of its own
 TOLERANCES = "tolerances"
+#: code of the remark that takes its place where the arm was calibrated to a measurement
+CALIBRATED = "calibrated"
 #: codes of remarks by rank; others follow in the order in which they were found
 RANKS = (
     *("beyond_law", OUT_OF_PLANE, "volume_lost", "volume_lost_unevenly", "law_beyond_end", "hardly_bent"),
@@ -57,7 +59,7 @@ class Verdict:
     mesh: MeshErrors  #: the part of the mesh in them
     pressures_kPa: tuple[float, float] | None  #: between which the rod holds
     moments_N_mm: tuple[float, float] | None  #: for which it holds at the highest pressure
-    tolerances: Reported | None  #: what the tolerances of the built arm do; None where that is not known
+    tolerances: Reported | None  #: what the tolerances of the built arm do, or its calibration; None: not known
     command: str  #: how to use the rod, or what to do instead
     failures: tuple[Reported, ...]
     warnings: tuple[Reported, ...]  #: ranked, at most `MOST_WARNINGS`
@@ -145,7 +147,7 @@ def verdict_of(run: Run) -> Verdict:
         mesh=mesh,
         pressures_kPa=_pressures(run, rod) if rod else None,
         moments_N_mm=_moments(run, rod) if rod else None,
-        tolerances=next((remark for remark in run.remarks if remark.code == TOLERANCES), None),
+        tolerances=next((remark for remark in run.remarks if remark.code in (TOLERANCES, CALIBRATED)), None),
         command=_use(run, rod) if usable else _instead(run, rod, mesh),
         failures=run.failures,
         warnings=_warnings(run, rod, mesh, refusal),
@@ -231,7 +233,7 @@ def _warnings(run: Run, rod: str, mesh: MeshErrors, refusal: Reported | None) ->
         of_rod.append(report_reason(Reason("mesh_error_unknown")))
     if rod in (FIVE, EXTENSIBLE):
         of_rod.append(report_reason(Reason("offsets_bend")))
-    said = {TOLERANCES} | {reason.code for reason in (*run.failures, *filter(None, [refusal]))}
+    said = {TOLERANCES, CALIBRATED} | {reason.code for reason in (*run.failures, *filter(None, [refusal]))}
     shown = [remark for remark in run.remarks if remark.code not in said]
     ranked = sorted(shown, key=lambda remark: RANKS.index(remark.code) if remark.code in RANKS else len(RANKS))
     known = [remark for remark in ranked if remark.code in RANKS]

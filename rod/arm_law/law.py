@@ -11,7 +11,7 @@ from geometry.arrays import Array
 from rod.arm_law.curves import IN_SPACE, CellCurve, ClampCurve, TipCurve
 from rod.arm_law.derivative import LARGEST_STEP, NUMBERS, STEP, Derivative, rates_of
 from rod.arm_law.rates import LawRate, changed_cells, changed_clamps, onset_rate
-from rod.arm_law.scaling import scaled_curve, scaled_rate
+from rod.arm_law.scaling import scaled_curve, scaled_rate, stiffened_cell, stiffened_clamp
 from rod.arm_law.section import SectionLaw, clamp_at, section_at, tip_at
 from rod.arm_law.sideways import PlanarRod, SidewaysResponse, sideways, twisting_compliance
 from rod.arm_law.solver import EndConditions, Pieces, equilibrium
@@ -68,6 +68,25 @@ class ArmLaw:
             rates={name: scaled_rate(rate, factor) for name, rate in self.rates.items()},
         )
 
+    def stiffened(self, trend: float) -> "ArmLaw":
+        """The law of an arm whose moduli grow with the pressure, to exp(trend) times these at the highest one.
+
+        It stands for a rubber that stiffens more, or less, than that of the law. The states are those of this law, at
+        the pressures p exp(trend p / highest), and at moments and forces that are as many times as large. Raises
+        `RodError` unless the trend is a number above -1.
+        """
+        if finite(trend, "The trend of the moduli") <= -1.0:
+            raise RodError(f"The trend of the moduli must be above -1, not {trend:g}: pressures would not rise.")
+        rate = trend / self.pressures[-1]
+        factors = [math.exp(rate * pressure) for pressure in self.pressures]
+        return replace(
+            self,
+            cells=tuple(stiffened_cell(cell, rate) for cell in self.cells),
+            clamps=tuple(stiffened_clamp(clamp, rate) for clamp in self.clamps),
+            tips=tuple(scaled_curve(tip, factor) for tip, factor in zip(self.tips, factors, strict=True)),
+            rates={name: known.with_moments(factors) for name, known in self.rates.items()},
+        )
+
     def with_changes(self, changes: Mapping[str, float]) -> "ArmLaw":
         """The law of an arm whose parameters differ a little, to first order: `{"geometry.wall": 0.1}`.
 
@@ -86,6 +105,12 @@ class ArmLaw:
         pitch, first_middle, length = (float(value) for value in lengths)
         changed = replace(self, cells=cells, clamps=clamps, rates={})
         return replace(changed, pitch=pitch, first_middle=first_middle, length=length)
+
+    def carried(self, changes: Mapping[str, float]) -> "ArmLaw":
+        """As `with_changes`, with derivatives that are at each curvature those of this law."""
+        law = self.with_changes(changes)
+        rates = self.rates.items()
+        return replace(law, rates={name: r.carried(self.cells, law.cells, changes.get(name, 0.0)) for name, r in rates})
 
     def derivative(self, name: str) -> Derivative:
         """Of curvature, rigidity, moment, stretch and angle of the end by a parameter, per mm, MPa or 1 of it.

@@ -7,6 +7,7 @@ from typing import Any, final
 import numpy as np
 
 from geometry.arrays import Array
+from rod.arm_law.between import interpolate_columns
 from rod.arm_law.curves import IN_SPACE, CellCurve, ClampCurve
 from rod.checked import Shape, check_table, finite
 from rod.cubics import monotone_slopes, parabola_slopes
@@ -67,6 +68,17 @@ class LawRate:
         cells = tuple(cell.times(change) for cell in self.cells)
         return replace(self, **lengths, cells=cells, clamps=tuple(clamp.times(change) for clamp in self.clamps))
 
+    def carried(self, before: Sequence[CellCurve], after: Sequence[CellCurve], change: float) -> "LawRate":
+        """Of a law after small changes of parameters: at each curvature what it was there.
+
+        before, after: the curves of the cells; change: of this parameter.
+        """
+        cells = tuple(
+            CellRate(*(_at(new.kappa, old.kappa, getattr(cell, one.name)) for one in fields(CellRate)))
+            for cell, old, new in zip(self.cells, before, after, strict=True)
+        )
+        return replace(self, cells=cells, value=self.value + change)
+
     def record(self) -> dict[str, Any]:
         """As it stands in law.json."""
         return {
@@ -99,6 +111,11 @@ _CELL: dict[str, tuple[str, Shape]] = {
     "largest_stretch": ("largest_stretch", ()),
 }
 _CLAMP: dict[str, tuple[str, Shape]] = {"rotation_rad": ("rotation", ("k",)), "offset_mm": ("offset", ("k", 2))}
+
+
+def _at(kappa: Array, nodes: Array, values: Array) -> Array:
+    """Values (k, ...) over curvatures (k,) at others (n,), (n, ...); one number stays."""
+    return interpolate_columns(kappa, nodes, values) if np.ndim(values) else values
 
 
 def _row(rate: CellRate | ClampRate, keys: Mapping[str, tuple[str, Shape]]) -> dict[str, Any]:

@@ -9,6 +9,7 @@ No finite elements are needed. The power of c by which a number is multiplied fo
 kPa above the line, minus one for each below.
 """
 
+import math
 from dataclasses import fields, replace
 from typing import Any, TypeVar, get_args
 
@@ -39,3 +40,29 @@ def scaled_rate(rate: LawRate, factor: float) -> LawRate:
     """The derivatives of a law whose moduli are all multiplied by a factor, by the same parameter."""
     unit = factor ** power_of_modulus(rate.unit)
     return replace(rate.times(1.0 / unit).with_moments([factor] * len(rate.cells)), value=rate.value * unit)
+
+
+def stiffened_cell(curve: CellCurve, rate: float) -> CellCurve:
+    """The curve of a cell whose moduli are those of the pressure p, exp(rate p) times as large.
+
+    rate: 1/kPa. At the pressure p exp(rate p) its states are those at p.
+    """
+    factor, slower = _growth(curve.pressure, rate)
+    own = curve.moment_by_pressure + rate * curve.moment
+    return replace(
+        scaled_curve(curve, factor),
+        moment_by_pressure=own / slower,
+        stretch_by_pressure=curve.stretch_by_pressure / (factor * slower),
+    )
+
+
+def stiffened_clamp(curve: ClampCurve, rate: float) -> ClampCurve:
+    """The same of a clamped end."""
+    factor, slower = _growth(curve.pressure, rate)
+    own = curve.rotation_by_pressure - rate * curve.moment * curve.rotation_by_moment
+    return replace(scaled_curve(curve, factor), rotation_by_pressure=own / (factor * slower))
+
+
+def _growth(pressure: float, rate: float) -> tuple[float, float]:
+    """The factor of the moduli at a pressure, and by how much more than that the pressure grows with it."""
+    return math.exp(rate * pressure), 1.0 + rate * pressure

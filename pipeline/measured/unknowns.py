@@ -1,0 +1,154 @@
+"""What is unknown of an arm that was built, and what is known of it before it is measured."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from geometry.arrays import Array
+from pipeline.budget import make_budget
+from pipeline.config.section import not_known
+from pipeline.config.tolerances import OF_PRESSURE, STIFFNESS, Tolerance, Tolerances
+from pipeline.errors import InputError
+from pipeline.measured.predicted import AS_WRITTEN, Setup
+from rod.arm_law.law import ArmLaw
+
+#: names of what is unknown beside dimensions
+MODULUS, TREND, GAUGE, CLAMP = "modulus_factor", "modulus_trend", "gauge_offset_kPa", "clamp_angle_deg"
+#: standard deviations: of ln(modulus) for constants of a data sheet or of another batch; of how much more it grows up
+#: to the highest pressure of the law; of the clamp, degrees
+OF_DATA_SHEET, OF_TREND, OF_CLAMP = 0.4, 0.2, 1.0
+#: dimensions that are freed by themselves at most
+MOST_DIMENSIONS = 4
+
+
+@dataclass(frozen=True)
+class Unknown:
+    """One number of an arm or of its measurement, normally distributed before it is measured."""
+
+    name: str  #: MODULUS, GAUGE, CLAMP, or the key of a parameter of the law
+    unit: str
+    drawn: float  #: value in the drawing; 1 of the factor of all moduli
+    std: float  #: before the measurement; of the modulus that of its logarithm
+    source: str  #: of this deviation
+
+    @property
+    def is_of_law(self) -> bool:
+        """Whether it is a parameter by which the law has derivatives."""
+        return self.name not in (MODULUS, TREND, GAUGE, CLAMP)
+
+    def value(self, change: float) -> float:
+        """The number after a change, of the modulus of its logarithm."""
+        return math.exp(change) if self.name == MODULUS else self.drawn + change
+
+    def std_of(self, change: float, std: float) -> float:
+        """Standard deviation of the number by that of the change."""
+        return std * math.exp(change) if self.name == MODULUS else std
+
+
+@dataclass(frozen=True, eq=False)  # arrays inside
+class BuiltArm:
+    """The law of an arm and the setup of its measurement, as functions of changes of what is unknown."""
+
+    law: ArmLaw
+    unknowns: tuple[Unknown, ...]
+    setup: Setup = AS_WRITTEN  #: without changes
+
+    def changed_law(self, changes: Array, *, with_derivatives: bool = False) -> ArmLaw:
+        """The law after changes (k,). Raises `RodError` where none is left."""
+        of_law = {
+            unknown.name: float(change)
+            for unknown, change in zip(self.unknowns, changes, strict=True)
+            if unknown.is_of_law and change
+        }
+        change = self.law.carried if with_derivatives else self.law.with_changes
+        law = change(of_law) if of_law else self.law
+        factor, trend = self.modulus(changes), self._of(TREND, changes)
+        law = law.stiffened(trend) if trend else law
+        return law if factor == 1.0 else law.scaled(factor)
+
+    def modulus(self, changes: Array) -> float:
+        """The factor of all moduli."""
+        return math.exp(self._of(MODULUS, changes))
+
+    def changed_setup(self, changes: Array) -> Setup:
+        """The setup after changes (k,)."""
+        return self.setup + Setup(self._of(GAUGE, changes), self._of(CLAMP, changes))
+
+    def _of(self, name: str, changes: Array) -> float:
+        pairs = zip(self.unknowns, changes, strict=True)
+        return next((float(change) for unknown, change in pairs if unknown.name == name), 0.0)
+
+
+def unknowns_of(law: ArmLaw, config: Mapping[str, Any], free: Sequence[str], highest_kPa: float) -> tuple[Unknown, ...]:
+    """What is freed: all moduli, gauge and clamp, and dimensions.
+
+    free: their keys; those whose tolerances move the tip most where none is given. highest_kPa: of the measurement.
+    Raises InputError.
+    """
+    tolerances = Tolerances.from_record(config.get("tolerances"))
+    every = tolerances.all({name: rate.value for name, rate in law.rates.items() if rate.unit == "mm"})
+    always = [
+        _modulus(law, every),
+        _gauge(every, highest_kPa),
+        Unknown(CLAMP, "deg", 0.0, OF_CLAMP, f"± {OF_CLAMP:g}°"),
+    ]
+    if free:
+        for key in free:
+            if key not in law.rates or law.rates[key].unit == "MPa":
+                raise InputError(f"--free {key}: {not_known(key, _dimensions(law))}")
+        chosen = list(dict.fromkeys(free))
+    else:
+        chosen = _largest(law, tolerances, min(highest_kPa, law.pressures[-1]))
+    named = [_of_law(law, key, every.get(key)) for key in chosen]
+    trend = Unknown(TREND, "1", 0.0, OF_TREND, "another law of the rubber")
+    return (always[0], trend, *named, *always[1:])
+
+
+def tolerance_unknowns(law: ArmLaw, tolerances: Tolerances, highest_kPa: float) -> tuple[Unknown, ...]:
+    """Everything that has a tolerance, each with it as its deviation.
+
+    highest_kPa: of the measurement.
+    """
+    every = tolerances.all({name: rate.value for name, rate in law.rates.items() if rate.unit == "mm"})
+    stiffness = every.get(STIFFNESS)
+    std = math.log1p(stiffness.amount) if stiffness else _modulus(law, every).std
+    named = [_of_law(law, key, every[key]) for key in _dimensions(law) if key in every]
+    return (Unknown(MODULUS, "1", 1.0, std, "tolerance"), *named, _gauge(every, highest_kPa))
+
+
+def _dimensions(law: ArmLaw) -> list[str]:
+    return [name for name, rate in law.rates.items() if rate.unit != "MPa"]
+
+
+def _largest(law: ArmLaw, tolerances: Tolerances, pressure: float) -> list[str]:
+    """The dimensions whose tolerances move the tip most."""
+    if not law.rates:
+        return []
+    budget = make_budget(law, tolerances, pressure, None)
+    return [row.parameter for row in budget.rows if row.parameter in _dimensions(law)][:MOST_DIMENSIONS]
+
+
+def _modulus(law: ArmLaw, tolerances: Mapping[str, Tolerance]) -> Unknown:
+    """Known as well as it was given, which is for a tensile test of one's own batch; else as of a data sheet."""
+    given = [one for name, one in tolerances.items() if name == STIFFNESS and not one.is_default]
+    parts = [one.amount for one in given]
+    for name, rate in law.rates.items():
+        if rate.unit == "MPa" and rate.value and name in tolerances:
+            parts.append(tolerances[name].of(rate.value) / abs(rate.value))
+    if not parts:
+        return Unknown(MODULUS, "1", 1.0, OF_DATA_SHEET, f"another batch: a factor of e^±{OF_DATA_SHEET:g}")
+    return Unknown(MODULUS, "1", 1.0, math.log1p(max(parts)), f"tolerance ± {100.0 * max(parts):g} %")
+
+
+def _gauge(tolerances: Mapping[str, Tolerance], highest_kPa: float) -> Unknown:
+    given = tolerances.get("pressure", Tolerance(OF_PRESSURE, True, True))
+    return Unknown(GAUGE, "kPa", 0.0, given.of(highest_kPa), f"tolerance ± {given.text('kPa')} at {highest_kPa:g} kPa")
+
+
+def _of_law(law: ArmLaw, key: str, tolerance: Tolerance | None) -> Unknown:
+    rate = law.rates[key]
+    if tolerance is None:
+        raise InputError(f"--free {key}: has no tolerance; give one in the section tolerances of the configuration")
+    std = tolerance.of(rate.value)
+    return Unknown(key, rate.unit, rate.value, std, f"tolerance ± {tolerance.text(rate.unit)}")
