@@ -1,7 +1,7 @@
-"""True and stated errors of the limit to which a cell is corrected: python -m benchmarks.cell_limit [--seed S].
+"""True and stated errors of the limit to which a cell is corrected: python -m benchmarks.cell_limit OUT [--seed S].
 
 For the coarse arms, or designs drawn at random, the limit from the meshes that the program compares stands beside that
-from FINER finer ones.
+from FINER finer ones. What is solved stays in the folder OUT, so that the program goes on where it was interrupted.
 """
 
 import argparse
@@ -30,18 +30,19 @@ from pipeline.store.store import open_store
 
 #: finer meshes for the true error
 FINER = 2
-ARMS = {
-    "pneunet_coarse": ["material.law=hencky"],
-    "semicircular_coarse": [],
-    "semicircular_single_coarse": [],
-    "bisected_circle_coarse": [],
-}
+ARMS = (
+    ("semicircular_coarse", "svk"),
+    ("semicircular_single_coarse", "svk"),
+    ("bisected_circle_coarse", "svk"),
+    ("pneunet_coarse", "svk"),
+    ("pneunet_coarse", "hencky"),
+)
 
 
 def configs(seed: int | None, count: int) -> Iterator[Config]:
     """The coarse arms, or so many designs of a seed."""
     if seed is None:
-        yield from (load_config(Path(f"configs/{name}.yaml"), settings) for name, settings in ARMS.items())
+        yield from (load_config(Path(f"configs/{name}.yaml"), [f"material.law={law}"]) for name, law in ARMS)
         return
     for design in drawn(seed, count):
         with TemporaryDirectory() as folder:
@@ -50,18 +51,18 @@ def configs(seed: int | None, count: int) -> Iterator[Config]:
             yield load_config(file, [])
 
 
-def rows(config: Config) -> Iterator[str]:
-    """One row per pressure: the true errors and the stated ones of the three numbers, in %."""
+def rows(config: Config, out: Path) -> Iterator[str]:
+    """One row per pressure: the true errors and the stated ones of the three numbers, in %; out: folder of the cell."""
     arm = ArmPieces.of(Scene.meshed(config))
     pieces, length = arm.with_mesh(fine_mesh(arm)), config.design.length
-    bends = {0.0: 0.0}
+    bends, name = {0.0: 0.0}, f"{config.name}, {config.material.law}"
     for pressure in config.pressures_kPa:
         try:
             cell = pieces.cell
             bends[pressure] = cell_without_moment(cell, in_MPa(pressure)).state.angle / cell.body.length
         except PieceFailed as failure:
-            yield f"| {config.name}, {pressure:g} kPa | {failure} |"
-    with TemporaryDirectory() as folder, open_store(Path(folder), config, fresh=False) as store:
+            yield f"| {name}, {pressure:g} kPa | {failure} |"
+    with open_store(out, config, fresh=False) as store:
         context = RunContext.alone(store, Silent())
         used, true = (find_limit(pieces, bends, inf, context, MESHES + more) for more in (0, FINER))
     limits = dict(zip(true.pressures_kPa, true.limits, strict=True))
@@ -70,19 +71,20 @@ def rows(config: Config) -> Iterator[str]:
             limit = limits[pressure]
             values = zip(own, limit, stds, limit.over(length), strict=True)
             cells = [f"{100.0 * (a - b) / c:+.2f} | {100.0 * std / c:.2f}" for a, b, std, c in values]
-            yield f"| {config.name}, {pressure:g} kPa | {' | '.join(cells)} | {len(true.meshes)} |"
+            yield f"| {name}, {pressure:g} kPa | {' | '.join(cells)} | {len(true.meshes)} |"
 
 
 def main() -> None:
     """Print the table."""
     parser = argparse.ArgumentParser(description="True and stated errors of the limit that a cell is corrected to.")
+    parser.add_argument("out", type=Path, help="folder for what is solved")
     parser.add_argument("--seed", type=int, help="of designs drawn at random; default: the four coarse arms")
     parser.add_argument("--count", type=int, default=10, help="how many of them")
     given = parser.parse_args()
     heads = " | ".join(f"{name}: error | stated" for name in Numbers._fields)
     sys.stdout.write(f"| cell | {heads} | meshes |\n")
     for one in configs(given.seed, given.count):
-        for row in rows(one):
+        for row in rows(one, given.out / f"{one.name}_{one.material.law}"):
             sys.stdout.write(f"{row}\n")
             sys.stdout.flush()
 
