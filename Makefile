@@ -21,7 +21,7 @@ LAW := both
 LARGER := 1
 
 all_targets := pneunet pneunet-coarse golden semicircular semicircular-single bisected-circle all effects cell budget design material sweep paper-coarse paper accuracy
-.PHONY: help setup $(all_targets) test slow hard fuzz kills unseen exports foreign nightly wheel examples lint types docs doctor bench-peers bench-run clean
+.PHONY: help setup $(all_targets) test slow hard fuzz kills unseen exports foreign nightly wheel recipes lint types docs doctor bench-peers bench-run clean
 
 help:  ## list the targets
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## (.*)/make \1\t\2/' | expand -t 26
@@ -67,7 +67,7 @@ design: $(READY)  ## dimensions for a wish, of two arms that are known: results/
 	@$(BIN)/pneurod design examples/wish_pneunet.yaml
 	$(BIN)/pneurod design examples/wish_semicircular.yaml
 
-sweep: $(READY)  ## nine designs of the coarse arm, the arm's own law of each: table and picture in results/walls_and_heights
+sweep: $(READY)  ## nine designs of a short arm, inflated: table and picture in results/walls_and_heights
 	@$(BIN)/pneurod sweep examples/sweep.yaml
 
 paper-coarse: $(DEV)  ## figures and claims of the paper reproduced on coarse meshes, in results/paper_coarse
@@ -130,11 +130,8 @@ nightly: $(DEV)  ## for a scheduler: hard cases, slow tests, and 40 designs draw
 wheel: $(DEV)  ## the wheel, built, installed into a fresh environment outside the checkout and run there
 	@$(BIN)/python -m pytest -m "slow or not slow" tests/test_packaging.py
 
-examples: $(DEV)  ## the programs in examples/, results in results/
-	@for example in own_arm compare_materials own_material own_mesh rod_alone rod_in_pyelastica gripper; do
-		echo "examples/$$example.py"
-		$(BIN)/python examples/$$example.py
-	done
+recipes: $(DEV)  ## the programs in examples/ again, with text and pictures for their pages: NAME="gripper swing" for some
+	@MPLBACKEND=agg $(BIN)/python docs/hooks/recipes.py $(NAME)
 
 lint: $(DEV)  ## style: ruff
 	@$(BIN)/ruff check .

@@ -1,7 +1,5 @@
 # %% [markdown]
-# # A user-defined hyperelastic law in the finite elements, checked against its closed form
-#
-#     python examples/own_material.py
+# # A material law of your own
 #
 # A bar of six tetrahedra is pulled to twice its length. Its law is that of A. Isihara, N. Hashitsume and M. Tatibana
 # (J. Chem. Phys. 19 (1951) 1508), W = c10 (I1bar - 3) + c20 (I1bar - 3)^2 + c01 (I2bar - 3) + kappa/2 (J - 1)^2.
@@ -9,8 +7,10 @@
 # %%
 from dataclasses import dataclass
 from itertools import permutations
+from pathlib import Path
 from typing import final
 
+import matplotlib.pyplot as plt
 import numpy as np
 from numpy.typing import NDArray
 
@@ -90,18 +90,33 @@ solution = fem.follow(model, factors=[0.25, 0.5, 0.75, 1.0])
 # %%
 print("stretch   finite elements   closed form   difference")
 for step in solution.steps:
-    stretch = 1.0 + step.factor
-    stress = step.reaction("right")[0]
+    stretch, stress = 1.0 + step.factor, step.reaction("right")[0]
     terms = Isihara.uniaxial_terms(np.array(stretch))
     closed = sum(getattr(law, name) * float(term) for name, term in terms.items())
     print(f"{stretch:7.2f} {stress:13.5f} MPa {closed:9.5f} MPa {100 * (stress / closed - 1):10.2f} %")
-    assert abs(stress / closed - 1) < 0.005
 
 # %% [markdown]
-# ## 5. The same with the change of volume in the closed form
+# ## 5. The same with the change of volume in the closed form, and the picture
 #
 # The difference is that of the solver's tolerance.
 
 # %%
 bar = law.uniaxial(np.array([2.0]))
 print(f"with the change of volume: {solution.steps[-1].reaction('right')[0] / bar.nominal[0] - 1:.1e}")
+
+folder = Path("results/recipes")
+folder.mkdir(parents=True, exist_ok=True)
+figure, axes = plt.subplots(layout="constrained")
+stretches = np.linspace(1.0, 2.0, 101)
+axes.plot(stretches, law.uniaxial(stretches).nominal, label="closed form")
+found = np.array([(1.0 + step.factor, step.reaction("right")[0]) for step in solution.steps])
+axes.plot(*found.T, "o", label="finite elements")
+axes.set(xlabel="stretch", ylabel="nominal stress (MPa)")
+axes.legend()
+figure.savefig(folder / "own_material.png")
+
+# %% [markdown]
+# ## What to change
+#
+# - `first_invariant_energy`: a law of the first invariant needs nothing else.
+# - The constants, and the bar: `fem` takes any mesh of tetrahedra.

@@ -1,20 +1,18 @@
 # %% [markdown]
 # # The finite elements alone, on a mesh of your own
 #
-#     python examples/own_mesh.py [FOLDER]
-#
 # A rubber block with an eccentric cavity, drawn and meshed with Gmsh, is inflated. It takes a few seconds.
 
 # %%
-import sys
 from pathlib import Path
 
 import gmsh
+import matplotlib.pyplot as plt
 import numpy as np
 
 from pneurod import fem, geometry
 
-folder = Path(sys.argv[1] if len(sys.argv) == 2 else "results/own_mesh")
+folder = Path("results/recipes")
 folder.mkdir(parents=True, exist_ok=True)
 
 # %% [markdown]
@@ -64,15 +62,29 @@ model = fem.Model(mesh, law, supports=[fem.Fixed("clamp")], effects=[fem.Pressur
 solution = fem.follow(model, factors=[0.25, 0.5, 0.75, 1.0])
 tip = np.unique(mesh.faces["tip"])
 print("pressure (kPa)   tip y (mm)   cavity (mm3)   smallest J")
-heights = []
 for step in solution.steps:
-    heights.append((step.positions[tip] - mesh.points[tip])[:, 1].mean())
-    print(f"{20 * step.factor:14.1f} {heights[-1]:12.3f} {step.cavity_volume('cavity'):14.1f} {step.min_J:12.4f}")
+    height = (step.positions[tip] - mesh.points[tip])[:, 1].mean()
+    print(f"{20 * step.factor:14.1f} {height:12.3f} {step.cavity_volume('cavity'):14.1f} {step.min_J:12.4f}")
 
 # %% [markdown]
-# ## 4. A check
+# ## 4. A check, and the picture
 #
-# The support has to carry nothing but what pressure exerts on the closed cavity, which is zero.
+# The support has to carry nothing but what pressure exerts on the closed cavity, which is zero. The picture is a cut
+# through the vertices near the middle plane.
 
 # %%
 print(f"force on the clamp: {np.abs(solution.steps[-1].reaction('clamp')).max():.1e} N")
+figure, axes = plt.subplots(figsize=(8, 2.5), layout="constrained")
+middle = np.abs(mesh.points[:, 2] - 5.0) < 1.5
+for label, positions in (("at rest", mesh.points), ("20 kPa", solution.steps[-1].positions)):
+    axes.plot(*positions[: len(middle)][middle, :2].T, ".", label=label)
+axes.set(xlabel="x (mm)", ylabel="y (mm)", aspect="equal", ylim=(-6, 14))
+axes.legend(loc="center")
+figure.savefig(folder / "own_mesh.png")
+
+# %% [markdown]
+# ## What to change
+#
+# - The block, or the file of another program.
+# - The law: `fem.Yeoh`, `fem.Ogden`, `fem.Hencky` and others.
+# - `effects`: further pressures, `fem.Gravity`, contact.

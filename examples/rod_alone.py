@@ -1,17 +1,19 @@
 # %% [markdown]
-# # The rod alone: five parameters and a rest curvature, and its shapes under loads in about a millisecond each
+# # The rod alone
 #
-#     python examples/rod_alone.py [FOLDER]
-#
-# FOLDER, if given, is the result folder of a run, whose rod is bent as well.
+# A rod needs no finite elements: five parameters and a rest curvature are enough, from wherever they come.
 
 # %%
-import sys
 import time
+from pathlib import Path
 
+import matplotlib.pyplot as plt
 import numpy as np
 
 import pneurod
+
+folder = Path("results/recipes")
+folder.mkdir(parents=True, exist_ok=True)
 
 # %% [markdown]
 # ## 1. A rod of 112 mm
@@ -32,10 +34,12 @@ rod = pneurod.Rod(length=112.0, kappa_0=-0.012, law=law)  # kappa_0 in 1/mm; a f
 # ## 2. A force on the tip, in N; x points along the clamped end, y up
 
 # %%
+figure, axes = plt.subplots(layout="constrained")
 print("F_y (N)   tip x (mm)   tip y (mm)   tip angle (rad)   moment at the clamp (N mm)")
 for force in np.linspace(0.0, 0.1, 6):
     shape = rod.solve(force=(0.0, force))
     x, y = shape.end
+    axes.plot(*shape.curve.T, label=f"{force:.2f} N")
     print(f"{force:7.3f} {x:12.2f} {y:12.2f} {shape.end_angle:17.4f} {shape.moment[0]:28.3f}")
 
 # %% [markdown]
@@ -45,24 +49,25 @@ for force in np.linspace(0.0, 0.1, 6):
 
 # %%
 prescribed = rod.solve(end_y=-20.0)
+axes.plot(*prescribed.curve.T, "--", color="black", label="tip at y = -20 mm")
 print(f"a tip at y = -20 mm needs F_y = {prescribed.force[1]:.4f} N")
 
 # %% [markdown]
-# ## 4. How long one shape takes
+# ## 4. How long one shape takes, and the picture
 
 # %%
 count = 200
-start = time.perf_counter()
+start = time.process_time()
 for force in np.linspace(0.001, 0.1, count):
     rod.solve(force=(0.0, force))
-print(f"{1000 * (time.perf_counter() - start) / count:.2f} ms per shape")
+print(f"{1000 * (time.process_time() - start) / count:.2f} ms per shape")
+axes.set(xlabel="x (mm)", ylabel="y (mm)", aspect="equal")
+axes.legend()
+figure.savefig(folder / "rod_alone.png")
 
 # %% [markdown]
-# ## 5. The same with the rod of a run, at the middle of its pressures
-
-# %%
-if len(sys.argv) == 2:
-    results = pneurod.read_results(sys.argv[1])
-    pressure = sum(results.pressures_kPa) / len(results.pressures_kPa)
-    x, y = results.rod(pressure).solve(force=(0.0, 0.05)).end
-    print(f"{results.run.design} at {pressure:g} kPa under 0.05 N: tip at ({x:.2f}, {y:.2f}) mm")
+# ## What to change
+#
+# - The parameters, for example those of a paper.
+# - `kappa_0`: a function of the arc length, or samples.
+# - `rod.solve(end=(60.0, -40.0))` holds the tip at a place, `direction="hanging", tip_mass="2 g"` hangs a mass on it.

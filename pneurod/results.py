@@ -1,6 +1,7 @@
 """What a run leaves, in Python: the values of the run, pandas frames with units in their columns, and its rods."""
 
 import math
+import re
 import warnings
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field
@@ -20,6 +21,7 @@ from pipeline.results.values import Effect, RodError, Run, State
 from pipeline.rods.checks import check_parameters
 from pipeline.rods.choice import RodOfRun, check_kind, choose_rod, nothing_identified
 from pipeline.rods.end_loads import Weight
+from pipeline.rods.export import ExportOptions, exported
 from pipeline.rods.pressures import PressureFor, Wish, pressures_for
 from pneurod.arguments import given_number, given_pair, given_path, given_pressure
 from pneurod.frames import by_pressure, curves_frame, expanded, frame_of, profiles
@@ -57,6 +59,8 @@ class Results:
     def mass_g(self) -> float:
         """Mass of the solid; NaN where the configuration has no density."""
         mass = self.run.parameters.mass_g
+        if mass is None and self.arm_law is not None and self.arm_law.mass is not None:  # a run with its law alone
+            mass = float(self.arm_law.mass.grams[-1])
         return math.nan if mass is None else mass
 
     @property
@@ -230,6 +234,21 @@ class Results:
         weight = Weight.of(direction, tip_mass)
         wish = Wish(place, *numbers, given_number(at_height, LENGTH, "at_height"), weight)
         return pressures_for(self._chosen(kind), wish)
+
+    def export(self, to: str, out: Path | str | None = None, *, force: bool = False) -> tuple[Path, ...]:
+        """Write the rod for another program, as `pneurod export` does: the files that were written.
+
+        to: "mujoco", "pyelastica", "somo", "sorosim", "json" or "csv". out: their folder, by default that of the
+        results. force: replace files that exist. Raises InputError for another format, a rod that it cannot take,
+        and files that exist.
+        """
+        folder = None if out is None else given_path(out, "out", "results/arm")
+        options = ExportOptions(out=folder, force=given_choice(force, "force"))
+        try:
+            return exported(self.directory, to, options).files
+        except InputError as failure:  # with the names of the options of the command line
+            words = str(failure).replace("or --force to", "or force=True to")
+            raise InputError(re.sub(r"--(to|out)\b", r"\1", words)) from None
 
     def _chosen(self, kind: str | None) -> RodOfRun:
         if kind not in self._rods:

@@ -59,7 +59,7 @@ def prose_of(page: Path) -> str:
 
 def links_of(page: Path) -> list[str]:
     links = re.findall(r"\]\(([^)#\s]+)(?:#[^)]*)?\)", text_of(page))
-    generated = ("reference/", "../reference/", "../examples/", "examples/")  # checked when the site is built
+    generated = ("reference/", "../reference/", "../recipes/", "recipes/")  # checked when the site is built
     return [link for link in links if not link.startswith(("http://", "https://", *generated))]
 
 

@@ -48,13 +48,14 @@ def registered() -> dict[str, object]:
     return {command.name or command.callback.__name__: command for command in app.registered_commands}
 
 
-def test_the_reference_has_every_command_law_and_example(site: Path) -> None:
+def test_the_reference_has_every_command_law_and_recipe(site: Path) -> None:
     commands = text_of(site / "reference" / "commands.html")
     assert [name for name in registered() if f"pneurod {name}" not in commands] == []
     laws = text_of(site / "reference" / "laws.html")
     assert [name for name in LAWS if f"law : {name}" not in laws and f"law: {name}" not in laws] == []
-    examples = [path.stem for path in (HERE / "examples").glob("*.py")]
-    assert [name for name in examples if not (site / "examples" / f"{name}.html").is_file()] == []
+    recipes = [path.stem for path in (HERE / "examples").glob("*.py")]
+    kinds = ("html", "ipynb", "png")
+    assert [name for name in recipes for kind in kinds if not (site / "recipes" / f"{name}.{kind}").is_file()] == []
 
 
 def test_the_messages_are_those_of_the_sources(site: Path) -> None:
@@ -118,7 +119,7 @@ def test_yaml_blocks_of_the_guides_are_accepted(page: Path, tmp_path: Path) -> N
         assert load_config(path).name
 
 
-#: the runs of the tutorial take a minute; tests/test_examples.py makes such runs too
+#: the runs of the tutorial take a minute; tests/test_recipes.py makes such runs too
 ON_RESULTS_OF_THE_TUTORIAL = pytest.mark.slow
 
 

@@ -1,28 +1,30 @@
 """Pages of the documentation site that are generated from the sources (mkdocs calls these functions).
 
-Commands, laws, messages and example programs are read from the code each time the site is built, so that the reference
-cannot differ from the program.
+Commands, laws, messages and recipes are read from the code each time the site is built, so that the reference cannot
+differ from the program. Recipes are shown with the output that they had when they were last run.
 """
 
 from pathlib import Path
 
+import nbformat
 from commands import commands_page
 from material_laws import laws_page
 from messages import messages_page
 from mkdocs.config.defaults import MkDocsConfig
 from mkdocs.structure.files import File, Files
-from programs import program_page
+from recipes import notebook_of, page_of, recipes
 
 HERE = Path(__file__).resolve().parent.parent.parent
 
 
 def on_files(files: Files, config: MkDocsConfig) -> Files:
-    """Add the generated pages to those of the folder docs."""
+    """Add the generated pages and notebooks to those of the folder docs."""
     pages = {
         "reference/commands.md": commands_page(),
         "reference/laws.md": laws_page(),
         "reference/messages.md": messages_page(HERE),
-        **{f"examples/{path.stem}.md": program_page(path) for path in sorted((HERE / "examples").glob("*.py"))},
+        **{f"recipes/{name}.md": page_of(name) for name in recipes()},
+        **{f"recipes/{name}.ipynb": nbformat.writes(notebook_of(name)) for name in recipes()},
     }
     for address, text in pages.items():
         files.append(File.generated(config, address, content=text))

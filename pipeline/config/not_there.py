@@ -2,6 +2,8 @@
 
 _FIBRE = "fibres do not exist; a sheet is effects: {strain_limiting_layer: on}, a stiff part a region in materials"
 _DYNAMICS = "nothing moves in time, every state is at rest; pneurod export writes the rod for programs of motion"
+_CREEP = "laws of rubber know neither time nor cycles; fit a law to the loading that your arm sees: pneurod material"
+_FRICTION = "walls that touch slide without friction; exported rods have that of MuJoCo"
 _TIP_LOAD = "write end: {y: -0.1 N} for a force in experiment III; the rod takes any: pneurod rod --force, --tip-mass"
 _GRAVITY = "write effects: {gravity: hanging}, or lying, standing, 30 deg"
 _VOLUME = "a run prescribes pressures; a prescribed volume of air is there in Python only, fem.follow_volume"
@@ -12,6 +14,8 @@ _ABSOLUTE = "pressures are differences to the air outside; write pressures, and 
 _CLAUSES: dict[str, tuple[str, ...]] = {
     _FIBRE: ("fibre", "fiber", "fibres", "fibers", "reinforcement", "fibre_angle", "fiber_angle"),
     _DYNAMICS: ("dynamics", "dynamic", "inertia", "damping", "time", "transient", "viscosity"),
+    _CREEP: ("creep", "relaxation", "viscoelasticity", "hysteresis", "mullins"),
+    _FRICTION: ("friction",),
     _TIP_LOAD: ("tip_load", "tip_force", "tip_mass", "payload", "end_load", "end_force"),
     _GRAVITY: ("gravity", "orientation", "weight"),
     _VOLUME: ("volume", "volumes", "volume_control", "fluid"),

@@ -173,7 +173,7 @@ def simulate(pressure_kPa, force=(0.0, 0.0), seconds=None, damping=None, tell=No
     pressure_kPa: a number, or a function of the time in s, with `seconds`. It starts from the equilibrium at the
     beginning. seconds: simulated time; None: until the arm rests. damping: rate in 1/s at which velocities decay; None:
     twice the first vibration, with which the arm settles soonest; that of the rubber is TABLE["loss_factor"] times the
-    first vibration. tell: is called with the time in s and the speed of the fastest node in m/s, now and then.
+    first vibration. tell: is called with the time in s and the rod, every 200 steps.
     """
     if callable(pressure_kPa) and seconds is None:
         raise ValueError("with a pressure that changes over time, give the seconds to simulate")
@@ -197,7 +197,7 @@ def simulate(pressure_kPa, force=(0.0, 0.0), seconds=None, damping=None, tell=No
         if count % 200 == 0:
             speed = float(np.linalg.norm(rod.velocity_collection, axis=0).max())
             if tell is not None:
-                tell(float(time), speed)
+                tell(float(time), rod)
             if not np.isfinite(speed):
                 raise ValueError("the simulation became unstable")
             if seconds is None and time * frequency > 1.0 and speed < REST * TABLE["length"] * frequency:
@@ -229,8 +229,9 @@ def main():
     options.add_argument("--plot", metavar="FILE", help="draw the curves into this file")
     given = options.parse_args()
 
-    def tell(time, speed):
-        sys.stderr.write(f"\\r{pressure:g} kPa: {time:.2f} s simulated, fastest node {1e3 * speed:.2g} mm/s    ")
+    def tell(time, rod):
+        speed = 1e3 * np.linalg.norm(rod.velocity_collection, axis=0).max()
+        sys.stderr.write(f"\\r{pressure:g} kPa: {time:.2f} s simulated, fastest node {speed:.2g} mm/s    ")
 
     curves = {}
     for pressure in given.pressure:

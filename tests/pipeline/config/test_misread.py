@@ -44,6 +44,8 @@ def test_a_second_mesh_that_shows_no_convergence_is_refused(written: str) -> Non
     [
         ("fibre", "fibres do not exist; a sheet is effects: {strain_limiting_layer: on}"),
         ("dynamics", "nothing moves in time"),
+        ("creep", "fit a law to the loading that your arm sees"),
+        ("friction", "slide without friction"),
         ("tip_load", "write end: {y: -0.1 N}"),
         ("gravity", "write effects: {gravity: hanging}"),
         ("volume_control", "fem.follow_volume"),
