@@ -21,9 +21,9 @@ Array = NDArray[np.float64]
 # %% [markdown]
 # ## 1. The law
 #
-# Of a law in the isochoric invariants I1bar and I2bar only this has to be written; stress, tangent and the split into
-# a shear and a volumetric part follow. A law of another kind derives from fem.Material itself. (A law that YAML files
-# can name stands in fem/materials, and in the table LAWS there.)
+# Of a law in the isochoric invariants I1bar and I2bar only this has to be written. Stress, tangent and the split into
+# a shear and a volumetric part follow. A law of another kind derives from `fem.Material` itself. A law that YAML files
+# can name stands in `fem/materials`, and in the table `LAWS` there.
 
 
 # %%

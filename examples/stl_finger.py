@@ -6,8 +6,8 @@
 # %%
 from pathlib import Path
 
-import gmsh
 import matplotlib.pyplot as plt
+import trimesh
 
 import pneurod
 
@@ -17,17 +17,13 @@ folder.mkdir(parents=True, exist_ok=True)
 # %% [markdown]
 # ## The file
 #
-# Here it is made from the finger in `configs/finger.step`, which is 80 mm long. With a file of your own leave this out.
+# Here it is made of two boxes, the finger of 80 mm and the air in it. With a file of your own leave this out.
 
 # %%
-gmsh.initialize(interruptible=False)
-gmsh.option.setNumber("General.Terminal", 0)
-gmsh.open("configs/finger.step")
-gmsh.option.setNumber("Mesh.MeshSizeMax", 5.0)
-gmsh.option.setNumber("Mesh.MeshSizeFromCurvature", 24)  # triangles around a circle
-gmsh.model.mesh.generate(2)
-gmsh.write(str(folder / "finger.stl"))
-gmsh.finalize()
+finger = trimesh.creation.box(bounds=[[0.0, 0.0, -8.0], [80.0, 13.0, 8.0]])
+air = trimesh.creation.box(bounds=[[3.0, 2.0, -6.0], [77.0, 11.0, 6.0]])
+air.invert()  # its triangles face the air
+trimesh.util.concatenate([finger, air]).export(folder / "finger.stl")
 
 # %% [markdown]
 # ## The run
@@ -40,8 +36,8 @@ results = pneurod.characterize(
     pneurod.BodyFile(file=str(folder / "finger.stl"), curve="1 mm"),
     folder / "stl_finger",
     name="stl_finger",
-    material=pneurod.StVenantKirchhoff(E="1.2 MPa", nu=0.495, density="1130 kg/m^3"),
-    pressures=["20 kPa"],
+    material=pneurod.NamedRubber("dragon_skin_10"),
+    pressures=["10 kPa"],
     settings={
         "effects.strain_limiting_layer": "on",
         "law": "five",
@@ -54,11 +50,11 @@ print(results)
 # %% [markdown]
 # ## The picture
 #
-# One of the pictures of the report, at 20 kPa without load.
+# One of the pictures of the report, at 10 kPa without load.
 
 # %%
 figure, axes = plt.subplots(figsize=(6, 4), layout="constrained")
-axes.imshow(plt.imread(results.pictures["II_20kPa"]))
+axes.imshow(plt.imread(results.pictures["II_10kPa"]))
 axes.axis("off")
 figure.savefig(folder / "stl_finger.png")
 

@@ -46,8 +46,8 @@ for pressure, style in ((17.0, "--"), (31.0, "-")):
     for number, (high, rows) in enumerate(table.query("pressure_kPa == @pressure").groupby(height)):
         label = f"{high:g} mm high, {pressure:g} kPa"
         axes.plot(rows[wall], rows["II_bending_deg"], style, color=f"C{number}", marker="o", label=label)
-axes.set(xlabel="wall (mm)", ylabel="bending (degrees)")
-axes.legend()
+axes.set(xlabel="wall (mm)", ylabel="bending (degrees)", ylim=(20, 55))
+axes.legend(ncols=2)
 figure.savefig(folder / "wall_sweep.png")
 
 # %% [markdown]

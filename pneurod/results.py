@@ -23,7 +23,7 @@ from pipeline.rods.choice import RodOfRun, check_kind, choose_rod, nothing_ident
 from pipeline.rods.end_loads import Weight
 from pipeline.rods.export import ExportOptions, exported
 from pipeline.rods.pressures import PressureFor, Wish, pressures_for
-from pneurod.arguments import given_number, given_pair, given_path, given_pressure
+from pneurod.arguments import given_choice, given_number, given_pair, given_path, given_pressure
 from pneurod.frames import by_pressure, curves_frame, expanded, frame_of, profiles
 from pneurod.sensitivities import sensitivities_frame
 from rod import PARAMETER_COLUMNS, ArmLaw, FiveParameters, Interval, Rod, RodWarning
