@@ -53,7 +53,7 @@ print(results)
 # One of the pictures of the report, at 10 kPa without load.
 
 # %%
-figure, axes = plt.subplots(figsize=(6, 4), layout="constrained")
+figure, axes = plt.subplots(figsize=(5, 3), layout="constrained")
 axes.imshow(plt.imread(results.pictures["II_10kPa"]))
 axes.axis("off")
 figure.savefig(folder / "stl_finger.png")
