@@ -25,8 +25,8 @@ PRESSURE = 20.0
 #: largest difference of the tip's displacement to that of the finger in a STEP file, over the latter: meshes of files
 #: are coarse
 DIFFERENT = 0.05
-#: files that hold other bodies than the finger
-OTHERS = ("chambers.stl", "twin_bellows.stl")
+#: files that hold other bodies than the finger, and those whose many elements would take longer than all others
+OTHERS, MESHED_ALONE = ("chambers.stl", "twin_bellows.stl"), ("twin_bellows.stl",)
 HEAD = ("body", "elements", "smallest radius ratio", "u_y of the tip, mm", "air, mm³", "CPU s", "outcome")
 
 
@@ -43,7 +43,12 @@ class Outcome:
     @property
     def row(self) -> tuple[str, ...]:
         """Of the table."""
-        return (self.tried.words, *self.numbers, f"{self.seconds:.0f}", self.failure or "bent")
+        return (self.tried.words, *self.numbers, f"{self.seconds:.0f}", self.words)
+
+    @property
+    def words(self) -> str:
+        """What became of it."""
+        return self.failure or ("meshed" if self.tried.file in MESHED_ALONE else "bent")
 
 
 def outcome(tried: Tried, folder: Path) -> Outcome:
@@ -64,12 +69,15 @@ def bent(tried: Tried, folder: Path) -> tuple[tuple[str, ...], float]:
     path.write_text(f"name: tried\n{geometry}\n{material}\npressures: [{PRESSURE} kPa]\n", encoding="utf-8")
     config = load_config(path)
     scene = Scene.meshed(config)
+    mesh, air = scene.body.mesh, sum(config.design.cavity_volumes.values())
+    elements = f"{len(mesh.tets)}", f"{mesh.quality.minimum:.2g}"
+    if tried.file in MESHED_ALONE:
+        return (*elements, "", f"{air:.0f}"), 0.0
     experiment = fem.Experiment.of("II", scene.body, 0.0)
     model = experiment.model(scene.material, scene.effects(PRESSURE / 1000), config.mesh.formulation)
     step = fem.follow(model, [1.0]).steps[-1]
     deflection = float(experiment.end(step)[1]) - scene.body.curve_y
-    mesh, air = scene.body.mesh, sum(config.design.cavity_volumes.values())
-    return (f"{len(mesh.tets)}", f"{mesh.quality.minimum:.2g}", f"{deflection:.3f}", f"{air:.0f}"), deflection
+    return (*elements, f"{deflection:.3f}", f"{air:.0f}"), deflection
 
 
 def main() -> int:
@@ -83,7 +91,7 @@ def main() -> int:
     for tried in write_tried(given.results):
         if given.only is None or tried.file in given.only:
             outcomes.append(outcome(tried, given.results))
-            sys.stderr.write(f"{tried.file}: {outcomes[-1].failure or 'bent'}\n")
+            sys.stderr.write(f"{tried.file}: {outcomes[-1].words}\n")
     sys.stdout.write(f"{table(HEAD, [one.row for one in outcomes])}\n")
     fingers = [one.deflection for one in outcomes if one.tried.file not in OTHERS]
     differ = any(abs(deflection - fingers[0]) > DIFFERENT * abs(fingers[0]) for deflection in fingers)
