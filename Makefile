@@ -21,7 +21,7 @@ LAW := both
 LARGER := 1
 
 all_targets := pneunet pneunet-coarse golden semicircular semicircular-single bisected-circle all effects cell budget design material sweep paper-coarse paper accuracy
-.PHONY: help setup $(all_targets) test slow hard fuzz kills unseen exports foreign nightly wheel recipes lint types docs doctor bench-peers bench-run clean
+.PHONY: help setup $(all_targets) test slow hard fuzz kills unseen exports experiments virtual-arms foreign nightly wheel recipes lint types docs doctor bench-peers bench-run clean
 
 help:  ## list the targets
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## (.*)/make \1\t\2/' | expand -t 26
@@ -119,6 +119,11 @@ exports: $(DEV)  ## eight arms in MuJoCo, PyElastica and other programs against 
 
 foreign: $(DEV)  ## bodies as other programs write them, meshed and bent; a table
 	@$(BIN)/python -m benchmarks.foreign
+experiments: $(DEV)  ## measured bodies: error before and after a calibration; the table of docs/experiments.md
+	@$(BIN)/python -m benchmarks.experiments
+
+virtual-arms: $(DEV)  ## twenty arms built otherwise than drawn, predicted after a calibration; a table, and a plot in results/virtual_arms
+	@$(BIN)/python -m benchmarks.virtual_arms
 
 nightly: $(DEV)  ## for a scheduler: hard cases, slow tests, and 40 designs drawn with today's date as the seed
 	@status=0

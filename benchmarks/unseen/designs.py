@@ -109,7 +109,7 @@ def _drawn(seed: int, number: int, u: Mapping[str, float]) -> Drawn:
         "name": f"unseen_{seed}_{number:02d}",
         "geometry": {"family": family}
         | {key: value if isinstance(value, int) else f"{value:g} mm" for key, value in dimensions.items()},
-        "material": {"law": law, **_constants(law, E, nu), "density": f"{DENSITY} kg/m^3"},
+        "material": {"law": law, **constants(law, E, nu), "density": f"{DENSITY} kg/m^3"},
         "pressures": [f"{three_digits(LOWER * high):g} kPa", f"{high:g} kPa"],
     }
     return Drawn(seed, number, document, load)
@@ -137,7 +137,7 @@ def _poisson(u: float) -> float:
     return round(_between(*high, (u - COMPRESSIBLE) / (1.0 - COMPRESSIBLE)), 4)
 
 
-def _constants(law: str, E: float, nu: float) -> dict[str, Any]:
+def constants(law: str, E: float, nu: float) -> dict[str, Any]:
     """The constants of a law with these moduli at small strain, as in YAML; rubber-like laws have nu instead of
     kappa."""
     mu = E / (2.0 * (1.0 + nu))

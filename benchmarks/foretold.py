@@ -1,0 +1,67 @@
+"""Rows of a measured arm foretold by its law: as drawn, and after a calibration on other rows."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from math import hypot
+from typing import Any
+
+import numpy as np
+from scipy.stats import t
+from pipeline.measured.fit import effects_on, fit, numbers_of
+from pipeline.measured.predicted import KINDS, Numbers
+from pipeline.measured.unknowns import BuiltArm, unknowns_of
+
+from geometry.arrays import Array
+from pipeline.errors import InputError
+from pipeline.measured.rows import Measurements
+from rod.arm_law.law import ArmLaw
+
+
+@dataclass(frozen=True, eq=False)  # arrays inside
+class Foretold:
+    """Numbers of some rows."""
+
+    numbers: Numbers
+    length: float  #: mm
+    modulus: float  #: factor of all moduli that was found
+    before: Array  #: (n,) by the drawing; NaN where its law ends at lower pressures
+    after: Array  #: (n,) after the calibration
+    levels: (
+        Array  #: (n,) stated probability of the smallest intervals that hold the numbers of the arm, without scatter
+    )
+    levels_of_readings: Array  #: (n,) the same of a reading, with its scatter
+
+    def errors(self, line: int) -> tuple[float, float]:
+        """Before and after, of a line of the file: distance of the tip over the length, or part of a reaction."""
+        own = self.of(line)
+        reaction = len(own) == 1 and self.numbers.names[own[0]] == "reaction"
+        scale = abs(float(self.numbers.values[own[0]])) if reaction else self.length
+        apart = [k for k in own if self.numbers.names[k] != "end_angle"]
+        before, after = (hypot(*(v - self.numbers.values)[apart]) / scale for v in (self.before, self.after))
+        return before, after
+
+    def of(self, line: int) -> list[int]:
+        """Which numbers are of a line."""
+        return [k for k, row in enumerate(self.numbers.rows) if row.line == line]
+
+
+def foretell(law: ArmLaw, config: Mapping[str, Any], known: Measurements, others: Measurements) -> Foretold:
+    """Rows that are foretold by the law of a drawing after a calibration on known ones.
+
+    config: the record of its configuration. Raises InputError for a state that the arm has not.
+    """
+    arm = BuiltArm(law, unknowns_of(law, config, (), max(known.pressures_kPa)))
+    numbers, fitted = Numbers.of(others), fit(arm, Numbers.of(known))
+    after = numbers_of(arm, numbers, fitted.changes)
+    variances = np.diag(fitted.posterior.error_covariance(effects_on(arm, numbers, fitted.changes)))
+    scatter = np.array([fitted.posterior.spread.scatter.get(KINDS[name], 0.0) for name in numbers.names])
+    off, degrees = np.abs(numbers.values - after), max(1, len(known.pressures_kPa))
+    levels = (1.0 - 2.0 * t.sf(off / std, degrees) for std in (np.sqrt(variances), np.sqrt(variances + scatter**2)))
+    return Foretold(numbers, law.length, arm.modulus(fitted.changes), _as_drawn(arm, numbers), after, *levels)
+
+
+def _as_drawn(arm: BuiltArm, numbers: Numbers) -> Array:
+    try:
+        return numbers_of(arm, numbers, np.zeros(len(arm.unknowns)))
+    except InputError:
+        return np.full(len(numbers.values), np.nan)

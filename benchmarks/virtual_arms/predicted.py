@@ -1,0 +1,70 @@
+"""What a calibrated drawing foretells of an arm as built, beside what is true."""
+
+import json
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+from benchmarks.foretold import foretell
+from benchmarks.virtual_arms.bench import WHAT, write_measured, write_true
+from benchmarks.virtual_arms.designs import VirtualArm
+from benchmarks.virtual_arms.measured import Measurement
+from pipeline.cell.saved import SavedLaw
+from pipeline.config.load import load_config
+from pipeline.errors import InputError
+from pipeline.measured.table import read_measurements
+
+FILE = "predicted.json"
+
+
+@dataclass(frozen=True)
+class Prediction:
+    """One state of an arm."""
+
+    what: str  #: of `WHAT`
+    before: float  #: error of the drawing: distance over the length, or part of the force; NaN where it says nothing
+    after: float  #: the same of the calibrated arm
+    levels: tuple[float, ...]  #: stated probabilities of the smallest intervals that hold the true numbers
+
+
+@dataclass(frozen=True)
+class Judged:
+    """An arm and its predictions."""
+
+    arm: str
+    family: str
+    laws: tuple[str, str]  #: of drawing and arm as built
+    stiffness: tuple[float, float]  #: true and found factor of all moduli
+    predictions: tuple[Prediction, ...]  #: empty where the arm could not be calibrated
+    failure: str = ""  #: why not
+
+    def record(self) -> Mapping[str, object]:
+        """Ready for JSON."""
+        return asdict(self)
+
+
+def judged(arm: VirtualArm, measurement: Measurement, law: Path, folder: Path) -> Judged:
+    """Calibrate the law of the drawing (folder `law`) to the arm, and compare its predictions; files go to `folder`."""
+    files = folder / "measured.csv", folder / "true.csv"
+    write_measured(arm, measurement, files[0])
+    write_true(arm, measurement, files[1])
+    laws = str(arm.drawing["material"]["law"]), str(arm.built["material"]["law"])
+    try:
+        found, predictions = _predictions(law, *files)
+        result = Judged(arm.name, arm.family, laws, (arm.stiffness, found), predictions)
+    except InputError as failure:
+        result = Judged(arm.name, arm.family, laws, (arm.stiffness, float("nan")), (), str(failure))
+    (folder / FILE).write_text(json.dumps(result.record(), indent=1) + "\n", encoding="utf-8")
+    return result
+
+
+def _predictions(law: Path, measured: Path, true: Path) -> tuple[float, tuple[Prediction, ...]]:
+    """The factor of all moduli, and the predictions."""
+    config = load_config(law.with_suffix(".yaml")).record()
+    known, others = read_measurements(measured), read_measurements(true)
+    foretold = foretell(SavedLaw.read(law / "law.json").law, config, known, others)
+    predictions = []
+    for what, row in zip(WHAT, others.rows, strict=True):
+        levels = tuple(float(foretold.levels[k]) for k in foretold.of(row.line))
+        predictions.append(Prediction(what, *foretold.errors(row.line), levels))
+    return foretold.modulus, tuple(predictions)
