@@ -7,13 +7,13 @@ from typing import Any
 
 import numpy as np
 from scipy.stats import t
-from pipeline.measured.fit import effects_on, fit, numbers_of
-from pipeline.measured.predicted import KINDS, Numbers
-from pipeline.measured.unknowns import BuiltArm, unknowns_of
 
 from geometry.arrays import Array
 from pipeline.errors import InputError
+from pipeline.measured.fit import effects_on, fit, numbers_of
+from pipeline.measured.predicted import KINDS, Numbers
 from pipeline.measured.rows import Measurements
+from pipeline.measured.unknowns import BuiltArm, unknowns_of
 from rod.arm_law.law import ArmLaw
 
 

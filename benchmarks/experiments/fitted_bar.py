@@ -6,17 +6,17 @@ from math import exp, hypot
 from typing import NamedTuple
 
 import numpy as np
-from pipeline.measured.calibration import quantile_of
-from pipeline.measured.fit import OF_ANGLES, OF_POSITIONS
-from pipeline.measured.gaussian import Effects, Observed, Posterior, choose_spread
-from pipeline.measured.predicted import KINDS
-from pipeline.measured.unknowns import OF_DATA_SHEET
 
 from benchmarks.experiments.bar import GRAVITY, Bar, Model, Response
 from benchmarks.experiments.cases import Case
 from geometry.arrays import Array
 from pipeline.errors import InputError
+from pipeline.measured.calibration import quantile_of
+from pipeline.measured.fit import OF_ANGLES, OF_POSITIONS
+from pipeline.measured.gaussian import Effects, Observed, Posterior, choose_spread
+from pipeline.measured.predicted import KINDS
 from pipeline.measured.rows import Row
+from pipeline.measured.unknowns import OF_DATA_SHEET
 
 #: part of a difference quotient by the logarithm of the factor of all moduli
 STEP = 0.02

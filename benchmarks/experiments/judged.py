@@ -5,8 +5,6 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
-from pipeline.measured.calibration import WITHIN
-from pipeline.measured.predicted import Numbers
 
 from benchmarks.experiments.bar import Bar, BendingRod, Elements, Model
 from benchmarks.experiments.cases import Case
@@ -15,6 +13,8 @@ from benchmarks.foretold import foretell
 from pipeline.cell.saved import SavedLaw
 from pipeline.cell.study import measure_law
 from pipeline.config.config import Config
+from pipeline.measured.calibration import WITHIN
+from pipeline.measured.predicted import Numbers
 from pipeline.measured.rows import Measurements
 from pipeline.progress import Silent
 from rod import Rod

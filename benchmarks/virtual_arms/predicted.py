@@ -38,6 +38,11 @@ class Judged:
     predictions: tuple[Prediction, ...]  #: empty where the arm could not be calibrated
     failure: str = ""  #: why not
 
+    @staticmethod
+    def without_law(arm: VirtualArm, failure: str) -> "Judged":
+        """Of an arm whose drawing has no law of its own."""
+        return Judged(arm.name, arm.family, _laws(arm), (arm.stiffness, float("nan")), (), failure)
+
     def record(self) -> Mapping[str, object]:
         """Ready for JSON."""
         return asdict(self)
@@ -48,7 +53,7 @@ def judged(arm: VirtualArm, measurement: Measurement, law: Path, folder: Path) -
     files = folder / "measured.csv", folder / "true.csv"
     write_measured(arm, measurement, files[0])
     write_true(arm, measurement, files[1])
-    laws = str(arm.drawing["material"]["law"]), str(arm.built["material"]["law"])
+    laws = _laws(arm)
     try:
         found, predictions = _predictions(law, *files)
         result = Judged(arm.name, arm.family, laws, (arm.stiffness, found), predictions)
@@ -56,6 +61,10 @@ def judged(arm: VirtualArm, measurement: Measurement, law: Path, folder: Path) -
         result = Judged(arm.name, arm.family, laws, (arm.stiffness, float("nan")), (), str(failure))
     (folder / FILE).write_text(json.dumps(result.record(), indent=1) + "\n", encoding="utf-8")
     return result
+
+
+def _laws(arm: VirtualArm) -> tuple[str, str]:
+    return str(arm.drawing["material"]["law"]), str(arm.built["material"]["law"])
 
 
 def _predictions(law: Path, measured: Path, true: Path) -> tuple[float, tuple[Prediction, ...]]:

@@ -12,12 +12,17 @@ from pipeline.config.tolerances import OF_PRESSURE, STIFFNESS, Tolerance, Tolera
 from pipeline.errors import InputError
 from pipeline.measured.predicted import AS_WRITTEN, Setup
 from rod.arm_law.law import ArmLaw
+from rod.arm_law.second_order import with_second_order
 
 #: names of what is unknown beside dimensions
 MODULUS, TREND, GAUGE, CLAMP = "modulus_factor", "modulus_trend", "gauge_offset_kPa", "clamp_angle_deg"
+#: bend and stretch of another law of the rubber in the second order of the strain
+BEND, STRETCH = "second_order_bend", "second_order_stretch"
 #: standard deviations: of ln(modulus) for constants of a data sheet or of another batch; of how much more it grows up
 #: to the highest pressure of the law; of the clamp, degrees
 OF_DATA_SHEET, OF_TREND, OF_CLAMP = 0.4, 0.2, 1.0
+#: the same of bend and stretch in the second order, found on four arms of `benchmarks/virtual_arms`
+OF_BEND, OF_STRETCH = 1.5, 0.7
 #: dimensions that are freed by themselves at most
 MOST_DIMENSIONS = 4
 
@@ -35,7 +40,7 @@ class Unknown:
     @property
     def is_of_law(self) -> bool:
         """Whether it is a parameter by which the law has derivatives."""
-        return self.name not in (MODULUS, TREND, GAUGE, CLAMP)
+        return self.name not in (MODULUS, TREND, BEND, STRETCH, GAUGE, CLAMP)
 
     def value(self, change: float) -> float:
         """The number after a change, of the modulus of its logarithm."""
@@ -61,8 +66,9 @@ class BuiltArm:
             for unknown, change in zip(self.unknowns, changes, strict=True)
             if unknown.is_of_law and change
         }
-        change = self.law.carried if with_derivatives else self.law.with_changes
-        law = change(of_law) if of_law else self.law
+        law = with_second_order(self.law, self._of(BEND, changes), self._of(STRETCH, changes))
+        change = law.carried if with_derivatives else law.with_changes
+        law = change(of_law) if of_law else law
         factor, trend = self.modulus(changes), self._of(TREND, changes)
         law = law.stiffened(trend) if trend else law
         return law if factor == 1.0 else law.scaled(factor)
@@ -101,8 +107,9 @@ def unknowns_of(law: ArmLaw, config: Mapping[str, Any], free: Sequence[str], hig
     else:
         chosen = _largest(law, tolerances, min(highest_kPa, law.pressures[-1]))
     named = [_of_law(law, key, every.get(key)) for key in chosen]
-    trend = Unknown(TREND, "1", 0.0, OF_TREND, "another law of the rubber")
-    return (always[0], trend, *named, *always[1:])
+    stds = {TREND: OF_TREND, BEND: OF_BEND, STRETCH: OF_STRETCH}
+    trend, *second = (Unknown(name, "1", 0.0, std, "another law of the rubber") for name, std in stds.items())
+    return (always[0], trend, *named, *always[1:], *second)
 
 
 def tolerance_unknowns(law: ArmLaw, tolerances: Tolerances, highest_kPa: float) -> tuple[Unknown, ...]:

@@ -31,6 +31,8 @@ def with_second_order(law: ArmLaw, bend: float, stretch: float) -> ArmLaw:
     `RodError` for what is no number.
     """
     bend, stretch = finite(bend, "The bend of second order"), finite(stretch, "The stretch of second order")
+    if bend == stretch == 0.0:
+        return law
     return replace(law, cells=tuple(_changed(cell, bend, stretch) for cell in law.cells))
 
 
