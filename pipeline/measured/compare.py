@@ -87,7 +87,7 @@ class Comparison:
         words = ", ".join(f"{rms:.2g} {unit}{more}" for rms, unit, more in sizes if math.isfinite(rms))
         inside = sum(row.is_within for row in self.rows)
         allowed = "the 90 % intervals of the calibration" if self.is_calibrated else "rod, mesh and tolerances"
-        most = f"; {PARTS[self.largest]} allow most" if self.largest else ""
+        most = f"; largest part: {PARTS[self.largest]}" if self.largest else ""
         return (
             f"{self.design}: root mean square of the differences {words}.",
             f"{inside} of {len(self.rows)} numbers are within {allowed}{most}.",
