@@ -14,8 +14,9 @@ from geometry.topology import cross
 NEARLY, FLAT = 0.9, 1 - 1e-6
 #: smallest part of the surface that is a flat face
 PART = 0.01
-#: largest difference to a direction of the file that is none
-ALIGNED = 1e-4
+#: largest differences to a direction of the file that are none: of the normal of a flat end, and of the direction up,
+#: which the triangles of a round body do not tell
+ALIGNED, ROUNDLY = 1e-4, 0.1
 
 
 def oblique_directions(points: Array, triangles: Index) -> Directions | None:
@@ -40,7 +41,7 @@ def oblique_directions(points: Array, triangles: Index) -> Directions | None:
     elif top is not None:
         across = np.cross(along, top)
     up = np.cross(across / np.linalg.norm(across), along)
-    if all(np.abs(direction).max() > 1 - ALIGNED**2 for direction in (along, up)):
+    if all(np.abs(direction).max() > 1 - same**2 for direction, same in ((along, ALIGNED), (up, ROUNDLY))):
         return None
     return Directions(_upright(along), _upright(up))
 

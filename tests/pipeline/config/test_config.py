@@ -189,7 +189,7 @@ SPOILT = [
         "'p7' is not known; allowed: p2p0, p2, mixed, p1",
     ),
     ("self_contact: auto", "self_contact: never", "effects.self_contact", "allowed: auto, on, off"),
-    ("self_contact: auto", "friction: on", "effects.friction", "unknown key; allowed here: pressure, self_contact"),
+    ("self_contact: auto", "wobble: on", "effects.wobble", "unknown key; allowed here: pressure, self_contact"),
 ]
 
 
