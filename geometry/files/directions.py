@@ -14,23 +14,22 @@ from geometry.topology import cross
 NEARLY, FLAT = 0.9, 1 - 1e-6
 #: smallest part of the surface that is a flat face
 PART = 0.01
-#: largest differences to a direction of the file that are none: of the normal of a flat end, and of the direction up,
-#: which the triangles of a round body do not tell
-ALIGNED, ROUNDLY = 1e-4, 0.1
+#: largest difference to a direction of the file that is none
+ALIGNED = 1e-4
 
 
 def oblique_directions(points: Array, triangles: Index) -> Directions | None:
     """Along and up of a body with the surface points (n, 3) and triangles (k, 3).
 
     Along is normal to a flat end; up is a principal direction in which the body is not symmetric. Both have their
-    largest component positive. None where the body lies in directions of the file, or has no flat end.
+    largest component positive. None where the body lies along a direction of the file, or has no flat end.
     """
     corners = points[triangles]
     vectors = cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]) / 2
     area = np.linalg.norm(vectors, axis=1)
     principal, skew = _principal(corners, area)
     along = _flat_face(vectors, area, principal[0])
-    if along is None:
+    if along is None or np.abs(along).max() > 1 - ALIGNED**2:
         return None
     order = (1, 2) if skew[1] < skew[2] else (2, 1)
     across = principal[order[0]] - (principal[order[0]] @ along) * along
@@ -41,8 +40,6 @@ def oblique_directions(points: Array, triangles: Index) -> Directions | None:
     elif top is not None:
         across = np.cross(along, top)
     up = np.cross(across / np.linalg.norm(across), along)
-    if all(np.abs(direction).max() > 1 - same**2 for direction, same in ((along, ALIGNED), (up, ROUNDLY))):
-        return None
     return Directions(_upright(along), _upright(up))
 
 
