@@ -40,6 +40,8 @@ LEFT_OUT = (
 COUNTS = ("newton_iterations", "factorizations", "cutbacks")
 #: relative tolerance on the same processor, and on another one: Newton's iteration ends at 1e-8 of the forces
 SAME, OTHER = 1e-12, 1e-5
+#: largest size of numbers that are zero but for rounding
+ROUNDING = 1e-14
 
 
 def numbers_of(directory: Path) -> dict[str, float]:
@@ -92,7 +94,7 @@ def differences(kept: dict[str, float], found: dict[str, float], tolerance: floa
     return [
         f"{path}: {kept[path]!r} was kept, {found[path]!r} was found"
         for path in kept.keys() & found.keys()
-        if abs(found[path] - kept[path]) > tolerance * sizes[_list_of(path)]
+        if abs(found[path] - kept[path]) > max(tolerance * sizes[_list_of(path)], ROUNDING)
     ]
 
 
