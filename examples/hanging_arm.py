@@ -31,7 +31,7 @@ results = pneurod.characterize(
 # %% [markdown]
 # ## The rod under a growing payload
 #
-# `hanging` lets gravity act along the clamped end. The weight of the arm itself, {mass} g, acts as well.
+# `hanging` lets gravity act along the clamped end. The weight of the arm itself acts as well.
 
 # %%
 rod = results.rod("20 kPa")
