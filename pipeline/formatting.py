@@ -96,3 +96,9 @@ def decimals_beside(spread: float | None, decimals: int) -> int:
 def interval(bounds: Sequence[float] | None, decimals: int) -> str:
     """The two ends of an interval; empty where there is none."""
     return "" if bounds is None else f"{fixed(bounds[0], decimals)} … {fixed(bounds[1], decimals)}"
+
+
+def round_down(value: float, digits: int) -> float:
+    """A positive number rounded down to significant digits."""
+    decimals = digits - 1 - math.floor(math.log10(value))
+    return round(math.floor(value * 10.0**decimals + 1e-9) / 10.0**decimals, decimals)

@@ -5,7 +5,7 @@ The constants are measured (studies/accuracy.md).
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from math import floor, log10, sqrt
+from math import sqrt
 from typing import Annotated, Any, Literal
 
 from fem.elements import ELEMENTS, MOST_ACCURATE, NEARLY_INCOMPRESSIBLE
@@ -16,6 +16,7 @@ from pipeline.config.document import Document
 from pipeline.config.kinds import number, one_of
 from pipeline.config.section import Field, Kind, Section, conflict, known, raise_all, section, wrong
 from pipeline.config.units import LENGTH, convert
+from pipeline.formatting import round_down
 
 #: size without grading over that with it, because the walls are coarser there: the deflection of the finger of
 #: studies/own_bodies.md from an STL file is off by 2.0 % with 0.9 and by 3.5 % with 1.2, its end force by 2.0
@@ -146,7 +147,7 @@ def cell_mesh(design: Design, law: str, nu: float, against_locking: bool | None)
     formulation, _ = _formulation(design, law, nu, against_locking)
     grading = "walls" if design.has_drawing else "off"
     part = OF_CELL if formulation == MOST_ACCURATE else 1.0
-    return MeshSettings(two_digits_down(part * _for_walls(design, grading)), formulation, None, grading)
+    return MeshSettings(round_down(part * _for_walls(design, grading), 2), formulation, None, grading)
 
 
 def _formulation(design: Design, law: str, nu: float, against_locking: bool | None) -> tuple[str, str]:
@@ -176,7 +177,7 @@ def _size(design: Design, grading: str) -> tuple[float, str]:
     size = not_too_many(design, suits)
     if size > suits:
         reason = f"{suits:.2g} mm would be right, but the body would then have more than {MOST_CHOSEN_TETS} elements"
-    return two_digits_down(size), reason
+    return round_down(size, 2), reason
 
 
 def _for_walls(design: Design, grading: str) -> float:
@@ -190,9 +191,3 @@ def not_too_many(design: Design, size: float) -> float:
     while expected_tets(size, design.extent, design.meshed_volume) > MOST_CHOSEN_TETS:
         size *= 1.05
     return size
-
-
-def two_digits_down(value: float) -> float:
-    """A positive number rounded down to two digits."""
-    digits = 1 - floor(log10(value))
-    return round(floor(value * 10**digits + 1e-9) / 10**digits, digits)

@@ -6,10 +6,9 @@ The verdict is one value. The terminal, the report, `pneurod run --json` and `pn
 import shlex
 from dataclasses import asdict, dataclass
 from html import escape
-from math import floor, log10
 
 from geometry import Reason
-from pipeline.formatting import number
+from pipeline.formatting import number, round_down
 from pipeline.notes.rods import POOR, TITLES, MeshErrors, RodAndMesh, RodErrors, rod_errors, rod_to_take
 from pipeline.notes.templates import report_reason, shorten
 from pipeline.notes.unloaded import named_states
@@ -196,16 +195,10 @@ def _moments(run: Run, rod: str) -> tuple[float, float] | None:
     return columns.moment_range_N_mm[-1] if columns and columns.moment_range_N_mm else None
 
 
-def _at_most(pressure_kPa: float) -> float:
-    """A pressure with four digits that is not above this one."""
-    step = 10.0 ** (floor(log10(pressure_kPa)) - 3)
-    return float(f"{floor(pressure_kPa / step * (1.0 + 1e-12)) * step:.4g}")
-
-
 def _use(run: Run, rod: str) -> str:
     """The command with which the rod is used, under the load of experiment III where that is a height of the end."""
     pressures = _pressures(run, rod)
-    pressure = f" --pressure '{_at_most(pressures[1]):g} kPa'" if pressures else ""
+    pressure = f" --pressure '{round_down(pressures[1], 4):g} kPa'" if pressures else ""
     return f"For example: pneurod rod {shlex.quote(str(run.directory))}{pressure}{_load(run, pressures)}"
 
 
