@@ -1,7 +1,6 @@
 """What a run leaves, in Python: the values of the run, pandas frames with units in their columns, and its rods."""
 
 import math
-import re
 import warnings
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field
@@ -21,7 +20,7 @@ from pipeline.results.values import Effect, RodError, Run, State
 from pipeline.rods.checks import check_parameters
 from pipeline.rods.choice import RodOfRun, check_kind, choose_rod, nothing_identified
 from pipeline.rods.end_loads import Weight
-from pipeline.rods.export import ExportOptions, exported
+from pipeline.rods.export import ExportOptions, ExportWords, exported
 from pipeline.rods.pressures import PressureFor, Wish, pressures_for
 from pneurod.arguments import given_choice, given_number, given_pair, given_path, given_pressure
 from pneurod.frames import by_pressure, curves_frame, expanded, frame_of, profiles
@@ -32,6 +31,10 @@ from rod.same_pressure import known_at
 
 if TYPE_CHECKING:
     from pneurod.plots import Plots
+
+
+#: how the refusal of an export names what was given here
+_WORDS = ExportWords(to="to", out="out", force="force=True")
 
 
 @dataclass(frozen=True)
@@ -243,12 +246,8 @@ class Results:
         and files that exist.
         """
         folder = None if out is None else given_path(out, "out", "results/arm")
-        options = ExportOptions(out=folder, force=given_choice(force, "force"))
-        try:
-            return exported(self.directory, to, options).files
-        except InputError as failure:  # with the names of the options of the command line
-            words = str(failure).replace("or --force to", "or force=True to")
-            raise InputError(re.sub(r"--(to|out)\b", r"\1", words)) from None
+        options = ExportOptions(out=folder, force=given_choice(force, "force"), words=_WORDS)
+        return exported(self.directory, to, options).files
 
     def _chosen(self, kind: str | None) -> RodOfRun:
         if kind not in self._rods:

@@ -28,6 +28,15 @@ RODS = ("law", "five")
 
 
 @dataclass(frozen=True)
+class ExportWords:
+    """What an export was asked for with, as the sentences of a refusal name it."""
+
+    to: str = "--to"
+    out: str = "--out"
+    force: str = "--force"
+
+
+@dataclass(frozen=True)
 class ExportOptions:
     """What `pneurod export` was asked for beside the folder and the format."""
 
@@ -35,6 +44,7 @@ class ExportOptions:
     rod: str | None = None  #: one of RODS; None for the one to take
     out: Path | None = None  #: folder of the files; None for the result folder
     force: bool = False  #: replace files that exist
+    words: ExportWords = ExportWords()
 
     @property
     def pressure_kPa(self) -> float | None:
@@ -57,7 +67,9 @@ def exported(folder: Path, target: str | None, options: ExportOptions) -> Export
     for a target that cannot take the rod, and for files that exist or a folder that cannot be written.
     """
     if target not in EXPORTS:
-        raise InputError(f"--to{'' if target is None else f' {target}'}: allowed are {', '.join(EXPORTS)}")
+        raise InputError(
+            f"{options.words.to}{'' if target is None else f' {target}'}: allowed are {', '.join(EXPORTS)}"
+        )
     if options.rod not in (None, *RODS):
         raise InputError(f"--rod {options.rod}: allowed are {', '.join(RODS)}")
     if folder.is_file():
@@ -75,7 +87,7 @@ def exported(folder: Path, target: str | None, options: ExportOptions) -> Export
             done = _of_five(run, target, options)
         return replace(done, sentences=(*done.sentences, *chosen.notes))
     except RodError as failure:
-        raise InputError(f"--to {target}: {failure}") from None
+        raise InputError(f"{options.words.to} {target}: {failure}") from None
 
 
 def _without_weight(law: ArmLaw) -> ArmLaw:
@@ -167,7 +179,9 @@ def _write(
         files = with_beside(list(export_files(robot, target, table.parent)), target)
     for path in files:
         if path.exists() and not options.force:
-            raise InputError(f"{path}: exists; give another --out, or --force to replace it")
+            raise InputError(
+                f"{path}: exists; give another {options.words.out}, or {options.words.force} to replace it"
+            )
     open_folder(table.parent)
     if target in tables:
         tables[target](table)
