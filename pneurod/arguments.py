@@ -7,11 +7,14 @@ from typing import Any
 
 from pipeline.config.units import PRESSURE, Dimension, convert
 from pipeline.errors import InputError, quoted
+from pipeline.store.result_folder import FolderWords
 from rod.checked import finite
 
 #: numbers with their unit and words as texts, plain numbers, and lists of them
 Setting = str | float | bool | Sequence[Any] | Mapping[str, Any]
 _SETTING = 'a text such as "6 mm", a plain number, true or false, or a list of these'
+#: how the refusal of a result folder names what was given in Python
+IN_PYTHON = FolderWords(out="out", joint="=", fresh="fresh=True")
 
 
 def given_path(value: Any, name: str, example: str) -> Path:

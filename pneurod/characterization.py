@@ -11,13 +11,9 @@ from pipeline.processes import available_cores
 from pipeline.progress import Silent, progress_for
 from pipeline.run import run
 from pipeline.simulation.simulate import EXPERIMENTS
-from pipeline.store.result_folder import FolderWords
-from pneurod.arguments import Setting, given_choice, given_jobs, given_path, given_settings, setting_name
+from pneurod.arguments import IN_PYTHON, Setting, given_choice, given_jobs, given_path, given_settings, setting_name
 from pneurod.designs import Body, Material
 from pneurod.results import Results
-
-#: how the refusal of a result folder names what was given here
-_WORDS = FolderWords(out="out", joint="=", fresh="fresh=True")
 
 
 def characterize(
@@ -63,7 +59,7 @@ def characterize(
     at_once = given_jobs(jobs) or min(len(EXPERIMENTS), available_cores())
     listener = progress_for() if shown else Silent()
     try:
-        results = run(design, folder, at_once, replaces, listener, _WORDS).results
+        results = run(design, folder, at_once, replaces, listener, IN_PYTHON).results
         results.raise_if_failed()
     except RunFailed as failure:
         raise RunFailed(str(failure), directory=folder) from None

@@ -3,14 +3,10 @@
 from pathlib import Path
 
 from pipeline.progress import Silent, progress_for
-from pipeline.store.result_folder import FolderWords
 from pipeline.wishes.design import Course, find_design
 from pipeline.wishes.report import DesignReport
 from pipeline.wishes.spec import read_wishes
-from pneurod.arguments import given_choice, given_jobs, given_path
-
-#: how the refusal of a result folder names what was given here
-_WORDS = FolderWords(out="out", joint="=", fresh="fresh=True")
+from pneurod.arguments import IN_PYTHON, given_choice, given_jobs, given_path
 
 
 def design(
@@ -41,6 +37,6 @@ def design(
     )
     listener = progress_for() if shown else Silent()
     try:
-        return find_design(file, folder, Course.of(given_jobs(jobs), replaces, in_full, _WORDS), listener)
+        return find_design(file, folder, Course.of(given_jobs(jobs), replaces, in_full, IN_PYTHON), listener)
     finally:
         listener.done()
