@@ -21,7 +21,7 @@ LAW := both
 LARGER := 1
 
 all_targets := pneunet pneunet-coarse golden semicircular semicircular-single bisected-circle all effects cell budget design material sweep paper-coarse paper accuracy
-.PHONY: help setup $(all_targets) test slow hard fuzz kills unseen exports experiments virtual-arms foreign nightly wheel recipes lint types docs doctor bench-peers bench-run clean
+.PHONY: help setup $(all_targets) test slow hard fuzz kills unseen exports space experiments virtual-arms foreign nightly wheel recipes lint types docs doctor bench-peers bench-run clean
 
 help:  ## list the targets
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## (.*)/make \1\t\2/' | expand -t 26
@@ -116,6 +116,9 @@ unseen: $(DEV)  ## N=40 designs drawn at random with SEED=7, run (JOBS at a time
 
 exports: $(DEV)  ## eight arms in MuJoCo, PyElastica and other programs against finite elements; the table of docs/how_to/robots.md
 	@$(BIN)/python -m benchmarks.exports
+
+space: $(DEV)  ## four arms and eight designs bent out of their plane, rods against finite elements of whole arms; a table
+	@$(BIN)/python -m benchmarks.space
 
 foreign: $(DEV)  ## bodies as other programs write them, meshed and bent; a table
 	@$(BIN)/python -m benchmarks.foreign

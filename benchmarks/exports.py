@@ -14,7 +14,7 @@ import argparse
 import json
 import runpy
 import sys
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -49,10 +49,10 @@ LARGER = 1.5
 Opener = Callable[[Sequence[Path], Sequence[Reference]], list[tuple[np.ndarray, np.ndarray] | None]]
 
 
-def drawn_at_random(folder: Path) -> dict[str, tuple[str, dict[str, Any]]]:
+def drawn_at_random(folder: Path, numbers: Iterable[int] = NUMBERS) -> dict[str, tuple[str, dict[str, Any]]]:
     """Random designs, with larger elements than those that the program chooses."""
-    arms = {}
-    for number in NUMBERS:
+    arms: dict[str, tuple[str, dict[str, Any]]] = {}
+    for number in numbers:
         design = drawn(SEED, COUNT)[number]
         path = folder / f"random_{number}.yaml"
         path.write_text(json.dumps(design.document), encoding="utf-8")

@@ -7,7 +7,14 @@ from pathlib import Path
 
 import pytest
 
-WRONG = {"cell_limit": ([],), "exports": (["x"],), "foreign": (["x"],), "kills": (["x"],), "run": ([],)}
+WRONG = {
+    "cell_limit": ([],),
+    "exports": (["x"],),
+    "foreign": (["x"],),
+    "kills": (["x"],),
+    "run": ([],),
+    "space": (["x"],),
+}
 
 
 def test_every_script_is_among_these() -> None:
