@@ -65,8 +65,8 @@ class Points:
             bins = {k: of for k, of in bins.items() if len(of) > len(tests) / 2} or bins
         rows = np.array([(*np.mean(of, axis=0)[:2], np.sqrt(np.mean(np.square(of), axis=0)[2] / len(of)))
                          for _, of in sorted(bins.items())])  # fmt: skip
-        apart = [np.std([p for _, p, _ in of], ddof=1) / abs(np.mean([p for _, p, _ in of]))
-                 for of in bins.values() if len(of) == len(tests) > 1]  # fmt: skip
+        together = np.array([[p for _, p, _ in of] for of in bins.values() if len(of) == len(tests) > 1])
+        apart = [np.std(stresses, ddof=1) / abs(np.mean(stresses)) for stresses in together if np.mean(stresses)]
         stretch, stress, error = rows[np.argsort(rows[:, 0])].T
         return Points(stretch, stress, error, float(np.median(apart)) if apart else np.nan)
 

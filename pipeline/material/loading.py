@@ -9,10 +9,8 @@ import numpy as np
 
 from geometry.arrays import Array, Index, Mask
 from pipeline.errors import InputError
-from pipeline.material.table import Series, Specimen, read_table
+from pipeline.material.table import MIN_POINTS, Series, Specimen, read_table
 
-#: fewest points of a test
-MIN_POINTS = 5
 #: part of the range of strains by which the strain has to go back or beyond earlier strains; less is scatter
 LEAST_RETURN = 0.05
 #: fewest points on the way from one turn to the next, in the mean: rows in any order turn at every second point

@@ -1,7 +1,7 @@
 """The table of tensile tests in a text file (`pipeline.written_table`).
 
-Found by themselves are the line of titles below any metadata, a second line of titles, and a line of units. Titles may
-be English, German or French.
+Found by themselves are the lines of titles below metadata and tables of results, a second line of titles, and a line of
+units. Titles may be English, German or French.
 """
 
 import re
@@ -18,10 +18,10 @@ from pipeline.written_table import is_unit, name_and_unit, number_in, per_unit, 
 
 #: what a file without points is told
 EXAMPLE = "a line of titles names columns with their units, for example 'strain (%), stress (MPa)'"
-#: words in titles without accents, of columns that hold no strain or stress, and of those of the deformed body
+#: words in titles without accents, of columns without a curve of strain or stress, and of the deformed body
 OTHERS = re.compile(
     r"rate|speed|geschwindigkeit|vitesse|modul|energ|arbeit|travail|strength|festigkeit|break|bruch|rupture"
-    r"|yield|strecksp|streckgr|width|breite|largeur|later|transv|quer|time|zeit|temps"
+    r"|yield|strecksp|streckgr|width|breite|largeur|later|transv|quer|time|zeit|temps|max|peak|\bat\b|\bbei\b"
 )
 TRUE = re.compile(r"\b(true|cauchy|wahr\w*|vrai\w*|log\w*|hencky)\b")
 #: words of columns in which compression is positive
@@ -33,13 +33,15 @@ KINDS = {
     "strain": (STRAIN, r"strain|dehnung|deformation|verformung|stauchung|allongement|elongation|\beps\w*\b|ε"),
     "stress": (STRESS, r"stress|spannung|contrainte|sigma|σ"),
     "force": (FORCE, r"force|load|kraft|charge|effort|\blast\b|^f$"),
-    "extension": (LENGTH, r"extension|displacement|elongation|deformation|crosshead|stroke|verlangerung|dehnung"
-                          r"|verformung|stauchung|weg\b|deplacement|allongement|^dl$|^δl$"),
+    "extension": (LENGTH, r"extension|displacement|elongation|deformation|crosshead|position|stroke|verlangerung"
+                          r"|dehnung|verformung|stauchung|weg\b|deplacement|allongement|^dl$|^δl$"),
 }  # fmt: skip
 TEST = re.compile(r"(test|specimen|sample|probe|prufling|probekorper|eprouvette|essai)( (name|no\.?|id|nr\.?))?")
 #: largest strain without a unit that is a number; beyond it is in per cent, because no rubber bears so much
 LARGEST_STRAIN = 15.0
 DIMENSIONS = (STRAIN, STRESS, FORCE, LENGTH)
+#: fewest points of a test
+MIN_POINTS = 5
 
 
 @dataclass(frozen=True)
@@ -71,22 +73,15 @@ class _Column:
 
 
 def read_table(path: Path, specimen: Specimen) -> list[Series]:
-    """The tests of a file: one for each name in a column of tests, or for each pair of columns. Raises InputError."""
+    """The tests of a file: by line of titles, pair of columns and name in a column of tests. Raises InputError."""
     cells = read_cells(path, "tensile tests", EXAMPLE)
-    numbers = np.array([[number_in(cell) for cell in row] for row in cells], dtype=float)
-    columns, first = _columns(path, cells, numbers)
-    strains, stresses = _chosen(columns, ("stretch", "strain"), "extension"), _chosen(columns, ("stress",), "force")
-    pairs = list(zip(strains, stresses, strict=False))
-    notes = []
-    if len(strains) != len(stresses):
-        pairs = pairs[:1]
-        taken = " and ".join(f"'{column.title}'" for column in pairs[0])
-        notes.append(f"{path}: the columns {taken} are taken, others that hold the same are not")
-    table = _Table(path, cells[first:], numbers[first:], first, next((c for c in columns if c.kind == "test"), None))
+    tables = _tables(path, cells, np.array([[number_in(cell) for cell in row] for row in cells], dtype=float))
+    most = max(table.points for table in tables)
+    pairs = [(table, *pair) for table in tables if table.points >= min(most, MIN_POINTS) for pair in table.pairs()]
     return [
         series
-        for number, pair in enumerate(pairs, start=1)
-        for series in _series(table, pair, specimen, str(number) if len(pairs) > 1 else "", tuple(notes))
+        for number, (table, *pair, notes) in enumerate(pairs, start=1)
+        for series in _series(table, pair, specimen, str(number) if len(pairs) > 1 else "", notes)
     ]
 
 
@@ -96,11 +91,27 @@ class _Table:
     cells: Array  #: (rows, columns) texts
     numbers: Array  #: (rows, columns) NaN where a cell is no number
     above: int  #: number of lines above the rows
-    tests: _Column | None
+    columns: Sequence[_Column]
+
+    @property
+    def points(self) -> int:
+        """How many rows have two numbers or more in columns that are read."""
+        read = [column.position for column in self.columns if column.kind != "test"]
+        return int((np.isfinite(self.numbers[:, read]).sum(axis=1) > 1).sum())
+
+    def pairs(self) -> list[tuple[_Column, _Column, tuple[str, ...]]]:
+        """Columns of strain and stress, and what is left out beside the first ones."""
+        strains = _chosen(self.columns, ("stretch", "strain"), "extension")
+        stresses = _chosen(self.columns, ("stress",), "force")
+        if len(strains) == len(stresses):
+            return [(strain, stress, ()) for strain, stress in zip(strains, stresses, strict=True)]
+        taken = f"'{strains[0].title}' and '{stresses[0].title}'"
+        note = f"{self.path}: the columns {taken} are taken, others that hold the same are not"
+        return [(strains[0], stresses[0], (note,))]
 
 
 def _series(
-    table: _Table, pair: tuple[_Column, _Column], specimen: Specimen, number: str, notes: tuple[str, ...]
+    table: _Table, pair: Sequence[_Column], specimen: Specimen, number: str, notes: tuple[str, ...]
 ) -> Iterator[Series]:
     """The tests of a pair of columns."""
     values = [_values(table, column, specimen) for column in pair]
@@ -116,8 +127,8 @@ def _series(
         line, value = lines[impossible][0], 100 * strain[impossible][0]
         raise InputError(f"{table.path}: line {line}: {value:g} % is no possible strain; allowed: above -100 %")
     names = np.full(len(lines), number)
-    if table.tests is not None:
-        column = table.cells[:, table.tests.position]
+    if tests := [column.position for column in table.columns if column.kind == "test"]:
+        column = table.cells[:, tests[0]]
         last = np.maximum.accumulate(np.where(column != "", np.arange(len(column)), 0))  # the last that is not empty
         names = np.array([f"{name} {number}".strip() for name in column[last][known]])
     for name in dict.fromkeys(names.tolist()):
@@ -158,22 +169,30 @@ def _chosen(columns: Sequence[_Column], kinds: Sequence[str], otherwise: str) ->
     return [column for column in found if NOMINAL.search(plain(column.title))] or found
 
 
-def _columns(path: Path, cells: Array, numbers: Array) -> tuple[list[_Column], int]:
-    """The columns that the titles name, and the first row below them."""
+def _tables(path: Path, cells: Array, numbers: Array) -> list[_Table]:
+    """What stands below each line of titles that names the columns of a test."""
+    found: list[tuple[int, int, list[_Column]]] = []
     of_body = ""
     for row, titles in enumerate(cells):
         for depth in (1, 2):
-            if row + depth >= len(cells) or np.isfinite(numbers[row : row + depth]).any():
+            first = row + depth
+            if first >= len(cells) or np.isfinite(numbers[row:first]).any() or (found and row < found[-1][1]):
                 continue
             if depth == 2:
                 titles = [f"{above} {below}".strip() for above, below in zip(titles, cells[row + 1], strict=True)]
-            units = cells[row + depth]
-            is_units = not np.isfinite(numbers[row + depth]).any() and any(is_unit(unit, DIMENSIONS) for unit in units)
+            units = cells[first]
+            is_units = not np.isfinite(numbers[first]).any() and any(is_unit(unit, DIMENSIONS) for unit in units)
             columns = _named(titles, units if is_units else [""] * len(titles))
             kinds = {column.kind for column in columns}
             if kinds & {"stretch", "strain", "extension"} and kinds & {"stress", "force"}:
-                return columns, row + depth + is_units
+                found.append((row, first + is_units, columns))
             of_body = of_body or next((title for title in titles if TRUE.search(plain(title)) and _kind(title)), "")
+    if found:
+        ends = [row for row, _, _ in found[1:]] + [len(cells)]
+        return [
+            _Table(path, cells[first:end], numbers[first:end], first, columns)
+            for (_, first, columns), end in zip(found, ends, strict=True)
+        ]
     if of_body:
         raise InputError(
             f"{path}: column {quoted(of_body)} is not nominal; give elongation over length at rest and force over area "

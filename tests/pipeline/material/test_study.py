@@ -8,6 +8,7 @@ import pytest
 
 from pipeline.material.laws import nominal
 from pipeline.material.study import FitOptions, Material, fit_tests
+from pipeline.material.table import Specimen
 
 DATA = Path(__file__).resolve().parents[2] / "data"
 #: nominal equibiaxial stress of the natural rubber at a stretch of 2, MPa
@@ -43,3 +44,15 @@ def test_slack_and_a_rounded_start_are_taken_away() -> None:
 @pytest.mark.parametrize("name", ["two_kinds_of_columns", "stretch_without_unit"])
 def test_true_beside_engineering_columns_and_a_stretch_without_a_unit_are_read(name: str) -> None:
     assert constants(name)[:2] == pytest.approx([0.06, 0.004], rel=0.01)
+
+
+@pytest.mark.parametrize("name", ["results_first.csv", "statistik.txt"])
+def test_tables_of_results_above_the_curves_of_two_specimens_are_passed_over(name: str) -> None:
+    """An English file with one specimen below the other, a German one with both beside each other; 2 % off the law."""
+    material = fit_tests([DATA / "tensile" / name], FitOptions(Specimen(33.0, 16.0)))
+    assert [(test.name, len(test.stress)) for test in material.tests] == [("1", 26), ("2", 26)]
+    assert material.notes == ()
+    assert material.points.spread == pytest.approx(0.04 / 2**0.5, rel=0.01)
+    first = material.judged.laws[0]
+    assert first.name == "yeoh"
+    assert first.constants[:2] == pytest.approx([0.06, 0.004], rel=0.01)

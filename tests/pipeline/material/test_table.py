@@ -71,6 +71,9 @@ def read(path: Path) -> list[Series]:
         ("Name,Parameter1\n1 _ 1\nTime,Force,Stroke\nsec,N,mm", "1,{N:.6f},{mm:.6f}"),
         ("Crosshead (mm)\tLoad (N)\tTime (s)", "{mm:.6f}\t{N:.6f}\t1"),
         ("dL [mm];F [kN]", "{mm:.6f};{kN:.9f}"),
+        ("MTS793|MPT|ENU|1|2|.\n\nTime:\t0.1\tSec\nAxial Displacement\tAxial Force\tTime\nmm\tN\tSec",
+         "{mm:.6f}\t{N:.6f}\t1"),
+        ("Sample,1\nPosition,Load,Time\nmm,kN,s", "{mm:.6f},{kN:.9f},1"),
         ("ε (%)\tσ (kPa)", "{percent:g}\t{kPa:g}"),
     ],
 )  # fmt: skip
