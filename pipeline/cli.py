@@ -84,10 +84,16 @@ def rod(
         Path, typer.Argument(metavar="DIR", help="Results of a run; or a parameters.json or law.json alone.")
     ],
     pressure: Annotated[str, typer.Option(metavar="P", help="With its unit: '31 kPa'.")],
-    force: Annotated[str | None, typer.Option(metavar="[FX, FY]", help="Dead force: '[0 N, 0.05 N]'.")] = None,
-    moment: Annotated[str, typer.Option(metavar="M", help="Moment on the end: '1 N*mm'.")] = "0 N*mm",
+    force: Annotated[
+        str | None, typer.Option(metavar="[FX, FY]", help="Dead force: '[0 N, 0.05 N]', in space with FZ.")
+    ] = None,
+    moment: Annotated[
+        str, typer.Option(metavar="M", help="Moment on the end: '1 N*mm', in space '[MX, MY, MZ]'.")
+    ] = "0 N*mm",
     end_y: Annotated[str | None, typer.Option(metavar="Y", help="Height of the end over the clamp: '0 mm'.")] = None,
-    end: Annotated[str | None, typer.Option(metavar="[X, Y]", help="Position of the end from the clamp.")] = None,
+    end: Annotated[
+        str | None, typer.Option(metavar="[X, Y]", help="Position of the end from the clamp, in space with Z.")
+    ] = None,
     orientation: Orientation = None,
     tip_mass: TipMass = None,
     kind: Kind = None,

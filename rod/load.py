@@ -39,7 +39,7 @@ class Load:
         return math.hypot(*self.force)
 
 
-def pair(values: Sequence[float], name: str) -> tuple[float, float]:
+def pair(values: Sequence[float | None], name: str) -> tuple[float, float]:
     """(x, y) as finite floats. Raises `RodError`, naming what they are, for anything else."""
     try:
         x, y = (finite(value, name) for value in values)
@@ -56,8 +56,8 @@ def held_at(x: float | None, y: float | None) -> tuple[float | None, float | Non
 
 def requested(
     force: Sequence[float] | None,
-    moment: float,
-    end: Sequence[float] | None,
+    moment: float | Sequence[float],
+    end: Sequence[float | None] | None,
     end_x: float | None = None,
     end_y: float | None = None,
 ) -> tuple[Load, tuple[float | None, float | None]]:
@@ -69,5 +69,5 @@ def requested(
         raise LoadError("Give either end = (x, y) or one of end_x and end_y, not both.")
     if force is not None and any(value is not None for value in (end, end_x, end_y)):
         raise LoadError("Give either the force on the end or its position, not both: one follows from the other.")
-    load = Load((0.0, 0.0) if force is None else pair(force, "force"), moment)
+    load = Load((0.0, 0.0) if force is None else pair(force, "force"), finite(moment, "The end moment"))
     return load, held_at(end_x, end_y) if end is None else pair(end, "end")

@@ -22,6 +22,7 @@ from rod.mechanics.equilibrium import Rod
 from rod.pressures import LinearRange, Quantity, Straightness, linear_range, next_pressure, straightness
 from rod.pressurised_rod import PressurisedRod
 from rod.solution import RodSolution
+from rod.spatial import SpatialLoad, SpatialSolution, Stability
 from rod.warm_up import compile_kernels
 
 __all__ = [
@@ -51,6 +52,9 @@ __all__ = [
     "RodSolution",
     "RodWarning",
     "Solid",
+    "SpatialLoad",
+    "SpatialSolution",
+    "Stability",
     "Straightness",
     "TwoSlopes",
     "cell_averaged",

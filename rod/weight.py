@@ -5,7 +5,7 @@ import re
 import reprlib
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, Any, NamedTuple, TypeVar
 
 import numpy as np
 
@@ -13,6 +13,7 @@ from geometry.arrays import Array
 from rod.checked import finite
 from rod.errors import LoadError, RodError
 from rod.load import Load, pair
+from rod.spatial import SpatialLoad, Triple, is_triple, triple
 
 #: N/g
 WEIGHT_OF_GRAM = 9.81e-3
@@ -20,7 +21,9 @@ WEIGHT_OF_GRAM = 9.81e-3
 ORIENTATIONS = {"hanging": -90.0, "lying": 0.0, "standing": 90.0}
 _GRAMS = {"mg": 1e-3, "g": 1.0, "kg": 1e3}
 _DEGREES = {"deg": 1.0, "°": 1.0, "rad": math.degrees(1.0)}
+NO_DIRECTION = "The direction of gravity must not be zero."
 _NUMBER_AND_UNIT = re.compile(r"\s*([-+]?[\d.]+(?:[eE][-+]?\d+)?)\s*([a-z°]+)\s*")
+AnyLoad = TypeVar("AnyLoad", Load, SpatialLoad)
 
 
 @dataclass(frozen=True, eq=False)  # arrays inside
@@ -66,8 +69,8 @@ class Weighing(NamedTuple):
 
 
 def weighted(
-    load: Load, of: Weighing, weight: bool, direction: str | Sequence[float] | None, tip_mass: float | str
-) -> Load:
+    load: AnyLoad, of: Weighing, weight: bool, direction: str | Sequence[float] | None, tip_mass: float | str
+) -> AnyLoad:
     """A load with the weight of an arm in a direction, unless weight is False, and with a mass on its end.
 
     The weight that always acts does not act then. Raises `LoadError` without a direction, and for the weight of an arm
@@ -75,9 +78,11 @@ def weighted(
     """
     if direction is None:
         raise LoadError("A weight needs the direction of gravity: hanging, lying, standing, an angle, or x and y.")
-    x, y = (WEIGHT_OF_GRAM * component for component in gravity_direction(direction))
-    grams = in_grams(tip_mass)
-    load = replace(load, force=(load.force[0] + grams * x, load.force[1] + grams * y))
+    down = np.zeros(len(load.force))
+    along = gravity_vector(direction)
+    down[: len(along)] = WEIGHT_OF_GRAM * np.array(along)
+    force: Any = np.array(load.force) + in_grams(tip_mass) * down
+    load = replace(load, force=tuple(force))
     if of.is_identified:
         if weight:
             raise LoadError(
@@ -85,14 +90,26 @@ def weighted(
                 "gravity is possible."
             )
         return load
-    without = -of.carried[0], -of.carried[1]
+    without: Any = np.zeros(len(down))
+    without[:2] = -np.array(of.carried)
     if not weight:
-        return replace(load, weight=without)
+        return replace(load, weight=tuple(without))
     if of.mass is None:
         raise LoadError("The mass of the arm is not known: give material.density in its configuration and run it.")
     (own,), (height,) = of.mass.within(np.array([of.length]))
-    per_length = without[0] + own * x / of.length, without[1] + own * y / of.length
-    return replace(load, weight=per_length, weight_height=height / own)
+    without += own / of.length * down
+    return replace(load, weight=tuple(without), weight_height=height / own)
+
+
+def gravity_vector(value: Any) -> tuple[float, float] | Triple:
+    """`gravity_direction`, or x, y and z of a direction with three components. Raises `RodError` as that does."""
+    if not is_triple(value):
+        return gravity_direction(value)
+    x, y, z = triple(value, "The direction of gravity")
+    size = math.hypot(x, y, z)
+    if size == 0.0:
+        raise RodError(NO_DIRECTION)
+    return x / size, y / size, z / size
 
 
 def gravity_direction(value: Any) -> tuple[float, float]:
@@ -111,7 +128,7 @@ def gravity_direction(value: Any) -> tuple[float, float]:
     x, y = pair(value, "The direction of gravity")
     size = math.hypot(x, y)
     if size == 0.0:
-        raise RodError("The direction of gravity must not be zero.")
+        raise RodError(NO_DIRECTION)
     return x / size, y / size
 
 

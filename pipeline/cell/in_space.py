@@ -14,12 +14,12 @@ from geometry import Reason, Values
 from geometry.arrays import Array
 from pipeline.cell.point import PiecePoint
 from rod.arm_law.curves import IN_SPACE, CellCurve, ClampCurve
-from rod.arm_law.sideways import arc
+from rod.arm_law.small_motions import OUT_OF_PLANE, arc, end_compliance
 
 #: states of a curve at which a cell is measured, as a rule; between them straight lines over the moment join rigidities
 STATES = 7
 #: points of the cells to which the clamped end is compared
-POINTS = 401
+POINTS = 41
 #: fields of `LateralRigidities` by those of `CellCurve`
 FIELDS = dict(zip(IN_SPACE, (field.name for field in fields(LateralRigidities)), strict=False))
 
@@ -85,7 +85,8 @@ def _compliance(piece: BendingPiece, cell: CellCurve, state: PieceState) -> Arra
     end = (piece.space.points + state.state.displacement)[piece.curve[-1]]
     height = float(end[1] * cosine - end[0] * sine - ripple[1])
     differs = clamped_compliance(piece, state, height)
-    differs -= arc(piece.body.length, kappa, stretch, rigidities, POINTS).compliance()
+    cells = end_compliance(arc(piece.body.length, kappa, stretch, rigidities, POINTS))
+    differs -= cells[np.ix_(OUT_OF_PLANE, OUT_OF_PLANE)]
     differs[0, 1] -= 0.5 * rigidities["tilt_by_torque"]  # of the plane between two cells beside the mean of all planes
     differs[1, 0] = differs[0, 1]
     frame = np.array([[cosine, -sine], [sine, cosine]])

@@ -6,12 +6,14 @@ from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
+from geometry.arrays import Array
 from pipeline.config.units import FORCE, LENGTH, MOMENT, PRESSURE
 from pipeline.errors import InputError, RunFailed
 from pipeline.results.values import bending_deg
 from pipeline.rods.choice import RodOfRun
-from pipeline.rods.options import option_pair, option_value
+from pipeline.rods.options import option_value, option_vector
 from pipeline.store.atomic_file import write_atomic
 from pipeline.store.formats import ARM_LAW, EXTENSIBLE, FIVE
 from pipeline.store.result_folder import open_file
@@ -19,7 +21,11 @@ from rod.arm_law.law import LawRod
 from rod.errors import LoadError, RodError, RodWarning
 from rod.mechanics.equilibrium import Rod
 from rod.solution import RodSolution
-from rod.weight import gravity_direction, in_grams
+from rod.spatial import SpatialSolution
+from rod.weight import gravity_vector, in_grams
+
+#: x and y, and z of a load across the plane of the arm
+Vector = tuple[float, float] | tuple[float, float, float]
 
 
 @dataclass(frozen=True)
@@ -29,10 +35,10 @@ class EndLoads:
     Positions are relative to the clamped end of the material curve.
     """
 
-    force: tuple[float, float] | None  #: N
-    moment: float  #: N mm
+    force: Vector | None  #: N
+    moment: float | Vector  #: N mm
     end_y: float | None  #: mm
-    end: tuple[float, float] | None  #: mm
+    end: Vector | None  #: mm
     weight: "Weight"
 
     @staticmethod
@@ -43,27 +49,24 @@ class EndLoads:
         if end is not None and weight.tip_mass_g:
             raise InputError("--end, --tip-mass: an end that is held carries no mass; leave one of them out")
         return EndLoads(
-            None if force is None else option_pair("--force", force, FORCE),
-            option_value("--moment", moment, MOMENT),
+            None if force is None else option_vector("--force", force, FORCE),
+            (option_vector if "[" in moment else option_value)("--moment", moment, MOMENT),
             None if end_y is None else option_value("--end-y", end_y, LENGTH),
-            None if end is None else option_pair("--end", end, LENGTH),
+            None if end is None else option_vector("--end", end, LENGTH),
             weight,
         )
 
-    def solve(self, rod: Rod) -> RodSolution:
+    def solve(self, rod: Rod) -> RodSolution | SpatialSolution:
         """As `shape`, and raises `RodError` as `Rod.solve` does."""
+        given: dict[str, Any] = {"force": self.force, "moment": self.moment, "end_y": self.end_y, "end": self.end}
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", RodWarning)
-            return rod.solve(
-                self.force,
-                moment=self.moment,
-                end_y=self.end_y,
-                end=self.end,
-                direction=self.weight.direction,
-                tip_mass=self.weight.tip_mass_g,
+            shape: RodSolution | SpatialSolution = rod.solve(
+                **given, direction=self.weight.direction, tip_mass=self.weight.tip_mass_g
             )
+        return shape
 
-    def shape(self, rod: Rod) -> RodSolution:
+    def shape(self, rod: Rod) -> RodSolution | SpatialSolution:
         """The equilibrium of a rod under these loads; its `notes` say what a `RodWarning` would.
 
         Raises RunFailed where there is none, InputError for an end farther away than the arm is long.
@@ -86,7 +89,7 @@ class EndLoads:
 class Weight:
     """Weight and payload of an arm."""
 
-    direction: tuple[float, float] | None = None  #: of gravity; None: no weight but that of the run
+    direction: Vector | None = None  #: of gravity; None: no weight but that of the run
     tip_mass_g: float = 0.0
 
     @staticmethod
@@ -95,7 +98,7 @@ class Weight:
         if tip_mass is not None and orientation is None:
             raise InputError("--tip-mass: needs --orientation hanging, lying, standing, '30 deg' or '[0, -1]'")
         try:
-            direction = None if orientation is None else gravity_direction(_pair_of(orientation))
+            direction = None if orientation is None else gravity_vector(_pair_of(orientation))
         except RodError as failure:
             raise InputError(f"--orientation: {failure}") from None
         try:
@@ -107,7 +110,7 @@ class Weight:
     def of(direction: str | Sequence[float] | None, tip_mass: float | str) -> "Weight":
         """From the arguments of `Rod.solve`. Raises InputError."""
         try:
-            return Weight(None if direction is None else gravity_direction(direction), in_grams(tip_mass))
+            return Weight(None if direction is None else gravity_vector(direction), in_grams(tip_mass))
         except RodError as failure:
             raise InputError(str(failure)) from None
 
@@ -131,25 +134,48 @@ def rod_at(rods: RodOfRun, pressure: str) -> Rod:
         raise InputError(f"--pressure {pressure}: {failure}") from None
 
 
-def end_lines(rod: Rod, shape: RodSolution, errors: str = "") -> list[str]:
+def end_lines(rod: Rod, shape: RodSolution | SpatialSolution, errors: str = "") -> list[str]:
     """Which rod it is, position, angle and force of its end, and the moment at the clamp, one line each; then notes.
 
     errors: of the rod against finite elements, where known.
     """
+    lines = {"rod": _described(rod), **({"errors": errors} if errors else {})}
+    lines |= _lines_in_space(shape) if isinstance(shape, SpatialSolution) else _lines_in_plane(rod, shape)
+    width = max(map(len, lines))
+    return [*(f"{name:<{width}}  {value}" for name, value in lines.items()), *shape.notes]
+
+
+def _lines_in_plane(rod: Rod, shape: RodSolution) -> dict[str, str]:
     x, y = shape.end
     lines = {
-        "rod": _described(rod),
-        **({"errors": errors} if errors else {}),
         "end": f"x = {_rounded(x):.3f} mm, y = {_rounded(y):.3f} mm from the clamped end of the curve",
         "bends by": f"{bending_deg((x, y)):.2f}°",
         "end angle": f"{shape.end_angle:.4f} rad",
-        "end force": f"[{shape.force[0]:.5g}, {shape.force[1]:.5g}] N",
+        "end force": _listed(shape.force, "N"),
         "moment at the clamp": f"{shape.clamp_moment:.5g} N mm",
     }
     if shape.weight.any():
-        lines["weight"] = f"[{shape.weight[0]:.5g}, {shape.weight[1]:.5g}] N, which the rod carries besides"
-    width = max(map(len, lines))
-    return [*(f"{name:<{width}}  {value}" for name, value in lines.items()), *shape.notes]
+        lines["weight"] = f"{_listed(shape.weight, 'N')}, which the rod carries besides"
+    if isinstance(rod.law, LawRod) and rod.law.is_in_space and not rod.law.stability(shape).is_stable:
+        lines["unstable"] = "under this load the arm buckles out of its plane; give a third component to follow it"
+    return lines
+
+
+def _lines_in_space(shape: SpatialSolution) -> dict[str, str]:
+    x, y, z = (_rounded(value) for value in shape.end)
+    return {
+        "end": f"x = {x:.3f} mm, y = {y:.3f} mm, z = {z:.3f} mm from the clamped end of the curve",
+        "points along": _listed(shape.frames[-1, :, 0]),
+        "end force": _listed(shape.force, "N"),
+        "moment at the clamp": _listed(shape.moment[0], "N mm"),
+        **({"weight": f"{_listed(shape.weight, 'N')}, which the rod carries besides"} if shape.weight.any() else {}),
+        "stability": f"{shape.stability.lowest:.3f} of the rigidity without load is left in the softest direction",
+    }
+
+
+def _listed(values: Array, unit: str = "") -> str:
+    """Components in brackets."""
+    return f"[{', '.join(f'{value + 0.0:.5g}' for value in values)}] {unit}".rstrip()
 
 
 def _described(rod: Rod) -> str:
@@ -166,14 +192,19 @@ def _rounded(coordinate: float) -> float:
     return round(coordinate, 3) + 0.0
 
 
-def write_shape(shape: RodSolution, file: Path) -> None:
-    """Write the shape as CSV: s_mm, x_mm, y_mm, theta_rad, kappa_per_mm, moment_N_mm.
+def write_shape(shape: RodSolution | SpatialSolution, file: Path) -> None:
+    """Write the shape as CSV: s_mm, x_mm, y_mm, theta_rad, kappa_per_mm, moment_N_mm; in space s_mm, x_mm, y_mm, z_mm,
+    and the components of curvature and moment.
 
     x and y are those of the material curve, theta and kappa those of the axis. Raises InputError when the file
     cannot be written.
     """
-    columns = (shape.s, *shape.curve.T, shape.theta, shape.kappa, shape.moment)
+    if isinstance(shape, SpatialSolution):
+        names = ["s_mm", "x_mm", "y_mm", "z_mm", "twist_per_mm", "lateral_curvature_per_mm", "kappa_per_mm"]
+        names += [f"moment_{axis}_N_mm" for axis in "xyz"]
+        columns = (shape.s, *shape.curve.T, *shape.curvature.T, *shape.moment.T)
+    else:
+        names = ["s_mm", "x_mm", "y_mm", "theta_rad", "kappa_per_mm", "moment_N_mm"]
+        columns = (shape.s, *shape.curve.T, shape.theta, shape.kappa, shape.moment)
     rows = [",".join(f"{value:.12g}" for value in row) for row in zip(*columns, strict=True)]
-    write_atomic(
-        open_file(file), ("\n".join(["s_mm,x_mm,y_mm,theta_rad,kappa_per_mm,moment_N_mm", *rows]) + "\n").encode()
-    )
+    write_atomic(open_file(file), ("\n".join([",".join(names), *rows]) + "\n").encode())

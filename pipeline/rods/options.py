@@ -24,10 +24,20 @@ def write_new(file: Path, text: str) -> None:
 
 
 def option_pair(option: str, text: str, dimension: Dimension) -> tuple[float, float]:
-    """Two numbers, written as [x, y]. Raises InputError, naming the option."""
-    values = text.strip().removeprefix("[").removesuffix("]").split(",")
+    """Two numbers, written as [x, y]. Raises InputError."""
+    values = option_vector(option, text, dimension)
     if len(values) != 2:
+        raise InputError(f"{option}: '{text}' is not a pair; write x and y")
+    return values
+
+
+def option_vector(option: str, text: str, dimension: Dimension) -> tuple[float, float] | tuple[float, float, float]:
+    """Two or three numbers, written as [x, y] or [x, y, z]. Raises InputError."""
+    values = text.strip().removeprefix("[").removesuffix("]").split(",")
+    if len(values) not in (2, 3):
         raise InputError(
-            f"{option}: '{text}' is not a pair; write x and y, for example [0 {dimension.unit}, {dimension.example}]"
+            f"{option}: '{text}' is not a pair; write x and y, for example [0 {dimension.unit}, {dimension.example}], "
+            "and z for a load across the plane of the arm"
         )
-    return option_value(option, values[0], dimension), option_value(option, values[1], dimension)
+    x, y, *across = (option_value(option, value, dimension) for value in values)
+    return (x, y, across[0]) if across else (x, y)

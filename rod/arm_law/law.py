@@ -8,17 +8,18 @@ from functools import cached_property
 import numpy as np
 
 from geometry.arrays import Array
-from rod.arm_law.curves import IN_SPACE, CellCurve, ClampCurve, TipCurve
+from rod.arm_law.curves import CellCurve, ClampCurve, TipCurve
 from rod.arm_law.derivative import LARGEST_STEP, NUMBERS, STEP, Derivative, rates_of
 from rod.arm_law.rates import LawRate, changed_cells, changed_clamps, onset_rate
 from rod.arm_law.scaling import scaled_curve, scaled_rate, stiffened_cell, stiffened_clamp
 from rod.arm_law.section import SectionLaw, clamp_at, section_at, tip_at
-from rod.arm_law.sideways import PlanarRod, SidewaysResponse, sideways, twisting_compliance
 from rod.arm_law.solver import EndConditions, Pieces, equilibrium
+from rod.arm_law.spatial_solver import spatial_equilibrium, stability_across
 from rod.checked import finite, positive
 from rod.errors import RodError
 from rod.load import Load, held_at, requested
 from rod.solution import RodSolution
+from rod.spatial import Position, SpatialLoad, SpatialSolution, Stability
 from rod.weight import Mass
 
 
@@ -200,23 +201,37 @@ class LawRod:
         """
         return self._equilibrium(EndConditions(*requested(force, moment, end, None, end_y)))
 
-    def sideways(self, state: RodSolution) -> SidewaysResponse:
-        """What a small force along z on the end does to a state of this rod, and whether that buckles sideways.
+    def solve_in_space(self, load: SpatialLoad, position: Position = (None, None, None)) -> SpatialSolution:
+        """The equilibrium in space under a load, which grows on the inflated arm.
 
-        To first order. Raises `RodError` for a law without rigidities out of the plane.
+        position: of the end where it is held, mm; the components of the force along these axes follow. Raises
+        `RodError` as `solve` does, and for a law without rigidities out of the plane.
         """
-        law, clamp = self.section, self.clamp
-        if not law.in_space or not clamp.lateral_compliance.size:
+        self._check_in_space()
+        x, y = (own + more for own, more in zip(self.weight, load.weight, strict=False))
+        solution = spatial_equilibrium(self._pieces, replace(load, weight=(x, y, load.weight[2])), position)
+        end = solution.frames[-1]
+        tip = EndConditions(Load(), position[:2]).tip_state(self.tip)
+        at_tip = tip.beside_at(math.atan2(end[1, 0], end[0, 0]), float(solution.force @ end[:, 0]))
+        bending = (solution.moment[:, None] @ solution.frames)[:, 0, 2]
+        return replace(solution, beside=_Beside(self, solution.s, bending, at_tip)(solution.s))
+
+    def stability(self, state: RodSolution) -> Stability:
+        """Of a state of this rod against motions out of its plane. Its force keeps its direction.
+
+        Raises `RodError` for a law without rigidities out of the plane.
+        """
+        self._check_in_space()
+        return stability_across(self._pieces, state)
+
+    @property
+    def is_in_space(self) -> bool:
+        """Whether the law has rigidities out of its plane."""
+        return bool(self.section.in_space) and bool(self.clamp.lateral_compliance.size)
+
+    def _check_in_space(self) -> None:
+        if not self.is_in_space:
             raise RodError("The law has no rigidities out of the plane; measure it with law_in_space: true.")
-        tables = [np.interp(state.kappa, law.kappa, law.in_space[name]) for name in IN_SPACE[:4]]
-        cosine, sine = np.cos(state.theta), np.sin(state.theta)
-        along, across = np.column_stack([cosine, sine]), np.column_stack([-sine, cosine])
-        rate = state.stretch[:, None] * along + np.asarray(state.shear)[:, None] * across
-        wx, wy = (float(part) / self.length for part in state.weight)
-        force = state.force + self._pieces.weight(Load(weight=(wx, wy)), state.s)[:, :2]
-        rod = PlanarRod(state.s, state.theta, rate, state.moment, force, tables[0], twisting_compliance(*tables[1:]))
-        lever = self.tip.edge[0] * along[-1] + self.tip.edge[1] * across[-1]
-        return sideways(rod, clamp.lateral_compliance, clamp.position, lever)
 
     def under(self, load: Load, end_y: float | None = None, end_x: float | None = None) -> RodSolution:
         """The equilibrium under a load; with a prescribed position of the end (mm) that component of the force follows.

@@ -14,6 +14,7 @@ from rod.arm_law.section import SectionLaw
 from rod.errors import RodError, buckles_at
 from rod.load import Load
 from rod.solution import RodSolution
+from rod.spatial import SpatialLoad
 from rod.weight import Mass
 
 #: longest step of the integration, mm over the pitch
@@ -38,8 +39,13 @@ class Pieces:
     length: float  #: mm
     mass: Mass | None = None  #: how the weight of a load is spread along the arm; None: evenly
 
-    def weight(self, load: Load, s: Array) -> Array:
-        """(n, 4) N and N mm: the weight of a load beyond s (n,), as `EndLoad` has it."""
+    @property
+    def positions(self) -> Array:
+        """(n,) mm: where the integration steps end, from 0 to the length."""
+        return np.linspace(0.0, self.length, math.ceil(self.length / (STEP * self.pitch)) + 1)
+
+    def weight(self, load: Load | SpatialLoad, s: Array) -> Array:
+        """(n, 4) N and N mm: the weight of a load beyond s (n,), as `EndLoad` has it; (n, 6) of a load in space."""
         mass = self.mass or Mass.even(self.length, 1.0, load.weight_height)
         (grams, heights), (all_grams, _) = mass.within(self.length - s), mass.within(np.array([self.length]))
         total = np.array(load.weight) * self.length / all_grams
@@ -100,8 +106,8 @@ class _Shooting:
         self.load = conditions.load
         self.held = np.array([value is not None for value in conditions.position])
         self.ends = pieces.ends(conditions.tip_state(pieces.tip))
-        self.states = np.empty((math.ceil(pieces.length / (STEP * pieces.pitch)) + 1, 4))
-        self.weight = pieces.weight(self.load, np.linspace(0.0, pieces.length, len(self.states)))
+        self.states = np.empty((len(pieces.positions), 4))
+        self.weight = pieces.weight(self.load, pieces.positions)
         slope = pieces.section.kappa_slope[len(pieces.section.kappa_slope) // 2]
         # a force that turns the end by about one radian
         self.size = np.array([1.0, *([1.0 / (pieces.length**2 * slope)] * 2)])
@@ -176,10 +182,10 @@ def _solution(shooting: _Shooting, unknowns: Array, count: int) -> RodSolution:
     x, y = (force + shooting.weight[:, :2]).T
     axial, across = x * cosine + y * sine, y * cosine - x * sine
     effective = _effective_moment(law, states[:, 1], axial)
-    _check_within_law(shooting, effective)
+    check_within_law(shooting.pieces, shooting.outside, effective, bool(shooting.weight.any()))
     by_force = axial / np.interp(effective, law.moment, law.axial_rigidity)
     arrays = {
-        "s": np.linspace(0.0, shooting.pieces.length, len(states)),
+        "s": shooting.pieces.positions,
         "x": states[:, 2],
         "y": states[:, 3],
         "theta": states[:, 0],
@@ -203,17 +209,16 @@ def _effective_moment(law: SectionLaw, moment: Array, axial: Array) -> Array:
     return effective
 
 
-def _check_within_law(shooting: _Shooting, moment: Array) -> None:
-    """Raise `RodError` where a moment of the state last solved leaves the law of the cells or of the clamped end.
+def check_within_law(pieces: Pieces, outside: float, moment: Array, is_weighed: bool) -> None:
+    """Raise `RodError` where moments leave the law of the cells or of the clamped end.
 
-    moment: (n,) N mm, the effective one.
+    outside: by how much they do, N mm. moment: (n,) N mm, those that bend the cells.
     """
-    pieces = shooting.pieces
     law, clamp = pieces.section, pieces.clamp
-    if shooting.outside <= ROUNDING * float(np.ptp(law.moment)):
+    if outside <= ROUNDING * float(np.ptp(law.moment)):
         return
     low, high = max(law.moment[0], clamp.moment[0]), min(law.moment[-1], clamp.moment[-1])
-    remedy = ", which counts the weight where effects.gravity is on" if shooting.weight.any() else ""
+    remedy = ", which counts the weight where effects.gravity is on" if is_weighed else ""
     raise RodError(
         f"The moment that bends the cells goes from {moment.min():.4g} to {moment.max():.4g} N mm; at "
         f"{law.pressure:g} kPa the law is known from {low:.4g} to {high:.4g} N mm, and it is not extrapolated: a law "

@@ -18,7 +18,7 @@ import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any, Literal, get_args
+from typing import Any, Literal, get_args, overload
 
 import numpy as np
 
@@ -34,6 +34,7 @@ from rod.mechanics.continuation import LoadPoint, Problem, continue_to_full_load
 from rod.mechanics.own_weight import rest_moment
 from rod.mechanics.profile import Profile, Steps, cut_into_steps
 from rod.solution import RodSolution
+from rod.spatial import Position, SpatialLoad, SpatialSolution, is_triple, spatially_requested
 from rod.weight import Mass, Weighing, weighted
 
 #: how much finer than the usual the steps may become: at nearly twice the force that this solver follows to all ends
@@ -130,19 +131,56 @@ class Rod:
         """The two lines of its law. Raises `RodError` for a rod with the arm's own law."""
         return self.five if isinstance(self.law, LawRod) else self.law
 
+    @overload
+    def solve(  # type: ignore[overload-overlap]
+        self,
+        force: tuple[float, float, float],
+        *,
+        moment: float | Sequence[float] = ...,
+        weight: bool = ...,
+        direction: str | Sequence[float] | None = ...,
+        tip_mass: float | str = ...,
+    ) -> SpatialSolution: ...
+
+    @overload
+    def solve(  # type: ignore[overload-overlap]
+        self,
+        force: None = ...,
+        *,
+        end: tuple[float | None, float | None, float | None],
+        moment: float | Sequence[float] = ...,
+        weight: bool = ...,
+        direction: str | Sequence[float] | None = ...,
+    ) -> SpatialSolution: ...
+
+    @overload
+    def solve(
+        self,
+        force: Sequence[float] | None = ...,
+        *,
+        end: Sequence[float] | None = ...,
+        end_x: float | None = ...,
+        end_y: float | None = ...,
+        moment: float = ...,
+        order: Order = ...,
+        weight: bool = ...,
+        direction: str | Sequence[float] | None = ...,
+        tip_mass: float | str = ...,
+    ) -> RodSolution: ...
+
     def solve(
         self,
         force: Sequence[float] | None = None,
         *,
-        end: Sequence[float] | None = None,
+        end: Sequence[float | None] | None = None,
         end_x: float | None = None,
         end_y: float | None = None,
-        moment: float = 0.0,
+        moment: float | Sequence[float] = 0.0,
         order: Order = "as tested",
         weight: bool = True,
         direction: str | Sequence[float] | None = None,
         tip_mass: float | str = 0.0,
-    ) -> RodSolution:
+    ) -> RodSolution | SpatialSolution:
         """The equilibrium that is reached when the loads grow from zero.
 
         force: dead end force (F_x, F_y) in N; or end = (x, y), end_x or end_y in mm, the prescribed position of the
@@ -153,6 +191,9 @@ class Rod:
         clamp to its end at rest, or (x, y); the weight of the arm acts then unless weight is False. tip_mass: hangs on
         the end, in g or written with its unit ("20 g").
 
+        A force, an end, a moment or a direction with three components, z across the plane, gives the rod in space. Its
+        law needs rigidities out of the plane. end may have None along axes on which the end is free.
+
         order selects among several equilibria. "pressure first": the loads grow on the rod that already has
         its kappa_0. "together": kappa_0 and the loads grow together from the straight rod. "as tested": together where
         end_y is prescribed, because in experiment III the end is held while the pressure rises, else pressure first.
@@ -162,11 +203,16 @@ class Rod:
         too. Raises `RodError` when the loads contradict each other, when the end is put farther away than the rod is
         long, and when the path ends before the full load is reached.
         """
-        load, held = requested(force, moment, end, end_x, end_y)
         is_weighed = direction is not None or tip_mass != 0.0
+        carried = self.weight if isinstance(self.law, LawRod) else (0.0, 0.0)
+        weighing = Weighing(self.mass, self.length, carried, any(self.weight) and not any(carried))
+        if any(is_triple(value) for value in (force, end, moment, direction)):
+            spatial, position = spatially_requested(force, moment, end, end_x, end_y)
+            if is_weighed:
+                spatial = weighted(spatial, weighing, weight, direction, tip_mass)
+            return self._in_space(spatial, position)
+        load, held = requested(force, moment, end, end_x, end_y)
         if is_weighed:
-            carried = self.weight if isinstance(self.law, LawRod) else (0.0, 0.0)
-            weighing = Weighing(self.mass, self.length, carried, any(self.weight) and not any(carried))
             load = weighted(load, weighing, weight, direction, tip_mass)
         if isinstance(self.law, LawRod):
             return replace(_by_arm_law(self.law, self.start, load, held, order), notes=self.notes)
@@ -175,6 +221,15 @@ class Rod:
         if outside := self._outside(solution):
             warnings.warn(outside, RodWarning, stacklevel=2)
         return replace(solution, notes=(*self.notes, *filter(None, [outside])))
+
+    def _in_space(self, load: SpatialLoad, position: Position) -> SpatialSolution:
+        """The equilibrium in space, whose clamp is at the start of this rod."""
+        if not isinstance(self.law, LawRod):
+            raise RodError("A rod with five parameters stays in its plane; in space a rod has the arm's own law.")
+        start = np.array([*self.start, 0.0])
+        x, y, z = (None if at is None else at - float(origin) for at, origin in zip(position, start, strict=True))
+        solution = self.law.solve_in_space(load, (x, y, z))
+        return replace(solution, axis=read_only(solution.axis + start), notes=self.notes)
 
     def _outside(self, shape: RodSolution) -> str:
         """A sentence where the moments of a shape leave those of the identification; empty elsewhere."""

@@ -1,0 +1,118 @@
+"""Loads on a rod in space, and the rod in equilibrium under them."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+
+from geometry.arrays import Array
+from rod.checked import finite
+from rod.errors import LoadError, RodError
+from rod.load import held_at
+
+#: (x, y, z)
+Triple = tuple[float, float, float]
+#: x, y and z of an end that is held, mm; None along an axis on which it is free
+Position = tuple[float | None, float | None, float | None]
+
+
+def is_triple(value: object) -> bool:
+    """Whether it has three parts, and is no text."""
+    return not isinstance(value, str) and isinstance(value, Sequence | np.ndarray) and len(value) == 3
+
+
+def triple(values: object, name: str) -> Triple:
+    """Three finite numbers. Raises `RodError`, naming what they are, for anything else."""
+    try:
+        x, y, z = (finite(value, name) for value in values)  # type: ignore[attr-defined]
+    except (TypeError, ValueError):  # a RodError is a ValueError
+        raise RodError(f"{name} has three finite numbers, x, y and z; {values!r} has not.") from None
+    return x, y, z
+
+
+@final
+@dataclass(frozen=True)
+class SpatialLoad:
+    """A dead load on a clamped arm. Raises `RodError` for what is no three finite numbers."""
+
+    force: Triple = (0.0, 0.0, 0.0)  #: N, on the end
+    couple: Triple = (0.0, 0.0, 0.0)  #: N mm, on the end; keeps its direction
+    weight: Triple = (0.0, 0.0, 0.0)  #: N/mm, per rest length, all along the arm
+    weight_height: float = 0.0  #: mm, of the mass above the material curve, along the normal of the curve
+
+    def __post_init__(self) -> None:
+        for name in ("force", "couple", "weight"):
+            object.__setattr__(self, name, triple(getattr(self, name), name))
+
+
+def spatially_requested(
+    force: Sequence[float] | None,
+    moment: float | Sequence[float],
+    end: Sequence[float | None] | None,
+    end_x: float | None,
+    end_y: float | None,
+) -> tuple[SpatialLoad, Position]:
+    """The load and the position of the end that the arguments of `solve` name; a moment alone turns about z.
+
+    Raises `LoadError` where they contradict each other, and `RodError` for what is no three numbers.
+    """
+    if end is not None and (end_x is not None or end_y is not None):
+        raise LoadError("Give either end = (x, y, z) or one of end_x and end_y, not both.")
+    if force is not None and any(value is not None for value in (end, end_x, end_y)):
+        raise LoadError("Give either the force on the end or its position, not both: one follows from the other.")
+    couple = triple(moment if is_triple(moment) else (0.0, 0.0, moment), "moment")
+    load = SpatialLoad((0.0, 0.0, 0.0) if force is None else triple(force, "force"), couple)
+    if end is None:
+        return load, (*held_at(end_x, end_y), None)
+    if not is_triple(end):
+        raise RodError(f"In space an end is x, y and z, None where it is free; {end!r} is not.")
+    x, y, z = (None if value is None else finite(value, "end") for value in end)
+    return load, (x, y, z)
+
+
+@final
+@dataclass(frozen=True, eq=False)  # arrays inside
+class Stability:
+    """Of a rod in equilibrium: the lowest eigenvalue of the second variation of its energy over the elastic part."""
+
+    lowest: float  #: 1 without loads, 0 where the rod buckles, below 0 beyond
+    motion: Array  #: (n, 3) of the axis that belongs to it, of largest component 1
+
+    @property
+    def is_stable(self) -> bool:
+        """Whether the rod returns from small motions."""
+        return self.lowest > 0.0
+
+
+@final
+@dataclass(frozen=True, eq=False)  # arrays inside
+class SpatialSolution:
+    """A rod in equilibrium in space. All arrays are read-only; the origin is the clamped end of the material curve.
+
+    Columns of a frame are the normal of the cross section, its direction in the plane of symmetry, and that across it.
+    """
+
+    s: Array  #: (n,) mm, rest arc length
+    axis: Array  #: (n, 3) mm
+    frames: Array  #: (n, 3, 3)
+    curvature: Array  #: (n, 3) 1/mm, twist, lateral curvature and curvature in the plane of symmetry
+    stretch: Array  #: (n, 3) stretch, shear in the plane of symmetry and across it
+    moment: Array  #: (n, 3) N mm, along x, y and z
+    force: Array  #: (3,) N, on the end
+    weight: Array  #: (3,) N, of the rod itself
+    stability: Stability
+    load_steps: int  #: steps of the continuation
+    notes: tuple[str, ...]  #: what limits the trust in this shape, a sentence each
+    beside: Array  #: (n, 2) mm, of the material curve beside the axis, along the first two directions of the frames
+
+    @property
+    def curve(self) -> Array:
+        """(n, 3) mm: the material curve, which finite elements have as well."""
+        return np.asarray(self.axis + (self.frames[:, :, :2] @ self.beside[..., None])[..., 0])
+
+    @property
+    def end(self) -> Triple:
+        """x, y and z of the end of the material curve, mm."""
+        x, y, z = (float(value) for value in self.curve[-1])
+        return x, y, z
