@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from math import hypot
+from math import exp, hypot
 from typing import Any
 
 import numpy as np
@@ -11,7 +11,7 @@ from scipy.stats import t
 from geometry.arrays import Array
 from pipeline.errors import InputError
 from pipeline.measured.fit import effects_on, fit, numbers_of
-from pipeline.measured.predicted import KINDS, Numbers
+from pipeline.measured.predicted import Numbers
 from pipeline.measured.rows import Measurements
 from pipeline.measured.unknowns import BuiltArm, unknowns_of
 from rod.arm_law.law import ArmLaw
@@ -53,11 +53,10 @@ def foretell(law: ArmLaw, config: Mapping[str, Any], known: Measurements, others
     arm = BuiltArm(law, unknowns_of(law, config, (), max(known.pressures_kPa)))
     numbers, fitted = Numbers.of(others), fit(arm, Numbers.of(known))
     after = numbers_of(arm, numbers, fitted.changes)
-    variances = np.diag(fitted.posterior.error_covariance(effects_on(arm, numbers, fitted.changes)))
-    scatter = np.array([fitted.posterior.spread.scatter.get(KINDS[name], 0.0) for name in numbers.names])
-    off, degrees = np.abs(numbers.values - after), max(1, len(known.pressures_kPa))
-    levels = (1.0 - 2.0 * t.sf(off / std, degrees) for std in (np.sqrt(variances), np.sqrt(variances + scatter**2)))
-    return Foretold(numbers, law.length, arm.modulus(fitted.changes), _as_drawn(arm, numbers), after, *levels)
+    off, posterior, effects = np.abs(numbers.values - after), fitted.posterior, effects_on(arm, numbers, fitted.changes)
+    stds = (posterior.deviations(effects, units) for units in ((), numbers.units))
+    levels = (1.0 - 2.0 * t.sf(off / std, posterior.degrees) for std in stds)
+    return Foretold(numbers, law.length, exp(fitted.changes[0]), _as_drawn(arm, numbers), after, *levels)
 
 
 def _as_drawn(arm: BuiltArm, numbers: Numbers) -> Array:

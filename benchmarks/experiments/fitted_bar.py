@@ -11,7 +11,6 @@ from benchmarks.experiments.bar import GRAVITY, Bar, Model, Response
 from benchmarks.experiments.cases import Case
 from geometry.arrays import Array
 from pipeline.errors import InputError
-from pipeline.measured.calibration import quantile_of
 from pipeline.measured.fit import OF_ANGLES, OF_POSITIONS
 from pipeline.measured.gaussian import Effects, Observed, Posterior, choose_spread
 from pipeline.measured.predicted import KINDS
@@ -124,6 +123,5 @@ def _inside(numbers: BarNumbers, rows: Sequence[int], change: float, posterior: 
     """The part of the numbers of some rows that lie in their intervals, with the scatter of a reading."""
     pairs = numbers.pairs(rows)
     off = np.array([row.values[name] for row, name in pairs]) - numbers.predicted(rows, change)
-    scatter = np.array([posterior.spread.scatter[KINDS[name]] for _, name in pairs])
-    variance = np.diag(posterior.error_covariance(numbers.effects(rows, change))) + scatter**2
-    return float(np.mean(np.abs(off) <= quantile_of(posterior) * np.sqrt(variance)))
+    deviations = posterior.deviations(numbers.effects(rows, change), [KINDS[name] for _, name in pairs])
+    return float(np.mean(np.abs(off) <= posterior.quantile * deviations))

@@ -13,11 +13,11 @@ from benchmarks.foretold import foretell
 from pipeline.cell.saved import SavedLaw
 from pipeline.cell.study import measure_law
 from pipeline.config.config import Config
-from pipeline.measured.calibration import WITHIN
+from pipeline.measured.fit import LawRods
+from pipeline.measured.gaussian import WITHIN
 from pipeline.measured.predicted import Numbers
 from pipeline.measured.rows import Measurements
 from pipeline.progress import Silent
-from rod import Rod
 
 LAW = "the arm's own law"
 #: elements of a bar through its height
@@ -62,11 +62,9 @@ def _of_arm(case: Case, config: Config, folder: Path, jobs: int) -> Iterator[Lin
     law, rows = SavedLaw.read(folder / "law.json").law, case.measured.rows
     if not case.calibrate_on:
         numbers = Numbers.of(case.measured)
-        values = numbers.predicted(lambda pressure: Rod(law.length, law=law.at(pressure)))
-        apart = {row.line: [] for row in rows}  # type: dict[int, list[float]]
-        for k, row in enumerate(numbers.rows):
-            apart[row.line].append(float(values[k] - numbers.values[k]))
-        worst = max(float(np.linalg.norm(off)) for off in apart.values()) / law.length
+        off = numbers.predicted(LawRods(law)) - numbers.values
+        lines = np.array([row.line for row in numbers.rows])
+        worst = max(float(np.linalg.norm(off[lines == row.line])) for row in rows) / law.length
         yield Line(case.name, LAW, (), len(rows), f"{_percent(worst)} of the length", "-", 1.0, np.nan)
     for chosen in case.calibrate_on:
         known, others = (_only(case.measured, chosen, inside) for inside in (True, False))

@@ -13,6 +13,8 @@ from pipeline.measured.rows import Measurements, Row
 LARGE, IN_RADIANS = 15.0, 0.06
 #: mm, distance of two points that fix a turn
 APART = 5.0
+#: what together is a place
+PLACES = (("tip_x", "tip_y"), ("x", "y"))
 
 
 def check_degrees(numbers: Numbers, predicted: Array) -> None:
@@ -32,41 +34,36 @@ def aligned(measurements: Measurements, rods: Rods) -> Measurements:
 
     Points, tips and angles move; loads and held heights stay. Raises InputError where the rows at rest do not fix it.
     """
-    rest = Numbers.of(replace(measurements, rows=tuple(row for row in measurements.rows if row.state.is_at_rest)))
-    pairs = _pairs(rest, rest.predicted(rods) if rest.rows else np.zeros(0))
-    far = max((float(np.hypot(*(a[0] - b[0]))) for a in pairs for b in pairs), default=0.0)
-    if far < APART:
+    for row in measurements.rows:
+        for x, y in PLACES:
+            if (x in row.values) != (y in row.values):
+                raise InputError(f"{measurements.file}: line {row.line}: --align needs both {x}_mm and {y}_mm")
+    rest = Numbers.of(replace(measurements, rows=tuple(map(_places, measurements.rows))))
+    read = rest.values.reshape(-1, 2)
+    if not len(read) or np.linalg.norm(read[:, None] - read, axis=2).max() < APART:
         raise InputError(
             f"{measurements.file}: --align needs two points of the arm at zero pressure, apart from each other"
         )
-    read, rod = (np.array(points) for points in zip(*pairs, strict=True))
+    rod = rest.predicted(rods).reshape(-1, 2)
     a, b = read - read.mean(axis=0), rod - rod.mean(axis=0)
     turn = float(np.arctan2((a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]).sum(), (a * b).sum()))
     matrix = np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]])
     shift = rod.mean(axis=0) - matrix @ read.mean(axis=0)
-    return replace(
-        measurements, rows=tuple(_moved(measurements, row, matrix, shift, turn) for row in measurements.rows)
-    )
+    return replace(measurements, rows=tuple(_moved(row, matrix, shift, turn) for row in measurements.rows))
 
 
-def _pairs(rest: Numbers, predicted: Array) -> list[tuple[Array, Array]]:
-    """Places that were read, and those of the rod."""
-    places: dict[tuple[int, str], dict[str, tuple[float, float]]] = {}
-    for k, (row, name) in enumerate(zip(rest.rows, rest.names, strict=True)):
-        if name in ("tip_x", "tip_y", "x", "y"):
-            place = places.setdefault((row.line, name[:-1]), {})
-            place[name[-1]] = float(rest.values[k]), float(predicted[k])
-    full = [place for place in places.values() if len(place) == 2]
-    return [(np.array([p["x"][0], p["y"][0]]), np.array([p["x"][1], p["y"][1]])) for p in full]
+def _places(row: Row) -> Row:
+    """With the places alone that were read at rest."""
+    names = [name for pair in PLACES for name in pair if row.state.is_at_rest and name in row.values]
+    return replace(row, values={name: row.values[name] for name in names})
 
 
-def _moved(measurements: Measurements, row: Row, matrix: Array, shift: Array, turn: float) -> Row:
+def _moved(row: Row, matrix: Array, shift: Array, turn: float) -> Row:
     values = dict(row.values)
-    for x, y in (("tip_x", "tip_y"), ("x", "y")):
-        if (x in values) != (y in values):
-            raise InputError(f"{measurements.file}: line {row.line}: --align needs both {x}_mm and {y}_mm")
-        if x in values:
-            values[x], values[y] = (float(v) for v in matrix @ np.array([values[x], values[y]]) + shift)
+    for pair in PLACES:
+        if pair[0] in values:
+            moved = matrix @ np.array([values[name] for name in pair]) + shift
+            values |= dict(zip(pair, moved.tolist(), strict=True))
     if "end_angle" in values:
         values["end_angle"] += float(np.degrees(turn))
     return replace(row, values=values)

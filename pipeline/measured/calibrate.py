@@ -6,11 +6,10 @@ from pathlib import Path
 from geometry import Reason
 from pipeline.budget import budget_of
 from pipeline.measured.aligned import aligned
-from pipeline.measured.calibration import Calibration, calibrated, law_to_calibrate, quantile_of
+from pipeline.measured.calibration import Calibration, calibrated, law_to_calibrate
 from pipeline.measured.compare import compare
 from pipeline.measured.fit import LawRods
 from pipeline.measured.page import comparison_page
-from pipeline.measured.predicted import without
 from pipeline.measured.saved import new_folder, save_calibration
 from pipeline.measured.table import read_measurements
 from pipeline.measured.unknowns import MODULUS
@@ -42,13 +41,11 @@ class CalibrationReport:
     @property
     def lines(self) -> tuple[str, ...]:
         """What was found, in words."""
-        sampled = self.found.sampled
-        checked = []
+        sampled, checked = self.found.sampled, []
         if sampled:
-            factor = sampled.mean[[one.name for one in self.found.estimates].index(MODULUS)]
             checked = [
-                f"{sampled.samples} samples, worth {sampled.effective:.0f}: {MODULUS} is {factor:.4g} on average, and "
-                f"{self.found[MODULUS].mean:.4g} above."
+                f"{sampled.samples} samples, worth {sampled.effective:.0f}: {MODULUS} is {sampled.mean[0]:.4g} on "
+                f"average, and {self.found[MODULUS].mean:.4g} above."
             ]
         return (*self.found.notes, *self.found.undetermined, *checked, self.found.next_measurement.text)
 
@@ -69,7 +66,7 @@ def calibrate_files(
     found = calibrated(law, run.config, measurements, options.free, options.samples)
     save_calibration(store, run, file, found, report_reason(_remark(run, found)))
     written = read_results(store.directory)
-    compared = compare(written, choose_rod(written, "law"), without(measurements, found.law.pressures[-1]))
+    compared = compare(written, choose_rod(written, "law"), measurements.up_to(found.law.pressures[-1]))
     store.save_text("calibration.html", comparison_page(compared))
     return CalibrationReport(store.directory, found, verdict_of(written))
 
@@ -82,7 +79,7 @@ def _remark(run: Run, found: Calibration) -> Reason:
         "calibrated",
         {
             "numbers": len(found.predictions),
-            "percent": 100.0 * quantile_of(found.posterior) * deviations / length,
+            "percent": 100.0 * found.posterior.quantile * deviations / length,
             "before": 100.0 * before.total("tip") if before else float("nan"),
         },
     )

@@ -1,20 +1,21 @@
 """The rod of an arm calibrated to what was measured on it: values, and the computation from a result folder."""
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from scipy.stats import multivariate_t, t
+from scipy.stats import multivariate_t
 
 from geometry.arrays import Array
 from pipeline.cell.saved import SavedLaw
 from pipeline.errors import InputError
 from pipeline.measured.aligned import check_degrees
-from pipeline.measured.fit import Fitted, effects_on, fit, numbers_of
+from pipeline.measured.fit import Fitted, fit, numbers_of, off_range
 from pipeline.measured.gaussian import Posterior
 from pipeline.measured.next_measurement import NextMeasurement, next_measurement
-from pipeline.measured.predicted import Numbers, Setup, without
+from pipeline.measured.predicted import Compared, Numbers, Setup
 from pipeline.measured.rows import Measurements
 from pipeline.measured.unknowns import BuiltArm, unknowns_of
 from pipeline.results.values import Run
@@ -27,8 +28,8 @@ from rod.errors import RodError
 LEFT, TOGETHER = 0.8, 0.9
 #: relative change of a dimension beyond which derivatives are doubtful
 DOUBTFUL = 0.15
-#: part of all measurements within an interval; degrees of freedom of Student's distribution that samples are of
-WITHIN, OF_SAMPLES = 0.90, 5.0
+#: degrees of freedom of Student's distribution that samples are of
+OF_SAMPLES = 5.0
 
 
 @dataclass(frozen=True)
@@ -42,20 +43,6 @@ class Estimate:
     drawn: float  #: in the drawing
     std_before: float  #: of the modulus that of its logarithm
     source: str  #: of the deviation before
-
-
-@dataclass(frozen=True)
-class Prediction:
-    """One measured number beside that of the calibrated rod."""
-
-    line: int
-    pressure_kPa: float
-    load: str
-    quantity: str  #: with its unit, as in the titles of the file
-    measured: float
-    predicted: float
-    low: float  #: of the interval in which nine of ten measurements are
-    high: float
 
 
 @dataclass(frozen=True)
@@ -76,7 +63,7 @@ class Calibration:
     law: ArmLaw = field(repr=False)  #: of the calibrated arm
     setup: Setup  #: offset of the gauge, angle of the clamp
     posterior: Posterior = field(repr=False)
-    predictions: tuple[Prediction, ...] = field(repr=False)
+    predictions: tuple[Compared, ...] = field(repr=False)  #: what is allowed holds nine of ten measurements
     undetermined: tuple[str, ...]  #: what the numbers do not tell, a sentence each
     notes: tuple[str, ...]
     next_measurement: NextMeasurement
@@ -89,13 +76,6 @@ class Calibration:
 
     def __getitem__(self, name: str) -> Estimate:
         return next(estimate for estimate in self.estimates if estimate.name == name)
-
-
-def quantile_of(posterior: Posterior) -> float:
-    """Half the width of an interval over the deviation: by Student's distribution, with a degree for each pressure, as
-    the error of the model is known from as many errors."""
-    pressures = len(np.unique(posterior.effects.pressures))
-    return float(t.ppf(0.5 + 0.5 * WITHIN, max(1, pressures)))
 
 
 def law_to_calibrate(run: Run) -> ArmLaw:
@@ -115,51 +95,53 @@ def calibrated(
     config: as run.json has it, for its tolerances. free: dimensions; by default those whose tolerances move the tip
     most. samples: drawn to check the result. Raises InputError, with file, line and column.
     """
-    every = Numbers.of(measurements)
     unknowns = unknowns_of(law, config, free, max(measurements.pressures_kPa) or law.pressures[-1])
-    named = 1 + len(free)
-    if measurements.count < named:
-        raise InputError(f"{measurements.file}: holds {measurements.count} numbers for {named} unknowns; measure more")
-    _check_pressures(law, measurements, unknowns[0].std)
-    arm = BuiltArm(law, unknowns)
-    _check_angles(arm, every)
-    numbers, notes = every, []
-    fitted = fit(arm, numbers)
-    while fitted.at_limit and len(numbers.measurements.pressures_kPa) > 1:
-        highest = numbers.measurements.pressures_kPa[-2]
-        numbers = Numbers.of(without(measurements, highest))
-        fitted = fit(arm, numbers)
-    changed = arm.changed_law(fitted.changes, with_derivatives=True)
-    if numbers is not every:
-        left = len(measurements.rows) - len(numbers.measurements.rows)
-        notes.append(
-            f"{left} rows above {changed.pressures[-1]:.4g} kPa are left out: the law of an arm as soft as this one "
-            "ends there; measure the law at higher pressures."
+    if measurements.count <= len(free):
+        raise InputError(
+            f"{measurements.file}: holds {measurements.count} numbers for {1 + len(free)} unknowns; measure more"
         )
-    elif fitted.at_limit:
-        raise InputError(_softer(measurements, law))
-    setup = arm.changed_setup(fitted.changes)
+    low, high = law.pressures[0], law.pressures[-1]
+    likely = high * math.exp(2.0 * unknowns[0].std)
+    measurements.check_pressures(low, likely, f"the law, which goes from {low:g} to {high:g} kPa")
+    arm = BuiltArm(law, unknowns)
+    numbers = Numbers.of(measurements)
+    _check_angles(arm, numbers)
+    fitted = fit(arm, numbers)
+    while fitted.at_limit:
+        *lower, highest = numbers.measurements.pressures_kPa
+        if not lower:
+            raise InputError(
+                f"{measurements.file}: the arm is so soft that its law, scaled, ends below {highest:g} kPa; measure it "
+                f"beyond {high:g} kPa with pneurod cell"
+            )
+        numbers = Numbers.of(measurements.up_to(lower[-1]))
+        fitted = fit(arm, numbers)
+    changed, setup = arm.changed_law(fitted.changes, with_derivatives=True), arm.changed_setup(fitted.changes)
+    posterior, effects = fitted.posterior, fitted.observed.effects
     return Calibration(
         estimates=_estimates(arm, fitted),
         law=changed,
         setup=setup,
-        posterior=fitted.posterior,
-        predictions=predictions(arm, numbers, fitted.changes, fitted.posterior),
+        posterior=posterior,
+        predictions=numbers.beside(
+            numbers.values - fitted.observed.residual,
+            posterior.quantile * posterior.deviations(effects, numbers.units),
+        ),
         undetermined=tuple(_undetermined(arm, fitted)),
-        notes=(*notes, *_doubts(arm, fitted)),
+        notes=(*_left_out(measurements, numbers, changed), *off_range(changed, numbers, setup), *_doubts(arm, fitted)),
         next_measurement=next_measurement(arm, fitted, changed),
         sampled=_sampled(arm, numbers, fitted, samples) if samples else None,
     )
 
 
-def _check_pressures(law: ArmLaw, measurements: Measurements, std: float) -> None:
-    """Raise InputError for a pressure that the law has for no likely modulus."""
-    low, high = law.pressures[0], law.pressures[-1]
-    for row in measurements.rows:
-        pressure = row.state.pressure_kPa
-        if not low <= pressure <= high * float(np.exp(2.0 * std)):
-            where = f"{measurements.file}: line {row.line}"
-            raise InputError(f"{where}: {pressure:g} kPa is outside the law, which goes from {low:g} to {high:g} kPa")
+def _left_out(measurements: Measurements, numbers: Numbers, law: ArmLaw) -> list[str]:
+    left = len(measurements.rows) - len(numbers.measurements.rows)
+    if not left:
+        return []
+    return [
+        f"{left} rows above {law.pressures[-1]:.4g} kPa are left out: the law of an arm as soft as this one ends "
+        "there; measure the law at higher pressures."
+    ]
 
 
 def _check_angles(arm: BuiltArm, numbers: Numbers) -> None:
@@ -171,32 +153,11 @@ def _check_angles(arm: BuiltArm, numbers: Numbers) -> None:
     check_degrees(numbers, predicted)
 
 
-def _softer(measurements: Measurements, law: ArmLaw) -> str:
-    pressure = measurements.pressures_kPa[0]
-    return (
-        f"{measurements.file}: the arm is so soft that its law, scaled, ends below {pressure:g} kPa; measure it beyond "
-        f"{law.pressures[-1]:g} kPa with pneurod cell"
-    )
-
-
 def _estimates(arm: BuiltArm, fitted: Fitted) -> tuple[Estimate, ...]:
     rows = zip(arm.unknowns, fitted.changes.tolist(), fitted.posterior.stds.tolist(), strict=True)
     return tuple(
         Estimate(u.name, u.unit, u.value(change), u.std_of(change, std), u.drawn, u.std, u.source)
         for u, change, std in rows
-    )
-
-
-def predictions(arm: BuiltArm, numbers: Numbers, changes: Array, posterior: Posterior) -> tuple[Prediction, ...]:
-    """Every number with that of the rod, and where nine of ten measurements in that state would be."""
-    found, effects = numbers_of(arm, numbers, changes), effects_on(arm, numbers, changes)
-    scatter = np.array([posterior.spread.scatter.get(unit, 0.0) for unit in numbers.units])
-    deviations = np.sqrt(np.maximum(np.diag(posterior.error_covariance(effects)), 0.0) + scatter**2)
-    half = quantile_of(posterior) * deviations
-    columns = zip(numbers.rows, numbers.titles, numbers.values.tolist(), found.tolist(), half.tolist(), strict=True)
-    return tuple(
-        Prediction(row.line, row.state.pressure_kPa, row.state.load, title, value, rod, rod - wide, rod + wide)
-        for row, title, value, rod, wide in columns
     )
 
 

@@ -7,12 +7,9 @@ from pathlib import Path
 import numpy as np
 
 from geometry.arrays import Array
-from pipeline.config.tolerances import Tolerances
-from pipeline.errors import InputError
 from pipeline.measured.aligned import aligned, check_degrees
-from pipeline.measured.calibration import quantile_of
-from pipeline.measured.fit import LawRods, effects_on
-from pipeline.measured.predicted import AS_WRITTEN, Numbers
+from pipeline.measured.fit import LawRods, effects_on, off_range
+from pipeline.measured.predicted import AS_WRITTEN, Compared, Numbers
 from pipeline.measured.rows import Measurements
 from pipeline.measured.saved import SavedCalibration, read_calibration
 from pipeline.measured.table import read_measurements
@@ -20,35 +17,11 @@ from pipeline.measured.unknowns import BuiltArm, tolerance_unknowns
 from pipeline.notes.rods import RodErrors, mesh_errors
 from pipeline.results.files import read_results
 from pipeline.results.values import Run
-from pipeline.rods.choice import KINDS, RodOfRun, check_kind, choose_rod
+from pipeline.rods.choice import KINDS, RodOfRun, choose_rod
 from rod.arm_law.law import ArmLaw
 
 #: what may make an arm differ from its rod, in words
 PARTS = {"rod": "the rod", "mesh": "the mesh", "tolerances": "the tolerances", "calibration": "the calibration"}
-
-
-@dataclass(frozen=True)
-class Compared:
-    """One measured number beside that of the rod."""
-
-    line: int
-    pressure_kPa: float
-    load: str
-    quantity: str  #: with its unit, as in the titles of the file
-    measured: float
-    predicted: float
-    allowed: float  #: by what is known of rod, mesh, and tolerances or calibration
-    s_mm: float | None = None  #: of a point along the arm
-
-    @property
-    def difference(self) -> float:
-        """Measured less predicted."""
-        return self.measured - self.predicted
-
-    @property
-    def is_within(self) -> bool:
-        """Whether it is no larger than what is allowed."""
-        return abs(self.difference) <= self.allowed
 
 
 @dataclass(frozen=True)
@@ -96,8 +69,7 @@ class Comparison:
 
 
 def compare_files(folder: Path, file: Path, align: bool = False, kind: str | None = None) -> Comparison:
-    """The measurements of a file beside the rod of a result folder. Raises InputError."""
-    check_kind(kind, "--rod ")
+    """The measurements of a file beside the rod of a result folder, or one of a kind. Raises InputError."""
     run, measurements = read_results(folder), read_measurements(file)
     rods = choose_rod(run, kind)
     return compare(run, rods, aligned(measurements, rods.at) if align else measurements)
@@ -107,31 +79,15 @@ def compare(run: Run, rods: RodOfRun, measurements: Measurements) -> Comparison:
     """Measurements beside one of the rods of a run. Raises InputError, with file and line."""
     numbers, saved = Numbers.of(measurements), read_calibration(run.directory)
     setup = AS_WRITTEN if saved is None else saved.setup
-    if isinstance(rods.source, ArmLaw):  # an offset of the gauge may leave its pressures a little
-        _check(numbers, rods)
-        predicted = numbers.predicted(LawRods(rods.source), setup)
-    else:
-        predicted = numbers.predicted(rods.at, setup)
+    low, high = rods.pressures_kPa
+    measurements.check_pressures(low, high, f"the rod, which goes from {low:g} to {high:g} kPa")
+    law = rods.source if isinstance(rods.source, ArmLaw) else None
+    predicted = numbers.predicted(LawRods(law) if law else rods.at, setup)
     check_degrees(numbers, predicted)
     bands, unknown = _bands(run, rods, numbers, predicted, saved)
     total = np.sum(list(bands.values()), axis=0) if bands else np.zeros(len(numbers.values))
-    columns = zip(
-        numbers.rows, numbers.titles, numbers.values.tolist(), predicted.tolist(), total.tolist(), strict=True
-    )
-    rows = tuple(
-        Compared(row.line, row.state.pressure_kPa, row.state.load, title, value, rod, allowed,
-                 row.s_mm if title in ("x_mm", "y_mm") else None)
-        for row, title, value, rod, allowed in columns
-    )  # fmt: skip
+    rows, unknown = numbers.beside(predicted, total), (*unknown, *(off_range(law, numbers, setup) if law else ()))
     return Comparison(measurements.file, run.design, run.length_mm, rows, _shares(bands), saved is not None, unknown)
-
-
-def _check(numbers: Numbers, rods: RodOfRun) -> None:
-    low, high = rods.pressures_kPa
-    for row in numbers.rows:
-        if not low <= row.state.pressure_kPa <= high:
-            where = f"{numbers.measurements.file}: line {row.line}"
-            raise InputError(f"{where}: {row.state.pressure_kPa:g} kPa is outside the rod: {low:g} to {high:g} kPa")
 
 
 def _shares(bands: dict[str, Array]) -> dict[str, float]:
@@ -143,48 +99,35 @@ def _bands(
     run: Run, rods: RodOfRun, numbers: Numbers, predicted: Array, saved: SavedCalibration | None
 ) -> tuple[dict[str, Array], tuple[str, ...]]:
     """What each part allows, (n,) in the units of the numbers; and what is not known."""
-    unknown: list[str] = []
     if saved is not None and isinstance(rods.source, ArmLaw):
-        arm = BuiltArm(rods.source, saved.unknowns, saved.setup)
-        effects = effects_on(arm, numbers, np.zeros(len(saved.unknowns)))
-        scatter = np.array([saved.posterior.spread.scatter.get(unit, 0.0) for unit in numbers.units])
-        variance = np.maximum(np.diag(saved.posterior.error_covariance(effects)), 0.0) + scatter**2
-        return {"calibration": quantile_of(saved.posterior) * np.sqrt(variance)}, ()
-    name = KINDS[rods.kind]
+        effects = effects_on(BuiltArm(rods.source, saved.unknowns, saved.setup), numbers)
+        return {"calibration": saved.posterior.quantile * saved.posterior.deviations(effects, numbers.units)}, ()
+    name, unknown = KINDS[rods.kind], list[str]()
     bands: dict[str, Array] = {}
     of_rod, of_mesh = RodErrors.of(run, name), mesh_errors(run, name)
     if math.isfinite(of_rod.shape) and run.errors_of(name):
         largest = max((abs(row.force_N) for row in run.rod_errors if row.force_N is not None), default=0.0)
-        bands["rod"] = _allowed(numbers, of_rod.shape, run.length_mm, of_rod.force * largest)
+        # an arc whose end moves by a part of the length turns it by twice as many radians
+        shape = {"mm": of_rod.shape * run.length_mm, "N": of_rod.force * largest, "deg": math.degrees(2 * of_rod.shape)}
+        bands["rod"] = np.array([shape[unit] for unit in numbers.units])
     else:
         unknown.append("The error of the rod is not known, because no whole arm was solved.")
     if of_mesh.kappa_0 is None:
         unknown.append("The error of the mesh is not known.")
     else:
-        bands["mesh"] = _of_mesh(numbers, predicted, run.length_mm, of_mesh.kappa_0, of_mesh.force or 0.0)
+        relative = np.array([of_mesh.force or 0.0 if unit == "N" else of_mesh.kappa_0 for unit in numbers.units])
+        bands["mesh"] = relative * np.abs(predicted - _straight(numbers, run.length_mm))
     if isinstance(rods.source, ArmLaw) and rods.source.rates:
-        tolerances = Tolerances.from_record(run.config.get("tolerances"))
-        unknowns = tolerance_unknowns(rods.source, tolerances, float(numbers.pressures.max()))
-        arm = BuiltArm(rods.source, unknowns)
-        by = effects_on(arm, numbers, np.zeros(len(unknowns))).by_unknown
+        unknowns = tolerance_unknowns(rods.source, run.config, float(numbers.pressures.max()))
+        by = effects_on(BuiltArm(rods.source, unknowns), numbers).by_unknown
         bands["tolerances"] = np.sqrt(by**2 @ np.array([unknown.std for unknown in unknowns]) ** 2)
     else:
         unknown.append("Tolerances are not counted, because this rod has no derivatives.")
     return bands, tuple(unknown)
 
 
-def _allowed(numbers: Numbers, shape: float, length_mm: float, force_N: float) -> Array:
-    """(n,) of an error of the shape over the length, which turns the end by as much as an arc's does, and of forces."""
-    by_unit = {"mm": shape * length_mm, "N": force_N, "deg": math.degrees(2.0 * shape)}
-    return np.array([by_unit[unit] for unit in numbers.units])
-
-
-def _of_mesh(numbers: Numbers, predicted: Array, length_mm: float, curvature: float, force: float) -> Array:
-    """(n,) of relative errors of the curvature and of forces: of displacements from the straight arm, and angles."""
-    straight = {"tip_x": length_mm}
-    origins = [
-        row.s_mm or 0.0 if name == "x" else straight.get(name, 0.0)
-        for row, name in zip(numbers.rows, numbers.names, strict=True)
-    ]
-    relative = np.array([force if unit == "N" else curvature for unit in numbers.units])
-    return np.asarray(relative * np.abs(predicted - np.array(origins)))
+def _straight(numbers: Numbers, length_mm: float) -> Array:
+    """(n,) the numbers of the straight arm, of which displacements and angles are multiples of the curvature."""
+    places = {"tip_x": length_mm}
+    pairs = zip(numbers.rows, numbers.names, strict=True)
+    return np.array([row.s_mm or 0.0 if name == "x" else places.get(name, 0.0) for row, name in pairs])

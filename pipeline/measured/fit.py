@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import final
 
 import numpy as np
@@ -13,7 +13,7 @@ from geometry.arrays import Array
 from pipeline.errors import InputError
 from pipeline.measured.gaussian import Effects, Observed, Posterior, Spread, choose_spread
 from pipeline.measured.predicted import Numbers, Setup
-from pipeline.measured.unknowns import MODULUS, BuiltArm
+from pipeline.measured.unknowns import BuiltArm
 from rod.arm_law.law import ArmLaw
 from rod.errors import RodError
 from rod.mechanics.equilibrium import Rod
@@ -39,7 +39,7 @@ class Fitted:
 
     observed: Observed
     posterior: Posterior
-    at_limit: bool  #: whether a softer arm would leave the pressures of the law
+    at_limit: bool  #: whether the law of so soft an arm ends below the highest pressure, or would of a softer one
 
     @property
     def changes(self) -> Array:
@@ -47,23 +47,10 @@ class Fitted:
         return self.observed.changes
 
 
-def numbers_of(arm: BuiltArm, numbers: Numbers, changes: Array, more: Setup | None = None) -> Array:
-    """(n,) the numbers by the rod of an arm with changes (k,) of its unknowns.
-
-    Raises InputError, with the line, where it has none.
-    """
-    try:
-        law = arm.changed_law(changes)
-    except RodError as failure:
-        raise InputError(str(failure)) from None
-    setup = arm.changed_setup(changes)
-    return numbers.predicted(LawRods(law), setup if more is None else setup + more)
-
-
 @final
 @dataclass(frozen=True, eq=False)
 class LawRods:
-    """The rods of a law; a pressure that the offset of a gauge moves off the range of the law is that at its end."""
+    """The rods of a law; a pressure off its range, where the offset of a gauge leads, is that at its end."""
 
     law: ArmLaw
 
@@ -72,21 +59,44 @@ class LawRods:
         return Rod(self.law.length, law=self.law.at(min(max(pressure_kPa, low), high)))
 
 
-def effects_on(arm: BuiltArm, numbers: Numbers, changes: Array) -> Effects:
-    """How numbers change at some changes (k,) of the unknowns, by differences. Raises InputError."""
+def off_range(law: ArmLaw, numbers: Numbers, setup: Setup) -> tuple[str, ...]:
+    """A sentence on the rows whose pressure, with the offset of the gauge, leaves the law; empty where none does."""
+    low, high = law.pressures[0], law.pressures[-1]
+    pressures = {row.state.pressure_kPa + setup.gauge_kPa for row in numbers.rows}
+    farthest = max(pressures, key=lambda pressure: max(low - pressure, pressure - high))
+    if low <= farthest <= high:
+        return ()
+    sentence = (
+        f"With the offset of the gauge a row is at {farthest:.4g} kPa, but the law goes from {low:.4g} to {high:.4g} "
+        "kPa; that row is compared with the rod at the end of the law."
+    )
+    return (sentence,)
+
+
+def numbers_of(arm: BuiltArm, numbers: Numbers, changes: Array, stiffness: float = 1.0) -> Array:
+    """(n,) the numbers by the rod of an arm with changes (k,) of its unknowns; stiffness: as of `Setup`.
+
+    Raises InputError, with the line, where it has none.
+    """
+    try:
+        law = arm.changed_law(changes)
+    except RodError as failure:
+        raise InputError(str(failure)) from None
+    return numbers.predicted(LawRods(law), replace(arm.changed_setup(changes), stiffness=stiffness))
+
+
+def effects_on(arm: BuiltArm, numbers: Numbers, changes: Array | None = None) -> Effects:
+    """How numbers change at some changes (k,) of the unknowns, none by default, by differences. Raises InputError."""
+    at = np.zeros(len(arm.unknowns)) if changes is None else changes
 
     def by(unknown: int) -> Array:
-        step = np.zeros(len(changes))
+        step = np.zeros(len(at))
         step[unknown] = PART * arm.unknowns[unknown].std
-        return _slope(lambda part: numbers_of(arm, numbers, changes + part * step)) / step[unknown]
+        return _slope(lambda part: numbers_of(arm, numbers, at + part * step)) / step[unknown]
 
-    columns = [by(k) for k in range(len(arm.unknowns))]
-
-    def stiffer(part: float) -> Array:
-        return numbers_of(arm, numbers, changes, Setup(stiffness=math.exp(part * STIFFER)))
-
-    by_modulus = columns[[unknown.name for unknown in arm.unknowns].index(MODULUS)]
-    by_model = np.column_stack([by_modulus, OF_STIFFNESS * _slope(stiffer) / STIFFER])
+    columns = [by(k) for k in range(len(at))]
+    stiffer = _slope(lambda part: numbers_of(arm, numbers, at, math.exp(part * STIFFER))) / STIFFER
+    by_model = np.column_stack([columns[0], OF_STIFFNESS * stiffer])
     return Effects(np.column_stack(columns), by_model, numbers.pressures)
 
 
@@ -111,10 +121,9 @@ def fit(arm: BuiltArm, numbers: Numbers) -> Fitted:
     Raises InputError, with the line, for a state that the rod of the arm has not.
     """
     stds = np.array([unknown.std for unknown in arm.unknowns])
-    lowest = np.full(len(stds), -np.inf)
-    modulus = [unknown.name for unknown in arm.unknowns].index(MODULUS)
-    lowest[modulus] = math.log(max(float(numbers.pressures.max()), 1e-9) / arm.law.pressures[-1])
-    changes = _start(arm, numbers, modulus, max(0.0, lowest[modulus] + 0.5 * PART))
+    lowest, highest_kPa = np.full(len(stds), -np.inf), float(numbers.pressures.max())
+    lowest[0] = math.log(max(highest_kPa, 1e-9) / arm.law.pressures[-1])
+    changes = _start(arm, numbers, max(0.0, lowest[0] + 0.5 * PART))
     usual = _usual(arm, numbers)
     for _ in range(ROUNDS):
         observed = _observed(arm, numbers, changes, stds)
@@ -123,16 +132,16 @@ def fit(arm: BuiltArm, numbers: Numbers) -> Fitted:
         if np.abs((changes - before) / stds).max() < SETTLED:
             break
     observed = _observed(arm, numbers, changes, stds)
-    posterior = Posterior.of(observed, choose_spread(observed, usual))
-    return Fitted(observed, posterior, bool(changes[modulus] < lowest[modulus] + 0.1 * PART))
+    at_limit = changes[0] < lowest[0] + 0.1 * PART or arm.changed_law(changes).pressures[-1] < highest_kPa
+    return Fitted(observed, Posterior.of(observed, choose_spread(observed, usual)), bool(at_limit))
 
 
-def _start(arm: BuiltArm, numbers: Numbers, modulus: int, first: float) -> Array:
+def _start(arm: BuiltArm, numbers: Numbers, first: float) -> Array:
     """(k,) changes from which the fit begins: a modulus at which the rod has every state."""
     failures = []
     for more in STARTS:
         changes = np.zeros(len(arm.unknowns))
-        changes[modulus] = first + more
+        changes[0] = first + more
         try:
             numbers_of(arm, numbers, changes)
         except InputError as failure:

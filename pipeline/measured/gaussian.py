@@ -12,20 +12,23 @@ Quantif. 9 (2019) 365). How large they are, and the scatter, is what best forete
 those of all others.
 """
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields, replace
 from typing import final
 
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 from scipy.optimize import minimize
+from scipy.stats import t
 
-from geometry.arrays import Array
+from geometry.arrays import Array, Mask
 
 #: distance of two pressures at which errors of the model differ, over the highest pressure
 REACH = 0.5
 #: error of the model and its scatter in logarithms before anything is known, and that of the scatter
 MODEL_ERROR, MODEL_ERROR_SPREAD, SCATTER_SPREAD = 0.06, 0.8, 0.7
+#: part of all measurements within an interval
+WITHIN = 0.90
 
 
 @final
@@ -35,6 +38,11 @@ class Spread:
 
     scatter: Mapping[str, float]  #: standard deviation by unit: mm, deg, N
     model: float  #: standard deviation of a and b
+    reach_kPa: float  #: distance of two pressures at which these differ
+
+    def scatter_of(self, units: Sequence[str]) -> Array:
+        """(n, n) covariance of the scatter of numbers with units (n,); nothing for a unit that was not measured."""
+        return np.diag([self.scatter.get(unit, 0.0) ** 2 for unit in units])
 
 
 @final
@@ -46,10 +54,19 @@ class Effects:
     by_model: Array  #: (n, 2) by ln(modulus), and by ln(stiffness) times `fit.OF_STIFFNESS`
     pressures: Array  #: (n,) kPa
 
-    def model_covariance(self, other: "Effects", model: float, reach_kPa: float) -> Array:
+    @staticmethod
+    def joined(parts: Sequence["Effects"]) -> "Effects":
+        """Those of all numbers of some parts."""
+        return Effects(*(np.concatenate([getattr(part, one.name) for part in parts]) for one in fields(Effects)))
+
+    def of(self, chosen: Mask) -> "Effects":
+        """Those of some numbers, chosen (n,)."""
+        return Effects(*(getattr(self, one.name)[chosen] for one in fields(self)))
+
+    def model_covariance(self, other: "Effects", spread: Spread) -> Array:
         """(n, m) of the errors of the model in these numbers and in others."""
-        apart = (self.pressures[:, None] - other.pressures) / reach_kPa
-        return np.asarray(model**2 * np.exp(-0.5 * apart**2) * (self.by_model @ other.by_model.T))
+        apart = (self.pressures[:, None] - other.pressures) / spread.reach_kPa
+        return np.asarray(spread.model**2 * np.exp(-0.5 * apart**2) * (self.by_model @ other.by_model.T))
 
 
 @final
@@ -63,10 +80,10 @@ class Observed:
     changes: Array  #: (k,) from what was expected
     stds: Array  #: (k,) of the changes, before the measurement
 
-    @property
-    def reach_kPa(self) -> float:
-        """Distance of two pressures at which errors of the model differ."""
-        return REACH * float(self.effects.pressures.max()) or 1.0
+    def of(self, chosen: Mask) -> "Observed":
+        """Some of the numbers, chosen (n,)."""
+        units = tuple(np.array(self.units)[chosen].tolist())
+        return replace(self, effects=self.effects.of(chosen), residual=self.residual[chosen], units=units)
 
     @property
     def shifted(self) -> Array:
@@ -75,12 +92,7 @@ class Observed:
 
     def noise(self, spread: Spread) -> Array:
         """(n, n) covariance of what is not explained by the unknowns."""
-        scatter = np.diag([spread.scatter[unit] ** 2 for unit in self.units])
-        return self.effects.model_covariance(self.effects, spread.model, self.reach_kPa) + scatter
-
-    def prior(self, other: Effects) -> Array:
-        """(n, m) covariance of the numbers and others because of the unknowns."""
-        return np.asarray(self.effects.by_unknown * self.stds**2 @ other.by_unknown.T)
+        return self.effects.model_covariance(self.effects, spread) + spread.scatter_of(self.units)
 
 
 def choose_spread(observed: Observed, usual: Mapping[str, float]) -> Spread:
@@ -88,11 +100,11 @@ def choose_spread(observed: Observed, usual: Mapping[str, float]) -> Spread:
 
     usual: scatter by unit that is expected. One pressure says nothing of the error of the model, which stays as it is.
     """
-    kinds = sorted(set(observed.units))
+    kinds, reach = sorted(set(observed.units)), REACH * float(observed.effects.pressures.max()) or 1.0
 
     def spread_of(logs: Array) -> Spread:
         sizes = {unit: usual[unit] * float(np.exp(log)) for unit, log in zip(kinds, logs[1:], strict=True)}
-        return Spread(sizes, MODEL_ERROR * float(np.exp(logs[0])))
+        return Spread(sizes, MODEL_ERROR * float(np.exp(logs[0])), reach)
 
     def badness(logs: Array) -> float:
         before = (logs[0] / MODEL_ERROR_SPREAD) ** 2 + np.sum((logs[1:] / SCATTER_SPREAD) ** 2)
@@ -106,29 +118,15 @@ def choose_spread(observed: Observed, usual: Mapping[str, float]) -> Spread:
 
 def left_out_density(observed: Observed, spread: Spread) -> float:
     """Logarithm of the probability density of the rows at each pressure, foretold from those at all others."""
-    noise, prior = observed.noise(spread), observed.prior(observed.effects)
-    total, z, density = noise + prior, observed.shifted, 0.0
+    density = 0.0
     for pressure in np.unique(observed.effects.pressures):
-        out = observed.effects.pressures == pressure
-        rest = ~out
-        foretold, covariance = np.zeros(int(out.sum())), total[np.ix_(out, out)]
-        if rest.any():
-            gain = _solved(total[np.ix_(rest, rest)], prior[np.ix_(rest, out)]).T
-            foretold = gain @ z[rest]
-            across = gain @ total[np.ix_(rest, out)]
-            covariance = covariance - across - across.T + gain @ total[np.ix_(rest, rest)] @ gain.T
-        density += _log_density(z[out] - foretold, covariance)
+        is_out = observed.effects.pressures == pressure
+        out, known = observed.of(is_out), Posterior.of(observed.of(~is_out), spread)
+        covariance = known.error_covariance(out.effects) + spread.scatter_of(out.units)
+        factor, off = cho_factor(covariance), out.shifted - out.effects.by_unknown @ known.changes
+        logarithm = 2.0 * float(np.log(np.diag(factor[0])).sum()) + len(off) * float(np.log(2.0 * np.pi))
+        density -= 0.5 * (float(off @ cho_solve(factor, off)) + logarithm)
     return density
-
-
-def _log_density(error: Array, covariance: Array) -> float:
-    factor = cho_factor(covariance)
-    logarithm = 2.0 * float(np.log(np.diag(factor[0])).sum())
-    return -0.5 * (float(error @ cho_solve(factor, error)) + logarithm + len(error) * float(np.log(2.0 * np.pi)))
-
-
-def _solved(matrix: Array, right: Array) -> Array:
-    return np.asarray(cho_solve(cho_factor(matrix), right))
 
 
 @final
@@ -141,17 +139,15 @@ class Posterior:
     gain: Array  #: (k, n) by which measured numbers change the mean
     effects: Effects  #: of the numbers that were measured
     spread: Spread
-    reach_kPa: float
 
     @staticmethod
     def of(observed: Observed, spread: Spread) -> "Posterior":
         """To first order about the changes of the numbers."""
-        total = observed.noise(spread) + observed.prior(observed.effects)
         by_unknown = observed.effects.by_unknown * observed.stds**2  # (n, k)
-        gain = _solved(total, by_unknown).T
+        total = observed.noise(spread) + by_unknown @ observed.effects.by_unknown.T
+        gain = np.asarray(cho_solve(cho_factor(total), by_unknown)).T
         covariance = np.diag(observed.stds**2) - gain @ by_unknown
-        covariance = 0.5 * (covariance + covariance.T)
-        return Posterior(gain @ observed.shifted, covariance, gain, observed.effects, spread, observed.reach_kPa)
+        return Posterior(gain @ observed.shifted, 0.5 * (covariance + covariance.T), gain, observed.effects, spread)
 
     @property
     def stds(self) -> Array:
@@ -163,9 +159,24 @@ class Posterior:
         """(k, k)"""
         return np.asarray(self.covariance / np.outer(self.stds, self.stds))
 
+    @property
+    def degrees(self) -> int:
+        """Of freedom of Student's distribution, a degree for each pressure: the error of the model is known from as
+        many errors."""
+        return max(1, len(np.unique(self.effects.pressures)))
+
+    @property
+    def quantile(self) -> float:
+        """Half the width of an interval that holds `WITHIN`, over the deviation."""
+        return float(t.ppf(0.5 + 0.5 * WITHIN, self.degrees))
+
     def error_covariance(self, effects: Effects) -> Array:
         """(m, m) of numbers of the arm less those of its rod with the mean of the unknowns, without scatter."""
-        of_model = effects.model_covariance(effects, self.spread.model, self.reach_kPa)
-        together = self.effects.model_covariance(effects, self.spread.model, self.reach_kPa)  # (n, m)
-        across = effects.by_unknown @ self.gain @ together
+        of_model = effects.model_covariance(effects, self.spread)
+        across = effects.by_unknown @ self.gain @ self.effects.model_covariance(effects, self.spread)
         return np.asarray(effects.by_unknown @ self.covariance @ effects.by_unknown.T - across - across.T + of_model)
+
+    def deviations(self, effects: Effects, units: Sequence[str] = ()) -> Array:
+        """(m,) standard deviations of the same; with the scatter of a reading where units (m,) are given."""
+        variance = np.diag(self.error_covariance(effects) + (self.spread.scatter_of(units) if units else 0.0))
+        return np.sqrt(np.maximum(variance, 0.0))

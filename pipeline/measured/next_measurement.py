@@ -4,10 +4,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from geometry.arrays import Array
 from pipeline.errors import InputError
 from pipeline.measured.fit import OF_POSITIONS, Fitted, effects_on
-from pipeline.measured.gaussian import Effects, Observed, Posterior
+from pipeline.measured.gaussian import Effects, Posterior
 from pipeline.measured.predicted import Numbers
 from pipeline.measured.rows import Measurements, Row, State
 from pipeline.measured.unknowns import BuiltArm
@@ -52,7 +51,7 @@ def next_measurement(arm: BuiltArm, fitted: Fitted, law: ArmLaw) -> NextMeasurem
             reached.append(state)
         except InputError:  # no rod there
             continue
-    targets = _joined(effects)
+    targets = Effects.joined(effects)
     now = _deviation(fitted.posterior, targets)
     then = [_deviation(_after(fitted, one, law.length), targets) for one in effects]
     best = int(np.argmin(then))
@@ -66,21 +65,11 @@ def _deviation(posterior: Posterior, targets: Effects) -> float:
 
 def _after(fitted: Fitted, effects: Effects, length: float) -> Posterior:
     """With two numbers more, whose values do not matter."""
-    observed = fitted.observed
-    spread = fitted.posterior.spread
-    scatter = {"mm": OF_POSITIONS * length} | dict(spread.scatter)
-    more = Observed(
-        _joined([observed.effects, effects]),
-        np.append(observed.residual, np.zeros(2)),
-        (*observed.units, "mm", "mm"),
-        observed.changes,
-        observed.stds,
+    observed, spread = fitted.observed, fitted.posterior.spread
+    more = replace(
+        observed,
+        effects=Effects.joined([observed.effects, effects]),
+        residual=np.append(observed.residual, np.zeros(2)),
+        units=(*observed.units, "mm", "mm"),
     )
-    return Posterior.of(more, replace(spread, scatter=scatter))
-
-
-def _joined(effects: list[Effects]) -> Effects:
-    def rows(name: str) -> Array:
-        return np.concatenate([getattr(one, name) for one in effects])
-
-    return Effects(rows("by_unknown"), rows("by_model"), rows("pressures"))
+    return Posterior.of(more, replace(spread, scatter={"mm": OF_POSITIONS * length} | dict(spread.scatter)))

@@ -4,7 +4,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from pipeline.measured.compare import Compared, Comparison
+from pipeline.measured.compare import Comparison
+from pipeline.measured.predicted import Compared
 from pipeline.plots import COLOURS, Line, Panel, figure, ordered_colour, standalone_page
 from pipeline.report.tables import Table
 

@@ -3,7 +3,7 @@
 import math
 import warnings
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -40,6 +40,30 @@ class Setup:
 AS_WRITTEN = Setup()
 
 
+@dataclass(frozen=True)
+class Compared:
+    """One measured number beside that of the rod."""
+
+    line: int
+    pressure_kPa: float
+    load: str
+    quantity: str  #: with its unit, as in the titles of the file
+    measured: float
+    predicted: float
+    allowed: float  #: by what is known of rod, mesh, and tolerances or calibration
+    s_mm: float | None = None  #: of a point along the arm
+
+    @property
+    def difference(self) -> float:
+        """Measured less predicted."""
+        return self.measured - self.predicted
+
+    @property
+    def is_within(self) -> bool:
+        """Whether it is no larger than what is allowed."""
+        return abs(self.difference) <= self.allowed
+
+
 @dataclass(frozen=True, eq=False)  # arrays inside
 class Numbers:
     """Every number of a file in one row: what was read, in which row of it, and of which kind."""
@@ -62,29 +86,33 @@ class Numbers:
         return tuple(KINDS[name] for name in self.names)
 
     @property
-    def titles(self) -> tuple[str, ...]:
-        """(n,) titles of their columns."""
-        return tuple(COLUMNS[name] for name in self.names)
-
-    @property
     def pressures(self) -> Array:
         """(n,) kPa."""
         return np.array([row.state.pressure_kPa for row in self.rows])
 
     def predicted(self, rods: Rods, setup: Setup = AS_WRITTEN) -> Array:
         """(n,) the same numbers by a rod. Raises InputError, with the line, where it has none."""
-        shapes: dict[State, _Read] = {}
+        shapes: dict[State, RodSolution] = {}
         at: dict[float, Rod] = {}
         found = []
         for row, name in zip(self.rows, self.names, strict=True):
             pressure = row.state.pressure_kPa + setup.gauge_kPa
             try:
                 at[pressure] = at.get(pressure) or rods(pressure)
-                shapes[row.state] = shapes.get(row.state) or _Read(shape_of(at[pressure], row.state, setup), setup)
-                found.append(shapes[row.state].number(name, row.s_mm))
+                shapes[row.state] = shapes.get(row.state) or shape_of(at[pressure], row.state, setup)
+                found.append(_read(shapes[row.state], setup, name, row.s_mm))
             except RodError as failure:
                 raise InputError(f"{self.measurements.file}: line {row.line}: {failure}") from None
         return np.array(found)
+
+    def beside(self, predicted: Array, allowed: Array) -> tuple[Compared, ...]:
+        """Every number beside that of a rod, and what is allowed, (n,) each."""
+        columns = zip(self.rows, self.names, self.values.tolist(), predicted.tolist(), allowed.tolist(), strict=True)
+        return tuple(
+            Compared(row.line, row.state.pressure_kPa, row.state.load, COLUMNS[name], value, rod, most,
+                     row.s_mm if name in ("x", "y") else None)
+            for row, name, value, rod, most in columns
+        )  # fmt: skip
 
 
 def shape_of(rod: Rod, state: State, setup: Setup = AS_WRITTEN) -> RodSolution:
@@ -116,28 +144,13 @@ def _turned(vectors: Array, angle: float) -> Array:
     return vectors @ np.array([[cosine, sine], [-sine, cosine]])
 
 
-@dataclass(frozen=True, eq=False)  # arrays inside
-class _Read:
-    """What is read of a shape."""
-
-    shape: RodSolution
-    setup: Setup
-
-    def number(self, name: str, s_mm: float | None) -> float:
-        """In mm, degrees or N. Raises `RodError` for a point off the rod."""
-        turn = math.radians(self.setup.clamp_deg)
-        if name == "end_angle":
-            return math.degrees(self.shape.end_angle) + self.setup.clamp_deg
-        if name == "reaction":
-            return float(_turned(self.shape.force, turn)[1]) * self.setup.stiffness
-        place = np.array(self.shape.end) if s_mm is None or name.startswith("tip") else self._point(s_mm)
-        return float(_turned(place, turn)[0 if name.endswith("x") else 1])
-
-    def _point(self, s_mm: float) -> Array:
-        return np.asarray(self.shape.positions(np.array([s_mm]))[0])
-
-
-def without(measurements: Measurements, above_kPa: float) -> Measurements:
-    """The rows at pressures up to a limit."""
-    rows = tuple(row for row in measurements.rows if row.state.pressure_kPa <= above_kPa)
-    return replace(measurements, rows=rows)
+def _read(shape: RodSolution, setup: Setup, name: str, s_mm: float | None) -> float:
+    """What is read of a shape, in mm, degrees or N. Raises `RodError` for a point off the rod."""
+    turn = math.radians(setup.clamp_deg)
+    if name == "end_angle":
+        return math.degrees(shape.end_angle) + setup.clamp_deg
+    if name == "reaction":
+        return float(_turned(shape.force, turn)[1]) * setup.stiffness
+    is_tip = s_mm is None or name.startswith("tip")
+    place = np.array(shape.end if is_tip else shape.positions(np.array([s_mm]))[0])
+    return float(_turned(place, turn)[0 if name.endswith("x") else 1])

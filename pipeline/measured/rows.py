@@ -1,9 +1,10 @@
 """What was measured on an arm that was built: one row for each state, or for each point along the arm in a state."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from pipeline.config.units import ANGLE, FORCE, LENGTH, MASS, PRESSURE, Dimension
+from pipeline.errors import InputError
 
 #: columns of numbers by their name without the unit, with what they measure
 NUMBERS: dict[str, Dimension] = {
@@ -84,3 +85,17 @@ class Measurements:
     def pressures_kPa(self) -> tuple[float, ...]:
         """Every pressure once, ascending."""
         return tuple(sorted({row.state.pressure_kPa for row in self.rows}))
+
+    def up_to(self, limit_kPa: float) -> "Measurements":
+        """The rows at pressures up to a limit."""
+        return replace(self, rows=tuple(row for row in self.rows if row.state.pressure_kPa <= limit_kPa))
+
+    def check_pressures(self, low: float, high: float, known: str) -> None:
+        """Raise InputError, with the line, for a pressure that is not between two limits, kPa.
+
+        known: what is known of the arm, with its range.
+        """
+        for row in self.rows:
+            if not low <= row.state.pressure_kPa <= high:
+                where = f"{self.file}: line {row.line}"
+                raise InputError(f"{where}: {row.state.pressure_kPa:g} kPa is outside {known}")

@@ -10,7 +10,7 @@ import numpy as np
 
 from pipeline.cell.unloaded import unloaded_states
 from pipeline.errors import InputError
-from pipeline.measured.calibration import Calibration, Estimate
+from pipeline.measured.calibration import Calibration
 from pipeline.measured.gaussian import Effects, Posterior, Spread
 from pipeline.measured.predicted import Setup
 from pipeline.measured.unknowns import CLAMP, GAUGE, MODULUS, Unknown
@@ -58,7 +58,12 @@ def save_calibration(folder: ResultFolder, run: Run, file: Path, found: Calibrat
         },
     )
     folder.save_json(FILE, record_of(run, file, found))
-    folder.save_rows("predictions.csv", PREDICTION_COLUMNS, [tuple(asdict(row).values()) for row in found.predictions])
+    rows = [
+        (row.line, row.pressure_kPa, row.load, row.quantity, row.measured,
+         row.predicted, row.predicted - row.allowed, row.predicted + row.allowed)
+        for row in found.predictions
+    ]  # fmt: skip
+    folder.save_rows("predictions.csv", PREDICTION_COLUMNS, rows)
     config = calibrated_config(run.config, found)
     folder.save_json("run.json", {"format": FORMAT, "config": config, **provenance(), "remarks": [asdict(remark)]})
 
@@ -72,7 +77,7 @@ def record_of(run: Run, file: Path, found: Calibration) -> JsonObject:
         "measured": str(file),
         "numbers": len(found.predictions),
         "unknowns": [estimate.name for estimate in found.estimates],
-        **{estimate.name: _numbers_of(estimate) for estimate in found.estimates},
+        **{one.name: {key: value for key, value in asdict(one).items() if key != "name"} for one in found.estimates},
         "correlation": found.correlation,
         "scatter": {f"{unit}_std": std for unit, std in posterior.spread.scatter.items()},
         "model_error_std": posterior.spread.model,
@@ -86,13 +91,9 @@ def record_of(run: Run, file: Path, found: Calibration) -> JsonObject:
             "by_unknown": posterior.effects.by_unknown,
             "by_model": posterior.effects.by_model,
             "pressures_kPa": posterior.effects.pressures,
-            "reach_kPa": posterior.reach_kPa,
+            "reach_kPa": posterior.spread.reach_kPa,
         },
     }
-
-
-def _numbers_of(estimate: Estimate) -> JsonObject:
-    return {key: value for key, value in asdict(estimate).items() if key != "name"}
 
 
 def _scaled_error(run: Run, factor: float) -> JsonObject | None:
@@ -111,14 +112,12 @@ def _scaled_error(run: Run, factor: float) -> JsonObject | None:
 def calibrated_config(config: Mapping[str, Any], found: Calibration) -> JsonObject:
     """The configuration of the drawing, with dimensions and moduli of the calibrated arm."""
     changed: dict[str, Any] = json.loads(json.dumps(config, default=dict))
-    for estimate in found.estimates:
-        section, _, key = estimate.name.partition(".")
-        if isinstance(changed.get(section), dict) and key in changed[section]:
-            changed[section][key] = estimate.mean
-    for name, rate in found.law.rates.items():
+    values = {estimate.name: estimate.mean for estimate in found.estimates}
+    values |= {name: rate.value for name, rate in found.law.rates.items() if rate.unit == "MPa"}
+    for name, value in values.items():
         section, _, key = name.partition(".")
-        if rate.unit == "MPa" and isinstance(changed.get(section), dict) and key in changed[section]:
-            changed[section][key] = rate.value
+        if isinstance(changed.get(section), dict) and key in changed[section]:
+            changed[section][key] = value
     return changed
 
 
@@ -142,8 +141,7 @@ def read_calibration(directory: Path) -> SavedCalibration | None:
             np.array(kept["covariance"], float),
             np.array(kept["gain"], float),
             effects,
-            Spread(scatter, float(content["model_error_std"])),
-            float(kept["reach_kPa"]),
+            Spread(scatter, float(content["model_error_std"]), float(kept["reach_kPa"])),
         )
         setup = Setup(float(rows[GAUGE]["mean"]), float(rows[CLAMP]["mean"]))
     except (OSError, ValueError, TypeError, KeyError, AttributeError) as failure:

@@ -8,7 +8,7 @@ from typing import Any
 from geometry.arrays import Array
 from pipeline.budget import make_budget
 from pipeline.config.section import not_known
-from pipeline.config.tolerances import OF_PRESSURE, STIFFNESS, Tolerance, Tolerances
+from pipeline.config.tolerances import STIFFNESS, Tolerance, Tolerances
 from pipeline.errors import InputError
 from pipeline.measured.predicted import AS_WRITTEN, Setup
 from rod.arm_law.law import ArmLaw
@@ -56,7 +56,7 @@ class BuiltArm:
     """The law of an arm and the setup of its measurement, as functions of changes of what is unknown."""
 
     law: ArmLaw
-    unknowns: tuple[Unknown, ...]
+    unknowns: tuple[Unknown, ...]  #: the first one is MODULUS
     setup: Setup = AS_WRITTEN  #: without changes
 
     def changed_law(self, changes: Array, *, with_derivatives: bool = False) -> ArmLaw:
@@ -69,13 +69,9 @@ class BuiltArm:
         law = with_second_order(self.law, self._of(BEND, changes), self._of(STRETCH, changes))
         change = law.carried if with_derivatives else law.with_changes
         law = change(of_law) if of_law else law
-        factor, trend = self.modulus(changes), self._of(TREND, changes)
+        trend = self._of(TREND, changes)
         law = law.stiffened(trend) if trend else law
-        return law if factor == 1.0 else law.scaled(factor)
-
-    def modulus(self, changes: Array) -> float:
-        """The factor of all moduli."""
-        return math.exp(self._of(MODULUS, changes))
+        return law.scaled(math.exp(changes[0])) if changes[0] else law
 
     def changed_setup(self, changes: Array) -> Setup:
         """The setup after changes (k,)."""
@@ -89,57 +85,47 @@ class BuiltArm:
 def unknowns_of(law: ArmLaw, config: Mapping[str, Any], free: Sequence[str], highest_kPa: float) -> tuple[Unknown, ...]:
     """What is freed: all moduli, gauge and clamp, and dimensions.
 
-    free: their keys; those whose tolerances move the tip most where none is given. highest_kPa: of the measurement.
-    Raises InputError.
+    config: as run.json has it, for its tolerances. free: their keys; those whose tolerances move the tip most where
+    none is given. highest_kPa: of the measurement. Raises InputError.
     """
-    tolerances = Tolerances.from_record(config.get("tolerances"))
-    every = tolerances.all({name: rate.value for name, rate in law.rates.items() if rate.unit == "mm"})
-    always = [
-        _modulus(law, every),
-        _gauge(every, highest_kPa),
-        Unknown(CLAMP, "deg", 0.0, OF_CLAMP, f"± {OF_CLAMP:g}°"),
-    ]
-    if free:
-        for key in free:
-            if key not in law.rates or law.rates[key].unit == "MPa":
-                raise InputError(f"--free {key}: {not_known(key, _dimensions(law))}")
-        chosen = list(dict.fromkeys(free))
-    else:
-        chosen = _largest(law, tolerances, min(highest_kPa, law.pressures[-1]))
-    named = [_of_law(law, key, every.get(key)) for key in chosen]
+    tolerances, known = _tolerances(law, config), _dimensions(law)
+    for key in free:
+        if key not in known:
+            raise InputError(f"--free {key}: {not_known(key, known)}")
+        if key not in tolerances:
+            raise InputError(f"--free {key}: has no tolerance; give one in the section tolerances of the configuration")
+    chosen = list(dict.fromkeys(free))
+    if not free and known:
+        pressure = min(highest_kPa, law.pressures[-1])
+        budget = make_budget(law, Tolerances.from_record(config.get("tolerances")), pressure, None)
+        chosen = [row.parameter for row in budget.rows if row.parameter in known][:MOST_DIMENSIONS]
     stds = {TREND: OF_TREND, BEND: OF_BEND, STRETCH: OF_STRETCH}
     trend, *second = (Unknown(name, "1", 0.0, std, "another law of the rubber") for name, std in stds.items())
-    return (always[0], trend, *named, *always[1:], *second)
+    clamp = Unknown(CLAMP, "deg", 0.0, OF_CLAMP, f"± {OF_CLAMP:g}°")
+    named = [_of_law(law, key, tolerances) for key in chosen]
+    given = {key: one for key, one in tolerances.items() if not one.is_default}
+    return (_modulus(law, given), trend, *named, _gauge(tolerances, highest_kPa), clamp, *second)
 
 
-def tolerance_unknowns(law: ArmLaw, tolerances: Tolerances, highest_kPa: float) -> tuple[Unknown, ...]:
-    """Everything that has a tolerance, each with it as its deviation.
+def tolerance_unknowns(law: ArmLaw, config: Mapping[str, Any], highest_kPa: float) -> tuple[Unknown, ...]:
+    """Everything that has a tolerance, each with it as its deviation; parameters as of `unknowns_of`."""
+    tolerances = _tolerances(law, config)
+    named = [_of_law(law, key, tolerances) for key in _dimensions(law) if key in tolerances]
+    return (_modulus(law, tolerances), *named, _gauge(tolerances, highest_kPa))
 
-    highest_kPa: of the measurement.
-    """
-    every = tolerances.all({name: rate.value for name, rate in law.rates.items() if rate.unit == "mm"})
-    stiffness = every.get(STIFFNESS)
-    std = math.log1p(stiffness.amount) if stiffness else _modulus(law, every).std
-    named = [_of_law(law, key, every[key]) for key in _dimensions(law) if key in every]
-    return (Unknown(MODULUS, "1", 1.0, std, "tolerance"), *named, _gauge(every, highest_kPa))
+
+def _tolerances(law: ArmLaw, config: Mapping[str, Any]) -> dict[str, Tolerance]:
+    dimensions = {name: rate.value for name, rate in law.rates.items() if rate.unit == "mm"}
+    return Tolerances.from_record(config.get("tolerances")).all(dimensions)
 
 
 def _dimensions(law: ArmLaw) -> list[str]:
     return [name for name, rate in law.rates.items() if rate.unit != "MPa"]
 
 
-def _largest(law: ArmLaw, tolerances: Tolerances, pressure: float) -> list[str]:
-    """The dimensions whose tolerances move the tip most."""
-    if not law.rates:
-        return []
-    budget = make_budget(law, tolerances, pressure, None)
-    return [row.parameter for row in budget.rows if row.parameter in _dimensions(law)][:MOST_DIMENSIONS]
-
-
 def _modulus(law: ArmLaw, tolerances: Mapping[str, Tolerance]) -> Unknown:
-    """Known as well as it was given, which is for a tensile test of one's own batch; else as of a data sheet."""
-    given = [one for name, one in tolerances.items() if name == STIFFNESS and not one.is_default]
-    parts = [one.amount for one in given]
+    """Known as well as these tolerances say, as after a tensile test of one's own batch; else as of a data sheet."""
+    parts = [tolerances[STIFFNESS].amount] if STIFFNESS in tolerances else []
     for name, rate in law.rates.items():
         if rate.unit == "MPa" and rate.value and name in tolerances:
             parts.append(tolerances[name].of(rate.value) / abs(rate.value))
@@ -149,13 +135,10 @@ def _modulus(law: ArmLaw, tolerances: Mapping[str, Tolerance]) -> Unknown:
 
 
 def _gauge(tolerances: Mapping[str, Tolerance], highest_kPa: float) -> Unknown:
-    given = tolerances.get("pressure", Tolerance(OF_PRESSURE, True, True))
+    given = tolerances["pressure"]
     return Unknown(GAUGE, "kPa", 0.0, given.of(highest_kPa), f"tolerance ± {given.text('kPa')} at {highest_kPa:g} kPa")
 
 
-def _of_law(law: ArmLaw, key: str, tolerance: Tolerance | None) -> Unknown:
-    rate = law.rates[key]
-    if tolerance is None:
-        raise InputError(f"--free {key}: has no tolerance; give one in the section tolerances of the configuration")
-    std = tolerance.of(rate.value)
-    return Unknown(key, rate.unit, rate.value, std, f"tolerance ± {tolerance.text(rate.unit)}")
+def _of_law(law: ArmLaw, key: str, tolerances: Mapping[str, Tolerance]) -> Unknown:
+    rate, tolerance = law.rates[key], tolerances[key]
+    return Unknown(key, rate.unit, rate.value, tolerance.of(rate.value), f"tolerance ± {tolerance.text(rate.unit)}")

@@ -10,7 +10,7 @@ import pytest
 from pipeline.errors import InputError
 from pipeline.measured.calibrate import CalibrateOptions, CalibrationReport, calibrate_files
 from pipeline.measured.compare import compare_files
-from pipeline.measured.fit import effects_on, numbers_of
+from pipeline.measured.fit import effects_on, numbers_of, off_range
 from pipeline.measured.gaussian import Effects, Observed, Posterior, Spread
 from pipeline.measured.predicted import Numbers, Setup
 from pipeline.measured.rows import State
@@ -86,6 +86,25 @@ def test_a_softer_arm_leaves_out_pressures_that_its_law_has_not(tmp_path: Path) 
     assert any("geometry.wall" in sentence for sentence in found.undetermined)
 
 
+def test_moduli_that_fall_with_the_pressure_leave_out_pressures_too(tmp_path: Path) -> None:
+    """The law of such an arm ends at 29 kPa; with the rod there for the row at 38 kPa the wall would come out half."""
+    true = arm_law(60.0).stiffened(-0.45)
+    file = measured(tmp_path / "arm.csv", true, [State(p) for p in (10.0, 20.0, 28.0, 34.0, 38.0)])
+    found = calibrate_files(result_folder(tmp_path / "arm"), file).found
+    assert "left out" in found.notes[0]
+    assert max(row.pressure_kPa for row in found.predictions) <= found.law.pressures[-1]
+    assert found["geometry.wall"].mean == pytest.approx(1.0, abs=0.1)
+
+
+def test_a_pressure_that_the_gauge_moves_off_the_law_is_said(tmp_path: Path) -> None:
+    (tmp_path / "arm.csv").write_text("pressure_kPa,tip_y_mm\n10,-20\n40,-50\n", encoding="utf-8")
+    numbers = Numbers.of(read_measurements(tmp_path / "arm.csv"))
+    assert off_range(arm_law(), numbers, Setup()) == ()
+    (sentence,) = off_range(arm_law(), numbers, Setup(gauge_kPa=0.5))
+    assert "40.5 kPa" in sentence
+    assert "0 to 40 kPa" in sentence
+
+
 @pytest.mark.parametrize(
     ("text", "words", "free"),
     [
@@ -133,7 +152,7 @@ def test_the_error_of_a_prediction_is_that_of_linear_gaussian_numbers() -> None:
     pressures = np.array([4.0, 8.0, 8.0, 12.0])
     effects = Effects(random.normal(size=(4, 2)), random.normal(size=(4, 2)), pressures)
     observed = Observed(effects, np.zeros(4), ("mm", "mm", "deg", "mm"), np.zeros(2), np.array([0.5, 2.0]))
-    spread = Spread({"mm": 0.3, "deg": 0.6}, 0.4)
+    spread = Spread({"mm": 0.3, "deg": 0.6}, 0.4, 6.0)
     posterior = Posterior.of(observed, spread)
     target = Effects(random.normal(size=(2, 2)), random.normal(size=(2, 2)), np.array([9.0, 20.0]))
     count, every = 200_000, Effects(
@@ -141,7 +160,7 @@ def test_the_error_of_a_prediction_is_that_of_linear_gaussian_numbers() -> None:
         np.vstack([effects.by_model, target.by_model]),
         np.append(pressures, target.pressures),
     )  # fmt: skip
-    of_model = random.multivariate_normal(np.zeros(6), every.model_covariance(every, 0.4, observed.reach_kPa), count)
+    of_model = random.multivariate_normal(np.zeros(6), every.model_covariance(every, spread), count)
     unknowns = random.normal(size=(count, 2)) * observed.stds
     noise = random.normal(size=(count, 4)) * np.array([0.3, 0.3, 0.6, 0.3])
     numbers = unknowns @ every.by_unknown.T + of_model
