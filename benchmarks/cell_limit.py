@@ -18,7 +18,8 @@ from benchmarks.unseen.designs import drawn
 from fem.cell.piece import PieceFailed
 from pipeline.cell.limit import fine_mesh
 from pipeline.cell.measure import cell_without_moment
-from pipeline.cell.meshes import MESHES, Numbers, find_limit
+from pipeline.cell.mesh_limit import Numbers
+from pipeline.cell.meshes import MESHES, find_limit
 from pipeline.cell.pieces import ArmPieces
 from pipeline.config.config import Config
 from pipeline.config.load import load_config

@@ -179,11 +179,12 @@ def cell(
     from pipeline.cell.study import measure_law
     from pipeline.cell.table import law_remarks, law_table, mesh_table, space_table
     from pipeline.notes import render
+    from pipeline.results.law import LawMeshError
     from pipeline.terminal import text_table
 
     report = _solve(measure_law, design, folder, jobs or 1, fresh)
     print_lines(text_table(law_table(report.measured)))
-    if (in_space := space_table(report.measured.law)) is not None:
+    if (in_space := space_table(report.measured.law, report.measured.mesh_error or LawMeshError())) is not None:
         print_lines(text_table(in_space))
     if report.measured.limit is not None:
         print_lines(text_table(mesh_table(report.measured.limit)))

@@ -8,7 +8,7 @@ import numpy as np
 from geometry import Reason
 from pipeline.cell.cells import CellMeasurer, measure_bends
 from pipeline.cell.ends import begin_clamps, choose_half_cells, measure_ends
-from pipeline.cell.meshes import MeshLimit
+from pipeline.cell.mesh_limit import MeshLimit
 from pipeline.cell.pieces import ArmPieces
 from pipeline.cell.point import Measured
 from pipeline.cell.rates import law_rates

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from geometry.arrays import Array
-from pipeline.cell.meshes import MeshLimit, Numbers, moment_at
+from pipeline.cell.mesh_limit import Across, MeshLimit, Numbers, across_on, moment_at
 from rod.arm_law.curves import CellCurve, ClampCurve
 from rod.arm_law.law import ArmLaw
 from rod.cubics import cubic, cubic_slope, monotone_slopes
@@ -23,6 +23,8 @@ class Corrections:
     pressures: Array  #: (n,) kPa, rising
     shift: Array  #: (n,) 1/mm
     ratio: Array  #: (n,)
+    #: pressures (m,) in kPa, and (m, 2) factors of the rigidities of `Across`; None: not corrected
+    across: tuple[Array, Array] | None = None
 
     @staticmethod
     def of(cells: Sequence[CellCurve], own: Mapping[float, Numbers], limit: MeshLimit, length: float) -> "Corrections":
@@ -35,12 +37,23 @@ class Corrections:
             if pressure in own and (cell := curves.get(pressure)):
                 rows = [row for row in rows if row[0] != pressure]
                 rows.append((pressure, numbers.kappa_0 - cell.at(0.0)[0], _ratio(cell, own[pressure], numbers, length)))
-        return Corrections(*np.array(rows).T)
+        pressures, shift, ratio = np.array(rows).T
+        return Corrections(pressures, shift, ratio, _across(cells, limit))
 
     def at(self, pressure: float) -> tuple[float, float, float, float]:
         """Shift (1/mm), ratio, and their slopes per kPa at a pressure in kPa."""
         (shift, shift_slope), (ratio, ratio_slope) = (self._at(column, pressure) for column in (self.shift, self.ratio))
         return shift, ratio, shift_slope, ratio_slope
+
+    def out_of_plane(self, cell: CellCurve) -> CellCurve:
+        """The curve with its rigidities out of the plane times their factors, by straight lines over the pressure."""
+        if self.across is None or not cell.is_in_space:
+            return cell
+        pressures, factors = self.across
+        columns = zip(Across._fields, factors.T, strict=True)
+        return replace(
+            cell, **{name: getattr(cell, name) * np.interp(cell.pressure, pressures, f) for name, f in columns}
+        )
 
     def _at(self, column: Array, pressure: float) -> tuple[float, float]:
         if len(column) < 2:
@@ -51,9 +64,17 @@ class Corrections:
         return value, slope if inside == pressure else 0.0
 
 
+def _across(cells: Sequence[CellCurve], limit: MeshLimit) -> tuple[Array, Array] | None:
+    """Pressures and factors from the rigidities of cells out of the plane to those in the limit."""
+    known = {
+        c.pressure: np.divide(limit.across[c.pressure][0], across_on(c)) for c in cells if c.pressure in limit.across
+    }
+    return (np.array(list(known)), np.array(list(known.values()))) if known else None
+
+
 def corrected(law: ArmLaw, corrections: Corrections) -> ArmLaw:
     """The law with its cells and clamped ends at their corrected moments and curvatures."""
-    cells = tuple(_cell(curve, *corrections.at(curve.pressure)) for curve in law.cells)
+    cells = tuple(_cell(corrections.out_of_plane(curve), *corrections.at(curve.pressure)) for curve in law.cells)
     clamps = tuple(_clamp(curve, *corrections.at(curve.pressure)[1::2]) for curve in law.clamps)
     ratios = [corrections.at(curve.pressure)[1] for curve in law.cells]
     rates = {name: rate.with_moments(ratios) for name, rate in law.rates.items()}

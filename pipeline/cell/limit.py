@@ -11,7 +11,8 @@ from fem.cell.piece import PieceFailed
 from pipeline.cell.build import MeasuredLaw, build_law
 from pipeline.cell.cells import measure_bends
 from pipeline.cell.corrected import Corrections, corrected
-from pipeline.cell.meshes import MeshLimit, Numbers, find_limit, solve_numbers
+from pipeline.cell.mesh_limit import MeshLimit, Numbers
+from pipeline.cell.meshes import find_limit, solve_numbers
 from pipeline.cell.pieces import ArmPieces
 from pipeline.cell.tasks import ArmTasks, Log
 from pipeline.cell.unloaded import begin_first_states, reached_states

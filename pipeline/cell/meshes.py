@@ -5,31 +5,30 @@ bend it a little, and what to straighten it. They are solved on finer meshes, un
 enough. Limits are beside those of much finer meshes in studies/cell.md.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import asdict, dataclass, field, replace
-from math import copysign, hypot, inf, sqrt
+from dataclasses import dataclass, field, replace
+from math import hypot, inf, sqrt
 from time import process_time
-from typing import Any, NamedTuple
+from typing import TypeVar
 
 import numpy as np
 
+from fem.cell.lateral import lateral_rigidities
 from fem.cell.piece import PieceFailed
 from fem.cell.response import inflated
 from fem.elements import MOST_ACCURATE
+from fem.equations.linear import SingularMatrix
 from geometry import Reason
 from pipeline.cell.measure import cell_without_moment
+from pipeline.cell.mesh_limit import Across, CellMesh, MeshLimit, Numbers, change_for
 from pipeline.cell.pieces import ArmPieces
 from pipeline.cell.tasks import ArmTasks, PieceCurves
 from pipeline.context import RunContext
 from pipeline.errors import InputError
-from pipeline.identification.richardson import extrapolate
+from pipeline.identification.richardson import Extrapolated, extrapolate
 from pipeline.pressure import in_MPa, name_of_state
-from pipeline.results.law import LawMeshError
-from pipeline.results.values import SMALLEST_TURN
-from pipeline.store.json_values import JsonObject
 from pipeline.store.kept import kept
-from rod.arm_law.curves import CellCurve
 
 #: size of a mesh over that of the next finer one, and fewest meshes that are compared: three may agree by chance
 RATIO, MESHES = 1.4, 4
@@ -42,23 +41,6 @@ SOFT = "p2p0"
 MOST_UNKNOWNS = 30_000
 
 
-class Numbers(NamedTuple):
-    """What a cell at one pressure is compared by."""
-
-    kappa_0: float  #: curvature without moment, 1/mm
-    #: N mm2, mean over a change of the curvature by one over the length of the arm, towards straight: where walls
-    #: touch, the slope at a point says more about a node than about the mesh
-    rigidity: float
-    moment: float  #: that straightens the cell, N mm
-
-    def over(self, length: float) -> "Numbers":
-        """By what errors of these numbers are divided; those of an arm of `length` mm that hardly bends are larger."""
-        turning = SMALLEST_TURN / length
-        return Numbers(
-            max(abs(self.kappa_0), turning), self.rigidity, max(abs(self.moment), turning * abs(self.rigidity))
-        )
-
-
 @dataclass(frozen=True)
 class SolvedNumbers:
     """The numbers of a cell at one pressure on one mesh, and what they took."""
@@ -66,70 +48,10 @@ class SolvedNumbers:
     numbers: Numbers
     unknowns: int  #: displacement components
     seconds: float  #: of processor time
+    across: Across | None = None  #: None: not measured
 
 
-@dataclass(frozen=True)
-class CellMesh:
-    """A mesh of the cell that was tried."""
-
-    size_mm: float
-    degrees_of_freedom: int
-    error: float  #: largest relative distance of its numbers from their limits
-    seconds: float  #: processor time
-    kappa_0_per_mm: tuple[float | None, ...]  #: by pressure; None where the cell does not bear it
-    rigidity_N_mm2: tuple[float | None, ...]
-    moment_N_mm: tuple[float | None, ...]
-
-
-@dataclass(frozen=True)
-class MeshLimit:
-    """The numbers of the cell in the limit of its mesh, and the meshes that they come from."""
-
-    requested: float  #: relative error
-    reached: float  #: largest relative standard deviation of a limit
-    pressures_kPa: tuple[float, ...]  #: from rest on
-    limits: tuple[Numbers, ...]  #: by pressure
-    stds: tuple[Numbers, ...]
-    meshes: tuple[CellMesh, ...]  #: the coarsest first
-    reasons: tuple[Reason, ...] = ()  #: why finer meshes were not tried, and pressures without a limit
-
-    @property
-    def is_reached(self) -> bool:
-        """Whether the error is within the requested one."""
-        return self.reached <= self.requested
-
-    def record(self) -> JsonObject:
-        """The key `accuracy` of law.json."""
-        common = {"requested": self.requested, "reached": self.reached, "is_reached": self.is_reached}
-        return {**common, "pressures_kPa": self.pressures_kPa, "meshes": [asdict(mesh) for mesh in self.meshes]}
-
-    def error_of(self, cells: Sequence[CellCurve], length: float, size_mm: float) -> LawMeshError:
-        """Of a law on a mesh of that size: how far its numbers are from the limit, and how uncertain that is.
-
-        length: mm, of the arm.
-        """
-        limits = {p: row for p, *row in zip(self.pressures_kPa, self.limits, self.stds, strict=True)}
-        rows = []
-        for cell in cells:
-            if cell.pressure and (known := limits.get(cell.pressure)):
-                own = numbers_on(cell, length, known[0])
-                rows.append(
-                    (cell.pressure, own, Numbers(*(hypot(a - b, c) for a, b, c in zip(own, *known, strict=True))))
-                )
-        columns: dict[str, Any] = {}
-        for i, name in enumerate(("kappa_0_per_mm", "rigidity_N_mm2", "moment_N_mm")):
-            columns[name] = tuple(own[i] for _, own, _ in rows)
-            columns[f"{name}_std"] = tuple(std[i] for _, _, std in rows)
-        return LawMeshError(size_mm, self.meshes[-1].size_mm, tuple(row[0] for row in rows), **columns)
-
-    @property
-    def remarks(self) -> tuple[Reason, ...]:
-        """The error that is left, and why it is not smaller."""
-        values = {"percent": 100.0 * self.requested, "size_mm": self.meshes[-1].size_mm}
-        made = Reason("cell_accuracy", values | {"reached_percent": 100.0 * self.reached})
-        return (made, *self.reasons)
-
-
+Compared = TypeVar("Compared", Numbers, Across)
 Limits = tuple[Numbers, Numbers]  #: the numbers of a cell at one pressure in the limit, and their standard deviations
 
 
@@ -170,24 +92,30 @@ class _Ladder:
                 columns = np.array([known.numbers for known in by_size.values()]).T
                 found = [extrapolate(list(by_size), column) for column in columns]
                 limit = Numbers(*(number.limit for number in found))
-                scales = limit.over(self.pieces.design.length)
-                stds = [
-                    hypot(INFLATED * number.limit_std, LEAST_STD * scale)
-                    for number, scale in zip(found, scales, strict=True)
-                ]
-                limits[pressure] = limit, Numbers(*stds)
+                limits[pressure] = limit, Numbers(*_stds(found, limit.over(self.pieces.design.length)))
         return limits
 
-    def between_kinds(self, limits: Mapping[float, Limits]) -> dict[float, Limits]:
-        """The limits halfway to what SOFT elements give on the finest mesh, where they bear the pressure."""
+    def across(self) -> dict[float, tuple[Across, Across]]:
+        """The same of the rigidities out of the plane."""
+        limits = {}
+        for pressure, by_size in sorted(self.solved.items()):
+            across = {size: known.across for size, known in by_size.items() if known.across}
+            if len(across) >= 2:
+                found = [extrapolate(list(across), column) for column in zip(*across.values(), strict=True)]
+                limit = Across(*(number.limit for number in found))
+                limits[pressure] = limit, Across(*_stds(found, limit))
+        return limits
+
+    def soft(self, limits: Mapping[float, Limits]) -> dict[float, SolvedNumbers]:
+        """What SOFT elements give on the finest mesh, at the pressures that they bear."""
         mesh = replace(self.pieces.config.mesh, formulation=SOFT, size_mm=self.sizes[-1])
         tasks, length = ArmTasks(self.pieces.with_mesh(mesh), self.context), self.pieces.design.length
         pending = {p: tasks.submit(solve_numbers, p, self.bends[p], length) for p in limits if p not in self.failures}
-        moved = dict(limits)
+        solved = {}
         for pressure, numbers in pending.items():
             with suppress(PieceFailed):
-                moved[pressure] = halfway(*limits[pressure], numbers.result().numbers)
-        return moved
+                solved[pressure] = numbers.result()
+        return solved
 
     def reached(self, limits: Mapping[float, Limits]) -> float:
         """The largest relative standard deviation of a limit."""
@@ -239,47 +167,33 @@ def find_limit(
         if len(ladder.sizes) >= fewest and reached <= accuracy:
             break
         why = ladder.why_no_finer()
+    across = ladder.across()
     if pieces.design.outer_corners and pieces.config.mesh.formulation == MOST_ACCURATE:
-        limits = ladder.between_kinds(limits)
+        for pressure, soft in ladder.soft(limits).items():
+            limits[pressure] = halfway(*limits[pressure], soft.numbers)
+            if soft.across and pressure in across:
+                across[pressure] = halfway(*across[pressure], soft.across)
         reached = ladder.reached(limits)
         why = (why or f"{MOST_ACCURATE} and {SOFT} elements differ") if reached > accuracy else ""
     reasons = [Reason("cell_accuracy_missed", {"why": why})] if why else []
     for pressure, (failed, clause) in sorted(ladder.failures.items()):
         reasons.append(Reason("cell_no_limit", {"pressure_kPa": pressure, "size_mm": failed, "why": clause}))
     values, stds = (tuple(row[part] for row in limits.values()) for part in (0, 1))
-    return MeshLimit(accuracy, reached, tuple(limits), values, stds, tuple(ladder.meshes(limits)), tuple(reasons))
+    meshes = tuple(ladder.meshes(limits))
+    return MeshLimit(accuracy, reached, tuple(limits), values, stds, meshes, across, tuple(reasons))
 
 
-def halfway(limit: Numbers, stds: Numbers, soft: Numbers) -> Limits:
+def _stds(found: Sequence[Extrapolated], scales: Iterable[float]) -> list[float]:
+    """Stated standard deviations of limits with these scales."""
+    return [hypot(INFLATED * one.limit_std, LEAST_STD * abs(scale)) for one, scale in zip(found, scales, strict=True)]
+
+
+def halfway(limit: Compared, stds: Compared, soft: Compared) -> tuple[Compared, Compared]:
     """Between a limit and other numbers, everywhere with the same probability."""
     rows = zip(limit, stds, soft, strict=True)
     moved = [(0.5 * (a + b), hypot(std, (a - b) / sqrt(12.0))) for a, std, b in rows]
-    return Numbers(*(row[0] for row in moved)), Numbers(*(row[1] for row in moved))
-
-
-def numbers_on(cell: CellCurve, length: float, unknown: Numbers) -> Numbers:
-    """The numbers of a curve, those of `unknown` where it does not reach them; length: mm, of the arm."""
-    kappa_0 = cell.at(0.0)[0]
-    change = change_for(kappa_0, length)
-    moment, bent = moment_at(cell, 0.0), moment_at(cell, kappa_0 + change)
-    rigidity = unknown.rigidity if bent is None else bent / change
-    return Numbers(kappa_0, rigidity, unknown.moment if moment is None else moment)
-
-
-def moment_at(cell: CellCurve, kappa: float) -> float | None:
-    """N mm, where the cubics of the curvature over the moment have a curvature in 1/mm; None beyond the curve."""
-    low, high = float(cell.moment[0]), float(cell.moment[-1])
-    if not cell.kappa[0] <= kappa <= cell.kappa[-1]:
-        return None
-    for _ in range(60):
-        middle = 0.5 * (low + high)
-        low, high = (middle, high) if cell.at(middle)[0] < kappa else (low, middle)
-    return 0.5 * (low + high)
-
-
-def change_for(kappa_0: float, length: float) -> float:
-    """The change of the curvature for the rigidity, 1/mm; length: mm, of the arm."""
-    return -copysign(1.0 / length, kappa_0)
+    kind = type(limit)
+    return kind(*(row[0] for row in moved)), kind(*(row[1] for row in moved))
 
 
 def solve_numbers(curves: PieceCurves, pressure: float, bend: float, length: float) -> SolvedNumbers:
@@ -292,12 +206,17 @@ def solve_numbers(curves: PieceCurves, pressure: float, bend: float, length: flo
         begin, piece = process_time(), curves.pieces.cell
         h = piece.body.length
         near = inflated(piece, in_MPa(pressure), bend * h)
-        at = cell_without_moment(piece, near.pressure, near).state
+        point = cell_without_moment(piece, near.pressure, near)
+        at, across = point.state, None
+        if curves.pieces.config.law_in_space and piece.body.half:
+            with suppress(SingularMatrix):
+                found = lateral_rigidities(piece, at, point.axis)
+                across = Across(found.bending, found.torsion)
         kappa_0 = at.angle / h
         change = change_for(kappa_0, length)
         bent = piece.solve(at.pressure, at.angle + change * h, at)
         straight = piece.solve(at.pressure, 0.0, bent if abs(kappa_0) > 1.0 / length else at)
         numbers = Numbers(kappa_0, (bent.moment - at.moment) / change, straight.moment - at.moment)
-        return SolvedNumbers(numbers, 3 * len(piece.space.points), process_time() - begin)
+        return SolvedNumbers(numbers, 3 * len(piece.space.points), process_time() - begin, across)
 
     return kept(curves.store, curves.file(name_of_state("numbers", pressure)), SolvedNumbers, solve)

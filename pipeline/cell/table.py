@@ -6,7 +6,7 @@ import numpy as np
 
 from geometry import Reason
 from pipeline.cell.build import MeasuredLaw
-from pipeline.cell.meshes import MeshLimit
+from pipeline.cell.mesh_limit import MeshLimit
 from pipeline.cell.study import LawReport
 from pipeline.report.tables import Table
 from pipeline.results.law import LawMeshError
@@ -35,16 +35,23 @@ def law_table(measured: MeasuredLaw) -> Table:
     return Table(_HEADS, rows, caption)
 
 
-def space_table(law: ArmLaw) -> Table | None:
+def space_table(law: ArmLaw, error: LawMeshError) -> Table | None:
     """One row per pressure with the rigidities out of the plane, without moment; None where they are not known."""
     cells = [cell for cell in law.cells if cell.is_in_space]
     if not cells:
         return None
+    columns = error.lateral_rigidity_N_mm2_std, error.torsional_rigidity_N_mm2_std
+    stds = dict(zip(error.pressures_kPa, zip(*columns, strict=True), strict=False))
     rows = []
     for cell in cells:
-        values = (float(np.interp(0.0, cell.moment, getattr(cell, name))) for name in IN_SPACE[:4])
-        rows.append((f"{cell.pressure:g}", *(f"{value:.4g}" for value in values)))
-    heads = ("p (kPa)", "B₂ (N mm²)", "GJ (N mm²)", "GA across (N)", "twist axis (mm)")
+        B, GJ, *others = (float(np.interp(0.0, cell.moment, getattr(cell, name))) for name in IN_SPACE[:4])
+        of_mesh = [
+            "" if std is None else f"{100.0 * std / value:.2g} %"
+            for std, value in zip(stds.get(cell.pressure, (None, None)), (B, GJ), strict=True)
+        ]
+        errors = f"{B:.4g}", of_mesh[0], f"{GJ:.4g}", of_mesh[1]
+        rows.append((f"{cell.pressure:g}", *errors, *(f"{value:.4g}" for value in others)))
+    heads = ("p (kPa)", "B₂ (N mm²)", "mesh ±", "GJ (N mm²)", "mesh ±", "GA across (N)", "twist axis (mm)")
     return Table(heads, tuple(rows), "out of the plane, without moment; the twist axis is above the axis of the rod")
 
 

@@ -19,6 +19,10 @@ class LawMeshError:
     kappa_0_per_mm_std: Column = ()
     rigidity_N_mm2_std: Column = ()
     moment_N_mm_std: Column = ()
+    lateral_rigidity_N_mm2: Column = ()
+    lateral_rigidity_N_mm2_std: Column = ()
+    torsional_rigidity_N_mm2: Column = ()
+    torsional_rigidity_N_mm2_std: Column = ()
     reason: str = ""
 
 

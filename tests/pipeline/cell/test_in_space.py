@@ -13,12 +13,15 @@ from fem.equations.constraints import Constraints
 from fem.supports import Fixed
 from geometry import GRADINGS, PneuNet, Reason
 from pipeline.cell import in_space
+from pipeline.cell.corrected import Corrections, corrected
 from pipeline.cell.in_space import cell_in_space
 from pipeline.cell.measure import CellSweep, sweep_cell
 from pipeline.cell.measure_clamp import clamp_curve
 from pipeline.cell.measure_tip import tip_curve
+from pipeline.cell.mesh_limit import Across, CellMesh, MeshLimit, Numbers, across_on, numbers_on
 from pipeline.cell.reach import Reach
 from pipeline.cell.table import space_table
+from pipeline.results.law import LawMeshError
 from rod import RodError
 from rod.arm_law.curves import IN_SPACE, CellCurve
 from rod.arm_law.law import ArmLaw, LawRod
@@ -28,6 +31,7 @@ from rod.spatial import SpatialLoad
 DESIGN = PneuNet(chambers=5)
 SIZE, DHAT, PRESSURE = 5.0, 0.04, 20.0
 BEND = -0.012  #: 1/mm, about the curvature of the cell without moment
+MESH = CellMesh(SIZE, 1, 0.0, 0.0, (), (), ())
 SLIGHT = 1e-5  #: N
 RUBBER = fem.StVenantKirchhoff(E=1.2, nu=0.495)
 
@@ -95,9 +99,9 @@ def test_the_rigidities_stand_in_the_file_and_follow_the_moduli(law: ArmLaw) -> 
 
 
 def test_the_table_has_the_rigidities_without_moment(law: ArmLaw) -> None:
-    table = space_table(law)
+    table = space_table(law, LawMeshError())
     assert table is not None
-    ((pressure, bending, torsion, *_),) = table.rows
+    ((pressure, bending, _, torsion, *_),) = table.rows
     assert float(pressure) == PRESSURE
     cell = law.cells[0]
     assert cell.lateral_rigidity.min() * 0.999 <= float(bending) <= cell.lateral_rigidity.max() * 1.001
@@ -107,10 +111,22 @@ def test_the_table_has_the_rigidities_without_moment(law: ArmLaw) -> None:
 def test_a_law_of_the_plane_alone_says_nothing_of_space(law: ArmLaw) -> None:
     nothing = dict.fromkeys(IN_SPACE, np.empty(0))
     planar = replace(law, cells=(replace(law.cells[0], **nothing),))
-    assert space_table(planar) is None
+    assert space_table(planar, LawMeshError()) is None
     rod = planar.at(PRESSURE)
     with pytest.raises(RodError, match="law_in_space"):
         rod.solve_in_space(SpatialLoad())
+
+
+def test_in_the_limit_of_the_mesh_rigidities_without_moment_are_those_of_the_limit(law: ArmLaw) -> None:
+    (cell,), own = law.cells, across_on(law.cells[0])
+    across = {PRESSURE: (Across(0.9 * own[0], 1.2 * own[1]), Across(3.0, 4.0))}
+    numbers = numbers_on(cell, law.length, Numbers(0.0, 1.0, 1.0))
+    limit = MeshLimit(0.01, 0.001, (PRESSURE,), (numbers,), (Numbers(0.0, 0.0, 0.0),), (), across)
+    moved = corrected(law, Corrections.of(law.cells, {PRESSURE: numbers}, limit, law.length))
+    assert across_on(moved.cells[0]) == pytest.approx(across[PRESSURE][0])
+    of_mesh = replace(limit, meshes=(MESH,)).error_of(law.cells, law.length, SIZE)
+    assert of_mesh.lateral_rigidity_N_mm2_std == pytest.approx([np.hypot(0.1 * own[0], 3.0)])
+    assert of_mesh.torsional_rigidity_N_mm2 == pytest.approx([own[1]])
 
 
 def test_an_unstable_direction_is_a_reason_with_its_place(

@@ -8,7 +8,8 @@ import pytest
 from fem.cell.piece import PieceFailed
 from geometry import Reason
 from pipeline.cell import meshes
-from pipeline.cell.meshes import Numbers, SolvedNumbers, find_limit
+from pipeline.cell.mesh_limit import Across, Numbers
+from pipeline.cell.meshes import SolvedNumbers, find_limit
 from pipeline.cell.pieces import ArmPieces
 from pipeline.cell.tasks import PieceCurves
 from pipeline.config.load import load_config
@@ -21,7 +22,8 @@ LENGTH = 112.0
 
 
 def solved(unknowns: int, kappa: float, rigidity: float) -> SolvedNumbers:
-    return SolvedNumbers(Numbers(1e-3 * kappa, rigidity, -1e-3 * kappa * rigidity), unknowns, 1.0)
+    across = Across(10.0 * rigidity, 2.0 * rigidity)
+    return SolvedNumbers(Numbers(1e-3 * kappa, rigidity, -1e-3 * kappa * rigidity), unknowns, 1.0, across)
 
 
 #: unknowns, 1000 times the curvature without moment and the rigidity of a half cell of a random `pneunet`, number 6 of
@@ -54,4 +56,8 @@ def test_arms_with_gaps_lie_between_two_kinds_of_elements(tmp_path: Path, monkey
     for number, std, expected in zip(*near, RANDOM_LIMIT, strict=False):
         assert abs(number - expected) < 1.65 * std < 0.05 * abs(expected)
     assert abs(alone[0][0] - RANDOM_LIMIT[0]) > 3.0 * alone[1][0]
+    (lateral, torsional), (std, _) = limit.across[1.0]
+    assert lateral == pytest.approx(10.0 * near[0][1])
+    assert torsional == pytest.approx(2.0 * near[0][1])
+    assert std == pytest.approx(10.0 * near[1][1])
     assert [remark.code for remark in limit.remarks] == ["cell_accuracy", "cell_accuracy_missed"]
