@@ -224,6 +224,21 @@ class LawRod:
         self._check_in_space()
         return stability_across(self._pieces, state)
 
+    def buckling_part(self, load: Load) -> float | None:
+        """The part of a load in the plane, to 0.1 %, at which the rod buckles out of it; None where it does not.
+
+        The load grows on the inflated rod, which must be stable. Raises `RodError` as `solve` and `stability` do.
+        """
+        low, high = 0.0, 1.0
+        if self.stability(self.under(load)).is_stable:
+            return None
+        while high - low > 1e-3:
+            part = 0.5 * (low + high)
+            x, y = (part * value for value in load.force)
+            reduced = replace(load, force=(x, y), couple=part * load.couple)
+            low, high = (part, high) if self.stability(self.under(reduced)).is_stable else (low, part)
+        return high
+
     @property
     def is_in_space(self) -> bool:
         """Whether the law has rigidities out of its plane."""

@@ -204,6 +204,8 @@ def test_a_deep_beam_buckles_sideways_at_the_force_of_timoshenko(sign: float) ->
     assert below.is_stable
     assert not above.is_stable
     assert np.abs(above.motion[:, 2]).max() == 1.0
+    assert rod.buckling_part(Load((0.0, 1.25 * critical))) == pytest.approx(0.8, abs=2e-3)
+    assert rod.buckling_part(Load((0.0, 0.9 * critical))) is None
 
 
 def test_a_column_buckles_across_its_plane_at_the_force_of_euler() -> None:
