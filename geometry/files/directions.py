@@ -12,9 +12,9 @@ from geometry.topology import cross
 #: cosine of the largest angle between the longest way of a body, or across it, and the flat faces there; and between
 #: triangles of one flat face
 NEARLY, FLAT = 0.9, 1 - 1e-6
-#: smallest part of the surface that is a flat face
-PART = 0.01
-#: largest difference to a direction of the file that is none
+#: smallest part of the surface that is a flat face, and that tells that a body is rolled: not one facet of a round wall
+PART, LARGE = 0.01, 0.1
+#: sine of the smallest angle to a direction of the file that counts
 ALIGNED = 1e-4
 
 
@@ -22,24 +22,31 @@ def oblique_directions(points: Array, triangles: Index) -> Directions | None:
     """Along and up of a body with the surface points (n, 3) and triangles (k, 3).
 
     Along is normal to a flat end; up is a principal direction in which the body is not symmetric. Both have their
-    largest component positive. None where the body lies along a direction of the file, or has no flat end.
+    largest component positive. None where the body has no flat end or lies in directions of the file; if its length
+    does, a large flat side has to tell that it is rolled about it.
     """
     corners = points[triangles]
     vectors = cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]) / 2
     area = np.linalg.norm(vectors, axis=1)
     principal, skew = _principal(corners, area)
     along = _flat_face(vectors, area, principal[0])
-    if along is None or np.abs(along).max() > 1 - ALIGNED**2:
+    if along is None:
         return None
     order = (1, 2) if skew[1] < skew[2] else (2, 1)
     across = principal[order[0]] - (principal[order[0]] @ along) * along
     sides = np.abs(vectors @ along) < (1 - FLAT) ** 0.5 * area
-    side, top = (_flat_face(vectors[sides], area[sides], each) for each in (across, np.cross(across, along)))
+    is_aligned = _off_axis(along) < ALIGNED
+    part = LARGE if is_aligned else PART
+    side, top = (_flat_face(vectors[sides], area[sides], each, part) for each in (across, np.cross(across, along)))
     if side is not None:
         across = side
     elif top is not None:
         across = np.cross(along, top)
+    elif is_aligned:
+        return None
     up = np.cross(across / np.linalg.norm(across), along)
+    if is_aligned and min(_off_axis(up), _off_axis(principal[1])) < ALIGNED:
+        return None
     return Directions(_upright(along), _upright(up))
 
 
@@ -65,10 +72,11 @@ def _principal(corners: Array, area: Array) -> tuple[Array, Array]:
     return directions, np.abs(area @ cubes)
 
 
-def _flat_face(vectors: Array, area: Array, towards: Array) -> Array | None:
+def _flat_face(vectors: Array, area: Array, towards: Array, part: float = PART) -> Array | None:
     """The unit normal (3,) of the largest flat face with a normal nearly in a direction, or in the opposite one.
 
-    vectors (k, 3): normals of triangles with their areas (k,) as lengths. None where there is none.
+    vectors (k, 3): normals of triangles with their areas (k,) as lengths; part: how much of their sum the face
+    has at least. None where there is none.
     """
     cosine = vectors @ (towards / np.linalg.norm(towards))
     near = np.abs(cosine) > NEARLY * area
@@ -78,7 +86,12 @@ def _flat_face(vectors: Array, area: Array, towards: Array) -> Array | None:
     largest = normals[int(np.argmax(area[near]))]
     same = normals[normals @ largest > FLAT * area[near] * np.linalg.norm(largest)].sum(axis=0)
     size = float(np.linalg.norm(same))
-    return same / size if size > PART * area.sum() else None
+    return same / size if size > part * area.sum() else None
+
+
+def _off_axis(direction: Array) -> float:
+    """Sine of the angle between a unit vector (3,) and the nearest direction of the file."""
+    return float(np.linalg.norm(np.sort(np.abs(direction))[:2]))
 
 
 def _upright(direction: Array) -> Point:

@@ -70,7 +70,9 @@ class FileDesign(Design):
                 found = oblique_directions(*self._outline())
         if found is None:
             return None
-        along, up = (", ".join(f"{part + 0.0:.9g}" for part in direction) for direction in (found.along, found.up))
+        along, up = (
+            ", ".join(f"{round(part, 9) + 0.0:.9g}" for part in direction) for direction in (found.along, found.up)
+        )
         ways = f"write axes: {{along: [{along}], up: [{up}]}}, or the opposite direction up"
         return DesignError("axes", f"the body lies obliquely in its file; {ways}")
 

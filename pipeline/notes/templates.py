@@ -59,8 +59,8 @@ TEMPLATES: Mapping[str, str] = {
     "compare with a smaller mesh.size",
     "volume_lost_unevenly": "the material loses {percent:.0f} % of its volume at {at} ({experiment}, "
     "{pressure_kPa:g} kPa); compare with mesh.formulation: mixed",
-    "hardly_bent": "at {pressure_kPa:g} kPa the arm bends by {bend_rad:.2g} rad only; give higher pressures, thinner "
-    "walls or another end.y",
+    "hardly_bent": "at {pressure_kPa:g} kPa the curvature in the middle bends the arm by {bend_rad:.2g} rad only; give "
+    "higher pressures, thinner walls or another end.y",
     "few_reached": "{count} of {given} pressures have five parameters, too few to show how these change; give more "
     "and lower pressures",
     "rigidity_open": "the rigidity {rigidity} is between {low:.3g} and {high:.3g} N mm² at {pressure_kPa:g} kPa; give "

@@ -114,9 +114,12 @@ def test_a_whole_mesh_that_is_called_a_half_is_not_told_to_move(tmp_path: Path) 
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_an_oblique_body_is_told_its_directions_and_turned(kind: str, tmp_path: Path, configs: Path) -> None:
-    """The shipped finger, turned in its file by a rotation about an oblique axis."""
-    turn = Rotation.from_rotvec([0.4, -0.9, 1.1])
+@pytest.mark.parametrize(("vector", "curve"), [((0.4, -0.9, 1.1), 1.0), ((0.5, 0, 0), 40.0)], ids=["oblique", "rolled"])
+def test_an_oblique_body_is_told_its_directions_and_turned(
+    vector: tuple[float, float, float], curve: float, kind: str, tmp_path: Path, configs: Path
+) -> None:
+    """The shipped finger, turned in its file about an oblique axis, or about its length."""
+    turn = Rotation.from_rotvec(vector)
     axis, angle = turn.as_rotvec() / turn.magnitude(), turn.magnitude()
 
     def oblique(occ):
@@ -127,7 +130,7 @@ def test_an_oblique_body_is_told_its_directions_and_turned(kind: str, tmp_path: 
     family, write = KINDS[kind]
     path = str(write(tmp_path / f"finger.{kind}", oblique))
     with pytest.raises(DesignError, match="write axes: ") as refused:
-        family(path, 1.0)
+        family(path, curve)
     along, up = (
         [float(part) for part in re.search(rf"{name}: \[(.*?)\]", refused.value.sentence)[1].split(", ")]
         for name in ("along", "up")
