@@ -21,6 +21,7 @@ from geometry.arrays import Array
 from rod.arm_law.law import LawRod
 from rod.cubics import cubic
 from rod.errors import RodError
+from rod.export.in_space import Part, SpaceHinges, space_hinges
 from rod.export.lumped import cut_into_joints
 from rod.mechanics.equilibrium import Rod
 
@@ -53,6 +54,7 @@ class Chain:
     axial: float  #: N, rigidity against stretch along the hinges
     shear: float  #: N, against shear
     is_limited: bool  #: whether the springs are unknown beyond their states; else they go on as straight lines
+    space: SpaceHinges | None = None  #: how the hinges turn out of the plane; None where that is not known
 
     @property
     def rest(self) -> int:
@@ -77,7 +79,9 @@ class Chain:
     def between(self, other: "Chain", t: float) -> "Chain":
         """The chain between this one (t = 0) and another (t = 1) of as many pieces, by straight lines."""
         names = ("base", "legs", "points", "lift", "angle", "moment", "axial", "shear")
-        return replace(self, **{name: (1.0 - t) * getattr(self, name) + t * getattr(other, name) for name in names})
+        values = {name: (1.0 - t) * getattr(self, name) + t * getattr(other, name) for name in names}
+        space = self.space.between(other.space, t) if self.space and other.space else None
+        return replace(self, **values, space=space)
 
     def springs(self, turn: Array) -> tuple[Array, Array]:
         """Moments (m,) in N mm and their slopes (m,) in N mm/rad at angles (m,) in rad."""
@@ -159,6 +163,10 @@ def chain_of_law(rod: LawRod, pieces: int, *, has_shear: bool = True) -> Chain:
     # the tangents at both ends of a piece of the arm meet in its hinge
     leg = 0.5 * h * (stretch_0 - lift * kappa_0) * (math.tan(half_turn) / half_turn if half_turn else 1.0)
     base, turn, reached = _clamped_end(rod, clamped, moment)
+    end = Part(rod.clamp.offset_at(0.0), float(rod.clamp.rotation_at(0.0)), clamped, kappa_0, stretch_0, base)
+    piece = Part(np.array([-leg, -lift]), 0.0, h, kappa_0, stretch_0, np.zeros(2))
+    is_first = np.eye(pieces + 1)[0]
+    space = space_hinges(rod, [end, *[piece] * pieces], is_first, is_first * has_shear / (rod.length - base[0]) ** 2)
     if has_shear:
         turn = turn + moment * _turn_by_shear(rod, base[0])
     s = np.linspace(clamped, rod.length, pieces + 1)
@@ -166,7 +174,7 @@ def chain_of_law(rod: LawRod, pieces: int, *, has_shear: bool = True) -> Chain:
     legs = np.vstack([reached + np.array([leg, lift]), np.tile([2.0 * leg, 0.0], (pieces - 1, 1))])
     angle: Array = np.vstack([turn, np.tile(kappa * h, (pieces, 1))])
     moments = np.tile(moment, (pieces + 1, 1))
-    return Chain(base, legs, s, points, lift, angle, moments, *_rigidities(rod), is_limited=True)
+    return Chain(base, legs, s, points, lift, angle, moments, *_rigidities(rod), is_limited=True, space=space)
 
 
 def _beside(rod: LawRod, s: Array) -> Array:
@@ -239,9 +247,13 @@ def linear_chain_of_law(rod: LawRod, pieces: int) -> Chain:
         raise RodError(f"The clamped end at {section.pressure:g} kPa turns against its moment, and is no spring.")
     neutral = kappa * h + rotations[1] * in_clamped
     lift = by_moment[1] / by_moment[0]
-    chain = _linear(edges, h * (stretch - lift * kappa), neutral, compliance, _rigidities(rod))
+    leg = h * (stretch - lift * kappa)
+    piece = Part(np.array([-0.5 * leg, -lift]), 0.0, h, kappa, stretch, np.zeros(2))
+    space = space_hinges(rod, [piece] * pieces, in_clamped, in_clamped / (rod.length - 0.5 * clamped) ** 2)
+    chain = _linear(edges, leg, neutral, compliance, _rigidities(rod))
     base = chain.base + rod.clamp.offset_at(0.0) + [0.0, lift]
-    return replace(chain, base=base, points=chain.points + _beside(rod, chain.s) - [0.0, lift], lift=lift)
+    points = chain.points + _beside(rod, chain.s) - [0.0, lift]
+    return replace(chain, base=base, points=points, lift=lift, space=space)
 
 
 def chain_of_five(rod: Rod, pieces: int, axial: float) -> Chain:

@@ -55,7 +55,7 @@ def _bodies(robot: Robot, chain: Chain, damping: float) -> str:
         limits = f' limited="true" range="{low:.9g} {high:.9g}"' if chain.is_limited else ""
         px, py = 1e-3 * chain.points[k]
         inner = (
-            f'<body name="piece{k}" pos="{x:.9g} {y:.9g} 0">\n'
+            f'<body name="piece{k}" pos="{x:.9g} {y:.9g} 0">\n{_out_of_plane(chain, k, damping)}'
             f'<joint name="joint{k}" type="hinge" axis="0 0 1" stiffness="{stiffness:.9g}" '
             f'springref="{chain.neutral[k]:.9g}" damping="{damping * stiffness:.9g}"{limits}/>\n'
             f"{_solid(robot, lengths[k], solid.mass * lengths[k] / whole, chain.lift)}"
@@ -65,6 +65,20 @@ def _bodies(robot: Robot, chain: Chain, damping: float) -> str:
         )
     clamp = _solid(robot, chain.base[0], solid.mass * chain.base[0] / whole, 0.0)
     return f'<body name="clamp">\n{clamp}{inner}</body>\n'
+
+
+def _out_of_plane(chain: Chain, k: int, damping: float) -> str:
+    """The two joints that turn a piece out of the plane, before that within it; empty where they are not known."""
+    if chain.space is None:
+        return ""
+    x, y = 1e-3 * chain.space.centre[k]
+    cosine, sine = np.cos(chain.space.axis[k]), np.sin(chain.space.axis[k])
+    hinges = (("twist", (cosine, sine), chain.space.twist[k]), ("sideways", (-sine, cosine), chain.space.bend[k]))
+    return "".join(
+        f'<joint name="{name}{k}" type="hinge" axis="{along:.9g} {across:.9g} 0" pos="{x:.9g} {y:.9g} 0" '
+        f'stiffness="{1e-3 * stiffness:.9g}" damping="{1e-3 * damping * stiffness:.9g}"/>\n'
+        for name, (along, across), stiffness in hinges
+    )
 
 
 def _solid(robot: Robot, length: float, mass: float, lift: float) -> str:
@@ -194,10 +208,23 @@ def set_pressure(model, data, pressure_kPa, prefix=""):
     model.tendon_stiffness[tendons] = (np.diff(slope) * np.where(is_above, 1.0, -1.0)).ravel()
     ends = np.where(is_above, -@FAR@, angle[:, 1:-1]), np.where(is_above, angle[:, 1:-1], @FAR@)
     model.tendon_lengthspring[tendons] = np.stack(ends, axis=2).reshape(-1, 2)
+    if "twist_N_m" in now:
+        _set_out_of_plane(model, now, prefix)
     model.body_pos[bodies, :2] = np.vstack([now["base_m"], now["legs_m"]])
     model.site_pos[sites, :2] = now["points_m"]
     model.body_ipos[bodies, 1] = TABLE["centre_height"] - now["lift_m"]
     model.geom_pos[geoms, 1] = np.array(TABLE["geom_heights"]) - now["lift_m"]
     # positions that were equal when the model was made need not be so any more
     model.site_sameframe[sites] = model.geom_sameframe[geoms] = model.body_sameframe[bodies] = 0
+
+
+def _set_out_of_plane(model, now, prefix):
+    """Axes and springs of the joints that turn the pieces out of the plane."""
+    axis = now["sideways_axis_rad"]
+    for name, turn, stiffness in (("twist", 0.0, now["twist_N_m"]), ("sideways", np.pi / 2, now["sideways_N_m"])):
+        joints = np.array([model.joint(f"{prefix}{name}{k}").id for k in range(len(axis))])
+        model.jnt_axis[joints, :2] = np.column_stack([np.cos(axis + turn), np.sin(axis + turn)])
+        model.jnt_pos[joints, :2] = now["sideways_centre_m"]
+        model.jnt_stiffness[joints] = stiffness
+        model.dof_damping[model.jnt_dofadr[joints]] = now["damping_time_s"] * stiffness
 '''

@@ -23,11 +23,12 @@ def write_pyelastica(robot: Robot, path: Path) -> None:
     path.write_text(program, encoding="utf-8")
 
 
-_PROGRAM = '''"""A pneumatic arm in PyElastica, written by pneurod. SI units; the arm bends in the plane x, y.
+_PROGRAM = '''"""A pneumatic arm in PyElastica, written by pneurod. SI units; it bends in the plane x, y.
 
     python THIS_FILE --pressure 17 --force 0 0.02 --plot arm.png
 
 simulates the arm until it rests under a pressure in kPa and a dead force on its end in N, and prints where the end is.
+A third component of the force acts along z, if the arm is known to turn out of its plane.
 `build`, `Law`, `simulate` and `curve` can be imported from another program.
 """
 
@@ -88,7 +89,7 @@ def equilibrium(pressure_kPa, force=(0.0, 0.0)):
 
 
 def build(pressure_kPa, force=(0.0, 0.0)):
-    """The CosseratRod in its equilibrium; `Law` has to act on it. Its first element is clamped."""
+    """The CosseratRod in its equilibrium in the plane; `Law` has to act on it. Its first element is clamped."""
     now, turn = at(pressure_kPa), equilibrium(pressure_kPa, force)
     base = now["base_m"]
     nodes = np.cumsum(np.vstack([[0.0, base[1]], [base[0], 0.0], _turned(_legs(now), np.cumsum(turn))]), axis=0)
@@ -105,7 +106,7 @@ def build(pressure_kPa, force=(0.0, 0.0)):
         youngs_modulus=now["axial_N"] / area,
         position=np.vstack([nodes.T, np.zeros(len(nodes))]),
     )
-    for k, rigidity in enumerate((now["shear_N"], now["shear_N"], now["axial_N"])):
+    for k, rigidity in enumerate((now.get("sideways_shear_N", now["shear_N"]), now["shear_N"], now["axial_N"])):
         rod.shear_matrix[k, k, :] = rigidity
     Law(pressure_kPa).apply_forces(rod)
     return rod
@@ -117,8 +118,12 @@ def time_step(rod, pressure_kPa):
     lengths = rod.rest_lengths
     stretch = 2.0 / lengths * np.sqrt(now["axial_N"] * lengths / rod.mass[1:])
     slope = (np.diff(now["moment_N_m"]) / np.diff(now["angle_rad"])).max()
+    shear = now["shear_N"]
+    if "twist_N_m" in now:
+        slope = max(slope, now["twist_N_m"].max(), now["sideways_N_m"].max())
+        shear = max(shear, now["sideways_shear_N"])
     inertia = rod.mass_second_moment_of_inertia[0, 0]
-    turning = np.sqrt((now["shear_N"] * lengths + 4.0 * slope) / inertia)
+    turning = np.sqrt((shear * lengths + 4.0 * slope) / inertia)
     return 0.5 / max(stretch.max(), turning.max())
 
 
@@ -148,16 +153,41 @@ class Law(elastica.NoForces):
             self.offset = np.diff(directions, prepend=0.0)
             lengths = np.linalg.norm(np.vstack([self.now["base_m"][:1].repeat(2) * [1, 0], _legs(self.now)]), axis=1)
             system.rest_sigma[2, 1:] = lengths[1:] / system.rest_lengths[1:] - 1.0
+            self.sideways = _out_of_plane(self.now) if "twist_N_m" in self.now else None
         between = system.rest_voronoi_lengths
         turn = system.kappa[0] * between - self.offset
         moment, slope = _springs(self.now, turn)
         system.bend_matrix[0, 0, :] = slope * between * system.voronoi_dilatation**3
         system.rest_kappa[0, :] = (turn + self.offset - moment / slope) / between
+        if self.sideways is not None:
+            system.bend_matrix[1:, 1:, :] = self.sideways * between * system.voronoi_dilatation**3
+
+
+def _out_of_plane(now):
+    """(2, 2, m) N m/rad: stiffness against turns about the second and third director, the latter along the elements."""
+    directions = _directions(now)
+    neutral = now["angle_rad"][TABLE["kind"], TABLE["rest"]]
+    middle = 0.5 * (np.append(0.0, directions[:-1]) + neutral + directions)
+    cosine, sine = np.cos(now["sideways_axis_rad"] - middle), np.sin(now["sideways_axis_rad"] - middle)
+    axes = np.array([[-sine, cosine], [-cosine, -sine]])
+    stiffness = np.array([now["twist_N_m"], now["sideways_N_m"]])
+    to_end = TABLE["length"] - now["base_m"][0]  # from the node in which the clamped end bends, somewhat beside it
+    stiffness[1, 0] *= (to_end / (to_end - now["sideways_centre_m"][0, 0])) ** 2
+    return np.einsum("kim,km,kjm->ijm", axes, stiffness, axes)
 
 
 def curve(rod, pressure_kPa):
-    """The material curve of the arm at the rest arc lengths TABLE["s_m"], (m, 2) in m."""
+    """The material curve of the arm at the rest arc lengths TABLE["s_m"] in m: (m, 2), or (m, 3) if the arm is known to
+    turn out of its plane."""
     now = at(pressure_kPa)
+    if "twist_N_m" in now:
+        along = rod.tangents[:, 1:]
+        across = np.cross(rod.director_collection[0, :, 1:], along, axis=0)
+        across /= np.linalg.norm(across, axis=0)
+        cosine, sine = np.cos(_directions(now)), np.sin(_directions(now))
+        x, y = now["points_m"].T
+        in_plane = (x * cosine + y * sine) * along + (y * cosine - x * sine) * across
+        return (rod.position_collection[:, 1:-1] + in_plane).T
     nodes = rod.position_collection[:2, 1:]
     legs = np.diff(nodes, axis=1)
     return nodes[:, :-1].T + _turned(now["points_m"], np.arctan2(legs[1], legs[0]) - _directions(now))
@@ -168,7 +198,7 @@ class _Simulator(elastica.BaseSystemCollection, elastica.Constraints, elastica.F
 
 
 def simulate(pressure_kPa, force=(0.0, 0.0), seconds=None, damping=None, tell=None):
-    """The rod at the end of a simulation under a pressure in kPa and a dead force (x, y) on its end in N.
+    """The rod at the end of a simulation under a pressure in kPa and a dead force (x, y) or (x, y, z) on its end in N.
 
     pressure_kPa: a number, or a function of the time in s, with `seconds`. It starts from the equilibrium at the
     beginning. seconds: simulated time; None: until the arm rests. damping: rate in 1/s at which velocities decay; None:
@@ -186,7 +216,9 @@ def simulate(pressure_kPa, force=(0.0, 0.0), seconds=None, damping=None, tell=No
     simulator.constrain(rod).using(
         elastica.FixedConstraint, constrained_position_idx=(0, 1), constrained_director_idx=(0,)
     )
-    end = np.array([force[0], force[1], 0.0])
+    if len(force) > 2 and "twist_N_m" not in TABLE:
+        raise ValueError("nothing is known of this arm out of its plane; write it from a law with law_in_space: true")
+    end = np.array([*force, 0.0])[:3]
     simulator.add_forcing_to(rod).using(elastica.EndpointForces, np.zeros(3), end, ramp_up_time=1e-12)
     rate = 2.0 * frequency if damping is None else damping
     simulator.dampen(rod).using(elastica.AnalyticalLinearDamper, uniform_damping_constant=rate, time_step=step)
@@ -214,7 +246,7 @@ def plot(curves, file):
 
     figure, axes = plt.subplots()
     for label, points in curves.items():
-        axes.plot(*(1e3 * points.T), label=label)
+        axes.plot(*(1e3 * points.T[:2]), label=label)
     axes.set(xlabel="x, mm", ylabel="y, mm", aspect="equal")
     axes.legend()
     figure.savefig(file, dpi=150)
@@ -224,7 +256,7 @@ def main():
     """Simulate the arm and print where its end comes to rest."""
     options = argparse.ArgumentParser(description="A pneumatic arm in PyElastica.")
     options.add_argument("--pressure", type=float, nargs="+", default=TABLE["known_kPa"][-1:], help="kPa")
-    options.add_argument("--force", type=float, nargs=2, default=(0.0, 0.0), metavar=("FX", "FY"), help="N")
+    options.add_argument("--force", type=float, nargs="+", default=(0.0, 0.0), metavar="F", help="N, along x, y, z")
     options.add_argument("--seconds", type=float, help="simulated time (default: until the arm rests)")
     options.add_argument("--plot", metavar="FILE", help="draw the curves into this file")
     given = options.parse_args()
@@ -238,8 +270,8 @@ def main():
         rod = simulate(pressure, given.force, given.seconds, tell=tell)
         sys.stderr.write("\\n")
         points = curves[f"{pressure:g} kPa"] = curve(rod, pressure)
-        x, y = 1e3 * points[-1]
-        print(f"{pressure:g} kPa: end at x = {x:.2f} mm, y = {y:.2f} mm")
+        end = zip("xyz", 1e3 * points[-1])
+        print(f"{pressure:g} kPa: end at {', '.join(f'{axis} = {value:.2f} mm' for axis, value in end)}")
     if given.plot:
         plot(curves, given.plot)
         print(f"picture: {given.plot}")

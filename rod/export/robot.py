@@ -31,6 +31,14 @@ _COLUMNS = (
     ("axial", "axial_N", 1.0),
     ("shear", "shear_N", 1.0),
 )
+#: the same of its hinges out of the plane
+_IN_SPACE = (
+    ("axis", "sideways_axis_rad", 1.0),
+    ("centre", "sideways_centre_m", 1e-3),
+    ("twist", "twist_N_m", 1e-3),
+    ("bend", "sideways_N_m", 1e-3),
+    ("shear", "sideways_shear_N", 1.0),
+)
 
 
 @dataclass(frozen=True)
@@ -164,6 +172,9 @@ class Robot:
         _, first, kind = np.unique(springs, axis=1, return_index=True, return_inverse=True)
         for name in ("angle_rad", "moment_N_m"):
             columns[name] = columns[name][:, first]
+        hinges = [chain.space for chain in self.chains if chain.space]
+        if len(hinges) == len(self.chains):
+            columns |= {name: scale * np.array([getattr(h, field) for h in hinges]) for field, name, scale in _IN_SPACE}
         damping = {} if self.solid is None else {"damping_time_s": self.damping_times}
         return {
             "rod": self.description,

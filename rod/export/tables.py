@@ -140,9 +140,13 @@ def write_sorosim(robot: Robot, path: Path) -> None:
     s[-1] = robot.length
     xi = np.zeros((6, len(s), len(chains)))
     rigidity = []
+    in_space: dict[str, list[Array]] = {}
     for k, chain in enumerate(chains):
         xi[2, :, k], xi[3, :, k] = np.repeat(1e3 * chain.neutral / h, 2), chain.legs[0, 0] / h
         rigidity.append(np.repeat(1e-6 * h * chain.springs(chain.neutral)[1], 2))
+        if chain.space:
+            for name, stiffness in (("GJ", chain.space.twist), ("EI_y", chain.space.bend)):
+                in_space.setdefault(name, []).append(np.repeat(1e-6 * h * stiffness, 2))
     content: dict[str, Any] = {
         "pressures_kPa": np.array(robot.pressures),
         "L": 1e-3 * robot.length,
@@ -152,6 +156,7 @@ def write_sorosim(robot: Robot, path: Path) -> None:
         "X": s / robot.length,
         "xi_star": xi,
         "EI": np.column_stack(rigidity),
+        **{name: np.column_stack(columns) for name, columns in in_space.items()},
         "start": np.column_stack([1e-3 * (chain.base - 0.5 * chain.legs[0]) for chain in chains]),
         "tip_beside": np.column_stack([1e-3 * (chain.points[-1] - 0.5 * chain.legs[0]) for chain in chains]),
     }
