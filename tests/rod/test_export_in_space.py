@@ -16,6 +16,7 @@ from rod.export.chain import chain_of_law
 from rod.export.formats import export_robot
 from rod.export.in_space import Part
 from rod.export.robot import Robot
+from rod.spatial import SpatialLoad
 from tests.coarse import COARSE
 from tests.rod.arm_law.test_arm_law import law_of, straight_law
 from tests.rod.test_export import SOLID
@@ -23,6 +24,8 @@ from tests.rod.test_export import SOLID
 #: B_2 and GJ (N mm2), GA (N), twist axis (mm) and the difference of tilts
 GIVEN = dict(zip(IN_SPACE, (1500.0, 350.0, 14.0, 1.5, 0.0), strict=True))
 CLAMP = np.array([[4e-3, -5e-4], [-5e-4, 2e-3]])
+#: N, across the plane; it moves the end by about half a millimetre
+FORCE = 1e-3
 
 
 def in_space(planar: ArmLaw, clamp: np.ndarray = CLAMP, **changes: float) -> ArmLaw:
@@ -89,20 +92,26 @@ def pushed(module: Path, pressure: float, force: float) -> tuple[np.ndarray, np.
         mujoco.mj_step(model, data)
         if step > 500 and np.abs(data.qvel).max() < 1e-7:
             break
-    turn = data.site_xmat[tip.id].reshape(3, 3) @ before.T
-    return 1e3 * data.site_xpos[tip.id], 0.5 * np.array([turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0]])
+    return 1e3 * data.site_xpos[tip.id], turn_of(before, data.site_xmat[tip.id].reshape(3, 3))
+
+
+def turn_of(first: np.ndarray, second: np.ndarray) -> np.ndarray:
+    """(2,) rad, about x and y, between frames (3, 3) little apart."""
+    turn = second @ first.T
+    return 0.5 * np.array([turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0]])
 
 
 @pytest.mark.parametrize("pressure", [17.0, 30.0, 37.0])
 def test_an_arm_in_mujoco_moves_out_of_its_plane_as_the_rod(spatial: ArmLaw, tmp_path: Path, pressure: float) -> None:
     _, module = export_robot(Robot.of_law(spatial, SOLID, spatial.pressures), "mujoco", tmp_path)
     rod = spatial.at(pressure)
-    found = rod.sideways(rod.solve())
-    force = 0.5 / found.end_lift
-    end, turn = pushed(module, pressure, force)
-    assert end[2] == pytest.approx(0.5, rel=0.02)
-    assert end[:2] == pytest.approx(rod.solve().end, abs=0.2)
-    assert turn / force == pytest.approx(found.end_turn, abs=0.03 * np.linalg.norm(found.end_turn))
+    planar, found = (rod.solve_in_space(SpatialLoad((0.0, 0.0, force))) for force in (0.0, FORCE))
+    end, turn = pushed(module, pressure, FORCE)
+    assert found.end[2] > 0.4
+    assert end[2] == pytest.approx(found.end[2], rel=0.02)
+    assert end[:2] == pytest.approx(found.end[:2], abs=0.2)  # between the pressures of the file
+    expected = turn_of(planar.frames[-1], found.frames[-1])
+    assert turn == pytest.approx(expected, abs=0.03 * float(np.linalg.norm(expected)))
 
 
 def test_a_straight_arm_in_mujoco_bends_as_a_beam(tmp_path: Path) -> None:
@@ -133,10 +142,9 @@ def program_of(law: ArmLaw, folder: Path) -> Any:
 def test_an_arm_in_pyelastica_moves_out_of_its_plane_as_the_rod(spatial: ArmLaw, tmp_path: Path) -> None:
     pytest.importorskip("elastica")
     program, rod = program_of(spatial, tmp_path), spatial.at(17.0)
-    force = 0.5 / rod.sideways(rod.solve()).end_lift
-    end = 1e3 * program["curve"](program["simulate"](17.0, (0.0, 0.0, force)), 17.0)[-1]
-    assert end[2] == pytest.approx(0.5, rel=0.03)
-    assert end[:2] == pytest.approx(rod.solve().end, abs=0.2)
+    end = 1e3 * program["curve"](program["simulate"](17.0, (0.0, 0.0, FORCE)), 17.0)[-1]
+    found = rod.solve_in_space(SpatialLoad((0.0, 0.0, FORCE)))
+    assert end == pytest.approx(found.end, abs=0.03 * found.end[2])
 
 
 def test_the_program_for_pyelastica_refuses_a_third_component_that_it_does_not_know(
