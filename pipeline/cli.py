@@ -83,7 +83,7 @@ def rod(
     path: Annotated[
         Path, typer.Argument(metavar="DIR", help="Results of a run; or a parameters.json or law.json alone.")
     ],
-    pressure: Annotated[str, typer.Option(metavar="P", help="With its unit: '31 kPa'.")],
+    pressure: Annotated[str, typer.Option(metavar="P", help="With its unit: '31 kPa', or '[20 kPa, 5 kPa]'.")],
     force: Annotated[
         str | None, typer.Option(metavar="[FX, FY]", help="Dead force: '[0 N, 0.05 N]', in space with FZ.")
     ] = None,

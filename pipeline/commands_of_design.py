@@ -12,6 +12,7 @@ from pipeline.processes import available_cores
 
 if TYPE_CHECKING:
     from pipeline.config.config import Config
+    from pipeline.pairs.spec import PairSpec
     from pipeline.progress import Progress
     from pipeline.report.tables import Table
     from pipeline.results.values import Run
@@ -58,15 +59,22 @@ def run(
     as_json: Json = False,
 ) -> None:
     """Mesh, experiments I, II and III, the five parameters, the rod, the report."""
-    design, folder = _design(config, _with_accuracy(settings, accuracy), out)
+    given = _with_accuracy(settings, accuracy)
+
+    from pipeline.config.document import read_document
+    from pipeline.pairs.spec import read_pairs
+
+    if (pairs := read_pairs(read_document(config, given))) is not None:
+        _run_pairs(pairs, out, jobs or min(3, available_cores()), fresh, _listener(quiet, as_json, verbose))
+        return
+    design, folder = _design(config, given, out)
 
     from pipeline.notes.verdict import verdict_of
-    from pipeline.progress import Silent, progress_for
     from pipeline.report import tables
     from pipeline.run import run as run_design
     from pipeline.terminal import text_table
 
-    progress = Silent() if quiet else progress_for(Console(stderr=as_json), verbose=verbose)
+    progress = _listener(quiet, as_json, verbose)
     results = _solve(run_design, design, folder, jobs or min(3, available_cores()), fresh, progress).results
     verdict = verdict_of(results)
     if as_json:
@@ -79,6 +87,29 @@ def run(
             print_sentences(*(f"Note: {note.text}" for note in results.remarks if verbose))
         print_lines(f"report: {folder / 'report.html'}")
     results.raise_if_failed()
+
+
+def _listener(quiet: bool, as_json: bool, verbose: bool) -> "Progress":
+    from pipeline.progress import Silent, progress_for
+
+    return Silent() if quiet else progress_for(Console(stderr=as_json), verbose=verbose)
+
+
+def _run_pairs(spec: "PairSpec", out: Path | None, jobs: int, fresh: bool, progress: "Progress") -> None:
+    from pipeline.pairs.run import run_pairs
+    from pipeline.pairs.table import pairs_table, save_page
+    from pipeline.terminal import text_table
+
+    folder = out or Path("results") / spec.name
+    try:
+        made = run_pairs(spec, folder, jobs, fresh, progress)
+    finally:
+        progress.done()
+    save_page(made)
+    print_lines(text_table(pairs_table(made)))
+    print_sentences(*made.sentences)
+    print_lines(f"law and pairs: {folder / 'pairs.json'}, page: {folder / 'pairs.html'}")
+    made.raise_if_failed()
 
 
 def _details(results: "Run") -> tuple["Table | None", ...]:

@@ -6,6 +6,7 @@ axis of the rod is the circle between the two.
 """
 
 from dataclasses import dataclass
+from math import nan
 from typing import final
 
 import numpy as np
@@ -28,6 +29,7 @@ class Axis:
     stretch_by_pressure: float  #: 1/MPa
     s: Array  #: (m,) rest positions of the nodes of the material curve from the middle of the cell, mm
     ripple: Array  #: (m, 2) of the nodes beside the axis point at the same s, along the axis and normal to it, mm
+    stretch_by_other: float = nan  #: 1/MPa, as in `Slopes`
 
 
 def axis_of(piece: BendingPiece, at: PieceState, known: Slopes) -> Axis:
@@ -56,6 +58,7 @@ def axis_of(piece: BendingPiece, at: PieceState, known: Slopes) -> Axis:
         stretch_by_pressure=change(known.by_pressure, 0.0) / h,
         s=s,
         ripple=_beside(x[piece.curve, :2], s, length / h, phi / h, middle),
+        stretch_by_other=change(known.by_other, 0.0) / h if len(known.by_other) else nan,
     )
 
 

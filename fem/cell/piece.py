@@ -117,6 +117,7 @@ class BendingPiece:
         self._system.hold_near_pairs()
         self._other_systems: dict[str, System] = {}  #: by what they are for
         self.changes: Mapping[str, Any] = {}  #: `DesignChange` by parameter of which its states give derivatives
+        self.other = ""  #: the cavity by whose own pressure its states give derivatives as well; empty: none
         #: the last equilibrium and its assembly, which its slopes need again
         self._latest: tuple[State, Assembly] | None = None
         self._kept: dict[Hashable, tuple[Any, int]] = {}  #: by what it is: a result, and its factorizations

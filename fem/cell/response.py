@@ -20,10 +20,12 @@ only the normal displacement is free. The energy of one pitch P = 2 h then gives
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
-from typing import final
+from math import nan
+from typing import Any, final
 
 import numpy as np
 
+from fem.cell.air import AirPressure
 from fem.cell.mirror_contact import is_with_images
 from fem.cell.piece import BendingPiece, PieceFailed, PieceState, turn
 from fem.effects.effect import LoadTerm, Terms
@@ -31,6 +33,7 @@ from fem.equations.constraints import Constraints
 from fem.equations.linear import SingularMatrix
 from fem.equations.linearised import Linearised
 from fem.equations.state import Change, State
+from fem.materials.regions import laws_of
 from fem.path.predictor import PathPoint, extrapolate, small_step_under_load, weighted_sum
 from fem.supports import Fixed, Prescribed, SharedPlane, Support
 from geometry.arrays import Array, Index
@@ -57,6 +60,9 @@ class Slopes:
     #: of the unknowns by a unit force on the end of the material curve, along the normal of the plane and within it;
     #: none for a piece without derivatives by the design
     by_end_force: tuple[Change, ...] = field(default=(), repr=False)
+    #: by the pressure of the cavity `other` of the piece alone, mm3 and (n, 3) mm/MPa; none without it
+    moment_by_other: float = nan
+    by_other: Array = field(default_factory=lambda: np.empty((0, 3)))
 
 
 def slopes(piece: BendingPiece, at: PieceState) -> Slopes:
@@ -74,7 +80,7 @@ def _slopes(piece: BendingPiece, at: PieceState) -> Slopes:
     reaction = np.zeros_like(x)
     reaction[piece.plane] = turn(assembly.gradient[piece.plane])
     coupling = tangent.coupling
-    load = _load_by_pressure(piece, at)
+    load = _load_by_pressure(piece, at, at.terms)
     pull = np.zeros_like(x)
     normal = np.array([np.cos(at.angle), np.sin(at.angle), 0.0])
     node = piece.plane[0]
@@ -91,6 +97,13 @@ def _slopes(piece: BendingPiece, at: PieceState) -> Slopes:
         lever = float(np.vdot(assembly.gradient[piece.plane], turn(displacement[piece.plane])))
         return piece.whole * (work + lever)
 
+    other: dict[str, Any] = {}
+    if piece.other:
+        alone = AirPressure(piece.other, 1.0).bind(piece.space, laws_of(piece.material)[""])
+        own = _load_by_pressure(piece, at, (alone,))
+        (by_other,) = tangent.solve_each([(own, None)])
+        by_own = moment_change(by_other, by_other.displacement, float(np.vdot(own, turned)))
+        other = {"moment_by_other": by_own, "by_other": by_other.displacement}
     return Slopes(
         moment=at.moment,
         moment_by_angle=moment_change(by_angle, angle_change, float(np.vdot(coupling.displacement, turned))),
@@ -101,6 +114,7 @@ def _slopes(piece: BendingPiece, at: PieceState) -> Slopes:
         pressure_rate=piece.system.rate(at.state, assembly, replace(by_pressure, factor=1.0)),
         distance_by_force=float(by_force.displacement[node] @ normal),
         by_end_force=tuple(tangent.solve_each(forces)) if forces else (),
+        **other,
     )
 
 
@@ -221,10 +235,10 @@ def _shear_tangent(piece: BendingPiece, at: PieceState, terms: Terms, middle: In
     return system.linearise(at.state, system.assemble(at.state, terms), terms, increment)
 
 
-def _load_by_pressure(piece: BendingPiece, at: PieceState) -> Array:
-    """Change (n, 3) of the gradient per MPa; the loads are linear in the pressure."""
+def _load_by_pressure(piece: BendingPiece, at: PieceState, terms: Terms) -> Array:
+    """Change (n, 3) of the gradient of the terms per MPa; the loads among them are linear in the pressure."""
     system, displacement = piece.system, at.state.displacement
-    loads = tuple(term for term in at.terms if isinstance(term, LoadTerm))
+    loads = tuple(term for term in terms if isinstance(term, LoadTerm))
     more = system.loads(displacement, at.pressure + 0.5, loads)
     return more - system.loads(displacement, at.pressure - 0.5, loads)
 

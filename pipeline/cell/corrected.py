@@ -100,6 +100,7 @@ def _cell(curve: CellCurve, shift: float, ratio: float, shift_slope: float, rati
         rigidity=ratio * curve.rigidity,
         moment_by_pressure=by_pressure - ratio * curve.rigidity * shift_slope,
         stretch_by_pressure=curve.stretch_by_pressure - curve.stretch_by_kappa * shift_slope,
+        moment_by_other=ratio * curve.moment_by_other,
     )
 
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from math import isnan
 from typing import final
 
 import numpy as np
@@ -90,6 +91,10 @@ class CellSweep:
         """The sweep as a curve of the law; raises `rod.RodError` where the moment does not rise."""
         points = self.points
         h = half_pitch
+        other = {}
+        if not isnan(points[0].slopes.moment_by_other):
+            other["moment_by_other"] = np.array([p.slopes.moment_by_other / KPA_PER_MPA for p in points])
+            other["stretch_by_other"] = np.array([p.axis.stretch_by_other / KPA_PER_MPA for p in points])
         return CellCurve(
             pressure=self.pressure,
             moment=np.array([p.moment for p in points]),
@@ -105,6 +110,7 @@ class CellSweep:
             min_J=np.array([p.state.extremes.min_J for p in points]),
             s=points[0].axis.s,
             ripple=np.array([p.axis.ripple for p in points]),
+            **other,
         )
 
 

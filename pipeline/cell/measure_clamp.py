@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
 from itertools import pairwise
+from math import isnan, nan
 from typing import final
 
 import numpy as np
@@ -94,6 +95,7 @@ def clamp_without_moment(piece: BendingPiece, cell: CellCurve) -> ClampCurve:
 
 
 def _curve(piece: BendingPiece, cell: CellCurve, points: Sequence["_ClampPoint"]) -> ClampCurve:
+    by_other = np.array([point.rotation_by_other for point in points])
     return ClampCurve(
         pressure=cell.pressure,
         moment=np.array([point.moment for point in points]),
@@ -104,6 +106,7 @@ def _curve(piece: BendingPiece, cell: CellCurve, points: Sequence["_ClampPoint"]
         offset_by_moment=np.array([point.offset_by_moment for point in points]),
         s=piece.space.points[piece.curve, 0],
         beside=np.array([point.beside for point in points]),
+        rotation_by_other=np.empty(0) if isnan(by_other[0]) else by_other,
     )
 
 
@@ -118,6 +121,7 @@ class _ClampPoint(PiecePoint):
     offset: Array  #: (2,) mm
     offset_by_moment: Array  #: (2,)
     beside: Array  #: (m, 2) mm
+    rotation_by_other: float  #: rad/kPa, NaN where it is not known
 
     @classmethod
     def on(cls, piece: BendingPiece, cell: CellCurve, state: PieceState) -> "_ClampPoint":
@@ -136,18 +140,23 @@ class _ClampPoint(PiecePoint):
             for k in (step, -step)
         )
         width = 2.0 * step * known.moment_by_angle
-        # at fixed moment the plane of the piece and that of the cells turn with the pressure
-        turned_cells = -float(np.interp(state.moment, cell.moment, cell.moment_by_pressure / cell.rigidity))
-        by_pressure = -known.moment_by_pressure / KPA_PER_MPA / known.moment_by_angle - turned_cells * piece.body.length
+
+        def turned_by(moment_by: float, cells_by: Array) -> float:
+            """At fixed moment the plane of the piece and that of the cells turn with a pressure, rad/kPa."""
+            turned_cells = -float(np.interp(state.moment, cell.moment, cells_by / cell.rigidity))
+            return -moment_by / KPA_PER_MPA / known.moment_by_angle - turned_cells * piece.body.length
+
+        has_other = len(cell.moment_by_other) > 0
         return _ClampPoint(
             state,
             known,
             rotation,
             (ahead[0] - behind[0]) / width,
-            by_pressure,
+            turned_by(known.moment_by_pressure, cell.moment_by_pressure),
             offset,
             (ahead[1] - behind[1]) / width,
             beside,
+            turned_by(known.moment_by_other, cell.moment_by_other) if has_other else nan,
         )
 
 

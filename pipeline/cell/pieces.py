@@ -83,6 +83,13 @@ class ArmPieces:
         return self.outer or next(iter(self.config.effects.self_contact.faces or (GAP,)))
 
     @property
+    def other(self) -> str:
+        """The cavity with the smaller fraction of the pressure, the last one of equal ones; empty where the law has no
+        derivatives by its own pressure."""
+        cavities = self.config.effects.pressure.cavities
+        return min(reversed(cavities), key=lambda name: cavities[name].fraction) if self.config.law_by_cavity else ""
+
+    @property
     def design(self) -> Design:
         """The arm."""
         return self.config.design
@@ -140,6 +147,7 @@ class ArmPieces:
             raise config.unmeshable(failure) from None
         except ContactError as failure:
             raise NoArmLaw(f"{failure} between two cells; leave effects.self_contact.faces out") from None
+        piece.other = self.other
         if self.derivatives and start != "free":
             piece.changes = changes_of(piece, config, self.repetition, self.movements, self.by)
         return piece

@@ -138,7 +138,10 @@ class Config(Section):
         default_factory=dict,
         description="[regions](#a-base-of-another-material) of another material than the rest of the body",
     )
-    pressures_kPa: kinds.Pressures = Field(default=(5.0, 17.0, 31.0, 45.0), description="pressures of the run")
+    pressures_kPa: kinds.Pressures = Field(
+        default=(5.0, 17.0, 31.0, 45.0),
+        description="pressures of the run; of two cavities also [pairs](how_to/two_pressures.md)",
+    )
     #: II, III, and I where it is solved
     experiments: Annotated[tuple[str, ...], Kind("`[I, II, III]` or `[II, III]`", "[II, III]", read=_experiments)] = (
         Field(
@@ -159,6 +162,11 @@ class Config(Section):
     law_in_space: kinds.YesNo = Field(
         default=False,
         description="whether the arm's own law also has [rigidities out of the plane](cell.md#out-of-the-plane)",
+    )
+    law_by_cavity: kinds.YesNo = Field(
+        default=False,
+        description="whether the arm's own law has derivatives by the pressure of the cavity with the smaller "
+        "fraction; set for [pairs](how_to/two_pressures.md) of pressures",
     )
     newton: Newton = Newton()
     #: relative error of kappa_0, rigidity and moment of the arm's own law; None: on the mesh of the arm alone
@@ -193,7 +201,7 @@ class Config(Section):
         values["tolerances"] = self.tolerances.record() if self.tolerances != Tolerances() else None
         values["materials"] = {name: material.record() for name, material in self.materials.items()}
         names = {"design": "geometry"}
-        left_out = ("materials", "tolerances", "law_in_space")
+        left_out = ("materials", "tolerances", "law_in_space", "law_by_cavity")
         return {names.get(name, name): value for name, value in values.items() if value or name not in left_out}
 
     @property

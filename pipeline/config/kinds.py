@@ -114,7 +114,15 @@ Stress = Annotated[float, Kind("any", STRESS.example, "MPa", in_unit(STRESS))]
 PositiveStress = Annotated[Stress, Kind("above 0", STRESS.example, "MPa", test=above_zero)]
 Density = Annotated[float, Kind("above 0", DENSITY.example, "kg/m³", in_unit(DENSITY), above_zero)]
 PositiveForce = Annotated[float, Kind("above 0", "0.4 N", "N", in_unit(FORCE), above_zero)]
-_Pressure = Annotated[float, Kind("any", PRESSURE.example, "kPa", in_unit(PRESSURE))]
+
+
+def _pressure(value: Any) -> float:
+    if isinstance(value, list):
+        raise ValueError("is a pair, which `pneurod run` alone takes; give one pressure, for example 17 kPa")
+    return convert(value, PRESSURE)
+
+
+_Pressure = Annotated[float, Kind("any", PRESSURE.example, "kPa", _pressure)]
 Pressures = Annotated[tuple[_Pressure, ...], list_of("above 0, ascending", "[17 kPa, 37 kPa]", "kPa", _ascending)]
 Number = Annotated[float, Kind("any", "1", "1", number)]
 PositiveNumber = Annotated[Number, Kind("above 0", "1", "1", test=above_zero)]

@@ -100,6 +100,8 @@ def _check_there(directory: Path, contents: Mapping[str, Any]) -> None:
         raise InputError(f"{directory}: no such folder; give the folder of a run, such as results/pneunet")
     if (directory / _IDENTITY).is_file():
         raise InputError(f"{directory}: its run has no results yet; start it again, and it continues")
+    if "pairs.json" in contents:
+        raise InputError(f"{directory}: holds pairs of pressures; give a folder of one ratio in it: 1_to_0.25")
     others = [name for name in ("accuracy.json", "effects_table.json", "material.json") if name in contents]
     there = f"holds {others[0]}, which is not the result of `pneurod run`" if others else "holds no results"
     raise InputError(f"{directory}: {there}; give the folder of a run")

@@ -13,11 +13,14 @@ from pipeline.errors import InputError, quoted
 from pipeline.notes.rods import RodAndMesh, rod_and_mesh, rod_to_take
 from pipeline.notes.templates import NO_PARAMETERS, report_reason
 from pipeline.notes.verdict import OUT_OF_PLANE, Verdict, verdict_of
+from pipeline.pairs.saved import read_pair_law
 from pipeline.results.files import read_results
 from pipeline.results.values import Run
 from pipeline.rods.saved import SavedRod, pressurised_rod
 from pipeline.store.formats import ARM_LAW, EXTENSIBLE, FIVE
 from rod.arm_law.law import ArmLaw
+from rod.arm_law.pairs import PairLaw
+from rod.errors import RodError
 from rod.inverse import Response
 from rod.mechanics.equilibrium import Rod
 from rod.pressurised_rod import PressurisedRod
@@ -34,7 +37,7 @@ class RodOfRun:
     """One of the rods of a run over the pressure."""
 
     kind: str  #: one of KINDS
-    source: ArmLaw | PressurisedRod
+    source: ArmLaw | PairLaw | PressurisedRod
     errors: RodAndMesh | None = None  #: None where it was not compared with finite elements
     notes: tuple[str, ...] = ()  #: what limits the trust in it, a sentence each
     mass: Mass | None = None  #: of an arm with five parameters; None: not known
@@ -48,14 +51,22 @@ class RodOfRun:
     @property
     def pressures_kPa(self) -> tuple[float, float]:
         """The lowest and the highest pressure."""
+        assert not isinstance(self.source, PairLaw)  # refused before it is asked
         known = self.source.pressures
         return float(known[0]), float(known[-1])
 
-    def at(self, pressure_kPa: float) -> Rod:
-        """The rod at a pressure; its origin is the clamped end of the material curve.
+    def at(self, pressure_kPa: float | tuple[float, float]) -> Rod:
+        """The rod at a pressure, or at the pressures of two cavities; its origin is the clamped end of the material
+        curve.
 
-        Raises `RodError` outside its pressures.
+        Raises `RodError` outside its pressures, and for a pair where it has one pressure, or the other way round.
         """
+        if isinstance(self.source, PairLaw):
+            if not isinstance(pressure_kPa, tuple):
+                raise RodError("This law has the pressures of two cavities; give both, such as [20 kPa, 5 kPa].")
+            return Rod(self.source.length, law=self.source.at(pressure_kPa))
+        if isinstance(pressure_kPa, tuple):
+            raise RodError("This rod has one pressure; give it alone, such as 20 kPa.")
         if isinstance(self.source, PressurisedRod):
             rod = replace(self.source.at(pressure_kPa), mass=self.mass)
         else:
@@ -66,6 +77,8 @@ class RodOfRun:
 def rod_of_path(path: Path, kind: str | None) -> RodOfRun:
     """The rod of a result folder, or the one of a parameters.json or a law.json alone. Raises InputError."""
     check_kind(kind, "--rod ")
+    if (pairs := read_pair_law(path)) is not None:
+        return RodOfRun("law", pairs)
     if path.is_dir():
         return choose_rod(read_results(path), kind)
     try:

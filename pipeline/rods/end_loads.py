@@ -126,8 +126,9 @@ def _pair_of(text: str) -> str | list[str | float]:
 
 
 def rod_at(rods: RodOfRun, pressure: str) -> Rod:
-    """The rod at a pressure written with its unit. Raises InputError."""
-    value = option_value("--pressure", pressure, PRESSURE)
+    """The rod at a pressure written with its unit, or at two: [20 kPa, 5 kPa]. Raises InputError."""
+    option = option_pair if pressure.strip().startswith("[") else option_value
+    value = option("--pressure", pressure, PRESSURE)
     try:
         return rods.at(value)
     except RodError as failure:

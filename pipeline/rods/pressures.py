@@ -13,6 +13,7 @@ from pipeline.results.values import bending_error_deg
 from pipeline.rods.choice import RodOfRun
 from pipeline.rods.end_loads import EndLoads, Weight
 from pipeline.rods.options import option_pair, option_value
+from rod.arm_law.pairs import PairLaw
 from rod.errors import LoadError, RodError
 from rod.inverse import AtPressure, Quantity, Response
 
@@ -90,7 +91,10 @@ def pressures_for(rods: RodOfRun, wish: Wish) -> tuple[PressureFor, ...]:
 
 
 def responses_of(rods: RodOfRun, wish: Wish) -> tuple[Response, ...]:
-    """The arm under the load of a wish over the pressure, kept with the rods."""
+    """The arm under the load of a wish over the pressure, kept with the rods. Raises InputError for two pressures."""
+    if isinstance(rods.source, PairLaw):
+        raise InputError("two pressures meet a wish in many ways; give the folder of one ratio, such as DIR/1_to_0.25")
+    known = [float(pressure) for pressure in rods.source.pressures]
     key = (wish.height_mm, wish.weight)
     if key not in rods.responses:
 
@@ -99,7 +103,7 @@ def responses_of(rods: RodOfRun, wish: Wish) -> tuple[Response, ...]:
             return np.array([*shape.end, *shape.force])
 
         try:
-            rods.responses[key] = Response.all_of(solve, [float(pressure) for pressure in rods.source.pressures])
+            rods.responses[key] = Response.all_of(solve, known)
         except LoadError as failure:
             raise InputError(str(failure)) from None
         except RodError as failure:

@@ -128,6 +128,12 @@ def check_owner(folder: Path, config: Configuration, remedy: str, words: FolderW
         raise InputError(f"{words.given(folder)}: holds the results of another configuration; {remedy}")
 
 
+def check_no_run(folder: Path) -> None:
+    """Raise InputError for a folder that holds the results of a run."""
+    if (folder / _IDENTITY).is_file():
+        raise InputError(f"--out {folder}: holds the results of a run with one pressure; give another --out")
+
+
 def clear(folder: Path) -> None:
     """Remove what an earlier run left in `folder`, and nothing else."""
     if not (folder / _IDENTITY).is_file():

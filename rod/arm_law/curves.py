@@ -49,6 +49,9 @@ class CellCurve:
     s: Annotated[Array, "s_mm", "m"]  #: rest positions along half a cell, from its middle to its end, mm
     #: of the material curve beside the axis there, along and normal to it, mm
     ripple: Annotated[Array, "ripple_mm", "k", "m", 2]
+    #: both by the pressure of one of two cavities alone, at fixed curvature, N mm / kPa and 1/kPa (`rod.arm_law.pairs`)
+    moment_by_other: Annotated[Array, "moment_by_other_N_mm_per_kPa", "k"] = field(default_factory=_nothing)
+    stretch_by_other: Annotated[Array, "stretch_by_other_per_kPa", "k"] = field(default_factory=_nothing)
     #: B_2, against bending out of the plane, N mm2; negative where the cell is unstable
     lateral_rigidity: Annotated[Array, "lateral_rigidity_N_mm2", "k"] = field(default_factory=_nothing)
     torsional_rigidity: Annotated[Array, "torsional_rigidity_N_mm2", "k"] = field(
@@ -119,6 +122,8 @@ class ClampCurve:
     #: without moment: turn about the tangent and tilt about the normal, at the clamp, per torque and moment about the
     #: normal there, beyond those of cells continued to the clamp, rad/(N mm)
     lateral_compliance: Annotated[Array, "lateral_compliance_rad_per_N_mm", 2, 2] = field(default_factory=_nothing)
+    #: by the pressure of one of two cavities alone, at fixed moment, rad/kPa
+    rotation_by_other: Annotated[Array, "rotation_by_other_rad_per_kPa", "k"] = field(default_factory=_nothing)
 
     def __post_init__(self) -> None:
         _freeze(self)

@@ -1,0 +1,1 @@
+"""Runs of bodies with two cavities at pairs of pressures."""
