@@ -45,7 +45,7 @@ if TYPE_CHECKING:
         Yeoh,
     )
     from pneurod.measured import calibrate, compare
-    from pneurod.results import Results, read_results
+    from pneurod.results import Results, read_pair_law, read_results
     from pneurod.wishes import DesignReport, design
     from rod import ArmLaw, FiveParameters, Interval, LawRod, Rod, RodError, RodSolution, RodWarning
 
@@ -83,6 +83,7 @@ __all__ = [
     "fem",
     "geometry",
     "pipeline",
+    "read_pair_law",
     "read_results",
     "rod",
 ]
@@ -125,7 +126,7 @@ def _imported(name: str) -> object:
             from pneurod import measured
 
             return getattr(measured, name)
-        case "Results" | "read_results":
+        case "Results" | "read_pair_law" | "read_results":
             from pneurod import results
 
             return getattr(results, name)

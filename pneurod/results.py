@@ -15,6 +15,7 @@ from pipeline.cell.saved import SavedLaw
 from pipeline.config.units import ANGLE, FORCE, LENGTH
 from pipeline.errors import InputError, quoted
 from pipeline.notes.verdict import Verdict, verdict_of
+from pipeline.pairs.saved import read_pair_law as saved_pair_law
 from pipeline.results.files import read_results as read_run
 from pipeline.results.values import Effect, RodError, Run, State
 from pipeline.rods.checks import check_parameters
@@ -27,6 +28,7 @@ from pneurod.frames import by_pressure, curves_frame, expanded, frame_of, profil
 from pneurod.sensitivities import sensitivities_frame
 from rod import PARAMETER_COLUMNS, ArmLaw, FiveParameters, Interval, Rod, RodWarning
 from rod import RodError as NoRod
+from rod.arm_law.pairs import PairLaw
 from rod.same_pressure import known_at
 
 if TYPE_CHECKING:
@@ -279,3 +281,14 @@ def read_results(directory: Path | str) -> Results:
     except (KeyError, TypeError, ValueError) as failure:  # a file that was edited by hand
         raise InputError(f"{run.directory / 'parameters.json'}: {failure}") from None
     return Results(run)
+
+
+def read_pair_law(directory: Path | str) -> PairLaw:
+    """The arm's own law over the pressures of two cavities, of a run at pairs of pressures.
+
+    `law.at((20.0, 5.0))` is the rod at 20 and 5 kPa. Raises InputError for a folder without such a law.
+    """
+    path = given_path(directory, "directory", "results/two")
+    if (law := saved_pair_law(path)) is None:
+        raise InputError(f"{path}: holds no law over two pressures; give the folder of a run at pairs of pressures")
+    return law

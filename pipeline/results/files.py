@@ -94,14 +94,14 @@ def read_results(directory: Path) -> Run:
 
 
 def _check_there(directory: Path, contents: Mapping[str, Any]) -> None:
+    if "pairs.json" in contents:
+        raise InputError(f"{directory}: holds pairs of pressures; give a folder of one ratio in it: 1_to_0.25")
     if any(contents.get(name) for name in ("experiments.json", "parameters.json", "law.json", "run.json")):
         return
     if not directory.is_dir():
         raise InputError(f"{directory}: no such folder; give the folder of a run, such as results/pneunet")
     if (directory / _IDENTITY).is_file():
         raise InputError(f"{directory}: its run has no results yet; start it again, and it continues")
-    if "pairs.json" in contents:
-        raise InputError(f"{directory}: holds pairs of pressures; give a folder of one ratio in it: 1_to_0.25")
     others = [name for name in ("accuracy.json", "effects_table.json", "material.json") if name in contents]
     there = f"holds {others[0]}, which is not the result of `pneurod run`" if others else "holds no results"
     raise InputError(f"{directory}: {there}; give the folder of a run")

@@ -13,7 +13,7 @@ from pipeline.config.units import FORCE, LENGTH, MOMENT, PRESSURE
 from pipeline.errors import InputError, RunFailed
 from pipeline.results.values import bending_deg
 from pipeline.rods.choice import RodOfRun
-from pipeline.rods.options import option_value, option_vector
+from pipeline.rods.options import option_pair, option_value, option_vector
 from pipeline.store.atomic_file import write_atomic
 from pipeline.store.formats import ARM_LAW, EXTENSIBLE, FIVE
 from pipeline.store.result_folder import open_file

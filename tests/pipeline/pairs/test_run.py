@@ -10,10 +10,12 @@ from pipeline.errors import InputError, RunFailed
 from pipeline.pairs.run import BETWEEN, PairRuns, joined, record
 from pipeline.pairs.saved import FILE, read_pair_law
 from pipeline.pairs.spec import PairSpec
+from pipeline.results.files import read_results
 from pipeline.rods.choice import rod_of_path
 from pipeline.rods.end_loads import rod_at
 from pipeline.rods.pressures import Wish, pressures_for
 from pipeline.store.result_folder import ResultFolder
+from pneurod import read_pair_law as read_law
 from rod.arm_law.law import ArmLaw
 from tests.pair_laws import ray
 
@@ -78,6 +80,9 @@ def test_the_rod_is_read_from_the_folder(tmp_path: Path) -> None:
         rod_at(rods, "20 kPa")
     with pytest.raises(InputError, match="give the folder of one ratio"):
         pressures_for(rods, Wish(angle_deg=20.0))
+    assert read_law(tmp_path).at((20.0, 8.0)).solve().end == pytest.approx(rod.solve().end)
+    with pytest.raises(InputError, match="holds pairs of pressures; give a folder of one ratio in it"):
+        read_results(tmp_path)
     (tmp_path / FILE).write_text("{}", encoding="utf-8")
     with pytest.raises(InputError, match=r"pairs\.json: This is no law over two pressures"):
         read_pair_law(tmp_path)
