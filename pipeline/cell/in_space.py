@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import fields, replace
+from typing import Any
 
 import numpy as np
 
@@ -15,8 +16,9 @@ from geometry.arrays import Array
 from pipeline.cell.point import PiecePoint
 from rod.arm_law.curves import IN_SPACE, CellCurve, ClampCurve
 from rod.arm_law.small_motions import OUT_OF_PLANE, arc, end_compliance
+from rod.cubics import cubic, monotone_slopes
 
-#: states of a curve at which a cell is measured, as a rule; between them straight lines over the moment join rigidities
+#: states of a curve at which a cell is measured, as a rule; between them cubics over the moment join rigidities
 STATES = 7
 #: points of the cells to which the clamped end is compared
 POINTS = 41
@@ -48,11 +50,12 @@ def cell_in_space(
     reasons = tuple(_unstable(piece, state, curve) for state in unstable[:1])
     if not measured:
         return curve, reasons
-    moments = [moment for moment, _ in measured]
-    columns = {
-        name: np.interp(curve.moment, moments, [getattr(found, field) for _, found in measured])
-        for name, field in FIELDS.items()
-    }
+    moments = np.array([moment for moment, _ in measured])
+    at = np.clip(curve.moment, moments[0], moments[-1])
+    columns: dict[str, Any] = {}
+    for name, field in FIELDS.items():
+        values = np.array([getattr(found, field) for _, found in measured])
+        columns[name] = cubic(moments, values, monotone_slopes(moments, values), at)
     return replace(curve, **columns), reasons
 
 

@@ -24,13 +24,13 @@ from geometry.arrays import Array
 from rod.arm_law.curves import IN_SPACE
 from rod.arm_law.integration import ITERATIONS, SETTLED
 from rod.arm_law.section import SectionLaw
+from rod.cubics import parabola_slopes
 
 #: that turns a vector into the matrix of its cross product
 _CROSS = np.zeros((3, 3, 3))
 _CROSS[[0, 1, 2], [2, 0, 1], [1, 2, 0]], _CROSS[[0, 1, 2], [1, 2, 0], [2, 0, 1]] = 1.0, -1.0
 #: step of difference quotients, over that of the law
 DIFFERENCE = 1e-3
-_LINEAR = ("axial_rigidity", "shear_rigidity")
 
 
 def cross(a: Array, b: Array) -> Array:
@@ -68,24 +68,26 @@ class Strains(NamedTuple):
 @final
 @dataclass(frozen=True, eq=False)  # arrays inside
 class LawInSpace:
-    """A `SectionLaw` with rigidities out of its plane, as cubics and straight lines over equal steps of the moment."""
+    """A `SectionLaw` with rigidities out of its plane, over equal steps of the moment."""
 
     first: float  #: N mm, smallest moment
     step: float  #: N mm
-    cubics: Array  #: (n - 1, 4, 2): coefficients of curvature and stretch over an interval from 0 to 1
-    values: Array  #: (n, 6): EA and GA in N, B_2 and GJ in N mm2, GA_3 in N, height of the twist axis in mm
+    #: (n - 1, 4, 6): coefficients over an interval from 0 to 1 of curvature and stretch in the plane, of B_2, GJ and
+    #: GA_3, and of the height of the twist axis
+    cubics: Array
+    in_plane: Array  #: (n, 2): EA and GA in N
 
     @staticmethod
     def of(law: SectionLaw) -> "LawInSpace":
         """The law of the cells at one pressure."""
         step = float(law.moment[1] - law.moment[0])
-        ends = np.stack([law.kappa, law.stretch], axis=1)
-        slopes = step * np.stack([law.kappa_slope, law.stretch_slope], axis=1)
-        rise = np.diff(ends, axis=0)
-        first, last = slopes[:-1], slopes[1:]
+        across = np.stack([law.in_space[name] for name in IN_SPACE[:4]], axis=1)
+        ends = np.column_stack([law.kappa, law.stretch, across])
+        slopes = np.column_stack([law.kappa_slope, law.stretch_slope, parabola_slopes(law.moment, across)])
+        first, last, rise = step * slopes[:-1], step * slopes[1:], np.diff(ends, axis=0)
         cubics = np.stack([ends[:-1], first, 3.0 * rise - 2.0 * first - last, first + last - 2.0 * rise], axis=1)
-        columns = [getattr(law, name) for name in _LINEAR] + [law.in_space[name] for name in IN_SPACE[:4]]
-        return LawInSpace(float(law.moment[0]), step, cubics, np.stack(columns, axis=1))
+        rigidities = np.column_stack([law.axial_rigidity, law.shear_rigidity])
+        return LawInSpace(float(law.moment[0]), step, cubics, rigidities)
 
     def strains(self, force: Array, moment: Array) -> Strains:
         """Of internal forces (..., 3) in N and moments (..., 3) in N mm, in the frame.
@@ -99,9 +101,8 @@ class LawInSpace:
             i = np.clip(np.floor(position), 0, len(self.cubics) - 1).astype(int)
             t = np.clip(position - i, 0.0, 1.0)[..., None]
             c = np.moveaxis(self.cubics[i], -2, 0)
-            planar = c[0] + t * (c[1] + t * (c[2] + t * c[3]))
-            slope = c[1] + t * (2.0 * c[2] + t * 3.0 * c[3])
-            by_kappa = slope[..., 1] / slope[..., 0]
+            slopes = c[1] + t * (2.0 * c[2] + t * 3.0 * c[3])
+            by_kappa = slopes[..., 1] / slopes[..., 0]
             moved = bending + axial * by_kappa
             settled = settled | (np.abs(moved - effective) < SETTLED * self.step)
             if settled.all():
@@ -109,18 +110,18 @@ class LawInSpace:
             effective = np.where(settled, effective, moved)
         last = self.first + self.step * len(self.cubics)
         outside = float(np.max(np.maximum(self.first - effective, effective - last), initial=0.0))
-        low, high = self.values[i], self.values[i + 1]
-        EA, GA, B, GJ, GA_3, height = np.moveaxis(low + t * (high - low), -1, 0)
+        kappa, stretch, B, GJ, GA_3, height = np.moveaxis(c[0] + t * (c[1] + t * (c[2] + t * c[3])), -1, 0)
+        low, high = self.in_plane[i], self.in_plane[i + 1]
+        EA, GA = np.moveaxis(low + t * (high - low), -1, 0)
         lateral, across = moment[..., 1] / B, force[..., 2]
         twist = (moment[..., 0] - height * across) / GJ
-        _, _, B_slope, GJ_slope, GA_slope, height_slope = np.moveaxis((high - low) / self.step, -1, 0)
         # the planar law changes with the energy of the motions out of the plane
+        B_slope, GJ_slope, GA_slope, height_slope = np.moveaxis(slopes[..., 2:] / self.step, -1, 0)
         energy = lateral**2 * B_slope + twist**2 * GJ_slope + (across / GA_3) ** 2 * GA_slope
         bends = -(0.5 * energy + twist * across * height_slope)
-        kappa = planar[..., 0] + bends
-        stretch = planar[..., 1] + axial / EA + by_kappa * bends
-        curvature = np.stack([twist, lateral, kappa], axis=-1)
-        return Strains(curvature, np.stack([stretch, force[..., 1] / GA, across / GA_3 - height * twist], -1), outside)
+        curvature = np.stack([twist, lateral, kappa + bends], axis=-1)
+        along = stretch + axial / EA + by_kappa * bends
+        return Strains(curvature, np.stack([along, force[..., 1] / GA, across / GA_3 - height * twist], -1), outside)
 
 
 def compliance(law: LawInSpace, force: Array, moment: Array) -> Array:

@@ -75,6 +75,10 @@ def section_at(curves: Sequence[CellCurve], pressure: float) -> SectionLaw:
         column = pairs.straight((getattr(first, name), getattr(second, name)), (first.moment, second.moment))
         return interpolate_columns(moment, pairs.moment, column)
 
+    def in_space(name: str) -> Array:
+        low, high = _smooth(pairs.first, first, name), _smooth(pairs.second, second, name)
+        return interpolate_columns(moment, pairs.moment, (1.0 - pairs.t) * low + pairs.t * high)
+
     def near(name: str, values: Array) -> Array:
         """Values (n,) no farther from those of both curves than `BEYOND` of the larger one."""
         ends = [
@@ -97,7 +101,7 @@ def section_at(curves: Sequence[CellCurve], pressure: float) -> SectionLaw:
         straight("shear_rigidity"),
         first.s,
         straight("ripple") + _beyond_straight_at(_around(curves, lower, upper), _ripple_at, pressure, moment),
-        {name: straight(name) for name in IN_SPACE if first.is_in_space and second.is_in_space},
+        {name: in_space(name) for name in IN_SPACE if first.is_in_space and second.is_in_space},
     )
 
 
@@ -117,12 +121,19 @@ def _along(curve: CellCurve) -> SectionLaw:
         _over(moment, curve, "shear_rigidity"),
         curve.s,
         interpolate_columns(moment, curve.moment, curve.ripple),
-        {name: _over(moment, curve, name) for name in IN_SPACE if curve.is_in_space},
+        {name: _smooth(moment, curve, name) for name in IN_SPACE if curve.is_in_space},
     )
 
 
 def _over(moment: Array, curve: CellCurve, name: str) -> Array:
     return interpolate_columns(moment, curve.moment, getattr(curve, name))
+
+
+def _smooth(moment: Array, curve: CellCurve, name: str) -> Array:
+    """By cubics: the derivatives of rigidities out of the plane bend the rod in it."""
+    values = getattr(curve, name)
+    inside = np.clip(moment, curve.moment[0], curve.moment[-1])
+    return cubic(curve.moment, values, monotone_slopes(curve.moment, values), inside)
 
 
 def bracket(pressures: Sequence[float], pressure: float) -> tuple[int, int, float]:

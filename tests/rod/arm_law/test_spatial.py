@@ -1,13 +1,14 @@
 """The rod in space against closed forms, against the planar rod, and against itself turned."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from geometry.arrays import Array
 from rod import Load, Rod, RodError, RodSolution
-from rod.arm_law.cosserat import rotation
+from rod.arm_law.cosserat import LawInSpace, rotation
 from rod.arm_law.curves import CellCurve, ClampCurve, TipCurve
 from rod.arm_law.law import ArmLaw, LawRod
 from rod.arm_law.small_motions import OUT_OF_PLANE, arc, end_compliance
@@ -242,3 +243,15 @@ def test_weight_across_the_plane_is_that_of_its_mass_and_acts_above_the_axis() -
 def test_requests_that_are_none_are_refused(arguments: dict[str, object], sentence: str) -> None:
     with pytest.raises(RodError, match=sentence):
         Rod(LENGTH, law=straight()).solve(**arguments)
+
+
+def test_strains_do_not_jump_where_states_of_the_law_join() -> None:
+    """Rigidities out of the plane that follow straight lines would bend the rod in steps."""
+    arm = law_of_straight(planar=200.0)
+    kinked = np.where(arm.cells[0].moment < 0.0, B, B + 2.0 * arm.cells[0].moment)
+    section = replace(arm, cells=(replace(arm.cells[0], lateral_rigidity=kinked),)).at(10.0).section
+    law = LawInSpace.of(section)
+    moment = np.linspace(-0.5, 0.5, 1001) * law.step
+    found = law.strains(np.zeros((1001, 3)), np.column_stack([np.zeros(1001), np.full(1001, 50.0), moment]))
+    steps = np.abs(np.diff(found.curvature[:, 2]))
+    assert steps.max() < 3.0 * steps.mean()
