@@ -27,8 +27,8 @@ def compare(
 
     found = compare_files(folder, measured, align)
     picture = out or folder / f"compared_{measured.stem}.html"
-    write_new(picture, comparison_page(found))
-    print_lines(text_table(comparison_table(found)))
+    write_new(picture, comparison_page(found.design, found.rows))
+    print_lines(text_table(comparison_table(found.rows)))
     print_sentences(*found.lines)
     print_lines(f"picture: {picture}")
 

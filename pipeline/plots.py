@@ -254,8 +254,11 @@ def _swatch(lines: Sequence[Line]) -> str:
     )
     if first.marker:
         fill = "none" if first.marker.endswith("-open") else stroke
-        square = first.marker.startswith("square")
-        shape = '<rect x="10" y="2" width="8" height="8"' if square else '<circle cx="14" cy="6" r="4"'
+        others = {
+            "square": '<rect x="10" y="2" width="8" height="8"',
+            "x": '<path d="M11 3l6 6m0-6l-6 6" stroke-width="3"',
+        }
+        shape = others.get(first.marker.removesuffix("-open"), '<circle cx="14" cy="6" r="4"')
         drawn += f'{shape} fill="{fill}"/>'
     return (
         f'<svg width="28" height="12" aria-hidden="true" stroke="{stroke}" opacity="{first.opacity}" fill="none">'

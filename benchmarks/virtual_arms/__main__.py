@@ -13,11 +13,9 @@ import sys
 from pathlib import Path
 
 from benchmarks.virtual_arms.designs import arms
-from benchmarks.virtual_arms.law import folder_of_law
 from benchmarks.virtual_arms.measured import measured
 from benchmarks.virtual_arms.predicted import Judged, judged
 from benchmarks.virtual_arms.table import calibration_page, summary
-from pipeline.cell.pieces import NoArmLaw
 
 SEED, COUNT = 5, 20
 
@@ -27,11 +25,7 @@ def judge_all(seed: int, count: int, out: Path) -> list[Judged]:
     results = []
     for arm in arms(seed, count):
         folder = out / arm.name
-        measurement = measured(arm, folder)
-        try:
-            result = judged(arm, measurement, folder_of_law(arm, out), folder)
-        except NoArmLaw as failure:
-            result = Judged.without_law(arm, str(failure))
+        result = judged(arm, measured(arm, folder), folder)
         results.append(result)
         after = ", ".join(f"{one.what} {100 * one.after:.2g} %" for one in result.predictions)
         sys.stdout.write(f"{arm.name} {arm.family}: {result.failure or after}\n")

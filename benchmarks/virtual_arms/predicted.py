@@ -1,14 +1,15 @@
 """What a calibrated drawing foretells of an arm as built, beside what is true."""
 
 import json
-from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from benchmarks.foretold import foretell
 from benchmarks.virtual_arms.bench import WHAT, write_measured, write_true
 from benchmarks.virtual_arms.designs import VirtualArm
+from benchmarks.virtual_arms.law import folder_of_law
 from benchmarks.virtual_arms.measured import Measurement
+from pipeline.cell.pieces import NoArmLaw
 from pipeline.cell.saved import SavedLaw
 from pipeline.config.load import load_config
 from pipeline.errors import InputError
@@ -38,33 +39,24 @@ class Judged:
     predictions: tuple[Prediction, ...]  #: empty where the arm could not be calibrated
     failure: str = ""  #: why not
 
-    @staticmethod
-    def without_law(arm: VirtualArm, failure: str) -> "Judged":
-        """Of an arm whose drawing has no law of its own."""
-        return Judged(arm.name, arm.family, _laws(arm), (arm.stiffness, float("nan")), (), failure)
 
-    def record(self) -> Mapping[str, object]:
-        """Ready for JSON."""
-        return asdict(self)
+def judged(arm: VirtualArm, measurement: Measurement, folder: Path) -> Judged:
+    """Calibrate the law of the drawing to the arm, and compare its predictions.
 
-
-def judged(arm: VirtualArm, measurement: Measurement, law: Path, folder: Path) -> Judged:
-    """Calibrate the law of the drawing (folder `law`) to the arm, and compare its predictions; files go to `folder`."""
+    Files go to `folder`, the law beside it.
+    """
     files = folder / "measured.csv", folder / "true.csv"
     write_measured(arm, measurement, files[0])
     write_true(arm, measurement, files[1])
-    laws = _laws(arm)
+    laws = str(arm.drawing["material"]["law"]), str(arm.built["material"]["law"])
+    found, predictions, failure = float("nan"), tuple[Prediction, ...](), ""
     try:
-        found, predictions = _predictions(law, *files)
-        result = Judged(arm.name, arm.family, laws, (arm.stiffness, found), predictions)
-    except InputError as failure:
-        result = Judged(arm.name, arm.family, laws, (arm.stiffness, float("nan")), (), str(failure))
-    (folder / FILE).write_text(json.dumps(result.record(), indent=1) + "\n", encoding="utf-8")
+        found, predictions = _predictions(folder_of_law(arm, folder.parent), *files)
+    except (InputError, NoArmLaw) as refused:
+        failure = str(refused)
+    result = Judged(arm.name, arm.family, laws, (arm.stiffness, found), predictions, failure)
+    (folder / FILE).write_text(json.dumps(asdict(result), indent=1) + "\n", encoding="utf-8")
     return result
-
-
-def _laws(arm: VirtualArm) -> tuple[str, str]:
-    return str(arm.drawing["material"]["law"]), str(arm.built["material"]["law"])
 
 
 def _predictions(law: Path, measured: Path, true: Path) -> tuple[float, tuple[Prediction, ...]]:

@@ -7,7 +7,6 @@ from geometry import Reason
 from pipeline.budget import budget_of
 from pipeline.measured.aligned import aligned
 from pipeline.measured.calibration import Calibration, calibrated, law_to_calibrate
-from pipeline.measured.compare import compare
 from pipeline.measured.fit import LawRods
 from pipeline.measured.page import comparison_page
 from pipeline.measured.saved import new_folder, save_calibration
@@ -18,7 +17,6 @@ from pipeline.notes.verdict import Verdict, verdict_of
 from pipeline.report.tables import Table
 from pipeline.results.files import read_results
 from pipeline.results.values import Run
-from pipeline.rods.choice import choose_rod
 
 
 @dataclass(frozen=True)
@@ -65,10 +63,8 @@ def calibrate_files(
         measurements = aligned(measurements, LawRods(law))
     found = calibrated(law, run.config, measurements, options.free, options.samples)
     save_calibration(store, run, file, found, report_reason(_remark(run, found)))
-    written = read_results(store.directory)
-    compared = compare(written, choose_rod(written, "law"), measurements.up_to(found.law.pressures[-1]))
-    store.save_text("calibration.html", comparison_page(compared))
-    return CalibrationReport(store.directory, found, verdict_of(written))
+    store.save_text("calibration.html", comparison_page(run.design, found.predictions))
+    return CalibrationReport(store.directory, found, verdict_of(read_results(store.directory)))
 
 
 def _remark(run: Run, found: Calibration) -> Reason:

@@ -96,15 +96,12 @@ def calibrated(
     most. samples: drawn to check the result. Raises InputError, with file, line and column.
     """
     unknowns = unknowns_of(law, config, free, max(measurements.pressures_kPa) or law.pressures[-1])
-    if measurements.count <= len(free):
-        raise InputError(
-            f"{measurements.file}: holds {measurements.count} numbers for {1 + len(free)} unknowns; measure more"
-        )
+    arm, numbers = BuiltArm(law, unknowns), Numbers.of(measurements)
+    if (count := len(numbers.values)) <= len(free):
+        raise InputError(f"{measurements.file}: holds {count} numbers for {1 + len(free)} unknowns; measure more")
     low, high = law.pressures[0], law.pressures[-1]
     likely = high * math.exp(2.0 * unknowns[0].std)
     measurements.check_pressures(low, likely, f"the law, which goes from {low:g} to {high:g} kPa")
-    arm = BuiltArm(law, unknowns)
-    numbers = Numbers.of(measurements)
     _check_angles(arm, numbers)
     fitted = fit(arm, numbers)
     while fitted.at_limit:

@@ -20,9 +20,6 @@ from pipeline.results.values import Run
 from pipeline.rods.choice import KINDS, RodOfRun, choose_rod
 from rod.arm_law.law import ArmLaw
 
-#: what may make an arm differ from its rod, in words
-PARTS = {"rod": "the rod", "mesh": "the mesh", "tolerances": "the tolerances", "calibration": "the calibration"}
-
 
 @dataclass(frozen=True)
 class Comparison:
@@ -32,7 +29,9 @@ class Comparison:
     design: str
     length_mm: float
     rows: tuple[Compared, ...]
-    shares: dict[str, float]  #: root mean square of what each part allows over that of all, by `PARTS`
+    shares: dict[
+        str, float
+    ]  #: root mean square of what each part allows over that of all: rod, mesh, tolerances, or calibration
     is_calibrated: bool
     unknown: tuple[str, ...] = ()  #: what is not known and so not counted, a sentence each
 
@@ -49,7 +48,7 @@ class Comparison:
 
     @property
     def largest(self) -> str:
-        """Which part allows most, of `PARTS`; empty where nothing is known."""
+        """Which part allows most; empty where nothing is known."""
         return max(self.shares, key=lambda name: self.shares[name], default="")
 
     @property
@@ -60,7 +59,7 @@ class Comparison:
         words = ", ".join(f"{rms:.2g} {unit}{more}" for rms, unit, more in sizes if math.isfinite(rms))
         inside = sum(row.is_within for row in self.rows)
         allowed = "the 90 % intervals of the calibration" if self.is_calibrated else "rod, mesh and tolerances"
-        most = f"; largest part: {PARTS[self.largest]}" if self.largest else ""
+        most = f"; largest part: the {self.largest}" if self.largest else ""
         return (
             f"{self.design}: root mean square of the differences {words}.",
             f"{inside} of {len(self.rows)} numbers are within {allowed}{most}.",

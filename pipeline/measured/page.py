@@ -4,7 +4,6 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from pipeline.measured.compare import Comparison
 from pipeline.measured.predicted import Compared
 from pipeline.plots import COLOURS, Line, Panel, figure, ordered_colour, standalone_page
 from pipeline.report.tables import Table
@@ -18,15 +17,15 @@ TITLES = {
 }
 
 
-def comparison_page(comparison: Comparison) -> str:
-    """Measured and predicted numbers, with the band of what is allowed."""
-    panels = [_over_pressure(comparison.rows, quantity) for quantity in TITLES if _of(comparison.rows, quantity)]
-    if _of(comparison.rows, "x_mm") and _of(comparison.rows, "y_mm"):
-        panels.append(_along_arm(comparison.rows))
-    return standalone_page(f"{comparison.design}: measured and predicted", figure(panels))
+def comparison_page(design: str, rows: Sequence[Compared]) -> str:
+    """Measured and predicted numbers of an arm, with the band of what is allowed."""
+    panels = [_over_pressure(rows, quantity) for quantity in TITLES if _of(rows, quantity)]
+    if _of(rows, "x_mm") and _of(rows, "y_mm"):
+        panels.append(_along_arm(rows))
+    return standalone_page(f"{design}: measured and predicted", figure(panels))
 
 
-def comparison_table(comparison: Comparison) -> Table:
+def comparison_table(compared: Sequence[Compared]) -> Table:
     """One row for each number."""
     heads = ("line", "pressure (kPa)", "load", "quantity", "measured", "predicted", "difference", "allowed", "")
     rows = tuple(
@@ -36,7 +35,7 @@ def comparison_table(comparison: Comparison) -> Table:
             *(f"{value:.2g}" for value in (row.difference, row.allowed)),
             "" if row.is_within else "outside",
         )
-        for row in comparison.rows
+        for row in compared
     )
     return Table(heads, rows)
 
@@ -46,9 +45,11 @@ def _of(rows: Sequence[Compared], quantity: str) -> list[Compared]:
 
 
 def _over_pressure(rows: Sequence[Compared], quantity: str) -> Panel:
-    lines, chosen = [], _of(rows, quantity)
-    for number, load in enumerate(dict.fromkeys(row.load for row in chosen)):
-        of_load = [row for row in chosen if row.load == load]
+    lines = []
+    for number, load in enumerate(dict.fromkeys(row.load for row in rows)):
+        of_load = [row for row in _of(rows, quantity) if row.load == load]
+        if not of_load:
+            continue
         pressures = [row.pressure_kPa for row in of_load]
         name, colour = load or "without load", COLOURS[number % len(COLOURS)]
         band = np.array([row.allowed for row in of_load])
@@ -65,7 +66,7 @@ def _along_arm(rows: Sequence[Compared]) -> Panel:
     for number, pressure in enumerate(pressures):
         x, y = ([row for row in _of(rows, name) if row.pressure_kPa == pressure] for name in ("x_mm", "y_mm"))
         colour, name = ordered_colour(number, len(pressures)), f"{pressure:g} kPa"
-        for value, dash, marker in (("predicted", "", "circle-open"), ("measured", "", "x")):
+        for value, of, marker in (("predicted", "rod", "circle-open"), ("measured", "measured", "x")):
             along, across = ([getattr(row, value) for row in of_axis] for of_axis in (x, y))
-            lines.append(Line(along, across, f"{value}, {name}", colour, dash, marker))
+            lines.append(Line(along, across, f"{of}, {name}", colour, "", marker))
     return Panel("Points along the arm", "x (mm)", "y (mm)", tuple(lines), lengths=True)

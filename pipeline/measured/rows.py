@@ -72,16 +72,6 @@ class Measurements:
     rows: tuple[Row, ...]
 
     @property
-    def states(self) -> tuple[State, ...]:
-        """Every state once."""
-        return tuple(dict.fromkeys(row.state for row in self.rows))
-
-    @property
-    def count(self) -> int:
-        """How many numbers were read."""
-        return sum(len(row.values) for row in self.rows)
-
-    @property
     def pressures_kPa(self) -> tuple[float, ...]:
         """Every pressure once, ascending."""
         return tuple(sorted({row.state.pressure_kPa for row in self.rows}))

@@ -89,14 +89,7 @@ def _check(path: Path, columns: Mapping[str, _Column]) -> None:
     if "pressure" not in columns:
         raise InputError(f"{path}: has no column 'pressure_kPa'; {EXAMPLE}")
     if not any(name in columns for name in QUANTITIES):
-        allowed = ", ".join(COLUMNS[name] for name in QUANTITIES)
-        raise InputError(f"{path}: no column holds what was measured; give one of {allowed}")
-    points = {"s", "x", "y"}
-    if missing := points - columns.keys() if points & columns.keys() else set():
-        raise InputError(f"{path}: points along the arm need the column '{COLUMNS[sorted(missing)[0]]}' as well")
-    for name, needed in {"reaction": "held_y", "tip_mass": "orientation"}.items():
-        if name in columns and needed not in columns:
-            raise InputError(f"{path}: column {quoted(columns[name].title)} needs a column '{COLUMNS[needed]}'")
+        raise InputError(f"{path}: no column holds what was measured; give one of {_list(QUANTITIES)}")
 
 
 def _row(where: str, line: int, cells: Mapping[str, tuple[_Column, str]]) -> Row:

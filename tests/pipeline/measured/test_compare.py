@@ -25,8 +25,8 @@ def test_differences_and_what_is_allowed(tmp_path: Path) -> None:
     soft = compare_files(folder, measured(tmp_path / "soft.csv", arm_law(80.0).scaled(0.5), states[:2]))
     assert soft.rms("mm") > 0.1 * LENGTH
     assert soft.within < 0.5
-    assert len(comparison_table(soft).rows) == len(soft.rows) == 4
-    assert "plot" in comparison_page(soft)
+    assert len(comparison_table(soft.rows).rows) == len(soft.rows) == 4
+    assert "plot" in comparison_page(soft.design, soft.rows)
 
 
 def test_rod_and_mesh_of_a_run_are_counted(tmp_path: Path) -> None:
