@@ -65,7 +65,8 @@ def run(
     from pipeline.pairs.spec import read_pairs
 
     if (pairs := read_pairs(read_document(config, given))) is not None:
-        _run_pairs(pairs, out, jobs or min(3, available_cores()), fresh, _listener(quiet, as_json, verbose))
+        progress = _listener(quiet, as_json, verbose)
+        _run_pairs(pairs, out, jobs or min(3, available_cores()), fresh, progress, as_json)
         return
     design, folder = _design(config, given, out)
 
@@ -95,8 +96,8 @@ def _listener(quiet: bool, as_json: bool, verbose: bool) -> "Progress":
     return Silent() if quiet else progress_for(Console(stderr=as_json), verbose=verbose)
 
 
-def _run_pairs(spec: "PairSpec", out: Path | None, jobs: int, fresh: bool, progress: "Progress") -> None:
-    from pipeline.pairs.run import run_pairs
+def _run_pairs(spec: "PairSpec", out: Path | None, jobs: int, fresh: bool, progress: "Progress", as_json: bool) -> None:
+    from pipeline.pairs.run import record, run_pairs
     from pipeline.pairs.table import pairs_table, save_page
     from pipeline.terminal import text_table
 
@@ -106,9 +107,12 @@ def _run_pairs(spec: "PairSpec", out: Path | None, jobs: int, fresh: bool, progr
     finally:
         progress.done()
     save_page(made)
-    print_lines(text_table(pairs_table(made)))
-    print_sentences(*made.sentences)
-    print_lines(f"law and pairs: {folder / 'pairs.json'}, page: {folder / 'pairs.html'}")
+    if as_json:
+        print_json(record(made))
+    else:
+        print_lines(text_table(pairs_table(made)))
+        print_sentences(*made.sentences)
+        print_lines(f"law and pairs: {folder / 'pairs.json'}, page: {folder / 'pairs.html'}")
     made.raise_if_failed()
 
 
