@@ -21,6 +21,7 @@ from pipeline.context import RunContext
 from pipeline.errors import InputError, RunFailed
 from pipeline.notes.unloaded import first_numbers
 from pipeline.progress import Silent
+from rod.arm_law.curves import CellCurve
 
 #: pressures at which the limit is found, at most; corrections are interpolated between them
 PRESSURES = 3
@@ -51,6 +52,19 @@ def deliver_law(pieces: ArmPieces, context: RunContext) -> MeasuredLaw:
         law = corrected(law, Corrections.of(law.cells, own, limit, length))
         measured = replace(measured, law=law, limit=limit)
     return replace(measured, mesh_error=limit.error_of(law.cells, length, size))
+
+
+def correction_of(pieces: ArmPieces, curves: Sequence[CellCurve], context: RunContext) -> Corrections:
+    """To the limit of their mesh, of cells on `fine_pieces`, as `deliver_law` corrects them.
+
+    pieces: those on the mesh of the arm. curves: at the pressures of the configuration; they may reach little farther
+    than the state without moment. Raises as `find_limit`.
+    """
+    config = pieces.config
+    bends = {curve.pressure: curve.at(0.0)[0] for curve in curves}
+    limit = _Search(pieces, config.pressures_kPa, config.accuracy or inf, context).limit(bends)
+    own = _numbers(fine_pieces(pieces), {p: bends[p] for p in limit.pressures_kPa if p in bends}, context)
+    return Corrections.of(curves, own, limit, pieces.design.length)
 
 
 def tell_first(pieces: ArmPieces, context: RunContext) -> None:

@@ -4,9 +4,7 @@ import shutil
 from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
-
-from pipeline.config.config import Config
+from pipeline.cell.saved import SavedLaw
 from pipeline.context import run_context
 from pipeline.errors import InputError, RunFailed
 from pipeline.processes import available_cores
@@ -18,9 +16,11 @@ from pipeline.store.result_folder import ON_COMMAND_LINE, FolderWords
 from pipeline.store.store import Store, check_owner, clear, open_store
 from pipeline.wishes.feasible import check_feasible
 from pipeline.wishes.measured import POINTS, NotBorne, store_of
+from pipeline.wishes.numbers import numbers_of
 from pipeline.wishes.report import DesignReport, design_page, history_rows, report_of
 from pipeline.wishes.search import Found, Search
 from pipeline.wishes.wish_file import WishFile
+from rod import RodError
 
 #: the files of a design, and the folder of its run
 FILES = ("design.yaml", "design.json", "history.csv", "design.html")
@@ -56,16 +56,17 @@ def find_design(file: WishFile, out: Path, course: Course, progress: Progress) -
             for name in (POINTS, RUN):
                 shutil.rmtree(out / name, ignore_errors=True)
         with run_context(store, course.jobs, progress) as context:
-            for pending in begin_loading(context, file.config(file.wishes.start)):
+            for pending in begin_loading(context, file.start):
                 pending.result()
             try:
-                found = Search.of(file, context).run()
+                found = Search(file, context).run()
             except NotBorne as failure:
                 raise RunFailed(f"no design was found: {failure}; designs that were tried are kept in {out}") from None
-        report = report_of(file, found, out, out / RUN if course.with_run else None)
+        report = report_of(file, found, out)
         _save(store, file, found, report)
         if course.with_run:
-            _run(file, found, store, course, progress)
+            report = _run(file, found, store, course, progress)
+            _save(store, file, found, report)
     return report
 
 
@@ -73,29 +74,27 @@ def raise_if_missed(report: DesignReport) -> None:
     """Raise RunFailed where a wish is missed, or a limit."""
     if report.given_up:
         count = len(report.wishes) + len(report.limits)
-        missed = f"{len(report.given_up)} of {count} wishes and limits are missed"
+        missed = f"{report.source}: {len(report.given_up)} of {count} wishes and limits are missed"
         nearest = f"{report.directory / FILES[0]} is the nearest design"
         raise RunFailed(f"{missed}: {'; '.join(report.given_up)}; {nearest}", directory=report.directory)
 
 
 def _save(store: Store, file: WishFile, found: Found, report: DesignReport) -> None:
-    store.save_text(FILES[0], _yaml(file, found, report))
+    verdict = "meets every wish" if not report.given_up else f"misses: {'; '.join(report.given_up)}"
+    head = f"# Found by `pneurod design {file.source}`; it {verdict}.\n"
+    store.save_text(FILES[0], head + file.document(found.trial.point).text)
     store.save_json(FILES[1], {**report.record(), **provenance()})
     columns, rows = history_rows(file.wishes, report.history)
     store.save_rows(FILES[2], columns, rows)
-    store.save_text(FILES[3], design_page(file.wishes, report, found))
+    store.save_text(FILES[3], design_page(file.wishes, report))
 
 
-def _yaml(file: WishFile, found: Found, report: DesignReport) -> str:
-    """The configuration of the design."""
-    verdict = "meets every wish" if not report.given_up else f"misses: {'; '.join(report.given_up)}"
-    head = f"# Found by `pneurod design {file.source}`; it {verdict}.\n"
-    return head + file.document(np.array(found.trial.point)).text
+def _run(file: WishFile, found: Found, store: Store, course: Course, progress: Progress) -> DesignReport:
+    """The report with the numbers of a run of the design, whose law is partly there already.
 
-
-def _run(file: WishFile, found: Found, store: Store, course: Course, progress: Progress) -> None:
-    """The run of the design, whose law is there already. A run that misses something says so in its own results."""
-    config: Config = file.config(np.array(found.trial.point))
+    A run that misses something says so in its own results.
+    """
+    config = file.config(found.trial.point)
     known, folder = store_of(store, config).directory / LAW, store.directory / RUN
     try:
         check_owner(folder, config, "")
@@ -104,3 +103,9 @@ def _run(file: WishFile, found: Found, store: Store, course: Course, progress: P
     if known.is_dir():
         shutil.copytree(known, folder / LAW, dirs_exist_ok=True)
     run(config, folder, course.jobs, False, progress, course.words)
+    try:
+        law = SavedLaw.read(folder / "law.json").law
+        values = numbers_of(law, file.wishes, file.wishes.values(found.trial.point))
+    except (InputError, RodError):
+        return report_of(file, found, store.directory, folder)
+    return report_of(file, found, store.directory, folder, values)

@@ -1,5 +1,6 @@
 """A design that was found, beside what was wanted: values, tables and a page with pictures."""
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -9,9 +10,8 @@ from geometry.arrays import Array
 from pipeline.plots import COLOURS, INK, Line, Panel, figure, standalone_page
 from pipeline.report.tables import Table
 from pipeline.store.json_values import JsonObject
-from pipeline.wishes.search import Found
-from pipeline.wishes.trial import Trial
-from pipeline.wishes.wish import Limits, Wish, Wishes, exact_limits
+from pipeline.wishes.search import OF_LAW, Found, Refusal, Trial
+from pipeline.wishes.wish import Wish, Wishes, exact_limits
 from pipeline.wishes.wish_file import WishFile
 
 
@@ -19,10 +19,11 @@ from pipeline.wishes.wish_file import WishFile
 class WishResult:
     """A wish and what the design has; numbers in the unit of the quantity."""
 
+    number: int  #: in the file, from 1 on
     wish: Wish
     pressure_kPa: float
-    at_start: tuple[float, ...]  #: of the coarse law; empty where the start has none
-    value: tuple[float, ...]  #: of the delivered law
+    at_start: tuple[float, ...]  #: of coarse cells; empty where the start has none
+    value: tuple[float, ...]  #: of the law of its run, or of the law that a run delivers
     miss: float  #: distance from the wanted value over the tolerance
 
     @property
@@ -45,31 +46,34 @@ class LimitResult:
 class DesignReport:
     """A design for a wish; the same stands in the files of `directory`."""
 
+    source: Path
     directory: Path
     name: str
     start: dict[str, float]  #: mm and kPa, by key
     found: dict[str, float]
     wishes: tuple[WishResult, ...]
     limits: tuple[LimitResult, ...]
-    objective: float | None  #: over that at the start; None where nothing is made small
-    history: tuple[Trial, ...]
+    objective: float | None  #: what was made small; None where nothing was
+    history: tuple[Trial | Refusal, ...]
     run: Path | None  #: the results of its run; None where it was left out
 
     @property
     def given_up(self) -> tuple[str, ...]:
-        """The wishes that are not met and the limits that are not kept, one sentence each."""
-        sentences = [
-            f"{one.wish.name}: {one.wish.text(one.value)} instead of {one.wish.text(one.wish.target)}, "
-            f"{one.miss:.2g} times the tolerance away"
+        """The wishes that are not met and the limits that are not kept, one clause each."""
+        wishes = [
+            f"wishes[{one.number}], {one.wish.name}, is {one.wish.text(one.value)} instead of "
+            f"{one.wish.text(one.wish.target)}, {one.miss:.2g} times the tolerance away"
             for one in self.wishes
             if not one.is_met
         ]
-        kept = [f"{one.name}: {one.value:.4g} instead of {one.limit:.4g}" for one in self.limits if not one.is_kept]
-        return (*sentences, *kept)
+        limits = [
+            f"limits.{one.name} is {one.value:.4g} instead of {one.limit:.4g}" for one in self.limits if not one.is_kept
+        ]
+        return (*wishes, *limits)
 
     def record(self) -> JsonObject:
         """The content of design.json."""
-        rows: list[JsonObject] = [
+        wishes: list[JsonObject] = [
             {
                 "quantity": one.wish.quantity,
                 "pressure_kPa": one.pressure_kPa,
@@ -84,41 +88,39 @@ class DesignReport:
         ]
         limits: list[JsonObject] = [dict(vars(one)) for one in self.limits]
         found: JsonObject = {"name": self.name, "start": self.start, "found": self.found, "objective": self.objective}
-        return {**found, "wishes": rows, "limits": limits, "given_up": self.given_up}
+        return {**found, "wishes": wishes, "limits": limits, "given_up": self.given_up}
 
 
-def report_of(file: WishFile, found: Found, directory: Path, run: Path | None) -> DesignReport:
-    """The design that a search has found."""
-    wishes, trial = file.wishes, found.trial
-    point, start = np.array(trial.point), wishes.start
-    values = wishes.values(point)
-    parts = wishes.parts(found.numbers.values)
-    before = wishes.parts(found.first.values) if found.first else [np.zeros(0)] * len(parts)
-    rows = tuple(
-        WishResult(wish, wish.pressure(values), _numbers(first), _numbers(part), wish.miss(part))
-        for wish, first, part in zip(wishes.wishes, before, parts, strict=True)
+def report_of(
+    file: WishFile, found: Found, directory: Path, run: Path | None = None, in_run: Array | None = None
+) -> DesignReport:
+    """The design that a search has found; in_run: (m,) numbers of the law of its run, where it has one."""
+    wishes, trial, first = file.wishes, found.trial, found.history[0]
+    numbers, values = trial.numbers.values if in_run is None else in_run, wishes.values(trial.point)
+    before = wishes.parts(first.numbers.values) if isinstance(first, Trial) else [np.zeros(0)] * len(wishes.wishes)
+    rows = zip(wishes.wishes, before, wishes.parts(numbers), wishes.misses(numbers), strict=True)
+    results = tuple(
+        WishResult(number, wish, wish.pressure(values), tuple(start.tolist()), tuple(value.tolist()), float(miss))
+        for number, (wish, start, value, miss) in enumerate(rows, start=1)
     )
-    objective = None if np.isnan(trial.objective) else trial.objective
-    history, limits = found.history, tuple(_limits(file, found, point))
-    return DesignReport(directory, file.name, wishes.values(start), values, rows, limits, objective, history, run)
+    limits = tuple(_limits(file, trial.numbers.stretch, trial.point))
+    objective = None if np.isnan(trial.worth.objective) else trial.worth.objective
+    start = wishes.values(wishes.start)
+    return DesignReport(
+        file.source, directory, file.name, start, values, results, limits, objective, found.history, run
+    )
 
 
-def _numbers(values: Array) -> tuple[float, ...]:
-    return tuple(float(value) for value in values)
-
-
-def _limits(file: WishFile, found: Found, point: Array) -> list[LimitResult]:
-    limits: Limits = file.wishes.limits
-    wanted = {"mass": limits.mass_g, "smallest_wall": limits.smallest_wall_mm}
+def _limits(file: WishFile, stretch: float, point: Array) -> list[LimitResult]:
+    limits = file.wishes.limits
     rows = [
-        LimitResult(name, wanted[name] or 0.0, value, ratio <= 1.0)
+        LimitResult(name, ratio * value if name == "smallest_wall" else value / ratio, value, ratio <= 1.0)
         for name, (ratio, value) in exact_limits(file.wishes, file.config(point)).items()
     ]
     if limits.largest_stretch is not None:
-        stretch = found.numbers.stretch
         rows.append(LimitResult("largest_stretch", limits.largest_stretch, stretch, stretch <= limits.largest_stretch))
     if limits.bears is not None:
-        highest = file.wishes.highest_kPa(point)
+        highest = limits.bears * file.wishes.pressures_kPa(point)[-1]
         rows.append(LimitResult("bears_kPa", highest, highest, is_kept=True))
     return rows
 
@@ -135,7 +137,8 @@ def wishes_table(report: DesignReport) -> Table:
         met = "yes" if limit.is_kept else "no"
         rows.append((limit.name, f"{limit.limit:.4g}", "limit", "", f"{limit.value:.4g}", met))
     heads = ("wish", "wanted", "within", "at the start", "found", "met")
-    return Table(heads, tuple(rows), "at the start: of coarse cells; found: of the law that a run delivers")
+    law = "the law that a run delivers" if report.run is None else "its run"
+    return Table(heads, tuple(rows), f"at the start: of coarse cells; found: of {law}")
 
 
 def dimensions_table(report: DesignReport) -> Table:
@@ -147,57 +150,44 @@ def dimensions_table(report: DesignReport) -> Table:
     return Table(("free", "start (mm, kPa)", "found (mm, kPa)", "change (%)"), rows)
 
 
-def history_rows(wishes: Wishes, history: tuple[Trial, ...]) -> tuple[list[str], list[list[object]]]:
+def history_rows(wishes: Wishes, history: tuple[Trial | Refusal, ...]) -> tuple[list[str], list[list[object]]]:
     """Columns and rows of history.csv."""
     keys = [f"{one.key}_{one.unit}" for one in wishes.free]
-    names = [f"{wish.name}{f' {axis}' if axis else ''}" for wish in wishes.wishes for axis in _axes(wish)]
+    names = [f"{wish.name}{axis}" for wish in wishes.wishes for axis in ((" x", " y") if wish.target[1:] else ("",))]
     misses = [f"miss of {wish.name}" for wish in wishes.wishes]
     columns = ["number", "start", "law", *keys, *names, *misses, "largest_miss", "objective", "taken", "reason"]
     rows: list[list[object]] = []
     for number, trial in enumerate(history, start=1):
-        values = trial.values or (np.nan,) * len(names)
-        away = trial.misses or (np.nan,) * len(misses)
-        row = [number, trial.start, trial.law, *trial.point, *values, *away]
-        rows.append([*row, max(away), trial.objective, "yes" if trial.taken else "no", trial.reason])
+        head = [number, trial.start, trial.law, *trial.point.tolist()]
+        if isinstance(trial, Refusal):
+            rows.append([*head, *[np.nan] * (len(names) + len(misses) + 2), "no", trial.reason])
+            continue
+        away = trial.worth.misses.tolist()
+        taken = "yes" if trial.taken else "no"
+        rows.append([*head, *trial.numbers.values.tolist(), *away, max(away), trial.worth.objective, taken, ""])
     return columns, rows
 
 
-def _axes(wish: Wish) -> tuple[str, ...]:
-    return ("x", "y") if len(wish.target) > 1 else ("",)
+def design_page(wishes: Wishes, report: DesignReport) -> str:
+    """The search: misses and dimensions by design that was tried."""
+    shown = [(number, trial) for number, trial in enumerate(report.history, start=1) if isinstance(trial, Trial)]
+    count = [number for number, _ in shown]
 
+    def lines(names: Sequence[str], marker: str, value: Callable[[Trial], Array]) -> list[Line]:
+        rows = np.array([value(trial) for _, trial in shown]).T
+        return [
+            Line(count, row, name, COLOURS[k % len(COLOURS)], marker=marker)
+            for k, (name, row) in enumerate(zip(names, rows, strict=True))
+        ]
 
-def design_page(wishes: Wishes, report: DesignReport, found: Found) -> str:
-    """The search and the arm: misses and dimensions by trial, and tips over what was wanted."""
-    history = [(number, trial) for number, trial in enumerate(found.history, start=1) if trial.misses]
-    panels = [_misses(wishes, history), _dimensions(wishes, history), _tips(wishes, found)]
-    return standalone_page(f"{report.name}: a design for a wish", figure(tuple(panels)))
-
-
-def _misses(wishes: Wishes, history: list[tuple[int, Trial]]) -> Panel:
-    lines = [
-        Line([n for n, _ in history], [max(t.misses[k], 1e-4) for _, t in history], wish.name, colour, marker="circle")
-        for k, (wish, colour) in enumerate(zip(wishes.wishes, COLOURS * len(wishes.wishes), strict=False))
-    ]
-    lines.append(Line([1, history[-1][0]], [1.0, 1.0], "tolerance", INK, "dash"))
-    return Panel("Distance from the wishes", "design tried", "over the tolerance", tuple(lines), log_y=True)
-
-
-def _dimensions(wishes: Wishes, history: list[tuple[int, Trial]]) -> Panel:
-    lines = [
-        Line([n for n, _ in history], [t.point[k] / one.start for _, t in history], one.key, colour, "dot", "square")
-        for k, (one, colour) in enumerate(zip(wishes.free, COLOURS * len(wishes.free), strict=False))
-    ]
-    return Panel("What was free", "design tried", "over its start", tuple(lines))
-
-
-def _tips(wishes: Wishes, found: Found) -> Panel:
-    lines = []
-    for numbers, name, colour in ((found.first, "start", COLOURS[1]), (found.numbers, "found", COLOURS[0])):
-        if numbers is not None:
-            names = [wish.name for wish in wishes.wishes]
-            x, y = numbers.tips.T
-            lines.append(Line(x, y, name, colour, "", "circle", texts=names))
-    wanted = np.array([wish.target for wish in wishes.wishes if wish.quantity == "tip"]).reshape(-1, 2)
-    if len(wanted):
-        lines.append(Line(wanted[:, 0], wanted[:, 1], "wanted", INK, "", "x"))
-    return Panel("Tip of the arm without load", "x (mm)", "y (mm)", tuple(lines), lengths=True)
+    misses = lines([one.name for one in wishes.wishes], "circle", lambda t: np.maximum(t.worth.misses, 1e-4))
+    misses.append(Line([1, count[-1]], [1.0, 1.0], "tolerance", INK, "dash"))
+    laws = [(number, float(trial.worth.misses.max())) for number, trial in shown if trial.law == OF_LAW]
+    of_law, largest = np.array(laws).T
+    misses.append(Line(of_law, largest, "largest, delivered law", INK, "", "circle-open", marker_size=13.0))
+    free = lines([one.key for one in wishes.free], "square", lambda trial: trial.point / wishes.start)
+    panels = (
+        Panel("Distance from the wishes", "design tried", "over the tolerance", tuple(misses), log_y=True),
+        Panel("What was free", "design tried", "over its start", tuple(free)),
+    )
+    return standalone_page(f"{report.name}: a design for a wish", figure(panels))

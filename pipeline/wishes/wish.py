@@ -2,13 +2,15 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 
-from geometry.arrays import Array
+from geometry.arrays import Array, Mask
 from pipeline.config.config import Config
-from pipeline.config.units import ANGLE, CURVATURE, FORCE, LENGTH, STIFFNESS, Dimension
+from pipeline.config.kinds import PositiveLength, above_zero, in_unit, number
+from pipeline.config.section import Field, Kind, Section, section
+from pipeline.config.units import ANGLE, CURVATURE, FORCE, LENGTH, MASS, STIFFNESS, Dimension
 
 #: what can be wanted, by its key in a file
 QUANTITIES: dict[str, Dimension] = {
@@ -18,10 +20,16 @@ QUANTITIES: dict[str, Dimension] = {
     "force": FORCE,
     "stiffness": STIFFNESS,
 }
+#: those that follow a power of the dimensions rather than a straight line
+POWERS = ("kappa_0", "force", "stiffness")
 #: how each of them is told: a factor and its unit
 SHOWN = {"1/mm": (1e3, "1/m"), "deg": (1.0, "°"), "mm": (1.0, "mm"), "N": (1.0, "N"), "N/mm": (1e3, "N/m")}
-#: in front of the name of a free pressure, as dimensions have `geometry.`
-PRESSURE = "pressure."
+#: in front of the name of a free pressure, and of a dimension
+PRESSURE, GEOMETRY = "pressure.", "geometry."
+#: the dimension that `minimize: sensitivity` is about
+WALL = f"{GEOMETRY}wall"
+#: what is made as small as possible, by its key; "" where wishes are met as nearly as possible
+OBJECTIVES = ("pressure", "mass", "sensitivity")
 
 
 @dataclass(frozen=True)
@@ -49,18 +57,9 @@ class Wish:
     at: float | str  #: kPa, or the name of a free pressure
     height_mm: float = 0.0  #: of the end that is held, of a force
 
-    @property
-    def is_power(self) -> bool:
-        """Whether the number follows a power of the dimensions rather than a straight line."""
-        return self.quantity in ("kappa_0", "force", "stiffness") and self.target[0] != 0.0
-
     def pressure(self, values: Mapping[str, float]) -> float:
         """kPa; values: of what is free, by key."""
         return values[f"{PRESSURE}{self.at}"] if isinstance(self.at, str) else self.at
-
-    def miss(self, values: Array) -> float:
-        """How far values (1,) or (2,) are from the wanted ones, over what is allowed."""
-        return float(np.linalg.norm(values - np.array(self.target)) / self.within)
 
     @property
     def name(self) -> str:
@@ -77,18 +76,18 @@ class Wish:
         return f"{joined}{unit}" if unit == "°" else f"{joined} {unit}"
 
 
-@dataclass(frozen=True)
-class Limits:
-    """What an arm must not exceed; None where nothing is asked."""
-
-    largest_stretch: float | None = None  #: of a cell without moment, at the highest pressure
-    mass_g: float | None = None
-    smallest_wall_mm: float | None = None
-    bears: float | None = None  #: times the highest pressure, which cell and ends must bear
+_ABOVE_ONE = Kind("above 1", "1.4", "1", number, lambda value: value > 1.0)
+_MASS = Kind("above 0", MASS.example, "g", in_unit(MASS), above_zero)
 
 
-#: what is made as small as possible, by its key; "" where wishes are met as nearly as possible
-OBJECTIVES = ("pressure", "mass", "sensitivity")
+@section(frozen=True)
+class Limits(Section):
+    """What an arm must not exceed, as it is written; None where nothing is asked."""
+
+    largest_stretch: Annotated[float | None, _ABOVE_ONE] = None  #: of a cell without moment, at the highest pressure
+    mass_g: Annotated[float | None, _MASS] = Field(default=None, alias="mass")
+    smallest_wall_mm: PositiveLength | None = None
+    bears: Annotated[float | None, _ABOVE_ONE] = None  #: times the highest pressure, which the cell must bear
 
 
 @dataclass(frozen=True)
@@ -100,11 +99,6 @@ class Wishes:
     limits: Limits
     minimize: str  #: one of OBJECTIVES; "" for none
     starts: int  #: points from which is begun at most
-
-    @property
-    def pressures(self) -> dict[str, Free]:
-        """The free pressures by name."""
-        return {one.key.removeprefix(PRESSURE): one for one in self.free if one.key.startswith(PRESSURE)}
 
     @property
     def dimensions(self) -> tuple[str, ...]:
@@ -120,10 +114,6 @@ class Wishes:
         values = self.values(point)
         return tuple(sorted({wish.pressure(values) for wish in self.wishes}))
 
-    def highest_kPa(self, point: Array) -> float:
-        """The largest pressure that the arm has to bear."""
-        return self.pressures_kPa(point)[-1] * (self.limits.bears or 1.0)
-
     @property
     def bounds(self) -> Array:
         """(n, 2)"""
@@ -134,14 +124,30 @@ class Wishes:
         """(n,)"""
         return np.array([one.start for one in self.free])
 
+    @property
+    def targets(self) -> Array:
+        """(m,) all wanted numbers, one after the other."""
+        return np.concatenate([wish.target for wish in self.wishes])
+
+    @property
+    def within(self) -> Array:
+        """(m,) their tolerances."""
+        return np.concatenate([[wish.within] * len(wish.target) for wish in self.wishes])
+
+    @property
+    def powers(self) -> Mask:
+        """(m,) whether a number follows a power of the dimensions."""
+        return np.concatenate([[wish.quantity in POWERS] * len(wish.target) for wish in self.wishes])
+
     def parts(self, numbers: Array) -> list[Array]:
-        """The numbers of all wishes, one after the other, by wish."""
+        """The numbers (m, ..) of all wishes by wish."""
         ends = np.cumsum([len(wish.target) for wish in self.wishes])
         return np.split(numbers, ends[:-1])
 
     def misses(self, numbers: Array) -> Array:
-        """(w,) of each wish."""
-        return np.array([wish.miss(part) for wish, part in zip(self.wishes, self.parts(numbers), strict=True)])
+        """(w,) how far each wish is missed, over what is allowed; numbers: (m,)."""
+        away = self.parts((numbers - self.targets) / self.within)
+        return np.array([np.linalg.norm(part) for part in away])
 
 
 def exact_limits(wishes: Wishes, config: Config) -> dict[str, tuple[float, float]]:

@@ -15,13 +15,10 @@ from pipeline.config.config import Config
 from pipeline.config.document import Document
 from pipeline.config.section import read
 from pipeline.store.json_values import JsonObject
-from pipeline.wishes.wish import Wishes
+from pipeline.wishes.wish import GEOMETRY, Wishes
 
 #: significant digits of dimensions and pressures
 DIGITS = 6
-GEOMETRY = "geometry."
-#: the dimension that `minimize: sensitivity` is about
-WALL = "geometry.wall"
 
 
 @dataclass(frozen=True)
@@ -43,22 +40,19 @@ class WishFile:
         """sha256 of the record."""
         return sha256(dumps(self.record(), sort_keys=True).encode()).hexdigest()
 
-    def settings(self, point: Array) -> dict[str, Any]:
-        """What replaces values of the base at a point (n,): dimensions, pressures, and how the end is held."""
+    def document(self, point: Array) -> Document:
+        """The base with the dimensions and pressures of a point (n,), and how the end is held."""
         values = self.wishes.values(point)
         found: dict[str, Any] = {"name": self.name}
         found |= {key: f"{values[key]:.{DIGITS}g} mm" for key in self.wishes.dimensions}
         found["pressures"] = [f"{pressure:.{DIGITS}g} kPa" for pressure in self.wishes.pressures_kPa(point)]
-        heights = list(dict.fromkeys(wish.height_mm for wish in self.wishes.wishes if wish.quantity == "force"))
+        forces = [wish for wish in self.wishes.wishes if wish.quantity == "force"]
+        heights = [f"{height:g} mm" for height in dict.fromkeys(wish.height_mm for wish in forces)]
         if heights:
-            found["end"] = {"y": f"{heights[0]:g} mm"}
+            found["end"] = {"y": heights[0]}
         if heights[1:]:
-            found["validation"] = {"end_y": [f"{height:g} mm" for height in heights[1:]]}
-        return found
-
-    def document(self, point: Array) -> Document:
-        """The base with the values of a point (n,)."""
-        return self.base.with_values(list(self.settings(point).items()), lambda key: f"{self.source}: {key}")
+            found["validation"] = {"end_y": heights[1:]}
+        return self.base.with_values(list(found.items()), lambda key: f"{self.source}: {key}")
 
     def config(self, point: Array) -> Config:
         """The design of a point (n,). Raises InputError."""

@@ -46,7 +46,7 @@ def wish_of_known_arm(folder: Path) -> Path:
 
     file = small(folder, text())
     with open_store(folder / "known", file) as store:
-        numbers = delivered(file, KNOWN, RunContext.alone(store, Silent())).values
+        numbers = delivered(file, KNOWN, RunContext.alone(store, Silent()))[0]
     assert numbers[1] == pytest.approx(GUESS, rel=0.05)
     return small(folder, text()).source
 
@@ -87,7 +87,9 @@ def test_a_known_arm_is_found_again_and_nothing_is_measured_twice(
     assert (out / "design.yaml").read_bytes() == before
 
     missed = replace(report, wishes=(replace(report.wishes[0], miss=3.0), report.wishes[1]))
-    with pytest.raises(RunFailed, match=r"1 of 3 wishes .* missed: kappa_0 at 30 kPa: .* instead of "):
+    with pytest.raises(
+        RunFailed, match=r"wish.yaml: 1 of 3 wishes .* missed: wishes\[1\], kappa_0 at 30 kPa, is .* instead of "
+    ):
         raise_if_missed(missed)
     raise_if_missed(report)
 
