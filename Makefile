@@ -122,6 +122,7 @@ space: $(DEV)  ## four arms and eight designs bent out of their plane, rods agai
 
 foreign: $(DEV)  ## bodies as other programs write them, meshed and bent; a table
 	@$(BIN)/python -m benchmarks.foreign
+
 experiments: $(DEV)  ## measured bodies: error before and after a calibration; the table of docs/experiments.md
 	@$(BIN)/python -m benchmarks.experiments
 
