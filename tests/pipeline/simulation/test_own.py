@@ -97,6 +97,23 @@ def test_own_body_is_inflated(tmp_path: Path) -> None:
     assert rows["symmetry"].state == rows["strain_limiting_layer"].state == "on"
 
 
+def test_stretches_of_a_region_are_those_of_its_elements(tmp_path: Path) -> None:
+    """A base of 500 MPa under soft rubber does not stretch."""
+    path = tmp_path / "stiff_base.yaml"
+    path.write_text(
+        "name: stiff_base\ngeometry: {family: rectangular, chambers: 3, width: 14 mm, height: 12 mm, base: 2 mm}\n"
+        "material: {law: neo_hooke, mu: 0.03 MPa, nu: 0.49}\nmaterials: {base: {law: hencky, E: 500 MPa, nu: 0.4}}\n"
+        "pressures: [5 kPa]\nmesh: {size: 4 mm}\n"
+    )
+    scene = Scene.meshed(config := load_config(path))
+    with open_store(tmp_path / "out", config) as store:
+        (record,) = simulate(scene, RunContext.alone(store, Silent()), ("II",))["II"].records
+    base = np.isin(np.arange(len(scene.body.mesh.tets)), scene.body.mesh.regions["base"])
+    stretches = np.array([record.fields["smallest_stretch"], record.fields["stretch"]])
+    np.testing.assert_allclose(stretches[:, base], 1.0, atol=1e-3)
+    assert record.state.max_stretch == stretches[1, ~base].max() > 1.1
+
+
 @pytest.fixture(scope="module")
 def ready(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A configuration of the finger as a ready mesh."""
