@@ -91,7 +91,7 @@ class ArmLaw:
     def with_changes(self, changes: Mapping[str, float]) -> "ArmLaw":
         """The law of an arm whose parameters differ a little, to first order: `{"geometry.wall": 0.1}`.
 
-        changes: by parameter, in mm, MPa or 1. Mass, axial and shear rigidity, and the tip stay as they are. The
+        changes: by parameter, in mm, MPa or 1. Mass, rigidities other than that in the plane, and the tip stay. The
         derivatives are left out. Raises `RodError` for a parameter without them, and for a change so large that no law
         is left.
         """
