@@ -173,8 +173,15 @@ class Search:
         self.trials.append(trial)
         free = zip(self.file.wishes.free, trial.point, strict=True)
         shown = ", ".join(f"{one.key.partition('.')[2]} {value:.4g} {one.unit}" for one, value in free)
-        told = trial.reason if isinstance(trial, Refusal) else f"largest miss {trial.worth.misses.max():.3g} tolerances"
+        told = trial.reason if isinstance(trial, Refusal) else self._farthest(trial)
         self.context.progress.remark(f"{len(self.trials)}. {trial.law}: {shown}: {told}")
+
+    def _farthest(self, trial: Trial) -> str:
+        """The wish that is missed most."""
+        misses, wishes = trial.worth.misses, self.file.wishes
+        k = int(np.argmax(misses))
+        value = wishes.wishes[k].text(wishes.parts(trial.numbers.values)[k])
+        return f"{wishes.wishes[k].name} is {value}, {misses[k]:.3g} tolerances away"
 
 
 def starts(file: WishFile) -> Iterator[Array]:
