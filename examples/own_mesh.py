@@ -73,7 +73,7 @@ for step in solution.steps:
 # through the vertices near the middle plane.
 
 # %%
-print(f"force on the clamp: {np.abs(solution.steps[-1].reaction('clamp')).max():.1e} N")
+print(f"force on the clamp: {np.abs(solution.steps[-1].reaction('clamp')).max():.6f} N")
 figure, axes = plt.subplots(figsize=(8, 2.5), layout="constrained")
 middle = np.abs(mesh.points[:, 2] - 5.0) < 1.5
 for label, positions in (("at rest", mesh.points), ("20 kPa", solution.steps[-1].positions)):
