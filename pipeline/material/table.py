@@ -151,15 +151,11 @@ def _values(table: _Table, column: _Column, specimen: Specimen) -> tuple[Array, 
         size = specimen.area_mm2 if is_force else specimen.length_mm
         if size is None:
             option = "--area '16 mm^2', the cross-section" if is_force else "--length '33 mm', the length"
-            raise InputError(f"{table.path}: column '{column.title}' is {_article(column.kind)}; give {option} at rest")
+            raise InputError(f"{table.path}: column '{column.title}' holds {column.kind}s; give {option} at rest")
         unit /= size
     if PRESSED.search(plain(column.title)) and np.nanmedian(values[np.isfinite(values)]) > 0:
         unit = -unit
     return unit * values - (column.kind == "stretch"), note
-
-
-def _article(kind: str) -> str:
-    return f"an {kind}" if kind[0] in "aeiou" else f"a {kind}"
 
 
 def _chosen(columns: Sequence[_Column], kinds: Sequence[str], otherwise: str) -> list[_Column]:
