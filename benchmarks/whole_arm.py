@@ -104,6 +104,24 @@ class PlanarState:
         effects = (*self.effects, replace(added, ramp=False))
         return PlanarState(self.scene, steps[0], self.pressure_kPa, effects, force_N) if steps else None
 
+    def buckling_force(self, direction: tuple[float, float], guess: float) -> tuple[float, float]:
+        """The dead forces (N) in a direction of the plane, at most 1 % apart, between which the arm buckles out of it.
+
+        guess: N, from which they are sought. Raises ValueError where the arm has no planar state under such a force.
+        """
+        x, y = direction
+        low, high, force, stable = 0.0, 0.0, 0.9 * guess, self
+        while not high or high - low > 0.01 * high:
+            state = stable.under((force * x, force * y))
+            if state is None:
+                raise ValueError(f"no planar state under {force:g} N")
+            if state.across.negative_pivots:
+                high = force
+            else:
+                low, stable = force, state
+            force = 0.5 * (low + high) if high else 1.1 * force
+        return low, high
+
     def _begin(self, step: Step) -> Step:
         return replace(step, factor=0.0, rate=None)
 
@@ -124,13 +142,15 @@ class PlanarState:
     @cached_property
     def frame(self) -> Array:
         """(3, 3), columns: the directions in which the axes of the end face point."""
-        return self._turn(self.step.points, self.step.displacement, IMAGE).as_matrix()
+        weights = areas_of_end(self.step.space)
+        return self._turn(self.step.points, self.step.displacement, IMAGE, weights).as_matrix()
 
-    def _turn(self, x: Array, displacement: Array, sign: Array) -> Rotation:
-        """Of the end face by displacements (n, 3) from x (n, 3); those of the other half are the image times a sign."""
+    def _turn(self, x: Array, displacement: Array, sign: Array, weights: Array) -> Rotation:
+        """Of nodes with weights (n,) by displacements (n, 3) from x (n, 3); those of the other half are the image times
+        a sign."""
         before = np.vstack([x, x * IMAGE])
         after = before + np.vstack([displacement, displacement * sign])
-        return turn(np.tile(areas_of_end(self.step.space), 2), before, after)
+        return turn(np.tile(weights, 2), before, after)
 
     @cached_property
     def across(self) -> Linearised:
@@ -142,14 +162,20 @@ class PlanarState:
         state = system.state_at(self.step.displacement, 1.0)
         return system.linearise(state, system.assemble(state, terms), terms)
 
-    def slight(self, force: Array) -> dict[str, Any]:
-        """What nodal forces (n, 3) on the half, and their antisymmetric image, do to first order, per N or N mm."""
+    def slight(self, force: Array, section: float) -> dict[str, Any]:
+        """What nodal forces (n, 3) on the half, and their antisymmetric image, do to first order, per N or N mm.
+
+        section: mm from the clamp at rest, of a plane of nodes whose turn is told beside that of the end.
+        """
         moved = self.across.solve(-force).displacement
         x, end = self.step.positions, nodes_at(self.experiment.curve, self.step.space)[-1]
         size = SLIGHT / float(np.abs(moved).max())
-        turned = self._turn(x, size * moved, ANTISYMMETRIC).as_rotvec() / size
+        on_section = np.abs(self.step.points[:, 0] - section) < 1e-6 * section
+        planes = {"turn_rad": areas_of_end(self.step.space), "turn_of_section_rad": on_section.astype(float)}
+        turns = {name: self._turn(x, size * moved, ANTISYMMETRIC, rows).as_rotvec() for name, rows in planes.items()}
         work = 2.0 * float(np.vdot(force, moved))  # of a unit load on the whole body
-        return {"lift": float(moved[end, 2]), "turn_rad": turned.tolist(), "work": work}
+        found = {"lift": float(moved[end, 2]), "work": work, "section_mm": section}
+        return found | {name: (vector / size).tolist() for name, vector in turns.items()}
 
     def bent(self, force: Array, parts: Sequence[float]) -> Iterator["Bent"]:
         """The whole arm under rising parts of nodal forces (n, 3), as far as it bears them."""
