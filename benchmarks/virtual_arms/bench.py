@@ -15,14 +15,16 @@ COLUMNS = ("pressure_kPa", "force_x_N", "force_y_N", "held_y_mm", "tip_x_mm", "t
 WHAT = ("tip between", "tip beyond", "tip under a force", "force")
 
 
-def write_measured(arm: VirtualArm, measurement: Measurement, path: Path) -> None:
-    """Write the rows that an arm is calibrated on: its free end, with noise."""
+def write_measured(arm: VirtualArm, measurement: Measurement, path: Path, loaded: bool = False) -> None:
+    """Write the rows that an arm is calibrated on: its free end, with noise; loaded: and that under the dead force."""
     rng = np.random.default_rng([arm.seed, arm.number, 3])
     lines = []
-    for row in measurement.of("II", arm.measured_kPa):
+    rows = measurement.of("II", arm.measured_kPa)
+    for row in (*rows, *(measurement.of("dead", [arm.loaded_kPa]) if loaded else ())):
         x, y = rng.normal(row.tip_mm, NOISE_MM)
         angle = rng.normal(row.angle_deg, NOISE_DEG)
-        lines.append([row.pressure_kPa, "", "", "", round(x, 2), round(y, 2), round(angle, 1), ""])
+        force = row.force_N if row.experiment == "dead" else ("", "")
+        lines.append([row.pressure_kPa, *force, "", round(x, 2), round(y, 2), round(angle, 1), ""])
     _write(path, lines)
 
 

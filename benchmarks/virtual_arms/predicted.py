@@ -40,13 +40,13 @@ class Judged:
     failure: str = ""  #: why not
 
 
-def judged(arm: VirtualArm, measurement: Measurement, folder: Path) -> Judged:
+def judged(arm: VirtualArm, measurement: Measurement, folder: Path, loaded: bool = False) -> Judged:
     """Calibrate the law of the drawing to the arm, and compare its predictions.
 
-    Files go to `folder`, the law beside it.
+    Files go to `folder`, the law beside it. loaded: the tip under the dead force is measured as well.
     """
     files = folder / "measured.csv", folder / "true.csv"
-    write_measured(arm, measurement, files[0])
+    write_measured(arm, measurement, files[0], loaded)
     write_true(arm, measurement, files[1])
     laws = str(arm.drawing["material"]["law"]), str(arm.built["material"]["law"])
     found, predictions, failure = float("nan"), tuple[Prediction, ...](), ""

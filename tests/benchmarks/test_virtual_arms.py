@@ -57,6 +57,11 @@ def test_the_files_of_the_bench(tmp_path: Path) -> None:
     offs = [row.values["tip_x"] - one.tip_mm[0] for row, one in zip(known.rows, free, strict=False)]
     assert 0.0 < float(np.abs(offs).max()) < 1.5
     assert true.rows[2].state.force_N == (0.01, -0.02)
+    write_measured(arm, measurement, tmp_path / "loaded.csv", loaded=True)
+    more = read_measurements(tmp_path / "loaded.csv")
+    assert [row.values for row in more.rows[:-1]] == [row.values for row in known.rows]
+    assert more.rows[-1].state == true.rows[2].state
+    assert more.rows[-1].values["tip_x"] != true.rows[2].values["tip_x"]
     assert true.rows[3].values == {"reaction": 0.05}
 
 
