@@ -63,7 +63,11 @@ def _page(made: PairRuns) -> str:
         for direction, _, results in _runs(made)
     )
     words = f"<p>{'<br>'.join(map(escape, made.sentences))}</p>"
-    parts = [f"<table>{_row('th', table.heads)}{''.join(rows)}</table>", f"<p>{escape(table.caption)}</p>", words]
+    parts = [
+        f'<table style="border-spacing: 1.2rem .2rem">{_row("th", table.heads)}{"".join(rows)}</table>',
+        f"<p>{escape(table.caption)}</p>",
+        words,
+    ]
     if made.law is not None:
         parts.append(figure([Panel("Moment over curvature", "κ (1/mm)", "M (N mm)", tuple(_curves(made)))]))
     return standalone_page(f"{made.spec.name}: pairs of pressures", *parts, *found)

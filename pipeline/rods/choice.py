@@ -64,7 +64,7 @@ class RodOfRun:
         if isinstance(self.source, PairLaw):
             if not isinstance(pressure_kPa, tuple):
                 raise RodError("This law has the pressures of two cavities; give both, such as [20 kPa, 5 kPa].")
-            return Rod(self.source.length, law=self.source.at(pressure_kPa))
+            return Rod(self.source.length, law=self.source.at(pressure_kPa), notes=self.notes)
         if isinstance(pressure_kPa, tuple):
             raise RodError("This rod has one pressure; give it alone, such as 20 kPa.")
         if isinstance(self.source, PressurisedRod):
@@ -78,7 +78,10 @@ def rod_of_path(path: Path, kind: str | None) -> RodOfRun:
     """The rod of a result folder, or the one of a parameters.json or a law.json alone. Raises InputError."""
     check_kind(kind, "--rod ")
     if (pairs := read_pair_law(path)) is not None:
-        return RodOfRun("law", pairs)
+        if kind not in (None, "law"):
+            raise InputError(f"--rod {kind}: a law over two pressures is that of rod law; leave --rod out")
+        doubt = pairs.error_between is None and len(pairs.laws) > 1
+        return RodOfRun("law", pairs, notes=("The error of this law between its ratios is not known.",) * doubt)
     if path.is_dir():
         return choose_rod(read_results(path), kind)
     try:
