@@ -26,13 +26,15 @@ mesh: {size: 5 mm, coarser: off}
 
 
 def errors(law: PairLaw, results: Run, pair: tuple[float, float]) -> tuple[float, float]:
-    """Distance of the tips in II over the length, and difference of the forces in III, N."""
+    """Distance of the tips in II over the length, and difference of the forces in III over EI / l^2: by symmetry this
+    arm hardly bends, and its forces are hundredths of that."""
     curve = results.curve("II", max(pair))
     [held] = [state for state in results.states if state.experiment == "III" and state.pressure_kPa == max(pair)]
     assert curve is not None
     rod = law.at(pair)
+    scale = float(np.interp(0.0, rod.section.moment, 1.0 / rod.section.kappa_slope)) / law.length**2
     away = np.linalg.norm(np.subtract(rod.solve().end, curve.tip_mm)) / law.length
-    return float(away), abs(rod.solve(end_y=0.0).force[1] - held.reaction_N[1])
+    return float(away), abs(float(rod.solve(end_y=0.0).force[1]) - held.reaction_N[1]) / scale
 
 
 @pytest.mark.slow
@@ -53,7 +55,6 @@ def test_the_law_over_two_pressures_is_that_of_the_whole_arm(tmp_path: Path) -> 
     assert unused[1] / unused[0] not in made.law.directions
     known = [errors(made.law, results, (30.0, 30.0 * direction)) for direction, results in made.runs.items()]
     between = errors(made.law, alone.results, unused)
-    largest = max(state.reaction_N[1] for results in made.runs.values() for state in results.states)
     assert max(away for away, _ in known) < 5e-4
     assert between[0] < 1e-3
-    assert max(force for _, force in (*known, between)) < 0.02 * largest
+    assert max(force for _, force in (*known, between)) < 2e-3
