@@ -114,8 +114,8 @@ def arc(length: float, kappa: float, stretch: float, rigidities: Mapping[str, fl
 class Ends:
     """What holds a rod."""
 
-    clamp: Array  #: (3, 3) turns of the clamped end by the moment at s = position, rad/(N mm)
-    position: float  #: mm; the clamped end turns about this place
+    clamp: Array  #: (3, 3) turns of the clamped end by the moment where it turns, rad/(N mm)
+    position: float  #: mm, where the clamped end turns in the plane; out of it at its start
     first: float  #: mm, how far the clamped end reaches
     lever: Array  #: (3,) mm, from the end of the axis to the point in which its force acts
     to_end: Array  #: (3,) mm, from there to the point of the end that is held
@@ -132,9 +132,10 @@ class Ends:
 
     def hinge(self) -> Array:
         """(6, 6): turn and motion of the start of the axis by moment and force there."""
-        arm = cross_matrix(np.array([self.position, 0.0, 0.0]))
-        by_moment = np.vstack([np.eye(3), arm]) @ self.clamp
-        return np.asarray(by_moment @ np.hstack([np.eye(3), -arm]))
+        moved = np.zeros((3, 3))
+        moved[1, 2] = -self.position
+        by_turn = np.vstack([np.eye(3), moved])
+        return np.asarray(by_turn @ self.clamp @ by_turn.T)
 
 
 def lowest_mode(rod: LoadedRod, ends: Ends) -> tuple[float, Array]:

@@ -98,7 +98,7 @@ class _Shooting:
         """Place (c, 3) and frame (c, 3, 3) of the axis at the clamp under forces (c, 3) there; by how much the moment
         leaves the curve, N mm.
 
-        The end turns out of the plane about the place whose moment decides.
+        Out of the plane the end turns about its start, by the moment there.
         """
         clamp, n = self.pieces.clamp, len(shapes.moment) - 1
         row = clamp.position / self.pieces.length * n
@@ -108,9 +108,9 @@ class _Shooting:
         inside = np.clip(bending, clamp.moment[0], clamp.moment[-1])
         by_moment = cubic_slope(clamp.moment, clamp.offset, clamp.offset_by_moment, inside)[:, 0]
         in_plane = clamp.rotation_at(bending) + force[:, 0] * by_moment
-        tilted = rotation(np.column_stack([decides[:, :2] @ clamp.lateral_compliance.T, np.zeros(len(bending))]))
+        across = shapes.moment[0, :, :2] @ clamp.lateral_compliance.T
+        tilted = rotation(np.column_stack([across, np.zeros(len(bending))]))
         place = np.column_stack([clamp.offset_at(bending), np.zeros(len(bending))])
-        place += clamp.position * (np.array([1.0, 0.0, 0.0]) - tilted[:, :, 0])
         return place, tilted @ rotation(in_plane[:, None] * ACROSS), float(np.abs(bending - inside).max())
 
     def converge(self, end: _End, loads: _Loads) -> tuple[_State, Array] | None:
