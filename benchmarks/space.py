@@ -32,6 +32,7 @@ from pipeline.cell.saved import SavedLaw
 from pipeline.config.config import Config
 from pipeline.config.load import load_config
 from pipeline.context import RunContext
+from pipeline.errors import RunFailed
 from pipeline.progress import Silent
 from pipeline.simulation.scene import Scene
 from pipeline.store.store import open_store
@@ -156,7 +157,7 @@ def apart(own: Array, solid: Sequence[float]) -> float:
 
 def errors_of(name: str, law: ArmLaw, states: Sequence[Mapping[str, Any]], folder: Path) -> Iterator[dict[str, Any]]:
     """For each pressure and load of an arm how far the rod is from it; for the smallest force those of exports too."""
-    for state in states:
+    for state in (state for state in states if state["pressure_kPa"] <= law.pressures[-1]):
         pressure, torque = state["pressure_kPa"], state["by_torque"]
         rod, section = law.at(pressure), torque["section_mm"]
         planar = rod.solve_in_space(SpatialLoad())
@@ -211,15 +212,19 @@ def buckling(folder: Path) -> str:
 
 def draw(curves: Mapping[str, Sequence[tuple[Array, Array]]], file: Path) -> None:
     """Material curves (n, 3) of rods (lines) and of finite elements (points) by arm, from the side and from above."""
-    figure = Figure(figsize=(3.2 * len(curves), 6.0), layout="constrained")
+    figure = Figure(figsize=(3.2 * len(curves), 5.0), layout="constrained")
     axes = figure.subplots(2, len(curves), squeeze=False)
     for column, (name, pairs) in enumerate(curves.items()):
         for colour, (rod, solid) in enumerate(pairs):
-            for row, across_ in enumerate((1, 2)):
-                axes[row, column].plot(solid[::3, 0], solid[::3, across_], "o", ms=3, mfc="none", color=f"C{colour}")
-                axes[row, column].plot(rod[:, 0], rod[:, across_], "-", lw=1, color=f"C{colour}")
-        axes[0, column].set(title=name.replace("_", " "), ylabel="y, mm", aspect="equal")
-        axes[1, column].set(xlabel="x, mm", ylabel="z, mm", aspect="equal")
+            for row in range(2):
+                one, style = axes[row, column], {"color": f"C{colour}"}
+                one.plot(solid[::-2, 0], solid[::-2, row + 1], "o", ms=3, mfc="none", label="finite elements", **style)
+                one.plot(rod[:, 0], rod[:, row + 1], "-", lw=1, label="rod", **style)
+                one.set_box_aspect(0.8)
+        axes[0, column].set(title=name.replace("_", " "), ylabel="y, mm")
+        axes[0, column].set_aspect("equal", adjustable="datalim")
+        axes[1, column].set(xlabel="x, mm", ylabel="z, mm")
+    axes[1, 0].legend(*(handles[:2] for handles in axes[1, 0].get_legend_handles_labels()), fontsize="small")
     figure.savefig(file, dpi=110)
 
 
@@ -236,7 +241,11 @@ def main() -> int:
     for name, config in designs(given.results, given.random).items():
         if given.only in (None, name):
             folder = given.results / f"law_{name}"
-            law = law_of(config, folder)
+            try:
+                law = law_of(config, folder)
+            except RunFailed as failure:
+                sys.stdout.write(f"{name}: {failure}\n")
+                continue
             states = solved(config, law, given.results / f"{name}.json")
             rows += errors_of(name, law, states, folder)
             last = states[-1]["forces"]
