@@ -168,10 +168,10 @@ def _numbers(rod: LawRod, held_mm: float | None, known: LawRod) -> Mapping[str, 
         except RodError:
             return math.nan
 
-    free = rod.solve()
+    x, y = rod.solve().end
     return {
-        "x": float(free.x[-1]),
-        "y": float(free.y[-1]),
+        "x": x,
+        "y": y,
         "kappa_0": kappa_0(rod, known),
         "rigidity": rigidity(rod, known),
         "force": math.nan if held_mm is None else tried(lambda: float(rod.solve(end_y=held_mm).force[1])),

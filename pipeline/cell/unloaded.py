@@ -84,5 +84,4 @@ def _unloaded(law: ArmLaw, pressure: float) -> Unloaded:
     at = law.at(pressure)
     shape = Rod(law.length, law=at).solve()
     rigidity = 1.0 / float(np.interp(0.0, at.section.moment, at.section.kappa_slope))
-    tip = (float(shape.x[-1]), float(shape.y[-1]))
-    return Unloaded(pressure, at.section.kappa_0, rigidity, bending_deg(tip), tip)
+    return Unloaded(pressure, at.section.kappa_0, rigidity, bending_deg(shape.end), shape.end)

@@ -29,11 +29,13 @@ from pipeline.config.load import load_config
 from pipeline.context import RunContext
 from pipeline.parallel import Pending
 from pipeline.progress import Progress, Silent
+from pipeline.results.files import read_results
 from pipeline.results.law import Unloaded
 from pipeline.simulation.scene import Scene
 from pipeline.store.store import open_store
 from rod import RodError
 from rod.arm_law.record import law_from_record
+from tests.coarse import COARSE
 
 CONFIGS = Path(__file__).resolve().parent.parent.parent.parent / "configs"
 ARM = ["geometry.chambers=4", "pressures=[6 kPa, 9 kPa]", "mesh.size=6 mm", "accuracy=off"]
@@ -274,6 +276,14 @@ def test_another_file_is_no_law(tmp_path: Path) -> None:
         SavedLaw.read(tmp_path / "law.json")
     with pytest.raises(RodError, match="format"):
         law_from_record({"format": 99})
+
+
+def test_the_tip_without_a_load_is_that_of_the_material_curve() -> None:
+    """As finite elements of the whole arm have it; the end of the axis is 0.1 and 0.2 mm away."""
+    measured = {row.pressure_kPa: row for row in read_results(COARSE).states if row.experiment == "II"}
+    for state in unloaded_states(SavedLaw.read(COARSE / "law.json").law, tuple(measured)):
+        whole = measured[state.pressure_kPa]
+        assert state.tip_mm == pytest.approx((whole.end_x_mm, whole.end_y_mm - 1.0), abs=0.08)
 
 
 def test_the_first_numbers_are_those_of_the_law_on_the_same_mesh(report: LawReport, tmp_path: Path) -> None:
