@@ -66,9 +66,8 @@ class Corrections:
 
 def _across(cells: Sequence[CellCurve], limit: MeshLimit) -> tuple[Array, Array] | None:
     """Pressures and factors from the rigidities of cells out of the plane to those in the limit."""
-    known = {
-        c.pressure: np.divide(limit.across[c.pressure][0], across_on(c)) for c in cells if c.pressure in limit.across
-    }
+    own = {cell.pressure: across_on(cell) for cell in cells if cell.is_in_space and cell.pressure in limit.across}
+    known = {pressure: np.divide(limit.across[pressure][0], of_cell) for pressure, of_cell in own.items()}
     return (np.array(list(known)), np.array(list(known.values()))) if known else None
 
 
