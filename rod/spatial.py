@@ -19,7 +19,7 @@ Position = tuple[float | None, float | None, float | None]
 
 def is_triple(value: object) -> bool:
     """Whether it has three parts, and is no text."""
-    return not isinstance(value, str) and isinstance(value, Sequence | np.ndarray) and len(value) == 3
+    return isinstance(value, Sequence | np.ndarray) and not isinstance(value, str) and np.shape(value)[:1] == (3,)
 
 
 def triple(values: object, name: str) -> Triple:
@@ -44,6 +44,7 @@ class SpatialLoad:
     def __post_init__(self) -> None:
         for name in ("force", "couple", "weight"):
             object.__setattr__(self, name, triple(getattr(self, name), name))
+        finite(self.weight_height, "weight_height")
 
 
 def spatially_requested(
@@ -55,6 +56,8 @@ def spatially_requested(
 ) -> tuple[SpatialLoad, Position]:
     """The load and the position of the end that the arguments of `solve` name; a moment alone turns about z.
 
+    A pair acts in the plane: the third component of its force is 0, and its end is free along z.
+
     Raises `LoadError` where they contradict each other, and `RodError` for what is no three numbers.
     """
     if end is not None and (end_x is not None or end_y is not None):
@@ -62,9 +65,13 @@ def spatially_requested(
     if force is not None and any(value is not None for value in (end, end_x, end_y)):
         raise LoadError("Give either the force on the end or its position, not both: one follows from the other.")
     couple = triple(moment if is_triple(moment) else (0.0, 0.0, moment), "moment")
+    if force is not None and np.shape(force) == (2,):
+        force = (*force, 0.0)
     load = SpatialLoad((0.0, 0.0, 0.0) if force is None else triple(force, "force"), couple)
     if end is None:
         return load, (*held_at(end_x, end_y), None)
+    if len(end) == 2:
+        end = (*end, None)
     if not is_triple(end):
         raise RodError(f"In space an end is x, y and z, None where it is free; {end!r} is not.")
     x, y, z = (None if value is None else finite(value, "end") for value in end)

@@ -93,7 +93,7 @@ class MeshLimit:
             columns[name] = tuple(own[i] for _, own, _ in rows)
             columns[f"{name}_std"] = tuple(std[i] for _, _, std in rows)
         out_of_plane = {cell.pressure: cell for cell in cells if cell.is_in_space and cell.pressure in self.across}
-        if out_of_plane:
+        if rows and out_of_plane:
             columns |= self._errors_across([out_of_plane.get(row[0]) for row in rows])
         return LawMeshError(size_mm, self.meshes[-1].size_mm, tuple(row[0] for row in rows), **columns)
 

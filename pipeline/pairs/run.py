@@ -15,17 +15,18 @@ from pipeline.cell.saved import SavedLaw
 from pipeline.cell.study import measure_law
 from pipeline.errors import InputError, RunFailed
 from pipeline.formatting import percent
-from pipeline.pairs.saved import FILE
 from pipeline.pairs.spec import PairSpec, folder_of
 from pipeline.progress import Progress
 from pipeline.results.values import Run
 from pipeline.run import run
+from pipeline.store.formats import PAIRS
 from pipeline.store.json_values import JsonObject
 from pipeline.store.result_folder import open_folder
 from pipeline.store.store import check_no_run
 from rod.arm_law.between import measure_disagreement
 from rod.arm_law.law import ArmLaw
 from rod.arm_law.pairs import PairLaw, fractions_of
+from rod.errors import RodError
 
 #: largest error of the curvature halfway between two ratios, over the largest curvature, and how many ratios are added
 BETWEEN, MOST_ADDED = 0.01, 6
@@ -69,6 +70,7 @@ def run_pairs(spec: PairSpec, out: Path, jobs: int, fresh: bool, progress: Progr
     """
     folder = open_folder(out)
     check_no_run(out)
+    (out / PAIRS).unlink(missing_ok=True)
     configs = {direction: spec.config(direction, pressures) for direction, pressures in spec.rays.items()}
     runs: dict[float, Run] = {}
     for direction, config in configs.items():
@@ -83,7 +85,7 @@ def run_pairs(spec: PairSpec, out: Path, jobs: int, fresh: bool, progress: Progr
     known = {d: SavedLaw.read(done.directory / "law.json").law for d, done in runs.items() if done.law}
     law, notes = joined(spec, known, measured)
     made = PairRuns(out, spec, runs, law, notes)
-    folder.save_json(FILE, record(made))
+    folder.save_json(PAIRS, record(made))
     return made
 
 
@@ -118,10 +120,16 @@ def joined(
                 return None, (*notes, "There is no law over both pressures without one at equal pressures.")
             left.append(None)
             continue
-        errors = (None, None) if crosses else _errors(spec, laws, (low, middle, high))
+        try:
+            errors = (None, None) if crosses else _errors(spec, laws, (low, middle, high))
+        except RodError as failure:
+            notes.append(f"Between {folder_of(low)} and {folder_of(high)}: {failure}")
+            left.append(None)
+            continue
         pending += [(low, middle, errors[0]), (middle, high, errors[1])]
     if max((error or 0.0 for error in left), default=0.0) > BETWEEN:
-        notes.append(f"The law between ratios is less certain than usual: {MOST_ADDED} ratios were added.")
+        added = len(laws) - len(spec.rays)
+        notes.append(f"The law between ratios is less certain than usual, although {added} ratios were added.")
     rays = sorted(laws)
     error = None if None in left or not left else max(error for error in left if error is not None)
     return PairLaw(spec.cavities, tuple(rays), tuple(laws[d] for d in rays), error), tuple(notes)
@@ -148,9 +156,11 @@ def _errors(spec: PairSpec, laws: Mapping[float, ArmLaw], rays: tuple[float, flo
     one, other = fractions_of(middle)
     found, true = whole.at((one * larger, other * larger)).section, laws[middle].at(larger).section
     there = (true.moment >= found.moment[0]) & (true.moment <= found.moment[-1])
+    if not there.any():
+        raise RodError("The laws of the ratios have no moment in common.")
     misses = np.abs(true.kappa - np.interp(true.moment, found.moment, found.kappa))[there]
     cells = whole.cells_around(0, larger)
     error = float(misses.max()) / max(float(np.abs(cell.kappa).max()) for cell in cells)
-    before = float(measure_disagreement(*cells)[1].max())
+    before = float(measure_disagreement(*cells)[1].max()) or 1.0  # none: nothing to gain
     parts = [float(measure_disagreement(*half.cells_around(0, larger))[1].max()) / before for half in halves]
     return error * min(1.0, parts[0]), error * min(1.0, parts[1])

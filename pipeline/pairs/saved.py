@@ -4,17 +4,15 @@ import json
 from pathlib import Path
 
 from pipeline.errors import InputError
+from pipeline.store.formats import PAIRS
 from rod.arm_law.pairs import PairLaw
 from rod.errors import RodError
-
-#: the file of the law and of the pairs
-FILE = "pairs.json"
 
 
 def read_pair_law(path: Path) -> PairLaw | None:
     """The law of a result folder, or of its pairs.json; None where the path is neither. Raises InputError."""
-    file = path / FILE if path.is_dir() else path
-    if file.name != FILE or not file.is_file():
+    file = path / PAIRS if path.is_dir() else path
+    if file.name != PAIRS or not file.is_file():
         return None
     try:
         return PairLaw.from_record(json.loads(file.read_text(encoding="utf-8")))

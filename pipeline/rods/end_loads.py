@@ -157,7 +157,10 @@ def _lines_in_plane(rod: Rod, shape: RodSolution) -> dict[str, str]:
     }
     if shape.weight.any():
         lines["weight"] = f"{_listed(shape.weight, 'N')}, which the rod carries besides"
-    if isinstance(rod.law, LawRod) and rod.law.is_in_space and not rod.law.stability(shape).is_stable:
+    if isinstance(rod.law, LawRod) and rod.law.is_in_space:
+        with suppress(RodError):  # an arm that is unstable in itself
+            if rod.law.stability(shape).is_stable:
+                return lines
         lines["unstable"] = "the arm buckles out of its plane before this load; give a third component to follow it"
     return lines
 

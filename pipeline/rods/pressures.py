@@ -49,6 +49,8 @@ class Wish:
             raise InputError("give one of a tip, an angle and a force")
         if (self.force_N is None) != (self.height_mm is None):
             raise InputError("give the height at which the end is held together with a force, and with nothing else")
+        if self.weight.direction is not None and len(self.weight.direction) == 3:
+            raise InputError("pressures are found for arms in their plane; give gravity as x and y")
 
 
 @dataclass(frozen=True)

@@ -14,5 +14,7 @@ CURVE_COLUMNS = (
 )
 #: the file with the surface of the body in every state
 SURFACES = "pictures/surfaces.npz"
+#: of a run at pairs of pressures: the pairs and the law over both
+PAIRS = "pairs.json"
 #: number of the present set of keys, written as `format` to the files
 FORMAT = 4

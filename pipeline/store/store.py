@@ -21,6 +21,7 @@ from numpy.typing import ArrayLike, NDArray
 from pipeline.errors import InputError
 from pipeline.pressure import name_of_state
 from pipeline.store.atomic_file import remove_parts, write_atomic
+from pipeline.store.formats import PAIRS
 from pipeline.store.json_values import JsonObject
 from pipeline.store.result_folder import ON_COMMAND_LINE, FolderWords, ResultFolder, open_folder
 from pipeline.store.state_key import NUMBER_SOURCES, STATE_SOURCES, result_key
@@ -88,6 +89,8 @@ def open_store(
         remove_parts(own)  # a worker of a killed run may still be ending
         if fresh:
             clear(folder)
+        if (folder / PAIRS).is_file():
+            raise InputError(f"{words.given(folder)}: holds runs at pairs of pressures; give another {words.out}")
         check_owner(folder, config, f"give another {words.out}, or {words.fresh} to replace them", words)
         keys = (result_key(config.hash, sources) for sources in (STATE_SOURCES, NUMBER_SOURCES))
         store = Store(folder, *keys)

@@ -164,6 +164,8 @@ class PairLaw:
             directions = tuple(float(ray["direction"]) for ray in rays)
             laws = tuple(law_from_record(ray["law"]) for ray in rays)
             return PairLaw((str(one), str(other)), directions, laws, record["error_between"])
+        except RodError:
+            raise
         except (KeyError, TypeError, ValueError) as failure:
             raise RodError(f"This is no law over two pressures ({failure}); repeat the run.") from None
 

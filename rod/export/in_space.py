@@ -14,7 +14,6 @@ import numpy as np
 from geometry.arrays import Array
 from rod.arm_law.curves import IN_SPACE
 from rod.arm_law.law import LawRod
-from rod.errors import RodError
 
 #: points of the integrals along a part
 POINTS = 33
@@ -71,14 +70,14 @@ class Part:
 
 
 def space_hinges(rod: LawRod, parts: Sequence[Part], in_clamped: Array, by_shear: Array) -> SpaceHinges | None:
-    """Those of the m parts of an arm; None for a law of the plane alone.
+    """Those of the m parts of an arm; None for a law of the plane alone, and for an arm without load that is not stable
+    out of its plane.
 
     in_clamped: (m,) how much of the compliance of the clamped end a part has. by_shear: (m,) what its hinge turns, over
-    the length by the shear rigidity, 1/mm2. Raises `RodError` where the arm without load is not stable out of its
-    plane.
+    the length by the shear rigidity, 1/mm2.
     """
     section = rod.section
-    if not section.in_space or not rod.clamp.lateral_compliance.size:
+    if not rod.is_in_space:
         return None
     known = {name: float(np.interp(0.0, section.moment, section.in_space[name])) for name in IN_SPACE}
     shear = known["lateral_shear_rigidity"]
@@ -88,7 +87,7 @@ def space_hinges(rod: LawRod, parts: Sequence[Part], in_clamped: Array, by_shear
         compliance[1, 1] += by_shear[k] * rod.length / shear
         rows[k] = _row(part, compliance, centre)
     if not (rows[:, 3:] > 0.0).all():
-        raise RodError(f"The arm at {section.pressure:g} kPa is not stable out of its plane; export it in its plane.")
+        return None
     return SpaceHinges(rows[:, 0], rows[:, 1:3], rows[:, 3], rows[:, 4], shear)
 
 

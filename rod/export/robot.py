@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -94,7 +94,7 @@ class Robot:
         known = tuple(as_known(law.pressures, pressure) for pressure in pressures)
         divided = divide_pressures(known)
         chains = tuple(chain_of_law(law.at(pressure), PIECES, has_shear=has_shear) for pressure in divided)
-        return Robot(divided, chains, known, law.length, solid, OF_LAW)
+        return Robot(divided, _alike(chains), known, law.length, solid, OF_LAW)
 
     @staticmethod
     def linear_of_law(law: ArmLaw, solid: Solid | None, pressures: Sequence[float]) -> "Robot":
@@ -104,7 +104,7 @@ class Robot:
         """
         known = tuple(as_known(law.pressures, pressure) for pressure in pressures)
         chains = tuple(linear_chain_of_law(law.at(pressure), LINEAR_PIECES) for pressure in known)
-        return Robot(known, chains, known, law.length, solid, f"{OF_LAW}, linear about the arm without load")
+        return Robot(known, _alike(chains), known, law.length, solid, f"{OF_LAW}, linear about the arm without load")
 
     @staticmethod
     def of_five(arm: Arm, solid: Solid | None, *, between: bool = False) -> "Robot":
@@ -172,8 +172,7 @@ class Robot:
         _, first, kind = np.unique(springs, axis=1, return_index=True, return_inverse=True)
         for name in ("angle_rad", "moment_N_m"):
             columns[name] = columns[name][:, first]
-        hinges = [chain.space for chain in self.chains if chain.space]
-        if len(hinges) == len(self.chains):
+        if hinges := [chain.space for chain in self.chains if chain.space]:
             columns |= {name: scale * np.array([getattr(h, field) for h in hinges]) for field, name, scale in _IN_SPACE}
         damping = {} if self.solid is None else {"damping_time_s": self.damping_times}
         return {
@@ -185,6 +184,13 @@ class Robot:
             "is_limited": self.chains[0].is_limited,
             **{name: _rounded(values) for name, values in {**columns, **damping}.items()},
         }
+
+
+def _alike(chains: tuple[Chain, ...]) -> tuple[Chain, ...]:
+    """Chains that turn out of the plane at all pressures, or at none."""
+    if all(chain.space for chain in chains):
+        return chains
+    return tuple(replace(chain, space=None) for chain in chains)
 
 
 def _rounded(values: Array) -> Any:

@@ -207,6 +207,8 @@ class Rod:
         carried = self.weight if isinstance(self.law, LawRod) else (0.0, 0.0)
         weighing = Weighing(self.mass, self.length, carried, any(self.weight) and not any(carried))
         if any(is_triple(value) for value in (force, end, moment, direction)):
+            if order != "as tested":
+                raise RodError(f"In space the loads grow on the inflated arm; order = {order!r} is not possible.")
             spatial, position = spatially_requested(force, moment, end, end_x, end_y)
             if is_weighed:
                 spatial = weighted(spatial, weighing, weight, direction, tip_mass)

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from scipy.io import loadmat
 
-from rod import ArmLaw, RodError, law_from_record
+from rod import ArmLaw, law_from_record
 from rod.arm_law.curves import IN_SPACE
 from rod.export.chain import chain_of_law
 from rod.export.formats import export_robot
@@ -68,9 +68,11 @@ def test_the_planar_chain_is_the_same_with_rigidities_out_of_the_plane(planar: A
     assert more == {"sideways_axis_rad", "sideways_centre_m", "twist_N_m", "sideways_N_m", "sideways_shear_N"}
 
 
-def test_an_arm_that_is_not_stable_out_of_its_plane_is_refused(planar: ArmLaw) -> None:
-    with pytest.raises(RodError, match="not stable out of its plane"):
-        chain_of_law(in_space(planar, torsional_rigidity=-300.0).at(17.0), 20)
+def test_an_arm_that_is_not_stable_out_of_its_plane_at_some_pressure_is_exported_in_it(planar: ArmLaw) -> None:
+    spatial = in_space(planar)
+    last = in_space(planar, torsional_rigidity=-300.0).cells[-1]
+    table = Robot.of_law(replace(spatial, cells=(*spatial.cells[:-1], last)), SOLID, spatial.pressures).table
+    assert table == Robot.of_law(planar, SOLID, planar.pressures).table
 
 
 def pushed(module: Path, pressure: float, force: float) -> tuple[np.ndarray, np.ndarray]:

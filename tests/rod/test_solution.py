@@ -72,7 +72,7 @@ def test_solutions_can_be_pickled_and_copied() -> None:
         ({"end": (100.0, None)}, "end is a pair of finite numbers, x and y; (100.0, None) is not."),
         ({"force": 0.05}, "force is a pair of finite numbers, x and y; 0.05 is not."),
         ({"force": ("0 N", "0.05 N")}, "force is a pair of finite numbers, x and y; ('0 N', '0.05 N') is not."),
-        ({"force": (0.0, 0.1, 0.0)}, "force is a pair of finite numbers, x and y; (0.0, 0.1, 0.0) is not."),
+        ({"force": (0.0, 0.1, 0.0, 0.0)}, "force is a pair of finite numbers, x and y; (0.0, 0.1, 0.0, 0.0) is not."),
         ({"moment": None}, "The end moment must be a finite number, not None."),
     ],
 )

@@ -8,12 +8,13 @@ import pytest
 from pipeline.config.document import Document
 from pipeline.errors import InputError, RunFailed
 from pipeline.pairs.run import BETWEEN, PairRuns, joined, record
-from pipeline.pairs.saved import FILE, read_pair_law
+from pipeline.pairs.saved import read_pair_law
 from pipeline.pairs.spec import PairSpec
 from pipeline.results.files import read_results
 from pipeline.rods.choice import rod_of_path
 from pipeline.rods.end_loads import rod_at
 from pipeline.rods.pressures import Wish, pressures_for
+from pipeline.store.formats import PAIRS
 from pipeline.store.result_folder import ResultFolder
 from pneurod import read_pair_law as read_law
 from rod.arm_law.law import ArmLaw
@@ -70,7 +71,7 @@ def test_the_rod_is_read_from_the_folder(tmp_path: Path) -> None:
     spec = spec_of(0.0, 1.0)
     law, notes = joined(spec, {d: ray(d) for d in (0.0, 1.0)}, exact)
     made = PairRuns(tmp_path, spec, {}, law, notes)
-    ResultFolder(tmp_path).save_json(FILE, record(made))
+    ResultFolder(tmp_path).save_json(PAIRS, record(made))
     assert "1 to 0, 1 to 0.5, 1 to 1" in made.sentences[0]
     assert law is not None
     rods = rod_of_path(tmp_path, None)
@@ -85,6 +86,6 @@ def test_the_rod_is_read_from_the_folder(tmp_path: Path) -> None:
     assert read_law(tmp_path).at((20.0, 8.0)).solve().end == pytest.approx(rod.solve().end)
     with pytest.raises(InputError, match="holds pairs of pressures; give a folder of one ratio in it"):
         read_results(tmp_path)
-    (tmp_path / FILE).write_text("{}", encoding="utf-8")
+    (tmp_path / PAIRS).write_text("{}", encoding="utf-8")
     with pytest.raises(InputError, match=r"pairs\.json: This is no law over two pressures"):
         read_pair_law(tmp_path)

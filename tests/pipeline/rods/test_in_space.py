@@ -66,3 +66,18 @@ def test_a_rod_without_rigidities_out_of_its_plane_is_refused(kind: str, sentenc
     assert code == 1
     assert sentence in error
     assert error.count("\n") == 1
+
+
+def test_an_arm_that_is_unstable_across_in_itself_keeps_its_planar_shape(tmp_path: Path) -> None:
+    path = tmp_path / "law.json"
+    path.write_text(json.dumps(law_record(law_of_straight(lateral=-1.0))), encoding="utf-8")
+    code, out, error = call(path, "10 kPa", "--force", "[0 N, 0.001 N]")
+    assert code == 0, error
+    assert "buckles out of its plane" in out
+
+
+def test_pressures_for_a_wish_need_gravity_in_the_plane(file: Path) -> None:
+    result = CliRunner().invoke(app, ["solve", str(file), "--angle", "10 deg", "--orientation", "[0, 0, -1]"])
+    assert result.exit_code == 2
+    assert result.stderr.count("\n") == 1
+    assert "give gravity as x and y" in result.stderr

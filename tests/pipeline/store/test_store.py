@@ -244,3 +244,14 @@ def test_provenance_names_what_the_results_were_made_with() -> None:
     assert {"gmsh", "ipctk", "scikit-fem"} <= set(pinned())
     assert "pytest" not in pinned()
     assert record["machine"]["cores"] == os.cpu_count()
+
+
+def test_a_folder_with_runs_at_pairs_of_pressures_is_refused(tmp_path: Path, config: Config) -> None:
+    (tmp_path / "pairs.json").write_text("{}")
+    for fresh in (False, True):
+        with (
+            pytest.raises(InputError, match="holds runs at pairs of pressures"),
+            open_store(tmp_path, config, fresh=fresh),
+        ):
+            pass
+    assert (tmp_path / "pairs.json").read_text() == "{}"
