@@ -35,6 +35,16 @@ def _coefficients(x: Array, y: Array, slopes: Array, at: Array | float) -> tuple
     return inside, (y[i], slopes[i], (secant - slopes[i]) / step - third, third / step)
 
 
+def cubic_coefficients(x: Array, y: Array, slopes: Array) -> Array:
+    """(4, n - 1, ...): the coefficients of the cubics of `cubic`, by powers of the distance from where each begins."""
+    return np.stack(_coefficients(x, y, slopes, x[:-1])[1])
+
+
+def monotone_cubic(x: Array, y: Array, at: Array | float) -> Array:
+    """Values at `at` (k,) of the monotone cubics through y (n, ...) over rising x (n,); the ends outside."""
+    return cubic(x, y, monotone_slopes(x, y), np.clip(at, x[0], x[-1]))
+
+
 def hermite(t: Array | float, a: Array, b: Array, da: Array, db: Array) -> Array:
     """The cubic at t between a (t = 0) and b (t = 1) with the slopes da and db per unit of t."""
     h00, h10 = (1 + 2 * t) * (1 - t) ** 2, t * (1 - t) ** 2

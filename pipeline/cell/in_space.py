@@ -16,7 +16,7 @@ from geometry.arrays import Array
 from pipeline.cell.point import PiecePoint
 from rod.arm_law.curves import IN_SPACE, CellCurve, ClampCurve
 from rod.arm_law.small_motions import OUT_OF_PLANE, arc, end_compliance
-from rod.cubics import cubic, monotone_slopes
+from rod.cubics import monotone_cubic
 
 #: states of a curve at which a cell is measured, as a rule; between them cubics over the moment join rigidities
 STATES = 7
@@ -51,11 +51,10 @@ def cell_in_space(
     if not measured:
         return curve, reasons
     moments = np.array([moment for moment, _ in measured])
-    at = np.clip(curve.moment, moments[0], moments[-1])
     columns: dict[str, Any] = {}
     for name, field in FIELDS.items():
         values = np.array([getattr(found, field) for _, found in measured])
-        columns[name] = cubic(moments, values, monotone_slopes(moments, values), at)
+        columns[name] = monotone_cubic(moments, values, curve.moment)
     return replace(curve, **columns), reasons
 
 

@@ -21,21 +21,17 @@ from typing import NamedTuple, final
 import numpy as np
 
 from geometry.arrays import Array
+from geometry.topology import cross
 from rod.arm_law.curves import IN_SPACE
 from rod.arm_law.integration import ITERATIONS, SETTLED
 from rod.arm_law.section import SectionLaw
-from rod.cubics import parabola_slopes
+from rod.cubics import cubic_coefficients, parabola_slopes
 
 #: that turns a vector into the matrix of its cross product
 _CROSS = np.zeros((3, 3, 3))
 _CROSS[[0, 1, 2], [2, 0, 1], [1, 2, 0]], _CROSS[[0, 1, 2], [1, 2, 0], [2, 0, 1]] = 1.0, -1.0
 #: step of difference quotients, over that of the law
 DIFFERENCE = 1e-3
-
-
-def cross(a: Array, b: Array) -> Array:
-    """a x b of vectors (..., 3)."""
-    return np.asarray(a[..., [1, 2, 0]] * b[..., [2, 0, 1]] - a[..., [2, 0, 1]] * b[..., [1, 2, 0]])
 
 
 def cross_matrix(a: Array) -> Array:
@@ -72,22 +68,20 @@ class LawInSpace:
 
     first: float  #: N mm, smallest moment
     step: float  #: N mm
-    #: (n - 1, 4, 6): coefficients over an interval from 0 to 1 of curvature and stretch in the plane, of B_2, GJ and
-    #: GA_3, and of the height of the twist axis
+    #: (4, n - 1, 6): coefficients of the cubics over each interval of the moment, of curvature and stretch in the
+    #: plane, of B_2, GJ and GA_3, and of the height of the twist axis
     cubics: Array
     in_plane: Array  #: (n, 2): EA and GA in N
 
     @staticmethod
     def of(law: SectionLaw) -> "LawInSpace":
         """The law of the cells at one pressure."""
-        step = float(law.moment[1] - law.moment[0])
         across = np.stack([law.in_space[name] for name in IN_SPACE[:4]], axis=1)
         ends = np.column_stack([law.kappa, law.stretch, across])
         slopes = np.column_stack([law.kappa_slope, law.stretch_slope, parabola_slopes(law.moment, across)])
-        first, last, rise = step * slopes[:-1], step * slopes[1:], np.diff(ends, axis=0)
-        cubics = np.stack([ends[:-1], first, 3.0 * rise - 2.0 * first - last, first + last - 2.0 * rise], axis=1)
+        cubics = cubic_coefficients(law.moment, ends, slopes)
         rigidities = np.column_stack([law.axial_rigidity, law.shear_rigidity])
-        return LawInSpace(float(law.moment[0]), step, cubics, rigidities)
+        return LawInSpace(float(law.moment[0]), float(law.moment[1] - law.moment[0]), cubics, rigidities)
 
     def strains(self, force: Array, moment: Array) -> Strains:
         """Of internal forces (..., 3) in N and moments (..., 3) in N mm, in the frame.
@@ -98,25 +92,25 @@ class LawInSpace:
         effective, settled = bending, np.zeros(bending.shape, bool)
         for _ in range(ITERATIONS):
             position = (effective - self.first) / self.step
-            i = np.clip(np.floor(position), 0, len(self.cubics) - 1).astype(int)
+            i = np.clip(np.floor(position), 0, len(self.in_plane) - 2).astype(int)
             t = np.clip(position - i, 0.0, 1.0)[..., None]
-            c = np.moveaxis(self.cubics[i], -2, 0)
-            slopes = c[1] + t * (2.0 * c[2] + t * 3.0 * c[3])
+            inside, (c0, c1, c2, c3) = self.step * t, self.cubics[:, i]
+            slopes = c1 + inside * (2.0 * c2 + inside * (3.0 * c3))
             by_kappa = slopes[..., 1] / slopes[..., 0]
             moved = bending + axial * by_kappa
             settled = settled | (np.abs(moved - effective) < SETTLED * self.step)
             if settled.all():
                 break
             effective = np.where(settled, effective, moved)
-        last = self.first + self.step * len(self.cubics)
+        last = self.first + self.step * (len(self.in_plane) - 1)
         outside = float(np.max(np.maximum(self.first - effective, effective - last), initial=0.0))
-        kappa, stretch, B, GJ, GA_3, height = np.moveaxis(c[0] + t * (c[1] + t * (c[2] + t * c[3])), -1, 0)
+        kappa, stretch, B, GJ, GA_3, height = np.moveaxis(c0 + inside * (c1 + inside * (c2 + inside * c3)), -1, 0)
         low, high = self.in_plane[i], self.in_plane[i + 1]
         EA, GA = np.moveaxis(low + t * (high - low), -1, 0)
         lateral, across = moment[..., 1] / B, force[..., 2]
         twist = (moment[..., 0] - height * across) / GJ
         # the planar law changes with the energy of the motions out of the plane
-        B_slope, GJ_slope, GA_slope, height_slope = np.moveaxis(slopes[..., 2:] / self.step, -1, 0)
+        B_slope, GJ_slope, GA_slope, height_slope = np.moveaxis(slopes[..., 2:], -1, 0)
         energy = lateral**2 * B_slope + twist**2 * GJ_slope + (across / GA_3) ** 2 * GA_slope
         bends = -(0.5 * energy + twist * across * height_slope)
         curvature = np.stack([twist, lateral, kappa + bends], axis=-1)

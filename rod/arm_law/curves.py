@@ -11,7 +11,7 @@ from typing import Annotated
 import numpy as np
 
 from geometry.arrays import Array, Mask, freeze
-from rod.cubics import cubic, monotone_slopes, parabola_slopes, periodic_slopes
+from rod.cubics import cubic, monotone_cubic, parabola_slopes, periodic_slopes
 from rod.errors import RodError
 
 #: of a cell out of its plane
@@ -164,8 +164,7 @@ class ClampCurve:
 
         It jumps where walls meet, so that smooth cubics would lie far beyond the values on both sides.
         """
-        slopes = monotone_slopes(self.moment, self.rotation_by_pressure)
-        return cubic(self.moment, self.rotation_by_pressure, slopes, self._inside(moment))
+        return monotone_cubic(self.moment, self.rotation_by_pressure, moment)
 
     def _inside(self, moment: Array | float) -> Array:
         return np.asarray(np.clip(moment, self.moment[0], self.moment[-1]))

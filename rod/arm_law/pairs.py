@@ -15,6 +15,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from geometry.arrays import Array
+from rod.arm_law.between import interpolate_columns
 from rod.arm_law.curves import CellCurve, ClampCurve, TipCurve
 from rod.arm_law.law import ArmLaw, LawRod
 from rod.arm_law.record import law_from_record, law_record
@@ -195,7 +196,6 @@ def _on_nodes(curve: Curve, s: Array) -> Curve:
     for field in fields(curve):
         values = getattr(curve, field.name)
         if np.ndim(values) > 1 and values.shape[-2] == len(curve.s) and field.name != "lateral_compliance":
-            flat = np.moveaxis(values, -2, 0).reshape(len(curve.s), -1)
-            columns = np.stack([np.interp(s, curve.s, column) for column in flat.T], axis=1)
-            changed[field.name] = np.moveaxis(columns.reshape(len(s), *np.delete(values.shape, -2)), 0, -2)
+            along = interpolate_columns(s, curve.s, np.moveaxis(values, -2, 0))
+            changed[field.name] = np.moveaxis(along, 0, -2)
     return replace(curve, **changed)

@@ -14,7 +14,7 @@ import numpy as np
 from geometry.arrays import Array
 from rod.arm_law.between import interpolate_columns, join_states
 from rod.arm_law.curves import IN_SPACE, CellCurve, ClampCurve, TipCurve
-from rod.cubics import cubic, cubic_slope, hermite, monotone_slopes, parabola_slopes
+from rod.cubics import cubic, cubic_slope, hermite, monotone_cubic, monotone_slopes, parabola_slopes
 from rod.errors import RodError
 from rod.same_pressure import known_at
 
@@ -131,9 +131,7 @@ def _over(moment: Array, curve: CellCurve, name: str) -> Array:
 
 def _smooth(moment: Array, curve: CellCurve, name: str) -> Array:
     """By cubics: the derivatives of rigidities out of the plane bend the rod in it."""
-    values = getattr(curve, name)
-    inside = np.clip(moment, curve.moment[0], curve.moment[-1])
-    return cubic(curve.moment, values, monotone_slopes(curve.moment, values), inside)
+    return monotone_cubic(curve.moment, getattr(curve, name), moment)
 
 
 def bracket(pressures: Sequence[float], pressure: float) -> tuple[int, int, float]:

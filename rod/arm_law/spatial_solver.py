@@ -6,7 +6,8 @@ from typing import Any, NamedTuple, final
 import numpy as np
 
 from geometry.arrays import Array, read_only
-from rod.arm_law.cosserat import LawInSpace, Shapes, compliance, cross, in_frame, integrate, rotation
+from geometry.topology import cross
+from rod.arm_law.cosserat import LawInSpace, Shapes, compliance, in_frame, integrate, rotation
 from rod.arm_law.integration import DIFFERENCE, MAX_ITERATIONS, TOLERANCE
 from rod.arm_law.small_motions import OUT_OF_PLANE, Ends, LoadedRod, lowest_mode
 from rod.arm_law.solver import LARGEST_TURN, SMALLEST_STEP, EndConditions, Pieces, check_within_law, equilibrium
