@@ -16,10 +16,11 @@ from typing import final
 
 import numpy as np
 
-from geometry.arrays import Array
+from geometry.arrays import Array, read_only
 from rod.arm_law.cosserat import cross_matrix, rotation
 from rod.arm_law.curves import IN_SPACE, ClampCurve
 from rod.errors import RodError
+from rod.spatial import Stability
 
 #: unknowns of a section: its turn and motion; moment and force
 SIZE = 6
@@ -138,8 +139,8 @@ class Ends:
         return np.asarray(by_turn @ self.clamp @ by_turn.T)
 
 
-def lowest_mode(rod: LoadedRod, ends: Ends) -> tuple[float, Array]:
-    """The lowest eigenvalue of the second variation over its elastic part, and its motion (n, 3), of largest part 1.
+def stability_of(rod: LoadedRod, ends: Ends) -> Stability:
+    """Of a rod between its ends.
 
     The clamped end and the part of the rod beside it are one element, which is drawn at rest. Raises `RodError` where
     the rod gives way to no load.
@@ -160,7 +161,7 @@ def lowest_mode(rod: LoadedRod, ends: Ends) -> tuple[float, Array]:
     values, vectors = np.linalg.eigh(inverse @ loaded @ inverse.T)
     moving = (onto @ inverse.T @ vectors[:, 0]).reshape(-1, SIZE)[:, 3:]
     motion = np.vstack([np.zeros((len(rod.s) - len(moving), 3)), moving])
-    return float(values[0]), motion / np.abs(motion).max()
+    return Stability(float(values[0]), read_only(motion / np.abs(motion).max()))
 
 
 def _onto(size: int, tip: Array) -> Array:

@@ -7,9 +7,9 @@ import numpy as np
 
 from geometry.arrays import Array, read_only
 from geometry.topology import cross
-from rod.arm_law.cosserat import LawInSpace, Shapes, compliance, in_frame, integrate, rotation
+from rod.arm_law.cosserat import LawInSpace, Shapes, Strains, compliance, in_frame, integrate, rotation
 from rod.arm_law.integration import DIFFERENCE, MAX_ITERATIONS, TOLERANCE
-from rod.arm_law.small_motions import OUT_OF_PLANE, Ends, LoadedRod, lowest_mode
+from rod.arm_law.small_motions import OUT_OF_PLANE, Ends, LoadedRod, stability_of
 from rod.arm_law.solver import LARGEST_TURN, SMALLEST_STEP, EndConditions, Pieces, check_within_law, equilibrium
 from rod.cubics import cubic, cubic_slope
 from rod.errors import RodError, buckles_at
@@ -197,19 +197,9 @@ def _solution(shooting: _Shooting, state: _State, count: int) -> SpatialSolution
     """The state with its strains and its stability, on the axis. Raises `RodError` beyond the law."""
     pieces, shapes, weight = shooting.pieces, state.shapes, shooting.weight
     frames, moment, force = shapes.frames[:, 0], shapes.moment[:, 0], state.end.force[0]
-    inner = in_frame(frames, force + weight[:, :3]), in_frame(frames, moment)
-    check_within_law(pieces, state.outside, inner[1][:, 2], bool(weight.any()))
-    strains = shooting.law.strains(*inner)
-    rod = LoadedRod(
-        pieces.positions,
-        frames,
-        (frames @ strains.stretch[..., None])[..., 0],
-        moment,
-        force + weight[:, :3],
-        np.gradient(-weight[:, 3:], pieces.positions, axis=0),
-        compliance(shooting.law, *inner),
-    )
-    lowest, motion = lowest_mode(rod, Ends.of(pieces.clamp, moment, state.lever[0], state.to_end[0], shooting.held))
+    check_within_law(pieces, state.outside, in_frame(frames, moment)[:, 2], bool(weight.any()))
+    rod, strains = _loaded(shooting.law, pieces.positions, frames, moment, force, weight)
+    ends = Ends.of(pieces.clamp, moment, state.lever[0], state.to_end[0], shooting.held)
     arrays: dict[str, Any] = {
         "s": rod.s,
         "axis": shapes.axis[:, 0] - shapes.axis[0, 0] + state.start[0],
@@ -222,7 +212,22 @@ def _solution(shooting: _Shooting, state: _State, count: int) -> SpatialSolution
         "beside": np.zeros((len(frames), 2)),
     }
     frozen: dict[str, Any] = {name: read_only(array) for name, array in arrays.items()}
-    return SpatialSolution(**frozen, stability=Stability(lowest, read_only(motion)), load_steps=count, notes=())
+    return SpatialSolution(**frozen, stability=stability_of(rod, ends), load_steps=count, notes=())
+
+
+def _loaded(
+    law: LawInSpace, s: Array, frames: Array, moment: Array, force: Array, weight: Array
+) -> tuple[LoadedRod, Strains]:
+    """A rod at positions s (n,) with frames (n, 3, 3) and moments (n, 3), and its strains.
+
+    force: (3,) N, on the end. weight: (n, 6) as `integrate` takes it.
+    """
+    acting = force + weight[:, :3]
+    inner = in_frame(frames, acting), in_frame(frames, moment)
+    strains = law.strains(*inner)
+    rate = (frames @ strains.stretch[..., None])[..., 0]
+    couple = np.gradient(-weight[:, 3:], s, axis=0)
+    return LoadedRod(s, frames, rate, moment, acting, couple, compliance(law, *inner)), strains
 
 
 def stability_across(pieces: Pieces, state: RodSolution) -> Stability:
@@ -230,19 +235,12 @@ def stability_across(pieces: Pieces, state: RodSolution) -> Stability:
 
     The force on the end keeps its direction. It acts where it makes the moment of the end.
     """
-    law, n = LawInSpace.of(pieces.section), len(state.s)
-    frames = rotation(state.theta[:, None] * ACROSS)
+    frames, moment = rotation(state.theta[:, None] * ACROSS), state.moment[:, None] * ACROSS
     x, y = (float(part) / pieces.length for part in state.weight)
-    weight = pieces.weight(SpatialLoad(weight=(x, y, 0.0)), state.s)
-    force = np.column_stack([state.force + weight[:, :2], np.zeros(n)])
-    inner = in_frame(frames, force), state.moment[:, None] * ACROSS
-    rate = (frames @ law.strains(*inner).stretch[..., None])[..., 0]
-    couple = np.gradient(-weight[:, 3:], state.s, axis=0)
-    rod = LoadedRod(state.s, frames, rate, inner[1], force, couple, compliance(law, *inner))
-    acting = np.append(state.force, 0.0)
+    weight, force = pieces.weight(SpatialLoad(weight=(x, y, 0.0)), state.s), np.append(state.force, 0.0)
+    rod, _ = _loaded(LawInSpace.of(pieces.section), state.s, frames, moment, force, weight)
     lever = frames[-1, :, :2] @ pieces.tip.edge
-    if square := float(acting @ acting):
-        lever = lever + cross(acting, inner[1][-1] - cross(lever, acting)) / square
-    ends = Ends.of(pieces.clamp, inner[1], lever, lever, np.zeros(3, bool))
-    lowest, motion = lowest_mode(rod, replace(ends, kept=OUT_OF_PLANE))
-    return Stability(lowest, read_only(motion))
+    if square := float(force @ force):
+        lever = lever + cross(force, moment[-1] - cross(lever, force)) / square
+    ends = Ends.of(pieces.clamp, moment, lever, lever, np.zeros(3, bool))
+    return stability_of(rod, replace(ends, kept=OUT_OF_PLANE))
