@@ -5,14 +5,12 @@ bend it a little, and what to straighten it. They are solved on finer meshes, un
 enough. Limits are beside those of much finer meshes in studies/cell.md.
 """
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from math import hypot, inf, sqrt
 from time import process_time
 from typing import TypeVar
-
-import numpy as np
 
 from fem.cell.lateral import lateral_rigidities
 from fem.cell.piece import PieceFailed
@@ -26,7 +24,7 @@ from pipeline.cell.pieces import ArmPieces
 from pipeline.cell.tasks import ArmTasks, PieceCurves
 from pipeline.context import RunContext
 from pipeline.errors import InputError
-from pipeline.identification.richardson import Extrapolated, extrapolate
+from pipeline.identification.richardson import extrapolate
 from pipeline.pressure import in_MPa, name_of_state
 from pipeline.store.kept import kept
 
@@ -86,25 +84,17 @@ class _Ladder:
 
     def limits(self) -> dict[float, Limits]:
         """The limits of the numbers by the pressures at which two meshes have some."""
-        limits: dict[float, Limits] = {}
-        for pressure, by_size in sorted(self.solved.items()):
-            if len(by_size) >= 2:
-                columns = np.array([known.numbers for known in by_size.values()]).T
-                found = [extrapolate(list(by_size), column) for column in columns]
-                limit = Numbers(*(number.limit for number in found))
-                limits[pressure] = limit, Numbers(*_stds(found, limit.over(self.pieces.design.length)))
-        return limits
+        length = self.pieces.design.length
+        solved = {p: {size: known.numbers for size, known in rows.items()} for p, rows in sorted(self.solved.items())}
+        return {p: _limit(rows, lambda limit: limit.over(length)) for p, rows in solved.items() if len(rows) >= 2}
 
     def across(self) -> dict[float, tuple[Across, Across]]:
         """The same of the rigidities out of the plane."""
-        limits = {}
-        for pressure, by_size in sorted(self.solved.items()):
-            across = {size: known.across for size, known in by_size.items() if known.across}
-            if len(across) >= 2:
-                found = [extrapolate(list(across), column) for column in zip(*across.values(), strict=True)]
-                limit = Across(*(number.limit for number in found))
-                limits[pressure] = limit, Across(*_stds(found, limit))
-        return limits
+        solved = {
+            p: {size: known.across for size, known in rows.items() if known.across}
+            for p, rows in sorted(self.solved.items())
+        }
+        return {p: _limit(rows, lambda limit: limit) for p, rows in solved.items() if len(rows) >= 2}
 
     def soft(self, limits: Mapping[float, Limits]) -> dict[float, SolvedNumbers]:
         """What SOFT elements give on the finest mesh, at the pressures that they bear."""
@@ -183,9 +173,13 @@ def find_limit(
     return MeshLimit(accuracy, reached, tuple(limits), values, stds, meshes, across, tuple(reasons))
 
 
-def _stds(found: Sequence[Extrapolated], scales: Iterable[float]) -> list[float]:
-    """Stated standard deviations of limits with these scales."""
-    return [hypot(INFLATED * one.limit_std, LEAST_STD * abs(scale)) for one, scale in zip(found, scales, strict=True)]
+def _limit(by_size: Mapping[float, Compared], scales: Callable[[Compared], Compared]) -> tuple[Compared, Compared]:
+    """The limit of numbers on meshes of two or more sizes, and stated standard deviations; scales: of a limit."""
+    found = [extrapolate(list(by_size), column) for column in zip(*by_size.values(), strict=True)]
+    kind = type(next(iter(by_size.values())))
+    limit = kind(*(one.limit for one in found))
+    stds = (hypot(INFLATED * one.limit_std, LEAST_STD * abs(of)) for one, of in zip(found, scales(limit), strict=True))
+    return limit, kind(*stds)
 
 
 def halfway(limit: Compared, stds: Compared, soft: Compared) -> tuple[Compared, Compared]:
