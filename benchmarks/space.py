@@ -14,6 +14,7 @@ import json
 import runpy
 import sys
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from math import cos, pi, sin
 from pathlib import Path
 from typing import Any
@@ -61,18 +62,13 @@ NARROW = {
     "validation.forces": "[[0 N, 0.3 N]]",
 }
 PUSH, BEYOND = (cos(5 * pi / 6), sin(5 * pi / 6)), 0.07
+#: how often the pressures of a design are halved at most
+HALVED = 3
 
 
 def configured(path: str, changes: Mapping[str, Any]) -> Config:
     """A configuration with changes, its law on the mesh of the arm."""
     return load_config(Path(path), [f"{key}={value}" for key, value in {**changes, **SAME_MESH}.items()])
-
-
-def designs(folder: Path, random: int) -> dict[str, Config]:
-    """The arms by their names."""
-    given: dict[str, tuple[str, dict[str, Any]]] = {name: (f"configs/{name}_coarse.yaml", {}) for name in ARMS}
-    given |= drawn_at_random(folder, range(random))
-    return {name: configured(*one) for name, one in given.items()}
 
 
 def law_of(config: Config, folder: Path) -> ArmLaw:
@@ -84,6 +80,19 @@ def law_of(config: Config, folder: Path) -> ArmLaw:
             measured = build_law(pieces, config.pressures_kPa, RunContext.alone(store, Silent()), between=False)
             store.save_json(file.name, law_record(measured.law))
     return SavedLaw.read(file).law
+
+
+def borne(path: str, changes: Mapping[str, Any], folder: Path, name: str) -> tuple[Config, ArmLaw]:
+    """A configuration with its law; all pressures are halved as often as the law ends before the highest one."""
+    drawn = configured(path, changes).pressures_kPa
+    for part in (0.5**k for k in range(HALVED + 1)):
+        pressures = [f"{part * pressure:g} kPa" for pressure in drawn]
+        config = configured(path, {**changes, "pressures": pressures})
+        with suppress(RunFailed):
+            law = law_of(config, folder / f"law_{name}_{config.pressures_kPa[-1]:g}kPa")
+            if law.pressures[-1] == config.pressures_kPa[-1]:
+                return config, law
+    raise RunFailed(f"{name}: the cell does not bear {part:g} of its pressures")
 
 
 def solved(config: Config, law: ArmLaw, file: Path) -> list[dict[str, Any]]:
@@ -119,6 +128,7 @@ def across(planar: PlanarState, section: float) -> dict[str, Any]:
 def exported(law: ArmLaw, pressure: float, folder: Path, force: float) -> dict[str, float]:
     """Displacement along z (mm) of the end under a force (N) there, of the arm in the files of other programs."""
     assert law.mass is not None
+    folder.mkdir(exist_ok=True)
     radius = 0.05 * law.length  # where the arm rests does not depend on its section
     section = Section(-radius, radius, 2.0 * radius, 0.0, (0.25 * radius**2, 0.25 * radius**2))
     solid = Solid(float(law.mass.grams[-1]), 1.0, np.pi * radius**2, section, 0.1)
@@ -157,7 +167,7 @@ def apart(own: Array, solid: Sequence[float]) -> float:
 
 def errors_of(name: str, law: ArmLaw, states: Sequence[Mapping[str, Any]], folder: Path) -> Iterator[dict[str, Any]]:
     """For each pressure and load of an arm how far the rod is from it; for the smallest force those of exports too."""
-    for state in (state for state in states if state["pressure_kPa"] <= law.pressures[-1]):
+    for state in states:
         pressure, torque = state["pressure_kPa"], state["by_torque"]
         rod, section = law.at(pressure), torque["section_mm"]
         planar = rod.solve_in_space(SpatialLoad())
@@ -238,16 +248,13 @@ def main() -> int:
     given.results.mkdir(parents=True, exist_ok=True)
     rows: list[dict[str, Any]] = []
     curves: dict[str, list[tuple[Array, Array]]] = {}
-    for name, config in designs(given.results, given.random).items():
+    arms: dict[str, tuple[str, dict[str, Any]]] = {name: (f"configs/{name}_coarse.yaml", {}) for name in ARMS}
+    arms |= drawn_at_random(given.results, range(given.random))
+    for name, design in arms.items():
         if given.only in (None, name):
-            folder = given.results / f"law_{name}"
-            try:
-                law = law_of(config, folder)
-            except RunFailed as failure:
-                sys.stdout.write(f"{name}: {failure}\n")
-                continue
+            config, law = borne(*design, given.results, name)
             states = solved(config, law, given.results / f"{name}.json")
-            rows += errors_of(name, law, states, folder)
+            rows += errors_of(name, law, states, given.results / f"exported_{name}")
             last = states[-1]["forces"]
             own = (rod_under(law.at(states[-1]["pressure_kPa"]), solid).curve for solid in last)
             curves[name] = [(curve, np.array(solid["curve_mm"])) for curve, solid in zip(own, last, strict=True)]
