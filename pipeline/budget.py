@@ -23,12 +23,15 @@ from pipeline.results.values import Run
 from pipeline.rods.options import option_value
 from pipeline.store.atomic_file import write_atomic
 from pipeline.store.result_folder import open_file
-from rod.arm_law.derivative import kappa_0, rigidity
+from rod.arm_law.curves import ACROSS
+from rod.arm_law.derivative import NUMBERS as NUMBERS_OF_LAW
 from rod.arm_law.law import ArmLaw, LawRod
 from rod.errors import RodError
 
 #: numbers of an arm, by their names in a `Row`, as they stand in tables
 NUMBERS = {"tip": "tip / length", "kappa_0": "κ₀", "rigidity": "rigidity", "force": "force in III"}
+#: those of a law with rigidities out of the plane, without moment
+IN_SPACE = dict(zip(ACROSS, ("B₂", "GJ"), strict=True))
 PRESSURE = "pressure"
 #: part of a tolerance in difference quotients at most, and of a pressure
 LARGEST_PART, PART_OF_PRESSURE = 0.05, 1e-3
@@ -50,6 +53,8 @@ class Row:
     kappa_0: float
     rigidity: float
     force: float
+    lateral_rigidity: float
+    torsional_rigidity: float
 
     def size(self, number: str) -> float:
         """Zero where there is no number."""
@@ -66,10 +71,15 @@ class Budget:
     rows: tuple[Row, ...]  #: by falling displacement of the tip
 
     def total(self, number: str) -> float:
-        """Of tip, kappa_0, rigidity or force: the root of the sum of squares; NaN where there is no number."""
+        """Of a number of a `Row`, such as tip: the root of the sum of squares; NaN where there is no number."""
         known = [float(getattr(row, number)) for row in self.rows]
         finite = [value for value in known if math.isfinite(value)]
         return math.hypot(*finite) if finite else math.nan
+
+    @property
+    def numbers(self) -> dict[str, str]:
+        """Those of the table with their titles, by their names in a `Row`."""
+        return NUMBERS | {name: title for name, title in IN_SPACE.items() if math.isfinite(self.total(name))}
 
     def largest(self, number: str = "tip") -> Row:
         """The tolerance that does the most."""
@@ -123,7 +133,7 @@ def make_budget(law: ArmLaw, tolerances: Tolerances, pressure_kPa: float, held_m
         rates, unit = _rates(law, key, tolerance, pressure_kPa, held_mm)
         if rates is not None:
             tip = math.hypot(rates["x"], rates["y"]) / law.length
-            others = {name: abs(rates[name] / known[name]) for name in ("kappa_0", "rigidity", "force")}
+            others = {name: abs(rates[name] / known[name]) for name in ("kappa_0", "rigidity", "force", *ACROSS)}
             rows.append(Row(key, tolerance.text(unit), tolerance.is_default, tip, **others))
     return Budget(pressure_kPa, tolerances.process, tuple(sorted(rows, key=lambda row: -row.size("tip"))))
 
@@ -172,22 +182,22 @@ def _numbers(rod: LawRod, held_mm: float | None, known: LawRod) -> Mapping[str, 
     return {
         "x": x,
         "y": y,
-        "kappa_0": kappa_0(rod, known),
-        "rigidity": rigidity(rod, known),
+        **{name: NUMBERS_OF_LAW[name](rod, known) for name in ("kappa_0", "rigidity", *ACROSS)},
         "force": math.nan if held_mm is None else tried(lambda: float(rod.solve(end_y=held_mm).force[1])),
     }
 
 
 def budget_table(budget: Budget) -> Table:
     """One row per tolerance, and their total."""
-    rows = [(row.parameter, row.tolerance, *(_cell(getattr(row, name)) for name in NUMBERS)) for row in budget.rows]
-    rows.append(("all", "", *(_cell(budget.total(name)) for name in NUMBERS)))
+    shown = budget.numbers
+    rows = [(row.parameter, row.tolerance, *(_cell(getattr(row, name)) for name in shown)) for row in budget.rows]
+    rows.append(("all", "", *(_cell(budget.total(name)) for name in shown)))
     some = "Tolerances" if all(row.is_default for row in budget.rows) else "Tolerances that are not given"
     caption = (
         f"Changes in % at {budget.pressure_kPa:g} kPa by each tolerance, to first order; all: root of the sum of "
         f"squares. {some} are those {DEFAULTS[budget.process]}."
     )
-    return Table(("tolerance of", "±", *(f"{title} (%)" for title in NUMBERS.values())), tuple(rows), caption)
+    return Table(("tolerance of", "±", *(f"{title} (%)" for title in shown.values())), tuple(rows), caption)
 
 
 def _cell(value: float) -> str:
@@ -197,7 +207,7 @@ def _cell(value: float) -> str:
 def budget_panels(budgets: Sequence[Budget]) -> tuple[Panel, ...]:
     """Bars for each number, one frame per pressure."""
     panels: list[Panel] = []
-    for (name, title), colour in zip(NUMBERS.items(), COLOURS, strict=False):
+    for (name, title), colour in zip((NUMBERS | IN_SPACE).items(), COLOURS, strict=False):
         lines = [_bars(budget, name, title, colour) for budget in budgets if math.isfinite(budget.total(name))]
         if lines:
             panels.append(Panel(title, "", "change (%)", tuple(lines), from_zero=True))

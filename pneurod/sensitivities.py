@@ -5,10 +5,13 @@ import math
 import pandas as pd
 
 from rod import ArmLaw
+from rod.arm_law.curves import ACROSS
 from rod.arm_law.derivative import NUMBERS
 
 #: unit of each number of a derivative
 UNITS = {"kappa_0": "1/mm", "rigidity": "N mm2", "moment": "N mm", "stretch": "1", "end_angle": "rad"}
+#: of a law that has rigidities out of the plane
+IN_SPACE = dict.fromkeys(ACROSS, "N mm2")
 #: of those that have no value beside them in the law
 OTHERS = {"contact_onset": "1/mm", "largest_stretch": "1"}
 COLUMNS = ("parameter", "number", "pressure_kPa", "derivative", "unit", "relative")
@@ -22,9 +25,10 @@ def sensitivities_frame(law: ArmLaw | None) -> pd.DataFrame:
     """
     rows = []
     values = {} if law is None else {pressure: _values(law, pressure) for pressure in law.pressures if pressure}
+    units = UNITS | OTHERS | (IN_SPACE if law and law.is_in_space else {})
     for name in law.rates if law else ():
         derivative = law.derivative(name)  # type: ignore[union-attr]
-        for number, of_number in (UNITS | OTHERS).items():
+        for number, of_number in units.items():
             unit = of_number if derivative.unit == "1" else f"{of_number} per {derivative.unit}"
             for pressure, rate in zip(derivative.pressures.tolist(), getattr(derivative, number).tolist(), strict=True):
                 if pressure:

@@ -100,6 +100,7 @@ class DesignRate:
     start: float  #: height of the start of the material curve, mm
     #: of the largest principal stretch without moment, where the angle follows the parameter; NaN where not asked for
     largest_stretch: float = float("nan")
+    moved: Array = field(default_factory=lambda: np.empty((0, 3)))  #: (n, 3) of the displacement, mm; as above
 
 
 def design_rates(
@@ -107,8 +108,8 @@ def design_rates(
 ) -> dict[str, DesignRate]:
     """The rates of a state by parameter; two assemblies for each.
 
-    known: slopes with `by_end_force`. stretch: whether that of the largest stretch is asked for, of a state without
-    moment: one factorization more for all, and a right-hand side for each. Raises
+    known: slopes with `by_end_force`. stretch: whether those of the largest stretch and of the displacement are asked
+    for, of a state without moment: one factorization more for all, and a right-hand side for each. Raises
     `fem.equations.linear.SingularMatrix` at a limit point.
     """
     along = Change(0.0, known.by_angle, known.angle_rate.pressure)
@@ -124,8 +125,9 @@ def design_rates(
         )
         if tangent:
             turn = -moment / known.moment_by_angle
-            moved = tangent.solve(*rate).displacement + turn * known.by_angle
-            rates[name] = replace(rates[name], largest_stretch=_stretch_rate(piece, at, change, moved))
+            moved = tangent.solve(*rate).displacement
+            largest = _stretch_rate(piece, at, change, moved + turn * known.by_angle)
+            rates[name] = replace(rates[name], largest_stretch=largest, moved=moved)
     return rates
 
 
@@ -163,28 +165,28 @@ class _Assemblies:
         piece, space, state = self._piece, variant.space, self._at.state
         displacement = state.displacement.copy()
         displacement[piece.plane] += (piece.space.points - space.points)[piece.plane]
-        strain = self._own_strain if space is piece.space else _strain(space, displacement)
+        strain = self._own_strain if space is piece.space else strain_on(space, displacement)
         law = variant.formulation.evaluate(strain, state.pressure)
         gradient = np.zeros_like(displacement)
         kernels.internal_force(space.arrays, displacement, law.stress, gradient)
-        for term in _moved(self._at.terms, piece.space, variant):
+        for term in moved_terms(self._at.terms, piece.space, variant):
             term.gradient(space.points + displacement, state.factor, gradient)
         return gradient, variant.formulation.pressure_residual(law, np.zeros_like(strain), state.pressure)
 
     @cached_property
     def _own_strain(self) -> Array:
         """(e, q, 6) on the mesh of the piece itself, which variants of the material share."""
-        return _strain(self._piece.space, self._at.state.displacement)
+        return strain_on(self._piece.space, self._at.state.displacement)
 
 
-def _strain(space: Discretisation, displacement: Array) -> Array:
+def strain_on(space: Discretisation, displacement: Array) -> Array:
     """Green-Lagrange strain (e, q, 6) of a displacement (n, 3)."""
     strain = np.empty((*space.weight.shape, 6))
     kernels.green_lagrange(space.arrays, displacement, strain, np.empty(space.weight.shape))
     return strain
 
 
-def _moved(terms: Terms, before: Discretisation, variant: Variant) -> Sequence[Term]:
+def moved_terms(terms: Terms, before: Discretisation, variant: Variant) -> Sequence[Term]:
     """The terms of a state on the variant: what they hold of the body at rest follows it."""
     return [_moved_term(term, before.points, variant) for term in terms]
 

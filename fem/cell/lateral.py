@@ -19,7 +19,7 @@ from typing import final
 
 import numpy as np
 
-from fem.cell.axis import Axis
+from fem.cell.axis import end_ripples, length_of
 from fem.cell.piece import BendingPiece, PieceState
 from fem.cell.sideways import Bent, Place, Twisted
 from fem.supports import Fixed
@@ -43,13 +43,13 @@ class LateralRigidities:
     unstable: int  #: number of unstable directions with bending and twist prescribed
 
 
-def lateral_rigidities(piece: BendingPiece, at: PieceState, axis: Axis) -> LateralRigidities:
+def lateral_rigidities(piece: BendingPiece, at: PieceState) -> LateralRigidities:
     """Rigidities of a half cell that is meshed on one side of z = 0; two factorizations.
 
     Raises `fem.equations.linear.SingularMatrix` where it is unstable.
     """
     place = Place(piece, at)
-    arch = _Arch.of(place, axis)
+    arch = _Arch.of(place)
     nodes, points = place.start, piece.space.points
     column = points[nodes[np.abs(points[nodes, 2]) < 1e-9 * piece.body.length]]
     ends = column[[int(np.argmin(column[:, 1])), int(np.argmax(column[:, 1]))]]
@@ -80,10 +80,13 @@ class _Arch:
     moment: float  #: M_1 of the meshed half, N mm
 
     @staticmethod
-    def of(place: Place, axis: Axis) -> "_Arch":
+    def of(place: Place) -> "_Arch":
         piece, at = place.piece, place.at
-        height = float(place.x[piece.curve[-1]] @ place.within) - float(axis.ripple[-1, 1])
-        return _Arch(place, at.angle, piece.body.length, axis.stretch, height, at.moment / piece.whole)
+        length, first = float(piece.space.points[piece.plane[0], 0]), float(place.x[piece.curve[0], 1])
+        eta = float(place.x[piece.curve[-1]] @ place.within)
+        stretch = length_of(at.angle, at.distance, first + eta) / length
+        height = eta - float(end_ripples(at.angle, length, at.distance, eta, first)[1, 1])
+        return _Arch(place, at.angle, length, stretch, height, at.moment / piece.whole)
 
     @property
     def turned(self) -> float:

@@ -12,6 +12,7 @@ of `fem.equations`, with the constraints of one angle after the other.
 
 from collections.abc import Callable, Hashable, Mapping, Sequence
 from contextlib import suppress
+from copy import copy
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, TypeVar, final
@@ -27,6 +28,7 @@ from fem.effects.effect import Effect, Terms
 from fem.effects.membrane import StrainLimitingLayer
 from fem.effects.mirror_layer import MirroredLayer
 from fem.equations.constraints import Constraints
+from fem.equations.formulation import Formulation
 from fem.equations.linear import LinearTimes
 from fem.equations.linearised import Linearised
 from fem.equations.pardiso import available_solver
@@ -116,6 +118,7 @@ class BendingPiece:
         # all of outer walls: where those of cavities do not meet, a state does not depend on those before, bit for bit
         self._system.hold_near_pairs()
         self._other_systems: dict[str, System] = {}  #: by what they are for
+        self._formulation = self._system.formulation
         self.changes: Mapping[str, Any] = {}  #: `DesignChange` by parameter of which its states give derivatives
         self.other = ""  #: the cavity by whose own pressure its states give derivatives as well; empty: none
         #: the last equilibrium and its assembly, which its slopes need again
@@ -256,11 +259,21 @@ class BendingPiece:
     def other_system(self, name: str, terms: Terms, constraints: Constraints) -> System:
         """The equations with other terms and constraints; by name, pattern and symbolic analysis are kept as well."""
         if name in self._other_systems:
+            self._other_systems[name].replace_body(self.space, self._formulation)
             self._other_systems[name].replace_constraints(constraints)
         else:
             system = System(self.space, self.material, terms, constraints, available_solver()())
             self._other_systems[name] = system
         return self._other_systems[name]
+
+    def varied(self, space: Discretisation, formulation: Formulation) -> "BendingPiece":
+        """This piece with its nodes elsewhere, or with other constants of its materials, for `other_system` alone.
+
+        Both share these systems, which are those of the piece that asked for them last.
+        """
+        piece = copy(self)
+        piece.space, piece._formulation = space, formulation
+        return piece
 
     def linearise(self, piece: PieceState, increment: Array) -> tuple[Assembly, Linearised]:
         """Tangent at a state with the constraints of its angle, and its product with an increment (n, 3), mm.

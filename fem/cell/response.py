@@ -251,8 +251,7 @@ def _force_change(piece: BendingPiece, at: PieceState, terms: Terms, displacemen
     step = _step(piece, displacement)
 
     def gradient(sign: float) -> Array:
-        moved: State = piece.system.state_at(at.state.displacement + sign * step * displacement, at.pressure)
-        return piece.system.assemble(moved, terms).gradient
+        return piece.system.gradient_at(at.state.displacement + sign * step * displacement, at.pressure, terms)
 
     return np.asarray((gradient(1.0) - gradient(-1.0)) / (2.0 * step))
 

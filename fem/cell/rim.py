@@ -17,6 +17,7 @@ import numpy as np
 from fem.cell.piece import BendingPiece, PieceState
 from fem.effects.loads import PressureTerm
 from geometry.arrays import Array, Index
+from geometry.topology import cross
 
 #: vertices and middle of the edges of a face
 EDGES = ((0, 1, 3), (1, 2, 4), (2, 0, 5))
@@ -37,7 +38,7 @@ def rim_forces(piece: BendingPiece, at: PieceState, field: Callable[[Array, Arra
         for t, weight in zip((places + 1.0) / 2.0, weights / 2.0, strict=True):
             shape, slope = _edge_functions(float(t), nodes.shape[1])
             tangent = np.einsum("a,mai->mi", slope, x[nodes])
-            values = field(np.einsum("a,mai->mi", shape, x[nodes]), np.cross(tangent, normal))
+            values = field(np.einsum("a,mai->mi", shape, x[nodes]), cross(tangent, normal))
             for column, part in enumerate(shape):
                 np.add.at(forces, nodes[:, column], pressure * weight * part * values)
     return forces

@@ -11,7 +11,7 @@ import numpy as np
 from fem.discretisation import Discretisation
 from fem.effects.effect import Terms, near_pairs
 from fem.equations.constraints import Constraints
-from fem.equations.formulation import formulation_of
+from fem.equations.formulation import Formulation, formulation_of
 from fem.equations.linear import LinearSolver
 from fem.equations.linearised import Linearised
 from fem.equations.state import Assembly, Change, State
@@ -85,6 +85,10 @@ class System:
         self.constraints = constraints
         self.storage.constrain(constraints)
 
+    def replace_body(self, space: Discretisation, formulation: Formulation) -> None:
+        """Take the same elements with their nodes elsewhere, or with other constants of their materials."""
+        self.space, self.formulation = space, formulation
+
     def hold_near_pairs(self) -> None:
         """Take up all node pairs that may come into contact near the positions at rest.
 
@@ -122,6 +126,13 @@ class System:
         scale = max(float(np.linalg.norm(internal)), float(np.linalg.norm(loads)))
         roundoff = self._roundoff_stiffness * max(float(np.abs(displacement).max()), self._element_size)
         return Assembly(strain, law_values, stress, jacobian, internal + loads, pressure_residual, scale, roundoff)
+
+    def gradient_at(self, displacement: Array, factor: float, terms: Terms) -> Array:
+        """Gradient (n, 3) of the potential at a displacement (n, 3), where pressures are those of it, N."""
+        stress, internal = self.state_at(displacement, factor).stress, np.zeros_like(displacement)
+        with self.clock.timing("assembly"):
+            kernels.internal_force(self.space.arrays, displacement, stress, internal)
+        return np.asarray(internal + self.loads(displacement, factor, terms))
 
     def loads(self, displacement: Array, factor: float, terms: Terms) -> Array:
         """Gradient (n, 3) of the terms, N."""

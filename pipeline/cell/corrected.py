@@ -45,15 +45,12 @@ class Corrections:
         (shift, shift_slope), (ratio, ratio_slope) = (self._at(column, pressure) for column in (self.shift, self.ratio))
         return shift, ratio, shift_slope, ratio_slope
 
-    def out_of_plane(self, cell: CellCurve) -> CellCurve:
-        """The curve with its rigidities out of the plane times their factors, by straight lines over the pressure."""
-        if self.across is None or not cell.is_in_space:
-            return cell
+    def out_of_plane(self, pressure: float) -> Array:
+        """(2,) factors of the rigidities of `Across` at a pressure in kPa, by straight lines over the pressure."""
+        if self.across is None:
+            return np.ones(2)
         pressures, factors = self.across
-        columns = zip(Across._fields, factors.T, strict=True)
-        return replace(
-            cell, **{name: getattr(cell, name) * np.interp(cell.pressure, pressures, f) for name, f in columns}
-        )
+        return np.array([np.interp(pressure, pressures, column) for column in factors.T])
 
     def _at(self, column: Array, pressure: float) -> tuple[float, float]:
         if len(column) < 2:
@@ -73,11 +70,16 @@ def _across(cells: Sequence[CellCurve], limit: MeshLimit) -> tuple[Array, Array]
 
 def corrected(law: ArmLaw, corrections: Corrections) -> ArmLaw:
     """The law with its cells and clamped ends at their corrected moments and curvatures."""
-    cells = tuple(_cell(corrections.out_of_plane(curve), *corrections.at(curve.pressure)) for curve in law.cells)
+    across = [corrections.out_of_plane(pressure) for pressure in law.pressures]
+    cells = tuple(_cell(curve, *corrections.at(curve.pressure)) for curve in law.cells)
     clamps = tuple(_clamp(curve, *corrections.at(curve.pressure)[1::2]) for curve in law.clamps)
     ratios = [corrections.at(curve.pressure)[1] for curve in law.cells]
-    rates = {name: rate.with_moments(ratios) for name, rate in law.rates.items()}
-    return replace(law, cells=cells, clamps=clamps, rates=rates)
+    return replace(
+        law,
+        cells=tuple(_cell_across(*pair) for pair in zip(cells, across, strict=True)),
+        clamps=tuple(_clamp_across(*pair) for pair in zip(clamps, across, strict=True)),
+        rates={name: rate.with_moments(ratios, across) for name, rate in law.rates.items()},
+    )
 
 
 def _ratio(cell: CellCurve, own: Numbers, limit: Numbers, length: float) -> float:
@@ -112,3 +114,21 @@ def _clamp(curve: ClampCurve, ratio: float, ratio_slope: float) -> ClampCurve:
         rotation_by_pressure=curve.rotation_by_pressure - turned,
         offset_by_moment=curve.offset_by_moment / ratio,
     )
+
+
+def _cell_across(curve: CellCurve, factors: Array) -> CellCurve:
+    """The curve with its rigidities of `Across` times their factors (2,)."""
+    columns = zip(Across._fields, factors, strict=True)
+    return replace(curve, **{name: factor * getattr(curve, name) for name, factor in columns})
+
+
+def _clamp_across(curve: ClampCurve, factors: Array) -> ClampCurve:
+    """The clamped end is stiffer by the factors (2,) of the cells, as it is in the plane.
+
+    That of GJ belongs to torques and that of B_2 to moments about the normal. Turns by the other of the two have the
+    mean of both, so that reciprocity holds. Nothing changes where a cell is unstable out of its plane.
+    """
+    if not curve.lateral_compliance.size or factors.min() <= 0.0:
+        return curve
+    roots = np.sqrt(factors[::-1])
+    return replace(curve, lateral_compliance=curve.lateral_compliance / np.outer(roots, roots))

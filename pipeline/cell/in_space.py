@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 
-from fem.cell.axis import Axis
 from fem.cell.lateral import LateralRigidities, lateral_rigidities
 from fem.cell.lateral_end import clamped_compliance
 from fem.cell.piece import BendingPiece, PieceState
@@ -27,7 +26,7 @@ FIELDS = dict(zip(IN_SPACE, (field.name for field in fields(LateralRigidities)),
 
 
 def cell_in_space(
-    piece: BendingPiece, curve: CellCurve, states: Sequence[tuple[PieceState, Axis]]
+    piece: BendingPiece, curve: CellCurve, states: Sequence[PieceState]
 ) -> tuple[CellCurve, tuple[Reason, ...]]:
     """The curve with rigidities out of the plane, and where the cell is unstable there.
 
@@ -38,9 +37,9 @@ def cell_in_space(
     measured: list[tuple[float, LateralRigidities]] = []
     unstable: list[PieceState] = []
     rows = np.unique(np.linspace(0, len(states) - 1, min(STATES, len(states))).round().astype(int))
-    for state, axis in (states[row] for row in rows):
+    for state in (states[row] for row in rows):
         try:
-            found = lateral_rigidities(piece, state, axis)
+            found = lateral_rigidities(piece, state)
         except SingularMatrix:
             unstable.append(state)
             continue

@@ -204,7 +204,7 @@ def solve_numbers(curves: PieceCurves, pressure: float, bend: float, length: flo
         at, across = point.state, None
         if curves.pieces.config.law_in_space and piece.body.half:
             with suppress(SingularMatrix):
-                found = lateral_rigidities(piece, at, point.axis)
+                found = lateral_rigidities(piece, at)
                 across = Across(found.bending, found.torsion)
         kappa_0 = at.angle / h
         change = change_for(kappa_0, length)

@@ -1,13 +1,16 @@
 """Derivatives of the arm's own law by its design, from the states that its curves are made of."""
 
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from typing import Any
 
 import numpy as np
 
 from fem.cell.axis import circle, end_ripples, length_of
 from fem.cell.design_change import DesignChange, DesignRate, design_rates
+from fem.cell.lateral_change import lateral_rates
 from fem.cell.piece import BendingPiece
+from fem.equations.linear import SingularMatrix
 from geometry import Design, DesignError
 from geometry.arrays import Array
 from geometry.meshing.mirror import Repetition
@@ -15,7 +18,7 @@ from geometry.meshing.moving import Movement
 from pipeline.cell.parameters import SCALES, material_steps
 from pipeline.cell.point import Measured, PiecePoint, stable
 from pipeline.config.config import Config
-from rod.arm_law.curves import CellCurve, ClampCurve
+from rod.arm_law.curves import ACROSS, CellCurve, ClampCurve
 from rod.arm_law.rates import CellRate, ClampRate, LawRate, slopes_of
 from rod.cubics import cubic, parabola_slopes
 
@@ -56,8 +59,11 @@ def changes_of(
     return changes
 
 
-def cell_rates(piece: BendingPiece, points: Sequence[Any]) -> Rates:
-    """Of the states of a cell (`pipeline.cell.measure.CellPoint`) at fixed curvature, per unit of each parameter."""
+def cell_rates(piece: BendingPiece, points: Sequence[Any], curve: CellCurve | None = None) -> Rates:
+    """Of the states of a cell (`pipeline.cell.measure.CellPoint`) at fixed curvature, per unit of each parameter.
+
+    curve: of these states, whose rigidities out of the plane, if it has them, have derivatives as well.
+    """
     h, last = piece.body.length, piece.curve[-1]
 
     def row(point: Any, rate: DesignRate, length: float) -> dict[str, Any]:
@@ -77,7 +83,7 @@ def cell_rates(piece: BendingPiece, points: Sequence[Any]) -> Rates:
             "ripple": ((ahead - behind) / (2.0 * DIFFERENCE)).tolist(),
         }
 
-    return _table(piece, points, row, min(points, key=lambda point: abs(point.moment)))
+    return _table(piece, points, row, min(points, key=lambda point: abs(point.moment)), curve)
 
 
 def clamp_rates(piece: BendingPiece, points: Sequence[PiecePoint]) -> Rates:
@@ -95,9 +101,16 @@ def clamp_rates(piece: BendingPiece, points: Sequence[PiecePoint]) -> Rates:
 
 
 def _table(
-    piece: BendingPiece, points: Sequence[PiecePoint], row: Any, middle: PiecePoint | None = None
+    piece: BendingPiece,
+    points: Sequence[PiecePoint],
+    row: Any,
+    middle: PiecePoint | None = None,
+    curve: CellCurve | None = None,
 ) -> dict[str, dict[str, Any]]:
-    """Lists of numbers, one of each point, by parameter and quantity; of the middle point also the largest stretch."""
+    """Lists of numbers, one of each point, by parameter and quantity; of the middle point also the largest stretch.
+
+    Rigidities out of the plane of the curve change everywhere by the same part as at the middle point.
+    """
     table: dict[str, dict[str, Any]] = {}
     for point in points:
         with stable(piece, point.state):
@@ -108,6 +121,12 @@ def _table(
                 of_parameter.setdefault(quantity, []).append(value)
             if point is middle:
                 of_parameter["largest_stretch"] = rate.largest_stretch
+        if point is middle and curve and curve.is_in_space:
+            with suppress(SingularMatrix):
+                parts = lateral_rates(piece, point.state, point.slopes, piece.changes, rates)
+                for name, columns in parts.items():
+                    values = zip(ACROSS, columns, strict=True)
+                    table[name] |= {field: (part * getattr(curve, field)).tolist() for field, part in values}
     return table
 
 

@@ -90,11 +90,11 @@ class PieceCurves:
 
         def measure(cell: BendingPiece) -> Measured[CellCurve]:
             sweep = sweep_cell(cell, pressure, Reach.of(self.pieces.config, bend))
-            rates, curve, limits = cell_rates(cell, sweep.points), sweep.curve(cell.body.length), sweep.limits
+            curve, limits = sweep.curve(cell.body.length), sweep.limits
             if self.pieces.config.law_in_space:
-                curve, unstable = cell_in_space(cell, curve, [(p.state, p.axis) for p in sweep.points])
+                curve, unstable = cell_in_space(cell, curve, [point.state for point in sweep.points])
                 limits = (*limits, *unstable)
-            return Measured(curve, limits, sweep.error, rates=rates)
+            return Measured(curve, limits, sweep.error, rates=cell_rates(cell, sweep.points, curve))
 
         measured = self._of_cell(CellCurve, name_of_state("cell", pressure), measure)
         self.progress.step_done("cell", pressure, 0.0 if measured.is_stored else measured.seconds)

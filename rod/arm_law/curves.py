@@ -14,11 +14,13 @@ from geometry.arrays import Array, Mask, freeze
 from rod.cubics import cubic, monotone_cubic, parabola_slopes, periodic_slopes
 from rod.errors import RodError
 
-#: of a cell out of its plane
-IN_SPACE = ("lateral_rigidity", "torsional_rigidity", "lateral_shear_rigidity", "twist_axis", "tilt_by_torque")
+#: of a cell out of its plane: those that have a limit of the mesh and derivatives by the design, and all
+ACROSS = ("lateral_rigidity", "torsional_rigidity")
+IN_SPACE = (*ACROSS, "lateral_shear_rigidity", "twist_axis", "tilt_by_torque")
 
 
-def _nothing() -> Array:
+def nothing() -> Array:
+    """Of a field that may be missing."""
     return np.empty(0)
 
 
@@ -50,19 +52,17 @@ class CellCurve:
     #: of the material curve beside the axis there, along and normal to it, mm
     ripple: Annotated[Array, "ripple_mm", "k", "m", 2]
     #: both by the pressure of one of two cavities alone, at fixed curvature, N mm / kPa and 1/kPa (`rod.arm_law.pairs`)
-    moment_by_other: Annotated[Array, "moment_by_other_N_mm_per_kPa", "k"] = field(default_factory=_nothing)
-    stretch_by_other: Annotated[Array, "stretch_by_other_per_kPa", "k"] = field(default_factory=_nothing)
+    moment_by_other: Annotated[Array, "moment_by_other_N_mm_per_kPa", "k"] = field(default_factory=nothing)
+    stretch_by_other: Annotated[Array, "stretch_by_other_per_kPa", "k"] = field(default_factory=nothing)
     #: B_2, against bending out of the plane, N mm2; negative where the cell is unstable
-    lateral_rigidity: Annotated[Array, "lateral_rigidity_N_mm2", "k"] = field(default_factory=_nothing)
-    torsional_rigidity: Annotated[Array, "torsional_rigidity_N_mm2", "k"] = field(
-        default_factory=_nothing
-    )  #: GJ, N mm2
+    lateral_rigidity: Annotated[Array, "lateral_rigidity_N_mm2", "k"] = field(default_factory=nothing)
+    torsional_rigidity: Annotated[Array, "torsional_rigidity_N_mm2", "k"] = field(default_factory=nothing)  #: GJ, N mm2
     #: against shear across the plane, without twist, N
-    lateral_shear_rigidity: Annotated[Array, "lateral_shear_rigidity_N", "k"] = field(default_factory=_nothing)
+    lateral_shear_rigidity: Annotated[Array, "lateral_shear_rigidity_N", "k"] = field(default_factory=nothing)
     #: of the axis of twist, above that of the rod, mm
-    twist_axis: Annotated[Array, "twist_axis_mm", "k"] = field(default_factory=_nothing)
+    twist_axis: Annotated[Array, "twist_axis_mm", "k"] = field(default_factory=nothing)
     #: difference between the tilts of the planes at the end and in the middle of the cell, rad/(N mm)
-    tilt_by_torque: Annotated[Array, "tilt_by_torque_rad_per_N_mm", "k"] = field(default_factory=_nothing)
+    tilt_by_torque: Annotated[Array, "tilt_by_torque_rad_per_N_mm", "k"] = field(default_factory=nothing)
 
     def __post_init__(self) -> None:
         _freeze(self)
@@ -121,9 +121,9 @@ class ClampCurve:
     beside: Annotated[Array, "beside_mm", "k", "m", 2]
     #: without moment: turn about the tangent and tilt about the normal, at the clamp, per torque and moment about the
     #: normal there, beyond those of cells continued to the clamp, rad/(N mm)
-    lateral_compliance: Annotated[Array, "lateral_compliance_rad_per_N_mm", 2, 2] = field(default_factory=_nothing)
+    lateral_compliance: Annotated[Array, "lateral_compliance_rad_per_N_mm", 2, 2] = field(default_factory=nothing)
     #: by the pressure of one of two cavities alone, at fixed moment, rad/kPa
-    rotation_by_other: Annotated[Array, "rotation_by_other_rad_per_kPa", "k"] = field(default_factory=_nothing)
+    rotation_by_other: Annotated[Array, "rotation_by_other_rad_per_kPa", "k"] = field(default_factory=nothing)
 
     def __post_init__(self) -> None:
         _freeze(self)

@@ -61,6 +61,8 @@ class Derivative:
     moment: Array  #: (n,) at half the curvature without moment, N mm
     stretch: Array  #: (n,) of the axis without load
     end_angle: Array  #: (n,) of the end of the arm without load, rad
+    lateral_rigidity: Array  #: (n,) B_2 without moment, N mm2
+    torsional_rigidity: Array  #: (n,) GJ without moment, N mm2
     contact_onset: Array  #: (n,) curvature beyond which walls touch up to the end of a curve, 1/mm
     largest_stretch: Array  #: (n,) largest principal stretch of a cell without moment
 
@@ -106,6 +108,23 @@ def stretch(rod: Arm, known: Arm) -> float:
 def end_angle(rod: Arm, known: Arm) -> float:
     """rad."""
     return float(rod.solve().theta[-1])
+
+
+@_number
+def lateral_rigidity(rod: Arm, known: Arm) -> float:
+    """N mm2, without moment; NaN for a law of the plane alone."""
+    return _across(rod, "lateral_rigidity")
+
+
+@_number
+def torsional_rigidity(rod: Arm, known: Arm) -> float:
+    """N mm2, without moment; NaN for a law of the plane alone."""
+    return _across(rod, "torsional_rigidity")
+
+
+def _across(rod: Arm, name: str) -> float:
+    law = rod.section
+    return float(np.interp(0.0, law.moment, law.in_space[name])) if name in law.in_space else np.nan
 
 
 def _moment_at(rod: Arm, kappa: float) -> float:

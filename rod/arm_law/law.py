@@ -54,6 +54,11 @@ class ArmLaw:
         """kPa"""
         return tuple(curve.pressure for curve in self.cells)
 
+    @property
+    def is_in_space(self) -> bool:
+        """Whether cells have rigidities out of the plane, at one pressure at least."""
+        return any(cell.is_in_space for cell in self.cells)
+
     def scaled(self, factor: float) -> "ArmLaw":
         """The law of an arm whose moduli are all multiplied by a factor, with the same Poisson ratios; exact.
 
@@ -91,7 +96,7 @@ class ArmLaw:
     def with_changes(self, changes: Mapping[str, float]) -> "ArmLaw":
         """The law of an arm whose parameters differ a little, to first order: `{"geometry.wall": 0.1}`.
 
-        changes: by parameter, in mm, MPa or 1. Mass, rigidities other than that in the plane, and the tip stay. The
+        changes: by parameter, in mm, MPa or 1. Mass, tip, and rigidities other than against bending and twist stay. The
         derivatives are left out. Raises `RodError` for a parameter without them, and for a change so large that no law
         is left.
         """
@@ -114,7 +119,7 @@ class ArmLaw:
         return replace(law, rates={name: r.carried(self.cells, law.cells, changes.get(name, 0.0)) for name, r in rates})
 
     def derivative(self, name: str) -> Derivative:
-        """Of curvature, rigidity, moment, stretch and angle of the end by a parameter, per mm, MPa or 1 of it.
+        """Of curvature, rigidities, moment, stretch and angle of the end by a parameter, per mm, MPa or 1 of it.
 
         name: a key of `rates`, such as "geometry.wall". Raises `RodError` for a parameter without derivatives.
         """

@@ -1,14 +1,14 @@
 """Derivatives of an arm's own law by a parameter of its design, and the law after a small change of some of them."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, field, fields, replace
 from typing import Any, final
 
 import numpy as np
 
 from geometry.arrays import Array
 from rod.arm_law.between import interpolate_columns
-from rod.arm_law.curves import IN_SPACE, CellCurve, ClampCurve
+from rod.arm_law.curves import ACROSS, IN_SPACE, CellCurve, ClampCurve, nothing
 from rod.checked import Shape, check_table, finite
 from rod.cubics import monotone_slopes, parabola_slopes
 
@@ -25,10 +25,12 @@ class CellRate:
     stretch: Array  #: (k,)
     ripple: Array  #: (k, 2, 2) of the material curve in the middle and at the end of the cell, mm; straight between
     largest_stretch: Array  #: () largest principal stretch of the cell without moment
+    lateral_rigidity: Array = field(default_factory=nothing)  #: (k,) N mm2; it and the next empty where not known
+    torsional_rigidity: Array = field(default_factory=nothing)  #: (k,) N mm2
 
     def times(self, change: float) -> "CellRate":
         """For a change of the parameter."""
-        return CellRate(*(change * getattr(self, field.name) for field in fields(self)))
+        return CellRate(*(change * getattr(self, one.name) for one in fields(self)))
 
 
 @final
@@ -57,9 +59,15 @@ class LawRate:
     cells: tuple[CellRate, ...]  #: at the pressures of the law
     clamps: tuple[ClampRate, ...]
 
-    def with_moments(self, ratios: Sequence[float]) -> "LawRate":
-        """Of a law whose moments are this many times as large at each pressure."""
-        cells = (replace(cell, moment=ratio * cell.moment) for ratio, cell in zip(ratios, self.cells, strict=True))
+    def with_moments(self, ratios: Sequence[float], across: Sequence[Array] = ()) -> "LawRate":
+        """Of a law whose moments are this many times as large at each pressure, and so its rigidities out of the plane.
+
+        across: (n, 2) the factors of the latter, where they are others.
+        """
+        cells = []
+        for cell, ratio, own in zip(self.cells, ratios, across or [np.full(2, ratio) for ratio in ratios], strict=True):
+            new = {name: factor * getattr(cell, name) for name, factor in zip(ACROSS, own, strict=True)}
+            cells.append(replace(cell, moment=ratio * cell.moment, **new))
         return replace(self, cells=tuple(cells))
 
     def times(self, change: float) -> "LawRate":
@@ -109,22 +117,26 @@ _CELL: dict[str, tuple[str, Shape]] = {
     "stretch": ("stretch", ("k",)),
     "ripple_mm": ("ripple", ("k", 2, 2)),
     "largest_stretch": ("largest_stretch", ()),
+    **{f"{name}_N_mm2": (name, ("k",)) for name in ACROSS},
 }
 _CLAMP: dict[str, tuple[str, Shape]] = {"rotation_rad": ("rotation", ("k",)), "offset_mm": ("offset", ("k", 2))}
 
 
 def _at(kappa: Array, nodes: Array, values: Array) -> Array:
-    """Values (k, ...) over curvatures (k,) at others (n,), (n, ...); one number stays."""
-    return interpolate_columns(kappa, nodes, values) if np.ndim(values) else values
+    """Values (k, ...) over curvatures (k,) at others (n,), (n, ...); one number, or none, stays."""
+    return interpolate_columns(kappa, nodes, values) if np.size(values) > 1 else values
 
 
 def _row(rate: CellRate | ClampRate, keys: Mapping[str, tuple[str, Shape]]) -> dict[str, Any]:
-    return {key: getattr(rate, field).tolist() for key, (field, _) in keys.items()}
+    values = {key: getattr(rate, name) for key, (name, _) in keys.items()}
+    return {key: value.tolist() for key, value in values.items() if value.size}
 
 
 def _arrays(row: Any, keys: Mapping[str, tuple[str, Shape]], name: str) -> dict[str, Array]:
-    check_table(row, {key: shape for key, (_, shape) in keys.items()}, name)
-    return {field: np.array(row[key], float) for key, (field, _) in keys.items()}
+    given = row if isinstance(row, Mapping) else {}
+    known = {key: value for key, value in keys.items() if value[0] not in ACROSS or key in given}
+    check_table(row, {key: shape for key, (_, shape) in known.items()}, name)
+    return {name: np.array(row[key], float) for key, (name, _) in known.items()}
 
 
 def changed_cells(curves: Sequence[CellCurve], changes: Sequence[Sequence[CellRate]]) -> tuple[CellCurve, ...]:
@@ -135,15 +147,19 @@ def changed_cells(curves: Sequence[CellCurve], changes: Sequence[Sequence[CellRa
     none comes to lie on the other side of one. States that would pass their neighbour are left out.
 
     Slopes by the curvature are those of `slopes_of`, slopes by the pressure those of parabolas through neighbouring
-    curves at equal curvature. Axial and shear rigidity stay as they are at equal
-    curvature.
+    curves at equal curvature. Axial and shear rigidities stay as they are at equal curvature.
     """
     total = [
-        CellRate(*(np.sum([getattr(one, field.name) for one in of_curve], axis=0) for field in fields(CellRate)))
+        CellRate(*(_sum([getattr(one, column.name) for one in of_curve]) for column in fields(CellRate)))
         for of_curve in zip(*changes, strict=True)
     ]
     slopes = _by_pressure(curves, total)
     return tuple(_changed_cell(*parts) for parts in zip(curves, total, slopes, strict=True))
+
+
+def _sum(values: Sequence[Array]) -> Array:
+    """Of those that are known, of one shape."""
+    return np.asarray(np.sum([one for one in values if one.size] or values[:1], axis=0))
 
 
 def _changed_cell(curve: CellCurve, change: CellRate, by_pressure: tuple[Array, Array]) -> CellCurve:
@@ -171,6 +187,8 @@ def _changed_cell(curve: CellCurve, change: CellRate, by_pressure: tuple[Array, 
     new |= {name: getattr(curve, name) for name in ("contact", "min_J")}
     for name in ("axial_rigidity", "shear_rigidity", *(IN_SPACE if curve.is_in_space else ())):
         new[name] = np.interp(kappa, curve.kappa, getattr(curve, name))
+    if curve.is_in_space and change.lateral_rigidity.size:
+        new |= {name: new[name] + getattr(change, name) for name in ACROSS}
     return replace(curve, **{name: values[kept] for name, values in new.items()})
 
 

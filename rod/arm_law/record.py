@@ -6,7 +6,7 @@ from typing import Any, get_args
 
 import numpy as np
 
-from rod.arm_law.curves import CellCurve, ClampCurve, TipCurve
+from rod.arm_law.curves import ACROSS, CellCurve, ClampCurve, TipCurve
 from rod.arm_law.law import ArmLaw
 from rod.arm_law.rates import LawRate
 from rod.checked import Shape, check_positive, check_table, positive
@@ -36,6 +36,8 @@ DERIVATIVES = {
     "moment_N_mm": "moment",
     "stretch": "stretch",
     "end_angle_rad": "end_angle",
+    "lateral_rigidity_N_mm2": "lateral_rigidity",
+    "torsional_rigidity_N_mm2": "torsional_rigidity",
     "contact_onset_per_mm": "contact_onset",
     "largest_stretch": "largest_stretch",
 }
@@ -63,7 +65,8 @@ def law_record(law: ArmLaw) -> dict[str, Any]:
 def _derivatives(law: ArmLaw, name: str) -> dict[str, Any]:
     """By one parameter: of the curves, and at the pressures of the law what follows from them."""
     numbers = law.derivative(name)
-    columns = {key: getattr(numbers, field).tolist() for key, field in DERIVATIVES.items()}
+    known = {key: field for key, field in DERIVATIVES.items() if law.is_in_space or field not in ACROSS}
+    columns = {key: getattr(numbers, field).tolist() for key, field in known.items()}
     return columns | law.rate(name).record()
 
 

@@ -15,8 +15,8 @@ from pipeline.config.load import load_config
 from pipeline.config.tolerances import STIFFNESS, Tolerance, Tolerances
 from pipeline.errors import InputError
 from pneurod.sensitivities import sensitivities_frame
-from rod import ArmLaw
-from rod.arm_law.curves import CellCurve
+from rod import ArmLaw, law_record
+from rod.arm_law.curves import ACROSS, IN_SPACE, CellCurve
 from rod.arm_law.rates import CellRate, ClampRate, LawRate, changed_cells, onset_rate
 from tests.coarse import COARSE, coarse_run
 
@@ -80,6 +80,34 @@ def test_tolerances_are_linear_independent_and_ordered() -> None:
     assert longer.tolerance == "0.2 mm"
     assert longer.kappa_0 == pytest.approx(0.0, abs=1e-12)
     assert longer.tip == pytest.approx(0.2 / 112.0, rel=0.1)
+
+
+def test_rigidities_out_of_the_plane_have_columns_where_the_law_has_them() -> None:
+    """Here they are E times constants of the cells."""
+    planar = scaled_law()
+    cells, rates = [], []
+    for cell, rate in zip(planar.cells, planar.rates["material.E"].cells, strict=True):
+        cells.append(replace(cell, **dict.fromkeys(IN_SPACE, 600.0 + 0.0 * cell.moment)))
+        rates.append(replace(rate, **dict.fromkeys(ACROSS, 500.0 + 0.0 * cell.moment)))
+    known = planar.rates | {"material.E": replace(planar.rates["material.E"], cells=tuple(rates))}
+    law = replace(planar, cells=tuple(cells), rates=known)
+    found = {row.parameter: row for row in make_budget(law, Tolerances(), 37.0, None).rows}
+    assert found[STIFFNESS].lateral_rigidity == pytest.approx(0.1)
+    assert found[STIFFNESS].torsional_rigidity == pytest.approx(0.1)
+    assert found["geometry.end"].lateral_rigidity == pytest.approx(0.0, abs=1e-12)
+    assert found["pressure"].torsional_rigidity == pytest.approx(0.0, abs=1e-12)
+    table = budget_table(make_budget(law, Tolerances(), 37.0, None))
+    assert table.heads[-2:] == ("B₂ (%)", "GJ (%)")
+    assert [cells[-1] for cells in table.rows if cells[0] == "all"] == ["10"]
+    assert "GJ (%)" not in budget_table(make_budget(planar, Tolerances(), 37.0, None)).heads
+    assert law.derivative("material.E").lateral_rigidity == pytest.approx(500.0)
+    assert np.isnan(planar.derivative("material.E").lateral_rigidity).all()
+    assert set(sensitivities_frame(law)["number"]) - set(sensitivities_frame(planar)["number"]) == set(ACROSS)
+    assert "lateral_rigidity_N_mm2" in law_record(law)["derivatives"]["material.E"]
+    assert "lateral_rigidity_N_mm2" not in law_record(planar)["derivatives"]["material.E"]
+    carried = law.carried({"material.E": 0.012})
+    assert carried.cells[-1].torsional_rigidity == pytest.approx(606.0)
+    assert carried.rates["material.E"].cells[-1].torsional_rigidity == pytest.approx(500.0)
 
 
 def test_a_free_end_has_no_force() -> None:

@@ -7,7 +7,9 @@ import pytest
 
 from fem import Hencky, StVenantKirchhoff
 from fem.cell.axis import axis_of, length_of
-from fem.cell.design_change import DesignChange, DesignRate, design_rates
+from fem.cell.design_change import DesignChange, design_rates
+from fem.cell.lateral import lateral_rigidities
+from fem.cell.lateral_change import lateral_rates
 from fem.cell.piece import BendingPiece
 from fem.cell.response import inflated, slopes
 from fem.materials.regions import Solid
@@ -41,16 +43,21 @@ def _piece(
 
 
 def _solved(piece: BendingPiece, pressure: float, angle: float) -> np.ndarray:  # type: ignore[type-arg]
-    """Moment, and length of the axis."""
+    """Moment, length of the axis, and logarithms of B_2 and GJ."""
     state = inflated(piece, pressure, angle)
-    return np.array([state.moment, axis_of(piece, state, slopes(piece, state)).stretch * piece.body.length])
+    across = lateral_rigidities(piece, state)
+    length = axis_of(piece, state, slopes(piece, state)).stretch * piece.body.length
+    return np.array([state.moment, length, np.log(across.bending), np.log(across.torsion)])
 
 
 def _rate(piece: BendingPiece, pressure: float, angle: float, change: DesignChange) -> np.ndarray:  # type: ignore[type-arg]
-    piece.changes = {"it": change}
+    piece.changes = {"it": replace(change, length=0.0)}  # at this angle
     state = inflated(piece, pressure, angle)
-    rate: DesignRate = design_rates(piece, state, slopes(piece, state), piece.changes)["it"]
-    return np.array([rate.moment, length_of(angle, float(rate.end[0]), rate.start + float(rate.end[1]))])
+    known = slopes(piece, state)
+    rates = design_rates(piece, state, known, piece.changes, stretch=True)
+    across, rate = lateral_rates(piece, state, known, piece.changes, rates)["it"], rates["it"]
+    length = length_of(angle, float(rate.end[0]), rate.start + float(rate.end[1]))
+    return np.array([rate.moment, length, *across])
 
 
 @pytest.mark.parametrize("case", CASES)
@@ -80,7 +87,10 @@ def test_by_dimensions(case: str) -> None:
             )
             for step in (-STEP, STEP)
         )
-        assert _rate(piece, pressure, angle, change) == pytest.approx((more - less) / (2.0 * STEP), rel=1e-4, abs=2e-6)
+        found, expected = _rate(piece, pressure, angle, change), (more - less) / (2.0 * STEP)
+        assert found[:2] == pytest.approx(expected[:2], rel=1e-4, abs=2e-6)
+        # B_2 and GJ are rounded to 1e-8, and their differences are over 5e-5 mm
+        assert found[2:] == pytest.approx(expected[2:], rel=1e-3, abs=3e-4)
 
 
 @pytest.mark.parametrize("name", ["E", "nu"])
@@ -93,7 +103,21 @@ def test_by_constants_of_the_material_with_contact(name: str) -> None:
     less, more = (_solved(_piece(design, pieces, "mixed", 0.04, solid), 0.024, angle) for solid in solids)
     change = DesignChange.of_material(piece, *solids, 2.0 * step)
     assert inflated(piece, 0.024, angle).touches
-    assert _rate(piece, 0.024, angle, change) == pytest.approx((more - less) / (2.0 * step), rel=1e-5)
+    found, expected = _rate(piece, 0.024, angle, change), (more - less) / (2.0 * step)
+    assert found[:2] == pytest.approx(expected[:2], rel=1e-5)
+    assert found[2:] == pytest.approx(expected[2:], rel=2e-4)
+
+
+def test_rigidities_out_of_the_plane_scale_with_the_modulus_at_pressures_that_scale() -> None:
+    """B(p; c E) = c B(p/c; E), and the same of GJ: no change of the material is needed."""
+    design, pressure, step, E = PneuNet(), 0.024, 1e-5, 1.2
+    pieces = design.repetition(4.0, OFF)
+    piece = _piece(design, pieces, "mixed", 0.04, Hencky(E=E, nu=0.49))
+    angle = -0.004 * piece.body.length
+    less, more = (_solved(piece, pressure + sign * step, angle)[2:] for sign in (-1.0, 1.0))
+    solids = [Hencky(E=E + sign * step, nu=0.49) for sign in (-1.0, 1.0)]
+    found = _rate(piece, pressure, angle, DesignChange.of_material(piece, *solids, 2.0 * step))[2:]
+    assert found == pytest.approx((1.0 - pressure * (more - less) / (2.0 * step)) / E, rel=2e-4)
 
 
 def test_a_layer_follows_the_body() -> None:
@@ -116,7 +140,9 @@ def test_a_layer_follows_the_body() -> None:
         _solved(made(design.with_dimension("width", 15.0 + step), movement.moved(pieces, step)), 0.017, -0.02)
         for step in (-STEP, STEP)
     )
-    assert _rate(piece, 0.017, -0.02, change) == pytest.approx((more - less) / (2.0 * STEP), rel=1e-5)
+    found, expected = _rate(piece, 0.017, -0.02, change), (more - less) / (2.0 * STEP)
+    assert found[:2] == pytest.approx(expected[:2], rel=1e-5)
+    assert found[2:] == pytest.approx(expected[2:], rel=1e-4)
 
 
 @pytest.mark.parametrize("name", ["wall", "chamber_length"])

@@ -45,7 +45,7 @@ def swept() -> tuple[BendingPiece, CellSweep]:
 @pytest.fixture(scope="module")
 def cell(swept: tuple[BendingPiece, CellSweep]) -> CellCurve:
     piece, sweep = swept
-    curve, limits = cell_in_space(piece, sweep.curve(piece.body.length), [(p.state, p.axis) for p in sweep.points])
+    curve, limits = cell_in_space(piece, sweep.curve(piece.body.length), [p.state for p in sweep.points])
     assert limits == ()
     return curve
 
@@ -124,6 +124,10 @@ def test_in_the_limit_of_the_mesh_rigidities_without_moment_are_those_of_the_lim
     limit = MeshLimit(0.01, 0.001, (PRESSURE,), (numbers,), (Numbers(0.0, 0.0, 0.0),), (), across)
     moved = corrected(law, Corrections.of(law.cells, {PRESSURE: numbers}, limit, law.length))
     assert across_on(moved.cells[0]) == pytest.approx(across[PRESSURE][0])
+    # turns about x by a torque and about y by a moment, of a clamped end as much stiffer as the cells
+    mean = np.sqrt(1.2 * 0.9)
+    softer = law.clamps[0].lateral_compliance / np.array([[1.2, mean], [mean, 0.9]])
+    assert moved.clamps[0].lateral_compliance == pytest.approx(softer)
     of_mesh = replace(limit, meshes=(MESH,)).error_of(law.cells, law.length, SIZE)
     assert of_mesh.lateral_rigidity_N_mm2_std == pytest.approx([np.hypot(0.1 * own[0], 3.0)])
     assert of_mesh.torsional_rigidity_N_mm2 == pytest.approx([own[1]])
@@ -134,7 +138,7 @@ def test_an_unstable_direction_is_a_reason_with_its_place(
 ) -> None:
     piece, sweep = swept
     monkeypatch.setattr(in_space, "lateral_rigidities", lambda *_: LateralRigidities(-1.0, 1.0, 1.0, 0.0, 0.0, 0))
-    curve, limits = cell_in_space(piece, sweep.curve(piece.body.length), [(p.state, p.axis) for p in sweep.points])
+    curve, limits = cell_in_space(piece, sweep.curve(piece.body.length), [p.state for p in sweep.points])
     assert np.all(curve.lateral_rigidity == -1.0)
     place = {"piece": "half cell", "pressure_kPa": PRESSURE, "kappa_per_mm": curve.kappa[0]}
     assert limits == (Reason("unstable_sideways", place),)

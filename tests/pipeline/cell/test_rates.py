@@ -11,6 +11,9 @@ import pytest
 
 from geometry import PneuNet
 from geometry.meshing.moving import Movement
+from pipeline.cell import in_space
+from pipeline.cell.corrected import Corrections, corrected
+from pipeline.cell.mesh_limit import across_on
 from pipeline.cell.parameters import material_steps
 from pipeline.cell.pieces import ArmPieces
 from pipeline.cell.rates import law_rates
@@ -20,6 +23,7 @@ from pipeline.config.load import load_config
 from pipeline.progress import Silent
 from pipeline.store.store import open_store
 from rod import ArmLaw, RodError, law_from_record, law_record
+from rod.arm_law.curves import ACROSS
 
 CONFIGS = Path(__file__).resolve().parent.parent.parent.parent / "configs"
 #: kPa, at which the walls of the cell touch when it is straightened, and its curvature there, 1/mm
@@ -29,7 +33,8 @@ CHANGE = 0.01
 
 
 def config(*settings: str) -> Config:
-    return load_config(CONFIGS / "pneunet_coarse.yaml", ["geometry.chambers=4", "mesh.size=4 mm", *settings])
+    known = ["geometry.chambers=4", "mesh.size=4 mm", "law_in_space=true"]
+    return load_config(CONFIGS / "pneunet_coarse.yaml", [*known, *settings])
 
 
 @cache
@@ -38,7 +43,12 @@ def pieces() -> ArmPieces:
 
 
 def law_at_one_pressure(arm: ArmPieces, pressure: float = PRESSURE) -> ArmLaw:
-    with TemporaryDirectory() as folder, open_store(folder, arm.config) as store:
+    with (
+        TemporaryDirectory() as folder,
+        open_store(folder, arm.config) as store,
+        pytest.MonkeyPatch.context() as patch,
+    ):
+        patch.setattr(in_space, "STATES", 99)  # rigidities of all states, none between others
         curves = PieceCurves(arm, store, Silent())
         cell = curves.cell(pressure, BEND)
         ((clamp,), (tip,)) = (curves.ends(end, [cell.curve], 1).measured for end in (CLAMP, TIP))
@@ -110,9 +120,21 @@ def test_by_a_dimension_as_laws_of_moved_meshes_differ(name: str) -> None:
     ):
         expected = number(more) - number(less)
         assert number(ours[1]) - number(ours[0]) == pytest.approx(expected, rel=0.01)
+    own, low, high, *changed = (np.array(across_on(one.cells[0])) for one in (law(), less, more, *ours))
+    # the wall hardly changes B_2; curves between two states leave 3e-4 of it per mm
+    assert (changed[1] - changed[0]) / own == pytest.approx((high - low) / own, rel=0.01, abs=4e-4 * 2.0 * CHANGE)
     rate = law().rates[key]
     assert rate.length == pytest.approx((more.length - less.length) / (2.0 * CHANGE), abs=1e-9)
     assert rate.pitch == pytest.approx((more.pitch - less.pitch) / (2.0 * CHANGE), abs=1e-9)
+
+
+def test_in_the_limit_of_the_mesh_rigidities_out_of_the_plane_change_by_the_same_part() -> None:
+    across = np.array([PRESSURE]), np.array([[0.9, 1.2]])
+    moved = corrected(law(), Corrections(np.array([0.0]), np.zeros(1), np.full(1, 1.05), across))
+    for key, rate in moved.rates.items():
+        for name, factor in zip(ACROSS, (0.9, 1.2), strict=True):
+            assert getattr(rate.cells[0], name) == pytest.approx(factor * getattr(law().rates[key].cells[0], name))
+            assert getattr(moved.cells[0], name) == pytest.approx(factor * getattr(law().cells[0], name))
 
 
 def test_the_file_holds_them() -> None:
@@ -120,6 +142,8 @@ def test_the_file_holds_them() -> None:
     assert list(again.rates) == list(law().rates)
     ours, theirs = (one.derivative("geometry.wall") for one in (law(), again))
     assert np.array_equal(ours.kappa_0, theirs.kappa_0)
+    assert np.array_equal(ours.torsional_rigidity, theirs.torsional_rigidity)
+    assert 0.0 < ours.torsional_rigidity[0] < law().cells[0].torsional_rigidity.max()
     assert (ours.value, ours.unit) == (1.0, "mm")
     assert ours.end_angle[0] > 0.0  # a thicker wall bends less, and the angle is negative
 
