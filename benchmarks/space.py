@@ -259,7 +259,8 @@ def main() -> int:
             own = (rod_under(law.at(states[-1]["pressure_kPa"]), solid).curve for solid in last)
             curves[name] = [(curve, np.array(solid["curve_mm"])) for curve, solid in zip(own, last, strict=True)]
             (given.results / "space.json").write_text(json.dumps(rows, indent=1) + "\n", encoding="utf-8")
-    draw({name: pairs for name, pairs in curves.items() if name in ARMS} or curves, given.results / "space.png")
+    file = given.results / f"{given.only or 'space'}.png"
+    draw({name: pairs for name, pairs in curves.items() if name in ARMS} or curves, file)
     sys.stdout.write(f"{summary(rows)}\n{buckling(given.results)}\n")
     worst = (max((row.get(key, 0.0) for row in rows), default=0.0) for key in ("displacement", "inside"))
     return int(any(error > allowed for error, allowed in zip(worst, (0.02, 0.03), strict=True)))
