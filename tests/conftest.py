@@ -31,6 +31,14 @@ def configs() -> Path:
     return Path(__file__).resolve().parent.parent / "configs"
 
 
+@pytest.fixture(scope="module")
+def coarse_limit() -> Iterator[None]:
+    """Limits of meshes of a cell begin at the mesh of the arm instead of a fine one, in a fifth of the time."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("pipeline.cell.limit.fine_mesh", lambda pieces: pieces.config.mesh)
+        yield
+
+
 @pytest.fixture(scope="session")
 def short() -> Body:
     """Three chambers, 32 mm long."""

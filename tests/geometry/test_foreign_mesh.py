@@ -349,8 +349,10 @@ def two_materials(folder: Path, suffix: str, order: int = 1) -> Path:
     return path
 
 
-@pytest.mark.parametrize("curve", [1.3, 3.0, 2.8])
-@pytest.mark.parametrize(("suffix", "order"), [(".msh", 1), (".msh", 2), (".med", 1)])
+@pytest.mark.parametrize(
+    ("suffix", "order", "curve"),
+    [(".msh", 1, 1.3), (".msh", 1, 3.0), (".msh", 1, 2.8), (".msh", 2, 1.3), (".med", 1, 3.0)],
+)
 def test_named_groups_of_elements_are_regions(suffix: str, order: int, curve: float, folder: Path) -> None:
     """Their boundary stays where it was, also where elements beside it are divided along the material curve."""
     design = MeshFile(str(two_materials(folder, suffix, order)), curve=curve)

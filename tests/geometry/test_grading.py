@@ -1,12 +1,13 @@
 """Graded meshes: smaller elements at re-entrant edges or thin walls; symmetry, cells and volumes as without grading."""
 
+from functools import cache
 from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from geometry import GRADINGS, BisectedCircle, Body, Design, Grading, PneuNet, Semicircular, SemicircularSingle
+from geometry import GRADINGS, BisectedCircle, Body, Design, PneuNet, Semicircular, SemicircularSingle
 from pipeline.config.load import load_config
 from tests.bodies import cell_boundaries, inside
 
@@ -20,8 +21,14 @@ def design(request: pytest.FixtureRequest) -> Design:
 
 
 @pytest.fixture(params=GRADED)
-def grading(request: pytest.FixtureRequest) -> Grading:
-    return GRADINGS[request.param]
+def grading(request: pytest.FixtureRequest) -> str:
+    return request.param
+
+
+@cache
+def body_of(design: Design, name: str) -> Body:
+    """With elements of 4 mm."""
+    return design.body(4, GRADINGS[name])
 
 
 def size_near(body: Body, position: tuple[float, float, float], radius: float) -> float:
@@ -38,8 +45,8 @@ def cell(body: Body, low: float, high: float) -> tuple[np.ndarray, set[tuple[int
     return points, set(map(tuple, np.sort(tets, axis=1).tolist()))
 
 
-def test_cells_stay_equal_and_the_curve_stays_on_edges(design: Design, grading: Grading) -> None:
-    body, cells = design.body(4, grading), cell_boundaries(design)
+def test_cells_stay_equal_and_the_curve_stays_on_edges(design: Design, grading: str) -> None:
+    body, cells = body_of(design, grading), cell_boundaries(design)
     points, tets = cell(body, cells[1], cells[2])
     for low, high in pairwise(cells[2:-1]):
         others, other_tets = cell(body, low, high)
@@ -49,8 +56,8 @@ def test_cells_stay_equal_and_the_curve_stays_on_edges(design: Design, grading: 
     assert curve[[0, -1], 0] == pytest.approx([0, design.length], abs=1e-12)
 
 
-def test_volumes_are_those_of_the_drawing(design: Design, grading: Grading) -> None:
-    body, plain = design.body(4, grading), design.body(4)
+def test_volumes_are_those_of_the_drawing(design: Design, grading: str) -> None:
+    body, plain = body_of(design, grading), body_of(design, "off")
     for volume, coarse, exact in (
         (body.mesh.volume, plain.mesh.volume, design.solid_volume / 2),
         (body.mesh.enclosed_volume("cavity"), plain.mesh.enclosed_volume("cavity"), design.cavity_volume / 2),
@@ -61,8 +68,8 @@ def test_volumes_are_those_of_the_drawing(design: Design, grading: Grading) -> N
             assert abs(volume - exact) < 1.001 * abs(coarse - exact) < 3e-5 * exact
 
 
-def test_elements_are_no_worse(design: Design, grading: Grading) -> None:
-    body, plain = design.body(4, grading), design.body(4)
+def test_elements_are_no_worse(design: Design, grading: str) -> None:
+    body, plain = body_of(design, grading), body_of(design, "off")
     assert len(body.mesh.tets) > 1.1 * len(plain.mesh.tets)
     assert body.mesh.quality.minimum > 0.08
     assert body.mesh.quality.mean > 0.95 * plain.mesh.quality.mean

@@ -27,6 +27,8 @@ from pipeline.store.store import open_store
 from rod import Rod, law_from_record
 from tests.pipeline.simulation.test_outcome import outcome, record
 
+pytestmark = pytest.mark.usefixtures("coarse_limit")
+
 SHORT = """
 name: five
 geometry: {family: pneunet, chambers: 5}
@@ -44,7 +46,7 @@ def config(folder: Path, *settings: str) -> Config:
 
 
 @pytest.fixture(scope="module")
-def results(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def results(tmp_path_factory: pytest.TempPathFactory, coarse_limit: None) -> Path:
     out = tmp_path_factory.mktemp("results")
     run(config(tmp_path_factory.mktemp("config")), out, 1, False, Silent()).results.raise_if_failed()
     return out

@@ -46,7 +46,7 @@ def arm(*settings: str, name: str = "pneunet_coarse") -> Config:
 
 
 @pytest.fixture(scope="module")
-def report(tmp_path_factory: pytest.TempPathFactory) -> LawReport:
+def report(tmp_path_factory: pytest.TempPathFactory, coarse_limit: None) -> LawReport:
     return measure_law(arm(*ARM), tmp_path_factory.mktemp("law"), 1, False, Silent())
 
 

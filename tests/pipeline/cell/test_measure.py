@@ -137,9 +137,10 @@ def test_between_its_states_the_clamped_end_departs_as_the_cubics_say(measured: 
         assert clamp.at(moment)[1] == pytest.approx(offset, abs=1e-12)
 
 
-def test_a_clamped_end_that_bears_no_larger_moment_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_clamped_end_that_bears_no_larger_moment_is_named(
+    measured: Measured, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """What was reached before is kept, and the attempts beyond it are few."""
-    measured = Measured(0.1)
     piece = measured._end("clamp")
     largest = float(measured.cell.moment[-1]) / 2.0
     solved, angles = BendingPiece.solve_near, []
@@ -158,8 +159,9 @@ def test_a_clamped_end_that_bears_no_larger_moment_is_named(monkeypatch: pytest.
     assert len(angles) < 30
 
 
-def test_where_the_moment_of_the_clamped_end_does_not_grow_its_law_ends(monkeypatch: pytest.MonkeyPatch) -> None:
-    measured = Measured(0.1)
+def test_where_the_moment_of_the_clamped_end_does_not_grow_its_law_ends(
+    measured: Measured, monkeypatch: pytest.MonkeyPatch
+) -> None:
     piece = measured._end("clamp")
     largest = float(measured.cell.moment[-1]) / 2.0
     known = PiecePoint.of

@@ -43,7 +43,7 @@ def end_of(model: fem.Model, *pressures_kPa: float) -> tuple[fem.End, fem.Soluti
 
 @pytest.mark.parametrize(
     "pressures_kPa",
-    [(0.5, 1.0, 1.25), (1.02, 1.25), (1.03, 1.2), (0.5, 5.0), (5.0,), (5.0 + 1e-8,), (4.9,), (20.0,), (37.0,)],
+    [(0.5, 1.0, 1.25), (1.02, 1.25), (1.03, 1.2), (0.5, 5.0), (5.0,), (20.0,), (37.0,)],
 )
 def test_small_and_large_steps_end_at_the_same_limit_point(model: fem.Model, pressures_kPa: tuple[float, ...]) -> None:
     """One step of 5 kPa led to a stable state beyond it, or to an unstable one, as the processor rounded."""
@@ -67,7 +67,7 @@ def under_a_constant_load(setting: str, experiment: str) -> fem.Model:
     ("setting", "experiment", "limit"),
     [("effects.gravity=on", "II", 1.0422), ("end={x: 0.02 N, y: 0 mm}", "III", 1.0373)],
 )
-@pytest.mark.parametrize("pressure_kPa", [1.5, 3.0, 5.0, 37.0])
+@pytest.mark.parametrize("pressure_kPa", [1.5, 5.0, 37.0])
 def test_no_jump_on_the_way_to_the_first_pressure_with_a_constant_load(
     setting: str, experiment: str, limit: float, pressure_kPa: float
 ) -> None:
@@ -139,7 +139,7 @@ def test_before_the_first_pressure_nobody_is_asked_whether_it_is_worth_the_searc
     assert asked == [0.9]
 
 
-@pytest.mark.parametrize("relative", [1e-9, -1e-9, 3e-9])
+@pytest.mark.parametrize("relative", [1e-9, -1e-9])
 def test_rounding_does_not_decide_where_the_path_ends(model: fem.Model, relative: float) -> None:
     law = model.material
     assert isinstance(law, fem.StVenantKirchhoff)
