@@ -2,11 +2,14 @@
 
 import os
 from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
 
 import pytest
 
 from geometry import Body, PneuNet
+from pipeline.cell import limit
+from pipeline.cell.meshes import find_limit
 from pipeline.processes import THREADS
 
 #: of the libraries, as the tests begin
@@ -33,9 +36,13 @@ def configs() -> Path:
 
 @pytest.fixture(scope="module")
 def coarse_limit() -> Iterator[None]:
-    """Limits of meshes of a cell begin at the mesh of the arm instead of a fine one, in a fifth of the time."""
+    """The limit of a cell is that of two meshes, from that of the arm on: of four fine ones it takes ten times as long.
+
+    `tests/pipeline/cell/test_cell.py` and `test_meshes.py` have limits of all meshes.
+    """
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("pipeline.cell.limit.fine_mesh", lambda pieces: pieces.config.mesh)
+        patch.setattr(limit, "fine_mesh", lambda pieces: pieces.config.mesh)
+        patch.setattr(limit, "find_limit", partial(find_limit, fewest=2))
         yield
 
 

@@ -29,7 +29,7 @@ def report(tmp_path_factory: pytest.TempPathFactory) -> CalibrationReport:
     folder = tmp_path_factory.mktemp("calibrated")
     law = arm_law().scaled(0.8)
     file = measured(folder / "arm.csv", law, STATES, 0.2, Setup(gauge_kPa=0.2, clamp_deg=0.8))
-    return calibrate_files(result_folder(folder / "arm"), file, None, CalibrateOptions(samples=200))
+    return calibrate_files(result_folder(folder / "arm"), file, None, CalibrateOptions(samples=60))
 
 
 def test_modulus_and_setup_are_found_within_their_intervals(report: CalibrationReport) -> None:
