@@ -2,6 +2,7 @@
 
 import csv
 import json
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -21,6 +22,14 @@ from pipeline.rods.choice import choose_rod
 from tests.measured_arm import arm_law, measured, result_folder
 
 STATES = [State(p) for p in (4.0, 8.0, 12.0, 16.0)] + [State(16.0, (0.0, 0.02)), State(12.0, held_y_mm=-20.0)]
+
+
+@pytest.fixture(scope="module", autouse=True)
+def few_proposals() -> Iterator[None]:
+    """Of states to be measured next, each of which takes as many rods as a round of the fit."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("pipeline.measured.next_measurement.PRESSURES", (0.5, 1.0))
+        yield
 
 
 @pytest.fixture(scope="module")

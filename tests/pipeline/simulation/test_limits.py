@@ -123,8 +123,8 @@ def test_a_constant_load_that_bends_the_arm_far_grows_with_the_pressure(monkeypa
         return reach(self, target, before)
 
     monkeypatch.setattr(follower.PathFollower, "_reach", recorded)
-    scene = Scene.meshed(load_config(CONFIGS / "pneunet_coarse.yaml"))
-    for force, first in ((0.05, [1.0]), (0.01, [follower.CONSTANTS_FIRST, 1.0])):
+    scene = Scene.meshed(load_config(CONFIGS / "pneunet_coarse.yaml", ["geometry.chambers=5", "mesh.size=6 mm"]))
+    for force, first in ((0.23, [1.0]), (0.046, [follower.CONSTANTS_FIRST, 1.0])):
         asked.clear()
         dead = fem.Experiment.of("dead", scene.body, None, (0.0, force))
         fem.follow(dead.model(scene.material, scene.effects(0.024), scene.config.mesh.formulation), [1.0])
