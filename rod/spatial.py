@@ -111,12 +111,13 @@ class SpatialSolution:
     stability: Stability
     load_steps: int  #: steps of the continuation
     notes: tuple[str, ...]  #: what limits the trust in this shape, a sentence each
-    beside: Array  #: (n, 2) mm, of the material curve beside the axis, along the first two directions of the frames
+    #: (n, 2) or (n, 3) mm, of the material curve beside the axis, along the first directions of the frames
+    beside: Array
 
     @property
     def curve(self) -> Array:
         """(n, 3) mm: the material curve, which finite elements have as well."""
-        return np.asarray(self.axis + (self.frames[:, :, :2] @ self.beside[..., None])[..., 0])
+        return np.asarray(self.axis + (self.frames[:, :, : self.beside.shape[1]] @ self.beside[..., None])[..., 0])
 
     @property
     def end(self) -> Triple:

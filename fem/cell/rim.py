@@ -30,18 +30,31 @@ def rim_forces(piece: BendingPiece, at: PieceState, field: Callable[[Array, Arra
 
     field: vectors (m, 3) times dl at positions (m, 3) and normals (m, 3) times dl.
     """
+    forces = np.zeros_like(piece.space.points)
+    for nodes, pressure, weight, shape, x, nu in _points(piece, at):
+        values = field(x, nu)
+        for column, part in enumerate(shape):
+            np.add.at(forces, nodes[:, column], pressure * weight * part * values)
+    return forces
+
+
+def mouths(piece: BendingPiece, at: PieceState) -> Iterator[tuple[float, Array, Array]]:
+    """Pressures in MPa, positions (m, 3) on the rims of the plane, and normals out of the air times lengths (m, 3)."""
+    for _, pressure, weight, _, x, nu in _points(piece, at):
+        yield pressure, x, weight * nu
+
+
+def _points(piece: BendingPiece, at: PieceState) -> Iterator[tuple[Index, float, float, Array, Array, Array]]:
+    """For points of the quadrature: nodes of edges, pressure, weight, shape functions, positions and normals."""
     x = piece.space.points + at.state.displacement
     normal = np.array([np.cos(at.angle), np.sin(at.angle), 0.0])
-    forces = np.zeros_like(x)
     places, weights = np.polynomial.legendre.leggauss(POINTS)
     for nodes, pressure in _rims(piece, at):
         for t, weight in zip((places + 1.0) / 2.0, weights / 2.0, strict=True):
             shape, slope = _edge_functions(float(t), nodes.shape[1])
             tangent = np.einsum("a,mai->mi", slope, x[nodes])
-            values = field(np.einsum("a,mai->mi", shape, x[nodes]), cross(tangent, normal))
-            for column, part in enumerate(shape):
-                np.add.at(forces, nodes[:, column], pressure * weight * part * values)
-    return forces
+            there = np.einsum("a,mai->mi", shape, x[nodes])
+            yield nodes, pressure, float(weight), shape, there, cross(tangent, normal)
 
 
 def _rims(piece: BendingPiece, at: PieceState) -> Iterator[tuple[Index, float]]:

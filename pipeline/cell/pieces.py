@@ -7,6 +7,7 @@ from functools import cached_property, lru_cache
 from typing import Any
 
 from fem import ContactError, Discretisation, Effect, SelfContact
+from fem.cell.any_plane import turned
 from fem.cell.boundary import Boundary
 from fem.cell.mirror_contact import MirrorContact
 from fem.cell.piece import BendingPiece
@@ -130,9 +131,25 @@ class ArmPieces:
             self._pieces[key] = self._piece(half_cells, start)
         return self._pieces[key]
 
+    def turned(self, start: Boundary, half_cells: int, fractions: Sequence[float], angle: float) -> BendingPiece:
+        """A piece of the body turned about its material curve (`fem.cell.any_plane`), made anew.
+
+        fractions: of the pressure, by cavity. Raises `NoArmLaw` and InputError.
+        """
+        return self._made(start, half_cells, dict(zip(self.design.cavities, fractions, strict=True)), angle)
+
     def _piece(self, half_cells: int, start: Boundary) -> BendingPiece:
+        fractions = {name: cavity.fraction for name, cavity in self.config.effects.pressure.cavities.items()}
+        piece = self._made(start, half_cells, fractions)
+        piece.other = self.other
+        if self.derivatives and start != "free":
+            piece.changes = changes_of(piece, self.config, self.repetition, self.movements, self.by)
+        return piece
+
+    def _made(
+        self, start: Boundary, half_cells: int, fractions: Mapping[str, float], angle: float = 0.0
+    ) -> BendingPiece:
         config = self.config
-        fractions = {name: cavity.fraction for name, cavity in config.effects.pressure.cavities.items()}
         dhat = self.dhat if self.walls == GAP else None
         try:
             if start == "mirror":
@@ -140,17 +157,14 @@ class ArmPieces:
             else:
                 make = self.design.end_piece_of if start == "clamp" else self.design.tip_piece_of
                 body = make(half_cells, self.repetition)
+            body = turned(body, angle) if angle else body
             effects = [*make_layer(body, config), *self._contacts(body)]
             material, formulation = material_of(config), config.mesh.formulation
-            piece = BendingPiece(body, material, start, formulation, fractions, dhat, effects=effects)
+            return BendingPiece(body, material, start, formulation, fractions, dhat, effects=effects)
         except (DesignError, MeshError) as failure:
             raise config.unmeshable(failure) from None
         except ContactError as failure:
             raise NoArmLaw(f"{failure} between two cells; leave effects.self_contact.faces out") from None
-        piece.other = self.other
-        if self.derivatives and start != "free":
-            piece.changes = changes_of(piece, config, self.repetition, self.movements, self.by)
-        return piece
 
     def _contacts(self, body: Body) -> list[Effect]:
         """Besides that of the gap: of other outer faces with each other and with their images beyond the plane between

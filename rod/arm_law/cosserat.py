@@ -16,7 +16,7 @@ of Munthe-Kaas (BIT 38, 1998, p. 92) for R. In the plane they are those of `rod.
 """
 
 from dataclasses import dataclass
-from typing import NamedTuple, final
+from typing import NamedTuple, Protocol, final
 
 import numpy as np
 
@@ -59,6 +59,17 @@ class Strains(NamedTuple):
     curvature: Array  #: k, 1/mm
     stretch: Array  #: v
     outside: float  #: N mm, by how much a moment leaves the law at the most
+
+
+class StrainLaw(Protocol):
+    """What forces and moments in the frame do to a rod."""
+
+    @property
+    def step(self) -> float:
+        """N mm, over which moments are told apart."""
+
+    def strains(self, force: Array, moment: Array) -> Strains:
+        """Of internal forces (..., 3) in N and moments (..., 3) in N mm, in the frame."""
 
 
 @final
@@ -118,7 +129,7 @@ class LawInSpace:
         return Strains(curvature, np.stack([along, force[..., 1] / GA, across / GA_3 - height * twist], -1), outside)
 
 
-def compliance(law: LawInSpace, force: Array, moment: Array) -> Array:
+def compliance(law: StrainLaw, force: Array, moment: Array) -> Array:
     """(n, 6, 6), symmetric: changes of curvature and stretch by those of moments (n, 3) and forces (n, 3), in the frame
     like these, by difference quotients."""
     step = DIFFERENCE * law.step
@@ -138,7 +149,7 @@ class Shapes(NamedTuple):
     outside: float  #: N mm, by how much a moment leaves the law at the most
 
 
-def integrate(law: LawInSpace, length: float, weight: Array, force: Array, frame: Array, moment: Array) -> Shapes:
+def integrate(law: StrainLaw, length: float, weight: Array, force: Array, frame: Array, moment: Array) -> Shapes:
     """From the end to the clamp, of c rods with frames (c, 3, 3) and moments (c, 3) in N mm at the end.
 
     force: (c, 3) N, on the end. weight: (n + 1, 6) of the part beyond each position, N, and that times the height of

@@ -10,11 +10,12 @@ import numpy as np
 from geometry.arrays import Array
 from rod.arm_law.curves import CellCurve, ClampCurve, TipCurve
 from rod.arm_law.derivative import LARGEST_STEP, NUMBERS, STEP, Derivative, rates_of
+from rod.arm_law.planar_arm import PlanarArm, stability_across
 from rod.arm_law.rates import LawRate, changed_cells, changed_clamps, onset_rate
 from rod.arm_law.scaling import scaled_curve, scaled_rate, stiffened_cell, stiffened_clamp
 from rod.arm_law.section import SectionLaw, clamp_at, section_at, tip_at
 from rod.arm_law.solver import EndConditions, Pieces, equilibrium
-from rod.arm_law.spatial_solver import spatial_equilibrium, stability_across
+from rod.arm_law.spatial_solver import spatial_equilibrium
 from rod.checked import finite, positive
 from rod.errors import RodError
 from rod.load import Load, held_at, requested
@@ -214,7 +215,8 @@ class LawRod:
         """
         self._check_in_space()
         x, y = (own + more for own, more in zip(self.weight, load.weight, strict=False))
-        solution = spatial_equilibrium(self._pieces, replace(load, weight=(x, y, load.weight[2])), position)
+        arm = PlanarArm(self._pieces, position)
+        solution = spatial_equilibrium(arm, replace(load, weight=(x, y, load.weight[2])), position)
         end = solution.frames[-1]
         tip = EndConditions(Load(), position[:2]).tip_state(self.tip)
         at_tip = tip.beside_at(math.atan2(end[1, 0], end[0, 0]), float(solution.force @ end[:, 0]))

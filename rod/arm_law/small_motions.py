@@ -17,7 +17,7 @@ from typing import final
 import numpy as np
 
 from geometry.arrays import Array, read_only
-from rod.arm_law.cosserat import cross_matrix, rotation
+from rod.arm_law.cosserat import StrainLaw, Strains, compliance, cross_matrix, in_frame, rotation
 from rod.arm_law.curves import IN_SPACE, ClampCurve
 from rod.errors import RodError
 from rod.spatial import Stability
@@ -75,6 +75,21 @@ class LoadedRod:
         # (psi x n) x c = c x (n x psi)
         rates[:, 6:9, :3] -= acting * cross_matrix(self.couple) @ cross_matrix(self.frames[:, :, 1])
         return rates
+
+
+def loaded_rod(
+    law: StrainLaw, s: Array, frames: Array, moment: Array, force: Array, weight: Array
+) -> tuple[LoadedRod, Strains]:
+    """A rod at positions s (n,) with frames (n, 3, 3) and moments (n, 3), and its strains.
+
+    force: (3,) N, on the end. weight: (n, 6) as `rod.arm_law.cosserat.integrate` takes it.
+    """
+    acting = force + weight[:, :3]
+    inner = in_frame(frames, acting), in_frame(frames, moment)
+    strains = law.strains(*inner)
+    rate = (frames @ strains.stretch[..., None])[..., 0]
+    couple = np.gradient(-weight[:, 3:], s, axis=0)
+    return LoadedRod(s, frames, rate, moment, acting, couple, compliance(law, *inner)), strains
 
 
 def _exponential(step: Array) -> Array:

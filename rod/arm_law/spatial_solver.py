@@ -1,23 +1,57 @@
 """The equilibrium of a rod in space: Newton's method at its end, steps of the load from the inflated arm."""
 
-from dataclasses import replace
-from typing import Any, NamedTuple, final
+from typing import Any, NamedTuple, Protocol, final
 
 import numpy as np
 
 from geometry.arrays import Array, read_only
 from geometry.topology import cross
-from rod.arm_law.cosserat import LawInSpace, Shapes, Strains, compliance, in_frame, integrate, rotation
+from rod.arm_law.cosserat import Shapes, StrainLaw, in_frame, integrate, rotation
 from rod.arm_law.integration import DIFFERENCE, MAX_ITERATIONS, TOLERANCE
-from rod.arm_law.small_motions import OUT_OF_PLANE, Ends, LoadedRod, stability_of
-from rod.arm_law.solver import LARGEST_TURN, SMALLEST_STEP, EndConditions, Pieces, check_within_law, equilibrium
-from rod.cubics import cubic, cubic_slope
+from rod.arm_law.small_motions import Ends, loaded_rod, stability_of
+from rod.arm_law.solver import LARGEST_TURN, SMALLEST_STEP
 from rod.errors import RodError, buckles_at
-from rod.load import Load
-from rod.solution import RodSolution
-from rod.spatial import Position, SpatialLoad, SpatialSolution, Stability
+from rod.spatial import Position, SpatialLoad, SpatialSolution
 
-ACROSS = np.array([0.0, 0.0, 1.0])
+
+class SpatialArm(Protocol):
+    """An arm in space with its law and its ends, under one way of holding its end."""
+
+    @property
+    def law(self) -> StrainLaw:
+        """The law of its sections."""
+
+    @property
+    def length(self) -> float:
+        """mm"""
+
+    @property
+    def positions(self) -> Array:
+        """(n + 1,) mm: where the integration steps end, from 0 to the length."""
+
+    @property
+    def rigidity(self) -> float:
+        """Against bending, about, N mm2."""
+
+    def weight(self, load: SpatialLoad) -> Array:
+        """(n + 1, 6) N and N mm: the weight of a load beyond the positions, as `integrate` takes it."""
+
+    def inflated(self) -> tuple[Array, Array, Array]:
+        """Without loads, about: the frame (3, 3) and the force (3,) of the end, and the place (3,) of the curve's."""
+
+    def tip(self, frame: Array, force: Array) -> tuple[Array, Array, Array]:
+        """Of c ends with frames (c, 3, 3) and forces (c, 3): couples (N mm), and from the end of the axis the points in
+        which the forces act, and the ends of the material curve (mm), (c, 3) each."""
+
+    def clamped(self, shapes: Shapes, force: Array) -> tuple[Array, Array, float]:
+        """Place (c, 3) and frame (c, 3, 3) of the axis at the clamp under forces (c, 3) there; by how much the moment
+        leaves what is known of the clamped end."""
+
+    def check(self, outside: float, moment: Array, is_weighed: bool) -> None:
+        """Raise `RodError` where moments (n, 3) in the frames leave the law by so much."""
+
+    def ends(self, moment: Array, lever: Array, to_end: Array, held: Array) -> Ends:
+        """What holds the rod with moments (n, 3)."""
 
 
 class _End(NamedTuple):
@@ -56,18 +90,13 @@ class _Loads(NamedTuple):
 class _Shooting:
     """The pieces of an arm under loads; an end is held along the axes with a prescribed position."""
 
-    def __init__(self, pieces: Pieces, load: SpatialLoad, position: Position) -> None:
-        self.pieces, self.load = pieces, load
-        self.law = LawInSpace.of(pieces.section)
+    def __init__(self, arm: SpatialArm, load: SpatialLoad, position: Position) -> None:
+        self.arm, self.load = arm, load
         self.held = np.array([value is not None for value in position])
         self.unknown = np.flatnonzero([True, True, True, *self.held])
-        self.tip = EndConditions(Load(), position[:2]).tip_state(pieces.tip)
-        columns = np.column_stack([self.tip.couple, self.tip.acts_at, self.tip.beside[:, -1]])
-        self.tip_values = self.tip.over_turns(columns)
-        self.weight = pieces.weight(load, pieces.positions)
-        slope = pieces.section.kappa_slope[len(pieces.section.kappa_slope) // 2]
+        self.weight = arm.weight(load)
         # a force that turns the end by about one radian
-        self.size = np.array([1.0, 1.0, 1.0, *[1.0 / (pieces.length**2 * slope)] * 3])
+        self.size = np.array([1.0, 1.0, 1.0, *[arm.rigidity / arm.length**2] * 3])
 
     def loads(self, part: float, target: Array) -> _Loads:
         """A part of the loads, with the place at which the end is held meanwhile."""
@@ -77,42 +106,15 @@ class _Shooting:
     def at(self, end: _End, loads: _Loads) -> _State:
         """Integrate from c ends."""
         frame, force = end
-        turn, axial = np.arctan2(frame[:, 1, 0], frame[:, 0, 0]), in_frame(frame, force)[:, 0]
-        values = cubic(self.tip.turns, *self.tip_values, turn)
-        pull = axial[:, None] * self.tip.by_pull[-1]
-        lever, to_end = (self._in_space(frame, values[:, k : k + 2] + pull) for k in (1, 3))
-        moment = loads.couple + values[:, :1] * ACROSS + cross(lever, force)
-        shapes = integrate(self.law, self.pieces.length, loads.weight, force, frame, moment)
-        start, clamped, outside = self._clamp(shapes, force + loads.weight[0, :3])
+        couple, lever, to_end = self.arm.tip(frame, force)
+        moment = loads.couple + couple + cross(lever, force)
+        shapes = integrate(self.arm.law, self.arm.length, loads.weight, force, frame, moment)
+        start, clamped, outside = self.arm.clamped(shapes, force + loads.weight[0, :3])
         turned = np.swapaxes(clamped, 1, 2) @ shapes.frames[0]
         missed = np.empty((len(frame), 6))
         missed[:, :3] = 0.5 * (turned[:, [2, 0, 1], [1, 2, 0]] - turned[:, [1, 2, 0], [2, 0, 1]])
-        missed[:, 3:] = (start - shapes.axis[0] + to_end - loads.target) / self.pieces.length
+        missed[:, 3:] = (start - shapes.axis[0] + to_end - loads.target) / self.arm.length
         return _State(end, shapes, start, lever, to_end, missed, max(outside, shapes.outside))
-
-    @staticmethod
-    def _in_space(frame: Array, beside: Array) -> Array:
-        """(c, 3) of lengths (c, 2) along a section's normal and its direction in the plane of symmetry."""
-        return np.asarray(frame[:, :, 0] * beside[:, :1] + frame[:, :, 1] * beside[:, 1:])
-
-    def _clamp(self, shapes: Shapes, force: Array) -> tuple[Array, Array, float]:
-        """Place (c, 3) and frame (c, 3, 3) of the axis at the clamp under forces (c, 3) there; by how much the moment
-        leaves the curve, N mm.
-
-        Out of the plane the end turns about its start, by the moment there.
-        """
-        clamp, n = self.pieces.clamp, len(shapes.moment) - 1
-        row = clamp.position / self.pieces.length * n
-        i = min(int(row), n - 1)
-        decides = shapes.moment[i] + (row - i) * (shapes.moment[i + 1] - shapes.moment[i])
-        bending = decides[:, 2]
-        inside = np.clip(bending, clamp.moment[0], clamp.moment[-1])
-        by_moment = cubic_slope(clamp.moment, clamp.offset, clamp.offset_by_moment, inside)[:, 0]
-        in_plane = clamp.rotation_at(bending) + force[:, 0] * by_moment
-        across = shapes.moment[0, :, :2] @ clamp.lateral_compliance.T
-        tilted = rotation(np.column_stack([across, np.zeros(len(bending))]))
-        place = np.column_stack([clamp.offset_at(bending), np.zeros(len(bending))])
-        return place, tilted @ rotation(in_plane[:, None] * ACROSS), float(np.abs(bending - inside).max())
 
     def converge(self, end: _End, loads: _Loads) -> tuple[_State, Array] | None:
         """The equilibrium near an end, and the matrix of the last step, whose determinant changes its sign where the
@@ -138,26 +140,18 @@ class _Shooting:
         return None
 
 
-def spatial_equilibrium(pieces: Pieces, load: SpatialLoad, position: Position) -> SpatialSolution:
+def spatial_equilibrium(arm: SpatialArm, load: SpatialLoad, position: Position) -> SpatialSolution:
     """The equilibrium on the path from the inflated arm without load to the full load.
 
-    Where the height of the end is prescribed, and its x is not, the path begins in experiment III. A step that leads to
-    an unstable equilibrium is shortened. Raises `RodError` where the path ends or becomes unstable, and where a moment
-    leaves the law.
+    A step that leads to an unstable equilibrium is shortened. Raises `RodError` where the path ends or becomes
+    unstable, and where a moment leaves the law.
     """
-    x, y, _ = position
-    inflated = EndConditions(Load(), (None, y if x is None else None))
-    planar, tip = equilibrium(pieces, inflated), inflated.tip_state(pieces.tip)
-    shooting = _Shooting(pieces, load, position)
-    turn = float(planar.theta[-1])
-    frame = rotation(turn * ACROSS)
-    beside = tip.beside_at(turn, float(planar.force @ frame[:2, 0]))[-1]
-    begin = np.array([planar.x[-1], planar.y[-1], 0.0]) + frame[:, :2] @ beside
+    shooting = _Shooting(arm, load, position)
+    frame, force, begin = arm.inflated()
     goal = np.array([at if held is None else held for at, held in zip(begin, position, strict=True)])
-    start = _End(frame[None], np.array([[*planar.force, 0.0]]))
-    found = shooting.converge(start, shooting.loads(0.0, begin))
+    found = shooting.converge(_End(frame[None], force[None]), shooting.loads(0.0, begin))
     if found is None:
-        raise RodError(f"The inflated arm has no equilibrium at {pieces.section.pressure:g} kPa.")
+        raise RodError("The inflated arm has no equilibrium without loads.")
     (here, matrix), sign = found, np.sign(np.linalg.det(found[1]))
     reached, step, count, before = 0.0, 1.0, 0, np.zeros(6)
     while reached < 1.0:
@@ -195,11 +189,11 @@ def _change(first: _End, second: _End) -> Array:
 
 def _solution(shooting: _Shooting, state: _State, count: int) -> SpatialSolution:
     """The state with its strains and its stability, on the axis. Raises `RodError` beyond the law."""
-    pieces, shapes, weight = shooting.pieces, state.shapes, shooting.weight
+    arm, shapes, weight = shooting.arm, state.shapes, shooting.weight
     frames, moment, force = shapes.frames[:, 0], shapes.moment[:, 0], state.end.force[0]
-    check_within_law(pieces, state.outside, in_frame(frames, moment)[:, 2], bool(weight.any()))
-    rod, strains = _loaded(shooting.law, pieces.positions, frames, moment, force, weight)
-    ends = Ends.of(pieces.clamp, moment, state.lever[0], state.to_end[0], shooting.held)
+    arm.check(state.outside, in_frame(frames, moment), bool(weight.any()))
+    rod, strains = loaded_rod(arm.law, arm.positions, frames, moment, force, weight)
+    ends = arm.ends(moment, state.lever[0], state.to_end[0], shooting.held)
     arrays: dict[str, Any] = {
         "s": rod.s,
         "axis": shapes.axis[:, 0] - shapes.axis[0, 0] + state.start[0],
@@ -213,34 +207,3 @@ def _solution(shooting: _Shooting, state: _State, count: int) -> SpatialSolution
     }
     frozen: dict[str, Any] = {name: read_only(array) for name, array in arrays.items()}
     return SpatialSolution(**frozen, stability=stability_of(rod, ends), load_steps=count, notes=())
-
-
-def _loaded(
-    law: LawInSpace, s: Array, frames: Array, moment: Array, force: Array, weight: Array
-) -> tuple[LoadedRod, Strains]:
-    """A rod at positions s (n,) with frames (n, 3, 3) and moments (n, 3), and its strains.
-
-    force: (3,) N, on the end. weight: (n, 6) as `integrate` takes it.
-    """
-    acting = force + weight[:, :3]
-    inner = in_frame(frames, acting), in_frame(frames, moment)
-    strains = law.strains(*inner)
-    rate = (frames @ strains.stretch[..., None])[..., 0]
-    couple = np.gradient(-weight[:, 3:], s, axis=0)
-    return LoadedRod(s, frames, rate, moment, acting, couple, compliance(law, *inner)), strains
-
-
-def stability_across(pieces: Pieces, state: RodSolution) -> Stability:
-    """Of a planar equilibrium against motions out of the plane; its end is free along z.
-
-    The force on the end keeps its direction. It acts where it makes the moment of the end.
-    """
-    frames, moment = rotation(state.theta[:, None] * ACROSS), state.moment[:, None] * ACROSS
-    x, y = (float(part) / pieces.length for part in state.weight)
-    weight, force = pieces.weight(SpatialLoad(weight=(x, y, 0.0)), state.s), np.append(state.force, 0.0)
-    rod, _ = _loaded(LawInSpace.of(pieces.section), state.s, frames, moment, force, weight)
-    lever = frames[-1, :, :2] @ pieces.tip.edge
-    if square := float(force @ force):
-        lever = lever + cross(force, moment[-1] - cross(lever, force)) / square
-    ends = Ends.of(pieces.clamp, moment, lever, lever, np.zeros(3, bool))
-    return stability_of(rod, replace(ends, kept=OUT_OF_PLANE))

@@ -1,0 +1,103 @@
+"""Polynomials in several variables, with their derivatives, as least squares find them from values and slopes."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import product
+from typing import Any, final
+
+import numpy as np
+
+from geometry.arrays import Array, Index
+from rod.checked import check_table
+
+
+def exponents_up_to(degree: int, variables: int) -> Index:
+    """(k, variables): those of all monomials up to a degree, in rising order."""
+    every = product(range(degree + 1), repeat=variables)
+    return np.array([powers for powers in every if sum(powers) <= degree], dtype=np.intp).reshape(-1, variables)
+
+
+@final
+@dataclass(frozen=True, eq=False)  # arrays inside
+class Basis:
+    """Monomials of scaled variables."""
+
+    exponents: Index  #: (k, v)
+    scale: Array  #: (v,) by which variables are divided
+
+    def values(self, x: Array, orders: Sequence[int] | Index = ()) -> Array:
+        """(n, k) at (n, v); orders: how often each variable is differentiated."""
+        result = np.ones((len(x), len(self.exponents)))
+        for column, order in enumerate(orders if len(orders) else [0] * len(self.scale)):
+            powers = self.exponents[:, column]
+            factor = np.prod([powers - i for i in range(order)], axis=0) if order else 1.0
+            base = (x[:, column] / self.scale[column])[:, None]
+            result = result * factor * base ** np.maximum(powers - order, 0) / self.scale[column] ** order
+        return result
+
+    def gradients(self, x: Array, directions: Array) -> Array:
+        """(n, k): derivatives at (n, v) along directions (n, v)."""
+        unit = np.eye(len(self.scale), dtype=int)
+        return np.asarray(sum(directions[:, [i]] * self.values(x, unit[i]) for i in range(len(unit))))
+
+    def second(self, x: Array, first: Array, other: Array) -> Array:
+        """(n, k): second derivatives at (n, v) along two directions (n, v)."""
+        unit, size = np.eye(len(self.scale), dtype=int), len(self.scale)
+        pairs = ((i, j) for i in range(size) for j in range(size))
+        return np.asarray(
+            sum((first[:, i] * other[:, j])[:, None] * self.values(x, unit[i] + unit[j]) for i, j in pairs)
+        )
+
+
+@final
+@dataclass(frozen=True, eq=False)  # arrays inside
+class Polynomial:
+    """Several polynomials with the same monomials."""
+
+    basis: Basis
+    coefficients: Array  #: (k, c)
+
+    def __call__(self, x: Array) -> Array:
+        """(n, c) at (n, v)."""
+        return np.asarray(self.basis.values(np.atleast_2d(x)) @ self.coefficients)
+
+    def at_last(self, values: Array) -> "Plane":
+        """As polynomials of the first two variables, with the others given (v - 2,)."""
+        powers, scale = self.basis.exponents, self.basis.scale
+        factor = np.prod((values / scale[2:]) ** powers[:, 2:], axis=1) / np.prod(scale[:2] ** powers[:, :2], axis=1)
+        table = np.zeros((*(powers[:, :2].max(axis=0) + 1), self.coefficients.shape[1]))
+        np.add.at(table, (powers[:, 0], powers[:, 1]), factor[:, None] * self.coefficients)
+        return Plane(table)
+
+    def record(self) -> dict[str, Any]:
+        """As it stands in a file."""
+        basis = self.basis
+        return {
+            "exponents": basis.exponents.tolist(),
+            "scale": basis.scale.tolist(),
+            "coefficients": self.coefficients.tolist(),
+        }
+
+    @staticmethod
+    def from_record(record: Mapping[str, Any], name: str) -> "Polynomial":
+        """What `record` gave. Raises `RodError` with the name."""
+        check_table(record, {"exponents": ("k", "v"), "scale": ("v",), "coefficients": ("k", "c")}, name)
+        powers, scale, coefficients = (np.array(record[key], float) for key in ("exponents", "scale", "coefficients"))
+        return Polynomial(Basis(powers.astype(np.intp), scale), coefficients)
+
+
+@final
+@dataclass(frozen=True, eq=False)  # arrays inside
+class Plane:
+    """Several polynomials of two variables."""
+
+    table: Array  #: (i, j, c), coefficients of x^i y^j
+
+    def __call__(self, x: Array) -> Array:
+        """(..., c) at (..., 2)."""
+        values = np.polynomial.polynomial.polyval2d(x[..., 0], x[..., 1], self.table)
+        return np.moveaxis(np.asarray(values), 0, -1)
+
+    def derivative(self, axis: int) -> "Plane":
+        """By the first or the second variable."""
+        return Plane(np.asarray(np.polynomial.polynomial.polyder(self.table, axis=axis)))
