@@ -12,6 +12,7 @@ from pipeline.processes import available_cores
 
 if TYPE_CHECKING:
     from pipeline.config.config import Config
+    from pipeline.in_space.rows import RowSpec
     from pipeline.pairs.spec import PairSpec
     from pipeline.progress import Progress
     from pipeline.report.tables import Table
@@ -209,7 +210,19 @@ def cell(
     fresh: Fresh = False,
 ) -> None:
     """The arm's own law from one cell and its two ends, for every load and length."""
-    design, folder = _design(config, _with_accuracy(settings, accuracy), out, "_cell")
+    given = _with_accuracy(settings, accuracy)
+
+    from pipeline.config.document import read_document
+    from pipeline.in_space.rows import read_rows, rows_of
+    from pipeline.in_space.study import leaves_plane
+
+    if (rows := read_rows(read_document(config, given))) is not None:
+        _cell_in_space(rows, out, jobs or 1, fresh)
+        return
+    design, folder = _design(config, given, out, "_cell")
+    if leaves_plane(design):
+        _cell_in_space(rows_of(design), out, jobs or 1, fresh)
+        return
 
     from pipeline.cell.study import measure_law
     from pipeline.cell.table import law_remarks, law_table, mesh_table, space_table
@@ -226,6 +239,23 @@ def cell(
     print_sentences(*(f"Note: {render(remark)}." for remark in law_remarks(report)))
     print_lines(f"law: {folder / 'law.json'}, picture: {folder / 'law.html'}")
     report.raise_if_failed()
+
+
+def _cell_in_space(spec: "RowSpec", out: Path | None, jobs: int, fresh: bool) -> None:
+    from pipeline.in_space.study import measure_space_law
+    from pipeline.progress import progress_for
+    from pipeline.store.formats import LAW_IN_SPACE
+    from pipeline.terminal import text_table
+
+    folder = out or Path("results") / f"{spec.config.name}_cell"
+    progress = progress_for(Console())
+    try:
+        report = measure_space_law(spec, folder, jobs, fresh, progress)
+    finally:
+        progress.done()
+    print_lines(text_table(report.table))
+    print_sentences(*report.sentences)
+    print_lines(f"law: {folder / LAW_IN_SPACE}")
 
 
 def design(

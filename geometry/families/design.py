@@ -229,6 +229,11 @@ class Design(ABC):
         return False
 
     @property
+    def halves_differ(self) -> bool:
+        """Whether the user says that both halves of the body about z = 0 differ."""
+        return False
+
+    @property
     def why_no_cell(self) -> str:
         """Why a body repeats no cell, where it does not, and what can be done; a sentence without full stop."""
         return (

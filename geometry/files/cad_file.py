@@ -210,6 +210,10 @@ class CadFile(FileDesign):
         return self.symmetric is not False
 
     @property
+    def halves_differ(self) -> bool:
+        return self.symmetric is False
+
+    @property
     def has_parts(self) -> bool:
         return bool(self.parts)
 

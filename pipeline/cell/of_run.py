@@ -12,6 +12,7 @@ from geometry import Reason, Values
 from pipeline.cell.build import MeasuredLaw, build_law
 from pipeline.cell.limit import deliver_law
 from pipeline.cell.pieces import ArmPieces, NoArmLaw
+from pipeline.cell.plane import check_plane
 from pipeline.cell.study import save_law
 from pipeline.context import RunContext
 from pipeline.errors import InputError, RunFailed, WorkerLost
@@ -98,6 +99,7 @@ def _refused(is_needed: bool, why: Exception) -> LawOfRun:
 
 def _measured(is_needed: bool, pieces: ArmPieces, build: Callable[[ArmPieces], MeasuredLaw]) -> LawOfRun:
     try:
+        check_plane(pieces)
         measured = build(pieces)
     except WorkerLost:
         raise

@@ -9,6 +9,7 @@ from pipeline.cell.build import MeasuredLaw
 from pipeline.cell.figure import law_page
 from pipeline.cell.limit import deliver_law
 from pipeline.cell.pieces import ArmPieces, NoArmLaw
+from pipeline.cell.plane import check_plane
 from pipeline.cell.unloaded import unloaded_states
 from pipeline.config.config import Config
 from pipeline.context import run_context
@@ -78,6 +79,7 @@ def measure_law(config: Config, out: Path, jobs: int, fresh: bool, progress: Pro
             for pending in loading:
                 pending.result()
             progress.stage("cell and ends")
+            check_plane(pieces)
             measured = deliver_law(pieces, context)
         except NoArmLaw as refusal:
             raise InputError(f"{config.source}: {refusal}") from None

@@ -10,6 +10,7 @@ from typing import Any
 from geometry import Reason
 from pipeline.cell.saved import SavedLaw, is_law
 from pipeline.errors import InputError, quoted
+from pipeline.in_space.saved import read_space_law
 from pipeline.notes.rods import RodAndMesh, rod_and_mesh, rod_to_take
 from pipeline.notes.templates import NO_PARAMETERS, report_reason
 from pipeline.notes.verdict import OUT_OF_PLANE, Verdict, verdict_of
@@ -20,6 +21,7 @@ from pipeline.rods.saved import SavedRod, pressurised_rod
 from pipeline.store.formats import ARM_LAW, EXTENSIBLE, FIVE
 from rod.arm_law.law import ArmLaw
 from rod.arm_law.pairs import PairLaw
+from rod.arm_law.space_law import SpaceLaw
 from rod.errors import RodError
 from rod.inverse import Response
 from rod.mechanics.equilibrium import Rod
@@ -37,7 +39,7 @@ class RodOfRun:
     """One of the rods of a run over the pressure."""
 
     kind: str  #: one of KINDS
-    source: ArmLaw | PairLaw | PressurisedRod
+    source: ArmLaw | PairLaw | SpaceLaw | PressurisedRod
     errors: RodAndMesh | None = None  #: None where it was not compared with finite elements
     notes: tuple[str, ...] = ()  #: what limits the trust in it, a sentence each
     mass: Mass | None = None  #: of an arm with five parameters; None: not known
@@ -51,19 +53,20 @@ class RodOfRun:
     @property
     def pressures_kPa(self) -> tuple[float, float]:
         """The lowest and the highest pressure."""
-        assert not isinstance(self.source, PairLaw)  # refused before it is asked
+        assert not isinstance(self.source, PairLaw | SpaceLaw)  # refused before it is asked
         known = self.source.pressures
         return float(known[0]), float(known[-1])
 
-    def at(self, pressure_kPa: float | tuple[float, float]) -> Rod:
-        """The rod at a pressure, or at the pressures of two cavities; its origin is the clamped end of the material
+    def at(self, pressure_kPa: float | tuple[float, ...]) -> Rod:
+        """The rod at a pressure, or at the pressures of all cavities; its origin is the clamped end of the material
         curve.
 
         Raises `RodError` outside its pressures, and for a pair where it has one pressure, or the other way round.
         """
-        if isinstance(self.source, PairLaw):
-            if not isinstance(pressure_kPa, tuple):
-                raise RodError("This law has the pressures of two cavities; give both, such as [20 kPa, 5 kPa].")
+        if isinstance(self.source, PairLaw | SpaceLaw):
+            count = 2 if isinstance(self.source, PairLaw) else len(self.source.cavities)
+            if not isinstance(pressure_kPa, tuple) or len(pressure_kPa) != count:
+                raise RodError(f"This law has the pressures of {count} cavities; give all, such as [20 kPa, 5 kPa].")
             return Rod(self.source.length, law=self.source.at(pressure_kPa), notes=self.notes)
         if isinstance(pressure_kPa, tuple):
             raise RodError("This rod has one pressure; give it alone, such as 20 kPa.")
@@ -82,6 +85,10 @@ def rod_of_path(path: Path, kind: str | None) -> RodOfRun:
             raise InputError(f"--rod {kind}: a law over two pressures is that of rod law; leave --rod out")
         doubt = pairs.error_between is None and len(pairs.laws) > 1
         return RodOfRun("law", pairs, notes=("The error of this law between its ratios is not known.",) * doubt)
+    if (in_space := read_space_law(path)) is not None:
+        if kind not in (None, "law"):
+            raise InputError(f"--rod {kind}: a law in space is that of rod law; leave --rod out")
+        return RodOfRun("law", in_space)
     if path.is_dir():
         return choose_rod(read_results(path), kind)
     try:

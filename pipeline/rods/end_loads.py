@@ -13,11 +13,12 @@ from pipeline.config.units import FORCE, LENGTH, MOMENT, PRESSURE
 from pipeline.errors import InputError, RunFailed
 from pipeline.results.values import bending_deg
 from pipeline.rods.choice import RodOfRun
-from pipeline.rods.options import option_pair, option_value, option_vector
+from pipeline.rods.options import option_list, option_value, option_vector
 from pipeline.store.atomic_file import write_atomic
 from pipeline.store.formats import ARM_LAW, EXTENSIBLE, FIVE
 from pipeline.store.result_folder import open_file
 from rod.arm_law.law import LawRod
+from rod.arm_law.space_law import SpaceRod
 from rod.errors import LoadError, RodError, RodWarning
 from rod.mechanics.equilibrium import Rod
 from rod.solution import RodSolution
@@ -127,7 +128,7 @@ def _pair_of(text: str) -> str | list[str | float]:
 
 def rod_at(rods: RodOfRun, pressure: str) -> Rod:
     """The rod at a pressure written with its unit, or at two: [20 kPa, 5 kPa]. Raises InputError."""
-    option = option_pair if pressure.strip().startswith("[") else option_value
+    option = option_list if pressure.strip().startswith("[") else option_value
     value = option("--pressure", pressure, PRESSURE)
     try:
         return rods.at(value)
@@ -184,7 +185,7 @@ def _listed(values: Array, unit: str = "") -> str:
 
 def _described(rod: Rod) -> str:
     """Which rod it is: its name in validation.json, and its name in words."""
-    if isinstance(rod.law, LawRod):
+    if isinstance(rod.law, LawRod | SpaceRod):
         return f"{ARM_LAW}: the arm's own law"
     if rod.extension is None:
         return f"{FIVE}: five parameters, inextensible"

@@ -31,6 +31,12 @@ def option_pair(option: str, text: str, dimension: Dimension) -> tuple[float, fl
     return values
 
 
+def option_list(option: str, text: str, dimension: Dimension) -> tuple[float, ...]:
+    """Numbers, written as [x, y]. Raises InputError."""
+    values = text.strip().removeprefix("[").removesuffix("]").split(",")
+    return tuple(option_value(option, value, dimension) for value in values)
+
+
 def option_vector(option: str, text: str, dimension: Dimension) -> tuple[float, float] | tuple[float, float, float]:
     """Two or three numbers, written as [x, y] or [x, y, z]. Raises InputError."""
     values = text.strip().removeprefix("[").removesuffix("]").split(",")

@@ -202,7 +202,7 @@ class SectionInSpace:
         if not (np.isfinite(origin).all() and softest > 0.0):
             raise RodError("The law in space has no stable state without moment at these pressures.")
         own = float(EA(origin)[0])
-        soft = np.linalg.inv(rigidity)
+        soft = np.asarray(np.linalg.inv(rigidity), float)
         return replace(law, EA=own, origin=origin, softness=soft, reach=reach, step=softest * reach / 128.0)
 
     def rigidity(self, kappa: Array) -> Array:

@@ -24,6 +24,7 @@ import numpy as np
 
 from geometry.arrays import Array, read_only
 from rod.arm_law.law import ArmLaw, LawRod
+from rod.arm_law.space_law import SpaceRod
 from rod.checked import finite, positive
 from rod.curves.extension import Extension
 from rod.errors import RodError, RodWarning
@@ -63,7 +64,7 @@ class Rod:
 
     length: float  #: mm
     kappa_0: Profile | None = None  #: 1/mm; None with the arm's own law
-    law: TwoSlopes | LawRod = field(default_factory=_no_law)
+    law: TwoSlopes | LawRod | SpaceRod = field(default_factory=_no_law)
     theta0: float = 0.0  #: rad, tangent angle at the clamp
     start: tuple[float, float] = (0.0, 0.0)  #: mm, x and y of the clamp
     fade: float = 0.0  #: N mm, below this |M| the intercepts fade to zero (see `law`)
@@ -88,6 +89,12 @@ class Rod:
             object.__setattr__(self, "mass", self.mass or self.law.mass)
             object.__setattr__(self, "weight", self.law.weight)
             object.__setattr__(self, "law", replace(self.law, length=float(self.length), mass=self.mass))
+            return
+        if isinstance(self.law, SpaceRod):
+            self._check_nothing_twice((0.0, 0.0))
+            if float(self.length) != self.law.length:
+                raise RodError(f"The law in space is that of an arm of {self.law.length:g} mm.")
+            object.__setattr__(self, "mass", self.mass or self.law.own.mass)
             return
         if not isinstance(self.law, TwoSlopes):
             raise RodError("The law of a rod is five parameters, two slopes, or the arm's own law at a pressure.")
@@ -122,14 +129,14 @@ class Rod:
         """The five parameters. Raises `RodError` for a rod with another law."""
         if isinstance(self.law, FiveParameters):
             return self.law
-        if isinstance(self.law, LawRod):
+        if isinstance(self.law, LawRod | SpaceRod):
             raise RodError("This rod follows the arm's own law and has no five parameters.")
         raise RodError("The slopes of this rod may be negative, and are not the five parameters of a rod.")
 
     @property
     def lines(self) -> TwoSlopes:
         """The two lines of its law. Raises `RodError` for a rod with the arm's own law."""
-        return self.five if isinstance(self.law, LawRod) else self.law
+        return self.law if isinstance(self.law, TwoSlopes) else self.five
 
     @overload
     def solve(  # type: ignore[overload-overlap]
@@ -206,7 +213,7 @@ class Rod:
         is_weighed = direction is not None or tip_mass != 0.0
         carried = self.weight if isinstance(self.law, LawRod) else (0.0, 0.0)
         weighing = Weighing(self.mass, self.length, carried, any(self.weight) and not any(carried))
-        if any(is_triple(value) for value in (force, end, moment, direction)):
+        if isinstance(self.law, SpaceRod) or any(is_triple(value) for value in (force, end, moment, direction)):
             if order != "as tested":
                 raise RodError(f"In space the loads grow on the inflated arm; order = {order!r} is not possible.")
             spatial, position = spatially_requested(force, moment, end, end_x, end_y)
@@ -226,7 +233,7 @@ class Rod:
 
     def _in_space(self, load: SpatialLoad, position: Position) -> SpatialSolution:
         """The equilibrium in space, whose clamp is at the start of this rod."""
-        if not isinstance(self.law, LawRod):
+        if not isinstance(self.law, LawRod | SpaceRod):
             raise RodError("A rod with five parameters stays in its plane; in space a rod has the arm's own law.")
         start = np.array([*self.start, 0.0])
         x, y, z = (None if at is None else at - float(origin) for at, origin in zip(position, start, strict=True))
@@ -255,6 +262,8 @@ class Rod:
         load = _on_free_axes(load, held)
         if isinstance(self.law, LawRod):
             return _by_arm_law(self.law, self.start, load, held, "as tested")
+        if isinstance(self.law, SpaceRod):
+            raise RodError("This arm bends in space; `solve` gives its shape.")
         return self._equilibrium(_LoadCase(load, held, _grow_together("as tested", held, loaded=True)))
 
     def _equilibrium(self, case: "_LoadCase") -> RodSolution:
