@@ -6,7 +6,7 @@ is known, and a part that is antisymmetric about the plane too: nodes of the pla
 freely along its normal, and no normal force acts. In the middle of the cell the sum of both moves along the arm alone.
 The energy of the half cell under each pair of loads, less that of its bending, is h times the compliance
 
-    (twist, shear_y, shear_z) = C (T, Q_y, Q_z).
+    (twist, shear_y, shear_z) = C (T, Q_y, Q_z),      with the torque about the material curve.
 
 Forces of the air on rims of the plane that warps are those of `fem.cell.rim`.
 """
@@ -51,7 +51,7 @@ def twist_and_shear(straight: Straight, quarter: Straight) -> Array:
     soft = np.linalg.inv(0.5 * (stiffness + stiffness.T))
     moments = np.array([[0.0, 0.0], [0.0, -h], [h, 0.0]])  # about y and z at the plane, by T, Q_y and Q_z
     answers = [section.under(k, moment @ soft, (about_y, about_z)) for k, moment in enumerate(moments)]
-    energy = np.array([[float(np.vdot(section.forces(one), other)) for other in answers] for one in answers])
+    energy = np.array([[section.energy(one, other) for other in answers] for one in answers])
     bent = moments @ soft @ moments.T / 3.0  # of a moment that grows in proportion to s
     compliance = (energy - bent) / (h * straight.piece.whole)
     return np.asarray(0.5 * (compliance + compliance.T))
@@ -79,7 +79,8 @@ class _Section:
         self.system = piece.other_system("across", self.terms, Constraints.of(held, space))
         assembly = self.system.assemble(self.at.state, self.terms)
         self.tangent = self.system.linearise(self.at.state, assembly, self.terms)
-        x, normal = space.points + self.at.state.displacement, np.array([1.0, 0.0, 0.0])
+        axis, normal = np.array([0.0, piece.body.curve_y, 0.0]), np.array([1.0, 0.0, 0.0])
+        x = space.points + self.at.state.displacement - axis
         moves = [
             np.cross(normal, x),
             np.broadcast_to([0.0, 1.0, 0.0], x.shape),
@@ -88,14 +89,13 @@ class _Section:
         self.moves = [self._on_plane(move) for move in moves]
 
         def of_turn(x: Array, nu: Array) -> Array:
-            return np.outer(x[:, 1] * nu[:, 2] + x[:, 2] * nu[:, 1], normal)
+            return np.outer((x - axis)[:, 1] * nu[:, 2] + x[:, 2] * nu[:, 1], normal)
 
         def of_lift(_: Array, nu: Array) -> Array:
             return np.outer(nu[:, 2], normal)
 
-        self.loads = [self.forces(move) for move in self.moves]
-        self.loads[0] += rim_forces(piece, self.at, of_turn)
-        self.loads[2] += rim_forces(piece, self.at, of_lift)
+        self.rims = [rim_forces(piece, self.at, of_turn), np.zeros_like(x), rim_forces(piece, self.at, of_lift)]
+        self.loads = [self.forces(move) + rim for move, rim in zip(self.moves, self.rims, strict=True)]
         self.motions = [move + self._answer(load) for move, load in zip(self.moves, self.loads, strict=True)]
         self.reaction = np.array([self._held_by(motion) for motion in self.motions]).T
 
@@ -122,8 +122,15 @@ class _Section:
         """(3,): torque and forces within the plane that a displacement (n, 3) makes."""
         return np.array([float(np.vdot(load, motion)) for load in self.loads])
 
-    def under(self, kind: int, turns: Array, bends: tuple[Array, Array]) -> Array:
-        """The displacement (n, 3) under a unit torque (0) or a unit force along y (1) or z (2).
+    def energy(self, one: tuple[Array, Array], other: tuple[Array, Array]) -> float:
+        """Twice that of the half body, between two answers of `under`; N mm."""
+        (first, moved), (second, also) = one, other
+        of_air = (np.vdot(also[k] * first + moved[k] * second, rim) for k, rim in enumerate(self.rims))
+        return float(np.vdot(self.forces(first), second) + sum(of_air))
+
+    def under(self, kind: int, turns: Array, bends: tuple[Array, Array]) -> tuple[Array, Array]:
+        """The displacement (n, 3) under a unit torque (0) or a unit force along y (1) or z (2), and the motions of the
+        plane in it: its turn in rad, and along y and z in mm, (3,).
 
         turns: (2,) rad of the plane about y and z by its bending; bends: (n, 3) per radian.
         """
@@ -135,4 +142,4 @@ class _Section:
             load[self.middle, 0] += self.forces(bending)[self.middle, 0]
             beside = beside + self._answer(load)
         parts = np.linalg.solve(self.reaction, np.eye(3)[kind] - self._held_by(beside))
-        return np.asarray(bending + beside + np.tensordot(parts, np.array(self.motions), 1))
+        return np.asarray(bending + beside + np.tensordot(parts, np.array(self.motions), 1)), parts

@@ -30,7 +30,7 @@ RINGS = ((0.5, 4), (1.0, 5))
 #: rad, by which each ring is turned against the one before
 TURN = 2.4
 #: parts of the rows at which the ends are solved, and the change of the curvature for the clamped end over the reach
-ENDS, BENT = (0.5, 1.0), 0.6
+ENDS, BENT = (0.5, 1.0), 0.25
 #: size of a mesh on which the state without moment is compared, over that of the law
 FINER = 0.7
 #: steps of the axis through an end

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from hashlib import sha256
-from math import atan2, hypot
+from math import atan2, ceil, hypot
 from typing import Any
 
 import numpy as np
@@ -22,8 +22,8 @@ from pipeline.pressure import KPA_PER_MPA, in_MPa
 from pipeline.store.kept import kept
 from pipeline.store.store import Store
 
-#: half cells in the clamped end, and in the other end
-CLAMPED, FREE = 2, 1
+#: how far an end reaches into the cells, over the largest side of a section
+INTO = 0.6
 Pressures = tuple[float, ...]  #: of all cavities, kPa
 Curvatures = tuple[float, float]  #: about y and z, 1/mm
 
@@ -54,7 +54,7 @@ class CellState:
 
 @dataclass(frozen=True)
 class EndState:
-    """The clamped end with two half cells under a moment, or the other end with one and without moment."""
+    """The clamped end under a moment, or the other end without."""
 
     pressures: Pressures
     length: float  #: mm, of the piece at rest
@@ -141,6 +141,13 @@ class SpaceStates:
         none = (0.0, 0.0, 0.0)
         return EndState(pressures, piece.body.length, none, none, _in_body(place, 0.0))
 
+    def half_cells(self, start: Boundary) -> int:
+        """In a piece: of the clamped end an even number, of the other end an odd one."""
+        repetition = self.pieces.repetition
+        far = ceil(INTO * max(self.pieces.design.extent[1:]) / repetition.half_pitch)
+        count = {"mirror": 0, "clamp": far + far % 2, "free": far + 1 - far % 2}[start]
+        return min(count, repetition.half_cells - (start == "free"))
+
     def _inflated(
         self, start: Boundary, angle: float, pressures: Pressures, curvature: float
     ) -> tuple[BendingPiece, PieceState]:
@@ -150,12 +157,9 @@ class SpaceStates:
         key = start, round(angle, 12), fractions
         if key not in self._made:
             self._made.clear()  # each keeps a factorization
-            self._made[key] = self.pieces.turned(start, _HALF_CELLS[start], fractions, angle)
+            self._made[key] = self.pieces.turned(start, self.half_cells(start), fractions, angle)
         piece = self._made[key]
         return piece, inflated(piece, in_MPa(largest), curvature * piece.body.length)
-
-
-_HALF_CELLS: dict[Boundary, int] = {"mirror": 0, "clamp": CLAMPED, "free": FREE}
 
 
 def state_of(context: TaskContext, pieces: ArmPieces, store: Store, method: Callable[..., Any], *arguments: Any) -> Any:

@@ -95,9 +95,20 @@ class Plane:
 
     def __call__(self, x: Array) -> Array:
         """(..., c) at (..., 2)."""
-        values = np.polynomial.polynomial.polyval2d(x[..., 0], x[..., 1], self.table)
-        return np.moveaxis(np.asarray(values), 0, -1)
+        first, second = (x[..., k, None] ** np.arange(size) for k, size in enumerate(self.table.shape[:2]))
+        monomials = (first[..., :, None] * second[..., None, :]).reshape(*x.shape[:-1], -1)
+        return np.asarray(monomials @ self.table.reshape(-1, self.table.shape[2]))
 
     def derivative(self, axis: int) -> "Plane":
         """By the first or the second variable."""
         return Plane(np.asarray(np.polynomial.polynomial.polyder(self.table, axis=axis)))
+
+    @staticmethod
+    def joined(planes: "Sequence[Plane]") -> "Plane":
+        """The polynomials of all."""
+        size = np.max([plane.table.shape[:2] for plane in planes], axis=0)
+        padded = [
+            np.pad(plane.table, [(0, size[0] - plane.table.shape[0]), (0, size[1] - plane.table.shape[1]), (0, 0)])
+            for plane in planes
+        ]
+        return Plane(np.concatenate(padded, axis=2))

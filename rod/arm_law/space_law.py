@@ -177,10 +177,8 @@ class SpaceRod:
 class SectionInSpace:
     """The law of the sections at given pressures, a `rod.arm_law.cosserat.StrainLaw`."""
 
-    moments: tuple[Plane, Plane]  #: dw/dkappa
-    rigidities: tuple[Plane, Plane, Plane]  #: d2w/dkappa2: yy, yz, zz
-    stretch: Plane
-    stretch_slopes: tuple[Plane, Plane]
+    #: of the curvatures: dw/dkappa (2), d2w/dkappa2 (yy, yz, zz), the stretch, and its slopes (2)
+    plane: Plane
     EA: float
     compliance: Array  #: (3, 3) C
     origin: Array  #: (2,) 1/mm, curvatures without moment
@@ -193,33 +191,28 @@ class SectionInSpace:
         """From polynomials of the curvatures. Raises `RodError` where no curvature has no moment."""
         first, other = w.derivative(0), w.derivative(1)
         second = first.derivative(0), first.derivative(1), other.derivative(1)
-        slopes = stretch.derivative(0), stretch.derivative(1)
-        none = np.zeros(2), np.zeros((2, 2))
-        law = SectionInSpace((first, other), second, stretch, slopes, 1.0, compliance, *none, np.inf, 1.0)
+        plane = Plane.joined([first, other, *second, stretch, stretch.derivative(0), stretch.derivative(1)])
+        law = SectionInSpace(plane, 1.0, compliance, np.zeros(2), np.zeros((2, 2)), np.inf, 1.0)
         origin = law.curvature(np.zeros(2), np.zeros(()))
         rigidity = law.rigidity(origin)
         softest = float(np.linalg.eigvalsh(rigidity)[0])
         if not (np.isfinite(origin).all() and softest > 0.0):
             raise RodError("The law in space has no stable state without moment at these pressures.")
-        own = float(EA(origin)[0])
-        soft = np.asarray(np.linalg.inv(rigidity), float)
+        own, soft = float(EA(origin)[0]), np.asarray(np.linalg.inv(rigidity), float)
         return replace(law, EA=own, origin=origin, softness=soft, reach=reach, step=softest * reach / 128.0)
 
     def rigidity(self, kappa: Array) -> Array:
         """(..., 2, 2) N mm2, at curvatures (..., 2)."""
-        yy, yz, zz = (plane(kappa)[..., 0] for plane in self.rigidities)
-        return np.stack([np.stack([yy, yz], axis=-1), np.stack([yz, zz], axis=-1)], axis=-2)
+        return _matrices(self.plane(kappa))
 
     def curvature(self, moment: Array, axial: Array) -> Array:
         """(..., 2) 1/mm under moments (..., 2) and axial forces (...,); no farther than a little beyond the law."""
         kappa = self.origin + moment @ self.softness
         farthest = BEYOND * self.reach
         for _ in range(ITERATIONS):
-            pull = np.stack([plane(kappa)[..., 0] for plane in self.stretch_slopes], axis=-1)
-            left = (
-                np.stack([plane(kappa)[..., 0] for plane in self.moments], axis=-1) - axial[..., None] * pull - moment
-            )
-            change = np.linalg.solve(self.rigidity(kappa), -left[..., None])[..., 0]
+            values = self.plane(kappa)
+            left = values[..., :2] - axial[..., None] * values[..., 6:] - moment
+            change = np.linalg.solve(_matrices(values), -left[..., None])[..., 0]
             away = kappa + change - self.origin
             size = np.linalg.norm(away, axis=-1, keepdims=True)
             moved = self.origin + away * np.minimum(1.0, farthest / np.maximum(size, 1e-300))
@@ -234,11 +227,16 @@ class SectionInSpace:
         kappa = self.curvature(moment[..., 1:], force[..., 0])
         acting = np.concatenate([moment[..., :1], force[..., 1:]], axis=-1)
         twisted = acting @ self.compliance
-        along = self.stretch(kappa)[..., 0] + force[..., 0] / self.EA
+        along = self.plane(kappa)[..., 5] + force[..., 0] / self.EA
         outside = float(np.max(np.linalg.norm(kappa - self.origin, axis=-1), initial=0.0)) - self.reach
         curvature = np.concatenate([twisted[..., :1], kappa], axis=-1)
         stretch = np.concatenate([along[..., None], twisted[..., 1:]], axis=-1)
         return Strains(curvature, stretch, max(outside, 0.0))
+
+
+def _matrices(values: Array) -> Array:
+    """(..., 2, 2): the rigidities among values (..., 8) of the plane."""
+    return values[..., [[2, 3], [3, 4]]]
 
 
 class _Held:

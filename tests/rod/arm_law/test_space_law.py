@@ -1,0 +1,141 @@
+"""The rod with a law of two curvatures against arcs, beams and itself turned about its axis."""
+
+import numpy as np
+import pytest
+
+from geometry.arrays import Array
+from rod import Rod, RodError
+from rod.arm_law.cosserat import rotation
+from rod.arm_law.polynomial import Basis, Polynomial, exponents_up_to
+from rod.arm_law.space_law import SpaceLaw
+from rod.spatial import SpatialLoad
+
+LENGTH, EA, GJ, GA = 80.0, 40.0, 120.0, 5.0
+RIGIDITY = np.array([[300.0, 20.0], [20.0, 200.0]])
+#: 1/mm per kPa of each of three cavities
+BENDS = np.array([[0.0, -5e-4], [4e-4, 2e-4], [-4e-4, 3e-4]])
+
+
+def polynomial(columns: dict[tuple[int, ...], float], count: int, scale: Array) -> Polynomial:
+    """One column, from coefficients by the powers of unscaled variables."""
+    powers = exponents_up_to(max(sum(key) for key in columns), count)
+    values = [columns.get(tuple(row), 0.0) * np.prod(scale**row) for row in powers.tolist()]
+    return Polynomial(Basis(powers, scale), np.array(values)[:, None])
+
+
+def constant(values: list[float], count: int) -> Polynomial:
+    return Polynomial(Basis(np.zeros((1, count), np.intp), np.ones(count)), np.array([values]))
+
+
+def law(stretch_slope: float = 0.0, cubic: float = 0.0, turn: float = 0.0) -> SpaceLaw:
+    """w = (kappa - p BENDS) B (kappa - p BENDS) / 2 + cubic kappa_z^3, in sections that are turned about x."""
+    scale = np.array([0.01, 0.01, 10.0, 10.0, 10.0])
+    onto = np.array([[np.cos(turn), np.sin(turn)], [-np.sin(turn), np.cos(turn)]])
+    B = onto.T @ RIGIDITY @ onto
+    coupled = BENDS @ onto @ B  # moments at kappa = 0 by each pressure
+    w = {(2, 0, 0, 0, 0): B[0, 0] / 2, (1, 1, 0, 0, 0): B[0, 1], (0, 2, 0, 0, 0): B[1, 1] / 2, (0, 3, 0, 0, 0): cubic}
+    for k in range(3):
+        unit = [int(i == k) for i in range(3)]
+        w[1, 0, unit[0], unit[1], unit[2]], w[0, 1, unit[0], unit[1], unit[2]] = -coupled[k]
+    stretch = {(0, 0, 0, 0, 0): 1.0, (0, 1, 0, 0, 0): stretch_slope, (0, 0, 1, 0, 0): 1e-3}
+    return SpaceLaw(
+        cavities=("a", "b", "c"),
+        pressures=10.0 * np.eye(3),
+        onto=np.eye(3),
+        pitch=10.0,
+        length=LENGTH,
+        clamp_length=15.0,
+        reach=0.03,
+        error=1e-3,
+        potential=polynomial(w, 5, scale),
+        stretch=polynomial(stretch, 5, scale),
+        axial_rigidity=constant([EA], 5),
+        compliance=constant([1 / GJ, 0.0, 0.0, 1 / GA, 0.0, 1 / GA], 3),
+        clamp=constant([0.0] * 6, 5),
+        tip=constant([0.0] * 3, 3),
+    )
+
+
+def test_without_load_it_is_an_arc_about_the_direction_of_its_curvature() -> None:
+    pressures = (4.0, 3.0, 1.0)
+    rod = law().at(pressures)
+    kappa = np.array(pressures) @ BENDS
+    assert rod.kappa_0 == pytest.approx(kappa, abs=1e-12)
+    size, stretch = float(np.linalg.norm(kappa)), 1.0 + 1e-3 * pressures[0]
+    across = np.array([kappa[1], -kappa[0]]) / size  # (0, k_y, k_z) x e_x
+    angle = size * LENGTH
+    expected = stretch / size * np.array([np.sin(angle), *((1 - np.cos(angle)) * across)])
+    found = rod.solve_in_space(SpatialLoad())
+    assert np.array(found.end) == pytest.approx(expected, abs=1e-6)
+    assert found.stability.lowest == pytest.approx(1.0, abs=1e-6)
+
+
+def test_a_small_force_bends_it_as_a_beam_of_timoshenko() -> None:
+    rod, force = law().at((0.0, 0.0, 0.0)), 1e-5
+    soft = np.linalg.inv(RIGIDITY)
+    for fy, fz in ((force, 0.0), (0.0, force)):
+        _, y, z = rod.solve_in_space(SpatialLoad((0.0, fy, fz))).end
+        # M_z = F_y (l - s) bends towards y, M_y = -F_z (l - s) towards -z
+        about_y, about_z = soft @ [-fz, fy]
+        expected = LENGTH**3 / 3 * np.array([about_z, -about_y]) + LENGTH / GA * np.array([fy, fz])
+        assert np.array([y, z]) == pytest.approx(expected, rel=1e-5, abs=1e-6 * force)
+
+
+def test_a_turned_law_gives_the_turned_shape() -> None:
+    load, turn, pressures = np.array([-0.01, 0.02, 0.03]), 0.8, (5.0, 2.0, 0.0)
+    onto = rotation(np.array([turn, 0.0, 0.0]))
+    own = law().at(pressures).solve_in_space(SpatialLoad(tuple(load))).end
+    turned = law(turn=turn).at(pressures).solve_in_space(SpatialLoad(tuple(onto @ load))).end
+    assert turned == pytest.approx(onto @ own, abs=1e-6)
+
+
+def test_forces_have_a_potential_where_the_stretch_follows_the_curvature() -> None:
+    rod = law(stretch_slope=3.0, cubic=2000.0).at((5.0, 2.0, 0.0))
+    base, step = np.array([0.02, 0.01, -0.02]), 1e-4
+
+    def moved(k: int) -> Array:
+        ends = [rod.solve_in_space(SpatialLoad(tuple(base + s * step * np.eye(3)[k]))).end for s in (1, -1)]
+        return np.subtract(*ends) / (2 * step)
+
+    compliance = np.array([moved(k) for k in range(3)])
+    assert compliance == pytest.approx(compliance.T, abs=1e-4 * float(np.abs(compliance).max()))
+    assert np.abs(compliance[0, 1:]).max() > 0.01 * np.abs(compliance).max()
+
+
+def test_an_end_that_is_held_gives_the_force_that_brings_it_there() -> None:
+    rod, force = law().at((5.0, 2.0, 0.0)), (0.01, 0.02, -0.01)
+    end = rod.solve_in_space(SpatialLoad(force)).end
+    assert rod.solve_in_space(SpatialLoad(), end).force == pytest.approx(force, rel=1e-5)
+
+
+def test_the_file_gives_the_same_rod() -> None:
+    made = law(stretch_slope=2.0)
+    again = SpaceLaw.from_record(made.record())
+    load = SpatialLoad((0.01, 0.02, 0.03))
+    assert again.at((5, 2, 0)).solve_in_space(load).end == made.at((5, 2, 0)).solve_in_space(load).end
+    record = made.record()
+    del record["tip"]
+    with pytest.raises(RodError, match="The key 'tip' is missing"):
+        SpaceLaw.from_record(record)
+
+
+def test_pressures_between_the_rows_alone() -> None:
+    assert law().at((3.0, 3.0, 4.0)).pressures == (3.0, 3.0, 4.0)
+    with pytest.raises(RodError, match="are not between those of the law"):
+        law().at((6.0, 5.0, 0.0))
+    with pytest.raises(RodError, match="a pressure for each of a, b, c; 2 were given"):
+        law().at((6.0, 5.0))
+
+
+def test_a_load_beyond_the_law_is_refused() -> None:
+    with pytest.raises(RodError, match="It is not extrapolated"):
+        law().at((0.0, 0.0, 0.0)).solve_in_space(SpatialLoad((0.0, 0.2, 0.0)))
+
+
+def test_as_a_rod() -> None:
+    rod = Rod(LENGTH, law=law().at((5.0, 2.0, 0.0)))
+    assert rod.solve(force=(0.0, 0.01)).end == rod.solve(force=(0.0, 0.01, 0.0)).end
+    with pytest.raises(RodError, match="is that of an arm of 80 mm"):
+        Rod(70.0, law=law().at((5.0, 2.0, 0.0)))
+    with pytest.raises(RodError, match="has no five parameters"):
+        _ = rod.five
