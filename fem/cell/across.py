@@ -24,6 +24,7 @@ from fem.cell.rim import rim_forces
 from fem.equations.constraints import Constraints
 from fem.supports import Fixed
 from geometry.arrays import Array
+from geometry.topology import cross
 
 #: rad, the direction in which a body is turned to bend about minus y
 QUARTER = np.pi / 2.0
@@ -64,6 +65,14 @@ def _bends(straight: Straight, quarter: Straight) -> tuple[Array, Array]:
     return -about_y, straight.slopes.by_angle
 
 
+def _triangle(points: Array) -> Array:
+    """(3, 3): the first of the points (n, 3), the one that is farthest from it, and that farthest from both."""
+    away = points - points[0]
+    far = int(np.argmax((away**2).sum(axis=1)))
+    aside = int(np.argmax((cross(away, away[far]) ** 2).sum(axis=1)))
+    return points[[0, far, aside]]
+
+
 class _Section:
     """The equations of twist and shear of a straight half cell, factorized."""
 
@@ -72,17 +81,14 @@ class _Section:
         piece, space = self.piece, self.piece.space
         self.terms = tuple(term for term in self.at.terms if not is_with_images(term, piece.plane))
         self.middle = space.surface("clamp").unique_nodes
-        points = space.points[self.middle]
-        far = [int(np.argmax(np.abs(points[:, k] - points[:, k].mean()))) for k in (1, 2)]
-        three = np.vstack([space.points[piece.curve[0]], points[far]])
-        held = [Fixed("clamp", "yz"), Fixed("tip", "yz"), Fixed(three, "x")]
+        held = [Fixed("clamp", "yz"), Fixed("tip", "yz"), Fixed(_triangle(space.points[self.middle]), "x")]
         self.system = piece.other_system("across", self.terms, Constraints.of(held, space))
         assembly = self.system.assemble(self.at.state, self.terms)
         self.tangent = self.system.linearise(self.at.state, assembly, self.terms)
         axis, normal = np.array([0.0, piece.body.curve_y, 0.0]), np.array([1.0, 0.0, 0.0])
         x = space.points + self.at.state.displacement - axis
         moves = [
-            np.cross(normal, x),
+            -cross(x, normal),
             np.broadcast_to([0.0, 1.0, 0.0], x.shape),
             np.broadcast_to([0.0, 0.0, 1.0], x.shape),
         ]

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from math import cos, hypot, pi, sin
 from typing import Any, final
 
@@ -25,8 +26,12 @@ from rod.arm_law.space_law import SpaceLaw, SpaceRod
 ONE_RATIO, RATIOS = (1 / 3, 2 / 3, 1.0), (0.5, 1.0)
 #: how far the law reaches from the curvature without moment: over the largest one, and at least over 1/length
 REACH, LOADED = 1.5, 0.7
-#: rings of states around the curvature without moment: radius over the reach, and their number
-RINGS = ((0.5, 4), (1.0, 5))
+#: rings of states around the curvature without moment: radius over the reach and number, for one ratio and for several
+RINGS, FEW = ((0.5, 4), (1.0, 5)), ((0.6, 2), (1.0, 3))
+#: parts of pressures between rows at which the cell is solved too
+MIXED = (0.6, 1.0)
+#: pressures between rows at which the law is checked: parts of neighbouring rows
+BETWEEN = (0.65, 0.25)
 #: rad, by which each ring is turned against the one before
 TURN = 2.4
 #: parts of the rows at which the ends are solved, and the change of the curvature for the clamped end over the reach
@@ -70,19 +75,23 @@ def measure_in_space(pieces: ArmPieces, rows: Sequence[Pressures], context: RunC
     highest = _highest(rows) if count == 1 else list(rows)
     context.progress.stage("states without moment")
     middles = _followed(tasks, highest, parts)
+    mixed = [] if count == 1 else _followed(tasks, _between(rows), MIXED)
     length = pieces.design.length
     bends = [_without_moment(state) for row in middles for state in row]
     reach = max(REACH * max(hypot(*bend) for bend in bends), LOADED / length)
     context.progress.stage("bent states")
-    around = [_ring(bend, reach, k) for k, bend in enumerate(bends)]
-    wanted = [(s.pressures, k) for s, ks in zip((s for row in middles for s in row), around, strict=True) for k in ks]
+    rings = RINGS if count == 1 else FEW
+    around = [state for row in middles for state in row[:-1]]  # the last one is that before, without moment
+    wanted = [(s.pressures, k) for n, s in enumerate(around) for k in _ring(_without_moment(s), reach, n, rings)]
     rest = tuple(0.0 for _ in pieces.design.cavities)
-    wanted += [(rest, (reach * cos(a), reach * sin(a))) for a in (0.4, 2.5, 4.6)]
+    wanted += [(rest, k) for k in _ring((0.0, 0.0), reach, 0, ((1.0, 3),))]
     begun = [tasks.begin(SpaceStates.cell, *one) for one in wanted]
     found, left = _results(begun)
-    states = [state for row in middles for state in row] + found
+    states = [state for row in (*middles, *mixed) for state in row] + found
     fit = fit_cell(states, spanned, reach)
+    context.progress.stage("twist, shear and ends")
     law = _law(tasks, fit, states, spanned, (reach, highest))
+    law = replace(law, error=max(law.error, _error_between(tasks, law, highest)))
     return MeasuredInSpace(
         law, len(states), int(fit.potential.basis.exponents.sum(axis=1).max()), left, _finer(tasks, law, highest)
     )
@@ -90,6 +99,12 @@ def measure_in_space(pieces: ArmPieces, rows: Sequence[Pressures], context: RunC
 
 def _highest(rows: Sequence[Pressures]) -> list[Pressures]:
     return [max(rows, key=lambda row: max(map(abs, row)))]
+
+
+def _between(rows: Sequence[Pressures]) -> list[Pressures]:
+    """Means of neighbouring rows, and of all."""
+    means = [*(np.mean(pair, axis=0) for pair in pairwise((*rows, rows[0]))), np.mean(rows, axis=0)]
+    return list(dict.fromkeys(tuple(float(pressure) for pressure in mean) for mean in means))
 
 
 def _scaled(row: Pressures, part: float) -> Pressures:
@@ -118,11 +133,11 @@ def _without_moment(state: CellState) -> Curvatures:
     return state.curvature[0] + float(change[0]), state.curvature[1] + float(change[1])
 
 
-def _ring(middle: Curvatures, reach: float, number: int) -> list[Curvatures]:
+def _ring(middle: Curvatures, reach: float, number: int, rings: Sequence[tuple[float, int]]) -> list[Curvatures]:
     points = []
-    for k, (radius, count) in enumerate(RINGS):
+    for k, (radius, count) in enumerate(rings):
         for i in range(count):
-            angle = TURN * (len(RINGS) * number + k) + 2.0 * pi * i / count
+            angle = TURN * (len(rings) * number + k) + 2.0 * pi * i / count
             points.append((middle[0] + radius * reach * cos(angle), middle[1] + radius * reach * sin(angle)))
     return points
 
@@ -167,11 +182,13 @@ def _law(
         tip=_nothing(3, 0),
         mass=mass_along(pieces.design.of_pieces(pieces.repetition), pieces.config),
     )
-    clamp = _clamp(tasks, law, places)
+    clamp, clamp_length = _clamp(tasks, law, places)
     beside = np.array(
         [_end_beside(law.at(p), one.result(), _nearest(states, p)) for p, one in zip(places, free, strict=True)]
     )
-    return replace(law, clamp=clamp, tip=fit_values(np.array(places) @ onto, beside, quadratic))
+    return replace(
+        law, clamp=clamp, clamp_length=clamp_length, tip=fit_values(np.array(places) @ onto, beside, quadratic)
+    )
 
 
 def _nothing(columns: int, pressures: int) -> Polynomial:
@@ -180,8 +197,8 @@ def _nothing(columns: int, pressures: int) -> Polynomial:
     return Polynomial(Basis(np.zeros((1, count), np.intp), np.ones(count)), np.zeros((1, columns)))
 
 
-def _clamp(tasks: _Tasks, law: SpaceLaw, places: Sequence[Pressures]) -> Polynomial:
-    """Turn and shift of the clamped end, linear in the moments."""
+def _clamp(tasks: _Tasks, law: SpaceLaw, places: Sequence[Pressures]) -> tuple[Polynomial, float]:
+    """Turn and shift of the clamped end, linear in the moments, and the length (mm) of its piece."""
     begun = []
     for pressures in places:
         k_y, k_z = law.at(pressures).kappa_0
@@ -197,7 +214,7 @@ def _clamp(tasks: _Tasks, law: SpaceLaw, places: Sequence[Pressures]) -> Polynom
     powers = exponents_up_to(3, x.shape[1])
     powers = powers[(powers[:, :2].sum(axis=1) <= 1) & (powers[:, 2:].sum(axis=1) <= 2)]
     scale = np.array([largest, largest, *np.abs(x[:, 2:]).max(axis=0)])
-    return fit_values(x, np.array(corrections), Basis(powers, scale))
+    return fit_values(x, np.array(corrections), Basis(powers, scale)), found[0].length
 
 
 def _departure(rod: SpaceRod, end: EndState) -> tuple[Array, Array]:
@@ -230,6 +247,18 @@ def _end_beside(rod: SpaceRod, end: EndState, near: CellState) -> Array:
     place = np.array([0.0, *near.beside]) + np.array(end.place)
     away = place - (shapes.axis[0, 0] - shapes.axis[-1, 0])
     return np.asarray(shapes.frames[0, 0].T @ away)
+
+
+def _error_between(tasks: _Tasks, law: SpaceLaw, rows: Sequence[Pressures]) -> float:
+    """Moment that a cell has between rows at the curvature without moment of the law, over the largest moment."""
+    between = [tuple(float(pressure) for pressure in np.array(BETWEEN) @ pair) for pair in pairwise(rows)]
+    bends = [law.at(pressures).kappa_0 for pressures in between]
+    begun = [tasks.begin(SpaceStates.cell, p, (float(k[0]), float(k[1]))) for p, k in zip(between, bends, strict=True)]
+    found, _ = _results(begun)
+    largest = law.reach * max(
+        float(np.linalg.eigvalsh(law.at(row).law.rigidity(law.at(row).kappa_0))[0]) for row in rows
+    )
+    return max((float(np.linalg.norm(state.vector)) / largest for state in found), default=0.0)
 
 
 def _finer(tasks: _Tasks, law: SpaceLaw, rows: Sequence[Pressures]) -> tuple[float, float] | None:

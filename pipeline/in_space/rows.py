@@ -1,6 +1,6 @@
 """A configuration of an arm that bends in space, with the rows of pressures between which its law is measured."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from pipeline.config.config import Config
@@ -9,7 +9,7 @@ from pipeline.config.section import read
 from pipeline.config.units import PRESSURE, convert
 from pipeline.in_space.states import Pressures
 
-_KEY, _CAVITIES = "pressures", "effects.pressure.cavities"
+_KEY, _CAVITIES = "pressures", ("effects", "pressure", "cavities")
 
 
 @dataclass(frozen=True)
@@ -28,6 +28,10 @@ def read_rows(document: Document) -> RowSpec | None:
     given = document.content.get(_KEY)
     if not isinstance(given, list) or not any(isinstance(entry, list) for entry in given):
         return None
+    effects = document.content.get("effects")
+    pressure = effects.get("pressure") if isinstance(effects, Mapping) else None
+    if isinstance(pressure, Mapping) and "cavities" in pressure:
+        raise document.wrong(_CAVITIES, "contradicts rows of pressures, which say it already; leave it out")
     rows = [_row(document, k, entry) for k, entry in enumerate(given)]
     highest = sorted({max(row) for row in rows})
     values = [(_KEY, [f"{pressure!r} kPa" for pressure in highest])]
@@ -37,8 +41,6 @@ def read_rows(document: Document) -> RowSpec | None:
     if not config.design.halves_differ:
         sentence = "rows of pressures are for a body with geometry.symmetric: false; list one pressure in each entry"
         raise document.wrong((_KEY,), sentence)
-    if any(cavity.fraction != 1.0 for cavity in config.effects.pressure.cavities.values()):
-        raise document.wrong(tuple(_CAVITIES.split(".")), "contradicts rows of pressures, which say it already")
     for k, row in enumerate(rows):
         if len(row) != len(cavities):
             names = ", ".join(cavities)
