@@ -117,8 +117,9 @@ unseen: $(DEV)  ## N=40 designs drawn at random with SEED=7, run (JOBS at a time
 exports: $(DEV)  ## eight arms in MuJoCo, PyElastica and other programs against finite elements; the table of docs/how_to/robots.md
 	@$(BIN)/python -m benchmarks.exports
 
-space: $(DEV)  ## four arms and eight designs bent out of their plane, rods against finite elements of whole arms; a table
+space: $(DEV)  ## arms bent out of their plane, and one with three chambers: rods against finite elements of whole arms; tables
 	@$(BIN)/python -m benchmarks.space
+	@$(BIN)/python -m benchmarks.three_chambers
 
 foreign: $(DEV)  ## bodies as other programs write them, meshed and bent; a table
 	@$(BIN)/python -m benchmarks.foreign

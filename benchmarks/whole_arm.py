@@ -91,8 +91,8 @@ class PlanarState:
         effects = scene.effects(in_MPa(last))
         model = experiment.model(scene.material, effects, scene.config.mesh.formulation)
         parts = [pressure / last for pressure in pressures_kPa]
-        for pressure, part, step in zip(pressures_kPa, parts, _steps(model, parts, ()), strict=False):
-            yield PlanarState(scene, step, pressure, tuple(_constant(effect, part) for effect in effects))
+        for pressure, part, step in zip(pressures_kPa, parts, reached(model, parts, ()), strict=False):
+            yield PlanarState(scene, step, pressure, tuple(at_full_pressure(effect, part) for effect in effects))
 
     def under(self, force_N: tuple[float, float]) -> "PlanarState | None":
         """The same arm under a dead force (x, y) on its end; None where it does not bear it."""
@@ -100,7 +100,7 @@ class PlanarState:
         added = LineForce(self.experiment.edge, (fx, fy, 0.0))
         start = replace(self._begin(self.step), active=(*self.step.active, True), contacts=(*self.step.contacts, None))
         model = self._model(self.experiment, (*self.effects, added))
-        steps = _steps(model, [0.0, 1.0], [start])[1:]
+        steps = reached(model, [0.0, 1.0], [start])[1:]
         effects = (*self.effects, replace(added, ramp=False))
         return PlanarState(self.scene, steps[0], self.pressure_kPa, effects, force_N) if steps else None
 
@@ -191,7 +191,7 @@ class PlanarState:
             added_pairs=self.step.added_pairs[:0],
             exact=None,
         )
-        for step in _steps(model, [0.0, *parts], [start])[1:]:
+        for step in reached(model, [0.0, *parts], [start])[1:]:
             yield Bent(self, moved, step, step.factor * force)
 
     @cached_property
@@ -209,14 +209,14 @@ class PlanarState:
         return np.where(beyond[:, None], moved * IMAGE, moved)
 
 
-def _constant(effect: Effect, part: float) -> Effect:
+def at_full_pressure(effect: Effect, part: float) -> Effect:
     """An effect with the part of its pressure that acts, in full from the beginning."""
     if isinstance(effect, Pressure) and effect.ramp:
         return replace(effect, value=part * effect.value, ramp=False)
     return effect
 
 
-def _steps(model: Model, factors: Sequence[float], resume: Sequence[Step]) -> tuple[Step, ...]:
+def reached(model: Model, factors: Sequence[float], resume: Sequence[Step]) -> tuple[Step, ...]:
     """As far as the path goes."""
     try:
         return follow(model, factors, resume=resume).steps

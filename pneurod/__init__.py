@@ -45,7 +45,7 @@ if TYPE_CHECKING:
         Yeoh,
     )
     from pneurod.measured import calibrate, compare
-    from pneurod.results import Results, read_pair_law, read_results
+    from pneurod.results import Results, read_pair_law, read_results, read_space_law
     from pneurod.wishes import DesignReport, design
     from rod import ArmLaw, FiveParameters, Interval, LawRod, Rod, RodError, RodSolution, RodWarning
 
@@ -85,6 +85,7 @@ __all__ = [
     "pipeline",
     "read_pair_law",
     "read_results",
+    "read_space_law",
     "rod",
 ]
 
@@ -126,7 +127,7 @@ def _imported(name: str) -> object:
             from pneurod import measured
 
             return getattr(measured, name)
-        case "Results" | "read_pair_law" | "read_results":
+        case "Results" | "read_pair_law" | "read_results" | "read_space_law":
             from pneurod import results
 
             return getattr(results, name)

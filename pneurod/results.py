@@ -14,6 +14,7 @@ from pipeline.budget import Budget, budget_of
 from pipeline.cell.saved import SavedLaw
 from pipeline.config.units import ANGLE, FORCE, LENGTH
 from pipeline.errors import InputError, quoted
+from pipeline.in_space.saved import read_space_law as saved_space_law
 from pipeline.notes.verdict import Verdict, verdict_of
 from pipeline.pairs.saved import read_pair_law as saved_pair_law
 from pipeline.results.files import read_results as read_run
@@ -29,6 +30,7 @@ from pneurod.sensitivities import sensitivities_frame
 from rod import PARAMETER_COLUMNS, ArmLaw, FiveParameters, Interval, Rod, RodWarning
 from rod import RodError as NoRod
 from rod.arm_law.pairs import PairLaw
+from rod.arm_law.space_law import SpaceLaw
 from rod.same_pressure import known_at
 
 if TYPE_CHECKING:
@@ -281,6 +283,18 @@ def read_results(directory: Path | str) -> Results:
     except (KeyError, TypeError, ValueError) as failure:  # a file that was edited by hand
         raise InputError(f"{run.directory / 'parameters.json'}: {failure}") from None
     return Results(run)
+
+
+def read_space_law(directory: Path | str) -> SpaceLaw:
+    """The law of an arm that bends in space, of `pneurod cell`.
+
+    `Rod(law.length, law=law.at((18.0, 9.0, 0.0)))` is the rod at pressures in kPa. Raises InputError for a folder
+    without such a law.
+    """
+    path = given_path(directory, "directory", "results/three_chambers_cell")
+    if (law := saved_space_law(path)) is None:
+        raise InputError(f"{path}: holds no law in space; give the folder of `pneurod cell` for such an arm")
+    return law
 
 
 def read_pair_law(directory: Path | str) -> PairLaw:

@@ -140,7 +140,8 @@ class Config(Section):
     )
     pressures_kPa: kinds.Pressures = Field(
         default=(5.0, 17.0, 31.0, 45.0),
-        description="pressures of the run; of two cavities also [pairs](how_to/two_pressures.md)",
+        description="pressures of the run; of two cavities also [pairs](how_to/two_pressures.md), "
+        "of three chambers [rows](how_to/three_chambers.md)",
     )
     #: II, III, and I where it is solved
     experiments: Annotated[tuple[str, ...], Kind("`[I, II, III]` or `[II, III]`", "[II, III]", read=_experiments)] = (

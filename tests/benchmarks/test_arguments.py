@@ -14,6 +14,7 @@ WRONG = {
     "kills": (["x"],),
     "run": ([],),
     "space": (["x"],),
+    "three_chambers": (["x"],),
 }
 
 
