@@ -112,7 +112,7 @@ def draw(curves: list[tuple[Array, Array]], file: Path) -> None:
         for colour, (own, solid) in enumerate(curves):
             axes.plot(solid[::-3, 0], solid[::-3, row], "o", ms=3, mfc="none", color=f"C{colour}")
             axes.plot(own[:, 0], own[:, row], lw=1, color=f"C{colour}")
-        axes.set(xlabel="x, mm", ylabel=f"{'xyz'[row]}, mm", aspect="equal")
+        axes.set(xlabel="x, mm", ylabel=f"{'xyz'[row]}, mm (enlarged)")
     figure.savefig(file, dpi=110)
 
 
