@@ -115,8 +115,9 @@ class _Section:
         step = STEP * self.piece.body.length / float(np.abs(motion).max())
 
         def gradient(sign: float) -> Array:
-            moved = self.system.state_at(self.at.state.displacement + sign * step * motion, self.at.pressure)
-            return self.system.assemble(moved, self.terms).gradient
+            return self.system.gradient_at(
+                self.at.state.displacement + sign * step * motion, self.at.pressure, self.terms
+            )
 
         return np.asarray((gradient(1.0) - gradient(-1.0)) / (2.0 * step))
 

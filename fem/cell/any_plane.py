@@ -94,13 +94,8 @@ def moment_beside(piece: BendingPiece, at: PieceState) -> float:
     x = piece.space.points + at.state.displacement
     gradient = piece.system.assemble(at.state, at.terms).gradient[piece.plane]
     along = np.array([-np.sin(at.angle), np.cos(at.angle), 0.0])
-    air = sum(pressure * float(np.sum(0.5 * z**2 * nu_z)) for pressure, z, nu_z in _heights(piece, at))
+    air = sum(0.5 * pressure * float(x[:, 2] ** 2 @ nu[:, 2]) for pressure, x, nu in mouths(piece, at))
     return piece.whole * (float(np.vdot(gradient, np.cross(along, x[piece.plane]))) + air)
-
-
-def _heights(piece: BendingPiece, at: PieceState) -> list[tuple[float, Array, Array]]:
-    """Of points on the rims of the mouths: the pressure, z, and that component of the normal times the length."""
-    return [(pressure, x[:, 2], nu[:, 2]) for pressure, x, nu in mouths(piece, at)]
 
 
 def _difference(piece: BendingPiece, at: PieceState, moved: Array, angle: float, pressure: float) -> float:

@@ -10,6 +10,8 @@ from pipeline.pressure import in_MPa
 
 #: moment out of the plane of a straight cell over that within, up to which it bends in the plane
 IN_PLANE = 0.01
+#: moment over the pressure times the volume of the cell that is rounding
+NOTHING = 1e-6
 #: why an arm has no law of bending in its plane
 OUT_OF_PLANE = "its cells bend out of the plane z = 0; `pneurod cell` measures its law in space"
 
@@ -23,5 +25,6 @@ def check_plane(pieces: ArmPieces) -> None:
     except PieceFailed:
         return  # the law will say so
     moments = np.array([moment_beside(pieces.cell, state), state.moment])
-    if abs(moments[0]) > IN_PLANE * float(np.linalg.norm(moments)):
+    rounding = NOTHING * state.pressure * pieces.cell.body.volume
+    if abs(moments[0]) > max(IN_PLANE * float(np.linalg.norm(moments)), rounding):
         raise NoArmLaw(OUT_OF_PLANE)

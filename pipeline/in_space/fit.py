@@ -14,6 +14,7 @@ import numpy as np
 from geometry.arrays import Array
 from pipeline.in_space.states import CellState
 from rod.arm_law.polynomial import Basis, Polynomial, exponents_up_to
+from rod.errors import RodError
 
 #: degrees of the potential that are tried, and the smallest number of equations over unknowns
 DEGREES, EQUATIONS = range(3, 8), 1.8
@@ -64,6 +65,8 @@ def fit_cell(states: Sequence[CellState], spanned: Spanned, kappa: float) -> Fit
         basis = Basis(powers[powers[:, :2].sum(axis=1) > 0], scale)
         if EQUATIONS * len(basis.exponents) <= 6 * len(states):
             candidates.append((_left_out(rows, basis), degree, basis))
+    if not candidates:
+        raise RodError(f"Only {len(states)} states of the cell have an equilibrium, too few for a law.")
     error, degree, basis = min(candidates, key=lambda candidate: candidate[0])
     potential = Polynomial(basis, _solved(*rows.of_moment(basis))[:, None])
     lower = Basis(exponents_up_to(degree - 1, len(scale)), scale)

@@ -11,9 +11,9 @@ from scipy.spatial.transform import Rotation
 
 from fem.cell.piece import PieceFailed
 from geometry.arrays import Array
-from pipeline.cell.pieces import ArmPieces
+from pipeline.cell.pieces import ArmPieces, NoArmLaw
 from pipeline.context import RunContext
-from pipeline.errors import RunFailed
+from pipeline.errors import InputError, RunFailed
 from pipeline.in_space.fit import Fit, Spanned, fit_cell, fit_values
 from pipeline.in_space.states import CellState, Curvatures, EndState, Pressures, SpaceStates, state_of
 from pipeline.parallel import Pending
@@ -34,8 +34,8 @@ MIXED = (0.6, 1.0)
 BETWEEN = (0.65, 0.25)
 #: rad, by which each ring is turned against the one before
 TURN = 2.4
-#: parts of the rows at which the ends are solved, and the change of the curvature for the clamped end over the reach
-ENDS, BENT = (0.5, 1.0), 0.25
+#: change of the curvature for the clamped end, over the reach
+BENT = 0.25
 #: size of a mesh on which the state without moment is compared, over that of the law
 FINER = 0.7
 #: steps of the axis through an end
@@ -49,7 +49,6 @@ class MeasuredInSpace:
 
     law: SpaceLaw
     states: int  #: of the cell
-    degree: int  #: of the potential
     left: tuple[str, ...]  #: what could not be solved, a sentence each
     mesh: tuple[float, float] | None  #: relative changes of curvature and rigidity on a mesh of `FINER` the size
 
@@ -84,17 +83,16 @@ def measure_in_space(pieces: ArmPieces, rows: Sequence[Pressures], context: RunC
     around = [state for row in middles for state in row[:-1]]  # the last one is that before, without moment
     wanted = [(s.pressures, k) for n, s in enumerate(around) for k in _ring(_without_moment(s), reach, n, rings)]
     rest = tuple(0.0 for _ in pieces.design.cavities)
-    wanted += [(rest, k) for k in _ring((0.0, 0.0), reach, 0, ((1.0, 3),))]
+    wanted += [(rest, k) for k in ((0.0, 0.0), *_ring((0.0, 0.0), reach, 0, ((1.0, 3),)))]
     begun = [tasks.begin(SpaceStates.cell, *one) for one in wanted]
     found, left = _results(begun)
     states = [state for row in (*middles, *mixed) for state in row] + found
     fit = fit_cell(states, spanned, reach)
     context.progress.stage("twist, shear and ends")
-    law = _law(tasks, fit, states, spanned, (reach, highest))
+    places = [rest, *(_scaled(row, part) for row in highest for part in parts[-2:])]
+    law, missing = _law(tasks, fit, states, spanned, (reach, highest, places))
     law = replace(law, error=max(law.error, _error_between(tasks, law, highest)))
-    return MeasuredInSpace(
-        law, len(states), int(fit.potential.basis.exponents.sum(axis=1).max()), left, _finer(tasks, law, highest)
-    )
+    return MeasuredInSpace(law, len(states), (*left, *missing), _finer(tasks, law, highest))
 
 
 def _highest(rows: Sequence[Pressures]) -> list[Pressures]:
@@ -153,13 +151,18 @@ def _results(begun: Sequence[Pending[Any]]) -> tuple[list[Any], tuple[str, ...]]
 
 
 def _law(
-    tasks: _Tasks, fit: Fit, states: Sequence[CellState], spanned: Spanned, reached: tuple[float, Sequence[Pressures]]
-) -> SpaceLaw:
-    """The law of the fit, with twist, shear and both ends."""
-    reach, highest = reached
+    tasks: _Tasks,
+    fit: Fit,
+    states: Sequence[CellState],
+    spanned: Spanned,
+    reached: tuple[float, Sequence[Pressures], Sequence[Pressures]],
+) -> tuple[SpaceLaw, tuple[str, ...]]:
+    """The law of the fit, with twist, shear and both ends, and what could not be solved.
+
+    reached: how far the law goes (1/mm), its rows of pressures, and the pressures at which ends are solved.
+    """
+    reach, highest, places = reached
     pieces, scale, onto = tasks.pieces, spanned.scale, spanned.onto
-    rest = tuple(0.0 for _ in pieces.design.cavities)
-    places = [rest, *(_scaled(row, part) for row in highest for part in ENDS)]
     quadratic = Basis(exponents_up_to(2, len(scale)), scale)
     across = [tasks.begin(SpaceStates.across, pressures) for pressures in places]
     free = [tasks.begin(SpaceStates.free, pressures) for pressures in places]
@@ -182,13 +185,12 @@ def _law(
         tip=_nothing(3, 0),
         mass=mass_along(pieces.design.of_pieces(pieces.repetition), pieces.config),
     )
-    clamp, clamp_length = _clamp(tasks, law, places)
+    clamp, clamp_length, left = _clamp(tasks, law, places)
     beside = np.array(
         [_end_beside(law.at(p), one.result(), _nearest(states, p)) for p, one in zip(places, free, strict=True)]
     )
-    return replace(
-        law, clamp=clamp, clamp_length=clamp_length, tip=fit_values(np.array(places) @ onto, beside, quadratic)
-    )
+    tip = fit_values(np.array(places) @ onto, beside, quadratic)
+    return replace(law, clamp=clamp, clamp_length=clamp_length, tip=tip), left
 
 
 def _nothing(columns: int, pressures: int) -> Polynomial:
@@ -197,15 +199,15 @@ def _nothing(columns: int, pressures: int) -> Polynomial:
     return Polynomial(Basis(np.zeros((1, count), np.intp), np.ones(count)), np.zeros((1, columns)))
 
 
-def _clamp(tasks: _Tasks, law: SpaceLaw, places: Sequence[Pressures]) -> tuple[Polynomial, float]:
-    """Turn and shift of the clamped end, linear in the moments, and the length (mm) of its piece."""
+def _clamp(tasks: _Tasks, law: SpaceLaw, places: Sequence[Pressures]) -> tuple[Polynomial, float, tuple[str, ...]]:
+    """Turn and shift of the clamped end, linear in the moments, the length (mm) of its piece, and what failed."""
     begun = []
     for pressures in places:
         k_y, k_z = law.at(pressures).kappa_0
         step = BENT * law.reach
         bent = [(k_y + step, k_z), (k_y, k_z + step), (k_y - step, k_z - step)]
         begun += [tasks.begin(SpaceStates.clamped, pressures, (float(a), float(b))) for a, b in bent]
-    found, _ = _results(begun)
+    found, left = _results(begun)
     if len(found) < 3:
         raise RunFailed("the clamped end of the arm bears none of the states that the law needs")
     moments, corrections = zip(*(_departure(law.at(end.pressures), end) for end in found), strict=True)
@@ -214,7 +216,7 @@ def _clamp(tasks: _Tasks, law: SpaceLaw, places: Sequence[Pressures]) -> tuple[P
     powers = exponents_up_to(3, x.shape[1])
     powers = powers[(powers[:, :2].sum(axis=1) <= 1) & (powers[:, 2:].sum(axis=1) <= 2)]
     scale = np.array([largest, largest, *np.abs(x[:, 2:]).max(axis=0)])
-    return fit_values(x, np.array(corrections), Basis(powers, scale)), found[0].length
+    return fit_values(x, np.array(corrections), Basis(powers, scale)), found[0].length, left
 
 
 def _departure(rod: SpaceRod, end: EndState) -> tuple[Array, Array]:
@@ -266,10 +268,10 @@ def _finer(tasks: _Tasks, law: SpaceLaw, rows: Sequence[Pressures]) -> tuple[flo
     pressures = max(rows, key=lambda row: float(np.linalg.norm(law.at(row).kappa_0)))
     bend = law.at(pressures).kappa_0
     middle = float(bend[0]), float(bend[1])
-    finer = replace(tasks, pieces=tasks.pieces.with_mesh_size(FINER * tasks.pieces.config.mesh.size_mm))
     try:
+        finer = replace(tasks, pieces=tasks.pieces.with_mesh_size(FINER * tasks.pieces.config.mesh.size_mm))
         own, other = (one.begin(SpaceStates.cell, pressures, middle).result() for one in (tasks, finer))
-    except PieceFailed:
+    except (InputError, NoArmLaw, PieceFailed):
         return None
     change = np.subtract(_without_moment(other), _without_moment(own))
     rigidity = other.by_curvature[1] / own.by_curvature[1] - 1.0

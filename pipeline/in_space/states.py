@@ -44,7 +44,6 @@ class CellState:
     stretch_by_pressure: float  #: 1/kPa
     axial_rigidity: float  #: N
     beside: tuple[float, float]  #: mm, the material curve beside the axis between two cells, along y and z there
-    contact: bool
 
     @property
     def vector(self) -> Array:
@@ -109,7 +108,6 @@ class SpaceStates:
             found.stretch_by_pressure / KPA_PER_MPA,
             found.axial_rigidity,
             _pair(_beside(piece, at, found.stretch) @ frame_of(angle)),
-            at.touches,
         )
 
     def _across(self, pressures: Pressures) -> list[float]:

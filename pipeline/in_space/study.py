@@ -7,11 +7,12 @@ from time import perf_counter
 
 import numpy as np
 
+from fem.cell.piece import PieceFailed
 from pipeline.cell.pieces import ArmPieces, NoArmLaw
 from pipeline.cell.plane import OUT_OF_PLANE, check_plane
 from pipeline.config.config import Config
 from pipeline.context import run_context
-from pipeline.errors import InputError
+from pipeline.errors import InputError, RunFailed
 from pipeline.formatting import percent
 from pipeline.in_space.measure import FINER, MeasuredInSpace, measure_in_space
 from pipeline.in_space.rows import RowSpec
@@ -22,6 +23,7 @@ from pipeline.store.formats import FORMAT, LAW_IN_SPACE
 from pipeline.store.provenance import provenance
 from pipeline.store.store import open_store
 from rod.arm_law.space_law import SpaceRod
+from rod.errors import RodError
 from rod.spatial import SpatialLoad
 
 
@@ -37,17 +39,17 @@ class SpaceLawReport:
     def sentences(self) -> tuple[str, ...]:
         """How far the law may be trusted, and what could not be solved."""
         measured, law = self.measured, self.measured.law
-        reach = 1.0 / law.reach
         lines = [
-            f"The law interpolates the moments of {measured.states} bent half cells to {percent(law.error)} of the "
-            f"largest; it reaches to curvatures of one over {reach:.3g} mm from that without moment."
+            f"The law interpolates {measured.states} states of a half cell; its moments are right to "
+            f"{percent(law.error)} of the largest.",
+            f"It is known within {1e3 * law.reach:.3g} 1/m of the curvature without load.",
         ]
         if measured.mesh is not None:
             curvature, rigidity = (percent(abs(change)) for change in measured.mesh)
             size = f"{100.0 * FINER:.0f} % of the size"
             lines.append(f"On a mesh of {size} its curvature changes by {curvature} and its rigidity by {rigidity}.")
         if measured.left:
-            lines.append(f"{len(measured.left)} bent states have no equilibrium, the first: {measured.left[0]}.")
+            lines.append(f"{len(measured.left)} states have no equilibrium, the first: {measured.left[0]}.")
         return tuple(lines)
 
     @property
@@ -100,10 +102,13 @@ def measure_space_law(spec: RowSpec, out: Path, jobs: int, fresh: bool, progress
             measured = measure_in_space(ArmPieces.of(Scene.meshed(config)), spec.rows, context)
         except NoArmLaw as refusal:
             raise InputError(f"{config.source}: {refusal}") from None
+        except (PieceFailed, RodError) as failure:
+            sentence = str(failure).rstrip(".")
+            raise RunFailed(f"the arm has no law in space at these pressures: {sentence}; give lower ones") from None
         report = SpaceLawReport(out, spec, measured)
         store.save_json(LAW_IN_SPACE, {**measured.law.record(), "notes": list(report.sentences)})
         record = {"format": FORMAT, "config": config.record(), "config_hash": config.hash, **provenance()}
-        store.save_json("run.json", {**record, "seconds": {"this call": perf_counter() - begin}})
+        store.save_json("run.json", {**record, "rows_kPa": spec.rows, "seconds": {"this call": perf_counter() - begin}})
     return report
 
 

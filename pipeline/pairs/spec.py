@@ -13,6 +13,7 @@ from rod.errors import RodError
 from rod.same_pressure import as_known, is_among
 
 _KEY, _CAVITIES = "pressures", "effects.pressure.cavities"
+_ROWS = "`pneurod cell` takes rows for three chambers"
 _EXAMPLE = "[[10 kPa, 0 kPa], [20 kPa, 5 kPa]]"
 
 
@@ -69,7 +70,7 @@ def read_pairs(document: Document) -> PairSpec | None:
 def _place(document: Document, k: int, entry: Any) -> tuple[float, float]:
     """The larger pressure (kPa) and the direction of an entry."""
     if not isinstance(entry, list) or len(entry) != 2:
-        raise document.wrong((_KEY, k), f"is not a pair of pressures; for example {_EXAMPLE}")
+        raise document.wrong((_KEY, k), f"is not a pair of pressures; for example {_EXAMPLE}. {_ROWS}")
     try:
         first, second = (convert(value, PRESSURE) for value in entry)
         larger, direction = direction_of((first, second))

@@ -14,6 +14,7 @@ from pipeline.rods.choice import RodOfRun
 from pipeline.rods.end_loads import EndLoads, Weight
 from pipeline.rods.options import option_pair, option_value
 from rod.arm_law.pairs import PairLaw
+from rod.arm_law.space_law import SpaceLaw
 from rod.errors import LoadError, RodError
 from rod.inverse import AtPressure, Quantity, Response
 
@@ -96,6 +97,10 @@ def responses_of(rods: RodOfRun, wish: Wish) -> tuple[Response, ...]:
     """The arm under the load of a wish over the pressure, kept with the rods. Raises InputError for two pressures."""
     if isinstance(rods.source, PairLaw):
         raise InputError("two pressures meet a wish in many ways; give the folder of one ratio, such as DIR/1_to_0.25")
+    if isinstance(rods.source, SpaceLaw):
+        raise InputError(
+            "several pressures meet a wish in many ways; `pneurod rod` gives the shape at those you choose"
+        )
     known = [float(pressure) for pressure in rods.source.pressures]
     key = (wish.height_mm, wish.weight)
     if key not in rods.responses:

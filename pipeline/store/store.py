@@ -21,18 +21,19 @@ from numpy.typing import ArrayLike, NDArray
 from pipeline.errors import InputError
 from pipeline.pressure import name_of_state
 from pipeline.store.atomic_file import remove_parts, write_atomic
-from pipeline.store.formats import PAIRS
+from pipeline.store.formats import LAW_IN_SPACE, PAIRS
 from pipeline.store.json_values import JsonObject
 from pipeline.store.result_folder import ON_COMMAND_LINE, FolderWords, ResultFolder, open_folder
 from pipeline.store.state_key import NUMBER_SOURCES, STATE_SOURCES, result_key
 
 _IDENTITY = "states/configuration.json"
 _LOCK = ".pneurod-lock"  #: there while a run is at work, and after one that was killed, whose lock the system releases
-_FOLDERS = ("states", "pictures", "fields", "rungs", "law")
+_FOLDERS = ("states", "pictures", "fields", "rungs", "law", "law_in_space")
 _FILES = (
     *("parameters.json", "experiments.json", "validation.json", "effects.json", "run.json"),
     *("curves.csv", "validation_curves.csv", "mesh.vtu", "report.html", "I.pvd", "II.pvd", "III.pvd"),
     *("accuracy.json", "accuracy.html", "law.json", "law_on_mesh_of_arm.json", "law.html", "effects_table.json"),
+    LAW_IN_SPACE,
 )
 
 

@@ -82,7 +82,7 @@ def law_from_record(record: Mapping[str, Any]) -> ArmLaw:
             cells=tuple(curve_of(CellCurve, row) for row in _cell_rows(record["curves"])),
             clamps=tuple(curve_of(ClampCurve, row) for row in _end_rows(record, "clamp", ClampCurve)),
             tips=tuple(curve_of(TipCurve, row) for row in _end_rows(record, "tip", TipCurve)),
-            mass=_mass(record.get("mass")),
+            mass=mass_of(record.get("mass")),
             weight=pair(record.get("weight_N_per_mm", (0.0, 0.0)), "weight_N_per_mm"),
             rates={
                 name: LawRate.from_record(row, f"derivatives.{name}")
@@ -93,7 +93,8 @@ def law_from_record(record: Mapping[str, Any]) -> ArmLaw:
         raise RodError(f"The law of an arm lacks the key {missing}; write it anew with `pneurod cell`.") from None
 
 
-def _mass(row: Any) -> Mass | None:
+def mass_of(row: Any) -> Mass | None:
+    """The mass in a file; None where it is not known. Raises `RodError`."""
     if row is None:
         return None
     check_table(row, _shapes(Mass), "mass")

@@ -21,6 +21,7 @@ import numpy as np
 from geometry.arrays import Array
 from rod.arm_law.cosserat import Shapes, Strains, in_frame, integrate, rotation
 from rod.arm_law.polynomial import Plane, Polynomial
+from rod.arm_law.record import mass_of, record_of
 from rod.arm_law.small_motions import Ends
 from rod.arm_law.spatial_solver import spatial_equilibrium
 from rod.checked import check_table, finite
@@ -92,11 +93,11 @@ class SpaceLaw:
         rows, target = np.column_stack([matrix, [*np.zeros(len(given)), 1.0]]), np.append(given / largest, 1.0)
         if nnls(rows, target)[1] > ROUNDING * len(target):
             told = ", ".join(f"{value:g}" for value in given)
-            raise RodError(f"The pressures {told} kPa of {names} are not between those of the law; see its pressures.")
+            raise RodError(f"The pressures {told} kPa of {names} are not between rows of the law's pressures_kPa.")
         return SpaceRod(self, given @ self.onto, tuple(given.tolist()))
 
     def record(self) -> dict[str, Any]:
-        """As it stands in law.json."""
+        """As it stands in law_in_space.json."""
         return {
             "format_in_space": FORMAT,
             "cavities": list(self.cavities),
@@ -104,10 +105,11 @@ class SpaceLaw:
             "onto": self.onto.tolist(),
             **{name: getattr(self, name) for name in _NUMBERS},
             **{name: getattr(self, name).record() for name in _POLYNOMIALS},
+            "mass": None if self.mass is None else record_of(self.mass),
         }
 
     @staticmethod
-    def from_record(record: Mapping[str, Any], mass: Mass | None = None) -> "SpaceLaw":
+    def from_record(record: Mapping[str, Any]) -> "SpaceLaw":
         """What `record` gave. Raises `RodError` for a file that cannot be used."""
         check_table(record, {"pressures_kPa": ("r", "m"), "onto": ("m", "q"), **dict.fromkeys(_NUMBERS, ())})
         missing = next((name for name in ("cavities", *_POLYNOMIALS) if name not in record), None)
@@ -116,7 +118,9 @@ class SpaceLaw:
         values: dict[str, Any] = {name: float(record[name]) for name in _NUMBERS}
         values |= {name: Polynomial.from_record(record[name], name) for name in _POLYNOMIALS}
         pressures, onto = (np.array(record[key], float) for key in ("pressures_kPa", "onto"))
-        return SpaceLaw(tuple(map(str, record["cavities"])), pressures, onto, **values, mass=mass)
+        return SpaceLaw(
+            tuple(map(str, record["cavities"])), pressures, onto, **values, mass=mass_of(record.get("mass"))
+        )
 
 
 @final

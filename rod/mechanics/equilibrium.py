@@ -92,8 +92,8 @@ class Rod:
             return
         if isinstance(self.law, SpaceRod):
             self._check_nothing_twice((0.0, 0.0))
-            if float(self.length) != self.law.length:
-                raise RodError(f"The law in space is that of an arm of {self.law.length:g} mm.")
+            if not math.isclose(self.length, self.law.length):
+                raise RodError(f"The law in space is that of an arm of {self.law.length:g} mm; give law.length.")
             object.__setattr__(self, "mass", self.mass or self.law.own.mass)
             return
         if not isinstance(self.law, TwoSlopes):

@@ -8,8 +8,11 @@ import pytest
 from typer.testing import CliRunner, Result
 
 from pipeline.cli import app
+from pipeline.config.document import read_document
 from pipeline.in_space import measure
+from pipeline.in_space.rows import read_rows
 from pipeline.in_space.saved import read_space_law
+from pipeline.store.store import open_store
 from rod.arm_law.space_law import SpaceLaw
 from rod.errors import RodError
 from rod.spatial import SpatialLoad
@@ -26,7 +29,7 @@ geometry:
   curve: 0 mm
   cell: {from: 16 mm, to: 20 mm}
   air: {a: [20 mm, 0 mm, 3.4 mm], b: [20 mm, -2.944 mm, -1.7 mm], c: [20 mm, 2.944 mm, -1.7 mm]}
-material: {law: neo_hooke, mu: 0.1 MPa, nu: 0.49}
+material: {law: neo_hooke, mu: 0.1 MPa, nu: 0.49, density: 1130 kg/m^3}
 mesh: {size: 8 mm, formulation: p2p0, grading: off}
 """
 
@@ -59,10 +62,9 @@ def folder(config: Path) -> Path:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(measure, "ONE_RATIO", (0.5, 1.0))
         patch.setattr(measure, "RINGS", ((0.5, 3),))
-        patch.setattr(measure, "ENDS", (1.0,))
         result = call("cell", str(config), "--out", str(out))
     assert result.exit_code == 0, result.output
-    assert "The law interpolates the moments" in result.output
+    assert "The law interpolates" in result.output
     assert "On a mesh of 70 % of the size" in result.output
     return out
 
@@ -86,7 +88,7 @@ def test_the_law_is_known_along_its_row(law: SpaceLaw) -> None:
     assert law.error < 0.01
     less, more = (np.linalg.norm(law.at((12.0 * part, 4.0 * part, 0.0)).kappa_0) for part in (0.5, 1.0))
     assert 0.2 < less / more < 0.5
-    with pytest.raises(RodError, match="are not between those of the law"):
+    with pytest.raises(RodError, match="are not between rows of the law"):
         law.at((12.0, 0.0, 0.0))
 
 
@@ -114,7 +116,22 @@ def test_wrong_rows(changed: str, sentence: str, config: Path) -> None:
     assert sentence in " ".join(result.output.split())
 
 
-def test_other_commands_do_not_take_rows(config: Path) -> None:
+def test_other_commands_do_not_take_rows(config: Path, folder: Path) -> None:
     result = call("run", str(config))
     assert result.exit_code == 2
-    assert "is not a pair of pressures" in result.output
+    assert "`pneurod cell` takes rows for three chambers" in " ".join(result.output.split())
+    result = call("solve", str(folder), "--angle", "3 deg")
+    assert result.exit_code == 2
+    assert "several pressures meet a wish in many ways" in " ".join(result.output.split())
+
+
+def test_the_weight_of_the_saved_arm(folder: Path) -> None:
+    result = call("rod", str(folder), "--pressure", "[6 kPa, 2 kPa, 0 kPa]", "--orientation", "[0, -1]")
+    assert result.exit_code == 0, result.output
+    assert "which the rod carries besides" in result.output
+
+
+def test_a_fresh_folder_has_no_older_law(folder: Path, config: Path) -> None:
+    with open_store(folder, read_rows(read_document(config)).config, fresh=True):
+        assert not (folder / "law_in_space.json").exists()
+        assert not (folder / "law_in_space").exists()

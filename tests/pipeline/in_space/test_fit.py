@@ -46,7 +46,6 @@ def state(k: Curvatures, p: Pressures) -> CellState:
         1e-3 * part[0],
         40.0,
         (0.0, 0.0),
-        False,
     )
 
 

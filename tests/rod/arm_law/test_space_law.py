@@ -1,5 +1,7 @@
 """The rod with a law of two curvatures against arcs, beams and itself turned about its axis."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -9,6 +11,7 @@ from rod.arm_law.cosserat import rotation
 from rod.arm_law.polynomial import Basis, Polynomial, exponents_up_to
 from rod.arm_law.space_law import SpaceLaw
 from rod.spatial import SpatialLoad
+from rod.weight import Mass
 
 LENGTH, EA, GJ, GA = 80.0, 40.0, 120.0, 5.0
 RIGIDITY = np.array([[300.0, 20.0], [20.0, 200.0]])
@@ -121,7 +124,7 @@ def test_the_file_gives_the_same_rod() -> None:
 
 def test_pressures_between_the_rows_alone() -> None:
     assert law().at((3.0, 3.0, 4.0)).pressures == (3.0, 3.0, 4.0)
-    with pytest.raises(RodError, match="are not between those of the law"):
+    with pytest.raises(RodError, match="are not between rows of the law"):
         law().at((6.0, 5.0, 0.0))
     with pytest.raises(RodError, match="a pressure for each of a, b, c; 2 were given"):
         law().at((6.0, 5.0))
@@ -130,6 +133,19 @@ def test_pressures_between_the_rows_alone() -> None:
 def test_a_load_beyond_the_law_is_refused() -> None:
     with pytest.raises(RodError, match="It is not extrapolated"):
         law().at((0.0, 0.0, 0.0)).solve_in_space(SpatialLoad((0.0, 0.2, 0.0)))
+
+
+def test_its_weight_bends_it_as_an_even_load() -> None:
+    """A cantilever of 2 g lies along x; the file keeps its mass."""
+    made = SpaceLaw.from_record(replace(law(), mass=Mass.even(LENGTH, 2.0)).record())
+    rod = Rod(LENGTH, law=made.at((0.0, 0.0, 0.0)))
+    end = rod.solve(direction=(0.0, 0.0, -1.0)).end
+    force = -2e-3 * 9.81 / 100  # N, of a hundredth of the weight; it is linear there
+    light = Rod(LENGTH, law=replace(made, mass=Mass.even(LENGTH, 0.02)).at((0.0, 0.0, 0.0)))
+    about_y, about_z = np.linalg.inv(RIGIDITY) @ [-force, 0.0]
+    expected = LENGTH**3 / 8 * np.array([about_z, -about_y]) + LENGTH / 2 / GA * np.array([0.0, force])
+    assert np.array(light.solve(direction=(0.0, 0.0, -1.0)).end)[1:] == pytest.approx(expected, rel=1e-3)
+    assert 90 * expected[1] > end[2] > 110 * expected[1]
 
 
 def test_as_a_rod() -> None:
