@@ -53,9 +53,8 @@ TEMPLATES: Mapping[str, str] = {
     # states
     "beyond_law": "stretches in {part} go from {smallest:.2f} to {largest:.2f} ({pressure_kPa:g} kPa); law {law} "
     "holds from {holds_from:.2f} to {holds_to:.2f}; set material.law: {instead}",
-    "out_of_plane": "the arm leaves its plane by {distance_mm:.3g} mm, and its end moves by "
-    "{deflection_mm:.3g} mm in it ({experiment}, {pressure_kPa:g} kPa); no planar rod describes it; "
-    "`pneurod cell` measures the law in space of an arm with equal cells",
+    "out_of_plane": "the arm leaves its plane by {distance_mm:.3g} mm and moves by "
+    "{deflection_mm:.3g} mm in it ({experiment}, {pressure_kPa:g} kPa); `pneurod cell` gives its law in space",
     "volume_lost": "the material loses {percent:.0f} % of its volume at {at} ({experiment}, {pressure_kPa:g} kPa); "
     "compare with a smaller mesh.size",
     "volume_lost_unevenly": "the material loses {percent:.0f} % of its volume at {at} ({experiment}, "

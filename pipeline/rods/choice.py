@@ -64,9 +64,10 @@ class RodOfRun:
         Raises `RodError` outside its pressures, and for a pair where it has one pressure, or the other way round.
         """
         if isinstance(self.source, PairLaw | SpaceLaw):
-            count = 2 if isinstance(self.source, PairLaw) else len(self.source.cavities)
-            if not isinstance(pressure_kPa, tuple) or len(pressure_kPa) != count:
-                raise RodError(f"This law has the pressures of {count} cavities; give all, such as [20 kPa, 5 kPa].")
+            cavities = self.source.cavities
+            if not isinstance(pressure_kPa, tuple) or len(pressure_kPa) != len(cavities):
+                example = ", ".join(["20 kPa", "5 kPa", *["0 kPa"] * (len(cavities) - 2)])
+                raise RodError(f"This law has the pressures of {', '.join(cavities)}; give all, such as [{example}].")
             return Rod(self.source.length, law=self.source.at(pressure_kPa), notes=self.notes)
         if isinstance(pressure_kPa, tuple):
             raise RodError("This rod has one pressure; give it alone, such as 20 kPa.")
