@@ -118,7 +118,9 @@ PositiveForce = Annotated[float, Kind("above 0", "0.4 N", "N", in_unit(FORCE), a
 
 def _pressure(value: Any) -> float:
     if isinstance(value, list):
-        raise ValueError("is a pair, which `pneurod run` alone takes; give one pressure, for example 17 kPa")
+        raise ValueError(
+            "is a list, which only `run` (two cavities) and `cell` (three) take; give one pressure, for example 17 kPa"
+        )
     return convert(value, PRESSURE)
 
 

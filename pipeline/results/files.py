@@ -17,7 +17,7 @@ from pipeline.errors import InputError
 from pipeline.results.parameters import RodParameters
 from pipeline.results.record import RunRecord
 from pipeline.results.values import Curve, Effect, Law, RodError, Run, State
-from pipeline.store.formats import CURVE_COLUMNS, FORMAT
+from pipeline.store.formats import CURVE_COLUMNS, FORMAT, LAW_IN_SPACE
 from pipeline.store.json_values import JsonObject
 from pipeline.store.result_folder import ResultFolder, json_text
 
@@ -96,6 +96,8 @@ def read_results(directory: Path) -> Run:
 def _check_there(directory: Path, contents: Mapping[str, Any]) -> None:
     if "pairs.json" in contents:
         raise InputError(f"{directory}: holds pairs of pressures; give a folder of one ratio in it: 1_to_0.25")
+    if LAW_IN_SPACE in contents:
+        raise InputError(f"{directory}: holds a law in space; of all commands only `pneurod rod` takes it")
     if any(contents.get(name) for name in ("experiments.json", "parameters.json", "law.json", "run.json")):
         return
     if not directory.is_dir():

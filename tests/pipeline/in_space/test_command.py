@@ -125,6 +125,12 @@ def test_other_commands_do_not_take_rows(config: Path, folder: Path) -> None:
     assert "several pressures meet a wish in many ways" in " ".join(result.output.split())
 
 
+def test_other_commands_say_what_takes_the_law(folder: Path) -> None:
+    result = call("export", str(folder), "--to", "mujoco")
+    assert result.exit_code == 2
+    assert "holds a law in space; of all commands only `pneurod rod` takes it" in " ".join(result.output.split())
+
+
 def test_the_weight_of_the_saved_arm(folder: Path) -> None:
     result = call("rod", str(folder), "--pressure", "[6 kPa, 2 kPa, 0 kPa]", "--orientation", "[0, -1]")
     assert result.exit_code == 0, result.output

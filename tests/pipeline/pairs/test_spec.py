@@ -79,5 +79,7 @@ def test_a_body_with_one_cavity_takes_no_pairs(file: Path) -> None:
 
 
 def test_other_commands_take_one_pressure(file: Path) -> None:
-    with pytest.raises(InputError, match=r"pressures.*is a pair, which `pneurod run` alone takes"):
+    with pytest.raises(
+        InputError, match=r"pressures.*is a list, which only `run` \(two cavities\) and `cell` \(three\) take"
+    ):
         load_config(file)
