@@ -19,7 +19,7 @@ import numpy as np
 from fem.cell.any_plane import frame_of
 from fem.cell.mirror_contact import is_with_images
 from fem.cell.piece import BendingPiece, PieceState
-from fem.cell.response import STEP, Slopes
+from fem.cell.response import Slopes, force_change
 from fem.cell.rim import rim_forces
 from fem.equations.constraints import Constraints
 from fem.supports import Fixed
@@ -112,14 +112,7 @@ class _Section:
 
     def forces(self, motion: Array) -> Array:
         """Change (n, 3) of the nodal gradient with a displacement (n, 3), to first order."""
-        step = STEP * self.piece.body.length / float(np.abs(motion).max())
-
-        def gradient(sign: float) -> Array:
-            return self.system.gradient_at(
-                self.at.state.displacement + sign * step * motion, self.at.pressure, self.terms
-            )
-
-        return np.asarray((gradient(1.0) - gradient(-1.0)) / (2.0 * step))
+        return force_change(self.system, self.piece, self.at, self.terms, motion)
 
     def _answer(self, load: Array) -> Array:
         (change,) = self.tangent.solve_each([(load, None)])

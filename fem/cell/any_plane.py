@@ -54,7 +54,6 @@ def frame_of(angle: float) -> Array:
 class BentState:
     """A half cell bent about z of its turned body; components of vectors are those about y and z there."""
 
-    curvature: float  #: 1/mm
     moment: Array  #: (2,) N mm
     by_curvature: Array  #: (2,) N mm2
     by_pressure: Array  #: (2,) N mm/MPa, by the pressure of the state
@@ -78,7 +77,6 @@ def bent_state(piece: BendingPiece, at: PieceState, known: Slopes) -> BentState:
     x = piece.space.points[node] + at.state.displacement[node]
     farther = float(known.by_angle[node] @ normal + x @ along), float(known.by_pressure[node] @ normal)
     return BentState(
-        curvature=phi / h,
         moment=np.array([part * beside, at.moment]),
         by_curvature=h * np.array([part * by_angle + part_slope * beside, known.moment_by_angle]),
         by_pressure=np.array([part * by_pressure, known.moment_by_pressure]),
@@ -92,7 +90,7 @@ def bent_state(piece: BendingPiece, at: PieceState, known: Slopes) -> BentState:
 def moment_beside(piece: BendingPiece, at: PieceState) -> float:
     """M_2 in N mm."""
     x = piece.space.points + at.state.displacement
-    gradient = piece.system.assemble(at.state, at.terms).gradient[piece.plane]
+    gradient = piece.system.gradient_at(at.state.displacement, at.state.factor, at.terms)[piece.plane]
     along = np.array([-np.sin(at.angle), np.cos(at.angle), 0.0])
     air = sum(0.5 * pressure * float(x[:, 2] ** 2 @ nu[:, 2]) for pressure, x, nu in mouths(piece, at))
     return piece.whole * (float(np.vdot(gradient, np.cross(along, x[piece.plane]))) + air)

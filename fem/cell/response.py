@@ -33,6 +33,7 @@ from fem.equations.constraints import Constraints
 from fem.equations.linear import SingularMatrix
 from fem.equations.linearised import Linearised
 from fem.equations.state import Change, State
+from fem.equations.system import System
 from fem.materials.regions import laws_of
 from fem.path.predictor import PathPoint, extrapolate, small_step_under_load, weighted_sum
 from fem.supports import Fixed, Prescribed, SharedPlane, Support
@@ -194,7 +195,7 @@ def shear_rigidity(piece: BendingPiece, at: PieceState, known: Slopes) -> float:
     moment = -h  # at the plane, for Q = 1
     contact = tuple(term for term in at.terms if is_with_images(term, piece.plane))
     terms = tuple(term for term in at.terms if term not in contact)
-    elastic, closing = _force_change(piece, at, terms, bending), _load_change(piece, at, contact, bending)
+    elastic, closing = force_change(piece.system, piece, at, terms, bending), _load_change(piece, at, contact, bending)
     forces = elastic + closing
     middle = piece.space.surface("clamp").unique_nodes
     prescribed = np.zeros_like(bending)
@@ -206,7 +207,7 @@ def shear_rigidity(piece: BendingPiece, at: PieceState, known: Slopes) -> float:
     tangent = _shear_tangent(piece, at, terms, middle, prescribed)
     solved = tangent.solve(tangent.coupling.displacement - applied, tangent.coupling.pressure)
     shear = solved.displacement + prescribed
-    force = _force_change(piece, at, terms, shear) + moment * elastic
+    force = force_change(piece.system, piece, at, terms, shear) + moment * elastic
     displacement = shear + moment * bending
     # of the body, and of the contact, which only the bending closes; the half cell has a mirror image along x
     energy = float(np.vdot(force, displacement)) + moment**2 * float(np.vdot(closing, bending))
@@ -243,15 +244,15 @@ def _load_by_pressure(piece: BendingPiece, at: PieceState, terms: Terms) -> Arra
     return more - system.loads(displacement, at.pressure - 0.5, loads)
 
 
-def _force_change(piece: BendingPiece, at: PieceState, terms: Terms, displacement: Array) -> Array:
-    """Change (n, 3) of the gradient with a displacement (n, 3), to first order, by central differences.
+def force_change(system: System, piece: BendingPiece, at: PieceState, terms: Terms, displacement: Array) -> Array:
+    """Change (n, 3) of the gradient of a piece with a displacement (n, 3), to first order, by central differences.
 
     With mixed elements the pressures follow.
     """
     step = _step(piece, displacement)
 
     def gradient(sign: float) -> Array:
-        return piece.system.gradient_at(at.state.displacement + sign * step * displacement, at.pressure, terms)
+        return system.gradient_at(at.state.displacement + sign * step * displacement, at.pressure, terms)
 
     return np.asarray((gradient(1.0) - gradient(-1.0)) / (2.0 * step))
 

@@ -20,6 +20,7 @@ import numpy as np
 
 from fem.cell.mirror_contact import is_with_images
 from fem.cell.piece import BendingPiece, PieceState
+from fem.cell.response import force_change
 from fem.cell.rim import rim_forces
 from fem.cell.sliding_walls import SlidingWalls
 from fem.effects.barrier import FacingTerm
@@ -30,9 +31,6 @@ from fem.equations.constraints import Constraints
 from fem.equations.system import System
 from fem.supports import Fixed, FixedAlong, Support
 from geometry.arrays import Array, Index
-
-#: largest displacement of a difference of forces, over the size of the piece
-STEP = 1e-6
 
 
 @final
@@ -98,13 +96,7 @@ class Sideways:
 
     def forces(self, motion: Array) -> Array:
         """Change (n, 3) of the nodal gradient with a displacement (n, 3), to first order; mixed pressures follow."""
-        state, pressure = self.place.at.state, self.place.at.pressure
-        step = STEP * self.place.piece.body.length / float(np.abs(motion).max())
-
-        def gradient(sign: float) -> Array:
-            return self.system.gradient_at(state.displacement + sign * step * motion, pressure, self.terms)
-
-        return np.asarray((gradient(1.0) - gradient(-1.0)) / (2.0 * step))
+        return force_change(self.system, self.place.piece, self.place.at, self.terms, motion)
 
     def solve(self, *loads: Array) -> list[Array]:
         """The displacements (n, 3) that balance changes of the gradient (n, 3)."""
