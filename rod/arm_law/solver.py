@@ -46,10 +46,7 @@ class Pieces:
 
     def weight(self, load: Load | SpatialLoad, s: Array) -> Array:
         """(n, 4) N and N mm: the weight of a load beyond s (n,), as `EndLoad` has it; (n, 6) of a load in space."""
-        mass = self.mass or Mass.even(self.length, 1.0, load.weight_height)
-        (grams, heights), (all_grams, _) = mass.within(self.length - s), mass.within(np.array([self.length]))
-        total = np.array(load.weight) * self.length / all_grams
-        return np.column_stack([grams[:, None] * total, heights[:, None] * total])
+        return weight_beyond(load, self.mass, self.length, s)
 
     @cached_property
     def arrays(self) -> LawArrays:
@@ -76,6 +73,17 @@ class Pieces:
             _copied(slopes),
             _copied(tip.by_pull[-1]),
         )
+
+
+def weight_beyond(load: Load | SpatialLoad, mass: Mass | None, length: float, s: Array) -> Array:
+    """(n, 4) N and N mm, (n, 6) in space: the weight of a load beyond s (n,) on an arm of a length in mm.
+
+    mass: None for one that is spread evenly.
+    """
+    mass = mass or Mass.even(length, 1.0, load.weight_height)
+    (grams, heights), (all_grams, _) = mass.within(length - s), mass.within(np.array([length]))
+    total = np.array(load.weight) * length / all_grams
+    return np.column_stack([grams[:, None] * total, heights[:, None] * total])
 
 
 def _copied(values: Array) -> Array:

@@ -23,6 +23,7 @@ from rod.arm_law.cosserat import Shapes, Strains, in_frame, integrate, rotation
 from rod.arm_law.polynomial import Plane, Polynomial
 from rod.arm_law.record import mass_of, record_of
 from rod.arm_law.small_motions import Ends
+from rod.arm_law.solver import weight_beyond
 from rod.arm_law.spatial_solver import spatial_equilibrium
 from rod.checked import check_table, finite
 from rod.errors import RodError
@@ -253,13 +254,7 @@ class _Held:
         self.positions = np.linspace(0.0, self.length, steps + 1)
 
     def weight(self, load: SpatialLoad) -> Array:
-        mass = self.rod.own.mass or Mass.even(self.length, 1.0, load.weight_height)
-        (grams, heights), (all_grams, _) = (
-            mass.within(self.length - self.positions),
-            mass.within(np.array([self.length])),
-        )
-        total = np.array(load.weight) * self.length / all_grams
-        return np.column_stack([grams[:, None] * total, heights[:, None] * total])
+        return weight_beyond(load, self.rod.own.mass, self.length, self.positions)
 
     def inflated(self) -> tuple[Array, Array, Array]:
         turn, shift = np.split(self.rod.clamp_at(np.zeros((1, 2)))[0], 2)
