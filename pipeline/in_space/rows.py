@@ -1,15 +1,16 @@
 """A configuration of an arm that bends in space, with the rows of pressures between which its law is measured."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from pipeline.config.config import Config
 from pipeline.config.document import Document
+from pipeline.config.pressure_lists import pressure_lists
 from pipeline.config.section import read
 from pipeline.config.units import PRESSURE, convert
 from pipeline.in_space.states import Pressures
 
-_KEY, _CAVITIES = "pressures", ("effects", "pressure", "cavities")
+_KEY = "pressures"
 
 
 @dataclass(frozen=True)
@@ -25,13 +26,8 @@ def read_rows(document: Document) -> RowSpec | None:
 
     Only a body with `geometry.symmetric: false` has rows.
     """
-    given = document.content.get(_KEY)
-    if not isinstance(given, list) or not any(isinstance(entry, list) for entry in given):
+    if (given := pressure_lists(document, "rows")) is None:
         return None
-    effects = document.content.get("effects")
-    pressure = effects.get("pressure") if isinstance(effects, Mapping) else None
-    if isinstance(pressure, Mapping) and "cavities" in pressure:
-        raise document.wrong(_CAVITIES, "contradicts rows of pressures, which say it already; leave it out")
     rows = [_row(document, k, entry) for k, entry in enumerate(given)]
     highest = sorted({max(row) for row in rows})
     values = [(_KEY, [f"{pressure!r} kPa" for pressure in highest])]

@@ -6,6 +6,7 @@ from typing import Any
 
 from pipeline.config.config import Config
 from pipeline.config.document import Document
+from pipeline.config.pressure_lists import pressure_lists
 from pipeline.config.section import read
 from pipeline.config.units import PRESSURE, convert
 from rod.arm_law.pairs import direction_of, fractions_of
@@ -44,14 +45,8 @@ class PairSpec:
 
 def read_pairs(document: Document) -> PairSpec | None:
     """The pairs of a configuration; None where its pressures are no pairs. Raises InputError."""
-    given = document.content.get(_KEY)
-    if not isinstance(given, list) or not any(isinstance(entry, list) for entry in given):
+    if (given := pressure_lists(document, "pairs")) is None:
         return None
-    effects = document.content.get("effects")
-    pressure = effects.get("pressure") if isinstance(effects, Mapping) else None
-    if isinstance(pressure, Mapping) and "cavities" in pressure:
-        key = ("effects", "pressure", "cavities")
-        raise document.wrong(key, "contradicts pairs of pressures, which say it already; leave it out")
     rays: dict[float, list[float]] = {}
     for k, entry in enumerate(given):
         larger, direction = _place(document, k, entry)
