@@ -38,7 +38,7 @@ from pipeline.progress import Silent
 from pipeline.simulation.scene import Scene
 from pipeline.store.store import open_store
 from rod import ArmLaw, Load, Solid
-from rod.arm_law.law import LawRod
+from rod.arm_law.law_rod import LawRod
 from rod.arm_law.record import law_record
 from rod.export.formats import PROGRAMS, export_robot
 from rod.export.robot import Robot, Section

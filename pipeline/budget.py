@@ -25,7 +25,8 @@ from pipeline.store.atomic_file import write_atomic
 from pipeline.store.result_folder import open_file
 from rod.arm_law.curves import ACROSS
 from rod.arm_law.derivative import NUMBERS as NUMBERS_OF_LAW
-from rod.arm_law.law import ArmLaw, LawRod
+from rod.arm_law.law import ArmLaw
+from rod.arm_law.law_rod import LawRod
 from rod.errors import RodError
 
 #: numbers of an arm, by their names in a `Row`, as they stand in tables

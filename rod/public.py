@@ -1,6 +1,7 @@
 """The names that users and the other rooms write as `rod.NAME`."""
 
-from rod.arm_law.law import ArmLaw, LawRod
+from rod.arm_law.law import ArmLaw
+from rod.arm_law.law_rod import LawRod
 from rod.arm_law.record import law_from_record, law_record
 from rod.curves.cell_average import cell_averaged, shortest_pitch
 from rod.curves.closure import Closure, end_displacement_closure

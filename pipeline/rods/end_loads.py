@@ -17,7 +17,7 @@ from pipeline.rods.options import option_list, option_value, option_vector
 from pipeline.store.atomic_file import write_atomic
 from pipeline.store.formats import ARM_LAW, EXTENSIBLE, FIVE
 from pipeline.store.result_folder import open_file
-from rod.arm_law.law import LawRod
+from rod.arm_law.law_rod import LawRod
 from rod.arm_law.space_law import SpaceRod
 from rod.errors import LoadError, RodError, RodWarning
 from rod.mechanics.equilibrium import Rod

@@ -16,7 +16,7 @@ STEP, LARGEST_STEP = 1e-4, 1e-2
 
 
 class Arm(Protocol):
-    """An arm at one pressure, as `rod.arm_law.law.LawRod` is."""
+    """An arm at one pressure, as `rod.arm_law.law_rod.LawRod` is."""
 
     @property
     def section(self) -> SectionLaw:

@@ -17,7 +17,8 @@ import numpy as np
 from geometry.arrays import Array
 from rod.arm_law.between import interpolate_columns
 from rod.arm_law.curves import CellCurve, ClampCurve, TipCurve
-from rod.arm_law.law import ArmLaw, LawRod
+from rod.arm_law.law import ArmLaw
+from rod.arm_law.law_rod import LawRod
 from rod.arm_law.record import law_from_record, law_record
 from rod.arm_law.section import bracket, clamp_at, section_at, tip_at
 from rod.errors import RodError

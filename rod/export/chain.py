@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from geometry.arrays import Array
-from rod.arm_law.law import LawRod
+from rod.arm_law.law_rod import LawRod
 from rod.cubics import cubic
 from rod.errors import RodError
 from rod.export.in_space import Part, SpaceHinges, space_hinges

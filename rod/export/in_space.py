@@ -13,7 +13,7 @@ import numpy as np
 
 from geometry.arrays import Array
 from rod.arm_law.curves import IN_SPACE
-from rod.arm_law.law import LawRod
+from rod.arm_law.law_rod import LawRod
 
 #: points of the integrals along a part
 POINTS = 33

@@ -23,7 +23,8 @@ from typing import Any, Literal, get_args, overload
 import numpy as np
 
 from geometry.arrays import Array, read_only
-from rod.arm_law.law import ArmLaw, LawRod
+from rod.arm_law.law import ArmLaw
+from rod.arm_law.law_rod import LawRod
 from rod.arm_law.space_law import SpaceRod
 from rod.checked import finite, positive
 from rod.curves.extension import Extension

@@ -24,7 +24,8 @@ from pipeline.cell.table import space_table
 from pipeline.results.law import LawMeshError
 from rod import RodError
 from rod.arm_law.curves import IN_SPACE, CellCurve
-from rod.arm_law.law import ArmLaw, LawRod
+from rod.arm_law.law import ArmLaw
+from rod.arm_law.law_rod import LawRod
 from rod.arm_law.record import curve_of, law_from_record, law_record, record_of
 from rod.spatial import SpatialLoad
 

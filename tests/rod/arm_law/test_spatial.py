@@ -10,7 +10,8 @@ from geometry.arrays import Array
 from rod import Load, Rod, RodError, RodSolution
 from rod.arm_law.cosserat import LawInSpace, rotation
 from rod.arm_law.curves import CellCurve, ClampCurve, TipCurve
-from rod.arm_law.law import ArmLaw, LawRod
+from rod.arm_law.law import ArmLaw
+from rod.arm_law.law_rod import LawRod
 from rod.arm_law.small_motions import OUT_OF_PLANE, arc, end_compliance
 from rod.spatial import SpatialLoad, SpatialSolution, triple
 from rod.weight import Mass
