@@ -16,18 +16,18 @@ import yaml
 
 from benchmarks.unseen.designs import drawn
 from fem.cell.piece import PieceFailed
-from pipeline.cell.limit import fine_mesh
-from pipeline.cell.measure import cell_without_moment
-from pipeline.cell.mesh_limit import Numbers
-from pipeline.cell.meshes import MESHES, find_limit
-from pipeline.cell.pieces import ArmPieces
 from pipeline.config.config import Config
 from pipeline.config.load import load_config
-from pipeline.context import RunContext
-from pipeline.pressure import in_MPa
-from pipeline.progress import Silent
-from pipeline.simulation.scene import Scene
+from pipeline.law.limit import fine_mesh
+from pipeline.law.mesh_limit import Numbers
+from pipeline.law.meshes import MESHES, find_limit
+from pipeline.law.piece.measure import cell_without_moment
+from pipeline.law.pieces import ArmPieces
+from pipeline.simulate.scene import Scene
+from pipeline.store.context import RunContext
+from pipeline.store.progress import Silent
 from pipeline.store.store import open_store
+from pipeline.values.pressure import in_MPa
 
 #: finer meshes for the true error
 FINER = 2

@@ -24,11 +24,11 @@ from scipy.io import loadmat
 
 from benchmarks.markdown import table
 from benchmarks.unseen.designs import drawn
+from pipeline.answers.rods.export import ExportOptions, exported
+from pipeline.answers.rods.judged import Reference, distance, references
 from pipeline.config.load import load_config
 from pipeline.config.validation import middle_of_widest
 from pipeline.results.files import read_results
-from pipeline.rods.export import ExportOptions, exported
-from pipeline.rods.judged import Reference, distance, references
 from pneurod import characterize
 from rod.export.chain import Chain
 

@@ -17,7 +17,7 @@ import fem
 from benchmarks.markdown import table
 from geometry import PneurodError
 from pipeline.config.load import load_config
-from pipeline.simulation.scene import Scene
+from pipeline.simulate.scene import Scene
 from tests.foreign_bodies import Tried, write_tried
 
 #: kPa

@@ -9,11 +9,11 @@ import numpy as np
 from scipy.stats import t
 
 from geometry.arrays import Array
-from pipeline.errors import InputError
-from pipeline.measured.fit import effects_on, fit, numbers_of
-from pipeline.measured.predicted import Numbers
-from pipeline.measured.rows import Measurements
-from pipeline.measured.unknowns import BuiltArm, unknowns_of
+from pipeline.answers.measured.fit import effects_on, fit, numbers_of
+from pipeline.answers.measured.predicted import Numbers
+from pipeline.answers.measured.rows import Measurements
+from pipeline.answers.measured.unknowns import BuiltArm, unknowns_of
+from pipeline.values.errors import InputError
 from rod.arm_law.law import ArmLaw
 
 

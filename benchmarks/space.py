@@ -27,16 +27,16 @@ from benchmarks.exports import drawn_at_random, rest
 from benchmarks.markdown import table
 from benchmarks.whole_arm import PlanarState, couple, force_across
 from geometry.arrays import Array
-from pipeline.cell.build import build_law
-from pipeline.cell.pieces import ArmPieces
-from pipeline.cell.saved import SavedLaw
 from pipeline.config.config import Config
 from pipeline.config.load import load_config
-from pipeline.context import RunContext
-from pipeline.errors import RunFailed
-from pipeline.progress import Silent
-from pipeline.simulation.scene import Scene
+from pipeline.law.build import build_law
+from pipeline.law.pieces import ArmPieces
+from pipeline.results.saved_law import SavedLaw
+from pipeline.simulate.scene import Scene
+from pipeline.store.context import RunContext
+from pipeline.store.progress import Silent
 from pipeline.store.store import open_store
+from pipeline.values.errors import RunFailed
 from rod import ArmLaw, Load, Solid
 from rod.arm_law.law_rod import LawRod
 from rod.arm_law.record import law_record

@@ -26,11 +26,11 @@ from fem.supports import nodes_at
 from geometry.arrays import Array
 from pipeline.config.document import read_document
 from pipeline.config.load import load_config
-from pipeline.in_space.rows import read_rows
-from pipeline.in_space.study import measure_space_law
-from pipeline.pressure import in_MPa
-from pipeline.progress import Silent
-from pipeline.simulation.scene import Scene
+from pipeline.law.in_space.rows import read_rows
+from pipeline.law.in_space.study import measure_space_law
+from pipeline.simulate.scene import Scene
+from pipeline.store.progress import Silent
+from pipeline.values.pressure import in_MPa
 from rod.arm_law.space_law import SpaceLaw
 from rod.spatial import SpatialLoad
 

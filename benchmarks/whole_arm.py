@@ -22,8 +22,8 @@ from fem.path.active_set import ActiveSet
 from fem.solution import Step
 from fem.supports import Fixed, Support, nodes_at
 from geometry.arrays import Array
-from pipeline.pressure import in_MPa
-from pipeline.simulation.scene import Scene
+from pipeline.simulate.scene import Scene
+from pipeline.values.pressure import in_MPa
 
 #: mirror image at z = 0 of a position, and of a displacement that is antisymmetric
 IMAGE, ANTISYMMETRIC = np.array([1.0, 1.0, -1.0]), np.array([-1.0, -1.0, 1.0])

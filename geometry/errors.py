@@ -10,7 +10,7 @@ Values: TypeAlias = Mapping[str, float | int | str | list[Any]]
 
 @dataclass(frozen=True)
 class Reason:
-    """A code and the numbers that belong to it; `pipeline.notes.render` makes the sentence."""
+    """A code and the numbers that belong to it; `pipeline.values.reasons.render` makes the sentence."""
 
     code: str
     values: Values = field(default_factory=dict, hash=False)

@@ -97,7 +97,7 @@ def _check_gmsh() -> str:
 def _check_pictures() -> str:
     import numpy as np
 
-    from pipeline.drawing.pictures import draw_body
+    from pipeline.results.drawing import draw_body
 
     corners = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
     with tempfile.TemporaryDirectory() as folder:

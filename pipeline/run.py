@@ -4,15 +4,15 @@ from pathlib import Path
 
 from pipeline import stages
 from pipeline.config.config import Config
-from pipeline.context import RunContext, run_context
-from pipeline.identification.added_pressures import Identified
-from pipeline.notes import render
-from pipeline.notes.design import check_design
-from pipeline.progress import Progress
-from pipeline.simulation.outcome import Outcomes
+from pipeline.identify.added_pressures import Identified
+from pipeline.identify.validate import Validated
+from pipeline.simulate.design_notes import check_design
+from pipeline.simulate.outcome import Outcomes
+from pipeline.store.context import RunContext, run_context
+from pipeline.store.progress import Progress
 from pipeline.store.result_folder import ON_COMMAND_LINE, FolderWords
 from pipeline.store.store import open_store
-from pipeline.validation.validate import Validated
+from pipeline.values.reasons import render
 
 
 def run(

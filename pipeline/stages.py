@@ -8,36 +8,36 @@ from time import perf_counter
 from typing import Any, TypeAlias
 
 from geometry import Reason, Values
-from pipeline.budget import make_budget
-from pipeline.cell.of_run import LawOfRun, deliver_law_of_run, law_on_mesh_of_arm
+from pipeline.answers.budget import make_budget
 from pipeline.config.config import Config
-from pipeline.context import RunContext
-from pipeline.identification.added_pressures import Identified, identify_run
-from pipeline.identification.mesh_error import with_mesh_error
-from pipeline.identification.parameters import Parameters
-from pipeline.identification.predicted import predictions, with_mesh_error_of_laws
-from pipeline.identification.record import parameters_record
-from pipeline.notes import render, render_all, report_reason
-from pipeline.notes.design import check_design
-from pipeline.notes.mesh import check_body
-from pipeline.notes.states import Solved, check_states
-from pipeline.notes.unloaded import delivered_numbers
-from pipeline.parallel import Pending
-from pipeline.progress import Progress
-from pipeline.report.saved import save_report
+from pipeline.identify.added_pressures import Identified, identify_run
+from pipeline.identify.arm_rods import ArmRods
+from pipeline.identify.compare import Comparison, compare, curves_of
+from pipeline.identify.mesh_error import with_mesh_error
+from pipeline.identify.parameters import Parameters
+from pipeline.identify.predicted import predictions, with_mesh_error_of_laws
+from pipeline.identify.record import parameters_record
+from pipeline.identify.state_notes import Solved, check_states
+from pipeline.identify.validate import Validated, find_loads_beyond_II, keep_reached_loads, solve_validation
+from pipeline.identify.validate import validate as compare_loads
+from pipeline.law.of_run import LawOfRun, deliver_law_of_run, law_on_mesh_of_arm
 from pipeline.results.files import CURVES, LAW_ON_MESH_OF_ARM, VALIDATION_CURVES, save_curves, save_value
-from pipeline.results.record import RunRecord
-from pipeline.results.values import Run
-from pipeline.simulation.effects_record import list_effects
-from pipeline.simulation.outcome import Outcomes
-from pipeline.simulation.pictures import draw_all
-from pipeline.simulation.scene import Scene, mesh_with_progress
-from pipeline.simulation.simulate import begin_II, begin_loading, complete_experiments, find_highest_pressure
+from pipeline.results.unloaded import delivered_numbers
+from pipeline.show.pictures import draw_all
+from pipeline.show.saved import save_report
+from pipeline.simulate.design_notes import check_design
+from pipeline.simulate.effects_record import list_effects
+from pipeline.simulate.mesh_notes import check_body
+from pipeline.simulate.outcome import Outcomes
+from pipeline.simulate.scene import Scene, mesh_with_progress
+from pipeline.simulate.simulate import begin_II, begin_loading, complete_experiments, find_highest_pressure
+from pipeline.store.context import RunContext
+from pipeline.store.parallel import Pending
+from pipeline.store.progress import Progress
 from pipeline.store.provenance import provenance
-from pipeline.validation.compare import Comparison, compare, curves_of
-from pipeline.validation.rods import ArmRods
-from pipeline.validation.validate import Validated, find_loads_beyond_II, keep_reached_loads, solve_validation
-from pipeline.validation.validate import validate as compare_loads
+from pipeline.values.reasons import render, render_all, report_reason
+from pipeline.values.record import RunRecord
+from pipeline.values.run import Run
 from rod import ArmLaw, RodError
 from rod.arm_law.record import law_record
 

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     import pipeline
     import rod
     from geometry import PneurodError
-    from pipeline.errors import InputError, RunFailed
+    from pipeline.values.errors import InputError, RunFailed
     from pneurod.characterization import characterize
     from pneurod.designs import (
         BisectedCircle,
@@ -116,7 +116,7 @@ def _imported(name: str) -> object:
 
             return fem
         case "InputError" | "RunFailed":
-            from pipeline import errors
+            from pipeline.values import errors
 
             return getattr(errors, name)
         case "characterize":

@@ -6,8 +6,8 @@ from pathlib import Path
 from typing import Any
 
 from pipeline.config.units import PRESSURE, Dimension, convert
-from pipeline.errors import InputError, quoted
 from pipeline.store.result_folder import FolderWords
+from pipeline.values.errors import InputError, quoted
 from rod.checked import finite
 
 #: numbers with their unit and words as texts, plain numbers, and lists of them

@@ -6,11 +6,12 @@ from pathlib import Path
 from pipeline.config.config import Config
 from pipeline.config.document import Document, read_document
 from pipeline.config.section import read
-from pipeline.errors import InputError, RunFailed, quoted
-from pipeline.processes import available_cores
-from pipeline.progress import Silent, progress_for
 from pipeline.run import run
-from pipeline.simulation.simulate import EXPERIMENTS
+from pipeline.show.progress import progress_for
+from pipeline.simulate.simulate import EXPERIMENTS
+from pipeline.store.processes import available_cores
+from pipeline.store.progress import Silent
+from pipeline.values.errors import InputError, RunFailed, quoted
 from pneurod.arguments import IN_PYTHON, Setting, given_choice, given_jobs, given_path, given_settings, setting_name
 from pneurod.designs import Body, Material
 from pneurod.results import Results

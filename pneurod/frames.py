@@ -7,9 +7,9 @@ from typing import Any
 
 import pandas as pd
 
-from pipeline.results.parameters import RestShape
-from pipeline.results.values import Effect, RodError, State
-from pipeline.store.formats import CURVE_COLUMNS
+from pipeline.values.formats import CURVE_COLUMNS
+from pipeline.values.parameters import RestShape
+from pipeline.values.run import Effect, RodError, State
 
 #: columns that hold texts, empty where there is none; all others hold numbers or true and false
 _TEXTS = {"experiment", "load", "rod", "sample", "effect", "state", "status", "reason", "warning"}

@@ -3,8 +3,8 @@
 from collections.abc import Sequence
 from pathlib import Path
 
-from pipeline.measured.calibrate import CalibrateOptions, CalibrationReport, calibrate_files
-from pipeline.measured.compare import Comparison, compare_files
+from pipeline.answers.measured.calibrate import CalibrateOptions, CalibrationReport, calibrate_files
+from pipeline.answers.measured.compare import Comparison, compare_files
 from pneurod.arguments import given_choice, given_path
 
 

@@ -2,13 +2,13 @@
 
 from typing import TYPE_CHECKING
 
-from pipeline.errors import InputError, quoted
-from pipeline.plots import plotly_figure
-from pipeline.report import figures
-from pipeline.results.values import Run
+from pipeline.show import figures
+from pipeline.values.errors import InputError, quoted
+from pipeline.values.plots import plotly_figure
+from pipeline.values.run import Run
 
 if TYPE_CHECKING:
-    from pipeline.plots import Figure
+    from pipeline.values.plots import Figure
 
 
 class Plots:

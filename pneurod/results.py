@@ -10,20 +10,20 @@ from typing import TYPE_CHECKING
 
 import pandas as pd
 
-from pipeline.budget import Budget, budget_of
-from pipeline.cell.saved import SavedLaw
+from pipeline.answers.budget import Budget, budget_of
+from pipeline.answers.rods.choice import RodOfRun, check_kind, choose_rod, nothing_identified
+from pipeline.answers.rods.end_loads import Weight
+from pipeline.answers.rods.export import ExportOptions, ExportWords, exported
+from pipeline.answers.rods.pressures import PressureFor, Wish, pressures_for
 from pipeline.config.units import ANGLE, FORCE, LENGTH
-from pipeline.errors import InputError, quoted
-from pipeline.in_space.saved import read_space_law as saved_space_law
-from pipeline.notes.verdict import Verdict, verdict_of
-from pipeline.pairs.saved import read_pair_law as saved_pair_law
 from pipeline.results.files import read_results as read_run
-from pipeline.results.values import Effect, RodError, Run, State
-from pipeline.rods.checks import check_parameters
-from pipeline.rods.choice import RodOfRun, check_kind, choose_rod, nothing_identified
-from pipeline.rods.end_loads import Weight
-from pipeline.rods.export import ExportOptions, ExportWords, exported
-from pipeline.rods.pressures import PressureFor, Wish, pressures_for
+from pipeline.results.parameter_checks import check_parameters
+from pipeline.results.saved_law import SavedLaw
+from pipeline.results.saved_law_in_space import read_space_law as saved_space_law
+from pipeline.results.saved_pairs import read_pair_law as saved_pair_law
+from pipeline.results.verdict import Verdict, verdict_of
+from pipeline.values.errors import InputError, quoted
+from pipeline.values.run import Effect, RodError, Run, State
 from pneurod.arguments import given_choice, given_number, given_pair, given_path, given_pressure
 from pneurod.frames import by_pressure, curves_frame, expanded, frame_of, profiles
 from pneurod.sensitivities import sensitivities_frame

@@ -2,10 +2,11 @@
 
 from pathlib import Path
 
-from pipeline.progress import Silent, progress_for
-from pipeline.wishes.design import Course, find_design
-from pipeline.wishes.report import DesignReport
-from pipeline.wishes.spec import read_wishes
+from pipeline.show.progress import progress_for
+from pipeline.store.progress import Silent
+from pipeline.study.wishes.design import Course, find_design
+from pipeline.study.wishes.report import DesignReport
+from pipeline.study.wishes.spec import read_wishes
 from pneurod.arguments import IN_PYTHON, given_choice, given_jobs, given_path
 
 

@@ -5,8 +5,8 @@ from typing import Any
 
 import numpy as np
 
-from pipeline.simulation.pictures import boundary
-from pipeline.store.formats import SURFACES
+from pipeline.show.pictures import boundary
+from pipeline.values.formats import SURFACES
 
 EDGES = [(0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3)]
 

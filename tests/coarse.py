@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import Any
 
 from pipeline.results.files import read_results
-from pipeline.results.law import LawMeshError
-from pipeline.results.values import Run
+from pipeline.values.law import LawMeshError
+from pipeline.values.run import Run
 
 COARSE = Path(__file__).resolve().parent / "data" / "results_coarse"
 

@@ -8,9 +8,9 @@ from pathlib import Path
 import pytest
 
 from geometry import Body, PneuNet
-from pipeline.cell import limit
-from pipeline.cell.meshes import find_limit
-from pipeline.processes import THREADS
+from pipeline.law import limit
+from pipeline.law.meshes import find_limit
+from pipeline.store.processes import THREADS
 
 #: of the libraries, as the tests begin
 BEGAN_WITH = {name: os.environ.get(name) for name in THREADS}
@@ -38,7 +38,7 @@ def configs() -> Path:
 def coarse_limit() -> Iterator[None]:
     """The limit of a cell is that of two meshes, from that of the arm on: of four fine ones it takes ten times as long.
 
-    `tests/pipeline/cell/test_cell.py` and `test_meshes.py` have limits of all meshes.
+    `tests/pipeline/law/test_cell.py` and `test_meshes.py` have limits of all meshes.
     """
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(limit, "fine_mesh", lambda pieces: pieces.config.mesh)

@@ -5,10 +5,10 @@ from pathlib import Path
 
 import numpy as np
 
-from pipeline.measured.fit import LawRods
-from pipeline.measured.predicted import Numbers, Setup
-from pipeline.measured.rows import Measurements, Row, State
-from pipeline.store.formats import FORMAT
+from pipeline.answers.measured.fit import LawRods
+from pipeline.answers.measured.predicted import Numbers, Setup
+from pipeline.answers.measured.rows import Measurements, Row, State
+from pipeline.values.formats import FORMAT
 from rod import ArmLaw, law_record
 from rod.arm_law.curves import CellCurve, ClampCurve, TipCurve
 from rod.arm_law.rates import CellRate, ClampRate, LawRate

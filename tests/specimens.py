@@ -11,10 +11,10 @@ import numpy as np
 import fem
 from fem import Yeoh
 from geometry.arrays import Array
-from pipeline.material.judged import Judged, Need, judge
-from pipeline.material.laws import STATES, Points, nominal
-from pipeline.material.loading import Selection, TensileTest, first_loading
-from pipeline.material.table import Series
+from pipeline.answers.material.judged import Judged, Need, judge
+from pipeline.answers.material.laws import STATES, Points, nominal
+from pipeline.answers.material.loading import Selection, TensileTest, first_loading
+from pipeline.answers.material.table import Series
 
 #: the example that is shipped: C10, C20 of Elastosil M4601 in MPa, 0 to 700 % in steps of 2.5 %, five specimens
 CONSTANTS = {"c10": 0.11, "c20": 0.02, "c30": 0.0}

@@ -10,9 +10,9 @@ import yaml
 
 from fem.elements import ELEMENTS
 from fem.materials import LAWS
-from pipeline.effects_rows import COLUMNS, COST, NUMBERS, compared
-from pipeline.results.parameters import RodParameters
-from pipeline.results.values import RodError, State
+from pipeline.study.effects.rows import COLUMNS, COST, NUMBERS, compared
+from pipeline.values.parameters import RodParameters
+from pipeline.values.run import RodError, State
 
 HERE = Path(__file__).resolve().parent.parent
 PAGES = [HERE / "README.md", HERE / "CONTRIBUTING.md", HERE / "CHANGELOG.md", *sorted((HERE / "docs").rglob("*.md"))]

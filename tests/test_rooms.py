@@ -44,29 +44,34 @@ DOORS: dict[str, set[str]] = {
     "ipctk": {"fem/effects/contact.py"},
     "pypardiso": {"fem/equations/pardiso.py"},
     "pydantic": {
-        *("pipeline/config/section.py", "pipeline/results/files.py", "pipeline/results/values.py"),
-        *("pipeline/store/kept.py", "pipeline/sweep/record.py"),
+        *("pipeline/config/section.py", "pipeline/results/files.py", "pipeline/values/run.py"),
+        *("pipeline/store/kept.py", "pipeline/study/sweep/record.py"),
     },
     "pydantic_core": {"pipeline/config/section.py", "pipeline/store/result_folder.py"},
     "pint": {"pipeline/config/units.py"},
     "filelock": {"pipeline/store/store.py"},
     "yaml": {"pipeline/config/document.py"},
-    "pyvista": {"pipeline/drawing/pictures.py"},
+    "pyvista": {"pipeline/results/drawing.py"},
     "typer": {
-        *("pipeline/cli.py", "pipeline/commands_of_design.py", "pipeline/commands_of_measurement.py"),
-        "pipeline/ending.py",
+        *("pipeline/cli/commands.py", "pipeline/cli/design.py", "pipeline/cli/measurement.py"),
+        "pipeline/cli/ending.py",
     },
     "rich": {
-        *("pipeline/cli.py", "pipeline/commands_of_design.py", "pipeline/ending.py"),
-        *("pipeline/progress.py", "pipeline/terminal.py"),
+        *("pipeline/cli/commands.py", "pipeline/cli/design.py", "pipeline/cli/ending.py"),
+        *("pipeline/store/progress.py", "pipeline/show/terminal.py"),
     },
-    "jinja2": {"pipeline/report/page.py"},
-    "plotly": {"pipeline/plots.py"},
-    "matplotlib": {"pipeline/material/page.py"},
-    "distributed": {"pipeline/sweep/workers.py"},
-    "dask": {"pipeline/sweep/workers.py"},
-    "pyarrow": {"pipeline/sweep/table.py"},
-    "pandas": {"pneurod/results.py", "pneurod/frames.py", "pneurod/sensitivities.py", "pipeline/written_table.py"},
+    "jinja2": {"pipeline/show/page.py"},
+    "plotly": {"pipeline/values/plots.py"},
+    "matplotlib": {"pipeline/answers/material/page.py"},
+    "distributed": {"pipeline/study/sweep/workers.py"},
+    "dask": {"pipeline/study/sweep/workers.py"},
+    "pyarrow": {"pipeline/study/sweep/table.py"},
+    "pandas": {
+        "pneurod/results.py",
+        "pneurod/frames.py",
+        "pneurod/sensitivities.py",
+        "pipeline/answers/written_table.py",
+    },
 }
 
 #: what `pneurod --help` must not wait for
@@ -193,10 +198,10 @@ def test_every_door_is_used(library: str) -> None:
         ("fem/model.py", "from skfem.helpers import grad", "its door is fem/discretisation.py"),
         ("fem/model.py", "from numba import njit", "its door is fem/kernels/"),
         ("fem/model.py", "import importlib\nimportlib.import_module('rod')", "fem has no use for it"),
-        ("pipeline/store/store.py", "import pyvista", "its door is pipeline/drawing/pictures.py"),
+        ("pipeline/store/store.py", "import pyvista", "its door is pipeline/results/drawing.py"),
         ("pipeline/store/store.py", "import requests", "pipeline has no use for it"),
-        ("pipeline/report/page.py", "import pandas", "its door is pipeline/written_table.py"),
-        ("pipeline/cli.py", "def f():\n    from pneurod import Results", "pipeline must not know pneurod"),
+        ("pipeline/show/page.py", "import pandas", "its door is pipeline/answers/written_table.py"),
+        ("pipeline/cli/commands.py", "def f():\n    from pneurod import Results", "pipeline must not know pneurod"),
         ("fem/model.py", "import pneurod", "fem must not know pneurod"),
     ],
 )
@@ -211,7 +216,7 @@ def test_the_guard_bites(module: str, source: str, because: str) -> None:
         ("fem/kernels/element.py", "from numba import njit"),
         ("fem/model.py", "from geometry import Mesh\nfrom fem.path.newton import solve\nimport numpy.typing"),
         ("rod/mechanics/equilibrium.py", "from ..law import FiveParameters\nfrom . import profile\nfrom .. import law"),
-        ("pneurod/frames.py", "import pandas as pd\nimport fem\nfrom pipeline.errors import InputError"),
+        ("pneurod/frames.py", "import pandas as pd\nimport fem\nfrom pipeline.values.errors import InputError"),
         ("pipeline/run.py", "import fem\nimport rod\nimport geometry\nfrom pathlib import Path"),
     ],
 )
@@ -252,8 +257,8 @@ def test_a_configuration_is_read_without_the_machines() -> None:
 def test_the_rod_of_a_run_is_solved_without_the_machines() -> None:
     loaded = loaded_after(
         "from pathlib import Path\n"
-        "from pipeline.rods.choice import rod_of_path\n"
-        "from pipeline.rods.end_loads import EndLoads, Weight\n"
+        "from pipeline.answers.rods.choice import rod_of_path\n"
+        "from pipeline.answers.rods.end_loads import EndLoads, Weight\n"
         "rod = rod_of_path(Path('tests/data/results_coarse'), None).at(31.0)\n"
         "EndLoads.read('[0 N, 0.01 N]', '0 N*mm', None, None, Weight()).shape(rod)"
     )

@@ -14,7 +14,7 @@ from pathlib import Path
 from benchmarks.experiments.cases import cases_in
 from benchmarks.experiments.judged import Line, lines_of
 from benchmarks.markdown import table
-from pipeline.errors import InputError, RunFailed
+from pipeline.values.errors import InputError, RunFailed
 
 HEADS = ("case", "model", "calibrated on rows", "moduli times", "other rows", "error before", "after", "in 90 %")
 

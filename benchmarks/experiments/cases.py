@@ -8,15 +8,15 @@ from pathlib import Path
 from typing import Annotated
 
 from benchmarks.experiments.bar import Bar
+from pipeline.answers.measured.rows import Measurements
+from pipeline.answers.measured.table import read_measurements
 from pipeline.config import kinds
 from pipeline.config.config import Config
 from pipeline.config.document import read_document
 from pipeline.config.load import load_config
 from pipeline.config.material import Material, read_material
 from pipeline.config.section import Field, Kind, Section, WrittenAs, read, section
-from pipeline.errors import InputError
-from pipeline.measured.rows import Measurements
-from pipeline.measured.table import read_measurements
+from pipeline.values.errors import InputError
 
 CASE, MEASURED = "case.yaml", "measured.csv"
 

@@ -10,12 +10,12 @@ import numpy as np
 from benchmarks.experiments.bar import GRAVITY, Bar, Model, Response
 from benchmarks.experiments.cases import Case
 from geometry.arrays import Array
-from pipeline.errors import InputError
-from pipeline.measured.fit import OF_ANGLES, OF_POSITIONS
-from pipeline.measured.gaussian import Effects, Observed, Posterior, choose_spread
-from pipeline.measured.predicted import KINDS
-from pipeline.measured.rows import Row
-from pipeline.measured.unknowns import OF_DATA_SHEET
+from pipeline.answers.measured.fit import OF_ANGLES, OF_POSITIONS
+from pipeline.answers.measured.gaussian import Effects, Observed, Posterior, choose_spread
+from pipeline.answers.measured.predicted import KINDS
+from pipeline.answers.measured.rows import Row
+from pipeline.answers.measured.unknowns import OF_DATA_SHEET
+from pipeline.values.errors import InputError
 
 #: part of a difference quotient by the logarithm of the factor of all moduli
 STEP = 0.02

@@ -10,14 +10,14 @@ from benchmarks.experiments.bar import Bar, BendingRod, Elements, Model
 from benchmarks.experiments.cases import Case
 from benchmarks.experiments.fitted_bar import BarNumbers, fit_bar
 from benchmarks.foretold import foretell
-from pipeline.cell.saved import SavedLaw
-from pipeline.cell.study import measure_law
+from pipeline.answers.measured.fit import LawRods
+from pipeline.answers.measured.gaussian import WITHIN
+from pipeline.answers.measured.predicted import Numbers
+from pipeline.answers.measured.rows import Measurements
 from pipeline.config.config import Config
-from pipeline.measured.fit import LawRods
-from pipeline.measured.gaussian import WITHIN
-from pipeline.measured.predicted import Numbers
-from pipeline.measured.rows import Measurements
-from pipeline.progress import Silent
+from pipeline.law.study import measure_law
+from pipeline.results.saved_law import SavedLaw
+from pipeline.store.progress import Silent
 
 LAW = "the arm's own law"
 #: elements of a bar through its height

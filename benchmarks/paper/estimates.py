@@ -16,7 +16,7 @@ from benchmarks.paper.free_lines import (
     single_rigidity_control,
 )
 from benchmarks.paper.states import State
-from pipeline.identification.parameters import numbers_of_curves
+from pipeline.identify.parameters import numbers_of_curves
 from rod import FiveParameters, RodError, TwoSlopes, shortest_break
 
 #: length scale (mm) at which paper_process prints the paper's d/l, and those of the scan

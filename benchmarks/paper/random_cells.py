@@ -29,12 +29,12 @@ from fem.cell.piece import BendingPiece, PieceFailed
 from fem.cell.response import slopes
 from fem.equations.linear import SingularMatrix
 from geometry.arrays import Array
-from pipeline.cell.measure import cell_without_moment
-from pipeline.cell.pieces import ArmPieces, NoArmLaw
-from pipeline.cell.reach import LEAST_TURN, MARGIN
 from pipeline.config.load import load_config
-from pipeline.errors import InputError
-from pipeline.pressure import in_MPa
+from pipeline.law.piece.measure import cell_without_moment
+from pipeline.law.piece.reach import LEAST_TURN, MARGIN
+from pipeline.law.pieces import ArmPieces, NoArmLaw
+from pipeline.values.errors import InputError
+from pipeline.values.pressure import in_MPa
 
 FILE = "random_cells.csv"
 FAMILIES = ("semicircular", "semicircular_single", "bisected_circle")

@@ -14,8 +14,8 @@ from benchmarks.paper.drawing import ARM_NAMES, NotThere
 from fem import Discretisation
 from geometry.arrays import Array
 from pipeline.config.load import load_config
-from pipeline.drawing.pictures import Colour, draw_deformed
-from pipeline.simulation.scene import Scene
+from pipeline.results.drawing import Colour, draw_deformed
+from pipeline.simulate.scene import Scene
 
 #: kPa
 PRESSURE = 37.0

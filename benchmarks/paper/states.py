@@ -11,8 +11,8 @@ import numpy as np
 
 from benchmarks.paper.free_lines import TestedCurves
 from geometry import Centreline
-from pipeline.cell.saved import SavedLaw
 from pipeline.config.config import STANDARD_GRAVITY
+from pipeline.results.saved_law import SavedLaw
 from rod import ArmLaw, Curvature, Load, cell_averaged
 
 

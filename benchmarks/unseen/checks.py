@@ -17,16 +17,16 @@ from fem.effects.loads import enclosed_volume, volume_gradient
 from fem.elements import ELEMENTS
 from fem.path.active_set import ActiveSet
 from pipeline.config.config import Config
-from pipeline.context import RunContext
-from pipeline.errors import InputError, RunFailed
-from pipeline.notes import render_all
-from pipeline.pressure import in_MPa
-from pipeline.progress import Silent
-from pipeline.simulation.loadcase import LoadCase, has_height_alone, schedule
-from pipeline.simulation.outcome import Record
-from pipeline.simulation.scene import Scene
-from pipeline.simulation.simulate import simulate
+from pipeline.simulate.loadcase import LoadCase, has_height_alone, schedule
+from pipeline.simulate.outcome import Record
+from pipeline.simulate.scene import Scene
+from pipeline.simulate.simulate import simulate
+from pipeline.store.context import RunContext
+from pipeline.store.progress import Silent
 from pipeline.store.store import open_store
+from pipeline.values.errors import InputError, RunFailed
+from pipeline.values.pressure import in_MPa
+from pipeline.values.reasons import render_all
 
 #: the checks in their order, with the largest difference that is no error. Steps: the largest distance between the
 #: material curves over the length; half: the difference of the end's position over the length, as in `make hard`.

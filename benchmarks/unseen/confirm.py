@@ -14,14 +14,14 @@ from pathlib import Path
 
 import fem
 from pipeline.config.config import Config, Material
-from pipeline.context import RunContext
-from pipeline.pressure import in_MPa
-from pipeline.progress import Silent
-from pipeline.simulation.loadcase import LoadCase, schedule
-from pipeline.simulation.outcome import Failure, Outcome
-from pipeline.simulation.scene import Scene
-from pipeline.simulation.simulate import simulate
+from pipeline.simulate.loadcase import LoadCase, schedule
+from pipeline.simulate.outcome import Failure, Outcome
+from pipeline.simulate.scene import Scene
+from pipeline.simulate.simulate import simulate
+from pipeline.store.context import RunContext
+from pipeline.store.progress import Silent
 from pipeline.store.store import open_store
+from pipeline.values.pressure import in_MPa
 
 #: largest difference between the highest pressure with a prescribed volume and the end of the run, over the latter
 NEAR = 0.05

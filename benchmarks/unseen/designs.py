@@ -16,7 +16,7 @@ from scipy.stats import qmc
 
 from fem.materials import LAWS
 from geometry import FAMILIES
-from pipeline.pressure import in_kPa
+from pipeline.values.pressure import in_kPa
 
 #: what is drawn: the columns of the hypercube
 COLUMNS = (

@@ -6,17 +6,17 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 from pipeline.config.config import Config
-from pipeline.context import RunContext
-from pipeline.errors import InputError, RunFailed
-from pipeline.identification.mesh_error import RELATIVE, OnMesh
-from pipeline.identification.richardson import extrapolate
-from pipeline.notes import render_all
-from pipeline.progress import Silent
-from pipeline.simulation.outcome import Outcomes
-from pipeline.simulation.scene import Scene
-from pipeline.simulation.simulate import simulate
+from pipeline.identify.mesh_error import RELATIVE, OnMesh
+from pipeline.simulate.outcome import Outcomes
+from pipeline.simulate.scene import Scene
+from pipeline.simulate.simulate import simulate
 from pipeline.stages import SolvedRun
+from pipeline.store.context import RunContext
+from pipeline.store.progress import Silent
 from pipeline.store.store import open_store
+from pipeline.values.errors import InputError, RunFailed
+from pipeline.values.reasons import render_all
+from pipeline.values.richardson import extrapolate
 from rod import RodError
 
 #: size of the default mesh over that of the finer one

@@ -24,16 +24,16 @@ from benchmarks.unseen.confirm import confirmed
 from benchmarks.unseen.designs import Drawn
 from benchmarks.unseen.finer import against_finer_mesh
 from pipeline.config.load import load_config
-from pipeline.errors import InputError, RunFailed
-from pipeline.notes import render_all
-from pipeline.notes.rods import rod_errors
-from pipeline.processes import SPAWN, end_with_main_process
-from pipeline.progress import Silent
+from pipeline.results.rod_errors import rod_errors
 from pipeline.run import run
 from pipeline.stages import SolvedRun
 from pipeline.store.atomic_file import write_atomic
+from pipeline.store.processes import SPAWN, end_with_main_process
+from pipeline.store.progress import Silent
 from pipeline.store.provenance import provenance
 from pipeline.store.state_key import ALL_SOURCES, result_key
+from pipeline.values.errors import InputError, RunFailed
+from pipeline.values.reasons import render_all
 
 Record = dict[str, Any]
 

@@ -4,13 +4,13 @@ import json
 from pathlib import Path
 
 from benchmarks.virtual_arms.designs import VirtualArm
-from pipeline.cell.build import build_law
-from pipeline.cell.pieces import ArmPieces
-from pipeline.cell.study import save_law
 from pipeline.config.load import load_config
-from pipeline.context import RunContext
-from pipeline.progress import Silent
-from pipeline.simulation.scene import Scene
+from pipeline.law.build import build_law
+from pipeline.law.pieces import ArmPieces
+from pipeline.law.study import save_law
+from pipeline.simulate.scene import Scene
+from pipeline.store.context import RunContext
+from pipeline.store.progress import Silent
 from pipeline.store.store import open_store
 
 FILE = "drawing.json"

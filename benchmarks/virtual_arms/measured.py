@@ -10,15 +10,15 @@ from resource import RUSAGE_SELF, getrusage
 from benchmarks.virtual_arms.designs import VirtualArm
 from pipeline.config.config import End
 from pipeline.config.load import load_config
-from pipeline.context import RunContext
-from pipeline.notes import render_all
-from pipeline.progress import Silent
-from pipeline.simulation.loadcase import LoadCase, schedule
-from pipeline.simulation.outcome import Outcome, Record
-from pipeline.simulation.scene import Scene
-from pipeline.simulation.simulate import simulate
+from pipeline.simulate.loadcase import LoadCase, schedule
+from pipeline.simulate.outcome import Outcome, Record
+from pipeline.simulate.scene import Scene
+from pipeline.simulate.simulate import simulate
 from pipeline.store.atomic_file import write_atomic
+from pipeline.store.context import RunContext
+from pipeline.store.progress import Silent
 from pipeline.store.store import open_store
+from pipeline.values.reasons import render_all
 
 FILE = "measured.json"
 #: by what part of the length the dead force would move the end of an arm as rigid as between II and III

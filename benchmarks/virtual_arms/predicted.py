@@ -9,11 +9,11 @@ from benchmarks.virtual_arms.bench import WHAT, write_measured, write_true
 from benchmarks.virtual_arms.designs import VirtualArm
 from benchmarks.virtual_arms.law import folder_of_law
 from benchmarks.virtual_arms.measured import Measurement
-from pipeline.cell.pieces import NoArmLaw
-from pipeline.cell.saved import SavedLaw
+from pipeline.answers.measured.table import read_measurements
 from pipeline.config.load import load_config
-from pipeline.errors import InputError
-from pipeline.measured.table import read_measurements
+from pipeline.law.pieces import NoArmLaw
+from pipeline.results.saved_law import SavedLaw
+from pipeline.values.errors import InputError
 
 FILE = "predicted.json"
 

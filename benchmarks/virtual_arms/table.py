@@ -7,7 +7,7 @@ import numpy as np
 from benchmarks.markdown import table
 from benchmarks.virtual_arms.bench import WHAT
 from benchmarks.virtual_arms.predicted import Judged, Prediction
-from pipeline.plots import GREY, INK, Line, Panel, figure, standalone_page
+from pipeline.values.plots import GREY, INK, Line, Panel, figure, standalone_page
 
 #: probabilities of the intervals of the table, and of the plot
 STATED, PLOTTED = (0.5, 0.8, 0.9, 0.95), tuple(float(p) for p in np.linspace(0.05, 0.95, 19))

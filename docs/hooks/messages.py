@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from fem.reasons import SENTENCES
-from pipeline.notes.templates import TEMPLATES
+from pipeline.values.reasons import TEMPLATES
 
 HEADER = """# Messages
 

@@ -16,7 +16,7 @@ from pipeline.config.document import Document
 from pipeline.config.kinds import number, one_of
 from pipeline.config.section import Field, Kind, Section, conflict, known, raise_all, section, wrong
 from pipeline.config.units import LENGTH, convert
-from pipeline.formatting import round_down
+from pipeline.values.formatting import round_down
 
 #: size without grading over that with it, because the walls are coarser there: the deflection of the finger of
 #: studies/own_bodies.md from an STL file is off by 2.0 % with 0.9 and by 3.5 % with 1.2, its end force by 2.0

@@ -26,7 +26,7 @@ from pipeline.config.document import Document, Key
 from pipeline.config.kinds import Count, Length, PositiveLength, Text, YesNo, above_zero, list_of, number
 from pipeline.config.section import Error, Field, Kind, Section, chosen, conflict, raise_all, read_keys, section_of
 from pipeline.config.units import LENGTH, convert
-from pipeline.errors import quoted
+from pipeline.values.errors import quoted
 
 #: the family of a body that the user has drawn
 OWN = "own"

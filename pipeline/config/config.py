@@ -32,8 +32,8 @@ from pipeline.config.section import (
 )
 from pipeline.config.tolerances import Tolerances, read_tolerances
 from pipeline.config.validation import End, GivenEnd, GivenValidation, Validation, read_end, read_validation
-from pipeline.errors import InputError, quoted
-from pipeline.store.json_values import Json, JsonObject
+from pipeline.values.errors import InputError, quoted
+from pipeline.values.json_values import Json, JsonObject
 
 __all__ = ["Config", "End", "Material", "MeshSettings", "Validation"]
 

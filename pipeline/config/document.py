@@ -9,7 +9,7 @@ from typing import Any
 
 import yaml
 
-from pipeline.errors import InputError, shortened
+from pipeline.values.errors import InputError, shortened
 
 Key = tuple[str | int, ...]
 #: the dotted key of an override, as messages name it: --set mesh.size

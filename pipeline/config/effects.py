@@ -10,7 +10,7 @@ from geometry import Design
 from pipeline.config import kinds
 from pipeline.config.section import Field, Kind, Section, section
 from pipeline.config.units import PRESSURE, convert
-from pipeline.errors import quoted
+from pipeline.values.errors import quoted
 from rod.weight import gravity_direction
 
 #: whether an effect acts; auto leaves it to the program

@@ -8,7 +8,7 @@ from typing import Annotated, Any
 
 from pipeline.config.section import Kind, not_known
 from pipeline.config.units import ACCELERATION, DENSITY, FORCE, LENGTH, PRESSURE, STRESS, Dimension, convert
-from pipeline.errors import quoted
+from pipeline.values.errors import quoted
 from rod.same_pressure import SAME, is_same
 
 

@@ -33,8 +33,8 @@ from pipeline.config.section import (
     section_of,
     wrong,
 )
-from pipeline.pressure import in_MPa
-from pipeline.store.json_values import Json, JsonObject
+from pipeline.values.json_values import Json, JsonObject
+from pipeline.values.pressure import in_MPa
 
 #: how the constants of a law are written
 CONSTANTS: dict[Constant, Any] = {

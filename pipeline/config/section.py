@@ -25,7 +25,7 @@ from pydantic_core import InitErrorDetails as Error
 
 from pipeline.config.document import Document, Key
 from pipeline.config.not_there import NOT_THERE
-from pipeline.errors import ConflictError, InputError, quoted
+from pipeline.values.errors import ConflictError, InputError, quoted
 
 __all__ = ["Error", "Field", "FieldInfo", "section", "to_jsonable_python"]
 

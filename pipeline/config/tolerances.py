@@ -14,7 +14,7 @@ from pipeline.config.document import Document
 from pipeline.config.material import Material
 from pipeline.config.section import Error, known, not_known, raise_all, wrong
 from pipeline.config.units import LENGTH, PRESSURE, STRESS, Dimension, convert, number_and_unit
-from pipeline.store.json_values import JsonObject
+from pipeline.values.json_values import JsonObject
 
 #: how an arm is made, which decides about the tolerances that are not given
 PROCESSES = ("cast", "printed")

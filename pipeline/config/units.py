@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from functools import cache
 from typing import TYPE_CHECKING, Any
 
-from pipeline.errors import LONGEST, quoted
+from pipeline.values.errors import LONGEST, quoted
 
 if TYPE_CHECKING:
     import pint

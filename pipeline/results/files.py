@@ -1,4 +1,4 @@
-"""The result files of a run, read into `Run` and written from values, by the types of `pipeline.results.values`.
+"""The result files of a run, read into `Run` and written from values, by the types of `pipeline.values.run`.
 
 pydantic checks what is read: a file that was edited by hand is refused with the key that is wrong.
 """
@@ -13,13 +13,13 @@ from typing import Any, TypeVar
 import numpy as np
 from pydantic import TypeAdapter, ValidationError
 
-from pipeline.errors import InputError
-from pipeline.results.parameters import RodParameters
-from pipeline.results.record import RunRecord
-from pipeline.results.values import Curve, Effect, Law, RodError, Run, State
-from pipeline.store.formats import CURVE_COLUMNS, FORMAT, LAW_IN_SPACE
-from pipeline.store.json_values import JsonObject
 from pipeline.store.result_folder import ResultFolder, json_text
+from pipeline.values.errors import InputError
+from pipeline.values.formats import CURVE_COLUMNS, FORMAT, LAW_IN_SPACE
+from pipeline.values.json_values import JsonObject
+from pipeline.values.parameters import RodParameters
+from pipeline.values.record import RunRecord
+from pipeline.values.run import Curve, Effect, Law, RodError, Run, State
 
 Value = TypeVar("Value")
 #: file -> the type of its content

@@ -13,9 +13,9 @@ from typing import Any
 
 from pydantic_core import to_json
 
-from pipeline.errors import InputError
 from pipeline.store.atomic_file import write_atomic
-from pipeline.store.json_values import Json
+from pipeline.values.errors import InputError
+from pipeline.values.json_values import Json
 
 #: a list without texts, lists and objects in it, over several lines (no text of JSON has a line break); its breaks
 _LIST_OF_NUMBERS, _BREAK = re.compile(r'\[\n\s+([^\[\]{}"]+?)\n\s*\]'), re.compile(r"\n\s*")

@@ -8,17 +8,17 @@ from pipeline.store.provenance import installed, pinned
 
 #: what decides a converged state: files, and folders with all that is below them
 STATE_SOURCES = (
-    *("geometry", "fem", "pipeline/pressure.py"),
-    *(f"pipeline/simulation/{name}.py" for name in ("case_path", "known_limit", "loadcase", "scene", "simulate")),
+    *("geometry", "fem", "pipeline/values/pressure.py"),
+    *(f"pipeline/simulate/{name}.py" for name in ("case_path", "known_limit", "loadcase", "scene", "simulate")),
 )
 #: what decides the curves of a cell, and the numbers that a mesh is planned with
 NUMBER_SOURCES = (
     *(*STATE_SOURCES, "rod"),
-    *(f"pipeline/simulation/{name}.py" for name in ("mass", "outcome", "records")),
-    *("pipeline/accuracy", "pipeline/cell", "pipeline/identification"),
+    *(f"pipeline/simulate/{name}.py" for name in ("mass", "outcome", "records")),
+    *("pipeline/study/accuracy", "pipeline/law", "pipeline/identify"),
 )
 #: what decides a picture besides the states
-PICTURE_SOURCES = ("pipeline/drawing", "pipeline/simulation/pictures.py")
+PICTURE_SOURCES = ("pipeline/results", "pipeline/show/pictures.py")
 #: the whole program, with all its sentences
 ALL_SOURCES = ("geometry", "fem", "rod", "pipeline")
 

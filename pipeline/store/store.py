@@ -18,13 +18,13 @@ import numpy as np
 from filelock import FileLock, Timeout
 from numpy.typing import ArrayLike, NDArray
 
-from pipeline.errors import InputError
-from pipeline.pressure import name_of_state
 from pipeline.store.atomic_file import remove_parts, write_atomic
-from pipeline.store.formats import LAW_IN_SPACE, PAIRS
-from pipeline.store.json_values import JsonObject
 from pipeline.store.result_folder import ON_COMMAND_LINE, FolderWords, ResultFolder, open_folder
 from pipeline.store.state_key import NUMBER_SOURCES, STATE_SOURCES, result_key
+from pipeline.values.errors import InputError
+from pipeline.values.formats import LAW_IN_SPACE, PAIRS
+from pipeline.values.json_values import JsonObject
+from pipeline.values.pressure import name_of_state
 
 _IDENTITY = "states/configuration.json"
 _LOCK = ".pneurod-lock"  #: there while a run is at work, and after one that was killed, whose lock the system releases

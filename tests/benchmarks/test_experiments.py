@@ -10,7 +10,7 @@ from benchmarks.experiments.cases import CASE, MEASURED, cases_in, read_case
 from benchmarks.experiments.fitted_bar import BarNumbers, fit_bar
 from benchmarks.experiments.judged import lines_of
 from fem import NeoHooke
-from pipeline.errors import InputError
+from pipeline.values.errors import InputError
 
 SHIPPED = Path("benchmarks/experiments")
 #: N on the edge -> mm, height of the middle of the free face by COMSOL with E = 263.8 kPa: the mean of the published

@@ -14,8 +14,8 @@ from benchmarks.paper.measures import aligned_distance, line, sign_change
 from benchmarks.paper.page import number, overview, write_page
 from benchmarks.paper.reading import CONTRADICTED, MISSING, REPRODUCED, UNDECIDED, Claim, Reading
 from geometry import Centreline
-from pipeline.sweep.points import Point, points_of
-from pipeline.sweep.spec import read_sweep
+from pipeline.study.sweep.points import Point, points_of
+from pipeline.study.sweep.spec import read_sweep
 
 HERE = Path(__file__).resolve().parent.parent.parent
 YES, NO, OPEN = (1.0, 0.9, 1.1), (3.0, 2.9, 3.1), (2.0, 1.9, 2.1)

@@ -39,12 +39,12 @@ from fem.solution import Extremes
 from geometry import FAMILIES, Reason
 from pipeline.config.config import Config
 from pipeline.config.load import load_config
-from pipeline.context import RunContext
-from pipeline.progress import Silent
-from pipeline.simulation.loadcase import LoadCase, schedule
-from pipeline.simulation.outcome import Failure, Record
-from pipeline.simulation.scene import Scene
-from pipeline.simulation.simulate import simulate
+from pipeline.simulate.loadcase import LoadCase, schedule
+from pipeline.simulate.outcome import Failure, Record
+from pipeline.simulate.scene import Scene
+from pipeline.simulate.simulate import simulate
+from pipeline.store.context import RunContext
+from pipeline.store.progress import Silent
 from pipeline.store.store import open_store
 from tests.bodies import box
 from tests.loads import Traction

@@ -10,8 +10,8 @@ from benchmarks.virtual_arms.designs import MEASURED, PREDICTED, STIFFNESS, THIN
 from benchmarks.virtual_arms.measured import Measurement, Row
 from benchmarks.virtual_arms.predicted import Judged, Prediction
 from benchmarks.virtual_arms.table import share, summary
+from pipeline.answers.measured.table import read_measurements
 from pipeline.config.load import load_config
-from pipeline.measured.table import read_measurements
 
 
 def test_arms_of_a_seed_differ_from_their_drawings() -> None:

@@ -11,7 +11,7 @@ from fem.effects import barrier
 from fem.effects.contact import BarrierTerm, crossings
 from fem.path import exact_contact
 from fem.solution import step_from_arrays, step_to_arrays
-from pipeline.simulation.records import contact_error
+from pipeline.simulate.records import contact_error
 from tests.bodies import fork
 from tests.collapse import collapsing
 

@@ -10,9 +10,9 @@ import pytest
 
 from geometry import CadFile, DesignError, Mesh
 from pipeline.config.load import load_config
-from pipeline.errors import InputError
-from pipeline.notes.mesh import check_body
-from pipeline.simulation.scene import Scene
+from pipeline.simulate.mesh_notes import check_body
+from pipeline.simulate.scene import Scene
+from pipeline.values.errors import InputError
 from tests.step_bodies import box, save
 
 DATA = Path(__file__).resolve().parents[1] / "data"

@@ -14,7 +14,7 @@ from geometry.files.cad_file import CadFile
 from geometry.files.surface_file import SurfaceFile
 from geometry.topology import row_keys
 from pipeline.config.load import load_config
-from pipeline.simulation.simulate import experiments_of
+from pipeline.simulate.simulate import experiments_of
 from tests.foreign_bodies import (
     BAR_AIR,
     BAR_VOLUME,

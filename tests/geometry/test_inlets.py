@@ -9,8 +9,8 @@ import pytest
 
 from geometry import CadFile, DesignError, SurfaceFile
 from pipeline.config.load import load_config
-from pipeline.errors import InputError
-from pipeline.simulation.simulate import experiments_of
+from pipeline.simulate.simulate import experiments_of
+from pipeline.values.errors import InputError
 from tests.foreign_bodies import BAR_AIR, BAR_VOLUME, Draw, bar, tube, write_surface
 from tests.step_bodies import box, in_inches, save
 

@@ -10,15 +10,15 @@ from geometry import Body, Mesh
 from geometry.topology import EDGES, OUTWARD, normals
 from pipeline.config.config import Config
 from pipeline.config.load import load_config
-from pipeline.context import RunContext
-from pipeline.errors import InputError, RunFailed
-from pipeline.notes import render_all
-from pipeline.progress import Silent
-from pipeline.simulation.loadcase import LoadCase, schedule
-from pipeline.simulation.outcome import Outcome
-from pipeline.simulation.scene import Scene as MeshedScene
-from pipeline.simulation.simulate import simulate
+from pipeline.simulate.loadcase import LoadCase, schedule
+from pipeline.simulate.outcome import Outcome
+from pipeline.simulate.scene import Scene as MeshedScene
+from pipeline.simulate.simulate import simulate
+from pipeline.store.context import RunContext
+from pipeline.store.progress import Silent
 from pipeline.store.store import open_store
+from pipeline.values.errors import InputError, RunFailed
+from pipeline.values.reasons import render_all
 from tests.hard_cases.cases import CONFIGS, Check, HardCase, Scene
 
 

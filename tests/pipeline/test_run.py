@@ -16,12 +16,12 @@ from typer.testing import CliRunner
 
 from pipeline.cli import app
 from pipeline.config.load import load_config
-from pipeline.errors import RunFailed
-from pipeline.notes.verdict import verdict_of
-from pipeline.progress import Silent
 from pipeline.results.files import read_results
+from pipeline.results.verdict import verdict_of
 from pipeline.run import run
 from pipeline.stages import Stages, stage_names
+from pipeline.store.progress import Silent
+from pipeline.values.errors import RunFailed
 
 SHORT = """
 name: short

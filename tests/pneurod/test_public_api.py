@@ -50,7 +50,7 @@ def results(design: Path, tmp_path_factory: pytest.TempPathFactory) -> pneurod.R
 
 
 def quiet(results: pneurod.Results, pressure: float, kind: str = "five", **options: bool) -> pneurod.Rod:
-    """A rod of the run without its warnings, which `tests/pipeline/rods/test_choice.py` has."""
+    """A rod of the run without its warnings, which `tests/pipeline/answers/rods/test_choice.py` has."""
     with warnings.catch_warnings(action="ignore", category=pneurod.RodWarning):
         return results.rod(pressure, kind, **options)
 

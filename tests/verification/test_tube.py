@@ -14,11 +14,11 @@ from scipy.integrate import cumulative_trapezoid, quad
 from scipy.optimize import brentq, minimize_scalar
 
 from pipeline.config.load import load_config
-from pipeline.context import RunContext
-from pipeline.progress import Silent
-from pipeline.simulation.outcome import Outcome
-from pipeline.simulation.scene import Scene
-from pipeline.simulation.simulate import simulate
+from pipeline.simulate.outcome import Outcome
+from pipeline.simulate.scene import Scene
+from pipeline.simulate.simulate import simulate
+from pipeline.store.context import RunContext
+from pipeline.store.progress import Silent
 from pipeline.store.store import open_store
 
 FILE = Path(__file__).resolve().parents[1] / "data" / "tube.step"

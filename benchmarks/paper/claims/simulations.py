@@ -12,7 +12,7 @@ from benchmarks.paper.reading import Claim, Reading
 from benchmarks.paper.rods import RodShape, fitted
 from benchmarks.paper.states import State
 from geometry import Centreline
-from pipeline.identification.parameters import numbers_of_curves
+from pipeline.identify.parameters import numbers_of_curves
 from rod import FiveParameters, RodError, TwoSlopes
 
 #: kPa: of III, at the higher of which II is taken as well; and those at which the rod is tested

@@ -18,7 +18,7 @@ from geometry.families.design import SymmetricDesign
 from geometry.grading import OFF
 from geometry.meshing.mirror import Repetition
 from geometry.meshing.moving import Movement
-from pipeline.cell.measure import CellPoint, cell_without_moment
+from pipeline.law.piece.measure import CellPoint, cell_without_moment
 
 SVK = StVenantKirchhoff(E=1.2, nu=0.495)
 #: mm, of a dimension in differences of solved cells

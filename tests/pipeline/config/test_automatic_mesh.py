@@ -20,7 +20,7 @@ from geometry import (
 from geometry.families.design import expected_tets
 from pipeline.config.automatic_mesh import MOST_CHOSEN_TETS, GivenMesh, MeshSettings, chosen_mesh
 from pipeline.config.load import load_config
-from pipeline.simulation.scene import Scene
+from pipeline.simulate.scene import Scene
 from tests.foreign_bodies import two_chambers
 from tests.step_bodies import box, pneunet_as_step, save
 

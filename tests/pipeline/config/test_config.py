@@ -11,14 +11,14 @@ import fem
 from fem.elements import ELEMENTS
 from fem.materials import LAWS, Constant
 from geometry import FAMILIES, PneuNet
-from pipeline.cell.pieces import ArmPieces, NoArmLaw
 from pipeline.config.config import Config, End, IdentificationSettings, Validation
 from pipeline.config.effects import EFFECTS
 from pipeline.config.load import load_config
 from pipeline.config.units import DENSITY, LENGTH, PRESSURE, STRESS, Dimension, convert
-from pipeline.errors import InputError
-from pipeline.notes.design import check_design
-from pipeline.simulation.scene import material_of
+from pipeline.law.pieces import ArmPieces, NoArmLaw
+from pipeline.simulate.design_notes import check_design
+from pipeline.simulate.scene import material_of
+from pipeline.values.errors import InputError
 
 
 def refusal(path: Path, *overrides: str) -> str:

@@ -13,8 +13,8 @@ from hypothesis import HealthCheck, event, given, settings
 
 from geometry.families.design import expected_tets
 from pipeline.config.load import load_config
-from pipeline.errors import InputError
-from pipeline.simulation.scene import Scene
+from pipeline.simulate.scene import Scene
+from pipeline.values.errors import InputError
 from tests.bodies import DATA
 from tests.fuzzed import Written, configurations
 

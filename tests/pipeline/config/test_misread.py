@@ -4,10 +4,10 @@ from pathlib import Path
 
 import pytest
 
+from pipeline.answers.rods.solid import young_modulus
 from pipeline.config.load import load_config
-from pipeline.errors import InputError
-from pipeline.rods.solid import young_modulus
-from pipeline.sweep.spec import read_sweep
+from pipeline.study.sweep.spec import read_sweep
+from pipeline.values.errors import InputError
 from rod import RodError
 
 HERE = Path(__file__).parent.parent.parent

@@ -18,8 +18,8 @@ from pipeline.config.body import BODIES, OWN
 from pipeline.config.example import RUBBER, example
 from pipeline.config.load import load_config
 from pipeline.config.reference import REQUIRED, effect_keys, general_keys, geometry_keys, material_keys
-from pipeline.identification.too_short import too_short
-from pipeline.simulation.scene import Scene
+from pipeline.simulate.scene import Scene
+from pipeline.simulate.too_short import too_short
 
 PAGE = Path(__file__).resolve().parent.parent.parent.parent / "docs" / "configuration.md"
 #: what writes the tables of the page

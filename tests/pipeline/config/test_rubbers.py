@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 import pneurod
+from pipeline.answers.material.laws import STATES, is_stable, stretches
 from pipeline.config.load import load_config
 from pipeline.config.material import Material
 from pipeline.config.rubbers import INSTEAD, RUBBERS
-from pipeline.errors import InputError
-from pipeline.material.laws import STATES, is_stable, stretches
-from pipeline.notes.design import check_load
-from pipeline.notes.templates import TEMPLATES
+from pipeline.simulate.design_notes import check_load
+from pipeline.values.errors import InputError
+from pipeline.values.reasons import TEMPLATES
 
 TERMS = "mu: [0.001887 MPa, 0.02225 MPa, 0.003574 MPa], alpha: [-3.848, 0.663, 4.225], nu: 0.48"
 

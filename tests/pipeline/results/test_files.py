@@ -7,11 +7,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from pipeline.errors import InputError
 from pipeline.results.files import TYPES, json_schema, read_results, save_value
-from pipeline.results.values import RodError, State, bending_deg
-from pipeline.store.formats import CONVERGED
 from pipeline.store.result_folder import ResultFolder
+from pipeline.values.errors import InputError
+from pipeline.values.formats import CONVERGED
+from pipeline.values.run import RodError, State, bending_deg
 from tests.coarse import COARSE, coarse_run, copy_with
 
 

@@ -13,11 +13,11 @@ import pytest
 
 from pipeline.config.config import Config
 from pipeline.config.load import load_config
-from pipeline.errors import InputError
 from pipeline.store import atomic_file, state_key
 from pipeline.store.provenance import pinned, provenance
 from pipeline.store.state_key import ALL_SOURCES, NUMBER_SOURCES, STATE_SOURCES, result_key, source_files
 from pipeline.store.store import Store, open_store
+from pipeline.values.errors import InputError
 
 ROOMS = ("geometry", "fem", "rod", "pipeline")
 
@@ -148,11 +148,11 @@ def test_the_keys_take_every_source_file() -> None:
     assert deciding >= rooms["geometry"] | rooms["fem"]
     assert numbers > deciding | rooms["rod"]
     used = re.compile(r"^from pipeline\.simulation\.(\w+) import", re.MULTILINE)
-    solving = [name for name in deciding if name.startswith("pipeline/simulation/")]
+    solving = [name for name in deciding if name.startswith("pipeline/simulate/")]
     modules = {
-        f"pipeline/simulation/{module}.py" for name in solving for module in used.findall((root / name).read_text())
+        f"pipeline/simulate/{module}.py" for name in solving for module in used.findall((root / name).read_text())
     }
-    of_results = {f"pipeline/simulation/{name}.py" for name in ("mass", "outcome", "records")}
+    of_results = {f"pipeline/simulate/{name}.py" for name in ("mass", "outcome", "records")}
     assert len(modules) > 4
     assert modules - deciding == of_results
     assert every == set().union(*rooms.values())

@@ -1,0 +1,218 @@
+"""Which of the fitted laws can be used, over which stretches, and which one to take."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from fem.materials import Material, MaterialError
+from geometry.arrays import Array, Mask
+from pipeline.answers.material.laws import FORMS, PER_LOG, STATES, Form, Points, is_stable, nominal, stretches
+
+#: largest ratio of the stresses of two laws, in any state, up to which both can be used
+FACTOR = 1.5
+#: strain from which the misfit of a law is judged relative to the stress; below, relative to the stress there
+JUDGED_FROM = 0.2
+#: stress over the shear modulus below which a difference is taken relative to it: nearer to rest than any is judged
+LEAST_STRESS = 1e-3
+#: standard errors of a measured stress by which a law may miss it beyond the tolerance
+ALLOWED_ERRORS = 2.0
+#: the largest stretch that is tried as the end of a range, over that before in ln(stretch); the smallest one, from
+#: which on a law is offered
+SHORTER, SHORTEST = 0.85, 1.05
+#: stretch below which a law may not part from those before
+UNSAFE = 1.3
+#: part of the tolerance within which the law of one constant is preferred
+SIMPLE = 0.5
+#: laws whose biaxial stress follows best from tensile tests come first: those of the first invariant alone, and one
+#: term of Ogden's law (R. S. Rivlin, D. W. Saunders 1951; O. H. Yeoh, Rubber Chem. Technol. 63 (1990) 792)
+ORDER = ("yeoh", "ogden 1", "neo_hooke", "mooney_rivlin", "ogden 2", "hencky", "svk")
+
+
+@dataclass(frozen=True)
+class LawFit:
+    """One law with its constants, and the stretches over which it can be used."""
+
+    form: Form
+    constants: Array  #: (k,) MPa; exponents without unit
+    law: Material  #: with its Poisson ratio or kappa
+    fitted: tuple[float, float]  #: stretches of the first and the last point that it was fitted to
+    misfit: float  #: root mean square of the differences over the stress, from a strain of 20 % on, over these points
+    largest: float  #: the largest of them
+    holds: tuple[float, float] | None  #: smallest and largest principal stretch; None where it cannot be used
+    why: str  #: what ends this range, or why there is none
+
+    @property
+    def name(self) -> str:
+        """As in a table: yeoh, ogden 2."""
+        return self.form.name
+
+
+@dataclass(frozen=True)
+class Need:
+    """The stretches that a law has to describe."""
+
+    low: float
+    high: float
+
+    @property
+    def reach(self) -> float:
+        """The stretch of a bar with the first invariant of equibiaxial tension to the largest stretch: a law of the
+        first invariant is known there if the bar is pulled so far."""
+        invariant = 2 * self.high**2 + self.high**-4
+        roots = np.roots([1, 0, -invariant, 2])
+        return float(np.max(roots.real[np.abs(roots.imag) < 1e-9]))
+
+
+@dataclass(frozen=True)
+class Judged:
+    """All laws."""
+
+    laws: tuple[LawFit, ...]  #: the one to take first, then those that can be used, and those that cannot
+    refused: dict[str, str]  #: why other laws have no constants, by name
+
+    @property
+    def usable(self) -> tuple[LawFit, ...]:
+        """The laws that can be used over some stretches, the one to take first."""
+        return tuple(fit for fit in self.laws if fit.holds)
+
+
+def judge(points: Points, need: Need, nu: float, within: float) -> Judged:
+    """Every law fitted and judged. Raises `MaterialError` where no law has constants for these points."""
+    fits, refused = [], {}
+    for form in FORMS.values():
+        try:
+            fits.append(_widest(form, points, need, nu, within))
+        except MaterialError as failure:
+            refused[form.name] = str(failure)
+    if not fits:
+        raise MaterialError("; ".join(dict.fromkeys(refused.values())))
+    end = min(need.high, end_of(points))
+    fits.sort(key=lambda fit: _rank(fit, end, within))
+    taken: list[LawFit] = []
+    for fit in fits:
+        taken.append(_where_they_agree(fit, [other for other in taken if other.holds]))
+    if not taken[0].holds:  # the best fit with its misfit, rather than none
+        stable = [_as_it_is(fit, points) for fit in taken]
+        best = min((fit for fit in stable if fit.holds), key=lambda fit: fit.misfit, default=taken[0])
+        taken = [best, *(fit for fit in taken if fit.form is not best.form)]
+    return Judged(tuple(sorted(taken, key=lambda fit: fit.holds is None)), refused)
+
+
+def end_of(points: Points) -> float:
+    """The largest stretch that the tests have in any direction."""
+    return max(float(points.stretch[-1]), float(points.stretch[0]) ** -0.5)
+
+
+def _rank(fit: LawFit, end: float, within: float) -> tuple[bool, bool, float, int]:
+    """Those first that hold as far as needed, the law of one constant if it is close; else those that hold further."""
+    covers = fit.holds is not None and fit.holds[1] >= 0.98 * end
+    simple = covers and fit.form.constants == ("mu",) and fit.largest <= SIMPLE * within
+    far = 0.0 if covers else -(fit.holds[1] if fit.holds else 0.0)
+    return not covers, not simple, far, ORDER.index(fit.name) if fit.name in ORDER else len(ORDER)
+
+
+def _widest(form: Form, points: Points, need: Need, nu: float, within: float) -> LawFit:
+    """The law fitted to the stretches that are needed, or else to the widest range of them that it describes."""
+    ends = [need.high**SHORTER**k for k in range(40)]
+    if len(form.constants) > 1:
+        ends.insert(0, need.reach)
+    first, refused = None, None
+    for end in (end for end in ends if end > SHORTEST):
+        chosen = points.within(max(need.low, 1 / end) if end < need.high else need.low, end)
+        if len(chosen.stretch) <= len(form.constants):
+            break
+        try:
+            fit = _fitted(form, chosen, points, need, nu, within)
+        except MaterialError as failure:
+            refused = failure
+            continue
+        first = first or fit
+        if fit.holds and fit.holds[1] >= min(end, need.high, end_of(chosen)) * 0.99:
+            return fit
+    if first is None:
+        raise refused or MaterialError(
+            f"the tests have too few points between the stretches {need.low:.3g} and {need.reach:.3g}"
+        )
+    return first
+
+
+def _fitted(form: Form, chosen: Points, points: Points, need: Need, nu: float, within: float) -> LawFit:
+    constants = form.fitted(chosen, need.high)
+    law = form.solved(constants, nu)
+    far = np.abs(chosen.stretch - 1) >= min(JUDGED_FROM, 0.5 * float(np.abs(chosen.stretch - 1).max()))
+    off = np.abs(law.uniaxial(chosen.stretch[far]).nominal - chosen.stress[far])
+    judged = np.nan_to_num(off, nan=np.inf) / np.maximum(np.abs(chosen.stress[far]), LEAST_STRESS * points.modulus)
+    fitted = float(chosen.stretch[0]), float(chosen.stretch[-1])
+    fit = LawFit(form, constants, law, fitted, float(np.sqrt(np.mean(judged**2))), float(judged.max()), None, "")
+    return _with_range(fit, points, within)
+
+
+def _with_range(fit: LawFit, points: Points, within: float) -> LawFit:
+    """The same with the stretches from rest on over which it is stable in all states and close to the tests."""
+    floor = points.modulus * ((1 + JUDGED_FROM) - (1 + JUDGED_FROM) ** -2)
+    allowed = within * np.maximum(np.abs(points.stress), floor) + ALLOWED_ERRORS * points.error
+    close = np.abs(fit.law.uniaxial(points.stretch).nominal - points.stress) <= allowed
+    up, down = points.stretch > 1, points.stretch < 1
+    pulled, pressed = _last(points.stretch[up], close[up]), _last(points.stretch[down][::-1], close[down][::-1])
+    high = max(pulled, pressed**-0.5)
+    why = "data" if close.all() else "misfit"
+    if (stable := _stable_to(fit.law, high)) < high:
+        high, why = stable, "instability"
+    low = max(high**-2, pressed if down.any() and not close[down].all() else 0.0)
+    if high < SHORTEST and (why != "data" or high <= 1):
+        return replace(fit, why=f"{why} beyond a stretch of {high:.3g}" if high > 1 else why)
+    return replace(fit, holds=(low, high), why=why)
+
+
+def _last(stretch: Array, close: Mask) -> float:
+    """The last stretch from rest on without interruption; 1 where there is none."""
+    count = int(np.argmin([*close, False]))
+    return float(stretch[count - 1]) if count else 1.0
+
+
+def _stable_to(law: Material, high: float) -> float:
+    """The largest stretch up to which a law is stable in every state, and in compression to its inverse square."""
+    low_limit, high_limit = law.stretch_limits
+    ends = [high, high_limit, low_limit**-0.5 if low_limit > 0 else np.inf]
+    for state in STATES:
+        for end in (high**-2, high) if state == "uniaxial" else (high,):
+            grid = np.geomspace(1.0, end, int(PER_LOG * abs(np.log(end))) + 2)
+            last = _last(grid[1:], is_stable(law, state, grid)[1:])
+            ends.append(last if end > 1 else last**-0.5)
+    return float(min(ends))
+
+
+def _where_they_agree(fit: LawFit, others: Sequence[LawFit]) -> LawFit:
+    """The same without the stretches at which it is off laws before by more than the factor; it is unsafe if that
+    begins at small ones."""
+    for other in others:
+        if fit.holds is None or other.holds is None:
+            continue
+        high = min(fit.holds[1], other.holds[1])
+        end, state, ratio = parting(fit.law, other.law, high)
+        if end < high:
+            why = f"{ratio:.2g} times the {state} stress of {other.name} at {high:.3g}"
+            holds = (max(fit.holds[0], end**-2), end) if end >= UNSAFE else None
+            fit = replace(fit, holds=holds, why=why)
+    return fit
+
+
+def parting(law: Material, other: Material, high: float) -> tuple[float, str, float]:
+    """The stretch up to which two laws are within the factor in every state, the state that ends it, and the ratio
+    of their stresses at `high` there; `high` and the largest ratio where they do not part."""
+    grid = stretches(1.0, high)[1:]
+    ends = []
+    for state, across in STATES.items():
+        ratio = nominal(law, grid, across(grid)) / nominal(other, grid, across(grid))
+        apart = ~(np.maximum(ratio, 1 / ratio) <= FACTOR)
+        end = float([1.0, *grid][int(np.argmax(apart))]) if apart.any() else high
+        ends.append((end, -abs(float(np.log(np.abs(ratio[-1])))), state, float(ratio[-1])))
+    end, _, state, largest = min(ends)
+    return end, state, largest
+
+
+def _as_it_is(fit: LawFit, points: Points) -> LawFit:
+    """The same for all stretches of the tests at which it is stable, however far off it is."""
+    high = _stable_to(fit.law, end_of(points))
+    return replace(fit, holds=(high**-2, high), why="misfit") if high > 1 else fit

@@ -1,0 +1,1 @@
+"""An arm that was built and measured, beside its rod."""

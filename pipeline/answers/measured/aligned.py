@@ -1,0 +1,69 @@
+"""Measured rows whose frame is not that of the drawing, and angles whose unit is not what it says."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from geometry.arrays import Array
+from pipeline.answers.measured.predicted import Numbers, Rods
+from pipeline.answers.measured.rows import Measurements, Row
+from pipeline.values.errors import InputError
+
+#: degrees of a rod from which an angle is checked, and the part of it below which it was read in radians
+LARGE, IN_RADIANS = 15.0, 0.06
+#: mm, distance of two points that fix a turn
+APART = 5.0
+#: what together is a place
+PLACES = (("tip_x", "tip_y"), ("x", "y"))
+
+
+def check_degrees(numbers: Numbers, predicted: Array) -> None:
+    """Raise InputError, with a line, where end angles of some size are as small as if they were in radians."""
+    angles = [k for k, name in enumerate(numbers.names) if name == "end_angle" and abs(predicted[k]) > LARGE]
+    if angles and np.median([abs(numbers.values[k] / predicted[k]) for k in angles]) < IN_RADIANS:
+        first = angles[0]
+        raise InputError(
+            f"{numbers.measurements.file}: line {numbers.rows[first].line}: end_angle_deg is "
+            f"{numbers.values[first]:.3g}, where the rod has {predicted[first]:.3g}°; if it is in radians, name the "
+            "column end_angle_rad"
+        )
+
+
+def aligned(measurements: Measurements, rods: Rods) -> Measurements:
+    """The rows in the frame of the drawing, by the rigid motion that puts the rows at rest onto the rod.
+
+    Points, tips and angles move; loads and held heights stay. Raises InputError where the rows at rest do not fix it.
+    """
+    for row in measurements.rows:
+        for x, y in PLACES:
+            if (x in row.values) != (y in row.values):
+                raise InputError(f"{measurements.file}: line {row.line}: --align needs both {x}_mm and {y}_mm")
+    rest = Numbers.of(replace(measurements, rows=tuple(map(_places, measurements.rows))))
+    read = rest.values.reshape(-1, 2)
+    if not len(read) or np.linalg.norm(read[:, None] - read, axis=2).max() < APART:
+        raise InputError(
+            f"{measurements.file}: --align needs two points of the arm at zero pressure, apart from each other"
+        )
+    rod = rest.predicted(rods).reshape(-1, 2)
+    a, b = read - read.mean(axis=0), rod - rod.mean(axis=0)
+    turn = float(np.arctan2((a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]).sum(), (a * b).sum()))
+    matrix = np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]])
+    shift = rod.mean(axis=0) - matrix @ read.mean(axis=0)
+    return replace(measurements, rows=tuple(_moved(row, matrix, shift, turn) for row in measurements.rows))
+
+
+def _places(row: Row) -> Row:
+    """With the places alone that were read at rest."""
+    names = [name for pair in PLACES for name in pair if row.state.is_at_rest and name in row.values]
+    return replace(row, values={name: row.values[name] for name in names})
+
+
+def _moved(row: Row, matrix: Array, shift: Array, turn: float) -> Row:
+    values = dict(row.values)
+    for pair in PLACES:
+        if pair[0] in values:
+            moved = matrix @ np.array([values[name] for name in pair]) + shift
+            values |= dict(zip(pair, moved.tolist(), strict=True))
+    if "end_angle" in values:
+        values["end_angle"] += float(np.degrees(turn))
+    return replace(row, values=values)

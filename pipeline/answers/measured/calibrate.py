@@ -1,0 +1,93 @@
+"""The command that calibrates the rod of a result folder to a measured arm, and writes a folder of its own."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from geometry import Reason
+from pipeline.answers.budget import budget_of
+from pipeline.answers.measured.aligned import aligned
+from pipeline.answers.measured.calibration import Calibration, calibrated, law_to_calibrate
+from pipeline.answers.measured.fit import LawRods
+from pipeline.answers.measured.page import comparison_page
+from pipeline.answers.measured.saved import new_folder, save_calibration
+from pipeline.answers.measured.table import read_measurements
+from pipeline.answers.measured.unknowns import MODULUS
+from pipeline.results.files import read_results
+from pipeline.results.verdict import Verdict, verdict_of
+from pipeline.values.reasons import report_reason
+from pipeline.values.run import Run
+from pipeline.values.table import Table
+
+
+@dataclass(frozen=True)
+class CalibrateOptions:
+    """What a user may ask for."""
+
+    free: tuple[str, ...] = ()  #: dimensions; none: those whose tolerances move the tip most
+    align: bool = False  #: move the rows onto the rod at rest
+    samples: int = 0  #: drawn to check the result; 0: not checked
+
+
+@dataclass(frozen=True, eq=False)  # arrays inside
+class CalibrationReport:
+    """A calibration and where it was written."""
+
+    directory: Path
+    found: Calibration
+    verdict: Verdict  #: of the calibrated arm
+
+    @property
+    def lines(self) -> tuple[str, ...]:
+        """What was found, in words."""
+        sampled, checked = self.found.sampled, []
+        if sampled:
+            checked = [
+                f"{sampled.samples} samples, worth {sampled.effective:.0f}: {MODULUS} is {sampled.mean[0]:.4g} on "
+                f"average, and {self.found[MODULUS].mean:.4g} above."
+            ]
+        return (*self.found.notes, *self.found.undetermined, *checked, self.found.next_measurement.text)
+
+
+def calibrate_files(
+    folder: Path, file: Path, out: Path | None = None, options: CalibrateOptions | None = None
+) -> CalibrationReport:
+    """The calibrated arm of a result folder and a file of measurements, written to another folder.
+
+    out: FOLDER_calibrated by default. Raises InputError.
+    """
+    options = options or CalibrateOptions()
+    run, measurements = read_results(folder), read_measurements(file)
+    law = law_to_calibrate(run)
+    store = new_folder(out or folder.with_name(f"{folder.name}_calibrated"))
+    if options.align:
+        measurements = aligned(measurements, LawRods(law))
+    found = calibrated(law, run.config, measurements, options.free, options.samples)
+    save_calibration(store, run, file, found, report_reason(_remark(run, found)))
+    store.save_text("calibration.html", comparison_page(run.design, found.predictions))
+    return CalibrationReport(store.directory, found, verdict_of(read_results(store.directory)))
+
+
+def _remark(run: Run, found: Calibration) -> Reason:
+    """What the calibration makes of the tip, for the verdict."""
+    length, deviations = found.law.length, found.next_measurement.tip_std_mm
+    before = budget_of(run)
+    return Reason(
+        "calibrated",
+        {
+            "numbers": len(found.predictions),
+            "percent": 100.0 * found.posterior.quantile * deviations / length,
+            "before": 100.0 * before.total("tip") if before else float("nan"),
+        },
+    )
+
+
+def estimates_table(found: Calibration) -> Table:
+    """One row for each unknown."""
+    rows = tuple(
+        (one.name, one.unit, f"{one.drawn:.4g}", f"{one.mean:.4g}", f"{one.std:.2g}", one.source)
+        for one in found.estimates
+    )
+    scatter = ", ".join(f"{std:.2g} {unit}" for unit, std in found.posterior.spread.scatter.items())
+    model = 100.0 * found.posterior.spread.model
+    caption = f"Scatter of the measurement {scatter}; error of the model {model:.2g} % of the modulus."
+    return Table(("unknown", "unit", "before", "mean", "std", "known before by"), rows, caption)

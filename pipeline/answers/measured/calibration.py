@@ -1,0 +1,206 @@
+"""The rod of an arm calibrated to what was measured on it: values, and the computation from a result folder."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from scipy.stats import multivariate_t
+
+from geometry.arrays import Array
+from pipeline.answers.measured.aligned import check_degrees
+from pipeline.answers.measured.fit import Fitted, fit, numbers_of, off_range
+from pipeline.answers.measured.gaussian import Posterior
+from pipeline.answers.measured.next_measurement import NextMeasurement, next_measurement
+from pipeline.answers.measured.predicted import Compared, Numbers, Setup
+from pipeline.answers.measured.rows import Measurements
+from pipeline.answers.measured.unknowns import BuiltArm, unknowns_of
+from pipeline.answers.rods.choice import refuse_out_of_plane
+from pipeline.results.saved_law import SavedLaw
+from pipeline.values.errors import InputError
+from pipeline.values.run import Run
+from rod.arm_law.law import ArmLaw
+from rod.errors import RodError
+
+#: part of the deviation that a measurement leaves of an unknown, from which on it was not determined; correlation from
+#: which on only a combination of two was
+LEFT, TOGETHER = 0.8, 0.9
+#: relative change of a dimension beyond which derivatives are doubtful
+DOUBTFUL = 0.15
+#: degrees of freedom of Student's distribution that samples are of
+OF_SAMPLES = 5.0
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """One unknown before and after the measurement."""
+
+    name: str
+    unit: str
+    mean: float
+    std: float
+    drawn: float  #: in the drawing
+    std_before: float  #: of the modulus that of its logarithm
+    source: str  #: of the deviation before
+
+
+@dataclass(frozen=True)
+class Sampled:
+    """Mean and deviation of the unknowns by sampling, without a linear approximation of the rod."""
+
+    samples: int
+    effective: float  #: number of equally weighted samples that are worth as much
+    mean: tuple[float, ...]
+    std: tuple[float, ...]
+
+
+@dataclass(frozen=True, eq=False)  # arrays inside
+class Calibration:
+    """An arm after its measurement."""
+
+    estimates: tuple[Estimate, ...]
+    law: ArmLaw = field(repr=False)  #: of the calibrated arm
+    setup: Setup  #: offset of the gauge, angle of the clamp
+    posterior: Posterior = field(repr=False)
+    predictions: tuple[Compared, ...] = field(repr=False)  #: what is allowed holds nine of ten measurements
+    undetermined: tuple[str, ...]  #: what the numbers do not tell, a sentence each
+    notes: tuple[str, ...]
+    next_measurement: NextMeasurement
+    sampled: Sampled | None = None  #: None where no samples were requested
+
+    @property
+    def correlation(self) -> Array:
+        """(k, k) of the unknowns."""
+        return self.posterior.correlation
+
+    def __getitem__(self, name: str) -> Estimate:
+        return next(estimate for estimate in self.estimates if estimate.name == name)
+
+
+def law_to_calibrate(run: Run) -> ArmLaw:
+    """The arm's own law of a run. Raises InputError for a run without one."""
+    refuse_out_of_plane(run)
+    path = run.directory / "law.json"
+    if run.law is None:
+        raise InputError(f"{run.directory}: has no law.json, the arm's own law; measure it with pneurod cell")
+    return SavedLaw.read(path).law
+
+
+def calibrated(
+    law: ArmLaw, config: Mapping[str, Any], measurements: Measurements, free: Sequence[str] = (), samples: int = 0
+) -> Calibration:
+    """An arm calibrated to measurements.
+
+    config: as run.json has it, for its tolerances. free: dimensions; by default those whose tolerances move the tip
+    most. samples: drawn to check the result. Raises InputError, with file, line and column.
+    """
+    unknowns = unknowns_of(law, config, free, max(measurements.pressures_kPa) or law.pressures[-1])
+    arm, numbers = BuiltArm(law, unknowns), Numbers.of(measurements)
+    if (count := len(numbers.values)) <= len(free):
+        raise InputError(f"{measurements.file}: holds {count} numbers for {1 + len(free)} unknowns; measure more")
+    low, high = law.pressures[0], law.pressures[-1]
+    likely = high * math.exp(2.0 * unknowns[0].std)
+    measurements.check_pressures(low, likely, f"the law, which goes from {low:g} to {high:g} kPa")
+    _check_angles(arm, numbers)
+    fitted = fit(arm, numbers)
+    while fitted.at_limit:
+        *lower, highest = numbers.measurements.pressures_kPa
+        if not lower:
+            raise InputError(
+                f"{measurements.file}: the arm is so soft that its law, scaled, ends below {highest:g} kPa; measure it "
+                f"beyond {high:g} kPa with pneurod cell"
+            )
+        numbers = Numbers.of(measurements.up_to(lower[-1]))
+        fitted = fit(arm, numbers)
+    changed, setup = arm.changed_law(fitted.changes, with_derivatives=True), arm.changed_setup(fitted.changes)
+    posterior, effects = fitted.posterior, fitted.observed.effects
+    return Calibration(
+        estimates=_estimates(arm, fitted),
+        law=changed,
+        setup=setup,
+        posterior=posterior,
+        predictions=numbers.beside(
+            numbers.values - fitted.observed.residual,
+            posterior.quantile * posterior.deviations(effects, numbers.units),
+        ),
+        undetermined=tuple(_undetermined(arm, fitted)),
+        notes=(*_left_out(measurements, numbers, changed), *off_range(changed, numbers, setup), *_doubts(arm, fitted)),
+        next_measurement=next_measurement(arm, fitted, changed),
+        sampled=_sampled(arm, numbers, fitted, samples) if samples else None,
+    )
+
+
+def _left_out(measurements: Measurements, numbers: Numbers, law: ArmLaw) -> list[str]:
+    left = len(measurements.rows) - len(numbers.measurements.rows)
+    if not left:
+        return []
+    return [
+        f"{left} rows above {law.pressures[-1]:.4g} kPa are left out: the law of an arm as soft as this one ends "
+        "there; measure the law at higher pressures."
+    ]
+
+
+def _check_angles(arm: BuiltArm, numbers: Numbers) -> None:
+    """Raise InputError for angles that are as small as if they were in radians, where the drawn arm has all states."""
+    try:
+        predicted = numbers_of(arm, numbers, np.zeros(len(arm.unknowns)))
+    except InputError:
+        return
+    check_degrees(numbers, predicted)
+
+
+def _estimates(arm: BuiltArm, fitted: Fitted) -> tuple[Estimate, ...]:
+    rows = zip(arm.unknowns, fitted.changes.tolist(), fitted.posterior.stds.tolist(), strict=True)
+    return tuple(
+        Estimate(u.name, u.unit, u.value(change), u.std_of(change, std), u.drawn, u.std, u.source)
+        for u, change, std in rows
+    )
+
+
+def _undetermined(arm: BuiltArm, fitted: Fitted) -> list[str]:
+    sentences, left = [], fitted.posterior.stds / fitted.observed.stds
+    for unknown, part in zip(arm.unknowns, left.tolist(), strict=True):
+        if part > LEFT:
+            sentences.append(f"{unknown.name}: not determined; its deviation is {100 * part:.0f} % of that before.")
+    for i, j in zip(*np.triu_indices(len(left), 1), strict=True):
+        together = float(fitted.posterior.correlation[i, j])
+        if abs(together) > TOGETHER:
+            both = f"{arm.unknowns[i].name} and {arm.unknowns[j].name}"
+            sentences.append(f"{both}: only a combination is determined (correlation {together:.2f}).")
+    return sentences
+
+
+def _doubts(arm: BuiltArm, fitted: Fitted) -> list[str]:
+    sentences = []
+    for unknown, change in zip(arm.unknowns, fitted.changes.tolist(), strict=True):
+        if unknown.is_of_law and unknown.drawn and abs(change / unknown.drawn) > DOUBTFUL:
+            sentences.append(
+                f"{unknown.name} changes by {100 * change / unknown.drawn:.0f} %, for which derivatives are doubtful; "
+                "measure the law again with the new dimension."
+            )
+    return sentences
+
+
+def _sampled(arm: BuiltArm, numbers: Numbers, fitted: Fitted, samples: int) -> Sampled:
+    """By importance sampling from Student's distribution with the covariance of the linear approximation."""
+    posterior, observed = fitted.posterior, fitted.observed
+    noise = np.linalg.inv(observed.noise(posterior.spread))
+    drawn_from = multivariate_t(fitted.changes, posterior.covariance, OF_SAMPLES, seed=1, allow_singular=True)
+    points = drawn_from.rvs(samples).reshape(samples, -1)
+    logarithms = []
+    for point in points:
+        try:
+            off = numbers.values - numbers_of(arm, numbers, point)
+        except (InputError, RodError):
+            logarithms.append(-np.inf)
+            continue
+        before = float(np.sum((point / observed.stds) ** 2))
+        logarithms.append(-0.5 * (float(off @ noise @ off) + before) - float(drawn_from.logpdf(point)))
+    logs = np.array(logarithms)
+    weights = np.exp(logs - logs.max())
+    weights /= weights.sum()
+    values = np.array([[u.value(c) for u, c in zip(arm.unknowns, point, strict=True)] for point in points.tolist()])
+    mean = weights @ values
+    std = np.sqrt(weights @ (values - mean) ** 2)
+    return Sampled(samples, float(1.0 / np.sum(weights**2)), tuple(mean.tolist()), tuple(std.tolist()))

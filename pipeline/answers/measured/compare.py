@@ -1,0 +1,132 @@
+"""An arm that was measured beside its rod: how far they differ, and whether that is within what is known."""
+
+import math
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from geometry.arrays import Array
+from pipeline.answers.measured.aligned import aligned, check_degrees
+from pipeline.answers.measured.fit import LawRods, effects_on, off_range
+from pipeline.answers.measured.predicted import AS_WRITTEN, Compared, Numbers
+from pipeline.answers.measured.rows import Measurements
+from pipeline.answers.measured.saved import SavedCalibration, read_calibration
+from pipeline.answers.measured.table import read_measurements
+from pipeline.answers.measured.unknowns import BuiltArm, tolerance_unknowns
+from pipeline.answers.rods.choice import KINDS, RodOfRun, choose_rod
+from pipeline.results.files import read_results
+from pipeline.results.rod_errors import RodErrors, mesh_errors
+from pipeline.values.run import Run
+from rod.arm_law.law import ArmLaw
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Everything measured on an arm beside its rod."""
+
+    file: str
+    design: str
+    length_mm: float
+    rows: tuple[Compared, ...]
+    shares: dict[
+        str, float
+    ]  #: root mean square of what each part allows over that of all: rod, mesh, tolerances, or calibration
+    is_calibrated: bool
+    unknown: tuple[str, ...] = ()  #: what is not known and so not counted, a sentence each
+
+    def rms(self, unit: str) -> float:
+        """Root mean square of the differences in mm, deg or N; of mm the distance in the plane. NaN without any."""
+        found = [row.difference for row in self.rows if row.quantity.endswith(f"_{unit}")]
+        pairs = 2.0 if unit == "mm" and any(row.quantity.endswith("x_mm") for row in self.rows) else 1.0
+        return math.sqrt(pairs * sum(d * d for d in found) / len(found)) if found else math.nan
+
+    @property
+    def within(self) -> float:
+        """Part of the numbers that are within what is allowed."""
+        return sum(row.is_within for row in self.rows) / len(self.rows)
+
+    @property
+    def largest(self) -> str:
+        """Which part allows most; empty where nothing is known."""
+        return max(self.shares, key=lambda name: self.shares[name], default="")
+
+    @property
+    def lines(self) -> tuple[str, ...]:
+        """What was found, in words."""
+        sizes = [(self.rms("mm"), "mm", f" ({100.0 * self.rms('mm') / self.length_mm:.2g} % of l)")]
+        sizes += [(self.rms("deg"), "degrees", ""), (self.rms("N"), "N", "")]
+        words = ", ".join(f"{rms:.2g} {unit}{more}" for rms, unit, more in sizes if math.isfinite(rms))
+        inside = sum(row.is_within for row in self.rows)
+        allowed = "the 90 % intervals of the calibration" if self.is_calibrated else "rod, mesh and tolerances"
+        most = f"; largest part: the {self.largest}" if self.largest else ""
+        return (
+            f"{self.design}: root mean square of the differences {words}.",
+            f"{inside} of {len(self.rows)} numbers are within {allowed}{most}.",
+            *self.unknown,
+        )
+
+
+def compare_files(folder: Path, file: Path, align: bool = False, kind: str | None = None) -> Comparison:
+    """The measurements of a file beside the rod of a result folder, or one of a kind. Raises InputError."""
+    run, measurements = read_results(folder), read_measurements(file)
+    rods = choose_rod(run, kind)
+    return compare(run, rods, aligned(measurements, rods.at) if align else measurements)
+
+
+def compare(run: Run, rods: RodOfRun, measurements: Measurements) -> Comparison:
+    """Measurements beside one of the rods of a run. Raises InputError, with file and line."""
+    numbers, saved = Numbers.of(measurements), read_calibration(run.directory)
+    setup = AS_WRITTEN if saved is None else saved.setup
+    low, high = rods.pressures_kPa
+    measurements.check_pressures(low, high, f"the rod, which goes from {low:g} to {high:g} kPa")
+    law = rods.source if isinstance(rods.source, ArmLaw) else None
+    predicted = numbers.predicted(LawRods(law) if law else rods.at, setup)
+    check_degrees(numbers, predicted)
+    bands, unknown = _bands(run, rods, numbers, predicted, saved)
+    total = np.sum(list(bands.values()), axis=0) if bands else np.zeros(len(numbers.values))
+    rows, unknown = numbers.beside(predicted, total), (*unknown, *(off_range(law, numbers, setup) if law else ()))
+    return Comparison(measurements.file, run.design, run.length_mm, rows, _shares(bands), saved is not None, unknown)
+
+
+def _shares(bands: dict[str, Array]) -> dict[str, float]:
+    sizes = {name: float(np.sqrt(np.mean(band**2))) for name, band in bands.items()}
+    return {name: size / (sum(sizes.values()) or 1.0) for name, size in sizes.items()}
+
+
+def _bands(
+    run: Run, rods: RodOfRun, numbers: Numbers, predicted: Array, saved: SavedCalibration | None
+) -> tuple[dict[str, Array], tuple[str, ...]]:
+    """What each part allows, (n,) in the units of the numbers; and what is not known."""
+    if saved is not None and isinstance(rods.source, ArmLaw):
+        effects = effects_on(BuiltArm(rods.source, saved.unknowns, saved.setup), numbers)
+        return {"calibration": saved.posterior.quantile * saved.posterior.deviations(effects, numbers.units)}, ()
+    name, unknown = KINDS[rods.kind], list[str]()
+    bands: dict[str, Array] = {}
+    of_rod, of_mesh = RodErrors.of(run, name), mesh_errors(run, name)
+    if math.isfinite(of_rod.shape) and run.errors_of(name):
+        largest = max((abs(row.force_N) for row in run.rod_errors if row.force_N is not None), default=0.0)
+        # an arc whose end moves by a part of the length turns it by twice as many radians
+        shape = {"mm": of_rod.shape * run.length_mm, "N": of_rod.force * largest, "deg": math.degrees(2 * of_rod.shape)}
+        bands["rod"] = np.array([shape[unit] for unit in numbers.units])
+    else:
+        unknown.append("The error of the rod is not known, because no whole arm was solved.")
+    if of_mesh.kappa_0 is None:
+        unknown.append("The error of the mesh is not known.")
+    else:
+        relative = np.array([of_mesh.force or 0.0 if unit == "N" else of_mesh.kappa_0 for unit in numbers.units])
+        bands["mesh"] = relative * np.abs(predicted - _straight(numbers, run.length_mm))
+    if isinstance(rods.source, ArmLaw) and rods.source.rates:
+        unknowns = tolerance_unknowns(rods.source, run.config, float(numbers.pressures.max()))
+        by = effects_on(BuiltArm(rods.source, unknowns), numbers).by_unknown
+        bands["tolerances"] = np.sqrt(by**2 @ np.array([unknown.std for unknown in unknowns]) ** 2)
+    else:
+        unknown.append("Tolerances are not counted, because this rod has no derivatives.")
+    return bands, tuple(unknown)
+
+
+def _straight(numbers: Numbers, length_mm: float) -> Array:
+    """(n,) the numbers of the straight arm, of which displacements and angles are multiples of the curvature."""
+    places = {"tip_x": length_mm}
+    pairs = zip(numbers.rows, numbers.names, strict=True)
+    return np.array([row.s_mm or 0.0 if name == "x" else places.get(name, 0.0) for row, name in pairs])

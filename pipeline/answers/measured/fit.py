@@ -1,0 +1,185 @@
+"""The unknowns of an arm fitted to what was measured on it, by Gauss-Newton steps on its rod."""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import final
+
+import numpy as np
+from scipy.linalg import cholesky, solve_triangular
+from scipy.optimize import least_squares
+
+from geometry.arrays import Array
+from pipeline.answers.measured.gaussian import Effects, Observed, Posterior, Spread, choose_spread
+from pipeline.answers.measured.predicted import Numbers, Setup
+from pipeline.answers.measured.unknowns import BuiltArm
+from pipeline.values.errors import InputError
+from rod.arm_law.law import ArmLaw
+from rod.errors import RodError
+from rod.mechanics.equilibrium import Rod
+
+#: rounds of spread and unknowns in turn, and the change over the deviation with which they end
+ROUNDS, SETTLED = 4, 0.05
+#: change of an unknown in difference quotients, over its deviation; of the stiffness
+PART, STIFFER = 0.1, 0.02
+#: error of the model in the stiffness against loads over that in the modulus
+OF_STIFFNESS = 2.0
+#: changes of ln(modulus) with which the fit begins, the first at which the rod has every state
+STARTS = (0.0, 0.25, 0.5, -0.25, 0.75)
+#: scatter that is expected: of positions over the length, of angles in degrees, of reactions over the largest one
+OF_POSITIONS, OF_ANGLES, OF_REACTIONS = 0.003, 0.5, 0.03
+#: residual of a trial that has no rod, over the scatter
+NO_ROD = 1e3
+
+
+@final
+@dataclass(frozen=True, eq=False)  # arrays inside
+class Fitted:
+    """Where the fit ended."""
+
+    observed: Observed
+    posterior: Posterior
+    at_limit: bool  #: whether the law of so soft an arm ends below the highest pressure, or would of a softer one
+
+    @property
+    def changes(self) -> Array:
+        """(k,) of the unknowns."""
+        return self.observed.changes
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class LawRods:
+    """The rods of a law; a pressure off its range, where the offset of a gauge leads, is that at its end."""
+
+    law: ArmLaw
+
+    def __call__(self, pressure_kPa: float) -> Rod:
+        low, high = self.law.pressures[0], self.law.pressures[-1]
+        return Rod(self.law.length, law=self.law.at(min(max(pressure_kPa, low), high)))
+
+
+def off_range(law: ArmLaw, numbers: Numbers, setup: Setup) -> tuple[str, ...]:
+    """A sentence on the rows whose pressure, with the offset of the gauge, leaves the law; empty where none does."""
+    low, high = law.pressures[0], law.pressures[-1]
+    pressures = {row.state.pressure_kPa + setup.gauge_kPa for row in numbers.rows}
+    farthest = max(pressures, key=lambda pressure: max(low - pressure, pressure - high))
+    if low <= farthest <= high:
+        return ()
+    sentence = (
+        f"With the offset of the gauge a row is at {farthest:.4g} kPa, but the law goes from {low:.4g} to {high:.4g} "
+        "kPa; that row is compared with the rod at the end of the law."
+    )
+    return (sentence,)
+
+
+def numbers_of(arm: BuiltArm, numbers: Numbers, changes: Array, stiffness: float = 1.0) -> Array:
+    """(n,) the numbers by the rod of an arm with changes (k,) of its unknowns; stiffness: as of `Setup`.
+
+    Raises InputError, with the line, where it has none.
+    """
+    try:
+        law = arm.changed_law(changes)
+    except RodError as failure:
+        raise InputError(str(failure)) from None
+    return numbers.predicted(LawRods(law), replace(arm.changed_setup(changes), stiffness=stiffness))
+
+
+def effects_on(arm: BuiltArm, numbers: Numbers, changes: Array | None = None) -> Effects:
+    """How numbers change at some changes (k,) of the unknowns, none by default, by differences. Raises InputError."""
+    at = np.zeros(len(arm.unknowns)) if changes is None else changes
+
+    def by(unknown: int) -> Array:
+        step = np.zeros(len(at))
+        step[unknown] = PART * arm.unknowns[unknown].std
+        return _slope(lambda part: numbers_of(arm, numbers, at + part * step)) / step[unknown]
+
+    columns = [by(k) for k in range(len(at))]
+    stiffer = _slope(lambda part: numbers_of(arm, numbers, at, math.exp(part * STIFFER))) / STIFFER
+    by_model = np.column_stack([columns[0], OF_STIFFNESS * stiffer])
+    return Effects(np.column_stack(columns), by_model, numbers.pressures)
+
+
+def _slope(numbers_at: Callable[[float], Array]) -> Array:
+    """(n,) change of numbers per step, from the parts -1 and 1 of it, or from that which has a rod and from 0."""
+    found = []
+    for part in (-1.0, 1.0, 0.0):
+        try:
+            found.append((part, numbers_at(part)))
+        except InputError:
+            if part == 0.0:
+                raise
+        if len(found) == 2:
+            break
+    (first, less), (second, more) = found
+    return np.asarray((more - less) / (second - first))
+
+
+def fit(arm: BuiltArm, numbers: Numbers) -> Fitted:
+    """The unknowns that agree best with numbers, and with what was known of them.
+
+    Raises InputError, with the line, for a state that the rod of the arm has not.
+    """
+    stds = np.array([unknown.std for unknown in arm.unknowns])
+    lowest, highest_kPa = np.full(len(stds), -np.inf), float(numbers.pressures.max())
+    lowest[0] = math.log(max(highest_kPa, 1e-9) / arm.law.pressures[-1])
+    changes = _start(arm, numbers, max(0.0, lowest[0] + 0.5 * PART))
+    usual = _usual(arm, numbers)
+    for _ in range(ROUNDS):
+        observed = _observed(arm, numbers, changes, stds)
+        spread = choose_spread(observed, usual)
+        before, changes = changes, _improved(arm, numbers, observed, spread, lowest)
+        if np.abs((changes - before) / stds).max() < SETTLED:
+            break
+    observed = _observed(arm, numbers, changes, stds)
+    at_limit = changes[0] < lowest[0] + 0.1 * PART or arm.changed_law(changes).pressures[-1] < highest_kPa
+    return Fitted(observed, Posterior.of(observed, choose_spread(observed, usual)), bool(at_limit))
+
+
+def _start(arm: BuiltArm, numbers: Numbers, first: float) -> Array:
+    """(k,) changes from which the fit begins: a modulus at which the rod has every state."""
+    failures = []
+    for more in STARTS:
+        changes = np.zeros(len(arm.unknowns))
+        changes[0] = first + more
+        try:
+            numbers_of(arm, numbers, changes)
+        except InputError as failure:
+            failures.append(failure)
+        else:
+            return changes
+    raise failures[0]
+
+
+def _observed(arm: BuiltArm, numbers: Numbers, changes: Array, stds: Array) -> Observed:
+    residual = numbers.values - numbers_of(arm, numbers, changes)
+    return Observed(effects_on(arm, numbers, changes), residual, numbers.units, changes, stds)
+
+
+def _usual(arm: BuiltArm, numbers: Numbers) -> dict[str, float]:
+    reactions = [abs(value) for value, unit in zip(numbers.values, numbers.units, strict=True) if unit == "N"]
+    largest = max(reactions, default=1.0) or 1.0
+    return {"mm": OF_POSITIONS * arm.law.length, "deg": OF_ANGLES, "N": OF_REACTIONS * largest}
+
+
+def _improved(arm: BuiltArm, numbers: Numbers, observed: Observed, spread: Spread, lowest: Array) -> Array:
+    """(k,) the changes of least squares with a spread, of the numbers and of what was known before."""
+    factor, stds = cholesky(observed.noise(spread), lower=True), observed.stds
+
+    def residual(changes: Array) -> Array:
+        try:
+            off = numbers.values - numbers_of(arm, numbers, changes)
+        except InputError:
+            return np.full(len(numbers.values) + len(stds), NO_ROD)
+        return np.concatenate([solve_triangular(factor, off, lower=True), changes / stds])
+
+    def slopes(changes: Array) -> Array:
+        by_unknown = observed.effects.by_unknown
+        if not np.array_equal(changes, observed.changes):
+            by_unknown = effects_on(arm, numbers, changes).by_unknown
+        return np.vstack([-solve_triangular(factor, by_unknown, lower=True), np.diag(1.0 / stds)])
+
+    bounds = lowest, np.full(len(stds), np.inf)
+    return np.asarray(
+        least_squares(residual, observed.changes, slopes, bounds, x_scale=stds, xtol=1e-3, ftol=1e-4, max_nfev=6).x
+    )

@@ -1,0 +1,156 @@
+"""What a rod says of the states in which an arm was measured."""
+
+import math
+import warnings
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from geometry.arrays import Array
+from pipeline.answers.measured.rows import COLUMNS, Measurements, Row, State
+from pipeline.values.errors import InputError
+from rod.errors import RodError, RodWarning
+from rod.mechanics.equilibrium import Rod
+from rod.solution import RodSolution
+from rod.weight import gravity_direction
+
+#: kinds of numbers, with what their errors have in common, and units
+KINDS = {"tip_x": "mm", "tip_y": "mm", "x": "mm", "y": "mm", "end_angle": "deg", "reaction": "N"}
+#: the rod at a pressure in kPa
+Rods = Callable[[float], Rod]
+
+
+@dataclass(frozen=True)
+class Setup:
+    """How a measurement differs from what its file says."""
+
+    gauge_kPa: float = 0.0  #: pressure in the arm less that of the gauge
+    clamp_deg: float = 0.0  #: angle of the clamp, counter-clockwise
+    #: stiffness of the arm against loads on its end over that of the rod, whose curvature without load stays as it is
+    stiffness: float = 1.0
+
+    def __add__(self, other: "Setup") -> "Setup":
+        return Setup(
+            self.gauge_kPa + other.gauge_kPa, self.clamp_deg + other.clamp_deg, self.stiffness * other.stiffness
+        )
+
+
+AS_WRITTEN = Setup()
+
+
+@dataclass(frozen=True)
+class Compared:
+    """One measured number beside that of the rod."""
+
+    line: int
+    pressure_kPa: float
+    load: str
+    quantity: str  #: with its unit, as in the titles of the file
+    measured: float
+    predicted: float
+    allowed: float  #: by what is known of rod, mesh, and tolerances or calibration
+    s_mm: float | None = None  #: of a point along the arm
+
+    @property
+    def difference(self) -> float:
+        """Measured less predicted."""
+        return self.measured - self.predicted
+
+    @property
+    def is_within(self) -> bool:
+        """Whether it is no larger than what is allowed."""
+        return abs(self.difference) <= self.allowed
+
+
+@dataclass(frozen=True, eq=False)  # arrays inside
+class Numbers:
+    """Every number of a file in one row: what was read, in which row of it, and of which kind."""
+
+    measurements: Measurements = field(repr=False)
+    rows: tuple[Row, ...]  #: (n,) of each number
+    names: tuple[str, ...]  #: (n,) of `KINDS`
+    values: Array  #: (n,) mm, degrees, N
+
+    @staticmethod
+    def of(measurements: Measurements) -> "Numbers":
+        """In the order of the file."""
+        pairs = [(row, name) for row in measurements.rows for name in row.values]
+        values = np.array([row.values[name] for row, name in pairs])
+        return Numbers(measurements, tuple(row for row, _ in pairs), tuple(name for _, name in pairs), values)
+
+    @property
+    def units(self) -> tuple[str, ...]:
+        """(n,)"""
+        return tuple(KINDS[name] for name in self.names)
+
+    @property
+    def pressures(self) -> Array:
+        """(n,) kPa."""
+        return np.array([row.state.pressure_kPa for row in self.rows])
+
+    def predicted(self, rods: Rods, setup: Setup = AS_WRITTEN) -> Array:
+        """(n,) the same numbers by a rod. Raises InputError, with the line, where it has none."""
+        shapes: dict[State, RodSolution] = {}
+        at: dict[float, Rod] = {}
+        found = []
+        for row, name in zip(self.rows, self.names, strict=True):
+            pressure = row.state.pressure_kPa + setup.gauge_kPa
+            try:
+                at[pressure] = at.get(pressure) or rods(pressure)
+                shapes[row.state] = shapes.get(row.state) or shape_of(at[pressure], row.state, setup)
+                found.append(_read(shapes[row.state], setup, name, row.s_mm))
+            except RodError as failure:
+                raise InputError(f"{self.measurements.file}: line {row.line}: {failure}") from None
+        return np.array(found)
+
+    def beside(self, predicted: Array, allowed: Array) -> tuple[Compared, ...]:
+        """Every number beside that of a rod, and what is allowed, (n,) each."""
+        columns = zip(self.rows, self.names, self.values.tolist(), predicted.tolist(), allowed.tolist(), strict=True)
+        return tuple(
+            Compared(row.line, row.state.pressure_kPa, row.state.load, COLUMNS[name], value, rod, most,
+                     row.s_mm if name in ("x", "y") else None)
+            for row, name, value, rod, most in columns
+        )  # fmt: skip
+
+
+def shape_of(rod: Rod, state: State, setup: Setup = AS_WRITTEN) -> RodSolution:
+    """The equilibrium of a rod in a state, in the frame of its clamp. Raises `RodError`."""
+    turn = np.radians(setup.clamp_deg)
+    weight = _weight(state, float(turn), setup.stiffness)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", RodWarning)
+        if state.held_y_mm is None:
+            force = _turned(np.array(state.force_N) / setup.stiffness, -turn).tolist()
+            return rod.solve(force, **weight) if any(state.force_N) else rod.solve(**weight)
+        shape = rod.solve(end_y=state.held_y_mm, **weight)
+        if setup.clamp_deg:  # the height is that of another point of the frame of the clamp
+            height = (state.held_y_mm - math.sin(turn) * shape.end[0]) / math.cos(turn)
+            shape = rod.solve(end_y=height, **weight)
+    return shape
+
+
+def _weight(state: State, turn: float, stiffness: float) -> dict[str, Any]:
+    if state.orientation is None:
+        return {}
+    direction = _turned(np.array(gravity_direction(state.orientation)), -turn)
+    return {"direction": (float(direction[0]), float(direction[1])), "tip_mass": state.tip_mass_g / stiffness}
+
+
+def _turned(vectors: Array, angle: float) -> Array:
+    """Vectors (..., 2) turned counter-clockwise by an angle in rad."""
+    cosine, sine = math.cos(angle), math.sin(angle)
+    return vectors @ np.array([[cosine, sine], [-sine, cosine]])
+
+
+def _read(shape: RodSolution, setup: Setup, name: str, s_mm: float | None) -> float:
+    """What is read of a shape, in mm, degrees or N. Raises `RodError` for a point off the rod."""
+    turn = math.radians(setup.clamp_deg)
+    if name == "end_angle":
+        return math.degrees(shape.end_angle) + setup.clamp_deg
+    if name == "reaction":
+        return float(_turned(shape.force, turn)[1]) * setup.stiffness
+    is_tip = s_mm is None or name.startswith("tip")
+    place = np.array(shape.end if is_tip else shape.positions(np.array([s_mm]))[0])
+    return float(_turned(place, turn)[0 if name.endswith("x") else 1])

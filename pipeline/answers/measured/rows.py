@@ -1,0 +1,91 @@
+"""What was measured on an arm that was built: one row for each state, or for each point along the arm in a state."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+from pipeline.config.units import ANGLE, FORCE, LENGTH, MASS, PRESSURE, Dimension
+from pipeline.values.errors import InputError
+
+#: columns of numbers by their name without the unit, with what they measure
+NUMBERS: dict[str, Dimension] = {
+    "pressure": PRESSURE,
+    "tip_x": LENGTH,
+    "tip_y": LENGTH,
+    "end_angle": ANGLE,
+    "force_x": FORCE,
+    "force_y": FORCE,
+    "tip_mass": MASS,
+    "held_y": LENGTH,
+    "reaction": FORCE,
+    "s": LENGTH,
+    "x": LENGTH,
+    "y": LENGTH,
+}
+#: columns of texts
+TEXTS = ("repeat", "orientation")
+#: columns that hold what was read; all others say how the arm was loaded, or which point it is
+QUANTITIES = ("tip_x", "tip_y", "end_angle", "reaction", "x", "y")
+#: how a column is written, by its name
+COLUMNS = {name: f"{name}_{dimension.unit}" for name, dimension in NUMBERS.items()} | {name: name for name in TEXTS}
+
+
+@dataclass(frozen=True)
+class State:
+    """How an arm was loaded."""
+
+    pressure_kPa: float
+    force_N: tuple[float, float] = (0.0, 0.0)  #: dead force that acts on the end
+    tip_mass_g: float = 0.0  #: that hangs on the end
+    held_y_mm: float | None = None  #: height at which the end is held; None: it is free
+    orientation: str | None = None  #: of the arm in gravity; None: no weight but that of the run
+
+    @property
+    def is_at_rest(self) -> bool:
+        """Whether nothing acts but a weight."""
+        return self.pressure_kPa == 0.0 and not any(self.force_N) and not self.tip_mass_g and self.held_y_mm is None
+
+    @property
+    def load(self) -> str:
+        """What acts besides the pressure, in words; empty for nothing."""
+        words = [f"force [{self.force_N[0]:g}, {self.force_N[1]:g}] N"] if any(self.force_N) else []
+        words += [f"{self.tip_mass_g:g} g"] if self.tip_mass_g else []
+        words += [] if self.held_y_mm is None else [f"held at {self.held_y_mm:g} mm"]
+        return ", ".join([*words, *([self.orientation] if self.orientation else [])])
+
+
+@dataclass(frozen=True)
+class Row:
+    """One row of a file: what was read in a state, by `QUANTITIES`, in mm, degrees and N."""
+
+    line: int  #: of the file, from 1
+    state: State
+    values: Mapping[str, float]
+    s_mm: float | None = None  #: of the point x, y: rest arc length from the clamp
+    repeat: str = ""  #: name of the repetition
+
+
+@dataclass(frozen=True)
+class Measurements:
+    """The rows of a file, in its order."""
+
+    file: str
+    rows: tuple[Row, ...]
+
+    @property
+    def pressures_kPa(self) -> tuple[float, ...]:
+        """Every pressure once, ascending."""
+        return tuple(sorted({row.state.pressure_kPa for row in self.rows}))
+
+    def up_to(self, limit_kPa: float) -> "Measurements":
+        """The rows at pressures up to a limit."""
+        return replace(self, rows=tuple(row for row in self.rows if row.state.pressure_kPa <= limit_kPa))
+
+    def check_pressures(self, low: float, high: float, known: str) -> None:
+        """Raise InputError, with the line, for a pressure that is not between two limits, kPa.
+
+        known: what is known of the arm, with its range.
+        """
+        for row in self.rows:
+            if not low <= row.state.pressure_kPa <= high:
+                where = f"{self.file}: line {row.line}"
+                raise InputError(f"{where}: {row.state.pressure_kPa:g} kPa is outside {known}")

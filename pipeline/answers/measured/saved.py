@@ -1,0 +1,149 @@
+"""The files of a calibrated arm: calibration.json, its law, its predictions, and a run.json for every other command."""
+
+import json
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from pipeline.answers.measured.calibration import Calibration
+from pipeline.answers.measured.gaussian import Effects, Posterior, Spread
+from pipeline.answers.measured.predicted import Setup
+from pipeline.answers.measured.unknowns import CLAMP, GAUGE, MODULUS, Unknown
+from pipeline.results.unloaded_states import unloaded_states
+from pipeline.store.provenance import provenance
+from pipeline.store.result_folder import ResultFolder, open_folder
+from pipeline.values.errors import InputError
+from pipeline.values.formats import FORMAT
+from pipeline.values.json_values import JsonObject
+from pipeline.values.record import Reported
+from pipeline.values.run import Run
+from rod.arm_law.record import law_record
+from rod.arm_law.scaling import power_of_modulus
+
+FILE = "calibration.json"
+PREDICTION_COLUMNS = ("line", "pressure_kPa", "load", "quantity", "measured", "predicted", "low_90", "high_90")
+
+
+@dataclass(frozen=True, eq=False)  # arrays inside
+class SavedCalibration:
+    """What `pneurod compare` needs of a calibration."""
+
+    unknowns: tuple[Unknown, ...]
+    setup: Setup
+    posterior: Posterior
+
+
+def new_folder(out: Path) -> ResultFolder:
+    """A folder for a calibrated arm. Raises InputError for one that holds results."""
+    held = next((name for name in (FILE, "law.json", "run.json") if (out / name).exists()), None)
+    if held:
+        raise InputError(f"--out {out}: holds {held}, and nothing is overwritten; give another folder")
+    return open_folder(out)
+
+
+def save_calibration(folder: ResultFolder, run: Run, file: Path, found: Calibration, remark: Reported) -> None:
+    """Write everything of a calibrated arm. remark: what the verdict says of it."""
+    law = found.law
+    low, high = law.pressures[0], law.pressures[-1]
+    pressures = [p for p in run.config.get("pressures_kPa", ()) if low <= p <= high] or [high]
+    folder.save_json(
+        "law.json",
+        {
+            **law_record(law),
+            "unloaded": [*map(asdict, unloaded_states(law, pressures))],
+            "mesh_error": _scaled_error(run, found[MODULUS].mean),
+        },
+    )
+    folder.save_json(FILE, record_of(run, file, found))
+    rows = [
+        (row.line, row.pressure_kPa, row.load, row.quantity, row.measured,
+         row.predicted, row.predicted - row.allowed, row.predicted + row.allowed)
+        for row in found.predictions
+    ]  # fmt: skip
+    folder.save_rows("predictions.csv", PREDICTION_COLUMNS, rows)
+    config = calibrated_config(run.config, found)
+    folder.save_json("run.json", {"format": FORMAT, "config": config, **provenance(), "remarks": [asdict(remark)]})
+
+
+def record_of(run: Run, file: Path, found: Calibration) -> JsonObject:
+    """The content of calibration.json."""
+    posterior = found.posterior
+    return {
+        "format": FORMAT,
+        "results": str(run.directory),
+        "measured": str(file),
+        "numbers": len(found.predictions),
+        "unknowns": [estimate.name for estimate in found.estimates],
+        **{one.name: {key: value for key, value in asdict(one).items() if key != "name"} for one in found.estimates},
+        "correlation": found.correlation,
+        "scatter": {f"{unit}_std": std for unit, std in posterior.spread.scatter.items()},
+        "model_error_std": posterior.spread.model,
+        "undetermined": list(found.undetermined),
+        "notes": list(found.notes),
+        "next_measurement": asdict(found.next_measurement),
+        "sampled": asdict(found.sampled) if found.sampled else None,
+        "posterior": {
+            "covariance": posterior.covariance,
+            "gain": posterior.gain,
+            "by_unknown": posterior.effects.by_unknown,
+            "by_model": posterior.effects.by_model,
+            "pressures_kPa": posterior.effects.pressures,
+            "reach_kPa": posterior.spread.reach_kPa,
+        },
+    }
+
+
+def _scaled_error(run: Run, factor: float) -> JsonObject | None:
+    """The errors of the mesh, of the arm with its factor of all moduli."""
+    error = run.law and run.law.mesh_error
+    if not error:
+        return None
+
+    def scaled(key: str, value: Any) -> Any:
+        power = power_of_modulus(key.removesuffix("_std"))
+        return [None if v is None else v * factor**power for v in value] if power else value
+
+    return {key: scaled(key, value) for key, value in asdict(error).items()}
+
+
+def calibrated_config(config: Mapping[str, Any], found: Calibration) -> JsonObject:
+    """The configuration of the drawing, with dimensions and moduli of the calibrated arm."""
+    changed: dict[str, Any] = json.loads(json.dumps(config, default=dict))
+    values = {estimate.name: estimate.mean for estimate in found.estimates}
+    values |= {name: rate.value for name, rate in found.law.rates.items() if rate.unit == "MPa"}
+    for name, value in values.items():
+        section, _, key = name.partition(".")
+        if isinstance(changed.get(section), dict) and key in changed[section]:
+            changed[section][key] = value
+    return changed
+
+
+def read_calibration(directory: Path) -> SavedCalibration | None:
+    """The calibration of a folder; None where it is not one of a calibrated arm. Raises InputError."""
+    path = directory / FILE
+    if not path.is_file():
+        return None
+    try:
+        content = json.loads(path.read_text(encoding="utf-8"))
+        kept, names = content["posterior"], content["unknowns"]
+        rows = {name: content[name] for name in names}
+        unknowns = tuple(
+            Unknown(name, row["unit"], row["mean"] if name != MODULUS else 1.0, row["std_before"], row["source"])
+            for name, row in rows.items()
+        )
+        effects = Effects(*(np.array(kept[key], float) for key in ("by_unknown", "by_model", "pressures_kPa")))
+        scatter = {key.removesuffix("_std"): float(std) for key, std in content["scatter"].items()}
+        posterior = Posterior(
+            np.zeros(len(names)),
+            np.array(kept["covariance"], float),
+            np.array(kept["gain"], float),
+            effects,
+            Spread(scatter, float(content["model_error_std"]), float(kept["reach_kPa"])),
+        )
+        setup = Setup(float(rows[GAUGE]["mean"]), float(rows[CLAMP]["mean"]))
+    except (OSError, ValueError, TypeError, KeyError, AttributeError) as failure:
+        raise InputError(f"{path}: is not the calibration of an arm ({failure}); repeat pneurod calibrate") from None
+    return SavedCalibration(unknowns, setup, posterior)

@@ -1,0 +1,144 @@
+"""What is unknown of an arm that was built, and what is known of it before it is measured."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from geometry.arrays import Array
+from pipeline.answers.budget import make_budget
+from pipeline.answers.measured.predicted import AS_WRITTEN, Setup
+from pipeline.config.section import not_known
+from pipeline.config.tolerances import STIFFNESS, Tolerance, Tolerances
+from pipeline.values.errors import InputError
+from rod.arm_law.law import ArmLaw
+from rod.arm_law.second_order import with_second_order
+
+#: names of what is unknown beside dimensions
+MODULUS, TREND, GAUGE, CLAMP = "modulus_factor", "modulus_trend", "gauge_offset_kPa", "clamp_angle_deg"
+#: bend and stretch of another law of the rubber in the second order of the strain
+BEND, STRETCH = "second_order_bend", "second_order_stretch"
+#: standard deviations: of ln(modulus) for constants of a data sheet or of another batch; of how much more it grows up
+#: to the highest pressure of the law; of the clamp, degrees
+OF_DATA_SHEET, OF_TREND, OF_CLAMP = 0.4, 0.2, 1.0
+#: the same of bend and stretch in the second order, found on four arms of `benchmarks/virtual_arms`
+OF_BEND, OF_STRETCH = 1.5, 0.7
+#: dimensions that are freed by themselves at most
+MOST_DIMENSIONS = 4
+
+
+@dataclass(frozen=True)
+class Unknown:
+    """One number of an arm or of its measurement, normally distributed before it is measured."""
+
+    name: str  #: MODULUS, GAUGE, CLAMP, or the key of a parameter of the law
+    unit: str
+    drawn: float  #: value in the drawing; 1 of the factor of all moduli
+    std: float  #: before the measurement; of the modulus that of its logarithm
+    source: str  #: of this deviation
+
+    @property
+    def is_of_law(self) -> bool:
+        """Whether it is a parameter by which the law has derivatives."""
+        return self.name not in (MODULUS, TREND, BEND, STRETCH, GAUGE, CLAMP)
+
+    def value(self, change: float) -> float:
+        """The number after a change, of the modulus of its logarithm."""
+        return math.exp(change) if self.name == MODULUS else self.drawn + change
+
+    def std_of(self, change: float, std: float) -> float:
+        """Standard deviation of the number by that of the change."""
+        return std * math.exp(change) if self.name == MODULUS else std
+
+
+@dataclass(frozen=True, eq=False)  # arrays inside
+class BuiltArm:
+    """The law of an arm and the setup of its measurement, as functions of changes of what is unknown."""
+
+    law: ArmLaw
+    unknowns: tuple[Unknown, ...]  #: the first one is MODULUS
+    setup: Setup = AS_WRITTEN  #: without changes
+
+    def changed_law(self, changes: Array, *, with_derivatives: bool = False) -> ArmLaw:
+        """The law after changes (k,). Raises `RodError` where none is left."""
+        of_law = {
+            unknown.name: float(change)
+            for unknown, change in zip(self.unknowns, changes, strict=True)
+            if unknown.is_of_law and change
+        }
+        law = with_second_order(self.law, self._of(BEND, changes), self._of(STRETCH, changes))
+        change = law.carried if with_derivatives else law.with_changes
+        law = change(of_law) if of_law else law
+        trend = self._of(TREND, changes)
+        law = law.stiffened(trend) if trend else law
+        return law.scaled(math.exp(changes[0])) if changes[0] else law
+
+    def changed_setup(self, changes: Array) -> Setup:
+        """The setup after changes (k,)."""
+        return self.setup + Setup(self._of(GAUGE, changes), self._of(CLAMP, changes))
+
+    def _of(self, name: str, changes: Array) -> float:
+        pairs = zip(self.unknowns, changes, strict=True)
+        return next((float(change) for unknown, change in pairs if unknown.name == name), 0.0)
+
+
+def unknowns_of(law: ArmLaw, config: Mapping[str, Any], free: Sequence[str], highest_kPa: float) -> tuple[Unknown, ...]:
+    """What is freed: all moduli, gauge and clamp, and dimensions.
+
+    config: as run.json has it, for its tolerances. free: their keys; those whose tolerances move the tip most where
+    none is given. highest_kPa: of the measurement. Raises InputError.
+    """
+    tolerances, known = _tolerances(law, config), _dimensions(law)
+    for key in free:
+        if key not in known:
+            raise InputError(f"--free {key}: {not_known(key, known)}")
+        if key not in tolerances:
+            raise InputError(f"--free {key}: has no tolerance; give one in the section tolerances of the configuration")
+    chosen = list(dict.fromkeys(free))
+    if not free and known:
+        pressure = min(highest_kPa, law.pressures[-1])
+        budget = make_budget(law, Tolerances.from_record(config.get("tolerances")), pressure, None)
+        chosen = [row.parameter for row in budget.rows if row.parameter in known][:MOST_DIMENSIONS]
+    stds = {TREND: OF_TREND, BEND: OF_BEND, STRETCH: OF_STRETCH}
+    trend, *second = (Unknown(name, "1", 0.0, std, "another law of the rubber") for name, std in stds.items())
+    clamp = Unknown(CLAMP, "deg", 0.0, OF_CLAMP, f"± {OF_CLAMP:g}°")
+    named = [_of_law(law, key, tolerances) for key in chosen]
+    given = {key: one for key, one in tolerances.items() if not one.is_default}
+    return (_modulus(law, given), trend, *named, _gauge(tolerances, highest_kPa), clamp, *second)
+
+
+def tolerance_unknowns(law: ArmLaw, config: Mapping[str, Any], highest_kPa: float) -> tuple[Unknown, ...]:
+    """Everything that has a tolerance, each with it as its deviation; parameters as of `unknowns_of`."""
+    tolerances = _tolerances(law, config)
+    named = [_of_law(law, key, tolerances) for key in _dimensions(law) if key in tolerances]
+    return (_modulus(law, tolerances), *named, _gauge(tolerances, highest_kPa))
+
+
+def _tolerances(law: ArmLaw, config: Mapping[str, Any]) -> dict[str, Tolerance]:
+    dimensions = {name: rate.value for name, rate in law.rates.items() if rate.unit == "mm"}
+    return Tolerances.from_record(config.get("tolerances")).all(dimensions)
+
+
+def _dimensions(law: ArmLaw) -> list[str]:
+    return [name for name, rate in law.rates.items() if rate.unit != "MPa"]
+
+
+def _modulus(law: ArmLaw, tolerances: Mapping[str, Tolerance]) -> Unknown:
+    """Known as well as these tolerances say, as after a tensile test of one's own batch; else as of a data sheet."""
+    parts = [tolerances[STIFFNESS].amount] if STIFFNESS in tolerances else []
+    for name, rate in law.rates.items():
+        if rate.unit == "MPa" and rate.value and name in tolerances:
+            parts.append(tolerances[name].of(rate.value) / abs(rate.value))
+    if not parts:
+        return Unknown(MODULUS, "1", 1.0, OF_DATA_SHEET, f"another batch: a factor of e^±{OF_DATA_SHEET:g}")
+    return Unknown(MODULUS, "1", 1.0, math.log1p(max(parts)), f"tolerance ± {100.0 * max(parts):g} %")
+
+
+def _gauge(tolerances: Mapping[str, Tolerance], highest_kPa: float) -> Unknown:
+    given = tolerances["pressure"]
+    return Unknown(GAUGE, "kPa", 0.0, given.of(highest_kPa), f"tolerance ± {given.text('kPa')} at {highest_kPa:g} kPa")
+
+
+def _of_law(law: ArmLaw, key: str, tolerances: Mapping[str, Tolerance]) -> Unknown:
+    rate, tolerance = law.rates[key], tolerances[key]
+    return Unknown(key, rate.unit, rate.value, tolerance.of(rate.value), f"tolerance ± {tolerance.text(rate.unit)}")

@@ -1,0 +1,215 @@
+"""Loads on the end of a rod from the command line, and the shapes under them."""
+
+import math
+import warnings
+from collections.abc import Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from geometry.arrays import Array
+from pipeline.answers.rods.choice import RodOfRun
+from pipeline.config.units import FORCE, LENGTH, MOMENT, PRESSURE
+from pipeline.results.options import option_list, option_value, option_vector
+from pipeline.store.atomic_file import write_atomic
+from pipeline.store.result_folder import open_file
+from pipeline.values.errors import InputError, RunFailed
+from pipeline.values.formats import ARM_LAW, EXTENSIBLE, FIVE
+from pipeline.values.run import bending_deg
+from rod.arm_law.law_rod import LawRod
+from rod.arm_law.space_law import SpaceRod
+from rod.errors import LoadError, RodError, RodWarning
+from rod.mechanics.equilibrium import Rod
+from rod.solution import RodSolution
+from rod.spatial import SpatialSolution
+from rod.weight import gravity_vector, in_grams
+
+#: x and y, and z of a load across the plane of the arm
+Vector = tuple[float, float] | tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class EndLoads:
+    """Loads on the end of a rod; None for what is not prescribed.
+
+    Positions are relative to the clamped end of the material curve.
+    """
+
+    force: Vector | None  #: N
+    moment: float | Vector  #: N mm
+    end_y: float | None  #: mm
+    end: Vector | None  #: mm
+    weight: "Weight"
+
+    @staticmethod
+    def read(force: str | None, moment: str, end_y: str | None, end: str | None, weight: "Weight") -> "EndLoads":
+        """From the options of the command line, written with units. Raises InputError, also where they contradict."""
+        if sum(given is not None for given in (force, end_y, end)) > 1:
+            raise InputError("--force, --end-y, --end: give one of them; the others follow from it")
+        if end is not None and weight.tip_mass_g:
+            raise InputError("--end, --tip-mass: an end that is held carries no mass; leave one of them out")
+        return EndLoads(
+            None if force is None else option_vector("--force", force, FORCE),
+            (option_vector if "[" in moment else option_value)("--moment", moment, MOMENT),
+            None if end_y is None else option_value("--end-y", end_y, LENGTH),
+            None if end is None else option_vector("--end", end, LENGTH),
+            weight,
+        )
+
+    def solve(self, rod: Rod) -> RodSolution | SpatialSolution:
+        """As `shape`, and raises `RodError` as `Rod.solve` does."""
+        given: dict[str, Any] = {"force": self.force, "moment": self.moment, "end_y": self.end_y, "end": self.end}
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", RodWarning)
+            shape: RodSolution | SpatialSolution = rod.solve(
+                **given, direction=self.weight.direction, tip_mass=self.weight.tip_mass_g
+            )
+        return shape
+
+    def shape(self, rod: Rod) -> RodSolution | SpatialSolution:
+        """The equilibrium of a rod under these loads; its `notes` say what a `RodWarning` would.
+
+        Raises RunFailed where there is none, InputError for an end farther away than the arm is long.
+        """
+        try:
+            return self.solve(rod)
+        except LoadError as failure:
+            raise InputError(str(failure)) from None
+        except RodError as failure:
+            away = abs(self.end_y or 0.0) if self.end is None else math.hypot(*self.end)
+            if away <= rod.length:
+                raise RunFailed(str(failure)) from None
+            raise InputError(
+                f"{'--end-y' if self.end is None else '--end'}: is {away:g} mm away from the clamped end, but the arm "
+                f"is {rod.length:g} mm long"
+            ) from None
+
+
+@dataclass(frozen=True)
+class Weight:
+    """Weight and payload of an arm."""
+
+    direction: Vector | None = None  #: of gravity; None: no weight but that of the run
+    tip_mass_g: float = 0.0
+
+    @staticmethod
+    def read(orientation: str | None, tip_mass: str | None) -> "Weight":
+        """From the options of the command line. Raises InputError."""
+        if tip_mass is not None and orientation is None:
+            raise InputError("--tip-mass: needs --orientation hanging, lying, standing, '30 deg' or '[0, -1]'")
+        try:
+            direction = None if orientation is None else gravity_vector(_pair_of(orientation))
+        except RodError as failure:
+            raise InputError(f"--orientation: {failure}") from None
+        try:
+            return Weight(direction, 0.0 if tip_mass is None else in_grams(tip_mass))
+        except RodError as failure:
+            raise InputError(f"--tip-mass: {failure}") from None
+
+    @staticmethod
+    def of(direction: str | Sequence[float] | None, tip_mass: float | str) -> "Weight":
+        """From the arguments of `Rod.solve`. Raises InputError."""
+        try:
+            return Weight(None if direction is None else gravity_vector(direction), in_grams(tip_mass))
+        except RodError as failure:
+            raise InputError(str(failure)) from None
+
+
+def _pair_of(text: str) -> str | list[str | float]:
+    """The numbers of a text such as [0, -1]; other texts as they are."""
+    if not text.strip().startswith("["):
+        return text
+    parts = text.strip().removeprefix("[").removesuffix("]").split(",")
+    with suppress(ValueError):
+        return [float(part) for part in parts]
+    return list(parts)
+
+
+def rod_at(rods: RodOfRun, pressure: str) -> Rod:
+    """The rod at a pressure written with its unit, or at two: [20 kPa, 5 kPa]. Raises InputError."""
+    option = option_list if pressure.strip().startswith("[") else option_value
+    value = option("--pressure", pressure, PRESSURE)
+    try:
+        return rods.at(value)
+    except RodError as failure:
+        raise InputError(f"--pressure {pressure}: {failure}") from None
+
+
+def end_lines(rod: Rod, shape: RodSolution | SpatialSolution, errors: str = "") -> list[str]:
+    """Which rod it is, position, angle and force of its end, and the moment at the clamp, one line each; then notes.
+
+    errors: of the rod against finite elements, where known.
+    """
+    lines = {"rod": _described(rod), **({"errors": errors} if errors else {})}
+    lines |= _lines_in_space(shape) if isinstance(shape, SpatialSolution) else _lines_in_plane(rod, shape)
+    width = max(map(len, lines))
+    return [*(f"{name:<{width}}  {value}" for name, value in lines.items()), *shape.notes]
+
+
+def _lines_in_plane(rod: Rod, shape: RodSolution) -> dict[str, str]:
+    x, y = shape.end
+    lines = {
+        "end": f"x = {_rounded(x):.3f} mm, y = {_rounded(y):.3f} mm from the clamped end of the curve",
+        "bends by": f"{bending_deg((x, y)):.2f}°",
+        "end angle": f"{shape.end_angle:.4f} rad",
+        "end force": _listed(shape.force, "N"),
+        "moment at the clamp": f"{shape.clamp_moment:.5g} N mm",
+    }
+    if shape.weight.any():
+        lines["weight"] = f"{_listed(shape.weight, 'N')}, which the rod carries besides"
+    if isinstance(rod.law, LawRod) and rod.law.is_in_space:
+        with suppress(RodError):  # an arm that is unstable in itself
+            if rod.law.stability(shape).is_stable:
+                return lines
+        lines["unstable"] = "the arm buckles out of its plane before this load; give a third component to follow it"
+    return lines
+
+
+def _lines_in_space(shape: SpatialSolution) -> dict[str, str]:
+    x, y, z = (_rounded(value) for value in shape.end)
+    return {
+        "end": f"x = {x:.3f} mm, y = {y:.3f} mm, z = {z:.3f} mm from the clamped end of the curve",
+        "points along": _listed(shape.frames[-1, :, 0]),
+        "end force": _listed(shape.force, "N"),
+        "moment at the clamp": _listed(shape.moment[0], "N mm"),
+        **({"weight": f"{_listed(shape.weight, 'N')}, which the rod carries besides"} if shape.weight.any() else {}),
+        "stability": f"{shape.stability.lowest:.3f} of the rigidity without load is left in the softest direction",
+    }
+
+
+def _listed(values: Array, unit: str = "") -> str:
+    """Components in brackets."""
+    return f"[{', '.join(f'{value + 0.0:.5g}' for value in values)}] {unit}".rstrip()
+
+
+def _described(rod: Rod) -> str:
+    """Which rod it is: its name in validation.json, and its name in words."""
+    if isinstance(rod.law, LawRod | SpaceRod):
+        return f"{ARM_LAW}: the arm's own law"
+    if rod.extension is None:
+        return f"{FIVE}: five parameters, inextensible"
+    return f"{EXTENSIBLE}: five parameters of the key eccentricity, with the stretch of the curve"
+
+
+def _rounded(coordinate: float) -> float:
+    """A coordinate to a thousandth of a millimetre (mm); one that is rounded to zero has no sign."""
+    return round(coordinate, 3) + 0.0
+
+
+def write_shape(shape: RodSolution | SpatialSolution, file: Path) -> None:
+    """Write the shape as CSV: s_mm, x_mm, y_mm, theta_rad, kappa_per_mm, moment_N_mm; in space s_mm, x_mm, y_mm, z_mm,
+    and the components of curvature and moment.
+
+    x and y are those of the material curve, theta and kappa those of the axis. Raises InputError when the file
+    cannot be written.
+    """
+    if isinstance(shape, SpatialSolution):
+        names = ["s_mm", "x_mm", "y_mm", "z_mm", "twist_per_mm", "lateral_curvature_per_mm", "kappa_per_mm"]
+        names += [f"moment_{axis}_N_mm" for axis in "xyz"]
+        columns = (shape.s, *shape.curve.T, *shape.curvature.T, *shape.moment.T)
+    else:
+        names = ["s_mm", "x_mm", "y_mm", "theta_rad", "kappa_per_mm", "moment_N_mm"]
+        columns = (shape.s, *shape.curve.T, shape.theta, shape.kappa, shape.moment)
+    rows = [",".join(f"{value:.12g}" for value in row) for row in zip(*columns, strict=True)]
+    write_atomic(open_file(file), ("\n".join([",".join(names), *rows]) + "\n").encode())

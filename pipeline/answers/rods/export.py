@@ -1,0 +1,212 @@
+"""The rod of a result folder in the files of other programs."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from pipeline.answers.rods.choice import choose_rod
+from pipeline.answers.rods.judged import judged
+from pipeline.answers.rods.solid import solid_of
+from pipeline.config.material import LOSS_FACTOR
+from pipeline.config.units import PRESSURE
+from pipeline.results.files import LAW_ON_MESH_OF_ARM, read_results
+from pipeline.results.options import option_value
+from pipeline.results.saved_law import SavedLaw
+from pipeline.results.saved_rod import SavedRod
+from pipeline.store.result_folder import open_folder
+from pipeline.values.errors import InputError
+from pipeline.values.run import Run
+from rod import EXPORTS, Arm, ArmLaw, Robot, RodError, export_robot
+from rod.export.arm import divide_pressures
+from rod.export.formats import PROGRAMS, export_files, with_beside
+from rod.export.tables import write_csv, write_json, write_law_csv, write_law_json
+from rod.pressurised_rod import IDENTIFIED
+from rod.same_pressure import as_known
+
+#: the rods of a result folder that can be exported, by the names of `pipeline.answers.rods.choice`
+RODS = ("law", "five")
+
+
+@dataclass(frozen=True)
+class ExportWords:
+    """What an export was asked for with, as the sentences of a refusal name it."""
+
+    to: str = "--to"
+    out: str = "--out"
+    force: str = "--force"
+
+
+@dataclass(frozen=True)
+class ExportOptions:
+    """What `pneurod export` was asked for beside the folder and the format."""
+
+    pressure: str | None = None  #: with its unit; None for all pressures
+    rod: str | None = None  #: one of RODS; None for the one to take
+    out: Path | None = None  #: folder of the files; None for the result folder
+    force: bool = False  #: replace files that exist
+    words: ExportWords = ExportWords()
+
+    @property
+    def pressure_kPa(self) -> float | None:
+        """Raises InputError where it has no unit."""
+        return None if self.pressure is None else option_value("--pressure", self.pressure, PRESSURE)
+
+
+@dataclass(frozen=True)
+class Exported:
+    """What an export left."""
+
+    files: tuple[Path, ...]
+    sentences: tuple[str, ...]  #: the error of the files, and what they leave out
+
+
+def exported(folder: Path, target: str | None, options: ExportOptions) -> Exported:
+    """Write the rod of a result folder for another program.
+
+    Raises InputError for an unknown target, which it answers with the known ones, for other options that do not fit,
+    for a target that cannot take the rod, and for files that exist or a folder that cannot be written.
+    """
+    if target not in EXPORTS:
+        raise InputError(
+            f"{options.words.to}{'' if target is None else f' {target}'}: allowed are {', '.join(EXPORTS)}"
+        )
+    if options.rod not in (None, *RODS):
+        raise InputError(f"--rod {options.rod}: allowed are {', '.join(RODS)}")
+    if folder.is_file():
+        raise InputError(f"{folder}: is a file; give the folder of the run, {folder.parent}")
+    try:
+        if (folder / "law.json").is_file() and not (folder / "run.json").is_file():  # of `pneurod cell`
+            return _of_law(SavedLaw.read(folder / "law.json").law, None, folder, target, options)
+        run = read_results(folder)
+        if options.rod == "five" or run.law is None:
+            SavedRod.read(folder / "parameters.json")  # refuses, with the reason, a run without five parameters
+        chosen = choose_rod(run, options.rod)
+        if isinstance(chosen.source, ArmLaw):
+            done = _of_law(chosen.source, run, folder, target, options)
+        else:
+            done = _of_five(run, target, options)
+        return replace(done, sentences=(*done.sentences, *chosen.notes))
+    except RodError as failure:
+        raise InputError(f"{options.words.to} {target}: {failure}") from None
+
+
+def _without_weight(law: ArmLaw) -> ArmLaw:
+    """The law of an arm that bears no weight."""
+    return replace(law, weight=(0.0, 0.0))
+
+
+def _of_law(law: ArmLaw, run: Run | None, folder: Path, target: str, options: ExportOptions) -> Exported:
+    """The rod with the arm's own law; run: None where the folder has nothing else."""
+    solid, light = None if run is None else solid_of(run), _without_weight(law)
+    if run is None and target in PROGRAMS:
+        raise InputError(f"{folder}: has a law and no mass, which {target} needs; give the folder of `pneurod run`")
+    is_linear = target in PROGRAMS and PROGRAMS[target].is_linear
+    of_run = () if run is None else run.config.get("pressures_kPa", ())
+    all_pressures = [p for p in of_run if law.pressures[0] <= p <= law.pressures[-1]] if is_linear else ()
+    single = options.pressure_kPa
+    pressures = tuple(all_pressures or law.pressures) if single is None else (as_known(law.pressures, single),)
+    make = Robot.linear_of_law if is_linear else Robot.of_law
+    robot = make(light, solid, pressures)
+    written = robot
+    if target in PROGRAMS and PROGRAMS[target].has_shear:  # of its own, which the hinges must not have as well
+        written = Robot.of_law(light, solid, pressures, has_shear=False)
+    writers: dict[str, Callable[[Path], None]] = {
+        "csv": lambda path: write_law_csv(light, pressures, path),
+        "json": lambda path: write_law_json(light, robot, path),
+    }
+    files = _write(written, target, options, writers, (options.out or folder) / f"law_{robot.label}.{target}")
+    if target == "csv":
+        return Exported(files, ("The table has the law of the cells; json has both ends of the arm, too.",))
+    compared = robot
+    if run is not None and (run.directory / LAW_ON_MESH_OF_ARM).is_file():  # as the finite elements of the run
+        on_mesh = _without_weight(SavedLaw.read(run.directory / LAW_ON_MESH_OF_ARM).law)
+        compared = make(on_mesh, solid, pressures if is_linear or single is not None else on_mesh.pressures)
+    return Exported(files, _sentences(compared, target, run, law))
+
+
+def _of_five(run: Run, target: str, options: ExportOptions) -> Exported:
+    """The inextensible rod with five parameters."""
+    saved = SavedRod.read(run.directory / "parameters.json")
+    arm = _arm(saved, options)
+    solid = solid_of(run)
+    is_interpolated = target in PROGRAMS and not PROGRAMS[target].is_linear
+    robot = Robot.of_five(arm, solid, between=is_interpolated)
+    writers: dict[str, Callable[[Path], None]] = {
+        "csv": lambda path: write_csv(arm, path),
+        "json": lambda path: write_json(arm, saved.mass_g, path),
+    }
+    files = _write(robot, target, options, writers, (options.out or run.directory) / f"rod_{robot.label}.{target}")
+    sentences = [] if arm.origin == IDENTIFIED else [f"The numbers at {options.pressure} are {arm.origin}."]
+    if not saved.rods.straight_without_pressure:
+        below = ", nor a pressure below those of the file, where its arm becomes straight"
+        below = below if is_interpolated and len(robot.pressures) > 1 else ""
+        sentences.append(
+            "kappa_0 contains what bends the arm besides the pressure of the run (its weight, a constant pressure in a "
+            f"cavity): do not apply that once more in the other program{below}."
+        )
+    if any(saved.rods.weight):
+        sentences.append(
+            "The exported rod keeps the moments that its weight has without load; how they change when a load moves it "
+            "is left out (pneurod rod has it)."
+        )
+    if target in PROGRAMS:
+        return Exported(files, (*sentences, *_sentences(robot, target, run, None)))
+    return Exported(files, tuple(sentences))
+
+
+def _sentences(robot: Robot, target: str, run: Run | None, law: ArmLaw | None) -> tuple[str, ...]:
+    """The error of the files of a robot, and the damping in them."""
+    if run is None:
+        return ()
+    sentences = [judged(robot, run, law)]
+    if law is not None and any(law.weight):
+        sentences.append("The file has no weight, other than the run: let gravity act in the other program.")
+    if target in ("mujoco", "pyelastica"):
+        loss_factor = robot.body.loss_factor
+        default = " (the default of material.loss_factor)" if loss_factor == LOSS_FACTOR else ""
+        sentences.append(f"Damping: loss factor {loss_factor:g}{default} at the first vibration of the arm.")
+    return tuple(sentences)
+
+
+def _write(
+    robot: Robot, target: str, options: ExportOptions, tables: Mapping[str, Callable[[Path], None]], table: Path
+) -> tuple[Path, ...]:
+    """Write the file of a table, or those of a program into its folder. Refuses files that exist."""
+    if target in tables:
+        files = [table]
+    else:
+        _ = robot.body  # refuses an arm without mass
+        files = with_beside(list(export_files(robot, target, table.parent)), target)
+    for path in files:
+        if path.exists() and not options.force:
+            raise InputError(
+                f"{path}: exists; give another {options.words.out}, or {options.words.force} to replace it"
+            )
+    open_folder(table.parent)
+    if target in tables:
+        tables[target](table)
+    else:
+        export_robot(robot, target, table.parent)
+    return tuple(files)
+
+
+def _arm(saved: SavedRod, options: ExportOptions) -> Arm:
+    """The rods with five parameters at the pressures that are written."""
+    if options.pressure is None:
+        pressures = tuple(float(pressure) for pressure in saved.rods.pressures)
+        rods = tuple(saved.rods.at(pressure) for pressure in pressures)
+        arm = Arm(pressures, rods, deviations=saved.deviations)
+        if len(pressures) == 1:
+            return arm
+        more = divide_pressures(pressures)
+        between = tuple(saved.rods.at(pressure) for pressure in more)
+        return replace(arm, finer=Arm(more, between))
+    pressure = as_known(saved.rods.pressures, option_value("--pressure", options.pressure, PRESSURE))
+    if pressure <= 0.0:
+        raise InputError(
+            f"--pressure {options.pressure}: is not exported; give one above 0 kPa, at which the arm is at rest"
+        )
+    selected = saved.at(options.pressure)
+    deviations = saved.deviations_at(pressure)
+    origin = saved.rods.origin_at(pressure)
+    return Arm((pressure,), (selected,), origin, deviations)

@@ -1,0 +1,184 @@
+"""The pressure for a tip, a bending or a force: the question that a rod answers, backwards."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from geometry.arrays import Array
+from pipeline.answers.rods.choice import RodOfRun
+from pipeline.answers.rods.end_loads import EndLoads, Weight
+from pipeline.config.units import ANGLE, FORCE, LENGTH
+from pipeline.results.options import option_pair, option_value
+from pipeline.values.errors import InputError, RunFailed
+from pipeline.values.formatting import number
+from pipeline.values.run import bending_error_deg
+from rod.arm_law.pairs import PairLaw
+from rod.arm_law.space_law import SpaceLaw
+from rod.errors import LoadError, RodError
+from rod.inverse import AtPressure, Quantity, Response
+
+#: distance of the tip from the wanted place, over the length, that is met where the error of the rod is not known
+MET = 0.005
+NO_WEIGHT = Weight()
+
+
+@dataclass(frozen=True)
+class Wish:
+    """What is wanted of the end of an arm: its place, how far it bends, or its force where it is held."""
+
+    tip_mm: tuple[float, float] | None = None  #: from the clamped end of the material curve
+    angle_deg: float | None = None  #: of the circular arc through both ends of the material curve, as the verdict says
+    force_N: float | None = None  #: y component of the force on the end, which is held at a height
+    height_mm: float | None = None  #: of the end that is held
+    weight: Weight = NO_WEIGHT
+
+    @staticmethod
+    def read(tip: str | None, angle: str | None, force: str | None, at_height: str | None, weight: Weight) -> "Wish":
+        """From the options of the command line, written with units. Raises InputError, also where they contradict."""
+        return Wish(
+            None if tip is None else option_pair("--tip", tip, LENGTH),
+            None if angle is None else option_value("--angle", angle, ANGLE),
+            None if force is None else option_value("--force", force, FORCE),
+            None if at_height is None else option_value("--at-height", at_height, LENGTH),
+            weight,
+        )
+
+    def __post_init__(self) -> None:
+        given = sum(value is not None for value in (self.tip_mm, self.angle_deg, self.force_N))
+        if given != 1:
+            raise InputError("give one of a tip, an angle and a force")
+        if (self.force_N is None) != (self.height_mm is None):
+            raise InputError("give the height at which the end is held together with a force, and with nothing else")
+        if self.weight.direction is not None and len(self.weight.direction) == 3:
+            raise InputError("pressures are found for arms in their plane; give gravity as x and y")
+
+
+@dataclass(frozen=True)
+class PressureFor:
+    """A pressure at which the wish is met, and the end of the arm there."""
+
+    pressure_kPa: float
+    error_kPa: float | None  #: by the errors of rod and mesh; None where they are not known
+    tip_mm: tuple[float, float]
+    angle_deg: float
+    force_N: tuple[float, float]
+    away_mm: float | None  #: of the tip from the wanted one; None where another quantity was wanted
+
+    @property
+    def text(self) -> str:
+        """In words."""
+        error = "" if self.error_kPa is None else f" ± {self.error_kPa:.2g}"
+        x, y = self.tip_mm
+        away = "" if self.away_mm is None else f", {self.away_mm:.2g} mm away"
+        end = f"tip at ({x:.2f}, {y:.2f}) mm{away}, bends by {self.angle_deg:.2f}°"
+        force = f", force on the end [{self.force_N[0]:.4g}, {self.force_N[1]:.4g}] N" if any(self.force_N) else ""
+        return f"{self.pressure_kPa:.4f}{error} kPa: {end}{force}"
+
+
+def pressures_for(rods: RodOfRun, wish: Wish) -> tuple[PressureFor, ...]:
+    """All pressures at which a wish is met, by rising pressure; for a tip the nearest one first.
+
+    Raises InputError for a wish that is out of reach, with what is nearest to it, and RunFailed where the arm has no
+    equilibrium under its load.
+    """
+    responses = responses_of(rods, wish)
+    if wish.tip_mm is not None:
+        return _for_tip(rods, wish, responses, wish.tip_mm)
+    quantity, target = (_angle, wish.angle_deg) if wish.angle_deg is not None else (_force, wish.force_N)
+    assert target is not None
+    found = [at for response in responses for at in response.where(quantity, target)]
+    if not found:
+        raise InputError(_out_of_reach(rods, wish, responses, quantity, target))
+    return tuple(_met(rods, wish, at) for at in found)
+
+
+def responses_of(rods: RodOfRun, wish: Wish) -> tuple[Response, ...]:
+    """The arm under the load of a wish over the pressure, kept with the rods. Raises InputError for two pressures."""
+    if isinstance(rods.source, PairLaw):
+        raise InputError("two pressures meet a wish in many ways; give the folder of one ratio, such as DIR/1_to_0.25")
+    if isinstance(rods.source, SpaceLaw):
+        raise InputError(
+            "several pressures meet a wish in many ways; `pneurod rod` gives the shape at those you choose"
+        )
+    known = [float(pressure) for pressure in rods.source.pressures]
+    key = (wish.height_mm, wish.weight)
+    if key not in rods.responses:
+
+        def solve(pressure: float) -> Array:
+            shape = EndLoads(None, 0.0, wish.height_mm, None, wish.weight).solve(rods.at(pressure))
+            return np.array([*shape.end, *shape.force])
+
+        try:
+            rods.responses[key] = Response.all_of(solve, known)
+        except LoadError as failure:
+            raise InputError(str(failure)) from None
+        except RodError as failure:
+            raise RunFailed(str(failure)) from None
+    return rods.responses[key]
+
+
+def _for_tip(
+    rods: RodOfRun, wish: Wish, responses: tuple[Response, ...], tip: tuple[float, float]
+) -> tuple[PressureFor, ...]:
+    near = [_met(rods, wish, at) for response in responses for at in response.nearest(tip)]
+    near.sort(key=lambda at: at.away_mm or 0.0)
+    error = MET if rods.errors is None or not math.isfinite(rods.errors.shape) else rods.errors.shape
+    met = [at for at in near if (at.away_mm or 0.0) <= error * rods.source.length]
+    if met:
+        return tuple(met)
+    raise InputError(
+        f"no pressure{_range(rods, responses)} brings the tip to ({tip[0]:g}, {tip[1]:g}) mm; nearest: {near[0].text}"
+    )
+
+
+def _out_of_reach(
+    rods: RodOfRun, wish: Wish, responses: tuple[Response, ...], quantity: Quantity, target: float
+) -> str:
+    ends = [at for response in responses for at in response.extremes(quantity)]
+    nearest = min(ends, key=lambda at: abs(at.of(quantity)[0] - target))
+    what = f"bends the arm by {target:g}°" if wish.angle_deg is not None else f"gives the end a force of {target:g} N"
+    return f"no pressure{_range(rods, responses)} {what}; nearest: {_met(rods, wish, nearest).text}"
+
+
+def _range(rods: RodOfRun, responses: tuple[Response, ...]) -> str:
+    """The pressures that were searched; at others the load leaves the range of the rod."""
+    known = [(float(response.pressures[0]), float(response.pressures[-1])) for response in responses]
+    text = f" from {' and from '.join(f'{number(low)} to {number(high)}' for low, high in known)} kPa"
+    return text if known == [rods.pressures_kPa] else f"{text}, where the rod is known under this load,"
+
+
+def _met(rods: RodOfRun, wish: Wish, at: AtPressure) -> PressureFor:
+    x, y, force_x, force_y = (float(value) for value in at.state)
+    away = None if wish.tip_mm is None else math.dist((x, y), wish.tip_mm)
+    angle = float(_angle(at.state[None, :2], at.state[None, 2:])[0])
+    held = (force_x, force_y) if wish.force_N is not None else (0.0, 0.0)
+    return PressureFor(at.pressure, _error(rods, wish, at), (x, y), angle, held, away)
+
+
+def _error(rods: RodOfRun, wish: Wish, at: AtPressure) -> float | None:
+    """kPa: the error of the rod and its mesh in what is wanted, over its change by the pressure."""
+    errors = rods.errors
+    if errors is None or not math.isfinite(errors.shape):
+        return None
+    moves = errors.shape * rods.source.length
+    if wish.force_N is not None:
+        if errors.force is None or errors.largest_N is None:
+            return None
+        return _over(errors.force * errors.largest_N, at.of(_force)[1])
+    if wish.angle_deg is not None:
+        return _over(bending_error_deg(moves, (float(at.state[0]), float(at.state[1]))), at.of(_angle)[1])
+    return _over(moves, math.hypot(*at.slope[:2]))
+
+
+def _over(error: float, slope: float) -> float | None:
+    return abs(error / slope) if slope else None
+
+
+def _angle(tips: Array, _: Array) -> Array:
+    """Degrees, as `pipeline.values.run.bending_deg`."""
+    return np.abs(np.degrees(2.0 * np.arctan2(tips[:, 1], tips[:, 0])))
+
+
+def _force(_: Array, forces: Array) -> Array:
+    return np.asarray(forces[:, 1])

@@ -1,1 +1,0 @@
-"""The arm's own law from one cell and two ends."""

@@ -1,1 +1,0 @@
-"""Pictures of bodies, drawn without a display."""

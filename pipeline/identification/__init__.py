@@ -1,1 +1,0 @@
-"""From simulated curves to the five parameters."""

@@ -1,0 +1,1 @@
+"""Five parameters from the experiments, and the rods compared with finite elements."""

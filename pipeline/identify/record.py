@@ -1,0 +1,255 @@
+"""The parameters of a run as the value of parameters.json."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+from geometry.arrays import Array
+from pipeline.config.config import Config
+from pipeline.identify.added_pressures import covered_range, quantities_of
+from pipeline.identify.mesh_error import RELATIVE
+from pipeline.identify.parameters import Parameters, sum_evidence
+from pipeline.identify.predicted import Predicted
+from pipeline.values.formats import FORMAT
+from pipeline.values.parameters import (
+    BreakProfile,
+    Dimensionless,
+    MeshErrorOfFive,
+    RestShape,
+    RodParameters,
+    Straightness,
+    StretchingRod,
+    TwoLines,
+)
+from rod import (
+    PARAMETER_COLUMNS,
+    PARAMETER_NAMES,
+    Identification,
+    Interval,
+    LinearRange,
+    Load,
+    MomentRange,
+    rest_curvature,
+)
+
+ESTIMATOR = "cell_averaged"
+#: what the dimensionless parameters are divided by, in the key
+_DIVIDED = {"alpha": "over_m_g_length2", "m0": "over_m_g_length", "d": "over_length"}
+
+
+def parameters_record(
+    config: Config,
+    parameters: Sequence[Parameters],
+    predicted: Sequence[Predicted | str] | None = None,
+    coarser: float | None = None,
+    mesh_error_reason: str = "",
+) -> RodParameters:
+    """The numbers of the rod at the top, those of two lines under `estimators`.
+
+    predicted: by the arm's own law; None where it was not made. coarser: size of a second mesh of the whole arm over
+    that of the first one, where it tells the error of the mesh.
+    """
+    drawn: Mapping[str, Any] = config.record()
+    mass = config.mass_tonne
+    load = parameters[0].free.load if parameters else Load()
+    return RodParameters(
+        format=FORMAT,
+        design=drawn["geometry"],
+        material=drawn.get("material"),
+        materials=drawn.get("materials"),
+        solid_volume_mm3=config.design.solid_volume,
+        length_mm=config.design.length,
+        mass_g=None if mass is None else mass * 1e6,
+        pressures_kPa=tuple(p.pressure_kPa for p in parameters),
+        straight_without_pressure=config.effects.straight_without_pressure,
+        weight_N_per_mm=load.weight,
+        weight_height_mm=load.weight_height,
+        estimator=ESTIMATOR,
+        **_columns([p.numbers for p in parameters]),
+        d_given_mm=config.identification.d_mm,
+        **_bounds([p.numbers["d"] for p in parameters], parameters),
+        **_linear(parameters),
+        **_choice(parameters),
+        mesh_error=_mesh_error(config, parameters, coarser),
+        mesh_error_reason=mesh_error_reason,
+        moment_range_N_mm=_ranges([p.moment_range for p in parameters]),
+        eccentricity=_stretching(parameters),
+        estimators={ESTIMATOR: _identified([p.by_cells for p in parameters], parameters)},
+        predicted_by_arm_law=None if predicted is None else _identified(_lines(predicted), parameters),
+        kappa_0=_rest_shape(parameters),
+        dimensionless=_dimensionless(config, parameters),
+        dimensionless_numbers=_dimensionless_numbers(config, parameters),
+        profile_over_d=tuple(
+            BreakProfile(p.pressure_kPa, _numbers(p.by_cells.profile[:, 0]), _numbers(p.by_cells.profile[:, 1]))
+            for p in parameters
+        ),
+    )
+
+
+def _choice(parameters: Sequence[Parameters]) -> dict[str, Any]:
+    """The single line beside two, and what speaks for either."""
+    single_lines = [p.by_cells.single_line for p in parameters]
+    return {
+        "single_line_alpha_N_mm2": tuple(line.alpha.value for line in single_lines),
+        "single_line_alpha_N_mm2_std": tuple(line.alpha.std for line in single_lines),
+        "single_line_m0_N_mm": tuple(line.m0.value for line in single_lines),
+        "single_line_suffices": tuple(not p.two_lines for p in parameters),
+        "evidence_for_two_lines": tuple(p.by_cells.evidence for p in parameters),
+        "evidence_of_choice": tuple(p.evidence for p in parameters),
+        "two_lines_on_coarser_mesh": tuple(p.two_lines_on_coarser for p in parameters),
+        "r2_two_lines": tuple(p.by_cells.r2 for p in parameters),
+        "r2_single_line": tuple(line.r2 for line in single_lines),
+        "observations": tuple(p.by_cells.observations for p in parameters),
+    }
+
+
+def _columns(numbers: Sequence[Mapping[str, Interval] | None]) -> dict[str, Any]:
+    """The five parameters over the pressures; None where there is no number."""
+    columns: dict[str, Any] = {}
+    for name, column in PARAMETER_COLUMNS.items():
+        intervals = [None if of_pressure is None else of_pressure[name] for of_pressure in numbers]
+        columns[column] = tuple(i and i.value for i in intervals)
+        columns[f"{column}_std"] = tuple(i and i.std for i in intervals)
+        columns[f"{column}_95"] = tuple(i and (i.low, i.high) for i in intervals)
+    return columns
+
+
+def _bounds(d: Sequence[Interval | None], parameters: Sequence[Parameters]) -> dict[str, Any]:
+    """Whether a d lies at an end of the range in which it was sought; null where there is none."""
+    pairs = list(zip(d, parameters, strict=True))
+    return {
+        "d_is_at_most": tuple(i and p.given_d is None and bool(i.value <= 1.001 * p.shortest_break) for i, p in pairs),
+        "d_is_at_least": tuple(i and p.given_d is None and bool(i.value >= 0.999 * p.longest_break) for i, p in pairs),
+    }
+
+
+def _mesh_error(config: Config, parameters: Sequence[Parameters], coarser: float | None) -> MeshErrorOfFive | None:
+    """What the mesh contributes to the deviations of the rod's numbers, None where nothing tells."""
+    if not any(p.mesh_std for p in parameters):
+        return None
+    columns: dict[str, Any] = {
+        f"{name}_relative": tuple(p.mesh_errors.get(name) for p in parameters) for name in RELATIVE
+    }
+    columns |= {
+        f"{column}_std": tuple(p.mesh_std.get(n) for p in parameters) for n, column in PARAMETER_COLUMNS.items()
+    }
+    sizes = (config.mesh.size_mm, *([] if coarser is None else [coarser * config.mesh.size_mm]))
+    return MeshErrorOfFive(sizes, parameters[0].mixed_at_kPa, **columns)
+
+
+def _stretching(parameters: Sequence[Parameters]) -> StretchingRod | None:
+    """The eccentricity of the neutral axis, the rest stretch, and the five numbers of the rod that has them."""
+    if not parameters:
+        return None
+    return StretchingRod(
+        **_columns([p.extensible_numbers for p in parameters]),
+        eccentricity_mm=tuple(p.extension.eccentricity for p in parameters),
+        eccentricity_mm_std=tuple(p.extension.eccentricity_std for p in parameters),
+        moment_range_N_mm=_ranges([p.extensible_moment_range for p in parameters]),
+        rest_stretch=tuple(_numbers(p.extension.rest_stretch) for p in parameters),
+    )
+
+
+def _numbers(values: Array) -> tuple[float, ...]:
+    return tuple(values.tolist())
+
+
+def _ranges(ranges: Sequence[MomentRange]) -> tuple[tuple[float, float], ...]:
+    return tuple((moments.low, moments.high) for moments in ranges)
+
+
+def _lines(predicted: Sequence[Predicted | str]) -> list[Identification | str]:
+    """They tell which part comes from the cells and their ends, which is all that the law contains."""
+    return [p if isinstance(p, str) else p.lines for p in predicted]
+
+
+def _identified(estimates: Sequence[Identification | str], parameters: Sequence[Parameters]) -> TwoLines:
+    """Two lines at every pressure, or why there are none, and whether a single one suffices."""
+    identified = [e for e in estimates if not isinstance(e, str)]
+    every = [None if isinstance(e, str) else {name: getattr(e, name) for name in PARAMETER_NAMES} for e in estimates]
+    columns = _columns(every) | _bounds([None if numbers is None else numbers["d"] for numbers in every], parameters)
+    columns["reason"] = tuple(e if isinstance(e, str) else "" for e in estimates)
+    if len(identified) == len(parameters):
+        decisive = sum_evidence([e.evidence for e in identified], [p.one_rigidity for p in parameters])
+        decided = [replace(p, evidence=evidence) for p, evidence in zip(parameters, decisive, strict=True)]
+        columns["single_line_suffices"] = tuple(not p.two_lines for p in decided)
+        columns["single_line_alpha_N_mm2"] = tuple(e.single_line.alpha.value for e in identified)
+        columns["observations"] = tuple(e.observations for e in identified)
+    return TwoLines(**columns)
+
+
+def _linear(parameters: Sequence[Parameters]) -> dict[str, Any]:
+    """beta1, beta2 over the linear range (over all pressures where there is none), and how straight everything is."""
+    covered = covered_range(parameters)
+    pressures, quantities = quantities_of(parameters)
+    lines = covered.lines if covered else {}
+    if covered is None and len(parameters) > 1:
+        lines = LinearRange.over(pressures, quantities).lines
+    betas: dict[str, float | None] = {}
+    for number in ("1", "2"):
+        line = lines.get(f"alpha{number}")
+        betas[f"beta{number}_N_mm2_per_kPa"] = line and line.slope
+        betas[f"beta{number}_N_mm2_per_kPa_std"] = line and line.slope_std
+    straightness = []
+    for name, line in lines.items():
+        values = tuple(quantities[name].values)
+        on_line = (line.slope * p + line.intercept for p in pressures)
+        off = tuple(value / on - 1.0 for value, on in zip(values, on_line, strict=True))
+        straightness.append(Straightness(name, line.slope, line.intercept, values, off))
+    return {
+        "linear_range_kPa": covered and (covered.low, covered.high),
+        "linear_range_tested": covered is not None and covered.tested,
+        "straightness": tuple(straightness),
+        **betas,
+    }
+
+
+def _dimensionless(config: Config, parameters: Sequence[Parameters]) -> tuple[Dimensionless, ...]:
+    """M/(m g l) over (kappa - kappa_0) l with the reference weight; no rows where there is none."""
+    weight, length = config.reference_weight, config.design.length
+    if weight is None:
+        return ()
+    points = [(p.pressure_kPa, p.by_cells.points) for p in parameters]
+    return tuple(
+        Dimensionless(
+            pressure,
+            _numbers(at[:, 0] / length),
+            _numbers(at[:, 1] * length),
+            _numbers(at[:, 3] / (weight[0] * length)),
+        )
+        for pressure, at in points
+    )
+
+
+def _dimensionless_numbers(config: Config, parameters: Sequence[Parameters]) -> dict[str, Any] | None:
+    """The five parameters and kappa_0(l/2) without unit, lists over the pressures; None without a weight."""
+    weight, length = config.reference_weight, config.design.length
+    if weight is None:
+        return None
+    newton, of = weight
+    moment = newton * length
+    units = {"alpha1": moment * length, "alpha2": moment * length, "m01": moment, "m02": moment, "d": length}
+    return {
+        "weight_N": newton,
+        "weight_of": of,
+        "kappa_0_middle_times_length": [p.kappa_0_middle * length for p in parameters],
+        **{
+            f"{name}_{_DIVIDED[name.rstrip('12')]}": [p.numbers[name].value / unit for p in parameters]
+            for name, unit in units.items()
+        },
+    }
+
+
+def _rest_shape(parameters: Sequence[Parameters]) -> RestShape:
+    """kappa_0(s, p) of the rod: at the nodes of the curve, as the shape of II has it, and averaged over cells."""
+    if not parameters:
+        return RestShape()
+    rows = [rest_curvature(p.free.centreline) for p in parameters]
+    return RestShape(
+        s_mm=_numbers(rows[0][1][:, 0]),
+        theta0_rad=tuple(float(theta) for theta, _ in rows),
+        kappa_0_per_mm=tuple(_numbers(profile[:, 1]) for _, profile in rows),
+        cell_s_mm=_numbers(parameters[0].kappa_0.s),
+        cell_averaged_per_mm=tuple(_numbers(p.kappa_0.kappa) for p in parameters),
+        middle_per_mm=tuple(p.kappa_0_middle for p in parameters),
+    )

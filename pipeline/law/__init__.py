@@ -1,0 +1,1 @@
+"""The arm's own law, measured on one cell and both ends."""

@@ -1,0 +1,154 @@
+"""The two ends of an arm: how many half cells they disturb, and their curves beside those of the cell."""
+
+from collections.abc import Callable, Mapping, Sequence
+from functools import cache
+from itertools import zip_longest
+
+import numpy as np
+
+from fem.cell.piece import PieceFailed
+from geometry import Reason
+from geometry.arrays import Array
+from pipeline.law.cells import check_two
+from pipeline.law.piece.point import Measured
+from pipeline.law.pieces import NoArmLaw
+from pipeline.law.tasks import CLAMP, TIP, ArmTasks, Log, PieceCurves
+from pipeline.store.parallel import Pending
+from rod.arm_law.curves import CellCurve, ClampCurve, TipCurve
+
+#: largest displacement of the arm's end, over its length, by which end pieces that differ by a cell may differ
+DECAY = 5e-4
+#: the same beyond which the arm is said to have no undisturbed cells
+NOT_DECAYED = 1e-2
+#: lengths without an equilibrium after which longer ends are not tried
+MOST_FAILED = 2
+#: part of the difference of two ends above which two half cells more have not reduced it; on `pneunet` at 31 kPa they
+#: reduce it to 0.3 of it, at 45 and 60 kPa, where it is due to single nodes in contact, not at all
+NOT_NEARER = 0.8
+#: pressures at which an end of the arm is measured by one worker, each from the state at the one before
+IN_TURN = 4
+
+
+def begin_clamps(tasks: ArmTasks, cell: CellCurve, available: int) -> Callable[[int], Pending[Measured[ClampCurve]]]:
+    """Gives the clamped end with so many half cells, without moment; the first two of them are begun at once.
+
+    available: half cells of the arm.
+    """
+
+    @cache
+    def clamp(half_cells: int) -> Pending[Measured[ClampCurve]]:
+        return tasks.submit(PieceCurves.clamp_without_moment, cell, half_cells)
+
+    for half_cells in (1, 3) if available >= 3 else ():
+        clamp(half_cells)
+    return clamp
+
+
+def choose_half_cells(
+    clamp: Callable[[int], Pending[Measured[ClampCurve]]], cell: CellCurve, available: int, length: float
+) -> tuple[int, float | None, Reason | None]:
+    """So many half cells of an end piece that two more change the arm's end by less than DECAY.
+
+    Longer ones are not tried where that is of no use: after MOST_FAILED lengths without an equilibrium, and where two
+    more half cells have not reduced the change. Where walls touch, the slope at a moment depends on which nodes do.
+
+    clamp, available: as in `begin_clamps`; length: mm, of the arm. Returns also the error of the arm's end by cells
+    that the end still disturbs, over the length, and a reason where it is not known or has not decayed. Raises
+    `NoArmLaw`.
+    """
+    if available < 3:
+        return 1, None, Reason("ends_short")
+    borne: dict[int, ClampCurve] = {}  # by half cells
+    failed: dict[int, str] = {}  # why, of those without an equilibrium
+    errors: dict[int, float] = {}  # by the half cells of the shorter end of a pair
+    why = "the arm has no room"
+    for half_cells in range(1, available // 2 + 3, 2):
+        try:
+            borne[half_cells] = clamp(half_cells).result().curve
+        except PieceFailed as failure:
+            failed[half_cells] = str(failure).rstrip(".")
+            if len(failed) == MOST_FAILED:
+                break
+        shorter = half_cells - 2
+        if shorter in borne and half_cells in borne:
+            errors[shorter] = displacement(borne[shorter], borne[half_cells], cell, length)
+            if errors[shorter] <= DECAY:
+                return shorter, errors[shorter], None
+            if is_not_nearer(tuple(errors.values())):
+                why = "longer ones are not nearer to each other"
+                break
+    why = next(reversed(failed.values()), why)
+    if not errors:
+        return min(borne, default=1), None, Reason("ends_unknown", {"why": why})
+    return _nearest(errors, why)
+
+
+def is_not_nearer(errors: Sequence[float]) -> bool:
+    """Whether the last of these differences of longer and longer ends is no smaller than the one before."""
+    return len(errors) > 1 and errors[-1] > NOT_NEARER * errors[-2]
+
+
+def _nearest(errors: Mapping[int, float], why: str) -> tuple[int, float, Reason]:
+    """The half cells of the pair that differs least, and how much it and longer ones differ. Raises `NoArmLaw`.
+
+    errors: over the length, by the half cells of the shorter end of a pair, rising.
+    """
+    half_cells = min(errors, key=lambda count: errors[count])
+    if errors[half_cells] > NOT_DECAYED:
+        percent = 100.0 * errors[half_cells]
+        raise NoArmLaw(f"its two ends disturb all cells: two half cells more change its end by {percent:.2g} %")
+    error = max(value for count, value in errors.items() if count >= half_cells)
+    values = {"half_cells": half_cells, "longer": half_cells + 2, "percent": 100.0 * error}
+    return half_cells, error, Reason("ends_differ", values | {"why": why})
+
+
+def displacement(first: ClampCurve, second: ClampCurve, cell: CellCurve, length: float) -> float:
+    """Largest displacement of the end of an arm of `length` mm by exchanging its clamped end, over the length.
+
+    Both without moment, to first order up to the moment that straightens the cell.
+    """
+    straight = abs(cell.at(0.0)[0]) * float(np.interp(0.0, cell.moment, cell.rigidity))
+
+    def distance(name: str) -> float:
+        """Of the values without moment, and of their slopes at that moment."""
+        (value, rate), (other, other_rate) = (_without_moment(clamp, name) for clamp in (first, second))
+        return float(np.linalg.norm(value - other) + straight * np.linalg.norm(rate - other_rate))
+
+    return distance("rotation") + distance("offset") / length
+
+
+def _without_moment(clamp: ClampCurve, name: str) -> tuple[Array, Array]:
+    """A value without moment, to first order, and its rate, of the first state."""
+    rate = getattr(clamp, f"{name}_by_moment")[0]
+    return getattr(clamp, name)[0] - clamp.moment[0] * rate, rate
+
+
+def measure_ends(
+    tasks: ArmTasks, log: Log, cells: list[Measured[CellCurve]], half_cells: int
+) -> tuple[list[Measured[CellCurve]], list[Measured[ClampCurve]], list[TipCurve]]:
+    """Cells, clamped ends and tips by rising pressure, up to the last one that both ends bear.
+
+    Raises RunFailed for fewer than two.
+    """
+    curves = [cell.curve for cell in cells]
+    for end in (CLAMP, TIP):
+        tasks.context.progress.experiment(end.name, [curve.pressure for curve in curves])
+    groups = [curves[first : first + IN_TURN] for first in range(0, len(curves), IN_TURN)]
+    clamped_ends = [tasks.submit(PieceCurves.ends, CLAMP, group, half_cells) for group in groups]
+    free_ends = [tasks.submit(PieceCurves.ends, TIP, group, half_cells) for group in groups]
+    clamps: list[Measured[ClampCurve]] = []
+    tips: list[TipCurve] = []
+    for clamped_end, free_end in zip(clamped_ends, free_ends, strict=True):
+        clamped, free = clamped_end.result(), free_end.result()
+        for clamp, tip in zip_longest(clamped.measured, free.measured):
+            log.count("ends", clamp, tip)
+            if clamp and tip:  # one of them may go further
+                log.limits.extend((*cells[len(clamps)].limits, *clamp.limits, *tip.limits))
+                clamps.append(clamp)
+                tips.append(tip.curve)
+        if clamped.failure or free.failure:
+            clamp_fails = clamped.failure and len(clamped.measured) <= len(free.measured)
+            log.failures.extend(filter(None, [clamped.failure if clamp_fails else free.failure]))
+            break
+    check_two(clamps, log)
+    return cells[: len(clamps)], clamps, tips

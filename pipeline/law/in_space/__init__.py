@@ -1,0 +1,1 @@
+"""The law of an arm that bends in space."""

@@ -1,0 +1,278 @@
+"""The law of an arm that bends in space, from states of its cell and its ends."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from math import cos, hypot, pi, sin
+from typing import Any, final
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from fem.cell.piece import PieceFailed
+from geometry.arrays import Array
+from pipeline.law.in_space.fit import Fit, Spanned, fit_cell, fit_values
+from pipeline.law.in_space.states import CellState, Curvatures, EndState, Pressures, SpaceStates, state_of
+from pipeline.law.pieces import ArmPieces, NoArmLaw
+from pipeline.simulate.mass import mass_along
+from pipeline.store.context import RunContext
+from pipeline.store.parallel import Pending
+from pipeline.values.errors import InputError, RunFailed
+from rod.arm_law.cosserat import in_frame, integrate
+from rod.arm_law.polynomial import Basis, Polynomial, exponents_up_to
+from rod.arm_law.space_law import SpaceLaw, SpaceRod
+
+#: parts of each row of pressures at which the cell is solved, where all rows have one ratio and where they have not
+ONE_RATIO, RATIOS = (1 / 3, 2 / 3, 1.0), (0.5, 1.0)
+#: how far the law reaches from the curvature without moment: over the largest one, and at least over 1/length
+REACH, LOADED = 1.5, 0.7
+#: rings of states around the curvature without moment: radius over the reach and number, for one ratio and for several
+RINGS, FEW = ((0.5, 4), (1.0, 5)), ((0.6, 2), (1.0, 3))
+#: parts of pressures between rows at which the cell is solved too
+MIXED = (0.6, 1.0)
+#: pressures between rows at which the law is checked: parts of neighbouring rows
+BETWEEN = (0.65, 0.25)
+#: rad, by which each ring is turned against the one before
+TURN = 2.4
+#: change of the curvature for the clamped end, over the reach
+BENT = 0.25
+#: size of a mesh on which the state without moment is compared, over that of the law
+FINER = 0.7
+#: steps of the axis through an end
+STEPS = 24
+
+
+@final
+@dataclass(frozen=True, eq=False)  # arrays inside
+class MeasuredInSpace:
+    """The law, how it was measured, and how far it may be trusted."""
+
+    law: SpaceLaw
+    states: int  #: of the cell
+    left: tuple[str, ...]  #: what could not be solved, a sentence each
+    mesh: tuple[float, float] | None  #: relative changes of curvature and rigidity on a mesh of `FINER` the size
+
+
+@dataclass(frozen=True)
+class _Tasks:
+    pieces: ArmPieces
+    context: RunContext
+
+    def begin(self, method: Callable[..., Any], *arguments: Any) -> Pending[Any]:
+        """A method of `SpaceStates`."""
+        return self.context.submit(state_of, self.pieces, self.context.store, method, *arguments)
+
+
+def measure_in_space(pieces: ArmPieces, rows: Sequence[Pressures], context: RunContext) -> MeasuredInSpace:
+    """The law between rows of pressures (kPa, of all cavities) and 0 kPa.
+
+    Raises `NoArmLaw` and InputError for pieces that cannot be made, and RunFailed where a row is not borne.
+    """
+    tasks, spanned = _Tasks(pieces, context), Spanned(np.array(rows))
+    count = spanned.onto.shape[1]
+    parts = ONE_RATIO if count == 1 else RATIOS
+    highest = _highest(rows) if count == 1 else list(rows)
+    context.progress.stage("states without moment")
+    middles = _followed(tasks, highest, parts)
+    mixed = [] if count == 1 else _followed(tasks, _between(rows), MIXED)
+    length = pieces.design.length
+    bends = [_without_moment(state) for row in middles for state in row]
+    reach = max(REACH * max(hypot(*bend) for bend in bends), LOADED / length)
+    context.progress.stage("bent states")
+    rings = RINGS if count == 1 else FEW
+    around = [state for row in middles for state in row[:-1]]  # the last one is that before, without moment
+    wanted = [(s.pressures, k) for n, s in enumerate(around) for k in _ring(_without_moment(s), reach, n, rings)]
+    rest = tuple(0.0 for _ in pieces.design.cavities)
+    wanted += [(rest, k) for k in ((0.0, 0.0), *_ring((0.0, 0.0), reach, 0, ((1.0, 3),)))]
+    begun = [tasks.begin(SpaceStates.cell, *one) for one in wanted]
+    found, left = _results(begun)
+    states = [state for row in (*middles, *mixed) for state in row] + found
+    fit = fit_cell(states, spanned, reach)
+    context.progress.stage("twist, shear and ends")
+    places = [rest, *(_scaled(row, part) for row in highest for part in parts[-2:])]
+    law, missing = _law(tasks, fit, states, spanned, (reach, highest, places))
+    law = replace(law, error=max(law.error, _error_between(tasks, law, highest)))
+    return MeasuredInSpace(law, len(states), (*left, *missing), _finer(tasks, law, highest))
+
+
+def _highest(rows: Sequence[Pressures]) -> list[Pressures]:
+    return [max(rows, key=lambda row: max(map(abs, row)))]
+
+
+def _between(rows: Sequence[Pressures]) -> list[Pressures]:
+    """Means of neighbouring rows, and of all."""
+    means = [*(np.mean(pair, axis=0) for pair in pairwise((*rows, rows[0]))), np.mean(rows, axis=0)]
+    return list(dict.fromkeys(tuple(float(pressure) for pressure in mean) for mean in means))
+
+
+def _scaled(row: Pressures, part: float) -> Pressures:
+    return tuple(part * pressure for pressure in row)
+
+
+def _followed(tasks: _Tasks, rows: Sequence[Pressures], parts: Sequence[float]) -> list[list[CellState]]:
+    """A state near that without moment at parts of each row, the last one twice. Raises RunFailed."""
+    states: list[list[CellState]] = [[] for _ in rows]
+    guesses: list[Curvatures] = [(0.0, 0.0)] * len(rows)
+    for part in (*parts, parts[-1]):
+        begun = [tasks.begin(SpaceStates.cell, _scaled(row, part), k) for row, k in zip(rows, guesses, strict=True)]
+        for k, (row, pending) in enumerate(zip(rows, begun, strict=True)):
+            try:
+                states[k].append(pending.result())
+            except PieceFailed as failure:
+                told = ", ".join(f"{pressure:g}" for pressure in row)
+                raise RunFailed(f"the cell of the arm does not bear {told} kPa: {failure}") from None
+            guesses[k] = _without_moment(states[k][-1])
+    return states
+
+
+def _without_moment(state: CellState) -> Curvatures:
+    """Curvatures without moment, to first order from a state whose rigidity is taken as that along its curvature."""
+    change = -state.vector / state.by_curvature[1]
+    return state.curvature[0] + float(change[0]), state.curvature[1] + float(change[1])
+
+
+def _ring(middle: Curvatures, reach: float, number: int, rings: Sequence[tuple[float, int]]) -> list[Curvatures]:
+    points = []
+    for k, (radius, count) in enumerate(rings):
+        for i in range(count):
+            angle = TURN * (len(rings) * number + k) + 2.0 * pi * i / count
+            points.append((middle[0] + radius * reach * cos(angle), middle[1] + radius * reach * sin(angle)))
+    return points
+
+
+def _results(begun: Sequence[Pending[Any]]) -> tuple[list[Any], tuple[str, ...]]:
+    found, left = [], []
+    for pending in begun:
+        try:
+            found.append(pending.result())
+        except PieceFailed as failure:
+            left.append(str(failure))
+    return found, tuple(dict.fromkeys(left))
+
+
+def _law(
+    tasks: _Tasks,
+    fit: Fit,
+    states: Sequence[CellState],
+    spanned: Spanned,
+    reached: tuple[float, Sequence[Pressures], Sequence[Pressures]],
+) -> tuple[SpaceLaw, tuple[str, ...]]:
+    """The law of the fit, with twist, shear and both ends, and what could not be solved.
+
+    reached: how far the law goes (1/mm), its rows of pressures, and the pressures at which ends are solved.
+    """
+    reach, highest, places = reached
+    pieces, scale, onto = tasks.pieces, spanned.scale, spanned.onto
+    quadratic = Basis(exponents_up_to(2, len(scale)), scale)
+    across = [tasks.begin(SpaceStates.across, pressures) for pressures in places]
+    free = [tasks.begin(SpaceStates.free, pressures) for pressures in places]
+    x = np.column_stack([[state.curvature for state in states], np.array([s.pressures for s in states]) @ onto])
+    EA = np.array([[state.axial_rigidity] for state in states])
+    law = SpaceLaw(
+        cavities=pieces.design.cavities,
+        pressures=np.array(highest),
+        onto=onto,
+        pitch=2.0 * pieces.repetition.half_pitch,
+        length=pieces.design.length,
+        clamp_length=pieces.repetition.middle,
+        reach=reach,
+        error=fit.error,
+        potential=fit.potential,
+        stretch=fit.stretch,
+        axial_rigidity=fit_values(x, EA, Basis(exponents_up_to(2, x.shape[1]), np.array([reach, reach, *scale]))),
+        compliance=fit_values(np.array(places) @ onto, np.array([one.result() for one in across]), quadratic),
+        clamp=_nothing(6, len(scale)),
+        tip=_nothing(3, 0),
+        mass=mass_along(pieces.design.of_pieces(pieces.repetition), pieces.config),
+    )
+    clamp, clamp_length, left = _clamp(tasks, law, places)
+    beside = np.array(
+        [_end_beside(law.at(p), one.result(), _nearest(states, p)) for p, one in zip(places, free, strict=True)]
+    )
+    tip = fit_values(np.array(places) @ onto, beside, quadratic)
+    return replace(law, clamp=clamp, clamp_length=clamp_length, tip=tip), left
+
+
+def _nothing(columns: int, pressures: int) -> Polynomial:
+    """Zero for all moments and pressures."""
+    count = pressures + (2 if columns == 6 else 0)
+    return Polynomial(Basis(np.zeros((1, count), np.intp), np.ones(count)), np.zeros((1, columns)))
+
+
+def _clamp(tasks: _Tasks, law: SpaceLaw, places: Sequence[Pressures]) -> tuple[Polynomial, float, tuple[str, ...]]:
+    """Turn and shift of the clamped end, linear in the moments, the length (mm) of its piece, and what failed."""
+    begun = []
+    for pressures in places:
+        k_y, k_z = law.at(pressures).kappa_0
+        step = BENT * law.reach
+        bent = [(k_y + step, k_z), (k_y, k_z + step), (k_y - step, k_z - step)]
+        begun += [tasks.begin(SpaceStates.clamped, pressures, (float(a), float(b))) for a, b in bent]
+    found, left = _results(begun)
+    if len(found) < 3:
+        raise RunFailed("the clamped end of the arm bears none of the states that the law needs")
+    moments, corrections = zip(*(_departure(law.at(end.pressures), end) for end in found), strict=True)
+    x = np.column_stack([np.array(moments), np.array([end.pressures for end in found]) @ law.onto])
+    largest = np.abs(x[:, :2]).max()
+    powers = exponents_up_to(3, x.shape[1])
+    powers = powers[(powers[:, :2].sum(axis=1) <= 1) & (powers[:, 2:].sum(axis=1) <= 2)]
+    scale = np.array([largest, largest, *np.abs(x[:, 2:]).max(axis=0)])
+    return fit_values(x, np.array(corrections), Basis(powers, scale)), found[0].length, left
+
+
+def _departure(rod: SpaceRod, end: EndState) -> tuple[Array, Array]:
+    """Moments (2,) about y and z at the clamp, and turn (rad) and shift (mm) (6,) of cells continued to it."""
+    frame = Rotation.from_rotvec(end.turn).as_matrix()[None]
+    moment, none = np.array([end.moment]), np.zeros((STEPS + 1, 6))
+    shapes = integrate(rod.law, end.length, none, np.zeros((1, 3)), frame, moment)
+    shift = np.array(end.place) - (shapes.axis[-1, 0] - shapes.axis[0, 0])
+    turn = Rotation.from_matrix(shapes.frames[0, 0]).as_rotvec()
+    return in_frame(shapes.frames[0], shapes.moment[0])[0, 1:], np.concatenate([turn, shift])
+
+
+def _nearest(states: Sequence[CellState], pressures: Pressures) -> CellState:
+    """The state at these pressures with the smallest moment, or the one whose pressures are nearest."""
+
+    def far(state: CellState) -> tuple[float, float]:
+        return float(np.abs(np.subtract(state.pressures, pressures)).max()), float(np.linalg.norm(state.vector))
+
+    return min(states, key=far)
+
+
+def _end_beside(rod: SpaceRod, end: EndState, near: CellState) -> Array:
+    """(3,) mm: the end of the material curve beside the axis of cells continued to it, in the frame there.
+
+    near: a state that tells where the material curve crosses the plane beside the axis.
+    """
+    none, start = np.zeros((STEPS + 1, 6)), np.eye(3)[None]
+    shapes = integrate(rod.law, -end.length, none, np.zeros((1, 3)), start, np.zeros((1, 3)))
+    # integrated from the plane towards the end, as `end` is at the other side of a rod of negative length
+    place = np.array([0.0, *near.beside]) + np.array(end.place)
+    away = place - (shapes.axis[0, 0] - shapes.axis[-1, 0])
+    return np.asarray(shapes.frames[0, 0].T @ away)
+
+
+def _error_between(tasks: _Tasks, law: SpaceLaw, rows: Sequence[Pressures]) -> float:
+    """Moment that a cell has between rows at the curvature without moment of the law, over the largest moment."""
+    between = [tuple(float(pressure) for pressure in np.array(BETWEEN) @ pair) for pair in pairwise(rows)]
+    bends = [law.at(pressures).kappa_0 for pressures in between]
+    begun = [tasks.begin(SpaceStates.cell, p, (float(k[0]), float(k[1]))) for p, k in zip(between, bends, strict=True)]
+    found, _ = _results(begun)
+    largest = law.reach * max(
+        float(np.linalg.eigvalsh(law.at(row).law.rigidity(law.at(row).kappa_0))[0]) for row in rows
+    )
+    return max((float(np.linalg.norm(state.vector)) / largest for state in found), default=0.0)
+
+
+def _finer(tasks: _Tasks, law: SpaceLaw, rows: Sequence[Pressures]) -> tuple[float, float] | None:
+    """Relative changes of the curvature without moment and of the rigidity on a finer mesh, at the highest row."""
+    pressures = max(rows, key=lambda row: float(np.linalg.norm(law.at(row).kappa_0)))
+    bend = law.at(pressures).kappa_0
+    middle = float(bend[0]), float(bend[1])
+    try:
+        finer = replace(tasks, pieces=tasks.pieces.with_mesh_size(FINER * tasks.pieces.config.mesh.size_mm))
+        own, other = (one.begin(SpaceStates.cell, pressures, middle).result() for one in (tasks, finer))
+    except (InputError, NoArmLaw, PieceFailed):
+        return None
+    change = np.subtract(_without_moment(other), _without_moment(own))
+    rigidity = other.by_curvature[1] / own.by_curvature[1] - 1.0
+    return float(np.linalg.norm(change) / max(hypot(*middle), 1.0 / law.length)), float(rigidity)

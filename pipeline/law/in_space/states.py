@@ -1,0 +1,201 @@
+"""States of the pieces of an arm without a plane of symmetry; each is a task of a worker, solved once and kept."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from hashlib import sha256
+from math import atan2, ceil, hypot
+from typing import Any
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from fem.cell.across import QUARTER, Straight, twist_and_shear
+from fem.cell.any_plane import bent_state, frame_of, moment_beside
+from fem.cell.boundary import Boundary, spread
+from fem.cell.piece import BendingPiece, PieceState
+from fem.cell.response import inflated, slopes
+from geometry.arrays import Array
+from pipeline.law.piece.point import stable
+from pipeline.law.pieces import ArmPieces
+from pipeline.store.kept import kept
+from pipeline.store.parallel import TaskContext
+from pipeline.store.store import Store
+from pipeline.values.pressure import KPA_PER_MPA, in_MPa
+
+#: how far an end reaches into the cells, over the largest side of a section
+INTO = 0.6
+Pressures = tuple[float, ...]  #: of all cavities, kPa
+Curvatures = tuple[float, float]  #: about y and z, 1/mm
+
+
+@dataclass(frozen=True)
+class CellState:
+    """A bent half cell. Vectors are those about y and z; slopes are those along the curvature and the pressures."""
+
+    pressures: Pressures
+    curvature: Curvatures
+    across: tuple[float, float]  #: the direction across that of the curvature
+    along: tuple[float, float]  #: the direction of the curvature
+    moment: tuple[float, float]  #: N mm, across and along, and so are the others
+    by_curvature: tuple[float, float]  #: N mm2
+    by_pressure: tuple[float, float]  #: N mm per kPa of the largest pressure, with all in proportion
+    stretch: float
+    stretch_by_curvature: float  #: mm
+    stretch_by_pressure: float  #: 1/kPa
+    axial_rigidity: float  #: N
+    beside: tuple[float, float]  #: mm, the material curve beside the axis between two cells, along y and z there
+
+    @property
+    def vector(self) -> Array:
+        """(2,) N mm: the moments about y and z."""
+        return np.asarray(self.moment[0] * np.array(self.across) + self.moment[1] * np.array(self.along))
+
+
+@dataclass(frozen=True)
+class EndState:
+    """The clamped end under a moment, or the other end without."""
+
+    pressures: Pressures
+    length: float  #: mm, of the piece at rest
+    moment: tuple[float, float, float]  #: N mm, along x, y and z
+    turn: tuple[float, float, float]  #: rotation vector of its plane, rad
+    place: tuple[float, float, float]  #: mm, from the clamped end of the material curve, or from the plane to its end
+
+
+class SpaceStates:
+    """States of the pieces of one arm, kept in the store. All raise `PieceFailed` where there is no such state."""
+
+    def __init__(self, pieces: ArmPieces, store: Store) -> None:
+        self.pieces, self.store = pieces, store
+        self._made: dict[tuple[Boundary, float, Pressures], BendingPiece] = {}
+
+    def cell(self, pressures: Pressures, curvature: Curvatures) -> CellState:
+        """Half a cell that is bent."""
+        return self._kept(CellState, "cell", (*pressures, *curvature), lambda: self._cell(pressures, curvature))
+
+    def across(self, pressures: Pressures) -> list[float]:
+        """The six upper components of the compliance against twist and shear, of the straight cell."""
+        return self._kept(list[float], "across", pressures, lambda: self._across(pressures))
+
+    def clamped(self, pressures: Pressures, curvature: Curvatures) -> EndState:
+        """The clamped end, its plane turned about as cells of that curvature turn."""
+        return self._kept(EndState, "clamp", (*pressures, *curvature), lambda: self._clamped(pressures, curvature))
+
+    def free(self, pressures: Pressures) -> EndState:
+        """The other end, without moment."""
+        return self._kept(EndState, "tip", pressures, lambda: self._free(pressures))
+
+    def _kept(self, kind: Any, name: str, numbers: Sequence[float], make: Callable[[], Any]) -> Any:
+        key = sha256(repr([f"{number:.12g}" for number in numbers]).encode()).hexdigest()[:16]
+        return kept(self.store, f"law_in_space/{self.pieces.mesh_name}/{name}_{key}.json", kind, make)
+
+    def _cell(self, pressures: Pressures, curvature: Curvatures) -> CellState:
+        angle, size = _direction(curvature)
+        piece, at = self._inflated("mirror", angle, pressures, size)
+        with stable(piece, at):
+            found = bent_state(piece, at, slopes(piece, at))
+        across, along = frame_of(angle)
+        return CellState(
+            pressures,
+            curvature,
+            _pair(across),
+            _pair(along),
+            _pair(found.moment),
+            _pair(found.by_curvature),
+            _pair(found.by_pressure / KPA_PER_MPA),
+            found.stretch,
+            found.stretch_by_curvature,
+            found.stretch_by_pressure / KPA_PER_MPA,
+            found.axial_rigidity,
+            _pair(_beside(piece, at, found.stretch) @ frame_of(angle)),
+        )
+
+    def _across(self, pressures: Pressures) -> list[float]:
+        states = []
+        for angle in (0.0, QUARTER):
+            piece, at = self._inflated("mirror", angle, pressures, 0.0)
+            with stable(piece, at):
+                states.append(Straight(piece, at, slopes(piece, at)))
+        with stable(states[0].piece, states[0].at):
+            return [float(value) for value in twist_and_shear(*states)[np.triu_indices(3)]]
+
+    def _clamped(self, pressures: Pressures, curvature: Curvatures) -> EndState:
+        angle, size = _direction(curvature)
+        piece, at = self._inflated("clamp", angle, pressures, size)
+        with stable(piece, at):
+            moments = np.array([moment_beside(piece, at), at.moment])
+        about_z = Rotation.from_rotvec([0.0, 0.0, at.angle])
+        beside, across = about_z.apply([0.0, 1.0, 0.0]), np.array([0.0, 0.0, 1.0])
+        turn = (about_z * Rotation.from_rotvec([_turn(piece, at, about_z), 0.0, 0.0])).as_rotvec()
+        x = piece.space.points[piece.curve] + at.state.displacement[piece.curve]
+        place = x[-1] - piece.space.points[piece.curve[0]]
+        vectors = (_in_body(vector, angle) for vector in (moments[0] * beside + moments[1] * across, turn, place))
+        return EndState(pressures, piece.body.length, *vectors)
+
+    def _free(self, pressures: Pressures) -> EndState:
+        piece, at = self._inflated("free", 0.0, pressures, 0.0)
+        x = piece.space.points[piece.curve] + at.state.displacement[piece.curve]
+        place = (x[0] - x[-1]) * [-1.0, 1.0, 1.0]  # the piece is the mirror image of the end
+        none = (0.0, 0.0, 0.0)
+        return EndState(pressures, piece.body.length, none, none, _in_body(place, 0.0))
+
+    def half_cells(self, start: Boundary) -> int:
+        """In a piece: of the clamped end an even number, of the other end an odd one."""
+        repetition = self.pieces.repetition
+        far = ceil(INTO * max(self.pieces.design.extent[1:]) / repetition.half_pitch)
+        count = {"mirror": 0, "clamp": far + far % 2, "free": far + 1 - far % 2}[start]
+        return min(count, repetition.half_cells - (start == "free"))
+
+    def _inflated(
+        self, start: Boundary, angle: float, pressures: Pressures, curvature: float
+    ) -> tuple[BendingPiece, PieceState]:
+        """A piece, turned by an angle, at pressures and with its plane turned by a curvature times its length."""
+        largest = max(map(abs, pressures))
+        fractions = tuple(pressure / largest if largest else 1.0 for pressure in pressures)
+        key = start, round(angle, 12), fractions
+        if key not in self._made:
+            self._made.clear()  # each keeps a factorization
+            self._made[key] = self.pieces.turned(start, self.half_cells(start), fractions, angle)
+        piece = self._made[key]
+        return piece, inflated(piece, in_MPa(largest), curvature * piece.body.length)
+
+
+def state_of(context: TaskContext, pieces: ArmPieces, store: Store, method: Callable[..., Any], *arguments: Any) -> Any:
+    """A task: what a method of `SpaceStates` gives."""
+    states = context.kept((SpaceStates, pieces.key, store.directory), lambda: SpaceStates(pieces, store))
+    return method(states, *arguments)
+
+
+def _direction(curvature: Curvatures) -> tuple[float, float]:
+    """The angle by which the body is turned to bend about z, and the size of the curvature."""
+    return atan2(-curvature[0], curvature[1]), hypot(*curvature)
+
+
+def _turn(piece: BendingPiece, at: PieceState, about_z: Rotation) -> float:
+    """How far the plane has turned about its normal on the average, rad."""
+    nodes, weights, lever = spread(piece.space, "tip")
+    x = about_z.inv().apply(piece.space.points[nodes] + at.state.displacement[nodes])
+    moved = x - piece.space.points[nodes]
+    around = lever[:, 1] * moved[:, 2] - lever[:, 2] * moved[:, 1]
+    return float(weights @ around / (weights @ (lever[:, 1:] ** 2).sum(axis=1)))
+
+
+def _beside(piece: BendingPiece, at: PieceState, stretch: float) -> Array:
+    """(2,) mm: the material curve beside the arc through it in the middle of cells, in the plane at the end."""
+    phi, node = at.angle, piece.curve[-1]
+    x = piece.space.points[node] + at.state.displacement[node]
+    risen = 0.5 * stretch * piece.body.length * phi * float(np.sinc(phi / (2.0 * np.pi))) ** 2
+    along = stretch * piece.body.length * float(np.sinc(phi / np.pi))
+    away = x[:2] - np.array([along, piece.body.curve_y + risen])
+    return np.array([away @ [-np.sin(phi), np.cos(phi)], x[2]])
+
+
+def _in_body(vector: Array, angle: float) -> tuple[float, float, float]:
+    """A vector (3,) of the turned body in the body."""
+    x, (y, z) = vector[0], vector[1:] @ frame_of(angle)
+    return float(x), float(y), float(z)
+
+
+def _pair(values: Array) -> tuple[float, float]:
+    first, second = values
+    return float(first), float(second)

@@ -1,0 +1,1 @@
+"""Curves of one piece of an arm: a cell, the clamped end or the free end."""

@@ -1,0 +1,301 @@
+"""The curves of a cell of the arm, from finite elements of half a cell."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from math import isnan
+from typing import final
+
+import numpy as np
+
+from fem.cell.axis import Axis, axis_of
+from fem.cell.piece import BendingPiece, PieceFailed, PieceState
+from fem.cell.response import inflated, shear_rigidity, slopes
+from fem.equations.state import State
+from fem.path.predictor import extrapolate
+from geometry import Reason
+from geometry.arrays import Array
+from pipeline.law.piece.point import PiecePoint, reason_of, stable, without_moment
+from pipeline.law.piece.reach import Range, Reach
+from pipeline.values.pressure import KPA_PER_MPA, in_MPa
+from rod.arm_law.curves import CellCurve
+from rod.cubics import cubic, cubic_slope
+
+#: intervals of the first sweep to either side, and how often one is divided where its cubic is not good enough
+INTERVALS, DIVISIONS = 3, 6
+#: smallest part into which an interval is divided
+NEAREST = 0.15
+#: the last step goes this many times as far as the law needs; smallest part of a step
+LAST, SHORTEST = 1.05, 0.25
+#: a sweep ends where the rigidity of the cell falls below this part of that at rest: near the largest moment that
+#: the cell bears its curvature depends on the pressure too strongly to be interpolated
+SOFTENED = 0.3
+#: change of the moment over what the last slope said beyond which a step is shortened, and how often
+FARTHEST, MAX_RETRIES = 1.5, 4
+#: largest error of the cubic between two states, over the largest curvature of the law: a dead force that lifts the arm
+#: makes ten times that of its shape
+TOLERANCE = 1e-3
+
+
+@final
+@dataclass(frozen=True, eq=False)  # arrays inside
+class CellPoint(PiecePoint):
+    """One state of a half cell with its slopes and its axis."""
+
+    axis: Axis
+
+    @classmethod
+    def of(cls, piece: BendingPiece, state: PieceState) -> "CellPoint":
+        """One factorization. Raises `PieceFailed` where the cell is not stable."""
+        point = PiecePoint.of(piece, state)
+        return CellPoint(state, point.slopes, axis_of(piece, state, point.slopes))
+
+    def turned(self, angle: float) -> "CellPoint":
+        """The state turned by an angle in rad, to first order."""
+        state = replace(
+            self.state, angle=self.state.angle + angle, moment=self.moment + self.slopes.moment_by_angle * angle
+        )
+        return replace(
+            self, state=state, axis=replace(self.axis, stretch=self.axis.stretch + self.axis.stretch_by_angle * angle)
+        )
+
+
+@dataclass
+class CellSweep:
+    """The states of a half cell at one pressure, and why it was not followed further."""
+
+    pressure: float  #: kPa
+    points: list[CellPoint] = field(default_factory=list)  #: by increasing curvature
+    #: why the curve ends at the largest moment (1) and at the smallest (-1), unless it was reached
+    ends: dict[int, Reason] = field(default_factory=dict)
+    shear: list[tuple[float, float]] = field(default_factory=list)  #: moments in N mm with GA in N, in any order
+    #: intervals with the error of their cubics where it was measured, rad
+    errors: list[tuple[CellPoint, CellPoint, float]] = field(default_factory=list)
+
+    def outermost(self, side: int) -> CellPoint:
+        """The point of the largest moment (side = 1) or of the smallest (-1)."""
+        return self.points[-1 if side > 0 else 0]
+
+    @property
+    def limits(self) -> tuple[Reason, ...]:
+        """Why it was not followed further."""
+        return tuple(self.ends[side] for side in sorted(self.ends))
+
+    @property
+    def error(self) -> float:
+        """Largest error of the cubics between the states, over the largest curvature."""
+        scale = max(abs(point.state.angle) for point in self.points)
+        errors = [error for first, second, error in self.errors if first in self.points and second in self.points]
+        return max(errors, default=0.0) / scale
+
+    def curve(self, half_pitch: float) -> CellCurve:
+        """The sweep as a curve of the law; raises `rod.RodError` where the moment does not rise."""
+        points = self.points
+        h = half_pitch
+        other = {}
+        if not isnan(points[0].slopes.moment_by_other):
+            other["moment_by_other"] = np.array([p.slopes.moment_by_other / KPA_PER_MPA for p in points])
+            other["stretch_by_other"] = np.array([p.axis.stretch_by_other / KPA_PER_MPA for p in points])
+        return CellCurve(
+            pressure=self.pressure,
+            moment=np.array([p.moment for p in points]),
+            kappa=np.array([p.state.angle / h for p in points]),
+            rigidity=np.array([p.slopes.moment_by_angle * h for p in points]),
+            moment_by_pressure=np.array([p.slopes.moment_by_pressure / KPA_PER_MPA for p in points]),
+            stretch=np.array([p.axis.stretch for p in points]),
+            stretch_by_kappa=np.array([p.axis.stretch_by_angle * h for p in points]),
+            stretch_by_pressure=np.array([p.axis.stretch_by_pressure / KPA_PER_MPA for p in points]),
+            axial_rigidity=np.array([h / p.slopes.distance_by_force for p in points]),
+            shear_rigidity=np.interp([p.moment for p in points], *np.array(sorted(self.shear)).T),
+            contact=np.array([p.state.touches for p in points]),
+            min_J=np.array([p.state.extremes.min_J for p in points]),
+            s=points[0].axis.s,
+            ripple=np.array([p.axis.ripple for p in points]),
+            **other,
+        )
+
+
+def sweep_cell(piece: BendingPiece, pressure_kPa: float, reach: Reach, start: PieceState | None = None) -> CellSweep:
+    """Follow a half cell at one pressure over the moments and curvatures that an arm meets.
+
+    start: a state at another pressure. Raises `PieceFailed` where the unloaded cell is not reached.
+    """
+    h = piece.body.length
+    middle = cell_without_moment(piece, in_MPa(pressure_kPa), start)
+    sweep = CellSweep(pressure_kPa, [middle], shear=[(middle.moment, shear_at(piece, middle))])
+    softest = SOFTENED * slopes(piece, piece.rest()).moment_by_angle
+    kappa, rigidity = middle.state.angle / h, middle.slopes.moment_by_angle * h
+    for outward in (1, -1):
+        _sweep_to(piece, sweep, reach.range_from(kappa, rigidity, outward), softest)
+    _refine(piece, sweep)
+    _keep_rising(sweep, middle, h)
+    return sweep
+
+
+def straight_curve(piece: BendingPiece, pressure_kPa: float, turn: float) -> CellCurve:
+    """A half cell at one pressure to first order about its state without moment, by `turn` rad to either side.
+
+    Raises `PieceFailed`.
+    """
+    point = cell_without_moment(piece, in_MPa(pressure_kPa))
+    sweep = CellSweep(pressure_kPa, [point.turned(-turn), point.turned(turn)], shear=[(0.0, shear_at(piece, point))])
+    return sweep.curve(piece.body.length)
+
+
+def cell_without_moment(piece: BendingPiece, pressure: float, start: PieceState | None = None) -> CellPoint:
+    """The cell without moment at a pressure in MPa, by Newton's method for the angle.
+
+    start: a state to begin with, the cell at rest unless it is given. Raises `PieceFailed`.
+    """
+    if start is None:
+
+        def from_rest() -> CellPoint:
+            return without_moment(piece, inflated(piece, pressure, 0.0), CellPoint.of)
+
+        return piece.kept(("without moment", pressure), from_rest)
+    state = start if start.pressure == pressure else piece.solve(pressure, start.angle, start)
+    return without_moment(piece, state, CellPoint.of)
+
+
+def predicted_at(before: CellPoint | None, last: CellPoint, angle: float) -> State | None:
+    """Where Newton's method starts at an angle on the path through one or two points."""
+    return extrapolate(None if before is None else before.path_point, last.path_point, angle)
+
+
+def _sweep_to(piece: BendingPiece, sweep: CellSweep, until: Range, softest: float) -> None:
+    """States to one side until the law needs no more, or until there is none; each step changes the moment by a part of
+    the way, and by less where a cell bears no step of that size.
+
+    softest: N mm, slope of the moment by the angle below which the sweep ends.
+    """
+    outward, change = until.outward, until.first_moment / INTERVALS
+    followed, shortest = [sweep.outermost(outward)], abs(change) / 2**MAX_RETRIES
+    while (left := until.left(*_changes(followed, piece.body.length))) > 0.0:
+        last = followed[-1]
+        part = float(np.clip(LAST * left / abs(change), SHORTEST, 1.0))
+        try:
+            point = _next_point(piece, sweep, part * change)
+            if outward * (point.moment - last.moment) <= 0.0:
+                raise PieceFailed(Reason("cell_moment_falls", {"pressure_kPa": sweep.pressure}))
+            sweep.shear.append((point.moment, shear_at(piece, point)))
+        except PieceFailed as failure:
+            if len(followed) == 1 and abs(change) > shortest:
+                change /= 2.0
+                continue
+            sweep.ends[outward] = reason_of(failure)
+            return
+        followed.append(point)
+        sweep.points.insert(len(sweep.points) if outward > 0 else 0, point)
+        if point.slopes.moment_by_angle < softest:
+            sweep.ends[outward] = Reason("cell_softens", _place(sweep, point, piece.body.length))
+            return
+
+
+def _changes(points: Sequence[CellPoint], half_pitch: float) -> tuple[Array, Array]:
+    """Changes of the moment (n,) in N mm and of the curvature (n,) in 1/mm since the first of n states."""
+    rows = np.array([(point.moment, point.state.angle / half_pitch) for point in points])
+    moments, turns = (rows - rows[0]).T
+    return moments, turns
+
+
+def _next_point(piece: BendingPiece, sweep: CellSweep, change: float) -> CellPoint:
+    """The state beside the outermost one whose moment differs by `change` or not much more. Raises `PieceFailed`."""
+    outward = 1 if change > 0.0 else -1
+    last, before = sweep.outermost(outward), None
+    if len(sweep.points) > 1:
+        before = sweep.points[-2 if outward > 0 else 1]
+    angle = last.state.angle + change / last.slopes.moment_by_angle
+    for _ in range(MAX_RETRIES):
+        predicted = predicted_at(before, last, angle)
+        point = CellPoint.of(piece, piece.solve(last.state.pressure, angle, last.state, predicted))
+        if abs(point.moment - last.moment) <= FARTHEST * abs(change) or outward * (point.moment - last.moment) <= 0.0:
+            break
+        # walls met on the way: along the tangent of the last state to where it meets that of this one, and on
+        turn = last.state.angle + _division(last, point) * (angle - last.state.angle)
+        rest = change - (turn - last.state.angle) * last.slopes.moment_by_angle
+        angle = turn + max(outward * rest, 0.0) * outward / point.slopes.moment_by_angle
+    return point
+
+
+def shear_at(piece: BendingPiece, point: CellPoint) -> float:
+    """GA in N. Raises `PieceFailed`."""
+    with stable(piece, point.state):
+        return shear_rigidity(piece, point.state, point.slopes)
+
+
+def _place(sweep: CellSweep, point: CellPoint, half_pitch: float) -> dict[str, float]:
+    return {"pressure_kPa": sweep.pressure, "kappa_per_mm": point.state.angle / half_pitch}
+
+
+def _refine(piece: BendingPiece, sweep: CellSweep) -> None:
+    """Divide the intervals of the angle until their cubics are right to TOLERANCE where they are divided."""
+    scale = max(abs(point.state.angle) for point in sweep.points)
+    pending = [(a, b, DIVISIONS) for a, b in zip(sweep.points[:-1], sweep.points[1:], strict=True)]
+    while pending:
+        first, second, divisions = pending.pop()
+        bound = _largest_error(first, second)
+        if bound <= TOLERANCE * scale:
+            sweep.errors.append((first, second, bound))
+            continue
+        angle = first.state.angle + _division(first, second) * (second.state.angle - first.state.angle)
+        try:
+            predicted = predicted_at(first, second, angle)
+            middle = CellPoint.of(piece, piece.solve(first.state.pressure, angle, first.state, predicted))
+        except PieceFailed as failure:
+            _cut(sweep, first, second, reason_of(failure))
+            pending = [interval for interval in pending if interval[0] in sweep.points and interval[1] in sweep.points]
+            continue
+        error = _cubic_error(first, second, middle)
+        sweep.points.insert(sweep.points.index(second), middle)
+        if error > TOLERANCE * scale and divisions:
+            pending += [(first, middle, divisions - 1), (middle, second, divisions - 1)]
+        else:  # the error of the whole interval: walls that meet in a half make a kink there
+            sweep.errors.append((first, second, error))
+
+
+def _division(first: CellPoint, second: CellPoint) -> float:
+    """Part of the way from one point to another at which the tangents of both meet: at a kink between straight lines,
+    in the middle of a parabola. The middle where they do not meet in between."""
+    length = second.state.angle - first.state.angle
+    change = first.slopes.moment_by_angle - second.slopes.moment_by_angle
+    across = second.moment - first.moment - second.slopes.moment_by_angle * length
+    part = across / (change * length) if abs(change) > 1e-6 * abs(second.slopes.moment_by_angle) else 0.5
+    return float(np.clip(part, NEAREST, 1.0 - NEAREST)) if 0.0 < part < 1.0 else 0.5
+
+
+def _keep_rising(sweep: CellSweep, middle: CellPoint, half_pitch: float) -> None:
+    """Leave the states around that without moment between which the moment rises with the curvature."""
+    at = next(row for row, point in enumerate(sweep.points) if point is middle)
+    rises = np.diff([point.moment for point in sweep.points]) > 0.0
+    last = at + (int(np.argmin(rises[at:])) if not rises[at:].all() else len(rises) - at)
+    first = at - (int(np.argmin(rises[:at][::-1])) if not rises[:at].all() else at)
+    for side, row in ((-1, first), (1, last)):
+        if row not in (0, len(rises)):
+            sweep.ends[side] = Reason("cell_falls", _place(sweep, sweep.points[row], half_pitch))
+    sweep.points[:] = sweep.points[first : last + 1]
+
+
+def _cut(sweep: CellSweep, first: CellPoint, second: CellPoint, reason: Reason) -> None:
+    """Keep the states on that side of an interval where there is no moment."""
+    position = sweep.points.index(second)
+    keeps_first = first.moment + second.moment > 0.0
+    sweep.ends[1 if keeps_first else -1] = reason
+    sweep.points[:] = sweep.points[:position] if keeps_first else sweep.points[position:]
+
+
+def _largest_error(first: CellPoint, second: CellPoint) -> float:
+    """How far the cubic between two points misses at most if a kink between straight lines lies between them, rad: in
+    the middle, by an eighth of the interval times the change of the slope."""
+    step = second.moment - first.moment
+    return abs(step * (1.0 / first.slopes.moment_by_angle - 1.0 / second.slopes.moment_by_angle)) / 8.0
+
+
+def _cubic_error(first: CellPoint, second: CellPoint, middle: CellPoint) -> float:
+    """How far the cubic between two points misses a third between them, rad.
+
+    Its slope counts as well, times an eighth of the interval: a kink beside the third point shows in the slope alone.
+    """
+    rows = [(p.moment, p.state.angle, 1.0 / p.slopes.moment_by_angle) for p in (first, second)]
+    moments, angles, by_moment = np.array(rows).T
+    value, slope = (float(f(moments, angles, by_moment, middle.moment)) for f in (cubic, cubic_slope))
+    step = second.moment - first.moment
+    return max(abs(value - middle.state.angle), abs(step * (slope - 1.0 / middle.slopes.moment_by_angle)) / 8.0)

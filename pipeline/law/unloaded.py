@@ -1,0 +1,68 @@
+"""What the arm's own law says of the arm without a load: the first numbers of a run."""
+
+from collections.abc import Sequence
+from contextlib import suppress
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from fem.cell.piece import PieceFailed
+from geometry.arrays import Array
+from pipeline.law.piece.measure import straight_curve
+from pipeline.law.piece.measure_clamp import clamp_without_moment
+from pipeline.law.piece.measure_tip import tip_curve
+from pipeline.law.piece.reach import LARGEST
+from pipeline.law.tasks import ArmTasks, PieceCurves
+from pipeline.results.unloaded_states import unloaded_state
+from pipeline.store.kept import kept
+from pipeline.store.parallel import Pending
+from pipeline.values.law import Unloaded
+from pipeline.values.pressure import name_of_state
+from rod.arm_law.curves import ClampCurve
+from rod.errors import RodError
+
+#: half cells of the ends from which the first numbers come
+HALF_CELLS = 1
+
+
+def begin_first_states(tasks: ArmTasks, pressures_kPa: Sequence[float]) -> list[Pending[Unloaded]]:
+    """The arm without a load at each pressure, from single states of its pieces; see `reached_states`."""
+    return [tasks.submit(first_state, pressure) for pressure in pressures_kPa]
+
+
+def reached_states(begun: Sequence[Pending[Unloaded]]) -> tuple[Unloaded, ...]:
+    """Those of the states that the pieces bear."""
+    states: list[Unloaded] = []
+    for pending in begun:
+        with suppress(PieceFailed, RodError):
+            states.append(pending.result())
+    return tuple(states)
+
+
+def first_state(curves: PieceCurves, pressure: float) -> Unloaded:
+    """The arm without a load at a pressure in kPa, from one state of each of its pieces; a task.
+
+    The cell is known to first order about that state, which a weight needs. Raises `PieceFailed` and `RodError`.
+    """
+    pieces = curves.pieces
+
+    def solve() -> Unloaded:
+        turn = LARGEST / pieces.design.length * pieces.cell.body.length
+        cell = straight_curve(pieces.cell, pressure, turn)
+        clamp = clamp_without_moment(pieces.end(HALF_CELLS, "clamp"), cell)
+        tip, _ = tip_curve(pieces.end(HALF_CELLS, "free"), cell)
+        law = pieces.law([cell], [_straight_clamp(clamp, cell.moment)], [tip.curve])
+        return unloaded_state(law, pressure)
+
+    return kept(curves.store, curves.file(name_of_state("unloaded", pressure)), Unloaded, solve)
+
+
+def _straight_clamp(clamp: ClampCurve, moments: Array) -> ClampCurve:
+    """A clamped end of which one state is known, to first order at moments (k,) in N mm."""
+    change = moments - clamp.moment[0]
+    rows: dict[str, Any] = {"moment": moments, "rotation": clamp.rotation + clamp.rotation_by_moment * change}
+    rows["offset"] = clamp.offset + clamp.offset_by_moment * change[:, None]
+    for name in ("rotation_by_moment", "rotation_by_pressure", "offset_by_moment", "beside"):
+        rows[name] = np.repeat(getattr(clamp, name), len(moments), axis=0)
+    return replace(clamp, **rows)

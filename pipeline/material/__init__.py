@@ -1,1 +1,0 @@
-"""Tensile tests: which law, which constants."""

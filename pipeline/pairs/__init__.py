@@ -1,1 +1,0 @@
-"""Runs of bodies with two cavities at pairs of pressures."""

@@ -1,0 +1,240 @@
+"""The verdict of a run in at most eight lines: how far the arm bends, which rod to take, and how wrong it is.
+
+The verdict is one value. The terminal, the report, `pneurod run --json` and `pneurod.read_results` show its lines.
+"""
+
+import shlex
+from dataclasses import asdict, dataclass
+from html import escape
+
+from geometry import Reason
+from pipeline.results.rod_errors import POOR, TITLES, MeshErrors, RodAndMesh, RodErrors, rod_errors, rod_to_take
+from pipeline.results.unloaded import named_states
+from pipeline.values.formats import ARM_LAW, EXTENSIBLE, FIVE
+from pipeline.values.formatting import number, round_down
+from pipeline.values.json_values import JsonObject
+from pipeline.values.reasons import report_reason, shorten
+from pipeline.values.record import Reported
+from pipeline.values.run import Run
+from rod.same_pressure import is_same
+
+#: relative error of the mesh above which no rod of the run should be used, and the size of a finer mesh over its own
+LARGE_MESH_ERROR, FINER = 0.10, 2 / 3
+#: warnings that the verdict shows
+MOST_WARNINGS = 2
+#: code of the remark on an arm that no rod describes
+OUT_OF_PLANE = "out_of_plane"
+#: code of the remark on what the tolerances of the built arm do, which has a line of its own
+TOLERANCES = "tolerances"
+#: code of the remark that takes its place where the arm was calibrated to a measurement
+CALIBRATED = "calibrated"
+#: codes of remarks by rank; others follow in the order in which they were found
+RANKS = (
+    *("beyond_law", OUT_OF_PLANE, "volume_lost", "volume_lost_unevenly", "law_beyond_end", "hardly_bent"),
+    *("rigidity_open", "one_rigidity_poor"),
+)
+
+
+@dataclass(frozen=True)
+class Bending:
+    """Where the end of the arm without a load is; positions are relative to the clamped end."""
+
+    pressure_kPa: float
+    angle_deg: float  #: of the circular arc through both ends
+    tip_x_mm: float
+    tip_y_mm: float
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What a run has found, and how far it can be relied on."""
+
+    design: str
+    length_mm: float  #: NaN where the body was not meshed
+    bending: tuple[Bending, ...]  #: by ascending pressure
+    rod: str  #: the rod to take: five, five_extensible or arm_law; empty where none was compared
+    refusal: Reported | None  #: why no rod of this run should be used; None where `rod` can be
+    shape_error: float | None  #: of the rod to take over the length, rod and mesh together
+    force_error: float | None  #: over the largest force, rod and mesh together
+    mesh: MeshErrors  #: the part of the mesh in them
+    pressures_kPa: tuple[float, float] | None  #: between which the rod holds
+    moments_N_mm: tuple[float, float] | None  #: for which it holds at the highest pressure
+    tolerances: Reported | None  #: what the tolerances of the built arm do, or its calibration; None: not known
+    command: str  #: how to use the rod, or what to do instead
+    failures: tuple[Reported, ...]
+    warnings: tuple[Reported, ...]  #: ranked, at most `MOST_WARNINGS`
+    errors: tuple[RodErrors, ...]  #: of every rod against finite elements on the same mesh, the rod to take first
+
+    @property
+    def usable(self) -> bool:
+        """Whether there is a rod that can be used."""
+        return bool(self.rod) and self.refusal is None
+
+    @property
+    def lines(self) -> tuple[str, ...]:
+        """The verdict in words, at most eight lines."""
+        lines = [*self._leaves_plane(), self._bends(), self._takes()]
+        lines += [self.tolerances.text] if self.usable and self.tolerances else []
+        lines += [self._holds(), self.command, *self._not_reached()]
+        return tuple(filter(None, (*lines, *(f"Warning: {warning.text}" for warning in self.warnings))))
+
+    def __str__(self) -> str:
+        return "\n".join(self.lines)
+
+    def _repr_html_(self) -> str:
+        """For notebooks."""
+        return "".join(f"<p>{escape(line)}</p>" for line in self.lines)
+
+    def _leaves_plane(self) -> list[str]:
+        return [f"{self.design}: {self.refusal.text}"] if self.refusal and self.refusal.code == OUT_OF_PLANE else []
+
+    def _bends(self) -> str:
+        if not self.bending:
+            return f"{self.design}: the arm without a load was not reached at any pressure."
+        named = named_states(self.bending)
+        angles = ", ".join(f"{b.angle_deg:.0f}°" for b in named)
+        pressures = ", ".join(f"{b.pressure_kPa:g}" for b in named)
+        tips = ", ".join(f"({b.tip_x_mm:.1f}, {b.tip_y_mm:.1f})" for b in named)
+        length = number(self.length_mm)
+        return f"{self.design}, {length} mm long, bends by {angles} at {pressures} kPa; its tip is at {tips} mm."
+
+    def _takes(self) -> str:
+        if self.refusal is not None:
+            return "" if self.refusal.code == OUT_OF_PLANE else self.refusal.text
+        if self.shape_error is None:
+            return "No rod was compared with the finite elements."
+        errors = RodAndMesh(self.shape_error, self.force_error, None, self.mesh, bool(self.errors))
+        return f"Take the rod with {TITLES[self.rod]}: {errors.text}."
+
+    def _holds(self) -> str:
+        if not self.usable or self.pressures_kPa is None:
+            return ""
+        low, high = self.pressures_kPa
+        moments = ""
+        if self.moments_N_mm is not None:
+            moments = (
+                f"; at {high:.4g} kPa for moments from {self.moments_N_mm[0]:.3g} to {self.moments_N_mm[1]:.3g} N mm"
+            )
+        return f"It holds from {low:.4g} to {high:.4g} kPa{moments}."
+
+    def _not_reached(self) -> list[str]:
+        if not self.failures:
+            return []
+        more = f" ({len(self.failures) - 1} more in the report)" if len(self.failures) > 1 else ""
+        return [f"Not reached: {shorten(self.failures[0])}{more}"]
+
+    def record(self) -> JsonObject:
+        """The verdict as `pneurod run --json` writes it."""
+        content = {name: value for name, value in asdict(self).items() if name != "command"}
+        return {**content, "usable": self.usable, "lines": self.lines}
+
+
+def verdict_of(run: Run) -> Verdict:
+    """The verdict on the results of a run."""
+    errors = rod_errors(run)
+    rod, both = rod_to_take(run, errors) or ("", None)
+    mesh = MeshErrors(None, None, None) if both is None else both.mesh
+    refusal = _refusal(run, errors, mesh)
+    usable = bool(rod) and refusal is None
+    return Verdict(
+        design=run.design,
+        length_mm=run.length_mm,
+        bending=_bending(run, rod),
+        rod=rod,
+        refusal=refusal,
+        shape_error=both.shape if both and usable else None,
+        force_error=both.force if both and usable else None,
+        mesh=mesh,
+        pressures_kPa=_pressures(run, rod) if rod else None,
+        moments_N_mm=_moments(run, rod) if rod else None,
+        tolerances=next((remark for remark in run.remarks if remark.code in (TOLERANCES, CALIBRATED)), None),
+        command=_use(run, rod) if usable else _instead(run, rod, mesh),
+        failures=run.failures,
+        warnings=_warnings(run, rod, mesh, refusal),
+        errors=errors,
+    )
+
+
+def _bending(run: Run, rod: str) -> tuple[Bending, ...]:
+    """By the arm's own law where that is the rod to take, because its mesh is finer; else by experiment II."""
+    if rod == ARM_LAW and run.law and run.law.unloaded:
+        return tuple(Bending(state.pressure_kPa, state.bending_deg, *state.tip_mm) for state in run.law.unloaded)
+    bent = (curve for curve in run.curves_of("II") if not curve.load)
+    return tuple(Bending(curve.pressure_kPa, curve.bending_deg, *curve.tip_mm) for curve in bent)
+
+
+def _refusal(run: Run, errors: tuple[RodErrors, ...], mesh: MeshErrors) -> Reported | None:
+    """Why no rod should be used: the arm leaves the plane, the mesh is too coarse, or every rod is far off."""
+    if plane := next((remark for remark in run.remarks if remark.code == OUT_OF_PLANE), None):
+        return plane
+    if errors and errors[0].shape > POOR:
+        return report_reason(Reason("no_rod_is_near", {"percent": 100.0 * errors[0].shape}))
+    if (mesh.largest or 0.0) > LARGE_MESH_ERROR:
+        quantity, error = mesh.worst
+        return report_reason(Reason("mesh_too_coarse", {"percent": 100.0 * error, "quantity": quantity}))
+    return None
+
+
+def _pressures(run: Run, rod: str) -> tuple[float, float] | None:
+    known = run.law.pressures_kPa if rod == ARM_LAW and run.law else run.identified_kPa
+    highest = max(run.reached_kPa, default=known[-1] if known else 0.0)
+    return (known[0], min(known[-1], highest) if rod == ARM_LAW else known[-1]) if known else None
+
+
+def _moments(run: Run, rod: str) -> tuple[float, float] | None:
+    """The moments for which a rod is known at the highest pressure, N mm."""
+    if rod == ARM_LAW and run.law:
+        pressures = _pressures(run, rod)
+        cell = run.law.curve(pressures[1]) if pressures else None
+        if cell is None:
+            return None
+        clamps = [c for c in run.law.clamp.curves if is_same(c.pressure_kPa, cell.pressure_kPa)]
+        ends = [(curve.moment_N_mm[0], curve.moment_N_mm[-1]) for curve in (cell, *clamps)]
+        return max(low for low, _ in ends), min(high for _, high in ends)
+    columns = run.parameters.eccentricity if rod == EXTENSIBLE else run.parameters
+    return columns.moment_range_N_mm[-1] if columns and columns.moment_range_N_mm else None
+
+
+def _use(run: Run, rod: str) -> str:
+    """The command with which the rod is used, under the load of experiment III where that is a height of the end."""
+    pressures = _pressures(run, rod)
+    pressure = f" --pressure '{round_down(pressures[1], 4):g} kPa'" if pressures else ""
+    return f"For example: pneurod rod {shlex.quote(str(run.directory))}{pressure}{_load(run, pressures)}"
+
+
+def _load(run: Run, pressures: tuple[float, float] | None) -> str:
+    """The load of experiment III as options, where it holds a height of the end; else a small force."""
+    end = run.config.get("end") or {}
+    held = run.curve("III", pressures[1]) if pressures else None
+    if held is None or end.get("y_mm") is None or end.get("x_mm") is not None:
+        return " --force '[0 N, 0.01 N]'"
+    return f" --end-y '{round(held.tip_mm[1], 6) + 0.0:g} mm'"
+
+
+def _instead(run: Run, rod: str, mesh: MeshErrors) -> str:
+    """What to do where no rod can be used."""
+    if (mesh.largest or 0.0) > LARGE_MESH_ERROR:
+        if rod == ARM_LAW:
+            finer = "give lower pressures or another material.law" if run.config.get("accuracy") else "--accuracy 1%"
+            return f"Next: repeat the run with {finer} and another --out."
+        if run.mesh is None or run.mesh.from_file:
+            return "Next: run the body with a finer mesh."
+        finer = f"--set mesh.size='{FINER * run.mesh.size_mm:.2g} mm'"
+        return f"Next: mesh.size was {run.mesh.size_mm:g} mm; repeat the run with {finer} and another --out."
+    if run.failures:
+        return "Next: give lower pressures, or change walls or material, in another --out."
+    return ""
+
+
+def _warnings(run: Run, rod: str, mesh: MeshErrors, refusal: Reported | None) -> tuple[Reported, ...]:
+    """The most important remarks on the run and on its rod."""
+    of_rod = []
+    if rod and mesh.largest is None:
+        of_rod.append(report_reason(Reason("mesh_error_unknown")))
+    if rod in (FIVE, EXTENSIBLE):
+        of_rod.append(report_reason(Reason("offsets_bend")))
+    said = {TOLERANCES, CALIBRATED} | {reason.code for reason in (*run.failures, *filter(None, [refusal]))}
+    shown = [remark for remark in run.remarks if remark.code not in said]
+    ranked = sorted(shown, key=lambda remark: RANKS.index(remark.code) if remark.code in RANKS else len(RANKS))
+    known = [remark for remark in ranked if remark.code in RANKS]
+    return tuple([*known, *of_rod, *ranked[len(known) :]][:MOST_WARNINGS])

@@ -1,0 +1,299 @@
+"""The figures of the report, made from the results of a run. Figs 8, 10 and 16 of the paper have the same form."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from geometry.arrays import Array
+from pipeline.results.rod_errors import rod_errors, rod_to_take
+from pipeline.values.formats import ARM_LAW, CURVE_PREFIXES, EXTENSIBLE, FIVE
+from pipeline.values.plots import COLOURS, INK, Line, Panel, figure, ordered_colour
+from pipeline.values.run import Curve, RodError, Run, bending_deg, bending_error_deg
+
+FINITE_ELEMENTS = "finite elements"
+EXPERIMENTS = {
+    "I": "Experiment I: free under pressure",
+    "II": "Experiment II: clamped, under pressure",
+    "III": "Experiment III: clamped, with the end held",
+}
+#: lengths of a cell at each end of an arm within which averages over a cell are not those of inner cells
+END_CELLS = 1.5
+
+
+@dataclass(frozen=True)
+class _Drawn:
+    """How the curves of a rod are drawn."""
+
+    rod: str
+    entry: str
+    dash: str
+    marker: str
+
+    def column(self, curve: Curve, quantity: str) -> Array | None:
+        """x_mm, y_mm or kappa_per_mm (n,) of the rod beside a curve of the finite elements; None without it."""
+        name = f"{CURVE_PREFIXES[self.rod]}_{quantity}"
+        return curve[name] if curve.has(name) else None
+
+    def tip_mm(self, curve: Curve) -> tuple[float, float] | None:
+        """Position of the end of the rod from its clamped end, mm; None where the rod is not there."""
+        x, y = self.column(curve, "x_mm"), self.column(curve, "y_mm")
+        return None if x is None or y is None else (float(x[-1] - x[0]), float(y[-1] - y[0]))
+
+
+_DRAWN = {
+    FIVE: _Drawn(FIVE, "rod, five parameters", "dash", "circle-open"),
+    EXTENSIBLE: _Drawn(EXTENSIBLE, "rod, five parameters and stretch", "dash", "circle-open"),
+    ARM_LAW: _Drawn(ARM_LAW, "rod, the arm's own law", "dot", "square-open"),
+}
+
+
+#: pairs of axes beside each other; none where there is nothing to draw
+Panels = tuple[Panel, ...]
+
+
+def bending(run: Run) -> Panels:
+    """Bending angle over pressure and path of the tip in experiment II: finite elements, and the rod to take.
+
+    Error bars of the rod are the error that the verdict gives, of rod and mesh together.
+    """
+    curves, rod = run.curves_of("II"), rod_to_take(run)
+    at = _rod_tips(run, rod[0], curves) if rod else []
+    if not (curves or at):
+        return ()
+    start = [0.0] if run.parameters.straight_without_pressure else []
+    pressures = np.array([*start, *(curve.pressure_kPa for curve in curves)])
+    bent = np.array([*start, *(curve.bending_deg for curve in curves)])
+    tips = np.array([*[(run.length_mm, 0.0)] * len(start), *(curve.tip_mm for curve in curves)])
+    texts = [f"{FINITE_ELEMENTS}, {p:g} kPa" for p in pressures]
+    angle = [Line(pressures, bent, FINITE_ELEMENTS, COLOURS[0], marker="circle")] if curves else []
+    path = [Line(tips[:, 0], tips[:, 1], FINITE_ELEMENTS, COLOURS[0], marker="circle", texts=texts)] if curves else []
+    if rod and at:
+        drawn, error = _DRAWN[rod[0]], run.length_mm * rod[1].shape
+        reached, rod_tips = np.array([p for p, _ in at]), np.array([tip for _, tip in at])
+        angles = [bending_deg(tip) for _, tip in at]
+        turned = np.array([bending_error_deg(error, tip) for _, tip in at])
+        entry = drawn.entry + (" on a finer mesh" if rod[0] == ARM_LAW and run.config.get("accuracy") else "")
+        turns = Line(reached, angles, entry, INK, "", drawn.marker, marker_size=12, spread=turned)
+        angle.append(turns)
+        path.append(replace(turns, x=rod_tips[:, 0], y=rod_tips[:, 1], spread=np.full(len(at), error)))
+    return (
+        Panel("Bending angle over pressure", "p (kPa)", "bending angle (°)", tuple(angle)),
+        Panel("Path of the tip", "x (mm)", "y (mm)", tuple(path), lengths=True),
+    )
+
+
+def _rod_tips(run: Run, rod: str, curves: Sequence[Curve]) -> list[tuple[float, tuple[float, float]]]:
+    """Pressures in kPa with the position of the end of a rod in mm: by the law that is delivered, or beside curves."""
+    if rod == ARM_LAW and run.law and run.law.unloaded:
+        return [(state.pressure_kPa, state.tip_mm) for state in run.law.unloaded]
+    return [(curve.pressure_kPa, tip) for curve in curves if (tip := _DRAWN[rod].tip_mm(curve))]
+
+
+def of_experiment(run: Run, experiment: str) -> Panels:
+    """Shape and curvature of the material curve; empty where no pressure was reached."""
+    curves = run.curves_of(experiment)
+    if not curves:
+        return ()
+    rods = _drawn(run)
+    shape = Panel("Shape", "x (mm)", "y (mm)", _shapes(run, curves, rods), lengths=True)
+    curvature = Panel("Curvature", "s (mm)", "κ (1/mm)", _curvatures(run, curves, rods))
+    return shape, curvature
+
+
+def validation_shapes(run: Run) -> Panels:
+    """The material curve under each load that nothing was fitted to."""
+    curves = sorted(run.validation_curves, key=lambda curve: curve.pressure_kPa)
+    groups = {
+        "Other heights of the end, other pressures": [c for c in curves if c.experiment != "dead"],
+        "Dead force on the end": [c for c in curves if c.experiment == "dead"],
+    }
+    rods = _drawn(run)
+    return tuple(
+        Panel(title, "x (mm)", "y (mm)", _shapes(run, shown, rods), lengths=True)
+        for title, shown in groups.items()
+        if shown
+    )
+
+
+def moments(run: Run) -> Panels:
+    """Moment in III over the change of curvature against II, both averaged over a cell: finite elements and rod.
+
+    The rod is averaged as the finite elements are, so that both can be compared.
+    """
+    lines: list[Line] = []
+    drawn = _DRAWN[FIVE]
+    for pressure in run.identified_kPa:
+        if not (pair := _pair(run, pressure)):
+            continue
+        loaded, free = pair
+        inside = _estimated(free)
+        moment = loaded["moment_N_mm"][inside]
+        change = (loaded["kappa_per_mm"] - free["kappa_per_mm"])[inside]
+        at, name = _colour(run, pressure), f"{pressure:g} kPa"
+        lines.append(_dots(change, moment, f"{FINITE_ELEMENTS}, {name}", at, name))
+        rod, rest = drawn.column(loaded, "kappa_per_mm"), drawn.column(free, "kappa_per_mm")
+        if rod is not None and rest is not None:
+            lines.append(
+                Line((rod - rest)[inside], moment, f"{drawn.entry}, {name}", at, entry=drawn.entry, frame=name)
+            )
+    return (Panel("Moment over change of curvature", "κ − κ₀ (1/mm)", "M (N mm)", tuple(lines)),) if lines else ()
+
+
+def rigidities(run: Run) -> Panels:
+    """α₁ and α₂ over the pressure, with their standard deviations and the lines of slope β₁ and β₂."""
+    pressures = np.array(run.identified_kPa)
+    lines: list[Line] = []
+    for number, symbol in ((1, "α₁"), (2, "α₂")):
+        key, colour = f"alpha{number}_N_mm2", COLOURS[number - 1]
+        values, spread = (np.array(getattr(run.parameters, name), dtype=float) for name in (key, f"{key}_std"))
+        lines.append(Line(pressures, values, symbol, colour, dash="", marker="circle", spread=spread))
+        slope = getattr(run.parameters, f"beta{number}_N_mm2_per_kPa")
+        if slope is not None and len(pressures) > 1:
+            ends = pressures[[0, -1]]
+            line = np.nanmean(values) + slope * (ends - pressures.mean())
+            lines.append(Line(ends, line, f"slope of {symbol}", colour, "dash", width=1.4, entry=""))
+    if not len(pressures):
+        return ()
+    return (Panel("Bending rigidities", "p (kPa)", "α (N mm²)", tuple(lines), from_zero=True),)
+
+
+def end_forces(run: Run) -> Panels:
+    """The end force over the pressure, finite elements and rods, for every prescribed height of the end."""
+    rods = [drawn for drawn in _drawn(run) if drawn.rod in run.rods]
+    rows = [row for row in run.errors_of(rods[0].rod) if row.force_N is not None] if rods else []
+    lines = []
+    for k, load in enumerate(sorted({row.load for row in rows})):
+        title, colour = load or "as in experiment III", COLOURS[k % len(COLOURS)]
+        lines.append(
+            _forces([row for row in rows if row.load == load], "force_N", f"{FINITE_ELEMENTS}, {title}", colour)
+        )
+        for drawn in rods:
+            of_rod = [row for row in run.errors_of(drawn.rod) if row.load == load and row.rod_force_N is not None]
+            name = f"{drawn.entry}, {title}"
+            lines.append(_forces(of_rod, "rod_force_N", name, colour, drawn.marker, drawn.entry))
+    panel = Panel("Force that holds the end", "p (kPa)", "force (N)", tuple(lines), from_zero=True)
+    return (panel,) if lines else ()
+
+
+def arm_law(run: Run) -> Panels:
+    """Moment over curvature of a cell, and finite elements in III away from the ends of the arm."""
+    lines: list[Line] = []
+    for pressure in run.pressures_kPa:
+        curve = run.law.curve(pressure) if run.law else None
+        if curve is None:
+            continue
+        colour, name = _colour(run, pressure), f"{pressure:g} kPa"
+        kappa, moment = np.array(curve.kappa_per_mm), np.array(curve.moment_N_mm)
+        lines.append(Line(kappa, moment, f"the arm's own law, {name}", colour, entry="the arm's own law", frame=name))
+        touch = np.array(curve.contact, dtype=bool)
+        if touch.any():
+            there = kappa[touch], moment[touch]
+            lines.append(Line(*there, f"walls touch, {name}", INK, "", "x", entry="walls touch", frame=name))
+        if (pair := _pair(run, pressure)) is not None:
+            lines.append(_inner_cells(run, pair, colour, name))
+    return (Panel("Moment of a cell over its curvature", "κ (1/mm)", "M (N mm)", tuple(lines)),) if lines else ()
+
+
+def _inner_cells(run: Run, pair: tuple[Curve, Curve], colour: str, name: str) -> Line:
+    """Changes of curvature from II to III, added to κ₀ in the middle, without the ends of the arm."""
+    loaded, free = pair
+    s, length, ends = loaded["s_mm"], run.length_mm, END_CELLS * run.averaging_mm
+    middle = np.interp(length / 2.0, s, free["kappa_per_mm"])
+    kappa = loaded["kappa_per_mm"] - free["kappa_per_mm"] + middle
+    inner = (s > ends) & (s < length - ends)
+    return _dots(kappa[inner], loaded["moment_N_mm"][inner], f"{FINITE_ELEMENTS}, {name}", colour, name)
+
+
+def _pair(run: Run, pressure: float) -> tuple[Curve, Curve] | None:
+    """III and II at one pressure at the same points, with the moment of III; None where they are not there."""
+    free, loaded = run.curve("II", pressure), run.curve("III", pressure)
+    if free is None or loaded is None or not loaded.has("moment_N_mm") or len(free["s_mm"]) != len(loaded["s_mm"]):
+        return None
+    return loaded, free
+
+
+def _dots(x: Array, y: Array, name: str, colour: str, frame: str) -> Line:
+    return Line(x, y, name, colour, "", "circle", marker_size=4, opacity=0.7, entry=FINITE_ELEMENTS, frame=frame)
+
+
+def _drawn(run: Run) -> list[_Drawn]:
+    """The rods that are drawn: one with five parameters, and the one with the arm's own law."""
+    errors = rod_errors(run)
+    stretches = bool(errors) and errors[0].rod == EXTENSIBLE
+    return [_DRAWN[EXTENSIBLE if stretches else FIVE], _DRAWN[ARM_LAW]]
+
+
+def _colour(run: Run, pressure: float) -> str:
+    known = run.pressures_kPa
+    return ordered_colour(int(np.argmin(np.abs(np.array(known) - pressure))), len(known))
+
+
+def _shapes(run: Run, curves: Sequence[Curve], rods: Sequence[_Drawn]) -> tuple[Line, ...]:
+    lines = []
+    for curve in curves:
+        pressure = f"{curve.pressure_kPa:g} kPa"
+        label = ", ".join(filter(None, (curve.load, pressure)))
+        colour = _colour(run, curve.pressure_kPa)
+        name = f"{FINITE_ELEMENTS}, {label}"
+        lines.append(Line(curve["x_mm"], curve["y_mm"], name, colour, entry=FINITE_ELEMENTS, frame=pressure))
+        for drawn in rods:
+            x, y = drawn.column(curve, "x_mm"), drawn.column(curve, "y_mm")
+            if x is not None and y is not None:
+                lines.append(_rod_line(drawn, x, y, label, pressure))
+    return tuple(lines)
+
+
+def _rod_line(drawn: _Drawn, x: Array, y: Array, label: str, frame: str) -> Line:
+    return Line(x, y, f"{drawn.entry}, {label}", INK, drawn.dash, width=1.6, entry=drawn.entry, frame=frame)
+
+
+def _curvatures(run: Run, curves: Sequence[Curve], rods: Sequence[_Drawn]) -> tuple[Line, ...]:
+    lines = []
+    for curve in curves:
+        frame, colour = f"{curve.pressure_kPa:g} kPa", _colour(run, curve.pressure_kPa)
+        spread = curve["kappa_std_per_mm"] if curve.has("kappa_std_per_mm") else None
+        s, name = curve["s_mm"], f"{FINITE_ELEMENTS}, {frame}"
+        lines.append(Line(s, curve["kappa_per_mm"], name, colour, spread=spread, entry=FINITE_ELEMENTS, frame=frame))
+        for drawn in rods:
+            kappa = drawn.column(curve, "kappa_per_mm")
+            if curve.experiment == "III" and kappa is not None:
+                lines.append(_rod_line(drawn, s, kappa, frame, frame))
+    return tuple(lines)
+
+
+def _forces(
+    rows: Sequence[RodError], key: str, name: str, colour: str, marker: str = "circle", entry: str = FINITE_ELEMENTS
+) -> Line:
+    ordered = sorted(rows, key=lambda row: row.pressure_kPa)
+    pressures, forces = (np.array([getattr(row, k) for row in ordered], dtype=float) for k in ("pressure_kPa", key))
+    size = 7.0 if marker == "circle" else 11.0
+    return Line(pressures, forces, name, colour, "", marker, marker_size=size, entry=entry)
+
+
+def _estimated(curve: Curve) -> Array:
+    """Points at which the curvature is an estimate (n,): the ends of a curve repeat the value of the nearest cell."""
+    changes = np.flatnonzero(np.diff(curve["kappa_per_mm"]))
+    inside = np.ones(len(curve["s_mm"]), dtype=bool)
+    if len(changes):
+        inside[: changes[0]] = False
+        inside[changes[-1] + 2 :] = False
+    return inside
+
+
+def make_figures(run: Run) -> dict[str, Any]:
+    """All figures of the report by the name that the template gives them; empty texts for those without data."""
+    experiments = {title: of_experiment(run, name) for name, title in EXPERIMENTS.items()}
+    drawn = {
+        "bending": bending(run),
+        "moments": moments(run),
+        "rigidities": rigidities(run),
+        "validation": validation_shapes(run),
+        "forces": end_forces(run),
+        "arm_law": arm_law(run),
+    }
+    return {
+        "experiments": {title: figure(panels) for title, panels in experiments.items() if panels},
+        **{name: figure(panels) if panels else "" for name, panels in drawn.items()},
+    }

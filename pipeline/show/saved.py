@@ -1,0 +1,60 @@
+"""The last files of a run: run.json and report.html. A run that is repeated without a change keeps both."""
+
+import hashlib
+import json
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from pipeline.results.files import read_results, save_value
+from pipeline.show.page import TEMPLATES, render_page
+from pipeline.store.state_key import ALL_SOURCES, result_key
+from pipeline.store.store import Store
+from pipeline.values.run import Run
+
+#: what every number is computed from, to rounding: solved states, and points of the arm's own law
+_SOLVED = ("states/*", "law/*")
+_KEY = "states/report.json"
+#: keys of these files that differ from run to run though nothing was computed
+_TIMES = ("seconds", "share_of_time")
+
+
+def save_report(store: Store, run: Run) -> Run:
+    """Write run.json and the report on all results, and return the results as the files have them.
+
+    Where nothing was solved anew and no source or template has changed since the report was written, both files stay:
+    they tell how long the run took when it solved something.
+    """
+    key = {"solved": _digest(store)}
+    complete = all((store.directory / name).is_file() for name in ("run.json", "report.html"))
+    if complete and store.read_json(_KEY) == key:
+        return replace(run, record=read_results(store.directory).record)
+    run = replace(run, record=save_value(store, "run.json", run.record))
+    store.save_text("report.html", render_page(run))
+    store.save_json(_KEY, key)
+    return run
+
+
+def _digest(store: Store) -> str:
+    """sha256 of everything that decides what the report shows."""
+    solved = (path for pattern in _SOLVED for path in sorted(store.directory.glob(pattern)))
+    digest = hashlib.sha256(result_key(store.key, ALL_SOURCES).encode())
+    for path in (*sorted(TEMPLATES.iterdir()), *(path for path in solved if path != store.directory / _KEY)):
+        digest.update(path.name.encode())
+        digest.update(_content(path))
+    return digest.hexdigest()
+
+
+def _content(path: Path) -> bytes:
+    """The content of a file, that of a JSON file without times; nothing where there is no such file."""
+    if not path.is_file():
+        return b""
+    if path.suffix != ".json":
+        return path.read_bytes()
+    return json.dumps(_without_times(json.loads(path.read_text(encoding="utf-8")))).encode()
+
+
+def _without_times(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {key: _without_times(entry) for key, entry in value.items() if key not in _TIMES}
+    return [_without_times(entry) for entry in value] if isinstance(value, list) else value

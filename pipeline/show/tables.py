@@ -1,0 +1,174 @@
+"""The tables of the report and of the terminal: five parameters, rods, loads, states, effects."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import fields
+from typing import Any
+
+from fem.elements import ELEMENTS
+from pipeline.results.rod_errors import TITLES, mesh_errors, rod_errors
+from pipeline.values.formats import EXTENSIBLE, FIVE
+from pipeline.values.formatting import decimals_beside, decimals_of, duration, interval, number, percent, with_spread
+from pipeline.values.parameters import FiveColumns
+from pipeline.values.run import Run, State
+from pipeline.values.table import Table
+
+#: key in parameters.json, symbol, unit: the five parameters
+NUMBERS = (
+    ("alpha1_N_mm2", "α₁", "N mm²"),
+    ("alpha2_N_mm2", "α₂", "N mm²"),
+    ("m01_N_mm", "m₀₁", "N mm"),
+    ("m02_N_mm", "m₀₂", "N mm"),
+    ("d_mm", "d", "mm"),
+)
+#: errors of a rod under one load
+#: remark on a load whose moments five parameters were not identified with
+OUTSIDE = "beyond its moments"
+_ERRORS = ("distance / length", "error of end angle (°)", "error of force", "error of curvature")
+
+
+def five_parameters(run: Run, rod: str = FIVE) -> Table | None:
+    """The five parameters by pressure with their standard deviations and 95 % intervals; None without them.
+
+    rod: whose parameters; the rod that stretches has the eccentricity e of its neutral axis as well.
+    """
+    columns = run.parameters.eccentricity if rod == EXTENSIBLE else run.parameters
+    if not run.identified_kPa or columns is None:
+        return None
+    keys = [*NUMBERS, *([("eccentricity_mm", "e", "mm")] if rod == EXTENSIBLE else [])]
+    single = run.parameters.single_line_suffices
+    digits = {key: decimals_of(getattr(columns, key), getattr(columns, f"{key}_std")) for key, _, _ in keys}
+    rows = tuple(
+        (
+            f"{pressure:g}",
+            *(
+                "one section" if key == "d_mm" and single[k] else _parameter(columns, key, k, digits[key])
+                for key, _, _ in keys
+            ),
+        )
+        for k, pressure in enumerate(run.identified_kPa)
+    )
+    included = "with" if run.parameters.mesh_error else "without"
+    return Table(
+        ("p (kPa)", *(f"{symbol} ({unit})" for _, symbol, unit in keys)),
+        rows,
+        "The paper's five parameters: α₁ and m₀₁ near the clamp (s < d), α₂ and m₀₂ beyond. ± is one standard "
+        f"deviation, {included} the error of the mesh. The second line is the 95 % interval.",
+    )
+
+
+def _parameter(columns: FiveColumns, key: str, index: int, digits: int) -> str:
+    value, spread = getattr(columns, key)[index], getattr(columns, f"{key}_std")[index]
+    if value is None:
+        return "-"
+    if key == "d_mm":
+        for bound, words in ((columns.d_is_at_most, "at most"), (columns.d_is_at_least, "at least")):
+            if bound and bound[index]:
+                return f"{words} {with_spread(value, None, digits)}"
+    bounds = getattr(columns, f"{key}_95", None)
+    below = interval(bounds[index], decimals_beside(spread, digits)) if bounds else ""
+    return f"{with_spread(value, spread, digits)}\n{below}" if below else with_spread(value, spread, digits)
+
+
+def rods(run: Run) -> Table | None:
+    """The largest errors of every rod, against the finite elements and because of the mesh; None without rods."""
+    rows = []
+    for errors in rod_errors(run):
+        mesh = mesh_errors(run, errors.rod)
+        rows.append(
+            (
+                TITLES[errors.rod],
+                *(str(errors.loads_in_sample), percent(errors.distance_over_length_in_sample)),
+                *(percent(errors.force_error_in_sample), str(errors.loads_out_of_sample)),
+                *(percent(errors.distance_over_length_out_of_sample), percent(errors.force_error_out_of_sample)),
+                *(
+                    str(errors.loads_without_solution),
+                    percent(mesh.kappa_0),
+                    percent(mesh.rigidity),
+                    percent(mesh.force),
+                ),
+            )
+        )
+    heads = (
+        *("rod", "fitted loads", "distance / length", "force error", "other loads", "distance / length", "force error"),
+        *("loads without solution", "mesh error of κ₀", "mesh error of rigidity", "mesh error of moment"),
+    )
+    return Table(heads, tuple(rows)) if rows else None
+
+
+def loads(run: Run) -> Table | None:
+    """Every load and pressure that a rod was not fitted to; None where there is none."""
+    rows = tuple(
+        (
+            *(row.location, row.rod),
+            percent(row.distance_over_length),
+            number(None if row.end_angle_error_rad is None else math.degrees(row.end_angle_error_rad)),
+            *(percent(row.force_error), percent(row.curvature_error), row.reason or (OUTSIDE if row.warning else "")),
+        )
+        for row in sorted(run.rod_errors, key=lambda row: (row.load, row.experiment, row.pressure_kPa))
+        if row.sample == "out"
+    )
+    heads = ("load", "rod", *_ERRORS, "remark")
+    return Table(heads, rows) if rows else None
+
+
+def states(run: Run) -> Table | None:
+    """Every experiment and pressure; None where no experiment was begun."""
+    titles = {column.name: column.metadata["title"] for column in fields(State) if "title" in column.metadata}
+    rows = tuple(tuple(_cell(getattr(state, name)) for name in titles) for state in run.states)
+    return Table(tuple(titles.values()), rows) if rows else None
+
+
+def effects(run: Run) -> Table | None:
+    """Which effects were simulated, and why; None where the run did not come so far."""
+    rows = tuple(
+        (row.effect.replace("_", " "), row.state, row.reason, percent(row.share_of_time)) for row in run.effects
+    )
+    return Table(("effect", "state", "reason", "share of the solver's time"), rows) if rows else None
+
+
+def cost(run: Run) -> Table | None:
+    """Wall time by stage of the run, then the parts of the solver's time; None where it is not known."""
+    stages = [(name, duration(value)) for name, value in run.record.seconds.items()]
+    solver = [(f"solver: {name}", duration(value)) for name, value in run.record.solver_seconds.items()]
+    return Table(("stage", "waiting time"), (*stages, *solver)) if stages else None
+
+
+def design(run: Run) -> Table | None:
+    """The design and its mesh: name and value with its unit; None without a configuration."""
+    geometry, mesh = run.config.get("geometry") or {}, run.mesh
+    rows = [
+        (name, str(value)) for name, value in geometry.items() if not isinstance(value, float) and value is not None
+    ]
+    lengths = [f"{name.replace('_', ' ')} {number(v)}" for name, v in geometry.items() if isinstance(v, float)]
+    rows += [("dimensions (mm)", ", ".join(lengths))] if lengths else []
+    materials = {"material": run.config.get("material") or {}, **(run.config.get("materials") or {})}
+    rows += [(name, ", ".join(f"{key} {_cell(v)}" for key, v in law.items())) for name, law in materials.items() if law]
+    if mesh:
+        edges = f"edges {mesh.mean_edge_mm:.2g} mm on average, {mesh.longest_edge_mm:.2g} mm at most"
+        rows.append(("mesh", f"{mesh.elements} {mesh.formulation} elements, {edges}"))
+        rows.append((f"elements {mesh.formulation}", ELEMENTS[mesh.formulation].summary))
+        rows += [(f"chosen {name}", reason) for name, reason in mesh.chosen.items()]
+    return Table(("key", "value"), tuple(rows)) if rows else None
+
+
+def _cell(value: Any) -> str:
+    if value is None:
+        return "-"
+    if isinstance(value, Sequence) and not isinstance(value, str):
+        return ", ".join(_cell(item) for item in value)
+    return number(value) if isinstance(value, float) else str(value)
+
+
+def make_tables(run: Run) -> dict[str, Table | None]:
+    """All tables of the report by the name that the template gives them; None for those without data."""
+    return {
+        "five": five_parameters(run),
+        "extensible": five_parameters(run, EXTENSIBLE),
+        "rods": rods(run),
+        "loads": loads(run),
+        "states": states(run),
+        "effects": effects(run),
+        "design": design(run),
+        "cost": cost(run),
+    }

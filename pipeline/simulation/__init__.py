@@ -1,1 +1,0 @@
-"""The scene and the experiments that are simulated in it."""

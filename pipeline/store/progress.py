@@ -1,0 +1,93 @@
+"""Progress of a run: what is reported, and how it is shown.
+
+In a worker process it is told to a `ToQueue`, and `relayed` in the main process passes it on to the listener, so that a
+single listener receives the progress of every experiment.
+"""
+
+import threading
+from abc import ABC, abstractmethod
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from typing import Any, NamedTuple, final
+
+
+class Message(NamedTuple):
+    """What happened: the name of a method of `Progress`, and its arguments."""
+
+    what: str
+    arguments: tuple[Any, ...] = ()
+
+
+class Progress(ABC):
+    """Receives the progress of a run. Pressures in kPa, residuals relative, seconds of wall time."""
+
+    @abstractmethod
+    def tell(self, message: Message) -> None:
+        """Show a message, or pass it on."""
+
+    def stage(self, name: str) -> None:
+        """The run waits for a stage: mesh, experiments, identification. Experiments of others may be solved beside
+        it."""
+        self.tell(Message("stage", (name,)))
+
+    def remark(self, sentence: str) -> None:
+        """What a user should know before waiting for the result."""
+        self.tell(Message("remark", (sentence,)))
+
+    def experiment(self, name: str, pressures: Sequence[float]) -> None:
+        """An experiment begins, which will be solved at `pressures`."""
+        self.tell(Message("experiment", (name, tuple(pressures))))
+
+    def iteration(self, experiment: str, pressure_kPa: float, newton_iteration: int, residual: float) -> None:
+        """A Newton iteration on the way to `pressure_kPa` is finished."""
+        self.tell(Message("iteration", (experiment, pressure_kPa, newton_iteration, float(residual))))
+
+    def step_done(self, experiment: str, pressure_kPa: float, seconds: float) -> None:
+        """A pressure is reached; `seconds` is 0 where its state was stored by an earlier run."""
+        self.tell(Message("step_done", (experiment, pressure_kPa, seconds)))
+
+    def stopped(self, experiment: str, pressures: Sequence[float], why: str) -> None:
+        """An experiment has ended before the first of `pressures`, which it will not reach; `why` in a few words."""
+        self.tell(Message("stopped", (experiment, tuple(pressures), why)))
+
+    def done(self) -> None:
+        """The run is finished."""
+        self.tell(Message("done"))
+
+
+@final
+class Silent(Progress):
+    """Ignores everything."""
+
+    def tell(self, message: Message) -> None:
+        """Nothing."""
+
+
+@final
+class ToQueue(Progress):
+    """Puts every message into a queue that another process reads."""
+
+    def __init__(self, queue: Any) -> None:
+        self._queue = queue
+
+    def tell(self, message: Message) -> None:
+        """Pass it on, but not the end of a worker, which is not the end of the run."""
+        if message.what != "done":
+            self._queue.put(message)
+
+
+@contextmanager
+def relayed(queue: Any, listener: Progress) -> Iterator[None]:
+    """While the block runs, and until the queue is empty, pass every `Message` in `queue` on to `listener`."""
+
+    def relay() -> None:
+        while (message := queue.get()) is not None:
+            listener.tell(message)
+
+    thread = threading.Thread(target=relay, daemon=True)
+    thread.start()
+    try:
+        yield
+    finally:
+        queue.put(None)
+        thread.join(timeout=5.0)

@@ -1,0 +1,1 @@
+"""How the numbers depend on the mesh and on the solver."""

@@ -1,0 +1,1 @@
+"""What every effect of a configuration changes."""

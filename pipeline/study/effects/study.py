@@ -1,0 +1,106 @@
+"""Study of effects, a sweep over `effects.*`: what each one changes in the numbers of the rod, and what it costs."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from fem.elements import ELEMENTS
+from pipeline.config.config import Config
+from pipeline.config.effects import EFFECTS, State
+from pipeline.simulate.scene import GAP, Scene
+from pipeline.simulate.too_short import why_too_short
+from pipeline.store.progress import Progress
+from pipeline.store.result_folder import ResultFolder
+from pipeline.study.effects.rows import BASE, COST, EFFECTS_RUN, NUMBERS, EffectRow, compared
+from pipeline.study.sweep.points import Point
+from pipeline.study.sweep.study import Course, PointSet, solve_points
+from pipeline.study.sweep.table import SolvedPoint
+from pipeline.study.sweep.workers import LocalWorkers
+from pipeline.values.reasons import render
+
+TABLE = "effects_table.json"
+
+
+@dataclass(frozen=True)
+class EffectsTable:
+    """One row per variant and pressure, as in effects_table.json."""
+
+    rows: list[EffectRow]
+
+    @property
+    def failures(self) -> list[str]:
+        """A sentence for every reason why numbers are missing."""
+        sentences = (f"{variant_name(row)}: {row['reason']}" for row in self.rows if row["reason"])
+        return list(dict.fromkeys(sentences))
+
+
+def variant_name(row: EffectRow) -> str:
+    """self_contact off"""
+    return f"{row['effect']} {row['state']}".strip()
+
+
+def compare_effects(config: Config, out: Path, jobs: int, fresh: bool, progress: Progress) -> EffectsTable:
+    """Run II and III with each effect on and off; `out`/effects_table.json has one row per variant and pressure.
+
+    A variant that cannot be solved has its reason there. Raises InputError for a body that cannot be meshed or a folder
+    that cannot be used.
+    """
+    points = variants(Scene.meshed(config))
+    if reason := why_too_short(config):
+        progress.remark(f"{render(reason)}; curvature, force and end are compared without them")
+    if keys := _without_density(config):
+        example = f"give {' and '.join(keys)}, for example 1130 kg/m^3"
+        progress.remark(f"gravity is not varied: no density is given; {example}")
+
+    def rows(solved: Sequence[SolvedPoint]) -> list[EffectRow]:
+        ended = [(point.values["effect"], point.values["state"], _rows(config, point)) for point in solved]
+        return list(compared(ended))
+
+    def save(folder: ResultFolder, solved: Sequence[SolvedPoint], _: bool) -> None:
+        folder.save_json(TABLE, rows([point for point in solved if point.rows or point.reason]))
+
+    identity = {"name": f"effects of {config.name}", "config_hash": config.hash}
+    own = PointSet(out, identity, EFFECTS_RUN, points, (TABLE,), save)
+    course = Course(LocalWorkers.of(jobs, None), fresh, retry=False, say=progress.stage)
+    return EffectsTable(rows(solve_points([own], course)[0]))
+
+
+def _rows(config: Config, point: SolvedPoint) -> Sequence[EffectRow]:
+    """The rows of a variant; without numbers where it could not be solved."""
+    missing = {**dict.fromkeys((*NUMBERS, *COST)), "reason": point.reason}
+    return point.rows or [{"pressure_kPa": pressure, **missing} for pressure in config.pressures_kPa]
+
+
+def _without_density(config: Config) -> list[str]:
+    """The keys of the densities that gravity lacks."""
+    laws = {"material": config.material, **{f"materials.{name}": law for name, law in config.materials.items()}}
+    lacking = [f"{key}.density" for key, law in laws.items() if law.density_tonne_mm3 is None]
+    return lacking if config.mass_tonne is None else []
+
+
+def variants(scene: Scene) -> list[Point]:
+    """The configuration, and those that differ from it in one effect.
+
+    Pressure is not varied: without it the arm does not bend. Contact is left out where no faces can meet, the half body
+    where the body is whole, the layer where the mesh has no faces for it, gravity where a density is missing. Linear
+    elements cannot treat incompressibility and are replaced by quadratic ones.
+    """
+    config, body, effects = scene.config, scene.body, scene.config.effects
+    flipped: dict[str, State] = {
+        "incompressibility": "on" if ELEMENTS[config.mesh.formulation].fully_integrated else "off",
+    }
+    flipped |= {name: "off" if requested.on else "on" for name, requested in effects.requested.items()}
+    if effects.self_contact.faces or GAP in body.mesh.faces:
+        flipped["self_contact"] = "auto" if effects.self_contact.off else "off"
+    if body.half or effects.symmetry.off:
+        flipped["symmetry"] = "off" if body.half else "auto"
+    if not len(body.mesh.plane(1, body.curve_y)):
+        del flipped["strain_limiting_layer"]
+    if _without_density(config):
+        del flipped["gravity"]
+    points = [Point(1, {"effect": BASE, "state": ""}, config)]
+    for number, name in enumerate(sorted(flipped, key=EFFECTS.index), start=2):
+        state = flipped[name]
+        setting = {"effect": name, "state": "on" if state == "auto" else state}
+        points.append(Point(number, setting, config.with_effect(name, state)))
+    return points

@@ -1,0 +1,1 @@
+"""Runs at pairs of pressures, and the law over both."""

@@ -1,0 +1,89 @@
+"""The pairs of a run as a table, and as a page with the law over both pressures."""
+
+from collections.abc import Iterator
+from html import escape
+
+from pipeline.results.verdict import verdict_of
+from pipeline.store.result_folder import ResultFolder
+from pipeline.study.pairs.run import PairRuns
+from pipeline.study.pairs.spec import folder_of
+from pipeline.values.formats import ARM_LAW
+from pipeline.values.formatting import percent
+from pipeline.values.plots import Line, Panel, figure, ordered_colour, standalone_page
+from pipeline.values.run import Run
+from pipeline.values.table import Table
+from rod.arm_law.pairs import fractions_of
+from rod.same_pressure import is_same
+
+_HEADS = ("bends by (°)", "tip x, y (mm)", "force in III (N)", "rod: shape", "rod: force")
+
+
+def pairs_table(made: PairRuns) -> Table:
+    """One row per pair: the arm by finite elements, and how far the rod with its own law is from them."""
+    rows = []
+    for direction, pressures, results in _runs(made):
+        for larger in pressures:
+            pair = ", ".join(f"{fraction * larger:.4g}" for fraction in fractions_of(direction))
+            rows.append((pair, *_numbers(results, larger)))
+    heads = (f"{' and '.join(made.spec.cavities)} (kPa)", *_HEADS)
+    return Table(heads, tuple(rows), "rod: with the arm's own law, against finite elements of the whole arm")
+
+
+def _runs(made: PairRuns) -> Iterator[tuple[float, tuple[float, ...], Run]]:
+    for direction, pressures in made.spec.rays.items():
+        yield direction, pressures, made.runs[direction]
+
+
+def _numbers(results: Run, larger: float) -> tuple[str, ...]:
+    curve = results.curve("II", larger)
+    held = [s for s in results.states if s.experiment == "III" and s.reached and is_same(s.pressure_kPa, larger)]
+    rows = [e for e in results.errors_of(ARM_LAW) if is_same(e.pressure_kPa, larger)]
+    shape = max((e.distance_over_length for e in rows if e.distance_over_length is not None), default=None)
+    force = max((abs(e.force_error) for e in rows if e.force_error is not None), default=None)
+    return (
+        "not reached" if curve is None else f"{curve.bending_deg:.2f}",
+        "" if curve is None else f"{curve.tip_mm[0]:.2f}, {curve.tip_mm[1]:.2f}",
+        f"{held[0].reaction_N[1]:.4g}" if held else "not reached",
+        percent(shape),
+        percent(force),
+    )
+
+
+def save_page(made: PairRuns) -> None:
+    """Write pairs.html: the table, what each ratio has found, and moment over curvature at every pair."""
+    ResultFolder(made.directory).save_text("pairs.html", _page(made))
+
+
+def _page(made: PairRuns) -> str:
+    table = pairs_table(made)
+    rows = (_row("td", row) for row in table.rows)
+    found = (
+        f'<h2><a href="{folder_of(direction)}/report.html">{escape(folder_of(direction).replace("_", " "))}</a></h2>'
+        f"<p>{'<br>'.join(map(escape, verdict_of(results).lines))}</p>"
+        for direction, _, results in _runs(made)
+    )
+    words = f"<p>{'<br>'.join(map(escape, made.sentences))}</p>"
+    parts = [
+        f'<table style="border-spacing: 1.2rem .2rem">{_row("th", table.heads)}{"".join(rows)}</table>',
+        f"<p>{escape(table.caption)}</p>",
+        words,
+    ]
+    if made.law is not None:
+        parts.append(figure([Panel("Moment over curvature", "κ (1/mm)", "M (N mm)", tuple(_curves(made)))]))
+    return standalone_page(f"{made.spec.name}: pairs of pressures", *parts, *found)
+
+
+def _row(kind: str, texts: tuple[str, ...]) -> str:
+    return f"<tr>{''.join(f'<{kind}>{escape(text)}</{kind}>' for text in texts)}</tr>"
+
+
+def _curves(made: PairRuns) -> Iterator[Line]:
+    assert made.law is not None
+    pairs = [(d, larger) for d, pressures, _ in _runs(made) for larger in pressures]
+    for number, (direction, larger) in enumerate(pairs):
+        law = made.law.laws[made.law.directions.index(direction)]
+        if larger > law.pressures[-1]:
+            continue
+        section = law.at(larger).section
+        name = ", ".join(f"{fraction * larger:.4g}" for fraction in fractions_of(direction)) + " kPa"
+        yield Line(section.kappa, section.moment, name, ordered_colour(number, len(pairs)))

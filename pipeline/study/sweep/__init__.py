@@ -1,0 +1,1 @@
+"""Many designs, on workers of this machine or of a cluster."""

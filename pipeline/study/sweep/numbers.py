@@ -1,0 +1,113 @@
+"""The numbers of a point for the table of a sweep: one row per pressure, names with units."""
+
+from collections.abc import Iterable
+
+import numpy as np
+
+from pipeline.config.config import Config
+from pipeline.identify.compare import Comparison
+from pipeline.identify.mesh_error import RELATIVE
+from pipeline.identify.parameters import Parameters
+from pipeline.law.build import MeasuredLaw
+from pipeline.simulate.outcome import Outcomes, Record
+from pipeline.stages import SolvedRun
+from pipeline.study.sweep.record import Row
+from pipeline.values.run import bending_deg
+from rod import PARAMETER_COLUMNS
+from rod.arm_law.curves import CellCurve
+from rod.same_pressure import is_same
+
+#: further columns of a state, by their names in experiments.json
+_OF_STATE = ("cavity_volume_mm3", "stretch_of_curve", "min_J", "max_stretch", "min_gap_mm", "stress_error")
+
+
+def rows_of_run(solved: SolvedRun) -> list[Row]:
+    """Experiments, five parameters with the error of the mesh, how far the rods are from the finite elements, the cell
+    without moment, and the notes on the design and its results, which are the same at every pressure."""
+    outcomes, pitch = solved.outcomes, solved.config.design.pitch
+    pressures = sorted({record.pressure_kPa for record in outcomes.records} | set(solved.config.pressures_kPa))
+    rows = {pressure: {**_arm(solved.config), "pressure_kPa": pressure} for pressure in pressures}
+    for pressure, row in rows.items():
+        row |= _states(outcomes, pressure, pitch)
+        for parameters in solved.parameters:
+            if is_same(parameters.pressure_kPa, pressure):
+                row |= _five(parameters)
+        row |= _errors(c for c in solved.comparisons if c.in_sample and is_same(c.record.pressure_kPa, pressure))
+        row["notes"] = " ".join(remark.text for remark in solved.results.remarks)
+    of_cell = rows_of_law(solved.config, solved.arm.measured)
+    for pressure, row in zip(solved.config.pressures_kPa, of_cell, strict=True):
+        rows[pressure] |= row
+    return list(rows.values())
+
+
+def rows_of_experiments(config: Config, outcomes: Outcomes, remark: str) -> list[Row]:
+    """The states of some of the experiments, with a remark on all of them in `notes` if it is not empty."""
+    notes: Row = {"notes": remark} if remark else {}
+    return [
+        {**_arm(config), "pressure_kPa": pressure, **_states(outcomes, pressure, config.design.pitch), **notes}
+        for pressure in config.pressures_kPa
+    ]
+
+
+def rows_of_law(config: Config, measured: MeasuredLaw | None) -> list[Row]:
+    """The cell without moment at the pressures of the configuration; no numbers where there is no law."""
+    cells = {} if measured is None else {cell.pressure: cell for cell in measured.law.cells}
+    return [
+        {**_arm(config), "pressure_kPa": pressure, **(_cell(cells[pressure]) if pressure in cells else {})}
+        for pressure in config.pressures_kPa
+    ]
+
+
+def _arm(config: Config) -> Row:
+    mass = config.mass_tonne
+    return {"length_mm": config.design.length, "mass_g": None if mass is None else 1e6 * mass}
+
+
+def _states(outcomes: Outcomes, pressure: float, pitch: float) -> Row:
+    reached = {outcome.name: record for outcome in outcomes if (record := outcome.at(pressure))}
+    states = {name: _state(record, pitch) for name, record in reached.items()}
+    return {f"{name}_{column}": value for name, state in states.items() for column, value in state.items()}
+
+
+def _state(record: Record, pitch: float) -> Row:
+    curve = record.centreline
+    row: Row = {
+        "bending_deg": bending_deg((float(curve.x[-1] - curve.x[0]), float(curve.y[-1] - curve.y[0]))),
+        "end_x_mm": record.state.end_x_mm,
+        "end_y_mm": record.state.end_y_mm,
+        "end_angle_rad": curve.end_angle,
+        "kappa_middle_per_mm": record.kappa_middle(pitch),
+    }
+    if record.experiment == "III":
+        row |= dict(zip(("force_x_N", "force_y_N"), record.state.reaction_N, strict=True))
+    return row | {name: getattr(record.state, name) for name in _OF_STATE}
+
+
+def _five(parameters: Parameters) -> Row:
+    row: Row = {"kappa_0_middle_per_mm": parameters.kappa_0_middle}
+    for name, column in PARAMETER_COLUMNS.items():
+        number = parameters.numbers[name]
+        row |= {column: number.value, f"{column}_std": number.std}
+    errors: Row = {f"{name}_mesh_error": parameters.mesh_errors.get(name) for name in RELATIVE}
+    return {**row, "two_lines": bool(parameters.two_lines), **errors}
+
+
+def _errors(comparisons: Iterable[Comparison]) -> Row:
+    """Largest distance of each rod over the length and the error of its end force, by experiment and rod."""
+    errors = [error for comparison in comparisons for error in comparison.errors if not error.reason]
+    row: Row = {}
+    for error in errors:
+        name = f"{error.experiment}_{error.rod}"
+        row[f"{name}_distance_over_length"] = error.distance_over_length
+        if error.force_error is not None:
+            row[f"{name}_force_error"] = error.force_error
+    return row
+
+
+def _cell(cell: CellCurve) -> Row:
+    kappa, stretch, _ = cell.at(0.0)
+    row: Row = {"cell_kappa_0_per_mm": kappa, "cell_stretch": stretch}
+    for name in ("rigidity", "axial_rigidity", "shear_rigidity"):
+        unit = "N_mm2" if name == "rigidity" else "N"
+        row[f"cell_{name}_{unit}"] = float(np.interp(0.0, cell.moment, getattr(cell, name)))
+    return row

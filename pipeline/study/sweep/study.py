@@ -1,0 +1,230 @@
+"""A sweep from its file to its table: what is kept, what is left to do, and the workers that do it."""
+
+import json
+import shutil
+import time
+from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import ExitStack, suppress
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+
+from pipeline.store.atomic_file import remove_parts
+from pipeline.store.provenance import provenance
+from pipeline.store.result_folder import ResultFolder, open_folder
+from pipeline.store.state_key import ALL_SOURCES, result_key
+from pipeline.store.store import locked
+from pipeline.study.sweep.points import Point, RefusedPoint, points_of
+from pipeline.study.sweep.record import FILE, FINISHED, REFUSED, WAITING, PointRecord, PointTask, kept_record
+from pipeline.study.sweep.spec import Run, Sweep
+from pipeline.study.sweep.table import Column, SolvedPoint, save_table, sweep_page, table_rows
+from pipeline.study.sweep.workers import Workers, connected
+from pipeline.values.errors import InputError, RunFailed
+from pipeline.values.formatting import duration
+from pipeline.values.json_values import JsonObject
+
+#: the folder of the points, and the file that says what the folder is
+POINTS, RECORD = "points", "sweep.json"
+TABLE, PAGE = ("sweep.csv", "sweep.parquet"), "sweep.html"
+#: while points are solved the table is written again after so many seconds at least, and so many times as long as
+#: writing it takes
+PAUSE, PAUSE_OVER_WRITING = 2.0, 20.0
+
+
+@dataclass(frozen=True)
+class Course:
+    """How a sweep is carried out; it decides no result."""
+
+    workers: Workers
+    fresh: bool  #: whether earlier results are deleted
+    retry: bool  #: whether points that were not reached are tried again
+    say: Callable[[str], None]  #: receives sentences about the progress
+
+
+@dataclass(frozen=True)
+class PointSet:
+    """Points to be solved in one folder, and how their table is written."""
+
+    out: Path
+    identity: JsonObject  #: what the results in the folder belong to, the points apart; `name` is one of the keys
+    run: Run
+    points: Sequence[Point | RefusedPoint]
+    files: tuple[str, ...]  #: that `save` writes
+    #: writes what is known; the last argument says whether every point has ended
+    save: Callable[[ResultFolder, Sequence[SolvedPoint], bool], None]
+
+
+@dataclass(frozen=True)
+class SweepReport:
+    """The points of a sweep as far as they went; the same stands in the files of `directory`."""
+
+    directory: Path
+    points: tuple[SolvedPoint, ...]
+
+    def sentence(self) -> str:
+        """How many points ended in each way."""
+        statuses = Counter(point.status for point in self.points)
+        return ", ".join(f"{number} {status}" for status, number in statuses.items())
+
+    def raise_if_failed(self) -> None:
+        """Raise RunFailed with the reason of the first point that was not finished, if there is one."""
+        others = [point for point in self.points if point.status != FINISHED]
+        if others:
+            first = others[0]
+            missing = f"{len(others)} of {len(self.points)} points did not finish, as {self.directory / TABLE[0]} says"
+            raise RunFailed(f"{missing}; the first is point {first.number}: {first.reason}", directory=self.directory)
+
+
+def run_sweeps(requests: Sequence[tuple[Sweep, Path]], course: Course) -> list[SweepReport]:
+    """Solve the points of sweeps that their folders do not hold yet, all with the same workers, in the given order.
+
+    requests: sweeps and the folders of their results. The table of a sweep is written while its points are solved, and
+    its page when the last one has ended. A point that fails is a row with its reason. Raises InputError for a sweep
+    that is refused, two sweeps with one folder, a scheduler that cannot be reached and a folder that cannot be used,
+    OSError where a file cannot be written, and RunFailed where the scheduler ends; finished points are kept then.
+    """
+    folders = [out.resolve() for _, out in requests]
+    if twice := [str(out) for (_, out), path in zip(requests, folders, strict=True) if folders.count(path) > 1]:
+        raise InputError(f"{twice[0]}: two sweeps would write into this folder; give them different names")
+    sets = [
+        PointSet(out, sweep.identity, sweep.run, points_of(sweep), (*TABLE, PAGE), partial(_save_sweep, sweep))
+        for sweep, out in requests
+    ]
+    solved = solve_points(sets, course)
+    return [SweepReport(out, points) for (_, out), points in zip(requests, solved, strict=True)]
+
+
+def _save_sweep(sweep: Sweep, folder: ResultFolder, points: Sequence[SolvedPoint], is_complete: bool) -> None:
+    columns = [Column.of(key, [point.values for point in points]) for key in sweep.keys]
+    rows = table_rows(columns, points)
+    save_table(folder, rows)
+    if is_complete:
+        folder.save_text(PAGE, sweep_page(sweep.name, sweep.run, sweep.axes, columns, rows))
+
+
+def solve_points(sets: Sequence[PointSet], course: Course) -> list[tuple[SolvedPoint, ...]]:
+    """Solve the points that the folders do not hold yet; of each set the points as far as they went. Raises as
+    `run_sweeps`."""
+    own = [_SetInProgress(points) for points in sets]
+    with ExitStack() as locks:
+        for each in own:
+            locks.enter_context(locked(each.folder.directory))
+            each.begin(course)
+        _solve(own, course)
+    return [each.solved for each in own]
+
+
+class _SetInProgress:
+    """One set of points on its way: its tasks, and the records that are known."""
+
+    def __init__(self, points: PointSet) -> None:
+        self.set = points
+        self.folder = open_folder(points.out)
+        sources_key, home = result_key("", ALL_SOURCES), self.folder.directory.resolve() / POINTS
+        accepted = {point.name: point for point in points.points if isinstance(point, Point)}  # equal ones share a task
+        self.tasks = {
+            name: PointTask(home / name, point.config, points.run, point.work_key(sources_key, points.run), sources_key)
+            for name, point in accepted.items()
+        }
+        self.records: dict[str, PointRecord] = {}
+        self._next_save = 0.0  #: when the table may be written again, s
+
+    def begin(self, course: Course) -> None:
+        """Clear what is left of interrupted writing, and read the records that are kept.
+
+        The files of an earlier call are removed. Raises InputError where the folder holds another sweep.
+        """
+        directory = self.folder.directory
+        of_points = (directory / POINTS).rglob("*")  # other folders below may belong to a run at work
+        remove_parts([directory, *filter(Path.is_dir, of_points)])
+        if course.fresh and (directory / RECORD).is_file():
+            (directory / RECORD).unlink()
+            shutil.rmtree(directory / POINTS, ignore_errors=True)
+        self._refuse_other()
+        for name in self.set.files:
+            (directory / name).unlink(missing_ok=True)
+        self.folder.save_json(RECORD, self.set.identity)
+        for name, task in self.tasks.items():
+            kept = kept_record(ResultFolder(task.folder), task.key)
+            if kept is not None and (kept.status == FINISHED or not course.retry):
+                self.records[name] = kept
+            elif course.retry:
+                (task.folder / FILE).unlink(missing_ok=True)
+
+    def _refuse_other(self) -> None:
+        """Raise InputError where the folder holds a sweep that differs in more than its axes."""
+        try:
+            record = self.folder.read_json(RECORD)
+        except ValueError:  # it was not written to its end
+            return
+        own = json.loads(json.dumps(self.set.identity))
+        kept = record if isinstance(record, Mapping) else {}
+        unlike = [key.removesuffix("_hash") for key in own if key != "base" and key in kept and kept[key] != own[key]]
+        if not unlike:
+            return
+        name = f"the sweep '{kept.get('name')}'"
+        other = f", not of '{own['name']}'" if "name" in unlike else f" with another {' and '.join(unlike)}"
+        held = f"--out {self.folder.directory}: holds the results of {name}{other}"
+        raise InputError(f"{held}; give another --out, or --fresh to replace them")
+
+    @property
+    def missing(self) -> list[PointTask]:
+        """The tasks without a record."""
+        return [task for name, task in self.tasks.items() if name not in self.records]
+
+    @property
+    def solved(self) -> tuple[SolvedPoint, ...]:
+        """All points; those without a record are waiting."""
+        return tuple(map(self._solved, self.set.points))
+
+    def _solved(self, point: Point | RefusedPoint) -> SolvedPoint:
+        if isinstance(point, RefusedPoint):
+            return SolvedPoint.of(point.number, "", point.setting, PointRecord(REFUSED, point.reason))
+        record = self.records.get(point.name, PointRecord(WAITING, ""))
+        return SolvedPoint.of(point.number, f"{POINTS}/{point.name}", point.setting, record)
+
+    def save(self, *, now: bool = False) -> None:
+        """Write what is known, unless it was written a moment ago and points are missing. Raises OSError."""
+        begin = time.monotonic()
+        if not now and self.missing and begin < self._next_save:
+            return
+        solved = self.solved
+        self.set.save(self.folder, solved, not self.missing)
+        self.folder.save_json(RECORD, {**self.set.identity, **provenance(), "points": [p.summary() for p in solved]})
+        end = time.monotonic()
+        self._next_save = end + max(PAUSE, PAUSE_OVER_WRITING * (end - begin))
+
+
+def _solve(sets: Sequence[_SetInProgress], course: Course) -> None:
+    """Complete the records of all sets, and write what belongs to a set as soon as its records are complete."""
+    missing = [task for own in sets for task in own.missing]
+    points = [point for own in sets for point in own.solved]
+    refused = sum(point.status == REFUSED for point in points)
+    left = sum(point.status == WAITING for point in points)
+    kept = len(points) - refused - left
+    course.say(f"{len(points)} points: {refused} refused, {kept} kept from earlier, {left} to be solved")
+    for own in sets:
+        own.save(now=True)
+    if not missing:
+        return
+    owners = {task.folder: own for own in sets for task in own.missing}
+    try:
+        with connected(course.workers) as workers:
+            course.say(workers.sentence)
+            begin = time.monotonic()
+            for ended, (task, record) in enumerate(workers.records(missing), start=1):
+                own = owners[task.folder]
+                own.records[task.folder.name] = record
+                remaining = (time.monotonic() - begin) / ended * (len(missing) - ended)
+                reason = f": {record.reason}" if record.reason else ""
+                after = f"; about {duration(remaining)} left" if remaining else ""
+                sentence = f"{task.folder.name} {record.status} after {duration(record.seconds)}{reason}{after}"
+                course.say(f"{ended} of {len(missing)}: {sentence}")
+                own.save()
+    except BaseException:
+        for own in sets:
+            if own.missing:
+                with suppress(OSError):  # it may be the reason
+                    own.save(now=True)
+        raise

@@ -1,0 +1,172 @@
+"""The table of a sweep: a row per point and pressure, units in the names of the columns; and the table as a figure.
+
+The only door to pyarrow.
+"""
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import pyarrow
+import pyarrow.parquet
+
+from pipeline.config.units import in_unit_of, number_and_unit
+from pipeline.store.atomic_file import replacing
+from pipeline.store.result_folder import ResultFolder
+from pipeline.study.sweep.axes import Axis, Setting, switch_as_word
+from pipeline.study.sweep.record import PointRecord, Row
+from pipeline.study.sweep.spec import CELL, WHOLE, Run
+from pipeline.values.errors import shortened
+from pipeline.values.plots import Line, Panel, figure, ordered_colour, standalone_page
+
+#: at most so many keys have panels
+MOST_COLUMNS = 6
+#: columns of the table that are drawn with their titles, by what was run
+_OF_RUN = {
+    "II_bending_deg": "bending angle (°)", "kappa_0_middle_per_mm": "κ₀(l/2) (1/mm)",
+    "alpha2_N_mm2": "α₂ (N mm²)", "III_force_y_N": "F in III (N)",
+}  # fmt: skip
+_OF_CELL = {
+    "cell_kappa_0_per_mm": "κ₀ of a cell (1/mm)",
+    "cell_rigidity_N_mm2": "dM/dκ (N mm²)",
+    "cell_axial_rigidity_N": "EA (N)",
+}
+
+
+@dataclass(frozen=True)
+class SolvedPoint:
+    """A point with what is known of it, as in sweep.json; its last fields are those of `PointRecord`."""
+
+    number: int
+    folder: str  #: relative to that of the sweep; empty for a refused point
+    values: Setting
+    status: str
+    reason: str
+    rows: tuple[Row, ...]
+    seconds: float
+
+    @staticmethod
+    def of(number: int, folder: str, values: Setting, record: PointRecord) -> "SolvedPoint":
+        """A point and how the work on it ended."""
+        return SolvedPoint(number, folder, values, **vars(record))
+
+    def summary(self) -> Row:
+        """All but its rows, for sweep.json."""
+        return {name: value for name, value in vars(self).items() if name != "rows"}
+
+
+@dataclass(frozen=True)
+class Column:
+    """The values of a key of the axes, as numbers in one unit where they are."""
+
+    key: str
+    unit: str  #: that of its first value; empty without one
+
+    @staticmethod
+    def of(key: str, settings: Sequence[Setting]) -> "Column":
+        """The column of a key over all points."""
+        measured = number_and_unit(settings[0][key])
+        unit = measured[1] if measured else ""
+        try:
+            for setting in settings if unit else ():
+                in_unit_of(setting[key], unit)
+        except ValueError:
+            unit = ""
+        return Column(key, unit)
+
+    @property
+    def name(self) -> str:
+        """The key with the unit."""
+        return f"{self.key}_{self.unit}" if self.unit else self.key
+
+    def cell(self, setting: Setting) -> float | int | str:
+        """The value at one point."""
+        value = switch_as_word(setting[self.key])
+        if self.unit:
+            return in_unit_of(value, self.unit)
+        return value if isinstance(value, int | float | str) else json.dumps(value)
+
+
+def table_rows(columns: Sequence[Column], points: Sequence[SolvedPoint]) -> list[Row]:
+    """One row per point and pressure, and one for a point without numbers; all have the same columns."""
+    rows: list[Row] = []
+    for point in points:
+        axes: Row = {column.name: column.cell(point.values) for column in columns}
+        ended: Row = {"status": point.status, "reason": point.reason}
+        head: Row = {"point": point.number, **axes, "pressure_kPa": None, **ended, "folder": point.folder}
+        rows += [{**head, **numbers} for numbers in point.rows or ({},)]
+    names = list(dict.fromkeys(name for row in rows for name in row))
+    return [{name: row.get(name) for name in names} for row in rows]
+
+
+def save_table(folder: ResultFolder, rows: Sequence[Row]) -> None:
+    """Write sweep.csv and sweep.parquet; a number that does not exist is an empty cell."""
+    names = list(rows[0])
+    folder.save_rows("sweep.csv", names, [list(row.values()) for row in rows])
+    table = pyarrow.table({name: _array([row[name] for row in rows]) for name in names})
+    with replacing(folder.path("sweep.parquet")) as part:
+        pyarrow.parquet.write_table(table, part)
+
+
+def _array(values: Sequence[Any]) -> Any:
+    """A column; plain numbers beside texts become texts, and one without any value a column of numbers."""
+    there = [value for value in values if value is not None]
+    if not there:
+        return pyarrow.array(values, pyarrow.float64())
+    if any(isinstance(value, str) for value in there):
+        return pyarrow.array([None if value is None else str(value) for value in values])
+    return pyarrow.array(values)
+
+
+def quantities(run: Run) -> Mapping[str, str]:
+    """The columns that are drawn of what was run, with their titles."""
+    if run in ((WHOLE,), (CELL,)):
+        return _OF_RUN if run == (WHOLE,) else _OF_CELL
+    bent = {f"{name}_bending_deg": f"bending angle in {name} (°)" for name in run}
+    ends = {f"{name}_end_y_mm": f"y of the end in {name} (mm)" for name in run}
+    curvatures = {f"{name}_kappa_middle_per_mm": f"κ(l/2) in {name} (1/mm)" for name in run}
+    return {**bent, **ends, **curvatures, **({"III_force_y_N": "F in III (N)"} if "III" in run else {})}
+
+
+def sweep_page(title: str, run: Run, axes: Sequence[Axis], columns: Sequence[Column], rows: Sequence[Row]) -> str:
+    """The figure alone on a page; points that differ in one axis alone are joined, unless they are drawn at random."""
+    panels = []
+    for quantity, y in quantities(run).items():
+        for column in columns[:MOST_COLUMNS]:
+            axis = next(axis for axis in axes if column.key in axis.keys)
+            fixed = [other.name for other in columns if other.key not in axis.keys]
+            lines = _lines(rows, quantity, column.name, fixed, is_joined=not axis.is_drawn)
+            x = f"{column.key} ({column.unit})" if column.unit else column.key
+            if lines:
+                panels.append(Panel("", x, y, lines))
+    return standalone_page(title, figure(panels))
+
+
+def _lines(rows: Sequence[Row], y: str, x: str, fixed: Sequence[str], *, is_joined: bool) -> tuple[Line, ...]:
+    pressures = sorted({float(str(row["pressure_kPa"])) for row in rows if row["pressure_kPa"] is not None})
+    groups: dict[tuple[Any, ...], list[tuple[Any, Any]]] = {}
+    for row in rows:
+        if row.get(y) is not None:
+            groups.setdefault((row["pressure_kPa"], *(row[name] for name in fixed)), []).append((row[x], row[y]))
+    lines = []
+    for (pressure, *_), points in groups.items():
+        if any(isinstance(value, str) for value, _ in points):
+            points = [(_word(value), number) for value, number in points]
+        else:
+            points.sort()
+        colour = ordered_colour(pressures.index(pressure), len(pressures))
+        dash = "solid" if is_joined and len(points) > 1 else ""
+        abscissae, values = zip(*points, strict=True)
+        lines.append(Line(abscissae, values, f"{pressure:g} kPa", colour, dash, "circle", marker_size=5.0))
+    return tuple(lines)
+
+
+def _word(value: Any) -> str:
+    """A short word for a value: the law of a material that is a section, else its beginning."""
+    try:
+        section = json.loads(value)
+    except (TypeError, ValueError):
+        section = None
+    named = [section[key] for key in ("name", "law") if key in section] if isinstance(section, dict) else []
+    return str(named[0]) if named else shortened(str(value))

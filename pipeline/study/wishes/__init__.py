@@ -1,0 +1,1 @@
+"""Dimensions for wishes on an arm."""

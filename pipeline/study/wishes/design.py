@@ -1,0 +1,111 @@
+"""The command for a wish: search, files, and a run of the design that was found."""
+
+import shutil
+from dataclasses import dataclass
+from pathlib import Path
+
+from pipeline.results.saved_law import SavedLaw
+from pipeline.run import run
+from pipeline.simulate.simulate import begin_loading
+from pipeline.store.context import run_context
+from pipeline.store.processes import available_cores
+from pipeline.store.progress import Progress
+from pipeline.store.provenance import provenance
+from pipeline.store.result_folder import ON_COMMAND_LINE, FolderWords
+from pipeline.store.store import Store, check_owner, clear, open_store
+from pipeline.study.wishes.feasible import check_feasible
+from pipeline.study.wishes.measured import POINTS, NotBorne, store_of
+from pipeline.study.wishes.numbers import numbers_of
+from pipeline.study.wishes.report import DesignReport, design_page, history_rows, report_of
+from pipeline.study.wishes.search import Found, Search
+from pipeline.study.wishes.wish_file import WishFile
+from pipeline.values.errors import InputError, RunFailed
+from rod import RodError
+
+#: the files of a design, and the folder of its run
+FILES = ("design.yaml", "design.json", "history.csv", "design.html")
+RUN = "run"
+#: the folder of the curves of a law
+LAW = "law"
+
+
+@dataclass(frozen=True)
+class Course:
+    """How a design is looked for; it decides no result."""
+
+    jobs: int
+    fresh: bool
+    with_run: bool  #: whether the design that was found is run in full
+    words: FolderWords = ON_COMMAND_LINE
+
+    @staticmethod
+    def of(jobs: int | None, fresh: bool, with_run: bool, words: FolderWords = ON_COMMAND_LINE) -> "Course":
+        """With as many processes as cores, at most 3, unless a number is given."""
+        return Course(jobs or min(3, available_cores()), fresh, with_run, words)
+
+
+def find_design(file: WishFile, out: Path, course: Course, progress: Progress) -> DesignReport:
+    """From a wish to `out`/design.yaml; designs that `out` already holds are not measured again.
+
+    Raises InputError for limits that no design keeps and a folder that cannot be used, and RunFailed where no design
+    has a law. Where wishes are missed the report says so (`raise_if_missed`).
+    """
+    check_feasible(file)
+    with open_store(out, file, fresh=course.fresh, words=course.words) as store:
+        if course.fresh:
+            for name in (POINTS, RUN):
+                shutil.rmtree(out / name, ignore_errors=True)
+        with run_context(store, course.jobs, progress) as context:
+            for pending in begin_loading(context, file.start):
+                pending.result()
+            try:
+                found = Search(file, context).run()
+            except NotBorne as failure:
+                raise RunFailed(f"no design was found: {failure}; designs that were tried are kept in {out}") from None
+        report = report_of(file, found, out)
+        _save(store, file, found, report)
+        if course.with_run:
+            report = _run(file, found, store, course, progress)
+            _save(store, file, found, report)
+    return report
+
+
+def raise_if_missed(report: DesignReport) -> None:
+    """Raise RunFailed where a wish is missed, or a limit."""
+    if report.given_up:
+        count = len(report.wishes) + len(report.limits)
+        missed = f"{report.source}: {len(report.given_up)} of {count} wishes and limits are missed"
+        nearest = f"{report.directory / FILES[0]} is the nearest design"
+        raise RunFailed(f"{missed}: {'; '.join(report.given_up)}; {nearest}", directory=report.directory)
+
+
+def _save(store: Store, file: WishFile, found: Found, report: DesignReport) -> None:
+    verdict = "meets every wish" if not report.given_up else f"misses: {'; '.join(report.given_up)}"
+    head = f"# Found by `pneurod design {file.source}`; it {verdict}.\n"
+    store.save_text(FILES[0], head + file.document(found.trial.point).text)
+    store.save_json(FILES[1], {**report.record(), **provenance()})
+    columns, rows = history_rows(file.wishes, report.history)
+    store.save_rows(FILES[2], columns, rows)
+    store.save_text(FILES[3], design_page(file.wishes, report))
+
+
+def _run(file: WishFile, found: Found, store: Store, course: Course, progress: Progress) -> DesignReport:
+    """The report with the numbers of a run of the design, whose law is partly there already.
+
+    A run that misses something says so in its own results.
+    """
+    config = file.config(found.trial.point)
+    known, folder = store_of(store, config).directory / LAW, store.directory / RUN
+    try:
+        check_owner(folder, config, "")
+    except InputError:  # of another design of this wish
+        clear(folder)
+    if known.is_dir():
+        shutil.copytree(known, folder / LAW, dirs_exist_ok=True)
+    run(config, folder, course.jobs, False, progress, course.words)
+    try:
+        law = SavedLaw.read(folder / "law.json").law
+        values = numbers_of(law, file.wishes, file.wishes.values(found.trial.point))
+    except (InputError, RodError):
+        return report_of(file, found, store.directory, folder)
+    return report_of(file, found, store.directory, folder, values)

@@ -1,0 +1,221 @@
+"""The wanted numbers of a design: on a mesh that moves with it, and as the law has them that a run delivers."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from hashlib import sha256
+from typing import Any
+
+import numpy as np
+
+from fem.cell.piece import PieceFailed
+from geometry import DesignError
+from geometry.arrays import Array
+from pipeline.config.config import Config
+from pipeline.law.corrected import corrected
+from pipeline.law.limit import correction_of, fine_pieces
+from pipeline.law.piece.measure import cell_without_moment
+from pipeline.law.piece.point import Measured
+from pipeline.law.piece.rates import law_rates
+from pipeline.law.pieces import ArmPieces, NoArmLaw
+from pipeline.law.tasks import CLAMP, TIP, ArmTasks, EndCurves, PieceCurves
+from pipeline.simulate.scene import Scene
+from pipeline.store.context import RunContext
+from pipeline.store.kept import kept
+from pipeline.store.parallel import Pending
+from pipeline.store.state_key import NUMBER_SOURCES, STATE_SOURCES, result_key
+from pipeline.store.store import Store
+from pipeline.study.wishes.numbers import numbers_of, rates_of, with_pressures
+from pipeline.study.wishes.wish import WALL
+from pipeline.study.wishes.wish_file import WishFile, rounded
+from pipeline.values.errors import InputError, RunFailed, WorkerLost
+from pipeline.values.pressure import in_MPa, name_of_state
+from pipeline.values.reasons import render
+from rod import RodError
+from rod.arm_law.curves import CellCurve, ClampCurve, TipCurve
+from rod.arm_law.law import ArmLaw
+
+#: by how much a cell is bent for its law under no load or a small one, over 1/length of the arm
+NEAR = 0.4
+#: half cells of the ends
+HALF_CELLS = 1
+#: relative change of a dimension beyond which the cell is meshed anew
+FARTHEST = 0.25
+#: change of what is free, over it, in difference quotients of a sensitivity
+CHANGE = 0.02
+#: the folder of the designs that were tried
+POINTS = "points"
+
+
+class NotBorne(Exception):
+    """A design has no numbers; one sentence tells why."""
+
+
+@dataclass(frozen=True, eq=False)  # arrays inside
+class Numbers:
+    """The wanted numbers of a design, and what else depends on its law."""
+
+    values: Array  #: (m,) of all wishes, one after the other
+    rates: Array  #: (m, n) by the logarithms of what is free
+    stretch: float  #: largest one of a cell without moment at the highest pressure; NaN: not asked for
+    stretch_rates: Array  #: (n,) by the logarithms
+    #: relative change of kappa_0 at the highest pressure by the wall, over that of the wall; NaN: not asked for
+    sensitivity: float
+    sensitivity_rates: Array  #: (n,) by the logarithms
+
+
+@contextmanager
+def borne() -> Iterator[None]:
+    """Any reason why a design has no numbers becomes a `NotBorne`."""
+    try:
+        yield
+    except WorkerLost:
+        raise
+    except (PieceFailed, RodError, InputError, RunFailed, NoArmLaw, DesignError) as failure:
+        raise NotBorne(str(failure).rstrip(".")) from None
+
+
+@dataclass(frozen=True, eq=False)
+class MovedMesh:
+    """Measures designs near one that is meshed, whose mesh is moved."""
+
+    file: WishFile
+    meshed: ArmPieces
+    context: RunContext
+    is_fine: bool  #: whether on the mesh on which the delivered law is measured, or on that of the configuration
+
+    @staticmethod
+    def of(file: WishFile, point: Array, context: RunContext, *, is_fine: bool) -> "MovedMesh":
+        """Mesh the design of a point. Raises `NotBorne`."""
+        with borne():
+            pieces = ArmPieces.of(Scene.meshed(file.config(point)))
+            return MovedMesh(file, fine_pieces(pieces) if is_fine else pieces, context, is_fine)
+
+    def reaches(self, point: Array) -> bool:
+        """Whether no dimension of a point (n,) differs from the meshed one by more than FARTHEST. Raises `NotBorne`."""
+        with borne():
+            known, new = self.meshed.design.dimensions, self.file.config(point).design.dimensions
+        return all(abs(value / known[name] - 1.0) <= FARTHEST for name, value in new.items())
+
+    def numbers(self, point: Array) -> Numbers:
+        """Of the design of a point (n,). Raises `NotBorne`."""
+        found = self._numbers(point)
+        if self.file.wishes.minimize != "sensitivity":
+            return found
+        ahead = [self._numbers(rounded(point * (1.0 + CHANGE * row))).sensitivity for row in np.eye(len(point))]
+        return replace(found, sensitivity_rates=(np.array(ahead) - found.sensitivity) / CHANGE)
+
+    def _numbers(self, point: Array) -> Numbers:
+        wishes, values = self.file.wishes, self.file.wishes.values(point)
+        with borne():
+            config = replace(self.file.config(point), mesh=self.meshed.config.mesh)
+            of_wall = (WALL,) * (wishes.minimize == "sensitivity")
+            by = tuple(dict.fromkeys((*wishes.dimensions, *of_wall))) or ("",)
+            pieces = ArmPieces(config, self.meshed.dhat, self.meshed.outer, True, by, self.meshed.config)
+            context = replace(self.context, store=store_of(self.context.store, config, self.meshed.config, by))
+            law = with_pressures(_NearLaw.begin(self.file, pieces, point, context, ("force",)).law(), values)
+            stretch, by_stretch = np.nan, np.zeros(len(point))
+            if wishes.limits.largest_stretch is not None:
+                stretch = ArmTasks(pieces, context).submit(largest_stretch, law.pressures[-1]).result()
+                by_stretch = np.array([float(law.rates[key].cells[-1].largest_stretch) for key in values]) * point
+            rates, by_wall = rates_of(law, wishes, values) * point, _by_wall(law) if of_wall else np.nan
+            return Numbers(numbers_of(law, wishes, values), rates, stretch, by_stretch, by_wall, np.zeros(len(point)))
+
+
+def delivered(file: WishFile, point: Array, context: RunContext) -> tuple[Array, float]:
+    """All wanted numbers (m,) of the law that a run delivers for a design, and the largest stretch, if it is limited.
+
+    Raises `NotBorne`. The law of a run is measured over more moments and pressures; states at the pressures of the
+    wishes are the same.
+    """
+    with borne():
+        config = file.config(point)
+        of_run, own = (replace(context, store=store_of(context.store, config, mesh)) for mesh in (None, config))
+        pieces = ArmPieces.of(Scene.meshed(config))
+        fine = pieces if config.accuracy is None else fine_pieces(pieces)
+        begun = _NearLaw.begin(file, fine, point, own, ("force", "stiffness"))
+        if config.accuracy is None:
+            law = begun.law()
+        else:
+            law = corrected(begun.law(), correction_of(pieces, [cell.curve for cell in begun.cells], of_run))
+        stretch = np.nan
+        if file.wishes.limits.largest_stretch is not None:
+            stretch = ArmTasks(fine, own).submit(largest_stretch, law.pressures[-1]).result()
+        return numbers_of(law, file.wishes, file.wishes.values(point)), stretch
+
+
+@dataclass(frozen=True, eq=False)
+class _NearLaw:
+    """A law for the states that wishes need: cells near no moment at their pressures, and the ends beside them."""
+
+    pieces: ArmPieces
+    cells: list[Measured[CellCurve]]
+    clamps: list[Pending[EndCurves[ClampCurve]]]  #: which are being measured, as the tips
+    tips: list[Pending[EndCurves[TipCurve]]]
+
+    @staticmethod
+    def begin(
+        file: WishFile, pieces: ArmPieces, point: Array, context: RunContext, loaded: tuple[str, ...]
+    ) -> "_NearLaw":
+        """loaded: quantities at whose pressures the whole curve of the cell is needed.
+
+        Raises `PieceFailed` and `RodError` where a cell does not bear a pressure.
+        """
+        wishes, tasks = file.wishes, ArmTasks(pieces, context)
+        values, pressures = wishes.values(point), wishes.pressures_kPa(point)
+        whole = {wish.pressure(values) for wish in wishes.wishes if wish.quantity in loaded}
+        begun = [tasks.submit(_cell, pressure, pressure in whole) for pressure in pressures]
+        if wishes.limits.bears is not None:
+            tasks.submit(PieceCurves.bend, wishes.limits.bears * pressures[-1]).result()
+        cells = [one.result() for one in begun]
+        clamps = [tasks.submit(PieceCurves.ends, CLAMP, [cell.curve], HALF_CELLS) for cell in cells]
+        tips = [tasks.submit(PieceCurves.ends, TIP, [cell.curve], HALF_CELLS) for cell in cells]
+        return _NearLaw(pieces, cells, clamps, tips)
+
+    def law(self) -> ArmLaw:
+        """With derivatives where the pieces have some. Raises RunFailed where an end does not bear a pressure."""
+        pieces, clamps = self.pieces, [_measured(end) for end in self.clamps]
+        tips = [_measured(end).curve for end in self.tips]
+        law = pieces.law([cell.curve for cell in self.cells], [clamp.curve for clamp in clamps], tips)
+        if pieces.derivatives:
+            rates = law_rates(pieces.config, pieces.repetition, pieces.movements, self.cells, clamps)
+            law = replace(law, rates=rates)
+        return law
+
+
+def _cell(curves: PieceCurves, pressure: float, is_whole: bool) -> Measured[CellCurve]:
+    """A cell for the loads of the wishes; a task."""
+    if is_whole:
+        return curves.cell(pressure, curves.bend(pressure).curve)
+    return curves.near(pressure, NEAR / curves.pieces.design.length)
+
+
+def _measured(pending: Pending[EndCurves[Any]]) -> Measured[Any]:
+    found = pending.result()
+    if found.failure:
+        raise RunFailed(render(found.failure))
+    return found.measured[0]
+
+
+def largest_stretch(curves: PieceCurves, pressure: float) -> float:
+    """Largest principal stretch of a cell without moment at a pressure in kPa; a task. Raises `PieceFailed`."""
+
+    def measure() -> float:
+        return cell_without_moment(curves.pieces.cell, in_MPa(pressure)).state.extremes.max_stretch
+
+    return kept(curves.store, curves.file(name_of_state("stretch", pressure)), float, measure)
+
+
+def _by_wall(law: ArmLaw) -> float:
+    """The sensitivity of the curvature without moment, which is that of the state in the middle of a curve near it."""
+    cell, rate = law.cells[-1], law.rates[WALL]
+    moment, rigidity = (float(np.interp(0.0, cell.moment, row)) for row in (rate.cells[-1].moment, cell.rigidity))
+    return abs(moment * rate.value / (rigidity * cell.at(0.0)[0]))
+
+
+def store_of(store: Store, config: Config, mesh_of: Config | None = None, by: tuple[str, ...] = ()) -> Store:
+    """Where the curves of one design are kept, below the folder of all; without a mesh that is moved, they are those of
+    a run of the design. by: parameters of their derivatives."""
+    identity = config.hash if mesh_of is None else f"{config.hash}|{mesh_of.hash}|{','.join(by)}"
+    keys = (result_key(identity, sources) for sources in (STATE_SOURCES, NUMBER_SOURCES))
+    return Store(store.directory / POINTS / sha256(identity.encode()).hexdigest()[:16], *keys)

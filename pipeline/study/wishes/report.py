@@ -1,0 +1,193 @@
+"""A design that was found, beside what was wanted: values, tables and a page with pictures."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from geometry.arrays import Array
+from pipeline.study.wishes.search import OF_LAW, Found, Refusal, Trial
+from pipeline.study.wishes.wish import Wish, Wishes, exact_limits
+from pipeline.study.wishes.wish_file import WishFile
+from pipeline.values.json_values import JsonObject
+from pipeline.values.plots import COLOURS, INK, Line, Panel, figure, standalone_page
+from pipeline.values.table import Table
+
+
+@dataclass(frozen=True)
+class WishResult:
+    """A wish and what the design has; numbers in the unit of the quantity."""
+
+    number: int  #: in the file, from 1 on
+    wish: Wish
+    pressure_kPa: float
+    at_start: tuple[float, ...]  #: of coarse cells; empty where the start has none
+    value: tuple[float, ...]  #: of the law of its run, or of the law that a run delivers
+    miss: float  #: distance from the wanted value over the tolerance
+
+    @property
+    def is_met(self) -> bool:
+        """Whether it is within the tolerance."""
+        return self.miss <= 1.0
+
+
+@dataclass(frozen=True)
+class LimitResult:
+    """A limit and what the design has, in g, mm, kPa or 1."""
+
+    name: str
+    limit: float
+    value: float
+    is_kept: bool
+
+
+@dataclass(frozen=True)
+class DesignReport:
+    """A design for a wish; the same stands in the files of `directory`."""
+
+    source: Path
+    directory: Path
+    name: str
+    start: dict[str, float]  #: mm and kPa, by key
+    found: dict[str, float]
+    wishes: tuple[WishResult, ...]
+    limits: tuple[LimitResult, ...]
+    objective: float | None  #: what was made small; None where nothing was
+    history: tuple[Trial | Refusal, ...]
+    run: Path | None  #: the results of its run; None where it was left out
+
+    @property
+    def given_up(self) -> tuple[str, ...]:
+        """The wishes that are not met and the limits that are not kept, one clause each."""
+        wishes = [
+            f"wishes[{one.number}], {one.wish.name}, is {one.wish.text(one.value)} instead of "
+            f"{one.wish.text(one.wish.target)}, {one.miss:.2g} times the tolerance away"
+            for one in self.wishes
+            if not one.is_met
+        ]
+        limits = [
+            f"limits.{one.name} is {one.value:.4g} instead of {one.limit:.4g}" for one in self.limits if not one.is_kept
+        ]
+        return (*wishes, *limits)
+
+    def record(self) -> JsonObject:
+        """The content of design.json."""
+        wishes: list[JsonObject] = [
+            {
+                "quantity": one.wish.quantity,
+                "pressure_kPa": one.pressure_kPa,
+                "wanted": one.wish.target,
+                "within": one.wish.within,
+                "at_start": one.at_start,
+                "value": one.value,
+                "miss": one.miss,
+                "is_met": one.is_met,
+            }
+            for one in self.wishes
+        ]
+        limits: list[JsonObject] = [dict(vars(one)) for one in self.limits]
+        found: JsonObject = {"name": self.name, "start": self.start, "found": self.found, "objective": self.objective}
+        return {**found, "wishes": wishes, "limits": limits, "given_up": self.given_up}
+
+
+def report_of(
+    file: WishFile, found: Found, directory: Path, run: Path | None = None, in_run: Array | None = None
+) -> DesignReport:
+    """The design that a search has found; in_run: (m,) numbers of the law of its run, where it has one."""
+    wishes, trial, first = file.wishes, found.trial, found.history[0]
+    numbers, values = trial.numbers.values if in_run is None else in_run, wishes.values(trial.point)
+    before = wishes.parts(first.numbers.values) if isinstance(first, Trial) else [np.zeros(0)] * len(wishes.wishes)
+    rows = zip(wishes.wishes, before, wishes.parts(numbers), wishes.misses(numbers), strict=True)
+    results = tuple(
+        WishResult(number, wish, wish.pressure(values), tuple(start.tolist()), tuple(value.tolist()), float(miss))
+        for number, (wish, start, value, miss) in enumerate(rows, start=1)
+    )
+    limits = tuple(_limits(file, trial.numbers.stretch, trial.point))
+    objective = None if np.isnan(trial.worth.objective) else trial.worth.objective
+    start = wishes.values(wishes.start)
+    return DesignReport(
+        file.source, directory, file.name, start, values, results, limits, objective, found.history, run
+    )
+
+
+def _limits(file: WishFile, stretch: float, point: Array) -> list[LimitResult]:
+    limits = file.wishes.limits
+    rows = [
+        LimitResult(name, ratio * value if name == "smallest_wall" else value / ratio, value, ratio <= 1.0)
+        for name, (ratio, value) in exact_limits(file.wishes, file.config(point)).items()
+    ]
+    if limits.largest_stretch is not None:
+        rows.append(LimitResult("largest_stretch", limits.largest_stretch, stretch, stretch <= limits.largest_stretch))
+    if limits.bears is not None:
+        highest = limits.bears * file.wishes.pressures_kPa(point)[-1]
+        rows.append(LimitResult("bears_kPa", highest, highest, is_kept=True))
+    return rows
+
+
+def wishes_table(report: DesignReport) -> Table:
+    """One row per wish and limit."""
+    rows = []
+    for one in report.wishes:
+        text = one.wish.text
+        start = text(one.at_start) if one.at_start else "-"
+        met = "yes" if one.is_met else "no"
+        rows.append((one.wish.name, text(one.wish.target), text(one.wish.within), start, text(one.value), met))
+    for limit in report.limits:
+        met = "yes" if limit.is_kept else "no"
+        rows.append((limit.name, f"{limit.limit:.4g}", "limit", "", f"{limit.value:.4g}", met))
+    heads = ("wish", "wanted", "within", "at the start", "found", "met")
+    law = "the law that a run delivers" if report.run is None else "its run"
+    return Table(heads, tuple(rows), f"at the start: of coarse cells; found: of {law}")
+
+
+def dimensions_table(report: DesignReport) -> Table:
+    """One row for each dimension and pressure that was free."""
+    rows = tuple(
+        (key, f"{report.start[key]:.4g}", f"{value:.4g}", f"{100.0 * (value / report.start[key] - 1.0):+.1f}")
+        for key, value in report.found.items()
+    )
+    return Table(("free", "start (mm, kPa)", "found (mm, kPa)", "change (%)"), rows)
+
+
+def history_rows(wishes: Wishes, history: tuple[Trial | Refusal, ...]) -> tuple[list[str], list[list[object]]]:
+    """Columns and rows of history.csv."""
+    keys = [f"{one.key}_{one.unit}" for one in wishes.free]
+    names = [f"{wish.name}{axis}" for wish in wishes.wishes for axis in ((" x", " y") if wish.target[1:] else ("",))]
+    misses = [f"miss of {wish.name}" for wish in wishes.wishes]
+    columns = ["number", "start", "law", *keys, *names, *misses, "largest_miss", "objective", "taken", "reason"]
+    rows: list[list[object]] = []
+    for number, trial in enumerate(history, start=1):
+        head = [number, trial.start, trial.law, *trial.point.tolist()]
+        if isinstance(trial, Refusal):
+            rows.append([*head, *[np.nan] * (len(names) + len(misses) + 2), "no", trial.reason])
+            continue
+        away = trial.worth.misses.tolist()
+        taken = "yes" if trial.taken else "no"
+        rows.append([*head, *trial.numbers.values.tolist(), *away, max(away), trial.worth.objective, taken, ""])
+    return columns, rows
+
+
+def design_page(wishes: Wishes, report: DesignReport) -> str:
+    """The search: misses and dimensions by design that was tried."""
+    shown = [(number, trial) for number, trial in enumerate(report.history, start=1) if isinstance(trial, Trial)]
+    count = [number for number, _ in shown]
+
+    def lines(names: Sequence[str], marker: str, value: Callable[[Trial], Array]) -> list[Line]:
+        rows = np.array([value(trial) for _, trial in shown]).T
+        return [
+            Line(count, row, name, COLOURS[k % len(COLOURS)], marker=marker)
+            for k, (name, row) in enumerate(zip(names, rows, strict=True))
+        ]
+
+    misses = lines([one.name for one in wishes.wishes], "circle", lambda t: np.maximum(t.worth.misses, 1e-4))
+    misses.append(Line([1, count[-1]], [1.0, 1.0], "tolerance", INK, "dash"))
+    laws = [(number, float(trial.worth.misses.max())) for number, trial in shown if trial.law == OF_LAW]
+    of_law, largest = np.array(laws).T
+    misses.append(Line(of_law, largest, "largest, delivered law", INK, "", "circle-open", marker_size=13.0))
+    free = lines([one.key for one in wishes.free], "square", lambda trial: trial.point / wishes.start)
+    panels = (
+        Panel("Distance from the wishes", "design tried", "over the tolerance", tuple(misses), log_y=True),
+        Panel("What was free", "design tried", "over its start", tuple(free)),
+    )
+    return standalone_page(f"{report.name}: a design for a wish", figure(panels))

@@ -1,1 +1,0 @@
-"""The rod compared with the finite elements."""

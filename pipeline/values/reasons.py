@@ -1,0 +1,207 @@
+"""The sentence of every reason, by its code, as a clause: it begins small and has no full stop."""
+
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from geometry import Reason, position_text
+from pipeline.values.record import Reported
+
+#: {at} is the place of the reason; a list is written with commas between its entries
+TEMPLATES: Mapping[str, str] = {
+    # a configuration
+    "strong_pressure": "{pressure_kPa:g} kPa is {ratio:.2g} times what walls of {modulus_MPa:.3g} MPa usually bear; "
+    "check the units, or stay below about {bearable_kPa:g} kPa",
+    "weak_pressure": "{pressure_kPa:g} kPa hardly bends walls of {modulus_MPa:.3g} MPa; check the units (rubbers have "
+    "0.05 to 10 MPa), or give higher pressures",
+    "pressure_unused": "no cavity follows the pressure of the run, so its states are all the same; check "
+    "effects.pressure",
+    "density": "the value of {key}.density is {density_kg_m3:.4g} kg/m^3, and rubbers have about 1000; check its unit "
+    "(kg/m^3, g/cm^3)",
+    "named_rubber": "the constants of {names} are of one published test, and another batch may be half or twice as "
+    "stiff; test yours with pneurod material",
+    "turned_gravity": "gravity acts along the arm's own x, from clamp to tip, which is against the x of the file; "
+    "check effects.gravity.acceleration",
+    "short_edges": "{count} edges of the CAD file are shorter than {limit_mm:.2g} mm ({shortest_mm:.2g} mm near "
+    "{near}); remove small features in CAD or with geometry.defeature",
+    "air_left_out": "the CAD file has solids that fill closed cavities, around {around}; they are taken as air, and "
+    "geometry.parts makes them material",
+    "too_short": "five parameters need an arm of {needed_mm:.4g} mm, and this one has {length_mm:.4g} mm; give more "
+    "chambers, a longer arm or a smaller geometry.cell",
+    "unequal_cells": "chambers or gaps differ, so five parameters averaged over {averaging_mm:.3g} mm are a rough "
+    "model; see their errors in the report",
+    "long_cells": "cavities are {between_mm:.3g} mm apart but curvatures averaged over {averaging_mm:.3g} mm, so a "
+    "single line is taken at {pressures_kPa:g} kPa; identification.d requests two",
+    "few_pressures": "{count} pressures cannot show whether the parameters are linear in the pressure; give three or "
+    "more",
+    # a meshed body
+    "flat_element": "the flattest element has a radius ratio of {radius_ratio:.2g} near {at} (a regular one has 1); "
+    "mend the body there or change mesh.size",
+    "straightened_edges": "{count} curved edges of the mesh file are taken as straight, as near {at}, where elements "
+    "would fold; check their middle nodes",
+    "nodes_too_far_apart": "five parameters need nodes at most {allowed_mm:.3g} mm apart along the curve, not "
+    "{spacing_mm:.3g} mm; give a smaller mesh.size or a larger geometry.cell",
+    "volume_differs": "the volume of the mesh is {percent:+.2g} % off that of the drawing, whose walls are round; give "
+    "a mesh.size of about {size_mm:.2g} mm",
+    "mirrored_cavity": "the cavity {cavities} does not touch z = 0, so its mirror image is added; set "
+    "geometry.symmetric: false if the file is the whole arm",
+    "partial_clamp": "the face clamp leaves {free_mm2:.3g} of {plane_mm2:.3g} mm2 in its plane free, near {at}; if "
+    "the whole plane is held, add the rest to clamp",
+    "part_has_walls": "the solid geometry.parts.{part} ({volume_mm3:.4g} mm3) has {percent:.0f} % of the cavity walls, "
+    "`material` {percent_of_material:.0f} %; if that is wrong, choose a point in another solid",
+    "not_along_x": "the body is {length_mm:.3g} mm along x and {longest_mm:.3g} mm along {axis}; if {axis} is its "
+    "length, give geometry.axes: {axes}",
+    # states
+    "beyond_law": "stretches in {part} go from {smallest:.2f} to {largest:.2f} ({pressure_kPa:g} kPa); law {law} "
+    "holds from {holds_from:.2f} to {holds_to:.2f}; set material.law: {instead}",
+    "out_of_plane": "the arm leaves its plane by {distance_mm:.3g} mm and moves by "
+    "{deflection_mm:.3g} mm in it ({experiment}, {pressure_kPa:g} kPa); `pneurod cell` gives its law in space",
+    "volume_lost": "the material loses {percent:.0f} % of its volume at {at} ({experiment}, {pressure_kPa:g} kPa); "
+    "compare with a smaller mesh.size",
+    "volume_lost_unevenly": "the material loses {percent:.0f} % of its volume at {at} ({experiment}, "
+    "{pressure_kPa:g} kPa); compare with mesh.formulation: mixed",
+    "hardly_bent": "at {pressure_kPa:g} kPa the curvature in the middle bends the arm by {bend_rad:.2g} rad only; give "
+    "higher pressures, thinner walls or another end.y",
+    "few_reached": "{count} of {given} pressures have five parameters, too few to show how these change; give more "
+    "and lower pressures",
+    "rigidity_open": "the rigidity {rigidity} is between {low:.3g} and {high:.3g} N mm² at {pressure_kPa:g} kPa; give "
+    "higher pressures, or use the arm's own law",
+    "one_rigidity_poor": "R² is {r2:.2f} at {pressure_kPa:g} kPa: one rigidity does not describe this arm; use the "
+    "arm's own law",
+    "one_line_or_two": "at {pressures_kPa:g} kPa one line (α₂ {single_N_mm2:.3g} N mm²) or two ({two_N_mm2:.3g}) are "
+    "nearly as good; add pressures or use the arm's own law",
+    "approximate_contact": "sliding contact changes the end by about {end_mm:.2g} mm and {end_N:.2g} N "
+    "({experiment}, {pressure_kPa:g} kPa); compare with a smaller mesh.size",
+    "contact_not_compared": "sliding contact in {states} is approximate by an unknown amount; compare with a smaller "
+    "mesh.size",
+    "path_dependent_contact": "walls fold, and results ({experiment}, {pressure_kPa:g} kPa) change by {percent:.2g} % "
+    "with the load steps; add pressures below it",
+    "folded_contact_open": "walls fold, and the state found ({experiment}, {pressure_kPa:g} kPa) may depend on the "
+    "load steps; add pressures below it",
+    "solved_below_limit": "II and III reach no given pressure and were solved at {reached_kPa:g} kPa; give pressures "
+    "below {limit_kPa:.3g} kPa",
+    "law_beyond_end": "the arm's own law goes to {highest_kPa:.4g} kPa, but experiment {experiment} ends at "
+    "{end_kPa:.4g} kPa; use the law below that pressure",
+    # one state
+    "contact_error": "sliding contact is approximate: exact distances move the end by {end_mm:.2g} mm and change the "
+    "force on it by {end_N:.2g} N",
+    "contact_error_unknown": "sliding contact is approximate by an unknown amount ({why})",
+    "depends_on_load_steps": "walls fold, and the state found depends by {percent:.2g} % on the load steps",
+    "may_depend_on_load_steps": "walls fold, and the state found may depend on the load steps",
+    # how an experiment ended
+    "ends_beyond": "no equilibrium found beyond {reached_kPa:.4g} kPa on the way to {target_kPa:.4g} kPa",
+    "ends_with_part": "no equilibrium found beyond {reached_kPa:.4g} kPa with {percent:.3g} % of {on_end} at the end, "
+    "on the way to {target_kPa:.4g} kPa with all of it",
+    "has_limit": "the limit is at {limit_kPa:.4g} kPa",
+    "not_tried": "it was not solved",
+    "followed_to": "it was followed up to {reached_kPa:.4g} kPa only",
+    "followed_with_part": "it was followed up to {reached_kPa:.4g} kPa and {percent:.3g} % of {on_end} at the end only",
+    "end_of_II": "experiment II of the same arm has its {end} at {end_kPa:.4g} kPa",
+    "followed_near_end_of_II": "it was followed up to {reached_kPa:.4g} kPa only, {percent:g} % of the {end} of "
+    "experiment II of the same arm",
+    "weight_not_held": "experiment I is not simulated, because nothing holds the weight of a free body",
+    "opening_not_held": "experiment I is not simulated, because the clamp carries the pressure on the opening",
+    # what a run did not reach
+    "stopped": "experiment {experiment} stopped before {pressure_kPa:g} kPa: {why}",
+    "load_stopped": "validation {load} stopped before {pressure_kPa:g} kPa: {why}",
+    "load_left_out": "validation {load} at {pressures_kPa:g} kPa was not solved, because experiment II ended at "
+    "{end_kPa:.4g} kPa; give lower pressures",
+    "not_identified": "no five parameters at {pressure_kPa:g} kPa: {why}",
+    "pressure_not_added": "no pressure was added at {pressure_kPa:g} kPa: {why}",
+    "no_arm_law": "the arm's own law was not made: {why}; set law: five to take five parameters",
+    "law_incomplete": "the arm's own law is incomplete: {why}",
+    # the arm's own law
+    "law_not_wanted": "switched off in the config",
+    "law_not_possible": "{why}",
+    "law_measured": "measured on one cell and both ends from {lowest_kPa:g} to {highest_kPa:g} kPa; nothing is fitted "
+    "to the arm as a whole",
+    "piece_fails": "{why}",
+    "cell_softens": "at {pressure_kPa:g} kPa the law of the cell ends at a curvature of {kappa_per_mm:.4g} 1/mm, "
+    "where the cell has lost most of its rigidity",
+    "unstable_sideways": "out of its plane the {piece} is unstable at {pressure_kPa:g} kPa and a curvature of "
+    "{kappa_per_mm:.4g} 1/mm",
+    "no_law_in_space": "the body is not symmetric about z = 0, so the law has no rigidities out of the plane",
+    "cell_falls": "at {pressure_kPa:g} kPa the law of the cell ends at a curvature of {kappa_per_mm:.4g} 1/mm, because "
+    "its moment does not grow beyond",
+    "law_up_to": "the law goes up to {pressure_kPa:g} kPa, because the whole arm was not solved at a higher pressure; "
+    "`pneurod cell` measures it there",
+    "law_between": "between two pressures the curvature is interpolated to {percent:.2g} % of the largest one; more "
+    "than {added} added pressures are not tried",
+    "between_unchecked": "the interpolation at {pressure_kPa:g} kPa could not be checked: {why}",
+    "ends_short": "the arm is too short to see how far its ends disturb the cells",
+    "ends_unknown": "how far the ends of the arm disturb its cells is not known: {why}",
+    "ends_differ": "end pieces of {half_cells} and {longer} half cells differ by {percent:.2g} % of the length; longer "
+    "ones were not solved: {why}",
+    "cell_accuracy": "the law is that of an infinitely fine mesh to {reached_percent:.2g} %, from meshes down to "
+    "{size_mm:.3g} mm; {percent:g} % were requested",
+    "cell_no_limit": "at {pressure_kPa:g} kPa the law may have no limit, because a mesh of {size_mm:.3g} mm does not "
+    "bear it: {why}",
+    "cell_accuracy_missed": "the requested accuracy is not reached: {why}",
+    "law_interpolated": "end pieces of {half_cells} half cells; the curvature is interpolated to "
+    "{along_percent:.2g} % of the largest one along curves and {between_percent:.2g} % between pressures",
+    # the error of the mesh
+    "coarser_not_meshed": "the mesh {factor:g} times as coarse cannot be made: {why}",
+    "on_coarser_mesh": "on the mesh {factor:g} times as coarse: {why}",
+    "not_compared_with_mixed": "p2p0 elements could not be compared with mixed ones: {why}",
+    # the rods
+    "no_rod_is_near": "do not use a rod of this run, because the nearest one is {percent:.2g} % of the length off the "
+    "finite elements",
+    "mesh_too_coarse": "do not use a rod of this run, because the mesh makes an error of about {percent:.2g} % in its "
+    "{quantity}",
+    "tolerances": "a {process} arm's tolerances move its tip by {percent:.2g} % of the length ({pressure_kPa:g} kPa); "
+    "measure {parameter} first: {most_percent:.2g} % by ± {tolerance}",
+    "calibrated": "calibrated to {numbers} numbers: the tip is within {percent:.2g} % of the length in nine of ten "
+    "cases; tolerances alone move it by {before:.2g} %",
+    "mesh_error_unknown": "the error of the mesh is not known; repeat the run with --set mesh.coarser=1.5 to estimate "
+    "it",
+    "offsets_bend": "under small loads the rod with five parameters is off, because its offsets m₀₁ and m₀₂ bend it "
+    "under any load",
+}
+#: codes that name the limit at which an experiment ended
+NAMES_A_LIMIT = ("has_limit", "end_of_II", "followed_near_end_of_II")
+#: why there are no five parameters
+NO_PARAMETERS = ("too_short", "nodes_too_far_apart", "not_identified")
+
+
+def render(reason: Reason) -> str:
+    """The sentence of a reason, without a full stop."""
+    if reason.code not in TEMPLATES:
+        from fem.reasons import sentence  # the solver's own
+
+        return sentence((reason,))
+    values = {name: _written(value) for name, value in reason.values.items()}
+    place = {} if reason.where is None else {"at": position_text(reason.where)}
+    return TEMPLATES[reason.code].format(**values, **place)
+
+
+def _written(value: Any) -> Any:
+    if not isinstance(value, list):
+        return value
+    return render_all(value) if any(isinstance(entry, Reason) for entry in value) else _Listed(value)
+
+
+def render_all(reasons: Iterable[Reason]) -> str:
+    """The sentences of several reasons in one line."""
+    return "; ".join(map(render, reasons))
+
+
+def report_reason(reason: Reason) -> Reported:
+    """A reason with its sentence, as run.json has it."""
+    text = render(reason)
+    return Reported(reason.code, dict(reason.values), reason.where, f"{text[:1].upper()}{text[1:]}.")
+
+
+def shorten(failure: Reported) -> str:
+    """The sentence of a failure with what names a limit alone, or else with the first of its reasons."""
+    why = failure.values.get("why")
+    if not isinstance(why, list):
+        return failure.text
+    reasons = [Reason(**row) for row in why]
+    named = [reason for reason in reasons if reason.code in NAMES_A_LIMIT] or reasons[:1]
+    return report_reason(Reason(failure.code, {**failure.values, "why": named}, failure.where)).text
+
+
+class _Listed(list[Any]):
+    """A list whose entries are formatted one by one."""
+
+    def __format__(self, spec: str) -> str:
+        return ", ".join(format(entry, spec) for entry in self)

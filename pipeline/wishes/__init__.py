@@ -1,1 +1,0 @@
-"""From wishes to the dimensions of an arm that has them."""

@@ -1,0 +1,151 @@
+"""Laws from tests with warts are close to the truth, in one and in two directions, and unsafe laws are not offered."""
+
+import numpy as np
+import pytest
+
+import fem
+from fem.materials import LinearLaw, MaterialError
+from pipeline.answers.material.judged import FACTOR, Judged, Need, parting
+from pipeline.answers.material.laws import FORMS, STATES, Points, is_stable, nominal, stretches
+from pipeline.answers.material.loading import TensileTest
+from tests.laws import LAWS
+from tests.specimens import CONSTANTS, SEED, TOLERANCE, TRUTHS, WARTS, drawn, errors, judged
+
+
+@pytest.mark.parametrize("wart", WARTS)
+@pytest.mark.parametrize("truth", TRUTHS)
+def test_the_truth_is_recovered(truth: str, wart: str) -> None:
+    """By the law that is recommended: within 5 % in uniaxial and 15 % in equibiaxial tension up to a stretch of 2."""
+    for count in (66, 400):
+        found = errors(truth, wart, count)
+        assert found["uniaxial"] < 0.05
+        assert found["equibiaxial"] < 0.15
+
+
+def check_safe(found: Judged) -> None:
+    """No usable law is unstable, or off another one by more than the factor, within its range."""
+    assert found.usable
+    for number, fit in enumerate(found.usable):
+        assert fit.holds is not None
+        low, high = fit.holds
+        for state, across in STATES.items():
+            s = stretches(max(low, high**-2) if state == "uniaxial" else 1.0, high)
+            assert is_stable(fit.law, state, s[1:-1]).all(), fit
+            assert (np.diff(nominal(fit.law, s, across(s))) > 0).all(), fit
+        for other in found.usable[:number]:
+            assert other.holds is not None
+            shared = min(high, other.holds[1])
+            assert parting(fit.law, other.law, shared)[0] == shared
+
+
+@pytest.mark.parametrize(("top", "turn"), [(0.4, 0), (1.0, 2), (2.5, 4)])
+def test_laws_that_are_offered_are_stable_and_agree(top: float, turn: int) -> None:
+    """With each wart at one of the truths, others at each top. Also those of rubber that becomes softer, whose tensile
+    test laws of two invariants follow as well."""
+    truths = [
+        *TRUTHS.values(),
+        fem.MooneyRivlin(0.05, 0.05, 100.0),
+        fem.Ogden((0.63, 0.0012, -0.01), (1.3, 5.0, -2.0), 100.0),
+    ]
+    for number, law in enumerate(truths):
+        wart, strain = [*WARTS.values()][(number + turn) % len(WARTS)], np.linspace(0.0, top, 80)
+        check_safe(judged(*wart(lambda e, law=law: law.incompressible(1 + e), strain)))  # type: ignore[misc]
+
+
+def test_a_law_that_parts_from_others_is_not_offered() -> None:
+    """Ogden's law of vulcanised rubber (1972), of which Mooney and Rivlin's has 2.5 times the biaxial stress at 2."""
+    rubber = fem.Ogden((0.63, 0.0012, -0.01), (1.3, 5.0, -2.0), 100.0)
+    strain = np.linspace(0.0, 4.0, 80)
+    found = judged(strain, rubber.incompressible(1 + strain))
+    two = np.array([2.0])
+    best = nominal(found.laws[0].law, two, two) / nominal(rubber, two, two)
+    assert 1 / FACTOR < best < FACTOR
+    [mooney] = [fit for fit in found.laws if fit.name == "mooney_rivlin"]
+    assert mooney.largest < 0.05
+    assert mooney.holds is None
+    assert "times the equibiaxial stress of" in mooney.why
+
+
+def test_compression_tells_two_directions() -> None:
+    """Pressed to 0.5 as incompressible rubber is pulled in two directions to 1.41."""
+    law = TRUTHS["hardening"]
+    strain = np.linspace(-0.5, 0.0, 60)
+    best = judged(strain, law.incompressible(1 + strain)).laws[0]
+    assert best.holds is not None
+    assert best.holds == pytest.approx((0.5, 0.5**-0.5), rel=0.03)
+    s = np.linspace(1.1, 1.4, 7)
+    np.testing.assert_allclose(nominal(best.law, s, s), nominal(law, s, s), rtol=0.05)
+
+
+def test_no_law_within_the_tolerance_is_the_best_one_with_its_misfit() -> None:
+    strain = np.linspace(0.0, 1.5, 61)
+    found = judged(strain, 0.3 * strain + 0.06 * np.sin(25 * strain))
+    [first, *others] = found.usable
+    assert first.largest > TOLERANCE
+    assert first.why == "misfit"
+    assert not others or min(fit.holds[1] for fit in found.usable if fit.holds) > 1.0
+
+
+@pytest.mark.parametrize("top", [0.03, 0.015])
+def test_small_strains_give_the_law_of_one_constant(top: float) -> None:
+    law = TRUTHS["neo_hooke"]
+    strain = np.linspace(0.0, top, 80)
+    first = judged(strain, law.incompressible(1 + strain)).laws[0]
+    assert first.law.shear_modulus == pytest.approx(law.shear_modulus, rel=0.01)
+    assert first.holds is not None
+    assert first.holds[1] == pytest.approx(1 + top, abs=0.01)
+
+
+def test_stresses_of_zero_and_points_of_huge_strains_are_no_obstacle() -> None:
+    strain = np.linspace(0.0, 2.5, 100)
+    found = judged(strain, np.where(strain < 0.5, 0.0, strain))
+    assert np.isfinite(found.laws[0].misfit)
+    assert not np.isnan([fit.misfit for fit in found.laws]).any()
+    with pytest.raises(MaterialError, match=r"too few points between the stretches 0\.7 and 2\.71"):
+        judged(100 * strain + 10, strain + 0.1)
+
+
+def test_a_short_need_is_met_by_few_constants() -> None:
+    law = TRUTHS["yeoh"]
+    strain = np.linspace(0.0, 2.5, 100)
+    found = judged(strain, law.incompressible(1 + strain), Need(0.85, 1.15))
+    assert found.laws[0].name == "neo_hooke"
+    assert found.laws[0].largest < 0.05
+    assert Need(0.7, 2.0).reach == pytest.approx(2.7, abs=0.05)
+
+
+@pytest.mark.parametrize("name", FORMS)
+def test_every_law_is_found_from_its_own_test(name: str) -> None:
+    laws = {**LAWS, "ogden 1": fem.Ogden((0.3,), (2.6,), 40.0), "ogden 2": fem.Ogden((0.3, -0.1), (3.0, -1.5), 40.0),
+            "mooney_rivlin": fem.MooneyRivlin(0.15, 0.02, 40.0), "yeoh": TRUTHS["hardening"]}  # fmt: skip
+    law, s = laws[name], np.linspace(0.8, 1.4 if name in ("svk", "hencky") else 2.5, 61)
+    if isinstance(law, LinearLaw):
+        stress = sum(getattr(law, key) * term for key, term in law.uniaxial_terms(s).items())
+    else:
+        stress = law.incompressible(s)
+    points = Points.of((TensileTest("exact", s, np.asarray(stress)),))
+    solved = FORMS[name].solved(FORMS[name].fitted(points, 1.3), 0.4999)
+    np.testing.assert_allclose(solved.uniaxial(s).nominal, stress, rtol=0.02, atol=0.002)
+
+
+def test_specimens_are_averaged_and_their_spread_is_told() -> None:
+    points = Points.of(drawn(np.random.default_rng(SEED)))
+    truth = sum(CONSTANTS[name] * term for name, term in fem.Yeoh.uniaxial_terms(points.stretch).items())
+    far = points.stretch > 1.2
+    np.testing.assert_allclose(points.stress[far], truth[far], rtol=0.04)
+    assert 0.01 < points.spread < 0.04
+
+
+@pytest.mark.parametrize("state", STATES)
+def test_stability_is_that_of_the_energy(state: str) -> None:
+    """The closed form of Ogden's law: the second derivative by the logarithms of two stretches."""
+    law = fem.Ogden((0.4, 0.02), (2.0, -4.0), 3.0)
+    s = np.geomspace(0.3, 3.0, 200) if state == "uniaxial" else np.geomspace(1.01, 3.0, 200)
+    principal = np.stack([s, STATES[state](s), 1 / (s * STATES[state](s))])
+    first, second, third = np.sum([mu * a * principal**a for mu, a in law.terms], axis=0)
+    definite = (first + third > 0) & (first * second + (first + second) * third > 0)
+    assert definite.any() > definite.all()
+    stable = is_stable(law, state, s)
+    assert not (stable & ~definite).any()
+    rises = np.gradient(nominal(law, s, STATES[state](s)), s) > 0
+    assert np.mean(stable == (definite & rises)) > 0.97

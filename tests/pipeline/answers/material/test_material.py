@@ -1,0 +1,175 @@
+"""The command: one recommendation in words, its line for a configuration, a table, a small page, three files."""
+
+import json
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner, Result
+
+import fem
+from geometry.arrays import Array
+from pipeline.answers.material.laws import Points
+from pipeline.answers.material.loading import TensileTest
+from pipeline.answers.material.page import law_rows
+from pipeline.answers.material.record import fit_material
+from pipeline.answers.material.sentences import doubts, yaml_line
+from pipeline.answers.material.study import FitOptions
+from pipeline.cli import app
+from pipeline.config.load import load_config
+from tests.specimens import example
+
+YEOH = fem.Yeoh(0.06, 0.004, 0.0, 100.0)
+
+
+def call(*arguments: str) -> Result:
+    return CliRunner().invoke(app, ["material", *arguments], env={"COLUMNS": "200"})
+
+
+def written(folder: Path, strain: Array, stress: Array, header: str = "strain (1),stress (MPa)") -> str:
+    rows = "\n".join(f"{e},{s}" for e, s in zip(strain, stress, strict=True))
+    (folder / "pull.csv").write_text(f"{header}\n{rows}\n")
+    return str(folder / "pull.csv")
+
+
+def test_the_shipped_example_is_what_specimens_py_draws(configs: Path) -> None:
+    assert (configs / "elastosil_m4601_yeoh.csv").read_text(encoding="utf-8") == example()
+
+
+def test_the_command(configs: Path, tmp_path: Path) -> None:
+    result = call(str(configs / "elastosil_m4601_yeoh.csv"), "--out", str(tmp_path), "--density", "1130 kg/m^3")
+    assert result.exit_code == 0, result.output
+    lines = [line for line in result.stdout.splitlines() if line]
+    assert lines[0].startswith("Take yeoh: it is on average 3")
+    assert "the specimens differ by 2" in result.stdout
+    assert "No other law agrees with it in two directions beyond a stretch of 1.65" in result.stdout
+    record = json.loads((tmp_path / "material.json").read_text(encoding="utf-8"))
+    assert record["recommended"] == "yeoh"
+    assert record["yaml"] in lines
+    assert set(record["sentences"]) <= set(lines)
+    named = {law["law"] for law in record["laws"]} | set(record["refused"])
+    assert named == {"svk", "hencky", "neo_hooke", "mooney_rivlin", "yeoh", "ogden 1", "ogden 2"}
+    for law in record["laws"]:
+        assert (law["yaml"] is None) == (law["holds_between_stretches"] is None)
+        assert law["ends_by"]
+    assert result.stdout.count("material: {law") == 1
+    page = (tmp_path / "material.html").read_text(encoding="utf-8")
+    assert len(page) < 300_000
+    assert page.count("<svg") == 1
+    assert set(re.findall('http[^"]*', page)) == {"http://www.w3.org/2000/svg", "http://www.w3.org/1999/xlink"}
+    rows = (tmp_path / "material_curves.csv").read_text(encoding="utf-8").splitlines()
+    assert len(rows) > 100 * len(record["laws"])
+
+
+def test_every_line_is_read_back_as_a_material(configs: Path, tmp_path: Path) -> None:
+    arm = (configs / "pneunet_coarse.yaml").read_text(encoding="utf-8")
+    begin, end = arm.index("\nmaterial:") + 1, arm.index("\npressures:")
+    found = fit_material([configs / "elastosil_m4601_yeoh.csv"], FitOptions(density="1130 kg/m^3"), tmp_path)
+    assert len(found.judged.usable) > 2
+    for fit in found.judged.usable:
+        path = tmp_path / f"{fit.name}.yaml"
+        path.write_text(arm[:begin] + yaml_line(fit, "1130 kg/m^3") + "\n\n" + arm[end:], encoding="utf-8")
+        material = load_config(path).material
+        assert material.density_tonne_mm3 == pytest.approx(1.13e-9)
+        assert fit.holds is not None
+        assert material.holds_between == pytest.approx(fit.holds, abs=0.01)
+        s = np.linspace(1.1, 1.5, 5)
+        np.testing.assert_allclose(material.built().uniaxial(s).nominal, fit.law.uniaxial(s).nominal, rtol=1e-3)
+    assert len(law_rows(found)) == 8
+
+
+def test_the_stretches_of_a_run_are_met(tmp_path: Path) -> None:
+    """Where an arm needs little, one constant suffices; a folder without states is refused."""
+    from pipeline.results.files import save_value
+    from pipeline.store.result_folder import ResultFolder
+    from pipeline.values.run import State
+
+    run = tmp_path / "run"
+    states = (State(experiment="II", pressure_kPa=5.0, max_stretch=1.12, min_stretch=0.93),)
+    save_value(ResultFolder(run), "experiments.json", states)
+    strain = np.linspace(0.0, 2.5, 100)
+    file = written(tmp_path, strain, YEOH.incompressible(1 + strain))
+    result = call(file, "--out", str(tmp_path / "out"), "--for", str(run))
+    assert result.exit_code == 0, result.output
+    assert "Take neo_hooke" in result.stdout
+    assert "Take yeoh" in call(file, "--out", str(tmp_path / "out")).stdout
+    save_value(ResultFolder(run), "experiments.json", ())
+    refused = call(file, "--out", str(tmp_path / "out"), "--for", str(run))
+    assert refused.exit_code == 2
+    assert f"{run}: holds no results; give the folder of a run" in refused.stderr
+
+
+def test_a_test_that_ends_early_says_so(tmp_path: Path) -> None:
+    strain = np.linspace(0.0, 0.4, 60)
+    result = call(written(tmp_path, strain, YEOH.incompressible(1 + strain)), "--out", str(tmp_path / "out"))
+    assert "An arm may need 0.7 to 2, but the test ends at a stretch of 1.4." in result.stdout
+    assert "A test up to a stretch of 2.7 would tell more about two directions." in result.stdout
+
+
+def test_forces_and_extensions(tmp_path: Path) -> None:
+    strain = np.linspace(0.0, 2.5, 100)
+    file = written(tmp_path, 33 * strain, 16 * YEOH.incompressible(1 + strain), "Traversenweg (mm),Kraft (N)")
+    result = call(file, "--out", str(tmp_path / "out"), "--length", "33 mm", "--area", "0.16 cm^2")
+    assert result.exit_code == 0, result.output
+    constants = re.search(r"c10: (\S+) MPa, c20: (\S+) MPa", result.stdout)
+    assert constants
+    assert [float(constant) for constant in constants.groups()] == pytest.approx([0.06, 0.004], rel=0.02)
+
+
+@pytest.mark.parametrize(
+    ("factor", "percent", "pattern"),
+    [
+        (1.0, 1.0, ""),
+        (1e3, 1.0, "Young's modulus is .* MPa, and rubbers have 0.01 to 100 MPa: is the stress in kPa, not MPa"),
+        (1e-3, 1.0, "is the stress in MPa, not kPa"),
+        (1e7, 1.0, "Young's modulus is .* and rubbers have 0.01 to 100 MPa$"),
+        (1.0, 100.0, r"strains reach 1.5e\+04 %, .* is the strain in % where the title says 1"),
+        (1.0, 0.01, "strains reach 1.[0-9]+ % only: check the unit of the strain"),
+    ],
+)
+def test_what_is_most_likely_wrong_is_asked(factor: float, percent: float, pattern: str) -> None:
+    s = np.linspace(1.0, 2.5, 61)
+    test = TensileTest("pull", 1 + percent * (s - 1), factor * 0.3 * (s - s**-2))
+    found = list(doubts((test,), Points.of((test,))))
+    assert len(found) == bool(pattern)
+    assert not pattern or re.search(pattern, found[0])
+
+
+def test_strains_that_are_stretches_are_asked_about() -> None:
+    s = np.linspace(1.0, 3.0, 21)
+    test = TensileTest("pull", 1 + s, 0.2 * (s - s**-2))
+    assert next(doubts((test,), Points.of((test,)))).endswith("if these are stretches, call the column 'stretch'")
+
+
+@pytest.mark.parametrize(
+    ("options", "complaint"),
+    [
+        (["--nu", "0.5"], "--nu: nu = 0.5: Poisson's ratio must lie between -1 and 0.5 (0.5 itself excluded)"),
+        (["--up-to", "150"], "--up-to: '150' has no unit; write a strain with its unit, for example '150 %'"),
+        (["--within", "0 %"], "--within: 0 % is not allowed; allowed: above zero, for example '150 %'"),
+        (["--density", "3 kg"], "--density: '3 kg' is not a density; write a density with its unit"),
+        (["--length", "3 kg"], "--length: '3 kg' is not a length; write a length with its unit"),
+        (["--area", "3 mm"], "--area: '3 mm' is not an area; write an area with its unit"),
+    ],
+)
+def test_wrong_options_end_with_2(options: list[str], complaint: str, configs: Path, tmp_path: Path) -> None:
+    result = call(str(configs / "elastosil_m4601_yeoh.csv"), "--out", str(tmp_path), *options)
+    assert result.exit_code == 2, result.output
+    assert result.stderr.startswith(f"pneurod: {complaint}")
+    assert len(result.stderr.splitlines()) == 1
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_folder_that_cannot_be_written(configs: Path, tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("")
+    result = call(str(configs / "elastosil_m4601_yeoh.csv"), "--out", str(tmp_path / "file" / "out"))
+    assert result.exit_code == 2
+    assert "cannot be written" in result.stderr
+
+
+def test_the_choice_of_the_paper() -> None:
+    """What docs/materials.md says of E = E_H: nominal stress over that of the line E_L times strain at 1.2."""
+    at, line = np.array([1.2]), 0.65 * 0.2
+    assert fem.StVenantKirchhoff(1.2, 0.495).uniaxial(at).nominal[0] / line == pytest.approx(2.437, abs=1e-3)
+    assert fem.Hencky(1.2, 0.495).uniaxial(at).nominal[0] / line == pytest.approx(1.402, abs=1e-3)

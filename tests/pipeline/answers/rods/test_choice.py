@@ -1,0 +1,101 @@
+"""The rod of a run: the one that the verdict recommends, with its notes, in Python as on the command line."""
+
+import shutil
+import warnings
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+import pneurod
+from pipeline.answers.rods.choice import choose_rod
+from pipeline.cli import app
+from pipeline.values.errors import InputError
+from pipeline.values.run import Reported
+from rod import LawRod
+from tests.coarse import COARSE, coarse_run, copy_with
+
+#: of the mesh, small enough for the verdict to recommend a rod
+MESH_ERROR = 0.001
+
+
+@pytest.mark.parametrize(("kind", "taken"), [(None, "law"), ("law", "law"), ("five", "five")])
+def test_python_and_the_command_line_give_the_same_rod(kind: str | None, taken: str) -> None:
+    with warnings.catch_warnings(record=True, action="always") as told:
+        rod = pneurod.read_results(COARSE).rod("17 kPa", kind)
+    assert isinstance(rod.law, LawRod) == (taken == "law")
+    assert "mesh makes an error of about 17 %" in rod.notes[0]
+    assert [(w.category, str(w.message)) for w in told] == [(pneurod.RodWarning, note) for note in rod.notes]
+    options = () if kind is None else ("--rod", kind)
+    ended = CliRunner().invoke(app, ["rod", str(COARSE), "--pressure", "17 kPa", "--end-y", "-20 mm", *options])
+    assert ended.exit_code == 0, ended.stderr
+    shape = rod.solve(end_y=-20.0)
+    assert f"end angle            {shape.end_angle:.4f} rad" in ended.stdout
+    assert shape.notes == rod.notes
+    assert all(note in ended.stdout for note in shape.notes)
+    assert "errors               error of the shape" in ended.stdout
+
+
+def test_the_rod_of_a_good_run_has_no_notes_and_knows_its_errors() -> None:
+    chosen = choose_rod(coarse_run(MESH_ERROR))
+    assert (chosen.kind, chosen.pressures_kPa) == ("law", (0.0, 37.0))
+    assert chosen.errors is not None
+    assert chosen.at(20.0).solve().notes == ()
+    assert 0.0 < chosen.errors.shape < 0.01
+    assert chosen.errors.largest_N == pytest.approx(0.1, abs=0.09)
+
+
+def test_a_load_outside_the_identification_warns_and_is_noted() -> None:
+    rod = choose_rod(coarse_run(MESH_ERROR), "five").at(17.0)
+    assert rod.moment_range is not None
+    with pytest.warns(pneurod.RodWarning, match="The moment leaves the .* of the identification"):
+        shape = rod.solve(force=(0.0, -0.1))
+    assert shape.notes[:-1] == rod.notes
+    assert "offsets m0 bend this rod as well" in shape.notes[-1]
+
+
+def test_between_pressures_five_parameters_are_interpolated_with_a_note() -> None:
+    rod = choose_rod(coarse_run(MESH_ERROR), "five").at(20.0)
+    assert rod.notes[-1] == "The parameters at 20 kPa are interpolated between those identified at 17 and 37 kPa."
+
+
+def test_an_arm_that_leaves_its_plane_has_no_rod() -> None:
+    out = Reported("out_of_plane", {}, None, "The arm leaves its plane.")
+    run = coarse_run(MESH_ERROR)
+    for kind in (None, "law", "five"):
+        with pytest.raises(InputError, match=r"The arm leaves its plane\.$"):
+            choose_rod(replace(run, record=replace(run.record, remarks=(out,))), kind)
+
+
+def test_commands_refuse_an_arm_that_leaves_its_plane_and_write_nothing(tmp_path: Path) -> None:
+    remark = {"code": "out_of_plane", "values": {}, "where": None, "text": "The arm leaves its plane."}
+    folder = copy_with(tmp_path / "arm", "run.json", lambda record: record | {"remarks": [remark]})
+    before = sorted(folder.iterdir())
+    for command in (("rod", str(folder), "--pressure", "17 kPa"), ("export", str(folder), "--to", "csv")):
+        ended = CliRunner().invoke(app, command)
+        assert (ended.exit_code, ended.stderr) == (2, f"pneurod: {folder}: The arm leaves its plane.\n")
+    assert sorted(folder.iterdir()) == before
+
+
+def test_a_law_alone_is_taken(tmp_path: Path) -> None:
+    """As `pneurod cell` leaves it: nothing was compared with finite elements."""
+    shutil.copy(COARSE / "law.json", tmp_path)
+    with pytest.warns(pneurod.RodWarning, match="the mesh makes an error"):
+        rod = pneurod.read_results(tmp_path).rod(17.0)
+    assert isinstance(rod.law, LawRod)
+    with pytest.raises(pneurod.InputError, match="holds no parameters of a rod"):
+        pneurod.read_results(tmp_path).rod(17.0, kind="five")
+
+
+def test_a_kind_or_a_pressure_that_is_none_is_refused(tmp_path: Path) -> None:
+    results = pneurod.read_results(COARSE)
+    with pytest.raises(pneurod.InputError, match=r"^kind: six: allowed are law, five, five_extensible"):
+        results.rod(17.0, kind="six")
+    with pytest.raises(pneurod.InputError, match="50 kPa is outside, and it is not extrapolated"):
+        results.rod(50.0)
+    with pytest.raises(pneurod.InputError, match=r"^pressure_kPa: '12' has no unit"):
+        results.rod("12")
+    without = copy_with(tmp_path / "arm", "parameters.json", lambda content: content | {"eccentricity": None})
+    with pytest.raises(pneurod.InputError, match="no parameters of a rod that stretches; take rod five"):
+        pneurod.read_results(without).rod(17.0, kind="five_extensible")

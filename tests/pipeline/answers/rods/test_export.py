@@ -1,0 +1,235 @@
+"""The rod to take in the files of other programs: which rod, its error, and one sentence for what does not fit."""
+
+import json
+import re
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from fem.materials import LAWS, Constant
+from pipeline.answers.rods.judged import distance, references
+from pipeline.answers.rods.solid import solid_of, young_modulus
+from pipeline.cli import app
+from pipeline.results.drawing import write_fields
+from pipeline.results.files import read_results
+from rod import RodError
+from tests.coarse import COARSE, copy_with
+
+#: constants of any law
+VALUES: dict[Constant, Any] = {
+    Constant.STRESS: 0.01,
+    Constant.POSITIVE_STRESS: 0.4,
+    Constant.POISSON_RATIO: 0.45,
+    Constant.STRESSES: (0.4,),
+    Constant.EXPONENTS: (2.0,),
+}
+
+
+def call(*arguments: str) -> tuple[int, str, str]:
+    result = CliRunner().invoke(app, list(arguments))
+    return result.exit_code, result.stdout, result.stderr
+
+
+def error_in(out: str) -> float:
+    """The error of the file over the length."""
+    [percent] = re.findall(r"Error of the file: ([\d.e-]+) % of the length", out)
+    return 0.01 * float(percent)
+
+
+@pytest.mark.parametrize("target", ["csv", "json", "pyelastica", "mujoco", "somo", "sorosim"])
+def test_the_rod_to_take_is_written_with_its_error(tmp_path: Path, target: str) -> None:
+    command = ("export", str(COARSE), "--to", target, "--out", str(tmp_path))
+    status, out, error = call(*command)
+    assert (status, error) == (0, "")
+    written = [Path(line[9:]) for line in out.splitlines() if line.startswith("written: ")]
+    assert sorted(written) == sorted(tmp_path.iterdir())
+    if target == "csv":
+        assert "json has both ends of the arm" in out
+    else:
+        assert error_in(out) < 0.01
+    assert ("loss factor 0.1 (the default of material.loss_factor)" in out) == (target in ("mujoco", "pyelastica"))
+    before = {file: file.read_bytes() for file in written}
+    status, _, sentence = call(*command)
+    assert (status, "exists; give another --out, or --force" in sentence) == (2, True)
+    assert {file: file.read_bytes() for file in written} == before
+    if target == "mujoco":  # the module alone is a file that exists, too
+        written[0].unlink()
+        assert call(*command)[0] == 2
+        assert not written[0].exists()
+
+
+def test_the_stated_error_is_the_largest_one(tmp_path: Path) -> None:
+    """The json of the chain, unloaded, at the pressures of II, against the finite elements."""
+    _, out, _ = call("export", str(COARSE), "--to", "json", "--out", str(tmp_path))
+    [file] = tmp_path.iterdir()
+    chain = json.loads(file.read_text())["chain"]
+    found = []
+    for state in references(read_results(COARSE)):
+        k = chain["pressures_kPa"].index(state.pressure_kPa)
+        turn = np.cumsum(np.array(chain["angle_rad"][k])[chain["kind"], chain["rest"]])
+        where = np.array(chain["base_m"][k]) + np.zeros((len(turn), 2))
+        legs, points = np.array(chain["legs_m"][k]), np.array(chain["points_m"][k])
+        matrices = np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]])
+        where[1:] += np.cumsum(np.einsum("ijk,kj->ki", matrices[..., :-1], legs), axis=0)
+        where += np.einsum("ijk,kj->ki", matrices, points)
+        s = 1e3 * np.array(chain["s_m"])
+        found.append(distance(1e3 * where, s, state, s[-1]))
+    assert len(found) > 1
+    assert max(found) == pytest.approx(error_in(out), rel=0.05)
+
+
+def test_the_five_parameters_are_written_on_request_and_their_error_is_larger(tmp_path: Path) -> None:
+    command = ("export", str(COARSE), "--to", "mujoco", "--out", str(tmp_path))
+    law, five = (error_in(call(*command, "--rod", rod)[1]) for rod in ("law", "five"))
+    assert five > 5.0 * law
+    assert {file.name for file in tmp_path.glob("*.xml")} == {"rod_mujoco_0_to_37kPa.xml", "rod_mujoco_17_to_37kPa.xml"}
+
+
+def test_a_short_finger_without_five_parameters_is_exported(tmp_path: Path) -> None:
+    def without(content: dict[str, Any]) -> dict[str, Any]:
+        kept = ("format", "material", "solid_volume_mm3", "length_mm", "mass_g")
+        return {**{key: content[key] for key in kept}, "pressures_kPa": []}
+
+    folder = copy_with(tmp_path / "arm", "parameters.json", without)
+    rows = json.loads((folder / "validation.json").read_text())
+    (folder / "validation.json").write_text(json.dumps([row for row in rows if row["rod"] == "arm_law"]))
+    for target in ("mujoco", "pyelastica", "json"):
+        status, _, error = call("export", str(folder), "--to", target)
+        assert (status, error) == (0, "")
+    status, _, sentence = call("export", str(folder), "--to", "mujoco", "--rod", "five", "--force")
+    assert (status, "holds no parameters of a rod" in sentence) == (2, True)
+
+
+@pytest.mark.parametrize("name", sorted(LAWS))
+@pytest.mark.parametrize("given", [{}, {"holds_between": [0.8, 1.4], "loss_factor": 0.25}], ids=["", "with_range"])
+def test_every_material_law_is_exported(tmp_path: Path, name: str, given: dict[str, Any]) -> None:
+    constants = {key: VALUES[kind] for key, kind in LAWS[name].constants().items()}
+    constants |= {"kappa": 20.0} if "kappa" in constants else {}
+
+    def change(content: dict[str, Any]) -> None:
+        content["material"] = {"law": name, **constants, "density_tonne_mm3": 1e-9, **given}
+
+    folder = copy_with(tmp_path / "arm", "parameters.json", change)
+    for options in ((), ("--rod", "five")):
+        status, out, error = call("export", str(folder), "--to", "pyelastica", *options)
+        assert (status, error) == (0, "")
+        assert f"loss factor {given.get('loss_factor', 0.1)}" in out
+
+
+@pytest.mark.slow
+def test_every_line_that_pneurod_material_prints_is_run_and_exported(tmp_path: Path) -> None:
+    """All laws, from the tensile tests to a file whose error against finite elements is small."""
+    tensile = str(COARSE.parents[2] / "configs" / "elastosil_m4601_yeoh.csv")
+    status, out, _ = call("material", tensile, "--density", "1130 kg/m^3", "--out", str(tmp_path / "material"))
+    lines = [line.partition("#")[0].removeprefix("material:") for line in out.splitlines() if line[:9] == "material:"]
+    assert status == 0
+    assert {name for name in LAWS if any(f"law: {name}" in line for line in lines)} == set(LAWS)
+    for number, line in enumerate(lines):
+        folder, config = tmp_path / f"run_{number}", tmp_path / f"arm_{number}.yaml"
+        config.write_text(
+            f"name: arm\ngeometry: {{family: pneunet, chambers: 4}}\nmaterial: {line}\npressures: [6 kPa]\n"
+            "mesh: {size: 8 mm, formulation: p2p0}\nlaw: cell\naccuracy: 'off'\nvalidation: 'off'\n",
+            encoding="utf-8",
+        )
+        status, _, error = call("run", str(config), "--out", str(folder))
+        assert status == 0, error
+        for target in ("mujoco", "pyelastica", "json", "csv", "somo", "sorosim"):
+            status, out, error = call("export", str(folder), "--to", target)
+            assert (status, error) == (0, ""), line
+            assert target == "csv" or error_in(out) < 0.01, line
+
+
+def _without_density(content: dict[str, Any]) -> None:
+    content["mass_g"] = content["material"]["density_tonne_mm3"] = None
+
+
+def _other_law(content: dict[str, Any]) -> None:
+    content["material"] = {"law": "putty"}
+
+
+def _same(content: dict[str, Any]) -> None:
+    pass
+
+
+@pytest.mark.parametrize(
+    ("change", "options", "sentence"),
+    [
+        (_same, ("--to", "mujoco", "--pressure", "50 kPa"), "50 kPa is outside"),
+        (_same, ("--to", "mujoco", "--pressure", "50"), "--pressure: "),
+        (_same, ("--to", "mujoco", "--rod", "cell"), "--rod cell: allowed are law, five"),
+        (_same, ("--to", "abaqus"), "allowed are csv, json, mujoco"),
+        (_same, (), "--to: allowed are"),
+        (_without_density, ("--to", "mujoco"), "needs the mass of the arm; give material.density"),
+        (_without_density, ("--to", "somo", "--rod", "five"), "needs the mass of the arm; give material.density"),
+        (_other_law, ("--to", "pyelastica"), "is not a law with its constants"),
+    ],
+)
+def test_what_does_not_fit_is_one_sentence_and_writes_nothing(
+    tmp_path: Path, change: Callable[[Any], None], options: tuple[str, ...], sentence: str
+) -> None:
+    folder = copy_with(tmp_path / "arm", "parameters.json", change)
+    status, out, error = call("export", str(folder), *options, "--out", str(tmp_path / "files"))
+    assert (status, out, error.count("\n")) == (2, "", 1)
+    assert sentence in error
+    assert not (tmp_path / "files").exists()
+
+
+def test_a_law_that_turns_against_its_moment_cannot_be_a_chain(tmp_path: Path) -> None:
+    def change(content: dict[str, Any]) -> None:
+        for curve in content["clamp"]["curves"]:
+            curve["rotation_rad"] = [-value for value in np.linspace(0.0, 3.0, len(curve["rotation_rad"]))]
+
+    folder = copy_with(tmp_path / "arm", "law.json", change)
+    status, _, error = call("export", str(folder), "--to", "mujoco")
+    assert (status, "does not turn as its moment" in error) == (2, True)
+
+
+def test_one_pressure_has_a_file_of_its_own(tmp_path: Path) -> None:
+    command = ("export", str(COARSE), "--out", str(tmp_path), "--to")
+    for target, names in {
+        "mujoco": {"rod_mujoco_27kPa.xml", "rod_mujoco_27kPa.py"},
+        "somo": {"rod_somo_27kPa.yaml", "rod_somo_27kPa.urdf"},
+        "json": {"law_27kPa.json"},
+    }.items():
+        assert call(*command, target, "--pressure", "27 kPa")[0] == 0
+        assert names <= {file.name for file in tmp_path.iterdir()}
+
+
+def test_the_section_of_a_body_is_that_of_its_mesh(tmp_path: Path) -> None:
+    folder = tmp_path / "arm"
+    shutil.copytree(COARSE, folder)
+    round_one = solid_of(read_results(folder))
+    assert round_one is not None
+    assert round_one.section.width == pytest.approx(2.0 * round_one.radius)
+    # half a box of 112 x 10 x 6 mm in five tetrahedra, from y = -2 mm on
+    corners = np.array([[x, y, z] for x in (0.0, 112.0) for y in (-2.0, 8.0) for z in (0.0, 3.0)])
+    tetrahedra = [[0, 1, 2, 4], [3, 1, 2, 7], [5, 1, 4, 7], [6, 2, 4, 7], [1, 2, 4, 7]]
+    write_fields(folder / "mesh.vtu", corners, np.array(tetrahedra))
+    solid = solid_of(read_results(folder))
+    assert solid is not None
+    height = read_results(folder).curves_of("II")[0]["y_mm"][0]
+    section = solid.section
+    assert (section.low, section.high, section.width) == pytest.approx((-2.0 - height, 8.0 - height, 6.0))
+    assert section.centre == pytest.approx(3.0 - height)
+    assert section.spread == pytest.approx((100.0 / 12.0, 36.0 / 12.0))
+    with pytest.raises(RodError, match="is not a law with its constants"):
+        young_modulus({"law": "svk", "E": 1.2})
+
+
+def test_the_weight_of_a_run_is_left_to_the_other_program(tmp_path: Path) -> None:
+    """A law measured with gravity on: its file is that of the same law without."""
+    heavy = copy_with(tmp_path / "arm", "law.json", lambda content: content | {"weight_N_per_mm": [0.0, -1e-4]})
+    found = {}
+    for folder, out in ((COARSE, "without"), (heavy, "with")):
+        ended = CliRunner().invoke(app, ["export", str(folder), "--to", "json", "--out", str(tmp_path / out)])
+        assert ended.exit_code == 0, ended.stderr
+        assert ("let gravity act in the other program" in ended.stdout) == (out == "with")
+        found[out] = error_in(ended.stdout)
+    assert found["with"] > 3.0 * found["without"]  # judged with weight, against finite elements without it
+    files = [next((tmp_path / out).glob("*.json")).read_text(encoding="utf-8") for out in ("without", "with")]
+    assert files[0] == files[1]

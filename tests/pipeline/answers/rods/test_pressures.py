@@ -1,0 +1,159 @@
+"""The pressure for a place of the end, an angle or a force: `pneurod solve` against `pneurod rod`, both ways."""
+
+import json
+import re
+import time
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+import pneurod
+from pipeline.answers.rods.choice import RodOfRun, choose_rod
+from pipeline.answers.rods.end_loads import Weight
+from pipeline.answers.rods.pressures import Wish, pressures_for
+from pipeline.answers.rods.tips import tips_page
+from pipeline.cli import app
+from pipeline.values.errors import InputError
+from pipeline.values.run import bending_deg
+from rod import FiveParameters, Rod, compile_kernels
+from rod.inverse import Response
+from tests.coarse import COARSE, coarse_run
+
+HANGING = Weight((1.0, 0.0), 1.0)
+
+
+@pytest.fixture(scope="module")
+def rods() -> RodOfRun:
+    return choose_rod(coarse_run(0.001))
+
+
+def solve(*options: str) -> tuple[int, str, str]:
+    result = CliRunner().invoke(app, ["solve", str(COARSE), *options])
+    return result.exit_code, result.stdout, result.stderr
+
+
+@pytest.mark.parametrize("pressure", [3.0, 17.0, 24.5, 36.0])
+def test_the_pressure_comes_back_from_what_the_rod_does(rods: RodOfRun, pressure: float) -> None:
+    rod = rods.at(pressure)
+    free, held, loaded = rod.solve(), rod.solve(end_y=-5.0), rod.solve(direction="hanging", tip_mass=1.0)
+    wishes = {
+        "tip": Wish(tip_mm=free.end),
+        "angle": Wish(angle_deg=bending_deg(free.end)),
+        "force": Wish(force_N=float(held.force[1]), height_mm=-5.0),
+        "loaded": Wish(tip_mm=loaded.end, weight=HANGING),
+    }
+    for name, wish in wishes.items():
+        found = pressures_for(rods, wish)
+        nearest = min(found, key=lambda at: abs(at.pressure_kPa - pressure))
+        assert nearest.pressure_kPa == pytest.approx(pressure, abs=0.005), name
+        shape = held if name == "force" else loaded if name == "loaded" else free
+        assert nearest.tip_mm == pytest.approx(shape.end, abs=0.02)
+        assert nearest.error_kPa is not None
+        assert 0.0 < nearest.error_kPa < 2.0
+
+
+def test_the_commands_agree_both_ways(tmp_path: Path) -> None:
+    code, out, error = solve("--tip", "[70.87 mm, -70.87 mm]", "--json")
+    assert code == 0, error
+    [at] = json.loads(out)["solutions"]
+    command = ["rod", str(COARSE), "--pressure", f"{at['pressure_kPa']} kPa"]
+    printed = CliRunner().invoke(app, command).stdout
+    end = [float(value) for value in re.findall(r"[xy] = (-?[\d.]+) mm", printed)]
+    assert end == pytest.approx(at["tip_mm"], abs=0.01)
+    assert f"{at['angle_deg']:.1f}" in printed
+    code, out, _ = solve("--angle", "1.5708 rad", "--picture", str(tmp_path / "reach.html"))
+    assert (code, "bends by 90.00°" in out) == (0, True)
+    assert "Do not use a rod of this run" in out
+    assert "Reachable tips" in (tmp_path / "reach.html").read_text(encoding="utf-8")
+
+
+def test_several_solutions_are_named() -> None:
+    """An arm whose bending has a maximum over the pressure."""
+    parabola = np.array([0.0, 0.01, 0.012, 0.01, 0.004])
+    lines = FiveParameters(400.0, 400.0, 0.0, 0.0, 50.0)
+
+    def end(pressure: float) -> np.ndarray:
+        kappa = float(np.interp(pressure, [0.0, 10.0, 20.0, 30.0, 40.0], parabola))
+        return np.array([*Rod(100.0, kappa, lines).solve().end, 0.0, 0.0])
+
+    [response] = Response.all_of(end, [0.0, 10.0, 20.0, 30.0, 40.0])
+    found = list(response.where(lambda tips, _: tips[:, 1], end(5.0)[1]))
+    assert [at.pressure for at in found] == pytest.approx([5.0, 38.3333], abs=0.01)
+    near = list(response.nearest((float(end(25.0)[0]), float(end(25.0)[1]))))
+    assert any(at.pressure == pytest.approx(25.0, abs=0.01) for at in near)
+
+
+def test_what_is_out_of_reach_is_told_with_the_nearest(rods: RodOfRun) -> None:
+    with pytest.raises(
+        InputError, match=r"^no pressure from 0 to 37 kPa brings the tip to \(30, 40\) mm; nearest: 0\.00"
+    ):
+        pressures_for(rods, Wish(tip_mm=(30.0, 40.0)))
+    with pytest.raises(InputError, match=r"bends the arm by 300°; nearest: 37\.0000 "):
+        pressures_for(rods, Wish(angle_deg=300.0))
+    with pytest.raises(InputError, match=r"gives the end a force of 9 N; nearest: 37\.0000 .* force on the end"):
+        pressures_for(rods, Wish(force_N=9.0, height_mm=0.0))
+
+
+@pytest.mark.parametrize(
+    ("options", "sentence"),
+    [
+        ((), "give one of a tip, an angle and a force"),
+        (("--tip", "[1 mm, 2 mm]", "--angle", "90 deg"), "give one of a tip, an angle and a force"),
+        (("--force", "0.05 N"), "give the height at which the end is held"),
+        (("--angle", "90 deg", "--at-height", "0 mm"), "give the height at which the end is held"),
+        (("--angle", "90"), "--angle: '90' has no unit"),
+        (("--tip", "[1 mm]"), "--tip: '[1 mm]' is not a pair"),
+        (("--angle", "300 deg"), "no pressure from 0 to 37 kPa bends the arm by 300°; nearest: 37.0000"),
+        (("--angle", "90 deg", "--tip-mass", "2 g"), "--tip-mass: needs --orientation"),
+    ],
+)
+def test_wishes_that_are_none_contradict_or_are_out_of_reach_end_with_status_2(
+    options: tuple[str, ...], sentence: str
+) -> None:
+    code, _, error = solve(*options)
+    assert (code, error.count("\n")) == (2, 1)
+    assert sentence in error
+
+
+def test_nothing_is_overwritten(tmp_path: Path) -> None:
+    picture = tmp_path / "reach.html"
+    picture.write_text("mine")
+    code, _, error = solve("--angle", "90 deg", "--picture", str(picture))
+    assert (code, "exists; give another file" in error) == (2, True)
+    assert picture.read_text() == "mine"
+
+
+def test_python_takes_numbers_and_texts() -> None:
+    results = pneurod.read_results(COARSE)
+    numbers, texts = results.pressure_for(angle=90.0), results.pressure_for(angle="90 deg")
+    assert numbers == texts
+    [held] = results.pressure_for(force="0.03 N", at_height="0 mm")
+    assert held.force_N[1] == pytest.approx(0.03, abs=1e-4)
+    [loaded] = results.pressure_for(angle="60 deg", direction="hanging", tip_mass="1 g")
+    assert loaded.pressure_kPa > results.pressure_for(angle=60.0)[0].pressure_kPa
+    wrong: Any = 3
+    with pytest.raises(pneurod.InputError, match=r"^tip: 3 is no pair"):
+        results.pressure_for(tip=wrong)
+    with pytest.raises(pneurod.InputError, match="give one of a tip, an angle and a force"):
+        results.pressure_for()
+
+
+def test_a_pressure_takes_milliseconds_once_the_arm_is_known(rods: RodOfRun) -> None:
+    compile_kernels()
+    pressures_for(rods, Wish(angle_deg=60.0))
+    times = []
+    for angle in np.linspace(40.0, 120.0, 30):
+        start = time.process_time()
+        pressures_for(rods, Wish(angle_deg=float(angle)))
+        times.append(time.process_time() - start)
+    assert np.median(times) < 0.02  # 5 ms on a machine that does nothing else
+
+
+def test_the_picture_has_a_path_for_each_payload(rods: RodOfRun) -> None:
+    page = tips_page(
+        rods, Wish(angle_deg=60.0, weight=HANGING), pressures_for(rods, Wish(angle_deg=60.0, weight=HANGING))
+    )
+    assert all(f'"name": "{mass:g} g"' in page for mass in (0.0, 0.2, 0.4, 0.6, 0.8, 1.0))

@@ -1,0 +1,143 @@
+"""`pneurod cell` of an arm with three chambers, on a coarse mesh and with few states."""
+
+from pathlib import Path
+
+import gmsh
+import numpy as np
+import pytest
+from typer.testing import CliRunner, Result
+
+from pipeline.cli import app
+from pipeline.config.document import read_document
+from pipeline.law.in_space import measure
+from pipeline.law.in_space.rows import read_rows
+from pipeline.results.saved_law_in_space import read_space_law
+from pipeline.store.store import open_store
+from rod.arm_law.space_law import SpaceLaw
+from rod.errors import RodError
+from rod.spatial import SpatialLoad
+
+LENGTH, SIDE, BORE, AWAY, END = 40.0, 12.0, 3.0, 3.4, 4.0
+ANGLES = np.pi * np.array([1 / 2, 7 / 6, 11 / 6])  # from y to z
+ROWS = "[[12 kPa, 4 kPa, 0 kPa]]"
+CONFIG = """
+name: three
+geometry:
+  family: own
+  file: three.step
+  symmetric: false
+  curve: 0 mm
+  cell: {from: 16 mm, to: 20 mm}
+  air: {a: [20 mm, 0 mm, 3.4 mm], b: [20 mm, -2.944 mm, -1.7 mm], c: [20 mm, 2.944 mm, -1.7 mm]}
+material: {law: neo_hooke, mu: 0.1 MPa, nu: 0.49, density: 1130 kg/m^3}
+mesh: {size: 8 mm, formulation: p2p0, grading: off}
+"""
+
+
+@pytest.fixture(scope="module")
+def config(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("three")
+    gmsh.initialize(interruptible=False)
+    gmsh.option.setNumber("General.Terminal", 0)
+    occ = gmsh.model.occ
+    body = occ.addBox(0, -SIDE / 2, -SIDE / 2, LENGTH, SIDE, SIDE)
+    corners = AWAY * np.column_stack([np.cos(ANGLES), np.sin(ANGLES)]) - BORE / 2
+    holes = [(3, occ.addBox(END, y, z, LENGTH - 2 * END, BORE, BORE)) for y, z in corners.tolist()]
+    occ.cut([(3, body)], holes)
+    occ.synchronize()
+    gmsh.write(str(folder / "three.step"))
+    gmsh.finalize()
+    path = folder / "three.yaml"
+    path.write_text(f"{CONFIG}pressures: {ROWS}\n", encoding="utf-8")
+    return path
+
+
+def call(*arguments: str) -> Result:
+    return CliRunner().invoke(app, list(arguments), catch_exceptions=False)
+
+
+@pytest.fixture(scope="module")
+def folder(config: Path) -> Path:
+    out = config.parent / "law"
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(measure, "ONE_RATIO", (0.5, 1.0))
+        patch.setattr(measure, "RINGS", ((0.5, 3),))
+        result = call("cell", str(config), "--out", str(out))
+    assert result.exit_code == 0, result.output
+    assert "The law interpolates" in result.output
+    assert "On a mesh of 70 % of the size" in result.output
+    return out
+
+
+@pytest.fixture(scope="module")
+def law(folder: Path) -> SpaceLaw:
+    law = read_space_law(folder)
+    assert law is not None
+    return law
+
+
+def test_the_arm_bends_away_from_the_pressure(law: SpaceLaw) -> None:
+    end = np.array(law.at((12.0, 4.0, 0.0)).solve_in_space(SpatialLoad()).end)[1:]
+    towards = 3 * np.array([np.cos(ANGLES[0]), np.sin(ANGLES[0])]) + [np.cos(ANGLES[1]), np.sin(ANGLES[1])]
+    turned = np.arccos(-end @ towards / np.linalg.norm(end) / np.linalg.norm(towards))
+    assert turned < 0.3  # the curvature grows faster than the pressure
+    assert np.linalg.norm(end) > 0.05
+
+
+def test_the_law_is_known_along_its_row(law: SpaceLaw) -> None:
+    assert law.error < 0.01
+    less, more = (np.linalg.norm(law.at((12.0 * part, 4.0 * part, 0.0)).kappa_0) for part in (0.5, 1.0))
+    assert 0.2 < less / more < 0.5
+    with pytest.raises(RodError, match="are not between rows of the law"):
+        law.at((12.0, 0.0, 0.0))
+
+
+def test_the_rod_from_the_command_line(folder: Path) -> None:
+    result = call("rod", str(folder), "--pressure", "[6 kPa, 2 kPa, 0 kPa]", "--force", "[0 N, 0.01 N, 0 N]")
+    assert result.exit_code == 0
+    assert "z =" in result.output
+    refused = call("rod", str(folder), "--pressure", "6 kPa")
+    assert refused.exit_code != 0
+    assert "has the pressures of a, b, c; give all" in refused.output
+
+
+@pytest.mark.parametrize(
+    ("changed", "sentence"),
+    [
+        ("[[12 kPa, 0 kPa]]", "pressures[1]: has 2 pressures; give one for each of the cavities a, b, c"),
+        ("[12 kPa, [1 kPa, 2 kPa, 3 kPa]]", "pressures[1]: is no row of pressures"),
+        ("[[0 kPa, 0 kPa, 0 kPa]]", "pressures[1]: must have no pressure below 0 kPa, and one above"),
+        ("[[1 kg, 0 kPa, 0 kPa]]", "pressures[1]: "),
+    ],
+)
+def test_wrong_rows(changed: str, sentence: str, config: Path) -> None:
+    result = call("cell", str(config), "--set", f"pressures={changed}")
+    assert result.exit_code == 2
+    assert sentence in " ".join(result.output.split())
+
+
+def test_other_commands_do_not_take_rows(config: Path, folder: Path) -> None:
+    result = call("run", str(config))
+    assert result.exit_code == 2
+    assert "`pneurod cell` takes rows for three chambers" in " ".join(result.output.split())
+    result = call("solve", str(folder), "--angle", "3 deg")
+    assert result.exit_code == 2
+    assert "several pressures meet a wish in many ways" in " ".join(result.output.split())
+
+
+def test_other_commands_say_what_takes_the_law(folder: Path) -> None:
+    result = call("export", str(folder), "--to", "mujoco")
+    assert result.exit_code == 2
+    assert "holds a law in space; of all commands only `pneurod rod` takes it" in " ".join(result.output.split())
+
+
+def test_the_weight_of_the_saved_arm(folder: Path) -> None:
+    result = call("rod", str(folder), "--pressure", "[6 kPa, 2 kPa, 0 kPa]", "--orientation", "[0, -1]")
+    assert result.exit_code == 0, result.output
+    assert "which the rod carries besides" in result.output
+
+
+def test_a_fresh_folder_has_no_older_law(folder: Path, config: Path) -> None:
+    with open_store(folder, read_rows(read_document(config)).config, fresh=True):
+        assert not (folder / "law_in_space.json").exists()
+        assert not (folder / "law_in_space").exists()

@@ -1,0 +1,369 @@
+"""The rod of a parameters.json from the command line: shapes under loads, exports, one sentence for wrong input."""
+
+import json
+import re
+import runpy
+from pathlib import Path
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from pipeline.cli import app
+from pipeline.results.saved_rod import SavedRod
+from pipeline.values.formats import FORMAT
+from rod import FiveParameters, Rod, law_record
+from tests.rod.arm_law.test_arm_law import law_of, straight_law
+
+LENGTH = 112.0
+
+
+@pytest.fixture
+def results(tmp_path: Path) -> Path:
+    s = np.linspace(0.0, LENGTH, 57)
+    content = {
+        "format": FORMAT,
+        "length_mm": LENGTH,
+        "mass_g": 16.5,
+        "solid_volume_mm3": 14600.0,
+        "material": {"law": "svk", "E": 1.2, "nu": 0.495, "density_tonne_mm3": 1.13e-9},
+        "pressures_kPa": [17.0, 37.0],
+        "alpha1_N_mm2": [60.0, 55.0],
+        "alpha2_N_mm2": [300.0, 440.0],
+        "m01_N_mm": [0.1, 0.2],
+        "m02_N_mm": [-0.2, -0.4],
+        "d_mm": [10.0, 10.0],
+        "kappa_0": {
+            "s_mm": s.tolist(),
+            "theta0_rad": [0.0, 0.02],
+            "kappa_0_per_mm": [np.full(57, -0.012).tolist(), np.full(57, -0.023).tolist()],
+        },
+    }
+    (tmp_path / "parameters.json").write_text(json.dumps(content))
+    return tmp_path
+
+
+def call(*arguments: str) -> tuple[int, str, str]:
+    result = CliRunner().invoke(app, list(arguments))
+    return result.exit_code, result.stdout, result.stderr
+
+
+def test_rod_between_two_pressures_has_the_means_of_the_numbers_and_a_rest_curvature_through_zero(
+    results: Path,
+) -> None:
+    rod = SavedRod.read(results / "parameters.json").at("27 kPa")
+    law = FiveParameters(alpha1=57.5, alpha2=370.0, m01=0.15, m02=-0.3, d=10.0)
+    ours = rod.solve(force=(0.0, 0.05))
+    kappa_0, theta0 = (np.polyval(np.polyfit([0, 17, 37], [0, *v], 2), 27) for v in ([-0.012, -0.023], [0.0, 0.02]))
+    reference = Rod(LENGTH, float(kappa_0), law, theta0=float(theta0)).solve(force=(0.0, 0.05))
+    assert ours.x[-1] == pytest.approx(reference.x[-1], abs=1e-6)
+    assert ours.y[-1] == pytest.approx(reference.y[-1], abs=1e-6)
+
+
+def test_pressures_written_with_six_digits_are_those_of_the_file(results: Path) -> None:
+    file = results / "parameters.json"
+    content = json.loads(file.read_text()) | {"pressures_kPa": [2.75790291727, 5.51580583453]}  # 0.4 and 0.8 psi
+    names = ("alpha1_N_mm2", "alpha2_N_mm2", "m01_N_mm", "m02_N_mm", "d_mm")
+    file.write_text(json.dumps(content | {f"{name}_std": [0.1, 0.2] for name in names}))
+    law = results / "law" / "law.json"
+    law.parent.mkdir()
+    law.write_text(json.dumps(law_record(law_of(straight_law(0.0), straight_law(2.75790291727, -0.02)))))
+    for path, printed, exact in ((file, "2.7579", 2.75790291727), (file, "5.51581", 5.51580583453), (law, "2.7579", 0)):
+        code, out, _ = call("rod", str(path), "--pressure", f"{printed} kPa")
+        assert code == 0
+        assert "polated" not in out
+        assert (exact == 0) or call("rod", str(path), "--pressure", f"{exact} kPa")[1] == out
+    assert call("export", str(results), "--to", "json", "--pressure", "5.51581 kPa")[0] == 0
+    table = json.loads((results / "rod_5.51581kPa.json").read_text())
+    assert (table["pressures_kPa"], table["origin"], table["d_mm_std"]) == ([5.51580583453], "identified", [0.2])
+    assert call("export", str(law.parent), "--to", "json", "--pressure", "2.7579 kPa")[0] == 0
+    assert json.loads((law.parent / "law_2.7579kPa.json").read_text())["pressures_kPa"] == [2.75790291727]
+    assert call("rod", str(file), "--pressure", "5.5159 kPa")[0] == 2
+    assert call("rod", str(law), "--pressure", "2.75795 kPa")[0] == 2
+
+
+def test_a_load_beyond_the_identified_moments_gets_a_warning(results: Path) -> None:
+    file = results / "parameters.json"
+    content = json.loads(file.read_text())
+    file.write_text(json.dumps({**content, "moment_range_N_mm": [[0.2, 3.0], [0.4, 4.0]]}))
+    code, out, _ = call("rod", str(file), "--pressure", "17 kPa", "--force", "[0 N, 0.1 N]")
+    assert code == 0
+    assert "The moment leaves the 0.2 to 3 N mm" in out
+    tiny = call("rod", str(file), "--pressure", "17 kPa", "--force", "[0 N, 0.001 mN]")[1]
+    none = call("rod", str(file), "--pressure", "17 kPa")[1]
+    ends = [np.array(re.findall(r"[xy] = (-?[\d.]+) mm", text), float) for text in (tiny, none)]
+    jump = np.linalg.norm(ends[0] - ends[1])
+    assert jump > 0.5
+    stated = float(tiny.split("its end is then ")[1].split(" mm")[0])
+    assert stated == pytest.approx(jump, rel=0.03)
+    assert "the law is extrapolated there" in out
+    code, out, _ = call("rod", str(file), "--pressure", "27 kPa")
+    assert "The moment leaves" not in out
+
+
+def test_the_extensible_rod_has_a_longer_curve(results: Path) -> None:
+    file = results / "parameters.json"
+    content = json.loads(file.read_text())
+    keys = ("alpha1_N_mm2", "alpha2_N_mm2", "m01_N_mm", "m02_N_mm", "d_mm")
+    eccentricity = {key: content[key] for key in keys}
+    eccentricity |= {"eccentricity_mm": [1.2, 1.4], "rest_stretch": [[1.02] * 57, [1.04] * 57]}
+    file.write_text(json.dumps({**content, "eccentricity": eccentricity}))
+    assert SavedRod.read(file).at("27 kPa").extension is None
+    rod = SavedRod.read(file, extensible=True).at("27 kPa")
+    shape = rod.solve()
+    stretch = float(np.polyval(np.polyfit([0, 17, 37], [1, 1.02, 1.04], 2), 27))
+    assert np.all(np.abs(shape.stretch - stretch) < 1e-12)
+    assert rod.extension is not None
+    assert rod.extension.eccentricity == pytest.approx(1.3)
+    code, out, _ = call("rod", str(file), "--pressure", "27 kPa", "--rod", "five_extensible")
+    assert code == 0
+    assert f"x = {shape.x[-1]:.3f} mm" in out
+    assert "five_extensible: five parameters of the key eccentricity" in out
+    code, out, _ = call("rod", str(file), "--pressure", "27 kPa")
+    assert code == 0
+    assert f"x = {shape.x[-1]:.3f} mm" not in out
+    assert "five: five parameters, inextensible" in out
+
+
+def test_files_that_interpolate_over_the_pressure_follow_the_cubics_of_the_rod(results: Path) -> None:
+    springs = {}
+    for pressure in ("17 kPa", "24.5 kPa", "37 kPa", "17_to_37kPa"):
+        options = ("--pressure", pressure) if " " in pressure else ()
+        assert call("export", str(results), "--to", "pyelastica", *options)[0] == 0
+        program = runpy.run_path(str(results / f"rod_pyelastica_{pressure.replace(' ', '')}.py"))
+        now = program["at"](float(pressure.split()[0]) if " " in pressure else 24.5)
+        springs[pressure] = now["angle_rad"][program["TABLE"]["kind"], 0]
+    line = 0.625 * springs["17 kPa"] + 0.375 * springs["37 kPa"]  # 24.5 kPa lies between two pressures of the file
+    off = [np.abs(neutral - springs["24.5 kPa"]).max() for neutral in (springs["17_to_37kPa"], line)]
+    assert off[0] < 0.1 * off[1]
+
+
+def test_an_arm_with_a_weight_does_not_become_straight_without_pressure(results: Path) -> None:
+    file = results / "parameters.json"
+    content = json.loads(file.read_text())
+    content["kappa_0"]["kappa_0_per_mm"] = [np.full(57, -0.012).tolist()] * 2
+    content["kappa_0"]["theta0_rad"] = [0.0, 0.0]
+    file.write_text(json.dumps(content | {"straight_without_pressure": False}))
+    ends = {re.findall(r"x = .* mm", call("rod", str(file), "--pressure", f"{p} kPa")[1])[0] for p in (17, 27, 37)}
+    assert len(ends) == 1
+    sentence = "do not apply that once more in the other program"
+    out = call("export", str(results), "--to", "json")[1]
+    assert f"{sentence}." in out
+    assert f"{sentence}, nor a pressure below those of the file" in call("export", str(results), "--to", "mujoco")[1]
+
+
+def test_a_rod_carries_the_weight_of_its_arm(results: Path) -> None:
+    """At rest it has the curvature that was measured under the weight; lifting it takes the weight off the clamp."""
+    file = results / "parameters.json"
+    command = ("rod", str(file), "--pressure", "37 kPa", "--force", "[0 N, 0.02 N]")
+    light = call(*command)[1]
+    content = json.loads(file.read_text())
+    file.write_text(json.dumps(content | {"weight_N_per_mm": [0.0, -0.001], "weight_height_mm": 5.0}))
+    rods = SavedRod.read(file)
+    rod, length = rods.at("37 kPa"), content["length_mm"]
+    rest = np.array(content["kappa_0"]["kappa_0_per_mm"][content["pressures_kPa"].index(37.0)])
+    alone = rod.solve()
+    at_rest = np.interp(content["kappa_0"]["s_mm"], alone.s, alone.kappa)
+    assert np.abs(at_rest - rest).max() < 0.02 * np.abs(rest).max()
+    code, out, _ = call(*command)
+    assert code == 0
+    assert f"[0, {-0.001 * length:.5g}] N, which the rod carries besides" in out
+    assert "carries" not in light
+    assert out.splitlines()[1] != light.splitlines()[1]  # the end
+    code, out, _ = call("export", str(results), "--to", "csv")
+    assert code == 0
+    assert "The exported rod keeps the moments that its weight has without load" in out
+
+
+def test_numbers_that_were_not_identified_are_called_so(results: Path) -> None:
+    file = str(results / "parameters.json")
+    content = json.loads(Path(file).read_text())
+    names = ("alpha1_N_mm2", "alpha2_N_mm2", "m01_N_mm", "m02_N_mm", "d_mm")
+    Path(file).write_text(json.dumps(content | {f"{name}_std": [0.1, 0.2] for name in names}))
+    between = "interpolated between those identified at 17 and 37 kPa"
+    for options, origin in (
+        (("--pressure", "17 kPa"), "identified"),
+        (("--pressure", "27 kPa"), between),
+    ):
+        code, out, _ = call("rod", file, *options)
+        assert code == 0
+        assert (origin in out) == (origin != "identified")
+        code, out, _ = call("export", str(results), "--to", "json", *options)
+        assert code == 0
+        assert (f"are {origin}." in out) == (origin != "identified")
+        table = json.loads((results / f"rod_{options[1].split()[0]}kPa.json").read_text())
+        assert table["origin"] == origin
+        assert ("alpha1_N_mm2_std" in table) == (origin == "identified")
+        assert call("export", str(results), "--to", "mujoco", *options)[0] == 0
+        assert f"five parameters, {origin}, at" in (results / f"rod_mujoco_{options[1].split()[0]}kPa.xml").read_text()
+
+
+def test_an_end_beyond_the_reach_of_a_rod_that_stretches_is_named(tmp_path: Path) -> None:
+    file = tmp_path / "law.json"
+    file.write_text(json.dumps(law_record(law_of(straight_law(0.0), straight_law(20.0)))))
+    status, _, error = call("rod", str(file), "--pressure", "10 kPa", "--end-y", "300 mm")
+    assert status == 2
+    assert "--end-y: is 300 mm away from the clamped end, but the arm is 110 mm long" in error
+
+
+def test_the_command_prints_the_end_and_writes_the_shape(results: Path) -> None:
+    file = results / "shape.csv"
+    loads = ("--pressure", "17 kPa", "--force", "[0 N, 0.02 N]", "--out", str(file))
+    code, out, _ = call("rod", str(results / "parameters.json"), *loads)
+    assert code == 0
+    table = np.loadtxt(file, delimiter=",", skiprows=1)
+    assert f"x = {table[-1, 1]:.3f} mm, y = {table[-1, 2]:.3f} mm" in out
+    assert table[0, 5] == pytest.approx(table[-1, 1] * 0.02, rel=1e-6)  # M(0) = x(l) F_y for F_x = 0
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code", "sentence"),
+    [
+        (("--pressure", "40 kPa"), 2, "40 kPa lies outside the identified range of 17 to 37 kPa"),
+        (("--pressure", "27"), 2, "has no unit"),
+        (("--pressure", "27 kPa", "--force", "[0, 1]"), 2, "has no unit"),
+        (("--pressure", "27 kPa", "--force", "0.1 N"), 2, "is not a pair"),
+        (("--pressure", "27 kPa", "--end", "[130 mm, 0 mm]"), 2, "--end: is 130 mm away from the clamped end"),
+        (("--pressure", "27 kPa", "--end-y", "0 mm", "--force", "[0 N, 1 N]"), 2, "give one of them"),
+        (("--pressure", "27 kPa", "--end-y", "-300 mm"), 2, "--end-y: is 300 mm away from the clamped end"),
+        (("--pressure", "27 kPa", "--rod", "law"), 2, "--rod law: is not in parameters.json"),
+        (("--pressure", "27 kPa", "--rod", "six"), 2, "--rod six: allowed are law, five, five_extensible"),
+    ],
+)
+def test_bad_loads_give_one_sentence(results: Path, arguments: tuple[str, ...], code: int, sentence: str) -> None:
+    status, _, error = call("rod", str(results / "parameters.json"), *arguments)
+    assert status == code
+    assert sentence in error
+    assert error.count("\n") == 1
+
+
+def test_other_files_are_rejected(tmp_path: Path) -> None:
+    file = tmp_path / "parameters.json"
+    file.write_text("{}")
+    status, _, sentence = call("rod", str(file), "--pressure", "17 kPa")
+    assert status == 2
+    assert "is not the parameters.json of a finished run" in sentence
+    for text, problem in (
+        ("[{}]", ";"),
+        ("{", ", line 1 is not JSON;"),
+        ("{}", ", the key 'pressures_kPa' is missing;"),
+    ):
+        file.write_text(text)
+        sentence = call("rod", str(file), "--pressure", "17 kPa")[2]
+        assert f"is not the parameters.json of a finished run{problem}" in sentence
+        assert not any(word in sentence for word in ("list indices", "str", "char"))
+
+
+@pytest.mark.parametrize(
+    ("run", "reason"),
+    [
+        (
+            {"remarks": [{"code": "density", "text": "other"}, {"code": "too_short", "text": "4.4 pitches"}]},
+            "4.4 pitches",
+        ),
+        ({"failures": [{"code": "not_identified", "text": "at 10 kPa: no moment"}]}, "at 10 kPa: no moment"),
+        (None, "the identification needs II and III at the same pressure"),
+    ],
+)
+def test_a_run_without_parameters_is_refused_with_its_reason(
+    results: Path, run: dict[str, object] | None, reason: str
+) -> None:
+    file = results / "parameters.json"
+    lists = {key: [] for key, value in json.loads(file.read_text()).items() if isinstance(value, list)}
+    file.write_text(json.dumps({**json.loads(file.read_text()), **lists, "kappa_0": {}}))
+    if run is not None:
+        (results / "run.json").write_text(json.dumps(run))
+    for command in (("rod", str(file), "--pressure", "10 kPa"), ("export", str(results), "--to", "csv")):
+        status, _, sentence = call(*command)
+        assert status == 2
+        assert sentence == f"pneurod: {file}: holds no parameters of a rod: {reason}\n"
+
+
+@pytest.mark.parametrize("target", ["csv", "json", "pyelastica", "mujoco", "somo", "sorosim"])
+def test_every_export_is_written_and_replaced_on_request_only(results: Path, tmp_path: Path, target: str) -> None:
+    command = ("export", str(results), "--to", target, "--out", str(tmp_path / "files"))
+    status, out, _ = call(*command)
+    assert status == 0
+    files = [Path(line[9:]) for line in out.splitlines() if line.startswith("written: ")]
+    assert files
+    for file in files:
+        assert file.parent == tmp_path / "files"
+        assert "kPa" in file.name
+        assert file.stat().st_size > 100
+    status, _, sentence = call(*command)
+    assert (status, "--force to replace it" in sentence) == (2, True)
+    assert call(*command, "--force")[0] == 0
+
+
+def test_an_export_at_one_pressure_has_it_in_its_name(results: Path, tmp_path: Path) -> None:
+    command = ("export", str(results), "--to", "json", "--out", str(tmp_path))
+    assert call(*command, "--pressure", "27 kPa")[0] == 0
+    assert json.loads((tmp_path / "rod_27kPa.json").read_text())["pressures_kPa"] == [27.0]
+    status, _, sentence = call(*command, "--pressure", "45 kPa")
+    assert (status, "outside the identified range" in sentence) == (2, True)
+
+
+def test_standard_deviations_are_exported(results: Path, tmp_path: Path) -> None:
+    file = results / "parameters.json"
+    content = json.loads(file.read_text())
+    for key in ("alpha1_N_mm2", "alpha2_N_mm2", "m01_N_mm", "m02_N_mm", "d_mm"):
+        content[f"{key}_std"] = [0.5, 0.25]
+    file.write_text(json.dumps(content))
+    assert call("export", str(results), "--to", "json", "--out", str(tmp_path / "files"))[0] == 0
+    written = json.loads((tmp_path / "files" / "rod_17_to_37kPa.json").read_text())
+    assert written["d_mm_std"] == [0.5, 0.25]
+
+
+def test_an_unknown_export_is_rejected(results: Path) -> None:
+    status, _, sentence = call("export", str(results), "--to", "abaqus")
+    assert status == 2
+    assert "allowed are csv, json, mujoco" in sentence
+
+
+def test_without_a_mass_there_are_tables_and_no_dynamics(results: Path, tmp_path: Path) -> None:
+    file = results / "parameters.json"
+    content = json.loads(file.read_text())
+    content["mass_g"] = content["material"]["density_tonne_mm3"] = None
+    file.write_text(json.dumps(content))
+    command = ("export", str(results), "--out", str(tmp_path), "--to")
+    assert call(*command, "json")[0] == 0
+    assert json.loads((tmp_path / "rod_17_to_37kPa.json").read_text())["mass_g"] is None
+    for target in ("pyelastica", "mujoco", "somo", "sorosim"):
+        status, _, sentence = call(*command, target)
+        assert (status, "needs the mass of the arm" in sentence) == (2, True)
+    assert call("rod", str(file), "--pressure", "17 kPa")[0] == 0
+
+
+def test_the_end_angle_printed_is_that_of_the_material_curve(results: Path) -> None:
+    file = results / "parameters.json"
+    shape = SavedRod.read(file).at("37 kPa").solve(force=(0.0, 0.02))
+    code, out, _ = call("rod", str(file), "--pressure", "37 kPa", "--force", "[0 N, 0.02 N]")
+    assert code == 0
+    assert f"{shape.end_angle:.4f} rad" in out
+    assert f"{shape.end[1]:.3f} mm from the clamped end of the curve" in out
+
+
+def test_a_folder_and_a_file_in_the_wrong_place_are_named(results: Path) -> None:
+    assert call("rod", str(results), "--pressure", "17 kPa") == call(
+        "rod", str(results / "parameters.json"), "--pressure", "17 kPa"
+    )
+    status, _, sentence = call("rod", str(results), "--pressure", "17 kPa", "--rod", "law")
+    assert (status, "has no law.json, the arm's own law; take rod five" in sentence) == (2, True)
+    status, _, sentence = call("export", str(results / "parameters.json"), "--to", "csv")
+    assert status == 2
+    assert f"is a file; give the folder of the run, {results}" in sentence
+
+
+def test_options_of_the_five_parameters_and_missing_parts_are_named_for_a_law(results: Path) -> None:
+    file = results / "law.json"
+    file.write_text(json.dumps(law_record(law_of(straight_law(0.0), straight_law(20.0, -0.01)))))
+    command = ("rod", str(file), "--pressure", "10 kPa")
+    code, out, _ = call(*command, "--moment", "1.5 Nmm")
+    assert code == 0
+    assert "arm_law: the arm's own law" in out
+    status, _, sentence = call(*command, "--rod", "five")
+    assert (status, "--rod five: is not in law.json" in sentence) == (2, True)
+    record = json.loads(file.read_text())
+    file.write_text(json.dumps({key: value for key, value in record.items() if key != "curves"}))
+    status, _, sentence = call(*command)
+    assert (status, "The law of an arm lacks the key 'curves'" in sentence) == (2, True)

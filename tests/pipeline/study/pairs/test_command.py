@@ -1,0 +1,82 @@
+"""`pneurod run` at pairs of pressures: folders, files and sentences, with laws in closed form for finite elements."""
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+from typer.testing import CliRunner, Result
+
+from pipeline.cli import app
+from pipeline.config.config import Config
+from pipeline.results.files import law_of
+from pipeline.store.result_folder import ResultFolder
+from pipeline.values.run import Run, State
+from rod.arm_law.law import ArmLaw
+from rod.arm_law.pairs import direction_of
+from rod.arm_law.record import law_record
+from tests.pair_laws import ray
+
+DESIGN = """
+name: two
+geometry: {family: bisected_circle, length: 70 mm}
+material: {law: svk, E: 1.2 MPa, nu: 0.495}
+pressures: [[30 kPa, 0 kPa], [30 kPa, 30 kPa]]
+"""
+
+
+def law_for(config: Config) -> ArmLaw:
+    one, other = (cavity.fraction for cavity in config.effects.pressure.cavities.values())
+    return ray(direction_of((one, other))[1])
+
+
+@pytest.fixture
+def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..., Result]:
+    def solved(config: Config, out: Path, *_: Any) -> Any:
+        content = law_record(law_for(config))
+        ResultFolder(out).save_json("law.json", content)
+        states = (State("III", 30.0, reaction_N=(0.0, 0.0123)),)
+        return SimpleNamespace(results=Run(out, states=states, law=law_of(content)))
+
+    def measured(config: Config, *_: Any) -> Any:
+        return SimpleNamespace(measured=SimpleNamespace(law=law_for(config)))
+
+    monkeypatch.setattr("pipeline.study.pairs.run.run", solved)
+    monkeypatch.setattr("pipeline.study.pairs.run.measure_law", measured)
+    (tmp_path / "two.yaml").write_text(DESIGN, encoding="utf-8")
+    arguments = ["run", str(tmp_path / "two.yaml"), "--out", str(tmp_path / "out"), "-q"]
+    return lambda *more: CliRunner().invoke(app, [*arguments, *more])
+
+
+def test_the_command_writes_a_folder_for_each_ratio_and_the_law_of_both(
+    run: Callable[..., Result], tmp_path: Path
+) -> None:
+    done = run()
+    assert done.exit_code == 0, done.output
+    assert "0.0123" in done.stdout
+    assert "has the ratios 1 to 0, 1 to 0.5, 1 to 1; between them it is interpolated to" in " ".join(
+        done.stdout.split()
+    )
+    saved = json.loads((tmp_path / "out" / "pairs.json").read_text(encoding="utf-8"))
+    assert saved["pressures_kPa_by_folder"] == {"1_to_0": [30.0], "1_to_1": [30.0]}
+    page = (tmp_path / "out" / "pairs.html").read_text(encoding="utf-8")
+    assert '<a href="1_to_0/report.html">' in page
+    assert "Moment over curvature" in page
+    rod = CliRunner().invoke(app, ["rod", str(tmp_path / "out"), "--pressure", "[30 kPa, 10 kPa]"])
+    assert rod.exit_code == 0, rod.output
+    assert "the arm's own law" in rod.stdout
+
+
+def test_the_verdict_as_json(run: Callable[..., Result]) -> None:
+    done = run("--json")
+    assert done.exit_code == 0, done.output
+    assert json.loads(done.stdout)["cavities"] == ["cavity", "cavity_lower"]
+
+
+def test_a_folder_with_another_run_is_refused(run: Callable[..., Result], tmp_path: Path) -> None:
+    ResultFolder(tmp_path / "out").save_json("states/configuration.json", {})
+    done = run()
+    assert done.exit_code == 2
+    assert "holds the results of a run with one pressure; give another --out" in done.stderr

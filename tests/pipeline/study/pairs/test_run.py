@@ -1,0 +1,91 @@
+"""The law over two pressures from the laws of single ratios: which ones are added, and how it is read again."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import pytest
+
+from pipeline.answers.rods.choice import rod_of_path
+from pipeline.answers.rods.end_loads import rod_at
+from pipeline.answers.rods.pressures import Wish, pressures_for
+from pipeline.config.document import Document
+from pipeline.results.files import read_results
+from pipeline.results.saved_pairs import read_pair_law
+from pipeline.store.result_folder import ResultFolder
+from pipeline.study.pairs.run import BETWEEN, PairRuns, joined, record
+from pipeline.study.pairs.spec import PairSpec
+from pipeline.values.errors import InputError, RunFailed
+from pipeline.values.formats import PAIRS
+from pneurod import read_pair_law as read_law
+from rod.arm_law.law import ArmLaw
+from tests.pair_laws import ray
+
+
+def spec_of(*directions: float) -> PairSpec:
+    rays = dict.fromkeys(directions, (30.0,))
+    return PairSpec(Document(Path("two.yaml"), {}, ()), "two", ("cavity", "cavity_lower"), rays)
+
+
+def exact(direction: float, pressures: Sequence[float]) -> ArmLaw:
+    assert list(pressures) == [10.0, 20.0, 30.0]
+    return ray(direction)
+
+
+def test_a_ratio_halfway_is_added_and_equal_pressures_are_one_of_them() -> None:
+    law, notes = joined(spec_of(0.0, 2.0), {d: ray(d) for d in (0.0, 2.0)}, exact)
+    assert law is not None
+    assert law.directions == (0.0, 0.5, 1.0, 1.5, 2.0)
+    assert law.error_between == pytest.approx(0.0, abs=1e-6)
+    assert notes == ()
+
+
+def test_where_the_law_misses_the_ratio_halfway_more_are_added() -> None:
+    def other(direction: float, pressures: Sequence[float]) -> ArmLaw:
+        return ray(direction, stiffer=1.2 if direction == 0.5 else 1.0)
+
+    law, notes = joined(spec_of(0.0, 1.0), {d: ray(d) for d in (0.0, 1.0)}, other)
+    assert law is not None
+    assert {0.25, 0.75} <= set(law.directions)
+    assert law.error_between is not None
+    assert law.error_between > BETWEEN
+    assert "less certain" in notes[0]
+
+
+def test_ratios_that_are_not_borne_leave_their_neighbours_or_no_law() -> None:
+    def failing(direction: float, pressures: Sequence[float]) -> ArmLaw:
+        raise RunFailed("the cell buckles")
+
+    law, notes = joined(spec_of(0.0, 1.0), {d: ray(d) for d in (0.0, 1.0)}, failing)
+    assert law is not None
+    assert law.error_between is None
+    assert notes == ("Between 1_to_0 and 1_to_1: the cell buckles",)
+    law, notes = joined(spec_of(0.0, 2.0), {d: ray(d) for d in (0.0, 2.0)}, failing)
+    assert law is None
+    assert "without one at equal pressures" in notes[-1]
+    law, notes = joined(spec_of(0.0, 1.0), {0.0: ray(0.0)}, exact)
+    assert law is None
+    assert "because 1_to_1 has no law" in notes[0]
+
+
+def test_the_rod_is_read_from_the_folder(tmp_path: Path) -> None:
+    spec = spec_of(0.0, 1.0)
+    law, notes = joined(spec, {d: ray(d) for d in (0.0, 1.0)}, exact)
+    made = PairRuns(tmp_path, spec, {}, law, notes)
+    ResultFolder(tmp_path).save_json(PAIRS, record(made))
+    assert "1 to 0, 1 to 0.5, 1 to 1" in made.sentences[0]
+    assert law is not None
+    rods = rod_of_path(tmp_path, None)
+    rod = rod_at(rods, "[20 kPa, 8 kPa]")
+    assert rod.solve().end == pytest.approx(law.at((20.0, 8.0)).solve().end)
+    with pytest.raises(InputError, match="--rod five: a law over two pressures is that of rod law"):
+        rod_of_path(tmp_path, "five")
+    with pytest.raises(InputError, match="has the pressures of cavity, cavity_lower; give all"):
+        rod_at(rods, "20 kPa")
+    with pytest.raises(InputError, match="give the folder of one ratio"):
+        pressures_for(rods, Wish(angle_deg=20.0))
+    assert read_law(tmp_path).at((20.0, 8.0)).solve().end == pytest.approx(rod.solve().end)
+    with pytest.raises(InputError, match="holds pairs of pressures; give a folder of one ratio in it"):
+        read_results(tmp_path)
+    (tmp_path / PAIRS).write_text("{}", encoding="utf-8")
+    with pytest.raises(InputError, match=r"pairs\.json: This is no law over two pressures"):
+        read_pair_law(tmp_path)

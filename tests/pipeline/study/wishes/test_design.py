@@ -1,0 +1,103 @@
+"""A design from its wish to its files, on a small cell."""
+
+import csv
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+import pneurod
+from fem.cell.piece import BendingPiece
+from pipeline.cli import app
+from pipeline.config.load import load_config
+from pipeline.store.context import RunContext
+from pipeline.store.progress import Silent
+from pipeline.store.store import open_store
+from pipeline.study.wishes.design import raise_if_missed
+from pipeline.study.wishes.measured import delivered
+from pipeline.values.errors import RunFailed
+from tests.pipeline.study.wishes.test_measured import CONFIGS, small
+
+#: wall and base of the arm that is looked for, mm, and about its stiffness, N/mm
+KNOWN, GUESS = np.array([1.0, 2.0]), 0.027
+WISH = f"""
+name: tiny
+base: {CONFIGS}/semicircular_coarse.yaml
+set: {{geometry.chambers: 4, mesh.size: 6 mm, accuracy: off}}
+free:
+  geometry.wall: {{from: 0.7 mm, to: 1.6 mm, start: 1.3 mm}}
+  geometry.base: {{from: 1.2 mm, to: 3 mm, start: 2.6 mm}}
+wishes:
+  - {{kappa_0: KAPPA 1/mm, at: 30 kPa, within: 2 %}}
+  - {{stiffness: STIFFNESS N/mm, at: 30 kPa, within: 2 %}}
+limits: {{mass: 30 g}}
+"""
+
+
+def wish_of_known_arm(folder: Path) -> Path:
+    """A file that wishes the numbers of the arm KNOWN, as its law has them; about its stiffness decides the force."""
+    numbers = -1e-3, GUESS
+
+    def text() -> str:
+        return WISH.replace("KAPPA", f"{numbers[0]:.6g}").replace("STIFFNESS", f"{numbers[1]:.6g}")
+
+    file = small(folder, text())
+    with open_store(folder / "known", file) as store:
+        numbers = delivered(file, KNOWN, RunContext.alone(store, Silent()))[0]
+    assert numbers[1] == pytest.approx(GUESS, rel=0.05)
+    return small(folder, text()).source
+
+
+def test_a_known_arm_is_found_again_and_nothing_is_measured_twice(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    wish, out = wish_of_known_arm(tmp_path), tmp_path / "out"
+    command = ["design", str(wish), "--out", str(out), "--no-run", "--jobs", "1", "-q"]
+    ended = CliRunner().invoke(app, command)
+    assert ended.exit_code == 0, ended.output
+    assert "geometry.wall" in ended.output
+
+    found = json.loads((out / "design.json").read_text())
+    assert found["given_up"] == []
+    assert all(row["miss"] <= 1.0 for row in found["wishes"])
+    assert [found["found"][f"geometry.{name}"] for name in ("wall", "base")] == pytest.approx(KNOWN, rel=0.05)
+    design = load_config(out / "design.yaml").design
+    assert design.dimensions["wall"] == found["found"]["geometry.wall"]
+    rows = list(csv.DictReader((out / "history.csv").read_text().splitlines()))
+    assert [rows[0]["law"], rows[-1]["law"]] == ["coarse", "delivered"]
+    assert float(rows[0]["largest_miss"]) > 10.0
+    assert "Distance from the wishes" in (out / "design.html").read_text()
+
+    def refuse(*_: object) -> None:
+        raise AssertionError("solved again")
+
+    monkeypatch.setattr(BendingPiece, "_solve_directly", refuse)
+    report = pneurod.design(wish, out=out, run=False, jobs=1)
+    assert report.found == found["found"]
+    assert report.run is None
+
+    before = (out / "design.yaml").read_bytes()
+    wish.write_text(wish.read_text().replace("30 g", "20 g"))
+    ended = CliRunner().invoke(app, command)
+    assert ended.exit_code == 2
+    assert "holds the results of another configuration" in ended.output
+    assert (out / "design.yaml").read_bytes() == before
+
+    missed = replace(report, wishes=(replace(report.wishes[0], miss=3.0), report.wishes[1]))
+    with pytest.raises(
+        RunFailed, match=r"wish.yaml: 1 of 3 wishes .* missed: wishes\[1\], kappa_0 at 30 kPa, is .* instead of "
+    ):
+        raise_if_missed(missed)
+    raise_if_missed(report)
+
+
+def test_a_wrong_file_ends_with_its_key(tmp_path: Path) -> None:
+    wish = tmp_path / "wish.yaml"
+    wish.write_text(WISH.replace("KAPPA 1/mm", "-1").replace("STIFFNESS", "1"), encoding="utf-8")
+    ended = CliRunner().invoke(app, ["design", str(wish), "--out", str(tmp_path / "out")])
+    assert ended.exit_code == 2
+    assert "wishes[1].kappa_0" in ended.output
+    assert not (tmp_path / "out").exists()

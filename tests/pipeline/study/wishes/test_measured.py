@@ -1,0 +1,100 @@
+"""The wanted numbers of designs, and their derivatives by what is free."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from pipeline.store.context import RunContext
+from pipeline.store.progress import Silent
+from pipeline.store.store import open_store
+from pipeline.study.wishes.measured import MovedMesh, NotBorne, store_of
+from pipeline.study.wishes.spec import read_wishes
+from pipeline.study.wishes.wish import exact_limits
+from pipeline.study.wishes.wish_file import WishFile
+
+CONFIGS = Path(__file__).resolve().parent.parent.parent.parent.parent / "configs"
+SMALL = f"""
+name: small
+base: {CONFIGS}/semicircular_coarse.yaml
+set: {{mesh.size: 6 mm, accuracy: off}}
+free:
+  geometry.wall: {{from: 0.7 mm, to: 1.6 mm}}
+  geometry.base: {{from: 1.2 mm, to: 3 mm}}
+  pressure.grip: {{from: 15 kPa, to: 30 kPa}}
+wishes:
+  - {{kappa_0: -0.6 1/m, at: 20 kPa, within: 2 %}}
+  - {{tip: [40 mm, -2 mm], at: grip, within: 1 mm}}
+  - {{angle: 4 deg, at: grip, within: 0.1 deg}}
+  - {{stiffness: 10 N/m, at: grip, within: 2 %}}
+  - {{force: 0.02 N, at: 20 kPa, at_height: 0 mm, within: 2 %}}
+limits: {{largest_stretch: 1.3, mass: 30 g, smallest_wall: 0.5 mm}}
+"""
+
+
+def small(folder: Path, text: str = SMALL) -> WishFile:
+    path = folder / "wish.yaml"
+    path.write_text(text, encoding="utf-8")
+    return read_wishes(path)
+
+
+def test_derivatives_are_those_of_designs_that_were_measured(tmp_path: Path) -> None:
+    """Central differences over 2 % of each dimension and pressure, on meshes that were moved."""
+    file = small(tmp_path)
+    point = file.wishes.start
+    with open_store(tmp_path / "out", file) as store:
+        mesh = MovedMesh.of(file, point, RunContext.alone(store, Silent()), is_fine=False)
+        known = mesh.numbers(point)
+        differences, stretches = [], []
+        for k in range(len(point)):
+            ends = [mesh.numbers(point * (1.0 + sign * 0.01 * np.eye(len(point))[k])) for sign in (-1.0, 1.0)]
+            differences.append((ends[1].values - ends[0].values) / (0.02 * point[k]))
+            stretches.append((ends[1].stretch - ends[0].stretch) / (0.02 * point[k]))
+    expected = np.array(differences).T
+    errors, sizes = np.abs(known.rates - expected * point), np.abs(expected * point)
+    # derivatives of a law are exact but for the tip beside the axis and the rigidities against stretching and shear
+    assert errors[0].max() < 1e-3 * sizes[0].max()
+    for own, size in zip(*(file.wishes.parts(part) for part in (errors, sizes)), strict=True):
+        assert own.max() < 0.1 * size.max()
+    assert known.stretch_rates[:2] == pytest.approx(np.array(stretches[:2]) * point[:2], rel=0.05)
+
+
+SENSITIVE = f"""
+name: sensitive
+base: {CONFIGS}/semicircular_coarse.yaml
+set: {{mesh.size: 6 mm, accuracy: off}}
+free: {{geometry.wall: {{from: 0.7 mm, to: 1.6 mm}}}}
+wishes: [{{kappa_0: -0.6 1/m, at: 20 kPa, within: 2 %}}]
+minimize: sensitivity
+"""
+
+
+def test_the_sensitivity_to_the_wall_is_that_of_the_curvature(tmp_path: Path) -> None:
+    file = small(tmp_path, SENSITIVE)
+    with open_store(tmp_path / "out", file) as store:
+        mesh = MovedMesh.of(file, file.wishes.start, RunContext.alone(store, Silent()), is_fine=False)
+        first, second = (mesh.numbers(np.array([wall])) for wall in (1.0, 1.02))
+    powers = [abs(end.rates[0, 0] / end.values[0]) for end in (first, second)]
+    assert [first.sensitivity, second.sensitivity] == pytest.approx(powers, rel=1e-4)
+    assert first.sensitivity_rates == pytest.approx([(powers[1] - powers[0]) / 0.02], rel=0.02)
+
+
+def test_a_margin_that_the_cell_does_not_bear_is_named(tmp_path: Path) -> None:
+    file = small(tmp_path, SENSITIVE.replace("minimize: sensitivity", "limits: {bears: 40}"))
+    with open_store(tmp_path / "out", file) as store:
+        mesh = MovedMesh.of(file, file.wishes.start, RunContext.alone(store, Silent()), is_fine=False)
+        with pytest.raises(NotBorne, match="kPa"):
+            mesh.numbers(file.wishes.start)
+
+
+def test_curves_of_a_design_are_kept_by_its_values_and_mesh(tmp_path: Path) -> None:
+    file = small(tmp_path)
+    point = file.wishes.start
+    configs = [file.config(point * factor) for factor in (1.0, 1.1)]
+    with open_store(tmp_path / "out", file) as store:
+        stores = [store_of(store, configs[0]), store_of(store, configs[1]), store_of(store, configs[1], configs[0])]
+        assert len({one.directory for one in stores}) == 3
+        with open_store(tmp_path / "run", configs[0]) as of_run:
+            assert of_run.numbers_key == stores[0].numbers_key  # a run takes its curves
+    limits = exact_limits(file.wishes, configs[0])
+    assert limits["smallest_wall"] == pytest.approx((0.5 / configs[0].design.thinnest_wall, 1.0))
