@@ -1,11 +1,14 @@
 """A run from beginning to end: configuration, body, experiments, five parameters, rod, report."""
 
+from dataclasses import replace
 from pathlib import Path
 
 from pipeline import stages
 from pipeline.config.config import Config
 from pipeline.identify.added_pressures import Identified
 from pipeline.identify.validate import Validated
+from pipeline.show.pictures import draw_all
+from pipeline.show.saved import save_report
 from pipeline.simulate.design_notes import check_design
 from pipeline.simulate.outcome import Outcomes
 from pipeline.store.context import RunContext, run_context
@@ -29,7 +32,8 @@ def run(
         for reason in check_design(config):
             progress.remark(render(reason))
         with run_context(store, jobs, progress) as context:
-            return _solved(config, context)
+            solved = _solved(config, context)
+            return replace(solved, results=save_report(store, solved.results))
 
 
 def _solved(config: Config, context: RunContext) -> stages.SolvedRun:
@@ -37,14 +41,20 @@ def _solved(config: Config, context: RunContext) -> stages.SolvedRun:
     state = stages.mesh(config, context)
     state, arm = stages.deliver_law(state)
     if config.law == "cell":
-        stages.draw(state, Outcomes({}))
-        return stages.report(state, Identified(Outcomes({}), ()), arm, (), Validated())
+        _draw(state, Outcomes({}))
+        return stages.conclude(state, Identified(Outcomes({}), ()), arm, (), Validated())
     state, outcomes, law = stages.solve_experiments(state, arm)
     state, identified, improved = stages.identify(state, outcomes, arm)
     loads = stages.begin_validation(state, outcomes)
-    stages.draw(state, identified.outcomes)
+    _draw(state, identified.outcomes)
     state, arm, on_mesh = stages.complete_law(state, arm, law)
     state, identified = stages.add_mesh_error(state, identified, improved, arm, on_mesh)
     state, rods, comparisons = stages.compare_rods(state, identified, on_mesh)
     state, validated = stages.validate(state, loads, rods, comparisons)
-    return stages.report(state, identified, arm, comparisons, validated)
+    return stages.conclude(state, identified, arm, comparisons, validated)
+
+
+def _draw(state: stages.RunState, outcomes: Outcomes) -> None:
+    """Draw the body and its states."""
+    with state.stages.timed("pictures"):
+        draw_all(state.scene.body, outcomes, state.context.store)

@@ -23,8 +23,6 @@ from pipeline.identify.validate import validate as compare_loads
 from pipeline.law.of_run import LawOfRun, deliver_law_of_run, law_on_mesh_of_arm
 from pipeline.results.files import CURVES, LAW_ON_MESH_OF_ARM, VALIDATION_CURVES, save_curves, save_value
 from pipeline.results.unloaded import delivered_numbers
-from pipeline.show.pictures import draw_all
-from pipeline.show.saved import save_report
 from pipeline.simulate.design_notes import check_design
 from pipeline.simulate.effects_record import list_effects
 from pipeline.simulate.mesh_notes import check_body
@@ -199,12 +197,6 @@ def identify(state: RunState, outcomes: Outcomes, arm: LawOfRun) -> tuple[RunSta
     return state.with_results(states=states), identified, improved
 
 
-def draw(state: RunState, outcomes: Outcomes) -> None:
-    """Draw the body and its states."""
-    with state.stages.timed("pictures"):
-        draw_all(state.scene.body, outcomes, state.context.store)
-
-
 def complete_law(state: RunState, arm: LawOfRun, law: Pending[LawOfRun]) -> tuple[RunState, LawOfRun, LawOfRun]:
     """The law that is delivered, and the one on the mesh of the whole arm, which is written beside it.
 
@@ -264,17 +256,17 @@ def validate(
     return state.with_results(rod_errors=errors, validation_curves=curves), validated
 
 
-def report(
+def conclude(
     state: RunState, identified: Identified, arm: LawOfRun, comparisons: Sequence[Comparison], validated: Validated
 ) -> SolvedRun:
-    """Write effects.json, run.json and report.html."""
+    """Write effects.json; the results have the content of run.json, which is written with the report."""
     outcomes, parameters = identified.outcomes, identified.parameters
     failures = _failures(state.config, identified, arm, validated)
     with state.stages.timed("report"):
         found = (*list_effects(state.scene, outcomes), arm.effect)
         effects = save_value(state.context.store, "effects.json", found)
         record = _record(state, identified, failures, _remarks(state, identified, arm))
-        results = save_report(state.context.store, replace(state.written, effects=effects, record=record))
+    results = replace(state.written, effects=effects, record=record)
     compared = (*comparisons, *validated.comparisons)
     return SolvedRun(results, state.config, outcomes, parameters, compared, arm)
 

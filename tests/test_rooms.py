@@ -3,6 +3,7 @@
 import ast
 import subprocess
 import sys
+from collections import Counter
 from collections.abc import Iterator
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
@@ -58,7 +59,7 @@ DOORS: dict[str, set[str]] = {
     },
     "rich": {
         *("pipeline/cli/commands.py", "pipeline/cli/design.py", "pipeline/cli/ending.py"),
-        *("pipeline/store/progress.py", "pipeline/show/terminal.py"),
+        *("pipeline/show/progress.py", "pipeline/show/terminal.py", "pipeline/study/effects/table.py"),
     },
     "jinja2": {"pipeline/show/page.py"},
     "plotly": {"pipeline/values/plots.py"},
@@ -172,6 +173,53 @@ def test_the_guard_finds_a_circle_of_lazy_imports() -> None:
     }
     assert set(circle_among(file_imports(sources))) == {"fem/a.py", "fem/b.py", "fem/c.py"}
     assert circle_among(file_imports({**sources, "fem/c.py": ""})) == ()
+
+
+def unit_of(module: str) -> str:
+    """The folder of a file directly below `pipeline`, or the file itself where it stands in none."""
+    return module.removeprefix("pipeline/").partition("/")[0]
+
+
+def unit_imports(imports: dict[str, set[str]]) -> dict[str, set[str]]:
+    """Folder, or file beside the folders, of `pipeline` -> the others that it imports; from files -> files."""
+    units: dict[str, set[str]] = {}
+    for module, others in imports.items():
+        if module.startswith("pipeline/"):
+            below = {unit_of(other) for other in others if other.startswith("pipeline/")}
+            units.setdefault(unit_of(module), set()).update(below - {unit_of(module)})
+    return units
+
+
+def floors_of(imports: dict[str, set[str]]) -> dict[str, int]:
+    """The floor of each unit: 1 where it imports no other, else one above the highest that it imports."""
+    floors: dict[str, int] = {}
+    for unit in TopologicalSorter(imports).static_order():
+        floors[unit] = 1 + max((floors[below] for below in imports.get(unit, ())), default=0)
+    return floors
+
+
+def test_folders_of_the_pipeline_stand_on_nine_floors() -> None:
+    units = unit_imports(file_imports({module: (HERE / module).read_text(encoding="utf-8") for module in modules()}))
+    assert circle_among(units) == ()
+    floors = floors_of(units)
+    assert floors["values"] == 1
+    assert max(floors.values()) <= 9
+
+
+def test_the_guard_finds_a_circle_of_folders_whose_files_form_none() -> None:
+    imports = {
+        "pipeline/a/one.py": {"pipeline/b/one.py"},
+        "pipeline/b/one.py": set(),
+        "pipeline/b/two.py": {"pipeline/a/one.py", "fem/model.py"},
+    }
+    assert circle_among(imports) == ()
+    assert set(circle_among(unit_imports(imports))) == {"a", "b"}
+    assert floors_of({"a": {"b"}, "b": set(), "c.py": {"a", "b"}}) == {"b": 1, "a": 2, "c.py": 3}
+
+
+def test_a_folder_of_the_pipeline_has_17_files_at_most() -> None:
+    counts = Counter(module.rpartition("/")[0] for module in modules() if module.startswith("pipeline/"))
+    assert {folder: count for folder, count in counts.items() if count > 17} == {}
 
 
 @pytest.mark.parametrize("library", sorted(DOORS))

@@ -1,4 +1,4 @@
-"""What the arm's own law says of the arm without a load: the first numbers of a run."""
+"""The arm without a load from single states of its pieces: the first numbers of a run."""
 
 from collections.abc import Sequence
 from contextlib import suppress

@@ -1,4 +1,4 @@
-"""Tables on the terminal: body, verdict of a run, study of effects, material laws, law of a cell, convergence study."""
+"""Tables on the terminal: a meshed body, any table of texts, the laws of a material."""
 
 from pathlib import Path
 

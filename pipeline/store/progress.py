@@ -1,4 +1,4 @@
-"""Progress of a run: what is reported, and how it is shown.
+"""Progress of a run as it is reported; `pipeline.show.progress` shows it.
 
 In a worker process it is told to a `ToQueue`, and `relayed` in the main process passes it on to the listener, so that a
 single listener receives the progress of every experiment.

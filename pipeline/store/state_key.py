@@ -14,11 +14,12 @@ STATE_SOURCES = (
 #: what decides the curves of a cell, and the numbers that a mesh is planned with
 NUMBER_SOURCES = (
     *(*STATE_SOURCES, "rod"),
-    *(f"pipeline/simulate/{name}.py" for name in ("mass", "outcome", "records")),
+    *(f"pipeline/simulate/{name}.py" for name in ("mass", "outcome", "records", "too_short")),
     *("pipeline/study/accuracy", "pipeline/law", "pipeline/identify"),
+    *("pipeline/values/richardson.py", "pipeline/results/unloaded_states.py"),
 )
 #: what decides a picture besides the states
-PICTURE_SOURCES = ("pipeline/results", "pipeline/show/pictures.py")
+PICTURE_SOURCES = ("pipeline/results/drawing.py", "pipeline/show/pictures.py")
 #: the whole program, with all its sentences
 ALL_SOURCES = ("geometry", "fem", "rod", "pipeline")
 

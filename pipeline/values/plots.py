@@ -199,7 +199,7 @@ def plotly_figure(panels: Sequence[Panel]) -> "Figure":
 def library_scripts() -> str:
     """The style sheet and the scripts that draw all figures of a page; once per page, at the end of its body."""
     packed = base64.b64encode(gzip.compress(get_plotlyjs().encode(), 9, mtime=0)).decode()
-    own = files("pipeline")
+    own = files("pipeline.values")
     style, script = (own.joinpath(name).read_text(encoding="utf-8") for name in ("plots.css", "plots.js"))
     return (
         f'<style>{style}</style><script type="text/plain" id="plotly-packed">{packed}</script><script>{script}</script>'

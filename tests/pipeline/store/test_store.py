@@ -147,7 +147,7 @@ def test_the_keys_take_every_source_file() -> None:
     assert all(len(sources) > 10 for sources in rooms.values())
     assert deciding >= rooms["geometry"] | rooms["fem"]
     assert numbers > deciding | rooms["rod"]
-    used = re.compile(r"^from pipeline\.simulation\.(\w+) import", re.MULTILINE)
+    used = re.compile(r"^from pipeline\.simulate\.(\w+) import", re.MULTILINE)
     solving = [name for name in deciding if name.startswith("pipeline/simulate/")]
     modules = {
         f"pipeline/simulate/{module}.py" for name in solving for module in used.findall((root / name).read_text())
