@@ -17,9 +17,9 @@ from geometry.curved import CurvedEdges
 from geometry.errors import DesignError
 from geometry.files.cad_checks import BODY, check_curve, check_ends, check_position, check_symmetric, named_parts
 from geometry.files.cad_import import CadBody, bounds, import_solids, is_in_material
+from geometry.files.cad_inlets import fill_cad_inlets, hole_advice
 from geometry.files.chambers import Range, chambers, gaps
 from geometry.files.frame import Point, no_end_face
-from geometry.files.inlets import fill_cad_inlets, hole_advice
 from geometry.files.shells import NOTHING_OPEN
 from geometry.grading import Grading
 from geometry.mesh import Mesh

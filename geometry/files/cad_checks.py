@@ -6,6 +6,7 @@ import numpy as np
 
 from geometry.errors import DesignError
 from geometry.files.cad_import import CadBody, has_splines, is_in_material
+from geometry.files.cad_inlets import hole_advice
 from geometry.files.cad_mirror import difference
 from geometry.files.frame import (
     UNEQUAL,
@@ -18,7 +19,6 @@ from geometry.files.frame import (
     no_end_face,
     outside_material,
 )
-from geometry.files.inlets import hole_advice
 from geometry.meshing.shapes import Volume
 
 #: part of the volume of a symmetric body in which both halves together may differ

@@ -14,7 +14,7 @@ from geometry.arrays import Array, Index
 from geometry.body import Body
 from geometry.errors import DesignError, MeshError
 from geometry.files.cad import CadMeasures, edges_of, measure, measure_gaps, measure_thinnest_wall, mesh_cad
-from geometry.files.cad_import import STEP, SUFFIXES, CadBody, CadSource, air_left_out, defeatured, file_bounds
+from geometry.files.cad_import import STEP, SUFFIXES, CadBody, CadSource, air_left_out, file_bounds
 from geometry.files.cells import (
     CellPlanes,
     Cells,
@@ -56,7 +56,6 @@ class CadFile(FileDesign):
     symmetric: bool | None = None  #: `true` if the file holds one half alone, `false` for halves that differ
     unite: bool = False  #: whether several solids that touch become one
     parts: Mapping[str, Point] = field(default_factory=dict)  #: a point in each solid of another material
-    defeature: float | None = None  #: faces narrower than this are removed: small fillets, holes, ribs and letters
 
     def _read(self) -> None:
         clamp, tip = self._ends
@@ -67,9 +66,6 @@ class CadFile(FileDesign):
         _ = self.measures
         if isinstance(self.cell, CellPlanes):
             _ = self.cells
-        if self.defeature is not None and self.defeature > self.thinnest_wall / 2:
-            wall = f"{self.thinnest_wall:.3g} mm, the thinnest wall or a quarter of the smallest side"
-            raise DesignError("defeature", f"{self.defeature:g} mm is more than half of {wall}; give a smaller length")
 
     def _outline(self) -> tuple[Array, Index]:
         return surface_of(CadSource(Path(self.file), self.unit, AS_IN_FILE, self.unite, bool(self.parts)))
@@ -88,8 +84,6 @@ class CadFile(FileDesign):
             yield DesignError(("parts", "unite"), "solids of another material stay apart; give one of the two")
         if self.parts and isinstance(self.cell, CellPlanes):
             yield DesignError("cell", "must be a length where the body has parts, and so no law of its own")
-        if self.parts and self.defeature is not None:
-            yield DesignError(("parts", "defeature"), "faces are removed from one solid only; give one of the two")
 
     @cached_property
     def _ends(self) -> tuple[float, float]:
@@ -174,14 +168,7 @@ class CadFile(FileDesign):
         first, second, third = (tuple(float(x) for x in row) for row in turn)
         turned = (first, second, third)
         path, apart = Path(self.file), bool(self.parts)
-        return CadSource(path, self.unit, turned, self.unite, apart, self._defeatured, shift)  # type: ignore[arg-type]
-
-    @cached_property
-    def _defeatured(self) -> bytes | None:
-        """Kept, because it takes seconds where many faces are removed."""
-        if self.defeature is None:
-            return None
-        return defeatured(CadSource(Path(self.file), self.unit, AS_IN_FILE, self.unite), self.defeature)
+        return CadSource(path, self.unit, turned, self.unite, apart, shift)  # type: ignore[arg-type]
 
     @cached_property
     def _cad(self) -> CadBody:

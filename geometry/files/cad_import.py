@@ -4,7 +4,6 @@ import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
@@ -12,7 +11,6 @@ import numpy as np
 from geometry.arrays import Array
 from geometry.errors import DesignError, position_text
 from geometry.files.cad_air import air_among
-from geometry.files.cad_defeature import without_narrow_faces
 from geometry.files.frame import Point
 from geometry.meshing.solid import Volume, session
 
@@ -20,14 +18,8 @@ STEP = (".step", ".stp")
 SUFFIXES = (*STEP, ".brep", ".brp")
 #: part of the volume of several solids that two of them may have in common, which is rounding
 OVERLAP = 1e-6
-#: largest change of the volume of the material where narrow faces are removed
-MOST_CHANGE = 0.01
-#: distance by which a box around it may grow then, over its largest side; boxes of splines are known to a few parts in
-#: 10^4
-BEYOND = 1e-3
 #: the end of a BREP file: that of the last shape in the list, and which shape is the whole, its orientation first
 _END_OF_BREP = re.compile(rb"\*\s+[+-]\d+ \d+\s*\Z")
-_IN_CAD = "remove them in the CAD program"
 
 
 @dataclass(frozen=True)
@@ -41,7 +33,6 @@ class CadSource:
     apart: bool = (
         False  #: whether they stay several that have their faces in common, because they are of other materials
     )
-    defeatured: bytes | None = None  #: its one solid in mm, as BREP, where narrow faces were removed
     shift: float = 0.0  #: along z, after the rotation, mm
 
     @property
@@ -94,7 +85,7 @@ class CadBody:
 def import_solids(gmsh: Any, source: CadSource) -> list[Volume]:
     """The solids of the file, in mm: one, or several that touch where they stay apart. Raises `DesignError`."""
     occ = gmsh.model.occ
-    solids = _of_file(gmsh, source) if source.defeatured is None else _of_brep(gmsh, source.defeatured)
+    solids = _of_file(gmsh, source)
     axis, angle = _axis_and_angle(np.array(source.turn))
     if angle:
         occ.rotate(solids, 0, 0, 0, *axis, angle)
@@ -102,15 +93,6 @@ def import_solids(gmsh: Any, source: CadSource) -> list[Volume]:
         occ.translate(solids, 0, 0, source.shift)
     occ.synchronize()
     return solids
-
-
-def _of_brep(gmsh: Any, brep: bytes) -> list[Volume]:
-    with TemporaryDirectory() as folder:
-        path = Path(folder) / "body.brep"
-        path.write_bytes(brep)
-        gmsh.model.occ.importShapes(str(path), format="brep")
-    gmsh.model.occ.synchronize()
-    return [(int(dim), int(tag)) for dim, tag in gmsh.model.getEntities(3)]
 
 
 def _air(gmsh: Any, source: CadSource, solids: list[Volume]) -> list[Volume]:
@@ -167,37 +149,6 @@ def _refuse_truncated(path: Path) -> None:
     content = path.read_bytes()
     if b"TShapes" not in content or not _END_OF_BREP.search(content):
         raise DesignError("file", f"{path} is not a complete BREP file; save it again")
-
-
-def defeatured(source: CadSource, length: float) -> bytes:
-    """The one solid of the file without faces narrower than `length` mm, as BREP, in mm and in the directions of the
-    file. Raises `DesignError`."""
-    with session() as gmsh, TemporaryDirectory() as folder:
-        (solid,) = _of_file(gmsh, source)
-        low, high = bounds(gmsh, [solid])
-        volume = float(gmsh.model.occ.getMass(*solid))
-        try:
-            solids = without_narrow_faces(gmsh, solid, length)
-            _check_defeatured(gmsh, solids, volume, low, high)
-        except Exception as error:
-            if type(error) is not Exception:  # Gmsh raises nothing more special than that
-                raise
-            raise DesignError("defeature", f"Gmsh could not remove the narrow faces ({error}); {_IN_CAD}") from error
-        path = Path(folder) / "body.brep"
-        gmsh.write(str(path))
-        return path.read_bytes()
-
-
-def _check_defeatured(gmsh: Any, solids: list[Volume], volume: float, low: Point, high: Point) -> None:
-    """Raise `DesignError` unless they are one solid of nearly that volume (mm3) within these bounds (mm)."""
-    if len(solids) != 1:
-        raise DesignError("defeature", f"without its narrow faces the body falls into {len(solids)} parts; {_IN_CAD}")
-    change = float(gmsh.model.occ.getMass(*solids[0])) / volume - 1
-    new_low, new_high = bounds(gmsh, solids)
-    grown = np.concatenate([np.subtract(low, new_low), np.subtract(new_high, high)])
-    if abs(change) > MOST_CHANGE or grown.max() > BEYOND * max(np.subtract(high, low)):
-        changes = f"the volume changes by {100 * change:.2g} % (at most {100 * MOST_CHANGE:g} %) or the body grows"
-        raise DesignError("defeature", f"without its narrow faces {changes}; give a smaller length")
 
 
 def _touching(gmsh: Any, solids: list[Volume]) -> list[Volume]:

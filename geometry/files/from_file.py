@@ -87,7 +87,7 @@ class FileDesign(Design):
     def _wrong_values(self) -> Iterator[DesignError]:
         """A `DesignError` for each value that no file makes right: lengths, points, names of cavities."""
         cell = None if isinstance(self.cell, CellPlanes) else self.cell
-        for key, length in (("cell", cell), ("unit", self.unit), ("defeature", getattr(self, "defeature", None))):
+        for key, length in (("cell", cell), ("unit", self.unit)):
             if length is not None and not (isfinite(length) and length > 0):
                 yield DesignError(key, f"must be a positive length, not {length!r}")
         if not isfinite(self.middle):

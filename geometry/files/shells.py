@@ -1,6 +1,7 @@
-"""The parts of a closed surface: its outside and the walls around its air."""
+"""The parts of a closed surface: its outside, the walls around its air, and the mouths of its inlets."""
 
 from collections.abc import Iterable, Mapping
+from typing import Protocol, TypeVar
 
 import numpy as np
 
@@ -13,6 +14,19 @@ from geometry.topology import cross, open_edges, parts_of_graph, passes_through,
 NOTHING_OPEN = "no cavity under pressure is open in the plane of the clamp; leave plug out"
 #: a point in the middle of the air sees the walls around it under the solid angle 4 pi
 FULL_ANGLE = 4 * np.pi
+#: distance of a point from its mouth, over the size of the body: points are read off the screen
+NEAR_MOUTH = 1e-3
+#: size of the other end of a channel over that of its mouth from which the channel is a part of the cavity
+WIDER = 1.6
+
+
+class _Boxed(Protocol):
+    @property
+    def box(self) -> Array:
+        """Corners (2, 3) of the box around a rim, mm."""
+
+
+Mouth = TypeVar("Mouth", bound=_Boxed)
 
 
 def shells(triangles: Index, count: int) -> list[Index]:
@@ -158,3 +172,25 @@ def lies_in(points: Array, triangles: Index, plane: tuple[int, float], tolerance
 def middle_of(points: Array, walls: Index) -> Array:
     corners = points[walls].reshape(-1, 3)
     return np.asarray((corners.min(axis=0) + corners.max(axis=0)) / 2)
+
+
+def smallest_around(mouths: Iterable[Mouth], point: Point, near: float) -> Mouth | None:
+    """The smallest mouth in whose box a point lies, to a distance in mm."""
+    around = [mouth for mouth in mouths if holds(mouth.box, point, near)]
+    return min(around, key=lambda mouth: diagonal(mouth.box), default=None)
+
+
+def holds(box: Array, point: Point, near: float) -> bool:
+    """Whether a point lies in a box (2, 3), to a distance in mm."""
+    return bool(((box[0] - near <= point) & (point <= box[1] + near)).all())
+
+
+def diagonal(box: Array) -> float:
+    """Length of the diagonal of a box (2, 3), mm."""
+    return float(np.linalg.norm(box[1] - box[0]))
+
+
+def no_mouth(name: str, point: str, advice: str = "") -> DesignError:
+    """The refusal of the plug `name` at a point that is in no mouth of an inlet that can be filled."""
+    where = f"the point {point} is in no hole of a flat face behind which one wall leads to the air"
+    return DesignError(f"plug.{name}", f"{where}; close it in CAD{advice}")

@@ -14,10 +14,10 @@ from geometry.errors import DesignError, MeshError
 from geometry.files.chambers import Range, chambers_of, has_gaps
 from geometry.files.frame import check_dimensions, in_frame, misplaced, no_end_face
 from geometry.files.from_file import FileDesign
-from geometry.files.inlets import fill_surface_inlets
 from geometry.files.placing import FLAT, Placed, Placing, ends_of, placed_by_planes
 from geometry.files.shells import lies_in, named_cavities, parts_of, refuse_open
 from geometry.files.surface import NotFilled, Surface, enclosed, fill, read_surface, thinnest
+from geometry.files.surface_inlets import fill_surface_inlets
 from geometry.grading import OFF, Grading
 
 #: largest difference between the volumes of the mesh (or its air) and of the surface, over that of the surface

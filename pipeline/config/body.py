@@ -42,7 +42,6 @@ _EXAMPLES = {
     "curve": "1 mm",
     "parts": "{base: [20 mm, 1 mm, 0 mm]}",
     "cell": "8 mm",
-    "defeature": "0.1 mm",
     "chamber_lengths": f"[{', '.join(['8 mm'] * 11)}]",
     "chamber_heights": f"[{', '.join(['12 mm'] * 11)}]",
     "gaps": f"[{', '.join(['2 mm'] * 12)}]",

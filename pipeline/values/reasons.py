@@ -22,7 +22,7 @@ TEMPLATES: Mapping[str, str] = {
     "turned_gravity": "gravity acts along the arm's own x, from clamp to tip, which is against the x of the file; "
     "check effects.gravity.acceleration",
     "short_edges": "{count} edges of the CAD file are shorter than {limit_mm:.2g} mm ({shortest_mm:.2g} mm near "
-    "{near}); remove small features in CAD or with geometry.defeature",
+    "{near}); remove small features in the CAD program",
     "air_left_out": "the CAD file has solids that fill closed cavities, around {around}; they are taken as air, and "
     "geometry.parts makes them material",
     "too_short": "five parameters need an arm of {needed_mm:.4g} mm, and this one has {length_mm:.4g} mm; give more "

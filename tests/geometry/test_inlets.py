@@ -12,7 +12,7 @@ from pipeline.config.load import load_config
 from pipeline.simulate.simulate import experiments_of
 from pipeline.values.errors import InputError
 from tests.foreign_bodies import BAR_AIR, BAR_VOLUME, Draw, bar, tube, write_surface
-from tests.step_bodies import box, in_inches, save
+from tests.step_bodies import box, save
 
 Cut = Callable[[Any], Any]
 
@@ -104,13 +104,6 @@ def test_an_inlet_is_filled_up_to_a_round_wall(tmp_path: Path) -> None:
     design = SurfaceFile(str(write_surface(tmp_path / "round.stl", round_cavity, 50)), 1.5, plug=plug)
     assert design.cavity_volume == pytest.approx(air, rel=0.02)
     assert design.body(4.0).volume == pytest.approx(60 * 12 * 15 - air, rel=0.01)
-
-
-def test_a_brep_file_in_inches(tmp_path: Path) -> None:
-    """Its flat faces are splines once it is in mm."""
-    path = in_inches(BELOW, tmp_path / "inches.brep")
-    design = CadFile(str(path), 1.5, unit=25.4, plug={"inlet": (30, 0, 0)})
-    assert design.cavity_volume == pytest.approx(BAR_AIR, rel=1e-5)
 
 
 def test_a_plug_is_of_the_solid_with_the_mouth(tmp_path: Path) -> None:

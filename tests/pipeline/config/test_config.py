@@ -656,7 +656,8 @@ def test_a_number_with_an_exponent_needs_no_decimal_point(written: Path, number:
         ("fillet=0.5 mm", "unknown key; it is a key of pneunet"),
         ("chamber_heights=[9 mm, 10 mm]", "unknown key; it is a key of pneunet"),
         ("symmetric=true", "unknown key; it is a key of own_cad, own_mesh"),
-        ("defeature=0.2 mm", "unknown key; it is a key of own_cad"),
+        ("unite=true", "unknown key; it is a key of own_cad"),
+        ("defeature=0.2 mm", "unknown key"),
     ],
 )
 def test_keys_of_other_families_are_explained(configs: Path, setting: str, hint: str) -> None:

@@ -116,7 +116,7 @@ def test_of_a_body_from_a_file_only_required_keys_are_no_comments() -> None:
     content = yaml.safe_load(text)
     assert set(content) == {"name", "geometry", "material", "pressures"}
     assert set(content["geometry"]) == {"family", "file", "curve"}
-    assert {"  parts:", "  defeature:", "  cell:", "  air:", "  tip:"} <= set(re.findall(r"^# (  \w+:)", text, re.M))
+    assert {"  parts:", "  cell:", "  air:", "  tip:"} <= set(re.findall(r"^# (  \w+:)", text, re.M))
     assert "# materials: {base: " in text
 
 
