@@ -1,7 +1,6 @@
 """A body from a CAD file (STEP or BREP)."""
 
 from collections.abc import Iterator, Mapping
-from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
@@ -15,15 +14,8 @@ from geometry.body import Body
 from geometry.errors import DesignError, MeshError
 from geometry.files.cad import CadMeasures, edges_of, measure, measure_gaps, measure_thinnest_wall, mesh_cad
 from geometry.files.cad_import import STEP, SUFFIXES, CadBody, CadSource, air_left_out, file_bounds
-from geometry.files.cells import (
-    CellPlanes,
-    Cells,
-    find_cells,
-    find_cells_of_chambers,
-    find_cells_of_one_section,
-    mesh_cells,
-)
-from geometry.files.chambers import Range, runs_through
+from geometry.files.cells import CellPlanes, Cells, find_cells, mesh_cells
+from geometry.files.chambers import Range, as_drawn
 from geometry.files.directions import surface_of
 from geometry.files.frame import PITCHES, Point, rotation
 from geometry.files.from_file import FileDesign
@@ -132,33 +124,20 @@ class CadFile(FileDesign):
         """The cells, or why equal chambers are not those of cells, if there are any."""
         if isinstance(self.cell, CellPlanes):
             return find_cells(self._cad, self.cell), ""
-        if self.cell is not None or self.parts:
-            return None, ""
-        if self.has_equal_chambers:
-            return self._cells_of_chambers
-        if not self.chamber_middles:
-            with suppress(DesignError, MeshError):
-                return find_cells_of_one_section(self._cad, super().pitch), ""
-        return None, ""
-
-    @property
-    def _cells_of_chambers(self) -> tuple[Cells | None, str]:
         middles = self.chamber_middles
-        beginning = f"its chambers are {median(self.chamber_distances):.4g} mm apart, but"
-        for name, chambers in self.chamber_ranges.items():
-            if not chambers[0][0] < middles[0] < middles[-1] < chambers[-1][1]:
-                return None, f"{beginning} the cavity {name} does not go through all of them"
-        divided = [
-            name
-            for name, chambers in self.chamber_ranges.items()
-            if not all(runs_through(chamber, self.length) for chamber in chambers)
-        ]
+        if self.cell is not None or self.parts or (middles and not self.has_equal_chambers):
+            return None, ""
+        middle, pitch = self.length / 2 + self._cad.clamp, super().pitch
+        if middles:
+            middle, pitch = as_drawn(middles[len(middles) // 2]), as_drawn(median(self.chamber_distances))
+            for name, chambers in self.chamber_ranges.items():
+                if not chambers[0][0] < middles[0] < middles[-1] < chambers[-1][1]:
+                    return None, _unequal(pitch, f"the cavity {name} does not go through all of them")
         try:
-            return find_cells_of_chambers(self._cad, middles, divided), ""
-        except DesignError as refusal:
-            return None, f"{beginning} {refusal.sentence}"
-        except MeshError as failure:
-            return None, f"{beginning} {failure}"
+            return find_cells(self._cad, CellPlanes(middle, middle + pitch / 2)), ""
+        except (DesignError, MeshError) as refused:
+            reason = refused.sentence if isinstance(refused, DesignError) else str(refused)
+            return None, _unequal(pitch, reason) if middles else ""
 
     def _source(self, around: bool = False) -> CadSource:
         """around: whether the arm is turned about y by half a turn."""
@@ -285,3 +264,8 @@ class CadFile(FileDesign):
         mesh = replace(mesh, regions={name: mesh.regions[name] for name in self.regions})
         check_manifold(mesh)
         return mesh
+
+
+def _unequal(pitch: float, reason: str) -> str:
+    """Say why equal chambers are not those of cells."""
+    return f"its chambers are {pitch:.4g} mm apart, but {reason}; name the planes of a cell with geometry.cell"

@@ -1,14 +1,14 @@
 """The cells of a solid from a CAD file: where they lie, and its ends and half a cell meshed to be repeated.
 
-Two planes of mirror symmetry, x = start in the middle of a cell and x = stop between two cells, are named by the user
-or lie in and between equal chambers. The space between them and each of its neighbours must be mirror images of each
-other; further ones are cells as long as they are. In the Gmsh session of `geometry.meshing.solid`.
+Two planes of mirror symmetry say where: x = start in the middle of a cell and x = stop between two cells. The space
+between them and each of its neighbours must be mirror images of each other; further ones are cells as long as they are.
+In the Gmsh session of `geometry.meshing.solid`.
 """
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection
 from dataclasses import dataclass
 from functools import cached_property
-from math import floor, inf, pi
+from math import floor, pi
 from typing import Any
 
 import numpy as np
@@ -18,7 +18,7 @@ from geometry.curved import CurvedEdges
 from geometry.errors import DesignError
 from geometry.files.cad import cad_session, in_frame_of, keep_material, mesh_session
 from geometry.files.cad_import import CadBody
-from geometry.files.cad_mirror import Difference, box, difference, have_equal_boundaries, moments
+from geometry.files.cad_mirror import Difference, box, difference, moments
 from geometry.files.frame import CellPlanes
 from geometry.grading import Grading
 from geometry.meshing.mirror import Repetition
@@ -27,12 +27,6 @@ from geometry.meshing.solid import SolidMesh, collect_mesh, walls_between
 
 #: part of the volume of half a cell by which another one may differ from it
 SAME = 1e-4
-#: decimals (mm) of a computed length, of which the others are rounding
-TIDY = 6
-#: decimals (mm) of lengths in drawings, and how far one that is computed may be from such a length
-DECIMALS, ROUNDED = (1, 2, 3), 0.02
-#: fraction in which half cells differ below which planes are good enough, and above which better ones are not near
-GOOD, FAR = 1e-5, 0.02
 #: smallest length of half a cell over that of the body
 SHORTEST = 1e-3
 
@@ -61,106 +55,9 @@ def find_cells(body: CadBody, planes: CellPlanes) -> Cells:
         return _cells(gmsh, body, blocks, planes)
 
 
-def find_cells_of_chambers(body: CadBody, middles: Sequence[float], cavities: Collection[str]) -> Cells:
-    """All cells of a body with three chambers or more at equal distances, whose middles are about at x = middles (mm).
-
-    cavities: the names of those that the chambers belong to; others run through the arm with one section.
-    Raises `DesignError` on `cell` where the material is not symmetric about the planes in and between the chambers.
-    """
-    with cad_session(body) as (gmsh, blocks, air, _):
-        start, pitch = _middle_and_pitch(gmsh, [v for v, name in air.items() if name in cavities], middles)
-        planes, differs = _as_drawn(gmsh, body, blocks, start, pitch)
-        return _cells(gmsh, body, blocks, planes, is_compared=differs <= SAME)
-
-
-def find_cells_of_one_section(body: CadBody, pitch: float) -> Cells | None:
-    """All cells of a body with one section near its middle, of the given length (mm); None of one with another shape.
-
-    Raises `DesignError` on `cell` where two whole cells have no room.
-    """
-    middle = (body.clamp + body.tip) / 2
-    planes = CellPlanes(middle, middle + pitch / 2)
-    with cad_session(body) as (gmsh, blocks, _, _):
-        if _largest_difference(gmsh, body, blocks, planes) > SAME:
-            return None
-        return _cells(gmsh, body, blocks, planes, is_compared=True)
-
-
-def _middle_and_pitch(gmsh: Any, air: Collection[Volume], middles: Sequence[float]) -> tuple[float, float]:
-    """x (mm) of the middle of a chamber near that of the arm, and the pitch, from the centres of the air in chambers.
-
-    Channels are narrow in the middle between two chambers, so that cuts that are not exactly there change them little.
-    The outermost chambers do not count, for they may be of another size, and the channel may end anywhere beyond them.
-    """
-    occ, inner = gmsh.model.occ, np.array(middles[1:-1])
-    pitch = float(np.median(np.diff(middles)))
-    for _ in range(2):
-        cuts = np.append(inner - pitch / 2, inner[-1] + pitch / 2)
-        total = np.zeros((len(inner) + 2, 2))
-        copies = occ.copy(list(air))
-        parts = _cut_at(gmsh, copies, cuts.tolist())
-        for part in parts:
-            x, mass = occ.getCenterOfMass(*part)[0], occ.getMass(*part)
-            total[np.searchsorted(cuts, x)] += mass * np.array([1.0, x])
-        occ.remove(parts, recursive=True)
-        inner = total[1:-1, 1] / total[1:-1, 0]
-        if len(inner) == 1:
-            break
-        pitch, first = (float(value) for value in np.polyfit(np.arange(len(inner)), inner, 1))
-        inner = first + pitch * np.arange(len(inner))
-    return round(float(inner[len(inner) // 2]), TIDY), round(pitch, TIDY)
-
-
-def _as_drawn(
-    gmsh: Any, body: CadBody, blocks: Collection[Volume], start: float, pitch: float
-) -> tuple[CellPlanes, float]:
-    """The planes of a cell, and the fraction in which its neighbours are no mirror images, 0 where all faces are.
-
-    The planes are those of rounded lengths, as they may have been drawn, if these are better ones. Centres of air with
-    round walls are off by up to 1e-2 mm, others by 1e-6 mm.
-    """
-    best, least = CellPlanes(start, start + pitch / 2), inf
-    rounded = [
-        (round(start, k) if is_start else start, round(pitch, k))
-        for k in DECIMALS
-        for is_start in (True, False)
-        if abs(round(pitch, k) - pitch) < ROUNDED and (not is_start or abs(round(start, k) - start) < ROUNDED)
-    ]
-    pairs = dict.fromkeys([(start, pitch), *rounded])
-    candidates = [CellPlanes(middle, middle + distance / 2) for middle, distance in pairs]
-    for planes in candidates:
-        if _have_equal_neighbours(gmsh, body, blocks, planes):
-            return planes, 0.0
-    for planes in candidates:
-        differs = _largest_difference(gmsh, body, blocks, planes)
-        if differs < least:
-            best, least = planes, differs
-        if not GOOD < least < FAR:
-            break
-    return best, least
-
-
-def _have_equal_neighbours(gmsh: Any, body: CadBody, blocks: Collection[Volume], planes: CellPlanes) -> bool:
-    """Whether the faces of both neighbours of half a cell are mirror images of its own."""
-    slots = _Slots.of_copies(gmsh, body, blocks, planes)
-    are_equal = all(slots.has_equal_boundaries(side) for side in (-1, 1))
-    slots.remove()
-    return are_equal
-
-
-def _largest_difference(gmsh: Any, body: CadBody, blocks: Collection[Volume], planes: CellPlanes) -> float:
-    """The larger fraction in which one of both neighbours of half a cell is not its mirror image."""
-    slots = _Slots.of_copies(gmsh, body, blocks, planes)
-    largest = max(slots.difference(side).fraction for side in (-1, 1))
-    slots.remove()
-    return largest
-
-
-def _cells(
-    gmsh: Any, body: CadBody, blocks: Collection[Volume], planes: CellPlanes, *, is_compared: bool = False
-) -> Cells:
+def _cells(gmsh: Any, body: CadBody, blocks: Collection[Volume], planes: CellPlanes) -> Cells:
     low, half_pitch = min(planes.start, planes.stop), planes.half_pitch
-    first, last = _Slots(gmsh, body, blocks, low, half_pitch).equal_to_the_first(is_compared=is_compared)
+    first, last = _Slots(gmsh, body, blocks, low, half_pitch).equal_to_the_first()
     odd = int(planes.stop < planes.start)  # of the numbers of the planes in the middle of a cell
     middles = first + (first + odd) % 2, last - (last + odd) % 2
     if middles[1] - middles[0] < 2:
@@ -245,67 +142,32 @@ def _between(gmsh: Any, volumes: list[Volume], low: float, high: float) -> list[
 class _Slots:
     """Half cells of a body one after the other, number 0 between the two planes."""
 
-    def __init__(
-        self,
-        gmsh: Any,
-        body: CadBody,
-        blocks: Collection[Volume],
-        start: float,
-        half_pitch: float,
-        *,
-        neighbours_alone: bool = False,
-    ) -> None:
+    def __init__(self, gmsh: Any, body: CadBody, blocks: Collection[Volume], start: float, half_pitch: float) -> None:
         self.gmsh = gmsh
         self.body = body
         self.start, self.h = start, half_pitch
         self.slots: dict[int, list[Volume]] = {}
-        planes = range(-1, 3) if neighbours_alone else self._numbers()
-        for volume in _cut_at(gmsh, blocks, [self._position(number) for number in planes]):
+        before, behind = start - body.clamp, body.tip - start
+        numbers = range(-floor(before / half_pitch), floor(behind / half_pitch) + 1)
+        for volume in _cut_at(gmsh, blocks, [self._position(number) for number in numbers]):
             x = gmsh.model.occ.getCenterOfMass(*volume)[0]
             self.slots.setdefault(floor((x - start) / half_pitch), []).append(volume)
 
-    @staticmethod
-    def of_copies(gmsh: Any, body: CadBody, blocks: Collection[Volume], planes: CellPlanes) -> "_Slots":
-        """Number 0 and both neighbours alone, of copies of the blocks; `remove` takes them away."""
-        copies = gmsh.model.occ.copy(list(blocks))
-        return _Slots(gmsh, body, copies, planes.start, planes.half_pitch, neighbours_alone=True)
-
-    def equal_to_the_first(self, *, is_compared: bool) -> tuple[int, int]:
+    def equal_to_the_first(self) -> tuple[int, int]:
         """Numbers of the first and the last plane between which all slots equal number 0.
 
-        is_compared: whether its neighbours are known to be its mirror images. Raises `DesignError` where one is not.
+        Raises `DesignError` where one of its neighbours is not its mirror image.
         """
         ends = []
         for side in (-1, 1):
             if not self._is_within(side):
                 raise DesignError("cell", f"beside x = {self._told(max(side, 0)):g} mm is no room for a half cell")
-            if not is_compared:
-                self._check_neighbour(side)
+            self._check_neighbour(side)
             number = side
             while self._is_within(number + side) and self._is_equal(number + side):
                 number += side
             ends.append(number)
         return ends[0], ends[1] + 1
-
-    def difference(self, number: int) -> Difference:
-        """Between a neighbour of slot 0 and its mirror image."""
-        slot = self._neighbour(number)
-        if not slot:
-            return Difference(1.0)
-        return difference(self.gmsh, slot, self.slots[0], 0, self._position(max(number, 0)), SAME)
-
-    def has_equal_boundaries(self, number: int) -> bool:
-        """Whether the faces of a neighbour of slot 0 are mirror images of its own."""
-        slot = self._neighbour(number)
-        return bool(slot) and have_equal_boundaries(self.gmsh, slot, self.slots[0], 0, self._position(max(number, 0)))
-
-    def _neighbour(self, number: int) -> list[Volume]:
-        """The volumes of a slot; none of one beyond an end of the arm."""
-        return self.slots.get(number, []) if self._is_within(number) else []
-
-    def remove(self) -> None:
-        """Take its volumes out of the session."""
-        self.gmsh.model.occ.remove([volume for slot in self.slots.values() for volume in slot], recursive=True)
 
     def _position(self, number: int) -> float:
         """x of a plane, mm."""
@@ -314,11 +176,6 @@ class _Slots:
     def _told(self, number: int) -> float:
         """The same as the user knows it."""
         return (-1.0 if self.body.turned else 1.0) * self._position(number)
-
-    def _numbers(self) -> range:
-        """Of the planes within the arm."""
-        before, behind = self.start - self.body.clamp, self.body.tip - self.start
-        return range(-floor(before / self.h), floor(behind / self.h) + 1)
 
     def _is_within(self, number: int) -> bool:
         margin = 1e-6 * (self.body.tip - self.body.clamp)
@@ -347,7 +204,8 @@ class _Slots:
 
     def _check_neighbour(self, number: int) -> None:
         """Raise `DesignError` unless a neighbour of slot 0 is its mirror image."""
-        found = self.difference(number)
+        slot, at = self.slots.get(number, []), self._position(max(number, 0))
+        found = difference(self.gmsh, slot, self.slots[0], 0, at, SAME) if slot else Difference(1.0)
         if found.fraction > SAME:
             x, around = self._told(max(number, 0)), ""
             if found.centre is not None:

@@ -44,6 +44,8 @@ PLANES = 400
 HALVINGS = 16
 #: decimals of distances in mm
 ROUNDED = 3
+#: distance (mm) from a length with fewer decimals below which that was drawn
+NEAR_DRAWN = 1e-3
 #: length of a cavity or chamber over that of the arm from which on it runs through all of it
 WHOLE = 0.75
 
@@ -137,6 +139,12 @@ def _crossings(points: Array, walls: Index, wide: Array, narrow: Array, levels: 
 def distances(middles: Iterable[float]) -> list[float]:
     """Distances (mm) between the middles (mm) of neighbouring chambers."""
     return [round(after - before, ROUNDED) for before, after in pairwise(middles)]
+
+
+def as_drawn(length: float) -> float:
+    """A measured length or position (mm) as it was drawn: with few decimals if it is that near to such a number."""
+    rounded = (round(length, decimals) for decimals in range(ROUNDED))
+    return next((drawn for drawn in rounded if abs(drawn - length) < NEAR_DRAWN), length)
 
 
 def middles_of(chambers: Iterable[Range], length: float) -> list[float]:
