@@ -5,13 +5,13 @@ from geometry.centreline import Centreline
 from geometry.errors import DesignError, MeshError, PneurodError, Reason, Values, position_text
 from geometry.families import FAMILIES, BisectedCircle, PneuNet, Rectangular, Semicircular, SemicircularSingle
 from geometry.families.design import Design
-from geometry.files.cad_file import CadFile
+from geometry.files.cad.cad_file import CadFile
 from geometry.files.frame import Axes, CellPlanes, Directions
 from geometry.files.from_file import FileDesign, Plug
-from geometry.files.mesh_file import MeshFile
-from geometry.files.mesh_reader import SUFFIXES as MESH_SUFFIXES
-from geometry.files.surface import SUFFIXES as SURFACE_SUFFIXES
-from geometry.files.surface_file import SurfaceFile
+from geometry.files.mesh.mesh_file import MeshFile
+from geometry.files.mesh.reader import SUFFIXES as MESH_SUFFIXES
+from geometry.files.surface.surface_file import SurfaceFile
+from geometry.files.surface.triangles import SUFFIXES as SURFACE_SUFFIXES
 from geometry.grading import GRADINGS, Grading
 from geometry.mesh import Mesh, Quality
 

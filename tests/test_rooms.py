@@ -38,7 +38,7 @@ LIBRARIES: dict[str, set[str]] = {
 DOORS: dict[str, set[str]] = {
     "gmsh": {"geometry/meshing/solid.py"},
     "meshio": {"geometry/mesh_content.py"},
-    "trimesh": {"geometry/files/surface.py"},
+    "trimesh": {"geometry/files/surface/triangles.py"},
     "skfem": {"fem/discretisation.py"},
     # the doctor tries the threads of numba
     "numba": {"fem/kernels/", "rod/compiled.py", "pipeline/doctor.py"},

@@ -1,1 +1,1 @@
-"""Bodies from other programs: their files, their frame, their faces, and the material curve in their elements."""
+"""Bodies from other programs: what their files share, and a folder for drawings, meshes and surfaces each."""

@@ -2,32 +2,17 @@
 
 The section of the air at a plane is the part, projected on this plane, of the walls that lie behind it: the divergence
 theorem for a body that is cut there. Walls in the planes y = 0 and z = 0 do not count, and a cavity that is open in the
-plane of the clamp needs no lid, because all of its walls behind a plane are there. Faces of a CAD body are divided into
-triangles, after which its session is of no use for a mesh.
+plane of the clamp needs no lid, because all of its walls behind a plane are there.
 """
 
-from collections.abc import Collection, Iterable, Mapping
-from contextlib import suppress
+from collections.abc import Iterable
 from itertools import pairwise
-from typing import Any, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 
 from geometry.arrays import Array, Index
-from geometry.errors import MeshError
-from geometry.files.cad_import import bounds
-from geometry.files.surface import enclosed
-from geometry.meshing.shapes import Face, Volume
-from geometry.meshing.solid import told
 
-#: length of the body over that of the largest edges of the triangles
-BODY_OVER_EDGES = 10
-#: triangles around a full circle
-AROUND = 16
-#: largest difference between the volume within the triangles and that of the cavity, over the latter
-INACCURATE = 0.1
-#: Gmsh's type of triangles with three nodes
-TRIANGLE = 2
 #: smallest and largest x, mm
 Range: TypeAlias = tuple[float, float]
 
@@ -163,49 +148,3 @@ def middles_of(chambers: Iterable[Range], length: float) -> list[float]:
 def runs_through(chamber: Range, length: float) -> bool:
     """Whether a chamber runs through all of an arm of a length (mm)."""
     return chamber[1] - chamber[0] >= WHOLE * length
-
-
-def chambers(gmsh: Any, air: Mapping[Volume, str], length: float) -> dict[str, tuple[Range, ...]]:
-    """Smallest and largest x (mm) of each chamber, by the name of the cavity; length: of the body, mm.
-
-    A cavity is one chamber if Gmsh cannot divide its faces, or not into triangles around its volume.
-    """
-    of_cavity = dict[str, tuple[Range, ...]]()
-    for volume, name in air.items():
-        low, high = bounds(gmsh, [volume])
-        of_cavity[name] = ((low[0], high[0]),)
-        with suppress(MeshError):
-            faces = gmsh.model.getBoundary([volume], combined=False, oriented=False)
-            points, walls = triangles_of(gmsh, [volume], faces, length / BODY_OVER_EDGES)
-            exact = float(gmsh.model.occ.getMass(*volume))
-            if abs(enclosed(points, walls) - exact) <= INACCURATE * exact:
-                of_cavity[name] = chambers_of(points, walls)
-    return of_cavity
-
-
-def gaps(gmsh: Any, volumes: Collection[Volume], length: float) -> bool:
-    """Whether a body of solids and air has gaps on its outside; length: of the body, mm.
-
-    It has none if Gmsh cannot divide its outer faces.
-    """
-    outside = gmsh.model.getBoundary(list(volumes), combined=True, oriented=False)
-    with suppress(MeshError):
-        return has_gaps(*triangles_of(gmsh, volumes, outside, length / BODY_OVER_EDGES))
-    return False
-
-
-def triangles_of(gmsh: Any, volumes: Collection[Volume], faces: Collection[Face], size: float) -> tuple[Array, Index]:
-    """Points (n, 3), mm, and triangles (k, 3) of faces that each belong to one of the volumes, seen from outside."""
-    gmsh.model.setVisibility(gmsh.model.getEntities(), 0)
-    gmsh.model.setVisibility(faces, 1, recursive=True)
-    for option, value in (("MeshOnlyVisible", 1), ("MeshSizeMax", size), ("MeshSizeFromCurvature", AROUND)):
-        gmsh.option.setNumber(f"Mesh.{option}", value)
-    with told("Gmsh could not divide the walls of the body", "repair the body in its own program"):
-        for _, tag in volumes:
-            gmsh.model.mesh.setOutwardOrientation(tag)
-        gmsh.model.mesh.generate(2)
-    tags, coordinates, _ = gmsh.model.mesh.getNodes()
-    rows = np.zeros(int(tags.max()) + 1, dtype=int)
-    rows[tags] = np.arange(len(tags))
-    nodes = [gmsh.model.mesh.getElementsByType(TRIANGLE, tag)[1] for _, tag in faces]
-    return coordinates.reshape(-1, 3), rows[np.concatenate(nodes)].reshape(-1, 3)

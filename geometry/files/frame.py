@@ -94,14 +94,6 @@ def _between(directions: Directions) -> Array:
     return np.stack([along, up, np.cross(along, up)])
 
 
-def in_frame(points: Array, unit: float, axes: Axes, middle: float) -> Array:
-    """Points (n, 3) of a file with that unit (mm) in the frame of the arm, mm; middle: z of its middle, mm.
-
-    Raises `DesignError` as `rotation`.
-    """
-    return points @ (unit * rotation(axes).T) - [0.0, 0.0, middle]
-
-
 def usual_cell(length: float) -> float:
     """Length (mm) over which curvature is averaged on an arm of that length (mm) of which no cell is known.
 

@@ -15,8 +15,8 @@ from geometry.arrays import Array, Index
 from geometry.errors import DesignError, MeshError, raise_together
 from geometry.families.design import Design
 from geometry.files.chambers import Range, distances, middles_of
-from geometry.files.directions import oblique_directions
-from geometry.files.frame import PITCHES, SAME, Axes, CellPlanes, Directions, Point, usual_cell
+from geometry.files.frame import PITCHES, SAME, Axes, CellPlanes, Directions, Point, rotation, usual_cell
+from geometry.files.oblique import oblique_directions
 from geometry.meshing.mirror import slices
 
 #: largest difference of the distances of chambers, over the largest, with which these are the cells of the arm
@@ -117,6 +117,15 @@ class FileDesign(Design):
     @property
     def is_reoriented(self) -> bool:
         return self.axes != SAME
+
+    @property
+    def holds_half(self) -> bool:
+        """Whether the file holds one half of the arm alone."""
+        return False
+
+    def in_frame(self, points: Array) -> Array:
+        """Points (n, 3) of the file in the frame of the arm, mm. Raises `DesignError` for axes that are none."""
+        return points @ (self.unit * rotation(self.axes).T) - [0.0, 0.0, self.middle]
 
     @property
     def key_of_cells(self) -> str:

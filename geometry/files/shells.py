@@ -110,6 +110,13 @@ def windings(at: Array, corners: Array) -> float:
     return float(2 * np.arctan2(volume, angle).sum() / FULL_ANGLE)
 
 
+def enclosed(points: Array, triangles: Index) -> float:
+    """Volume inside triangles (k, 3) that face outward, closed by planes through the origin; negative if they face
+    inward."""
+    a, b, c = np.moveaxis(points[triangles], 1, 0)
+    return float(np.einsum("ij,ij->", a, np.cross(b, c))) / 6
+
+
 def closed_by_mirrors(corners: Array, planes: Iterable[tuple[int, float]]) -> Array:
     """Triangles (k, 3, 3) with their mirror images at planes (axis, position) through their open edges."""
     for axis, position in planes:

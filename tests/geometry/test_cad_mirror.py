@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from geometry.files import cad_mirror
-from geometry.files.cad_mirror import difference
+from geometry.files.cad import mirror
+from geometry.files.cad.mirror import difference
 from geometry.meshing.shapes import Volume
 from geometry.meshing.solid import session
 from tests.step_bodies import Draw, box
@@ -97,7 +97,7 @@ def test_splines_and_ellipses_are_compared_point_by_point(draw: Draw, expected: 
     """Centres, sizes and moments of all faces and edges are those of the mirror image in most of these."""
     with session() as gmsh:
         solids = draw(gmsh.model.occ)
-        assert cad_mirror.have_equal_boundaries(gmsh, solids, solids, 2, 0.0) is expected
+        assert mirror.have_equal_boundaries(gmsh, solids, solids, 2, 0.0) is expected
 
 
 def test_a_wavy_top_that_the_kernel_finds_no_difference_in() -> None:
@@ -136,5 +136,5 @@ def test_faces_that_are_divided_on_one_side_alone_leave_the_difference_to_decide
         solids = bar(occ)
         sheet = occ.addRectangle(3, 2, 6, 5, 5)
         solids = [part for part in occ.fragment(solids, [(2, sheet)])[0] if part[0] == 3]
-        assert not cad_mirror.have_equal_boundaries(gmsh, solids, solids, 2, 0.0)
+        assert not mirror.have_equal_boundaries(gmsh, solids, solids, 2, 0.0)
         assert difference(gmsh, solids, solids, 2, 0.0, 2e-6).fraction < 1e-9

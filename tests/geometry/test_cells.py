@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from geometry import CadFile, CellPlanes, DesignError, MeshError, PneuNet
-from geometry.files import cad_file
+from geometry.files.cad import cad_file
 from tests.step_bodies import box, pneunet_as_step, save
 
 NET = PneuNet(chambers=3)

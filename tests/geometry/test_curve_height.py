@@ -69,7 +69,7 @@ def test_a_height_at_which_elements_would_be_flat_is_refused(tmp_path: Path, mon
     def fails(*_: object) -> Mesh:
         raise MeshError("tetrahedron 7 of the mesh is flat")
 
-    monkeypatch.setattr("geometry.files.placing.with_curve", fails)
+    monkeypatch.setattr("geometry.files.mesh.placing.with_curve", fails)
     path = str(write_mesh(tmp_path / "bar.vtk", *meshed(bar, 4.0)))
     with pytest.raises(DesignError, match=r"curve: the elements around the line y = .* because tetrahedron 7"):
         MeshFile(path, 1.0)

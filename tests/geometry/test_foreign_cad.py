@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from geometry import CadFile, DesignError, MeshFile, SurfaceFile
-from geometry.files.cad_import import _axis_and_angle
+from geometry.files.cad.solids import _axis_and_angle
 from tests.foreign_bodies import (
     BAR_AIR,
     BAR_VOLUME,

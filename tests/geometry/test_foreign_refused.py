@@ -10,8 +10,8 @@ import pytest
 
 from geometry import DesignError, Mesh, MeshFile
 from geometry.errors import MeshError
-from geometry.files.cad_file import CadFile
-from geometry.files.surface_file import SurfaceFile
+from geometry.files.cad.cad_file import CadFile
+from geometry.files.surface.surface_file import SurfaceFile
 from geometry.topology import row_keys
 from pipeline.config.load import load_config
 from pipeline.simulate.simulate import experiments_of

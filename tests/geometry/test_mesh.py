@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from geometry import BisectedCircle, Mesh, MeshError
-from geometry.files.mesh_reader import read_mesh_file
+from geometry.files.mesh.reader import read_mesh_file
 
 REFERENCE = Path(__file__).parent.parent / "data" / "t2_coarse.msh"
 REGULAR = np.array([[1, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]], dtype=float)

@@ -9,7 +9,7 @@ import pytest
 
 from geometry import DesignError, SurfaceFile
 from geometry.files.shells import find_crossing
-from geometry.files.surface import read_surface, thinnest
+from geometry.files.surface.triangles import read_surface, thinnest
 from geometry.manifold import check_manifold, check_untangled
 from tests.foreign_bodies import (
     BAR_AIR,

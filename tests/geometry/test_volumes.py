@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 
 from geometry import BisectedCircle, Design, DesignError, PneuNet, Rectangular, Semicircular, SemicircularSingle
 from geometry.curved import CurvedEdges
-from geometry.files.mesh_reader import read_mesh_file
+from geometry.files.mesh.reader import read_mesh_file
 
 
 def halves(design: Design, size: float) -> tuple[float, float]:

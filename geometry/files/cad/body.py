@@ -15,10 +15,11 @@ import numpy as np
 from geometry.arrays import Array
 from geometry.curved import CurvedEdges
 from geometry.errors import DesignError
-from geometry.files.cad_checks import BODY, check_curve, check_ends, check_position, check_symmetric, named_parts
-from geometry.files.cad_import import CadBody, bounds, import_solids, is_in_material
-from geometry.files.cad_inlets import fill_cad_inlets, hole_advice
-from geometry.files.chambers import Range, chambers, gaps
+from geometry.files.cad.checks import BODY, check_curve, check_ends, check_position, check_symmetric, named_parts
+from geometry.files.cad.inlets import fill_cad_inlets, hole_advice
+from geometry.files.cad.solids import CadBody, bounds, import_solids, is_in_material
+from geometry.files.cad.triangles import chambers, gaps
+from geometry.files.chambers import Range
 from geometry.files.frame import Point, no_end_face
 from geometry.files.shells import NOTHING_OPEN
 from geometry.grading import Grading

@@ -12,15 +12,15 @@ import numpy as np
 from geometry.arrays import Array, Index
 from geometry.body import Body
 from geometry.errors import DesignError, MeshError
-from geometry.files.cad import CadMeasures, edges_of, measure, measure_gaps, measure_thinnest_wall, mesh_cad
-from geometry.files.cad_import import STEP, SUFFIXES, CadBody, CadSource, air_left_out, file_bounds
-from geometry.files.cells import CellPlanes, Cells, find_cells, mesh_cells
+from geometry.files.cad.body import CadMeasures, edges_of, measure, measure_gaps, measure_thinnest_wall, mesh_cad
+from geometry.files.cad.cells import CellPlanes, Cells, find_cells, mesh_cells
+from geometry.files.cad.solids import STEP, SUFFIXES, CadBody, CadSource, air_left_out, file_bounds
+from geometry.files.cad.triangles import surface_of
 from geometry.files.chambers import Range, as_drawn
-from geometry.files.directions import surface_of
 from geometry.files.frame import PITCHES, Point, rotation
 from geometry.files.from_file import FileDesign
-from geometry.files.mesh_reader import SUFFIXES as MESH_SUFFIXES
-from geometry.files.surface import SUFFIXES as SURFACE_SUFFIXES
+from geometry.files.mesh.reader import SUFFIXES as MESH_SUFFIXES
+from geometry.files.surface.triangles import SUFFIXES as SURFACE_SUFFIXES
 from geometry.grading import OFF, Grading
 from geometry.manifold import check_manifold
 from geometry.mesh import Mesh

@@ -16,9 +16,9 @@ import numpy as np
 from geometry.arrays import Array
 from geometry.curved import CurvedEdges
 from geometry.errors import DesignError
-from geometry.files.cad import cad_session, in_frame_of, keep_material, mesh_session
-from geometry.files.cad_import import CadBody
-from geometry.files.cad_mirror import Difference, box, difference, moments
+from geometry.files.cad.body import cad_session, in_frame_of, keep_material, mesh_session
+from geometry.files.cad.mirror import Difference, box, difference, moments
+from geometry.files.cad.solids import CadBody
 from geometry.files.frame import CellPlanes
 from geometry.grading import Grading
 from geometry.meshing.mirror import Repetition

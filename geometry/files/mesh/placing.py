@@ -4,7 +4,6 @@ All lengths in mm. Positions that a user gives (clamp, tip, curve, points in the
 arm, before the body is moved so that its clamp is at x = 0.
 """
 
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -12,22 +11,19 @@ import numpy as np
 from geometry.arrays import Array, Index, Mask
 from geometry.curved import CurvedEdges
 from geometry.errors import DesignError, MeshError
-from geometry.files.curve import with_curve
 from geometry.files.frame import (
     HEIGHTS,
-    SAME,
-    Axes,
-    Point,
     check_dimensions,
     check_within,
     goes_on,
     height_advice,
-    in_frame,
     misplaced,
     no_end_face,
     outside_material,
 )
-from geometry.files.mesh_reader import FileMesh
+from geometry.files.from_file import FileDesign
+from geometry.files.mesh.curve import with_curve
+from geometry.files.mesh.reader import FileMesh
 from geometry.files.shells import lies_in, named_cavities, parts_of, refuse_open, windings
 from geometry.manifold import check_manifold, check_untangled, count_components
 from geometry.mesh import Mesh
@@ -35,21 +31,6 @@ from geometry.topology import find_rows
 
 #: how far the vertices of a flat face may lie from their plane, over the size of the body: files have six digits
 FLAT = 1e-5
-
-
-@dataclass(frozen=True)
-class Placing:
-    """How a file becomes a body."""
-
-    curve: float  #: y of the material curve, mm
-    clamp: float | None  #: x of the clamped end, mm; None for the end with the smallest x
-    tip: float | None  #: x of the other end, mm; None for the end with the largest x
-    air: Mapping[str, Point]  #: name of a cavity -> a point in it, mm; empty where there is one cavity alone
-    half: bool  #: the file holds one half alone, z >= 0 or z <= 0
-    unit: float  #: mm per unit of length of the file
-    axes: Axes = SAME
-    middle: float = 0.0  #: z of the plane of the file that becomes z = 0, in the directions of the arm, mm
-    plug: bool = False  #: whether an inlet in the plane of the clamp is closed there
 
 
 @dataclass(frozen=True)
@@ -62,48 +43,48 @@ class Placed:
     turned: bool = False  #: whether it is clamped at the larger x of its file
 
 
-def turned(content: FileMesh, placing: Placing, half: bool) -> FileMesh:
+def turned(content: FileMesh, design: FileDesign, half: bool) -> FileMesh:
     """The content of a file in mm and in the directions of the arm; of a half z <= 0 its mirror image, the other half.
 
     half: whether the file holds one half alone. Raises `DesignError`.
     """
-    points = in_frame(content.points, placing.unit, placing.axes, placing.middle)
+    points = design.in_frame(content.points)
     check_dimensions(np.ptp(points, axis=0))
     signs = np.ones(3)
     if half and abs(points[:, 2].max()) <= FLAT * np.ptp(points, axis=0).max():
         signs[2] = -1.0
 
     def there(positions: Array) -> Array:
-        return in_frame(positions, placing.unit, placing.axes, placing.middle) * signs
+        return design.in_frame(positions) * signs
 
     curved = CurvedEdges(content.curved.ends, there(content.curved.middles))
     return replace(content, points=points * signs, curved=curved, straightened=there(content.straightened))
 
 
-def placed_by_planes(content: FileMesh, placing: Placing) -> Placed:
+def placed_by_planes(content: FileMesh, design: FileDesign) -> Placed:
     """The body with the faces clamp, tip, sym (of a half), outer, and its cavities.
 
     content: in mm and in the directions of the arm. Raises `DesignError`, and `MeshError` for elements that cannot be
     used.
     """
     points, tets, curved = joined(content)
-    clamp, tip = ends = ends_of(points, placing)
-    check_across(points, placing)
+    clamp, tip = ends = ends_of(points, design)
+    check_across(points, design)
     tolerance = FLAT * float(np.ptp(points, axis=0).max())
     points = points.copy()  # those near the plane of a flat face are moved exactly into it
-    for axis, position in ((0, clamp), (0, tip), *([(2, 0.0)] if placing.half else [])):
+    for axis, position in ((0, clamp), (0, tip), *([(2, 0.0)] if design.holds_half else [])):
         points[np.abs(points[:, axis] - position) < tolerance, axis] = position
     mesh = Mesh(points, tets, {}, curved, content.regions)
     check_manifold(mesh)
     check_untangled(mesh)
     for name, position in (("clamp", clamp), ("tip", tip)):
         _flat(name, position, mesh.points, mesh.boundary)
-    check_beyond(mesh.points, mesh.boundary, ends, placing)
-    cavities, faces = _named(mesh, placing, ends)
-    return moved(replace(mesh, faces=faces), placing, ends, cavities)
+    check_beyond(mesh.points, mesh.boundary, ends, design)
+    cavities, faces = _named(mesh, design, ends)
+    return moved(replace(mesh, faces=faces), design, ends, cavities)
 
 
-def moved(mesh: Mesh, placing: Placing, ends: tuple[float, float], cavities: tuple[str, ...]) -> Placed:
+def moved(mesh: Mesh, design: FileDesign, ends: tuple[float, float], cavities: tuple[str, ...]) -> Placed:
     """The mesh with its clamp at x = 0 and its tip at a larger x, and with the material curve along edges.
 
     A body that is clamped at its larger x is turned about y by half a turn; a half is mirrored, which gives its other
@@ -111,7 +92,7 @@ def moved(mesh: Mesh, placing: Placing, ends: tuple[float, float], cavities: tup
     """
     clamp, tip = ends
     turned = tip < clamp
-    signs = np.array([-1.0, 1.0, 1.0 if placing.half else -1.0]) if turned else np.ones(3)
+    signs = np.array([-1.0, 1.0, 1.0 if design.holds_half else -1.0]) if turned else np.ones(3)
 
     def there(points: Array) -> Array:
         return (points - [clamp, 0.0, 0.0]) * signs
@@ -120,7 +101,7 @@ def moved(mesh: Mesh, placing: Placing, ends: tuple[float, float], cavities: tup
     points = there(mesh.points)
     points[mesh.points[:, 0] == tip, 0] = length
     curved = CurvedEdges(mesh.curved.ends, there(mesh.curved.middles))
-    mesh = divided(Mesh(points, mesh.tets, mesh.faces, curved, mesh.regions), placing.curve, length)
+    mesh = divided(Mesh(points, mesh.tets, mesh.faces, curved, mesh.regions), design.curve, length)
     for name in cavities:
         if not mesh.enclosed_volume(name) > 0:
             raise DesignError(f"air.{name}", f"the surface of {name} encloses material, not air")
@@ -144,28 +125,28 @@ def joined(content: FileMesh) -> tuple[Array, Index, CurvedEdges]:
     return points, tets, content.curved.renumbered(same).usable(points, tets)
 
 
-def ends_of(points: Array, placing: Placing) -> tuple[float, float]:
+def ends_of(points: Array, design: FileDesign) -> tuple[float, float]:
     """x of clamp and tip, mm. Raises `DesignError` where one lies outside the body or both are the same."""
     low, high = points.min(axis=0), points.max(axis=0)
     tolerance = FLAT * float((high - low).max())
-    check_within({"clamp": placing.clamp, "tip": placing.tip, "curve": placing.curve}, low, high, tolerance)
-    clamp = placing.clamp if placing.clamp is not None else float(low[0])
+    check_within({"clamp": design.clamp, "tip": design.tip, "curve": design.curve}, low, high, tolerance)
+    clamp = design.clamp if design.clamp is not None else float(low[0])
     other = float(high[0] if clamp <= (low[0] + high[0]) / 2 else low[0])
-    tip = placing.tip if placing.tip is not None else other
+    tip = design.tip if design.tip is not None else other
     if abs(tip - clamp) <= tolerance:
         raise DesignError(("clamp", "tip"), f"clamp and tip are both at x = {clamp:g} mm; they are the two ends")
     return clamp, tip
 
 
-def check_beyond(points: Array, boundary: Index, ends: tuple[float, float], placing: Placing) -> None:
+def check_beyond(points: Array, boundary: Index, ends: tuple[float, float], design: FileDesign) -> None:
     """Raise `DesignError` where the material goes on beyond the plane of an end at the height of the curve.
 
     points (n, 3), mm; boundary (k, 3); ends: x of clamp and tip, mm. Whether the curve leaves the material between the
     ends shows when the mesh is divided along it.
     """
     (low_y, low_z), (high_y, high_z) = points[:, 1:].min(axis=0), points[:, 1:].max(axis=0)
-    z = 1e-3 * (high_z - low_z) if placing.half else 0.0
-    heights = [placing.curve + side * 1e-4 * (high_y - low_y) for side in (1.0, -1.0)]
+    z = 1e-3 * (high_z - low_z) if design.holds_half else 0.0
+    heights = [design.curve + side * 1e-4 * (high_y - low_y) for side in (1.0, -1.0)]
     step, corners = 1e-5 * (ends[1] - ends[0]), points[boundary]
 
     def is_inside(x: float, y: float) -> bool:
@@ -176,15 +157,15 @@ def check_beyond(points: Array, boundary: Index, ends: tuple[float, float], plac
             raise goes_on(name, x)
 
 
-def check_across(points: Array, placing: Placing) -> None:
+def check_across(points: Array, design: FileDesign) -> None:
     """Raise `DesignError` unless z = 0 is within a whole body, and at the side of a half."""
     low, high = points.min(axis=0), points.max(axis=0)
     tolerance = FLAT * float((high - low).max())
     is_within = low[2] < -tolerance < tolerance < high[2]
-    if placing.half and is_within:
+    if design.holds_half and is_within:
         raise DesignError("symmetric", "true is for a file that holds one half alone, z = 0 at its side: leave it out")
-    if (placing.half and abs(low[2]) > tolerance) or not (placing.half or is_within):
-        raise misplaced(low, high, placing.middle, placing.axes != SAME)
+    if (design.holds_half and abs(low[2]) > tolerance) or not (design.holds_half or is_within):
+        raise misplaced(low, high, design.middle, design.is_reoriented)
 
 
 def divided(mesh: Mesh, curve_y: float, length: float) -> Mesh:
@@ -233,7 +214,7 @@ def curve_gap(mesh: Mesh, curve_y: float, length: float) -> tuple[float, float] 
     return next(((stops[k], stops[k + 1]) for k, ok in enumerate(filled) if not ok), None)
 
 
-def _named(mesh: Mesh, placing: Placing, ends: tuple[float, float]) -> tuple[tuple[str, ...], dict[str, Index]]:
+def _named(mesh: Mesh, design: FileDesign, ends: tuple[float, float]) -> tuple[tuple[str, ...], dict[str, Index]]:
     """Names of the cavities, and the triangles of all faces by name; ends: x of clamp and tip, mm.
 
     Raises `DesignError`.
@@ -242,16 +223,16 @@ def _named(mesh: Mesh, placing: Placing, ends: tuple[float, float]) -> tuple[tup
     tolerance = 1e-9 * float(np.ptp(points, axis=0).max())
     faces: dict[str, Index] = {}
     mirrors: list[tuple[int, float]] = []
-    if placing.half:
+    if design.holds_half:
         sym = lies_in(points, free, (2, 0.0), tolerance)
         faces["sym"], free = free[sym], free[~sym]
         mirrors.append((2, 0.0))
-    _, inner = parts_of(points, free, ends[0] if placing.plug else None, tolerance)
+    _, inner = parts_of(points, free, ends[0] if design.plug is True else None, tolerance)
     if not inner:
-        refuse_open(points, free, ends, placing.plug, tolerance)
-    if placing.plug:
+        refuse_open(points, free, ends, design.plug is True, tolerance)
+    if design.plug is True:
         mirrors.append((0, ends[0]))
-    cavities = named_cavities(points, inner, mesh.boundary, placing.air, mirrors)
+    cavities = named_cavities(points, inner, mesh.boundary, design.air, mirrors)
     outside = free[find_rows(free, np.vstack(list(cavities.values())), len(points)) < 0]
     for name, position in zip(("clamp", "tip"), ends, strict=True):
         flat = _flat(name, position, points, outside)

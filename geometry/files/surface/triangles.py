@@ -14,8 +14,8 @@ import numpy as np
 from geometry.arrays import Array, Index
 from geometry.curved import CurvedEdges
 from geometry.errors import MeshError
-from geometry.files.mesh_reader import FileMesh
-from geometry.files.shells import find_crossing, outside_first, shells, windings
+from geometry.files.mesh.reader import FileMesh
+from geometry.files.shells import enclosed, find_crossing, outside_first, shells, windings
 from geometry.meshing.solid import collect_mesh, optimize, session, told
 from geometry.topology import normals, open_edges, parts_of_graph, row_keys, triangle_edges
 
@@ -80,13 +80,6 @@ def of_parts(points: Array, triangles: Index) -> Surface:
     """The surface of triangles (k, 3) in any order and direction. Raises `MeshError` unless it is that of one body."""
     _check_closed(points, triangles)
     return _oriented(points, triangles)
-
-
-def enclosed(points: Array, triangles: Index) -> float:
-    """Volume inside triangles (k, 3) that face outward, closed by planes through the origin; negative if they face
-    inward."""
-    a, b, c = np.moveaxis(points[triangles], 1, 0)
-    return float(np.einsum("ij,ij->", a, np.cross(b, c))) / 6
 
 
 def _merged(points: Array, triangles: Index) -> tuple[Array, Index]:

@@ -12,7 +12,7 @@ import numpy as np
 from geometry.arrays import Array, Index
 from geometry.curved import NO_CURVED_EDGES, CurvedEdges, curved_edges
 from geometry.errors import MeshError
-from geometry.files.abaqus import only_body
+from geometry.files.mesh.abaqus import only_body
 from geometry.mesh_content import named_rows, named_triangles, read_content, read_text
 from geometry.meshing.solid import session, told
 from geometry.topology import EDGES, row_keys

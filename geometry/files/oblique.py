@@ -3,10 +3,7 @@
 import numpy as np
 
 from geometry.arrays import Array, Index
-from geometry.files.cad_import import CadSource, bounds, import_solids
-from geometry.files.chambers import BODY_OVER_EDGES, triangles_of
 from geometry.files.frame import Directions, Point
-from geometry.meshing.solid import session
 from geometry.topology import cross
 
 #: cosine of the largest angle between the longest way of a body, or across it, and the flat faces there; and between
@@ -48,16 +45,6 @@ def oblique_directions(points: Array, triangles: Index) -> Directions | None:
     if is_aligned and min(_off_axis(up), _off_axis(principal[1])) < ALIGNED:
         return None
     return Directions(_upright(along), _upright(up))
-
-
-def surface_of(source: CadSource) -> tuple[Array, Index]:
-    """Points (n, 3), mm, and triangles (k, 3) of the surface of the solids of a CAD file. Raises `DesignError` and
-    `MeshError`."""
-    with session() as gmsh:
-        solids = import_solids(gmsh, source)
-        faces = gmsh.model.getBoundary(solids, combined=False, oriented=False)
-        low, high = bounds(gmsh, solids)
-        return triangles_of(gmsh, solids, faces, float(np.subtract(high, low).max()) / BODY_OVER_EDGES)
 
 
 def _principal(corners: Array, area: Array) -> tuple[Array, Array]:

@@ -5,9 +5,9 @@ from typing import Any
 import numpy as np
 
 from geometry.errors import DesignError
-from geometry.files.cad_import import CadBody, has_splines, is_in_material
-from geometry.files.cad_inlets import hole_advice
-from geometry.files.cad_mirror import difference
+from geometry.files.cad.inlets import hole_advice
+from geometry.files.cad.mirror import difference
+from geometry.files.cad.solids import CadBody, has_splines, is_in_material
 from geometry.files.frame import (
     UNEQUAL,
     Point,

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from geometry.arrays import Array
-from geometry.files.cad_import import CadBody, bounds, is_in_material
+from geometry.files.cad.solids import CadBody, bounds, is_in_material
 from geometry.files.shells import NEAR_MOUTH, WIDER, diagonal, holds, no_mouth, smallest_around
 from geometry.meshing.shapes import Volume
 

@@ -14,7 +14,7 @@ from geometry.arrays import Array, Index, Mask
 from geometry.errors import position_text
 from geometry.files.frame import Point
 from geometry.files.shells import NEAR_MOUTH, WIDER, diagonal, no_mouth, smallest_around
-from geometry.files.surface import Surface, of_parts
+from geometry.files.surface.triangles import Surface, of_parts
 from geometry.topology import normals, parts_of_graph, row_keys, triangle_edges
 
 #: triangles that are turned against each other by less belong to one face

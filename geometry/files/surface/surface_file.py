@@ -12,12 +12,12 @@ from geometry.arrays import Array, Index
 from geometry.body import Body
 from geometry.errors import DesignError, MeshError
 from geometry.files.chambers import Range, chambers_of, has_gaps
-from geometry.files.frame import check_dimensions, in_frame, misplaced, no_end_face
+from geometry.files.frame import check_dimensions, misplaced, no_end_face
 from geometry.files.from_file import FileDesign
-from geometry.files.placing import FLAT, Placed, Placing, ends_of, placed_by_planes
-from geometry.files.shells import lies_in, named_cavities, parts_of, refuse_open
-from geometry.files.surface import NotFilled, Surface, enclosed, fill, read_surface, thinnest
-from geometry.files.surface_inlets import fill_surface_inlets
+from geometry.files.mesh.placing import FLAT, Placed, ends_of, placed_by_planes
+from geometry.files.shells import enclosed, lies_in, named_cavities, parts_of, refuse_open
+from geometry.files.surface.inlets import fill_surface_inlets
+from geometry.files.surface.triangles import NotFilled, Surface, fill, read_surface, thinnest
 from geometry.grading import OFF, Grading
 
 #: largest difference between the volumes of the mesh (or its air) and of the surface, over that of the surface
@@ -68,18 +68,14 @@ class SurfaceFile(FileDesign):
     def _plugged(self) -> tuple[Surface, Mapping[str, float]]:
         """The surface, and the depths of the plugs in its inlets, mm."""
         surface = read_surface(Path(self.file))
-        surface = replace(surface, points=in_frame(surface.points, self.unit, self.axes, self.middle))
+        surface = replace(surface, points=self.in_frame(surface.points))
         check_dimensions(np.ptp(surface.points, axis=0))
         return fill_surface_inlets(surface, self.plug) if isinstance(self.plug, Mapping) else (surface, {})
-
-    @property
-    def _placing(self) -> Placing:
-        return Placing(self.curve, self.clamp, self.tip, self.air, False, 1.0, plug=self.is_open_at_clamp)
 
     @cached_property
     def _ends(self) -> tuple[float, float]:
         """x of clamp and tip, mm."""
-        return ends_of(self.surface.points, self._placing)
+        return ends_of(self.surface.points, self)
 
     @property
     def why_no_cell(self) -> str:
@@ -174,7 +170,7 @@ class SurfaceFile(FileDesign):
     def _placed(self, size: float) -> tuple[Placed, float]:
         """The mesh, and by how much its volume or that of its air is off, over that of the surface."""
         try:
-            placed = placed_by_planes(fill(self.surface, size), self._placing)
+            placed = placed_by_planes(fill(self.surface, size), self)
         except MeshError as error:
             key = "mesh.size" if isinstance(error, NotFilled) else "file"
             raise DesignError(key, str(error)) from error

@@ -15,8 +15,8 @@ from geometry.errors import DesignError, MeshError, position_text
 from geometry.files.chambers import Range, chambers_of, has_gaps
 from geometry.files.frame import position_of
 from geometry.files.from_file import FileDesign
-from geometry.files.mesh_reader import FileMesh, read_mesh_file
-from geometry.files.placing import FLAT, Placed, Placing, check_across, moved, placed_by_planes, turned
+from geometry.files.mesh.placing import FLAT, Placed, check_across, moved, placed_by_planes, turned
+from geometry.files.mesh.reader import FileMesh, read_mesh_file
 from geometry.files.shells import middle_of, opens_at, parts_of
 from geometry.grading import OFF, Grading
 from geometry.manifold import check_half, check_manifold, check_untangled
@@ -61,25 +61,22 @@ class MeshFile(FileDesign):
     @cached_property
     def _placed(self) -> Placed:
         try:
-            placing, content = self._placing, self._content
+            content = self._content
             content = replace(content, regions={name: content.regions[name] for name in self.regions})
-            return (_placed_by_names if self._by_names(content) else placed_by_planes)(content, placing)
+            return (_placed_by_names if self._by_names(content) else placed_by_planes)(content, self)
         except MeshError as error:
             raise DesignError("file", str(error)) from error
 
     @property
-    def _placing(self) -> Placing:
-        return Placing(
-            *(self.curve, self.clamp, self.tip, self.air, self.symmetric, self.unit, self.axes),
-            *(self.middle, self.plug),
-        )
+    def holds_half(self) -> bool:
+        return self.symmetric
 
     @cached_property
     def _content(self) -> FileMesh:
         """What the file says, in mm and in the directions of the arm."""
         content = read_mesh_file(Path(self.file))
         half = self.symmetric or (self._by_names(content) and "sym" in content.faces)
-        return turned(content, self._placing, half)
+        return turned(content, self, half)
 
     def _by_names(self, content: FileMesh) -> bool:
         """Whether the names that the file has for its faces are used."""
@@ -180,7 +177,7 @@ def _has_names(content: FileMesh) -> bool:
     return any(name in ("clamp", "tip") or name.startswith("cavity") for name in content.faces)
 
 
-def _placed_by_names(content: FileMesh, placing: Placing) -> Placed:
+def _placed_by_names(content: FileMesh, design: FileDesign) -> Placed:
     """The body with the faces of the file. Raises `MeshError` where they do not fit."""
     faces = {name: _once(triangles, len(content.points)) for name, triangles in content.faces.items()}
     mesh = Mesh(content.points, content.tets, faces, content.curved, content.regions)
@@ -188,11 +185,11 @@ def _placed_by_names(content: FileMesh, placing: Placing) -> Placed:
     check_untangled(mesh)
     names = tuple(sorted(name for name in mesh.faces if name.startswith("cavity")))
     missing = next((name for name in ("clamp", "tip") if name not in mesh.faces), "" if names else "cavity...")
-    if missing or (placing.half and "sym" not in mesh.faces):
+    if missing or (design.holds_half and "sym" not in mesh.faces):
         has = f"it has {', '.join(mesh.faces)}"
         raise MeshError(f"the mesh has no face named {missing or 'sym'}; {has}: name it, or give clamp and tip")
     if "sym" in mesh.faces:
-        _refuse_shifted(mesh, placing)
+        _refuse_shifted(mesh, design)
         check_half(mesh)
     clamp, tip = ends = _plane_of(mesh, "clamp"), _plane_of(mesh, "tip")
     if not tip > clamp:
@@ -202,15 +199,15 @@ def _placed_by_names(content: FileMesh, placing: Placing) -> Placed:
     for name in names:  # before the body is moved: positions in sentences are those that a user knows
         mesh.check_closed(name, clamp, half="sym" in mesh.faces)
     if "sym" not in mesh.faces:
-        check_across(mesh.points, placing)
-    return moved(mesh, placing, ends, names)
+        check_across(mesh.points, design)
+    return moved(mesh, design, ends, names)
 
 
-def _refuse_shifted(mesh: Mesh, placing: Placing) -> None:
+def _refuse_shifted(mesh: Mesh, design: FileDesign) -> None:
     """Raise `DesignError` where the face sym is flat, but in another plane than z = 0."""
     z, tolerance = mesh.points[np.unique(mesh.faces["sym"]), 2], FLAT * float(np.ptp(mesh.points, axis=0).max())
     if np.ptp(z) <= tolerance and abs(z.mean()) > tolerance:
-        middle = position_of(placing.middle + z.mean())
+        middle = position_of(design.middle + z.mean())
         raise DesignError("middle", f"the face sym lies in the plane z = {z.mean():.6g} mm; write middle: {middle}")
 
 

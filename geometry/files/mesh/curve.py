@@ -9,7 +9,7 @@ import numpy as np
 
 from geometry.arrays import Array, Index, Mask
 from geometry.curved import CurvedEdges
-from geometry.files.divided import DividedMesh, Line, improve
+from geometry.files.mesh.divided import DividedMesh, Line, improve
 from geometry.mesh import Mesh
 from geometry.quality import radius_ratios
 from geometry.topology import OUTWARD, normals, row_keys, signed_volumes

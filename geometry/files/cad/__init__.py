@@ -1,0 +1,1 @@
+"""Bodies from CAD files: solids, their measures, their cells and their meshes."""

@@ -1,0 +1,1 @@
+"""Bodies from surfaces of triangles, filled with elements."""
