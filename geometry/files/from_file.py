@@ -21,6 +21,8 @@ from geometry.meshing.mirror import slices
 
 #: largest difference of the distances of chambers, over the largest, with which these are the cells of the arm
 EQUAL = 0.05
+#: how far the vertices of a flat face may lie from their plane, over the size of the body: files have six digits
+FLAT = 1e-5
 #: names of faces that are no cavities
 TAKEN = ("clamp", "tip", "sym", "outer")
 #: suffixes of files that formats in several files put beside the one that is named (XDMF, TetGen)
@@ -34,6 +36,7 @@ class FileDesign(Design):
     """A body that a file describes; all lengths in mm. The constructor reads and checks the file."""
 
     is_from_file: ClassVar[bool] = True
+    fills_inlets: ClassVar[bool] = True  #: whether `plug` may have points in the mouths of inlets
 
     file: str  #: path of the file
     curve: float  #: y of the material curve
@@ -122,6 +125,15 @@ class FileDesign(Design):
     def holds_half(self) -> bool:
         """Whether the file holds one half of the arm alone."""
         return False
+
+    def ends_between(self, low: float, high: float) -> tuple[float, float]:
+        """x of clamp and tip (mm) of a body between two x. Raises `DesignError` where both are the same."""
+        clamp = low if self.clamp is None else self.clamp
+        other = high if clamp <= (low + high) / 2 else low
+        tip = other if self.tip is None else self.tip
+        if abs(tip - clamp) <= FLAT * (high - low):
+            raise DesignError(("clamp", "tip"), f"clamp and tip are both at x = {clamp:g} mm; they are the two ends")
+        return clamp, tip
 
     def in_frame(self, points: Array) -> Array:
         """Points (n, 3) of the file in the frame of the arm, mm. Raises `DesignError` for axes that are none."""

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 from geometry import CadFile, DesignError, MeshFile, SurfaceFile
-from geometry.files.cad.solids import _axis_and_angle
 from tests.foreign_bodies import (
     BAR_AIR,
     BAR_VOLUME,
@@ -284,21 +283,3 @@ def test_inlets_at_both_ends_of_a_surface_are_filled(folder: Path) -> None:
         with pytest.raises(DesignError, match=rf"open at the {other}, .* plug: {{inlet: \[{at} mm, 6 mm, 0 mm\]"):
             SurfaceFile(path, 1.5, plug={given: ends[given]})
     assert SurfaceFile(path, 1.5, plug=ends).cavity_volume == pytest.approx(BAR_AIR, rel=1e-3)
-
-
-def test_axis_and_angle_of_all_turns() -> None:
-    """Rodrigues' formula gives the rotation back."""
-    from itertools import permutations, product
-
-    count = 0
-    for order, signs in product(permutations(range(3)), product((1, -1), repeat=3)):
-        turn = np.eye(3)[list(order)] * np.array(signs)[:, None]
-        if np.linalg.det(turn) < 0:
-            continue
-        axis, angle = _axis_and_angle(turn)
-        x, y, z = axis
-        cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
-        again = np.eye(3) + np.sin(angle) * cross + (1 - np.cos(angle)) * cross @ cross
-        assert np.allclose(again, turn), turn
-        count += 1
-    assert count == 24

@@ -26,9 +26,6 @@ from geometry.manifold import check_manifold
 from geometry.mesh import Mesh
 from geometry.meshing.mirror import Repetition
 
-#: the rotation of a body that stays as it is in its file
-AS_IN_FILE = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
-
 
 @final
 @dataclass(frozen=True)
@@ -51,8 +48,6 @@ class CadFile(FileDesign):
 
     def _read(self) -> None:
         clamp, tip = self._ends
-        if clamp == tip:
-            raise DesignError(("clamp", "tip"), f"clamp and tip are both at x = {clamp:g} mm; they are the two ends")
         if isinstance(self.cell, CellPlanes) and tip < clamp:
             raise DesignError("cell", "must be a length where the arm is clamped at its larger x, or turn it with axes")
         _ = self.measures
@@ -60,7 +55,7 @@ class CadFile(FileDesign):
             _ = self.cells
 
     def _outline(self) -> tuple[Array, Index]:
-        return surface_of(CadSource(Path(self.file), self.unit, AS_IN_FILE, self.unite, bool(self.parts)))
+        return surface_of(CadSource(Path(self.file), self.unit, np.eye(3), self.unite, bool(self.parts)))
 
     def _wrong_values(self) -> Iterator[DesignError]:
         path = Path(self.file)
@@ -80,12 +75,8 @@ class CadFile(FileDesign):
     @cached_property
     def _ends(self) -> tuple[float, float]:
         """x of clamp and tip, mm, before the body is turned."""
-        if self.clamp is not None and self.tip is not None:
-            return self.clamp, self.tip
         low, high = file_bounds(self._source())
-        clamp = low[0] if self.clamp is None else self.clamp
-        other = high[0] if clamp <= (low[0] + high[0]) / 2 else low[0]
-        return clamp, other if self.tip is None else self.tip
+        return self.ends_between(low[0], high[0])
 
     @cached_property
     def measures(self) -> CadMeasures:
@@ -144,10 +135,7 @@ class CadFile(FileDesign):
         turn, shift = rotation(self.axes), -self.middle
         if around:
             turn, shift = np.diag([-1.0, 1.0, -1.0]) @ turn, self.middle
-        first, second, third = (tuple(float(x) for x in row) for row in turn)
-        turned = (first, second, third)
-        path, apart = Path(self.file), bool(self.parts)
-        return CadSource(path, self.unit, turned, self.unite, apart, shift)  # type: ignore[arg-type]
+        return CadSource(Path(self.file), self.unit, turn, self.unite, bool(self.parts), shift)
 
     @cached_property
     def _cad(self) -> CadBody:
@@ -166,8 +154,17 @@ class CadFile(FileDesign):
                 {name: (-x, y, side * z) for name, (x, y, z) in given.items()} for given in (air, parts, plugs)
             )
         return CadBody(
-            *(self._source(turned), clamp, tip, self.curve, self._half, air, parts),
-            *(self.is_open_at_clamp, plugs, turned, self.symmetric is True),
+            self._source(turned),
+            clamp=clamp,
+            tip=tip,
+            curve=self.curve,
+            half=self._half,
+            air=air,
+            parts=parts,
+            plug_at_clamp=self.is_open_at_clamp,
+            plugs=plugs,
+            turned=turned,
+            says_half=self.symmetric is True,
         )
 
     @property

@@ -23,17 +23,15 @@ OVERLAP = 1e-6
 _END_OF_BREP = re.compile(rb"\*\s+[+-]\d+ \d+\s*\Z")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class CadSource:
     """A CAD file and how its solids are turned."""
 
     path: Path
     unit: float  #: mm per unit of length of the file (STEP files carry their unit, so 1 for them)
-    turn: tuple[Point, Point, Point]  #: rows of the rotation into the frame of the arm
+    turn: Array  #: (3, 3) rotation into the frame of the arm
     unite: bool  #: whether several solids that touch become one
-    apart: bool = (
-        False  #: whether they stay several that have their faces in common, because they are of other materials
-    )
+    apart: bool  #: whether they stay several that have their faces in common, because they are of other materials
     shift: float = 0.0  #: along z, after the rotation, mm
 
     @property
@@ -85,11 +83,13 @@ class CadBody:
 
 def import_solids(gmsh: Any, source: CadSource) -> list[Volume]:
     """The solids of the file, in mm: one, or several that touch where they stay apart. Raises `DesignError`."""
+    from scipy.spatial.transform import Rotation  # here: what reads no CAD file does not wait for its import
+
     occ = gmsh.model.occ
     solids = _of_file(gmsh, source)
-    axis, angle = _axis_and_angle(np.array(source.turn))
-    if angle:
-        occ.rotate(solids, 0, 0, 0, *axis, angle)
+    turn = Rotation.from_matrix(source.turn).as_rotvec()
+    if turn.any():
+        occ.rotate(solids, 0, 0, 0, *turn, float(np.linalg.norm(turn)))
     if source.shift:
         occ.translate(solids, 0, 0, source.shift)
     occ.synchronize()
@@ -256,16 +256,3 @@ def _boxes_of_triangles(gmsh: Any, volumes: list[Volume]) -> Array:
     occ.remove(copies, recursive=True)
     occ.synchronize()
     return boxes
-
-
-def _axis_and_angle(turn: Array) -> tuple[Point, float]:
-    """Axis and angle (rad) of a rotation (3, 3)."""
-    if np.allclose(turn, np.eye(3)):
-        return (1.0, 0.0, 0.0), 0.0
-    values, vectors = np.linalg.eig(turn)
-    axis = np.real(vectors[:, int(np.argmin(np.abs(values - 1)))])
-    axis /= np.linalg.norm(axis)
-    angle = float(np.arccos(np.clip((np.trace(turn) - 1) / 2, -1, 1)))
-    skew = np.array([turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1]])
-    x, y, z = (float(component) for component in (axis if axis @ skew >= 0 else -axis))
-    return (x, y, z), angle

@@ -14,8 +14,8 @@ from geometry.body import Body
 from geometry.errors import DesignError, MeshError, position_text
 from geometry.files.chambers import Range, chambers_of, has_gaps
 from geometry.files.frame import position_of
-from geometry.files.from_file import FileDesign
-from geometry.files.mesh.placing import FLAT, Placed, check_across, moved, placed_by_planes, turned
+from geometry.files.from_file import FLAT, FileDesign
+from geometry.files.mesh.placing import Placed, check_across, moved, placed_by_planes, turned
 from geometry.files.mesh.reader import FileMesh, read_mesh_file
 from geometry.files.shells import middle_of, opens_at, parts_of
 from geometry.grading import OFF, Grading
@@ -40,6 +40,7 @@ class MeshFile(FileDesign):
 
     family: ClassVar[str] = "mesh_file"
     has_drawing: ClassVar[bool] = False
+    fills_inlets: ClassVar[bool] = False
 
     symmetric: bool = False  #: whether the file holds one half alone, z >= 0 or z <= 0
     cell: float | None = None  #: length over which curvature is averaged; that of equal chambers, or up to 10 mm

@@ -21,16 +21,13 @@ from geometry.files.frame import (
     no_end_face,
     outside_material,
 )
-from geometry.files.from_file import FileDesign
+from geometry.files.from_file import FLAT, FileDesign
 from geometry.files.mesh.curve import with_curve
 from geometry.files.mesh.reader import FileMesh
 from geometry.files.shells import lies_in, named_cavities, parts_of, refuse_open, windings
 from geometry.manifold import check_manifold, check_untangled, count_components
 from geometry.mesh import Mesh
 from geometry.topology import find_rows
-
-#: how far the vertices of a flat face may lie from their plane, over the size of the body: files have six digits
-FLAT = 1e-5
 
 
 @dataclass(frozen=True)
@@ -130,12 +127,7 @@ def ends_of(points: Array, design: FileDesign) -> tuple[float, float]:
     low, high = points.min(axis=0), points.max(axis=0)
     tolerance = FLAT * float((high - low).max())
     check_within({"clamp": design.clamp, "tip": design.tip, "curve": design.curve}, low, high, tolerance)
-    clamp = design.clamp if design.clamp is not None else float(low[0])
-    other = float(high[0] if clamp <= (low[0] + high[0]) / 2 else low[0])
-    tip = design.tip if design.tip is not None else other
-    if abs(tip - clamp) <= tolerance:
-        raise DesignError(("clamp", "tip"), f"clamp and tip are both at x = {clamp:g} mm; they are the two ends")
-    return clamp, tip
+    return design.ends_between(float(low[0]), float(high[0]))
 
 
 def check_beyond(points: Array, boundary: Index, ends: tuple[float, float], design: FileDesign) -> None:
@@ -222,23 +214,31 @@ def _named(mesh: Mesh, design: FileDesign, ends: tuple[float, float]) -> tuple[t
     points, free = mesh.points, mesh.boundary
     tolerance = 1e-9 * float(np.ptp(points, axis=0).max())
     faces: dict[str, Index] = {}
-    mirrors: list[tuple[int, float]] = []
     if design.holds_half:
         sym = lies_in(points, free, (2, 0.0), tolerance)
         faces["sym"], free = free[sym], free[~sym]
-        mirrors.append((2, 0.0))
-    _, inner = parts_of(points, free, ends[0] if design.plug is True else None, tolerance)
-    if not inner:
-        refuse_open(points, free, ends, design.plug is True, tolerance)
-    if design.plug is True:
-        mirrors.append((0, ends[0]))
-    cavities = named_cavities(points, inner, mesh.boundary, design.air, mirrors)
+    cavities = walls_of_air(points, free, mesh.boundary, ends, design)
     outside = free[find_rows(free, np.vstack(list(cavities.values())), len(points)) < 0]
     for name, position in zip(("clamp", "tip"), ends, strict=True):
         flat = _flat(name, position, points, outside)
         faces[name], outside = outside[flat], outside[~flat]
     faces |= {**cavities, "outer": outside}
     return tuple(cavities), {name: triangles for name, triangles in faces.items() if len(triangles)}
+
+
+def walls_of_air(
+    points: Array, free: Index, boundary: Index, ends: tuple[float, float], design: FileDesign
+) -> dict[str, Index]:
+    """The triangles around the air of each cavity by its name; ends: x of clamp and tip, mm.
+
+    free (k, 3): the boundary without the plane of symmetry of a half. Raises `DesignError`.
+    """
+    tolerance = FLAT * float(np.ptp(points, axis=0).max())
+    _, inner = parts_of(points, free, ends[0] if design.plug is True else None, tolerance)
+    if not inner:
+        refuse_open(points, free, ends, design.plug, tolerance, fills=design.fills_inlets)
+    mirrors = [(2, 0.0)] * design.holds_half + [(0, ends[0])] * (design.plug is True)
+    return named_cavities(points, inner, boundary, design.air, mirrors)
 
 
 def _flat(name: str, position: float, points: Array, triangles: Index) -> Mask:

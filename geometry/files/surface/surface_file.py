@@ -13,9 +13,9 @@ from geometry.body import Body
 from geometry.errors import DesignError, MeshError
 from geometry.files.chambers import Range, chambers_of, has_gaps
 from geometry.files.frame import check_dimensions, misplaced, no_end_face
-from geometry.files.from_file import FileDesign
-from geometry.files.mesh.placing import FLAT, Placed, ends_of, placed_by_planes
-from geometry.files.shells import enclosed, lies_in, named_cavities, parts_of, refuse_open
+from geometry.files.from_file import FLAT, FileDesign
+from geometry.files.mesh.placing import Placed, ends_of, placed_by_planes, walls_of_air
+from geometry.files.shells import enclosed, lies_in, parts_of
 from geometry.files.surface.inlets import fill_surface_inlets
 from geometry.files.surface.triangles import NotFilled, Surface, fill, read_surface, thinnest
 from geometry.grading import OFF, Grading
@@ -140,12 +140,7 @@ class SurfaceFile(FileDesign):
     def _cavities(self) -> Mapping[str, Index]:
         """Triangles (k, 3) around the air of each cavity, by its name. Raises `DesignError`."""
         points, triangles = self.surface.points, self.surface.triangles
-        clamp, tip = self._ends
-        inner = self._parts[1]
-        if not inner:
-            refuse_open(points, triangles, (clamp, tip), self.plug, self._tolerance, fills=True)
-        mirrors = [(0, clamp)] if self.is_open_at_clamp else []
-        return named_cavities(points, inner, triangles, self.air, mirrors)
+        return walls_of_air(points, triangles, triangles, self._ends, self)
 
     @cached_property
     def thinnest_wall(self) -> float:
