@@ -4,7 +4,6 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
-from statistics import median
 from typing import ClassVar, final
 
 import numpy as np
@@ -120,7 +119,7 @@ class CadFile(FileDesign):
             return None, ""
         middle, pitch = self.length / 2 + self._cad.clamp, super().pitch
         if middles:
-            middle, pitch = as_drawn(middles[len(middles) // 2]), as_drawn(median(self.chamber_distances))
+            middle, pitch = as_drawn(middles[len(middles) // 2]), as_drawn(float(np.median(np.diff(middles))))
             for name, chambers in self.chamber_ranges.items():
                 if not chambers[0][0] < middles[0] < middles[-1] < chambers[-1][1]:
                     return None, _unequal(pitch, f"the cavity {name} does not go through all of them")
