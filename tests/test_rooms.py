@@ -25,7 +25,7 @@ BELOW: dict[str, set[str]] = {
 LIBRARIES: dict[str, set[str]] = {
     "geometry": {"numpy", "scipy", "gmsh", "meshio", "trimesh"},
     "fem": {"numpy", "scipy", "skfem", "numba", "ipctk", "pypardiso"},
-    "rod": {"numpy", "scipy", "numba"},
+    "rod": {"numpy", "scipy", "numba", "mujoco", "elastica", "matplotlib"},
     "pipeline": {
         *("numpy", "scipy", "numba", "packaging", "yaml", "pydantic", "pydantic_core", "pint"),
         *("pyvista", "typer", "rich", "jinja2", "plotly", "matplotlib", "pandas"),
@@ -63,7 +63,9 @@ DOORS: dict[str, set[str]] = {
     },
     "jinja2": {"pipeline/show/page.py"},
     "plotly": {"pipeline/values/plots.py"},
-    "matplotlib": {"pipeline/answers/material/page.py"},
+    "matplotlib": {"pipeline/answers/material/page.py", "rod/export/programs/pyelastica_arm.py"},
+    "mujoco": {"rod/export/programs/mujoco_arm.py"},
+    "elastica": {"rod/export/programs/pyelastica_arm.py"},
     "distributed": {"pipeline/study/sweep/workers.py"},
     "dask": {"pipeline/study/sweep/workers.py"},
     "pyarrow": {"pipeline/study/sweep/table.py"},

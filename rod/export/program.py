@@ -1,29 +1,25 @@
-"""What the programs for MuJoCo and PyElastica have in common: the table of an arm at a pressure."""
+"""Programs for MuJoCo and PyElastica: files of `rod/export/programs`, with the table of an arm in each."""
 
 import pprint
 from collections.abc import Mapping
+from importlib.resources import files
+from pathlib import Path
 from typing import Any
 
 from rod.same_pressure import SAME
 
-AT = f'''
-def at(pressure_kPa):
-    """The numbers of TABLE at a pressure in kPa, by straight lines. Raises ValueError outside its pressures."""
-    known = TABLE["pressures_kPa"]
-    slack = {SAME} * known[-1]
-    if not known[0] - slack <= pressure_kPa <= known[-1] + slack:
-        raise ValueError(f"{{pressure_kPa:g}} kPa lies outside {{known[0]:g}} to {{known[-1]:g}} kPa")
-    j = min(max(1, int(np.searchsorted(known, pressure_kPa))), len(known) - 1)
-    i = max(j - 1, 0)
-    t = min(max((pressure_kPa - known[i]) / (known[j] - known[i]), 0.0), 1.0) if j > i else 0.0
-    return {{name: (1.0 - t) * values[i] + t * values[j] for name, values in OVER_PRESSURES.items()}}
+#: where a program takes its table from, and an empty table
+_IMPORT, _EMPTY = "from rod.export.programs.table import TABLE, at\n", "TABLE = {}\n"
 
 
-ENDINGS = ("_m", "_N", "_s", "_rad")
-OVER_PRESSURES = {{name: np.array(v) for name, v in TABLE.items() if name.endswith(ENDINGS) and name != "s_m"}}
-'''
+def write_program(name: str, table: Mapping[str, Any], path: Path) -> None:
+    """Write a program of the folder that needs no other file: the table and `at` stand in it.
 
-
-def as_python(table: Mapping[str, Any]) -> str:
-    """A table as a literal of Python."""
-    return pprint.pformat(dict(table), width=10**6, compact=True, sort_dicts=False)
+    table: numbers in SI units; those over the pressures have names that end in _m, _N, _s or _rad.
+    """
+    folder = files("rod.export.programs")
+    program, beginning = (folder.joinpath(f"{part}.py").read_text(encoding="utf-8") for part in (name, "table"))
+    content = pprint.pformat({**table, "same_pressure": SAME}, width=10**6, compact=True, sort_dicts=False)
+    _, comment, below = beginning.partition("#: the arm")
+    below = below.replace(_EMPTY, f"TABLE = {content}\n")
+    path.write_text(program.replace(_IMPORT, f"{comment}{below}"), encoding="utf-8")
