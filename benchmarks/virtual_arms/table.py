@@ -7,7 +7,8 @@ import numpy as np
 from benchmarks.markdown import table
 from benchmarks.virtual_arms.bench import WHAT
 from benchmarks.virtual_arms.predicted import Judged, Prediction
-from pipeline.values.plots import GREY, INK, Line, Panel, figure, standalone_page
+from pipeline.values.page import figure_page
+from pipeline.values.plots import GREY, INK, Line, Panel
 
 #: probabilities of the intervals of the table, and of the plot
 STATED, PLOTTED = (0.5, 0.8, 0.9, 0.95), tuple(float(p) for p in np.linspace(0.05, 0.95, 19))
@@ -56,4 +57,4 @@ def calibration_page(arms: Sequence[Judged]) -> str:
         lines.append(Line(PLOTTED, [share(chosen, p) for p in PLOTTED], name, colour, marker="circle"))
     axes = "stated probability", "share of numbers inside"
     panel = Panel(f"{len(arms)} virtual arms", *axes, tuple(lines), x_range=(0.0, 1.0), y_range=(0.0, 1.0))
-    return standalone_page("Intervals of calibrated arms", figure([panel], "34rem"))
+    return figure_page("Intervals of calibrated arms", [panel])

@@ -20,7 +20,8 @@ from pipeline.results.saved_law import SavedLaw
 from pipeline.store.atomic_file import write_atomic
 from pipeline.store.result_folder import open_file
 from pipeline.values.errors import InputError
-from pipeline.values.plots import COLOURS, Line, Panel, figure, standalone_page
+from pipeline.values.page import figure_page
+from pipeline.values.plots import COLOURS, Line, Panel
 from pipeline.values.run import Run
 from pipeline.values.table import Table
 from rod.arm_law.curves import ACROSS
@@ -224,7 +225,7 @@ def _bars(budget: Budget, name: str, title: str, colour: str) -> Line:
 
 def budget_page(name: str, budgets: Sequence[Budget]) -> str:
     """The figure alone on a page that opens offline."""
-    return standalone_page(f"{name}: what its tolerances do", figure(budget_panels(budgets)))
+    return figure_page(f"{name}: what its tolerances do", budget_panels(budgets))
 
 
 def budget_for(

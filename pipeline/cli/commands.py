@@ -215,9 +215,10 @@ def material(
     density: Annotated[str | None, typer.Option(metavar="RHO", help="For the configuration: '1070 kg/m^3'.")] = None,
 ) -> None:
     """Tensile tests: the law to take, its constants, and the stretches over which it can be used."""
+    from pipeline.answers.material.page import law_table
     from pipeline.answers.material.record import fit_material
     from pipeline.answers.material.study import FitOptions
-    from pipeline.show.terminal import law_table
+    from pipeline.show.terminal import text_table
     from pipeline.values.errors import RunFailed
 
     texts = {"--length": length, "--area": area, "--from": start, "--up-to": up_to, "--within": within}
@@ -225,7 +226,7 @@ def material(
     print_sentences(*(f"Note: {note}" for note in found.notes))
     if not found.judged.usable:
         raise RunFailed(" ".join(found.words))
-    print_lines("", *found.words, "", found.line, "", law_table(found))
+    print_lines("", *found.words, "", found.line, "", text_table(law_table(found)))
     print_lines(f"\nwritten: {out / 'material.html'} (picture), material.json (all laws as lines), material_curves.csv")
 
 

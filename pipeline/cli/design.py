@@ -131,7 +131,7 @@ def mesh(config: ConfigFile, out: Annotated[Path | None, _out("_mesh")] = None, 
     design, folder = _design(config, settings, out, "_mesh")
 
     from pipeline.show.progress import progress_for
-    from pipeline.show.terminal import body_table
+    from pipeline.show.terminal import body_table, text_table
     from pipeline.simulate.design_notes import check_load
     from pipeline.simulate.mesh_notes import check_body
     from pipeline.simulate.scene import mesh_with_progress
@@ -154,7 +154,7 @@ def mesh(config: ConfigFile, out: Annotated[Path | None, _out("_mesh")] = None, 
     body, file = scene.body, results.path("mesh.vtu")
     with replacing(file) as part:
         body.mesh.write(part)
-    print_lines(body_table(file, design, body))
+    print_lines(text_table(body_table(file, design, body)))
     notes = filter(None, (too_short(design), *check_body(body, design)))
     print_sentences(*(f"Note: {render(reason)}." for reason in notes))
 
@@ -171,11 +171,11 @@ def effects(
 
     design, folder = _design(config, settings, out, "_effects")
 
+    from pipeline.show.terminal import effects_table, text_table
     from pipeline.study.effects.study import compare_effects
-    from pipeline.study.effects.table import effects_comparison
 
     table = _solve(compare_effects, design, folder, jobs or min(2, available_cores()), fresh)
-    print_lines(effects_comparison(table.rows))
+    print_lines(text_table(effects_table(table.rows)))
     print_lines(f"table: {folder / 'effects_table.json'}")
     if table.failures:
         print_sentences(*(f"{sentence}." for sentence in table.failures))

@@ -1,6 +1,7 @@
 """Moment over curvature at every pressure, stretch, curvature without moment, and rigidities, on an HTML page."""
 
-from pipeline.values.plots import INK, Line, Panel, figure, ordered_colour, standalone_page
+from pipeline.values.page import figure_page
+from pipeline.values.plots import INK, Line, Panel, ordered_colour
 from rod.arm_law.law import ArmLaw
 
 
@@ -13,7 +14,7 @@ def law_page(name: str, law: ArmLaw) -> str:
         Panel("Curvature without moment", "p (kPa)", "κ₀ (1/mm)", (at_rest,)),
         Panel("Rigidity against bending", "κ (1/mm)", "dM/dκ (N mm²)", _curves(law, "rigidity"), log_y=True),
     )
-    return standalone_page(f"{name}: the arm's own law", figure(panels))
+    return figure_page(f"{name}: the arm's own law", panels)
 
 
 def _curves(law: ArmLaw, quantity: str) -> tuple[Line, ...]:

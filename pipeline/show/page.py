@@ -4,17 +4,16 @@ import base64
 import json
 from pathlib import Path
 
-import jinja2
-
 from pipeline.answers.budget import budget_panels, budget_table, budgets_of
 from pipeline.results.verdict import verdict_of
 from pipeline.show import figures, tables
 from pipeline.show.body_view import body_view, experiments_of
-from pipeline.values.plots import figure, library_scripts
+from pipeline.values.page import render
+from pipeline.values.plots import figure
 from pipeline.values.pressure import name_of_state
 from pipeline.values.run import Run
 
-#: what the page is made of
+#: what the page is made of beside the templates of all pages
 TEMPLATES = Path(__file__).parent / "templates"
 #: colours of a field on the body, from its smallest to its largest value
 _RAMP = ("#440154", "#472d7b", "#3b528b", "#2c728e", "#21918c", "#28ae80", "#5ec962", "#addc30", "#fde725")
@@ -22,13 +21,13 @@ _RAMP = ("#440154", "#472d7b", "#3b528b", "#2c728e", "#21918c", "#28ae80", "#5ec
 
 def render_page(run: Run) -> str:
     """The page on a run, whose pictures are in its folder."""
-    environment = jinja2.Environment(
-        loader=jinja2.FileSystemLoader(TEMPLATES), autoescape=True, trim_blocks=True, undefined=jinja2.StrictUndefined
-    )
-    view, budgets = body_view(run.directory), budgets_of(run)
-    return environment.get_template("report.html.j2").render(
+    view, budgets, verdict = body_view(run.directory), budgets_of(run), verdict_of(run)
+    return render(
+        "report.html.j2",
+        TEMPLATES,
+        title=f"{verdict.design}: a rod model of a pneumatic arm",
         run=run,
-        verdict=verdict_of(run),
+        verdict=verdict,
         bent=_picture(run, _bent_body(run)),
         body=_picture(run, "body_open") or _picture(run, "body"),
         figures=figures.make_figures(run),
@@ -40,7 +39,6 @@ def render_page(run: Run) -> str:
         ramp=[[int(colour[k : k + 2], 16) / 255 for k in (1, 3, 5)] for colour in _RAMP],
         gradient=", ".join(_RAMP),
         config=json.dumps(run.config, indent=1, ensure_ascii=False),
-        library=library_scripts(),
     )
 
 

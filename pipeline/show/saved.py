@@ -10,6 +10,7 @@ from pipeline.results.files import read_results, save_value
 from pipeline.show.page import TEMPLATES, render_page
 from pipeline.store.state_key import ALL_SOURCES, result_key
 from pipeline.store.store import Store
+from pipeline.values.page import TEMPLATES as OF_ALL_PAGES
 from pipeline.values.run import Run
 
 #: what every number is computed from, to rounding: solved states, and points of the arm's own law
@@ -38,8 +39,9 @@ def save_report(store: Store, run: Run) -> Run:
 def _digest(store: Store) -> str:
     """sha256 of everything that decides what the report shows."""
     solved = (path for pattern in _SOLVED for path in sorted(store.directory.glob(pattern)))
+    templates = sorted([*TEMPLATES.iterdir(), *OF_ALL_PAGES.iterdir()])
     digest = hashlib.sha256(result_key(store.key, ALL_SOURCES).encode())
-    for path in (*sorted(TEMPLATES.iterdir()), *(path for path in solved if path != store.directory / _KEY)):
+    for path in (*templates, *(path for path in solved if path != store.directory / _KEY)):
         digest.update(path.name.encode())
         digest.update(_content(path))
     return digest.hexdigest()

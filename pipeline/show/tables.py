@@ -1,6 +1,7 @@
 """The tables of the report and of the terminal: five parameters, rods, loads, states, effects."""
 
 import math
+import re
 from collections.abc import Sequence
 from dataclasses import fields
 from typing import Any
@@ -21,9 +22,11 @@ NUMBERS = (
     ("m02_N_mm", "m₀₂", "N mm"),
     ("d_mm", "d", "mm"),
 )
-#: errors of a rod under one load
+#: a cell with a number, perhaps with its unit or a second number
+_NUMBER = re.compile(r"[-+<]?\d.{,40}", re.DOTALL)
 #: remark on a load whose moments five parameters were not identified with
 OUTSIDE = "beyond its moments"
+#: errors of a rod under one load
 _ERRORS = ("distance / length", "error of end angle (°)", "error of force", "error of curvature")
 
 

@@ -1,39 +1,46 @@
-"""Tables on the terminal: a meshed body, any table of texts, the laws of a material."""
+"""Tables on the terminal, among them those of a body and of a study of effects."""
 
+from collections.abc import Sequence
 from pathlib import Path
 
-from rich.table import Table
+from rich import table as rich_table
 
 from geometry import Body
-from pipeline.answers.material.page import law_rows
-from pipeline.answers.material.study import Material
 from pipeline.config.config import Config
-from pipeline.values.table import Table as TextTable
+from pipeline.study.effects.rows import COLUMNS, EffectRow
+from pipeline.study.effects.table import _OTHER_STATES, _costs, _number
+from pipeline.values.table import Table
+
+#: a table with so many columns or more has less space between them
+CLOSE = 10
 
 
 def body_table(file: Path, config: Config, body: Body) -> Table:
     """The meshed body: volumes beside those of the drawing, what was chosen for its mesh and why, and the quality of
     the elements."""
     design, quality, halves = config.design, body.mesh.quality, 2 if body.half else 1
-    table = Table.grid(padding=(0, 2))
-    table.add_row("mesh", f"{file}, {'the half z >= 0' if body.half else 'the full body'}")
-    table.add_row("length", f"{body.length:g} mm")
-    table.add_row("solid", f"{body.volume:.7g} mm3 in the full body; from the drawing {design.solid_volume:.7g}")
+    rows = [
+        ("mesh", f"{file}, {'the half z >= 0' if body.half else 'the full body'}"),
+        ("length", f"{body.length:g} mm"),
+        ("solid", f"{body.volume:.7g} mm3 in the full body; from the drawing {design.solid_volume:.7g}"),
+    ]
     for name, tets in body.mesh.regions.items():
         meshed, drawn = halves * float(body.mesh.volumes[tets].sum()), design.region_volumes[name]
-        table.add_row(f"of it {name}", f"{meshed:.7g} mm3; from the drawing {drawn:.7g}")
+        rows.append((f"of it {name}", f"{meshed:.7g} mm3; from the drawing {drawn:.7g}"))
     for name, drawn in design.cavity_volumes.items():
         air = halves * body.mesh.enclosed_volume(name)
-        table.add_row(name, f"{air:.7g} mm3 in the full body; from the drawing {drawn:.7g}")
-    for name, depth in design.plug_depths.items():
-        table.add_row(f"plug {name}", f"the inlet is filled with the material of the body, {depth:.4g} mm deep")
-    for name, value in _chosen_values(config).items():
-        table.add_row(name, f"{value}, because {config.mesh.chosen[name]}")
-    table.add_row("tetrahedra", str(quality.count))
+        rows.append((name, f"{air:.7g} mm3 in the full body; from the drawing {drawn:.7g}"))
+    filled = "the inlet is filled with the material of the body"
+    rows += [(f"plug {name}", f"{filled}, {depth:.4g} mm deep") for name, depth in design.plug_depths.items()]
+    chosen = config.mesh.chosen
+    rows += [(name, f"{value}, because {chosen[name]}") for name, value in _chosen_values(config).items()]
     at = ", ".join(f"{coordinate:.3g}" for coordinate in quality.position)
-    table.add_row("radius ratio", f"smallest {quality.minimum:.3f} at ({at}) mm, mean {quality.mean:.3f}")
-    table.add_row("edges", f"{quality.mean_edge:.3g} mm on average, at most {quality.longest_edge:.3g} mm")
-    return table
+    rows += [
+        ("tetrahedra", str(quality.count)),
+        ("radius ratio", f"smallest {quality.minimum:.3f} at ({at}) mm, mean {quality.mean:.3f}"),
+        ("edges", f"{quality.mean_edge:.3g} mm on average, at most {quality.longest_edge:.3g} mm"),
+    ]
+    return Table(("", ""), tuple(rows))
 
 
 def _chosen_values(config: Config) -> dict[str, str]:
@@ -43,23 +50,32 @@ def _chosen_values(config: Config) -> dict[str, str]:
     return {name: value for name, value in values.items() if name in mesh.chosen}
 
 
-def text_table(of: TextTable) -> Table:
-    """A table of texts as the report has it; a cell may have two lines."""
-    table = Table(*(head.replace(" (", "\n(") for head in of.heads), box=None, padding=(0, 2, 0, 0))
+def text_table(of: Table) -> rich_table.Table:
+    """A table for the terminal; a cell may have several lines, and columns without numbers begin at the left."""
+    heads = [head.replace(" (", "\n(") for head in of.heads]
+    padding = (0, 2 if len(heads) < CLOSE else 1, 0, 0)
+    table = rich_table.Table(*heads, box=None, padding=padding, show_header=any(heads))
     table.caption, table.caption_justify = of.caption or None, "left"
-    for column in table.columns:
-        column.justify = "right"
+    for number, column in enumerate(table.columns):
+        column.justify = "left" if number in of.words else "right"
     for row in of.rows:
         table.add_row(*row)
     return table
 
 
-def law_table(material: Material) -> Table:
-    """All laws, the one to take first."""
-    head, *rows = law_rows(material)
-    table = Table(*head[:-2], head[-2].replace(" at", "\nat"), head[-1], box=None, padding=(0, 2, 0, 0))
-    for number in (2, 4):
-        table.columns[number].justify = "right"
-    for name, constants, *numbers, why in rows:
-        table.add_row(name, constants.replace(", ", "\n"), *numbers, why)
-    return table
+def effects_table(rows: Sequence[EffectRow]) -> Table:
+    """Every number above its change against the configuration, and the cost; it fits into 80 columns."""
+    titles = [title.replace(" ", "\n", 1) for title in COLUMNS.values()]
+    heads = ("effect", "p\nkPa", *titles, "single\nline", "CPU\ns", "facto-\nriza-\ntions")
+    caption = "single line: whether one slope describes the arm as well as two"
+    if any(row["other_states"] for row in rows):
+        caption += f"\n{_OTHER_STATES} reached more or fewer states than as configured, so the costs differ"
+    cells, previous = [], ""
+    for row in rows:
+        name = f"{row['effect']} {row['state']}".strip().replace("_", " ")
+        first, previous = name != previous, name
+        suffices = {True: "yes", False: "no", None: ""}[row["single_line_suffices"]]
+        numbers = [_number(row, row[key], key) for key in COLUMNS]
+        cost = _costs(row) if first else ("", "")
+        cells.append((name if first else "", f"{row['pressure_kPa']:g}", *numbers, suffices, *cost))
+    return Table(heads, tuple(cells), caption)

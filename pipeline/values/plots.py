@@ -1,7 +1,7 @@
 """Plots for HTML pages: lines, points, bands and error bars in one or more panels, drawn in the browser by plotly.js.
 
-A page holds plotly.js once (`library_scripts`, 2.0 MB with compression) and needs no network. Colours `INK` and `GREY`
-follow the page, light or dark; `plots.js` beside this file draws.
+A page holds plotly.js once (`packed_plotly`, 2.0 MB) and needs no network. Colours `INK` and `GREY` follow the page,
+light or dark; `plots.js` among the templates of pages draws.
 """
 
 import base64
@@ -11,7 +11,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from html import escape
-from importlib.resources import files
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -29,6 +28,9 @@ _PRINTED = {INK: "black", GREY: "gray"}
 COLOURS = ("#2a78b8", "#d55e00", "#009e73", "#b8558f", "#c98600", "#3d9ad1", "#8c6bb1", "#7a8b2a", "#a0522d", "#708090")
 #: of series with an order, from the first to the last
 _SCALE = ("#8fc93a", "#35b779", "#1f9e89", "#2a88a0", "#4a78c0", "#6a62bd", "#8a4fb0")
+#: signs of markers and styles of lines in a legend
+_MARKERS = {"circle": "●", "circle-open": "○", "square": "■", "square-open": "□", "x": "✕"}
+_DASHES = {"solid": "solid", "dash": "dashed", "dot": "dotted"}
 #: a panel where one unit is equally long on both axes must not be flatter than this
 FLAT = 0.25
 #: more points than these are drawn by WebGL
@@ -154,11 +156,8 @@ class Panel:
         )
 
 
-def figure(panels: Sequence[Panel], panel_width: str = "21rem") -> str:
-    """Panels beside each other with one legend, as an HTML element without plotly.js.
-
-    They wrap where a panel would be narrower than `panel_width`, a CSS length.
-    """
+def figure(panels: Sequence[Panel]) -> str:
+    """Panels beside each other with one legend, as an HTML element without plotly.js; they wrap on a narrow page."""
     lines = [line for panel in panels for line in panel.lines]
     frames = list(dict.fromkeys(line.frame for line in lines if line.frame))
     entries = list(dict.fromkeys(line.legend for line in lines if line.legend))
@@ -170,9 +169,8 @@ def figure(panels: Sequence[Panel], panel_width: str = "21rem") -> str:
     if len(entries) > 1:
         shown = [_button("entry", name, _swatch([line for line in lines if line.legend == name])) for name in entries]
         buttons += f'<div class="plot-keys">{"".join(shown)}</div>'
-    columns = f"grid-template-columns: repeat(auto-fit, minmax(min(100%, {panel_width}), 1fr))"
     drawn = "".join(panel.html() for panel in panels)
-    return f'<div class="plots">{buttons}<div class="plot-panels" style="{columns}">{drawn}</div></div>'
+    return f'<div class="plots">{buttons}<div class="plot-panels">{drawn}</div></div>'
 
 
 def plotly_figure(panels: Sequence[Panel]) -> "Figure":
@@ -196,23 +194,9 @@ def plotly_figure(panels: Sequence[Panel]) -> "Figure":
 
 
 @cache
-def library_scripts() -> str:
-    """The style sheet and the scripts that draw all figures of a page; once per page, at the end of its body."""
-    packed = base64.b64encode(gzip.compress(get_plotlyjs().encode(), 9, mtime=0)).decode()
-    own = files("pipeline.values")
-    style, script = (own.joinpath(name).read_text(encoding="utf-8") for name in ("plots.css", "plots.js"))
-    return (
-        f'<style>{style}</style><script type="text/plain" id="plotly-packed">{packed}</script><script>{script}</script>'
-    )
-
-
-def standalone_page(title: str, *figures: str) -> str:
-    """An HTML page with figures under a title; it opens offline."""
-    return (
-        f'<!doctype html><html lang="en"><head><meta charset="utf-8"><title>{escape(title)}</title>'
-        '<meta name="viewport" content="width=device-width, initial-scale=1"></head>'
-        f'<body class="plots-page"><h1>{escape(title)}</h1>{"".join(figures)}{library_scripts()}</body></html>\n'
-    )
+def packed_plotly() -> str:
+    """plotly.js for the pages that hold figures, compressed, in base64."""
+    return base64.b64encode(gzip.compress(get_plotlyjs().encode(), 9, mtime=0)).decode()
 
 
 def _axis(ends: tuple[float, float] | None, log: bool) -> dict[str, Any]:
@@ -247,20 +231,7 @@ def _swatch(lines: Sequence[Line]) -> str:
     """A small picture of an entry; in the colour of the text where its lines have several colours."""
     first, colours = lines[0], {line.colour for line in lines}
     colour = colours.pop() if len(colours) == 1 else INK
-    stroke = {INK: "currentColor", GREY: "gray"}.get(colour, colour)
-    dashes = {"dash": "6 4", "dot": "2 3"}.get(first.dash, "none")
-    drawn = (
-        f'<path d="M1 6H27" stroke-width="{min(first.width, 6)}" stroke-dasharray="{dashes}"/>' if first.dash else ""
-    )
-    if first.marker:
-        fill = "none" if first.marker.endswith("-open") else stroke
-        others = {
-            "square": '<rect x="10" y="2" width="8" height="8"',
-            "x": '<path d="M11 3l6 6m0-6l-6 6" stroke-width="3"',
-        }
-        shape = others.get(first.marker.removesuffix("-open"), '<circle cx="14" cy="6" r="4"')
-        drawn += f'{shape} fill="{fill}"/>'
-    return (
-        f'<svg width="28" height="12" aria-hidden="true" stroke="{stroke}" opacity="{first.opacity}" fill="none">'
-        f"{drawn}</svg>"
-    )
+    shown = {INK: "currentColor", GREY: "gray"}.get(colour, colour)
+    line = f"; --line: {min(first.width, 6):g}px {_DASHES[first.dash]}" if first.dash else ""
+    style = f"color: {shown}; opacity: {first.opacity:g}{line}"
+    return f'<i aria-hidden="true" style="{style}">{_MARKERS.get(first.marker, "")}</i>'

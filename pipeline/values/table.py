@@ -10,3 +10,9 @@ class Table:
     heads: tuple[str, ...]
     rows: tuple[tuple[str, ...], ...]
     caption: str = ""
+
+    @property
+    def words(self) -> frozenset[int]:
+        """Positions of the columns that hold no numbers, whose cells begin at the left."""
+        columns = enumerate(zip(*self.rows, strict=True))
+        return frozenset(number for number, cells in columns if not any(map(_NUMBER.fullmatch, cells)))

@@ -5,7 +5,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from pipeline.answers.measured.predicted import Compared
-from pipeline.values.plots import COLOURS, Line, Panel, figure, ordered_colour, standalone_page
+from pipeline.values.page import figure_page
+from pipeline.values.plots import COLOURS, Line, Panel, ordered_colour
 from pipeline.values.table import Table
 
 #: titles of panels over the pressure
@@ -22,7 +23,7 @@ def comparison_page(design: str, rows: Sequence[Compared]) -> str:
     panels = [_over_pressure(rows, quantity) for quantity in TITLES if _of(rows, quantity)]
     if _of(rows, "x_mm") and _of(rows, "y_mm"):
         panels.append(_along_arm(rows))
-    return standalone_page(f"{design}: measured and predicted", figure(panels))
+    return figure_page(f"{design}: measured and predicted", panels)
 
 
 def comparison_table(compared: Sequence[Compared]) -> Table:

@@ -5,7 +5,8 @@ from dataclasses import replace
 
 from pipeline.answers.rods.choice import RodOfRun
 from pipeline.answers.rods.pressures import PressureFor, Wish, responses_of
-from pipeline.values.plots import Line, Panel, figure, ordered_colour, standalone_page
+from pipeline.values.page import figure_page
+from pipeline.values.plots import Line, Panel, ordered_colour
 
 #: payloads of the picture besides none
 PAYLOADS = 5
@@ -38,4 +39,4 @@ def tips_page(rods: RodOfRun, wish: Wish, found: Sequence[PressureFor]) -> str:
         )
     low, high = rods.pressures_kPa
     panel = Panel(f"Tips from {low:g} to {high:g} kPa", "x (mm)", "y (mm)", tuple(lines), lengths=True)
-    return standalone_page("Reachable tips", figure([panel], "34rem"))
+    return figure_page("Reachable tips", [panel])

@@ -8,7 +8,8 @@ from pipeline.study.accuracy.ladder import CONTACT, TOLERANCE
 from pipeline.study.accuracy.measure import HEADLINE, STAGES
 from pipeline.study.accuracy.reference import NUMBERS
 from pipeline.study.accuracy.study import ConvergenceStudy, StudyRow
-from pipeline.values.plots import COLOURS, GREY, INK, Line, Panel, figure, standalone_page
+from pipeline.values.page import figure_page
+from pipeline.values.plots import COLOURS, GREY, INK, Line, Panel
 from pipeline.values.table import Table
 
 _COST = ("dofs", "CPU s", "mesh / set-up / assembly / factors / contact / fit s", "MB", "factors")
@@ -92,7 +93,7 @@ def study_page(study: ConvergenceStudy) -> str:
     lines.append(Line(ends, uncertainty, "standard deviation of the reference", GREY, "dash"))
     x, y = "CPU seconds of II and III, one thread", "largest error of κ₀(l/2), α₂ and F (%)"
     panel = Panel("Error over time", x, y, tuple(lines), log_x=True, log_y=True)
-    return standalone_page(f"{study.config.name}: error over CPU seconds", figure([panel]))
+    return figure_page(f"{study.config.name}: error over CPU seconds", [panel])
 
 
 def _points(rows: Sequence[StudyRow]) -> tuple[list[float], list[float]]:

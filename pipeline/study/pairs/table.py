@@ -1,7 +1,6 @@
 """The pairs of a run as a table, and as a page with the law over both pressures."""
 
 from collections.abc import Iterator
-from html import escape
 
 from pipeline.results.verdict import verdict_of
 from pipeline.store.result_folder import ResultFolder
@@ -9,7 +8,8 @@ from pipeline.study.pairs.run import PairRuns
 from pipeline.study.pairs.spec import folder_of
 from pipeline.values.formats import ARM_LAW
 from pipeline.values.formatting import percent
-from pipeline.values.plots import Line, Panel, figure, ordered_colour, standalone_page
+from pipeline.values.page import Section, page
+from pipeline.values.plots import Line, Panel, ordered_colour
 from pipeline.values.run import Run
 from pipeline.values.table import Table
 from rod.arm_law.pairs import fractions_of
@@ -55,26 +55,17 @@ def save_page(made: PairRuns) -> None:
 
 
 def _page(made: PairRuns) -> str:
-    table = pairs_table(made)
-    rows = (_row("td", row) for row in table.rows)
+    panels = () if made.law is None else (Panel("Moment over curvature", "κ (1/mm)", "M (N mm)", tuple(_curves(made))),)
     found = (
-        f'<h2><a href="{folder_of(direction)}/report.html">{escape(folder_of(direction).replace("_", " "))}</a></h2>'
-        f"<p>{'<br>'.join(map(escape, verdict_of(results).lines))}</p>"
+        Section(
+            folder_of(direction).replace("_", " "),
+            link=f"{folder_of(direction)}/report.html",
+            sentences=verdict_of(results).lines,
+        )
         for direction, _, results in _runs(made)
     )
-    words = f"<p>{'<br>'.join(map(escape, made.sentences))}</p>"
-    parts = [
-        f'<table style="border-spacing: 1.2rem .2rem">{_row("th", table.heads)}{"".join(rows)}</table>',
-        f"<p>{escape(table.caption)}</p>",
-        words,
-    ]
-    if made.law is not None:
-        parts.append(figure([Panel("Moment over curvature", "κ (1/mm)", "M (N mm)", tuple(_curves(made)))]))
-    return standalone_page(f"{made.spec.name}: pairs of pressures", *parts, *found)
-
-
-def _row(kind: str, texts: tuple[str, ...]) -> str:
-    return f"<tr>{''.join(f'<{kind}>{escape(text)}</{kind}>' for text in texts)}</tr>"
+    whole = Section(table=pairs_table(made)), Section(sentences=made.sentences, panels=panels)
+    return page(f"{made.spec.name}: pairs of pressures", *whole, *found)
 
 
 def _curves(made: PairRuns) -> Iterator[Line]:

@@ -18,7 +18,8 @@ from pipeline.study.sweep.axes import Axis, Setting, switch_as_word
 from pipeline.study.sweep.record import PointRecord, Row
 from pipeline.study.sweep.spec import CELL, WHOLE, Run
 from pipeline.values.errors import shortened
-from pipeline.values.plots import Line, Panel, figure, ordered_colour, standalone_page
+from pipeline.values.page import figure_page
+from pipeline.values.plots import Line, Panel, ordered_colour
 
 #: at most so many keys have panels
 MOST_COLUMNS = 6
@@ -140,7 +141,7 @@ def sweep_page(title: str, run: Run, axes: Sequence[Axis], columns: Sequence[Col
             x = f"{column.key} ({column.unit})" if column.unit else column.key
             if lines:
                 panels.append(Panel("", x, y, lines))
-    return standalone_page(title, figure(panels))
+    return figure_page(title, panels)
 
 
 def _lines(rows: Sequence[Row], y: str, x: str, fixed: Sequence[str], *, is_joined: bool) -> tuple[Line, ...]:

@@ -11,7 +11,8 @@ from pipeline.study.wishes.search import OF_LAW, Found, Refusal, Trial
 from pipeline.study.wishes.wish import Wish, Wishes, exact_limits
 from pipeline.study.wishes.wish_file import WishFile
 from pipeline.values.json_values import JsonObject
-from pipeline.values.plots import COLOURS, INK, Line, Panel, figure, standalone_page
+from pipeline.values.page import figure_page
+from pipeline.values.plots import COLOURS, INK, Line, Panel
 from pipeline.values.table import Table
 
 
@@ -190,4 +191,4 @@ def design_page(wishes: Wishes, report: DesignReport) -> str:
         Panel("Distance from the wishes", "design tried", "over the tolerance", tuple(misses), log_y=True),
         Panel("What was free", "design tried", "over its start", tuple(free)),
     )
-    return standalone_page(f"{report.name}: a design for a wish", figure(panels))
+    return figure_page(f"{report.name}: a design for a wish", panels)

@@ -14,6 +14,7 @@ from rich.console import Console
 
 import fem
 from pipeline.config.load import load_config
+from pipeline.show.terminal import effects_table, text_table
 from pipeline.simulate.effects_record import list_effects
 from pipeline.simulate.outcome import Outcomes
 from pipeline.simulate.scene import Scene
@@ -23,7 +24,6 @@ from pipeline.store.progress import Silent
 from pipeline.store.store import open_store
 from pipeline.study.effects.rows import BASE
 from pipeline.study.effects.study import compare_effects, variant_name, variants
-from pipeline.study.effects.table import effects_comparison
 
 HERE = Path(__file__).resolve().parent.parent.parent.parent
 SHORT = ("geometry.chambers=3", "mesh.size=4 mm")
@@ -211,7 +211,7 @@ def test_table_of_effects(tmp_path: Path) -> None:
     assert all(row["cpu_seconds"] > 0.0 and row["factorizations"] > 0 and not row["other_states"] for row in rows)
     assert changes[BASE]["cpu_seconds"] == 0.0
     console = Console(record=True, width=80, file=io.StringIO())
-    console.print(effects_comparison(rows))
+    console.print(text_table(effects_table(rows)))
     shown = console.export_text()
     assert "…" not in shown
     assert all(word in shown for name in by_name for word in name.replace("_", " ").split())

@@ -10,7 +10,10 @@ import numpy as np
 import pytest
 from playwright.sync_api import sync_playwright
 
-from pipeline.values.plots import GREY, Line, Panel, figure, library_scripts, standalone_page
+from pipeline.values.page import Section
+from pipeline.values.page import page as page_of
+from pipeline.values.plots import GREY, Line, Panel, figure, packed_plotly
+from pipeline.values.table import Table
 
 X = np.linspace(0.0, 10.0, 5)
 
@@ -65,10 +68,10 @@ def test_text_in_names_cannot_leave_its_place() -> None:
 
 
 def test_a_page_holds_the_library_once_and_no_address() -> None:
-    page = standalone_page("two", *[figure([Panel("", "x", "y", (Line(X, X, "a"),))])] * 2)
+    page = page_of("two", *[Section(panels=[Panel("", "x", "y", (Line(X, X, "a"),))])] * 2)
     assert page.count('id="plotly-packed"') == 1
     assert not re.search(r'(src|href)="?https?:', page)
-    assert len(library_scripts()) < 2.2e6
+    assert len(packed_plotly()) < 2.2e6
 
 
 @pytest.mark.parametrize("width", [1280, 400])
@@ -81,10 +84,11 @@ def test_a_browser_draws_the_panels_and_its_buttons_show_and_hide_lines(tmp_path
         for number in (1, 2)
         for name in ("solid", "rod")
     ]
-    shown = figure([Panel("one", "x", "y", tuple(lines)), Panel("two", "x", "y", tuple(lines))])
-    folded = f"<details><summary>more</summary>{shown}</details>"
+    shown = [Panel("one", "x", "y", tuple(lines)), Panel("two", "x", "y", tuple(lines))]
+    wide = Table(("a long title",) * 30, (("12.345",) * 30,))
+    text = page_of("page", Section(panels=shown), Section("more", panels=shown, table=wide))
     path = tmp_path / "page.html"
-    path.write_text(standalone_page("page", shown, folded), encoding="utf-8")
+    path.write_text(text.replace('<h2 class="heading">more</h2>', "<details><summary>more</summary>"), encoding="utf-8")
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=program, args=["--no-sandbox"])
         page = browser.new_page(viewport={"width": width, "height": 800})

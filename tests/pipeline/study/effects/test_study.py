@@ -14,6 +14,7 @@ import fem
 from pipeline.config.config import Config
 from pipeline.config.load import load_config
 from pipeline.show.progress import Lines
+from pipeline.show.terminal import effects_table, text_table
 from pipeline.simulate.outcome import Outcomes
 from pipeline.simulate.scene import Scene
 from pipeline.simulate.simulate import simulate
@@ -24,7 +25,6 @@ from pipeline.study.effects import rows as effects_rows
 from pipeline.study.effects import study as effects_study
 from pipeline.study.effects.rows import BASE, COST, NUMBERS, EffectRow, compared, variant_rows
 from pipeline.study.effects.study import EffectsTable, compare_effects, variant_name, variants
-from pipeline.study.effects.table import effects_comparison
 from pipeline.study.sweep import study
 from pipeline.study.sweep.record import PointRecord, PointTask
 from pipeline.study.sweep.work import work_on
@@ -56,7 +56,7 @@ def run_of(config: Config, out: Path, fresh: bool = False) -> tuple[EffectsTable
 
 def printed(rows: Sequence[EffectRow]) -> str:
     shown = io.StringIO()
-    Console(file=shown, width=80).print(effects_comparison(rows))
+    Console(file=shown, width=80).print(text_table(effects_table(rows)))
     return shown.getvalue()
 
 

@@ -1,4 +1,4 @@
-// Draws the panels that pipeline/values/plots.py writes: unpacks plotly.js, follows size and colours of the page, and lets
+// Draws the panels of the figures of a page: unpacks plotly.js, follows size and colours of the page, and lets
 // the buttons of a figure choose a frame and show or hide entries of the legend.
 "use strict";
 (async function () {
