@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from pipeline.store.provenance import installed, pinned
+from pipeline.values.table import Table
 
 
 @dataclass(frozen=True)
@@ -23,6 +24,16 @@ class Finding:
     sound: bool
     result: str
     mends: str = ""  #: the command that mends it; empty where it is sound
+
+
+def findings_table(findings: Sequence[Finding]) -> Table:
+    """One row per check, with colours for the terminal."""
+    return Table.of(
+        findings,
+        ("", lambda finding: "[green]ok[/]" if finding.sound else "[red]no[/]"),
+        ("checked", lambda finding: finding.subject),
+        ("result", lambda finding: finding.result),
+    )
 
 
 def examine() -> list[Finding]:

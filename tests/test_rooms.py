@@ -58,8 +58,7 @@ DOORS: dict[str, set[str]] = {
         "pipeline/cli/ending.py",
     },
     "rich": {
-        *("pipeline/cli/commands.py", "pipeline/cli/design.py", "pipeline/cli/ending.py"),
-        *("pipeline/show/progress.py", "pipeline/show/terminal.py", "pipeline/study/effects/table.py"),
+        *("pipeline/cli/design.py", "pipeline/cli/ending.py", "pipeline/show/progress.py"),
     },
     "jinja2": {"pipeline/values/page.py"},
     "plotly": {"pipeline/values/plots.py"},

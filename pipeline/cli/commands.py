@@ -162,10 +162,9 @@ def budget(
 ) -> None:
     """What the tolerances of a built arm do: by how much each moves the tip, the curvature, the rigidity, the force."""
     from pipeline.answers.budget import budget_for, budget_table
-    from pipeline.show.terminal import text_table
 
     found, picture = budget_for(folder, pressure, tolerances or (), out)
-    print_lines(text_table(budget_table(found)), f"picture: {picture}")
+    print_lines(budget_table(found), f"picture: {picture}")
 
 
 def export(
@@ -218,7 +217,6 @@ def material(
     from pipeline.answers.material.page import law_table
     from pipeline.answers.material.record import fit_material
     from pipeline.answers.material.study import FitOptions
-    from pipeline.show.terminal import text_table
     from pipeline.values.errors import RunFailed
 
     texts = {"--length": length, "--area": area, "--from": start, "--up-to": up_to, "--within": within}
@@ -226,7 +224,7 @@ def material(
     print_sentences(*(f"Note: {note}" for note in found.notes))
     if not found.judged.usable:
         raise RunFailed(" ".join(found.words))
-    print_lines("", *found.words, "", found.line, "", text_table(law_table(found)))
+    print_lines("", *found.words, "", found.line, "", law_table(found))
     print_lines(f"\nwritten: {out / 'material.html'} (picture), material.json (all laws as lines), material_curves.csv")
 
 
@@ -293,15 +291,10 @@ def doctor() -> None:
         "Checked are the versions of Python and of all packages, a mesh, a picture, the solver of linear "
         "equations, threads and the disk. Nothing is installed or changed; this takes about ten seconds."
     )
-    from rich.table import Table
-
-    from pipeline.doctor import examine, remedy
+    from pipeline.doctor import examine, findings_table, remedy
 
     findings = examine()
-    table = Table("", "checked", "result", box=None, pad_edge=False)
-    for finding in findings:
-        table.add_row("[green]ok[/]" if finding.sound else "[red]no[/]", finding.subject, finding.result)
-    print_lines(table)
+    print_lines(findings_table(findings))
     command = remedy(findings)
     if command:
         raise RunFailed(f"something is missing; to mend it: {command}")

@@ -74,7 +74,6 @@ def run(
     from pipeline.results.verdict import verdict_of
     from pipeline.run import run as run_design
     from pipeline.show import tables
-    from pipeline.show.terminal import text_table
 
     progress = _listener(quiet, as_json, verbose)
     results = _solve(run_design, design, folder, jobs or min(3, available_cores()), fresh, progress).results
@@ -85,7 +84,7 @@ def run(
         print_sentences(*verdict.lines)
         if not quiet:
             shown = (tables.five_parameters(results), *(_details(results) if verbose else ()))
-            print_lines(*(text_table(table) for table in shown if table is not None))
+            print_lines(*shown)
             print_sentences(*(f"Note: {note.text}" for note in results.remarks if verbose))
         print_lines(f"report: {folder / 'report.html'}")
     results.raise_if_failed()
@@ -99,7 +98,6 @@ def _listener(quiet: bool, as_json: bool, verbose: bool) -> "Progress":
 
 
 def _run_pairs(spec: "PairSpec", out: Path | None, jobs: int, fresh: bool, progress: "Progress", as_json: bool) -> None:
-    from pipeline.show.terminal import text_table
     from pipeline.study.pairs.run import record, run_pairs
     from pipeline.study.pairs.table import pairs_table, save_page
 
@@ -112,13 +110,13 @@ def _run_pairs(spec: "PairSpec", out: Path | None, jobs: int, fresh: bool, progr
     if as_json:
         print_json(record(made))
     else:
-        print_lines(text_table(pairs_table(made)))
+        print_lines(pairs_table(made))
         print_sentences(*made.sentences)
         print_lines(f"law and pairs: {folder / 'pairs.json'}, page: {folder / 'pairs.html'}")
     made.raise_if_failed()
 
 
-def _details(results: "Run") -> tuple["Table | None", ...]:
+def _details(results: "Run") -> tuple["Table", ...]:
     """What `-v` shows besides the verdict."""
     from pipeline.show import tables
 
@@ -131,7 +129,7 @@ def mesh(config: ConfigFile, out: Annotated[Path | None, _out("_mesh")] = None, 
     design, folder = _design(config, settings, out, "_mesh")
 
     from pipeline.show.progress import progress_for
-    from pipeline.show.terminal import body_table, text_table
+    from pipeline.show.terminal import body_table
     from pipeline.simulate.design_notes import check_load
     from pipeline.simulate.mesh_notes import check_body
     from pipeline.simulate.scene import mesh_with_progress
@@ -154,7 +152,7 @@ def mesh(config: ConfigFile, out: Annotated[Path | None, _out("_mesh")] = None, 
     body, file = scene.body, results.path("mesh.vtu")
     with replacing(file) as part:
         body.mesh.write(part)
-    print_lines(text_table(body_table(file, design, body)))
+    print_lines(body_table(file, design, body))
     notes = filter(None, (too_short(design), *check_body(body, design)))
     print_sentences(*(f"Note: {render(reason)}." for reason in notes))
 
@@ -171,11 +169,11 @@ def effects(
 
     design, folder = _design(config, settings, out, "_effects")
 
-    from pipeline.show.terminal import effects_table, text_table
+    from pipeline.study.effects.rows import effects_table
     from pipeline.study.effects.study import compare_effects
 
     table = _solve(compare_effects, design, folder, jobs or min(2, available_cores()), fresh)
-    print_lines(text_table(effects_table(table.rows)))
+    print_lines(effects_table(table.rows))
     print_lines(f"table: {folder / 'effects_table.json'}")
     if table.failures:
         print_sentences(*(f"{sentence}." for sentence in table.failures))
@@ -193,12 +191,11 @@ def accuracy(
     """Convergence study: error against seconds over meshes, elements and tolerances."""
     design, folder = _design(config, settings, out, "_accuracy")
 
-    from pipeline.show.terminal import text_table
     from pipeline.study.accuracy.run import run_study
     from pipeline.study.accuracy.table import orders_table, references_table, study_table
 
     study = _solve(run_study, design, folder, jobs or min(2, available_cores()), fresh)
-    print_lines(*(text_table(table(study)) for table in (study_table, references_table, orders_table)))
+    print_lines(*(table(study) for table in (study_table, references_table, orders_table)))
     print_lines(f"picture: {folder / 'accuracy.html'}")
 
 
@@ -227,16 +224,14 @@ def cell(
 
     from pipeline.law.study import measure_law
     from pipeline.law.table import law_remarks, law_table, mesh_table, space_table
-    from pipeline.show.terminal import text_table
     from pipeline.values.law import LawMeshError
     from pipeline.values.reasons import render
 
     report = _solve(measure_law, design, folder, jobs or 1, fresh)
-    print_lines(text_table(law_table(report.measured)))
-    if (in_space := space_table(report.measured.law, report.measured.mesh_error or LawMeshError())) is not None:
-        print_lines(text_table(in_space))
-    if report.measured.limit is not None:
-        print_lines(text_table(mesh_table(report.measured.limit)))
+    measured = report.measured
+    print_lines(law_table(measured), space_table(measured.law, measured.mesh_error or LawMeshError()))
+    if measured.limit is not None:
+        print_lines(mesh_table(measured.limit))
     print_sentences(*(f"Note: {render(remark)}." for remark in law_remarks(report)))
     print_lines(f"law: {folder / 'law.json'}, picture: {folder / 'law.html'}")
     report.raise_if_failed()
@@ -245,7 +240,6 @@ def cell(
 def _cell_in_space(spec: "RowSpec", out: Path | None, jobs: int, fresh: bool) -> None:
     from pipeline.law.in_space.study import measure_space_law
     from pipeline.show.progress import progress_for
-    from pipeline.show.terminal import text_table
     from pipeline.values.formats import LAW_IN_SPACE
 
     folder = out or Path("results") / f"{spec.config.name}_cell"
@@ -254,7 +248,7 @@ def _cell_in_space(spec: "RowSpec", out: Path | None, jobs: int, fresh: bool) ->
         report = measure_space_law(spec, folder, jobs, fresh, progress)
     finally:
         progress.done()
-    print_lines(text_table(report.table))
+    print_lines(report.table)
     print_sentences(*report.sentences)
     print_lines(f"law: {folder / LAW_IN_SPACE}")
 
@@ -274,7 +268,6 @@ def design(
     folder = out or Path("results") / file.name
 
     from pipeline.show.progress import progress_for
-    from pipeline.show.terminal import text_table
     from pipeline.store.progress import Silent
     from pipeline.study.wishes.design import Course, find_design, raise_if_missed
     from pipeline.study.wishes.report import dimensions_table, wishes_table
@@ -284,7 +277,7 @@ def design(
         report = find_design(file, folder, Course.of(jobs, fresh, not no_run), progress)
     finally:
         progress.done()
-    print_lines(text_table(dimensions_table(report)), text_table(wishes_table(report)))
+    print_lines(dimensions_table(report), wishes_table(report))
     print_lines(f"configuration: {folder / 'design.yaml'}, picture: {folder / 'design.html'}")
     if report.run is not None:
         print_lines(f"report of its run: {report.run / 'report.html'}")

@@ -5,8 +5,11 @@ from collections.abc import Callable
 from functools import wraps
 from typing import TYPE_CHECKING, NoReturn, ParamSpec
 
+import rich.table
 import typer
-from rich.console import Console, RenderableType
+from rich.console import Console
+
+from pipeline.values.table import Table
 
 if TYPE_CHECKING:
     from pipeline.values.json_values import JsonObject
@@ -17,15 +20,33 @@ P = ParamSpec("P")
 WIDEST = 400
 
 
-def print_lines(*lines: RenderableType) -> None:
-    """Tables and sentences; a sentence is not broken into lines, and no number of a table is cut off."""
+#: a table with so many columns or more has less space between them
+CLOSE = 10
+
+
+def print_lines(*lines: str | Table) -> None:
+    """Tables with rows, and sentences; a sentence is not broken into lines, and no number of a table is cut off."""
     console = Console()
     for line in lines:
         if isinstance(line, str):
             console.print(line, highlight=False, markup=False, soft_wrap=True)
-        else:
-            natural = console.measure(line, options=console.options.update(width=WIDEST)).maximum
-            Console(width=max(console.width, natural)).print(line, highlight=False)
+        elif line:
+            table = text_table(line)
+            natural = console.measure(table, options=console.options.update(width=WIDEST)).maximum
+            Console(width=max(console.width, natural)).print(table, highlight=False)
+
+
+def text_table(of: Table) -> rich.table.Table:
+    """A table for the terminal; a cell may have several lines, and columns without numbers begin at the left."""
+    heads = [head.replace(" (", "\n(") for head in of.heads]
+    padding = (0, 2 if len(heads) < CLOSE else 1, 0, 0)
+    table = rich.table.Table(*heads, box=None, padding=padding, show_header=any(heads))
+    table.caption, table.caption_justify = of.caption or None, "left"
+    for number, column in enumerate(table.columns):
+        column.justify = "left" if number in of.words else "right"
+    for row in of.rows:
+        table.add_row(*row)
+    return table
 
 
 def print_sentences(*sentences: str) -> None:

@@ -23,12 +23,11 @@ def compare(
     from pipeline.answers.measured.compare import compare_files
     from pipeline.answers.measured.page import comparison_page, comparison_table
     from pipeline.results.options import write_new
-    from pipeline.show.terminal import text_table
 
     found = compare_files(folder, measured, align)
     picture = out or folder / f"compared_{measured.stem}.html"
     write_new(picture, comparison_page(found.design, found.rows))
-    print_lines(text_table(comparison_table(found.rows)))
+    print_lines(comparison_table(found.rows))
     print_sentences(*found.lines)
     print_lines(f"picture: {picture}")
 
@@ -47,9 +46,8 @@ def calibrate(
 ) -> None:
     """The rod of an arm that was built: modulus and dimensions from measured rows, with intervals."""
     from pipeline.answers.measured.calibrate import CalibrateOptions, calibrate_files, estimates_table
-    from pipeline.show.terminal import text_table
 
     report = calibrate_files(folder, measured, out, CalibrateOptions(tuple(free or ()), align, samples))
-    print_lines(text_table(estimates_table(report.found)))
+    print_lines(estimates_table(report.found))
     print_sentences(*report.lines, *report.verdict.lines)
     print_lines(f"written: {report.directory / 'calibration.json'}, law.json, predictions.csv, run.json")

@@ -13,76 +13,67 @@ from pipeline.values.table import Table
 from rod.arm_law.curves import IN_SPACE, CellCurve
 from rod.arm_law.law import ArmLaw
 
-_HEADS = (
-    *("p (kPa)", "κ₀ (1/mm)", "mesh ±", "dM/dκ (N mm²)", "mesh ±", "EA (N)", "GA (N)", "moments (N mm)"),
-    *("walls touch from (1/mm)", "states", "s"),
-)
-
 
 def law_table(measured: MeasuredLaw) -> Table:
     """One row per pressure: the cell without moment, its range of moments, and the work for the cell."""
     error = measured.mesh_error or LawMeshError()
+    kappa_0 = dict(zip(error.pressures_kPa, error.kappa_0_per_mm_std, strict=True))
     relative = np.array(error.rigidity_N_mm2_std, float) / np.array(error.rigidity_N_mm2, float)
-    of_mesh = {
-        pressure: (f"{kappa_0:.2g}", f"{100.0 * rigidity:.2g} %")
-        for pressure, kappa_0, rigidity in zip(error.pressures_kPa, error.kappa_0_per_mm_std, relative, strict=True)
-    }
-    rows = tuple(
-        _row(cell, of_mesh.get(cell.pressure, ("", "")), seconds)
-        for cell, seconds in zip(measured.law.cells, measured.seconds_of_cells, strict=True)
+    rigidity = dict(zip(error.pressures_kPa, relative, strict=True))
+    return Table.of(
+        list(zip(measured.law.cells, measured.seconds_of_cells, strict=True)),
+        ("p (kPa)", lambda row: f"{row[0].pressure:g}"),
+        ("κ₀ (1/mm)", lambda row: f"{row[0].at(0.0)[0]:.5f}"),
+        ("mesh ±", lambda row: f"{kappa_0[p]:.2g}" if (p := row[0].pressure) in kappa_0 else ""),
+        ("dM/dκ (N mm²)", lambda row: f"{_at_rest(row[0], 'rigidity'):.4g}"),
+        ("mesh ±", lambda row: f"{100.0 * rigidity[p]:.2g} %" if (p := row[0].pressure) in rigidity else ""),
+        ("EA (N)", lambda row: f"{_at_rest(row[0], 'axial_rigidity'):.3g}"),
+        ("GA (N)", lambda row: f"{_at_rest(row[0], 'shear_rigidity'):.3g}"),
+        ("moments (N mm)", lambda row: f"{row[0].moment[0]:.3g} ... {row[0].moment[-1]:.3g}"),
+        ("walls touch from (1/mm)", lambda row: _contact(row[0])),
+        ("states", lambda row: str(len(row[0].moment))),
+        ("s", lambda row: f"{row[1]:.1f}"),
+        caption="κ₀: curvature without moment; dM/dκ, EA, GA: rigidities there against bending, stretching and shear",
     )
-    caption = "κ₀: curvature without moment; dM/dκ, EA, GA: rigidities there against bending, stretching and shear"
-    return Table(_HEADS, rows, caption)
 
 
-def space_table(law: ArmLaw, error: LawMeshError) -> Table | None:
-    """One row per pressure with the rigidities out of the plane, without moment; None where they are not known."""
-    cells = [cell for cell in law.cells if cell.is_in_space]
-    if not cells:
-        return None
+def space_table(law: ArmLaw, error: LawMeshError) -> Table:
+    """One row per pressure with the rigidities out of the plane, without moment; empty where they are not known."""
     columns = error.lateral_rigidity_N_mm2_std, error.torsional_rigidity_N_mm2_std
     stds = dict(zip(error.pressures_kPa, zip(*columns, strict=True), strict=False))
-    rows = []
-    for cell in cells:
-        B, GJ, *others = (float(np.interp(0.0, cell.moment, getattr(cell, name))) for name in IN_SPACE[:4])
-        of_mesh = [
-            "" if std is None else f"{100.0 * std / value:.2g} %"
-            for std, value in zip(stds.get(cell.pressure, (None, None)), (B, GJ), strict=True)
-        ]
-        errors = f"{B:.4g}", of_mesh[0], f"{GJ:.4g}", of_mesh[1]
-        rows.append((f"{cell.pressure:g}", *errors, *(f"{value:.4g}" for value in others)))
-    heads = ("p (kPa)", "B₂ (N mm²)", "mesh ±", "GJ (N mm²)", "mesh ±", "GA across (N)", "twist axis (mm)")
-    return Table(heads, tuple(rows), "out of the plane, without moment; the twist axis is above the axis of the rod")
+
+    def of_mesh(cell: CellCurve, number: int) -> str:
+        std = stds.get(cell.pressure, (None, None))[number]
+        return "" if std is None else f"{100.0 * std / _at_rest(cell, IN_SPACE[number]):.2g} %"
+
+    return Table.of(
+        [cell for cell in law.cells if cell.is_in_space],
+        ("p (kPa)", lambda cell: f"{cell.pressure:g}"),
+        ("B₂ (N mm²)", lambda cell: f"{_at_rest(cell, IN_SPACE[0]):.4g}"),
+        ("mesh ±", lambda cell: of_mesh(cell, 0)),
+        ("GJ (N mm²)", lambda cell: f"{_at_rest(cell, IN_SPACE[1]):.4g}"),
+        ("mesh ±", lambda cell: of_mesh(cell, 1)),
+        ("GA across (N)", lambda cell: f"{_at_rest(cell, IN_SPACE[2]):.4g}"),
+        ("twist axis (mm)", lambda cell: f"{_at_rest(cell, IN_SPACE[3]):.4g}"),
+        caption="out of the plane, without moment; the twist axis is above the axis of the rod",
+    )
 
 
 def mesh_table(limit: MeshLimit) -> Table:
     """What accuracy costs: one row per mesh of the cell, with the numbers at the highest pressure."""
-    rows = tuple(
-        (f"{mesh.size_mm:.3g}", str(mesh.degrees_of_freedom), f"{100.0 * mesh.error:.2g} %", f"{mesh.seconds:.1f}")
-        for mesh in limit.meshes
+    return Table.of(
+        limit.meshes,
+        ("mesh (mm)", lambda mesh: f"{mesh.size_mm:.3g}"),
+        ("unknowns", lambda mesh: str(mesh.degrees_of_freedom)),
+        ("error", lambda mesh: f"{100.0 * mesh.error:.2g} %"),
+        ("CPU s", lambda mesh: f"{mesh.seconds:.1f}"),
+        caption="error: of κ₀, rigidity and the moment that straightens the cell, the largest",
     )
-    heads = ("mesh (mm)", "unknowns", "error", "CPU s")
-    return Table(heads, rows, "error: of κ₀, rigidity and the moment that straightens the cell, the largest")
 
 
-def _row(cell: CellCurve, of_mesh: tuple[str, str], seconds: float) -> tuple[str, ...]:
-    rigidity, axial, shear = (
-        float(np.interp(0.0, cell.moment, values))
-        for values in (cell.rigidity, cell.axial_rigidity, cell.shear_rigidity)
-    )
-    return (
-        f"{cell.pressure:g}",
-        f"{cell.at(0.0)[0]:.5f}",
-        of_mesh[0],
-        f"{rigidity:.4g}",
-        of_mesh[1],
-        f"{axial:.3g}",
-        f"{shear:.3g}",
-        f"{cell.moment[0]:.3g} ... {cell.moment[-1]:.3g}",
-        _contact(cell),
-        str(len(cell.moment)),
-        f"{seconds:.1f}",
-    )
+def _at_rest(cell: CellCurve, name: str) -> float:
+    """A quantity of a cell without moment."""
+    return float(np.interp(0.0, cell.moment, getattr(cell, name)))
 
 
 def _contact(cell: CellCurve) -> str:

@@ -1,6 +1,6 @@
 """The figures of the report, made from the results of a run. Figs 8, 10 and 16 of the paper have the same form."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -32,8 +32,11 @@ class _Drawn:
     marker: str
 
     def column(self, curve: Curve, quantity: str) -> Array | None:
-        """x_mm, y_mm or kappa_per_mm (n,) of the rod beside a curve of the finite elements; None without it."""
-        name = f"{CURVE_PREFIXES[self.rod]}_{quantity}"
+        """x_mm, y_mm or kappa_per_mm (n,) of the rod beside a curve of the finite elements; None without it.
+
+        The rod is at the arc lengths s_mm of the curve.
+        """
+        name = quantity if quantity == "s_mm" else f"{CURVE_PREFIXES[self.rod]}_{quantity}"
         return curve[name] if curve.has(name) else None
 
     def tip_mm(self, curve: Curve) -> tuple[float, float] | None:
@@ -97,9 +100,9 @@ def of_experiment(run: Run, experiment: str) -> Panels:
     if not curves:
         return ()
     rods = _drawn(run)
-    shape = Panel("Shape", "x (mm)", "y (mm)", _shapes(run, curves, rods), lengths=True)
-    curvature = Panel("Curvature", "s (mm)", "κ (1/mm)", _curvatures(run, curves, rods))
-    return shape, curvature
+    shape = _compared(run, curves, ("x_mm", "y_mm"), rods)
+    curvature = _compared(run, curves, ("s_mm", "kappa_per_mm"), rods if experiment == "III" else ())
+    return Panel("Shape", "x (mm)", "y (mm)", shape, lengths=True), Panel("Curvature", "s (mm)", "κ (1/mm)", curvature)
 
 
 def validation_shapes(run: Run) -> Panels:
@@ -111,7 +114,7 @@ def validation_shapes(run: Run) -> Panels:
     }
     rods = _drawn(run)
     return tuple(
-        Panel(title, "x (mm)", "y (mm)", _shapes(run, shown, rods), lengths=True)
+        Panel(title, "x (mm)", "y (mm)", _compared(run, shown, ("x_mm", "y_mm"), rods), lengths=True)
         for title, shown in groups.items()
         if shown
     )
@@ -230,36 +233,20 @@ def _colour(run: Run, pressure: float) -> str:
     return ordered_colour(int(np.argmin(np.abs(np.array(known) - pressure))), len(known))
 
 
-def _shapes(run: Run, curves: Sequence[Curve], rods: Sequence[_Drawn]) -> tuple[Line, ...]:
+def _compared(run: Run, curves: Sequence[Curve], axes: tuple[str, str], rods: Sequence[_Drawn]) -> tuple[Line, ...]:
+    """Two columns of curves of the finite elements, and the same of the rods that are there."""
     lines = []
     for curve in curves:
-        pressure = f"{curve.pressure_kPa:g} kPa"
-        label = ", ".join(filter(None, (curve.load, pressure)))
-        colour = _colour(run, curve.pressure_kPa)
+        frame, (x, y) = f"{curve.pressure_kPa:g} kPa", axes
+        label, colour = ", ".join(filter(None, (curve.load, frame))), _colour(run, curve.pressure_kPa)
+        spread = curve["kappa_std_per_mm"] if y == "kappa_per_mm" and curve.has("kappa_std_per_mm") else None
         name = f"{FINITE_ELEMENTS}, {label}"
-        lines.append(Line(curve["x_mm"], curve["y_mm"], name, colour, entry=FINITE_ELEMENTS, frame=pressure))
+        lines.append(Line(curve[x], curve[y], name, colour, spread=spread, entry=FINITE_ELEMENTS, frame=frame))
         for drawn in rods:
-            x, y = drawn.column(curve, "x_mm"), drawn.column(curve, "y_mm")
-            if x is not None and y is not None:
-                lines.append(_rod_line(drawn, x, y, label, pressure))
-    return tuple(lines)
-
-
-def _rod_line(drawn: _Drawn, x: Array, y: Array, label: str, frame: str) -> Line:
-    return Line(x, y, f"{drawn.entry}, {label}", INK, drawn.dash, width=1.6, entry=drawn.entry, frame=frame)
-
-
-def _curvatures(run: Run, curves: Sequence[Curve], rods: Sequence[_Drawn]) -> tuple[Line, ...]:
-    lines = []
-    for curve in curves:
-        frame, colour = f"{curve.pressure_kPa:g} kPa", _colour(run, curve.pressure_kPa)
-        spread = curve["kappa_std_per_mm"] if curve.has("kappa_std_per_mm") else None
-        s, name = curve["s_mm"], f"{FINITE_ELEMENTS}, {frame}"
-        lines.append(Line(s, curve["kappa_per_mm"], name, colour, spread=spread, entry=FINITE_ELEMENTS, frame=frame))
-        for drawn in rods:
-            kappa = drawn.column(curve, "kappa_per_mm")
-            if curve.experiment == "III" and kappa is not None:
-                lines.append(_rod_line(drawn, s, kappa, frame, frame))
+            along, across = (drawn.column(curve, axis) for axis in axes)
+            if along is not None and across is not None:
+                name = f"{drawn.entry}, {label}"
+                lines.append(Line(along, across, name, INK, drawn.dash, width=1.6, entry=drawn.entry, frame=frame))
     return tuple(lines)
 
 
@@ -282,18 +269,21 @@ def _estimated(curve: Curve) -> Array:
     return inside
 
 
+#: the figures of the report by the names that its template gives them
+FIGURES: dict[str, Callable[[Run], Panels]] = {
+    "bending": bending,
+    "moments": moments,
+    "rigidities": rigidities,
+    "validation": validation_shapes,
+    "forces": end_forces,
+    "arm_law": arm_law,
+}
+
+
 def make_figures(run: Run) -> dict[str, Any]:
-    """All figures of the report by the name that the template gives them; empty texts for those without data."""
-    experiments = {title: of_experiment(run, name) for name, title in EXPERIMENTS.items()}
-    drawn = {
-        "bending": bending(run),
-        "moments": moments(run),
-        "rigidities": rigidities(run),
-        "validation": validation_shapes(run),
-        "forces": end_forces(run),
-        "arm_law": arm_law(run),
-    }
+    """All figures of the report by their names; empty texts for those without data."""
+    experiments = {title: figure(of_experiment(run, name)) for name, title in EXPERIMENTS.items()}
     return {
-        "experiments": {title: figure(panels) for title, panels in experiments.items() if panels},
-        **{name: figure(panels) if panels else "" for name, panels in drawn.items()},
+        "experiments": {title: drawn for title, drawn in experiments.items() if drawn},
+        **{name: figure(panels(run)) for name, panels in FIGURES.items()},
     }

@@ -33,7 +33,7 @@ def render_page(run: Run) -> str:
         figures=figures.make_figures(run),
         tables=tables.make_tables(run),
         budget=budget_table(budgets[-1]) if budgets else None,
-        budget_figure=figure(budget_panels(budgets)) if budgets else "",
+        budget_figure=figure(budget_panels(budgets)),
         view=view,
         view_experiments=experiments_of(view),
         ramp=[[int(colour[k : k + 2], 16) / 255 for k in (1, 3, 5)] for colour in _RAMP],

@@ -1,7 +1,6 @@
 """The tables of the report and of the terminal: five parameters, rods, loads, states, effects."""
 
 import math
-import re
 from collections.abc import Sequence
 from dataclasses import fields
 from typing import Any
@@ -22,22 +21,18 @@ NUMBERS = (
     ("m02_N_mm", "m₀₂", "N mm"),
     ("d_mm", "d", "mm"),
 )
-#: a cell with a number, perhaps with its unit or a second number
-_NUMBER = re.compile(r"[-+<]?\d.{,40}", re.DOTALL)
 #: remark on a load whose moments five parameters were not identified with
 OUTSIDE = "beyond its moments"
-#: errors of a rod under one load
-_ERRORS = ("distance / length", "error of end angle (°)", "error of force", "error of curvature")
 
 
-def five_parameters(run: Run, rod: str = FIVE) -> Table | None:
-    """The five parameters by pressure with their standard deviations and 95 % intervals; None without them.
+def five_parameters(run: Run, rod: str = FIVE) -> Table:
+    """The five parameters by pressure with their standard deviations and 95 % intervals; empty without them.
 
     rod: whose parameters; the rod that stretches has the eccentricity e of its neutral axis as well.
     """
     columns = run.parameters.eccentricity if rod == EXTENSIBLE else run.parameters
     if not run.identified_kPa or columns is None:
-        return None
+        return Table((), ())
     keys = [*NUMBERS, *([("eccentricity_mm", "e", "mm")] if rod == EXTENSIBLE else [])]
     single = run.parameters.single_line_suffices
     digits = {key: decimals_of(getattr(columns, key), getattr(columns, f"{key}_std")) for key, _, _ in keys}
@@ -73,72 +68,69 @@ def _parameter(columns: FiveColumns, key: str, index: int, digits: int) -> str:
     return f"{with_spread(value, spread, digits)}\n{below}" if below else with_spread(value, spread, digits)
 
 
-def rods(run: Run) -> Table | None:
-    """The largest errors of every rod, against the finite elements and because of the mesh; None without rods."""
-    rows = []
-    for errors in rod_errors(run):
-        mesh = mesh_errors(run, errors.rod)
-        rows.append(
-            (
-                TITLES[errors.rod],
-                *(str(errors.loads_in_sample), percent(errors.distance_over_length_in_sample)),
-                *(percent(errors.force_error_in_sample), str(errors.loads_out_of_sample)),
-                *(percent(errors.distance_over_length_out_of_sample), percent(errors.force_error_out_of_sample)),
-                *(
-                    str(errors.loads_without_solution),
-                    percent(mesh.kappa_0),
-                    percent(mesh.rigidity),
-                    percent(mesh.force),
-                ),
-            )
-        )
-    heads = (
-        *("rod", "fitted loads", "distance / length", "force error", "other loads", "distance / length", "force error"),
-        *("loads without solution", "mesh error of κ₀", "mesh error of rigidity", "mesh error of moment"),
+def rods(run: Run) -> Table:
+    """The largest errors of every rod, against the finite elements and because of the mesh; empty without rods."""
+    return Table.of(
+        [(errors, mesh_errors(run, errors.rod)) for errors in rod_errors(run)],
+        ("rod", lambda row: TITLES[row[0].rod]),
+        ("fitted loads", lambda row: str(row[0].loads_in_sample)),
+        ("distance / length", lambda row: percent(row[0].distance_over_length_in_sample)),
+        ("force error", lambda row: percent(row[0].force_error_in_sample)),
+        ("other loads", lambda row: str(row[0].loads_out_of_sample)),
+        ("distance / length", lambda row: percent(row[0].distance_over_length_out_of_sample)),
+        ("force error", lambda row: percent(row[0].force_error_out_of_sample)),
+        ("loads without solution", lambda row: str(row[0].loads_without_solution)),
+        ("mesh error of κ₀", lambda row: percent(row[1].kappa_0)),
+        ("mesh error of rigidity", lambda row: percent(row[1].rigidity)),
+        ("mesh error of moment", lambda row: percent(row[1].force)),
     )
-    return Table(heads, tuple(rows)) if rows else None
 
 
-def loads(run: Run) -> Table | None:
-    """Every load and pressure that a rod was not fitted to; None where there is none."""
-    rows = tuple(
+def loads(run: Run) -> Table:
+    """Every load and pressure that a rod was not fitted to; empty where there is none."""
+    rows = sorted(run.rod_errors, key=lambda row: (row.load, row.experiment, row.pressure_kPa))
+    return Table.of(
+        [row for row in rows if row.sample == "out"],
+        ("load", lambda row: row.location),
+        ("rod", lambda row: row.rod),
+        ("distance / length", lambda row: percent(row.distance_over_length)),
         (
-            *(row.location, row.rod),
-            percent(row.distance_over_length),
-            number(None if row.end_angle_error_rad is None else math.degrees(row.end_angle_error_rad)),
-            *(percent(row.force_error), percent(row.curvature_error), row.reason or (OUTSIDE if row.warning else "")),
-        )
-        for row in sorted(run.rod_errors, key=lambda row: (row.load, row.experiment, row.pressure_kPa))
-        if row.sample == "out"
+            "error of end angle (°)",
+            lambda row: number(row.end_angle_error_rad and math.degrees(row.end_angle_error_rad)),
+        ),
+        ("error of force", lambda row: percent(row.force_error)),
+        ("error of curvature", lambda row: percent(row.curvature_error)),
+        ("remark", lambda row: row.reason or (OUTSIDE if row.warning else "")),
     )
-    heads = ("load", "rod", *_ERRORS, "remark")
-    return Table(heads, rows) if rows else None
 
 
-def states(run: Run) -> Table | None:
-    """Every experiment and pressure; None where no experiment was begun."""
+def states(run: Run) -> Table:
+    """Every experiment and pressure; empty where no experiment was begun."""
     titles = {column.name: column.metadata["title"] for column in fields(State) if "title" in column.metadata}
     rows = tuple(tuple(_cell(getattr(state, name)) for name in titles) for state in run.states)
-    return Table(tuple(titles.values()), rows) if rows else None
+    return Table(tuple(titles.values()), rows)
 
 
-def effects(run: Run) -> Table | None:
-    """Which effects were simulated, and why; None where the run did not come so far."""
-    rows = tuple(
-        (row.effect.replace("_", " "), row.state, row.reason, percent(row.share_of_time)) for row in run.effects
+def effects(run: Run) -> Table:
+    """Which effects were simulated, and why; empty where the run did not come so far."""
+    return Table.of(
+        run.effects,
+        ("effect", lambda row: row.effect.replace("_", " ")),
+        ("state", lambda row: row.state),
+        ("reason", lambda row: row.reason),
+        ("share of the solver's time", lambda row: percent(row.share_of_time)),
     )
-    return Table(("effect", "state", "reason", "share of the solver's time"), rows) if rows else None
 
 
-def cost(run: Run) -> Table | None:
-    """Wall time by stage of the run, then the parts of the solver's time; None where it is not known."""
+def cost(run: Run) -> Table:
+    """Wall time by stage of the run, then the parts of the solver's time; empty where it is not known."""
     stages = [(name, duration(value)) for name, value in run.record.seconds.items()]
     solver = [(f"solver: {name}", duration(value)) for name, value in run.record.solver_seconds.items()]
-    return Table(("stage", "waiting time"), (*stages, *solver)) if stages else None
+    return Table(("stage", "waiting time"), (*stages, *solver))
 
 
-def design(run: Run) -> Table | None:
-    """The design and its mesh: name and value with its unit; None without a configuration."""
+def design(run: Run) -> Table:
+    """The design and its mesh: name and value with its unit; empty without a configuration."""
     geometry, mesh = run.config.get("geometry") or {}, run.mesh
     rows = [
         (name, str(value)) for name, value in geometry.items() if not isinstance(value, float) and value is not None
@@ -152,7 +144,7 @@ def design(run: Run) -> Table | None:
         rows.append(("mesh", f"{mesh.elements} {mesh.formulation} elements, {edges}"))
         rows.append((f"elements {mesh.formulation}", ELEMENTS[mesh.formulation].summary))
         rows += [(f"chosen {name}", reason) for name, reason in mesh.chosen.items()]
-    return Table(("key", "value"), tuple(rows)) if rows else None
+    return Table(("key", "value"), tuple(rows))
 
 
 def _cell(value: Any) -> str:
@@ -163,8 +155,8 @@ def _cell(value: Any) -> str:
     return number(value) if isinstance(value, float) else str(value)
 
 
-def make_tables(run: Run) -> dict[str, Table | None]:
-    """All tables of the report by the name that the template gives them; None for those without data."""
+def make_tables(run: Run) -> dict[str, Table]:
+    """All tables of the report by the name that the template gives them; those without data are empty."""
     return {
         "five": five_parameters(run),
         "extensible": five_parameters(run, EXTENSIBLE),

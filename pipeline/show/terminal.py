@@ -1,18 +1,10 @@
-"""Tables on the terminal, among them those of a body and of a study of effects."""
+"""The meshed body of a design as a table."""
 
-from collections.abc import Sequence
 from pathlib import Path
-
-from rich import table as rich_table
 
 from geometry import Body
 from pipeline.config.config import Config
-from pipeline.study.effects.rows import COLUMNS, EffectRow
-from pipeline.study.effects.table import _OTHER_STATES, _costs, _number
 from pipeline.values.table import Table
-
-#: a table with so many columns or more has less space between them
-CLOSE = 10
 
 
 def body_table(file: Path, config: Config, body: Body) -> Table:
@@ -48,34 +40,3 @@ def _chosen_values(config: Config) -> dict[str, str]:
     mesh = config.mesh
     values = {"formulation": mesh.formulation, "grading": mesh.grading, "size": f"{mesh.size_mm:g} mm"}
     return {name: value for name, value in values.items() if name in mesh.chosen}
-
-
-def text_table(of: Table) -> rich_table.Table:
-    """A table for the terminal; a cell may have several lines, and columns without numbers begin at the left."""
-    heads = [head.replace(" (", "\n(") for head in of.heads]
-    padding = (0, 2 if len(heads) < CLOSE else 1, 0, 0)
-    table = rich_table.Table(*heads, box=None, padding=padding, show_header=any(heads))
-    table.caption, table.caption_justify = of.caption or None, "left"
-    for number, column in enumerate(table.columns):
-        column.justify = "left" if number in of.words else "right"
-    for row in of.rows:
-        table.add_row(*row)
-    return table
-
-
-def effects_table(rows: Sequence[EffectRow]) -> Table:
-    """Every number above its change against the configuration, and the cost; it fits into 80 columns."""
-    titles = [title.replace(" ", "\n", 1) for title in COLUMNS.values()]
-    heads = ("effect", "p\nkPa", *titles, "single\nline", "CPU\ns", "facto-\nriza-\ntions")
-    caption = "single line: whether one slope describes the arm as well as two"
-    if any(row["other_states"] for row in rows):
-        caption += f"\n{_OTHER_STATES} reached more or fewer states than as configured, so the costs differ"
-    cells, previous = [], ""
-    for row in rows:
-        name = f"{row['effect']} {row['state']}".strip().replace("_", " ")
-        first, previous = name != previous, name
-        suffices = {True: "yes", False: "no", None: ""}[row["single_line_suffices"]]
-        numbers = [_number(row, row[key], key) for key in COLUMNS]
-        cost = _costs(row) if first else ("", "")
-        cells.append((name if first else "", f"{row['pressure_kPa']:g}", *numbers, suffices, *cost))
-    return Table(heads, tuple(cells), caption)

@@ -29,7 +29,7 @@ class Section:
     @property
     def drawn(self) -> str:
         """The figure as an HTML element."""
-        return figure(self.panels) if self.panels else ""
+        return figure(self.panels)
 
 
 def page(title: str, *sections: Section) -> str:

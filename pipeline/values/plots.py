@@ -157,7 +157,9 @@ class Panel:
 
 
 def figure(panels: Sequence[Panel]) -> str:
-    """Panels beside each other with one legend, as an HTML element without plotly.js; they wrap on a narrow page."""
+    """Panels with one legend as an HTML element, beside each other where the page is wide; empty without panels."""
+    if not panels:
+        return ""
     lines = [line for panel in panels for line in panel.lines]
     frames = list(dict.fromkeys(line.frame for line in lines if line.frame))
     entries = list(dict.fromkeys(line.legend for line in lines if line.legend))

@@ -1,6 +1,13 @@
-"""The table of texts that reports, pages and the terminal show."""
+"""Tables of texts, as reports, pages and the terminal show them."""
 
+import re
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from typing import TypeVar
+
+T = TypeVar("T")
+#: a cell with a number, perhaps with its unit or a second number
+_NUMBER = re.compile(r"[-+<]?\d.{,40}", re.DOTALL)
 
 
 @dataclass(frozen=True)
@@ -10,6 +17,16 @@ class Table:
     heads: tuple[str, ...]
     rows: tuple[tuple[str, ...], ...]
     caption: str = ""
+
+    @staticmethod
+    def of(items: Iterable[T], *columns: tuple[str, Callable[[T], str]], caption: str = "") -> "Table":
+        """A table with a row for each item; columns: the head of each, and what it shows of an item."""
+        rows = tuple(tuple(cell(item) for _, cell in columns) for item in items)
+        return Table(tuple(head for head, _ in columns), rows, caption)
+
+    def __bool__(self) -> bool:
+        """Whether it has rows."""
+        return bool(self.rows)
 
     @property
     def words(self) -> frozenset[int]:

@@ -28,17 +28,18 @@ def comparison_page(design: str, rows: Sequence[Compared]) -> str:
 
 def comparison_table(compared: Sequence[Compared]) -> Table:
     """One row for each number."""
-    heads = ("line", "pressure (kPa)", "load", "quantity", "measured", "predicted", "difference", "allowed", "")
-    rows = tuple(
-        (
-            *(str(row.line), f"{row.pressure_kPa:g}", row.load, row.quantity),
-            *(f"{value:.4g}" for value in (row.measured, row.predicted)),
-            *(f"{value:.2g}" for value in (row.difference, row.allowed)),
-            "" if row.is_within else "outside",
-        )
-        for row in compared
+    return Table.of(
+        compared,
+        ("line", lambda row: str(row.line)),
+        ("pressure (kPa)", lambda row: f"{row.pressure_kPa:g}"),
+        ("load", lambda row: row.load),
+        ("quantity", lambda row: row.quantity),
+        ("measured", lambda row: f"{row.measured:.4g}"),
+        ("predicted", lambda row: f"{row.predicted:.4g}"),
+        ("difference", lambda row: f"{row.difference:.2g}"),
+        ("allowed", lambda row: f"{row.allowed:.2g}"),
+        ("", lambda row: "" if row.is_within else "outside"),
     )
-    return Table(heads, rows)
 
 
 def _of(rows: Sequence[Compared], quantity: str) -> list[Compared]:

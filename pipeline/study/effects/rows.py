@@ -10,6 +10,7 @@ from pipeline.simulate.scene import Scene
 from pipeline.simulate.simulate import simulate
 from pipeline.store.context import RunContext
 from pipeline.values.reasons import render, render_all
+from pipeline.values.table import Table
 from rod.same_pressure import is_among
 
 #: one variant at one pressure, as in effects_table.json
@@ -31,6 +32,8 @@ NUMBERS = (
     *("kappa_0_middle_per_mm", "end_force_N", "end_y_II_mm", "alpha1_N_mm2", "alpha2_N_mm2", "d_mm"),
     *("single_line_suffices", "r2_single_line", "r2_two_lines", "stretch_of_curve", "contact"),
 )
+#: marks the cost of a variant that reached other states
+_OTHER_STATES = "*"
 COST = ("cpu_seconds", "factorizations", "degrees_of_freedom", "states")
 
 
@@ -112,3 +115,41 @@ def compared(variants: Sequence[tuple[str, str, Sequence[EffectRow]]]) -> list[d
 
 def _change(value: float | None, reference: float | None) -> float | None:
     return value / reference - 1.0 if value is not None and reference else None
+
+
+def effects_table(rows: Sequence[EffectRow]) -> Table:
+    """Every number above its change against the configuration, and the cost; it fits into 80 columns."""
+    titles = [title.replace(" ", "\n", 1) for title in COLUMNS.values()]
+    heads = ("effect", "p\nkPa", *titles, "single\nline", "CPU\ns", "facto-\nriza-\ntions")
+    caption = "single line: whether one slope describes the arm as well as two"
+    if any(row["other_states"] for row in rows):
+        caption += f"\n{_OTHER_STATES} reached more or fewer states than as configured, so the costs differ"
+    cells, previous = [], ""
+    for row in rows:
+        name = f"{row['effect']} {row['state']}".strip().replace("_", " ")
+        first, previous = name != previous, name
+        suffices = {True: "yes", False: "no", None: ""}[row["single_line_suffices"]]
+        numbers = [_with_change(row, row[key], key) for key in COLUMNS]
+        cost = _costs(row) if first else ("", "")
+        cells.append((name if first else "", f"{row['pressure_kPa']:g}", *numbers, suffices, *cost))
+    return Table(heads, tuple(cells), caption)
+
+
+def _costs(row: EffectRow) -> tuple[str, str]:
+    """Processor seconds to two digits above their change, and factorizations."""
+    if row["cpu_seconds"] is None:
+        return "", ""
+    mark = _OTHER_STATES if row["other_states"] else ""
+    seconds = float(f"{row['cpu_seconds']:.2g}")
+    return _with_change(row, seconds, "cpu_seconds", mark), f"{row['factorizations']}{mark}"
+
+
+def _with_change(row: EffectRow, value: float | None, name: str, mark: str = "") -> str:
+    """A number above its change."""
+    change = row["relative_change"][name]
+    if value is None:
+        return ""
+    shown = f"{value:.4g}{mark}"
+    if row["effect"] == BASE or change is None:
+        return shown
+    return f"{shown}\n{100 * change:+.{1 if abs(change) < 0.0995 else 0}f} %"

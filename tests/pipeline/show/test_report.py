@@ -103,25 +103,21 @@ def test_figures_without_data_are_empty(run: Run) -> None:
     assert [figure(nothing) for figure in (*drawn, figures.validation_shapes)] == [()] * 6
     assert figures.of_experiment(nothing, "II") == ()
     made = (tables.five_parameters, tables.rods, tables.loads, tables.states)
-    assert [table(nothing) for table in made] == [None] * 4
+    assert not any(table(nothing) for table in made)
 
 
 def test_the_five_parameters_have_errors_and_intervals(run: Run) -> None:
     table = tables.five_parameters(run)
-    assert table is not None
     assert table.heads == ("p (kPa)", "α₁ (N mm²)", "α₂ (N mm²)", "m₀₁ (N mm)", "m₀₂ (N mm)", "d (mm)")
     assert table.rows[1][2] == "448.2 ± 0.8\n447.1 … 449.9"
     assert "without the error of the mesh" in table.caption
     single = replace(run, parameters=replace(run.parameters, single_line_suffices=(True, True)))
     one = tables.five_parameters(single)
-    assert one is not None
     assert one.rows[0][-1] == "one section"
 
 
 def test_every_rod_and_load_has_a_row(run: Run) -> None:
     rods, loads = tables.rods(run), tables.loads(run)
-    assert rods is not None
-    assert loads is not None
     assert rods.rows[0][0] == "the arm's own law"
     assert len(loads.rows) == sum(row.sample == "out" for row in run.rod_errors)
     assert {len(row) for row in rods.rows} == {len(rods.heads)}

@@ -13,8 +13,8 @@ import pytest
 from rich.console import Console
 
 import fem
+from pipeline.cli.ending import text_table
 from pipeline.config.load import load_config
-from pipeline.show.terminal import effects_table, text_table
 from pipeline.simulate.effects_record import list_effects
 from pipeline.simulate.outcome import Outcomes
 from pipeline.simulate.scene import Scene
@@ -22,7 +22,7 @@ from pipeline.simulate.simulate import experiments_of, simulate
 from pipeline.store.context import RunContext
 from pipeline.store.progress import Silent
 from pipeline.store.store import open_store
-from pipeline.study.effects.rows import BASE
+from pipeline.study.effects.rows import BASE, effects_table
 from pipeline.study.effects.study import compare_effects, variant_name, variants
 
 HERE = Path(__file__).resolve().parent.parent.parent.parent

@@ -11,10 +11,10 @@ import pytest
 from rich.console import Console
 
 import fem
+from pipeline.cli.ending import text_table
 from pipeline.config.config import Config
 from pipeline.config.load import load_config
 from pipeline.show.progress import Lines
-from pipeline.show.terminal import effects_table, text_table
 from pipeline.simulate.outcome import Outcomes
 from pipeline.simulate.scene import Scene
 from pipeline.simulate.simulate import simulate
@@ -23,7 +23,7 @@ from pipeline.store.progress import Silent
 from pipeline.store.store import open_store
 from pipeline.study.effects import rows as effects_rows
 from pipeline.study.effects import study as effects_study
-from pipeline.study.effects.rows import BASE, COST, NUMBERS, EffectRow, compared, variant_rows
+from pipeline.study.effects.rows import BASE, COST, NUMBERS, EffectRow, compared, effects_table, variant_rows
 from pipeline.study.effects.study import EffectsTable, compare_effects, variant_name, variants
 from pipeline.study.sweep import study
 from pipeline.study.sweep.record import PointRecord, PointTask
