@@ -88,6 +88,7 @@ class Points:
         return float(np.sum(weight**2 * pull * self.stress) / np.sum((weight * pull) ** 2))
 
 
+@dataclass(frozen=True)
 class Form(ABC):
     """A law as it is fitted; constants are (k,)."""
 
@@ -143,16 +144,7 @@ def is_stable(law: Material, state: str, stretch: Array) -> Mask:
 class LinearForm(Form):
     """A law whose stress is linear in its constants."""
 
-    law: str
     kind: type[LinearLaw]
-
-    @property
-    def name(self) -> str:  # type: ignore[override]
-        return self.law
-
-    @property
-    def constants(self) -> tuple[str, ...]:  # type: ignore[override]
-        return tuple(self.kind.uniaxial_terms(np.ones(1)))
 
     def fitted(self, points: Points, reach: float) -> Array:
         from scipy.optimize import LinearConstraint, minimize
@@ -203,22 +195,10 @@ class LinearForm(Form):
 class OgdenForm(Form):
     """Ogden's law with terms mu alpha > 0, which make it stable at every strain."""
 
-    terms: int
-
-    law = "ogden"
-
-    @property
-    def name(self) -> str:  # type: ignore[override]
-        return f"ogden {self.terms}"
-
-    @property
-    def constants(self) -> tuple[str, ...]:  # type: ignore[override]
-        return tuple(f"{name}{number}" for number in range(1, self.terms + 1) for name in ("mu", "alpha"))
-
     def fitted(self, points: Points, reach: float) -> Array:
         from scipy.optimize import least_squares
 
-        modulus, terms, weight = points.modulus, self.terms, points.weight
+        modulus, terms, weight = points.modulus, len(self.constants) // 2, points.weight
         if modulus <= 0:
             raise MaterialError("Ogden: the stress falls")
 
@@ -256,6 +236,11 @@ def _bounds(exponents: Array) -> tuple[Array, Array]:
 
 #: what is fitted to tensile tests, by name
 FORMS: dict[str, Form] = {
-    **{law: LinearForm(law, kind) for law, kind in LAWS.items() if issubclass(kind, LinearLaw)},
-    **{form.name: form for form in (OgdenForm(1), OgdenForm(2))},
+    **{
+        law: LinearForm(law, law, tuple(kind.uniaxial_terms(np.ones(1))), kind)
+        for law, kind in LAWS.items()
+        if issubclass(kind, LinearLaw)
+    },
+    "ogden 1": OgdenForm("ogden", "ogden 1", ("mu1", "alpha1")),
+    "ogden 2": OgdenForm("ogden", "ogden 2", ("mu1", "alpha1", "mu2", "alpha2")),
 }

@@ -161,19 +161,12 @@ def _rising(reach: Array) -> list[Mask]:
     return ways
 
 
-def _turns(strain: Array) -> list[int]:
+def _turns(strain: Array) -> Index:
     """The points at which the strain begins to go back by more than scatter."""
+    from scipy.signal import find_peaks
+
     least = LEAST_RETURN * float(np.ptp(strain))
-    turns, low, high, way = [], 0, 0, 0
-    for point, value in enumerate(strain):
-        low, high = (point if value < strain[low] else low), (point if value > strain[high] else high)
-        if way >= 0 and strain[high] - value > least:
-            turns += [high] * (way > 0)
-            way, low, high = -1, point, point
-        elif way <= 0 and value - strain[low] > least:
-            turns += [low] * (way < 0)
-            way, low, high = 1, point, point
-    return turns
+    return np.sort(np.concatenate([find_peaks(side, prominence=least)[0] for side in (strain, -strain)]))
 
 
 def _before_break(strain: Array, stress: Array) -> int:

@@ -12,7 +12,8 @@ from pipeline.answers.material.laws import Points
 from pipeline.answers.material.loading import Selection, TensileTest, read_tensile
 from pipeline.answers.material.sentences import doubts, facts, recommendation, yaml_line
 from pipeline.answers.material.table import Specimen
-from pipeline.config.units import AREA, DENSITY, LENGTH, STRAIN, Dimension, convert
+from pipeline.config.units import AREA, DENSITY, LENGTH, STRAIN, Dimension
+from pipeline.results.options import option_value
 from pipeline.values.errors import InputError, RunFailed
 
 #: stretches that arms reach (docs/materials.md), where no run says others
@@ -104,10 +105,7 @@ def fit_tests(paths: Sequence[Path], options: FitOptions) -> Material:
 
 
 def _positive(option: str, text: str, dimension: Dimension) -> float:
-    try:
-        value = convert(text, dimension)
-    except ValueError as failure:
-        raise InputError(f"{option}: {failure}") from None
+    value = option_value(option, text, dimension)
     if value <= 0:
         raise InputError(f"{option}: {text} is not allowed; allowed: above zero, for example '{dimension.example}'")
     return value
