@@ -29,7 +29,7 @@ LIBRARIES: dict[str, set[str]] = {
     "pipeline": {
         *("numpy", "scipy", "numba", "packaging", "yaml", "pydantic", "pydantic_core", "pint"),
         *("pyvista", "typer", "rich", "jinja2", "plotly", "pandas"),
-        *("distributed", "dask", "pyarrow", "filelock"),
+        *("distributed", "dask", "psutil", "pyarrow", "filelock"),
     },
     "pneurod": {"pandas"},
 }
@@ -46,11 +46,12 @@ DOORS: dict[str, set[str]] = {
     "pypardiso": {"fem/equations/pardiso.py"},
     "pydantic": {
         *("pipeline/config/section.py", "pipeline/results/files.py", "pipeline/values/run.py"),
-        *("pipeline/store/kept.py", "pipeline/study/sweep/record.py"),
+        "pipeline/store/kept.py",
     },
     "pydantic_core": {"pipeline/config/section.py", "pipeline/store/result_folder.py"},
     "pint": {"pipeline/config/units.py"},
     "filelock": {"pipeline/store/store.py"},
+    "psutil": {"pipeline/worker.py"},
     "yaml": {"pipeline/config/document.py"},
     "pyvista": {"pipeline/results/drawing.py"},
     "typer": {

@@ -8,14 +8,10 @@ import json
 import resource
 import signal
 import traceback
-from collections import deque
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass
-from multiprocessing.connection import wait
-from multiprocessing.context import SpawnProcess
 from pathlib import Path
-from time import monotonic
 from types import FrameType
 from typing import Any
 
@@ -27,12 +23,14 @@ from pipeline.config.load import load_config
 from pipeline.results.rod_errors import rod_errors
 from pipeline.run import run
 from pipeline.stages import SolvedRun
-from pipeline.store.atomic_file import write_atomic
-from pipeline.store.processes import SPAWN, end_with_main_process
+from pipeline.store.kept import KeptFile
+from pipeline.store.processes import Processes, Worker
 from pipeline.store.progress import Silent
 from pipeline.store.provenance import provenance
+from pipeline.store.result_folder import ResultFolder
 from pipeline.store.state_key import ALL_SOURCES, result_key
-from pipeline.values.errors import InputError, RunFailed
+from pipeline.study.study import Study
+from pipeline.values.errors import InputError, RunFailed, WorkerHung
 from pipeline.values.reasons import render_all
 
 Record = dict[str, Any]
@@ -41,23 +39,14 @@ Record = dict[str, Any]
 LIMIT = 600.0
 #: wall seconds over all CPU seconds after which a process is ended that does not use any
 PATIENCE = 15.0
-#: seconds after which processes are looked at that have not ended
-PAUSE = 1.0
-FILE = "outcome.json"
+#: the record of a design: complete, and while it is worked on
+FILE, STAGES = "outcome.json", "stages.json"
 #: how the run of a design ended
 RAN, REFUSED, FAILED, ERROR, SLOW = "ran", "refused", "failed", "error", "too slow"
 
 
 class _TooSlow(BaseException):
     """The CPU time of a stage is used up; no handler of the program catches it."""
-
-
-def outcome_of(design: Drawn, folder: Path, limit: float, finer: bool) -> Record:
-    """The record of a design: that in its folder, or that of the work on it in another process.
-
-    limit: CPU seconds of each stage.
-    """
-    return next(outcomes_of([Work(design, folder, limit, finer)], 1))
 
 
 @dataclass(frozen=True)
@@ -69,90 +58,47 @@ class Work:
     limit: float  #: CPU seconds of each stage
     finer: bool  #: whether it is solved on a finer mesh too
 
-    def complete_record(self) -> Record | None:
-        """The record in its folder if nothing is left to do, else None."""
-        record = kept(self.folder, _key(self.design))
-        if record is None or not record["finished"]:
-            return None
-        return None if self.finer and "finer" not in record and record["ended"] == RAN else record
-
-    def started(self) -> SpawnProcess:
-        """The process that does it."""
-        self.folder.mkdir(parents=True, exist_ok=True)
-        path = self.folder / "design.yaml"
-        path.write_text(json.dumps(self.design.document, indent=1) + "\n", encoding="utf-8")  # JSON is YAML
-        process = SPAWN.Process(target=_work, args=(self.design, self.folder, self.limit, self.finer))
-        process.start()
-        return process
-
-    def record(self, ended_badly: Mapping[str, str]) -> Record:
-        """That in its folder; where its process left none that is complete, one with how the process ended."""
-        record = kept(self.folder, _key(self.design)) or _begun(self.design)
-        if not record["finished"]:
-            record |= {**ended_badly, "finished": True}
-            _keep(self.folder, record)
-        return record
-
-
-@dataclass(frozen=True)
-class _Running:
-    work: Work
-    process: SpawnProcess
-    deadline: float  #: of `monotonic`
+    @property
+    def kept(self) -> KeptFile[Record]:
+        """Where its complete record is kept."""
+        return self._file(FILE, "finer" if self.finer else "")
 
     @property
-    def is_over(self) -> bool:
-        return not self.process.is_alive() or monotonic() > self.deadline
+    def stages(self) -> KeptFile[Record]:
+        """Where the record of its finished stages is kept."""
+        return self._file(STAGES, "")
 
-    def ended(self) -> Record:
-        """The record after its process has ended, which is killed where it has not."""
-        hung = self.process.is_alive()
-        if hung:
-            self.process.kill()
-        self.process.join()
-        if hung:
-            return self.work.record({"ended": SLOW, "reason": "did not end"})
-        return self.work.record({"ended": ERROR, "reason": f"its process ended with status {self.process.exitcode}"})
+    def _file(self, name: str, which: str) -> KeptFile[Record]:
+        """A file with a key of what decides the record besides this program."""
+        decides = json.dumps([self.design.document, which], sort_keys=True)
+        return KeptFile(ResultFolder(self.folder), name, Record, result_key(decides, ALL_SOURCES))
+
+
+def outcome_of(work: Work) -> Record:
+    """The record of a design: that in its folder, or that of the work on it in another process."""
+    return next(outcomes_of([work], 1))
 
 
 def outcomes_of(works: Sequence[Work], jobs: int) -> Iterator[Record]:
     """The records of designs, each as soon as it is complete; `jobs` are worked on at the same time, each in a process
     of its own with one thread. Those that are complete in their folders are not worked on."""
-    waiting, running = deque(works), list[_Running]()
-    while waiting or running:
-        while waiting and len(running) < jobs:
-            work = waiting.popleft()
-            if (record := work.complete_record()) is not None:
-                yield record
-            else:
-                running.append(_Running(work, work.started(), monotonic() + PATIENCE * work.limit))
-        wait([entry.process.sentinel for entry in running], PAUSE)
-        for entry in [entry for entry in running if entry.is_over]:
-            running.remove(entry)
-            yield entry.ended()
+    seconds = PATIENCE * max((work.limit for work in works), default=0.0)
+    with Processes(jobs, Worker(seconds=seconds, is_fresh=True)) as processes:
+        study = Study(works, work_on, processes, lambda work: work.kept)
+        yield from (record for _, record in study.kept)
+        yield from (record for _, record in study.solve(lambda _: None, lambda *_: "", lost))
 
 
-def _key(design: Drawn) -> str:
-    """Of what decides the record besides this program."""
-    return result_key(json.dumps(design.document, sort_keys=True), ALL_SOURCES)
-
-
-def kept(folder: Path, key: str | None = None) -> Record | None:
-    """The record in a folder; None where there is none, or one with another key."""
-    try:
-        record: Record = json.loads((folder / FILE).read_text(encoding="utf-8"))
-    except (OSError, ValueError):
-        return None
-    return record if key in (None, record.get("key")) else None
-
-
-def _keep(folder: Path, record: Mapping[str, Any]) -> None:
-    write_atomic(folder / FILE, (json.dumps(record, indent=1) + "\n").encode())
+def lost(work: Work, failure: Exception) -> Record:
+    """The record of a design whose process was ended."""
+    ended = SLOW if isinstance(failure, WorkerHung) else ERROR
+    record = (work.stages.read() or _begun(work.design)) | {"ended": ended, "reason": str(failure)}
+    work.kept.save(record)
+    return record
 
 
 def _begun(design: Drawn) -> Record:
     return {
-        "key": _key(design),
         "seed": design.seed,
         "number": design.number,
         "family": design.family,
@@ -163,7 +109,6 @@ def _begun(design: Drawn) -> Record:
         "pressures_kPa": list(design.pressures_kPa),
         "ended": "",
         "reason": "",
-        "finished": False,
         "seconds": {},
         "states": [],
         "checks": [],
@@ -172,10 +117,12 @@ def _begun(design: Drawn) -> Record:
     }
 
 
-def _work(design: Drawn, folder: Path, limit: float, finer: bool) -> None:
-    """All stages that the record in the folder lacks; in the process of the design, which ends with the campaign."""
-    end_with_main_process()
-    record = kept(folder, _key(design)) or _begun(design)
+def work_on(work: Work) -> Record:
+    """The record after all stages that are not finished in the folder; runs in the process of the design."""
+    design, folder, limit = work.design, work.folder, work.limit
+    record = work.stages.read() or _begun(design)
+    document = json.dumps(design.document, indent=1) + "\n"  # JSON is YAML
+    ResultFolder(folder).save_text("design.yaml", document)
     solved: SolvedRun | None = None
     try:
         with _timed(record, "run", limit):
@@ -191,36 +138,39 @@ def _work(design: Drawn, folder: Path, limit: float, finer: bool) -> None:
     except Exception as error:
         record |= {"ended": ERROR, "reason": f"{type(error).__name__}: {error}"}
         (folder / "error.txt").write_text(traceback.format_exc(), encoding="utf-8")
-    _keep(folder, record)
+    work.stages.save(record)
     if solved is not None:
-        _stages_after(record, solved, folder, limit, finer)
-    record["finished"] = True
-    _keep(folder, record)
+        _stages_after(record, solved, work)
+    work.kept.save(record)
+    return record
 
 
-def _stages_after(record: Record, solved: SolvedRun, folder: Path, limit: float, finer: bool) -> None:
+def _stages_after(record: Record, solved: SolvedRun, work: Work) -> None:
     """Checks, limits and the finer mesh, each within its own time."""
-    config, outcomes = solved.config, solved.outcomes
+    config, outcomes, folder, limit = solved.config, solved.outcomes, work.folder, work.limit
     ended = [outcome for outcome in outcomes if outcome.failure]
     if not record["checks"]:
         reached = outcomes["II"].records, outcomes["III"].records
         _stage(record, "checks", limit, lambda: [asdict(c) for c in checks_of(config, *reached, folder)])
-        _keep(folder, record)
+        work.stages.save(record)
     if ended and not record["limits"]:
         # the limit of II says most about the others (`fem` searches it first), so it is confirmed if there is one
         first = next((outcome for outcome in ended if outcome.name == "II"), ended[0])
         _stage(record, "limits", limit, lambda: [asdict(confirmed(config, first, folder))])
-        _keep(folder, record)
-    if finer and "finer" not in record:
+        work.stages.save(record)
+    if work.finer and "finer" not in record:
         record["finer"] = {"failure": "not finished"}
         _stage(record, "finer", 2.0 * limit, lambda: against_finer_mesh(solved))
+        work.stages.save(record)
 
 
 def _stage(record: Record, name: str, limit: float, work: Callable[[], Any]) -> None:
     """Do a part of the work, and note what stops it."""
     try:
         with _timed(record, name, limit):
-            record[name] = work()
+            made = work()
+            json.dumps(made, allow_nan=False)  # raises ValueError where a number is none
+            record[name] = made
     except _TooSlow:
         record["slow"] = sorted({*record["slow"], name})
     except Exception as error:

@@ -16,7 +16,7 @@ from typer.core import TyperCommand
 from pipeline.cli.design import accuracy, cell, design, effects, mesh, run
 from pipeline.cli.ending import print_json, print_lines, print_sentences, with_sentences
 from pipeline.cli.measurement import calibrate, compare
-from pipeline.store.processes import available_cores
+from pipeline.worker import available_cores
 
 app = typer.Typer(
     help="From the drawing of a pneumatic soft actuator to a rod model with quantified errors.",
@@ -237,10 +237,9 @@ def sweep(
     scheduler: Annotated[str | None, typer.Option(metavar="ADDRESS", help="Of Dask, instead of own workers.")] = None,
     jobs: Annotated[int | None, typer.Option(min=1, help="Worker processes (default: number of cores).")] = None,
     memory: Annotated[str | None, typer.Option(metavar="SIZE", help="Of each worker (default: equal parts).")] = None,
-    retry: Annotated[bool, typer.Option("--retry", help="Try points that were not reached again.")] = False,
     fresh: Annotated[bool, typer.Option("--fresh", help="Delete earlier results in DIR and begin again.")] = False,
 ) -> None:
-    """Many designs: a base configuration and axes, every point a run of its own, one table, on Dask."""
+    """Many designs: a base configuration and axes, every point a run of its own, one table, on all cores or on Dask."""
     from pipeline.values.errors import InputError
 
     if scheduler is not None and (jobs is not None or memory is not None):
@@ -255,7 +254,7 @@ def sweep(
     parent = out or Path("results")
     folders = [parent / sweep.name if out is None or len(sweeps) > 1 else out for sweep in sweeps]
     requests = list(zip(sweeps, folders, strict=True))
-    reports = run_sweeps(requests, Course(workers, fresh, retry, print_lines))
+    reports = run_sweeps(requests, Course(workers, fresh, print_lines))
     for report in reports:
         folder = report.directory
         print_lines(f"{report.sentence()}; table: {folder / 'sweep.csv'}, picture: {folder / 'sweep.html'}")

@@ -6,16 +6,16 @@ waits in a thread of its own for the tasks it has submitted.
 """
 
 from collections.abc import Callable, Hashable, Iterator
-from concurrent.futures import CancelledError, Future, ProcessPoolExecutor, ThreadPoolExecutor
-from concurrent.futures.process import BrokenProcessPool
+from concurrent.futures import CancelledError, Future, ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass, field
-from functools import partial
+from functools import cache, partial
 from typing import Any, Concatenate, Generic, ParamSpec, TypeVar, final
 
-from pipeline.store.processes import SPAWN, available_cores, end_with_main_process, ignore_interrupts, process_pool
-from pipeline.store.progress import Progress, ToQueue, relayed
+from pipeline.store.processes import LOST, Processes, Worker
+from pipeline.store.progress import PassedOn, Progress
 from pipeline.values.errors import WorkerLost
+from pipeline.worker import available_cores, tell
 
 P = ParamSpec("P")
 Value = TypeVar("Value")
@@ -61,11 +61,8 @@ class Pending(Generic[Value]):
                 self._future.set_exception(failure)
         try:
             return self._future.result()
-        except (BrokenProcessPool, CancelledError):
-            raise WorkerLost(
-                "a process of the run was ended from outside, as happens when memory runs out; finished results "
-                "are kept, and the same command continues from there, with --jobs 1 in less memory"
-            ) from None
+        except CancelledError:
+            raise WorkerLost(LOST) from None
 
 
 @final
@@ -76,7 +73,7 @@ class Workers:
         self,
         progress: Progress,
         jobs: int = 1,
-        pool: ProcessPoolExecutor | None = None,
+        pool: Processes | None = None,
         chains: ThreadPoolExecutor | None = None,
     ) -> None:
         self.jobs = jobs  #: tasks that are done at the same time
@@ -91,11 +88,17 @@ class Workers:
         if self._pool is None:
             return Pending(Future(), partial(task, self._context, *args, **kwargs))
         try:
-            return Pending(self._pool.submit(_in_worker, partial(task, **kwargs), args))
+            future = self._pool.submit(_in_worker, partial(task, **kwargs), args)
         except RuntimeError:  # a worker was lost, or the run ends
-            lost: Future[Value] = Future()
-            lost.cancel()
-            return Pending(lost)
+            future = Future()
+            future.cancel()
+        future.add_done_callback(self._end_if_lost)
+        return Pending(future)
+
+    def _end_if_lost(self, future: "Future[Value]") -> None:
+        """One lost worker ends all: without its task the run cannot be completed."""
+        if self._pool is not None and not future.cancelled() and isinstance(future.exception(), WorkerLost):
+            self._pool.end()
 
     def beside(self, work: Callable[P, Value], *args: P.args, **kwargs: P.kwargs) -> Pending[Value]:
         """A chain of tasks, which begins at once."""
@@ -110,29 +113,16 @@ def workers(jobs: int, progress: Progress) -> Iterator[Workers]:
     if jobs == 1:
         yield Workers(progress)
         return
-    threads = max(1, available_cores() // jobs)
-    queue = SPAWN.Queue()
-    queue.cancel_join_thread()  # a worker that was killed may hold the queue's lock for ever
-    with (
-        relayed(queue, progress),
-        ThreadPoolExecutor(CHAINS) as chains,
-        process_pool(jobs, threads, initializer=start_worker, initargs=(queue,)) as pool,
-    ):
+    worker = Worker(max(1, available_cores() // jobs))
+    with ThreadPoolExecutor(CHAINS) as chains, Processes(jobs, worker, progress.tell) as pool:
         yield Workers(progress, jobs, pool, chains)
 
 
-class _Worker:
-    """The state of this process. Set once, when the process starts."""
-
-    context: TaskContext
-
-
-def start_worker(queue: Any) -> None:
-    """Runs first in a worker: interrupts are left to the main process, progress goes into the queue."""
-    ignore_interrupts()
-    end_with_main_process()
-    _Worker.context = TaskContext(ToQueue(queue))
+@cache
+def _context() -> TaskContext:
+    """That of all tasks of this worker."""
+    return TaskContext(PassedOn(tell))
 
 
 def _in_worker(task: Callable[..., Value], arguments: tuple[Any, ...]) -> Value:
-    return task(_Worker.context, *arguments)
+    return task(_context(), *arguments)

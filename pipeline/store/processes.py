@@ -1,124 +1,173 @@
-"""Pools of processes: how many threads each process has, and that all end when one fails."""
+"""Worker processes of this machine as an executor: a task whose process ends is lost alone, all end with the block.
 
-import multiprocessing
+A worker is this Python with a program of one line, so that it neither imports nor repeats the program that started it.
+"""
+
 import os
 import pickle
 import signal
+import subprocess
 import sys
 import threading
-from collections.abc import Iterator
-from concurrent.futures import ProcessPoolExecutor
-from contextlib import contextmanager
-from multiprocessing.context import SpawnContext, SpawnProcess
-from multiprocessing.reduction import ForkingPickler
-from types import ModuleType
-from typing import Any
+import time
+from collections.abc import Callable
+from concurrent.futures import Executor, Future, ThreadPoolExecutor
+from contextlib import suppress
+from dataclasses import dataclass
+from functools import partial
+from typing import Any, ParamSpec, TypeVar, final
 
-#: seconds that a worker may take to end
-PATIENCE = 10.0
-THREADS = ("MKL_NUM_THREADS", "NUMBA_NUM_THREADS", "OMP_NUM_THREADS")
-#: What the environment of a worker begins with so that glibc keeps freed memory for the next arrays. Given back to the
-#: system at once, as Dask has it by default, a quarter of the time of a worker would be page faults.
-KEPT_MEMORY = {
-    "MALLOC_TRIM_THRESHOLD_": str(1 << 30),
-    "MALLOC_MMAP_THRESHOLD_": str(1 << 25),
-    "MALLOC_ARENA_MAX": "1",
-}
+from pipeline.values.errors import WorkerHung, WorkerLost
+from pipeline.worker import FAILURE, KEPT_MEMORY, THREADS, TOLD, send, serve
+
+P = ParamSpec("P")
+Value = TypeVar("Value")
+
+#: what is told where a worker has ended, as one that is killed does
+LOST = (
+    "a process of the run was ended from outside, as happens when memory runs out; finished results "
+    "are kept, and the same command continues from there, with --jobs 1 in less memory"
+)
 
 
-class _Worker(SpawnProcess):
-    """A process that does not import the program that started it, and begins with an environment of its own.
-
-    Python's own would run a program without `if __name__ == "__main__"` once more in every worker.
-    """
+@dataclass(frozen=True)
+class Worker:
+    """How a worker process works; it decides no result."""
 
     threads: int = 1  #: of the libraries
+    memory: int | None = None  #: bytes beyond which it ends itself; None: no limit
+    seconds: float | None = None  #: wall time after which a task is ended; None: no limit
+    attempts: int = 1  #: how often a task is begun whose process ends
+    is_fresh: bool = False  #: whether every task has a process of its own
 
-    def start(self) -> None:
-        program, before = sys.modules["__main__"], {name: os.environ.get(name) for name in KEPT_MEMORY}
-        sys.modules["__main__"] = ModuleType("__main__")
-        os.environ.update(KEPT_MEMORY)  # glibc reads it when the process starts; nothing in this one reads it
+
+@final
+class Processes(Executor):
+    """At most `jobs` workers, which begin tasks in the order in which they were submitted.
+
+    A task is a function of a module, which a worker can import. A task raises `WorkerLost` where its process ends, and
+    `WorkerHung` where it takes too long; the next task has a new process then. An exception leaves a `with` block when
+    all workers have ended.
+    """
+
+    def __init__(self, jobs: int, worker: Worker | None = None, listen: Callable[[Any], None] | None = None) -> None:
+        """listen: receives what tasks `tell`, one value at a time."""
+        self._worker = worker or Worker()
+        self._listen = listen or (lambda _: None)
+        self._threads = ThreadPoolExecutor(jobs, initializer=_block_interrupts)
+        self._lock, self._telling = threading.Lock(), threading.Lock()
+        self._idle: list[_Process] = []
+        self._busy: set[_Process] = set()
+        self._is_over = False
+
+    def submit(self, fn: Callable[P, Value], /, *args: P.args, **kwargs: P.kwargs) -> "Future[Value]":
+        """A task, which begins when a worker is free. Raises RuntimeError when the workers have ended."""
+        return self._threads.submit(self._done, partial(fn, *args, **kwargs))
+
+    def end(self) -> None:
+        """Kill all workers: what they do is lost, and nothing else is begun."""
+        with self._lock:
+            self._is_over = True
+            for process in self._busy:
+                process.kill()
+        self._threads.shutdown(wait=False, cancel_futures=True)
+
+    def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
+        """End the workers when they have done their tasks."""
+        self._threads.shutdown(wait, cancel_futures=cancel_futures)
+        with self._lock:
+            self._is_over = True
+            while self._idle:
+                self._idle.pop().close()
+
+    def __exit__(self, kind: object, *failure: object) -> None:
+        if kind is not None:
+            self.end()
+        self.shutdown()
+
+    def _done(self, task: Callable[[], Value]) -> Value:
+        begun = 0
+        while True:
+            process, begun = self._free(), begun + 1
+            try:
+                value: Value = process.do(task, self._worker.seconds, self._tell)
+            except WorkerLost:
+                if begun >= self._worker.attempts or self._is_over:
+                    raise
+            else:
+                return value
+            finally:
+                self._leave(process)
+
+    def _free(self) -> "_Process":
+        with self._lock:
+            if self._is_over:
+                raise WorkerLost(LOST)
+            process = self._idle.pop() if self._idle else _Process(self._worker)
+            self._busy.add(process)
+            return process
+
+    def _leave(self, process: "_Process") -> None:
+        with self._lock:
+            self._busy.discard(process)
+            if self._is_over or self._worker.is_fresh or not process.is_alive:
+                process.close()
+            else:
+                self._idle.append(process)
+
+    def _tell(self, value: Any) -> None:
+        with self._telling:
+            self._listen(value)
+
+
+def _block_interrupts() -> None:
+    """Called in a thread: Ctrl-C and a closed terminal, which reach all processes, do not end those that it starts."""
+    if hasattr(signal, "pthread_sigmask"):  # Windows has none
+        signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT, signal.SIGHUP})
+
+
+class _Process:
+    """A worker process, as its main process sees it."""
+
+    def __init__(self, worker: Worker) -> None:
+        program = f"import sys; sys.path = {sys.path!r}; from {serve.__module__} import serve; serve({worker.memory})"
+        environment = {**os.environ, **KEPT_MEMORY, **dict.fromkeys(THREADS, str(worker.threads))}
+        command = [sys.executable, "-c", program]
+        self._process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, env=environment)
+
+    def do(self, task: Callable[[], Value], seconds: float | None, listen: Callable[[Any], None]) -> Value:
+        """The result of a task. Raises what it raises, `WorkerLost`, and after so many seconds `WorkerHung`."""
+        assert self._process.stdin is not None
+        assert self._process.stdout is not None
+        begin, content = time.monotonic(), pickle.dumps(task)
+        timer = threading.Timer(seconds or threading.TIMEOUT_MAX, self.kill)
+        timer.start()
         try:
-            super().start()
+            send(self._process.stdin, content)
+            while (reply := pickle.load(self._process.stdout))[0] == TOLD:
+                listen(pickle.loads(reply[1]))
+        except (EOFError, OSError, pickle.UnpicklingError):
+            self.kill()
+            status = self._process.wait()
+            if seconds is not None and time.monotonic() - begin >= seconds:
+                raise WorkerHung(f"a process of the run did not end within {seconds:g} s") from None
+            raise WorkerLost(f"{LOST} (it ended with status {status})") from None
         finally:
-            sys.modules["__main__"] = program
-            for name, value in before.items():
-                os.environ.pop(name) if value is None else os.environ.update({name: value})
+            timer.cancel()
+        value: Value = pickle.loads(reply[1])
+        if reply[0] == FAILURE and isinstance(value, BaseException):
+            raise value
+        return value
 
-    def __reduce__(self) -> tuple[Any, ...]:
-        return _with_threads, (self.threads, type(self), bytes(ForkingPickler.dumps(self.__dict__)))
+    @property
+    def is_alive(self) -> bool:
+        return self._process.poll() is None
 
+    def kill(self) -> None:
+        self._process.kill()
 
-def _with_threads(threads: int, kind: type[_Worker], state: bytes) -> _Worker:
-    """In the new process: the number of threads is set before what the worker needs is imported, numba among others.
-
-    Set in the environment of the main process while workers start, it would be read there by a numba that compiles at
-    the same time.
-    """
-    os.environ.update(dict.fromkeys(THREADS, str(threads)))
-    worker = kind.__new__(kind)
-    worker.__dict__.update(pickle.loads(state))
-    return worker
-
-
-class _Spawn(SpawnContext):
-    """Workers begin afresh: the libraries they load read the number of threads then."""
-
-    def __init__(self, threads: int = 1) -> None:
-        super().__init__()
-        self._threads = threads
-
-    def Process(self, *args: Any, **kwargs: Any) -> _Worker:  # type: ignore[override]
-        worker = _Worker(*args, **kwargs)
-        worker.threads = self._threads
-        return worker
-
-
-SPAWN = _Spawn()
-
-
-def available_cores() -> int:
-    """The processor cores that this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-
-
-@contextmanager
-def process_pool(jobs: int, threads: int, **options: Any) -> Iterator[ProcessPoolExecutor]:
-    """`jobs` workers of `threads` threads; `options` are those of ProcessPoolExecutor.
-
-    An exception leaves the block when all of them have ended.
-    """
-    with ProcessPoolExecutor(jobs, _Spawn(threads), **options) as pool:
-        try:
-            yield pool
-        except BaseException:
-            pool.shutdown(wait=False, cancel_futures=True)
-            children = [child for child in multiprocessing.active_children() if isinstance(child, _Worker)]
-            for child in children:
-                child.terminate()
-            for child in children:
-                child.join(PATIENCE)
-                child.kill()
-            raise
-
-
-def ignore_interrupts() -> None:
-    """Called in a new process: Ctrl-C and a closed terminal, which reach all processes, are left to the main one."""
-    for name in ("SIGINT", "SIGHUP"):
-        if hasattr(signal, name):  # Windows has no SIGHUP
-            signal.signal(getattr(signal, name), signal.SIG_IGN)
-
-
-def end_with_main_process() -> None:
-    """Called in a new process: it ends at once when the process that started it has ended, killed or not.
-
-    Else it would write into a folder that another run uses, and then wait for work for ever.
-    """
-    threading.Thread(target=_end_after_main_process, daemon=True).start()
-
-
-def _end_after_main_process() -> None:
-    main_process = multiprocessing.parent_process()
-    if main_process is not None:
-        main_process.join()
-        os._exit(1)
+    def close(self) -> None:
+        """End it, and what belongs to it here."""
+        self.kill()
+        with suppress(BrokenPipeError):  # of a task that it did not read
+            self._process.__exit__(None, None, None)

@@ -1,13 +1,11 @@
 """Progress of a run as it is reported; `pipeline.show.progress` shows it.
 
-In a worker process it is told to a `ToQueue`, and `relayed` in the main process passes it on to the listener, so that a
-single listener receives the progress of every experiment.
+In a worker process it is told to a `PassedOn`, so that a single listener in the main process receives the progress of
+every experiment.
 """
 
-import threading
 from abc import ABC, abstractmethod
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple, final
 
 
@@ -64,30 +62,13 @@ class Silent(Progress):
 
 
 @final
-class ToQueue(Progress):
-    """Puts every message into a queue that another process reads."""
+class PassedOn(Progress):
+    """Passes every message on to a function, as a worker process does to its main process."""
 
-    def __init__(self, queue: Any) -> None:
-        self._queue = queue
+    def __init__(self, pass_on: Callable[[Message], None]) -> None:
+        self._pass_on = pass_on
 
     def tell(self, message: Message) -> None:
         """Pass it on, but not the end of a worker, which is not the end of the run."""
         if message.what != "done":
-            self._queue.put(message)
-
-
-@contextmanager
-def relayed(queue: Any, listener: Progress) -> Iterator[None]:
-    """While the block runs, and until the queue is empty, pass every `Message` in `queue` on to `listener`."""
-
-    def relay() -> None:
-        while (message := queue.get()) is not None:
-            listener.tell(message)
-
-    thread = threading.Thread(target=relay, daemon=True)
-    thread.start()
-    try:
-        yield
-    finally:
-        queue.put(None)
-        thread.join(timeout=5.0)
+            self._pass_on(message)

@@ -1,1 +1,1 @@
-"""Studies of many runs: sweeps, effects, accuracy, wishes, pairs of pressures."""
+"""Independent work on many points, in worker processes."""

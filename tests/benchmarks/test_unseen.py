@@ -31,7 +31,7 @@ from benchmarks.unseen.sorting import (
     states_of,
 )
 from benchmarks.unseen.table import largest_share, summary
-from benchmarks.unseen.work import ERROR, FAILED, RAN, REFUSED, SLOW, Work, outcome_of, outcomes_of
+from benchmarks.unseen.work import ERROR, FAILED, RAN, REFUSED, SLOW, Work, lost, outcome_of, outcomes_of
 from fem.materials import LAWS
 from fem.path.diagnosis import near_limit_point
 from fem.path.predictor import PathPoint
@@ -46,6 +46,7 @@ from pipeline.simulate.simulate import simulate
 from pipeline.store.context import RunContext
 from pipeline.store.progress import Silent
 from pipeline.store.store import open_store
+from pipeline.values.errors import WorkerHung, WorkerLost
 from tests.bodies import box
 from tests.loads import Traction
 
@@ -337,19 +338,18 @@ def test_the_sample_for_the_finer_mesh_is_spread_over_the_designs() -> None:
 @pytest.mark.slow
 def test_a_design_is_run_checked_and_kept(tmp_path: Path) -> None:
     design = Drawn(0, 0, TINY, 0.01)
-    result = outcome_of(design, tmp_path, 200.0, finer=False)
+    work = Work(design, tmp_path, 200.0, finer=False)
+    result = outcome_of(work)
     assert result["ended"] == RAN, result
     assert "broken" not in result, result
     assert [(check.name, check.passed) for check in checks_in(result)] == [(name, True) for name in ALLOWED]
     assert outcome(result) == SOLVED
     assert states_of(result).solved == 6
     begun = (tmp_path / "outcome.json").stat().st_mtime_ns
-    assert outcome_of(design, tmp_path, 200.0, finer=False) == result
+    assert outcome_of(work) == result
     assert (tmp_path / "outcome.json").stat().st_mtime_ns == begun
-    assert (
-        outcome_of(Drawn(0, 0, {**TINY, "pressures": ["0 kPa"]}, 0.01), tmp_path, 200.0, finer=False)["ended"]
-        == REFUSED
-    )
+    other = Drawn(0, 0, {**TINY, "pressures": ["0 kPa"]}, 0.01)
+    assert outcome_of(replace(work, design=other))["ended"] == REFUSED
 
 
 def test_designs_are_worked_on_at_the_same_time_and_kept(tmp_path: Path) -> None:
@@ -363,16 +363,19 @@ def test_designs_are_worked_on_at_the_same_time_and_kept(tmp_path: Path) -> None
     assert [(work.folder / "outcome.json").stat().st_mtime_ns for work in works] == times
 
 
-def test_a_process_that_dies_leaves_an_error_of_the_program(tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("failure", "ended", "sorted_as"), [(WorkerLost("killed"), ERROR, TRACEBACK), (WorkerHung("slow"), SLOW, TOO_SLOW)]
+)
+def test_a_process_that_ends_leaves_a_record_with_its_finished_stages(
+    failure: WorkerLost, ended: str, sorted_as: str, tmp_path: Path
+) -> None:
     work = Work(Drawn(0, 0, {**TINY, "pressures": ["8 kPa"]}, 0.01), tmp_path, 200.0, False)
-    process = work.started()
-    process.kill()
-    process.join()
-    assert work.complete_record() is None
-    record = work.record({"ended": ERROR, "reason": f"its process ended with status {process.exitcode}"})
-    assert outcome(record) == TRACEBACK
-    assert work.complete_record() == record
-    assert record["reason"] == "its process ended with status -9"
+    assert work.kept.read() is None
+    work.stages.save(record(ended=RAN, load=0.02))
+    found = lost(work, failure)
+    assert (found["ended"], found["reason"], found["load"]) == (ended, str(failure), 0.02)
+    assert outcome(found) == sorted_as
+    assert list(outcomes_of([work], 1)) == [found]  # it is kept
 
 
 def test_checks_notice_a_state_that_is_slightly_wrong(tmp_path: Path) -> None:

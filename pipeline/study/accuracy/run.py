@@ -1,19 +1,20 @@
 """The command that measures error against seconds over meshes, elements, tolerances and contact distances."""
 
 from collections.abc import Sequence
-from concurrent.futures import as_completed
+from functools import partial
 from pathlib import Path
 
 from pipeline.config.config import Config
 from pipeline.simulate.scene import Scene
-from pipeline.store.kept import read_kept, save_kept
-from pipeline.store.processes import process_pool
+from pipeline.store.kept import KeptFile
+from pipeline.store.processes import Processes, Worker
 from pipeline.store.progress import Progress
 from pipeline.store.store import Store, open_store
 from pipeline.study.accuracy.ladder import Rung, ladder
 from pipeline.study.accuracy.measure import Measured, measure
 from pipeline.study.accuracy.study import ConvergenceStudy, convergence_study
 from pipeline.study.accuracy.table import study_page
+from pipeline.study.study import Study
 
 
 def run_study(config: Config, out: Path, jobs: int, fresh: bool, progress: Progress) -> ConvergenceStudy:
@@ -34,22 +35,20 @@ def run_study(config: Config, out: Path, jobs: int, fresh: bool, progress: Progr
 def measured(rungs: Sequence[Rung], store: Store, jobs: int, progress: Progress) -> list[tuple[Rung, Measured]]:
     """All rungs with their results. Each that the store does not hold from these sources is measured in a process of
     its own with one thread, `jobs` at a time, and kept as soon as it is there."""
-    results = {rung.name: kept for rung in rungs if (kept := read_kept(store, _file(rung), Measured)) is not None}
-    missing = [rung for rung in rungs if rung.name not in results]
-    progress.stage(f"{len(rungs)} configurations, {len(missing)} of them to be measured")
-    if missing:
-        with process_pool(jobs, 1, max_tasks_per_child=1) as pool:
-            futures = {pool.submit(measure, rung.config): rung for rung in missing}
-            for future in as_completed(futures):
-                rung, result = futures[future], future.result()
-                results[rung.name] = result
-                save_kept(store, _file(rung), Measured, result)
-                progress.stage(_ending(rung, result))
+    with Processes(jobs, Worker(is_fresh=True)) as processes:
+        study = Study(rungs, partial(measure_and_keep, store), processes, partial(_kept, store))
+        progress.stage(f"{len(rungs)} configurations, {len(study.missing)} of them to be measured")
+        results = {rung.name: result for rung, result in (*study.kept, *study.solve(progress.stage, _ending))}
     return [(rung, results[rung.name]) for rung in rungs]
 
 
-def _file(rung: Rung) -> str:
-    return f"rungs/{rung.name}.json"
+def measure_and_keep(store: Store, rung: Rung) -> Measured:
+    """The result of a rung, which is then in the store; runs in a worker."""
+    return _kept(store, rung).read_or_make(lambda: measure(rung.config))
+
+
+def _kept(store: Store, rung: Rung) -> KeptFile[Measured]:
+    return KeptFile(store, f"rungs/{rung.name}.json", Measured, store.numbers_key)
 
 
 def _ending(rung: Rung, result: Measured) -> str:

@@ -3,14 +3,12 @@
 Small, for a worker reads it before the numerical libraries are loaded.
 """
 
-from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from pydantic import TypeAdapter
-
 from pipeline.config.config import Config
+from pipeline.store.kept import KeptFile
 from pipeline.store.result_folder import ResultFolder
 from pipeline.values.json_values import Json
 
@@ -34,6 +32,11 @@ class PointTask:
     key: str  #: sha256 of everything that decides the result
     sources_key: str  #: sha256 of the sources and packages alone, which the worker compares with its own
 
+    @property
+    def kept(self) -> "KeptFile[PointRecord]":
+        """Where its record is kept."""
+        return KeptFile(ResultFolder(self.folder), FILE, PointRecord, self.key)
+
 
 @dataclass(frozen=True)
 class PointRecord:
@@ -43,20 +46,3 @@ class PointRecord:
     reason: str  #: why not everything was reached, one sentence; empty where it was
     rows: tuple[dict[str, Any], ...] = field(default=(), repr=False)  #: `Row`, one per pressure
     seconds: float = 0.0  #: wall time on its worker
-
-    def save(self, folder: ResultFolder, key: str) -> None:
-        """Keep it in the folder of the point. Raises OSError."""
-        folder.save_json(FILE, {"key": key, **asdict(self)})
-
-
-_RECORD = TypeAdapter(PointRecord)
-
-
-def kept_record(folder: ResultFolder, key: str) -> PointRecord | None:
-    """The record of the same work that is kept in a folder; None where there is none, or one that cannot be read."""
-    try:
-        content = folder.read_json(FILE)
-        is_kept = isinstance(content, Mapping) and content.get("key") == key
-        return _RECORD.validate_python(content) if is_kept else None
-    except (OSError, ValueError):
-        return None

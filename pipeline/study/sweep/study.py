@@ -15,11 +15,12 @@ from pipeline.store.provenance import provenance
 from pipeline.store.result_folder import ResultFolder, open_folder
 from pipeline.store.state_key import ALL_SOURCES, result_key
 from pipeline.store.store import locked
+from pipeline.study.study import Study
 from pipeline.study.sweep.points import Point, RefusedPoint, points_of
-from pipeline.study.sweep.record import FILE, FINISHED, REFUSED, WAITING, PointRecord, PointTask, kept_record
+from pipeline.study.sweep.record import FINISHED, REFUSED, WAITING, PointRecord, PointTask
 from pipeline.study.sweep.spec import Run, Sweep
 from pipeline.study.sweep.table import Column, SolvedPoint, save_table, sweep_page, table_rows
-from pipeline.study.sweep.workers import Workers, connected
+from pipeline.study.sweep.workers import LOST, Workers, connected, solve
 from pipeline.values.errors import InputError, RunFailed
 from pipeline.values.formatting import duration
 from pipeline.values.json_values import JsonObject
@@ -38,7 +39,6 @@ class Course:
 
     workers: Workers
     fresh: bool  #: whether earlier results are deleted
-    retry: bool  #: whether points that were not reached are tried again
     say: Callable[[str], None]  #: receives sentences about the progress
 
 
@@ -110,7 +110,7 @@ def solve_points(sets: Sequence[PointSet], course: Course) -> list[tuple[SolvedP
     with ExitStack() as locks:
         for each in own:
             locks.enter_context(locked(each.folder.directory))
-            each.begin(course)
+            each.begin(course.fresh)
         _solve(own, course)
     return [each.solved for each in own]
 
@@ -123,34 +123,28 @@ class _SetInProgress:
         self.folder = open_folder(points.out)
         sources_key, home = result_key("", ALL_SOURCES), self.folder.directory.resolve() / POINTS
         accepted = {point.name: point for point in points.points if isinstance(point, Point)}  # equal ones share a task
-        self.tasks = {
-            name: PointTask(home / name, point.config, points.run, point.work_key(sources_key, points.run), sources_key)
+        self.tasks = [
+            PointTask(home / name, point.config, points.run, point.work_key(sources_key, points.run), sources_key)
             for name, point in accepted.items()
-        }
-        self.records: dict[str, PointRecord] = {}
+        ]
+        self.records: dict[str, PointRecord] = {}  #: by the name of the folder
         self._next_save = 0.0  #: when the table may be written again, s
 
-    def begin(self, course: Course) -> None:
-        """Clear what is left of interrupted writing, and read the records that are kept.
+    def begin(self, fresh: bool) -> None:
+        """Clear what is left of interrupted writing, and the files of an earlier call.
 
-        The files of an earlier call are removed. Raises InputError where the folder holds another sweep.
+        Raises InputError where the folder holds another sweep.
         """
         directory = self.folder.directory
         of_points = (directory / POINTS).rglob("*")  # other folders below may belong to a run at work
         remove_parts([directory, *filter(Path.is_dir, of_points)])
-        if course.fresh and (directory / RECORD).is_file():
+        if fresh and (directory / RECORD).is_file():
             (directory / RECORD).unlink()
             shutil.rmtree(directory / POINTS, ignore_errors=True)
         self._refuse_other()
         for name in self.set.files:
             (directory / name).unlink(missing_ok=True)
         self.folder.save_json(RECORD, self.set.identity)
-        for name, task in self.tasks.items():
-            kept = kept_record(ResultFolder(task.folder), task.key)
-            if kept is not None and (kept.status == FINISHED or not course.retry):
-                self.records[name] = kept
-            elif course.retry:
-                (task.folder / FILE).unlink(missing_ok=True)
 
     def _refuse_other(self) -> None:
         """Raise InputError where the folder holds a sweep that differs in more than its axes."""
@@ -169,9 +163,9 @@ class _SetInProgress:
         raise InputError(f"{held}; give another --out, or --fresh to replace them")
 
     @property
-    def missing(self) -> list[PointTask]:
-        """The tasks without a record."""
-        return [task for name, task in self.tasks.items() if name not in self.records]
+    def is_complete(self) -> bool:
+        """Whether every task has a record."""
+        return len(self.records) == len(self.tasks)
 
     @property
     def solved(self) -> tuple[SolvedPoint, ...]:
@@ -187,10 +181,10 @@ class _SetInProgress:
     def save(self, *, now: bool = False) -> None:
         """Write what is known, unless it was written a moment ago and points are missing. Raises OSError."""
         begin = time.monotonic()
-        if not now and self.missing and begin < self._next_save:
+        if not now and not self.is_complete and begin < self._next_save:
             return
         solved = self.solved
-        self.set.save(self.folder, solved, not self.missing)
+        self.set.save(self.folder, solved, self.is_complete)
         self.folder.save_json(RECORD, {**self.set.identity, **provenance(), "points": [p.summary() for p in solved]})
         end = time.monotonic()
         self._next_save = end + max(PAUSE, PAUSE_OVER_WRITING * (end - begin))
@@ -198,33 +192,43 @@ class _SetInProgress:
 
 def _solve(sets: Sequence[_SetInProgress], course: Course) -> None:
     """Complete the records of all sets, and write what belongs to a set as soon as its records are complete."""
-    missing = [task for own in sets for task in own.missing]
-    points = [point for own in sets for point in own.solved]
+    owners = {task.folder: own for own in sets for task in own.tasks}
+    tasks = [task for own in sets for task in own.tasks]
+    with connected(course.workers) as (executor, who):
+        study = Study(tasks, solve, executor, lambda task: task.kept, LOST)
+        for task, record in study.kept:
+            owners[task.folder].records[task.folder.name] = record
+        course.say(_counted([point for own in sets for point in own.solved]))
+        for own in sets:
+            own.save(now=True)
+        if not study.missing:
+            return
+        course.say(who)
+        try:
+            for task, record in study.solve(course.say, _told, _lost):
+                own = owners[task.folder]
+                own.records[task.folder.name] = record
+                own.save()
+        except BaseException:
+            for own in sets:
+                if not own.is_complete:
+                    with suppress(OSError):  # it may be the reason
+                        own.save(now=True)
+            raise
+
+
+def _counted(points: Sequence[SolvedPoint]) -> str:
     refused = sum(point.status == REFUSED for point in points)
     left = sum(point.status == WAITING for point in points)
     kept = len(points) - refused - left
-    course.say(f"{len(points)} points: {refused} refused, {kept} kept from earlier, {left} to be solved")
-    for own in sets:
-        own.save(now=True)
-    if not missing:
-        return
-    owners = {task.folder: own for own in sets for task in own.missing}
-    try:
-        with connected(course.workers) as workers:
-            course.say(workers.sentence)
-            begin = time.monotonic()
-            for ended, (task, record) in enumerate(workers.records(missing), start=1):
-                own = owners[task.folder]
-                own.records[task.folder.name] = record
-                remaining = (time.monotonic() - begin) / ended * (len(missing) - ended)
-                reason = f": {record.reason}" if record.reason else ""
-                after = f"; about {duration(remaining)} left" if remaining else ""
-                sentence = f"{task.folder.name} {record.status} after {duration(record.seconds)}{reason}{after}"
-                course.say(f"{ended} of {len(missing)}: {sentence}")
-                own.save()
-    except BaseException:
-        for own in sets:
-            if own.missing:
-                with suppress(OSError):  # it may be the reason
-                    own.save(now=True)
-        raise
+    return f"{len(points)} points: {refused} refused, {kept} kept from earlier, {left} to be solved"
+
+
+def _told(task: PointTask, record: PointRecord) -> str:
+    reason = f": {record.reason}" if record.reason else ""
+    return f"{task.folder.name} {record.status} after {duration(record.seconds)}{reason}"
+
+
+def _lost(task: PointTask, failure: Exception) -> PointRecord:
+    reason = "its workers were ended from outside, as when memory runs out; the same command goes on"
+    return PointRecord(WAITING, reason)

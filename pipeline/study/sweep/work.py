@@ -22,17 +22,7 @@ from pipeline.store.state_key import ALL_SOURCES, result_key
 from pipeline.store.store import locked, open_store
 from pipeline.study.effects.rows import EFFECTS_RUN, solve_variant
 from pipeline.study.sweep.numbers import rows_of_experiments, rows_of_law, rows_of_run
-from pipeline.study.sweep.record import (
-    FAILED,
-    FINISHED,
-    INCOMPLETE,
-    REFUSED,
-    WAITING,
-    PointRecord,
-    PointTask,
-    Row,
-    kept_record,
-)
+from pipeline.study.sweep.record import FAILED, FINISHED, INCOMPLETE, REFUSED, WAITING, PointRecord, PointTask, Row
 from pipeline.study.sweep.spec import CELL, WHOLE
 from pipeline.values.errors import InputError, RunFailed
 from pipeline.values.reasons import render
@@ -53,16 +43,15 @@ def work_on(task: PointTask) -> PointRecord:
     with _ONE_POINT:
         folder = open_folder(task.folder)
         _wait_for(task.folder)
-        kept = kept_record(folder, task.key)
-        if kept is not None:
+        if (kept := task.kept.read()) is not None:
             return kept
         if result_key("", ALL_SOURCES) != task.sources_key:
             return PointRecord(WAITING, "its worker has another version of pneurod or of a package")
         begin = perf_counter()
         record = replace(_ended(task, folder), seconds=perf_counter() - begin)
         if record.status in (FINISHED, INCOMPLETE, FAILED):  # the same work would end in the same way again
-            record.save(folder, task.key)
-        return kept_record(folder, task.key) or record
+            task.kept.save(record)
+        return task.kept.read() or record
 
 
 def _wait_for(folder: Path) -> None:

@@ -1,47 +1,33 @@
 """Workers for the points of a sweep: processes on this machine, or those of a Dask scheduler. The only door to Dask."""
 
-import logging
 import os
-from collections.abc import Iterator, Sequence
-from concurrent.futures import CancelledError
-from contextlib import AbstractContextManager, contextmanager, suppress
+from collections.abc import Callable, Iterator
+from concurrent.futures import CancelledError, Executor, Future
+from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import TypeAlias, TypeVar
+from itertools import count
+from typing import Any, TypeAlias, TypeVar
 
-import dask
 from dask.utils import parse_bytes
-from distributed import Client, Future, KilledWorker, LocalCluster, as_completed
+from distributed import Client, KilledWorker
+from distributed.cfexecutor import ClientExecutor
 from distributed.comm import CommClosedError
 from distributed.system import MEMORY_LIMIT
 
-from pipeline.store.processes import KEPT_MEMORY, THREADS
-from pipeline.study.sweep.record import WAITING, PointRecord, PointTask
-from pipeline.values.errors import InputError, RunFailed
+from pipeline.store.processes import Processes, Worker
+from pipeline.study.sweep.record import PointRecord, PointTask
+from pipeline.values.errors import InputError, RunFailed, WorkerLost
+from pipeline.worker import THREADS
 
-Resource = TypeVar("Resource")
+Value = TypeVar("Value")
 
-#: loaded by every local worker in its main thread as it starts: interrupts are left to the main process
-_PRELOAD = """from pipeline.store.processes import ignore_interrupts
-
-def dask_setup(worker):
-    ignore_interrupts()
-"""
-#: settings of Dask for local workers: a worker gets its next point when it is free, not one ahead of time, and is not
-#: interrupted a hundred times a second to see what it does. It holds no data of Dask that could be written to disk, and
-#: one that paused until its memory is free again would pause for ever
-_SETTINGS = {
-    "distributed.nanny.pre-spawn-environ": {**dict.fromkeys(THREADS, "1"), **KEPT_MEMORY},
-    "distributed.scheduler.worker-saturation": 1.0,
-    "distributed.worker.profile.enabled": False,
-    **dict.fromkeys((f"distributed.worker.memory.{name}" for name in ("target", "spill", "pause")), False),
-    "distributed.worker.preload": [_PRELOAD],
-}
-#: first part of the keys of all tasks
-GROUP = "point"
 #: how long a scheduler may take to answer, seconds
 PATIENCE = 10
-#: bytes that a worker needs for the smallest arm: 0.78 GB with a whole run, of which Dask allows it 95 %
-LEAST_MEMORY = 900_000_000
+#: bytes that a worker needs for the smallest arm: 0.78 GB with a whole run; the part of its memory that a worker may
+#: use; and how often a point is begun whose worker ends, as Dask has it by default
+LEAST_MEMORY, PART, ATTEMPTS = 900_000_000, 0.95, 4
+#: what the result of a point raises whose workers were ended from outside
+LOST = (WorkerLost, KilledWorker)
 
 
 @dataclass(frozen=True)
@@ -85,89 +71,42 @@ def solve(task: PointTask) -> PointRecord:
     return work_on(task)
 
 
-@dataclass(frozen=True)
-class Connected:
-    """Workers that are ready."""
-
-    client: Client
-    sentence: str  #: who they are, and where they can be watched
-
-    def records(self, tasks: Sequence[PointTask]) -> Iterator[tuple[PointTask, PointRecord]]:
-        """The records of the tasks, which are begun in their order, as they end.
-
-        A worker that is ended from outside is replaced, and its point goes on.
-
-        Raises OSError where a folder cannot be written, and RunFailed where the scheduler ends or has workers without
-        pneurod.
-        """
-        # Dask begins tasks without priorities in any order. It keeps tasks for the next free worker only where many
-        # have the same first part of their key, and gives others to workers beforehand, some of which then wait
-        futures = {
-            self.client.submit(solve, task, key=(GROUP, f"{task.folder}-{task.key}"), priority=-number): task
-            for number, task in enumerate(tasks)
-        }
-        try:
-            for future in as_completed(futures):
-                yield futures[future], _record(future)
-        finally:
-            self.client.cancel(list(futures))
-
-
 @contextmanager
-def connected(workers: Workers) -> Iterator[Connected]:
-    """Workers until the block ends. Raises InputError for a scheduler that cannot be reached."""
-    if isinstance(workers, str):
-        try:
-            remote = Client(workers, timeout=PATIENCE)
-        except (OSError, ValueError) as failure:
-            remedy = "start one with `dask scheduler` and give the address that it prints"
-            raise InputError(f"--scheduler {workers}: no scheduler answers there ({failure}); {remedy}") from None
-        with remote:
-            number = len(remote.scheduler_info(n_workers=-1)["workers"])
-            yield Connected(remote, f"scheduler {workers}: {number} workers; dashboard: {remote.dashboard_link}")
-        return
-    with (
-        dask.config.set(_SETTINGS),
-        closed_after(
-            LocalCluster(
-                n_workers=workers.jobs,
-                threads_per_worker=1,
-                processes=True,
-                memory_limit=workers.memory,
-                dashboard_address="127.0.0.1:0",
-                silence_logs=logging.CRITICAL,
-            )
-        ) as cluster,
-        closed_after(Client(cluster)) as client,
-    ):
+def connected(workers: Workers) -> Iterator[tuple[Executor, str]]:
+    """An executor until the block ends, and who its workers are.
+
+    Raises InputError for a scheduler that cannot be reached, and RunFailed where it ends or has workers without
+    pneurod.
+    """
+    if isinstance(workers, LocalWorkers):
         each = f"each a process with one thread and at most {_gigabytes(workers.memory)} of memory"
-        sentence = f"{workers.jobs} workers, {each}; dashboard: {cluster.dashboard_link}"
-        yield Connected(client, sentence)
-
-
-@contextmanager
-def closed_after(resource: AbstractContextManager[Resource]) -> Iterator[Resource]:
-    """A resource that is closed when the block ends; where an exception ends it, as an interrupt does, a failure of
-    closing, which may take longer than Dask waits, does not hide it."""
-    entered = resource.__enter__()
+        worker = Worker(memory=int(PART * workers.memory), attempts=ATTEMPTS)
+        with Processes(workers.jobs, worker) as processes:
+            yield processes, f"{workers.jobs} workers, {each}"
+        return
     try:
-        yield entered
-    except BaseException as failure:
-        with suppress(Exception):
-            resource.__exit__(type(failure), failure, failure.__traceback__)
-        raise
-    resource.__exit__(None, None, None)
+        client = Client(workers, timeout=PATIENCE)
+    except (OSError, ValueError) as failure:
+        remedy = "start one with `dask scheduler` and give the address that it prints"
+        raise InputError(f"--scheduler {workers}: no scheduler answers there ({failure}); {remedy}") from None
+    with client:
+        number = len(client.scheduler_info(n_workers=-1)["workers"])
+        try:
+            yield _InOrder(client), f"scheduler {workers}: {number} workers; dashboard: {client.dashboard_link}"
+        except (CancelledError, CommClosedError):
+            raise RunFailed("the scheduler ended before the sweep; the same command continues") from None
+        except ImportError as failure:
+            raise RunFailed(f"a worker cannot import what a point needs ({failure}); install pneurod for it") from None
 
 
-def _record(future: Future) -> PointRecord:
-    try:
-        record: PointRecord = future.result()
-    except KilledWorker:
-        return PointRecord(
-            WAITING, "its workers were ended from outside, as when memory runs out; the same command goes on"
-        )
-    except (CancelledError, CommClosedError):
-        raise RunFailed("the scheduler ended before the sweep; the same command continues") from None
-    except ImportError as failure:
-        raise RunFailed(f"a worker cannot import what a point needs ({failure}); install pneurod for it") from None
-    return record
+class _InOrder(ClientExecutor):
+    """The workers of a scheduler as an executor. Dask begins tasks without priorities in any order."""
+
+    def __init__(self, client: Client) -> None:
+        super().__init__(client, pure=False)
+        self._numbers = count()
+
+    def submit(self, fn: Callable[..., Value], *args: Any, **kwargs: Any) -> "Future[Value]":
+        """A task after all earlier ones."""
+        future: Future[Value] = super().submit(fn, *args, **kwargs, priority=-next(self._numbers))
+        return future

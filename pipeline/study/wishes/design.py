@@ -8,7 +8,6 @@ from pipeline.results.saved_law import SavedLaw
 from pipeline.run import run
 from pipeline.simulate.simulate import begin_loading
 from pipeline.store.context import run_context
-from pipeline.store.processes import available_cores
 from pipeline.store.progress import Progress
 from pipeline.store.provenance import provenance
 from pipeline.store.result_folder import ON_COMMAND_LINE, FolderWords
@@ -20,6 +19,7 @@ from pipeline.study.wishes.report import DesignReport, design_page, history_rows
 from pipeline.study.wishes.search import Found, Search
 from pipeline.study.wishes.wish_file import WishFile
 from pipeline.values.errors import InputError, RunFailed
+from pipeline.worker import available_cores
 from rod import RodError
 
 #: the files of a design, and the folder of its run

@@ -1,8 +1,6 @@
 """Progress reaches the listener from other processes, and is shown on a terminal and in plain lines."""
 
 import io
-import multiprocessing
-import pickle
 import re
 from typing import Any
 
@@ -10,7 +8,9 @@ import pytest
 from rich.console import Console
 
 from pipeline.show.progress import Lines, Terminal, progress_for
-from pipeline.store.progress import Message, Progress, Silent, ToQueue, relayed
+from pipeline.store.processes import Processes
+from pipeline.store.progress import Message, PassedOn, Progress, Silent
+from pipeline.worker import tell
 
 CALLS: list[tuple[str, tuple[Any, ...]]] = [
     ("stage", ("experiments",)),
@@ -39,23 +39,17 @@ class Recorder(Progress):
         self.calls.append(tuple(message))
 
 
-def work(queue: Any) -> None:
-    listener = ToQueue(queue)
+def work() -> None:
+    listener = PassedOn(tell)
     report(listener)
     listener.done()
 
 
 def test_messages_cross_processes() -> None:
-    context = multiprocessing.get_context("spawn")
     recorder = Recorder()
-    queue = context.Queue()
-    with relayed(queue, recorder):
-        worker = context.Process(target=work, args=(queue,))
-        worker.start()
-        worker.join()
+    with Processes(1, listen=recorder.tell) as pool:
+        pool.submit(work).result()
     assert recorder.calls == CALLS
-    assert worker.exitcode == 0
-    assert pickle.loads(pickle.dumps(Message("stage", ("mesh",)))) == ("stage", ("mesh",))
 
 
 def test_plain_lines_where_there_is_no_terminal() -> None:

@@ -1,19 +1,20 @@
 """Workers of a run: results, order, errors, and what happens when one is lost."""
 
-import multiprocessing
 import os
 import signal
 import time
-from multiprocessing.context import SpawnProcess
 from pathlib import Path
 
 import numba
+import numpy as np
 import pytest
 
-from pipeline.store.parallel import TaskContext, Workers, _in_worker, start_worker, workers
-from pipeline.store.processes import KEPT_MEMORY, SPAWN, THREADS, process_pool
-from pipeline.store.progress import Silent
+from pipeline.store.parallel import TaskContext, Workers, workers
+from pipeline.store.processes import Processes, Worker
+from pipeline.store.progress import Message, Progress, Silent
 from pipeline.values.errors import InputError, WorkerLost
+from pipeline.worker import KEPT_MEMORY, THREADS
+from tests.pipeline.test_processes import own_processes
 
 
 def doubled(context: TaskContext, number: float) -> float:
@@ -83,19 +84,38 @@ def test_a_worker_has_one_thread_of_two_cores_keeps_memory_and_what_it_has_made(
         assert max(working.submit(counted).result() for _ in range(4)) >= 2
 
 
-def test_numba_in_the_main_process_sees_no_other_threads_while_workers_start(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_numba_has_the_threads_of_its_worker() -> None:
     """numba reads its number of threads from the environment whenever it compiles, which another thread may do then."""
-    before, seen = {name: os.environ.get(name) for name in THREADS}, []
-    start = SpawnProcess.start
+    before = {name: os.environ.get(name) for name in THREADS}
+    with Processes(1, Worker(threads=1)) as pool:
+        assert pool.submit(threads_of_numba, TaskContext(Silent())).result() == 1
+    assert {name: os.environ.get(name) for name in THREADS} == before
 
-    def watched(process: SpawnProcess) -> None:
-        seen.append({name: os.environ.get(name) for name in THREADS})
-        start(process)
 
-    monkeypatch.setattr(SpawnProcess, "start", watched)
-    with process_pool(1, 1, initializer=start_worker, initargs=(SPAWN.Queue(),)) as pool:
-        assert pool.submit(_in_worker, threads_of_numba, ()).result() == 1
-    assert seen == [before]
+class Recorder(Progress):
+    def __init__(self) -> None:
+        self.messages: list[Message] = []
+
+    def tell(self, message: Message) -> None:
+        self.messages.append(message)
+
+
+def telling(context: TaskContext, name: str) -> None:
+    context.progress.experiment(name, (1.0, 2.0))
+    context.progress.iteration(name, 1.0, 1, np.float64(0.5))
+    context.progress.done()
+
+
+def test_progress_reaches_the_listener_before_the_result_but_the_end_of_a_worker_does_not() -> None:
+    recorder = Recorder()
+    with workers(2, recorder) as working:
+        working.submit(telling, "II").result()
+        assert recorder.messages == [("experiment", ("II", (1.0, 2.0))), ("iteration", ("II", 1.0, 1, 0.5))]
+
+
+def until(flag: Path) -> None:
+    while not flag.exists():
+        time.sleep(0.01)
 
 
 def test_a_lost_worker_ends_all_tasks_and_chains(tmp_path: Path) -> None:
@@ -103,11 +123,8 @@ def test_a_lost_worker_ends_all_tasks_and_chains(tmp_path: Path) -> None:
     with workers(2, Silent()) as working:
         pending = [working.submit(asleep, flag) for _ in range(4)]
         waiting = working.beside(chain, working, 1.0)
-        while not flag.exists():
-            time.sleep(0.01)
-        children = Path(f"/proc/{os.getpid()}/task/{os.getpid()}/children").read_text(encoding="ascii").split()
-        spawned = [int(pid) for pid in children if "spawn_main" in Path(f"/proc/{pid}/cmdline").read_text()]
-        os.kill(spawned[0], signal.SIGKILL)
+        until(flag)
+        os.kill(own_processes()[0], signal.SIGKILL)
         for lost in (*pending, waiting):
             with pytest.raises(WorkerLost, match="was ended from outside"):
                 lost.result()
@@ -121,7 +138,7 @@ def test_an_error_of_the_run_ends_workers_and_chains_at_once(tmp_path: Path) -> 
     begin = time.monotonic()
     with pytest.raises(KeyboardInterrupt):
         _interrupted(tmp_path / "begun")
-    assert not multiprocessing.active_children()  # none of them writes any more
+    assert not own_processes()  # none of them writes any more
     assert time.monotonic() - begin < 50.0
 
 
@@ -130,8 +147,7 @@ def _interrupted(flag: Path) -> None:
         for _ in range(3):
             working.submit(asleep, flag)
         working.beside(chain, working, 1.0)
-        while not flag.exists():
-            time.sleep(0.01)
+        until(flag)
         raise KeyboardInterrupt
 
 

@@ -1,9 +1,8 @@
 """The convergence study: its configurations, errors on made-up numbers, and a small study that is solved."""
 
 import json
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import contextmanager
 from dataclasses import replace
 from io import StringIO
 from pathlib import Path
@@ -225,12 +224,7 @@ def test_a_pressure_that_too_few_meshes_reach_is_left_out(config: Config) -> Non
 def test_rungs_are_told_and_kept_as_soon_as_they_are_measured(
     config: Config, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    @contextmanager
-    def pool(*_: object, **__: object) -> Iterator[ThreadPoolExecutor]:
-        with ThreadPoolExecutor(1) as threads:
-            yield threads
-
-    monkeypatch.setattr(run_module, "process_pool", pool)
+    monkeypatch.setattr(run_module, "Processes", lambda jobs, worker: ThreadPoolExecutor(jobs))
     by_hash = {rung.config.hash: rung for rung in ladder(config, CONTACT_MM)}
     monkeypatch.setattr(run_module, "measure", lambda config: made_up(by_hash[config.hash]))
     told = StringIO()

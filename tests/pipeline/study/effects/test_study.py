@@ -3,7 +3,8 @@
 import io
 import json
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Sequence
+from concurrent.futures import Executor, Future
 from contextlib import nullcontext
 from pathlib import Path
 
@@ -27,7 +28,6 @@ from pipeline.study.effects.rows import BASE, COST, NUMBERS, EffectRow, compared
 from pipeline.study.effects.study import EffectsTable, compare_effects, variant_name, variants
 from pipeline.study.sweep import study
 from pipeline.study.sweep.record import PointRecord, PointTask
-from pipeline.study.sweep.work import work_on
 from pipeline.values.errors import InputError, RunFailed
 
 SHORT = """
@@ -60,23 +60,19 @@ def printed(rows: Sequence[EffectRow]) -> str:
     return shown.getvalue()
 
 
-class InThisProcess:
-    """A worker of a sweep that is this process."""
+class InThisProcess(Executor):
+    """Does a task when it is submitted."""
 
-    sentence = "no workers"
-
-    def number(self) -> int:
-        return 1
-
-    def records(self, tasks: Sequence[PointTask]) -> Iterator[tuple[PointTask, PointRecord]]:
-        for task in tasks:
-            yield task, work_on(task)
+    def submit(self, fn: Callable[..., PointRecord], *arguments: PointTask) -> "Future[PointRecord]":
+        future: Future[PointRecord] = Future()
+        future.set_result(fn(*arguments))
+        return future
 
 
 @pytest.fixture
 def two(monkeypatch: pytest.MonkeyPatch) -> None:
     """The configuration and that without contact alone, solved in this process."""
-    monkeypatch.setattr(study, "connected", lambda _: nullcontext(InThisProcess()))
+    monkeypatch.setattr(study, "connected", lambda _: nullcontext((InThisProcess(), "this process")))
     monkeypatch.setattr(effects_study, "variants", lambda scene: variants(scene)[:2])
 
 
@@ -156,7 +152,7 @@ def test_fresh_removes_all_of_an_earlier_study_before_anything_is_solved(
     assert not list(out.glob("points/*/states/*.npz"))
     table, _ = run_of(other, out)  # the same command without --fresh continues
     assert len(table.rows) == 2
-    monkeypatch.setattr(study, "connected", None)  # nothing is left to be solved
+    monkeypatch.setattr(InThisProcess, "submit", None)  # nothing is left to be solved
     assert run_of(other, out)[0] == table
 
 

@@ -2,18 +2,18 @@
 
 import errno
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from pipeline.config.load import load_config
-from pipeline.store.result_folder import ResultFolder
 from pipeline.store.state_key import ALL_SOURCES, result_key
 from pipeline.store.store import locked
 from pipeline.study.sweep import work
 from pipeline.study.sweep.points import Point
-from pipeline.study.sweep.record import PointTask, kept_record
+from pipeline.study.sweep.record import PointTask
 from pipeline.study.sweep.work import work_on
 
 BASE = """
@@ -81,7 +81,7 @@ def test_a_record_is_kept_for_the_same_work_only(tmp_path: Path, monkeypatch: py
 
     monkeypatch.setattr(work, "_experiments", no_more)
     assert work_on(task) == first
-    assert kept_record(ResultFolder(task.folder), "another key") is None
+    assert replace(task, key="another key").kept.read() is None
 
 
 def test_a_pressure_that_is_not_reached_leaves_an_incomplete_point(tmp_path: Path) -> None:
@@ -113,7 +113,7 @@ def test_an_error_of_the_program_is_a_row_and_a_full_disk_ends_the_sweep(
     monkeypatch.setattr(work, "_experiments", failing(OSError(errno.ENOSPC, "No space left on device", "file")))
     with pytest.raises(OSError, match="No space left"):
         work_on(task)
-    assert kept_record(ResultFolder(task.folder), task.key) is None
+    assert task.kept.read() is None
 
 
 def test_a_folder_in_use_and_memory_that_runs_out_are_tried_again_by_the_next_sweep(
@@ -126,7 +126,7 @@ def test_a_folder_in_use_and_memory_that_runs_out_are_tried_again_by_the_next_sw
         assert "another run is at work in it" in work_on(task).reason
     monkeypatch.setattr(work, "_experiments", failing(MemoryError()))
     assert work_on(task).status == "waiting"
-    assert kept_record(ResultFolder(task.folder), task.key) is None
+    assert task.kept.read() is None
 
 
 def test_a_worker_with_other_sources_does_no_work(tmp_path: Path) -> None:

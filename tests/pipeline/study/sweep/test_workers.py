@@ -9,16 +9,18 @@ import subprocess
 import sys
 import time
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager, nullcontext
+from concurrent.futures import Executor, Future
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from pathlib import Path
+from threading import Timer
 
 import pytest
 
 from pipeline.study.sweep import study, workers
-from pipeline.study.sweep.record import PointRecord, PointTask
+from pipeline.study.sweep.record import PointRecord
 from pipeline.study.sweep.spec import Sweep, read_sweep
 from pipeline.study.sweep.study import Course, SweepReport, run_sweeps
-from pipeline.study.sweep.workers import LocalWorkers, Workers, closed_after
+from pipeline.study.sweep.workers import LocalWorkers, Workers
 from pipeline.values.errors import InputError
 
 HERE = Path(__file__).resolve().parent.parent.parent.parent.parent
@@ -53,7 +55,7 @@ def sweep(file: Path) -> Sweep:
 
 
 def solved(sweep: Sweep, out: Path, on: Workers, lines: list[str] | None = None) -> SweepReport:
-    [report] = run_sweeps([(sweep, out)], Course(on, False, False, (lines if lines is not None else []).append))
+    [report] = run_sweeps([(sweep, out)], Course(on, False, (lines if lines is not None else []).append))
     return report
 
 
@@ -85,12 +87,14 @@ def test_every_point_is_a_row_per_pressure_and_a_refused_one_a_row_with_its_reas
 _FINISHED = (("1", "1.0", "8.0"), ("2", "1.0", "12.0"), ("4", "4.5", "12.0"))
 
 
-def test_finished_points_are_not_solved_again(sweep: Sweep, results: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def none_needed(_: object) -> None:
-        raise AssertionError("workers were started though nothing was left to do")
+class NotNeeded(Executor):
+    def submit(self, *_: object) -> Future:
+        raise AssertionError("a task was begun though nothing was left to do")
 
+
+def test_finished_points_are_not_solved_again(sweep: Sweep, results: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     before, lines = table(results), []
-    monkeypatch.setattr(study, "connected", none_needed)
+    monkeypatch.setattr(study, "connected", lambda _: nullcontext((NotNeeded(), "no workers")))
     report = solved(sweep, results, LocalWorkers(2, 1), lines)
     assert lines == ["4 points: 1 refused, 3 kept from earlier, 0 to be solved"]
     assert table(results) == before
@@ -107,7 +111,7 @@ def test_several_sweeps_share_the_workers_and_each_has_its_table(
     other = read_sweep(file.with_name("other.yaml"))
     requests = [(sweep, tmp_path / "first"), (other, tmp_path / "second")]
     lines: list[str] = []
-    reports = run_sweeps(requests, Course(LocalWorkers.of(2, "4 GB"), False, False, lines.append))
+    reports = run_sweeps(requests, Course(LocalWorkers.of(2, "4 GB"), False, lines.append))
     assert table(tmp_path / "first") == table(results)
     assert [[point.status for point in report.points] for report in reports] == [
         ["finished", "finished", "refused", "finished"],
@@ -119,7 +123,7 @@ def test_several_sweeps_share_the_workers_and_each_has_its_table(
     assert lines[0] == "6 points: 1 refused, 0 kept from earlier, 5 to be solved"
     assert len([line for line in lines if "finished after" in line]) == 5
     with pytest.raises(InputError, match="two sweeps would write into this folder"):
-        run_sweeps([requests[0], requests[0]], Course(LocalWorkers.of(2, "4 GB"), False, False, lines.append))
+        run_sweeps([requests[0], requests[0]], Course(LocalWorkers.of(2, "4 GB"), False, lines.append))
 
 
 def test_the_folder_of_another_sweep_is_not_written_into(file: Path, results: Path) -> None:
@@ -153,19 +157,32 @@ def test_a_changed_sweep_is_not_written_over_the_old_one(
 def test_an_interrupted_sweep_leaves_a_table_of_its_own(
     file: Path, results: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    class Interrupted:
-        sentence = "no workers"
+    begun: list[Future] = []
 
-        def records(self, tasks: Sequence[PointTask]) -> Iterator[tuple[PointTask, PointRecord]]:
-            yield tasks[0], PointRecord("finished", "", ({"pressure_kPa": 2.0, "II_end_y_mm": -0.1},), 3.0)
-            raise KeyboardInterrupt
+    class Begun(Executor):
+        def submit(self, *_: object) -> Future:
+            begun.append(Future())
+            return begun[-1]
 
+    class Lines(list[str]):
+        """The second point is interrupted when the first has ended."""
+
+        def append(self, sentence: str) -> None:
+            super().append(sentence)
+            if sentence.startswith("1 of 2: "):
+                begun[1].set_exception(KeyboardInterrupt())
+
+    def connected(_: object) -> AbstractContextManager[tuple[Executor, str]]:
+        Timer(0.2, lambda: begun[0].set_result(first)).start()
+        return nullcontext((Begun(), "no workers"))
+
+    first = PointRecord("finished", "", ({"pressure_kPa": 2.0, "II_end_y_mm": -0.1},), 3.0)
     out = tmp_path / "out"
     shutil.copytree(results, out)
     fewer = file.with_name("fewer.yaml")  # the axes may change: two points are kept and two are new
     fewer.write_text(SWEEP.replace("[1 mm, 4.5 mm]", "[1 mm, 1.3 mm]"), encoding="utf-8")
-    monkeypatch.setattr(study, "connected", lambda _: nullcontext(Interrupted()))
-    lines: list[str] = []
+    monkeypatch.setattr(study, "connected", connected)
+    lines = Lines()
     with pytest.raises(KeyboardInterrupt):
         solved(read_sweep(fewer), out, LocalWorkers(1, 1), lines)
     rows = [line.split(",")[:5] for line in (out / "sweep.csv").read_text().splitlines()[1:]]
@@ -197,20 +214,6 @@ def test_ctrl_c_in_a_terminal_ends_with_one_sentence(file: Path, tmp_path: Path)
         _, said = process.communicate(timeout=60)
     sentence = "pneurod: interrupted; finished results are kept, and the same command continues from there\n"
     assert (process.returncode, said) == (130, sentence)
-
-
-def test_workers_that_take_too_long_to_end_do_not_hide_an_interrupt() -> None:
-    class Slow:
-        def __enter__(self) -> str:
-            return "workers"
-
-        def __exit__(self, *failure: object) -> None:
-            raise TimeoutError("they do not end")
-
-    with pytest.raises(KeyboardInterrupt), closed_after(Slow()):
-        raise KeyboardInterrupt
-    with pytest.raises(TimeoutError), closed_after(Slow()):
-        pass
 
 
 @pytest.mark.slow
@@ -277,7 +280,7 @@ def test_two_workers_started_by_hand_give_the_same_table_though_one_is_killed(
                     os.kill(doomed.pid, signal.SIGKILL)
                 super().append(sentence)
 
-        until(scheduler_file.is_file)
+        until(lambda: scheduler_file.is_file() and scheduler_file.read_text().endswith("}"))
         lines = KillAtFirst()
         solved(sweep, out, json.loads(scheduler_file.read_text())["address"], lines)
     assert doomed.returncode == -signal.SIGKILL
