@@ -1,18 +1,17 @@
 """A worker process: tasks reach it through its standard input, results leave through its standard output.
 
-It ends when its input is closed, as happens when the main process ends or is killed; else it would write into a folder
-that another run uses. What libraries print goes to the standard error. Nothing heavy is loaded here: libraries come
-with the first task that needs them.
+It ends with the main process, killed or not; else it would write into a folder that another run uses. What libraries
+print goes to the standard error. Nothing heavy is loaded here: libraries come with the first task that needs them.
 """
 
 import os
 import pickle
-import queue
 import signal
 import sys
 import threading
 import time
 import traceback
+from contextlib import suppress
 from typing import IO, Any
 
 import psutil
@@ -25,7 +24,7 @@ KEPT_MEMORY = {
     "MALLOC_MMAP_THRESHOLD_": str(1 << 25),
     "MALLOC_ARENA_MAX": "1",
 }
-#: seconds between two looks at the memory of a worker
+#: seconds between two looks of a worker at its memory and at its main process
 PAUSE = 0.2
 #: kinds of replies: the result of a task, what it has raised, and what it tells meanwhile
 RESULT, FAILURE, TOLD = "result", "failure", "told"
@@ -48,25 +47,26 @@ class _Served:
     replies: IO[bytes]
 
 
-def serve(memory: int | None) -> None:
-    """Do what comes through the standard input until it is closed; runs in a worker.
+def serve(main: int, memory: int) -> None:
+    """Do what comes through the standard input until it is closed.
 
-    memory: bytes beyond which it ends; None: no limit.
+    main: number of the main process; memory: bytes beyond which this process ends.
     """
-    _ignore_interrupts()
+    for name in ("SIGINT", "SIGHUP"):  # Ctrl-C and a closed terminal, which reach all processes, are for the main one
+        if hasattr(signal, name):  # Windows has no SIGHUP
+            signal.signal(getattr(signal, name), signal.SIG_IGN)
     _Served.replies = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)
-    tasks: queue.SimpleQueue[bytes] = queue.SimpleQueue()
-    threading.Thread(target=_receive, args=(tasks,), daemon=True).start()
-    if memory is not None:
-        threading.Thread(target=_end_beyond, args=(memory,), daemon=True).start()
-    while True:
-        try:
-            reply = RESULT, pickle.dumps(pickle.loads(tasks.get())())
-        except BaseException as failure:
-            failure.add_note(traceback.format_exc())
-            reply = FAILURE, _pickled(failure)
-        send(_Served.replies, reply)
+    threading.Thread(target=_watch, args=(main, memory), daemon=True).start()
+    with suppress(EOFError):
+        while True:
+            task = pickle.load(sys.stdin.buffer)
+            try:
+                reply = RESULT, pickle.dumps(pickle.loads(task)())
+            except BaseException as failure:
+                failure.add_note(traceback.format_exc())
+                reply = FAILURE, _pickled(failure)
+            send(_Served.replies, reply)
 
 
 def tell(value: Any) -> None:
@@ -76,30 +76,14 @@ def tell(value: Any) -> None:
 
 def _pickled(failure: BaseException) -> bytes:
     try:
-        content = pickle.dumps(failure)
-        pickle.loads(content)
+        return pickle.dumps(failure)
     except Exception:
         return pickle.dumps(RuntimeError(f"{type(failure).__name__}: {failure}"))
-    return content
 
 
-def _receive(tasks: "queue.SimpleQueue[bytes]") -> None:
-    try:
-        while True:
-            tasks.put(pickle.load(sys.stdin.buffer))
-    finally:
-        os._exit(1)
-
-
-def _end_beyond(memory: int) -> None:
+def _watch(main: int, memory: int) -> None:
+    """End this process when its main process has ended, or when it uses too much memory."""
     this = psutil.Process()
-    while this.memory_info().rss < memory:
+    while this.ppid() == main and psutil.pid_exists(main) and this.memory_info().rss < memory:
         time.sleep(PAUSE)
     os._exit(1)
-
-
-def _ignore_interrupts() -> None:
-    """Leave Ctrl-C and a closed terminal, which reach all processes, to the main one."""
-    for name in ("SIGINT", "SIGHUP"):
-        if hasattr(signal, name):  # Windows has no SIGHUP
-            signal.signal(getattr(signal, name), signal.SIG_IGN)

@@ -4,6 +4,7 @@ Its record is kept in its folder after each of these stages, so that none is don
 states. A stage that needs more CPU time than it may is ended and recorded as too slow.
 """
 
+import faulthandler
 import json
 import resource
 import signal
@@ -30,15 +31,15 @@ from pipeline.store.provenance import provenance
 from pipeline.store.result_folder import ResultFolder
 from pipeline.store.state_key import ALL_SOURCES, result_key
 from pipeline.study.study import Study
-from pipeline.values.errors import InputError, RunFailed, WorkerHung
+from pipeline.values.errors import InputError, RunFailed
 from pipeline.values.reasons import render_all
 
 Record = dict[str, Any]
 
 #: CPU seconds of the run, and of each of the other stages
 LIMIT = 600.0
-#: wall seconds over all CPU seconds after which a process is ended that does not use any
-PATIENCE = 15.0
+#: wall seconds over all CPU seconds after which a process ends that does not use any, and the file that says where
+PATIENCE, HUNG = 15.0, "hung.txt"
 #: the record of a design: complete, and while it is worked on
 FILE, STAGES = "outcome.json", "stages.json"
 #: how the run of a design ended
@@ -82,8 +83,7 @@ def outcome_of(work: Work) -> Record:
 def outcomes_of(works: Sequence[Work], jobs: int) -> Iterator[Record]:
     """The records of designs, each as soon as it is complete; `jobs` are worked on at the same time, each in a process
     of its own with one thread. Those that are complete in their folders are not worked on."""
-    seconds = PATIENCE * max((work.limit for work in works), default=0.0)
-    with Processes(jobs, Worker(seconds=seconds, is_fresh=True)) as processes:
+    with Processes(jobs, Worker(is_fresh=True)) as processes:
         study = Study(works, work_on, processes, lambda work: work.kept)
         yield from (record for _, record in study.kept)
         yield from (record for _, record in study.solve(lambda _: None, lambda *_: "", lost))
@@ -91,7 +91,8 @@ def outcomes_of(works: Sequence[Work], jobs: int) -> Iterator[Record]:
 
 def lost(work: Work, failure: Exception) -> Record:
     """The record of a design whose process was ended."""
-    ended = SLOW if isinstance(failure, WorkerHung) else ERROR
+    hung = work.folder / HUNG
+    ended = SLOW if hung.is_file() and hung.stat().st_size else ERROR
     record = (work.stages.read() or _begun(work.design)) | {"ended": ended, "reason": str(failure)}
     work.kept.save(record)
     return record
@@ -119,6 +120,12 @@ def _begun(design: Drawn) -> Record:
 
 def work_on(work: Work) -> Record:
     """The record after all stages that are not finished in the folder; runs in the process of the design."""
+    with (ResultFolder(work.folder).path(HUNG)).open("w") as hung:
+        faulthandler.dump_traceback_later(PATIENCE * work.limit, exit=True, file=hung)
+        return _worked(work)
+
+
+def _worked(work: Work) -> Record:
     design, folder, limit = work.design, work.folder, work.limit
     record = work.stages.read() or _begun(design)
     document = json.dumps(design.document, indent=1) + "\n"  # JSON is YAML

@@ -9,15 +9,14 @@ import signal
 import subprocess
 import sys
 import threading
-import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from concurrent.futures import Executor, Future, ThreadPoolExecutor
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from functools import partial
 from typing import Any, ParamSpec, TypeVar, final
 
-from pipeline.values.errors import WorkerHung, WorkerLost
+from pipeline.values.errors import WorkerLost
 from pipeline.worker import FAILURE, KEPT_MEMORY, THREADS, TOLD, send, serve
 
 P = ParamSpec("P")
@@ -35,8 +34,7 @@ class Worker:
     """How a worker process works; it decides no result."""
 
     threads: int = 1  #: of the libraries
-    memory: int | None = None  #: bytes beyond which it ends itself; None: no limit
-    seconds: float | None = None  #: wall time after which a task is ended; None: no limit
+    memory: int = sys.maxsize  #: bytes beyond which it ends itself
     attempts: int = 1  #: how often a task is begun whose process ends
     is_fresh: bool = False  #: whether every task has a process of its own
 
@@ -45,9 +43,8 @@ class Worker:
 class Processes(Executor):
     """At most `jobs` workers, which begin tasks in the order in which they were submitted.
 
-    A task is a function of a module, which a worker can import. A task raises `WorkerLost` where its process ends, and
-    `WorkerHung` where it takes too long; the next task has a new process then. An exception leaves a `with` block when
-    all workers have ended.
+    A task is a function of a module, which a worker can import. It raises `WorkerLost` where its process ends; the next
+    task has a new process then. An exception leaves a `with` block when all workers have ended.
     """
 
     def __init__(self, jobs: int, worker: Worker | None = None, listen: Callable[[Any], None] | None = None) -> None:
@@ -62,7 +59,7 @@ class Processes(Executor):
 
     def submit(self, fn: Callable[P, Value], /, *args: P.args, **kwargs: P.kwargs) -> "Future[Value]":
         """A task, which begins when a worker is free. Raises RuntimeError when the workers have ended."""
-        return self._threads.submit(self._done, partial(fn, *args, **kwargs))
+        return self._threads.submit(self._done, partial(fn, *args, **kwargs), self._worker.attempts)
 
     def end(self) -> None:
         """Kill all workers: what they do is lost, and nothing else is begun."""
@@ -85,35 +82,32 @@ class Processes(Executor):
             self.end()
         self.shutdown()
 
-    def _done(self, task: Callable[[], Value]) -> Value:
-        begun = 0
-        while True:
-            process, begun = self._free(), begun + 1
-            try:
-                value: Value = process.do(task, self._worker.seconds, self._tell)
-            except WorkerLost:
-                if begun >= self._worker.attempts or self._is_over:
-                    raise
-            else:
-                return value
-            finally:
-                self._leave(process)
+    def _done(self, task: Callable[[], Value], attempts: int) -> Value:
+        try:
+            with self._process() as process:
+                return process.do(task, self._tell)
+        except WorkerLost:
+            if attempts == 1 or self._is_over:
+                raise
+        return self._done(task, attempts - 1)
 
-    def _free(self) -> "_Process":
+    @contextmanager
+    def _process(self) -> Iterator["_Process"]:
+        """A worker that is free or new, which is free again after the block unless it has ended."""
         with self._lock:
             if self._is_over:
                 raise WorkerLost(LOST)
             process = self._idle.pop() if self._idle else _Process(self._worker)
             self._busy.add(process)
-            return process
-
-    def _leave(self, process: "_Process") -> None:
-        with self._lock:
-            self._busy.discard(process)
-            if self._is_over or self._worker.is_fresh or not process.is_alive:
-                process.close()
-            else:
-                self._idle.append(process)
+        try:
+            yield process
+        finally:
+            with self._lock:
+                self._busy.discard(process)
+                if self._is_over or self._worker.is_fresh or process.poll() is not None:
+                    process.close()
+                else:
+                    self._idle.append(process)
 
     def _tell(self, value: Any) -> None:
         with self._telling:
@@ -126,48 +120,35 @@ def _block_interrupts() -> None:
         signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT, signal.SIGHUP})
 
 
-class _Process:
+class _Process(subprocess.Popen[bytes]):
     """A worker process, as its main process sees it."""
 
     def __init__(self, worker: Worker) -> None:
-        program = f"import sys; sys.path = {sys.path!r}; from {serve.__module__} import serve; serve({worker.memory})"
+        call = f"serve({os.getpid()}, {worker.memory})"
+        program = f"import sys; sys.path = {sys.path!r}; from {serve.__module__} import serve; {call}"
         environment = {**os.environ, **KEPT_MEMORY, **dict.fromkeys(THREADS, str(worker.threads))}
-        command = [sys.executable, "-c", program]
-        self._process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, env=environment)
+        pipe = subprocess.PIPE
+        super().__init__([sys.executable, "-c", program], stdin=pipe, stdout=pipe, env=environment)
 
-    def do(self, task: Callable[[], Value], seconds: float | None, listen: Callable[[Any], None]) -> Value:
-        """The result of a task. Raises what it raises, `WorkerLost`, and after so many seconds `WorkerHung`."""
-        assert self._process.stdin is not None
-        assert self._process.stdout is not None
-        begin, content = time.monotonic(), pickle.dumps(task)
-        timer = threading.Timer(seconds or threading.TIMEOUT_MAX, self.kill)
-        timer.start()
+    def do(self, task: Callable[[], Value], listen: Callable[[Any], None]) -> Value:
+        """The result of a task. Raises what it raises, and `WorkerLost`."""
+        assert self.stdin is not None
+        assert self.stdout is not None
+        content = pickle.dumps(task)
         try:
-            send(self._process.stdin, content)
-            while (reply := pickle.load(self._process.stdout))[0] == TOLD:
+            send(self.stdin, content)
+            while (reply := pickle.load(self.stdout))[0] == TOLD:
                 listen(pickle.loads(reply[1]))
         except (EOFError, OSError, pickle.UnpicklingError):
             self.kill()
-            status = self._process.wait()
-            if seconds is not None and time.monotonic() - begin >= seconds:
-                raise WorkerHung(f"a process of the run did not end within {seconds:g} s") from None
-            raise WorkerLost(f"{LOST} (it ended with status {status})") from None
-        finally:
-            timer.cancel()
+            raise WorkerLost(f"{LOST} (it ended with status {self.wait()})") from None
         value: Value = pickle.loads(reply[1])
         if reply[0] == FAILURE and isinstance(value, BaseException):
             raise value
         return value
 
-    @property
-    def is_alive(self) -> bool:
-        return self._process.poll() is None
-
-    def kill(self) -> None:
-        self._process.kill()
-
     def close(self) -> None:
         """End it, and what belongs to it here."""
         self.kill()
         with suppress(BrokenPipeError):  # of a task that it did not read
-            self._process.__exit__(None, None, None)
+            self.__exit__(None, None, None)

@@ -49,13 +49,9 @@ class RunFailed(_Sentence):
         self.brief = _one_line(brief) or str(self)  #: where the reasons are shown besides: the sentence without them
 
 
+@final
 class WorkerLost(RunFailed):
     """A worker process was ended from outside."""
-
-
-@final
-class WorkerHung(WorkerLost):
-    """A worker process took too long and was ended."""
 
 
 def _one_line(sentence: str) -> str:

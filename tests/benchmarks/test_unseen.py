@@ -46,7 +46,7 @@ from pipeline.simulate.simulate import simulate
 from pipeline.store.context import RunContext
 from pipeline.store.progress import Silent
 from pipeline.store.store import open_store
-from pipeline.values.errors import WorkerHung, WorkerLost
+from pipeline.values.errors import WorkerLost
 from tests.bodies import box
 from tests.loads import Traction
 
@@ -363,19 +363,25 @@ def test_designs_are_worked_on_at_the_same_time_and_kept(tmp_path: Path) -> None
     assert [(work.folder / "outcome.json").stat().st_mtime_ns for work in works] == times
 
 
-@pytest.mark.parametrize(
-    ("failure", "ended", "sorted_as"), [(WorkerLost("killed"), ERROR, TRACEBACK), (WorkerHung("slow"), SLOW, TOO_SLOW)]
-)
+@pytest.mark.parametrize(("hung", "ended", "sorted_as"), [("", ERROR, TRACEBACK), ("Timeout", SLOW, TOO_SLOW)])
 def test_a_process_that_ends_leaves_a_record_with_its_finished_stages(
-    failure: WorkerLost, ended: str, sorted_as: str, tmp_path: Path
+    hung: str, ended: str, sorted_as: str, tmp_path: Path
 ) -> None:
-    work = Work(Drawn(0, 0, {**TINY, "pressures": ["8 kPa"]}, 0.01), tmp_path, 200.0, False)
+    work, failure = Work(Drawn(0, 0, {**TINY, "pressures": ["8 kPa"]}, 0.01), tmp_path, 200.0, False), WorkerLost("no")
     assert work.kept.read() is None
     work.stages.save(record(ended=RAN, load=0.02))
+    (tmp_path / "hung.txt").write_text(hung, encoding="utf-8")
     found = lost(work, failure)
-    assert (found["ended"], found["reason"], found["load"]) == (ended, str(failure), 0.02)
+    assert (found["ended"], found["reason"], found["load"]) == (ended, "no", 0.02)
     assert outcome(found) == sorted_as
     assert list(outcomes_of([work], 1)) == [found]  # it is kept
+
+
+def test_a_process_that_hangs_is_ended(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """0.15 s of wall time are over before a design is refused."""
+    work = Work(Drawn(0, 0, {**TINY, "pressures": ["0 kPa"]}, 0.01), tmp_path, 0.01, False)
+    assert outcome_of(work)["ended"] == SLOW
+    assert "Timeout" in (tmp_path / "hung.txt").read_text(encoding="utf-8")
 
 
 def test_checks_notice_a_state_that_is_slightly_wrong(tmp_path: Path) -> None:
