@@ -10,8 +10,8 @@ from pipeline.run import run
 from pipeline.show.progress import progress_for
 from pipeline.simulate.simulate import EXPERIMENTS
 from pipeline.store.progress import Silent
+from pipeline.store.worker import available_cores
 from pipeline.values.errors import InputError, RunFailed, quoted
-from pipeline.worker import available_cores
 from pneurod.arguments import IN_PYTHON, Setting, given_choice, given_jobs, given_path, given_settings, setting_name
 from pneurod.designs import Body, Material
 from pneurod.results import Results

@@ -10,7 +10,7 @@ import pytest
 from geometry import Body, PneuNet
 from pipeline.law import limit
 from pipeline.law.meshes import find_limit
-from pipeline.worker import THREADS
+from pipeline.store.worker import THREADS
 
 #: of the libraries, as the tests begin
 BEGAN_WITH = {name: os.environ.get(name) for name in THREADS}

@@ -51,7 +51,7 @@ DOORS: dict[str, set[str]] = {
     "pydantic_core": {"pipeline/config/section.py", "pipeline/store/result_folder.py"},
     "pint": {"pipeline/config/units.py"},
     "filelock": {"pipeline/store/store.py"},
-    "psutil": {"pipeline/worker.py"},
+    "psutil": {"pipeline/store/worker.py"},
     "yaml": {"pipeline/config/document.py"},
     "pyvista": {"pipeline/results/drawing.py"},
     "typer": {

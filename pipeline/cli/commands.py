@@ -16,7 +16,7 @@ from typer.core import TyperCommand
 from pipeline.cli.design import accuracy, cell, design, effects, mesh, run
 from pipeline.cli.ending import print_json, print_lines, print_sentences, with_sentences
 from pipeline.cli.measurement import calibrate, compare
-from pipeline.worker import available_cores
+from pipeline.store.worker import available_cores
 
 app = typer.Typer(
     help="From the drawing of a pneumatic soft actuator to a rod model with quantified errors.",

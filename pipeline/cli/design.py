@@ -8,7 +8,7 @@ import typer
 from rich.console import Console
 
 from pipeline.cli.ending import print_json, print_lines, print_sentences
-from pipeline.worker import available_cores
+from pipeline.store.worker import available_cores
 
 if TYPE_CHECKING:
     from pipeline.config.config import Config

@@ -14,8 +14,8 @@ from typing import Any, Concatenate, Generic, ParamSpec, TypeVar, final
 
 from pipeline.store.processes import LOST, Processes, Worker
 from pipeline.store.progress import PassedOn, Progress
+from pipeline.store.worker import available_cores, tell
 from pipeline.values.errors import WorkerLost
-from pipeline.worker import available_cores, tell
 
 P = ParamSpec("P")
 Value = TypeVar("Value")

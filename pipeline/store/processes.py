@@ -16,8 +16,8 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any, ParamSpec, TypeVar, final
 
+from pipeline.store.worker import FAILURE, KEPT_MEMORY, THREADS, TOLD, send, serve
 from pipeline.values.errors import WorkerLost
-from pipeline.worker import FAILURE, KEPT_MEMORY, THREADS, TOLD, send, serve
 
 P = ParamSpec("P")
 Value = TypeVar("Value")

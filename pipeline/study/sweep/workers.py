@@ -15,9 +15,9 @@ from distributed.comm import CommClosedError
 from distributed.system import MEMORY_LIMIT
 
 from pipeline.store.processes import Processes, Worker
+from pipeline.store.worker import THREADS
 from pipeline.study.sweep.record import PointRecord, PointTask
 from pipeline.values.errors import InputError, RunFailed, WorkerLost
-from pipeline.worker import THREADS
 
 Value = TypeVar("Value")
 

@@ -12,6 +12,7 @@ from pipeline.store.progress import Progress
 from pipeline.store.provenance import provenance
 from pipeline.store.result_folder import ON_COMMAND_LINE, FolderWords
 from pipeline.store.store import Store, check_owner, clear, open_store
+from pipeline.store.worker import available_cores
 from pipeline.study.wishes.feasible import check_feasible
 from pipeline.study.wishes.measured import POINTS, NotBorne, store_of
 from pipeline.study.wishes.numbers import numbers_of
@@ -19,7 +20,6 @@ from pipeline.study.wishes.report import DesignReport, design_page, history_rows
 from pipeline.study.wishes.search import Found, Search
 from pipeline.study.wishes.wish_file import WishFile
 from pipeline.values.errors import InputError, RunFailed
-from pipeline.worker import available_cores
 from rod import RodError
 
 #: the files of a design, and the folder of its run

@@ -10,7 +10,7 @@ from rich.console import Console
 from pipeline.show.progress import Lines, Terminal, progress_for
 from pipeline.store.processes import Processes
 from pipeline.store.progress import Message, PassedOn, Progress, Silent
-from pipeline.worker import tell
+from pipeline.store.worker import tell
 
 CALLS: list[tuple[str, tuple[Any, ...]]] = [
     ("stage", ("experiments",)),

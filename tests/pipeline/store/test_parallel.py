@@ -12,9 +12,9 @@ import pytest
 from pipeline.store.parallel import TaskContext, Workers, workers
 from pipeline.store.processes import Processes, Worker
 from pipeline.store.progress import Message, Progress, Silent
+from pipeline.store.worker import KEPT_MEMORY, THREADS
 from pipeline.values.errors import InputError, WorkerLost
-from pipeline.worker import KEPT_MEMORY, THREADS
-from tests.pipeline.test_processes import own_processes
+from tests.pipeline.store.test_processes import own_processes
 
 
 def doubled(context: TaskContext, number: float) -> float:

@@ -13,10 +13,10 @@ import psutil
 import pytest
 
 from pipeline.store.processes import Processes, Worker
+from pipeline.store.worker import tell
 from pipeline.values.errors import WorkerLost
-from pipeline.worker import tell
 
-HERE = Path(__file__).resolve().parent.parent.parent
+HERE = Path(__file__).resolve().parents[3]
 
 
 def own_processes() -> list[int]:
