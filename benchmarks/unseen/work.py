@@ -25,7 +25,7 @@ from pipeline.results.rod_errors import rod_errors
 from pipeline.run import run
 from pipeline.stages import SolvedRun
 from pipeline.store.kept import KeptFile
-from pipeline.store.processes import Processes, Worker
+from pipeline.store.processes import Processes
 from pipeline.store.progress import Silent
 from pipeline.store.provenance import provenance
 from pipeline.store.result_folder import ResultFolder
@@ -83,7 +83,7 @@ def outcome_of(work: Work) -> Record:
 def outcomes_of(works: Sequence[Work], jobs: int) -> Iterator[Record]:
     """The records of designs, each as soon as it is complete; `jobs` are worked on at the same time, each in a process
     of its own with one thread. Those that are complete in their folders are not worked on."""
-    with Processes(jobs, Worker(is_fresh=True)) as processes:
+    with Processes(jobs, is_fresh=True) as processes:
         study = Study(works, work_on, processes, lambda work: work.kept)
         yield from (record for _, record in study.kept)
         yield from (record for _, record in study.solve(lambda _: None, lambda *_: "", lost))

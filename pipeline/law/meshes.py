@@ -23,7 +23,7 @@ from pipeline.law.piece.measure import cell_without_moment
 from pipeline.law.pieces import ArmPieces
 from pipeline.law.tasks import ArmTasks, PieceCurves
 from pipeline.store.context import RunContext
-from pipeline.store.kept import kept
+from pipeline.store.kept import KeptFile
 from pipeline.values.errors import InputError
 from pipeline.values.pressure import in_MPa, name_of_state
 from pipeline.values.richardson import extrapolate
@@ -213,4 +213,5 @@ def solve_numbers(curves: PieceCurves, pressure: float, bend: float, length: flo
         numbers = Numbers(kappa_0, (bent.moment - at.moment) / change, straight.moment - at.moment)
         return SolvedNumbers(numbers, 3 * len(piece.space.points), process_time() - begin, across)
 
-    return kept(curves.store, curves.file(name_of_state("numbers", pressure)), SolvedNumbers, solve)
+    file = curves.file(name_of_state("numbers", pressure))
+    return KeptFile[SolvedNumbers].of_run(curves.store, file, SolvedNumbers).read_or_make(solve)

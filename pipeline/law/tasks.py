@@ -21,7 +21,7 @@ from pipeline.law.piece.rates import cell_rates
 from pipeline.law.piece.reach import Reach
 from pipeline.law.pieces import ArmPieces
 from pipeline.store.context import RunContext
-from pipeline.store.kept import read_kept, save_kept
+from pipeline.store.kept import KeptFile
 from pipeline.store.parallel import Pending, TaskContext
 from pipeline.store.progress import Progress
 from pipeline.store.store import Store
@@ -167,7 +167,7 @@ class PieceCurves:
 
     def _read(self, kind: type[Value], name: str) -> Measured[Value] | None:
         """The value of this name from an earlier run of these sources."""
-        kept: Measured[Any] | None = read_kept(self.store, self.file(name), Measured[Any])
+        kept = self._kept(name).read()
         if kept is None or (self.pieces.derivatives and name.startswith(WITH_RATES) and not kept.rates):
             return None
         return replace(kept, curve=kept.curve if kind is float else curve_of(kind, kept.curve), is_stored=True)
@@ -184,8 +184,11 @@ class PieceCurves:
         measured = replace(measured, factorizations=spent, seconds=seconds, unknowns=unknowns)
         made: Any = measured
         content = made.curve if isinstance(made.curve, float) else record_of(made.curve)
-        save_kept(self.store, self.file(name), Measured[Any], replace(made, curve=content))
+        self._kept(name).save(replace(made, curve=content))
         return measured
+
+    def _kept(self, name: str) -> KeptFile[Measured[Any]]:
+        return KeptFile.of_run(self.store, self.file(name), Measured[Any])
 
     def file(self, name: str) -> str:
         """Where what has this name is kept of these pieces."""

@@ -15,7 +15,7 @@ from pipeline.law.piece.measure_tip import tip_curve
 from pipeline.law.piece.reach import LARGEST
 from pipeline.law.tasks import ArmTasks, PieceCurves
 from pipeline.results.unloaded_states import unloaded_state
-from pipeline.store.kept import kept
+from pipeline.store.kept import KeptFile
 from pipeline.store.parallel import Pending
 from pipeline.values.law import Unloaded
 from pipeline.values.pressure import name_of_state
@@ -55,7 +55,8 @@ def first_state(curves: PieceCurves, pressure: float) -> Unloaded:
         law = pieces.law([cell], [_straight_clamp(clamp, cell.moment)], [tip.curve])
         return unloaded_state(law, pressure)
 
-    return kept(curves.store, curves.file(name_of_state("unloaded", pressure)), Unloaded, solve)
+    file = curves.file(name_of_state("unloaded", pressure))
+    return KeptFile[Unloaded].of_run(curves.store, file, Unloaded).read_or_make(solve)
 
 
 def _straight_clamp(clamp: ClampCurve, moments: Array) -> ClampCurve:

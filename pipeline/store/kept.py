@@ -21,6 +21,11 @@ class KeptFile(Generic[Value]):
     kind: Any  #: the type of the value
     key: str
 
+    @classmethod
+    def of_run(cls, store: Store, name: str, kind: Any) -> "KeptFile[Value]":
+        """Of numbers computed from the states of a run."""
+        return cls(store, name, kind, store.numbers_key)
+
     def read(self) -> Value | None:
         """The value of an earlier call with the same key; None where there is none, or one that cannot be read."""
         try:
@@ -44,21 +49,3 @@ class KeptFile(Generic[Value]):
             value = make()
             self.save(value)
         return value
-
-
-def read_kept(store: Store, name: str, kind: Any, key: str = "") -> Any:
-    """The value of this type in a file of an earlier run with the same key; None where there is none.
-
-    key: that of the numbers of the store unless it is given.
-    """
-    return KeptFile[Any](store, name, kind, key or store.numbers_key).read()
-
-
-def save_kept(store: Store, name: str, kind: Any, value: Any, key: str = "") -> None:
-    """Keep a value of this type in a file."""
-    KeptFile[Any](store, name, kind, key or store.numbers_key).save(value)
-
-
-def kept(store: Store, name: str, kind: Any, make: Callable[[], Value], key: str = "") -> Value:
-    """The value of an earlier run, or what is made and kept now."""
-    return KeptFile[Value](store, name, kind, key or store.numbers_key).read_or_make(make)

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from functools import cache, partial
 from typing import Any, Concatenate, Generic, ParamSpec, TypeVar, final
 
-from pipeline.store.processes import LOST, Processes, Worker
+from pipeline.store.processes import LOST, Processes
 from pipeline.store.progress import PassedOn, Progress
 from pipeline.store.worker import available_cores, tell
 from pipeline.values.errors import WorkerLost
@@ -113,8 +113,8 @@ def workers(jobs: int, progress: Progress) -> Iterator[Workers]:
     if jobs == 1:
         yield Workers(progress)
         return
-    worker = Worker(max(1, available_cores() // jobs))
-    with ThreadPoolExecutor(CHAINS) as chains, Processes(jobs, worker, progress.tell) as pool:
+    threads = max(1, available_cores() // jobs)
+    with ThreadPoolExecutor(CHAINS) as chains, Processes(jobs, threads=threads, listen=progress.tell) as pool:
         yield Workers(progress, jobs, pool, chains)
 
 

@@ -9,10 +9,9 @@ import signal
 import subprocess
 import sys
 import threading
-from collections.abc import Callable, Iterator
-from concurrent.futures import Executor, Future, ThreadPoolExecutor
-from contextlib import contextmanager, suppress
-from dataclasses import dataclass
+from collections.abc import Callable
+from concurrent.futures import Future, ThreadPoolExecutor
+from contextlib import suppress
 from functools import partial
 from typing import Any, ParamSpec, TypeVar, final
 
@@ -29,89 +28,77 @@ LOST = (
 )
 
 
-@dataclass(frozen=True)
-class Worker:
-    """How a worker process works; it decides no result."""
-
-    threads: int = 1  #: of the libraries
-    memory: int = sys.maxsize  #: bytes beyond which it ends itself
-    attempts: int = 1  #: how often a task is begun whose process ends
-    is_fresh: bool = False  #: whether every task has a process of its own
-
-
 @final
-class Processes(Executor):
-    """At most `jobs` workers, which begin tasks in the order in which they were submitted.
+class Processes(ThreadPoolExecutor):
+    """Workers that begin tasks in the order in which they were submitted.
 
     A task is a function of a module, which a worker can import. It raises `WorkerLost` where its process ends; the next
     task has a new process then. An exception leaves a `with` block when all workers have ended.
     """
 
-    def __init__(self, jobs: int, worker: Worker | None = None, listen: Callable[[Any], None] | None = None) -> None:
-        """listen: receives what tasks `tell`, one value at a time."""
-        self._worker = worker or Worker()
-        self._listen = listen or (lambda _: None)
-        self._threads = ThreadPoolExecutor(jobs, initializer=_block_interrupts)
-        self._lock, self._telling = threading.Lock(), threading.Lock()
-        self._idle: list[_Process] = []
-        self._busy: set[_Process] = set()
+    def __init__(
+        self,
+        jobs: int,
+        *,
+        threads: int = 1,
+        memory: int = sys.maxsize,
+        attempts: int = 1,
+        is_fresh: bool = False,
+        listen: Callable[[Any], None] | None = None,
+    ) -> None:
+        """jobs: tasks that are done at the same time; threads: of the libraries in a worker; memory: bytes beyond which
+        a worker ends itself; attempts: how often a task is begun whose process ends; is_fresh: whether every task has a
+        process of its own; listen: receives what tasks `tell`, one value at a time."""
+        super().__init__(jobs, initializer=_block_interrupts)
+        self._new = partial(_Process, threads, memory)
+        self._attempts, self._is_fresh, self._listen = attempts, is_fresh, listen
+        self._lock, self._listening = threading.Lock(), threading.Lock()
+        self._processes: dict[int, _Process] = {}  # by thread
         self._is_over = False
 
     def submit(self, fn: Callable[P, Value], /, *args: P.args, **kwargs: P.kwargs) -> "Future[Value]":
         """A task, which begins when a worker is free. Raises RuntimeError when the workers have ended."""
-        return self._threads.submit(self._done, partial(fn, *args, **kwargs), self._worker.attempts)
+        return super().submit(self._done, partial(fn, *args, **kwargs), self._attempts)
 
     def end(self) -> None:
         """Kill all workers: what they do is lost, and nothing else is begun."""
         with self._lock:
             self._is_over = True
-            for process in self._busy:
+            for process in self._processes.values():
                 process.kill()
-        self._threads.shutdown(wait=False, cancel_futures=True)
-
-    def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
-        """End the workers when they have done their tasks."""
-        self._threads.shutdown(wait, cancel_futures=cancel_futures)
-        with self._lock:
-            self._is_over = True
-            while self._idle:
-                self._idle.pop().close()
+        super().shutdown(wait=False, cancel_futures=True)
 
     def __exit__(self, kind: object, *failure: object) -> None:
         if kind is not None:
             self.end()
         self.shutdown()
+        for process in self._processes.values():
+            process.close()
 
     def _done(self, task: Callable[[], Value], attempts: int) -> Value:
         try:
-            with self._process() as process:
-                return process.do(task, self._tell)
+            return self._process().do(task, self._tell)
         except WorkerLost:
             if attempts == 1 or self._is_over:
                 raise
         return self._done(task, attempts - 1)
 
-    @contextmanager
-    def _process(self) -> Iterator["_Process"]:
-        """A worker that is free or new, which is free again after the block unless it has ended."""
+    def _process(self) -> "_Process":
+        """The worker of this thread, a new one where it has ended."""
         with self._lock:
             if self._is_over:
                 raise WorkerLost(LOST)
-            process = self._idle.pop() if self._idle else _Process(self._worker)
-            self._busy.add(process)
-        try:
-            yield process
-        finally:
-            with self._lock:
-                self._busy.discard(process)
-                if self._is_over or self._worker.is_fresh or process.poll() is not None:
-                    process.close()
-                else:
-                    self._idle.append(process)
+            own = self._processes.get(threading.get_ident())
+            if own is None or self._is_fresh or own.poll() is not None:
+                if own is not None:
+                    own.close()
+                own = self._processes[threading.get_ident()] = self._new()
+            return own
 
     def _tell(self, value: Any) -> None:
-        with self._telling:
-            self._listen(value)
+        with self._listening:
+            if self._listen is not None:
+                self._listen(value)
 
 
 def _block_interrupts() -> None:
@@ -123,10 +110,10 @@ def _block_interrupts() -> None:
 class _Process(subprocess.Popen[bytes]):
     """A worker process, as its main process sees it."""
 
-    def __init__(self, worker: Worker) -> None:
-        call = f"serve({os.getpid()}, {worker.memory})"
+    def __init__(self, threads: int, memory: int) -> None:
+        call = f"serve({os.getpid()}, {memory})"
         program = f"import sys; sys.path = {sys.path!r}; from {serve.__module__} import serve; {call}"
-        environment = {**os.environ, **KEPT_MEMORY, **dict.fromkeys(THREADS, str(worker.threads))}
+        environment = {**os.environ, **KEPT_MEMORY, **dict.fromkeys(THREADS, str(threads))}
         pipe = subprocess.PIPE
         super().__init__([sys.executable, "-c", program], stdin=pipe, stdout=pipe, env=environment)
 

@@ -26,6 +26,8 @@ KEPT_MEMORY = {
 }
 #: seconds between two looks of a worker at its memory and at its main process
 PAUSE = 0.2
+#: where replies go from this process if it is a worker
+_replies: IO[bytes]
 #: kinds of replies: the result of a task, what it has raised, and what it tells meanwhile
 RESULT, FAILURE, TOLD = "result", "failure", "told"
 
@@ -41,12 +43,6 @@ def send(stream: IO[bytes], content: Any) -> None:
     stream.flush()
 
 
-class _Served:
-    """The state of this process where it is a worker. Set once, when it starts."""
-
-    replies: IO[bytes]
-
-
 def serve(main: int, memory: int) -> None:
     """Do what comes through the standard input until it is closed.
 
@@ -55,7 +51,8 @@ def serve(main: int, memory: int) -> None:
     for name in ("SIGINT", "SIGHUP"):  # Ctrl-C and a closed terminal, which reach all processes, are for the main one
         if hasattr(signal, name):  # Windows has no SIGHUP
             signal.signal(getattr(signal, name), signal.SIG_IGN)
-    _Served.replies = os.fdopen(os.dup(1), "wb")
+    global _replies
+    _replies = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)
     threading.Thread(target=_watch, args=(main, memory), daemon=True).start()
     with suppress(EOFError):
@@ -66,12 +63,12 @@ def serve(main: int, memory: int) -> None:
             except BaseException as failure:
                 failure.add_note(traceback.format_exc())
                 reply = FAILURE, _pickled(failure)
-            send(_Served.replies, reply)
+            send(_replies, reply)
 
 
 def tell(value: Any) -> None:
     """Called by a task: the listener in the main process receives a value."""
-    send(_Served.replies, (TOLD, pickle.dumps(value)))
+    send(_replies, (TOLD, pickle.dumps(value)))
 
 
 def _pickled(failure: BaseException) -> bytes:

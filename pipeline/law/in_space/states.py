@@ -17,7 +17,7 @@ from fem.cell.response import inflated, slopes
 from geometry.arrays import Array
 from pipeline.law.piece.point import stable
 from pipeline.law.pieces import ArmPieces
-from pipeline.store.kept import kept
+from pipeline.store.kept import KeptFile
 from pipeline.store.parallel import TaskContext
 from pipeline.store.store import Store
 from pipeline.values.pressure import KPA_PER_MPA, in_MPa
@@ -87,7 +87,8 @@ class SpaceStates:
 
     def _kept(self, kind: Any, name: str, numbers: Sequence[float], make: Callable[[], Any]) -> Any:
         key = sha256(repr([f"{number:.12g}" for number in numbers]).encode()).hexdigest()[:16]
-        return kept(self.store, f"law_in_space/{self.pieces.mesh_name}/{name}_{key}.json", kind, make)
+        file = f"law_in_space/{self.pieces.mesh_name}/{name}_{key}.json"
+        return KeptFile[Any].of_run(self.store, file, kind).read_or_make(make)
 
     def _cell(self, pressures: Pressures, curvature: Curvatures) -> CellState:
         angle, size = _direction(curvature)

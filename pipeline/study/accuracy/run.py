@@ -7,7 +7,7 @@ from pathlib import Path
 from pipeline.config.config import Config
 from pipeline.simulate.scene import Scene
 from pipeline.store.kept import KeptFile
-from pipeline.store.processes import Processes, Worker
+from pipeline.store.processes import Processes
 from pipeline.store.progress import Progress
 from pipeline.store.store import Store, open_store
 from pipeline.study.accuracy.ladder import Rung, ladder
@@ -35,7 +35,7 @@ def run_study(config: Config, out: Path, jobs: int, fresh: bool, progress: Progr
 def measured(rungs: Sequence[Rung], store: Store, jobs: int, progress: Progress) -> list[tuple[Rung, Measured]]:
     """All rungs with their results. Each that the store does not hold from these sources is measured in a process of
     its own with one thread, `jobs` at a time, and kept as soon as it is there."""
-    with Processes(jobs, Worker(is_fresh=True)) as processes:
+    with Processes(jobs, is_fresh=True) as processes:
         study = Study(rungs, partial(measure_and_keep, store), processes, partial(_kept, store))
         progress.stage(f"{len(rungs)} configurations, {len(study.missing)} of them to be measured")
         results = {rung.name: result for rung, result in (*study.kept, *study.solve(progress.stage, _ending))}
@@ -48,7 +48,7 @@ def measure_and_keep(store: Store, rung: Rung) -> Measured:
 
 
 def _kept(store: Store, rung: Rung) -> KeptFile[Measured]:
-    return KeptFile(store, f"rungs/{rung.name}.json", Measured, store.numbers_key)
+    return KeptFile.of_run(store, f"rungs/{rung.name}.json", Measured)
 
 
 def _ending(rung: Rung, result: Measured) -> str:

@@ -6,8 +6,8 @@ import time
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack, suppress
-from dataclasses import dataclass
-from functools import partial
+from dataclasses import dataclass, field
+from functools import cached_property, partial
 from pathlib import Path
 
 from pipeline.store.atomic_file import remove_parts
@@ -42,17 +42,93 @@ class Course:
     say: Callable[[str], None]  #: receives sentences about the progress
 
 
-@dataclass(frozen=True)
+@dataclass
 class PointSet:
-    """Points to be solved in one folder, and how their table is written."""
+    """Points to be solved in one folder, how their table is written, and the records that are known."""
 
     out: Path
     identity: JsonObject  #: what the results in the folder belong to, the points apart; `name` is one of the keys
     run: Run
     points: Sequence[Point | RefusedPoint]
-    files: tuple[str, ...]  #: that `save` writes
+    files: tuple[str, ...]  #: that `write` writes
     #: writes what is known; the last argument says whether every point has ended
-    save: Callable[[ResultFolder, Sequence[SolvedPoint], bool], None]
+    write: Callable[[ResultFolder, Sequence[SolvedPoint], bool], None]
+    records: dict[str, PointRecord] = field(default_factory=dict, init=False)  #: by the name of the folder
+    _next_save: float = field(default=0.0, init=False)  #: when the table may be written again, s
+
+    @cached_property
+    def folder(self) -> ResultFolder:
+        """The folder, made if it is missing. Raises InputError."""
+        return open_folder(self.out)
+
+    @cached_property
+    def tasks(self) -> list[PointTask]:
+        """What is to be done; equal points share a task."""
+        key, home = result_key("", ALL_SOURCES), self.folder.directory.resolve() / POINTS
+        accepted = {point.name: point for point in self.points if isinstance(point, Point)}
+        return [
+            PointTask(home / name, point.config, self.run, point.work_key(key, self.run), key)
+            for name, point in accepted.items()
+        ]
+
+    def begin(self, fresh: bool) -> None:
+        """Clear what is left of interrupted writing, and the files of an earlier call.
+
+        Raises InputError where the folder holds another sweep.
+        """
+        directory = self.folder.directory
+        of_points = (directory / POINTS).rglob("*")  # other folders below may belong to a run at work
+        remove_parts([directory, *filter(Path.is_dir, of_points)])
+        if fresh and (directory / RECORD).is_file():
+            (directory / RECORD).unlink()
+            shutil.rmtree(directory / POINTS, ignore_errors=True)
+        self._refuse_other()
+        for name in self.files:
+            (directory / name).unlink(missing_ok=True)
+        self.folder.save_json(RECORD, self.identity)
+
+    def _refuse_other(self) -> None:
+        """Raise InputError where the folder holds a sweep that differs in more than its axes."""
+        try:
+            record = self.folder.read_json(RECORD)
+        except ValueError:  # it was not written to its end
+            return
+        own = json.loads(json.dumps(self.identity))
+        kept = record if isinstance(record, Mapping) else {}
+        unlike = [key.removesuffix("_hash") for key in own if key != "base" and key in kept and kept[key] != own[key]]
+        if not unlike:
+            return
+        name = f"the sweep '{kept.get('name')}'"
+        other = f", not of '{own['name']}'" if "name" in unlike else f" with another {' and '.join(unlike)}"
+        held = f"--out {self.folder.directory}: holds the results of {name}{other}"
+        raise InputError(f"{held}; give another --out, or --fresh to replace them")
+
+    @property
+    def is_complete(self) -> bool:
+        """Whether every task has a record."""
+        return len(self.records) == len(self.tasks)
+
+    @property
+    def solved(self) -> tuple[SolvedPoint, ...]:
+        """All points; those without a record are waiting."""
+        return tuple(map(self._solved, self.points))
+
+    def _solved(self, point: Point | RefusedPoint) -> SolvedPoint:
+        if isinstance(point, RefusedPoint):
+            return SolvedPoint.of(point.number, "", point.setting, PointRecord(REFUSED, point.reason))
+        record = self.records.get(point.name, PointRecord(WAITING, ""))
+        return SolvedPoint.of(point.number, f"{POINTS}/{point.name}", point.setting, record)
+
+    def save(self, *, now: bool = False) -> None:
+        """Write what is known, unless it was written a moment ago and points are missing. Raises OSError."""
+        begin = time.monotonic()
+        if not now and not self.is_complete and begin < self._next_save:
+            return
+        solved = self.solved
+        self.write(self.folder, solved, self.is_complete)
+        self.folder.save_json(RECORD, {**self.identity, **provenance(), "points": [p.summary() for p in solved]})
+        end = time.monotonic()
+        self._next_save = end + max(PAUSE, PAUSE_OVER_WRITING * (end - begin))
 
 
 @dataclass(frozen=True)
@@ -106,115 +182,36 @@ def _save_sweep(sweep: Sweep, folder: ResultFolder, points: Sequence[SolvedPoint
 def solve_points(sets: Sequence[PointSet], course: Course) -> list[tuple[SolvedPoint, ...]]:
     """Solve the points that the folders do not hold yet; of each set the points as far as they went. Raises as
     `run_sweeps`."""
-    own = [_SetInProgress(points) for points in sets]
-    with ExitStack() as locks:
-        for each in own:
-            locks.enter_context(locked(each.folder.directory))
-            each.begin(course.fresh)
-        _solve(own, course)
-    return [each.solved for each in own]
+    with connected(course.workers) as (executor, who), ExitStack() as locks:
+        for own in sets:
+            locks.enter_context(locked(own.folder.directory))
+            own.begin(course.fresh)
+        tasks = [task for own in sets for task in own.tasks]
+        _solve(sets, Study(tasks, solve, executor, lambda task: task.kept, LOST), who, course.say)
+    return [own.solved for own in sets]
 
 
-class _SetInProgress:
-    """One set of points on its way: its tasks, and the records that are known."""
-
-    def __init__(self, points: PointSet) -> None:
-        self.set = points
-        self.folder = open_folder(points.out)
-        sources_key, home = result_key("", ALL_SOURCES), self.folder.directory.resolve() / POINTS
-        accepted = {point.name: point for point in points.points if isinstance(point, Point)}  # equal ones share a task
-        self.tasks = [
-            PointTask(home / name, point.config, points.run, point.work_key(sources_key, points.run), sources_key)
-            for name, point in accepted.items()
-        ]
-        self.records: dict[str, PointRecord] = {}  #: by the name of the folder
-        self._next_save = 0.0  #: when the table may be written again, s
-
-    def begin(self, fresh: bool) -> None:
-        """Clear what is left of interrupted writing, and the files of an earlier call.
-
-        Raises InputError where the folder holds another sweep.
-        """
-        directory = self.folder.directory
-        of_points = (directory / POINTS).rglob("*")  # other folders below may belong to a run at work
-        remove_parts([directory, *filter(Path.is_dir, of_points)])
-        if fresh and (directory / RECORD).is_file():
-            (directory / RECORD).unlink()
-            shutil.rmtree(directory / POINTS, ignore_errors=True)
-        self._refuse_other()
-        for name in self.set.files:
-            (directory / name).unlink(missing_ok=True)
-        self.folder.save_json(RECORD, self.set.identity)
-
-    def _refuse_other(self) -> None:
-        """Raise InputError where the folder holds a sweep that differs in more than its axes."""
-        try:
-            record = self.folder.read_json(RECORD)
-        except ValueError:  # it was not written to its end
-            return
-        own = json.loads(json.dumps(self.set.identity))
-        kept = record if isinstance(record, Mapping) else {}
-        unlike = [key.removesuffix("_hash") for key in own if key != "base" and key in kept and kept[key] != own[key]]
-        if not unlike:
-            return
-        name = f"the sweep '{kept.get('name')}'"
-        other = f", not of '{own['name']}'" if "name" in unlike else f" with another {' and '.join(unlike)}"
-        held = f"--out {self.folder.directory}: holds the results of {name}{other}"
-        raise InputError(f"{held}; give another --out, or --fresh to replace them")
-
-    @property
-    def is_complete(self) -> bool:
-        """Whether every task has a record."""
-        return len(self.records) == len(self.tasks)
-
-    @property
-    def solved(self) -> tuple[SolvedPoint, ...]:
-        """All points; those without a record are waiting."""
-        return tuple(map(self._solved, self.set.points))
-
-    def _solved(self, point: Point | RefusedPoint) -> SolvedPoint:
-        if isinstance(point, RefusedPoint):
-            return SolvedPoint.of(point.number, "", point.setting, PointRecord(REFUSED, point.reason))
-        record = self.records.get(point.name, PointRecord(WAITING, ""))
-        return SolvedPoint.of(point.number, f"{POINTS}/{point.name}", point.setting, record)
-
-    def save(self, *, now: bool = False) -> None:
-        """Write what is known, unless it was written a moment ago and points are missing. Raises OSError."""
-        begin = time.monotonic()
-        if not now and not self.is_complete and begin < self._next_save:
-            return
-        solved = self.solved
-        self.set.save(self.folder, solved, self.is_complete)
-        self.folder.save_json(RECORD, {**self.set.identity, **provenance(), "points": [p.summary() for p in solved]})
-        end = time.monotonic()
-        self._next_save = end + max(PAUSE, PAUSE_OVER_WRITING * (end - begin))
-
-
-def _solve(sets: Sequence[_SetInProgress], course: Course) -> None:
+def _solve(
+    sets: Sequence[PointSet], study: Study[PointTask, PointRecord], who: str, say: Callable[[str], None]
+) -> None:
     """Complete the records of all sets, and write what belongs to a set as soon as its records are complete."""
     owners = {task.folder: own for own in sets for task in own.tasks}
-    tasks = [task for own in sets for task in own.tasks]
-    with connected(course.workers) as (executor, who):
-        study = Study(tasks, solve, executor, lambda task: task.kept, LOST)
-        for task, record in study.kept:
+    for task, record in study.kept:
+        owners[task.folder].records[task.folder.name] = record
+    say(_counted([point for own in sets for point in own.solved]))
+    for own in sets:
+        own.save(now=True)
+    if study.missing:
+        say(who)
+    try:
+        for task, record in study.solve(say, _told, _lost):
             owners[task.folder].records[task.folder.name] = record
-        course.say(_counted([point for own in sets for point in own.solved]))
+            owners[task.folder].save()
+    finally:
         for own in sets:
-            own.save(now=True)
-        if not study.missing:
-            return
-        course.say(who)
-        try:
-            for task, record in study.solve(course.say, _told, _lost):
-                own = owners[task.folder]
-                own.records[task.folder.name] = record
-                own.save()
-        except BaseException:
-            for own in sets:
-                if not own.is_complete:
-                    with suppress(OSError):  # it may be the reason
-                        own.save(now=True)
-            raise
+            if not own.is_complete:
+                with suppress(OSError):  # it may be the reason
+                    own.save(now=True)
 
 
 def _counted(points: Sequence[SolvedPoint]) -> str:

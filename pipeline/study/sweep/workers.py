@@ -14,7 +14,7 @@ from distributed.cfexecutor import ClientExecutor
 from distributed.comm import CommClosedError
 from distributed.system import MEMORY_LIMIT
 
-from pipeline.store.processes import Processes, Worker
+from pipeline.store.processes import Processes
 from pipeline.store.worker import THREADS
 from pipeline.study.sweep.record import PointRecord, PointTask
 from pipeline.values.errors import InputError, RunFailed, WorkerLost
@@ -80,8 +80,7 @@ def connected(workers: Workers) -> Iterator[tuple[Executor, str]]:
     """
     if isinstance(workers, LocalWorkers):
         each = f"each a process with one thread and at most {_gigabytes(workers.memory)} of memory"
-        worker = Worker(memory=int(PART * workers.memory), attempts=ATTEMPTS)
-        with Processes(workers.jobs, worker) as processes:
+        with Processes(workers.jobs, memory=int(PART * workers.memory), attempts=ATTEMPTS) as processes:
             yield processes, f"{workers.jobs} workers, {each}"
         return
     try:

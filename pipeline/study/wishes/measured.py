@@ -21,7 +21,7 @@ from pipeline.law.pieces import ArmPieces, NoArmLaw
 from pipeline.law.tasks import CLAMP, TIP, ArmTasks, EndCurves, PieceCurves
 from pipeline.simulate.scene import Scene
 from pipeline.store.context import RunContext
-from pipeline.store.kept import kept
+from pipeline.store.kept import KeptFile
 from pipeline.store.parallel import Pending
 from pipeline.store.state_key import NUMBER_SOURCES, STATE_SOURCES, result_key
 from pipeline.store.store import Store
@@ -203,7 +203,8 @@ def largest_stretch(curves: PieceCurves, pressure: float) -> float:
     def measure() -> float:
         return cell_without_moment(curves.pieces.cell, in_MPa(pressure)).state.extremes.max_stretch
 
-    return kept(curves.store, curves.file(name_of_state("stretch", pressure)), float, measure)
+    file = curves.file(name_of_state("stretch", pressure))
+    return KeptFile[float].of_run(curves.store, file, float).read_or_make(measure)
 
 
 def _by_wall(law: ArmLaw) -> float:

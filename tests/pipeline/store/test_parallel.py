@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from pipeline.store.parallel import TaskContext, Workers, workers
-from pipeline.store.processes import Processes, Worker
+from pipeline.store.processes import Processes
 from pipeline.store.progress import Message, Progress, Silent
 from pipeline.store.worker import KEPT_MEMORY, THREADS
 from pipeline.values.errors import InputError, WorkerLost
@@ -87,7 +87,7 @@ def test_a_worker_has_one_thread_of_two_cores_keeps_memory_and_what_it_has_made(
 def test_numba_has_the_threads_of_its_worker() -> None:
     """numba reads its number of threads from the environment whenever it compiles, which another thread may do then."""
     before = {name: os.environ.get(name) for name in THREADS}
-    with Processes(1, Worker(threads=1)) as pool:
+    with Processes(1, threads=1) as pool:
         assert pool.submit(threads_of_numba, TaskContext(Silent())).result() == 1
     assert {name: os.environ.get(name) for name in THREADS} == before
 

@@ -12,7 +12,7 @@ from pathlib import Path
 import psutil
 import pytest
 
-from pipeline.store.processes import Processes, Worker
+from pipeline.store.processes import Processes
 from pipeline.store.worker import tell
 from pipeline.values.errors import WorkerLost
 
@@ -61,17 +61,17 @@ def test_a_process_that_ends_loses_its_task_alone_and_is_replaced(tmp_path: Path
 
 
 def test_a_task_begins_again_as_often_as_it_may(tmp_path: Path) -> None:
-    with Processes(1, Worker(attempts=2)) as pool:
+    with Processes(1, attempts=2) as pool:
         assert pool.submit(killed_at_first, tmp_path / "begun").result() > 0
 
 
 def test_every_task_may_have_a_process_of_its_own() -> None:
-    with Processes(1, Worker(is_fresh=True)) as pool:
+    with Processes(1, is_fresh=True) as pool:
         assert len({pool.submit(pid).result() for _ in range(3)}) == 3
 
 
 def test_a_process_that_uses_more_memory_than_it_may_ends() -> None:
-    with Processes(1, Worker(memory=200_000_000)) as pool:
+    with Processes(1, memory=200_000_000) as pool:
         with pytest.raises(WorkerLost):
             pool.submit(large, 400_000_000).result()
         assert pool.submit(pid).result() > 0

@@ -224,7 +224,7 @@ def test_a_pressure_that_too_few_meshes_reach_is_left_out(config: Config) -> Non
 def test_rungs_are_told_and_kept_as_soon_as_they_are_measured(
     config: Config, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(run_module, "Processes", lambda jobs, worker: ThreadPoolExecutor(jobs))
+    monkeypatch.setattr(run_module, "Processes", lambda jobs, is_fresh: ThreadPoolExecutor(jobs))
     by_hash = {rung.config.hash: rung for rung in ladder(config, CONTACT_MM)}
     monkeypatch.setattr(run_module, "measure", lambda config: made_up(by_hash[config.hash]))
     told = StringIO()
