@@ -14,6 +14,7 @@ import pytest
 
 import fem
 from pipeline.store.result_folder import ResultFolder
+from tests.pipeline.store.test_processes import own_processes
 
 HERE = Path(__file__).resolve().parent.parent.parent.parent
 SHORT = """
@@ -59,8 +60,7 @@ def ended(run: subprocess.Popen[str]) -> tuple[int, str]:
 
 def workers(run: subprocess.Popen[str]) -> list[int]:
     """The processes of its experiments."""
-    children = Path(f"/proc/{run.pid}/task/{run.pid}/children").read_text().split()
-    return [int(child) for child in children if "spawn_main" in Path(f"/proc/{child}/cmdline").read_text()]
+    return own_processes(run.pid)
 
 
 def until_reached(run: subprocess.Popen[str]) -> None:

@@ -19,9 +19,9 @@ from pipeline.values.errors import WorkerLost
 HERE = Path(__file__).resolve().parents[3]
 
 
-def own_processes() -> list[int]:
-    """Workers that this process has started."""
-    children = psutil.Process().children()
+def own_processes(main: int | None = None) -> list[int]:
+    """Workers that a process, or this one, has started."""
+    children = psutil.Process(main).children()
     return [child.pid for child in children if "import serve" in " ".join(child.cmdline())]
 
 
