@@ -118,21 +118,31 @@ class _Process(subprocess.Popen[bytes]):
         super().__init__([sys.executable, "-c", program], stdin=pipe, stdout=pipe, env=environment)
 
     def do(self, task: Callable[[], Value], listen: Callable[[Any], None]) -> Value:
-        """The result of a task. Raises what it raises, and `WorkerLost`."""
+        """The result of a task. Raises what it raises, or the listener, and `WorkerLost`."""
         assert self.stdin is not None
-        assert self.stdout is not None
         content = pickle.dumps(task)
-        try:
+        with suppress(OSError):  # it has ended, which its reply tells
             send(self.stdin, content)
-            while (reply := pickle.load(self.stdout))[0] == TOLD:
+        while (reply := self._reply())[0] == TOLD:
+            try:
                 listen(pickle.loads(reply[1]))
-        except (EOFError, OSError, pickle.UnpicklingError):
-            self.kill()
-            raise WorkerLost(f"{LOST} (it ended with status {self.wait()})") from None
+            except BaseException:
+                self.kill()  # it would go on with the task
+                self.wait()
+                raise
         value: Value = pickle.loads(reply[1])
         if reply[0] == FAILURE and isinstance(value, BaseException):
             raise value
         return value
+
+    def _reply(self) -> tuple[str, bytes]:
+        assert self.stdout is not None
+        try:
+            kind, content = pickle.load(self.stdout)
+        except (EOFError, OSError, pickle.UnpicklingError):
+            self.kill()
+            raise WorkerLost(f"{LOST} (it ended with status {self.wait()})") from None
+        return kind, content
 
     def close(self) -> None:
         """End it, and what belongs to it here."""

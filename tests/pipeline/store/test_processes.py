@@ -137,3 +137,13 @@ def test_the_listener_hears_one_value_at_a_time() -> None:
         for future in [pool.submit(telling_numbers, 20) for _ in range(2)]:
             future.result()
     assert sorted(heard) == sorted([*range(20), *range(20)])
+
+
+def test_a_listener_that_fails_ends_the_task_with_its_failure() -> None:
+    def listen(_: int) -> None:
+        raise BrokenPipeError("the output was closed")
+
+    with Processes(1, listen=listen) as pool:
+        with pytest.raises(BrokenPipeError, match="the output was closed"):
+            pool.submit(telling_numbers, 2).result()
+        assert pool.submit(pid).result() > 0
