@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 from rod.checked import finite
 from rod.errors import LoadError, RodError
+from rod.spatial import PointLoad, SpatialLoad, held_at
 
 
 @dataclass(frozen=True)
@@ -21,6 +22,7 @@ class Load:
     couple: float = 0.0  #: N mm, on the end
     weight: tuple[float, float] = (0.0, 0.0)  #: N/mm, q_x and q_y per rest length, all along the arm
     weight_height: float = 0.0  #: mm, of the mass above the material curve, along the normal of the curve
+    along: tuple[PointLoad, ...] = ()  #: on sections of the arm
 
     def __post_init__(self) -> None:
         for name in ("force", "weight"):
@@ -32,6 +34,13 @@ class Load:
     def own_weight(self) -> "Load":
         """The weight alone."""
         return Load(weight=self.weight, weight_height=self.weight_height)
+
+    @property
+    def in_space(self) -> SpatialLoad:
+        """The same load with three components."""
+        return SpatialLoad(
+            (*self.force, 0.0), (0.0, 0.0, self.couple), (*self.weight, 0.0), self.weight_height, self.along
+        )
 
     @property
     def force_size(self) -> float:
@@ -46,12 +55,6 @@ def pair(values: Sequence[float | None], name: str) -> tuple[float, float]:
     except (TypeError, ValueError):  # a RodError is a ValueError
         raise RodError(f"{name} is a pair of finite numbers, x and y; {reprlib.repr(values)} is not.") from None
     return x, y
-
-
-def held_at(x: float | None, y: float | None) -> tuple[float | None, float | None]:
-    """Where an end is held, mm, None along an axis on which it is free. Raises `RodError` for what is no number."""
-    end_x, end_y = (None if v is None else finite(v, name) for v, name in ((x, "end_x"), (y, "end_y")))
-    return end_x, end_y
 
 
 def requested(

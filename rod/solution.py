@@ -3,13 +3,23 @@
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
 from geometry.arrays import Array
 from geometry.centreline import END_PART, chord_angle
+from rod.arm.chain import Nodes
 from rod.cubics import hermite
 from rod.errors import RodError
+from rod.spatial import Held
+
+
+class SolvedPath(NamedTuple):
+    """How a state was found."""
+
+    chains: tuple[Nodes, Nodes]  #: both chains of elements in equilibrium
+    held: Held  #: what acts on the rod and holds it
 
 
 @dataclass(frozen=True)
@@ -41,6 +51,8 @@ class RodSolution:
     #: (n,) N mm, what bends a rod with two lines: its moment about the neutral axis, less that of its own weight where
     #: nothing else acts; None: a rod with another law
     bending_moment: Array | None = field(default=None, repr=False)
+    #: how it was found; None: a rod with another law than the arm's own
+    path: SolvedPath | None = field(default=None, repr=False)
 
     @cached_property
     def curve(self) -> Array:

@@ -1,15 +1,14 @@
 """Loads on a rod in space, and the rod in equilibrium under them."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import final
+from dataclasses import dataclass, replace
+from typing import NamedTuple, final
 
 import numpy as np
 
 from geometry.arrays import Array
 from rod.checked import finite
 from rod.errors import LoadError, RodError
-from rod.load import held_at
 
 #: (x, y, z)
 Triple = tuple[float, float, float]
@@ -33,6 +32,25 @@ def triple(values: object, name: str) -> Triple:
 
 @final
 @dataclass(frozen=True)
+class PointLoad:
+    """A dead load on one section of an arm. Raises `RodError` for what is no finite number."""
+
+    s: float  #: mm, rest arc length from the clamp
+    force: Triple = (0.0, 0.0, 0.0)  #: N
+    couple: Triple = (0.0, 0.0, 0.0)  #: N mm; keeps its direction
+    beside: tuple[float, float] = (
+        0.0,
+        0.0,
+    )  #: mm, where the force acts beside the axis, in the section
+
+    def __post_init__(self) -> None:
+        finite(self.s, "s")
+        for name in ("force", "couple"):
+            object.__setattr__(self, name, triple(getattr(self, name), name))
+
+
+@final
+@dataclass(frozen=True)
 class SpatialLoad:
     """A dead load on a clamped arm. Raises `RodError` for what is no three finite numbers."""
 
@@ -40,11 +58,33 @@ class SpatialLoad:
     couple: Triple = (0.0, 0.0, 0.0)  #: N mm, on the end; keeps its direction
     weight: Triple = (0.0, 0.0, 0.0)  #: N/mm, per rest length, all along the arm
     weight_height: float = 0.0  #: mm, of the mass above the material curve, along the normal of the curve
+    along: tuple[PointLoad, ...] = ()  #: on sections of the arm
 
     def __post_init__(self) -> None:
         for name in ("force", "couple", "weight"):
             object.__setattr__(self, name, triple(getattr(self, name), name))
         finite(self.weight_height, "weight_height")
+
+    def times(self, part: float) -> "SpatialLoad":
+        """A part of the load."""
+        return SpatialLoad(
+            _times(self.force, part),
+            _times(self.couple, part),
+            _times(self.weight, part),
+            self.weight_height,
+            tuple(replace(p, force=_times(p.force, part), couple=_times(p.couple, part)) for p in self.along),
+        )
+
+
+def _times(values: Triple, part: float) -> Triple:
+    x, y, z = values
+    return part * x, part * y, part * z
+
+
+def held_at(x: float | None, y: float | None) -> tuple[float | None, float | None]:
+    """Where an end is held, mm, None along an axis on which it is free. Raises `RodError` for what is no number."""
+    end_x, end_y = (None if v is None else finite(v, name) for v, name in ((x, "end_x"), (y, "end_y")))
+    return end_x, end_y
 
 
 def spatially_requested(
@@ -76,6 +116,13 @@ def spatially_requested(
         raise RodError(f"In space an end is x, y and z, None where it is free; {end!r} is not.")
     x, y, z = (None if value is None else finite(value, "end") for value in end)
     return load, (x, y, z)
+
+
+class Held(NamedTuple):
+    """What acts on an arm and holds it."""
+
+    load: SpatialLoad
+    position: Position  #: mm
 
 
 @final

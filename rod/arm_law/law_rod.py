@@ -1,4 +1,4 @@
-"""A clamped planar rod with the arm's own law at one pressure."""
+"""A clamped arm with its own law at one pressure: in its plane, and out of it where the law knows that."""
 
 import math
 from collections.abc import Sequence
@@ -7,22 +7,33 @@ from functools import cached_property
 
 import numpy as np
 
-from geometry.arrays import Array
+from geometry.arrays import Array, read_only
+from rod.arm.chain import in_frame, planar_frames, positions_between
+from rod.arm.end_kernels import EndArrays
+from rod.arm.ends import end_arrays, tip_state
+from rod.arm.path import Path, follow
+from rod.arm.sections import TabulatedSection
+from rod.arm.solved import solved_in_space
+from rod.arm.stability import OUT_OF_PLANE, stability_of
 from rod.arm_law.curves import ClampCurve, TipCurve
-from rod.arm_law.planar_arm import PlanarArm, stability_across
 from rod.arm_law.section import SectionLaw
-from rod.arm_law.solver import EndConditions, Pieces, equilibrium
-from rod.arm_law.spatial_solver import spatial_equilibrium
 from rod.errors import RodError
-from rod.load import Load, held_at, requested
-from rod.solution import RodSolution
-from rod.spatial import Position, SpatialLoad, SpatialSolution, Stability
+from rod.load import Load, requested
+from rod.solution import RodSolution, SolvedPath
+from rod.spatial import Held, Position, SpatialLoad, SpatialSolution, Stability, held_at
 from rod.weight import Mass
+
+#: longest element over the pitch; length of the first one at least, whose end decides on the clamp
+ELEMENT, FIRST = 0.2, 0.02
+#: a curvature or moment may leave the law by rounding, over its range
+ROUNDING = 1e-9
+#: how exactly the part of a load is told that the law bears
+PARTS = 7
 
 
 @dataclass(frozen=True, eq=False)  # arrays inside
 class LawRod:
-    """A clamped planar rod with the arm's own law at one pressure; it stretches and shears."""
+    """A clamped rod with the arm's own law at one pressure; it stretches and shears."""
 
     section: SectionLaw
     clamp: ClampCurve
@@ -45,8 +56,8 @@ class LawRod:
         return f"LawRod(at {self.section.pressure:g} kPa, length {self.length:g} mm, cells of {self.pitch:g} mm)"
 
     @cached_property
-    def _pieces(self) -> Pieces:
-        return Pieces(self.section, self.clamp, self.tip, self.pitch, self.length, self.mass)
+    def _model(self) -> "_Model":
+        return _Model(self)
 
     def solve(
         self,
@@ -62,7 +73,20 @@ class LawRod:
         III, and F_y follows; end: (x, y) of it, and both components follow. moment: a couple on the end, N mm.
         Raises `RodError` where loads contradict each other, where the path ends, and where a moment leaves the law.
         """
-        return self._equilibrium(EndConditions(*requested(force, moment, end, None, end_y)))
+        return self._in_plane(*requested(force, moment, end, None, end_y))
+
+    def under(self, load: Load, end_y: float | None = None, end_x: float | None = None) -> RodSolution:
+        """The equilibrium under a load; with a prescribed position of the end (mm) that component of the force follows.
+
+        The weight of the load is spread as the mass of the arm is, where that is known. Raises `RodError` as `solve`
+        does.
+        """
+        return self._in_plane(load, held_at(end_x, end_y))
+
+    def _in_plane(self, load: Load, end: tuple[float | None, float | None]) -> RodSolution:
+        position: Position = (*end, None)
+        spatial = self._with_own_weight(load.in_space)
+        return self._planar_solution(self._followed(spatial, position, in_space=False), spatial, position)
 
     def solve_in_space(self, load: SpatialLoad, position: Position = (None, None, None)) -> SpatialSolution:
         """The equilibrium in space under a load, which grows on the inflated arm.
@@ -71,14 +95,86 @@ class LawRod:
         `RodError` as `solve` does, and for a law without rigidities out of the plane.
         """
         self._check_in_space()
-        x, y = (own + more for own, more in zip(self.weight, load.weight, strict=False))
-        arm = PlanarArm(self._pieces, position)
-        solution = spatial_equilibrium(arm, replace(load, weight=(x, y, load.weight[2])), position)
-        end = solution.frames[-1]
-        tip = EndConditions(Load(), position[:2]).tip_state(self.tip)
-        at_tip = tip.beside_at(math.atan2(end[1, 0], end[0, 0]), float(solution.force @ end[:, 0]))
-        bending = (solution.moment[:, None] @ solution.frames)[:, 0, 2]
-        return replace(solution, beside=_Beside(self, solution.s, bending, at_tip)(solution.s))
+        load = self._with_own_weight(load)
+        path = self._followed(load, position, in_space=True)
+        nodes = path.nodes
+        moment, inner = in_frame(nodes.frames, nodes.moment), in_frame(nodes.frames, nodes.inner)
+        curvature, stretch, _ = self._model.section.strains(moment, inner)
+        frame = nodes.frames[-1]
+        turn = math.atan2(frame[1, 0], frame[0, 0])
+        at_tip = tip_state(self.tip, position).beside_at(turn, float(nodes.force @ frame[:, 0]))
+        bending = (nodes.moment[:, None] @ nodes.frames)[:, 0, 2]
+        stability = stability_of(self._model, path.chains, Held(load, position))
+        beside = _Beside(self, nodes.s, bending, at_tip)(nodes.s)
+        return solved_in_space(path, (curvature, stretch), load, stability, beside)
+
+    def _with_own_weight(self, load: SpatialLoad) -> SpatialLoad:
+        x, y, z = load.weight
+        return replace(load, weight=(self.weight[0] + x, self.weight[1] + y, z))
+
+    def _followed(self, load: SpatialLoad, position: Position, *, in_space: bool) -> Path:
+        """The path to a load; raises `RodError` where it ends, and where the curvature leaves the law."""
+        path = self._path(load, position, in_space=in_space)
+        if outside := self._outside(path):
+            raise RodError(f"{outside} {self._borne(load, position, in_space=in_space)}")
+        return path
+
+    def _path(self, load: SpatialLoad, position: Position, *, in_space: bool) -> Path:
+        together = not in_space and position[0] is None and position[1] is not None
+        return follow(self._model, load, position, together=together, in_space=in_space)
+
+    def _outside(self, path: Path) -> str:
+        """A sentence where the curvature of cells or the moment at the clamp leaves the law; empty elsewhere."""
+        law, clamp, found = self.section, self.clamp, path.nodes.found
+        if found.outside <= ROUNDING * np.ptp(law.kappa) and found.beyond <= ROUNDING * np.ptp(clamp.moment):
+            return ""
+        moment, inner = (in_frame(path.nodes.frames, value) for value in (path.nodes.moment, path.nodes.inner))
+        bends = self._model.section.strains(moment, inner)[2]
+        low, high = max(law.moment[0], clamp.moment[0]), min(law.moment[-1], clamp.moment[-1])
+        worst = int(np.argmax(np.maximum(low - bends, bends - high)))
+        return (
+            f"At s = {path.nodes.s[worst]:.3g} mm this load bends the cells with {bends[worst]:.4g} N mm; the law at "
+            f"{law.pressure:g} kPa is known from {low:.4g} to {high:.4g} N mm."
+        )
+
+    def _borne(self, load: SpatialLoad, position: Position, *, in_space: bool) -> str:
+        """How much of a load the law bears, and what to do."""
+        remedy = "Put this load into the configuration and measure the law again."
+        if any(value is not None for value in position):
+            return remedy
+        low, high = 0.0, 1.0
+        for _ in range(PARTS):
+            part = 0.5 * (low + high)
+            try:
+                is_inside = not self._outside(self._path(load.times(part), position, in_space=in_space))
+            except RodError:
+                is_inside = False
+            low, high = (part, high) if is_inside else (low, part)
+        return f"It bears {100 * low:.2g} % of this load. {remedy}" if low else remedy
+
+    def _planar_solution(self, path: Path, load: SpatialLoad, position: Position) -> RodSolution:
+        nodes = path.nodes
+        inner = in_frame(nodes.frames, nodes.inner)
+        curvature, stretch, _ = self._model.section.strains(nodes.moment, inner)
+        turn = float(nodes.angle[-1])
+        pull = float(nodes.force[:2] @ (math.cos(turn), math.sin(turn)))
+        at_tip = tip_state(self.tip, position).beside_at(turn, pull)
+        moment = read_only(np.ascontiguousarray(nodes.moment[:, 2]))
+        return RodSolution(
+            s=read_only(nodes.s),
+            x=read_only(np.ascontiguousarray(nodes.place[:, 0])),
+            y=read_only(np.ascontiguousarray(nodes.place[:, 1])),
+            theta=read_only(nodes.angle),
+            kappa=read_only(np.ascontiguousarray(curvature[:, 2])),
+            moment=moment,
+            stretch=read_only(np.ascontiguousarray(stretch[:, 0])),
+            force=read_only(nodes.force[:2].copy()),
+            weight=read_only(np.array(load.weight[:2]) * self.length),
+            load_steps=path.steps,
+            shear=read_only(np.ascontiguousarray(stretch[:, 1])),
+            beside=_Beside(self, nodes.s, moment, at_tip),
+            path=SolvedPath(path.chains, Held(load, position)),
+        )
 
     def stability(self, state: RodSolution) -> Stability:
         """Of a state of this rod against motions out of its plane. Its force keeps its direction.
@@ -86,7 +182,9 @@ class LawRod:
         Raises `RodError` for a law without rigidities out of the plane.
         """
         self._check_in_space()
-        return stability_across(self._pieces, state)
+        if state.path is None:
+            raise RodError("Stability is that of a state which this rod was solved for.")
+        return stability_of(self._model, state.path.chains, state.path.held, OUT_OF_PLANE)
 
     def buckling_part(self, load: Load) -> float | None:
         """The part of a load in the plane, to 0.1 %, at which the rod buckles out of it; None where it does not.
@@ -112,23 +210,31 @@ class LawRod:
         if not self.is_in_space:
             raise RodError("The law has no rigidities out of the plane; measure it with law_in_space: true.")
 
-    def under(self, load: Load, end_y: float | None = None, end_x: float | None = None) -> RodSolution:
-        """The equilibrium under a load; with a prescribed position of the end (mm) that component of the force follows.
 
-        The weight of the load is spread as the mass of the arm is, where that is known. Raises `RodError` as `solve`
-        does.
-        """
-        return self._equilibrium(EndConditions(load, held_at(end_x, end_y)))
+class _Model:
+    """The rod as the path asks for it (`rod.arm.path.ArmModel`)."""
 
-    def _equilibrium(self, conditions: EndConditions) -> RodSolution:
-        load = conditions.load
-        x, y = (own + more for own, more in zip(self.weight, load.weight, strict=True))
-        conditions = conditions._replace(load=replace(load, weight=(x, y)))
-        solution = equilibrium(self._pieces, conditions)
-        turn = float(solution.theta[-1])
-        pull = float(solution.force @ (math.cos(turn), math.sin(turn)))
-        at_tip = conditions.tip_state(self.tip).beside_at(turn, pull)
-        return replace(solution, beside=_Beside(self, solution.s, solution.moment, at_tip))
+    def __init__(self, rod: LawRod) -> None:
+        self.rod = rod
+        self.section, self.mass = TabulatedSection(rod.section, rod.length), rod.mass
+        self.clamp_reach = float(rod.clamp.s[-1])
+        self.own = SpatialLoad()
+
+    def positions(self, breaks: tuple[float, ...]) -> Array:
+        """As `ArmModel` says, and so are the others."""
+        rod = self.rod
+        first = max(rod.clamp.position, FIRST * rod.pitch)
+        places = [s for s in sorted(breaks) if s > first]
+        return np.append(0.0, positions_between([first, *places, rod.length], ELEMENT * rod.pitch))
+
+    def ends(self, position: Position) -> EndArrays:
+        """Of the clamp, and of the tip that is held so."""
+        return end_arrays(self.rod.clamp, tip_state(self.rod.tip, position))
+
+    def begin(self) -> tuple[Array, Array]:
+        """Where the clamp puts the axis without moment."""
+        rotation, offset = self.rod.clamp.at(0.0)
+        return np.array([*offset, 0.0]), planar_frames(np.array([rotation]))[0]
 
 
 @dataclass(frozen=True, eq=False)  # arrays inside

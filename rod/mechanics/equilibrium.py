@@ -1,15 +1,10 @@
-"""The planar rod in equilibrium (paper, section 2.1).
+"""The rod that users solve: five parameters, two lines of any slope, or the arm's own law at one pressure.
 
-    theta' = kappa,                          x' = cos theta,  y' = sin theta,
-    kappa = kappa_0 + (M - m0_i)/alpha_i,    M' = n_x sin theta - n_y cos theta
+A rod with two lines is that of the paper, section 2.1:
 
-clamped at s = 0, with n(s) = F + q (l - s), end force F, end moment M(l) and a dead load q per length (gravity; for
-that under which kappa_0 was measured see `own_weight`). Given
-are F or components of the end position, whose reactions are then unknown components of F. The unknowns, M(0) and those
-components, are found by shooting (`shooting`), for large loads with continuation (`continuation`).
+    theta' = kappa,  x' = cos theta,  y' = sin theta,  kappa = kappa_0 + (M - m0_i)/alpha_i
 
-Where the rod has an `extension`, x', y' and M' are those times the stretch, and the moment about the neutral axis
-stands in the place of M in kappa (`shooting`).
+clamped at s = 0, with an extension where one is given. All rods are chains of elements (`rod.arm`).
 """
 
 import math
@@ -18,29 +13,25 @@ import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any, Literal, get_args, overload
+from typing import Literal, get_args, overload
 
 import numpy as np
 
-from geometry.arrays import Array, read_only
+from geometry.arrays import read_only
 from rod.arm_law.law import ArmLaw
 from rod.arm_law.law_rod import LawRod
-from rod.arm_law.space_law import SpaceRod
+from rod.arm_law.space_rod import SpaceRod
 from rod.checked import finite, positive
 from rod.curves.extension import Extension
 from rod.errors import RodError, RodWarning
 from rod.identification.moment_range import MomentRange
 from rod.law import FiveParameters, TwoSlopes
-from rod.load import Load, held_at, pair, requested
-from rod.mechanics.continuation import LoadPoint, Problem, continue_to_full_load, too_large
-from rod.mechanics.own_weight import rest_moment
-from rod.mechanics.profile import Profile, Steps, cut_into_steps
+from rod.load import Load, pair, requested
+from rod.mechanics.lines import LinesRod
+from rod.mechanics.profile import Profile, sampled
 from rod.solution import RodSolution
-from rod.spatial import Position, SpatialLoad, SpatialSolution, is_triple, spatially_requested
+from rod.spatial import Position, SpatialLoad, SpatialSolution, held_at, is_triple, spatially_requested
 from rod.weight import Mass, Weighing, weighted
-
-#: how much finer than the usual the steps may become: at nearly twice the force that this solver follows to all ends
-FINEST = 60.0
 
 #: N mm, a moment whose own effect is nothing, under which the offsets of the law act
 NEXT_TO_NOTHING = 1e-9
@@ -58,7 +49,7 @@ class Rod:
 
     kappa_0 (1/mm) is a number, an array (n,) of values at equally spaced points from 0 to length, an array (n, 2) of
     columns s and kappa_0, or a function of s; samples are joined by straight lines. The arm's own law,
-    `ArmLaw.at(pressure)`, has its curvature without load, its stretch and its clamped end itself: kappa_0, theta0, fade
+    `ArmLaw.at(pressure)`, has its curvature without load, its stretch and its clamped end itself: kappa_0, theta0
     and extension are not given then. Raises `RodError` for what is no finite number, a length that is not positive, a
     kappa_0 that does not fit it, a break d off the rod, and for what a law already has or lacks.
     """
@@ -68,7 +59,6 @@ class Rod:
     law: TwoSlopes | LawRod | SpaceRod = field(default_factory=_no_law)
     theta0: float = 0.0  #: rad, tangent angle at the clamp
     start: tuple[float, float] = (0.0, 0.0)  #: mm, x and y of the clamp
-    fade: float = 0.0  #: N mm, below this |M| the intercepts fade to zero (see `law`)
     extension: Extension | None = None  #: stretch of the curve; None: inextensible, or as the arm's own law says
     #: N/mm, x and y of the weight of the arm per rest length, under which it has kappa_0 where nothing else acts
     weight: tuple[float, float] = (0.0, 0.0)
@@ -81,7 +71,7 @@ class Rod:
         positive(self.length, "The length of a rod")
         pair(self.start, "start")
         object.__setattr__(self, "weight", pair(self.weight, "weight"))
-        for name in ("theta0", "fade", "weight_height"):
+        for name in ("theta0", "weight_height"):
             object.__setattr__(self, name, finite(getattr(self, name), name))
         if isinstance(self.law, ArmLaw):
             raise RodError("A rod has the law of an arm at one pressure: law = arm_law.at(pressure in kPa).")
@@ -95,23 +85,20 @@ class Rod:
             self._check_nothing_twice((0.0, 0.0))
             if not math.isclose(self.length, self.law.length):
                 raise RodError(f"The law in space is that of an arm of {self.law.length:g} mm; give law.length.")
-            object.__setattr__(self, "mass", self.mass or self.law.own.mass)
+            object.__setattr__(self, "mass", self.mass or self.law.mass)
             return
         if not isinstance(self.law, TwoSlopes):
             raise RodError("The law of a rod is five parameters, two slopes, or the arm's own law at a pressure.")
         if not 0.0 < self.law.d < self.length:
             raise RodError(f"The break d = {self.law.d:g} mm lies off the rod of {self.length:g} mm.")
-        if self.fade < 0.0:
-            raise RodError(f"fade is a moment of at least 0 N mm, not {self.fade}.")
         if not isinstance(self.extension, Extension | None):
             raise RodError(f"The extension of a rod is a rod.Extension or None, not {reprlib.repr(self.extension)}.")
-        _ = self.steps  # refuses a kappa_0 that does not fit
+        _ = self.two_lines  # refuses a kappa_0 that does not fit
 
     def _check_nothing_twice(self, weight: tuple[float, float]) -> None:
         given = {"kappa_0": self.kappa_0 is not None, "extension": self.extension is not None}
         given |= {
             "theta0": self.theta0 != 0.0,
-            "fade": self.fade != 0.0,
             "weight": self.weight not in ((0.0, 0.0), weight),
         }
         for name, is_given in given.items():
@@ -119,11 +106,13 @@ class Rod:
                 raise RodError(f"A rod with the arm's own law takes no {name}: the law has it or needs none.")
 
     @cached_property
-    def steps(self) -> Steps:
-        """The steps of the integration. Raises `RodError` for a kappa_0 that does not fit and for the arm's own law."""
+    def two_lines(self) -> LinesRod:
+        """The rod with two lines. Raises `RodError` for a kappa_0 that does not fit and for the arm's own law."""
         if self.kappa_0 is None:
             raise RodError("A rod with five parameters needs kappa_0, its curvature without load.")
-        return cut_into_steps(self.length, self.kappa_0, self.lines)
+        s, kappa_0 = sampled(self.length, self.kappa_0)
+        weight = SpatialLoad(weight=(*self.weight, 0.0), weight_height=self.weight_height)
+        return LinesRod(self.lines, self.length, s, kappa_0, self.theta0, self.start, self.extension, weight)
 
     @property
     def five(self) -> FiveParameters:
@@ -227,7 +216,7 @@ class Rod:
         if isinstance(self.law, LawRod):
             return replace(_by_arm_law(self.law, self.start, load, held, order), notes=self.notes)
         load, loaded = _on_free_axes(load, held), force is not None or load.couple != 0.0 or is_weighed
-        solution = self._equilibrium(_LoadCase(load, held, _grow_together(order, held, loaded=loaded)))
+        solution = self.two_lines.under(load, held, together=_grow_together(order, held, loaded=loaded))
         if outside := self._outside(solution):
             warnings.warn(outside, RodWarning, stacklevel=2)
         return replace(solution, notes=(*self.notes, *filter(None, [outside])))
@@ -265,31 +254,7 @@ class Rod:
             return _by_arm_law(self.law, self.start, load, held, "as tested")
         if isinstance(self.law, SpaceRod):
             raise RodError("This arm bends in space; `solve` gives its shape.")
-        return self._equilibrium(_LoadCase(load, held, _grow_together("as tested", held, loaded=True)))
-
-    def _equilibrium(self, case: "_LoadCase") -> RodSolution:
-        """The equilibrium, on finer steps where the end force turns out to be large."""
-        solution = self._solved(self.steps, case)
-        refinement = _refinement(self, solution, case.load)
-        if refinement > FINEST:
-            raise RodError(too_large(_growth(self, solution, case.load) ** 2))
-        if refinement > 1.0:
-            assert self.kappa_0 is not None  # `steps` has refused it
-            solution = self._solved(cut_into_steps(self.length, self.kappa_0, self.lines, refinement), case)
-        return solution
-
-    def _solved(self, steps: Steps, case: "_LoadCase") -> RodSolution:
-        problem = _problem(self, steps, case)
-        return _solution(self, problem, *continue_to_full_load(problem))
-
-
-@dataclass(frozen=True)
-class _LoadCase:
-    """Loads and end conditions of one solve."""
-
-    load: Load
-    end: tuple[float | None, float | None]  #: mm, prescribed x and y of the end
-    together: bool  #: kappa_0 grows with the loads
+        return self.two_lines.under(load, held, together=_grow_together("as tested", held, loaded=True))
 
 
 def _on_free_axes(load: Load, end: tuple[float | None, float | None]) -> Load:
@@ -319,111 +284,3 @@ def _grow_together(order: Order, held: tuple[float | None, float | None], *, loa
         return end_x is None and end_y is not None
     # on a rod that nothing acts on nothing can grow together
     return order == "together" and (loaded or end_x is not None or end_y is not None)
-
-
-def _refinement(rod: Rod, solution: RodSolution, load: Load) -> float:
-    """How much finer than the usual the steps must be: at large forces errors grow like exp(s sqrt(F/alpha))."""
-    growth = _growth(rod, solution, load)
-    return max(1.0, growth / 4.0 * math.exp((growth - 4.0) / 6.0))
-
-
-def _growth(rod: Rod, solution: RodSolution, load: Load) -> float:
-    """l sqrt(F/alpha), by whose exponential function errors grow along the rod."""
-    softest = min(abs(rod.lines.alpha1), abs(rod.lines.alpha2))
-    force = np.hypot(*solution.force) + rod.length * (math.hypot(*load.weight) + math.hypot(*rod.weight))
-    return rod.length * math.sqrt(force / softest)
-
-
-def _problem(rod: Rod, steps: Steps, case: _LoadCase) -> Problem:
-    """The loads on the rod in units of its length l and rigidity B = |alpha2|: moments B/l, forces B/l^2."""
-    law, length = rod.lines, rod.length
-    base = abs(law.alpha2)
-    end = [0.0 if p is None else (p - rod.start[i]) / length for i, p in enumerate(case.end)]
-    reach = math.hypot(*end)
-    if not reach < 1.0 and rod.extension is None:
-        raise RodError(
-            f"The end cannot be {reach * length:g} mm from the clamp: the rod of {length:g} mm is inextensible."
-        )
-    unit = length**2 / base
-    stages = steps.stages
-    extension = rod.extension
-    stretch = np.ones(stages.shape) if extension is None else extension.at(stages * length)
-    eccentricity = 0.0 if extension is None else extension.eccentricity / length
-    alpha = np.where(steps.first, law.alpha1, law.alpha2) / base
-    own_weight = _weight(Load(weight=rod.weight, weight_height=rod.weight_height), unit, length)
-    at_rest = (0.0, np.zeros(stages.shape))
-    if any(rod.weight):
-        at_rest = rest_moment(steps, stretch, own_weight, rod.theta0, eccentricity)
-    return Problem(
-        steps=steps,
-        kappa_0=steps.kappa_0,
-        stretch=stretch,
-        eccentricity=eccentricity,
-        alpha=alpha,
-        m0=np.where(steps.first, law.m01, law.m02) * (length / base),
-        fade=rod.fade * length / base,
-        theta0=rod.theta0,
-        free=np.array([True, case.end[0] is not None, case.end[1] is not None]),
-        force=np.array(case.load.force) * unit,
-        weight=_weight(case.load, unit, length),
-        own_weight=own_weight,
-        rest_moment=at_rest[1],
-        rest_clamp_moment=at_rest[0],
-        moment=case.load.couple * length / base,
-        end=np.array(end),
-        together=case.together,
-    )
-
-
-def _weight(load: Load, unit: float, length: float) -> Array:
-    """(4,) weight per length and its couple, without dimension, as in `shooting`; unit: mm2 over the rigidity, 1/N."""
-    weight = np.array(load.weight) * (unit * length)
-    return np.concatenate([weight, weight * (load.weight_height / length)])
-
-
-def _solution(rod: Rod, problem: Problem, point: LoadPoint, count: int) -> RodSolution:
-    """The dimensionless point in mm and N."""
-    law, steps, length = rod.lines, problem.steps, rod.length
-    base = abs(law.alpha2)
-    kappa_0, at_rest = (np.append(stages[:, 0], stages[-1, 1]) for stages in (steps.kappa_0, problem.rest_moment))
-    bending = (_about_neutral_axis(problem, point) - at_rest) * (base / length)
-    intercept_factor = np.full(len(bending), 1.0 if count else 0.0)
-    if rod.fade > 0.0:
-        intercept_factor *= np.minimum(1.0, np.abs(bending) / rod.fade)
-    first = np.append(steps.first, False)
-    intercept = intercept_factor * np.where(first, law.m01, law.m02)
-    deviation = (bending - intercept) / np.where(first, law.alpha1, law.alpha2)
-    arrays = {
-        "s": steps.s * length,
-        "x": rod.start[0] + length * point.states[:, 2],
-        "y": rod.start[1] + length * point.states[:, 3],
-        "theta": point.states[:, 0],
-        "kappa": kappa_0 / length + deviation,
-        "moment": point.states[:, 1] * (base / length),
-        "bending_moment": bending,
-        "stretch": _stretch(rod, steps.s * length, deviation),
-        "force": _end_force(problem, point) * (base / length**2),
-        "weight": problem.weight_at(1.0)[:2] * (base / length**2),
-    }
-    frozen: dict[str, Any] = {name: read_only(array) for name, array in arrays.items()}
-    return RodSolution(**frozen, load_steps=count)
-
-
-def _end_force(problem: Problem, point: LoadPoint) -> Array:
-    """(2,) F_x and F_y on the end, given or found."""
-    return np.where(problem.free[1:], point.unknowns[1:], problem.force)
-
-
-def _about_neutral_axis(problem: Problem, point: LoadPoint) -> Array:
-    """(n,) M + e N at the ends of the steps."""
-    theta, moment = point.states[:, 0], point.states[:, 1]
-    weight_beyond = np.outer(problem.weight_at(1.0)[:2], 1.0 - problem.steps.s)
-    x, y = _end_force(problem, point)[:, None] + weight_beyond
-    return moment + problem.eccentricity * (x * np.cos(theta) + y * np.sin(theta))
-
-
-def _stretch(rod: Rod, s: Array, deviation: Array) -> Array:
-    """(n,) lambda at s (mm) for Delta (1/mm)."""
-    if rod.extension is None:
-        return np.ones(len(s))
-    return rod.extension.at(s) + rod.extension.eccentricity * deviation

@@ -1,10 +1,10 @@
 """The rod as a boundary-value problem.
 
-Known solutions: those of the elastica are K. E. Bisshopp and D. C. Drucker (1945).
+Known solutions: those of the elastica are K. E. Bisshopp and D. C. Drucker (1945). A rod is the limit of two chains of
+elements: of 60 and 120, its error is about 1e-7 of the length where it turns by a radian.
 """
 
 import dataclasses
-import itertools
 import math
 
 import numpy as np
@@ -12,9 +12,8 @@ import pytest
 from scipy.integrate import solve_bvp
 
 from rod import FiveParameters, Load, Rod, RodError
-from rod.mechanics import continuation
-from rod.mechanics.profile import cut_into_steps
-from rod.mechanics.shooting import RodArrays, sweep
+from rod.arm import path
+from rod.mechanics import lines
 
 PLAIN = FiveParameters(1.0, 1.0, 0.0, 0.0, 0.13)
 TWO_LINES = FiveParameters(2.0, 1.0, 0.1, -0.05, 0.13)
@@ -32,7 +31,7 @@ ARM = Rod(112.0, 0.03, FiveParameters(180.0, 400.0, 0.5, -0.2, 12.0))
 )
 def test_elastica_under_a_dead_transverse_load(load, deflection, shortening, angle):
     shape = Rod(1.0, 0.0, PLAIN).solve(force=(0.0, load))
-    assert (shape.y[-1], 1.0 - shape.x[-1], shape.theta[-1]) == pytest.approx((deflection, shortening, angle), abs=1e-7)
+    assert (shape.y[-1], 1.0 - shape.x[-1], shape.theta[-1]) == pytest.approx((deflection, shortening, angle), abs=1e-6)
 
 
 @pytest.mark.parametrize(
@@ -73,7 +72,7 @@ def test_agreement_with_scipy_solve_bvp():
     reference = solve_bvp(rates, ends, np.linspace(0, 1, 40), np.zeros((8, 40)), tol=1e-10, max_nodes=20000)
     assert reference.success
     tip = [shape.theta[-1], shape.moment[-1], shape.x[-1], shape.y[-1]]
-    assert tip == pytest.approx(reference.y[4:, -1], abs=1e-8)
+    assert tip == pytest.approx(reference.y[4:, -1], abs=2e-6)
 
 
 def test_moment_at_the_clamp_balances_the_end_force():
@@ -82,46 +81,26 @@ def test_moment_at_the_clamp_balances_the_end_force():
     assert shape.moment == pytest.approx(arm_x * 0.06 - arm_y * 0.04 + 1.5, abs=1e-10)
 
 
-def test_the_scheme_is_of_sixth_order():
-    """Luther's method: halving the steps divides the error by 64."""
+def test_elements_converge_with_the_square_of_their_length_and_their_limit_with_the_fourth_power(monkeypatch):
     ends = []
-    for n in (8, 16, 32, 64):
-        steps = cut_into_steps(1.0, lambda s: 3.0 + s**2, FiveParameters(1.0, 1.0, 0.0, 0.0, 0.5), refinement=n / 160)
-        states, ones, none = np.empty((len(steps.s), 4)), np.ones(len(steps.s) - 1), np.zeros_like(steps.kappa_0)
-        rod = RodArrays(steps.s, steps.kappa_0, none + 1.0, ones, 0 * ones, none, 0.0, 0.0, 0.0)
-        sweep(rod, np.array([0.4, 1.0, -3.0]), np.zeros(4), states, np.empty(16))
-        ends.append(states[-1].copy())
-    differences = [np.abs(a - b).max() for a, b in itertools.pairwise(ends)]
-    rates = np.log2(np.array(differences[:-1]) / differences[1:])
-    assert rates == pytest.approx(6.0, abs=0.5)
-
-
-def test_derivatives_by_the_unknowns_against_central_differences():
-    steps = cut_into_steps(1.0, 2.0, TWO_LINES)
-    alpha, m0 = np.where(steps.first, 2.0, 1.0), np.where(steps.first, 0.1, -0.05)
-    unknowns, weight = np.array([-0.8, 0.5, -1.0]), np.array([0.1, -0.3, 0.2, -0.6])
-    rest_moment = 0.1 * np.sin(steps.kappa_0)
-    rod = RodArrays(steps.s, steps.kappa_0, 1.0 + 0.1 * steps.kappa_0, alpha, m0, rest_moment, 0.05, 0.3, 0.2)
-
-    def end(u):
-        out = np.empty(16)
-        sweep(rod, u, weight, np.empty((len(steps.s), 4)), out)
-        return out
-
-    for i in range(3):
-        step = 1e-6 * np.eye(3)[i]
-        assert end(unknowns)[4 + 4 * i : 8 + 4 * i] == pytest.approx(
-            (end(unknowns + step) - end(unknowns - step))[:4] / 2e-6, abs=1e-8
-        )
+    for count in (10, 20, 40, 80):
+        monkeypatch.setattr(lines, "ELEMENTS", count)
+        model = lines._Model(ARM.two_lines, ARM.two_lines._section(is_loaded=True))
+        found = path.follow(model, Load((0.03, -0.05)).in_space, (None, None, None))
+        ends.append([found.chains[0].place[-1], found.nodes.place[-1]])
+    differences = np.abs(np.diff(np.array(ends), axis=0)).max(axis=2)
+    rates = np.log2(differences[:-1] / differences[1:])
+    assert rates[-1, 0] == pytest.approx(2.0, abs=0.1)
+    assert rates[-1, 1] == pytest.approx(4.0, abs=0.5)
 
 
 def test_prescribed_end_gives_back_the_force():
     dead = ARM.solve(force=(0.0, -0.05))
     held = ARM.solve(end_y=dead.y[-1], order="pressure first")
     assert held.force == pytest.approx([0.0, -0.05], abs=1e-10)
-    assert held.x == pytest.approx(dead.x, abs=1e-8)
+    assert held.x == pytest.approx(dead.x, abs=1e-6 * ARM.length)
     both = ARM.solve(end=(dead.x[-1], dead.y[-1]))
-    assert both.force == pytest.approx([0.0, -0.05], abs=1e-9)
+    assert both.force == pytest.approx([0.0, -0.05], abs=1e-7)
     pushed = ARM.solve(force=(0.03, 0.0))
     assert ARM.solve(end_x=pushed.x[-1]).force == pytest.approx([0.03, 0.0], abs=1e-10)
 
@@ -140,7 +119,7 @@ def test_an_end_held_while_the_pressure_rises_arches():
 def test_elastica_with_prescribed_end_height():
     """The transverse load of the known answer P = 5 from its deflection (experiment III)."""
     shape = Rod(1.0, 0.0, PLAIN).solve(end_y=0.7137915236)
-    assert shape.force == pytest.approx([0.0, 5.0], abs=1e-7)
+    assert shape.force == pytest.approx([0.0, 5.0], abs=1e-5)
 
 
 def test_end_moment_bends_a_circle():
@@ -159,24 +138,7 @@ def test_without_load_the_shape_is_that_of_kappa_0():
     assert shape.kappa == pytest.approx(2.0)
     assert shape.x == pytest.approx(1.0 + (np.sin(0.3 + 2 * shape.s) - math.sin(0.3)) / 2, abs=1e-9)
     held = Rod(1.0, 2.0, TWO_LINES).solve(end_y=(1 - math.cos(2.0)) / 2, order="pressure first")
-    assert held.force == pytest.approx([0.0, 0.0], abs=1e-9)
-
-
-def test_how_the_law_reaches_zero_moment_does_not_matter_for_loaded_shapes():
-    """The intercepts fade below a moment; the loaded shape moves by less than its share, and ever less."""
-    plain = ARM.solve(end_y=0.0)
-    largest = np.abs(plain.moment).max()
-    moved = []
-    for share in (0.1, 0.05, 0.025):
-        faded = dataclasses.replace(ARM, fade=share * largest).solve(end_y=0.0)
-        distance = np.hypot(*(faded.positions(plain.s) - np.column_stack([plain.x, plain.y])).T).max()
-        moved.append(distance / ARM.length)
-        assert faded.force == pytest.approx(plain.force, rel=5e-3)
-    assert moved[0] < 1e-3
-    assert moved[2] < moved[1] < moved[0]
-    tiny = dataclasses.replace(ARM, fade=0.1 * largest).solve(force=(0.0, 1e-9))
-    rest = ARM.solve()
-    assert tiny.y == pytest.approx(rest.y, abs=1e-4)  # continuous to the unloaded rod
+    assert held.force == pytest.approx([0.0, 0.0], abs=1e-6)
 
 
 def test_forms_of_kappa_0_agree():
@@ -210,12 +172,12 @@ def test_a_thousand_solves_stay_on_the_path_of_one():
 
 
 def test_large_forces_keep_their_accuracy():
-    """At F l^2/alpha = 100 errors grow e^10-fold along the rod; sin of the tip angle follows from the first integral.
+    """At F l^2/alpha = 100 the rod bends within a tenth of its length; the tip angle follows from the first integral.
 
     (theta')^2/2 = P (sin theta_l - sin theta) for a dead transverse load, so kappa(0)^2 = 2 P sin theta_l.
     """
     shape = Rod(1.0, 0.0, PLAIN).solve(force=(0.0, 100.0))
-    assert shape.kappa[0] ** 2 == pytest.approx(200.0 * math.sin(shape.theta[-1]), rel=1e-9)
+    assert shape.kappa[0] ** 2 == pytest.approx(200.0 * math.sin(shape.theta[-1]), rel=5e-6)
 
 
 def test_buckling_is_reported_not_stepped_over():
@@ -237,7 +199,7 @@ def test_buckling_is_reported_not_stepped_over():
         ({"force": (0.0, float("nan"))}, r"force is a pair of finite numbers"),
         ({"moment": float("inf")}, r"The end moment must be a finite number"),
         ({"order": "sideways", "end_y": 0.0}, r"order is one of as tested, together, pressure first"),
-        ({"force": (0.0, 1e5)}, r"this solver follows the rod to about 200|the path from the unloaded rod ends"),
+        ({"force": (0.0, 1e5)}, r"No equilibrium was found beyond 0\.\d+ % of the load"),
     ],
 )
 def test_loads_without_solution_say_so(loads, sentence):
@@ -250,7 +212,6 @@ def test_loads_without_solution_say_so(loads, sentence):
     [
         ({"length": -1.0}, r"The length of a rod must be positive"),
         ({"length": 0.1}, r"The break d = 0\.13 mm lies off the rod"),
-        ({"fade": -1.0}, r"fade is a moment"),
         ({"kappa_0": np.zeros((3, 3))}, r"its shape is \(3, 3\)"),
         ({"kappa_0": float("nan")}, r"kappa_0 holds a value"),
         ({"kappa_0": np.array([[0.0, 1.0], [0.5, 1.0]])}, r"given from s = 0 to 0\.5 mm, the rod goes from 0 to 1 mm"),
@@ -263,7 +224,6 @@ def test_loads_without_solution_say_so(loads, sentence):
         ({"kappa_0": True}, r"kappa_0 must be a finite number, not True"),
         ({"theta0": "x"}, r"theta0 must be a finite number, not 'x'"),
         ({"theta0": float("nan")}, r"theta0 must be a finite number, not nan"),
-        ({"fade": "x"}, r"fade must be a finite number, not 'x'"),
         ({"extension": 1.02}, r"The extension of a rod is a rod\.Extension or None, not 1\.02"),
     ],
 )
@@ -306,12 +266,7 @@ def test_ends_drawn_at_random_against_small_steps(monkeypatch):
         return np.array(values)
 
     usual = forces()
-    monkeypatch.setattr(continuation, "SMOOTH", 0.1)
-    monkeypatch.setattr(continuation, "MAX_ROTATION_STEP", 0.05)
+    monkeypatch.setattr(path, "SMOOTH", 0.1)
+    monkeypatch.setattr(path, "LARGEST_TURN", 0.05)
     np.testing.assert_allclose(usual, forces(), rtol=1e-6, atol=1e-9)
     assert np.isfinite(usual).all(axis=1).mean() > 0.8
-
-
-def test_a_force_that_is_too_large_is_refused_soon():
-    with pytest.raises(RodError, match=r"The end force has grown to .* alpha/l"):
-        ARM.solve(force=(-3000.0 * 400.0 / 112.0**2, 1.0))

@@ -69,20 +69,10 @@ def test_the_stretch_changes_with_the_change_of_curvature_alone() -> None:
     """The rest stretch is that of the arm under its weight."""
     extension = Extension(np.array([0.0, LENGTH]), np.array([1.05, 1.05]), 2.0)
     rod = heavy(extension=extension)
-    assert rod.solve().stretch == pytest.approx(1.05)
+    assert rod.solve().stretch == pytest.approx(1.05, abs=1e-5)
     pulled = rod.solve((0.0, 0.03))
     kappa = np.interp(pulled.s, *np.asarray(rod.kappa_0).T)
     assert pulled.stretch == pytest.approx(1.05 + 2.0 * (pulled.kappa - kappa))
-
-
-def test_offsets_fade_with_the_change_of_the_moment() -> None:
-    """Under next to no load the rod has the shape of kappa_0, although its weight alone has a large moment."""
-    rod = heavy(FiveParameters(300.0, 300.0, -2.0, -2.0, 15.0), fade=0.5)
-    alone, touched = rod.solve(), rod.solve((0.0, 1e-7))
-    assert touched.load_steps > 0
-    assert touched.positions(S) == pytest.approx(alone.positions(S), abs=1e-3)
-    assert touched.bending_moment == pytest.approx(0.0, abs=1e-3)
-    assert np.abs(alone.moment).max() > 5.0
 
 
 def test_the_rigidity_of_an_arm_that_sags_is_identified() -> None:

@@ -7,16 +7,11 @@ import numpy as np
 import pytest
 
 from rod import Extension, FiveParameters, Rod, compile_kernels
-from rod.arm_law import integration
+from rod.arm.chain import solve_chain
 from rod.arm_law.record import law_from_record, law_record
-from rod.mechanics import shooting
 from tests.rod.arm_law.test_arm_law import law_of, straight_law
 
-KERNELS = {
-    "sweep": shooting.sweep,
-    "converge": shooting.converge,
-    "arm law": integration.converge,
-}
+KERNELS = {"rods": solve_chain}
 FIVE = FiveParameters(190.0, 400.0, -0.1, 0.5, 7.3)
 
 
@@ -40,7 +35,7 @@ def test_nothing_is_compiled_once_a_run_has_begun(compiled: dict[str, list[str]]
     loads = ({"end_y": 0.0}, {"force": (0.0, 1e-3), "moment": 0.1}, {"end": (100.0, 5.0)})
     for rod in (
         Rod(112.0, -0.001, FIVE),
-        Rod(112.0, -0.001, FIVE, weight=(0.0, -1e-5), weight_height=5.0, fade=0.1),
+        Rod(112.0, -0.001, FIVE, weight=(0.0, -1e-5), weight_height=5.0),
         Rod(112.0, -0.001, FIVE, extension=Extension([0.0, 112.0], [1.02, 1.03], 5.0)),
     ):
         for load in loads:

@@ -18,7 +18,7 @@ from pipeline.simulate.mass import mass_along
 from pipeline.store.context import RunContext
 from pipeline.store.parallel import Pending
 from pipeline.values.errors import InputError, RunFailed
-from rod.arm_law.cosserat import in_frame, integrate
+from rod.arm.unloaded import shape_under_moment
 from rod.arm_law.polynomial import Basis, Polynomial, exponents_up_to
 from rod.arm_law.space_law import SpaceLaw, SpaceRod
 
@@ -221,12 +221,10 @@ def _clamp(tasks: _Tasks, law: SpaceLaw, places: Sequence[Pressures]) -> tuple[P
 
 def _departure(rod: SpaceRod, end: EndState) -> tuple[Array, Array]:
     """Moments (2,) about y and z at the clamp, and turn (rad) and shift (mm) (6,) of cells continued to it."""
-    frame = Rotation.from_rotvec(end.turn).as_matrix()[None]
-    moment, none = np.array([end.moment]), np.zeros((STEPS + 1, 6))
-    shapes = integrate(rod.law, end.length, none, np.zeros((1, 3)), frame, moment)
-    shift = np.array(end.place) - (shapes.axis[-1, 0] - shapes.axis[0, 0])
-    turn = Rotation.from_matrix(shapes.frames[0, 0]).as_rotvec()
-    return in_frame(shapes.frames[0], shapes.moment[0])[0, 1:], np.concatenate([turn, shift])
+    frame, moment = Rotation.from_rotvec(end.turn).as_matrix(), np.array(end.moment)
+    start, at_start = shape_under_moment(rod.section, end.length, frame, moment, STEPS)
+    turn = Rotation.from_matrix(at_start).as_rotvec()
+    return (moment @ at_start)[1:], np.concatenate([turn, np.array(end.place) + start])
 
 
 def _nearest(states: Sequence[CellState], pressures: Pressures) -> CellState:
@@ -243,12 +241,9 @@ def _end_beside(rod: SpaceRod, end: EndState, near: CellState) -> Array:
 
     near: a state that tells where the material curve crosses the plane beside the axis.
     """
-    none, start = np.zeros((STEPS + 1, 6)), np.eye(3)[None]
-    shapes = integrate(rod.law, -end.length, none, np.zeros((1, 3)), start, np.zeros((1, 3)))
-    # integrated from the plane towards the end, as `end` is at the other side of a rod of negative length
-    place = np.array([0.0, *near.beside]) + np.array(end.place)
-    away = place - (shapes.axis[0, 0] - shapes.axis[-1, 0])
-    return np.asarray(shapes.frames[0, 0].T @ away)
+    # from the plane towards the end, which is the start of a rod of negative length
+    start, frame = shape_under_moment(rod.section, -end.length, np.eye(3), np.zeros(3), STEPS)
+    return np.asarray(frame.T @ (np.array([0.0, *near.beside]) + np.array(end.place) - start))
 
 
 def _error_between(tasks: _Tasks, law: SpaceLaw, rows: Sequence[Pressures]) -> float:
@@ -257,9 +252,7 @@ def _error_between(tasks: _Tasks, law: SpaceLaw, rows: Sequence[Pressures]) -> f
     bends = [law.at(pressures).kappa_0 for pressures in between]
     begun = [tasks.begin(SpaceStates.cell, p, (float(k[0]), float(k[1]))) for p, k in zip(between, bends, strict=True)]
     found, _ = _results(begun)
-    largest = law.reach * max(
-        float(np.linalg.eigvalsh(law.at(row).law.rigidity(law.at(row).kappa_0))[0]) for row in rows
-    )
+    largest = law.reach * max(law.at(row).section.rigidity for row in rows)
     return max((float(np.linalg.norm(state.vector)) / largest for state in found), default=0.0)
 
 

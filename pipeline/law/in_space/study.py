@@ -64,15 +64,15 @@ class SpaceLawReport:
 def _row(rod: SpaceRod) -> tuple[str, ...]:
     end = np.array(rod.solve_in_space(SpatialLoad()).end)
     bent = degrees(2.0 * np.arctan2(np.linalg.norm(end[1:]), end[0]))
-    least, most = np.linalg.eigvalsh(rod.law.rigidity(rod.kappa_0))
+    least, most = rod.section.rigidities
     return (
         ", ".join(f"{pressure:g}" for pressure in rod.pressures),
         ", ".join(f"{1e3 * value:.3f}" for value in rod.kappa_0),
         ", ".join(f"{value:.2f}" for value in end),
         f"{bent:.1f}°",
         f"{least:.4g}, {most:.4g}",
-        f"{1.0 / rod.law.compliance[0, 0]:.4g}",
-        f"{rod.law.EA:.3g}",
+        f"{1.0 / rod.section.compliance[0, 0]:.4g}",
+        f"{rod.section.EA:.3g}",
     )
 
 

@@ -13,12 +13,14 @@ from fem.equations.linear import SingularMatrix
 from geometry import Reason, Values
 from geometry.arrays import Array
 from pipeline.law.piece.point import PiecePoint
+from rod.arm.unloaded import arc_compliance
 from rod.arm_law.curves import IN_SPACE, CellCurve, ClampCurve
-from rod.arm_law.small_motions import OUT_OF_PLANE, arc, end_compliance
 from rod.cubics import monotone_cubic
 
 #: states of a curve at which a cell is measured, as a rule; between them cubics over the moment join rigidities
 STATES = 7
+#: of turns and motions, those out of the plane
+TURNS_AND_SHIFT = (0, 1, 5)
 #: points of the cells to which the clamped end is compared
 POINTS = 41
 #: fields of `LateralRigidities` by those of `CellCurve`
@@ -86,8 +88,8 @@ def _compliance(piece: BendingPiece, cell: CellCurve, state: PieceState) -> Arra
     end = (piece.space.points + state.state.displacement)[piece.curve[-1]]
     height = float(end[1] * cosine - end[0] * sine - ripple[1])
     differs = clamped_compliance(piece, state, height)
-    cells = end_compliance(arc(piece.body.length, kappa, stretch, rigidities, POINTS))
-    differs -= cells[np.ix_(OUT_OF_PLANE, OUT_OF_PLANE)]
+    cells = arc_compliance(piece.body.length, kappa, stretch, rigidities, POINTS)
+    differs -= cells[np.ix_(TURNS_AND_SHIFT, TURNS_AND_SHIFT)]
     differs[0, 1] -= 0.5 * rigidities["tilt_by_torque"]  # of the plane between two cells beside the mean of all planes
     differs[1, 0] = differs[0, 1]
     frame = np.array([[cosine, -sine], [sine, cosine]])

@@ -7,7 +7,7 @@ import pytest
 
 from geometry.arrays import Array
 from rod import Rod, RodError
-from rod.arm_law.cosserat import rotation
+from rod.arm.chain import rotation
 from rod.arm_law.polynomial import Basis, Polynomial, exponents_up_to
 from rod.arm_law.space_law import SpaceLaw
 from rod.spatial import SpatialLoad

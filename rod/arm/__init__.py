@@ -1,0 +1,1 @@
+"""One arm: geometrically exact beam elements whose energy is the law of its sections."""

@@ -1,0 +1,222 @@
+"""Elements along an arm, the loads on their nodes, and what the solver finds there."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+
+from geometry.arrays import Array, Mask
+from geometry.topology import cross
+from rod.arm import newton
+from rod.arm.end_kernels import TIP_COLUMNS, EndArrays, tip_levers
+from rod.arm.newton import Chain, Found, LoadArrays, StateArrays
+from rod.compiled import CompiledLater
+from rod.errors import RodError
+from rod.spatial import Position, SpatialLoad
+from rod.weight import Mass
+
+#: two positions nearer than this part of an element are one node
+SAME = 1e-3
+
+
+def positions_between(breaks: Sequence[float], longest: float) -> Array:
+    """(N,) mm, rising: the breaks, and between them equal elements that are no longer than `longest`."""
+    places = [np.array(breaks[:1])]
+    for low, high in pairwise(breaks):
+        if high - low > SAME * longest:
+            count = max(1, math.ceil((high - low) / longest - 1e-9))
+            places.append(np.linspace(low, high, count + 1)[1:])
+    return np.concatenate(places)
+
+
+def halved(s: Array) -> Array:
+    """The positions with one in the middle of all elements but the first, whose end decides on the clamp."""
+    middle = 0.5 * (s[1:-1] + s[2:])
+    return np.sort(np.concatenate([s, middle]))
+
+
+@dataclass(frozen=True, eq=False)  # arrays inside
+class NodeLoads:
+    """The loads on the nodes of a chain besides those on its end."""
+
+    forces: Array  #: (N, 3) N
+    couples: Array  #: (N, 3) N mm
+    beside: Array  #: (N, 2, 3) N mm, as in `LoadArrays`
+    beyond: Array  #: (N, 3) N, of all that acts beyond each position and not on the end
+
+    def with_more(self, other: "NodeLoads") -> "NodeLoads":
+        """Both together."""
+        return NodeLoads(
+            self.forces + other.forces,
+            self.couples + other.couples,
+            self.beside + other.beside,
+            self.beyond + other.beyond,
+        )
+
+    @staticmethod
+    def of(load: SpatialLoad, mass: Mass | None, s: Array) -> "NodeLoads":
+        """The weight of a load, spread as the mass of the arm is (None: evenly), and its loads along the arm."""
+        length, n = float(s[-1]), len(s)
+        mass = mass or Mass.even(length, 1.0, load.weight_height)
+        edges = np.concatenate([s[:1], 0.5 * (s[1:] + s[:-1]), s[-1:]])
+        (grams, heights), (all_grams, _) = mass.within(length - edges), mass.within(np.array([length]))
+        total = np.array(load.weight) * length / all_grams
+        forces, beside = -np.diff(grams)[:, None] * total, np.zeros((n, 2, 3))
+        beside[:, 1] = -np.diff(heights)[:, None] * total
+        beyond = mass.within(length - s)[0][:, None] * total
+        couples = np.zeros((n, 3))
+        for point in load.along:
+            node = int(np.argmin(np.abs(s - point.s)))
+            forces[node] += point.force
+            couples[node] += point.couple
+            beside[node] += np.outer(point.beside, point.force)
+            beyond[:node] += point.force
+            beyond[node] += 0.5 * np.array(point.force)
+        return NodeLoads(forces, couples, beside, beyond)
+
+
+class Nodes(NamedTuple):
+    """A chain in equilibrium, at its nodes."""
+
+    s: Array  #: (N,) mm
+    place: Array  #: (N, 3) mm, of the axis
+    angle: Array  #: (N,) rad, of an arm in its plane
+    frames: Array  #: (N, 3, 3)
+    moment: Array  #: (N, 3) N mm, on the part before the node
+    inner: Array  #: (N, 3) N, force on the part before the node
+    force: Array  #: (3,) N, on the end
+    found: Found
+
+
+solve_chain = CompiledLater(newton._newton, newton.CALLS, 20)
+
+
+def chain_arrays(s: Array, clamp_reach: float, *, in_space: bool, is_loaded: bool = True) -> Chain:
+    """The elements between positions (N,); clamp_reach: mm, how far the clamped end reaches."""
+    free = min(max(int(np.searchsorted(s, clamp_reach - 1e-9)), 1), len(s) - 1)
+    return Chain(in_space, is_loaded, np.diff(s), free, float(s[-1]))
+
+
+def load_arrays(load: SpatialLoad, nodes: NodeLoads, held: Mask, target: Array) -> LoadArrays:
+    """What the solver reads."""
+    force, couple = np.array(load.force, float), np.array(load.couple, float)
+    return LoadArrays(force, couple, held, target, nodes.forces, nodes.couples, nodes.beside)
+
+
+def rest_state(s: Array, strains: Array, place: Array, frame: Array) -> StateArrays:
+    """The chain without loads from its first node; strains (n, 4): three curvatures and the stretch of its elements."""
+    n, h = len(s) - 1, np.diff(s)
+    angle = math.atan2(frame[1, 0], frame[0, 0]) + np.concatenate([[0.0], np.cumsum(h * strains[:, 2])])
+    if np.any(strains[:, :2]) or abs(frame[2, 2] - 1.0) > 1e-15:
+        frames, half = np.empty((n + 1, 3, 3)), rotation(0.5 * h[:, None] * strains[:, :3])
+        frames[0] = frame
+        for e in range(n):
+            frames[e + 1] = frames[e] @ half[e] @ half[e]
+        along = (frames[:-1] @ half)[:, :, 0]
+    else:
+        frames = planar_frames(angle)
+        along = planar_frames(0.5 * (angle[1:] + angle[:-1]))[:, :, 0]
+    places = place + np.concatenate([np.zeros((1, 3)), np.cumsum((h * strains[:, 3])[:, None] * along, axis=0)])
+    return StateArrays(places, angle, frames, np.zeros((n, 3)), np.zeros(3))
+
+
+def rotation(turn: Array) -> Array:
+    """(..., 3, 3) of rotation vectors (..., 3), rad."""
+    angle = np.sqrt((turn * turn).sum(axis=-1))[..., None, None]
+    turned = cross_matrix(turn)
+    return np.asarray(
+        np.eye(3) + np.sinc(angle / np.pi) * turned + 0.5 * np.sinc(angle / (2.0 * np.pi)) ** 2 * turned @ turned
+    )
+
+
+def turn_of(frames: Array) -> Array:
+    """(..., 3) rotation vectors of rotations (..., 3, 3) by less than half a turn."""
+    axis = 0.5 * np.stack([frames[..., i, j] - frames[..., j, i] for i, j in ((2, 1), (0, 2), (1, 0))], axis=-1)
+    sine = np.linalg.norm(axis, axis=-1)
+    angle = np.arctan2(sine, 0.5 * (np.trace(frames, axis1=-2, axis2=-1) - 1.0))
+    return np.asarray(axis * np.where(sine > 1e-7, angle / np.maximum(sine, 1e-300), 1.0)[..., None])
+
+
+def cross_matrix(a: Array) -> Array:
+    """(..., 3, 3): the matrix of a x, of vectors (..., 3)."""
+    return np.asarray(a @ _CROSS.reshape(3, 9)).reshape(*a.shape, 3)
+
+
+#: that turns a vector into the matrix of its cross product
+_CROSS = np.zeros((3, 3, 3))
+_CROSS[[0, 1, 2], [2, 0, 1], [1, 2, 0]], _CROSS[[0, 1, 2], [1, 2, 0], [2, 0, 1]] = 1.0, -1.0
+
+
+def in_frame(frame: Array, vector: Array) -> Array:
+    """Components (..., 3) of vectors (..., 3) in frames (..., 3, 3)."""
+    return np.asarray((vector[..., None, :] @ frame)[..., 0, :])
+
+
+def planar_frames(angle: Array) -> Array:
+    """(N, 3, 3) of angles (N,)."""
+    frames = np.zeros((*angle.shape, 3, 3))
+    frames[..., 0, 0] = frames[..., 1, 1] = np.cos(angle)
+    frames[..., 1, 0] = np.sin(angle)
+    frames[..., 0, 1] = -frames[..., 1, 0]
+    frames[..., 2, 2] = 1.0
+    return frames
+
+
+def nodes_of(s: Array, state: StateArrays, chain: Chain, ends: EndArrays, load: LoadArrays, found: Found) -> Nodes:
+    """Moments and forces by statics, in the state that was found under the full load."""
+    frames = state.frames if chain.in_space else planar_frames(state.angle)
+    place, force = state.place, state.force
+    # right of a node: all that acts beyond it
+    beyond = force + np.cumsum(load.nodes[::-1], axis=0)[::-1]
+    elements = np.concatenate([beyond[1:], force[None]])
+    out = np.empty((3, 3))
+    tip_levers(ends, frames[-1], force, out, np.empty((2, TIP_COLUMNS)))
+    couples = load.couples + cross(frames[:, :, 0], load.beside[:, 0]) + cross(frames[:, :, 1], load.beside[:, 1])
+    steps = cross(np.diff(place, axis=0), elements[:-1])
+    at_end = out[0] + load.couple
+    behind = np.concatenate([np.cumsum((steps + couples[1:])[::-1], axis=0)[::-1], np.zeros((1, 3))]) + at_end
+    # a couple of a node acts on its middle; those of the first and the last node belong to half an element
+    moment = behind + 0.5 * couples
+    moment[0], moment[-1] = behind[0] + couples[0], at_end
+    return Nodes(s, place, state.angle, frames, moment, elements, force, found)
+
+
+def extrapolated(coarse: Nodes, fine: Nodes, *, in_space: bool) -> Nodes:
+    """The limit of the elements at the nodes of the coarse chain: the errors are those of h^2."""
+    at = np.searchsorted(fine.s, coarse.s - 1e-9 * coarse.s[-1])
+
+    def limit(name: str) -> Array:
+        one = getattr(fine, name)
+        known = one if one.ndim == 1 and len(one) == 3 else one[at]
+        return np.asarray(known + (known - getattr(coarse, name)) / 3.0)
+
+    angle = limit("angle")
+    if in_space:
+        turned = turn_of(fine.frames[at] @ np.swapaxes(coarse.frames, 1, 2))
+        frames = rotation(turned / 3.0) @ fine.frames[at]
+    else:
+        frames = planar_frames(angle)
+    return Nodes(
+        coarse.s,
+        limit("place"),
+        angle,
+        frames,
+        limit("moment"),
+        limit("inner"),
+        fine.force + (fine.force - coarse.force) / 3.0,
+        fine.found,
+    )
+
+
+def check_inside(s: float, length: float) -> None:
+    """Raise `RodError` for a load off the arm."""
+    if not 0.0 < s <= length * (1 + 1e-9):
+        raise RodError(f"A load acts at 0 < s <= {length:g} mm along the arm; s = {s:g} mm is outside.")
+
+
+def held_along(position: Position) -> Mask:
+    """(3,) the axes along which the end is held."""
+    return np.array([value is not None for value in position])

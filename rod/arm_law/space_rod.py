@@ -1,0 +1,89 @@
+"""A clamped arm without a plane of symmetry, with its law at given pressures."""
+
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+
+from geometry.arrays import Array
+from rod.arm.chain import in_frame, positions_between, rotation
+from rod.arm.end_kernels import EndArrays
+from rod.arm.ends import polynomial_ends
+from rod.arm.path import Path, follow
+from rod.arm.sections import PolynomialSection
+from rod.arm.solved import solved_in_space
+from rod.arm.stability import stability_of
+from rod.arm_law.polynomial import Plane
+from rod.errors import RodError
+from rod.spatial import Held, Position, SpatialLoad, SpatialSolution
+from rod.weight import Mass
+
+#: longest element over the pitch, and over the length
+ELEMENT, LONGEST = 0.25, 1 / 48
+#: a curvature may leave the law by rounding, over its reach
+ROUNDING = 1e-9
+
+
+@final
+@dataclass(frozen=True, eq=False)  # arrays inside
+class SpaceRod:
+    """A clamped rod in space. Its sections' y and z are those of the arm at rest."""
+
+    section: PolynomialSection
+    clamp: Plane  #: turns (rad) and shifts (mm) along x, y and z by the moments about y and z
+    to_end: Array  #: (3,) mm, from the end of the axis to that of the material curve, in the frame there
+    pitch: float  #: mm
+    length: float  #: mm
+    clamp_reach: float  #: mm, how far the clamped end reaches
+    mass: Mass | None  #: None: not known
+    pressures: tuple[float, ...]  #: kPa
+
+    def solve_in_space(self, load: SpatialLoad, position: Position = (None, None, None)) -> SpatialSolution:
+        """The equilibrium under a load, which grows on the inflated arm.
+
+        position: of the end where it is held, mm; the components of the force along these axes follow. Raises
+        `RodError` where the path ends or becomes unstable, and where the curvature leaves the law.
+        """
+        path = follow(self, load, position, in_space=True)
+        self._check_inside(path)
+        nodes = path.nodes
+        moment, inner = in_frame(nodes.frames, nodes.moment), in_frame(nodes.frames, nodes.inner)
+        beside = np.zeros((len(nodes.s), 3))
+        beside[-1] = self.to_end
+        stability = stability_of(self, path.chains, Held(load, position))
+        return solved_in_space(path, self.section.strains(moment, inner), load, stability, beside)
+
+    @property
+    def own(self) -> SpatialLoad:
+        """Nothing acts on its rest shape."""
+        return SpatialLoad()
+
+    @property
+    def kappa_0(self) -> Array:
+        """(2,) 1/mm: the curvatures about y and z without moment."""
+        return self.section.origin
+
+    def positions(self, breaks: tuple[float, ...]) -> Array:
+        """As `rod.arm.path.ArmModel` says, and so are the others."""
+        return positions_between([0.0, *sorted(breaks), self.length], min(ELEMENT * self.pitch, LONGEST * self.length))
+
+    def ends(self, position: Position) -> EndArrays:
+        """The clamp, and a tip that is a point beside the axis."""
+        return polynomial_ends(self.clamp.table, self.to_end)
+
+    def begin(self) -> tuple[Array, Array]:
+        """Where the clamp puts the axis without moment."""
+        turn, shift = np.split(self.clamp(np.zeros(2)), 2)
+        return shift, rotation(turn)
+
+    def _check_inside(self, path: Path) -> None:
+        outside, reach = path.nodes.found.outside, self.section.reach
+        if outside <= ROUNDING * reach:
+            return
+        moments = in_frame(path.nodes.frames, path.nodes.moment)[:, 1:]
+        largest = float(np.linalg.norm(moments, axis=1).max())
+        raise RodError(
+            f"The bending moment reaches {largest:.4g} N mm. The law is known up to curvatures that are "
+            f"{reach:.3g} 1/mm from that without moment, and these are {outside:.3g} 1/mm beyond it. "
+            "It is not extrapolated: this load is too large."
+        )

@@ -1,0 +1,148 @@
+"""A clamped rod with two straight lines between moment and curvature, as a chain of elements (`rod.arm`)."""
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from typing import final
+
+import numpy as np
+
+from geometry.arrays import Array, read_only
+from rod.arm.chain import planar_frames, positions_between
+from rod.arm.end_kernels import EndArrays
+from rod.arm.ends import rigid_ends
+from rod.arm.path import NOT_SOLVED, Solver, follow
+from rod.arm.sections import LinesSection
+from rod.curves.extension import Extension
+from rod.errors import RodError
+from rod.law import TwoSlopes
+from rod.load import Load
+from rod.solution import RodSolution
+from rod.spatial import Position, SpatialLoad
+
+#: length of the first element, which is never halved, over that of the rod
+FIRST = 1e-3
+#: distance of a held end from where it is without loads, over the length, within which nothing acts
+AT_REST = 1e-7
+#: elements along the rod at least, and samples of the rest shape at most that are nodes
+ELEMENTS, MOST_SAMPLES = 60, 2000
+
+
+@final
+@dataclass(frozen=True, eq=False)  # arrays inside
+class LinesRod:
+    """A rod of two lines with its rest shape."""
+
+    law: TwoSlopes
+    length: float  #: mm
+    s: Array  #: (n,) mm, of kappa_0, joined by straight lines
+    kappa_0: Array  #: (n,) 1/mm
+    theta0: float  #: rad
+    start: tuple[float, float]  #: mm
+    extension: Extension | None
+    weight: SpatialLoad  #: of the rod itself, under which it has kappa_0 where nothing else acts
+
+    def under(self, load: Load, held: tuple[float | None, float | None], *, together: bool) -> RodSolution:
+        """The equilibrium under a load. together: the rest shape grows with the load from the straight rod.
+
+        held: (x, y) of the end in mm, None where it is free. Raises `RodError` where the path ends, and for an end
+        beyond the reach of an inextensible rod.
+        """
+        reach = math.hypot(*(0.0 if at is None else at - self.start[k] for k, at in enumerate(held)))
+        if not reach < self.length and self.extension is None:
+            raise RodError(
+                f"The end cannot be {reach:g} mm from the clamp: the rod of {self.length:g} mm is inextensible."
+            )
+        position: Position = (*held, None)
+        is_loaded = not self._is_idle(load, held) or together
+        model = _Model(self, self._section(is_loaded=is_loaded))
+        path = follow(model, load.in_space, position, together=together)
+        nodes = path.nodes
+        bending, rest = self._bending(model, nodes.s, nodes.moment[:, 2], nodes.inner, nodes.angle)
+        first = nodes.s < self.law.d - 1e-9 * self.length
+        intercept = float(is_loaded) * np.where(first, self.law.m01, self.law.m02)
+        deviation = (bending - intercept) / np.where(first, self.law.alpha1, self.law.alpha2)
+        stretch = model.section.stretch_at(nodes.s) + model.section.eccentricity * deviation
+        return RodSolution(
+            s=read_only(nodes.s),
+            x=_column(nodes.place[:, 0]),
+            y=_column(nodes.place[:, 1]),
+            theta=read_only(nodes.angle),
+            kappa=read_only(rest + deviation),
+            moment=_column(nodes.moment[:, 2]),
+            stretch=read_only(stretch),
+            force=_column(nodes.force[:2]),
+            weight=read_only((np.array(load.weight) + self.weight.weight[:2]) * self.length),
+            load_steps=path.steps if is_loaded else 0,
+            bending_moment=read_only(bending),
+        )
+
+    def _is_idle(self, load: Load, held: tuple[float | None, float | None]) -> bool:
+        """Whether nothing acts on the rod; an end that is held is then where the unloaded rod has it."""
+        if any(load.force) or any(load.weight) or load.couple or load.along:
+            return False
+        if held == (None, None):
+            return True
+        x, y, _ = self._rest_end
+        away = [at - own for at, own in zip(held, (x, y), strict=True) if at is not None]
+        return max(map(abs, away)) < AT_REST * self.length
+
+    @cached_property
+    def _rest_end(self) -> Array:
+        model = _Model(self, self._section(is_loaded=False))
+        return follow(model, SpatialLoad(), (None, None, None)).nodes.place[-1]
+
+    def _section(self, *, is_loaded: bool) -> LinesSection:
+        extension = self.extension
+        s = self.s if extension is None else np.union1d(self.s, extension.s)
+        s = s[(s >= 0.0) & (s <= self.length)]
+        stretch = np.ones(len(s)) if extension is None else extension.at(s)
+        kappa_0 = np.interp(s, self.s, self.kappa_0)
+        eccentricity = 0.0 if extension is None else extension.eccentricity
+        none = np.zeros(len(s))
+        section = LinesSection(self.law, self.length, s, kappa_0, stretch, s, none, eccentricity, is_loaded)
+        return section if not any(self.weight.weight) else self._with_own_moment(section)
+
+    def _with_own_moment(self, section: LinesSection) -> LinesSection:
+        """The moment of its weight about the neutral axis, in the shape of kappa_0."""
+        model = _Model(self, section)
+        s = positions_between([0.0, self.length], self.length / (8 * ELEMENTS))
+        solver = Solver(model, s, SpatialLoad(), (None, None, None), in_space=False)
+        nodes = solver.nodes(solver.rest(), NOT_SOLVED)
+        inner = nodes.inner[:, 0] * np.cos(nodes.angle) + nodes.inner[:, 1] * np.sin(nodes.angle)
+        own = nodes.moment[:, 2] + section.eccentricity * inner
+        return section.with_own_moment(nodes.s, own)
+
+    def _bending(self, model: "_Model", s: Array, moment: Array, inner: Array, angle: Array) -> tuple[Array, Array]:
+        """(n,) N mm: what bends the rod; and kappa_0 (n,) in 1/mm."""
+        section = model.section
+        axial = inner[:, 0] * np.cos(angle) + inner[:, 1] * np.sin(angle)
+        own = np.interp(s, section.own_s, section.own_moment)
+        return moment + section.eccentricity * axial - own, np.interp(s, self.s, self.kappa_0)
+
+
+def _column(values: Array) -> Array:
+    return read_only(np.ascontiguousarray(values))
+
+
+class _Model:
+    """The rod as the path asks for it (`rod.arm.path.ArmModel`)."""
+
+    def __init__(self, rod: LinesRod, section: LinesSection) -> None:
+        self.rod, self.section, self.mass, self.clamp_reach, self.own = rod, section, None, 0.0, rod.weight
+
+    def positions(self, breaks: tuple[float, ...]) -> Array:
+        """As `ArmModel` says, and so are the others."""
+        rod = self.rod
+        samples = rod.s[1:-1] if len(rod.s) <= MOST_SAMPLES else rod.s[:0]
+        inner = sorted({rod.law.d, *breaks, *samples[np.abs(samples - rod.law.d) > 1e-9 * rod.length].tolist()})
+        first = min(FIRST * rod.length, 0.5 * inner[0])
+        return np.append(0.0, positions_between([first, *inner, rod.length], rod.length / ELEMENTS))
+
+    def ends(self, position: Position) -> EndArrays:
+        """A clamp that does not give way."""
+        return rigid_ends(self.rod.start, self.rod.theta0)
+
+    def begin(self) -> tuple[Array, Array]:
+        """The clamp."""
+        return np.array([*self.rod.start, 0.0]), planar_frames(np.array([self.rod.theta0]))[0]
