@@ -171,6 +171,11 @@ class LinesSection:
         """The same with an own moment (k,) at positions (k,)."""
         return replace(self, own_s=s, own_moment=moment)
 
+    @property
+    def rigid(self) -> float:
+        """N, against stretch and shear."""
+        return RIGID * max(abs(self.law.alpha1), abs(self.law.alpha2)) / self.length**2
+
     def stretch_at(self, s: Array) -> Array:
         """(m,) without loads, at positions (m,) mm."""
         return np.interp(s, self.s, self.stretch)
@@ -180,9 +185,8 @@ class LinesSection:
         middle = 0.5 * (s[1:] + s[:-1])
         rest, part = self.rest(s, grown), float(self.is_loaded)
         m0 = factor * (part * self.law.intercept(middle) + _means(self.own_s, self.own_moment, s))
-        rigid = RIGID * max(abs(self.law.alpha1), abs(self.law.alpha2)) / self.length**2
         local = np.column_stack([rest[:, 2], self.law.rigidity(middle), m0, rest[:, 3]])
-        return SectionArrays(LINES, np.zeros((1, 1, 1)), np.array([self.eccentricity, rigid, rigid]), local)
+        return SectionArrays(LINES, np.zeros((1, 1, 1)), np.array([self.eccentricity, self.rigid, self.rigid]), local)
 
     def rest(self, s: Array, grown: float = 1.0) -> Array:
         """As `Section` says."""

@@ -22,6 +22,8 @@ from rod.spatial import Position, SpatialLoad
 
 #: length of the first element, which is never halved, over that of the rod
 FIRST = 1e-3
+#: largest strain by a force
+STRETCHED = 1e-4
 #: distance of a held end from where it is without loads, over the length, within which nothing acts
 AT_REST = 1e-7
 #: elements along the rod at least, and samples of the rest shape at most that are nodes
@@ -58,6 +60,8 @@ class LinesRod:
         model = _Model(self, self._section(is_loaded=is_loaded))
         path = follow(model, load.in_space, position, together=together)
         nodes = path.nodes
+        if np.hypot(*nodes.force[:2]) > STRETCHED * model.section.rigid:
+            raise RodError("The end cannot be held there: the rod would have to be stretched by force.")
         bending, rest = self._bending(model, nodes.s, nodes.moment[:, 2], nodes.inner, nodes.angle)
         first = nodes.s < self.law.d - 1e-9 * self.length
         intercept = float(is_loaded) * np.where(first, self.law.m01, self.law.m02)
