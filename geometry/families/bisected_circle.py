@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from math import acos, pi, sqrt
-from typing import ClassVar, final
+from typing import Annotated, ClassVar, final
 
 from geometry.errors import DesignError
 from geometry.families.dimensions import check_design, not_less
@@ -22,11 +22,11 @@ class BisectedCircle(UndividedDesign):
 
     family: ClassVar[str] = "bisected_circle"
 
-    length: float = 112.0  #: of the arm
-    radius: float = 7.5  #: outer radius
-    end_wall: float = 2.0  #: thickness of the solid at each end
-    wall: float = 1.0  #: thickness of the round wall
-    divider: float = 1.5  #: thickness of the dividing wall, in the middle of which the material curve runs
+    length: Annotated[float, "of the arm"] = 112.0
+    radius: Annotated[float, "outer radius"] = 7.5
+    end_wall: Annotated[float, "thickness of the solid at each end"] = 2.0
+    wall: Annotated[float, "thickness of the round wall"] = 1.0
+    divider: Annotated[float, "thickness of the dividing wall, in the middle of which the material curve runs"] = 1.5
 
     def __post_init__(self) -> None:
         check_design(self, self._impossible)

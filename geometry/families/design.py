@@ -37,8 +37,9 @@ SHORTEST, LONGEST = 1e-3, 1e6
 class Design(ABC):
     """The dimensions of one body family, all lengths in mm.
 
-    A family is a frozen dataclass whose fields have the names of the config keys, and defines the members below that
-    are abstract. Its constructor raises `DesignError` for impossible dimensions.
+    A family is a frozen dataclass whose fields have the names of the config keys, each with its meaning beside its type
+    (`Annotated`). It defines the members below that are abstract, and its constructor raises `DesignError` for
+    impossible dimensions.
     """
 
     family: ClassVar[str]  #: the name of the family in a config

@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from itertools import pairwise
 from math import pi
-from typing import ClassVar, final
+from typing import Annotated, ClassVar, final
 
 from geometry.body import Body
 from geometry.errors import DesignError
@@ -51,21 +51,23 @@ class PneuNet(SymmetricDesign):
         "gaps": "gap",
     }
 
-    chambers: int = 11  #: number of chambers
-    width: float = 15.0  #: of the arm across z, w
-    chamber_length: float = 8.0  #: outer length of a chamber along x, t2
-    gap: float = 2.0  #: between chambers, and length of the strip without a chamber at each end, t1
-    chamber_height: float = 12.0  #: outer height of a chamber above the strip, H
-    strip: float = 3.0  #: thickness of the strip, t
-    base: float = 2.0  #: thickness of the base plate under it, b; the material curve runs at half of it
-    wall: float = 1.0  #: thickness of chamber walls across x
-    side_wall: float = 2.0  #: thickness of chamber walls across z
-    roof: float = 2.0  #: thickness of chamber roofs
-    channel: float = 2.0  #: width and height of the air channel
-    fillet: float = 0.0  #: radius of rounded edges below the chamber walls; 0 (sharp edges) or at least 0.1 mm
-    chamber_lengths: tuple[float, ...] = ()  #: of each chamber from the clamp on, instead of `chamber_length`
-    chamber_heights: tuple[float, ...] = ()  #: of each chamber from the clamp on, instead of `chamber_height`
-    gaps: tuple[float, ...] = ()  #: instead of `gap`: at the clamp, between chambers, and at the tip
+    chambers: Annotated[int, "number of chambers"] = 11
+    width: Annotated[float, "of the arm across z, w"] = 15.0
+    chamber_length: Annotated[float, "outer length of a chamber along x, t2"] = 8.0
+    gap: Annotated[float, "between chambers, and length of the strip without a chamber at each end, t1"] = 2.0
+    chamber_height: Annotated[float, "outer height of a chamber above the strip, H"] = 12.0
+    strip: Annotated[float, "thickness of the strip, t"] = 3.0
+    base: Annotated[float, "thickness of the base plate under it, b; the material curve runs at half of it"] = 2.0
+    wall: Annotated[float, "thickness of chamber walls across x"] = 1.0
+    side_wall: Annotated[float, "thickness of chamber walls across z"] = 2.0
+    roof: Annotated[float, "thickness of chamber roofs"] = 2.0
+    channel: Annotated[float, "width and height of the air channel"] = 2.0
+    fillet: Annotated[float, "radius of rounded edges below the chamber walls; 0 (sharp edges) or at least 0.1 mm"] = (
+        0.0
+    )
+    chamber_lengths: Annotated[tuple[float, ...], "of each chamber from the clamp on, instead of `chamber_length`"] = ()
+    chamber_heights: Annotated[tuple[float, ...], "of each chamber from the clamp on, instead of `chamber_height`"] = ()
+    gaps: Annotated[tuple[float, ...], "instead of `gap`: at the clamp, between chambers, and at the tip"] = ()
 
     def __post_init__(self) -> None:
         check_design(self, self._impossible, counts=["chambers"], or_zero=["fillet"])

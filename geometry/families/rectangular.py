@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import ClassVar, final
+from typing import Annotated, ClassVar, final
 
 from geometry.errors import DesignError
 from geometry.families.dimensions import check_design, not_less
@@ -21,16 +21,16 @@ class Rectangular(PartitionedDesign):
 
     family: ClassVar[str] = "rectangular"
 
-    chambers: int = 11  #: number of chambers
-    width: float = 15.0  #: across
-    height: float = 17.0  #: of the whole arm
-    chamber_length: float = 8.0  #: of the cavity, along x
-    partition: float = 2.0  #: thickness of the solid between two cavities
-    end_wall: float = 2.0  #: thickness of the solid at each end
-    base: float = 3.0  #: thickness of the plate below the cavities; the material curve runs at half of it
-    side_wall: float = 2.0  #: thickness of the walls across z
-    roof: float = 2.0  #: thickness of the wall above the cavities
-    channel: float = 2.0  #: width and height of the air channel on the base plate
+    chambers: Annotated[int, "number of chambers"] = 11
+    width: Annotated[float, "across"] = 15.0
+    height: Annotated[float, "of the whole arm"] = 17.0
+    chamber_length: Annotated[float, "of the cavity, along x"] = 8.0
+    partition: Annotated[float, "thickness of the solid between two cavities"] = 2.0
+    end_wall: Annotated[float, "thickness of the solid at each end"] = 2.0
+    base: Annotated[float, "thickness of the plate below the cavities; the material curve runs at half of it"] = 3.0
+    side_wall: Annotated[float, "thickness of the walls across z"] = 2.0
+    roof: Annotated[float, "thickness of the wall above the cavities"] = 2.0
+    channel: Annotated[float, "width and height of the air channel on the base plate"] = 2.0
 
     def __post_init__(self) -> None:
         check_design(self, self._impossible, counts=["chambers"])

@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from math import hypot, pi
-from typing import ClassVar, final
+from typing import Annotated, ClassVar, final
 
 from geometry.errors import DesignError
 from geometry.families.design import SymmetricDesign
@@ -24,14 +24,14 @@ class Semicircular(PartitionedDesign):
 
     family: ClassVar[str] = "semicircular"
 
-    chambers: int = 11  #: number of chambers
-    radius: float = 7.5  #: outer radius of the half disc; the base plate is twice as wide
-    chamber_length: float = 8.0  #: length of a cavity along x
-    partition: float = 2.0  #: thickness of the solid between two cavities
-    end_wall: float = 2.0  #: thickness of the solid at each end
-    base: float = 2.0  #: thickness of the base plate; the material curve runs at half of it
-    wall: float = 1.0  #: thickness of the round wall
-    channel: float = 2.0  #: width and height of the air channel on the base plate
+    chambers: Annotated[int, "number of chambers"] = 11
+    radius: Annotated[float, "outer radius of the half disc; the base plate is twice as wide"] = 7.5
+    chamber_length: Annotated[float, "length of a cavity along x"] = 8.0
+    partition: Annotated[float, "thickness of the solid between two cavities"] = 2.0
+    end_wall: Annotated[float, "thickness of the solid at each end"] = 2.0
+    base: Annotated[float, "thickness of the base plate; the material curve runs at half of it"] = 2.0
+    wall: Annotated[float, "thickness of the round wall"] = 1.0
+    channel: Annotated[float, "width and height of the air channel on the base plate"] = 2.0
 
     def __post_init__(self) -> None:
         check_design(self, self._impossible, counts=["chambers"])

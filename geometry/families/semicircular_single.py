@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from math import pi
-from typing import ClassVar, final
+from typing import Annotated, ClassVar, final
 
 from geometry.errors import DesignError
 from geometry.families.dimensions import check_design, not_less
@@ -23,11 +23,11 @@ class SemicircularSingle(UndividedDesign):
 
     family: ClassVar[str] = "semicircular_single"
 
-    length: float = 112.0  #: of the arm
-    radius: float = 7.5  #: outer radius of the half disc; the base plate is twice as wide
-    end_wall: float = 2.0  #: thickness of the solid at each end
-    base: float = 2.0  #: thickness of the base plate; the material curve runs at half of it
-    wall: float = 1.0  #: thickness of the round wall
+    length: Annotated[float, "of the arm"] = 112.0
+    radius: Annotated[float, "outer radius of the half disc; the base plate is twice as wide"] = 7.5
+    end_wall: Annotated[float, "thickness of the solid at each end"] = 2.0
+    base: Annotated[float, "thickness of the base plate; the material curve runs at half of it"] = 2.0
+    wall: Annotated[float, "thickness of the round wall"] = 1.0
 
     def __post_init__(self) -> None:
         check_design(self, self._impossible)

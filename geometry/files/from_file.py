@@ -9,7 +9,7 @@ from hashlib import sha256
 from itertools import chain
 from math import isfinite
 from pathlib import Path
-from typing import ClassVar, TypeAlias
+from typing import Annotated, ClassVar, TypeAlias
 
 from geometry.arrays import Array, Index
 from geometry.errors import DesignError, MeshError, raise_together
@@ -38,16 +38,20 @@ class FileDesign(Design):
     is_from_file: ClassVar[bool] = True
     fills_inlets: ClassVar[bool] = True  #: whether `plug` may have points in the mouths of inlets
 
-    file: str  #: path of the file
-    curve: float  #: y of the material curve
-    clamp: float | None = None  #: x of the clamped end face; without it the end with the smallest x
-    tip: float | None = None  #: x of the other end face; without it the other end
-    air: Mapping[str, Point] = field(default_factory=dict)  #: a point in each cavity; needed with several cavities
-    cell: float | CellPlanes | None = None  #: its length or [planes](cell.md#own-bodies), sought if left out
-    unit: float = 1.0  #: unit of length of the file; STEP files store theirs
-    axes: Axes = SAME  #: which directions of the file are x, y and z of the arm
-    middle: float = 0.0  #: z of the plane of symmetry in the file; all other z are measured from it
-    plug: Plug = False  #: `true` closes an inlet in the plane of the clamp; points in the mouths of inlets fill them
+    file: Annotated[str, "path of the file"]
+    curve: Annotated[float, "y of the material curve"]
+    clamp: Annotated[float | None, "x of the clamped end face; without it the end with the smallest x"] = None
+    tip: Annotated[float | None, "x of the other end face; without it the other end"] = None
+    air: Annotated[Mapping[str, Point], "a point in each cavity; needed with several cavities"] = field(
+        default_factory=dict
+    )
+    cell: Annotated[float | CellPlanes | None, "its length or [planes](cell.md#own-bodies), sought if left out"] = None
+    unit: Annotated[float, "unit of length of the file; STEP files store theirs"] = 1.0
+    axes: Annotated[Axes, "which directions of the file are x, y and z of the arm"] = SAME
+    middle: Annotated[float, "z of the plane of symmetry in the file; all other z are measured from it"] = 0.0
+    plug: Annotated[
+        Plug, "`true` closes an inlet in the plane of the clamp; points in the mouths of inlets fill them"
+    ] = False
 
     def __post_init__(self) -> None:
         raise_together(self._wrong_values())

@@ -1,7 +1,5 @@
 """The body of a configuration: the keys of its family, or of the file that holds it."""
 
-import inspect
-import re
 from collections.abc import Iterator, Mapping
 from dataclasses import MISSING, fields
 from functools import cache
@@ -47,7 +45,6 @@ _EXAMPLES = {
     "gaps": f"[{', '.join(['2 mm'] * 12)}]",
 }
 _OBLIQUE = "{along: [1, 0, 1], up: [0, 1, 0]}"
-_COMMENT = re.compile(r"^    (\w+): [^#\n]*  #: (.*)$", re.MULTILINE)
 
 
 def _unit(value: Any) -> float:
@@ -133,22 +130,18 @@ def design_class(family: str, file: str) -> type[Design]:
 
 @cache
 def geometry_section(design: Any) -> type[Section]:
-    """The keys of a class of designs: its fields, whose meanings are the comments beside them."""
-    types, drawn = get_type_hints(design), design in FAMILIES.values()
-    meanings = {name: text for kind in reversed(design.__mro__[:-1]) for name, text in _comments(kind).items()}
+    """The keys of a class of designs: its fields, whose meanings stand beside their types (`Annotated`)."""
+    types, drawn = get_type_hints(design, include_extras=True), design in FAMILIES.values()
     keys: dict[str, tuple[Any, Any]] = {"family": (str, Field())}
     for field in fields(design):
-        kind = _UNIT if field.name == "unit" else _KINDS.get(types[field.name], Points)
+        value, (meaning,) = types[field.name].__origin__, types[field.name].__metadata__
+        kind = _UNIT if field.name == "unit" else _KINDS.get(value, Points)
         if drawn and kind is Length:
             kind = Annotated[Length, Kind("at least 0" if field.default == 0.0 else "above 0", LENGTH.example, "mm")]
         default = {key: v for key in ("default", "default_factory") if (v := getattr(field, key)) is not MISSING}
         examples = [_EXAMPLES[field.name]] if field.name in _EXAMPLES else None
-        keys[field.name] = (kind, Field(**default, examples=examples, description=meanings[field.name]))
+        keys[field.name] = (kind, Field(**default, examples=examples, description=meaning))
     return section_of("Geometry", keys, {name: [f.name for f in fields(design)] for name, design in DESIGNS.items()})
-
-
-def _comments(kind: Any) -> dict[str, str]:
-    return dict(_COMMENT.findall(inspect.getsource(kind))) if kind.__module__.startswith("geometry.") else {}
 
 
 def read_design(value: Any, _: Mapping[str, Any], document: Document) -> Design:

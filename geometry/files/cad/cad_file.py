@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
-from typing import ClassVar, final
+from typing import Annotated, ClassVar, final
 
 import numpy as np
 
@@ -41,9 +41,9 @@ class CadFile(FileDesign):
 
     family: ClassVar[str] = "cad_file"
 
-    symmetric: bool | None = None  #: `true` if the file holds one half alone, `false` for halves that differ
-    unite: bool = False  #: whether several solids that touch become one
-    parts: Mapping[str, Point] = field(default_factory=dict)  #: a point in each solid of another material
+    symmetric: Annotated[bool | None, "`true` if the file holds one half alone, `false` for halves that differ"] = None
+    unite: Annotated[bool, "whether several solids that touch become one"] = False
+    parts: Annotated[Mapping[str, Point], "a point in each solid of another material"] = field(default_factory=dict)
 
     def _read(self) -> None:
         clamp, tip = self._ends

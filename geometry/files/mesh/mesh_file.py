@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import combinations
 from pathlib import Path
-from typing import ClassVar, Self, final
+from typing import Annotated, ClassVar, Self, final
 
 import numpy as np
 
@@ -42,9 +42,11 @@ class MeshFile(FileDesign):
     has_drawing: ClassVar[bool] = False
     fills_inlets: ClassVar[bool] = False
 
-    symmetric: bool = False  #: whether the file holds one half alone, z >= 0 or z <= 0
-    cell: float | None = None  #: length over which curvature is averaged; that of equal chambers, or up to 10 mm
-    plug: bool = False  #: whether an inlet in the plane of the clamp is closed there
+    symmetric: Annotated[bool, "whether the file holds one half alone, z >= 0 or z <= 0"] = False
+    cell: Annotated[float | None, "length over which curvature is averaged; that of equal chambers, or up to 10 mm"] = (
+        None
+    )
+    plug: Annotated[bool, "whether an inlet in the plane of the clamp is closed there"] = False
 
     def _read(self) -> None:
         _ = self.fixed_body

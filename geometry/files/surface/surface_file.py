@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import ClassVar, final
+from typing import Annotated, ClassVar, final
 
 import numpy as np
 
@@ -39,7 +39,9 @@ class SurfaceFile(FileDesign):
     family: ClassVar[str] = "surface_file"
     has_drawing: ClassVar[bool] = False
 
-    cell: float | None = None  #: length over which curvature is averaged; that of equal chambers, or up to 10 mm
+    cell: Annotated[float | None, "length over which curvature is averaged; that of equal chambers, or up to 10 mm"] = (
+        None
+    )
 
     def _read(self) -> None:
         _ = self.surface, self.length
