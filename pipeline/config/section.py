@@ -5,6 +5,7 @@ that Python code gives is one inside, in mm, N, MPa and kPa; only what stands in
 """
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from difflib import get_close_matches
 from typing import Annotated, Any, ClassVar, Self, TypeVar, get_args
@@ -35,6 +36,9 @@ UNITS = ("_mm_s2", "_tonne_mm3", "_mm", "_kPa", "_MPa", "_N")
 UNKNOWN = ("unexpected_keyword_argument", "invalid_key")
 
 S = TypeVar("S")
+K = TypeVar("K", str, int)
+V = TypeVar("V")
+T = TypeVar("T")
 
 
 def key_of(field: str) -> str:
@@ -182,18 +186,43 @@ def read_keys(keys: type[S], value: Any, document: Document) -> S:
     return TypeAdapter(keys).validate_python(value, context=document, by_alias=True, by_name=False)
 
 
-def read(keys: type[S], document: Document) -> S:
-    """The section that a whole document holds.
+def read_each(entries: Mapping[K, V], read_one: Callable[[K, V], T], place: Key = ()) -> dict[K, T]:
+    """Each entry as it is read. All that are refused are raised at once, at their keys within `place`."""
+    made, errors = {}, []
+    for key, entry in entries.items():
+        try:
+            made[key] = read_one(key, entry)
+        except ValidationError as refused:
+            errors += [
+                wrong(e["ctx"]["complaint"], (*place, key, *e["loc"]), e["ctx"]["keys"]) for e in refused.errors()
+            ]
+        except ValueError as refused:
+            errors.append(wrong(str(refused).rstrip("."), (*place, key)))
+    raise_all(errors)
+    return made
+
+
+@contextmanager
+def in_sentences(document: Document) -> Iterator[None]:
+    """Errors of what a document holds, as sentences.
 
     Raises InputError with a sentence for each thing that is wrong; ConflictError where each value is allowed.
     """
     try:
-        return read_keys(keys, document.content, document)
+        yield
     except ValidationError as refused:
         errors = [error for error in refused.errors() if error["ctx"]["complaint"]]
+    else:
+        return
     named = [(error["ctx"]["keys"] or [error["loc"]], error["ctx"]["complaint"]) for error in errors]
     sentences = [document.sentence(document.first_given(places), complaint) for places, complaint in named]
     raise (ConflictError if all(error["ctx"]["keys"] for error in errors) else InputError)(*sentences)
+
+
+def read(keys: type[S], document: Document) -> S:
+    """The section that a whole document holds. Raises InputError as `in_sentences`."""
+    with in_sentences(document):
+        return read_keys(keys, document.content, document)
 
 
 def _worded(keys: type[Section], refused: ValidationError) -> Iterator[Error]:

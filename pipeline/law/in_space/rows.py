@@ -1,16 +1,11 @@
 """A configuration of an arm that bends in space, with the rows of pressures between which its law is measured."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 from pipeline.config.config import Config
 from pipeline.config.document import Document
-from pipeline.config.section import read
-from pipeline.config.units import PRESSURE, convert
-from pipeline.law.in_space.pressure_lists import pressure_lists
+from pipeline.law.in_space.pressure_lists import Row, pressure_rows
 from pipeline.law.in_space.states import Pressures
-
-_KEY = "pressures"
 
 
 @dataclass(frozen=True)
@@ -26,22 +21,19 @@ def read_rows(document: Document) -> RowSpec | None:
 
     Only a body with `geometry.symmetric: false` has rows.
     """
-    if (given := pressure_lists(document, "rows")) is None:
+    otherwise = "is no row of pressures; for example [20 kPa, 5 kPa, 0 kPa]"
+    if (given := pressure_rows(document, "rows", otherwise, _check)) is None:
         return None
-    rows = [_row(document, k, entry) for k, entry in enumerate(given)]
-    highest = sorted({max(row) for row in rows})
-    values = [(_KEY, [f"{pressure!r} kPa" for pressure in highest])]
-    made = document.with_values(values, lambda key: f"{document.path}: {key}" if key == _KEY else document.naming(key))
-    config = read(Config, made)
+    config = given.config(sorted({max(row) for row in given.rows}), {})
     cavities = config.design.cavities
     if not config.design.halves_differ:
         sentence = "rows of pressures are for a body with geometry.symmetric: false; list one pressure in each entry"
-        raise document.wrong((_KEY,), sentence)
-    for k, row in enumerate(rows):
+        raise given.wrong(sentence)
+    for k, row in enumerate(given.rows):
         if len(row) != len(cavities):
             names = ", ".join(cavities)
-            raise document.wrong((_KEY, k), f"has {len(row)} pressures; give one for each of the cavities {names}")
-    return RowSpec(config, tuple(rows))
+            raise given.wrong(f"has {len(row)} pressures; give one for each of the cavities {names}", k)
+    return RowSpec(config, given.rows)
 
 
 def rows_of(config: Config) -> RowSpec:
@@ -51,14 +43,7 @@ def rows_of(config: Config) -> RowSpec:
     return RowSpec(config, tuple(tuple(p * part for part in fractions) for p in config.pressures_kPa))
 
 
-def _row(document: Document, k: int, entry: object) -> Pressures:
-    example = "[20 kPa, 5 kPa, 0 kPa]"
-    if not isinstance(entry, Sequence) or isinstance(entry, str) or len(entry) < 2:
-        raise document.wrong((_KEY, k), f"is no row of pressures; for example {example}")
-    try:
-        row = tuple(convert(value, PRESSURE) for value in entry)
-    except ValueError as failure:
-        raise document.wrong((_KEY, k), str(failure).rstrip(".")) from None
+def _check(row: Row) -> None:
+    """Raise ValueError for a vacuum, and for a body at rest."""
     if min(row) < 0.0 or not max(row):
-        raise document.wrong((_KEY, k), "must have no pressure below 0 kPa, and one above")
-    return row
+        raise ValueError("must have no pressure below 0 kPa, and one above")

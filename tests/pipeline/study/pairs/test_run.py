@@ -9,6 +9,7 @@ from pipeline.answers.rods.choice import rod_of_path
 from pipeline.answers.rods.end_loads import rod_at
 from pipeline.answers.rods.pressures import Wish, pressures_for
 from pipeline.config.document import Document
+from pipeline.law.in_space.pressure_lists import PressureRows
 from pipeline.results.files import read_results
 from pipeline.results.saved_pairs import read_pair_law
 from pipeline.store.result_folder import ResultFolder
@@ -23,7 +24,7 @@ from tests.pair_laws import ray
 
 def spec_of(*directions: float) -> PairSpec:
     rays = dict.fromkeys(directions, (30.0,))
-    return PairSpec(Document(Path("two.yaml"), {}, ()), "two", ("cavity", "cavity_lower"), rays)
+    return PairSpec(PressureRows(Document(Path("two.yaml"), {}, ()), ()), "two", ("cavity", "cavity_lower"), rays)
 
 
 def exact(direction: float, pressures: Sequence[float]) -> ArmLaw:
