@@ -13,22 +13,19 @@ from pipeline.simulate.design_notes import check_design
 from pipeline.simulate.outcome import Outcomes
 from pipeline.store.context import RunContext, run_context
 from pipeline.store.progress import Progress
-from pipeline.store.result_folder import ON_COMMAND_LINE, FolderWords
 from pipeline.store.store import open_store
 from pipeline.values.reasons import render
 
 
-def run(
-    config: Config, out: Path, jobs: int, fresh: bool, progress: Progress, words: FolderWords = ON_COMMAND_LINE
-) -> stages.SolvedRun:
+def run(config: Config, out: Path, jobs: int, fresh: bool, progress: Progress) -> stages.SolvedRun:
     """From a configuration to `out`/report.html, `jobs` tasks at a time; `fresh` replaces earlier results.
 
     A pressure that is not reached is among the `failures` of the results; everything finished is in `out` then, the
-    report included. Raises InputError for a body that cannot be meshed, a folder that cannot be used (in the words of
-    the caller), and RunFailed where nothing more can be solved (faces that cannot touch, a process that was ended from
+    report included. Raises InputError for a body that cannot be meshed, a folder that cannot be used,
+    and RunFailed where nothing more can be solved (faces that cannot touch, a process that was ended from
     outside).
     """
-    with open_store(out, config, fresh=fresh, words=words) as store:
+    with open_store(out, config, fresh=fresh) as store:
         for reason in check_design(config):
             progress.remark(render(reason))
         with run_context(store, jobs, progress) as context:

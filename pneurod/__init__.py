@@ -27,8 +27,14 @@ if TYPE_CHECKING:
     import pipeline
     import rod
     from geometry import PneurodError
+    from pipeline.api.measured import calibrate, compare, material
+    from pipeline.api.results import Results, read_pair_law, read_results, read_space_law
+    from pipeline.api.rods import budget, export, shape, solve
+    from pipeline.api.runs import cell, characterize, characterize_pairs, mesh
+    from pipeline.api.setup import doctor, init
+    from pipeline.api.studies import accuracy, design, effects, sweep
+    from pipeline.study.wishes.report import DesignReport
     from pipeline.values.errors import InputError, RunFailed
-    from pneurod.characterization import characterize
     from pneurod.designs import (
         BisectedCircle,
         BodyFile,
@@ -44,9 +50,6 @@ if TYPE_CHECKING:
         StVenantKirchhoff,
         Yeoh,
     )
-    from pneurod.measured import calibrate, compare
-    from pneurod.results import Results, read_pair_law, read_results, read_space_law
-    from pneurod.wishes import DesignReport, design
     from rod import ArmLaw, FiveParameters, Interval, LawRod, Rod, RodError, RodSolution, RodWarning
 
 __all__ = [
@@ -76,17 +79,30 @@ __all__ = [
     "SemicircularSingle",
     "StVenantKirchhoff",
     "Yeoh",
+    "accuracy",
+    "budget",
     "calibrate",
+    "cell",
     "characterize",
+    "characterize_pairs",
     "compare",
     "design",
+    "doctor",
+    "effects",
+    "export",
     "fem",
     "geometry",
+    "init",
+    "material",
+    "mesh",
     "pipeline",
     "read_pair_law",
     "read_results",
     "read_space_law",
     "rod",
+    "shape",
+    "solve",
+    "sweep",
 ]
 
 if not TYPE_CHECKING:  # a type checker reads the imports above and refuses every other name
@@ -119,22 +135,34 @@ def _imported(name: str) -> object:
             from pipeline.values import errors
 
             return getattr(errors, name)
-        case "characterize":
-            from pneurod import characterization
+        case "cell" | "characterize" | "characterize_pairs" | "mesh":
+            from pipeline.api import runs
 
-            return characterization.characterize
-        case "calibrate" | "compare":
-            from pneurod import measured
+            return getattr(runs, name)
+        case "accuracy" | "design" | "effects" | "sweep":
+            from pipeline.api import studies
+
+            return getattr(studies, name)
+        case "budget" | "export" | "shape" | "solve":
+            from pipeline.api import rods
+
+            return getattr(rods, name)
+        case "calibrate" | "compare" | "material":
+            from pipeline.api import measured
 
             return getattr(measured, name)
+        case "doctor" | "init":
+            from pipeline.api import setup
+
+            return getattr(setup, name)
         case "Results" | "read_pair_law" | "read_results" | "read_space_law":
-            from pneurod import results
+            from pipeline.api import results
 
             return getattr(results, name)
-        case "DesignReport" | "design":
-            from pneurod import wishes
+        case "DesignReport":
+            from pipeline.study.wishes.report import DesignReport
 
-            return getattr(wishes, name)
+            return DesignReport
         case "PneurodError":
             return geometry.PneurodError
     if not hasattr(rod, name):

@@ -3,122 +3,213 @@
     pneurod.PneuNet(chambers=6, wall="1.2 mm")
     pneurod.NeoHooke(mu="0.1 MPa")
 
-Keys that are left out have the defaults of a configuration (docs/configuration.md). Values are checked by
-`pneurod.characterize`. For the laws of the finite element solver, with numbers in MPa, see `pneurod.fem`.
+Keys that are left out have the defaults of a configuration (docs/configuration.md). A key that does not exist is a
+TypeError; values are checked by `pneurod.characterize`. For the laws of the finite element solver, with numbers in MPa,
+see `pneurod.fem`.
 """
 
-from collections.abc import Mapping
-from types import MappingProxyType
-from typing import Any, ClassVar
+from collections.abc import Mapping, Sequence
+from dataclasses import KW_ONLY, dataclass
+from typing import final
 
-from pneurod.arguments import Setting, given_settings
+from pipeline.api.described import Body, Material
 
-
-class Description:
-    """One section of a configuration: what is described, and the values of its keys."""
-
-    _choice: ClassVar[tuple[str, str]]  #: the key that says what is described, and its value
-
-    def __init__(self, **values: Setting) -> None:
-        key, value = self._choice
-        self.values: Mapping[str, Any] = MappingProxyType({key: value, **dict(given_settings(values, str))})
-
-    def __eq__(self, other: object) -> bool:
-        return type(other) is type(self) and isinstance(other, Description) and other.values == self.values
-
-    def __hash__(self) -> int:
-        return hash(repr(self))
-
-    def __repr__(self) -> str:
-        given = ", ".join(f"{key}={value!r}" for key, value in self.values.items() if key != self._choice[0])
-        return f"{type(self).__name__}({given})"
+#: a point of the file, with units: x, y and z
+Point = Sequence[str]
 
 
-class Body(Description):
-    """A body: a family with its dimensions, or a file."""
-
-
+@final
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class PneuNet(Body):
-    """A pneu-net with gaps between its chambers: chambers, width, chamber_height, wall, ..."""
+    """A pneu-net with gaps between its chambers."""
 
-    _choice = ("family", "pneunet")
+    choice = ("family", "pneunet")
+
+    chambers: int | None = None
+    width: str | None = None
+    chamber_length: str | None = None
+    gap: str | None = None
+    chamber_height: str | None = None
+    strip: str | None = None
+    base: str | None = None
+    wall: str | None = None
+    side_wall: str | None = None
+    roof: str | None = None
+    channel: str | None = None
+    fillet: str | None = None
+    chamber_lengths: Sequence[str] | None = None
+    chamber_heights: Sequence[str] | None = None
+    gaps: Sequence[str] | None = None
 
 
+@final
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class Semicircular(Body):
-    """A half cylinder with a row of cavities: chambers, radius, partition, wall, ..."""
+    """A half cylinder with a row of cavities."""
 
-    _choice = ("family", "semicircular")
+    choice = ("family", "semicircular")
+
+    chambers: int | None = None
+    radius: str | None = None
+    chamber_length: str | None = None
+    partition: str | None = None
+    end_wall: str | None = None
+    base: str | None = None
+    wall: str | None = None
+    channel: str | None = None
 
 
+@final
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class SemicircularSingle(Body):
-    """A half cylinder with one long cavity: length, radius, wall, ..."""
+    """A half cylinder with one long cavity."""
 
-    _choice = ("family", "semicircular_single")
+    choice = ("family", "semicircular_single")
+
+    length: str | None = None
+    radius: str | None = None
+    end_wall: str | None = None
+    base: str | None = None
+    wall: str | None = None
 
 
+@final
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class BisectedCircle(Body):
-    """A tube that a wall divides into two cavities: length, radius, wall, divider, ..."""
+    """A tube that a wall divides into two cavities."""
 
-    _choice = ("family", "bisected_circle")
+    choice = ("family", "bisected_circle")
+
+    length: str | None = None
+    radius: str | None = None
+    end_wall: str | None = None
+    wall: str | None = None
+    divider: str | None = None
 
 
+@final
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class Rectangular(Body):
-    """A bar with a row of cavities under one flat roof: chambers, width, height, roof, ..."""
+    """A bar with a row of cavities under one flat roof."""
 
-    _choice = ("family", "rectangular")
+    choice = ("family", "rectangular")
+
+    chambers: int | None = None
+    width: str | None = None
+    height: str | None = None
+    chamber_length: str | None = None
+    partition: str | None = None
+    end_wall: str | None = None
+    base: str | None = None
+    side_wall: str | None = None
+    roof: str | None = None
+    channel: str | None = None
 
 
+@final
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class BodyFile(Body):
-    """A body of a CAD, mesh or surface file: file (from the working folder), clamp, tip, cavity, ..."""
+    """A body of a CAD, mesh or surface file; which keys a kind of file has is in docs/configuration.md."""
 
-    _choice = ("family", "own")
+    choice = ("family", "own")
+
+    file: str  #: from the working folder
+    curve: str  #: y of the material curve
+    clamp: str | None = None
+    tip: str | None = None
+    air: Mapping[str, Point] | None = None
+    cell: str | Mapping[str, str] | None = None  #: a length, or two planes: {"from": "40 mm", "to": "44 mm"}
+    unit: str | None = None
+    axes: Sequence[str] | Mapping[str, Sequence[float]] | None = None
+    middle: str | None = None
+    plug: bool | Mapping[str, Point] | None = None
+    symmetric: bool | None = None
+    unite: bool | None = None
+    parts: Mapping[str, Point] | None = None
+    defeature: str | None = None
 
 
-class Material(Description):
-    """A law of the material and its constants; density as well, such as density="1130 kg/m^3"."""
-
-
+@final
+@dataclass(frozen=True, eq=False, repr=False)
 class NamedRubber(Material):
     """A rubber with known constants: NamedRubber("dragon_skin_30")."""
 
-    def __init__(self, name: str, **values: Setting) -> None:
-        self.values = MappingProxyType({"name": name, **dict(given_settings(values, str))})
+    name: str
+    _: KW_ONLY
+    kappa: str | None = None
+    nu: float | None = None
 
-    def __repr__(self) -> str:
-        return f"NamedRubber({', '.join(f'{key}={value!r}' for key, value in self.values.items())})"
 
-
+@final
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class StVenantKirchhoff(Material):
-    """E and nu: the law of the paper, for stretches from 0.91 to 1.10."""
+    """The law of the paper, for stretches from 0.91 to 1.10."""
 
-    _choice = ("law", "svk")
+    choice = ("law", "svk")
+
+    E: str
+    nu: float
 
 
+@final
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class Hencky(Material):
-    """E and nu, with logarithmic strains."""
+    """The law with logarithmic strains."""
 
-    _choice = ("law", "hencky")
+    choice = ("law", "hencky")
 
-
-class NeoHooke(Material):
-    """mu, with kappa or nu."""
-
-    _choice = ("law", "neo_hooke")
+    E: str
+    nu: float
 
 
-class MooneyRivlin(Material):
-    """c10 and c01, with kappa or nu."""
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+class Rubber(Material):
+    """A law of rubber, with its bulk modulus kappa or Poisson's ratio nu; nu is 0.495 without both."""
 
-    _choice = ("law", "mooney_rivlin")
-
-
-class Yeoh(Material):
-    """c10, c20 and c30, with kappa or nu."""
-
-    _choice = ("law", "yeoh")
+    kappa: str | None = None
+    nu: float | None = None
 
 
-class Ogden(Material):
-    """Lists mu and alpha, with kappa or nu."""
+@final
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+class NeoHooke(Rubber):
+    """The law with a shear modulus alone."""
 
-    _choice = ("law", "ogden")
+    choice = ("law", "neo_hooke")
+
+    mu: str
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+class MooneyRivlin(Rubber):
+    """The law with the first power of both invariants."""
+
+    choice = ("law", "mooney_rivlin")
+
+    c10: str
+    c01: str
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+class Yeoh(Rubber):
+    """The law with three powers of the first invariant."""
+
+    choice = ("law", "yeoh")
+
+    c10: str
+    c20: str
+    c30: str
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+class Ogden(Rubber):
+    """The law with powers of the principal stretches; one entry of each list for a term."""
+
+    choice = ("law", "ogden")
+
+    mu: Sequence[str]
+    alpha: Sequence[float]
+    form: str | None = None  #: "ogden", or "abaqus" for terms with 2 mu / alpha^2

@@ -19,7 +19,7 @@ from pipeline.results.options import option_value
 from pipeline.results.saved_law import SavedLaw
 from pipeline.store.atomic_file import write_atomic
 from pipeline.store.result_folder import open_file
-from pipeline.values.errors import InputError
+from pipeline.values.errors import InputError, argument
 from pipeline.values.page import figure_page
 from pipeline.values.plots import COLOURS, Line, Panel
 from pipeline.values.run import Run
@@ -237,7 +237,7 @@ def budget_for(
     """
     run = read_results(folder)
     tolerances = _with_settings(run, settings)
-    found = budget_of(run, None if pressure is None else option_value("--pressure", pressure, UNIT), tolerances)
+    found = budget_of(run, None if pressure is None else option_value("pressure", pressure, UNIT), tolerances)
     if found is None:
         raise InputError(f"{folder}: its law has no derivatives; an arm with cells has them, see docs/cell.md")
     page = open_file(out or folder / "budget.html")
@@ -252,11 +252,13 @@ def _with_settings(run: Run, settings: Sequence[str]) -> Tolerances:
     for setting in settings:
         key, separator, written = setting.partition("=")
         if not separator:
-            raise InputError(f"--tolerance {setting}: write it as KEY=VALUE, for example geometry.wall='0.1 mm'")
+            raise InputError(
+                f"{argument('tolerances', setting)}: write it as KEY=VALUE, for example geometry.wall='0.1 mm'"
+            )
         try:
             known = known.with_setting(key.strip(), written.strip(), {} if law is None else _units(law))
         except ValueError as refused:
-            raise InputError(f"--tolerance {setting}: {refused}") from None
+            raise InputError(f"{argument('tolerances', setting)}: {refused}") from None
     return known
 
 

@@ -77,7 +77,7 @@ def read_document(path: Path, overrides: Sequence[str] = ()) -> Document:
         raise InputError(f"{path}: {_yaml_complaint(failure)}; write 'key: value' lines in YAML") from None
     if not isinstance(content, dict):
         raise InputError(f"{path}: holds no keys; a configuration starts with 'name: ...' and 'geometry: ...'")
-    return Document(path, content, ()).with_values([_key_and_value(text) for text in overrides], on_command_line)
+    return Document(path, content, ()).with_values([key_and_value(text) for text in overrides], on_command_line)
 
 
 def _parsed(text: str) -> Any:
@@ -90,8 +90,8 @@ def _parsed(text: str) -> Any:
         raise yaml.constructor.ConstructorError(problem=f"has an invalid value ({failure})") from None
 
 
-def _key_and_value(text: str) -> tuple[str, str]:
-    """The parts of a KEY=VALUE of the command line."""
+def key_and_value(text: str) -> tuple[str, str]:
+    """The parts of a KEY=VALUE of the command line. Raises InputError for anything else."""
     key, sign, value = text.partition("=")
     if not sign or not all(name.strip() for name in key.split(".")):
         raise InputError(f"{on_command_line(shortened(text))}: is not KEY=VALUE; for example --set mesh.size='4 mm'")

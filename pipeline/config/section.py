@@ -36,7 +36,7 @@ UNITS = ("_mm_s2", "_tonne_mm3", "_mm", "_kPa", "_MPa", "_N")
 UNKNOWN = ("unexpected_keyword_argument", "invalid_key")
 
 S = TypeVar("S")
-K = TypeVar("K", str, int)
+K = TypeVar("K", bound=str | int)
 V = TypeVar("V")
 T = TypeVar("T")
 
@@ -193,9 +193,9 @@ def read_each(entries: Mapping[K, V], read_one: Callable[[K, V], T], place: Key 
         try:
             made[key] = read_one(key, entry)
         except ValidationError as refused:
-            errors += [
-                wrong(e["ctx"]["complaint"], (*place, key, *e["loc"]), e["ctx"]["keys"]) for e in refused.errors()
-            ]
+            for error in refused.errors():
+                context = error["ctx"]
+                errors.append(wrong(context["complaint"], (*place, key, *error["loc"]), context["keys"]))
         except ValueError as refused:
             errors.append(wrong(str(refused).rstrip("."), (*place, key)))
     raise_all(errors)

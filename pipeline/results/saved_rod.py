@@ -12,7 +12,7 @@ from pipeline.config.units import PRESSURE
 from pipeline.results.options import option_value
 from pipeline.results.parameter_checks import check_parameters
 from pipeline.results.without_parameters import refuse_without_parameters
-from pipeline.values.errors import InputError
+from pipeline.values.errors import InputError, argument
 from rod.curves.extension import Extension
 from rod.errors import RodError
 from rod.identification.moment_range import MomentRange
@@ -57,11 +57,11 @@ class SavedRod:
 
         Raises InputError.
         """
-        value = option_value("--pressure", pressure, PRESSURE)
+        value = option_value("pressure", pressure, PRESSURE)
         try:
             return self.rods.at(value)
         except RodError as failure:
-            raise InputError(f"--pressure {pressure}: {failure}") from None
+            raise InputError(f"{argument('pressure', pressure)}: {failure}") from None
 
     def deviations_at(self, pressure: float) -> Mapping[str, tuple[float, ...]]:
         """The standard deviations at an identified pressure (kPa) by PARAMETER_NAMES; elsewhere they are not known."""

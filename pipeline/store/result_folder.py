@@ -14,7 +14,7 @@ from typing import Any
 from pydantic_core import to_json
 
 from pipeline.store.atomic_file import write_atomic
-from pipeline.values.errors import InputError
+from pipeline.values.errors import InputError, argument
 from pipeline.values.json_values import Json
 
 #: a list without texts, lists and objects in it, over several lines (no text of JSON has a line break); its breaks
@@ -55,23 +55,7 @@ class ResultFolder:
         return json.loads(path.read_text(encoding="utf-8")) if path.is_file() else None
 
 
-@dataclass(frozen=True)
-class FolderWords:
-    """What the caller has given a result folder with, as the sentences of a refusal name it."""
-
-    out: str = "--out"  #: with which the folder was given
-    joint: str = " "  #: between this and the folder
-    fresh: str = "--fresh"  #: with which earlier results are replaced
-
-    def given(self, folder: Path) -> str:
-        """The folder as it was given: --out results/arm."""
-        return f"{self.out}{self.joint}{folder}"
-
-
-ON_COMMAND_LINE = FolderWords()
-
-
-def open_folder(directory: Path | str, words: FolderWords = ON_COMMAND_LINE) -> ResultFolder:
+def open_folder(directory: Path | str) -> ResultFolder:
     """A folder, made if it is missing, for results that replace earlier ones.
 
     Raises InputError when it cannot be written.
@@ -84,18 +68,18 @@ def open_folder(directory: Path | str, words: FolderWords = ON_COMMAND_LINE) -> 
     except OSError as failure:
         in_the_way = next((part for part in (folder, *folder.parents) if part.is_file()), None)
         reason = f"{in_the_way} is a file" if in_the_way else failure.strerror or str(failure)
-        sentence = f"{words.given(folder)}: cannot be written ({reason}); give a folder you may write to"
+        sentence = f"{argument('out', folder)}: cannot be written ({reason}); give a folder you may write to"
         raise InputError(sentence) from None
     return ResultFolder(folder)
 
 
 def open_file(file: Path) -> Path:
-    """The file that `--out` names, ready to be written; its folder is made if it is missing.
+    """The file that `out` names, ready to be written; its folder is made if it is missing.
 
     Raises InputError when it cannot be written.
     """
     if file.is_dir():
-        raise InputError(f"--out {file}: is a folder; give a file")
+        raise InputError(f"{argument('out', file)}: is a folder; give a file")
     open_folder(file.parent)
     return file
 

@@ -19,9 +19,9 @@ from filelock import FileLock, Timeout
 from numpy.typing import ArrayLike, NDArray
 
 from pipeline.store.atomic_file import remove_parts, write_atomic
-from pipeline.store.result_folder import ON_COMMAND_LINE, FolderWords, ResultFolder, open_folder
+from pipeline.store.result_folder import ResultFolder, open_folder
 from pipeline.store.state_key import NUMBER_SOURCES, STATE_SOURCES, result_key
-from pipeline.values.errors import InputError
+from pipeline.values.errors import InputError, argument
 from pipeline.values.formats import LAW_IN_SPACE, PAIRS
 from pipeline.values.json_values import JsonObject
 from pipeline.values.pressure import name_of_state
@@ -75,24 +75,24 @@ class Store(ResultFolder):
 
 
 @contextmanager
-def open_store(
-    directory: Path | str, config: Configuration, *, fresh: bool = False, words: FolderWords = ON_COMMAND_LINE
-) -> Iterator[Store]:
+def open_store(directory: Path | str, config: Configuration, *, fresh: bool = False) -> Iterator[Store]:
     """The result directory for `config`, made if it is missing and locked against other runs until the block ends.
 
-    `fresh` first removes what earlier runs left in it. Raises InputError with one sentence, in the words of the caller,
+    `fresh` first removes what earlier runs left in it. Raises InputError with one sentence
     when the directory cannot be written, when another run is at work in it, or when it holds the results of another
     configuration.
     """
-    folder = open_folder(directory, words).directory
-    with locked(folder, words):
+    folder = open_folder(directory).directory
+    with locked(folder):
         own = [folder, *(folder / name for name in _FOLDERS)]  # others below may belong to other runs
         remove_parts(own)  # a worker of a killed run may still be ending
         if fresh:
             clear(folder)
         if (folder / PAIRS).is_file():
-            raise InputError(f"{words.given(folder)}: holds runs at pairs of pressures; give another {words.out}")
-        check_owner(folder, config, f"give another {words.out}, or {words.fresh} to replace them", words)
+            raise InputError(
+                f"{argument('out', folder)}: holds runs at pairs of pressures; give another {argument('out')}"
+            )
+        check_owner(folder, config, f"give another {argument('out')}, or {argument('fresh', True)} to replace them")
         keys = (result_key(config.hash, sources) for sources in (STATE_SOURCES, NUMBER_SOURCES))
         store = Store(folder, *keys)
         store.save_json(_IDENTITY, {"config_hash": config.hash, "config": config.record()})
@@ -104,14 +104,14 @@ def open_store(
 
 
 @contextmanager
-def locked(folder: Path, words: FolderWords = ON_COMMAND_LINE) -> Iterator[None]:
+def locked(folder: Path) -> Iterator[None]:
     """Keep other runs out of a folder until the block ends. Raises InputError where one is at work in it."""
     lock = FileLock(folder / _LOCK, blocking=False)
     try:
         lock.acquire()
     except Timeout:
-        remedy = f"wait for it or give another {words.out}"
-        raise InputError(f"{words.given(folder)}: another run is at work in it; {remedy}") from None
+        remedy = f"wait for it or give another {argument('out')}"
+        raise InputError(f"{argument('out', folder)}: another run is at work in it; {remedy}") from None
     try:
         yield
     finally:
@@ -120,7 +120,7 @@ def locked(folder: Path, words: FolderWords = ON_COMMAND_LINE) -> Iterator[None]
         lock.release()
 
 
-def check_owner(folder: Path, config: Configuration, remedy: str, words: FolderWords = ON_COMMAND_LINE) -> None:
+def check_owner(folder: Path, config: Configuration, remedy: str) -> None:
     """Raise InputError, with the remedy, for a folder that holds the results of another configuration."""
     try:
         owner = json.loads((folder / _IDENTITY).read_text(encoding="utf-8"))
@@ -129,13 +129,15 @@ def check_owner(folder: Path, config: Configuration, remedy: str, words: FolderW
     except (OSError, ValueError):
         owner = {}
     if owner.get("config_hash") != config.hash:
-        raise InputError(f"{words.given(folder)}: holds the results of another configuration; {remedy}")
+        raise InputError(f"{argument('out', folder)}: holds the results of another configuration; {remedy}")
 
 
 def check_no_run(folder: Path) -> None:
     """Raise InputError for a folder that holds the results of a run."""
     if (folder / _IDENTITY).is_file():
-        raise InputError(f"--out {folder}: holds the results of a run with one pressure; give another --out")
+        raise InputError(
+            f"{argument('out', folder)}: holds the results of a run with one pressure; give another {argument('out')}"
+        )
 
 
 def clear(folder: Path) -> None:

@@ -1,6 +1,9 @@
 """How a command ends when it cannot do its work: in sentences, and with the exit status that goes with them."""
 
 import reprlib
+from collections.abc import Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
 from pathlib import Path
 from typing import Any, final
 
@@ -8,6 +11,9 @@ from geometry import PneurodError
 
 #: Characters of a user's value that a sentence repeats.
 LONGEST = 60
+#: options of the command line that are called otherwise than the arguments in Python
+OPTIONS = {"start": "--from", "tolerances": "--tolerance"}
+_ON_COMMAND_LINE: ContextVar[bool] = ContextVar("on_command_line", default=False)
 
 
 class _Sentence(PneurodError):
@@ -15,6 +21,27 @@ class _Sentence(PneurodError):
 
     def __init__(self, sentence: str) -> None:
         super().__init__(_one_line(sentence))
+
+
+@contextmanager
+def on_command_line() -> Iterator[None]:
+    """Within the block, sentences name arguments as options of the command line."""
+    token = _ON_COMMAND_LINE.set(True)
+    try:
+        yield
+    finally:
+        _ON_COMMAND_LINE.reset(token)
+
+
+def argument(name: str, value: object = None) -> str:
+    """An argument as the caller writes it: out=results/arm, or --out results/arm on the command line.
+
+    Without a value its name alone; with True a switch: fresh=True, or --fresh.
+    """
+    if not _ON_COMMAND_LINE.get():
+        return name if value is None else f"{name}={value}"
+    option = OPTIONS.get(name, f"--{name.replace('_', '-')}")
+    return option if value is None or value is True else f"{option} {value}"
 
 
 class InputError(PneurodError):
@@ -47,6 +74,12 @@ class RunFailed(_Sentence):
         super().__init__(sentence)
         self.directory = directory  #: the folder with everything finished so far, where there is one
         self.brief = _one_line(brief) or str(self)  #: where the reasons are shown besides: the sentence without them
+        self.reached: object = None  #: what the function would have returned, as far as it is known
+
+    def with_reached(self, value: object) -> "RunFailed":
+        """The same failure with what was reached."""
+        self.reached = value
+        return self
 
 
 @final

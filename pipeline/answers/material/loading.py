@@ -9,7 +9,7 @@ import numpy as np
 
 from geometry.arrays import Array, Index, Mask
 from pipeline.answers.material.table import MIN_POINTS, Series, Specimen, read_table
-from pipeline.values.errors import InputError
+from pipeline.values.errors import InputError, argument
 
 #: part of the range of strains by which the strain has to go back or beyond earlier strains; less is scatter
 LEAST_RETURN = 0.05
@@ -131,7 +131,7 @@ def _loading(where: str, strain: Array, cycle: int) -> tuple[Index, int | None]:
         reach = np.abs(strain[side])
         ways = _rising(reach)
         if cycle > max(len(ways), 1):
-            raise InputError(f"{where}: --cycle {cycle}: the test has {max(len(ways), 1)}")
+            raise InputError(f"{where}: {argument('cycle', cycle)}: the test has {max(len(ways), 1)}")
         if not ways or (len(ways) == 1 and ways[0].sum() == len(side)):
             found.append(side)
             continue

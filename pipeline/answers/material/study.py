@@ -14,7 +14,7 @@ from pipeline.answers.material.sentences import doubts, facts, recommendation, y
 from pipeline.answers.material.table import Specimen
 from pipeline.config.units import AREA, DENSITY, LENGTH, STRAIN, Dimension
 from pipeline.results.options import option_value
-from pipeline.values.errors import InputError, RunFailed
+from pipeline.values.errors import InputError, RunFailed, argument
 
 #: stretches that arms reach (docs/materials.md), where no run says others
 USUAL = Need(0.7, 2.0)
@@ -26,7 +26,7 @@ WIDER, LEAST = 1.1, (0.9, 1.15)
 
 @dataclass(frozen=True)
 class FitOptions:
-    """The options of the command line, checked."""
+    """How tests are read and laws are judged, checked."""
 
     specimen: Specimen = ANY
     selection: Selection = FIRST
@@ -37,24 +37,24 @@ class FitOptions:
 
     @staticmethod
     def read(texts: dict[str, str | None], nu: float, cycle: int, run: Path | None) -> "FitOptions":
-        """From the texts of the command line by the name of the option. Raises InputError."""
+        """From texts by the name of the argument. Raises InputError."""
         try:
             StVenantKirchhoff(1.0, nu)
         except MaterialError as failure:
-            raise InputError(f"--nu: {failure}") from None
+            raise InputError(f"{argument('nu')}: {failure}") from None
 
         def value(option: str, dimension: Dimension) -> float | None:
             text = texts.get(option)
             return None if text is None else _positive(option, text, dimension)
 
-        value("--density", DENSITY)
+        value("density", DENSITY)
         return FitOptions(
-            Specimen(value("--length", LENGTH), value("--area", AREA)),
-            Selection(cycle, value("--from", STRAIN), value("--up-to", STRAIN) or np.inf),
+            Specimen(value("length", LENGTH), value("area", AREA)),
+            Selection(cycle, value("start", STRAIN), value("up_to", STRAIN) or np.inf),
             USUAL if run is None else need_of(run),
             nu,
-            texts.get("--density"),
-            value("--within", STRAIN) or FitOptions.within,
+            texts.get("density"),
+            value("within", STRAIN) or FitOptions.within,
         )
 
 
@@ -87,7 +87,7 @@ def need_of(run: Path) -> Need:
     states = read_results(run).states
     reached = np.array([(state.min_stretch, state.max_stretch) for state in states])
     if not np.isfinite(reached).all() or not len(reached):
-        raise InputError(f"--for {run}: has no states with stretches; give the folder of a finished run")
+        raise InputError(f"{run}: has no states with stretches; give the folder of a finished run")
     low, high = reached[:, 0].min() ** WIDER, reached[:, 1].max() ** WIDER
     return Need(float(min(low, LEAST[0])), float(max(high, LEAST[1])))
 
@@ -107,5 +107,7 @@ def fit_tests(paths: Sequence[Path], options: FitOptions) -> Material:
 def _positive(option: str, text: str, dimension: Dimension) -> float:
     value = option_value(option, text, dimension)
     if value <= 0:
-        raise InputError(f"{option}: {text} is not allowed; allowed: above zero, for example '{dimension.example}'")
+        raise InputError(
+            f"{argument(option)}: {text} is not allowed; allowed: above zero, for example '{dimension.example}'"
+        )
     return value

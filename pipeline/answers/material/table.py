@@ -14,7 +14,7 @@ import numpy as np
 from geometry.arrays import Array
 from pipeline.answers.written_table import is_unit, name_and_unit, number_in, per_unit, plain, read_cells
 from pipeline.config.units import FORCE, LENGTH, STRAIN, STRESS, Dimension
-from pipeline.values.errors import InputError, quoted
+from pipeline.values.errors import InputError, argument, quoted
 
 #: what a file without points is told
 EXAMPLE = "a line of titles names columns with their units, for example 'strain (%), stress (MPa)'"
@@ -150,8 +150,9 @@ def _values(table: _Table, column: _Column, specimen: Specimen) -> tuple[Array, 
         is_force = column.kind == "force"
         size = specimen.area_mm2 if is_force else specimen.length_mm
         if size is None:
-            option = "--area '16 mm^2', the cross-section" if is_force else "--length '33 mm', the length"
-            raise InputError(f"{table.path}: column '{column.title}' holds {column.kind}s; give {option} at rest")
+            area, length = argument("area", "'16 mm^2'"), argument("length", "'33 mm'")
+            needed = f"{area}, the cross-section" if is_force else f"{length}, the length"
+            raise InputError(f"{table.path}: column '{column.title}' holds {column.kind}s; give {needed} at rest")
         unit /= size
     if PRESSED.search(plain(column.title)) and np.nanmedian(values[np.isfinite(values)]) > 0:
         unit = -unit

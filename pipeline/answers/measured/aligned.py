@@ -7,7 +7,7 @@ import numpy as np
 from geometry.arrays import Array
 from pipeline.answers.measured.predicted import Numbers, Rods
 from pipeline.answers.measured.rows import Measurements, Row
-from pipeline.values.errors import InputError
+from pipeline.values.errors import InputError, argument
 
 #: degrees of a rod from which an angle is checked, and the part of it below which it was read in radians
 LARGE, IN_RADIANS = 15.0, 0.06
@@ -37,12 +37,15 @@ def aligned(measurements: Measurements, rods: Rods) -> Measurements:
     for row in measurements.rows:
         for x, y in PLACES:
             if (x in row.values) != (y in row.values):
-                raise InputError(f"{measurements.file}: line {row.line}: --align needs both {x}_mm and {y}_mm")
+                raise InputError(
+                    f"{measurements.file}: line {row.line}: {argument('align', True)} needs both {x}_mm and {y}_mm"
+                )
     rest = Numbers.of(replace(measurements, rows=tuple(map(_places, measurements.rows))))
     read = rest.values.reshape(-1, 2)
     if not len(read) or np.linalg.norm(read[:, None] - read, axis=2).max() < APART:
         raise InputError(
-            f"{measurements.file}: --align needs two points of the arm at zero pressure, apart from each other"
+            f"{measurements.file}: {argument('align', True)} needs two points of the arm at zero pressure, apart from "
+            "each other"
         )
     rod = rest.predicted(rods).reshape(-1, 2)
     a, b = read - read.mean(axis=0), rod - rod.mean(axis=0)

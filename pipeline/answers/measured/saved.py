@@ -15,7 +15,7 @@ from pipeline.answers.measured.unknowns import CLAMP, GAUGE, MODULUS, Unknown
 from pipeline.results.unloaded_states import unloaded_states
 from pipeline.store.provenance import provenance
 from pipeline.store.result_folder import ResultFolder, open_folder
-from pipeline.values.errors import InputError
+from pipeline.values.errors import InputError, argument
 from pipeline.values.formats import FORMAT
 from pipeline.values.json_values import JsonObject
 from pipeline.values.record import Reported
@@ -40,7 +40,7 @@ def new_folder(out: Path) -> ResultFolder:
     """A folder for a calibrated arm. Raises InputError for one that holds results."""
     held = next((name for name in (FILE, "law.json", "run.json") if (out / name).exists()), None)
     if held:
-        raise InputError(f"--out {out}: holds {held}, and nothing is overwritten; give another folder")
+        raise InputError(f"{argument('out', out)}: holds {held}, and nothing is overwritten; give another folder")
     return open_folder(out)
 
 

@@ -10,7 +10,7 @@ from pipeline.answers.budget import make_budget
 from pipeline.answers.measured.predicted import AS_WRITTEN, Setup
 from pipeline.config.section import not_known
 from pipeline.config.tolerances import STIFFNESS, Tolerance, Tolerances
-from pipeline.values.errors import InputError
+from pipeline.values.errors import InputError, argument
 from rod.arm_law.law import ArmLaw
 from rod.arm_law.second_order import with_second_order
 
@@ -91,9 +91,11 @@ def unknowns_of(law: ArmLaw, config: Mapping[str, Any], free: Sequence[str], hig
     tolerances, known = _tolerances(law, config), _dimensions(law)
     for key in free:
         if key not in known:
-            raise InputError(f"--free {key}: {not_known(key, known)}")
+            raise InputError(f"{argument('free', key)}: {not_known(key, known)}")
         if key not in tolerances:
-            raise InputError(f"--free {key}: has no tolerance; give one in the section tolerances of the configuration")
+            raise InputError(
+                f"{argument('free', key)}: has no tolerance; give one in the section tolerances of the configuration"
+            )
     chosen = list(dict.fromkeys(free))
     if not free and known:
         pressure = min(highest_kPa, law.pressures[-1])

@@ -15,7 +15,7 @@ from pipeline.results.saved_law_in_space import read_space_law
 from pipeline.results.saved_pairs import read_pair_law
 from pipeline.results.saved_rod import SavedRod, pressurised_rod
 from pipeline.results.verdict import OUT_OF_PLANE, Verdict, verdict_of
-from pipeline.values.errors import InputError, quoted
+from pipeline.values.errors import InputError, argument, quoted
 from pipeline.values.formats import ARM_LAW, EXTENSIBLE, FIVE
 from pipeline.values.reasons import NO_PARAMETERS, report_reason
 from pipeline.values.run import Run
@@ -80,15 +80,15 @@ class RodOfRun:
 
 def rod_of_path(path: Path, kind: str | None) -> RodOfRun:
     """The rod of a result folder, or the one of a parameters.json or a law.json alone. Raises InputError."""
-    check_kind(kind, "--rod ")
+    check_kind(kind, "rod")
     if (pairs := read_pair_law(path)) is not None:
         if kind not in (None, "law"):
-            raise InputError(f"--rod {kind}: a law over two pressures is that of rod law; leave --rod out")
+            raise InputError(f"{argument('rod', kind)}: a law over two pressures is that of rod law; leave it out")
         doubt = pairs.error_between is None and len(pairs.laws) > 1
         return RodOfRun("law", pairs, notes=("The error of this law between its ratios is not known.",) * doubt)
     if (in_space := read_space_law(path)) is not None:
         if kind not in (None, "law"):
-            raise InputError(f"--rod {kind}: a law in space is that of rod law; leave --rod out")
+            raise InputError(f"{argument('rod', kind)}: a law in space is that of rod law; leave it out")
         return RodOfRun("law", in_space)
     if path.is_dir():
         return choose_rod(read_results(path), kind)
@@ -98,17 +98,18 @@ def rod_of_path(path: Path, kind: str | None) -> RodOfRun:
         content = None  # the sentence is that of the parameters
     there = ("law",) if is_law(content) else ("five", "five_extensible")
     if kind not in (None, *there):
-        raise InputError(f"--rod {kind}: is not in {path.name}; give the folder of the run")
+        raise InputError(f"{argument('rod', kind)}: is not in {path.name}; give the folder of the run")
     if is_law(content):
         return RodOfRun("law", SavedLaw.of(path, content).law)
     chosen = kind or "five"
     return RodOfRun(chosen, SavedRod.read(path, extensible=chosen == "five_extensible").rods)
 
 
-def check_kind(kind: Any, before: str) -> None:
-    """Raise InputError for what is no name of a rod; before: how it was given, up to the name."""
+def check_kind(kind: Any, name: str) -> None:
+    """Raise InputError for what is no name of a rod; name: of the argument."""
     if kind is not None and (not isinstance(kind, str) or kind not in KINDS):
-        raise InputError(f"{before}{kind if isinstance(kind, str) else quoted(kind)}: allowed are {', '.join(KINDS)}")
+        given = argument(name, kind if isinstance(kind, str) else quoted(kind))
+        raise InputError(f"{given}: allowed are {', '.join(KINDS)}")
 
 
 def choose_rod(run: Run, kind: str | None = None) -> RodOfRun:

@@ -1,4 +1,4 @@
-"""Loads on the end of a rod from the command line, and the shapes under them."""
+"""Loads on the end of a rod, written with units, and the shapes under them."""
 
 import math
 import warnings
@@ -14,7 +14,7 @@ from pipeline.config.units import FORCE, LENGTH, MOMENT, PRESSURE
 from pipeline.results.options import option_list, option_value, option_vector
 from pipeline.store.atomic_file import write_atomic
 from pipeline.store.result_folder import open_file
-from pipeline.values.errors import InputError, RunFailed
+from pipeline.values.errors import InputError, RunFailed, argument
 from pipeline.values.formats import ARM_LAW, EXTENSIBLE, FIVE
 from pipeline.values.run import bending_deg
 from rod.arm_law.law_rod import LawRod
@@ -46,14 +46,17 @@ class EndLoads:
     def read(force: str | None, moment: str, end_y: str | None, end: str | None, weight: "Weight") -> "EndLoads":
         """From the options of the command line, written with units. Raises InputError, also where they contradict."""
         if sum(given is not None for given in (force, end_y, end)) > 1:
-            raise InputError("--force, --end-y, --end: give one of them; the others follow from it")
+            names = ", ".join(map(argument, ("force", "end_y", "end")))
+            raise InputError(f"{names}: give one of them; the others follow from it")
         if end is not None and weight.tip_mass_g:
-            raise InputError("--end, --tip-mass: an end that is held carries no mass; leave one of them out")
+            raise InputError(
+                f"{argument('end')}, {argument('tip_mass')}: an end that is held carries no mass; leave one of them out"
+            )
         return EndLoads(
-            None if force is None else option_vector("--force", force, FORCE),
-            (option_vector if "[" in moment else option_value)("--moment", moment, MOMENT),
-            None if end_y is None else option_value("--end-y", end_y, LENGTH),
-            None if end is None else option_vector("--end", end, LENGTH),
+            None if force is None else option_vector("force", force, FORCE),
+            (option_vector if "[" in moment else option_value)("moment", moment, MOMENT),
+            None if end_y is None else option_value("end_y", end_y, LENGTH),
+            None if end is None else option_vector("end", end, LENGTH),
             weight,
         )
 
@@ -80,9 +83,9 @@ class EndLoads:
             away = abs(self.end_y or 0.0) if self.end is None else math.hypot(*self.end)
             if away <= rod.length:
                 raise RunFailed(str(failure)) from None
+            given = argument("end_y" if self.end is None else "end")
             raise InputError(
-                f"{'--end-y' if self.end is None else '--end'}: is {away:g} mm away from the clamped end, but the arm "
-                f"is {rod.length:g} mm long"
+                f"{given}: is {away:g} mm away from the clamped end, but the arm is {rod.length:g} mm long"
             ) from None
 
 
@@ -97,15 +100,16 @@ class Weight:
     def read(orientation: str | None, tip_mass: str | None) -> "Weight":
         """From the options of the command line. Raises InputError."""
         if tip_mass is not None and orientation is None:
-            raise InputError("--tip-mass: needs --orientation hanging, lying, standing, '30 deg' or '[0, -1]'")
+            orientations = f"{argument('orientation')} hanging, lying, standing, '30 deg' or '[0, -1]'"
+            raise InputError(f"{argument('tip_mass')}: needs {orientations}")
         try:
             direction = None if orientation is None else gravity_vector(_pair_of(orientation))
         except RodError as failure:
-            raise InputError(f"--orientation: {failure}") from None
+            raise InputError(f"{argument('orientation')}: {failure}") from None
         try:
             return Weight(direction, 0.0 if tip_mass is None else in_grams(tip_mass))
         except RodError as failure:
-            raise InputError(f"--tip-mass: {failure}") from None
+            raise InputError(f"{argument('tip_mass')}: {failure}") from None
 
     @staticmethod
     def of(direction: str | Sequence[float] | None, tip_mass: float | str) -> "Weight":
@@ -129,11 +133,11 @@ def _pair_of(text: str) -> str | list[str | float]:
 def rod_at(rods: RodOfRun, pressure: str) -> Rod:
     """The rod at a pressure written with its unit, or at two: [20 kPa, 5 kPa]. Raises InputError."""
     option = option_list if pressure.strip().startswith("[") else option_value
-    value = option("--pressure", pressure, PRESSURE)
+    value = option("pressure", pressure, PRESSURE)
     try:
         return rods.at(value)
     except RodError as failure:
-        raise InputError(f"--pressure {pressure}: {failure}") from None
+        raise InputError(f"{argument('pressure', pressure)}: {failure}") from None
 
 
 def end_lines(rod: Rod, shape: RodSolution | SpatialSolution, errors: str = "") -> list[str]:

@@ -14,7 +14,7 @@ from pipeline.results.options import option_value
 from pipeline.results.saved_law import SavedLaw
 from pipeline.results.saved_rod import SavedRod
 from pipeline.store.result_folder import open_folder
-from pipeline.values.errors import InputError
+from pipeline.values.errors import InputError, argument
 from pipeline.values.run import Run
 from rod import EXPORTS, Arm, ArmLaw, Robot, RodError, export_robot
 from rod.export.arm import divide_pressures
@@ -28,15 +28,6 @@ RODS = ("law", "five")
 
 
 @dataclass(frozen=True)
-class ExportWords:
-    """What an export was asked for with, as the sentences of a refusal name it."""
-
-    to: str = "--to"
-    out: str = "--out"
-    force: str = "--force"
-
-
-@dataclass(frozen=True)
 class ExportOptions:
     """What `pneurod export` was asked for beside the folder and the format."""
 
@@ -44,12 +35,11 @@ class ExportOptions:
     rod: str | None = None  #: one of RODS; None for the one to take
     out: Path | None = None  #: folder of the files; None for the result folder
     force: bool = False  #: replace files that exist
-    words: ExportWords = ExportWords()
 
     @property
     def pressure_kPa(self) -> float | None:
         """Raises InputError where it has no unit."""
-        return None if self.pressure is None else option_value("--pressure", self.pressure, PRESSURE)
+        return None if self.pressure is None else option_value("pressure", self.pressure, PRESSURE)
 
 
 @dataclass(frozen=True)
@@ -67,11 +57,9 @@ def exported(folder: Path, target: str | None, options: ExportOptions) -> Export
     for a target that cannot take the rod, and for files that exist or a folder that cannot be written.
     """
     if target not in EXPORTS:
-        raise InputError(
-            f"{options.words.to}{'' if target is None else f' {target}'}: allowed are {', '.join(EXPORTS)}"
-        )
+        raise InputError(f"{argument('to', target)}: allowed are {', '.join(EXPORTS)}")
     if options.rod not in (None, *RODS):
-        raise InputError(f"--rod {options.rod}: allowed are {', '.join(RODS)}")
+        raise InputError(f"{argument('rod', options.rod)}: allowed are {', '.join(RODS)}")
     if folder.is_file():
         raise InputError(f"{folder}: is a file; give the folder of the run, {folder.parent}")
     try:
@@ -87,7 +75,7 @@ def exported(folder: Path, target: str | None, options: ExportOptions) -> Export
             done = _of_five(run, target, options)
         return replace(done, sentences=(*done.sentences, *chosen.notes))
     except RodError as failure:
-        raise InputError(f"{options.words.to} {target}: {failure}") from None
+        raise InputError(f"{argument('to', target)}: {failure}") from None
 
 
 def _without_weight(law: ArmLaw) -> ArmLaw:
@@ -180,7 +168,7 @@ def _write(
     for path in files:
         if path.exists() and not options.force:
             raise InputError(
-                f"{path}: exists; give another {options.words.out}, or {options.words.force} to replace it"
+                f"{path}: exists; give another {argument('out')}, or {argument('force', True)} to replace it"
             )
     open_folder(table.parent)
     if target in tables:
@@ -201,11 +189,10 @@ def _arm(saved: SavedRod, options: ExportOptions) -> Arm:
         more = divide_pressures(pressures)
         between = tuple(saved.rods.at(pressure) for pressure in more)
         return replace(arm, finer=Arm(more, between))
-    pressure = as_known(saved.rods.pressures, option_value("--pressure", options.pressure, PRESSURE))
+    pressure = as_known(saved.rods.pressures, option_value("pressure", options.pressure, PRESSURE))
     if pressure <= 0.0:
-        raise InputError(
-            f"--pressure {options.pressure}: is not exported; give one above 0 kPa, at which the arm is at rest"
-        )
+        given = argument("pressure", options.pressure)
+        raise InputError(f"{given}: is not exported; give one above 0 kPa, at which the arm is at rest")
     selected = saved.at(options.pressure)
     deviations = saved.deviations_at(pressure)
     origin = saved.rods.origin_at(pressure)

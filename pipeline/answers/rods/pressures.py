@@ -37,10 +37,10 @@ class Wish:
     def read(tip: str | None, angle: str | None, force: str | None, at_height: str | None, weight: Weight) -> "Wish":
         """From the options of the command line, written with units. Raises InputError, also where they contradict."""
         return Wish(
-            None if tip is None else option_pair("--tip", tip, LENGTH),
-            None if angle is None else option_value("--angle", angle, ANGLE),
-            None if force is None else option_value("--force", force, FORCE),
-            None if at_height is None else option_value("--at-height", at_height, LENGTH),
+            None if tip is None else option_pair("tip", tip, LENGTH),
+            None if angle is None else option_value("angle", angle, ANGLE),
+            None if force is None else option_value("force", force, FORCE),
+            None if at_height is None else option_value("at_height", at_height, LENGTH),
             weight,
         )
 

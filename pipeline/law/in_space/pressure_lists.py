@@ -39,14 +39,19 @@ class PressureRows:
         return self.document.wrong((_KEY, *row), complaint)
 
 
+def has_rows(document: Document) -> bool:
+    """Whether an entry of the pressures is a list."""
+    given = document.content.get(_KEY)
+    return isinstance(given, list) and any(isinstance(entry, list) for entry in given)
+
+
 def pressure_rows(document: Document, name: str, otherwise: str, check: Callable[[Row], None]) -> PressureRows | None:
     """The rows of a document; None where no entry of its pressures is a list.
 
     name: of such entries. otherwise: what is said of an entry that is none. check: raises ValueError for a row that is
     not allowed. Raises InputError for each wrong row, and beside fractions of cavities, which contradict them.
     """
-    given = document.content.get(_KEY)
-    if not isinstance(given, list) or not any(isinstance(entry, list) for entry in given):
+    if not has_rows(document):
         return None
     effects = document.content.get("effects")
     pressure = effects.get("pressure") if isinstance(effects, Mapping) else None
@@ -62,4 +67,4 @@ def pressure_rows(document: Document, name: str, otherwise: str, check: Callable
         return values
 
     with in_sentences(document):
-        return PressureRows(document, tuple(read_each(dict(enumerate(given)), row, (_KEY,)).values()))
+        return PressureRows(document, tuple(read_each(dict(enumerate(document.content[_KEY])), row, (_KEY,)).values()))

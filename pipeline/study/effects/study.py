@@ -25,6 +25,7 @@ TABLE = "effects_table.json"
 class EffectsTable:
     """One row per variant and pressure, as in effects_table.json."""
 
+    directory: Path
     rows: list[EffectRow]
 
     @property
@@ -62,7 +63,7 @@ def compare_effects(config: Config, out: Path, jobs: int, fresh: bool, progress:
     identity = {"name": f"effects of {config.name}", "config_hash": config.hash}
     own = PointSet(out, identity, EFFECTS_RUN, points, (TABLE,), save)
     course = Course(LocalWorkers.of(jobs, None), fresh, progress.stage)
-    return EffectsTable(rows(solve_points([own], course)[0]))
+    return EffectsTable(out, rows(solve_points([own], course)[0]))
 
 
 def _rows(config: Config, point: SolvedPoint) -> Sequence[EffectRow]:

@@ -21,7 +21,7 @@ from pipeline.study.sweep.record import FINISHED, REFUSED, WAITING, PointRecord,
 from pipeline.study.sweep.spec import Run, Sweep
 from pipeline.study.sweep.table import Column, SolvedPoint, save_table, sweep_page, table_rows
 from pipeline.study.sweep.workers import LOST, Workers, connected, solve
-from pipeline.values.errors import InputError, RunFailed
+from pipeline.values.errors import InputError, RunFailed, argument
 from pipeline.values.formatting import duration
 from pipeline.values.json_values import JsonObject
 
@@ -100,8 +100,8 @@ class PointSet:
             return
         name = f"the sweep '{kept.get('name')}'"
         other = f", not of '{own['name']}'" if "name" in unlike else f" with another {' and '.join(unlike)}"
-        held = f"--out {self.folder.directory}: holds the results of {name}{other}"
-        raise InputError(f"{held}; give another --out, or --fresh to replace them")
+        held = f"{argument('out', self.folder.directory)}: holds the results of {name}{other}"
+        raise InputError(f"{held}; give another {argument('out')}, or {argument('fresh', True)} to replace them")
 
     @property
     def is_complete(self) -> bool:

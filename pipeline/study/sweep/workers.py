@@ -17,7 +17,7 @@ from distributed.system import MEMORY_LIMIT
 from pipeline.store.processes import Processes
 from pipeline.store.worker import THREADS
 from pipeline.study.sweep.record import PointRecord, PointTask
-from pipeline.values.errors import InputError, RunFailed, WorkerLost
+from pipeline.values.errors import InputError, RunFailed, WorkerLost, argument
 
 Value = TypeVar("Value")
 
@@ -44,12 +44,12 @@ class LocalWorkers:
         try:
             each = share if memory is None else parse_bytes(memory)
         except ValueError:
-            raise InputError(f"--memory {memory}: is no amount of memory; for example --memory '4 GB'") from None
+            raise InputError(f"{argument('memory', memory)}: is no amount of memory; for example '4 GB'") from None
         if (memory is not None or jobs > 1) and not LEAST_MEMORY <= each <= share:
-            given = f"--jobs {jobs}" if memory is None else f"--memory {memory}"
+            given = argument("jobs", jobs) if memory is None else argument("memory", memory)
             most = max(1, MEMORY_LIMIT // max(each, LEAST_MEMORY))
             allowed = f"from {_gigabytes(LEAST_MEMORY)} to its part of the {_gigabytes(MEMORY_LIMIT)} of this machine"
-            remedy = f"give at most --jobs {most}, or --memory with its unit, for example '4 GB'"
+            remedy = f"give at most {argument('jobs', most)}, or {argument('memory')} with its unit, for example '4 GB'"
             raise InputError(f"{given}: each of {jobs} workers needs {allowed}; {remedy}")
         return LocalWorkers(jobs, each)
 
@@ -87,7 +87,8 @@ def connected(workers: Workers) -> Iterator[tuple[Executor, str]]:
         client = Client(workers, timeout=PATIENCE)
     except (OSError, ValueError) as failure:
         remedy = "start one with `dask scheduler` and give the address that it prints"
-        raise InputError(f"--scheduler {workers}: no scheduler answers there ({failure}); {remedy}") from None
+        given = argument("scheduler", workers)
+        raise InputError(f"{given}: no scheduler answers there ({failure}); {remedy}") from None
     with client:
         number = len(client.scheduler_info(n_workers=-1)["workers"])
         try:

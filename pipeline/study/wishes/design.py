@@ -10,7 +10,6 @@ from pipeline.simulate.simulate import begin_loading
 from pipeline.store.context import run_context
 from pipeline.store.progress import Progress
 from pipeline.store.provenance import provenance
-from pipeline.store.result_folder import ON_COMMAND_LINE, FolderWords
 from pipeline.store.store import Store, check_owner, clear, open_store
 from pipeline.store.worker import available_cores
 from pipeline.study.wishes.feasible import check_feasible
@@ -36,12 +35,11 @@ class Course:
     jobs: int
     fresh: bool
     with_run: bool  #: whether the design that was found is run in full
-    words: FolderWords = ON_COMMAND_LINE
 
     @staticmethod
-    def of(jobs: int | None, fresh: bool, with_run: bool, words: FolderWords = ON_COMMAND_LINE) -> "Course":
+    def of(jobs: int | None, fresh: bool, with_run: bool) -> "Course":
         """With as many processes as cores, at most 3, unless a number is given."""
-        return Course(jobs or min(3, available_cores()), fresh, with_run, words)
+        return Course(jobs or min(3, available_cores()), fresh, with_run)
 
 
 def find_design(file: WishFile, out: Path, course: Course, progress: Progress) -> DesignReport:
@@ -51,7 +49,7 @@ def find_design(file: WishFile, out: Path, course: Course, progress: Progress) -
     has a law. Where wishes are missed the report says so (`raise_if_missed`).
     """
     check_feasible(file)
-    with open_store(out, file, fresh=course.fresh, words=course.words) as store:
+    with open_store(out, file, fresh=course.fresh) as store:
         if course.fresh:
             for name in (POINTS, RUN):
                 shutil.rmtree(out / name, ignore_errors=True)
@@ -102,7 +100,7 @@ def _run(file: WishFile, found: Found, store: Store, course: Course, progress: P
         clear(folder)
     if known.is_dir():
         shutil.copytree(known, folder / LAW, dirs_exist_ok=True)
-    run(config, folder, course.jobs, False, progress, course.words)
+    run(config, folder, course.jobs, False, progress)
     try:
         law = SavedLaw.read(folder / "law.json").law
         values = numbers_of(law, file.wishes, file.wishes.values(found.trial.point))

@@ -9,12 +9,12 @@ import pytest
 from typer.testing import CliRunner
 
 from pipeline.answers.budget import Budget, budget_of, budget_page, budget_table, make_budget
+from pipeline.api.sensitivities import sensitivities_frame
 from pipeline.cli import app
 from pipeline.config.load import load_config
 from pipeline.config.tolerances import STIFFNESS, Tolerance, Tolerances
 from pipeline.results.saved_law import SavedLaw
 from pipeline.values.errors import InputError
-from pneurod.sensitivities import sensitivities_frame
 from rod import ArmLaw, law_record
 from rod.arm_law.curves import ACROSS, IN_SPACE, CellCurve
 from rod.arm_law.rates import CellRate, ClampRate, LawRate, changed_cells, onset_rate

@@ -13,8 +13,11 @@ import pandas as pd
 from pipeline.answers.budget import Budget, budget_of
 from pipeline.answers.rods.choice import RodOfRun, check_kind, choose_rod, nothing_identified
 from pipeline.answers.rods.end_loads import Weight
-from pipeline.answers.rods.export import ExportOptions, ExportWords, exported
+from pipeline.answers.rods.export import ExportOptions, exported
 from pipeline.answers.rods.pressures import PressureFor, Wish, pressures_for
+from pipeline.api.frames import by_pressure, curves_frame, expanded, frame_of, profiles
+from pipeline.api.given import given_choice, given_number, given_pair, given_path, given_pressure
+from pipeline.api.sensitivities import sensitivities_frame
 from pipeline.config.units import ANGLE, FORCE, LENGTH
 from pipeline.results.files import read_results as read_run
 from pipeline.results.parameter_checks import check_parameters
@@ -24,9 +27,6 @@ from pipeline.results.saved_pairs import read_pair_law as saved_pair_law
 from pipeline.results.verdict import Verdict, verdict_of
 from pipeline.values.errors import InputError, quoted
 from pipeline.values.run import Effect, RodError, Run, State
-from pneurod.arguments import given_choice, given_number, given_pair, given_path, given_pressure
-from pneurod.frames import by_pressure, curves_frame, expanded, frame_of, profiles
-from pneurod.sensitivities import sensitivities_frame
 from rod import PARAMETER_COLUMNS, ArmLaw, FiveParameters, Interval, Rod, RodWarning
 from rod import RodError as NoRod
 from rod.arm_law.pairs import PairLaw
@@ -34,11 +34,7 @@ from rod.arm_law.space_law import SpaceLaw
 from rod.same_pressure import known_at
 
 if TYPE_CHECKING:
-    from pneurod.plots import Plots
-
-
-#: how the refusal of an export names what was given here
-_WORDS = ExportWords(to="to", out="out", force="force=True")
+    from pipeline.api.plots import Plots
 
 
 @dataclass(frozen=True)
@@ -94,7 +90,7 @@ class Results:
     @property
     def plot(self) -> "Plots":
         """Plots as figures of plotly: `results.plot.angle()`, `.shape("III")`, `.force()`, `.law()`, `.moments()`."""
-        from pneurod.plots import Plots  # plotly is slow to import
+        from pipeline.api.plots import Plots  # plotly is slow to import
 
         return Plots(self.run)
 
@@ -207,7 +203,7 @@ class Results:
         same. Raises InputError outside its pressures, where the run has no such rod, and for an arm that leaves its
         plane.
         """
-        check_kind(kind, "kind: ")
+        check_kind(kind, "kind")
         pressure = given_pressure(pressure_kPa)
         chosen = self._chosen(kind)
         try:
@@ -235,7 +231,7 @@ class Results:
         on the end in N, that is held at_height, mm. Each may be a text with its unit ("30 mm"). direction, tip_mass: as
         in `Rod.solve`. kind: as in `rod`. Raises InputError for what is out of reach, with the nearest that is not.
         """
-        check_kind(kind, "kind: ")
+        check_kind(kind, "kind")
         place = None if tip is None else given_pair(tip, LENGTH, "tip")
         numbers = given_number(angle, ANGLE, "angle"), given_number(force, FORCE, "force")
         weight = Weight.of(direction, tip_mass)
@@ -250,7 +246,7 @@ class Results:
         and files that exist.
         """
         folder = None if out is None else given_path(out, "out", "results/arm")
-        options = ExportOptions(out=folder, force=given_choice(force, "force"), words=_WORDS)
+        options = ExportOptions(out=folder, force=given_choice(force, "force"))
         return exported(self.directory, to, options).files
 
     def _chosen(self, kind: str | None) -> RodOfRun:

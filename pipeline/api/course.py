@@ -1,0 +1,81 @@
+"""How the functions solve what they are asked for: with how many processes, and who is told of the progress."""
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, TypeVar
+
+from geometry import Reason
+from pipeline.api.described import Body, Setting
+from pipeline.api.given import document_of, given_choice, given_folder, given_jobs, given_progress
+from pipeline.config.config import Config
+from pipeline.config.section import read
+from pipeline.simulate.design_notes import check_load
+from pipeline.store.processes import available_cores
+from pipeline.store.progress import Progress
+from pipeline.values.errors import RunFailed
+from pipeline.values.reasons import render
+
+Given = TypeVar("Given")
+Value = TypeVar("Value")
+
+
+@dataclass(frozen=True)
+class Course:
+    """How something is solved; it decides no result."""
+
+    jobs: int
+    fresh: bool
+    progress: Progress
+
+    def solve(self, task: Callable[[Given, Path, int, bool, Progress], Value], given: Given, folder: Path) -> Value:
+        """What a task makes of the design that is given, in a result folder."""
+        try:
+            return task(given, folder, self.jobs, self.fresh, self.progress)
+        finally:
+            self.progress.done()
+
+
+def course_of(jobs: int | None, most: int, fresh: bool, progress: bool | Progress) -> Course:
+    """The course that is asked for; most: of the processes, where their number is not given. Raises InputError."""
+    at_once = given_jobs(jobs) or min(most, available_cores())
+    return Course(at_once, given_choice(fresh, "fresh"), given_progress(progress))
+
+
+def design_of(
+    config: Path | str | Body,
+    arguments: Mapping[str, Any],
+    settings: Mapping[str, Setting] | Sequence[str] | None,
+    out: Path | str | None,
+    suffix: str = "",
+) -> tuple[Config, Path]:
+    """The configuration, checked, and the result folder. Raises InputError."""
+    design = read(Config, document_of(config, arguments, settings))
+    return design, given_folder(out, f"{design.name}{suffix}")
+
+
+def noted(
+    task: Callable[[Config, Path, int, bool, Progress], Value],
+) -> Callable[[Config, Path, int, bool, Progress], Value]:
+    """A task that first tells what a user should know of the design."""
+
+    def solved(design: Config, folder: Path, jobs: int, fresh: bool, progress: Progress) -> Value:
+        remark(check_load(design), progress)
+        return task(design, folder, jobs, fresh, progress)
+
+    return solved
+
+
+def remark(reasons: Iterable[Reason], progress: Progress) -> None:
+    """Tell the progress what a user should know of a design."""
+    for reason in reasons:
+        progress.remark(render(reason))
+
+
+def reached(value: Value, raise_if_failed: Callable[[], None]) -> Value:
+    """The value. Raises RunFailed, which has it as `reached`, where something was not."""
+    try:
+        raise_if_failed()
+    except RunFailed as failure:
+        raise failure.with_reached(value) from None
+    return value

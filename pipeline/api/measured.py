@@ -1,0 +1,106 @@
+"""An arm that was built and measured, and its rubber."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from pipeline.api.options import Align, Folder, MeasuredFile
+
+if TYPE_CHECKING:
+    from pipeline.answers.material.study import Material
+    from pipeline.answers.measured.calibrate import CalibrationReport
+    from pipeline.answers.measured.compare import Comparison
+
+
+def compare(
+    results: Annotated[
+        Path | str, Path, typer.Argument(metavar="DIR", help="Results of a run, of `cell` or of `calibrate`.")
+    ],
+    measured: MeasuredFile,
+    *,
+    align: Align = False,
+) -> "Comparison":
+    """Compare a measured arm with its rod.
+
+    Every number has its prediction and what is allowed. measured: the file, with columns as docs/results.md has them.
+    align: move the rows so that those at rest lie on the rod. Raises InputError with file, line and column.
+    """
+    from pipeline.answers.measured.compare import compare_files
+    from pipeline.api.given import given_choice, given_path
+
+    folder, file = given_path(results, "results", "results/arm"), given_path(measured, "measured", "arm.csv")
+    return compare_files(folder, file, given_choice(align, "align"))
+
+
+def calibrate(
+    results: Folder,
+    measured: MeasuredFile,
+    out: Annotated[
+        Path | str | None, Path, typer.Option("--out", metavar="DIR2", help="New folder (default: DIR_calibrated).")
+    ] = None,
+    *,
+    free: Annotated[
+        Sequence[str],
+        list[str],
+        typer.Option("--free", metavar="KEY", help="A dimension: geometry.wall. Repeatable."),
+    ] = (),
+    align: Align = False,
+    samples: Annotated[int, typer.Option(metavar="N", min=0, help="Check the result with N samples.")] = 0,
+) -> "CalibrationReport":
+    """Fit modulus and dimensions to measurements, with intervals.
+
+    out: "RESULTS_calibrated" by default; `pneurod.read_results(out)` reads it. free: dimensions ("geometry.wall"), by
+    default those whose tolerances move the tip most. align: as in `compare`. samples: drawn to check the result.
+    Raises InputError with file, line and column.
+    """
+    from pipeline.answers.measured.calibrate import CalibrateOptions, calibrate_files
+    from pipeline.api.given import given_choice, given_path
+
+    folder, file = given_path(results, "results", "results/arm"), given_path(measured, "measured", "arm.csv")
+    new = None if out is None else given_path(out, "out", "results/arm_calibrated")
+    options = CalibrateOptions(tuple(free), given_choice(align, "align"), samples)
+    return calibrate_files(folder, file, new, options)
+
+
+def material(
+    tests: Annotated[
+        Sequence[Path | str],
+        list[Path],
+        typer.Argument(metavar="TENSILE.csv...", help="Files of tensile tests."),
+    ],
+    out: Annotated[Path | str, Path, typer.Option("--out", metavar="DIR", help="Result folder.")] = Path(
+        "results/material"
+    ),
+    *,
+    run: Annotated[
+        Path | str | None,
+        Path,
+        typer.Option("--for", metavar="DIR", help="Results of a run: the stretches that its arm needs."),
+    ] = None,
+    length: Annotated[str | None, typer.Option(metavar="L", help="At rest, for extensions: '33 mm'.")] = None,
+    area: Annotated[str | None, typer.Option(metavar="A", help="At rest, for forces: '16 mm^2'.")] = None,
+    cycle: Annotated[int, typer.Option(metavar="N", min=0, help="A later loading than the first one.")] = 0,
+    start: Annotated[str | None, typer.Option("--from", metavar="STRAIN", help="Leave out smaller strains.")] = None,
+    up_to: Annotated[str | None, typer.Option(metavar="STRAIN", help="Leave out larger strains: '50 %'.")] = None,
+    within: Annotated[str, typer.Option(metavar="ERROR", help="Relative error within which a law holds.")] = "10 %",
+    nu: Annotated[float, typer.Option(metavar="NU", help="Poisson ratio; it gives rubber its kappa.")] = 0.495,
+    density: Annotated[str | None, typer.Option(metavar="RHO", help="For the configuration: '1070 kg/m^3'.")] = None,
+) -> "Material":
+    """Fit laws to tensile tests: the law to take, its constants, and the stretches over which it can be used.
+
+    Raises `pneurod.InputError` for a wrong file or argument, and `pneurod.RunFailed` where no law can be used.
+    """
+    from pipeline.answers.material.record import fit_material
+    from pipeline.answers.material.study import FitOptions
+    from pipeline.api.given import given_path
+    from pipeline.values.errors import RunFailed
+
+    files = [given_path(test, "tests", "tensile.csv") for test in tests]
+    needing = None if run is None else given_path(run, "run", "results/arm")
+    texts = {"length": length, "area": area, "start": start, "up_to": up_to, "within": within, "density": density}
+    found = fit_material(files, FitOptions.read(texts, nu, cycle, needing), given_path(out, "out", "results/material"))
+    if not found.judged.usable:
+        raise RunFailed(" ".join(found.words)).with_reached(found)
+    return found

@@ -1,0 +1,62 @@
+"""Arguments that several functions have, with their meaning on the command line.
+
+Where Python takes more than a command line can, what the command line reads stands between the type and the option.
+"""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+if TYPE_CHECKING:
+    from pipeline.api.described import Body, Setting
+
+ConfigFile = Annotated[
+    "Path | str | Body",
+    Path,
+    typer.Argument(metavar="CONFIG", help="A design in YAML, such as configs/pneunet.yaml."),
+]
+Settings = Annotated[
+    "Mapping[str, Setting] | Sequence[str] | None",
+    list[str],
+    typer.Option("--set", metavar="KEY=VALUE", help="Replace a value: --set mesh.size='4 mm'. May be repeated."),
+]
+Accuracy = Annotated[
+    str | None,
+    typer.Option("--accuracy", metavar="P%", help="Error that the mesh may make of the arm's own law: 1%, or off."),
+]
+Fresh = Annotated[bool, typer.Option("--fresh", help="Delete earlier results in DIR and begin again.")]
+Orientation = Annotated[
+    str | None,
+    typer.Option(
+        metavar="O", help="hanging, lying, standing, '30 deg' that it rises, or gravity as '[X, Y]': with its weight."
+    ),
+]
+TipMass = Annotated[str | None, typer.Option(metavar="M", help="A mass that hangs on the end: '20 g'.")]
+Rod = Annotated[
+    str | None,
+    typer.Option(
+        "--rod",
+        metavar="law|five|five_extensible",
+        help="The arm's own law, or five parameters; by default the rod that the verdict recommends.",
+    ),
+]
+MeasuredFile = Annotated[
+    Path | str, Path, typer.Argument(metavar="MEASURED.csv", help="Measured rows, see docs/results.md.")
+]
+Align = Annotated[bool, typer.Option("--align", help="Move the rows so that those at rest lie on the rod.")]
+
+
+def out_option(suffix: str = "") -> Any:
+    """The option --out of a result folder; defaults stand in round brackets, because the terminal drops square ones."""
+    return typer.Option("--out", metavar="DIR", help=f"Result folder (default: results/NAME{suffix}).")
+
+
+def jobs_option(default: str) -> Any:
+    """The option --jobs of worker processes."""
+    return typer.Option("--jobs", min=1, help=f"Number of worker processes (default: {default}).")
+
+
+Folder = Annotated[Path | str, Path, typer.Argument(metavar="DIR", help="Results of a run or of `pneurod cell`.")]
+Out = Annotated[Path | str | None, Path, out_option()]

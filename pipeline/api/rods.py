@@ -1,0 +1,176 @@
+"""Questions to the rod of a result folder."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from pipeline.api.options import Folder, Orientation, Rod, TipMass
+
+if TYPE_CHECKING:
+    import rod as rods
+    from pipeline.answers.budget import Budget
+    from pipeline.answers.rods.export import Exported
+    from pipeline.answers.rods.pressures import PressureFor
+
+
+@dataclass(frozen=True)
+class RodShape:
+    """A rod and its shape under loads."""
+
+    rod: "rods.Rod"
+    shape: "rods.RodSolution | rods.SpatialSolution"
+    errors: str  #: of the rod against finite elements; empty where they are not known
+
+
+def shape(
+    path: Annotated[
+        Path | str,
+        Path,
+        typer.Argument(metavar="DIR", help="Results of a run; or a parameters.json or law.json alone."),
+    ],
+    pressure: Annotated[str, typer.Option(metavar="P", help="With its unit: '31 kPa', or '[20 kPa, 5 kPa]'.")],
+    *,
+    force: Annotated[
+        str | None, typer.Option(metavar="[FX, FY]", help="Dead force: '[0 N, 0.05 N]', in space with FZ.")
+    ] = None,
+    moment: Annotated[
+        str, typer.Option(metavar="M", help="Moment on the end: '1 N*mm', in space '[MX, MY, MZ]'.")
+    ] = "0 N*mm",
+    end_y: Annotated[str | None, typer.Option(metavar="Y", help="Height of the end over the clamp: '0 mm'.")] = None,
+    end: Annotated[
+        str | None, typer.Option(metavar="[X, Y]", help="Position of the end from the clamp, in space with Z.")
+    ] = None,
+    orientation: Orientation = None,
+    tip_mass: TipMass = None,
+    rod: Rod = None,
+    out: Annotated[
+        Path | str | None, Path, typer.Option("--out", metavar="FILE", help="Write the shape as CSV.")
+    ] = None,
+) -> RodShape:
+    """Solve the rod alone, in milliseconds: its shape under loads.
+
+    Raises `pneurod.InputError` for a wrong argument, and `pneurod.RunFailed` where the rod has no equilibrium.
+    """
+    from pipeline.answers.rods.choice import rod_of_path
+    from pipeline.answers.rods.end_loads import EndLoads, Weight, rod_at, write_shape
+    from pipeline.api.given import given_path
+
+    loads = EndLoads.read(force, moment, end_y, end, Weight.read(orientation, tip_mass))
+    chosen = rod_of_path(given_path(path, "path", "results/arm"), rod)
+    selected = rod_at(chosen, pressure)
+    found = loads.shape(selected)
+    if out is not None:
+        write_shape(found, given_path(out, "out", "shape.csv"))
+    return RodShape(selected, found, chosen.error_text)
+
+
+@dataclass(frozen=True)
+class Solutions:
+    """The pressures at which the end of an arm is as it is wanted."""
+
+    solutions: "tuple[PressureFor, ...]"
+    notes: tuple[str, ...]  #: what limits the trust in the rod, a sentence each
+
+
+def solve(
+    path: Annotated[Path | str, Path, typer.Argument(metavar="DIR", help="Results of a run; or a law.json alone.")],
+    *,
+    tip: Annotated[str | None, typer.Option(metavar="[X, Y]", help="Place of the end: '[30 mm, -40 mm]'.")] = None,
+    angle: Annotated[str | None, typer.Option(metavar="A", help="How far the arm bends: '90 deg'.")] = None,
+    force: Annotated[str | None, typer.Option(metavar="F", help="Force on the held end, upwards: '0.05 N'.")] = None,
+    at_height: Annotated[str | None, typer.Option(metavar="Y", help="Height at which it is held: '0 mm'.")] = None,
+    orientation: Orientation = None,
+    tip_mass: TipMass = None,
+    rod: Rod = None,
+    picture: Annotated[
+        Path | str | None,
+        Path,
+        typer.Option("--picture", metavar="FILE", help="Page with the tips it reaches, up to --tip-mass."),
+    ] = None,
+) -> Solutions:
+    """Find the pressure for a place of the end, an angle, or a force.
+
+    Raises `pneurod.InputError` for a wrong argument and for what is out of reach, with the nearest that is not.
+    """
+    from pipeline.answers.rods.choice import rod_of_path
+    from pipeline.answers.rods.end_loads import Weight
+    from pipeline.answers.rods.pressures import Wish, pressures_for
+    from pipeline.answers.rods.tips import tips_page
+    from pipeline.api.given import given_path
+    from pipeline.results.options import write_new
+
+    wish = Wish.read(tip, angle, force, at_height, Weight.read(orientation, tip_mass))
+    chosen = rod_of_path(given_path(path, "path", "results/arm"), rod)
+    found = pressures_for(chosen, wish)
+    if picture is not None:
+        write_new(given_path(picture, "picture", "tips.html"), tips_page(chosen, wish, found))
+    return Solutions(found, chosen.notes)
+
+
+def budget(
+    folder: Folder,
+    *,
+    pressure: Annotated[
+        str | None, typer.Option(metavar="P", help="Of the table, with its unit (default: the highest one).")
+    ] = None,
+    tolerances: Annotated[
+        Sequence[str],
+        list[str],
+        typer.Option("--tolerance", metavar="KEY=VALUE", help="geometry.wall='0.1 mm', process=printed. Repeatable."),
+    ] = (),
+    out: Annotated[
+        Path | str | None,
+        Path,
+        typer.Option("--out", metavar="FILE", help="The picture (default: DIR/budget.html)."),
+    ] = None,
+) -> "Budget":
+    """Find by how much each tolerance of a built arm moves the tip, the curvature, the rigidity and the force.
+
+    tolerances: texts KEY=VALUE, in place of those of the configuration. Raises `pneurod.InputError`.
+    """
+    from pipeline.answers.budget import budget_for
+    from pipeline.api.given import given_path
+
+    picture = None if out is None else given_path(out, "out", "budget.html")
+    found, _ = budget_for(given_path(folder, "folder", "results/arm"), pressure, tolerances, picture)
+    return found
+
+
+def export(
+    folder: Annotated[Path | str, Path, typer.Argument(metavar="DIR", help="Results of a finished run.")],
+    to: Annotated[
+        str | None,
+        typer.Option(
+            "--to", metavar="NAME", help="The format, required; without it the command ends with the list of formats."
+        ),
+    ] = None,
+    *,
+    pressure: Annotated[
+        str | None, typer.Option(metavar="P", help="With its unit (default: all pressures of the rod).")
+    ] = None,
+    rod: Annotated[
+        str | None,
+        typer.Option(
+            "--rod",
+            metavar="law|five",
+            help="Which rod (default: the one with the arm's own law where there is one).",
+        ),
+    ] = None,
+    out: Annotated[
+        Path | str | None, Path, typer.Option("--out", metavar="DIR", help="Folder for the files (default: DIR).")
+    ] = None,
+    force: Annotated[bool, typer.Option("--force", help="Replace files that exist.")] = False,
+) -> "Exported":
+    """Export the rod to take as a file for another program, with the pressure as its input.
+
+    Raises `pneurod.InputError` for another format, a rod that it cannot take, and files that exist.
+    """
+    from pipeline.answers.rods.export import ExportOptions, exported
+    from pipeline.api.given import given_choice, given_path
+
+    target = None if out is None else given_path(out, "out", "results/arm")
+    options = ExportOptions(pressure, rod, target, given_choice(force, "force"))
+    return exported(given_path(folder, "folder", "results/arm"), to, options)

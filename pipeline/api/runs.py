@@ -1,0 +1,181 @@
+"""From a configuration to results: the whole story, or a part of it."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+from pipeline.api.options import Accuracy, ConfigFile, Fresh, Out, Settings, jobs_option, out_option
+
+if TYPE_CHECKING:
+    from geometry import Body, Reason
+    from pipeline.api.described import Material
+    from pipeline.api.results import Results
+    from pipeline.config.config import Config
+    from pipeline.law.in_space.study import SpaceLawReport
+    from pipeline.law.study import LawReport
+    from pipeline.store.progress import Progress
+    from pipeline.study.pairs.run import PairRuns
+
+
+def characterize(
+    config: ConfigFile,
+    out: Out = None,
+    *,
+    name: str | None = None,
+    material: "Material | None" = None,
+    pressures: Sequence[str] | None = None,
+    settings: Settings = None,
+    accuracy: Accuracy = None,
+    jobs: Annotated[int | None, jobs_option("number of cores, at most 3")] = None,
+    fresh: Fresh = False,
+    progress: "bool | Progress" = False,
+) -> "Results":
+    """Run a design: mesh, experiments I, II and III, the five parameters, the rod, the report.
+
+    config: the YAML file of the design, or a body such as `pneurod.PneuNet(chambers=6, wall="1.2 mm")`. out: the
+    result folder, "results/NAME" by default; a run that was interrupted continues from what it holds. name: of the
+    design, by default its name in the file, or its family. material: such as `pneurod.NeoHooke(mu="0.1 MPa")`; a body
+    needs one, and the material of a file is replaced. pressures: ["10 kPa", "20 kPa"]. settings: further values, by
+    dotted key and with their unit: {"mesh.size": "6 mm", "geometry.chambers": 8}; they replace those of the file.
+    accuracy: error that the mesh may make of the arm's own law, "1 %" by default, or "off". jobs: number of
+    worker processes, by default the number of cores, at most 3. fresh: delete what `out` holds first. progress: report
+    the stages on the terminal; nothing is printed otherwise.
+
+    Raises `pneurod.InputError` for a wrong configuration, a wrong argument or a folder that cannot be used, and
+    `pneurod.RunFailed` when something could not be solved: its `reached` are the results, and its `directory` holds
+    them.
+    """
+    from pipeline.api.course import course_of, design_of, reached
+    from pipeline.api.described import Material
+    from pipeline.api.results import Results
+    from pipeline.run import run
+    from pipeline.simulate.simulate import EXPERIMENTS
+    from pipeline.values.errors import InputError, RunFailed, quoted
+
+    if not isinstance(material, Material | None):
+        raise InputError(
+            f'material: {quoted(material)} is no material; give one such as pneurod.NeoHooke(mu="0.1 MPa")'
+        )
+    constants = None if material is None else material.values
+    arguments = {"name": name, "material": constants, "pressures": pressures, "accuracy": accuracy}
+    design, folder = design_of(config, arguments, settings, out)
+    course = course_of(jobs, len(EXPERIMENTS), fresh, progress)
+    try:
+        made = course.solve(run, design, folder).results
+    except RunFailed as failure:
+        failure.directory = folder
+        raise
+    return reached(Results(made), made.raise_if_failed)
+
+
+def characterize_pairs(
+    config: ConfigFile,
+    out: Out = None,
+    *,
+    settings: Settings = None,
+    accuracy: Accuracy = None,
+    jobs: Annotated[int | None, jobs_option("number of cores, at most 3")] = None,
+    fresh: Fresh = False,
+    progress: "bool | Progress" = False,
+) -> "PairRuns":
+    """Run an arm with two cavities at pairs of pressures, and find its law over both.
+
+    Arguments and errors as those of `characterize`. Raises InputError also where the pressures are no pairs.
+    """
+    from pipeline.api.course import course_of, reached
+    from pipeline.api.given import document_of, given_folder
+    from pipeline.simulate.simulate import EXPERIMENTS
+    from pipeline.study.pairs.run import run_pairs
+    from pipeline.study.pairs.spec import read_pairs
+    from pipeline.study.pairs.table import save_page
+    from pipeline.values.errors import InputError
+
+    document = document_of(config, {"accuracy": accuracy}, settings)
+    if (spec := read_pairs(document)) is None:
+        raise InputError(
+            document.sentence(("pressures",), "are no pairs; for example [[10 kPa, 0 kPa], [20 kPa, 5 kPa]]")
+        )
+    made = course_of(jobs, len(EXPERIMENTS), fresh, progress).solve(run_pairs, spec, given_folder(out, spec.name))
+    save_page(made)
+    return reached(made, made.raise_if_failed)
+
+
+@dataclass(frozen=True)
+class MeshedArm:
+    """The body of a design that was meshed."""
+
+    file: Path  #: mesh.vtu
+    design: "Config"
+    body: "Body"
+    notes: "tuple[Reason, ...]"
+
+
+def mesh(
+    config: ConfigFile,
+    out: Annotated[Path | str | None, Path, out_option("_mesh")] = None,
+    *,
+    settings: Settings = None,
+    progress: "bool | Progress" = False,
+) -> MeshedArm:
+    """Mesh the body alone: DIR/mesh.vtu, volumes and the quality of the elements.
+
+    Raises InputError for a wrong configuration, a body that cannot be meshed and a folder that cannot be used.
+    """
+    from pipeline.api.course import course_of, design_of, remark
+    from pipeline.simulate.design_notes import check_load
+    from pipeline.simulate.mesh_notes import check_body
+    from pipeline.simulate.scene import mesh_with_progress
+    from pipeline.simulate.too_short import too_short
+    from pipeline.store.atomic_file import replacing
+    from pipeline.store.result_folder import open_folder
+    from pipeline.store.store import check_owner
+    from pipeline.values.errors import argument
+
+    design, folder = design_of(config, {}, settings, out, "_mesh")
+    results = open_folder(folder)
+    check_owner(results.directory, design, f"give another {argument('out')}")
+
+    def meshed(design: "Config", folder: Path, _: int, __: bool, progress: "Progress") -> MeshedArm:
+        progress.stage("mesh")
+        remark(check_load(design), progress)
+        body, file = mesh_with_progress(design, progress).body, results.path("mesh.vtu")
+        with replacing(file) as part:
+            body.mesh.write(part)
+        notes = filter(None, (too_short(design), *check_body(body, design)))
+        return MeshedArm(file, design, body, tuple(notes))
+
+    return course_of(None, 1, False, progress).solve(meshed, design, folder)
+
+
+def cell(
+    config: ConfigFile,
+    out: Annotated[Path | str | None, Path, out_option("_cell")] = None,
+    *,
+    settings: Settings = None,
+    accuracy: Accuracy = None,
+    jobs: Annotated[int | None, jobs_option("1")] = None,
+    fresh: Fresh = False,
+    progress: "bool | Progress" = False,
+) -> "LawReport | SpaceLawReport":
+    """Measure the arm's own law from one cell and its two ends, for every load and length.
+
+    The law of an arm that leaves its plane is one in space. Raises InputError for a wrong configuration or folder and
+    for an arm without such a law, and RunFailed, which has the report as `reached`, where a pressure is not reached.
+    """
+    from pipeline.api.course import course_of, noted, reached
+    from pipeline.api.given import document_of, given_folder
+    from pipeline.config.config import Config
+    from pipeline.config.section import read
+    from pipeline.law.in_space.rows import read_rows, rows_of
+    from pipeline.law.in_space.study import leaves_plane, measure_space_law
+    from pipeline.law.study import measure_law
+
+    document = document_of(config, {"accuracy": accuracy}, settings)
+    course, rows = course_of(jobs, 1, fresh, progress), read_rows(document)
+    design = read(Config, document) if rows is None else rows.config
+    folder = given_folder(out, f"{design.name}_cell")
+    if rows is not None or leaves_plane(design):
+        return course.solve(measure_space_law, rows or rows_of(design), folder)
+    report = course.solve(noted(measure_law), design, folder)
+    return reached(report, report.raise_if_failed)

@@ -1,0 +1,55 @@
+"""Before the first run: a configuration to start from, and the installation."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+if TYPE_CHECKING:
+    from pipeline.doctor import Finding
+
+
+def init(
+    family: Annotated[str, typer.Argument(metavar="[FAMILY]")] = "pneunet",
+    out: Annotated[
+        Path | str | None, Path, typer.Option("--out", metavar="FILE", help="(default: my_FAMILY.yaml).")
+    ] = None,
+    *,
+    force: Annotated[bool, typer.Option("--force", help="Replace a file that exists.")] = False,
+    every: Annotated[bool, typer.Option("--all", help="With every key, its default and its range.")] = False,
+) -> Path:
+    """Write a commented configuration to start from: a body, a rubber by name and pressures.
+
+    Raises `pneurod.InputError` for another family and a file that exists.
+    """
+    from pipeline.api.given import given_choice, given_path
+    from pipeline.config.body import BODIES
+    from pipeline.config.example import example
+    from pipeline.config.section import not_known
+    from pipeline.store.atomic_file import write_atomic
+    from pipeline.store.result_folder import open_file
+    from pipeline.values.errors import InputError, argument
+
+    if family not in BODIES:
+        raise InputError(f"FAMILY: {not_known(family, BODIES)}")
+    file = Path(f"my_{family}.yaml") if out is None else given_path(out, "out", "arm.yaml")
+    if file.exists() and not given_choice(force, "force"):
+        raise InputError(f"{file}: exists; give another {argument('out')}, or {argument('force', True)} to replace it")
+    write_atomic(open_file(file), example(family, every=given_choice(every, "every")).encode())
+    return file
+
+
+def doctor() -> "tuple[Finding, ...]":
+    """Check what is installed, what is missing, and the one command that installs it. Nothing is installed or changed.
+
+    It compares the version of every package with the one that is required, meshes one chamber, draws a picture, solves
+    two equations, starts the threads and writes a file that it removes again. Raises `pneurod.RunFailed` where
+    something is missing.
+    """
+    from pipeline.doctor import examine, remedy
+    from pipeline.values.errors import RunFailed
+
+    findings = tuple(examine())
+    if command := remedy(findings):
+        raise RunFailed(f"something is missing; to mend it: {command}").with_reached(findings)
+    return findings

@@ -1,0 +1,149 @@
+"""Many designs: effects on and off, meshes, axes of a sweep, and a design for a wish."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from pipeline.api.options import ConfigFile, Fresh, Out, Settings, jobs_option, out_option
+
+if TYPE_CHECKING:
+    from pipeline.store.progress import Progress
+    from pipeline.study.accuracy.study import ConvergenceStudy
+    from pipeline.study.effects.study import EffectsTable
+    from pipeline.study.sweep.study import SweepReport
+    from pipeline.study.wishes.report import DesignReport
+
+
+def effects(
+    config: ConfigFile,
+    out: Annotated[Path | str | None, Path, out_option("_effects")] = None,
+    *,
+    settings: Settings = None,
+    jobs: Annotated[int | None, jobs_option("number of cores, at most 2")] = None,
+    fresh: Fresh = False,
+    progress: "bool | Progress" = False,
+) -> "EffectsTable":
+    """Compare each effect on and off: what it changes, what it costs.
+
+    Raises InputError for a wrong configuration or folder, and RunFailed, which has the table as `reached`, where rows
+    lack numbers.
+    """
+    from pipeline.api.course import course_of, design_of, noted
+    from pipeline.study.effects.study import compare_effects
+    from pipeline.values.errors import RunFailed
+
+    design, folder = design_of(config, {}, settings, out, "_effects")
+    table = course_of(jobs, 2, fresh, progress).solve(noted(compare_effects), design, folder)
+    if table.failures:
+        missing = sum(bool(row["reason"]) for row in table.rows)
+        sentence = f"{missing} of {len(table.rows)} rows lack numbers, for the reasons above"
+        raise RunFailed(sentence, folder).with_reached(table)
+    return table
+
+
+def accuracy(
+    config: ConfigFile,
+    out: Annotated[Path | str | None, Path, out_option("_accuracy")] = None,
+    *,
+    settings: Settings = None,
+    jobs: Annotated[int | None, jobs_option("number of cores, at most 2")] = None,
+    fresh: Fresh = False,
+    progress: "bool | Progress" = False,
+) -> "ConvergenceStudy":
+    """Study the convergence: error against seconds over meshes, elements and tolerances.
+
+    Raises InputError for a wrong configuration or folder.
+    """
+    from pipeline.api.course import course_of, design_of, noted
+    from pipeline.study.accuracy.run import run_study
+
+    design, folder = design_of(config, {}, settings, out, "_accuracy")
+    return course_of(jobs, 2, fresh, progress).solve(noted(run_study), design, folder)
+
+
+def sweep(
+    files: Annotated[
+        Sequence[Path | str],
+        list[Path],
+        typer.Argument(metavar="SWEEP...", help="Base configuration and axes in YAML."),
+    ],
+    out: Annotated[
+        Path | str | None,
+        Path,
+        typer.Option("--out", metavar="DIR", help="Result folder; of several: DIR/NAME (default: results/NAME)."),
+    ] = None,
+    *,
+    scheduler: Annotated[str | None, typer.Option(metavar="ADDRESS", help="Of Dask, instead of own workers.")] = None,
+    jobs: Annotated[int | None, typer.Option(min=1, help="Worker processes (default: number of cores).")] = None,
+    memory: Annotated[str | None, typer.Option(metavar="SIZE", help="Of each worker (default: equal parts).")] = None,
+    retry: Annotated[bool, typer.Option("--retry", help="Try points that were not reached again.")] = False,
+    fresh: Fresh = False,
+    progress: "bool | Progress" = False,
+) -> "tuple[SweepReport, ...]":
+    """Run many designs: a base configuration and axes, every point a run of its own, one table, on Dask.
+
+    One report for each file. Raises InputError for a wrong file, folder or scheduler, and RunFailed, which has the
+    reports as `reached`, where a point did not finish.
+    """
+    from pipeline.api.course import reached
+    from pipeline.api.given import given_choice, given_jobs, given_path, given_progress
+    from pipeline.cli.ending import print_lines
+    from pipeline.store.processes import available_cores
+    from pipeline.store.progress import Silent
+    from pipeline.study.sweep.spec import read_sweep
+    from pipeline.study.sweep.study import Course, run_sweeps
+    from pipeline.study.sweep.workers import LocalWorkers
+    from pipeline.values.errors import InputError, argument
+
+    if scheduler is not None and (jobs is not None or memory is not None):
+        own = f"{argument('jobs')} and {argument('memory')}"
+        raise InputError(f"{argument('scheduler')}: its workers are started apart; leave out {own}")
+    sweeps = [read_sweep(given_path(file, "files", "sweep.yaml")) for file in files]
+    workers = scheduler or LocalWorkers.of(given_jobs(jobs) or available_cores(), memory)
+    parent = Path("results") if out is None else given_path(out, "out", "results/sweep")
+    folders = [parent / sweep.name if out is None or len(sweeps) > 1 else parent for sweep in sweeps]
+    is_silent = isinstance(given_progress(progress), Silent)
+    say = (lambda _: None) if is_silent else print_lines
+    course = Course(workers, given_choice(fresh, "fresh"), given_choice(retry, "retry"), say)
+    reports = tuple(run_sweeps(list(zip(sweeps, folders, strict=True)), course))
+    for report in reports:
+        reached(reports, report.raise_if_failed)
+    return reports
+
+
+def design(
+    wish: Annotated[
+        Path | str, Path, typer.Argument(metavar="WISH", help="Base, what is free, wishes and limits in YAML.")
+    ],
+    out: Out = None,
+    *,
+    jobs: Annotated[int | None, jobs_option("number of cores, at most 3")] = None,
+    run: Annotated[
+        bool, typer.Option(" /--no-run", show_default=False, help="Leave out the run of the design.")
+    ] = True,
+    fresh: Fresh = False,
+    progress: "bool | Progress" = False,
+) -> "DesignReport":
+    """Find dimensions and pressures for a wish: curvature, angle, tip, force, stiffness, within limits.
+
+    wish: a YAML file with a base, what is free, wishes and limits. out: the result folder, "results/NAME" by default;
+    designs that it holds are not measured again. run: whether the design is run in full. jobs: number of worker
+    processes, by default the number of cores, at most 3. fresh: delete what `out` holds first. progress: report the
+    designs that are tried on the terminal; nothing is printed otherwise.
+
+    `report.given_up` says what is missed, where wishes contradict each other. Raises `pneurod.InputError` for a wrong
+    file and limits that no design keeps, and `pneurod.RunFailed` where no design has a law, or its run fails.
+    """
+    from pipeline.api.given import given_choice, given_folder, given_jobs, given_path, given_progress
+    from pipeline.study.wishes.design import Course, find_design
+    from pipeline.study.wishes.spec import read_wishes
+
+    file = read_wishes(given_path(wish, "wish", "wish.yaml"))
+    course = Course.of(given_jobs(jobs), given_choice(fresh, "fresh"), given_choice(run, "run"))
+    listener = given_progress(progress)
+    try:
+        return find_design(file, given_folder(out, file.name), course, listener)
+    finally:
+        listener.done()
