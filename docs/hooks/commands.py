@@ -56,7 +56,7 @@ def _row(parameter: Any) -> str:
 
 
 def _default(value: object) -> str:
-    if value is None or value is False or value == () or value == [] or callable(value):
+    if value is None or isinstance(value, bool) or value == () or value == [] or callable(value):
         return ""
     return f"`{value}`"
 

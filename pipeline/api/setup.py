@@ -41,10 +41,10 @@ def init(
 
 def doctor() -> "tuple[Finding, ...]":
     """Check what is installed, what is missing, and the one command that installs it. Nothing is installed or changed.
-
     It compares the version of every package with the one that is required, meshes one chamber, draws a picture, solves
-    two equations, starts the threads and writes a file that it removes again. Raises `pneurod.RunFailed` where
-    something is missing.
+    two equations, starts the threads and writes a file that it removes again.
+
+    Raises `pneurod.RunFailed` where something is missing.
     """
     from pipeline.doctor import examine, remedy
     from pipeline.values.errors import RunFailed

@@ -17,7 +17,7 @@ from pipeline.store import atomic_file, state_key
 from pipeline.store.provenance import pinned, provenance
 from pipeline.store.state_key import ALL_SOURCES, NUMBER_SOURCES, STATE_SOURCES, result_key, source_files
 from pipeline.store.store import Store, open_store
-from pipeline.values.errors import InputError
+from pipeline.values.errors import InputError, on_command_line
 
 ROOMS = ("geometry", "fem", "rod", "pipeline")
 
@@ -178,7 +178,7 @@ def test_results_of_another_configuration_are_refused(tmp_path: Path, config: Co
         store.save_json("parameters.json", {})
         store.save_state("II", 17.0, u=np.zeros(3))
     with (
-        pytest.raises(InputError, match="another configuration; give another --out, or --fresh"),
+        pytest.raises(InputError, match="another configuration; give another out, or fresh=True"),
         open_store(tmp_path, other),
     ):
         pass
@@ -229,6 +229,7 @@ def test_a_folder_that_cannot_be_written_is_refused(tmp_path: Path, config: Conf
     (tmp_path / "file").write_text("")
     for out in (tmp_path / "file" / "out", Path("/proc/pneurod")):
         with (
+            on_command_line(),
             pytest.raises(InputError, match=r"^--out .* cannot be written \(.+\); give a folder you may write to$"),
             open_store(out, config),
         ):

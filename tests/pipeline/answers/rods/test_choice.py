@@ -90,7 +90,7 @@ def test_a_law_alone_is_taken(tmp_path: Path) -> None:
 
 def test_a_kind_or_a_pressure_that_is_none_is_refused(tmp_path: Path) -> None:
     results = pneurod.read_results(COARSE)
-    with pytest.raises(pneurod.InputError, match=r"^kind: six: allowed are law, five, five_extensible"):
+    with pytest.raises(pneurod.InputError, match=r"^kind=six: allowed are law, five, five_extensible"):
         results.rod(17.0, kind="six")
     with pytest.raises(pneurod.InputError, match="50 kPa is outside, and it is not extrapolated"):
         results.rod(50.0)
