@@ -75,20 +75,20 @@ def document_of(
     settings: by dotted key, or as texts KEY=VALUE. A file that a body names is seen from the working folder. Raises
     InputError.
     """
-    if settings is None or isinstance(settings, Mapping):
-        values, naming = given_settings(settings), setting_name
+    given = {key: value for key, value in arguments.items() if value is not None}
+    values, naming = given_settings(given, argument), setting_name
+    if isinstance(settings, list | tuple) and all(isinstance(text, str) for text in settings):
+        values += [key_and_value(text) for text in settings]
+        naming = on_command_line
     else:
-        values, naming = [key_and_value(text) for text in settings], on_command_line
-    own = given_settings({key: value for key, value in arguments.items() if value is not None}, argument)
-    changed = [*own, *values]
-    if not isinstance(config, Body):
+        values += given_settings(settings)
+    if isinstance(config, Body):
+        keys = [("name", str(config.values["family"])), ("geometry", config.values)]
+        made = Document(Path(type(config).__name__), {}, ()).with_values(keys, str)
+        document = Document(made.path, made.content, ())
+    else:
         document = read_document(given_path(config, "config", "configs/pneunet.yaml"))
-        return document.with_values(changed, lambda key: argument(key) if key in arguments else naming(key))
-    keys = [("name", str(config.values["family"])), ("geometry", config.values)]
-    document = Document(Path(type(config).__name__), {}, ()).with_values(keys, str)
-    return Document(document.path, document.content, ()).with_values(
-        changed, lambda key: argument(key) if key in arguments else naming(key)
-    )
+    return document.with_values(values, lambda key: argument(key) if key in given else naming(key))
 
 
 def given_folder(out: Path | str | None, name: str) -> Path:

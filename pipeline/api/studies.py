@@ -89,7 +89,6 @@ def sweep(
     """
     from pipeline.api.course import reached
     from pipeline.api.given import given_choice, given_jobs, given_path, given_progress
-    from pipeline.cli.ending import print_lines
     from pipeline.store.processes import available_cores
     from pipeline.store.progress import Silent
     from pipeline.study.sweep.spec import read_sweep
@@ -104,13 +103,16 @@ def sweep(
     workers = scheduler or LocalWorkers.of(given_jobs(jobs) or available_cores(), memory)
     parent = Path("results") if out is None else given_path(out, "out", "results/sweep")
     folders = [parent / sweep.name if out is None or len(sweeps) > 1 else parent for sweep in sweeps]
-    is_silent = isinstance(given_progress(progress), Silent)
-    say = (lambda _: None) if is_silent else print_lines
+    say = _ignore if isinstance(given_progress(progress), Silent) else typer.echo
     course = Course(workers, given_choice(fresh, "fresh"), given_choice(retry, "retry"), say)
     reports = tuple(run_sweeps(list(zip(sweeps, folders, strict=True)), course))
     for report in reports:
         reached(reports, report.raise_if_failed)
     return reports
+
+
+def _ignore(_: str) -> None:
+    """Receive a sentence about the progress of a sweep that nobody wants to hear."""
 
 
 def design(

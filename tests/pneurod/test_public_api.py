@@ -248,7 +248,7 @@ def test_a_program_without_a_guard_may_use_several_processes(design: Path, resul
         ({"pressures": b"1 kPa"}, 'settings["pressures"]: b\'1 kPa\' is not allowed; give a text such as "6 mm", '),
         ({"geometry.chambers": np.int64(0)}, 'settings["geometry.chambers"]: must be a whole number of at least 1'),
         ({3: "6 mm"}, 'settings: 3 is not a key; keys are texts such as "mesh.size"'),
-        (["mesh.size=6 mm"], 'settings: give values by their keys, for example {"mesh.size": "6 mm"}'),
+        ([("mesh.size", "6 mm")], 'settings: give values by their keys, for example {"mesh.size": "6 mm"}'),
     ],
 )
 def test_a_wrong_setting_is_named_as_it_was_given(design: Path, tmp_path: Path, settings: Any, sentence: str) -> None:

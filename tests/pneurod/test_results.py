@@ -17,7 +17,7 @@ def test_a_rod_is_exported_from_python(tmp_path: Path) -> None:
     with pytest.raises(pneurod.InputError, match=r"exists; give another out, or force=True to replace it$"):
         results.export("pyelastica", tmp_path)
     assert results.export("pyelastica", tmp_path, force=True) == (path,)
-    with pytest.raises(pneurod.InputError, match=r"^to gazebo: allowed are csv, json, mujoco, "):
+    with pytest.raises(pneurod.InputError, match=r"^to=gazebo: allowed are csv, json, mujoco, "):
         results.export("gazebo", tmp_path)
 
 

@@ -48,7 +48,7 @@ def test_another_loading_is_used_where_it_is_asked_for() -> None:
     second = read(strain, stress, Selection(cycle=2))
     np.testing.assert_allclose(second.stress[:-1], 0.7 * stress_of(second.strain[:-1]), atol=1e-12)
     assert "loading 2 is used" in second.notes[0]
-    with pytest.raises(InputError, match="--cycle 3: the test has 2"):
+    with pytest.raises(InputError, match="cycle=3: the test has 2"):
         read(strain, stress, Selection(cycle=3))
 
 

@@ -179,9 +179,9 @@ def test_rows_without_numbers_and_columns_that_repeat_are_left_out_and_named(tmp
         (table(HEADER, ["-100,-9", *GOOD]), "line 2: -100 % is no possible strain"),
         (
             table("strain (%),force (N)", GOOD),
-            "column 'force .N.' holds forces; give --area '16 mm.2', the cross-section at rest",
+            "column 'force .N.' holds forces; give area='16 mm.2', the cross-section at rest",
         ),
-        (table("extension (mm),stress (MPa)", GOOD), "holds extensions; give --length '33 mm', the length at rest"),
+        (table("extension (mm),stress (MPa)", GOOD), "holds extensions; give length='33 mm', the length at rest"),
     ],
 )
 def test_bad_files(text: str, complaint: str, tmp_path: Path) -> None:

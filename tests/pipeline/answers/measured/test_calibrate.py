@@ -119,7 +119,7 @@ def test_a_pressure_that_the_gauge_moves_off_the_law_is_said(tmp_path: Path) -> 
     [
         ("pressure_kPa,tip_y_mm\n8,-20\n90,-50\n", ("line 3", "90 kPa", "40 kPa"), ()),
         ("pressure_kPa,tip_y_mm\n8,-20\n", ("1 numbers", "2 unknowns"), ("geometry.wall",)),
-        ("pressure_kPa,tip_y_mm\n8,-20\n", ("--free geometry.wal", "geometry.wall"), ("geometry.wal",)),
+        ("pressure_kPa,tip_y_mm\n8,-20\n", ("free=geometry.wal", "geometry.wall"), ("geometry.wal",)),
         ("pressure_kPa,end_angle_deg\n8,-0.44\n16,-0.88\n", ("line 2", "end_angle_rad"), ()),
     ],
 )

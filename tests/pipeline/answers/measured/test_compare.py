@@ -58,7 +58,7 @@ def test_a_frame_that_is_turned_and_shifted_is_found_from_rows_at_rest(tmp_path:
     ("text", "align", "words"),
     [
         ("pressure_kPa,tip_x_mm\n8,100\n55,50\n", False, ("line 3", "55 kPa", "40 kPa")),
-        ("pressure_kPa,tip_x_mm,tip_y_mm\n0,100,3\n", True, ("--align",)),
+        ("pressure_kPa,tip_x_mm,tip_y_mm\n0,100,3\n", True, ("align=True",)),
         ("pressure_kPa,end_angle_deg\n20,-1.1\n", False, ("line 2", "end_angle_rad")),
         ("pressure_kPa,s_mm,x_mm,y_mm\n20,150,90,-3\n", False, ("line 2", "150")),
     ],

@@ -78,7 +78,7 @@ def test_the_rod_is_read_from_the_folder(tmp_path: Path) -> None:
     rods = rod_of_path(tmp_path, None)
     rod = rod_at(rods, "[20 kPa, 8 kPa]")
     assert rod.solve().end == pytest.approx(law.at((20.0, 8.0)).solve().end)
-    with pytest.raises(InputError, match="--rod five: a law over two pressures is that of rod law"):
+    with pytest.raises(InputError, match="rod=five: a law over two pressures is that of rod law"):
         rod_of_path(tmp_path, "five")
     with pytest.raises(InputError, match="has the pressures of cavity, cavity_lower; give all"):
         rod_at(rods, "20 kPa")

@@ -130,7 +130,9 @@ def test_the_folder_of_another_sweep_is_not_written_into(file: Path, results: Pa
     other = file.with_name("another.yaml")
     other.write_text(SWEEP.replace("tiny_walls", "another"), encoding="utf-8")
     before = table(results)
-    with pytest.raises(InputError, match=r"holds the results of the sweep 'tiny_walls', not of 'another'; .*--fresh"):
+    with pytest.raises(
+        InputError, match=r"holds the results of the sweep 'tiny_walls', not of 'another'; .*fresh=True"
+    ):
         solved(read_sweep(other), results, LocalWorkers(2, 1))
     assert table(results) == before
 
@@ -149,7 +151,9 @@ def test_a_changed_sweep_is_not_written_over_the_old_one(
     file.with_name("softer.yaml").write_text(BASE.replace("1.2 MPa", "1 MPa"), encoding="utf-8")
     file.with_name("changed.yaml").write_text(SWEEP.replace(old, new), encoding="utf-8")
     before = table(results)
-    with pytest.raises(InputError, match=f"holds the results of the sweep 'tiny_walls' with another {key}; .*--fresh"):
+    with pytest.raises(
+        InputError, match=f"holds the results of the sweep 'tiny_walls' with another {key}; .*fresh=True"
+    ):
         solved(read_sweep(file.with_name("changed.yaml")), results, LocalWorkers(2, 1))
     assert table(results) == before
 
@@ -293,7 +297,7 @@ def test_a_scheduler_that_does_not_answer_is_named(
 ) -> None:
     monkeypatch.setattr(workers, "PATIENCE", 0.2)
     for address in ("tcp://127.0.0.1:1", "nonsense://x", "a b"):
-        with pytest.raises(InputError, match=r"--scheduler .*: no scheduler answers there") as refused:
+        with pytest.raises(InputError, match=r"scheduler=.*: no scheduler answers there") as refused:
             solved(sweep, tmp_path, address)
         assert "\n" not in str(refused.value)
 
@@ -301,12 +305,12 @@ def test_a_scheduler_that_does_not_answer_is_named(
 @pytest.mark.parametrize(
     ("jobs", "memory", "sentence"),
     [
-        (1, "4", "--memory 4: each of 1 workers needs from 0.9 GB"),
-        (1, "0.8 GB", "--memory 0.8 GB: each of 1 workers needs from 0.9 GB"),
-        (2, "900 TB", r"--memory 900 TB: .* part of the 25 GB of this machine; give at most --jobs 1, "),
-        (64, None, r"--jobs 64: .* 25 GB of this machine; give at most --jobs 27, "),
-        (8, "4 GB", r"--memory 4 GB: each of 8 workers .* give at most --jobs 6, "),
-        (2, "much", "--memory much: is no amount of memory"),
+        (1, "4", "memory=4: each of 1 workers needs from 0.9 GB"),
+        (1, "0.8 GB", "memory=0.8 GB: each of 1 workers needs from 0.9 GB"),
+        (2, "900 TB", r"memory=900 TB: .* part of the 25 GB of this machine; give at most jobs=1, "),
+        (64, None, r"jobs=64: .* 25 GB of this machine; give at most jobs=27, "),
+        (8, "4 GB", r"memory=4 GB: each of 8 workers .* give at most jobs=6, "),
+        (2, "much", "memory=much: is no amount of memory"),
     ],
 )
 def test_memory_that_workers_cannot_have_is_refused(
