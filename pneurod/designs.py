@@ -9,8 +9,7 @@ see `pneurod.fem`.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import KW_ONLY, dataclass
-from typing import final
+from dataclasses import field
 
 from pipeline.api.described import Body, Material
 
@@ -18,8 +17,6 @@ from pipeline.api.described import Body, Material
 Point = Sequence[str]
 
 
-@final
-@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class PneuNet(Body):
     """A pneu-net with gaps between its chambers."""
 
@@ -42,8 +39,6 @@ class PneuNet(Body):
     gaps: Sequence[str] | None = None
 
 
-@final
-@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class Semicircular(Body):
     """A half cylinder with a row of cavities."""
 
@@ -59,8 +54,6 @@ class Semicircular(Body):
     channel: str | None = None
 
 
-@final
-@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class SemicircularSingle(Body):
     """A half cylinder with one long cavity."""
 
@@ -73,8 +66,6 @@ class SemicircularSingle(Body):
     wall: str | None = None
 
 
-@final
-@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class BisectedCircle(Body):
     """A tube that a wall divides into two cavities."""
 
@@ -87,8 +78,6 @@ class BisectedCircle(Body):
     divider: str | None = None
 
 
-@final
-@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class Rectangular(Body):
     """A bar with a row of cavities under one flat roof."""
 
@@ -106,8 +95,6 @@ class Rectangular(Body):
     channel: str | None = None
 
 
-@final
-@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class BodyFile(Body):
     """A body of a CAD, mesh or surface file; which keys a kind of file has is in docs/configuration.md."""
 
@@ -129,19 +116,14 @@ class BodyFile(Body):
     defeature: str | None = None
 
 
-@final
-@dataclass(frozen=True, eq=False, repr=False)
 class NamedRubber(Material):
     """A rubber with known constants: NamedRubber("dragon_skin_30")."""
 
-    name: str
-    _: KW_ONLY
+    name: str = field(kw_only=False)
     kappa: str | None = None
     nu: float | None = None
 
 
-@final
-@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class StVenantKirchhoff(Material):
     """The law of the paper, for stretches from 0.91 to 1.10."""
 
@@ -151,8 +133,6 @@ class StVenantKirchhoff(Material):
     nu: float
 
 
-@final
-@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class Hencky(Material):
     """The law with logarithmic strains."""
 
@@ -162,7 +142,6 @@ class Hencky(Material):
     nu: float
 
 
-@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class Rubber(Material):
     """A law of rubber, with its bulk modulus kappa or Poisson's ratio nu; nu is 0.495 without both."""
 
@@ -170,8 +149,6 @@ class Rubber(Material):
     nu: float | None = None
 
 
-@final
-@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class NeoHooke(Rubber):
     """The law with a shear modulus alone."""
 
@@ -180,8 +157,6 @@ class NeoHooke(Rubber):
     mu: str
 
 
-@final
-@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class MooneyRivlin(Rubber):
     """The law with the first power of both invariants."""
 
@@ -191,8 +166,6 @@ class MooneyRivlin(Rubber):
     c01: str
 
 
-@final
-@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class Yeoh(Rubber):
     """The law with three powers of the first invariant."""
 
@@ -203,8 +176,6 @@ class Yeoh(Rubber):
     c30: str
 
 
-@final
-@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class Ogden(Rubber):
     """The law with powers of the principal stretches; one entry of each list for a term."""
 

@@ -10,7 +10,6 @@ from pipeline.api.described import Body, Setting
 from pipeline.api.given import document_of, given_choice, given_folder, given_jobs, given_progress
 from pipeline.config.config import Config
 from pipeline.config.section import read
-from pipeline.simulate.design_notes import check_load
 from pipeline.store.processes import available_cores
 from pipeline.store.progress import Progress
 from pipeline.values.errors import RunFailed
@@ -28,9 +27,17 @@ class Course:
     fresh: bool
     progress: Progress
 
-    def solve(self, task: Callable[[Given, Path, int, bool, Progress], Value], given: Given, folder: Path) -> Value:
-        """What a task makes of the design that is given, in a result folder."""
+    def solve(
+        self,
+        task: Callable[[Given, Path, int, bool, Progress], Value],
+        given: Given,
+        folder: Path,
+        notes: Iterable[Reason] = (),
+    ) -> Value:
+        """What a task makes of the design that is given, in a result folder; notes on the design are told first."""
         try:
+            for note in notes:
+                self.progress.remark(render(note))
             return task(given, folder, self.jobs, self.fresh, self.progress)
         finally:
             self.progress.done()
@@ -52,24 +59,6 @@ def design_of(
     """The configuration, checked, and the result folder. Raises InputError."""
     design = read(Config, document_of(config, arguments, settings))
     return design, given_folder(out, f"{design.name}{suffix}")
-
-
-def noted(
-    task: Callable[[Config, Path, int, bool, Progress], Value],
-) -> Callable[[Config, Path, int, bool, Progress], Value]:
-    """A task that first tells what a user should know of the design."""
-
-    def solved(design: Config, folder: Path, jobs: int, fresh: bool, progress: Progress) -> Value:
-        remark(check_load(design), progress)
-        return task(design, folder, jobs, fresh, progress)
-
-    return solved
-
-
-def remark(reasons: Iterable[Reason], progress: Progress) -> None:
-    """Tell the progress what a user should know of a design."""
-    for reason in reasons:
-        progress.remark(render(reason))
 
 
 def reached(value: Value, raise_if_failed: Callable[[], None]) -> Value:

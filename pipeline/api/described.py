@@ -1,9 +1,9 @@
 """Sections of a configuration that are described in Python: a body or a material, and settings by their keys."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 from types import MappingProxyType
-from typing import Any, ClassVar
+from typing import Any, ClassVar, dataclass_transform
 
 from pipeline.values.errors import InputError, quoted
 
@@ -12,9 +12,9 @@ Setting = str | float | bool | Sequence[Any] | Mapping[str, Any]
 _SETTING = 'a text such as "6 mm", a plain number, true or false, or a list of these'
 
 
-@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+@dataclass_transform(kw_only_default=True, frozen_default=True, eq_default=False, field_specifiers=(field,))
 class Description:
-    """One section of a configuration. Its fields are keys; None for those that have their defaults.
+    """One section of a configuration: a frozen dataclass whose fields are keys; None for those with their defaults.
 
     Raises InputError, naming the key, for a value that no key can have. What a key must be is checked with the whole
     configuration.
@@ -23,8 +23,12 @@ class Description:
     #: the key that says what is described, and its value
     choice: ClassVar[tuple[str, str] | None] = None
 
+    def __init_subclass__(cls) -> None:
+        dataclass(frozen=True, kw_only=True, eq=False, repr=False)(cls)
+
     def __post_init__(self) -> None:
-        given = {field.name: value for field in fields(self) if (value := getattr(self, field.name)) is not None}
+        keys = [key.name for key in fields(self)]  # type: ignore[arg-type]
+        given = {key: value for key in keys if (value := getattr(self, key)) is not None}
         object.__setattr__(self, "_given", MappingProxyType(dict(given_settings(given, str))))
 
     @property
@@ -51,7 +55,6 @@ class Body(Description):
     """A body: a family with its dimensions, or a file."""
 
 
-@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class Material(Description):
     """A law of the material and its constants, or a rubber by its name."""
 

@@ -122,7 +122,7 @@ def mesh(
 
     Raises InputError for a wrong configuration, a body that cannot be meshed and a folder that cannot be used.
     """
-    from pipeline.api.course import course_of, design_of, remark
+    from pipeline.api.course import course_of, design_of
     from pipeline.simulate.design_notes import check_load
     from pipeline.simulate.mesh_notes import check_body
     from pipeline.simulate.scene import mesh_with_progress
@@ -138,14 +138,13 @@ def mesh(
 
     def meshed(design: "Config", folder: Path, _: int, __: bool, progress: "Progress") -> MeshedArm:
         progress.stage("mesh")
-        remark(check_load(design), progress)
         body, file = mesh_with_progress(design, progress).body, results.path("mesh.vtu")
         with replacing(file) as part:
             body.mesh.write(part)
         notes = filter(None, (too_short(design), *check_body(body, design)))
         return MeshedArm(file, design, body, tuple(notes))
 
-    return course_of(None, 1, False, progress).solve(meshed, design, folder)
+    return course_of(None, 1, False, progress).solve(meshed, design, folder, check_load(design))
 
 
 def cell(
@@ -163,13 +162,14 @@ def cell(
     The law of an arm that leaves its plane is one in space. Raises InputError for a wrong configuration or folder and
     for an arm without such a law, and RunFailed, which has the report as `reached`, where a pressure is not reached.
     """
-    from pipeline.api.course import course_of, noted, reached
+    from pipeline.api.course import course_of, reached
     from pipeline.api.given import document_of, given_folder
     from pipeline.config.config import Config
     from pipeline.config.section import read
     from pipeline.law.in_space.rows import read_rows, rows_of
     from pipeline.law.in_space.study import leaves_plane, measure_space_law
     from pipeline.law.study import measure_law
+    from pipeline.simulate.design_notes import check_load
 
     document = document_of(config, {"accuracy": accuracy}, settings)
     course, rows = course_of(jobs, 1, fresh, progress), read_rows(document)
@@ -177,5 +177,5 @@ def cell(
     folder = given_folder(out, f"{design.name}_cell")
     if rows is not None or leaves_plane(design):
         return course.solve(measure_space_law, rows or rows_of(design), folder)
-    report = course.solve(noted(measure_law), design, folder)
+    report = course.solve(measure_law, design, folder, check_load(design))
     return reached(report, report.raise_if_failed)

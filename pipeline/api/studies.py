@@ -30,12 +30,13 @@ def effects(
     Raises InputError for a wrong configuration or folder, and RunFailed, which has the table as `reached`, where rows
     lack numbers.
     """
-    from pipeline.api.course import course_of, design_of, noted
+    from pipeline.api.course import course_of, design_of
+    from pipeline.simulate.design_notes import check_load
     from pipeline.study.effects.study import compare_effects
     from pipeline.values.errors import RunFailed
 
     design, folder = design_of(config, {}, settings, out, "_effects")
-    table = course_of(jobs, 2, fresh, progress).solve(noted(compare_effects), design, folder)
+    table = course_of(jobs, 2, fresh, progress).solve(compare_effects, design, folder, check_load(design))
     if table.failures:
         missing = sum(bool(row["reason"]) for row in table.rows)
         sentence = f"{missing} of {len(table.rows)} rows lack numbers, for the reasons above"
@@ -56,11 +57,12 @@ def accuracy(
 
     Raises InputError for a wrong configuration or folder.
     """
-    from pipeline.api.course import course_of, design_of, noted
+    from pipeline.api.course import course_of, design_of
+    from pipeline.simulate.design_notes import check_load
     from pipeline.study.accuracy.run import run_study
 
     design, folder = design_of(config, {}, settings, out, "_accuracy")
-    return course_of(jobs, 2, fresh, progress).solve(noted(run_study), design, folder)
+    return course_of(jobs, 2, fresh, progress).solve(run_study, design, folder, check_load(design))
 
 
 def sweep(

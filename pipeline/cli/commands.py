@@ -18,8 +18,26 @@ from rich.console import Console
 from typer.core import TyperCommand
 from typer.models import ParameterInfo
 
-from pipeline.api import measured, rods, runs, setup, shown, studies
+from pipeline.api import measured, rods, runs, setup, studies
 from pipeline.cli.ending import print_lines, with_sentences
+from pipeline.cli.shown import (
+    show_accuracy,
+    show_budget,
+    show_calibration,
+    show_cell,
+    show_comparison,
+    show_design,
+    show_effects,
+    show_export,
+    show_file,
+    show_findings,
+    show_material,
+    show_mesh,
+    show_results,
+    show_shape,
+    show_solutions,
+    show_sweep,
+)
 
 if TYPE_CHECKING:
     from pipeline.api.results import Results
@@ -51,7 +69,7 @@ class Init(TyperCommand):
 def add(function: Callable[..., Any], show: Callable[..., None], name: str = "", cls: Any = None) -> None:
     """Add the command of a function: its arguments with an option are read, and its value is shown.
 
-    show: see `pipeline.api.shown`. name: of the command, by default that of the function. What was reached by a
+    show: see `pipeline.cli.shown`. name: of the command, by default that of the function. What was reached by a
     function that fails is shown before the reason.
     """
     own, more = _options(function), _options(show)
@@ -140,22 +158,22 @@ def show_version(
 
 
 app.callback()(show_version)
-add(setup.init, shown.show_file, cls=Init)
-add(run, shown.show_results, "run")
-add(runs.mesh, shown.show_mesh)
-add(studies.effects, shown.show_effects)
-add(studies.accuracy, shown.show_accuracy)
-add(runs.cell, shown.show_cell)
-add(studies.design, shown.show_design)
-add(studies.sweep, shown.show_sweep)
-add(rods.shape, shown.show_shape, "rod")
-add(rods.solve, shown.show_solutions)
-add(rods.budget, shown.show_budget)
-add(measured.compare, shown.show_comparison)
-add(measured.calibrate, shown.show_calibration)
-add(measured.material, shown.show_material)
-add(rods.export, shown.show_export)
-add(doctor, shown.show_findings)
+add(setup.init, show_file, cls=Init)
+add(run, show_results, "run")
+add(runs.mesh, show_mesh)
+add(studies.effects, show_effects)
+add(studies.accuracy, show_accuracy)
+add(runs.cell, show_cell)
+add(studies.design, show_design)
+add(studies.sweep, show_sweep)
+add(rods.shape, show_shape, "rod")
+add(rods.solve, show_solutions)
+add(rods.budget, show_budget)
+add(measured.compare, show_comparison)
+add(measured.calibrate, show_calibration)
+add(measured.material, show_material)
+add(rods.export, show_export)
+add(doctor, show_findings)
 
 
 def main() -> None:
