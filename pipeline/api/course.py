@@ -1,4 +1,4 @@
-"""How the functions solve what they are asked for: with how many processes, and who is told of the progress."""
+"""The course of a function that solves: its number of processes, and who is told of its progress."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -21,7 +21,7 @@ Value = TypeVar("Value")
 
 @dataclass(frozen=True)
 class Course:
-    """How something is solved; it decides no result."""
+    """Processes, folder and listener of a task; they decide no result."""
 
     jobs: int
     fresh: bool
@@ -34,7 +34,7 @@ class Course:
         folder: Path,
         notes: Iterable[Reason] = (),
     ) -> Value:
-        """What a task makes of the design that is given, in a result folder; notes on the design are told first."""
+        """Do a task on the design that is given, in a result folder; notes on the design are told first."""
         try:
             for note in notes:
                 self.progress.remark(render(note))

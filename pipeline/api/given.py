@@ -97,7 +97,7 @@ def given_folder(out: Path | str | None, name: str) -> Path:
 
 
 def given_progress(progress: bool | Progress) -> Progress:
-    """What listens to the progress: the terminal for True, nothing for False. Raises InputError for anything else."""
+    """The listener to the progress: the terminal for True, nothing for False. Raises InputError for anything else."""
     if isinstance(progress, Progress):
         return progress
     return progress_for() if given_choice(progress, "progress") else Silent()

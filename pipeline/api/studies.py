@@ -39,8 +39,9 @@ def effects(
     table = course_of(jobs, 2, fresh, progress).solve(compare_effects, design, folder, check_load(design))
     if table.failures:
         missing = sum(bool(row["reason"]) for row in table.rows)
-        sentence = f"{missing} of {len(table.rows)} rows lack numbers, for the reasons above"
-        raise RunFailed(sentence, folder).with_reached(table)
+        lacking = f"{missing} of {len(table.rows)} rows lack numbers"
+        brief = f"{lacking}, for the reasons above"
+        raise RunFailed(f"{lacking}: {'; '.join(table.failures)}", folder, brief).with_reached(table)
     return table
 
 

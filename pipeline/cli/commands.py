@@ -1,4 +1,4 @@
-"""The command line: the functions of `pipeline.api`, and what is printed of their values.
+"""The command line: the functions of `pipeline.api`, whose values it prints.
 
 Exit status 0 done, 1 failed, 2 wrong input, 130 interrupted. The functions import everything heavy inside themselves,
 so that `pneurod --help` answers at once.
@@ -113,7 +113,7 @@ def _options(function: Callable[..., Any]) -> dict[str, inspect.Parameter]:
 
 
 def _listener(options: Mapping[str, Any]) -> "Progress":
-    """What shows the progress, by the options -q, -v and --json of a command that has them."""
+    """The listener to the progress, by the options -q, -v and --json of a command that has them."""
     from pipeline.show.progress import progress_for
     from pipeline.store.progress import Silent
 

@@ -1,4 +1,4 @@
-"""What the command line prints of the value of each function.
+"""Values of the functions as the command line prints them.
 
 The first parameter is the value. Those with an option are read from the command line; others are arguments of the
 function that go by the same name.
@@ -41,7 +41,7 @@ Json = Annotated[bool, typer.Option("--json", help="The verdict as JSON on stand
 def show_results(
     made: "Results | PairRuns", quiet: Quiet = False, verbose: Verbose = False, as_json: Json = False
 ) -> None:
-    """The verdict of a run and its tables."""
+    """Print the verdict of a run and its tables."""
     from pipeline.api.results import Results
     from pipeline.show import tables
     from pipeline.show.terminal import text_table
@@ -62,7 +62,7 @@ def show_results(
 
 
 def _details(results: "Run") -> "tuple[Table | None, ...]":
-    """What `-v` shows besides the verdict."""
+    """The tables that `-v` shows besides the verdict."""
     from pipeline.show import tables
 
     made = (tables.rods, tables.loads, tables.states, tables.effects, tables.design, tables.cost)
@@ -83,7 +83,7 @@ def _show_pairs(made: "PairRuns", as_json: bool) -> None:
 
 
 def show_mesh(meshed: "MeshedArm") -> None:
-    """Volumes and the quality of the elements."""
+    """Print volumes and the quality of the elements."""
     from pipeline.show.terminal import body_table
     from pipeline.values.reasons import render
 
@@ -92,7 +92,7 @@ def show_mesh(meshed: "MeshedArm") -> None:
 
 
 def show_effects(table: "EffectsTable") -> None:
-    """What each effect changes and costs."""
+    """Print the changes and the costs of each effect."""
     from pipeline.study.effects.table import effects_comparison
 
     print_lines(effects_comparison(table.rows))
@@ -101,7 +101,7 @@ def show_effects(table: "EffectsTable") -> None:
 
 
 def show_accuracy(study: "ConvergenceStudy", out: Path | None) -> None:
-    """Errors, references and orders of convergence."""
+    """Print errors, references and orders of convergence."""
     from pipeline.show.terminal import text_table
     from pipeline.study.accuracy.table import orders_table, references_table, study_table
 
@@ -111,7 +111,7 @@ def show_accuracy(study: "ConvergenceStudy", out: Path | None) -> None:
 
 
 def show_cell(report: "LawReport | SpaceLawReport") -> None:
-    """The law of an arm, and how far it may be trusted."""
+    """Print the law of an arm, and how far it may be trusted."""
     from pipeline.law.study import LawReport
     from pipeline.law.table import law_remarks, law_table, mesh_table, space_table
     from pipeline.show.terminal import text_table
@@ -134,7 +134,7 @@ def show_cell(report: "LawReport | SpaceLawReport") -> None:
 
 
 def show_design(report: "DesignReport", quiet: Quiet = False) -> None:
-    """The dimensions that were found, and the wishes. Raises RunFailed where one is missed."""
+    """Print the dimensions that were found, and the wishes. Raises RunFailed where one is missed."""
     from pipeline.show.terminal import text_table
     from pipeline.study.wishes.design import raise_if_missed
     from pipeline.study.wishes.report import dimensions_table, wishes_table
@@ -148,14 +148,14 @@ def show_design(report: "DesignReport", quiet: Quiet = False) -> None:
 
 
 def show_sweep(reports: "Sequence[SweepReport]") -> None:
-    """How the points of each sweep ended."""
+    """Print how the points of each sweep ended."""
     for report in reports:
         folder = report.directory
         print_lines(f"{report.sentence()}; table: {folder / 'sweep.csv'}, picture: {folder / 'sweep.html'}")
 
 
 def show_shape(found: "RodShape") -> None:
-    """Position, angle and force of the end, and the moment at the clamp."""
+    """Print position, angle and force of the end, and the moment at the clamp."""
     from pipeline.answers.rods.end_loads import end_lines
 
     print_lines(*end_lines(found.rod, found.shape, found.errors))
@@ -164,7 +164,7 @@ def show_shape(found: "RodShape") -> None:
 def show_solutions(
     found: "Solutions", as_json: Annotated[bool, typer.Option("--json", help="The solutions as JSON.")] = False
 ) -> None:
-    """The pressures that were found."""
+    """Print the pressures that were found."""
     if as_json:
         print_json({"solutions": [asdict(at) for at in found.solutions]})
     else:
@@ -172,7 +172,7 @@ def show_solutions(
 
 
 def show_budget(found: "Budget", folder: Path, out: Path | None) -> None:
-    """What each tolerance does."""
+    """Print by how much each tolerance moves the arm."""
     from pipeline.answers.budget import budget_table
     from pipeline.show.terminal import text_table
 
@@ -187,7 +187,7 @@ def show_comparison(
         Path | None, typer.Option("--out", metavar="FILE", help="The picture (default: DIR/compared_MEASURED.html).")
     ] = None,
 ) -> None:
-    """Each measured number beside that of the rod, and their picture."""
+    """Print each measured number beside that of the rod, and draw both."""
     from pipeline.answers.measured.page import comparison_page, comparison_table
     from pipeline.results.options import write_new
     from pipeline.show.terminal import text_table
@@ -200,7 +200,7 @@ def show_comparison(
 
 
 def show_calibration(report: "CalibrationReport") -> None:
-    """What was found of each unknown, and the verdict of the calibrated arm."""
+    """Print each unknown, and the verdict of the calibrated arm."""
     from pipeline.answers.measured.calibrate import estimates_table
     from pipeline.show.terminal import text_table
 
@@ -210,7 +210,7 @@ def show_calibration(report: "CalibrationReport") -> None:
 
 
 def show_material(found: "Material", out: Path) -> None:
-    """Doubts about the data; of laws that can be used the one to take, and all others."""
+    """Print doubts about the data; of laws that can be used the one to take, and all others."""
     from pipeline.show.terminal import law_table
 
     print_sentences(*(f"Note: {note}" for note in found.notes))
@@ -221,17 +221,17 @@ def show_material(found: "Material", out: Path) -> None:
 
 
 def show_export(done: "Exported") -> None:
-    """The files, their error, and what they leave out."""
+    """Print the names of the files, their error, and what they leave out."""
     print_lines(*(f"written: {file}" for file in done.files), *done.sentences)
 
 
 def show_file(file: Path) -> None:
-    """The configuration that was written."""
+    """Print the name of the configuration that was written."""
     print_lines(f"written: {file}; change it and check the body with `pneurod mesh {file}`")
 
 
 def show_findings(findings: "Sequence[Finding]") -> None:
-    """What was checked."""
+    """Print each finding."""
     from rich.table import Table
 
     table = Table("", "checked", "result", box=None, pad_edge=False)

@@ -12,7 +12,7 @@ from typing import Any
 from geometry import Design
 from pipeline.config.document import Document
 from pipeline.config.material import Material
-from pipeline.config.section import Error, known, not_known, raise_all, wrong
+from pipeline.config.section import known, not_known, raise_all, read_each, wrong
 from pipeline.config.units import LENGTH, PRESSURE, STRESS, Dimension, convert, number_and_unit
 from pipeline.values.json_values import JsonObject
 
@@ -71,9 +71,7 @@ class Tolerances:
             if written not in PROCESSES:
                 raise ValueError(not_known(written, PROCESSES))
             return replace(self, process=written)
-        if key not in units:
-            raise ValueError(not_known(key, ("process", *units)))
-        return replace(self, given={**self.given, key: _read(written, units[key])})
+        return replace(self, given={**self.given, key: _known(key, written, units)})
 
     def all(self, dimensions: Mapping[str, float]) -> dict[str, Tolerance]:
         """Those that are given, and the defaults of all others.
@@ -102,15 +100,7 @@ def read_tolerances(value: Any, values: Mapping[str, Any], _: Document) -> Toler
     if process not in PROCESSES:
         raise_all([wrong(not_known(process, PROCESSES), ("process",))])
     units = _units(design, {"material": material, **{f"materials.{name}": m for name, m in materials.items()}})
-    raise_all(_unknown(flat, units))
-    given, errors = {}, []
-    for key, written in flat.items():
-        try:
-            given[key] = _read(written, units[key])
-        except ValueError as refused:
-            errors.append(wrong(str(refused), (key,)))
-    raise_all(errors)
-    return Tolerances(process, given)
+    return Tolerances(process, read_each(flat, lambda key, written: _known(key, written, units)))
 
 
 def _flat(value: Mapping[Any, Any]) -> Iterator[tuple[str, Any]]:
@@ -122,8 +112,11 @@ def _flat(value: Mapping[Any, Any]) -> Iterator[tuple[str, Any]]:
             yield str(key), entry
 
 
-def _unknown(flat: Mapping[str, Any], units: Mapping[str, Dimension | None]) -> Iterator[Error]:
-    return (wrong(not_known(key, ("process", *units)), (key,)) for key in flat if key not in units)
+def _known(key: str, written: Any, units: Mapping[str, Dimension | None]) -> Tolerance:
+    """The tolerance at a key; units: what each key measures. Raises ValueError, also for an unknown key."""
+    if key not in units:
+        raise ValueError(not_known(key, ("process", *units)))
+    return _read(written, units[key])
 
 
 def _units(design: Design, materials: Mapping[str, Material]) -> dict[str, Dimension | None]:

@@ -40,7 +40,7 @@ class PressureRows:
 
 
 def has_rows(document: Document) -> bool:
-    """Whether an entry of the pressures is a list."""
+    """True where an entry of the pressures is a list."""
     given = document.content.get(_KEY)
     return isinstance(given, list) and any(isinstance(entry, list) for entry in given)
 
