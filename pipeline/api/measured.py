@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 def compare(
     results: Annotated[
-        Path | str, Path, typer.Argument(metavar="DIR", help="Results of a run, of `cell` or of `calibrate`.")
+        Path | str, typer.Argument(metavar="DIR", help="Results of a run, of `cell` or of `calibrate`.")
     ],
     measured: MeasuredFile,
     *,
@@ -38,13 +38,11 @@ def calibrate(
     results: Folder,
     measured: MeasuredFile,
     out: Annotated[
-        Path | str | None, Path, typer.Option("--out", metavar="DIR2", help="New folder (default: DIR_calibrated).")
+        Path | str | None, typer.Option("--out", metavar="DIR2", help="New folder (default: DIR_calibrated).")
     ] = None,
     *,
     free: Annotated[
-        Sequence[str],
-        list[str],
-        typer.Option("--free", metavar="KEY", help="A dimension: geometry.wall. Repeatable."),
+        Sequence[str], list[str], typer.Option("--free", metavar="KEY", help="A dimension: geometry.wall. Repeatable.")
     ] = (),
     align: Align = False,
     samples: Annotated[int, typer.Option(metavar="N", min=0, help="Check the result with N samples.")] = 0,
@@ -66,17 +64,12 @@ def calibrate(
 
 def material(
     tests: Annotated[
-        Sequence[Path | str],
-        list[Path],
-        typer.Argument(metavar="TENSILE.csv...", help="Files of tensile tests."),
+        Sequence[Path | str], list[Path], typer.Argument(metavar="TENSILE.csv...", help="Files of tensile tests.")
     ],
-    out: Annotated[Path | str, Path, typer.Option("--out", metavar="DIR", help="Result folder.")] = Path(
-        "results/material"
-    ),
+    out: Annotated[Path | str, typer.Option("--out", metavar="DIR", help="Result folder.")] = Path("results/material"),
     *,
     run: Annotated[
         Path | str | None,
-        Path,
         typer.Option("--for", metavar="DIR", help="Results of a run: the stretches that its arm needs."),
     ] = None,
     length: Annotated[str | None, typer.Option(metavar="L", help="At rest, for extensions: '33 mm'.")] = None,

@@ -1,6 +1,7 @@
 """Arguments that several functions have, with their meaning on the command line.
 
-Where Python takes more than a command line can, what the command line reads stands between the type and the option.
+The command line reads texts, numbers and paths. Where Python takes more, what the command line reads stands between the
+type and the option.
 """
 
 from collections.abc import Mapping, Sequence
@@ -13,9 +14,7 @@ if TYPE_CHECKING:
     from pipeline.api.described import Body, Setting
 
 ConfigFile = Annotated[
-    "Path | str | Body",
-    Path,
-    typer.Argument(metavar="CONFIG", help="A design in YAML, such as configs/pneunet.yaml."),
+    "Path | str | Body", Path, typer.Argument(metavar="CONFIG", help="A design in YAML, such as configs/pneunet.yaml.")
 ]
 Settings = Annotated[
     "Mapping[str, Setting] | Sequence[str] | None",
@@ -42,9 +41,7 @@ Rod = Annotated[
         help="The arm's own law, or five parameters; by default the rod that the verdict recommends.",
     ),
 ]
-MeasuredFile = Annotated[
-    Path | str, Path, typer.Argument(metavar="MEASURED.csv", help="Measured rows, see docs/results.md.")
-]
+MeasuredFile = Annotated[Path | str, typer.Argument(metavar="MEASURED.csv", help="Measured rows, see docs/results.md.")]
 Align = Annotated[bool, typer.Option("--align", help="Move the rows so that those at rest lie on the rod.")]
 
 
@@ -58,5 +55,5 @@ def jobs_option(default: str) -> Any:
     return typer.Option("--jobs", min=1, help=f"Number of worker processes (default: {default}).")
 
 
-Folder = Annotated[Path | str, Path, typer.Argument(metavar="DIR", help="Results of a run or of `pneurod cell`.")]
-Out = Annotated[Path | str | None, Path, out_option()]
+Folder = Annotated[Path | str, typer.Argument(metavar="DIR", help="Results of a run or of `pneurod cell`.")]
+Out = Annotated[Path | str | None, out_option()]

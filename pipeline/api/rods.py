@@ -27,9 +27,7 @@ class RodShape:
 
 def shape(
     path: Annotated[
-        Path | str,
-        Path,
-        typer.Argument(metavar="DIR", help="Results of a run; or a parameters.json or law.json alone."),
+        Path | str, typer.Argument(metavar="DIR", help="Results of a run; or a parameters.json or law.json alone.")
     ],
     pressure: Annotated[str, typer.Option(metavar="P", help="With its unit: '31 kPa', or '[20 kPa, 5 kPa]'.")],
     *,
@@ -46,9 +44,7 @@ def shape(
     orientation: Orientation = None,
     tip_mass: TipMass = None,
     rod: Rod = None,
-    out: Annotated[
-        Path | str | None, Path, typer.Option("--out", metavar="FILE", help="Write the shape as CSV.")
-    ] = None,
+    out: Annotated[Path | str | None, typer.Option("--out", metavar="FILE", help="Write the shape as CSV.")] = None,
 ) -> RodShape:
     """Solve the rod alone, in milliseconds: its shape under loads.
 
@@ -76,7 +72,7 @@ class Solutions:
 
 
 def solve(
-    path: Annotated[Path | str, Path, typer.Argument(metavar="DIR", help="Results of a run; or a law.json alone.")],
+    path: Annotated[Path | str, typer.Argument(metavar="DIR", help="Results of a run; or a law.json alone.")],
     *,
     tip: Annotated[str | None, typer.Option(metavar="[X, Y]", help="Place of the end: '[30 mm, -40 mm]'.")] = None,
     angle: Annotated[str | None, typer.Option(metavar="A", help="How far the arm bends: '90 deg'.")] = None,
@@ -87,7 +83,6 @@ def solve(
     rod: Rod = None,
     picture: Annotated[
         Path | str | None,
-        Path,
         typer.Option("--picture", metavar="FILE", help="Page with the tips it reaches, up to --tip-mass."),
     ] = None,
 ) -> Solutions:
@@ -122,9 +117,7 @@ def budget(
         typer.Option("--tolerance", metavar="KEY=VALUE", help="geometry.wall='0.1 mm', process=printed. Repeatable."),
     ] = (),
     out: Annotated[
-        Path | str | None,
-        Path,
-        typer.Option("--out", metavar="FILE", help="The picture (default: DIR/budget.html)."),
+        Path | str | None, typer.Option("--out", metavar="FILE", help="The picture (default: DIR/budget.html).")
     ] = None,
 ) -> "Budget":
     """Find by how much each tolerance of a built arm moves the tip, the curvature, the rigidity and the force.
@@ -140,7 +133,7 @@ def budget(
 
 
 def export(
-    folder: Annotated[Path | str, Path, typer.Argument(metavar="DIR", help="Results of a finished run.")],
+    folder: Annotated[Path | str, typer.Argument(metavar="DIR", help="Results of a finished run.")],
     to: Annotated[
         str | None,
         typer.Option(
@@ -160,7 +153,7 @@ def export(
         ),
     ] = None,
     out: Annotated[
-        Path | str | None, Path, typer.Option("--out", metavar="DIR", help="Folder for the files (default: DIR).")
+        Path | str | None, typer.Option("--out", metavar="DIR", help="Folder for the files (default: DIR).")
     ] = None,
     force: Annotated[bool, typer.Option("--force", help="Replace files that exist.")] = False,
 ) -> "Exported":

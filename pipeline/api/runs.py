@@ -113,7 +113,7 @@ class MeshedArm:
 
 def mesh(
     config: ConfigFile,
-    out: Annotated[Path | str | None, Path, out_option("_mesh")] = None,
+    out: Annotated[Path | str | None, out_option("_mesh")] = None,
     *,
     settings: Settings = None,
     progress: "bool | Progress" = False,
@@ -149,7 +149,7 @@ def mesh(
 
 def cell(
     config: ConfigFile,
-    out: Annotated[Path | str | None, Path, out_option("_cell")] = None,
+    out: Annotated[Path | str | None, out_option("_cell")] = None,
     *,
     settings: Settings = None,
     accuracy: Accuracy = None,

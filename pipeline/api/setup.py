@@ -11,9 +11,7 @@ if TYPE_CHECKING:
 
 def init(
     family: Annotated[str, typer.Argument(metavar="[FAMILY]")] = "pneunet",
-    out: Annotated[
-        Path | str | None, Path, typer.Option("--out", metavar="FILE", help="(default: my_FAMILY.yaml).")
-    ] = None,
+    out: Annotated[Path | str | None, typer.Option("--out", metavar="FILE", help="(default: my_FAMILY.yaml).")] = None,
     *,
     force: Annotated[bool, typer.Option("--force", help="Replace a file that exists.")] = False,
     every: Annotated[bool, typer.Option("--all", help="With every key, its default and its range.")] = False,

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 def effects(
     config: ConfigFile,
-    out: Annotated[Path | str | None, Path, out_option("_effects")] = None,
+    out: Annotated[Path | str | None, out_option("_effects")] = None,
     *,
     settings: Settings = None,
     jobs: Annotated[int | None, jobs_option("number of cores, at most 2")] = None,
@@ -47,7 +47,7 @@ def effects(
 
 def accuracy(
     config: ConfigFile,
-    out: Annotated[Path | str | None, Path, out_option("_accuracy")] = None,
+    out: Annotated[Path | str | None, out_option("_accuracy")] = None,
     *,
     settings: Settings = None,
     jobs: Annotated[int | None, jobs_option("number of cores, at most 2")] = None,
@@ -74,7 +74,6 @@ def sweep(
     ],
     out: Annotated[
         Path | str | None,
-        Path,
         typer.Option("--out", metavar="DIR", help="Result folder; of several: DIR/NAME (default: results/NAME)."),
     ] = None,
     *,
@@ -119,9 +118,7 @@ def _ignore(_: str) -> None:
 
 
 def design(
-    wish: Annotated[
-        Path | str, Path, typer.Argument(metavar="WISH", help="Base, what is free, wishes and limits in YAML.")
-    ],
+    wish: Annotated[Path | str, typer.Argument(metavar="WISH", help="Base, what is free, wishes and limits in YAML.")],
     out: Out = None,
     *,
     jobs: Annotated[int | None, jobs_option("number of cores, at most 3")] = None,

@@ -105,7 +105,7 @@ def _options(function: Callable[..., Any]) -> dict[str, inspect.Parameter]:
     for name, parameter in inspect.signature(function).parameters.items():
         value, *metadata = get_args(parameter.annotation) or (None,)
         if metadata and isinstance(metadata[-1], ParameterInfo):
-            kind = metadata[0] if len(metadata) > 1 else value
+            kind = metadata[0] if len(metadata) > 1 else Path if Path in get_args(value) else value
             default = None if parameter.default == () else parameter.default
             annotation: Any = Annotated[kind | None if default is None else kind, metadata[-1]]
             found[name] = parameter.replace(kind=inspect.Parameter.KEYWORD_ONLY, annotation=annotation, default=default)
