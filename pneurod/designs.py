@@ -113,7 +113,6 @@ class BodyFile(Body):
     symmetric: bool | None = None
     unite: bool | None = None
     parts: Mapping[str, Point] | None = None
-    defeature: str | None = None
 
 
 class NamedRubber(Material):
