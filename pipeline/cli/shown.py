@@ -44,7 +44,6 @@ def show_results(
     """Print the verdict of a run and its tables."""
     from pipeline.api.results import Results
     from pipeline.show import tables
-    from pipeline.show.terminal import text_table
 
     if not isinstance(made, Results):
         _show_pairs(made, as_json)
@@ -56,12 +55,12 @@ def show_results(
     print_sentences(*made.verdict.lines)
     if not quiet:
         shown = (tables.five_parameters(results), *(_details(results) if verbose else ()))
-        print_lines(*(text_table(table) for table in shown if table is not None))
+        print_lines(*shown)
         print_sentences(*(f"Note: {note.text}" for note in results.remarks if verbose))
     print_lines(f"report: {made.report}")
 
 
-def _details(results: "Run") -> "tuple[Table | None, ...]":
+def _details(results: "Run") -> "tuple[Table, ...]":
     """The tables that `-v` shows besides the verdict."""
     from pipeline.show import tables
 
@@ -70,14 +69,13 @@ def _details(results: "Run") -> "tuple[Table | None, ...]":
 
 
 def _show_pairs(made: "PairRuns", as_json: bool) -> None:
-    from pipeline.show.terminal import text_table
     from pipeline.study.pairs.run import record
     from pipeline.study.pairs.table import pairs_table
 
     if as_json:
         print_json(record(made))
     else:
-        print_lines(text_table(pairs_table(made)))
+        print_lines(pairs_table(made))
         print_sentences(*made.sentences)
         print_lines(f"law and pairs: {made.directory / 'pairs.json'}, page: {made.directory / 'pairs.html'}")
 
@@ -93,19 +91,18 @@ def show_mesh(meshed: "MeshedArm") -> None:
 
 def show_effects(table: "EffectsTable") -> None:
     """Print the changes and the costs of each effect."""
-    from pipeline.study.effects.table import effects_comparison
+    from pipeline.study.effects.rows import effects_table
 
-    print_lines(effects_comparison(table.rows))
+    print_lines(effects_table(table.rows))
     print_lines(f"table: {table.directory / 'effects_table.json'}")
     print_sentences(*(f"{sentence}." for sentence in table.failures))
 
 
 def show_accuracy(study: "ConvergenceStudy", out: Path | None) -> None:
     """Print errors, references and orders of convergence."""
-    from pipeline.show.terminal import text_table
     from pipeline.study.accuracy.table import orders_table, references_table, study_table
 
-    print_lines(*(text_table(table(study)) for table in (study_table, references_table, orders_table)))
+    print_lines(*(table(study) for table in (study_table, references_table, orders_table)))
     folder = out or Path("results") / f"{study.config.name}_accuracy"
     print_lines(f"picture: {folder / 'accuracy.html'}")
 
@@ -114,33 +111,31 @@ def show_cell(report: "LawReport | SpaceLawReport") -> None:
     """Print the law of an arm, and how far it may be trusted."""
     from pipeline.law.study import LawReport
     from pipeline.law.table import law_remarks, law_table, mesh_table, space_table
-    from pipeline.show.terminal import text_table
     from pipeline.values.formats import LAW_IN_SPACE
     from pipeline.values.law import LawMeshError
     from pipeline.values.reasons import render
 
     folder = report.directory
     if not isinstance(report, LawReport):
-        print_lines(text_table(report.table))
+        print_lines(report.table)
         print_sentences(*report.sentences)
         print_lines(f"law: {folder / LAW_IN_SPACE}")
         return
     measured = report.measured
     tables = [law_table(measured), space_table(measured.law, measured.mesh_error or LawMeshError())]
     tables += [] if measured.limit is None else [mesh_table(measured.limit)]
-    print_lines(*(text_table(table) for table in tables if table is not None))
+    print_lines(*tables)
     print_sentences(*(f"Note: {render(remark)}." for remark in law_remarks(report)))
     print_lines(f"law: {folder / 'law.json'}, picture: {folder / 'law.html'}")
 
 
 def show_design(report: "DesignReport", quiet: Quiet = False) -> None:
     """Print the dimensions that were found, and the wishes. Raises RunFailed where one is missed."""
-    from pipeline.show.terminal import text_table
     from pipeline.study.wishes.design import raise_if_missed
     from pipeline.study.wishes.report import dimensions_table, wishes_table
 
     folder = report.directory
-    print_lines(text_table(dimensions_table(report)), text_table(wishes_table(report)))
+    print_lines(dimensions_table(report), wishes_table(report))
     print_lines(f"configuration: {folder / 'design.yaml'}, picture: {folder / 'design.html'}")
     if report.run is not None:
         print_lines(f"report of its run: {report.run / 'report.html'}")
@@ -174,9 +169,8 @@ def show_solutions(
 def show_budget(found: "Budget", folder: Path, out: Path | None) -> None:
     """Print by how much each tolerance moves the arm."""
     from pipeline.answers.budget import budget_table
-    from pipeline.show.terminal import text_table
 
-    print_lines(text_table(budget_table(found)), f"picture: {out or folder / 'budget.html'}")
+    print_lines(budget_table(found), f"picture: {out or folder / 'budget.html'}")
 
 
 def show_comparison(
@@ -190,11 +184,10 @@ def show_comparison(
     """Print each measured number beside that of the rod, and draw both."""
     from pipeline.answers.measured.page import comparison_page, comparison_table
     from pipeline.results.options import write_new
-    from pipeline.show.terminal import text_table
 
     picture = out or results / f"compared_{measured.stem}.html"
     write_new(picture, comparison_page(found.design, found.rows))
-    print_lines(text_table(comparison_table(found.rows)))
+    print_lines(comparison_table(found.rows))
     print_sentences(*found.lines)
     print_lines(f"picture: {picture}")
 
@@ -202,16 +195,15 @@ def show_comparison(
 def show_calibration(report: "CalibrationReport") -> None:
     """Print each unknown, and the verdict of the calibrated arm."""
     from pipeline.answers.measured.calibrate import estimates_table
-    from pipeline.show.terminal import text_table
 
-    print_lines(text_table(estimates_table(report.found)))
+    print_lines(estimates_table(report.found))
     print_sentences(*report.lines, *report.verdict.lines)
     print_lines(f"written: {report.directory / 'calibration.json'}, law.json, predictions.csv, run.json")
 
 
 def show_material(found: "Material", out: Path) -> None:
     """Print doubts about the data; of laws that can be used the one to take, and all others."""
-    from pipeline.show.terminal import law_table
+    from pipeline.answers.material.page import law_table
 
     print_sentences(*(f"Note: {note}" for note in found.notes))
     if not found.judged.usable:
@@ -232,11 +224,8 @@ def show_file(file: Path) -> None:
 
 def show_findings(findings: "Sequence[Finding]") -> None:
     """Print each finding."""
-    from rich.table import Table
+    from pipeline.doctor import findings_table
 
-    table = Table("", "checked", "result", box=None, pad_edge=False)
-    for finding in findings:
-        table.add_row("[green]ok[/]" if finding.sound else "[red]no[/]", finding.subject, finding.result)
-    print_lines(table)
+    print_lines(findings_table(findings))
     if all(finding.sound for finding in findings):
         print_lines("everything pneurod needs is here")
