@@ -10,8 +10,8 @@ from pipeline.api.described import Body, Setting
 from pipeline.api.given import document_of, given_choice, given_folder, given_jobs, given_progress
 from pipeline.config.config import Config
 from pipeline.config.section import read
-from pipeline.store.processes import available_cores
 from pipeline.store.progress import Progress
+from pipeline.store.worker import available_cores
 from pipeline.values.errors import RunFailed
 from pipeline.values.reasons import render
 

@@ -80,19 +80,18 @@ def sweep(
     scheduler: Annotated[str | None, typer.Option(metavar="ADDRESS", help="Of Dask, instead of own workers.")] = None,
     jobs: Annotated[int | None, typer.Option(min=1, help="Worker processes (default: number of cores).")] = None,
     memory: Annotated[str | None, typer.Option(metavar="SIZE", help="Of each worker (default: equal parts).")] = None,
-    retry: Annotated[bool, typer.Option("--retry", help="Try points that were not reached again.")] = False,
     fresh: Fresh = False,
     progress: "bool | Progress" = False,
 ) -> "tuple[SweepReport, ...]":
-    """Run many designs: a base configuration and axes, every point a run of its own, one table, on Dask.
+    """Run many designs: a base configuration and axes, every point a run of its own, one table, on all cores or on Dask.
 
     One report for each file. Raises InputError for a wrong file, folder or scheduler, and RunFailed, which has the
     reports as `reached`, where a point did not finish.
     """
     from pipeline.api.course import reached
     from pipeline.api.given import given_choice, given_jobs, given_path, given_progress
-    from pipeline.store.processes import available_cores
     from pipeline.store.progress import Silent
+    from pipeline.store.worker import available_cores
     from pipeline.study.sweep.spec import read_sweep
     from pipeline.study.sweep.study import Course, run_sweeps
     from pipeline.study.sweep.workers import LocalWorkers
@@ -106,7 +105,7 @@ def sweep(
     parent = Path("results") if out is None else given_path(out, "out", "results/sweep")
     folders = [parent / sweep.name if out is None or len(sweeps) > 1 else parent for sweep in sweeps]
     say = _ignore if isinstance(given_progress(progress), Silent) else typer.echo
-    course = Course(workers, given_choice(fresh, "fresh"), given_choice(retry, "retry"), say)
+    course = Course(workers, given_choice(fresh, "fresh"), say)
     reports = tuple(run_sweeps(list(zip(sweeps, folders, strict=True)), course))
     for report in reports:
         reached(reports, report.raise_if_failed)
