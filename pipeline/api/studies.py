@@ -83,7 +83,7 @@ def sweep(
     fresh: Fresh = False,
     progress: "bool | Progress" = False,
 ) -> "tuple[SweepReport, ...]":
-    """Run many designs: a base configuration and axes, every point a run of its own, one table, on all cores or on Dask.
+    """Run many designs: a base configuration and axes, each point a run of its own, one table, on all cores or on Dask.
 
     One report for each file. Raises InputError for a wrong file, folder or scheduler, and RunFailed, which has the
     reports as `reached`, where a point did not finish.
