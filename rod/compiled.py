@@ -1,7 +1,9 @@
 """Functions of numbers and arrays that are compiled by numba once they have been called often enough to pay for it."""
 
+import inspect
 import sys
 from collections.abc import Callable, Sequence
+from pathlib import Path
 from typing import Any, Generic, ParamSpec, TypeVar, final
 
 import numpy as np
@@ -42,11 +44,20 @@ class CompiledLater(Generic[P, R]):
         self.remaining = 0
 
     def compiled(self) -> Callable[P, R]:
-        """The function compiled by numba, with a cache on disk."""
+        """The function compiled by numba, with a cache on disk that holds until one of the source files changes."""
         import numba
         from numba.extending import register_jitable
 
         for function in self.calls:
             register_jitable(function)
-        compiled: Callable[P, R] = numba.njit(cache=True)(self.function)
-        return compiled
+        compiled = numba.njit(cache=True)(self.function)
+        # numba itself looks at the file of the function alone, and not at those of the functions that it calls
+        compiled._cache._cache_file._source_stamp = source_stamp((self.function, *self.calls))
+        result: Callable[P, R] = compiled
+        return result
+
+
+def source_stamp(functions: Sequence[Callable[..., Any]]) -> tuple[tuple[str, int, int], ...]:
+    """Name, time of the last change and size of the files in which functions stand."""
+    files = sorted({Path(inspect.getfile(function)) for function in functions})
+    return tuple((file.name, file.stat().st_mtime_ns, file.stat().st_size) for file in files)

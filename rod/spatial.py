@@ -1,7 +1,8 @@
 """Loads on a rod in space, and the rod in equilibrium under them."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import NamedTuple, final
 
 import numpy as np
@@ -155,11 +156,16 @@ class SpatialSolution:
     moment: Array  #: (n, 3) N mm, along x, y and z
     force: Array  #: (3,) N, on the end
     weight: Array  #: (3,) N, of the rod itself
-    stability: Stability
-    load_steps: int  #: steps of the continuation
+    load_steps: int  #: steps of the load
     notes: tuple[str, ...]  #: what limits the trust in this shape, a sentence each
     #: (n, 2) or (n, 3) mm, of the material curve beside the axis, along the first directions of the frames
     beside: Array
+    find_stability: Callable[[], Stability] = field(repr=False)  #: finds `stability` when it is asked for
+
+    @cached_property
+    def stability(self) -> Stability:
+        """Against small motions; the path to this state was stable."""
+        return self.find_stability()
 
     @property
     def curve(self) -> Array:

@@ -1,6 +1,10 @@
 """Compilation of the kernels of rods ahead of a run, so that its processes load them from disk."""
 
+import numpy as np
+
 from rod.arm.chain import solve_chain
+from rod.arm.newton import Tangent
+from rod.arm.small_motions import lowest_of
 from rod.law import FiveParameters
 from rod.load import Load
 from rod.mechanics.equilibrium import Rod
@@ -8,5 +12,9 @@ from rod.mechanics.equilibrium import Rod
 
 def compile_kernels() -> None:
     """Solve a short rod: a minute at the first time, one second from disk."""
-    solve_chain.compile_next()
+    for kernel in (solve_chain, lowest_of):
+        kernel.compile_next()
+    none = Tangent(np.zeros((6, 23)), np.zeros((2, 6, 3)), np.zeros(3), np.zeros((3, 3)))
+    none.band[:, 11] = 1.0
+    lowest_of(none, none, np.ones(6, bool), np.zeros(0, np.intp), 0)
     Rod(1.0, 0.1, FiveParameters(1.0, 2.0, 0.0, 0.0, 0.5)).under(Load((0.0, 0.1)))

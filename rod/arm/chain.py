@@ -12,7 +12,7 @@ from geometry.arrays import Array, Mask
 from geometry.topology import cross
 from rod.arm import newton
 from rod.arm.end_kernels import TIP_COLUMNS, EndArrays, tip_levers
-from rod.arm.newton import Chain, Found, LoadArrays, StateArrays
+from rod.arm.newton import Chain, Found, LoadArrays, StateArrays, Tangent
 from rod.compiled import CompiledLater
 from rod.errors import RodError
 from rod.spatial import Position, SpatialLoad
@@ -220,3 +220,9 @@ def check_inside(s: float, length: float) -> None:
 def held_along(position: Position) -> Mask:
     """(3,) the axes along which the end is held."""
     return np.array([value is not None for value in position])
+
+
+def room_for(chain: Chain) -> Tangent:
+    """A tangent that is not filled yet."""
+    m = 6 if chain.in_space else 3
+    return Tangent(np.zeros((m * len(chain.h), 4 * m - 1)), np.zeros((2, 6, 3)), np.zeros(3), np.zeros((3, 3)))

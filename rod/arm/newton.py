@@ -66,6 +66,16 @@ class Chain(NamedTuple):
     length: float  #: mm
 
 
+class Tangent(NamedTuple):
+    """The tangent of a chain, with what holds its end; overwritten by each iteration."""
+
+    band: Array  #: (m (N - 1), 4 m - 1), as in `rod.arm.bands`; m unknowns of a node
+    #: (2, 6, 3): the residual of the last node by forces on the end, and the places of the end by the last node
+    border: Array
+    missed: Array  #: (3,) mm, by these places
+    direct: Array  #: (3, 3) places by forces
+
+
 class Found(NamedTuple):
     """The outcome."""
 
@@ -275,14 +285,11 @@ def _tip(
     chain: Chain,
     state: StateArrays,
     factor: float,
-    band: Array,
+    tangent: Tangent,
     residual: Array,
-    border: Array,
-    missed: Array,
-    direct: Array,
 ) -> None:
-    """Add the load on the end. border (2, 6, 3): the residual of the last node by forces on the end, and the places of
-    the end by the last node; missed (3,): of these places; direct (3, 3): places by forces."""
+    """Add the load on the end, and what holds it."""
+    band, border, missed, direct = tangent
     m = 6 if chain.in_space else 3
     half, last = 2 * m - 1, len(state.place) - 1
     row = m * (last - 1)
@@ -381,25 +388,24 @@ def _move(chain: Chain, state: StateArrays, motion: Array, work: Array) -> float
     return largest
 
 
-def assemble(
+def _assemble(
     section: SectionArrays,
     ends: EndArrays,
     chain: Chain,
     load: LoadArrays,
     state: StateArrays,
     factor: float,
-    band: Array,
+    tangent: Tangent,
     residual: Array,
     start: Array,
-    border: Array,
-    missed: Array,
-    direct: Array,
     kept: Array,
 ) -> tuple[float, float]:
-    """Tangent and residual of a state: band (m (N - 1), 4 m - 1), residual (m (N - 1),), and the rest as `_clamp` and
-    `_tip` say. Returns by how much curvature and moment leave what is known."""
+    """Tangent, residual (m (N - 1),) and start (see `_clamp`) of a state.
+
+    Returns by how much curvature and moment leave what is known.
+    """
     m = 6 if chain.in_space else 3
-    half = 2 * m - 1
+    half, band = 2 * m - 1, tangent.band
     work, columns = np.zeros((24, 3, 3)), np.empty((3, max(section.table.shape[2], 1)))
     gradient, hessian = np.empty(2 * m), np.empty((2 * m, 2 * m))
     band[:] = 0.0
@@ -410,17 +416,16 @@ def assemble(
         outside = max(outside, _element(section, chain, state, e, work, gradient, hessian, kept, columns))
         _add(band, residual, m * (e - 1), gradient, hessian, half)
     _nodal(load, chain, state, factor, band, residual, work[0])
-    _tip(ends, load, chain, state, factor, band, residual, border, missed, direct)
+    _tip(ends, load, chain, state, factor, tangent, residual)
     return outside, beyond
 
 
-def _border_system(
-    band: Array, border: Array, missed: Array, direct: Array, axes: Index, columns: Array, small: Array, right: Array
-) -> None:
+def border_system(tangent: Tangent, axes: Index, columns: Array, small: Array, right: Array) -> None:
     """Solve for columns (rows, 1 + k) with a factorized band: the first without forces on the end, the others by each.
 
     small (k, k) and right (k, 1) become the system for these forces.
     """
+    band, border, missed, direct = tangent
     rows, count = len(band), len(axes)
     half = band.shape[1] // 2
     m = (half + 1) // 2
@@ -440,7 +445,7 @@ def _border_system(
                 small[a, b] += border[1, i, axes[a]] * columns[rows - m + i, 1 + b]
 
 
-def _unstable(band: Array, first: int, small: Array) -> int:
+def unstable(band: Array, first: int, small: Array) -> int:
     """Unstable directions among the rows from `first` on of a factorized band, with the constraints of the end.
 
     The residual has the forces with the minus sign: each constraint that holds makes one entry of small positive.
@@ -450,10 +455,10 @@ def _unstable(band: Array, first: int, small: Array) -> int:
     for k in range(first, len(band)):
         if band[k, half] < 0.0:
             negative += 1
-    return negative - _negative_of(small)
+    return negative - negative_of(small)
 
 
-def _held_axes(load: LoadArrays, places: int) -> Index:
+def held_axes(load: LoadArrays, places: int) -> Index:
     """The axes along which the end is held."""
     count = 0
     for i in range(places):
@@ -469,30 +474,40 @@ def _held_axes(load: LoadArrays, places: int) -> Index:
 
 
 def _newton(
-    section: SectionArrays, ends: EndArrays, chain: Chain, load: LoadArrays, state: StateArrays, factor: float
+    section: SectionArrays,
+    ends: EndArrays,
+    chain: Chain,
+    load: LoadArrays,
+    state: StateArrays,
+    factor: float,
+    tangent: Tangent,
+    iterations: int,
 ) -> Found:
-    """The equilibrium near a state under a part of the loads; the state becomes it."""
+    """The equilibrium near a state under a part of the loads; the state becomes it.
+
+    Without iterations the tangent becomes that of the state, and its forces stand in the geometric part.
+    """
     m = 6 if chain.in_space else 3
-    places = 3 if chain.in_space else 2
     nodes = len(state.place)
-    rows, half = m * (nodes - 1), 2 * m - 1
-    band, residual, start = np.empty((rows, 2 * half + 1)), np.empty(rows), np.empty((m, 1 + m))
-    border, missed, direct = np.empty((2, 6, 3)), np.empty(3), np.empty((3, 3))
-    kept, motion, work = np.empty((len(chain.h), KEPT)), np.empty((nodes, m)), np.empty((2, 3, 3))
-    axes = _held_axes(load, places)
+    rows, half, band = m * (nodes - 1), 2 * m - 1, tangent.band
+    residual, start, kept = np.empty(rows), np.empty((m, 1 + m)), np.empty((len(chain.h), KEPT))
+    motion, work = np.empty((nodes, m)), np.empty((2, 3, 3))
+    axes = held_axes(load, 3 if chain.in_space else 2)
     count = len(axes)
     columns, small, right = np.empty((rows, 1 + count)), np.empty((count, count)), np.empty((count, 1))
     outside = beyond = math.inf
-    for iteration in range(ITERATIONS):
-        outside, beyond = assemble(
-            section, ends, chain, load, state, factor, band, residual, start, border, missed, direct, kept
-        )
+    for iteration in range(max(iterations, 2)):
+        outside, beyond = _assemble(section, ends, chain, load, state, factor, tangent, residual, start, kept)
+        if iterations == 0:
+            motion[:] = 0.0
+            _predict(chain, state, kept, motion)
+            continue
         if not factorize(band, half, 1e-300):
             return Found(False, outside, beyond, 0, iteration)
         for k in range(rows):
             columns[k, 0] = -residual[k]
-        _border_system(band, border, missed, direct, axes, columns, small, right)
-        negative = _unstable(band, m * (chain.free - 1), small)
+        border_system(tangent, axes, columns, small, right)
+        negative = unstable(band, m * (chain.free - 1), small)
         if count and solve_small(small, right) == 0.0:
             return Found(False, outside, beyond, 0, iteration)
         for a in range(count):
@@ -513,10 +528,10 @@ def _newton(
         # the tangent of the first step has the forces of the state before
         if largest < TOLERANCE and iteration > 0:
             return Found(True, outside, beyond, negative, iteration + 1)
-    return Found(False, outside, beyond, 0, ITERATIONS)
+    return Found(iterations == 0, outside, beyond, 0, iterations)
 
 
-def _negative_of(matrix: Array) -> int:
+def negative_of(matrix: Array) -> int:
     """Negative eigenvalues of a matrix (k, k) with k of at most 3 that is nearly symmetric, by its pivots."""
     n = len(matrix)
     copied = matrix.copy()
@@ -553,5 +568,5 @@ CALLS = (
         _predict,
         _move,
     ),
-    *(assemble, _negative_of, _border_system, _unstable, _held_axes),
+    *(_assemble, negative_of, border_system, unstable, held_axes),
 )

@@ -23,12 +23,13 @@ from rod.arm.chain import (
     nodes_of,
     planar_frames,
     rest_state,
+    room_for,
     rotation,
     solve_chain,
     turn_of,
 )
 from rod.arm.end_kernels import TIP_COLUMNS, EndArrays, tip_levers
-from rod.arm.newton import Found, StateArrays
+from rod.arm.newton import ITERATIONS, Found, StateArrays
 from rod.arm.sections import Section
 from rod.arm.small_motions import lowest
 from rod.errors import RodError, buckles_at
@@ -88,6 +89,7 @@ class Solver:
         self.arm, self.s = arm, s
         self.ends = arm.ends(position)
         self.chain = chain_arrays(s, arm.clamp_reach, in_space=in_space)
+        self.room = room_for(self.chain)
         nodes = NodeLoads.of(load, arm.mass, s)
         if any(arm.own.weight):
             nodes = nodes.with_more(NodeLoads.of(arm.own, arm.mass, s))
@@ -100,7 +102,9 @@ class Solver:
     def converge(self, state: StateArrays, factor: float, target: Array, grown: float = 1.0) -> Found:
         """The equilibrium near a state, which becomes it, under a part of the loads; the end is held at target (3,)."""
         section = self.arm.section.arrays(self.s, factor, grown)
-        return solve_chain(section, self.ends, self.chain, self.load._replace(target=target), state, factor)
+        return solve_chain(
+            section, self.ends, self.chain, self.load._replace(target=target), state, factor, self.room, ITERATIONS
+        )
 
     def end(self, state: StateArrays) -> Array:
         """(3,) mm, of the material curve."""

@@ -5,22 +5,21 @@ elastic part count the eigenvalues below it (Sylvester), so that bisection finds
 motion. The clamped end and the elements beside it follow the others in equilibrium.
 """
 
-from typing import NamedTuple
-
 import numpy as np
 
 from geometry.arrays import Array, Index, Mask
-from rod.arm import newton
-from rod.arm.bands import factorize, solve_small
+from rod.arm.bands import factorize, solve, solve_small
+from rod.arm.chain import room_for, solve_chain
 from rod.arm.end_kernels import EndArrays
 from rod.arm.newton import (
     Chain,
     LoadArrays,
     StateArrays,
-    _border_system,
-    _held_axes,
-    _unstable,
-    assemble,
+    Tangent,
+    border_system,
+    held_axes,
+    negative_of,
+    unstable,
 )
 from rod.arm.section_kernels import SectionArrays
 from rod.compiled import CompiledLater
@@ -29,36 +28,35 @@ from rod.compiled import CompiledLater
 BISECTIONS, LARGEST = 40, 1e6
 
 
-class Tangent(NamedTuple):
-    """The tangent of a chain with what holds its end."""
+def lowest(
+    section: SectionArrays, ends: EndArrays, chain: Chain, load: LoadArrays, state: StateArrays, kept: Mask
+) -> tuple[float, Array]:
+    """The lowest eigenvalue of a chain in space, and its motion (N, 6).
 
-    band: Array
-    border: Array
-    missed: Array
-    direct: Array
+    kept: (6,), which of the motions along and turns about x, y and z are possible.
+    """
+    loaded = _tangent(section, ends, chain, load, state, kept)
+    zero = [np.zeros_like(values) for values in (load.force, load.couple, load.nodes, load.couples, load.beside)]
+    none = LoadArrays(zero[0], zero[1], load.held, load.target, *zero[2:])
+    still = state._replace(force=np.zeros(3))
+    free = _tangent(section, ends, chain._replace(is_loaded=False), none, still, kept)
+    value, vector = lowest_of(loaded, free, kept, held_axes(load, 3), 6 * (chain.free - 1))
+    return float(value), np.concatenate([np.zeros((1, 6)), vector.reshape(-1, 6)])
 
 
 def _tangent(
     section: SectionArrays, ends: EndArrays, chain: Chain, load: LoadArrays, state: StateArrays, kept: Mask
 ) -> Tangent:
-    """The tangent of a chain in space; motions that are not kept (6,) are left out."""
-    rows = 6 * (len(state.place) - 1)
-    band, residual, start = np.empty((rows, 23)), np.empty(rows), np.empty((6, 7))
-    border, missed, direct = np.empty((2, 6, 3)), np.empty(3), np.empty((3, 3))
-    kept_strains = np.empty((len(chain.h), newton.KEPT))
-    assemble(section, ends, chain, load, state, 1.0, band, residual, start, border, missed, direct, kept_strains)
-    for e in range(len(chain.h)):  # the geometric part has the forces of this state
-        for i in range(3):
-            state.inner[e, i] = kept_strains[e, 9 + i]
-    assemble(section, ends, chain, load, state, 1.0, band, residual, start, border, missed, direct, kept_strains)
-    for row in range(rows):
-        for column in range(max(0, row - 11), min(rows, row + 12)):
-            if not (kept[row % 6] and kept[column % 6]):
-                band[row, 11 + column - row] = 1.0 if row == column else 0.0
-    for i in range(6):
-        if not kept[i]:
-            border[:, i] = 0.0
-    return Tangent(band, border, missed, direct)
+    """The tangent of a state; motions that are not kept are left out."""
+    tangent = room_for(chain)
+    copied = StateArrays(*(values.copy() for values in state))
+    solve_chain(section, ends, chain, load, copied, 1.0, tangent, 0)
+    rows = np.arange(len(tangent.band))[:, None]
+    columns = rows + np.arange(-11, 12)
+    is_out = ~(kept[rows % 6] & kept[columns % 6])
+    tangent.band[is_out] = np.broadcast_to(rows == columns, is_out.shape)[is_out]
+    tangent.border[:, ~kept] = 0.0
+    return tangent
 
 
 def _below(
@@ -67,55 +65,43 @@ def _below(
     value: float,
     first: int,
     axes: Index,
-    band: Array,
+    shifted: Tangent,
     columns: Array,
     small: Array,
     right: Array,
 ) -> int:
-    """How many eigenvalues are below a value; band becomes the factors."""
-    for row in range(len(band)):
+    """How many eigenvalues are below a value; the band of `shifted` becomes the factors."""
+    for row in range(len(shifted.band)):
         for k in range(23):
-            band[row, k] = loaded.band[row, k] - value * free.band[row, k]
-    if not factorize(band, 11, 1e-300):
+            shifted.band[row, k] = loaded.band[row, k] - value * free.band[row, k]
+    if not factorize(shifted.band, 11, 1e-300):
         return -1
     columns[:, 0] = 0.0
-    _border_system(band, loaded.border, loaded.missed, loaded.direct, axes, columns, small, right)
-    return _unstable(band, first, small)
+    border_system(shifted, axes, columns, small, right)
+    return unstable(shifted.band, first, small)
 
 
-def _lowest(
-    section: SectionArrays, ends: EndArrays, chain: Chain, load: LoadArrays, state: StateArrays, kept: Mask
-) -> tuple[float, Array]:
-    """The lowest eigenvalue, and its motion (N, 6)."""
-    loaded = _tangent(section, ends, chain, load, state, kept)
-    none = LoadArrays(
-        np.zeros(3),
-        np.zeros(3),
-        load.held,
-        load.target,
-        np.zeros_like(load.nodes),
-        np.zeros_like(load.couples),
-        np.zeros_like(load.beside),
-    )
-    still = StateArrays(state.place, state.angle, state.frames, state.inner, np.zeros(3))
-    free = _tangent(section, ends, Chain(True, False, chain.h, chain.free, chain.length), none, still, kept)
-    rows, axes, first = len(loaded.band), _held_axes(load, 3), 6 * (chain.free - 1)
-    band, columns = np.empty((rows, 23)), np.empty((rows, 1 + len(axes)))
-    small, right = np.empty((len(axes), len(axes))), np.empty((len(axes), 1))
+def _lowest_of(loaded: Tangent, free: Tangent, kept: Mask, axes: Index, first: int) -> tuple[float, Array]:
+    """The lowest eigenvalue of two tangents, and its vector; first: row from which on directions are counted."""
+    rows, count = len(loaded.band), len(axes)
+    shifted = Tangent(np.empty((rows, 23)), loaded.border, loaded.missed, loaded.direct)
+    columns, small, right = np.empty((rows, 1 + count)), np.empty((count, count)), np.empty((count, 1))
     low, high, size = 0.0, 1.0 + 1e-9, 1.0
-    while _below(loaded, free, low, first, axes, band, columns, small, right) > 0 and size < LARGEST:
+    while _below(loaded, free, low, first, axes, shifted, columns, small, right) > 0 and size < LARGEST:
         high, low, size = low, -size, 2.0 * size
-    while high > 0.0 and _below(loaded, free, high, first, axes, band, columns, small, right) == 0 and size < LARGEST:
+    while (
+        high > 0.0 and _below(loaded, free, high, first, axes, shifted, columns, small, right) == 0 and size < LARGEST
+    ):
         low, high, size = high, 2.0 * high, 2.0 * size
     for _ in range(BISECTIONS):
         middle = 0.5 * (low + high)
-        if _below(loaded, free, middle, first, axes, band, columns, small, right) > 0:
+        if _below(loaded, free, middle, first, axes, shifted, columns, small, right) > 0:
             high = middle
         else:
             low = middle
-    motion = np.zeros((len(state.place), 6))
-    _below(loaded, free, low - 1e-6 * max(1.0, abs(low)), first, axes, band, columns, small, right)
+    _below(loaded, free, low - 1e-6 * max(1.0, abs(low)), first, axes, shifted, columns, small, right)
     vector = np.ones(rows)
+    shifted.missed[:] = 0.0
     for _ in range(4):
         for row in range(rows):
             value = 0.0
@@ -124,21 +110,19 @@ def _lowest(
                 if 0 <= column < rows:
                     value += free.band[row, k] * vector[column]
             columns[row, 0] = value
-        _border_system(band, loaded.border, np.zeros(3), loaded.direct, axes, columns, small, right)
-        if len(axes):
+        border_system(shifted, axes, columns, small, right)
+        if count:
             solve_small(small, right)
         largest = 0.0
         for row in range(rows):
-            for a in range(len(axes)):
+            for a in range(count):
                 columns[row, 0] += columns[row, 1 + a] * right[a, 0]
             if kept[row % 6]:
                 largest = max(largest, abs(columns[row, 0]))
         for row in range(rows):
             vector[row] = columns[row, 0] / largest if kept[row % 6] else 0.0
-    for row in range(rows):
-        motion[1 + row // 6, row % 6] = vector[row]
-    return 0.5 * (low + high), motion
+    return 0.5 * (low + high), vector
 
 
-#: `_lowest`, in plain Python for a few states and compiled for many
-lowest = CompiledLater(_lowest, (*newton.CALLS, _tangent, _below), 2)
+#: `_lowest_of`, in plain Python for a few states and compiled for many
+lowest_of = CompiledLater(_lowest_of, (factorize, solve, solve_small, negative_of, border_system, unstable, _below), 2)

@@ -104,9 +104,8 @@ class LawRod:
         turn = math.atan2(frame[1, 0], frame[0, 0])
         at_tip = tip_state(self.tip, position).beside_at(turn, float(nodes.force @ frame[:, 0]))
         bending = (nodes.moment[:, None] @ nodes.frames)[:, 0, 2]
-        stability = stability_of(self._model, path.chains, Held(load, position))
         beside = _Beside(self, nodes.s, bending, at_tip)(nodes.s)
-        return solved_in_space(path, (curvature, stretch), load, stability, beside)
+        return solved_in_space(self._model, path, Held(load, position), (curvature, stretch), beside)
 
     def _with_own_weight(self, load: SpatialLoad) -> SpatialLoad:
         x, y, z = load.weight

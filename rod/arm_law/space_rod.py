@@ -12,7 +12,6 @@ from rod.arm.ends import polynomial_ends
 from rod.arm.path import Path, follow
 from rod.arm.sections import PolynomialSection
 from rod.arm.solved import solved_in_space
-from rod.arm.stability import stability_of
 from rod.arm_law.polynomial import Plane
 from rod.errors import RodError
 from rod.spatial import Held, Position, SpatialLoad, SpatialSolution
@@ -50,8 +49,7 @@ class SpaceRod:
         moment, inner = in_frame(nodes.frames, nodes.moment), in_frame(nodes.frames, nodes.inner)
         beside = np.zeros((len(nodes.s), 3))
         beside[-1] = self.to_end
-        stability = stability_of(self, path.chains, Held(load, position))
-        return solved_in_space(path, self.section.strains(moment, inner), load, stability, beside)
+        return solved_in_space(self, path, Held(load, position), self.section.strains(moment, inner), beside)
 
     @property
     def own(self) -> SpatialLoad:

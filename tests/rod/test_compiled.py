@@ -1,7 +1,9 @@
 """Rods in plain Python and compiled: the same numbers, and when which is taken."""
 
+import importlib.util
 import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -9,6 +11,7 @@ import pytest
 from rod import FiveParameters, Rod
 from rod.arm import path
 from rod.arm.chain import solve_chain
+from rod.compiled import source_stamp
 
 ARM = Rod(112.0, -0.012, FiveParameters(180.0, 400.0, 0.5, -0.2, 12.0))
 
@@ -37,6 +40,21 @@ def test_an_absurd_force_raises_nothing_in_plain_python(monkeypatch: pytest.Monk
     monkeypatch.setattr(path, "SMALLEST_STEP", 0.2)
     with pytest.raises(ValueError, match="No equilibrium was found beyond 0 % of the load"):
         ARM.solve(force=(0.0, 1e300))
+
+
+def test_a_change_of_any_file_that_is_compiled_makes_the_cache_old(tmp_path: Path) -> None:
+    def kernel_of(text: str) -> tuple[tuple[str, int, int], ...]:
+        (tmp_path / "kernel.py").write_text(text, encoding="utf-8")
+        spec = importlib.util.spec_from_file_location("kernel", tmp_path / "kernel.py")
+        assert spec is not None
+        assert spec.loader is not None
+        module = importlib.util.module_from_spec(spec)
+        spec.loader.exec_module(module)
+        return source_stamp((module.f, solve_chain.function))
+
+    first = kernel_of("def f(): return 1")
+    assert len(first) == 2
+    assert kernel_of("def f(): return 12") != first
 
 
 def test_a_program_that_solves_many_rods_compiles() -> None:
