@@ -31,15 +31,15 @@ from pipeline.config.config import Config
 from pipeline.config.load import load_config
 from pipeline.law.build import build_law
 from pipeline.law.pieces import ArmPieces
-from pipeline.results.saved_law import SavedLaw
+from pipeline.results.files import read_plane_law
 from pipeline.simulate.scene import Scene
 from pipeline.store.context import RunContext
 from pipeline.store.progress import Silent
 from pipeline.store.store import open_store
 from pipeline.values.errors import RunFailed
 from rod import ArmLaw, Load, Solid
+from rod.arm_law.kinds import law_record
 from rod.arm_law.law_rod import LawRod
-from rod.arm_law.record import law_record
 from rod.export.formats import PROGRAMS, export_robot
 from rod.export.robot import Robot, Section
 from rod.spatial import SpatialLoad, SpatialSolution
@@ -79,7 +79,7 @@ def law_of(config: Config, folder: Path) -> ArmLaw:
             pieces = ArmPieces.of(Scene.meshed(config))
             measured = build_law(pieces, config.pressures_kPa, RunContext.alone(store, Silent()), between=False)
             store.save_json(file.name, law_record(measured.law))
-    return SavedLaw.read(file).law
+    return read_plane_law(file)
 
 
 def borne(path: str, changes: Mapping[str, Any], folder: Path, name: str) -> tuple[Config, ArmLaw]:

@@ -37,7 +37,7 @@ from pipeline.values.reasons import render, render_all, report_reason
 from pipeline.values.record import RunRecord
 from pipeline.values.run import Run
 from rod import ArmLaw, RodError
-from rod.arm_law.record import law_record
+from rod.arm_law.kinds import law_record
 
 #: the stage of a run whose configuration has a second mesh
 _COARSER_MESH = "coarser mesh"
@@ -149,7 +149,7 @@ def deliver_law(state: RunState) -> tuple[RunState, LawOfRun]:
 
 def _with_law(state: RunState, arm: LawOfRun) -> RunState:
     law = arm.save(state.context.store, state.config.pressures_kPa)
-    if law is not None and law.unloaded:
+    if law is not None and law.beside.unloaded:
         state.context.progress.remark(delivered_numbers(law))
     return state.with_results(law=law)
 

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     import rod
     from geometry import PneurodError
     from pipeline.api.measured import calibrate, compare, material
-    from pipeline.api.results import Results, read_pair_law, read_results, read_space_law
+    from pipeline.api.results import Results, read_results
     from pipeline.api.rods import budget, export, shape, solve
     from pipeline.api.runs import cell, characterize, characterize_pairs, mesh
     from pipeline.api.setup import doctor, init
@@ -96,9 +96,7 @@ __all__ = [
     "material",
     "mesh",
     "pipeline",
-    "read_pair_law",
     "read_results",
-    "read_space_law",
     "rod",
     "shape",
     "solve",
@@ -155,7 +153,7 @@ def _imported(name: str) -> object:
             from pipeline.api import setup
 
             return getattr(setup, name)
-        case "Results" | "read_pair_law" | "read_results" | "read_space_law":
+        case "Results" | "read_results":
             from pipeline.api import results
 
             return getattr(results, name)

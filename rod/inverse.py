@@ -28,7 +28,7 @@ BISECTIONS = 6
 #: kPa, of difference quotients
 DIFFERENCE = 1e-3
 
-#: a number for each tip (n, 2) in mm and force on the end (n, 2) in N
+#: a number for each tip (n, d) in mm and force on the end (n, d) in N; d: 2, or 3 of an arm that bends in space
 Quantity = Callable[[Array, Array], Array]
 
 
@@ -36,13 +36,13 @@ class AtPressure(NamedTuple):
     """The end of the rod at a pressure, and how fast it changes with the pressure."""
 
     pressure: float  #: kPa
-    state: Array  #: (4,) tip in mm and force on the end in N
-    slope: Array  #: (4,) their changes per kPa
+    state: Array  #: (2 d,) tip in mm and force on the end in N
+    slope: Array  #: (2 d,) their changes per kPa
 
     def of(self, quantity: Quantity) -> tuple[float, float]:
         """A quantity, and its change per kPa."""
         states = self.state + np.array([[0.0], [-DIFFERENCE], [DIFFERENCE]]) * self.slope
-        value, low, high = quantity(states[:, :2], states[:, 2:])
+        value, low, high = quantity(*_halves(states))
         return float(value), float(high - low) / (2.0 * DIFFERENCE)
 
 
@@ -50,9 +50,9 @@ class AtPressure(NamedTuple):
 class Response:
     """Tip and force of an arm under one load over rising pressures, at least three without a gap."""
 
-    solve: Callable[[float], Array]  #: (4,) tip in mm and force on the end in N at a pressure in kPa
+    solve: Callable[[float], Array]  #: (2 d,) tip in mm and force on the end in N at a pressure in kPa
     pressures: Array  #: (n,) kPa
-    states: Array  #: (n, 4)
+    states: Array  #: (n, 2 d)
 
     @staticmethod
     def all_of(solve: Callable[[float], Array], pressures: Sequence[float]) -> tuple["Response", ...]:
@@ -85,14 +85,14 @@ class Response:
 
     def where(self, quantity: Quantity, target: float) -> Iterator[AtPressure]:
         """The states in which a quantity has a value, by rising pressure."""
-        yield from self._zeros(lambda states, _: quantity(states[:, :2], states[:, 2:]) - target)
+        yield from self._zeros(lambda states, _: quantity(*_halves(states)) - target)
 
-    def nearest(self, position: tuple[float, float]) -> Iterator[AtPressure]:
+    def nearest(self, position: Sequence[float]) -> Iterator[AtPressure]:
         """The states in which the tip is nearer to a position (mm) than at neighbouring pressures, ends included."""
 
         def recedes(states: Array, slopes: Array) -> Array:
             """Half the change of the squared distance by the pressure."""
-            return np.asarray(((states[:, :2] - position) * slopes[:, :2]).sum(axis=1))
+            return np.asarray(((_halves(states)[0] - position) * _halves(slopes)[0]).sum(axis=1))
 
         at_ends = recedes(self.states[[0, -1]], self._slopes[[0, -1]])
         if at_ends[0] >= 0.0:
@@ -103,7 +103,7 @@ class Response:
 
     def extremes(self, quantity: Quantity) -> tuple[AtPressure, AtPressure]:
         """The sampled states with the smallest and the largest value of a quantity."""
-        values = quantity(self.states[:, :2], self.states[:, 2:])
+        values = quantity(*_halves(self.states))
         return self._sample(int(values.argmin())), self._sample(int(values.argmax()))
 
     @cached_property
@@ -120,7 +120,7 @@ class Response:
         yield from (at for at, _ in self._zeros_with_direction(function))
 
     def _zeros_with_direction(self, function: "Function") -> Iterator[tuple[AtPressure, bool]]:
-        """Where a function of the states (n, 4) and their slopes changes its sign, and whether it rises there."""
+        """Where a function of the states (n, 2 d) and their slopes changes its sign, and whether it rises there."""
         p = self.pressures
         parts = np.append((p[:-1, None] + np.arange(PARTS) / PARTS * np.diff(p)[:, None]).ravel(), p[-1])
         between = cubic(p, self.states, self._slopes, parts), cubic_slope(p, self.states, self._slopes, parts)
@@ -146,8 +146,14 @@ class Response:
         return AtPressure(pressure, state, rate)
 
 
-#: of states (n, 4) and their slopes by the pressure (n, 4), (n,)
+#: of states (n, 2 d) and their slopes by the pressure (n, 2 d), (n,)
 Function = Callable[[Array, Array], Array]
+
+
+def _halves(states: Array) -> tuple[Array, Array]:
+    """Tips and forces, (n, d) each."""
+    half = states.shape[1] // 2
+    return states[:, :half], states[:, half:]
 
 
 def _up_to_edge(solve: Callable[[float], Array], solved: float, unsolved: float) -> list[tuple[float, Array]]:

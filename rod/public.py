@@ -1,8 +1,8 @@
 """The names that users and the other rooms write as `rod.NAME`."""
 
+from rod.arm_law.kinds import law_from_record, law_record
 from rod.arm_law.law import ArmLaw
 from rod.arm_law.law_rod import LawRod
-from rod.arm_law.record import law_from_record, law_record
 from rod.curves.cell_average import cell_averaged, shortest_pitch
 from rod.curves.closure import Closure, end_displacement_closure
 from rod.curves.curve import Curvature, Moment, moment_between, moment_from_load, without_stretch

@@ -5,13 +5,31 @@ are written differently. Configurations therefore refuse two pressures of a run 
 """
 
 from collections.abc import Iterable, Sequence
+from typing import TypeAlias
 
 import numpy as np
 
 from geometry.arrays import Array
+from rod.checked import finite
+from rod.errors import RodError
+
+#: kPa, of the cavities of an arm in their order; of an arm with one pressure that one alone
+Pressures: TypeAlias = tuple[float, ...]
 
 #: largest difference of two pressures that are the same, over the larger one
 SAME = 1e-5
+
+
+def pressures_of(given: float | Sequence[float], cavities: Sequence[str]) -> Pressures:
+    """A pressure for each cavity; a number is a tuple of one. Raises `RodError` for another number of them."""
+    values = (given,) if isinstance(given, str) or not isinstance(given, Sequence | np.ndarray) else given
+    found = tuple(finite(value, "The pressure in kPa") for value in values)
+    if len(found) != len(cavities):
+        if len(cavities) == 1:
+            raise RodError("This rod has one pressure; give it alone, such as 20 kPa.")
+        example = ", ".join(["20 kPa", "5 kPa", *["0 kPa"] * (len(cavities) - 2)])
+        raise RodError(f"This law has the pressures of {', '.join(cavities)}; give all, such as [{example}].")
+    return found
 
 
 def is_same(pressure: float, other: float) -> bool:

@@ -16,7 +16,7 @@ from pipeline.answers.measured.predicted import Numbers
 from pipeline.answers.measured.rows import Measurements
 from pipeline.config.config import Config
 from pipeline.law.study import measure_law
-from pipeline.results.saved_law import SavedLaw
+from pipeline.results.files import read_plane_law
 from pipeline.store.progress import Silent
 
 LAW = "the arm's own law"
@@ -59,7 +59,7 @@ def _of_bar(case: Case, bar: Bar) -> Iterator[Line]:
 
 def _of_arm(case: Case, config: Config, folder: Path, jobs: int) -> Iterator[Line]:
     measure_law(config, folder, jobs, False, Silent()).raise_if_failed()
-    law, rows = SavedLaw.read(folder / "law.json").law, case.measured.rows
+    law, rows = read_plane_law(folder / "law.json"), case.measured.rows
     if not case.calibrate_on:
         numbers = Numbers.of(case.measured)
         off = numbers.predicted(LawRods(law)) - numbers.values

@@ -12,7 +12,7 @@ import numpy as np
 from benchmarks.paper.free_lines import TestedCurves
 from geometry import Centreline
 from pipeline.config.config import STANDARD_GRAVITY
-from pipeline.results.saved_law import SavedLaw
+from pipeline.results.files import read_plane_law
 from rod import ArmLaw, Curvature, Load, cell_averaged
 
 
@@ -108,7 +108,7 @@ def laws_of(sweep: Path) -> dict[tuple[str, str], ArmLaw]:
         if path.is_file():
             config = json.loads((folder / "states" / "configuration.json").read_text(encoding="utf-8"))["config"]
             key = str(config["geometry"]["family"]), str(config["material"]["law"])
-            laws[key] = SavedLaw.read(path).law
+            laws[key] = read_plane_law(path)
     return laws
 
 

@@ -12,7 +12,7 @@ from benchmarks.virtual_arms.measured import Measurement
 from pipeline.answers.measured.table import read_measurements
 from pipeline.config.load import load_config
 from pipeline.law.pieces import NoArmLaw
-from pipeline.results.saved_law import SavedLaw
+from pipeline.results.files import read_plane_law
 from pipeline.values.errors import InputError
 
 FILE = "predicted.json"
@@ -63,7 +63,7 @@ def _predictions(law: Path, measured: Path, true: Path) -> tuple[float, tuple[Pr
     """The factor of all moduli, and the predictions."""
     config = load_config(law.with_suffix(".yaml")).record()
     known, others = read_measurements(measured), read_measurements(true)
-    foretold = foretell(SavedLaw.read(law / "law.json").law, config, known, others)
+    foretold = foretell(read_plane_law(law / "law.json"), config, known, others)
     predictions = []
     for what, row in zip(WHAT, others.rows, strict=True):
         levels = tuple(float(foretold.levels[k]) for k in foretold.of(row.line))

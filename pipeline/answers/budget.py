@@ -11,12 +11,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from pipeline.answers.rods.choice import plane_of
+from pipeline.answers.rods.ratio import run_along
 from pipeline.config.tolerances import STIFFNESS, Tolerance, Tolerances
 from pipeline.config.units import LENGTH, STRESS, Dimension
 from pipeline.config.units import PRESSURE as UNIT
-from pipeline.results.files import read_results
 from pipeline.results.options import option_value
-from pipeline.results.saved_law import SavedLaw
 from pipeline.store.atomic_file import write_atomic
 from pipeline.store.result_folder import open_file
 from pipeline.values.errors import InputError, argument
@@ -108,7 +108,7 @@ def budget_of(run: Run, pressure_kPa: float | None = None, tolerances: Tolerance
 
 def budgets_of(run: Run, tolerances: Tolerances | None = None) -> tuple[Budget, ...]:
     """The budgets of a run at those pressures of its configuration that its law has; empty without derivatives."""
-    pressures = [state.pressure_kPa for state in run.law.unloaded] if run.law else []
+    pressures = [state.pressure_kPa for state in run.law.beside.unloaded] if run.law else []
     found = []
     for pressure in pressures:
         with suppress(InputError):
@@ -118,8 +118,7 @@ def budgets_of(run: Run, tolerances: Tolerances | None = None) -> tuple[Budget, 
 
 def _law(run: Run) -> ArmLaw | None:
     """The law of a run, where it has derivatives."""
-    path = run.directory / "law.json"
-    law = SavedLaw.read(path).law if path.is_file() else None
+    law = run.law and run.law.plane
     return law if law and law.rates else None
 
 
@@ -229,16 +228,19 @@ def budget_page(name: str, budgets: Sequence[Budget]) -> str:
 
 
 def budget_for(
-    folder: Path, pressure: str | None, settings: Sequence[str], out: Path | None = None
+    folder: Path, pressure: str | None, settings: Sequence[str], out: Path | None = None, ratio: str | None = None
 ) -> tuple[Budget, Path]:
     """The budget of a result folder at a pressure written with its unit, and the page with its picture.
 
-    settings: tolerances as KEY=VALUE, in place of those of the configuration. Raises InputError.
+    settings: tolerances as KEY=VALUE, in place of those of the configuration. ratio: of the pressures of a law that has
+    several. Raises InputError.
     """
-    run = read_results(folder)
+    run = run_along(folder, ratio)
     tolerances = _with_settings(run, settings)
     found = budget_of(run, None if pressure is None else option_value("pressure", pressure, UNIT), tolerances)
     if found is None:
+        if run.law is not None:
+            plane_of(run, "a budget")  # refuses a law of another kind
         raise InputError(f"{folder}: its law has no derivatives; an arm with cells has them, see docs/cell.md")
     page = open_file(out or folder / "budget.html")
     write_atomic(page, budget_page(run.design, budgets_of(run, tolerances) or (found,)).encode())

@@ -7,7 +7,7 @@ from typing import Any
 
 from pipeline.api.described import Body, Setting, given_settings, plain, setting_name
 from pipeline.config.document import Document, key_and_value, on_command_line, read_document
-from pipeline.config.units import PRESSURE, Dimension, convert
+from pipeline.config.units import LENGTH, PRESSURE, Dimension, convert
 from pipeline.show.progress import progress_for
 from pipeline.store.progress import Progress, Silent
 from pipeline.values.errors import InputError, argument, quoted
@@ -51,13 +51,21 @@ def given_number(value: Any, dimension: Dimension, name: str) -> float | None:
         raise InputError(f"{name}: {failure}") from None
 
 
-def given_pair(values: Any, dimension: Dimension, name: str) -> tuple[float, float]:
-    """Two such numbers. Raises InputError for anything else."""
-    pair = plain(values)
-    if not isinstance(pair, Sequence) or isinstance(pair, str) or len(pair) != 2 or None in pair:
+def given_pressures(value: Any) -> float | tuple[float, ...]:
+    """A pressure, or a sequence of those of all cavities. Raises InputError for anything else."""
+    pressures = plain(value)
+    if isinstance(pressures, Sequence) and not isinstance(pressures, str | bytes):
+        return tuple(given_pressure(one) for one in pressures)
+    return given_pressure(value)
+
+
+def given_place(values: Any, name: str) -> tuple[float, float] | tuple[float, float, float]:
+    """Two or three lengths. Raises InputError for anything else."""
+    place = plain(values)
+    if not isinstance(place, Sequence) or isinstance(place, str) or len(place) not in (2, 3) or None in place:
         raise InputError(f"{name}: {quoted(values)} is no pair; give x and y, for example (30.0, -40.0)")
-    x, y = (given_number(value, dimension, name) or 0.0 for value in pair)
-    return x, y
+    x, y, *across = (given_number(value, LENGTH, name) or 0.0 for value in place)
+    return (x, y, across[0]) if across else (x, y)
 
 
 def given_jobs(value: Any) -> int | None:

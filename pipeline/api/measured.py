@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from pipeline.api.options import Align, Folder, MeasuredFile
+from pipeline.api.options import Align, Folder, MeasuredFile, Ratio
 
 if TYPE_CHECKING:
     from pipeline.answers.material.study import Material
@@ -21,6 +21,7 @@ def compare(
     measured: MeasuredFile,
     *,
     align: Align = False,
+    ratio: Ratio = None,
 ) -> "Comparison":
     """Compare a measured arm with its rod.
 
@@ -31,7 +32,7 @@ def compare(
     from pipeline.api.given import given_choice, given_path
 
     folder, file = given_path(results, "results", "results/arm"), given_path(measured, "measured", "arm.csv")
-    return compare_files(folder, file, given_choice(align, "align"))
+    return compare_files(folder, file, given_choice(align, "align"), ratio=ratio)
 
 
 def calibrate(
@@ -45,6 +46,7 @@ def calibrate(
         Sequence[str], list[str], typer.Option("--free", metavar="KEY", help="A dimension: geometry.wall. Repeatable.")
     ] = (),
     align: Align = False,
+    ratio: Ratio = None,
     samples: Annotated[int, typer.Option(metavar="N", min=0, help="Check the result with N samples.")] = 0,
 ) -> "CalibrationReport":
     """Fit modulus and dimensions to measurements, with intervals.
@@ -58,7 +60,7 @@ def calibrate(
 
     folder, file = given_path(results, "results", "results/arm"), given_path(measured, "measured", "arm.csv")
     new = None if out is None else given_path(out, "out", "results/arm_calibrated")
-    options = CalibrateOptions(tuple(free), given_choice(align, "align"), samples)
+    options = CalibrateOptions(tuple(free), given_choice(align, "align"), samples, ratio)
     return calibrate_files(folder, file, new, options)
 
 

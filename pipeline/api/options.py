@@ -41,6 +41,10 @@ Rod = Annotated[
         help="The arm's own law, or five parameters; by default the rod that the verdict recommends.",
     ),
 ]
+Ratio = Annotated[
+    str | None,
+    typer.Option("--ratio", metavar="A:B", help="Of the pressures of a law that has several: 1:0.5."),
+]
 MeasuredFile = Annotated[Path | str, typer.Argument(metavar="MEASURED.csv", help="Measured rows, see docs/results.md.")]
 Align = Annotated[bool, typer.Option("--align", help="Move the rows so that those at rest lie on the rod.")]
 

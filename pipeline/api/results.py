@@ -13,24 +13,21 @@ import pandas as pd
 from pipeline.answers.budget import Budget, budget_of
 from pipeline.answers.rods.choice import RodOfRun, check_kind, choose_rod, nothing_identified
 from pipeline.answers.rods.end_loads import Weight
-from pipeline.answers.rods.export import ExportOptions, exported
+from pipeline.answers.rods.export import ExportOptions, exported_run
 from pipeline.answers.rods.pressures import PressureFor, Wish, pressures_for
+from pipeline.answers.rods.ratio import run_along
 from pipeline.api.frames import by_pressure, curves_frame, expanded, frame_of, profiles
-from pipeline.api.given import given_choice, given_number, given_pair, given_path, given_pressure
+from pipeline.api.given import given_choice, given_number, given_path, given_place, given_pressure, given_pressures
 from pipeline.api.sensitivities import sensitivities_frame
 from pipeline.config.units import ANGLE, FORCE, LENGTH
 from pipeline.results.files import read_results as read_run
 from pipeline.results.parameter_checks import check_parameters
-from pipeline.results.saved_law import SavedLaw
-from pipeline.results.saved_law_in_space import read_space_law as saved_space_law
-from pipeline.results.saved_pairs import read_pair_law as saved_pair_law
 from pipeline.results.verdict import Verdict, verdict_of
 from pipeline.values.errors import InputError, quoted
 from pipeline.values.run import Effect, RodError, Run, State
-from rod import PARAMETER_COLUMNS, ArmLaw, FiveParameters, Interval, Rod, RodWarning
+from rod import PARAMETER_COLUMNS, FiveParameters, Interval, Rod, RodWarning
 from rod import RodError as NoRod
-from rod.arm_law.pairs import PairLaw
-from rod.arm_law.space_law import SpaceLaw
+from rod.arm_law.kinds import AnyLaw
 from rod.same_pressure import known_at
 
 if TYPE_CHECKING:
@@ -62,8 +59,8 @@ class Results:
     def mass_g(self) -> float:
         """Mass of the solid; NaN where the configuration has no density."""
         mass = self.run.parameters.mass_g
-        if mass is None and self.arm_law is not None and self.arm_law.mass is not None:  # a run with its law alone
-            mass = float(self.arm_law.mass.grams[-1])
+        if mass is None and (law := self.arm_law) is not None and law.mass is not None:  # a run with its law alone
+            mass = float(law.mass.grams[-1])
         return math.nan if mass is None else mass
 
     @property
@@ -153,17 +150,23 @@ class Results:
         """Material curves under the loads that nothing was fitted to."""
         return curves_frame(self.directory / "validation_curves.csv")
 
-    @cached_property
-    def arm_law(self) -> ArmLaw | None:
-        """The arm's own law; None where the folder has no law.json."""
-        path = self.directory / "law.json"
-        return SavedLaw.read(path).law if path.is_file() else None
+    @property
+    def arm_law(self) -> AnyLaw | None:
+        """The arm's own law, of one pressure, two, or more; None where the folder has no law.json."""
+        return None if self.run.law is None else self.run.law.law
+
+    def along(self, ratio: str) -> "Results":
+        """The results in one ratio of the pressures, such as "1:0.5", where the arm's own law has several.
+
+        Raises InputError for a ratio that it does not have.
+        """
+        return Results(run_along(self.directory, ratio))
 
     @cached_property
     def sensitivities(self) -> pd.DataFrame:
         """Derivatives of the arm's own law by its dimensions and materials, per unit of each, and relative: by how many
         % a number changes by 1 % of the parameter. No rows where the law has none."""
-        return sensitivities_frame(self.arm_law)
+        return sensitivities_frame(None if self.run.law is None else self.run.law.plane)
 
     def budget(self, pressure_kPa: float | str | None = None) -> Budget | None:
         """What the tolerances of the built arm do at a pressure, the highest one unless it is given; None for a law
@@ -193,8 +196,10 @@ class Results:
         row, column = self._row(pressure_kPa), PARAMETER_COLUMNS[name]
         return Interval(*(float(row[f"{column}{ending}"]) for ending in ("", "_std", "_95_low", "_95_high")))
 
-    def rod(self, pressure_kPa: float | str, kind: str | None = None) -> Rod:
+    def rod(self, pressure_kPa: float | str | Sequence[float | str], kind: str | None = None) -> Rod:
         """The rod at a pressure, in kPa or written with its unit ("12 kPa"): the one that the verdict recommends.
+
+        Of a law of several pressures give those of all cavities, (20.0, 5.0).
 
         kind: "law" for the arm's own law, "five" for the five parameters of the paper, "five_extensible" for those of
         the rod whose curve stretches. Its origin is the clamped end of the material curve.
@@ -204,7 +209,7 @@ class Results:
         plane.
         """
         check_kind(kind, "kind")
-        pressure = given_pressure(pressure_kPa)
+        pressure = given_pressures(pressure_kPa)
         chosen = self._chosen(kind)
         try:
             rod = chosen.at(pressure)
@@ -227,12 +232,13 @@ class Results:
     ) -> tuple[PressureFor, ...]:
         """Every pressure at which the end of the arm is as it is wanted, with the error that rod and mesh make of it.
 
-        Give one of: tip, x and y from the clamped end in mm; angle, by which the arm bends, in degrees; force, upwards
-        on the end in N, that is held at_height, mm. Each may be a text with its unit ("30 mm"). direction, tip_mass: as
-        in `Rod.solve`. kind: as in `rod`. Raises InputError for what is out of reach, with the nearest that is not.
+        Give one of: tip, x and y (in space z) from the clamped end in mm; angle, by which the arm bends, in degrees;
+        force, upwards on the end in N, that is held at_height, mm. Each may be a text with its unit ("30 mm").
+        direction, tip_mass: as in `Rod.solve`. kind: as in `rod`. Raises InputError for what is out of reach, with the
+        nearest that is not, and for a law of several pressures (`along`).
         """
         check_kind(kind, "kind")
-        place = None if tip is None else given_pair(tip, LENGTH, "tip")
+        place = None if tip is None else given_place(tip, "tip")
         numbers = given_number(angle, ANGLE, "angle"), given_number(force, FORCE, "force")
         weight = Weight.of(direction, tip_mass)
         wish = Wish(place, *numbers, given_number(at_height, LENGTH, "at_height"), weight)
@@ -247,7 +253,7 @@ class Results:
         """
         folder = None if out is None else given_path(out, "out", "results/arm")
         options = ExportOptions(out=folder, force=given_choice(force, "force"))
-        return exported(self.directory, to, options).files
+        return exported_run(self.run, to, options).files
 
     def _chosen(self, kind: str | None) -> RodOfRun:
         if kind not in self._rods:
@@ -279,26 +285,3 @@ def read_results(directory: Path | str) -> Results:
     except (KeyError, TypeError, ValueError) as failure:  # a file that was edited by hand
         raise InputError(f"{run.directory / 'parameters.json'}: {failure}") from None
     return Results(run)
-
-
-def read_space_law(directory: Path | str) -> SpaceLaw:
-    """The law of an arm that bends in space, of `pneurod cell`.
-
-    `Rod(law.length, law=law.at((18.0, 9.0, 0.0)))` is the rod at pressures in kPa. Raises InputError for a folder
-    without such a law.
-    """
-    path = given_path(directory, "directory", "results/three_chambers_cell")
-    if (law := saved_space_law(path)) is None:
-        raise InputError(f"{path}: holds no law in space; give the folder of `pneurod cell` for such an arm")
-    return law
-
-
-def read_pair_law(directory: Path | str) -> PairLaw:
-    """The arm's own law over the pressures of two cavities, of a run at pairs of pressures.
-
-    `law.at((20.0, 5.0))` is the rod at 20 and 5 kPa. Raises InputError for a folder without such a law.
-    """
-    path = given_path(directory, "directory", "results/two")
-    if (law := saved_pair_law(path)) is None:
-        raise InputError(f"{path}: holds no law over two pressures; give the folder of a run at pairs of pressures")
-    return law

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from pipeline.api.options import Folder, Orientation, Rod, TipMass
+from pipeline.api.options import Folder, Orientation, Ratio, Rod, TipMass
 
 if TYPE_CHECKING:
     import rod as rods
@@ -81,6 +81,7 @@ def solve(
     orientation: Orientation = None,
     tip_mass: TipMass = None,
     rod: Rod = None,
+    ratio: Ratio = None,
     picture: Annotated[
         Path | str | None,
         typer.Option("--picture", metavar="FILE", help="Page with the tips it reaches, up to --tip-mass."),
@@ -90,15 +91,15 @@ def solve(
 
     Raises `pneurod.InputError` for a wrong argument and for what is out of reach, with the nearest that is not.
     """
-    from pipeline.answers.rods.choice import rod_of_path
     from pipeline.answers.rods.end_loads import Weight
     from pipeline.answers.rods.pressures import Wish, pressures_for
+    from pipeline.answers.rods.ratio import rod_along
     from pipeline.answers.rods.tips import tips_page
     from pipeline.api.given import given_path
     from pipeline.results.options import write_new
 
     wish = Wish.read(tip, angle, force, at_height, Weight.read(orientation, tip_mass))
-    chosen = rod_of_path(given_path(path, "path", "results/arm"), rod)
+    chosen = rod_along(given_path(path, "path", "results/arm"), rod, ratio)
     found = pressures_for(chosen, wish)
     if picture is not None:
         write_new(given_path(picture, "picture", "tips.html"), tips_page(chosen, wish, found))
@@ -116,6 +117,7 @@ def budget(
         list[str],
         typer.Option("--tolerance", metavar="KEY=VALUE", help="geometry.wall='0.1 mm', process=printed. Repeatable."),
     ] = (),
+    ratio: Ratio = None,
     out: Annotated[
         Path | str | None, typer.Option("--out", metavar="FILE", help="The picture (default: DIR/budget.html).")
     ] = None,
@@ -128,7 +130,7 @@ def budget(
     from pipeline.api.given import given_path
 
     picture = None if out is None else given_path(out, "out", "budget.html")
-    found, _ = budget_for(given_path(folder, "folder", "results/arm"), pressure, tolerances, picture)
+    found, _ = budget_for(given_path(folder, "folder", "results/arm"), pressure, tolerances, picture, ratio)
     return found
 
 
@@ -152,6 +154,7 @@ def export(
             help="Which rod (default: the one with the arm's own law where there is one).",
         ),
     ] = None,
+    ratio: Ratio = None,
     out: Annotated[
         Path | str | None, typer.Option("--out", metavar="DIR", help="Folder for the files (default: DIR).")
     ] = None,
@@ -165,5 +168,5 @@ def export(
     from pipeline.api.given import given_choice, given_path
 
     target = None if out is None else given_path(out, "out", "results/arm")
-    options = ExportOptions(pressure, rod, target, given_choice(force, "force"))
+    options = ExportOptions(pressure, rod, target, given_choice(force, "force"), ratio)
     return exported(given_path(folder, "folder", "results/arm"), to, options)

@@ -77,7 +77,7 @@ def _show_pairs(made: "PairRuns", as_json: bool) -> None:
     else:
         print_lines(pairs_table(made))
         print_sentences(*made.sentences)
-        print_lines(f"law and pairs: {made.directory / 'pairs.json'}, page: {made.directory / 'pairs.html'}")
+        print_lines(f"law: {made.directory / 'law.json'}, page: {made.directory / 'pairs.html'}")
 
 
 def show_mesh(meshed: "MeshedArm") -> None:
@@ -111,7 +111,6 @@ def show_cell(report: "LawReport | SpaceLawReport") -> None:
     """Print the law of an arm, and how far it may be trusted."""
     from pipeline.law.study import LawReport
     from pipeline.law.table import law_remarks, law_table, mesh_table, space_table
-    from pipeline.values.formats import LAW_IN_SPACE
     from pipeline.values.law import LawMeshError
     from pipeline.values.reasons import render
 
@@ -119,7 +118,7 @@ def show_cell(report: "LawReport | SpaceLawReport") -> None:
     if not isinstance(report, LawReport):
         print_lines(report.table)
         print_sentences(*report.sentences)
-        print_lines(f"law: {folder / LAW_IN_SPACE}")
+        print_lines(f"law: {folder / 'law.json'}")
         return
     measured = report.measured
     tables = [law_table(measured), space_table(measured.law, measured.mesh_error or LawMeshError())]

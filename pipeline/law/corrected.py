@@ -13,6 +13,7 @@ from geometry.arrays import Array
 from pipeline.law.mesh_limit import Across, MeshLimit, Numbers, across_on, moment_at
 from rod.arm_law.curves import CellCurve, ClampCurve
 from rod.arm_law.law import ArmLaw
+from rod.arm_law.moved import Move, moved_cell, moved_clamp
 from rod.cubics import cubic, cubic_slope, monotone_slopes
 
 
@@ -40,10 +41,10 @@ class Corrections:
         pressures, shift, ratio = np.array(rows).T
         return Corrections(pressures, shift, ratio, _across(cells, limit))
 
-    def at(self, pressure: float) -> tuple[float, float, float, float]:
-        """Shift (1/mm), ratio, and their slopes per kPa at a pressure in kPa."""
+    def at(self, pressure: float) -> Move:
+        """The move of the states at a pressure in kPa."""
         (shift, shift_slope), (ratio, ratio_slope) = (self._at(column, pressure) for column in (self.shift, self.ratio))
-        return shift, ratio, shift_slope, ratio_slope
+        return Move(shift, ratio, shift_slope=shift_slope, ratio_slope=ratio_slope)
 
     def out_of_plane(self, pressure: float) -> Array:
         """(2,) factors of the rigidities of `Across` at a pressure in kPa, by straight lines over the pressure."""
@@ -71,14 +72,14 @@ def _across(cells: Sequence[CellCurve], limit: MeshLimit) -> tuple[Array, Array]
 def corrected(law: ArmLaw, corrections: Corrections) -> ArmLaw:
     """The law with its cells and clamped ends at their corrected moments and curvatures."""
     across = [corrections.out_of_plane(pressure) for pressure in law.pressures]
-    cells = tuple(_cell(curve, *corrections.at(curve.pressure)) for curve in law.cells)
-    clamps = tuple(_clamp(curve, *corrections.at(curve.pressure)[1::2]) for curve in law.clamps)
-    ratios = [corrections.at(curve.pressure)[1] for curve in law.cells]
+    moves = [corrections.at(pressure) for pressure in law.pressures]
+    cells = tuple(moved_cell(*pair) for pair in zip(law.cells, moves, strict=True))
+    clamps = tuple(moved_clamp(*pair) for pair in zip(law.clamps, moves, strict=True))
     return replace(
         law,
         cells=tuple(_cell_across(*pair) for pair in zip(cells, across, strict=True)),
         clamps=tuple(_clamp_across(*pair) for pair in zip(clamps, across, strict=True)),
-        rates={name: rate.with_moments(ratios, across) for name, rate in law.rates.items()},
+        rates={name: rate.with_moments([move.ratio for move in moves], across) for name, rate in law.rates.items()},
     )
 
 
@@ -90,30 +91,6 @@ def _ratio(cell: CellCurve, own: Numbers, limit: Numbers, length: float) -> floa
         if straight is not None:
             return limit.moment / straight
     return limit.rigidity / own.rigidity
-
-
-def _cell(curve: CellCurve, shift: float, ratio: float, shift_slope: float, ratio_slope: float) -> CellCurve:
-    by_pressure = ratio * curve.moment_by_pressure + ratio_slope * curve.moment
-    return replace(
-        curve,
-        moment=ratio * curve.moment,
-        kappa=curve.kappa + shift,
-        rigidity=ratio * curve.rigidity,
-        moment_by_pressure=by_pressure - ratio * curve.rigidity * shift_slope,
-        stretch_by_pressure=curve.stretch_by_pressure - curve.stretch_by_kappa * shift_slope,
-        moment_by_other=ratio * curve.moment_by_other,
-    )
-
-
-def _clamp(curve: ClampCurve, ratio: float, ratio_slope: float) -> ClampCurve:
-    turned = curve.rotation_by_moment * curve.moment * ratio_slope / ratio
-    return replace(
-        curve,
-        moment=ratio * curve.moment,
-        rotation_by_moment=curve.rotation_by_moment / ratio,
-        rotation_by_pressure=curve.rotation_by_pressure - turned,
-        offset_by_moment=curve.offset_by_moment / ratio,
-    )
 
 
 def _cell_across(curve: CellCurve, factors: Array) -> CellCurve:

@@ -20,8 +20,9 @@ from pipeline.store.context import RunContext
 from pipeline.store.parallel import Pending
 from pipeline.store.store import Store
 from pipeline.values.errors import InputError, RunFailed, WorkerLost
+from pipeline.values.law import DeliveredLaw
 from pipeline.values.reasons import render_all
-from pipeline.values.run import Effect, Law
+from pipeline.values.run import Effect
 from rod import ArmLaw
 
 
@@ -46,8 +47,8 @@ class LawOfRun:
         """None where there is none."""
         return None if self.measured is None else self.measured.law
 
-    def save(self, store: Store, pressures_kPa: Sequence[float]) -> Law | None:
-        """Write law.json where there is a law, and return the part of it that the report reads.
+    def save(self, store: Store, pressures_kPa: Sequence[float]) -> DeliveredLaw | None:
+        """Write law.json where there is a law, and return it as it is read.
 
         pressures_kPa: of the configuration, at which the states without load are told.
         """

@@ -11,7 +11,6 @@ from pipeline.law.figure import law_page
 from pipeline.law.limit import deliver_law
 from pipeline.law.pieces import ArmPieces, NoArmLaw
 from pipeline.law.plane import check_plane
-from pipeline.results.files import law_of
 from pipeline.results.unloaded import delivered_numbers
 from pipeline.results.unloaded_states import unloaded_states
 from pipeline.simulate.scene import Scene
@@ -23,9 +22,9 @@ from pipeline.store.store import Store, open_store
 from pipeline.values.errors import InputError, RunFailed
 from pipeline.values.formats import FORMAT
 from pipeline.values.json_values import JsonObject
-from pipeline.values.law import Law
+from pipeline.values.law import BesideLaw, DeliveredLaw
 from pipeline.values.reasons import render, render_all
-from rod.arm_law.record import law_record
+from rod.arm_law.kinds import law_record
 
 
 @dataclass(frozen=True, eq=False)  # arrays inside
@@ -85,21 +84,22 @@ def measure_law(config: Config, out: Path, jobs: int, fresh: bool, progress: Pro
             raise InputError(f"{config.source}: {refusal}") from None
         report = LawReport(out, config, measured, perf_counter() - begin)
         law = save_law(store, measured, config.pressures_kPa)
-        if law.unloaded:
+        if law.beside.unloaded:
             progress.remark(delivered_numbers(law))
         store.save_json("run.json", report.record())
         store.save_text("law.html", law_page(config.name, measured.law))
     return report
 
 
-def save_law(store: Store, measured: MeasuredLaw, pressures_kPa: Sequence[float]) -> Law:
-    """Write law.json, the law, its errors and where it ends, and return the part of it that the report reads.
+def save_law(store: Store, measured: MeasuredLaw, pressures_kPa: Sequence[float]) -> DeliveredLaw:
+    """Write law.json, the law, its errors and where it ends, and return what the verdict and the report read.
 
     pressures_kPa: of the configuration, at which the arm without a load is told.
     """
+    beside = BesideLaw(measured.mesh_error, unloaded_states(measured.law, pressures_kPa))
     content = {
         **law_record(measured.law),
-        "unloaded": [*map(asdict, unloaded_states(measured.law, pressures_kPa))],
+        **asdict(beside),
         "added_pressures_kPa": measured.added_kPa,
         "end_half_cells": measured.half_cells,
         "interpolation_error": {
@@ -108,7 +108,6 @@ def save_law(store: Store, measured: MeasuredLaw, pressures_kPa: Sequence[float]
             "between_pressures": measured.error_between,
             "ends_over_length": measured.error_ends,
         },
-        "mesh_error": measured.mesh_error and asdict(measured.mesh_error),
         "accuracy": measured.limit and measured.limit.record(),
         "limits": [*map(render, measured.limits)],
         "failures": [*map(render, measured.failures)],
@@ -117,4 +116,4 @@ def save_law(store: Store, measured: MeasuredLaw, pressures_kPa: Sequence[float]
         "degrees_of_freedom": measured.unknowns,
     }
     store.save_json("law.json", content)
-    return law_of(content)
+    return DeliveredLaw(measured.law, beside)

@@ -28,7 +28,7 @@ from pipeline.store.store import Store
 from pipeline.values.pressure import in_MPa, name_of_state
 from rod import RodError
 from rod.arm_law.curves import CellCurve, ClampCurve, TipCurve
-from rod.arm_law.record import curve_of, record_of
+from rod.arm_law.keys import curve_of, record_of
 
 P = ParamSpec("P")
 Value = TypeVar("Value")

@@ -15,11 +15,15 @@ from pydantic import TypeAdapter, ValidationError
 
 from pipeline.store.result_folder import ResultFolder, json_text
 from pipeline.values.errors import InputError
-from pipeline.values.formats import CURVE_COLUMNS, FORMAT, LAW_IN_SPACE
-from pipeline.values.json_values import JsonObject
+from pipeline.values.formats import CURVE_COLUMNS, FORMAT
+from pipeline.values.law import BesideLaw, DeliveredLaw, is_law
 from pipeline.values.parameters import RodParameters
 from pipeline.values.record import RunRecord
-from pipeline.values.run import Curve, Effect, Law, RodError, Run, State
+from pipeline.values.run import Curve, Effect, RodError, Run, State
+from rod.arm_law.kinds import law_from_record
+from rod.arm_law.law import ArmLaw
+from rod.arm_law.pairs import fractions_of
+from rod.errors import RodError as NoLaw
 
 Value = TypeVar("Value")
 #: file -> the type of its content
@@ -28,10 +32,12 @@ TYPES: dict[str, Any] = {
     "validation.json": tuple[RodError, ...],
     "effects.json": tuple[Effect, ...],
     "parameters.json": RodParameters,
-    "law.json": Law,
+    "law.json": BesideLaw,
     "run.json": RunRecord,
 }
-#: the arm's own law on the mesh on which the whole arm is solved; absent where law.json has it
+#: the arm's own law
+LAW = "law.json"
+#: the same on the mesh on which the whole arm is solved; absent where law.json has it
 LAW_ON_MESH_OF_ARM = "law_on_mesh_of_arm.json"
 CURVES, VALIDATION_CURVES = "curves.csv", "validation_curves.csv"
 _KEYS = ("experiment", "pressure_kPa")
@@ -56,14 +62,31 @@ def save_curves(folder: ResultFolder, name: str, curves: Sequence[Curve]) -> Non
     folder.save_rows(name, (*keys, *CURVE_COLUMNS[len(_KEYS) :]), rows)
 
 
-def law_of(content: JsonObject) -> Law:
-    """The part of law.json that the report reads, from its content."""
-    law: Law = TypeAdapter(Law).validate_json(json_text(content))
-    return law
+def folder_of(direction: float) -> str:
+    """What the folder of a ratio of two pressures is called: 1_to_0.25."""
+    one, other = fractions_of(direction)
+    return f"{one:.6g}_to_{other:.6g}"
+
+
+def read_law(path: Path) -> DeliveredLaw:
+    """The law of a file, or of the law.json of a folder. Raises InputError."""
+    file = path / LAW if path.is_dir() else path
+    content = _content(file)
+    if content is None:
+        raise InputError(f"{file}: cannot be read (No such file or directory); give the law.json of a run")
+    return _law(file, content)
+
+
+def read_plane_law(path: Path) -> ArmLaw:
+    """The law of an arm with one pressure; path as of `read_law`. Raises InputError for another kind of law, too."""
+    law = read_law(path)
+    if law.plane is None:
+        raise InputError(f"{path}: has the pressures of {', '.join(law.law.cavities)}; give a law of one pressure")
+    return law.plane
 
 
 def json_schema() -> dict[str, Any]:
-    """The JSON schemas of the result files by name; that of law.json has the part that the report reads."""
+    """The JSON schemas of the result files by name; that of law.json has what stands beside the law."""
     return {name: TypeAdapter(kind).json_schema() for name, kind in TYPES.items()}
 
 
@@ -79,7 +102,8 @@ def read_results(directory: Path) -> Run:
         contents["run.json"] = _content(directory / _IDENTITY) or {}
     for name in ("run.json", "parameters.json"):
         _check_format(directory / name, contents.get(name))
-    values = {name: _typed(directory / name, TYPES[name], contents[name]) for name in TYPES if name in contents}
+    typed = [name for name in TYPES if name in contents and name != LAW]
+    values = {name: _typed(directory / name, TYPES[name], contents[name]) for name in typed}
     return Run(
         directory=directory,
         record=values["run.json"],
@@ -89,15 +113,11 @@ def read_results(directory: Path) -> Run:
         rod_errors=values.get("validation.json", ()),
         validation_curves=_curves(directory / VALIDATION_CURVES),
         effects=values.get("effects.json", ()),
-        law=values.get("law.json"),
+        law=_law(directory / LAW, contents[LAW]) if LAW in contents else None,
     )
 
 
 def _check_there(directory: Path, contents: Mapping[str, Any]) -> None:
-    if "pairs.json" in contents:
-        raise InputError(f"{directory}: holds pairs of pressures; give a folder of one ratio in it: 1_to_0.25")
-    if LAW_IN_SPACE in contents:
-        raise InputError(f"{directory}: holds a law in space; of all commands only `pneurod rod` takes it")
     if any(contents.get(name) for name in ("experiments.json", "parameters.json", "law.json", "run.json")):
         return
     if not directory.is_dir():
@@ -133,6 +153,15 @@ def _typed(path: Path, kind: Any, content: Any) -> Any:
         first = failure.errors()[0]
         key = ".".join(map(str, first["loc"]))
         raise _unreadable(path, f"{key}: {first['msg']}") from None
+
+
+def _law(path: Path, content: Any) -> DeliveredLaw:
+    if not is_law(content):
+        raise InputError(f"{path}: is not the law of an arm, as `pneurod cell` writes it")
+    try:
+        return DeliveredLaw(law_from_record(content), TypeAdapter(BesideLaw).validate_python(content))
+    except (NoLaw, TypeError, ValueError) as failure:
+        raise InputError(f"{path}: {str(failure).splitlines()[0]}") from None
 
 
 def _curves(path: Path) -> tuple[Curve, ...]:

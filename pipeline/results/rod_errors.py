@@ -9,8 +9,9 @@ import numpy as np
 from geometry.arrays import Array
 from pipeline.values.formats import ARM_LAW, EXTENSIBLE, FIVE
 from pipeline.values.formatting import percent
+from pipeline.values.law import DeliveredLaw
 from pipeline.values.parameters import Column
-from pipeline.values.run import SMALLEST_TURN, Law, RodError, Run
+from pipeline.values.run import SMALLEST_TURN, RodError, Run
 
 #: the rods in words
 TITLES = {
@@ -114,11 +115,11 @@ def mesh_errors(run: Run, rod: str) -> MeshErrors:
     return MeshErrors(*map(_largest, (known.kappa_0_relative, known.alpha2_relative, known.force_relative)))
 
 
-def law_mesh_errors(law: Law | None) -> MeshErrors:
+def law_mesh_errors(law: DeliveredLaw | None) -> MeshErrors:
     """The errors of the mesh in the numbers of an arm's own law, at the worst pressure."""
-    if law is None or not law.mesh_error:
+    if law is None or not law.beside.mesh_error:
         return MeshErrors(None, None, None)
-    error, turning = law.mesh_error, SMALLEST_TURN / law.length_mm
+    error, turning = law.beside.mesh_error, SMALLEST_TURN / law.law.length
     moments = tuple(0.5 * turning * abs(rigidity or 0.0) for rigidity in error.rigidity_N_mm2)
     none = (0.0,) * len(error.pressures_kPa)
     return MeshErrors(
@@ -184,9 +185,9 @@ def rod_and_mesh(run: Run, errors: RodErrors) -> RodAndMesh:
     )
 
 
-def _of_mesh_alone(law: Law, mesh: MeshErrors) -> RodAndMesh:
+def _of_mesh_alone(law: DeliveredLaw, mesh: MeshErrors) -> RodAndMesh:
     """Of the arm without a load, as circular arcs."""
-    arcs = [np.linspace(0.0, math.radians(state.bending_deg), 50) for state in law.unloaded]
+    arcs = [np.linspace(0.0, math.radians(state.bending_deg), 50) for state in law.beside.unloaded]
     moved = (tip_moves_by(np.linspace(0.0, 1.0, 50), arc, mesh.kappa_0 or 0.0) for arc in arcs)
     return RodAndMesh(max(moved, default=0.0), None, None, mesh, is_compared=False)
 

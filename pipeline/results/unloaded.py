@@ -5,7 +5,7 @@ from typing import TypeVar
 
 from pipeline.results.rod_errors import law_mesh_errors
 from pipeline.values.formatting import percent
-from pipeline.values.law import Law, Unloaded
+from pipeline.values.law import DeliveredLaw, Unloaded
 
 State = TypeVar("State")
 
@@ -23,11 +23,11 @@ def first_numbers(states: Sequence[Unloaded], size_mm: float) -> str:
     return f"first numbers, on a mesh of {size_mm:.3g} mm whose error is not known yet: {_numbers(states)}"
 
 
-def delivered_numbers(law: Law) -> str:
+def delivered_numbers(law: DeliveredLaw) -> str:
     """The arm without a load in one sentence, with the error of the mesh where it is known."""
     error = law_mesh_errors(law).largest
     known = "" if error is None else f", known to {percent(error)} for the mesh"
-    return f"numbers of the law{known}: {_numbers(law.unloaded)}"
+    return f"numbers of the law{known}: {_numbers(law.beside.unloaded)}"
 
 
 def _numbers(states: Sequence[Unloaded]) -> str:

@@ -16,7 +16,6 @@ from pipeline.values.json_values import JsonObject
 from pipeline.values.reasons import report_reason, shorten
 from pipeline.values.record import Reported
 from pipeline.values.run import Run
-from rod.same_pressure import is_same
 
 #: relative error of the mesh above which no rod of the run should be used, and the size of a finer mesh over its own
 LARGE_MESH_ERROR, FINER = 0.10, 2 / 3
@@ -89,6 +88,8 @@ class Verdict:
         return [f"{self.design}: {self.refusal.text}"] if self.refusal and self.refusal.code == OUT_OF_PLANE else []
 
     def _bends(self) -> str:
+        if not self.bending and self.usable:  # a law of several pressures
+            return f"{self.design}, {number(self.length_mm)} mm long."
         if not self.bending:
             return f"{self.design}: the arm without a load was not reached at any pressure."
         named = named_states(self.bending)
@@ -157,8 +158,8 @@ def verdict_of(run: Run) -> Verdict:
 
 def _bending(run: Run, rod: str) -> tuple[Bending, ...]:
     """By the arm's own law where that is the rod to take, because its mesh is finer; else by experiment II."""
-    if rod == ARM_LAW and run.law and run.law.unloaded:
-        return tuple(Bending(state.pressure_kPa, state.bending_deg, *state.tip_mm) for state in run.law.unloaded)
+    if rod == ARM_LAW and run.law and run.law.beside.unloaded:
+        return tuple(Bending(state.pressure_kPa, state.bending_deg, *state.tip_mm) for state in run.law.beside.unloaded)
     bent = (curve for curve in run.curves_of("II") if not curve.load)
     return tuple(Bending(curve.pressure_kPa, curve.bending_deg, *curve.tip_mm) for curve in bent)
 
@@ -185,11 +186,9 @@ def _moments(run: Run, rod: str) -> tuple[float, float] | None:
     """The moments for which a rod is known at the highest pressure, N mm."""
     if rod == ARM_LAW and run.law:
         pressures = _pressures(run, rod)
-        cell = run.law.curve(pressures[1]) if pressures else None
-        if cell is None:
+        ends = [(float(c.moment[0]), float(c.moment[-1])) for c in (pressures and run.law.curves(pressures[1])) or ()]
+        if not ends:
             return None
-        clamps = [c for c in run.law.clamp.curves if is_same(c.pressure_kPa, cell.pressure_kPa)]
-        ends = [(curve.moment_N_mm[0], curve.moment_N_mm[-1]) for curve in (cell, *clamps)]
         return max(low for low, _ in ends), min(high for _, high in ends)
     columns = run.parameters.eccentricity if rod == EXTENSIBLE else run.parameters
     return columns.moment_range_N_mm[-1] if columns and columns.moment_range_N_mm else None
@@ -199,6 +198,9 @@ def _use(run: Run, rod: str) -> str:
     """The command with which the rod is used, under the load of experiment III where that is a height of the end."""
     pressures = _pressures(run, rod)
     pressure = f" --pressure '{round_down(pressures[1], 4):g} kPa'" if pressures else ""
+    if rod == ARM_LAW and run.law and len(run.law.law.cavities) > 1:
+        row = max(run.law.law.rows, key=max)
+        pressure = f" --pressure '[{', '.join(f'{value:g} kPa' for value in row)}]'"
     return f"For example: pneurod rod {shlex.quote(str(run.directory))}{pressure}{_load(run, pressures)}"
 
 

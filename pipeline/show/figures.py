@@ -89,8 +89,8 @@ def bending(run: Run) -> Panels:
 
 def _rod_tips(run: Run, rod: str, curves: Sequence[Curve]) -> list[tuple[float, tuple[float, float]]]:
     """Pressures in kPa with the position of the end of a rod in mm: by the law that is delivered, or beside curves."""
-    if rod == ARM_LAW and run.law and run.law.unloaded:
-        return [(state.pressure_kPa, state.tip_mm) for state in run.law.unloaded]
+    if rod == ARM_LAW and run.law and run.law.beside.unloaded:
+        return [(state.pressure_kPa, state.tip_mm) for state in run.law.beside.unloaded]
     return [(curve.pressure_kPa, tip) for curve in curves if (tip := _DRAWN[rod].tip_mm(curve))]
 
 
@@ -184,15 +184,16 @@ def arm_law(run: Run) -> Panels:
     """Moment over curvature of a cell, and finite elements in III away from the ends of the arm."""
     lines: list[Line] = []
     for pressure in run.pressures_kPa:
-        curve = run.law.curve(pressure) if run.law else None
-        if curve is None:
+        curves = run.law.curves(pressure) if run.law else None
+        if curves is None:
             continue
+        cell, _ = curves
         colour, name = _colour(run, pressure), f"{pressure:g} kPa"
-        kappa, moment = np.array(curve.kappa_per_mm), np.array(curve.moment_N_mm)
-        lines.append(Line(kappa, moment, f"the arm's own law, {name}", colour, entry="the arm's own law", frame=name))
-        touch = np.array(curve.contact, dtype=bool)
-        if touch.any():
-            there = kappa[touch], moment[touch]
+        lines.append(
+            Line(cell.kappa, cell.moment, f"the arm's own law, {name}", colour, entry="the arm's own law", frame=name)
+        )
+        if cell.contact.any():
+            there = cell.kappa[cell.contact], cell.moment[cell.contact]
             lines.append(Line(*there, f"walls touch, {name}", INK, "", "x", entry="walls touch", frame=name))
         if (pair := _pair(run, pressure)) is not None:
             lines.append(_inner_cells(run, pair, colour, name))

@@ -22,7 +22,7 @@ from pipeline.store.atomic_file import remove_parts, write_atomic
 from pipeline.store.result_folder import ResultFolder, open_folder
 from pipeline.store.state_key import NUMBER_SOURCES, STATE_SOURCES, result_key
 from pipeline.values.errors import InputError, argument
-from pipeline.values.formats import LAW_IN_SPACE, PAIRS
+from pipeline.values.formats import PAIRS_PAGE
 from pipeline.values.json_values import JsonObject
 from pipeline.values.pressure import name_of_state
 
@@ -33,7 +33,6 @@ _FILES = (
     *("parameters.json", "experiments.json", "validation.json", "effects.json", "run.json"),
     *("curves.csv", "validation_curves.csv", "mesh.vtu", "report.html", "I.pvd", "II.pvd", "III.pvd"),
     *("accuracy.json", "accuracy.html", "law.json", "law_on_mesh_of_arm.json", "law.html", "effects_table.json"),
-    LAW_IN_SPACE,
 )
 
 
@@ -88,7 +87,7 @@ def open_store(directory: Path | str, config: Configuration, *, fresh: bool = Fa
         remove_parts(own)  # a worker of a killed run may still be ending
         if fresh:
             clear(folder)
-        if (folder / PAIRS).is_file():
+        if (folder / PAIRS_PAGE).is_file():
             raise InputError(
                 f"{argument('out', folder)}: holds runs at pairs of pressures; give another {argument('out')}"
             )

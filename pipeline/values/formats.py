@@ -14,9 +14,7 @@ CURVE_COLUMNS = (
 )
 #: the file with the surface of the body in every state
 SURFACES = "pictures/surfaces.npz"
-#: of a run at pairs of pressures: the pairs and the law over both
-PAIRS = "pairs.json"
-#: the law of an arm that bends in space
-LAW_IN_SPACE = "law_in_space.json"
+#: the page of a run at pairs of pressures
+PAIRS_PAGE = "pairs.html"
 #: number of the present set of keys, written as `format` to the files
 FORMAT = 4

@@ -1,9 +1,17 @@
-"""The part of law.json that the verdict and the report read, as frozen values."""
+"""The arm's own law of a run, with its errors and the arm without a load."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
 
 from pipeline.values.parameters import Column, Numbers
+from rod.arm_law.curves import CellCurve, ClampCurve
+from rod.arm_law.kinds import AnyLaw
+from rod.arm_law.law import ArmLaw
 from rod.same_pressure import is_same
+
+#: keys of a law.json, by any of which it is known
+_KEYS = ("kind", "curves", "clamp", "tip", "rays")
 
 
 @dataclass(frozen=True)
@@ -27,24 +35,6 @@ class LawMeshError:
 
 
 @dataclass(frozen=True)
-class LawCurve:
-    """Moment over curvature of one cell at one pressure, arrays of one length."""
-
-    pressure_kPa: float
-    kappa_per_mm: Numbers = ()
-    moment_N_mm: Numbers = ()
-    rigidity_N_mm2: Numbers = ()
-    contact: tuple[bool, ...] = ()  #: whether walls touch
-
-
-@dataclass(frozen=True)
-class LawCurves:
-    """The curves of one end of the arm."""
-
-    curves: tuple[LawCurve, ...] = ()
-
-
-@dataclass(frozen=True)
 class Unloaded:
     """The clamped arm without a load at one pressure, by its own law."""
 
@@ -56,17 +46,37 @@ class Unloaded:
 
 
 @dataclass(frozen=True)
-class Law:
-    """The arm's own law as the report needs it; `rod.ArmLaw` is the whole of law.json."""
+class BesideLaw:
+    """What stands in law.json beside the law."""
 
-    length_mm: float
-    pitch_mm: float
-    pressures_kPa: Numbers
-    curves: tuple[LawCurve, ...]
-    clamp: LawCurves = LawCurves()
     mesh_error: LawMeshError | None = None
     unloaded: tuple[Unloaded, ...] = ()  #: at the pressures of the configuration
+    notes: tuple[str, ...] = ()  #: how far the law may be trusted, a sentence each
 
-    def curve(self, pressure_kPa: float) -> LawCurve | None:
-        """The curve at a pressure; None where there is none."""
-        return next((curve for curve in self.curves if is_same(curve.pressure_kPa, pressure_kPa)), None)
+
+@dataclass(frozen=True, eq=False)  # arrays inside
+class DeliveredLaw:
+    """The arm's own law as law.json has it."""
+
+    law: AnyLaw
+    beside: BesideLaw = field(default_factory=BesideLaw)
+
+    @property
+    def plane(self) -> ArmLaw | None:
+        """The law where it has one pressure; None for one of several pressures."""
+        return self.law if isinstance(self.law, ArmLaw) else None
+
+    @property
+    def pressures_kPa(self) -> Numbers:
+        """The largest pressures at which it was measured, ascending."""
+        return tuple(sorted({max(row) for row in self.law.rows}))
+
+    def curves(self, pressure_kPa: float) -> tuple[CellCurve, ClampCurve] | None:
+        """The cell and the clamped end at a pressure; None where there are none."""
+        pairs = zip(self.plane.cells, self.plane.clamps, strict=True) if self.plane else ()
+        return next((pair for pair in pairs if is_same(pair[0].pressure, pressure_kPa)), None)
+
+
+def is_law(content: Any) -> bool:
+    """Whether the content of a file is the law of an arm rather than the parameters of a rod."""
+    return isinstance(content, Mapping) and "kappa_0" not in content and not content.keys().isdisjoint(_KEYS)

@@ -16,7 +16,7 @@ from pydantic import BeforeValidator, WithJsonSchema
 from geometry.arrays import Array
 from pipeline.values.errors import RunFailed
 from pipeline.values.formats import CONVERGED, FIVE
-from pipeline.values.law import Law
+from pipeline.values.law import DeliveredLaw
 from pipeline.values.parameters import Numbers, RodParameters
 from pipeline.values.record import MeshRecord, Position, Reported, RunRecord
 from rod.same_pressure import is_same
@@ -178,7 +178,7 @@ class Run:
     rod_errors: tuple[RodError, ...] = field(default=(), repr=False)
     validation_curves: tuple[Curve, ...] = field(default=(), repr=False)
     effects: tuple[Effect, ...] = field(default=(), repr=False)
-    law: Law | None = field(default=None, repr=False)  #: None where the arm's own law was not made
+    law: DeliveredLaw | None = field(default=None, repr=False)  #: None where the arm's own law was not made
 
     @property
     def config(self) -> Mapping[str, Any]:
@@ -228,7 +228,7 @@ class Run:
         if self.parameters.length_mm is not None:
             return self.parameters.length_mm
         if self.law is not None:
-            return self.law.length_mm
+            return self.law.law.length
         return max((float(curve["s_mm"].max()) for curve in self.curves), default=float("nan"))
 
     @property
@@ -236,7 +236,7 @@ class Run:
         """All pressures that occur, ascending; those of the arm's own law where no experiment was solved."""
         occurring = {curve.pressure_kPa for curve in self.curves} | {state.pressure_kPa for state in self.states}
         if not occurring and self.law:
-            occurring = {state.pressure_kPa for state in self.law.unloaded}
+            occurring = {state.pressure_kPa for state in self.law.beside.unloaded}
         return tuple(sorted(occurring))
 
     @property

@@ -1,4 +1,7 @@
-"""Two curves of a cell at neighbouring pressures, joined at a pressure between them.
+"""Two curves of a cell at neighbouring places of a path through pressures, joined at a place between them.
+
+The path is that of one pressure, whose place is the pressure itself, or leads from one ratio of two pressures to
+another (`rod.arm_law.pairs`). In what follows p is the place.
 
 Where walls begin to touch, the moment over the curvature has a kink. Walls that meet because the arm bends do so at one
 curvature, whatever the pressure; walls that meet because they bulge do so at a curvature that changes with the
@@ -20,7 +23,7 @@ from typing import final
 import numpy as np
 
 from geometry.arrays import Array
-from rod.arm_law.curves import CellCurve
+from rod.arm_law.curves import CellCurve, Placed
 from rod.cubics import cubic, cubic_slope, hermite
 from rod.errors import RodError
 
@@ -34,9 +37,9 @@ PARTS, ITERATIONS, SMALLEST = 8, 4, 0.1
 @final
 @dataclass(frozen=True, eq=False)  # arrays inside
 class Joined:
-    """Pairs of states of two curves, and the states between them at one pressure, by increasing curvature."""
+    """Pairs of states of two curves, and the states between them at one place, by increasing curvature."""
 
-    t: float  #: 0 at the pressure of the first curve, 1 at that of the second
+    t: float  #: 0 at the place of the first curve, 1 at that of the second
     first: Array  #: (n,) moments on the first curve, N mm
     second: Array  #: (n,) moments on the second
     moment: Array  #: (n,) between, rising, N mm
@@ -54,22 +57,22 @@ class Joined:
         return np.asarray((1 - self.t) * low + self.t * high)
 
 
-def measure_disagreement(first: CellCurve, second: CellCurve) -> tuple[Array, Array]:
-    """Curvatures (PAIRS,) at the pressure halfway between two curves, and by how much what the slopes of either curve
+def measure_disagreement(first: Placed[CellCurve], second: Placed[CellCurve]) -> tuple[Array, Array]:
+    """Curvatures (PAIRS,) at the place halfway between two curves, and by how much what the slopes of either curve
     predict there differs, (PAIRS,), both in 1/mm."""
     lines = _best(first, second)
     return (lines.low.kappa + lines.high.kappa) / 2.0, lines.differences
 
 
-def join_states(first: CellCurve, second: CellCurve, pressure: float) -> Joined:
-    """The states at a pressure in kPa between those of two curves.
+def join_states(first: Placed[CellCurve], second: Placed[CellCurve], place: float) -> Joined:
+    """The states at a place between those of two curves.
 
     States whose moment does not exceed that of all states of smaller curvature are left out: where two kinks nearly
     meet, the cubics of neighbouring lines may cross. Raises `RodError` for curves without a curvature in common.
     """
     lines = _best(first, second)
     low, high = lines.low, lines.high
-    t = (pressure - first.pressure) / (second.pressure - first.pressure)
+    t = (place - first.place) / (second.place - first.place)
     moment = hermite(t, low.moment, high.moment, low.moment_slope, high.moment_slope)
     stretch = hermite(t, low.stretch, high.stretch, low.stretch_slope, high.stretch_slope)
     rises = np.diff(np.maximum.accumulate(moment), prepend=-np.inf) > 0.0
@@ -110,23 +113,24 @@ class _Lines:
         return np.asarray(2.0 * np.abs(difference) / (low.rigidity + high.rigidity))
 
 
-@lru_cache(maxsize=64)  # curves are compared by identity; a law has a dozen neighbours
-def _best(first: CellCurve, second: CellCurve) -> _Lines:
+@lru_cache(maxsize=64)  # places are compared by identity; a law has a dozen neighbours
+def _best(first: Placed[CellCurve], second: Placed[CellCurve]) -> _Lines:
     """The lines whose ends agree best on what is between them."""
     return min(_lines(first, second), key=lambda lines: float(lines.differences.mean()))
 
 
-def _lines(first: CellCurve, second: CellCurve) -> list[_Lines]:
+def _lines(first_place: Placed[CellCurve], second_place: Placed[CellCurve]) -> list[_Lines]:
     """Lines of equal curvatures, and those of states equally far from the onset of contact where both curves have one.
 
     Raises `RodError` for curves without a curvature in common.
     """
+    first, second = first_place.curve, second_place.curve
     lowest, last = (first.kappa[0], second.kappa[0]), min(first.kappa[-1], second.kappa[-1])
     ways = [[_halfway(max(lowest), last)]]
     if first.onset is not None and second.onset is not None:
         onsets = first.onset, second.onset
         ways.append([onsets, _halfway(max(onsets), last)])
-    step = second.pressure - first.pressure
+    step = second_place.place - first_place.place
     lines = []
     for way in ways:
         ends = np.array([lowest, *way, (last, last)])
@@ -134,7 +138,7 @@ def _lines(first: CellCurve, second: CellCurve) -> list[_Lines]:
             continue
         means = ends.mean(axis=1)
         a, b = (np.interp(np.linspace(means[0], means[-1], PAIRS), means, ends[:, k]) for k in range(2))
-        lines.append(_Lines(_states(first, a, b - a, step), _states(second, b, b - a, step)))
+        lines.append(_Lines(_states(first_place, a, b - a, step), _states(second_place, b, b - a, step)))
     if not lines:
         raise RodError(f"The curves of {first.pressure:g} and {second.pressure:g} kPa have no curvature in common.")
     return lines
@@ -145,23 +149,24 @@ def _halfway(low: float, high: float) -> tuple[float, float]:
     return (0.5 * (low + high),) * 2
 
 
-def _states(curve: CellCurve, kappa: Array, shift: Array, step: float) -> _States:
+def _states(at: Placed[CellCurve], kappa: Array, shift: Array, step: float) -> _States:
     """The states of a curve at curvatures (n,), 1/mm.
 
-    shift: (n,) change of the curvature along the lines, 1/mm; step: that of the pressure, kPa.
+    shift: (n,) change of the curvature along the lines, 1/mm; step: that of the place.
     """
+    curve = at.curve
     moment = _moments_at(curve, kappa)
     rigidity = 1.0 / np.interp(kappa, curve.kappa, 1.0 / curve.rigidity)
-    by_pressure, stretch_by_kappa, stretch_by_pressure = (
+    by_place, stretch_by_kappa, stretch_by_place = (
         np.interp(kappa, curve.kappa, values)
-        for values in (curve.moment_by_pressure, curve.stretch_by_kappa, curve.stretch_by_pressure)
+        for values in (at.slopes["moment"], curve.stretch_by_kappa, at.slopes["stretch"])
     )
     return _States(
         kappa=kappa,
         moment=moment,
-        moment_slope=by_pressure * step + rigidity * shift,
+        moment_slope=by_place * step + rigidity * shift,
         stretch=curve.on(moment)[1],
-        stretch_slope=stretch_by_pressure * step + stretch_by_kappa * shift,
+        stretch_slope=stretch_by_place * step + stretch_by_kappa * shift,
         rigidity=rigidity,
     )
 

@@ -5,8 +5,10 @@ a field stand its key in law.json and its shape: k moments, m positions, n turns
 there; they are empty then.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
-from typing import Annotated
+from functools import cached_property
+from typing import Annotated, Generic, TypeVar, final
 
 import numpy as np
 
@@ -22,6 +24,19 @@ IN_SPACE = (*ACROSS, "lateral_shear_rigidity", "twist_axis", "tilt_by_torque")
 def nothing() -> Array:
     """Of a field that may be missing."""
     return np.empty(0)
+
+
+Curve_co = TypeVar("Curve_co", covariant=True)
+
+
+@final
+@dataclass(frozen=True, eq=False)  # arrays inside
+class Placed(Generic[Curve_co]):
+    """A curve at its place on a path through pressures: a pressure in kPa, or the direction of a ray."""
+
+    place: float
+    curve: Curve_co
+    slopes: Mapping[str, Array]  #: (k,) by the place, of fields by name; at fixed curvature, or fixed moment of an end
 
 
 def _freeze(curve: "CellCurve | ClampCurve | TipCurve") -> None:
@@ -73,6 +88,11 @@ class CellCurve:
             if falls.size:
                 value = getattr(self, name)[falls[0]]
                 raise RodError(f"The {name} of a cell does not rise at {self.pressure:g} kPa beyond {value:g} {unit}.")
+
+    @cached_property
+    def placed(self) -> Placed["CellCurve"]:
+        """At its pressure."""
+        return Placed(self.pressure, self, {"moment": self.moment_by_pressure, "stretch": self.stretch_by_pressure})
 
     @property
     def is_in_space(self) -> bool:
@@ -128,6 +148,11 @@ class ClampCurve:
     def __post_init__(self) -> None:
         _freeze(self)
 
+    @cached_property
+    def placed(self) -> Placed["ClampCurve"]:
+        """At its pressure."""
+        return Placed(self.pressure, self, {"rotation": self.rotation_by_pressure})
+
     @property
     def position(self) -> float:
         """s in mm at which the moment decides: where a rotation makes the measured change of the offset.
@@ -159,12 +184,12 @@ class ClampCurve:
         slopes = parabola_slopes(self.moment, self.beside)
         return cubic(self.moment, self.beside, slopes, self._inside(moment))
 
-    def rotation_by_pressure_at(self, moment: Array) -> Array:
-        """(n,) rad/kPa, at moments (n,); the ends outside.
+    def slopes_at(self, slopes: Array, moment: Array) -> Array:
+        """(n,) slopes (k,) of the rotation by a pressure or a place, at moments (n,); the ends outside.
 
-        It jumps where walls meet, so that smooth cubics would lie far beyond the values on both sides.
+        They jump where walls meet, so that smooth cubics would lie far beyond the values on both sides.
         """
-        return monotone_cubic(self.moment, self.rotation_by_pressure, moment)
+        return monotone_cubic(self.moment, slopes, moment)
 
     def _inside(self, moment: Array | float) -> Array:
         return np.asarray(np.clip(moment, self.moment[0], self.moment[-1]))
@@ -200,6 +225,11 @@ class TipCurve:
         _freeze(self)
         if len(self.couple) % 4:
             raise RodError(f"The tip needs a multiple of four turns, not {len(self.couple)}.")
+
+    @cached_property
+    def placed(self) -> Placed["TipCurve"]:
+        """At its pressure."""
+        return Placed(self.pressure, self, {})
 
     @property
     def free(self) -> "TipState":

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Protocol, Self, final
+from typing import Annotated, Protocol, Self, final
 
 import numpy as np
 
@@ -30,7 +30,7 @@ class Arm(Protocol):
         """The arm without load."""
 
 
-class Law(Protocol):
+class WithRates(Protocol):
     """A law with derivatives, as `rod.arm_law.law.ArmLaw` is."""
 
     def with_changes(self, changes: Mapping[str, float]) -> Self:
@@ -56,15 +56,19 @@ class Derivative:
     value: float  #: of the parameter
     unit: str  #: of the parameter: mm, MPa, or 1
     pressures: Array  #: (n,) kPa
-    kappa_0: Array  #: (n,) curvature without moment, 1/mm
-    rigidity: Array  #: (n,) mean bending rigidity from there on, over a change of the curvature by 1/length, N mm2
-    moment: Array  #: (n,) at half the curvature without moment, N mm
-    stretch: Array  #: (n,) of the axis without load
-    end_angle: Array  #: (n,) of the end of the arm without load, rad
-    lateral_rigidity: Array  #: (n,) B_2 without moment, N mm2
-    torsional_rigidity: Array  #: (n,) GJ without moment, N mm2
-    contact_onset: Array  #: (n,) curvature beyond which walls touch up to the end of a curve, 1/mm
-    largest_stretch: Array  #: (n,) largest principal stretch of a cell without moment
+    kappa_0: Annotated[Array, "kappa_0_per_mm", "n"]  #: curvature without moment, 1/mm
+    rigidity: Annotated[
+        Array, "rigidity_N_mm2", "n"
+    ]  #: mean bending rigidity from there on, over a change of the curvature by 1/length, N mm2
+    moment: Annotated[Array, "moment_N_mm", "n"]  #: at half the curvature without moment, N mm
+    stretch: Annotated[Array, "stretch", "n"]  #: of the axis without load
+    end_angle: Annotated[Array, "end_angle_rad", "n"]  #: of the end of the arm without load, rad
+    lateral_rigidity: Annotated[Array, "lateral_rigidity_N_mm2", "n"]  #: B_2 without moment, N mm2
+    torsional_rigidity: Annotated[Array, "torsional_rigidity_N_mm2", "n"]  #: GJ without moment, N mm2
+    contact_onset: Annotated[
+        Array, "contact_onset_per_mm", "n"
+    ]  #: curvature beyond which walls touch up to the end of a curve, 1/mm
+    largest_stretch: Annotated[Array, "largest_stretch", "n"]  #: largest principal stretch of a cell without moment
 
 
 #: numbers of an arm at one pressure, by the name of the field of `Derivative`
@@ -133,7 +137,7 @@ def _moment_at(rod: Arm, kappa: float) -> float:
 
 
 def rates_of(
-    law: Law,
+    law: WithRates,
     name: str,
     pressures: Sequence[float],
     numbers: Mapping[str, Number],
@@ -152,7 +156,9 @@ def rates_of(
     return dict(zip(numbers, np.array(rows, float).T / (2.0 * step), strict=True))
 
 
-def _differences(law: Law, less: Law, more: Law, pressure: float, numbers: Mapping[str, Number]) -> list[float]:
+def _differences(
+    law: WithRates, less: WithRates, more: WithRates, pressure: float, numbers: Mapping[str, Number]
+) -> list[float]:
     try:
         known, low, high = (one.at(pressure) for one in (law, less, more))
     except RodError:

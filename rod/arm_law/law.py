@@ -1,32 +1,35 @@
 """The arm's own law over all pressures, and the rod that follows it."""
 
-import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from typing import Annotated, ClassVar
 
 import numpy as np
 
 from rod.arm_law.curves import CellCurve, ClampCurve, TipCurve
 from rod.arm_law.derivative import LARGEST_STEP, NUMBERS, STEP, Derivative, rates_of
 from rod.arm_law.law_rod import LawRod
+from rod.arm_law.moved import growing, moved_cell, moved_clamp, scaled_curve, scaled_rate, second_order
 from rod.arm_law.rates import LawRate, changed_cells, changed_clamps, onset_rate
-from rod.arm_law.scaling import scaled_curve, scaled_rate, stiffened_cell, stiffened_clamp
 from rod.arm_law.section import clamp_at, section_at, tip_at
 from rod.checked import finite, positive
 from rod.errors import RodError
+from rod.same_pressure import Pressures, pressures_of
 from rod.weight import Mass
 
 
 @dataclass(frozen=True, eq=False)  # arrays inside
 class ArmLaw:
-    """The law of an arm: a cell, its clamped end and its tip over pressures that rise.
+    """The law of an arm with one pressure: a cell, its clamped end and its tip over pressures that rise.
 
     Raises `RodError` where there is no curve, or the pressures of the parts differ.
     """
 
-    pitch: float  #: mm
-    first_middle: float  #: mm, from the clamp to the middle of the first cell
-    length: float  #: mm, of the arm whose pieces were solved
+    kind: ClassVar[str] = "plane"
+    cavities: ClassVar[tuple[str, ...]] = ("the arm",)
+    pitch: Annotated[float, "pitch_mm"]  #: mm
+    first_middle: Annotated[float, "first_middle_mm"]  #: mm, from the clamp to the middle of the first cell
+    length: Annotated[float, "length_mm"]  #: mm, of the arm whose pieces were solved
     cells: tuple[CellCurve, ...]
     clamps: tuple[ClampCurve, ...]
     tips: tuple[TipCurve, ...]
@@ -47,6 +50,11 @@ class ArmLaw:
     def pressures(self) -> tuple[float, ...]:
         """kPa"""
         return tuple(curve.pressure for curve in self.cells)
+
+    @property
+    def rows(self) -> tuple[Pressures, ...]:
+        """The pressures at which it was measured, kPa."""
+        return tuple((pressure,) for pressure in self.pressures)
 
     @property
     def is_in_space(self) -> bool:
@@ -78,14 +86,27 @@ class ArmLaw:
         if finite(trend, "The trend of the moduli") <= -1.0:
             raise RodError(f"The trend of the moduli must be above -1, not {trend:g}: pressures would not rise.")
         rate = trend / self.pressures[-1]
-        factors = [math.exp(rate * pressure) for pressure in self.pressures]
+        factors, moves = zip(*(growing(pressure, rate) for pressure in self.pressures), strict=True)
+        cells, clamps = zip(self.cells, moves, factors, strict=True), zip(self.clamps, moves, factors, strict=True)
         return replace(
             self,
-            cells=tuple(stiffened_cell(cell, rate) for cell in self.cells),
-            clamps=tuple(stiffened_clamp(clamp, rate) for clamp in self.clamps),
+            cells=tuple(scaled_curve(moved_cell(cell, move), factor) for cell, move, factor in cells),
+            clamps=tuple(scaled_curve(moved_clamp(clamp, move), factor) for clamp, move, factor in clamps),
             tips=tuple(scaled_curve(tip, factor) for tip, factor in zip(self.tips, factors, strict=True)),
             rates={name: known.with_moments(factors) for name, known in self.rates.items()},
         )
+
+    def with_second_order(self, bend: float, stretch: float) -> "ArmLaw":
+        """The law of an arm whose rubber departs from that of this law in the second order of the strain (`moved`).
+
+        The curvature without moment differs by bend e^2 / h, the stretch by stretch e^2; both factors are of the order
+        of 1 for another law of the rubber. Ends, rigidities and derivatives stay. Raises `RodError` for what is no
+        number.
+        """
+        bend, stretch = finite(bend, "The bend of second order"), finite(stretch, "The stretch of second order")
+        if bend == stretch == 0.0:
+            return self
+        return replace(self, cells=tuple(moved_cell(cell, second_order(cell, bend, stretch)) for cell in self.cells))
 
     def with_changes(self, changes: Mapping[str, float]) -> "ArmLaw":
         """The law of an arm whose parameters differ a little, to first order: `{"geometry.wall": 0.1}`.
@@ -137,17 +158,20 @@ class ArmLaw:
             raise RodError(f"The law has no derivatives by {name!r}; {known}.")
         return self.rates[name]
 
-    def at(self, pressure: float, length: float | None = None) -> "LawRod":
-        """The rod at a pressure in kPa, of the arm's length or another one that is made of the same cells (mm).
+    def at(self, pressure: float | Sequence[float], length: float | None = None) -> "LawRod":
+        """The rod at a pressure in kPa, which may be a tuple of one.
+
+        length: mm, of the arm, or another one that is made of the same cells.
 
         A body with cells has lengths that differ from the arm's by whole cells; that is not checked here.
         Raises `RodError` for a pressure outside those of the law and a length without room for both ends.
         """
-        pressure = finite(pressure, "The pressure in kPa")
+        (p,) = pressures_of(pressure, self.cavities)
+        cells = [cell.placed for cell in self.cells]
         return LawRod(
-            section_at(self.cells, pressure),
-            clamp_at(self.clamps, self.cells, pressure),
-            tip_at(self.tips, pressure),
+            section_at(cells, p, p),
+            clamp_at([clamp.placed for clamp in self.clamps], cells, p, p),
+            tip_at([tip.placed for tip in self.tips], p, p),
             self.pitch,
             self.first_middle,
             self.length if length is None else finite(length, "The length in mm"),

@@ -2,7 +2,7 @@
 
 On a ray both pressures grow in one ratio, and the law is that of `rod.arm_law.law` over the larger of them. Between two
 rays states at the same larger pressure are joined as those at two pressures are (`rod.arm_law.between`): M and stretch
-by cubics over the direction of the ray, with the slopes of the cell by the pressure of either cavity.
+by cubics over the direction of the ray, which is their place, with the slopes by the pressure of either cavity.
 
 The direction d of a ray is p_2/p_1 up to equal pressures, d = 1, and 2 - p_1/p_2 beyond, so that the first cavity alone
 has d = 0 and the second one alone d = 2. The slopes jump at d = 1, which is therefore always a ray between others.
@@ -10,27 +10,26 @@ has d = 0 and the second one alone d = 2. The slopes jump at d = 1, which is the
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, replace
-from typing import Any, TypeVar
+from typing import Any, ClassVar, TypeVar
 
 import numpy as np
 
 from geometry.arrays import Array
 from rod.arm_law.between import interpolate_columns
-from rod.arm_law.curves import CellCurve, ClampCurve, TipCurve
+from rod.arm_law.curves import CellCurve, ClampCurve, Placed, TipCurve
 from rod.arm_law.law import ArmLaw
 from rod.arm_law.law_rod import LawRod
-from rod.arm_law.record import law_from_record, law_record
+from rod.arm_law.record import plane_law, plane_record
 from rod.arm_law.section import bracket, clamp_at, section_at, tip_at
+from rod.checked import finite
 from rod.errors import RodError
-from rod.load import pair
-from rod.same_pressure import as_known
+from rod.same_pressure import Pressures, as_known, pressures_of
+from rod.weight import Mass
 
 Curve = TypeVar("Curve", CellCurve, ClampCurve, TipCurve)
-#: of the file
-FORMAT = 1
 
 
-def direction_of(pressures: tuple[float, float]) -> tuple[float, float]:
+def direction_of(pressures: Sequence[float]) -> tuple[float, float]:
     """The larger of two pressures (kPa) and the direction of their ray; raises `RodError` below 0 kPa."""
     first, second = pressures
     if min(pressures) < 0.0:
@@ -53,7 +52,8 @@ class PairLaw:
     both sides of it.
     """
 
-    cavities: tuple[str, str]
+    kind: ClassVar[str] = "pairs"
+    cavities: tuple[str, ...]  #: two
     directions: tuple[float, ...]  #: of the rays, rising
     laws: tuple[ArmLaw, ...]  #: by ray, over the larger pressure
     #: of the curvature halfway between rays, over the largest one, before the last rays were put there; None: not known
@@ -74,66 +74,103 @@ class PairLaw:
         """Of the arm, mm."""
         return self.laws[0].length
 
-    def at(self, pressures: Sequence[float], length: float | None = None) -> LawRod:
+    @property
+    def mass(self) -> Mass | None:
+        """None: not known."""
+        return self.laws[0].mass
+
+    @property
+    def rows(self) -> tuple[Pressures, ...]:
+        """The pressures at which it was measured, kPa, by ray."""
+        return tuple(
+            tuple(part * pressure for part in fractions_of(direction))
+            for direction, law in zip(self.directions, self.laws, strict=True)
+            for pressure in law.pressures
+        )
+
+    def at(self, pressures: float | Sequence[float], length: float | None = None) -> LawRod:
         """The rod at the pressures (p_1, p_2) of both cavities in kPa; length as in `ArmLaw.at`.
 
         Its pressure is the larger one. Raises `RodError` for a ratio beyond those of the law, and for pressures beyond
         those of the nearest ratios.
         """
-        larger, direction = direction_of(pair(pressures, "The pressures of both cavities"))
+        larger, direction = direction_of(pressures_of(pressures, self.cavities))
         direction = as_known(self.directions, direction) if larger else self.directions[0]
-        if not self.directions[0] <= direction <= self.directions[-1]:
-            known = " to ".join(_ratio(self.cavities, one) for one in (self.directions[0], self.directions[-1]))
-            raise RodError(f"The law goes from {known}; it is not extrapolated to other ratios.")
-        lower, upper, _ = bracket(self.directions, direction)
+        lower, upper = self._rays(direction)
         first = self.laws[lower].at(larger, length)
         if lower == upper:
             return first
         rods = first, self.laws[upper].at(larger, length)
         places = self.directions[lower], self.directions[upper]
-        tips = [replace(rod.tip, pressure=place) for rod, place in zip(rods, places, strict=True)]
+        tips = [Placed(place, rod.tip, {}) for rod, place in zip(rods, places, strict=True)]
         clamps = [self._clamp(k, lower, rod) for k, rod in zip((lower, upper), rods, strict=True)]
         cells, clamps, tips = self.cells_around(lower, larger), _on_equal_nodes(clamps), _on_equal_nodes(tips)
         return replace(
             first,
-            section=replace(section_at(cells, direction), pressure=larger),
-            clamp=replace(clamp_at(clamps, cells, direction), pressure=larger),
-            tip=replace(tip_at(tips, direction), pressure=larger),
+            section=section_at(cells, direction, larger),
+            clamp=clamp_at(clamps, cells, direction, larger),
+            tip=tip_at(tips, direction, larger),
         )
 
-    def cells_around(self, lower: int, larger: float) -> list[CellCurve]:
-        """The cells of a ray and the next one where the larger pressure is so high (kPa), with the direction in the
-        place of the pressure. Raises `RodError` as `at`."""
+    def pressures_along(self, fractions: Pressures) -> tuple[float, ...]:
+        """The larger pressures in kPa up to which the law is known in a ratio, of the ray that ends first.
+
+        fractions: of the larger pressure. Raises `RodError` for a ratio beyond those of the law.
+        """
+        lower, upper = self._rays(direction_of(fractions)[1])
+        return min((self.laws[k].pressures for k in (lower, upper)), key=lambda pressures: pressures[-1])
+
+    def ray(self, fractions: Pressures) -> ArmLaw | None:
+        """The law over the larger pressure in a ratio of the law; None for one between them."""
+        lower, upper = self._rays(direction_of(fractions)[1])
+        return self.laws[lower] if lower == upper else None
+
+    def _rays(self, direction: float) -> tuple[int, int]:
+        """The rays beside a direction; twice the same one where it is one of them."""
+        if not self.directions[0] <= direction <= self.directions[-1]:
+            known = " to ".join(_ratio(self.cavities, one) for one in (self.directions[0], self.directions[-1]))
+            raise RodError(f"The law goes from {known}; it is not extrapolated to other ratios.")
+        lower, upper, _ = bracket(self.directions, direction)
+        return lower, upper
+
+    def cells_around(self, lower: int, larger: float) -> list[Placed[CellCurve]]:
+        """The cells of a ray and the next one where the larger pressure is so high (kPa). Raises `RodError` as `at`."""
         return _on_equal_nodes([self._cell(k, lower, larger) for k in (lower, lower + 1)])
 
-    def _cell(self, k: int, lower: int, larger: float) -> CellCurve:
-        law, direction = self.laws[k], self.directions[k]
-        section = section_at(law.cells, larger)
-        moment_by, stretch_by = (
-            self._slopes(k, lower, larger, law.cells, name, "kappa", section.kappa) for name in ("moment", "stretch")
-        )
-        return CellCurve(
-            pressure=direction,
+    def _cell(self, k: int, lower: int, larger: float) -> Placed[CellCurve]:
+        law = self.laws[k]
+        section = section_at([cell.placed for cell in law.cells], larger, larger)
+
+        def mixed(name: str) -> Array:
+            return _mixed(law.cells, larger, name, "kappa", section.kappa)
+
+        slopes = {
+            name: self._slopes(k, lower, larger, law.cells, name, "kappa", section.kappa)
+            for name in ("moment", "stretch")
+        }
+        cell = CellCurve(
+            pressure=larger,
             moment=section.moment,
             kappa=section.kappa,
             rigidity=1.0 / section.kappa_slope,
-            moment_by_pressure=moment_by,
+            moment_by_pressure=mixed("moment_by_pressure"),
             stretch=section.stretch,
             stretch_by_kappa=section.stretch_slope / section.kappa_slope,
-            stretch_by_pressure=stretch_by,
+            stretch_by_pressure=mixed("stretch_by_pressure"),
             axial_rigidity=section.axial_rigidity,
             shear_rigidity=section.shear_rigidity,
-            contact=_mixed(law.cells, larger, "contact", "kappa", section.kappa) > 0.5,
-            min_J=_mixed(law.cells, larger, "min_J", "kappa", section.kappa),
+            contact=mixed("contact") > 0.5,
+            min_J=mixed("min_J"),
             s=section.s,
             ripple=section.ripple,
             **section.in_space,
         )
+        return Placed(self.directions[k], cell, slopes)
 
-    def _clamp(self, k: int, lower: int, rod: LawRod) -> ClampCurve:
+    def _clamp(self, k: int, lower: int, rod: LawRod) -> Placed[ClampCurve]:
         curve, larger = rod.clamp, rod.section.pressure
         slopes = self._slopes(k, lower, larger, self.laws[k].clamps, "rotation", "moment", curve.moment)
-        return replace(curve, pressure=self.directions[k], rotation_by_pressure=slopes, rotation_by_other=np.empty(0))
+        return Placed(self.directions[k], curve, {"rotation": slopes})
 
     def _slopes(
         self, k: int, lower: int, larger: float, curves: Sequence[Any], name: str, over: str, at: Array
@@ -147,32 +184,25 @@ class PairLaw:
         return larger * (other - _mixed(curves, larger, f"{name}_by_pressure", over, at))
 
     def record(self) -> dict[str, Any]:
-        """The content of its law.json."""
+        """As it stands in law.json."""
         rays = zip(self.directions, self.laws, strict=True)
         return {
-            "format": FORMAT,
             "cavities": list(self.cavities),
             "error_between": self.error_between,
-            "rays": [{"direction": d, "fractions": fractions_of(d), "law": law_record(law)} for d, law in rays],
+            "rays": [{"direction": d, "fractions": fractions_of(d), "law": plane_record(law)} for d, law in rays],
         }
 
     @staticmethod
     def from_record(record: Mapping[str, Any]) -> "PairLaw":
-        """The law that `record` wrote. Raises `RodError` for anything else."""
-        try:
-            if record["format"] != FORMAT:
-                raise RodError(f"This is no law over two pressures in format {FORMAT}; repeat the run.")
-            rays, (one, other) = record["rays"], record["cavities"]
-            directions = tuple(float(ray["direction"]) for ray in rays)
-            laws = tuple(law_from_record(ray["law"]) for ray in rays)
-            return PairLaw((str(one), str(other)), directions, laws, record["error_between"])
-        except RodError:
-            raise
-        except (KeyError, TypeError, ValueError) as failure:
-            raise RodError(f"This is no law over two pressures ({failure}); repeat the run.") from None
+        """What `record` gave. Raises `RodError`, and KeyError for a key that is missing."""
+        rays, error = record["rays"], record["error_between"]
+        directions = tuple(finite(ray["direction"], "The direction of a ray") for ray in rays)
+        laws = tuple(plane_law(ray["law"]) for ray in rays)
+        cavities = tuple(map(str, record["cavities"]))
+        return PairLaw(cavities, directions, laws, None if error is None else finite(error, "error_between"))
 
 
-def _ratio(cavities: tuple[str, str], direction: float) -> str:
+def _ratio(cavities: Sequence[str], direction: float) -> str:
     one, other = fractions_of(direction)
     return f"{cavities[0]} : {cavities[1]} = {one:g} : {other:g}"
 
@@ -186,10 +216,10 @@ def _mixed(curves: Sequence[Any], pressure: float, name: str, over: str, at: Arr
     return np.asarray((1.0 - t) * low + t * high)
 
 
-def _on_equal_nodes(curves: Sequence[Curve]) -> list[Curve]:
+def _on_equal_nodes(path: Sequence[Placed[Curve]]) -> list[Placed[Curve]]:
     """Two curves whose material curve has the nodes of the shorter one; other meshes and longer ends have others."""
-    shorter = min(curves, key=lambda curve: abs(float(curve.s[-1] - curve.s[0])))
-    return [curve if curve is shorter else _on_nodes(curve, shorter.s) for curve in curves]
+    shorter = min((at.curve for at in path), key=lambda curve: abs(float(curve.s[-1] - curve.s[0])))
+    return [at if at.curve is shorter else replace(at, curve=_on_nodes(at.curve, shorter.s)) for at in path]
 
 
 def _on_nodes(curve: Curve, s: Array) -> Curve:

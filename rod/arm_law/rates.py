@@ -2,14 +2,14 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
-from typing import Any, final
+from typing import Annotated, Any, final
 
 import numpy as np
 
 from geometry.arrays import Array
 from rod.arm_law.between import interpolate_columns
 from rod.arm_law.curves import ACROSS, IN_SPACE, CellCurve, ClampCurve, nothing
-from rod.checked import Shape, check_table, finite
+from rod.arm_law.keys import fields_of, record_of, values_of
 from rod.cubics import monotone_slopes, parabola_slopes
 
 #: change of the rigidity between two states, over it, from which there is a kink between them
@@ -21,12 +21,14 @@ KINK = 0.05
 class CellRate:
     """Of the curve of a cell at one pressure, at fixed curvature, per unit of the parameter."""
 
-    moment: Array  #: (k,) N mm
-    stretch: Array  #: (k,)
-    ripple: Array  #: (k, 2, 2) of the material curve in the middle and at the end of the cell, mm; straight between
-    largest_stretch: Array  #: () largest principal stretch of the cell without moment
-    lateral_rigidity: Array = field(default_factory=nothing)  #: (k,) N mm2; it and the next empty where not known
-    torsional_rigidity: Array = field(default_factory=nothing)  #: (k,) N mm2
+    moment: Annotated[Array, "moment_N_mm", "k"]  #: N mm
+    stretch: Annotated[Array, "stretch", "k"]
+    #: of the material curve in the middle and at the end of the cell, mm; straight between
+    ripple: Annotated[Array, "ripple_mm", "k", 2, 2]
+    largest_stretch: Annotated[Array, "largest_stretch"]  #: largest principal stretch of the cell without moment
+    #: N mm2; it and the next empty where not known
+    lateral_rigidity: Annotated[Array, "lateral_rigidity_N_mm2", "k"] = field(default_factory=nothing)
+    torsional_rigidity: Annotated[Array, "torsional_rigidity_N_mm2", "k"] = field(default_factory=nothing)  #: N mm2
 
     def times(self, change: float) -> "CellRate":
         """For a change of the parameter."""
@@ -38,8 +40,8 @@ class CellRate:
 class ClampRate:
     """Of the curve of the clamped end at one pressure, at fixed moment, per unit of the parameter."""
 
-    rotation: Array  #: (k,) rad
-    offset: Array  #: (k, 2) mm
+    rotation: Annotated[Array, "rotation_rad", "k"]  #: rad
+    offset: Annotated[Array, "offset_mm", "k", 2]  #: mm
 
     def times(self, change: float) -> "ClampRate":
         """For a change of the parameter."""
@@ -51,11 +53,11 @@ class ClampRate:
 class LawRate:
     """Of a law by one parameter, per unit of it. What is not here does not change to first order, or hardly."""
 
-    value: float  #: of the parameter, to which the law belongs
+    value: Annotated[float, "value"]  #: of the parameter, to which the law belongs
     unit: str  #: of the parameter: mm, MPa, or 1
-    pitch: float  #: change of the pitch, mm
-    first_middle: float  #: mm
-    length: float  #: mm
+    pitch: Annotated[float, "pitch_mm"]  #: change of the pitch, mm
+    first_middle: Annotated[float, "first_middle_mm"]  #: mm
+    length: Annotated[float, "length_mm"]  #: mm
     cells: tuple[CellRate, ...]  #: at the pressures of the law
     clamps: tuple[ClampRate, ...]
 
@@ -89,54 +91,20 @@ class LawRate:
 
     def record(self) -> dict[str, Any]:
         """As it stands in law.json."""
-        return {
-            "value": self.value,
-            "unit": self.unit,
-            "pitch_mm": self.pitch,
-            "first_middle_mm": self.first_middle,
-            "length_mm": self.length,
-            "curves": [_row(cell, _CELL) for cell in self.cells],
-            "clamp": [_row(clamp, _CLAMP) for clamp in self.clamps],
-        }
+        rows = {"curves": [*map(record_of, self.cells)], "clamp": [*map(record_of, self.clamps)]}
+        return {"unit": self.unit, **record_of(self), **rows}
 
     @staticmethod
     def from_record(record: Mapping[str, Any], name: str) -> "LawRate":
         """What `record` gave. Raises `RodError`, and KeyError for a key that is missing."""
-        pitch, middle, length = (
-            finite(record[key], f"{key} of {name}") for key in ("pitch_mm", "first_middle_mm", "length_mm")
-        )
-        cells = (CellRate(**_arrays(row, _CELL, name)) for row in record["curves"])
-        clamps = (ClampRate(**_arrays(row, _CLAMP, name)) for row in record["clamp"])
-        value, unit = finite(record["value"], name), str(record["unit"])
-        return LawRate(value, unit, pitch, middle, length, tuple(cells), tuple(clamps))
-
-
-#: fields by their keys in law.json, with their shapes
-_CELL: dict[str, tuple[str, Shape]] = {
-    "moment_N_mm": ("moment", ("k",)),
-    "stretch": ("stretch", ("k",)),
-    "ripple_mm": ("ripple", ("k", 2, 2)),
-    "largest_stretch": ("largest_stretch", ()),
-    **{f"{name}_N_mm2": (name, ("k",)) for name in ACROSS},
-}
-_CLAMP: dict[str, tuple[str, Shape]] = {"rotation_rad": ("rotation", ("k",)), "offset_mm": ("offset", ("k", 2))}
+        cells = values_of(CellRate, record["curves"], f"{name}.curves")
+        clamps = values_of(ClampRate, record["clamp"], f"{name}.clamp")
+        return LawRate(unit=str(record["unit"]), **fields_of(LawRate, record, name), cells=cells, clamps=clamps)
 
 
 def _at(kappa: Array, nodes: Array, values: Array) -> Array:
     """Values (k, ...) over curvatures (k,) at others (n,), (n, ...); one number, or none, stays."""
     return interpolate_columns(kappa, nodes, values) if np.size(values) > 1 else values
-
-
-def _row(rate: CellRate | ClampRate, keys: Mapping[str, tuple[str, Shape]]) -> dict[str, Any]:
-    values = {key: getattr(rate, name) for key, (name, _) in keys.items()}
-    return {key: value.tolist() for key, value in values.items() if value.size}
-
-
-def _arrays(row: Any, keys: Mapping[str, tuple[str, Shape]], name: str) -> dict[str, Array]:
-    given = row if isinstance(row, Mapping) else {}
-    known = {key: value for key, value in keys.items() if value[0] not in ACROSS or key in given}
-    check_table(row, {key: shape for key, (_, shape) in known.items()}, name)
-    return {name: np.array(row[key], float) for key, (name, _) in known.items()}
 
 
 def changed_cells(curves: Sequence[CellCurve], changes: Sequence[Sequence[CellRate]]) -> tuple[CellCurve, ...]:

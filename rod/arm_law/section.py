@@ -13,7 +13,7 @@ import numpy as np
 
 from geometry.arrays import Array
 from rod.arm_law.between import interpolate_columns, join_states
-from rod.arm_law.curves import IN_SPACE, CellCurve, ClampCurve, TipCurve
+from rod.arm_law.curves import IN_SPACE, CellCurve, ClampCurve, Placed, TipCurve
 from rod.cubics import cubic, cubic_slope, hermite, monotone_cubic, monotone_slopes, parabola_slopes
 from rod.errors import RodError
 from rod.same_pressure import known_at
@@ -56,14 +56,16 @@ class SectionLaw:
         return float(cubic(self.moment, self.kappa, self.kappa_slope, 0.0))
 
 
-def section_at(curves: Sequence[CellCurve], pressure: float) -> SectionLaw:
-    """The law at a pressure in kPa; raises `RodError` outside the pressures of the curves, and for curves that have no
-    curvature in common."""
-    lower, upper, _ = bracket([curve.pressure for curve in curves], pressure)
+def section_at(path: Sequence[Placed[CellCurve]], place: float, pressure: float) -> SectionLaw:
+    """The law at a place between those of the curves, where the pressure is so high (kPa).
+
+    Raises `RodError` outside the places of the curves, and for curves that have no curvature in common.
+    """
+    lower, upper, _ = bracket([at.place for at in path], place)
+    first, second = path[lower].curve, path[upper].curve
     if lower == upper:
-        return _along(curves[lower])
-    first, second = curves[lower], curves[upper]
-    pairs = join_states(first, second, pressure)
+        return _along(first)
+    pairs = join_states(path[lower], path[upper], place)
     moment = np.linspace(pairs.moment[0], pairs.moment[-1], POINTS)
     kappa, stretch = (
         (pairs.moment, column, monotone_slopes(pairs.moment, column)) for column in (pairs.kappa, pairs.stretch)
@@ -100,7 +102,7 @@ def section_at(curves: Sequence[CellCurve], pressure: float) -> SectionLaw:
         straight("axial_rigidity"),
         straight("shear_rigidity"),
         first.s,
-        straight("ripple") + _beyond_straight_at(_around(curves, lower, upper), _ripple_at, pressure, moment),
+        straight("ripple") + _beyond_straight_at(_around(path, lower, upper), _ripple_at, place, moment),
         {name: in_space(name) for name in IN_SPACE if first.is_in_space and second.is_in_space},
     )
 
@@ -148,17 +150,19 @@ def bracket(pressures: Sequence[float], pressure: float) -> tuple[int, int, floa
     return upper - 1, upper, float((pressure - p[upper - 1]) / (p[upper] - p[upper - 1]))
 
 
-def clamp_at(clamps: Sequence[ClampCurve], cells: Sequence[CellCurve], pressure: float) -> ClampCurve:
-    """The clamped end at a pressure in kPa, from the states that belong together in the cells.
+def clamp_at(
+    path: Sequence[Placed[ClampCurve]], cells: Sequence[Placed[CellCurve]], place: float, pressure: float
+) -> ClampCurve:
+    """The clamped end at a place, as `section_at`, from the states that belong together in the cells.
 
     Its rotation is a cubic in p with the slopes of both curves, offset and material curve are those of
     `_beyond_straight`, all else follows straight lines. Raises `RodError` as `section_at` does.
     """
-    lower, upper, _ = bracket([curve.pressure for curve in clamps], pressure)
-    first, second = clamps[lower], clamps[upper]
+    lower, upper, _ = bracket([at.place for at in path], place)
+    first, second = path[lower].curve, path[upper].curve
     if lower == upper:
         return first
-    pairs = join_states(cells[lower], cells[upper], pressure)
+    pairs = join_states(cells[lower], cells[upper], place)
     nodes = first.moment, second.moment
     known = (pairs.first >= nodes[0][0]) & (pairs.first <= nodes[0][-1])
     known &= (pairs.second >= nodes[1][0]) & (pairs.second <= nodes[1][-1])
@@ -166,35 +170,41 @@ def clamp_at(clamps: Sequence[ClampCurve], cells: Sequence[CellCurve], pressure:
         raise RodError(f"The ends at {first.pressure:g} and {second.pressure:g} kPa have no state in common.")
     range_known = pairs.moment[known]
     moment = np.linspace(range_known[0], range_known[-1], CLAMP_POINTS)
-    around = _around(clamps, lower, upper)
+    around = _around(path, lower, upper)
 
-    def straight(values: Callable[[ClampCurve, Array], Array]) -> Array:
-        low, high = values(first, pairs.first), values(second, pairs.second)
+    def between(low: Array, high: Array) -> Array:
         return interpolate_columns(moment, pairs.moment, (1 - pairs.t) * low + pairs.t * high)
 
-    def rotations(curve: ClampCurve, at: Array, slope: Array) -> tuple[Array, Array]:
-        """Of one curve at moments (n,), and their changes along the lines for the whole step of the pressure."""
-        inside = np.clip(at, curve.moment[0], curve.moment[-1])
+    def straight(values: Callable[[ClampCurve, Array], Array]) -> Array:
+        return between(values(first, pairs.first), values(second, pairs.second))
+
+    def rotations(at: Placed[ClampCurve], moment: Array, slope: Array) -> tuple[Array, Array]:
+        """Of one curve at moments (n,), and their changes along the lines for the whole step of the place."""
+        curve = at.curve
+        inside = np.clip(moment, curve.moment[0], curve.moment[-1])
         by_moment = cubic_slope(curve.moment, curve.rotation, curve.rotation_by_moment, inside)
-        by_pressure = curve.rotation_by_pressure_at(at)
-        return curve.rotation_at(at), by_pressure * (second.pressure - first.pressure) + by_moment * slope
+        by_place = curve.slopes_at(at.slopes["rotation"], moment)
+        return curve.rotation_at(moment), by_place * (path[upper].place - path[lower].place) + by_moment * slope
 
     (low, low_slope), (high, high_slope) = (
-        rotations(first, pairs.first, pairs.first_slope),
-        rotations(second, pairs.second, pairs.second_slope),
+        rotations(path[lower], pairs.first, pairs.first_slope),
+        rotations(path[upper], pairs.second, pairs.second_slope),
     )
     rotation = interpolate_columns(moment, pairs.moment, hermite(pairs.t, low, high, low_slope, high_slope))
-    offset = straight(ClampCurve.offset_at) + _beyond_straight_at(around, ClampCurve.offset_at, pressure, moment)
+    offset = straight(ClampCurve.offset_at) + _beyond_straight_at(around, ClampCurve.offset_at, place, moment)
     return ClampCurve(
         pressure=pressure,
         moment=moment,
         rotation=rotation,
         rotation_by_moment=parabola_slopes(moment, rotation),
-        rotation_by_pressure=straight(ClampCurve.rotation_by_pressure_at),
+        rotation_by_pressure=between(
+            first.slopes_at(first.rotation_by_pressure, pairs.first),
+            second.slopes_at(second.rotation_by_pressure, pairs.second),
+        ),
         offset=offset,
         offset_by_moment=parabola_slopes(moment, offset),
         s=first.s,
-        beside=straight(ClampCurve.beside_at) + _beyond_straight_at(around, ClampCurve.beside_at, pressure, moment),
+        beside=straight(ClampCurve.beside_at) + _beyond_straight_at(around, ClampCurve.beside_at, place, moment),
         lateral_compliance=_straight_compliance(first, second, pairs.t),
     )
 
@@ -210,59 +220,60 @@ def _ripple_at(curve: CellCurve, moment: Array) -> Array:
     return interpolate_columns(moment, curve.moment, curve.ripple)
 
 
-def tip_at(curves: Sequence[TipCurve], pressure: float) -> TipCurve:
-    """The tip at a pressure in kPa, by cubics in p."""
-    lower, upper, t = bracket([curve.pressure for curve in curves], pressure)
-    a, b = curves[lower], curves[upper]
+def tip_at(path: Sequence[Placed[TipCurve]], place: float, pressure: float) -> TipCurve:
+    """The tip at a place, as `section_at`, by cubics over the place."""
+    lower, upper, t = bracket([at.place for at in path], place)
+    a, b = path[lower].curve, path[upper].curve
     if lower == upper:
         return a
-    around = _around(curves, lower, upper)
-    pressures = [curve.pressure for curve in around]
+    around = _around(path, lower, upper)
+    places = [at.place for at in around]
 
     def value(name: str) -> Array:
         straight = (1 - t) * getattr(a, name) + t * getattr(b, name)
-        rows = np.array([getattr(curve, name) for curve in around])
-        return np.asarray(straight + _beyond_straight(pressures, rows, pressure))
+        rows = np.array([getattr(at.curve, name) for at in around])
+        return np.asarray(straight + _beyond_straight(places, rows, place))
 
     return TipCurve(pressure, a.s, *(value(name) for name in TIP_VALUES))
 
 
-def _around(curves: Sequence[Curve], lower: int, upper: int) -> Sequence[Curve]:
+def _around(path: Sequence[Placed[Curve]], lower: int, upper: int) -> Sequence[Placed[Curve]]:
     """The two curves of an interval, and one on each side where there is one."""
-    return curves[max(lower - 1, 0) : upper + 2]
+    return path[max(lower - 1, 0) : upper + 2]
 
 
 def _beyond_straight_at(
-    around: Sequence[Bent], values: Callable[[Bent, Array], Array], pressure: float, moment: Array
+    around: Sequence[Placed[Bent]], values: Callable[[Bent, Array], Array], place: float, moment: Array
 ) -> Array:
     """`_beyond_straight` at moments (n,) in N mm; beyond those that all curves have, as at the last such moment.
 
     values: gives those of a curve at moments (n,), (n, ...).
     """
-    low, high = max(curve.moment[0] for curve in around), min(curve.moment[-1] for curve in around)
+    curves = [at.curve for at in around]
+    low, high = max(curve.moment[0] for curve in curves), min(curve.moment[-1] for curve in curves)
     if low > high:
         return np.zeros(())
     at = np.clip(moment, low, high)
-    rows = np.array([values(curve, at) for curve in around])
-    return _beyond_straight([curve.pressure for curve in around], rows, pressure)
+    rows = np.array([values(curve, at) for curve in curves])
+    return _beyond_straight([at.place for at in around], rows, place)
 
 
-def _beyond_straight(pressures: Sequence[float], rows: Array, pressure: float) -> Array:
+def _beyond_straight(places: Sequence[float], rows: Array, place: float) -> Array:
     """By how much a cubic in p departs from the straight line between two neighbouring rows (k, ...).
 
     Walls that bulge do so less and less as the pressure rises. The slopes are those of monotone cubics through all
     rows, at the first and at the last pressure those of a parabola through both rows of the interval. Zero for two rows
-    in all. pressures: (k,) kPa, those of `_around`.
+    in all. places: (k,), those of `_around`.
     """
-    if len(pressures) < 3:
+    if len(places) < 3:
         return np.zeros(())
-    lower, upper, t = bracket(pressures, pressure)
-    step = pressures[upper] - pressures[lower]
+    lower, upper, t = bracket(places, place)
+    step = places[upper] - places[lower]
     change = (rows[upper] - rows[lower]) / step
-    slopes = monotone_slopes(np.asarray(pressures), rows)[lower : upper + 1]
+    slopes = monotone_slopes(np.asarray(places), rows)[lower : upper + 1]
     if lower == 0:
         slopes[0] = 2.0 * change - slopes[1]
-    if upper == len(pressures) - 1:
+    if upper == len(places) - 1:
         slopes[1] = 2.0 * change - slopes[0]
     # the cubic that is zero at both ends of the interval and has there the differences of the slopes
     steps = (slopes - change) * step

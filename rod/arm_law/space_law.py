@@ -13,25 +13,23 @@ of p; the end of the material curve lies beside that of the axis.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, final
+from typing import Annotated, Any, ClassVar, final
 
 import numpy as np
 
 from geometry.arrays import Array
 from rod.arm.sections import PolynomialSection
+from rod.arm_law.keys import fields_of, record_of
 from rod.arm_law.polynomial import Polynomial
-from rod.arm_law.record import mass_of, record_of
+from rod.arm_law.record import mass_of, mass_record
 from rod.arm_law.space_rod import SpaceRod
-from rod.checked import check_table, finite
 from rod.errors import RodError
+from rod.same_pressure import Pressures, pressures_of
 from rod.weight import Mass
 
-#: of the file
-FORMAT = 1
 #: by how much pressures may leave those of the law, over the largest
 ROUNDING = 1e-9
 
-_NUMBERS = ("pitch", "length", "clamp_length", "reach", "error")
 _POLYNOMIALS = ("potential", "stretch", "axial_rigidity", "compliance", "clamp", "tip")
 
 
@@ -43,14 +41,19 @@ class SpaceLaw:
     Variables of polynomials are curvatures in 1/mm, moments in N mm and, for p, components of the pressures in kPa.
     """
 
+    kind: ClassVar[str] = "space"
     cavities: tuple[str, ...]
-    pressures: Array  #: (r, m) kPa, rows of pressures; the law is known between them and 0 kPa
-    onto: Array  #: (m, q): pressures times this are the variables p of the polynomials
-    pitch: float  #: mm
-    length: float  #: mm
-    clamp_length: float  #: mm, of the piece by which the clamped end was measured
-    reach: float  #: 1/mm, largest change of the curvature from that without moment
-    error: float  #: of the moment between the states of the cell, over the largest moment; one standard deviation
+    pressures: Annotated[
+        Array, "pressures_kPa", "r", "m"
+    ]  #: kPa, rows of pressures; the law is known between them and 0 kPa
+    onto: Annotated[Array, "onto", "m", "q"]  #: pressures times this are the variables p of the polynomials
+    pitch: Annotated[float, "pitch_mm"]  #: mm
+    length: Annotated[float, "length_mm"]  #: mm
+    clamp_length: Annotated[float, "clamp_length_mm"]  #: mm, of the piece by which the clamped end was measured
+    reach: Annotated[float, "reach_per_mm"]  #: 1/mm, largest change of the curvature from that without moment
+    error: Annotated[
+        float, "error"
+    ]  #: of the moment between the states of the cell, over the largest moment; one standard deviation
     potential: Polynomial  #: w of (kappa_y, kappa_z, p), N
     stretch: Polynomial  #: lambda of (kappa_y, kappa_z, p)
     axial_rigidity: Polynomial  #: EA of (kappa_y, kappa_z, p), N
@@ -66,25 +69,50 @@ class SpaceLaw:
     def __repr__(self) -> str:
         return f"SpaceLaw({', '.join(self.cavities)}, up to {self.pressures.max():g} kPa, {self.length:g} mm)"
 
-    def at(self, pressures: Sequence[float]) -> "SpaceRod":
+    @property
+    def rows(self) -> tuple[Pressures, ...]:
+        """Rows of pressures, kPa; the law is known between them and 0 kPa."""
+        return tuple(tuple(row) for row in self.pressures.tolist())
+
+    def at(self, pressures: float | Sequence[float]) -> "SpaceRod":
         """The rod at the pressures of all cavities in kPa, in the order of `cavities`.
 
         Raises `RodError` for another number of pressures, and for those that are not between rows of the law and 0 kPa.
         """
+        given = pressures_of(pressures, self.cavities)
+        largest = float(np.abs(self.pressures).max())
+        if self._beyond(given, largest) > ROUNDING * (len(given) + 1):
+            told, names = ", ".join(f"{value:g}" for value in given), ", ".join(self.cavities)
+            raise RodError(f"The pressures {told} kPa of {names} are not between rows of the law's pressures_kPa.")
+        return self._rod(np.array(given) @ self.onto, given)
+
+    def _beyond(self, given: Pressures, largest: float) -> float:
+        """How far pressures are from those between the rows and 0 kPa, over the largest (kPa)."""
         from scipy.optimize import nnls  # its import takes longer than a rod
 
-        given = np.array([finite(value, "A pressure in kPa") for value in pressures])
-        names = ", ".join(self.cavities)
-        if len(given) != len(self.cavities):
-            raise RodError(f"The law has a pressure for each of {names}; {len(given)} were given.")
-        largest = float(np.abs(self.pressures).max())
         matrix = np.vstack([self.pressures.T / largest, np.ones(len(self.pressures))])
         # parts of the rows that make up the pressures; what is left of one in all belongs to 0 kPa
-        rows, target = np.column_stack([matrix, [*np.zeros(len(given)), 1.0]]), np.append(given / largest, 1.0)
-        if nnls(rows, target)[1] > ROUNDING * len(target):
-            told = ", ".join(f"{value:g}" for value in given)
-            raise RodError(f"The pressures {told} kPa of {names} are not between rows of the law's pressures_kPa.")
-        return self._rod(given @ self.onto, tuple(given.tolist()))
+        rows = np.column_stack([matrix, [*np.zeros(len(given)), 1.0]])
+        return float(nnls(rows, np.append(np.array(given) / largest, 1.0))[1])
+
+    def pressures_along(self, fractions: Pressures) -> tuple[float, ...]:
+        """0 kPa and the largest pressure up to which the law is known in a ratio, to a thousandth; 0 kPa for no other.
+
+        fractions: of the largest pressure.
+        """
+        largest = float(np.abs(self.pressures).max())
+
+        def is_known(pressure: float) -> bool:
+            return self._beyond(tuple(part * pressure for part in fractions), largest) <= ROUNDING * (
+                len(fractions) + 1
+            )
+
+        ends = sorted({float(row.max()) for row in self.pressures}, reverse=True)
+        low, high = next((end for end in ends if is_known(end)), 0.0), ends[0]
+        while high - low > 1e-3 * largest:
+            middle = 0.5 * (low + high)
+            low, high = (middle, high) if is_known(middle) else (low, middle)
+        return (0.0, low) if is_known(1e-3 * largest) else (0.0,)
 
     def _rod(self, variables: Array, pressures: tuple[float, ...]) -> SpaceRod:
         rows, columns = np.triu_indices(3)
@@ -104,27 +132,13 @@ class SpaceLaw:
         )
 
     def record(self) -> dict[str, Any]:
-        """As it stands in law_in_space.json."""
-        return {
-            "format_in_space": FORMAT,
-            "cavities": list(self.cavities),
-            "pressures_kPa": self.pressures.tolist(),
-            "onto": self.onto.tolist(),
-            **{name: getattr(self, name) for name in _NUMBERS},
-            **{name: getattr(self, name).record() for name in _POLYNOMIALS},
-            "mass": None if self.mass is None else record_of(self.mass),
-        }
+        """As it stands in law.json."""
+        polynomials = {name: getattr(self, name).record() for name in _POLYNOMIALS}
+        return {"cavities": list(self.cavities), **record_of(self), **polynomials, "mass": mass_record(self.mass)}
 
     @staticmethod
     def from_record(record: Mapping[str, Any]) -> "SpaceLaw":
-        """What `record` gave. Raises `RodError` for a file that cannot be used."""
-        check_table(record, {"pressures_kPa": ("r", "m"), "onto": ("m", "q"), **dict.fromkeys(_NUMBERS, ())})
-        missing = next((name for name in ("cavities", *_POLYNOMIALS) if name not in record), None)
-        if missing:
-            raise RodError(f"The key {missing!r} is missing.")
-        values: dict[str, Any] = {name: float(record[name]) for name in _NUMBERS}
-        values |= {name: Polynomial.from_record(record[name], name) for name in _POLYNOMIALS}
-        pressures, onto = (np.array(record[key], float) for key in ("pressures_kPa", "onto"))
-        return SpaceLaw(
-            tuple(map(str, record["cavities"])), pressures, onto, **values, mass=mass_of(record.get("mass"))
-        )
+        """What `record` gave. Raises `RodError`, and KeyError for a key that is missing."""
+        values: dict[str, Any] = {name: Polynomial.from_record(record[name], name) for name in _POLYNOMIALS}
+        values |= {"mass": mass_of(record.get("mass")), **fields_of(SpaceLaw, record)}
+        return SpaceLaw(tuple(map(str, record["cavities"])), **values)

@@ -9,7 +9,7 @@ import pytest
 from rod import Extension, FiveParameters, Rod, compile_kernels
 from rod.arm.chain import solve_chain
 from rod.arm.small_motions import lowest_of
-from rod.arm_law.record import law_from_record, law_record
+from rod.arm_law.kinds import law_from_record, law_record
 from tests.rod.arm_law.test_arm_law import law_of, straight_law
 
 KERNELS = {"rods": solve_chain, "stability": lowest_of}

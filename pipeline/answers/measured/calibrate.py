@@ -12,6 +12,7 @@ from pipeline.answers.measured.page import comparison_page
 from pipeline.answers.measured.saved import new_folder, save_calibration
 from pipeline.answers.measured.table import read_measurements
 from pipeline.answers.measured.unknowns import MODULUS
+from pipeline.answers.rods.ratio import run_along
 from pipeline.results.files import read_results
 from pipeline.results.verdict import Verdict, verdict_of
 from pipeline.values.reasons import report_reason
@@ -26,6 +27,7 @@ class CalibrateOptions:
     free: tuple[str, ...] = ()  #: dimensions; none: those whose tolerances move the tip most
     align: bool = False  #: move the rows onto the rod at rest
     samples: int = 0  #: drawn to check the result; 0: not checked
+    ratio: str | None = None  #: of the pressures of a law that has several
 
 
 @dataclass(frozen=True, eq=False)  # arrays inside
@@ -56,7 +58,7 @@ def calibrate_files(
     out: FOLDER_calibrated by default. Raises InputError.
     """
     options = options or CalibrateOptions()
-    run, measurements = read_results(folder), read_measurements(file)
+    run, measurements = run_along(folder, options.ratio), read_measurements(file)
     law = law_to_calibrate(run)
     store = new_folder(out or folder.with_name(f"{folder.name}_calibrated"))
     if options.align:

@@ -16,8 +16,7 @@ from pipeline.answers.measured.next_measurement import NextMeasurement, next_mea
 from pipeline.answers.measured.predicted import Compared, Numbers, Setup
 from pipeline.answers.measured.rows import Measurements
 from pipeline.answers.measured.unknowns import BuiltArm, unknowns_of
-from pipeline.answers.rods.choice import refuse_out_of_plane
-from pipeline.results.saved_law import SavedLaw
+from pipeline.answers.rods.choice import plane_of, refuse_out_of_plane
 from pipeline.values.errors import InputError
 from pipeline.values.run import Run
 from rod.arm_law.law import ArmLaw
@@ -81,10 +80,9 @@ class Calibration:
 def law_to_calibrate(run: Run) -> ArmLaw:
     """The arm's own law of a run. Raises InputError for a run without one."""
     refuse_out_of_plane(run)
-    path = run.directory / "law.json"
     if run.law is None:
         raise InputError(f"{run.directory}: has no law.json, the arm's own law; measure it with pneurod cell")
-    return SavedLaw.read(path).law
+    return plane_of(run, "a calibration")
 
 
 def calibrated(

@@ -14,11 +14,13 @@ from pipeline.answers.measured.rows import Measurements
 from pipeline.answers.measured.saved import SavedCalibration, read_calibration
 from pipeline.answers.measured.table import read_measurements
 from pipeline.answers.measured.unknowns import BuiltArm, tolerance_unknowns
-from pipeline.answers.rods.choice import KINDS, RodOfRun, choose_rod
-from pipeline.results.files import read_results
+from pipeline.answers.rods.choice import KINDS, RodOfRun, choose_rod, plane_of
+from pipeline.answers.rods.ratio import run_along
 from pipeline.results.rod_errors import RodErrors, mesh_errors
 from pipeline.values.run import Run
+from rod.arm_law.kinds import Ray
 from rod.arm_law.law import ArmLaw
+from rod.arm_law.space_law import SpaceLaw
 
 
 @dataclass(frozen=True)
@@ -67,10 +69,17 @@ class Comparison:
         )
 
 
-def compare_files(folder: Path, file: Path, align: bool = False, kind: str | None = None) -> Comparison:
-    """The measurements of a file beside the rod of a result folder, or one of a kind. Raises InputError."""
-    run, measurements = read_results(folder), read_measurements(file)
+def compare_files(
+    folder: Path, file: Path, align: bool = False, kind: str | None = None, ratio: str | None = None
+) -> Comparison:
+    """The measurements of a file beside the rod of a result folder, or one of a kind.
+
+    ratio: of the pressures of a law that has several. Raises InputError.
+    """
+    run, measurements = run_along(folder, ratio), read_measurements(file)
     rods = choose_rod(run, kind)
+    if isinstance(rods.source, Ray) and isinstance(rods.source.law, SpaceLaw):
+        plane_of(run, "a comparison")  # refuses it
     return compare(run, rods, aligned(measurements, rods.at) if align else measurements)
 
 

@@ -20,8 +20,8 @@ from pipeline.values.formats import FORMAT
 from pipeline.values.json_values import JsonObject
 from pipeline.values.record import Reported
 from pipeline.values.run import Run
-from rod.arm_law.record import law_record
-from rod.arm_law.scaling import power_of_modulus
+from rod.arm_law.kinds import law_record
+from rod.arm_law.moved import power_of_modulus
 
 FILE = "calibration.json"
 PREDICTION_COLUMNS = ("line", "pressure_kPa", "load", "quantity", "measured", "predicted", "low_90", "high_90")
@@ -98,7 +98,7 @@ def record_of(run: Run, file: Path, found: Calibration) -> JsonObject:
 
 def _scaled_error(run: Run, factor: float) -> JsonObject | None:
     """The errors of the mesh, of the arm with its factor of all moduli."""
-    error = run.law and run.law.mesh_error
+    error = run.law and run.law.beside.mesh_error
     if not error:
         return None
 

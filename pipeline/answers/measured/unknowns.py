@@ -12,7 +12,6 @@ from pipeline.config.section import not_known
 from pipeline.config.tolerances import STIFFNESS, Tolerance, Tolerances
 from pipeline.values.errors import InputError, argument
 from rod.arm_law.law import ArmLaw
-from rod.arm_law.second_order import with_second_order
 
 #: names of what is unknown beside dimensions
 MODULUS, TREND, GAUGE, CLAMP = "modulus_factor", "modulus_trend", "gauge_offset_kPa", "clamp_angle_deg"
@@ -66,7 +65,7 @@ class BuiltArm:
             for unknown, change in zip(self.unknowns, changes, strict=True)
             if unknown.is_of_law and change
         }
-        law = with_second_order(self.law, self._of(BEND, changes), self._of(STRETCH, changes))
+        law = self.law.with_second_order(self._of(BEND, changes), self._of(STRETCH, changes))
         change = law.carried if with_derivatives else law.with_changes
         law = change(of_law) if of_law else law
         trend = self._of(TREND, changes)

@@ -1,31 +1,29 @@
 """The rods of a result folder over the pressure, and which of them to take: the one that the verdict recommends."""
 
 import json
-from collections.abc import Hashable
+from collections.abc import Hashable, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from math import isfinite
 from pathlib import Path
 from typing import Any
 
 from geometry import Reason
-from pipeline.results.files import read_results
+from pipeline.results.files import read_law, read_results
 from pipeline.results.rod_errors import RodAndMesh, rod_and_mesh, rod_to_take
-from pipeline.results.saved_law import SavedLaw, is_law
-from pipeline.results.saved_law_in_space import read_space_law
-from pipeline.results.saved_pairs import read_pair_law
 from pipeline.results.saved_rod import SavedRod, pressurised_rod
 from pipeline.results.verdict import OUT_OF_PLANE, Verdict, verdict_of
 from pipeline.values.errors import InputError, argument, quoted
 from pipeline.values.formats import ARM_LAW, EXTENSIBLE, FIVE
+from pipeline.values.law import DeliveredLaw, is_law
 from pipeline.values.reasons import NO_PARAMETERS, report_reason
 from pipeline.values.run import Run
+from rod.arm_law.kinds import AnyLaw, Ray, ratios_of
 from rod.arm_law.law import ArmLaw
 from rod.arm_law.pairs import PairLaw
-from rod.arm_law.space_law import SpaceLaw
-from rod.errors import RodError
 from rod.inverse import Response
 from rod.mechanics.equilibrium import Rod
 from rod.pressurised_rod import PressurisedRod
+from rod.same_pressure import Pressures, pressures_of
 from rod.weight import Mass
 
 #: the rods by the names that a user gives them: the arm's own law, five parameters, and those of a curve that stretches
@@ -39,7 +37,7 @@ class RodOfRun:
     """One of the rods of a run over the pressure."""
 
     kind: str  #: one of KINDS
-    source: ArmLaw | PairLaw | SpaceLaw | PressurisedRod
+    source: AnyLaw | PressurisedRod
     errors: RodAndMesh | None = None  #: None where it was not compared with finite elements
     notes: tuple[str, ...] = ()  #: what limits the trust in it, a sentence each
     mass: Mass | None = None  #: of an arm with five parameters; None: not known
@@ -53,43 +51,32 @@ class RodOfRun:
     @property
     def pressures_kPa(self) -> tuple[float, float]:
         """The lowest and the highest pressure."""
-        assert not isinstance(self.source, PairLaw | SpaceLaw)  # refused before it is asked
-        known = self.source.pressures
+        known = self.over_one_pressure
         return float(known[0]), float(known[-1])
 
-    def at(self, pressure_kPa: float | tuple[float, ...]) -> Rod:
-        """The rod at a pressure, or at the pressures of all cavities; its origin is the clamped end of the material
-        curve.
+    @property
+    def over_one_pressure(self) -> Sequence[float]:
+        """The pressures of a rod that has one, kPa, rising. Raises InputError for a law of several pressures."""
+        if not isinstance(self.source, ArmLaw | Ray | PressurisedRod):
+            raise InputError(f"its law has the pressures of {', '.join(self.source.cavities)}; give their ratio")
+        return tuple(map(float, self.source.pressures))
 
-        Raises `RodError` outside its pressures, and for a pair where it has one pressure, or the other way round.
+    def at(self, pressures_kPa: float | Pressures) -> Rod:
+        """The rod at the pressures of all cavities; its origin is the clamped end of the material curve.
+
+        Raises `RodError` outside its pressures, and for another number of them.
         """
-        if isinstance(self.source, PairLaw | SpaceLaw):
-            cavities = self.source.cavities
-            if not isinstance(pressure_kPa, tuple) or len(pressure_kPa) != len(cavities):
-                example = ", ".join(["20 kPa", "5 kPa", *["0 kPa"] * (len(cavities) - 2)])
-                raise RodError(f"This law has the pressures of {', '.join(cavities)}; give all, such as [{example}].")
-            return Rod(self.source.length, law=self.source.at(pressure_kPa), notes=self.notes)
-        if isinstance(pressure_kPa, tuple):
-            raise RodError("This rod has one pressure; give it alone, such as 20 kPa.")
         if isinstance(self.source, PressurisedRod):
-            rod = replace(self.source.at(pressure_kPa), mass=self.mass)
+            (pressure,) = pressures_of(pressures_kPa, ("the arm",))
+            rod = replace(self.source.at(pressure), mass=self.mass)
         else:
-            rod = Rod(self.source.length, law=self.source.at(pressure_kPa))
+            rod = Rod(self.source.length, law=self.source.at(pressures_kPa))
         return replace(rod, notes=(*self.notes, *rod.notes))
 
 
 def rod_of_path(path: Path, kind: str | None) -> RodOfRun:
     """The rod of a result folder, or the one of a parameters.json or a law.json alone. Raises InputError."""
     check_kind(kind, "rod")
-    if (pairs := read_pair_law(path)) is not None:
-        if kind not in (None, "law"):
-            raise InputError(f"{argument('rod', kind)}: a law over two pressures is that of rod law; leave it out")
-        doubt = pairs.error_between is None and len(pairs.laws) > 1
-        return RodOfRun("law", pairs, notes=("The error of this law between its ratios is not known.",) * doubt)
-    if (in_space := read_space_law(path)) is not None:
-        if kind not in (None, "law"):
-            raise InputError(f"{argument('rod', kind)}: a law in space is that of rod law; leave it out")
-        return RodOfRun("law", in_space)
     if path.is_dir():
         return choose_rod(read_results(path), kind)
     try:
@@ -100,7 +87,7 @@ def rod_of_path(path: Path, kind: str | None) -> RodOfRun:
     if kind not in (None, *there):
         raise InputError(f"{argument('rod', kind)}: is not in {path.name}; give the folder of the run")
     if is_law(content):
-        return RodOfRun("law", SavedLaw.of(path, content).law)
+        return rod_of_law(read_law(path))
     chosen = kind or "five"
     return RodOfRun(chosen, SavedRod.read(path, extensible=chosen == "five_extensible").rods)
 
@@ -119,6 +106,10 @@ def choose_rod(run: Run, kind: str | None = None) -> RodOfRun:
     InputError where the run has no such rod, and for an arm that leaves its plane.
     """
     refuse_out_of_plane(run)
+    if run.law is not None and run.law.plane is None:
+        if kind not in (None, "law"):
+            raise InputError(f"{argument('rod', kind)}: a law of several pressures is that of rod law; leave it out")
+        return rod_of_law(run.law)
     verdict = verdict_of(run)
     names = {name: kind for kind, name in KINDS.items()}
     chosen = kind or names.get(verdict.rod, "law" if run.law else "five")
@@ -136,11 +127,36 @@ def refuse_out_of_plane(run: Run) -> None:
         raise InputError(f"{run.directory}: {remark.text}")
 
 
-def _source(run: Run, kind: str) -> ArmLaw | PressurisedRod:
+def plane_of(run: Run, what: str) -> ArmLaw:
+    """The law of one pressure in a plane of a run that has a law. Raises InputError, with what needs it, for others."""
+    assert run.law is not None
+    if run.law.plane is not None:
+        return run.law.plane
+    law = run.law.law.law if isinstance(run.law.law, Ray) else run.law.law
+    if isinstance(law, PairLaw):
+        measured = f"a law at a measured ratio of its pressures, one of {told_ratios(law)}"
+        raise InputError(f"{run.directory}: {what} takes {measured}")
+    raise InputError(f"{run.directory}: {what} takes a law in a plane, and this one is in space")
+
+
+def told_ratios(law: AnyLaw) -> str:
+    """The ratios in which a law of several pressures was measured, as they are written for --ratio."""
+    return ", ".join(":".join(f"{part:.6g}" for part in ratio) for ratio in ratios_of(law))
+
+
+def rod_of_law(delivered: DeliveredLaw) -> RodOfRun:
+    """The rod of a law alone."""
+    law = delivered.law
+    pairs = law.law if isinstance(law, Ray) else law
+    doubt = isinstance(pairs, PairLaw) and pairs.error_between is None and len(pairs.laws) > 1
+    return RodOfRun("law", law, notes=("The error of this law between its ratios is not known.",) * doubt)
+
+
+def _source(run: Run, kind: str) -> AnyLaw | PressurisedRod:
     if kind == "law":
         if run.law is None:
             raise InputError(f"{run.directory}: has no law.json, the arm's own law{_why(run)}; take rod five")
-        return SavedLaw.read(run.directory / "law.json").law
+        return run.law.law
     if not run.identified_kPa:
         raise nothing_identified(run)
     extensible = kind == "five_extensible"
@@ -151,7 +167,7 @@ def _source(run: Run, kind: str) -> ArmLaw | PressurisedRod:
 
 def _mass(run: Run) -> Mass | None:
     """As in the law of a run, else spread evenly at the height of the material curve; None where it is not known."""
-    of_law, grams = SavedLaw.read(run.directory / "law.json").law.mass if run.law else None, run.parameters.mass_g
+    of_law, grams = run.law.law.mass if run.law else None, run.parameters.mass_g
     if of_law is not None:
         return of_law
     return None if grams is None else Mass.even(run.length_mm, grams)

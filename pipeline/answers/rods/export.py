@@ -4,14 +4,14 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from pipeline.answers.rods.choice import choose_rod
+from pipeline.answers.rods.choice import choose_rod, plane_of
 from pipeline.answers.rods.judged import judged
+from pipeline.answers.rods.ratio import run_along
 from pipeline.answers.rods.solid import solid_of
 from pipeline.config.material import LOSS_FACTOR
 from pipeline.config.units import PRESSURE
-from pipeline.results.files import LAW_ON_MESH_OF_ARM, read_results
+from pipeline.results.files import LAW_ON_MESH_OF_ARM, read_plane_law
 from pipeline.results.options import option_value
-from pipeline.results.saved_law import SavedLaw
 from pipeline.results.saved_rod import SavedRod
 from pipeline.store.result_folder import open_folder
 from pipeline.values.errors import InputError, argument
@@ -35,6 +35,7 @@ class ExportOptions:
     rod: str | None = None  #: one of RODS; None for the one to take
     out: Path | None = None  #: folder of the files; None for the result folder
     force: bool = False  #: replace files that exist
+    ratio: str | None = None  #: of the pressures of a law that has several
 
     @property
     def pressure_kPa(self) -> float | None:
@@ -51,31 +52,43 @@ class Exported:
 
 
 def exported(folder: Path, target: str | None, options: ExportOptions) -> Exported:
-    """Write the rod of a result folder for another program.
+    """Write the rod of a result folder for another program. Raises InputError as `exported_run` does."""
+    named = _known(target, options)
+    if folder.is_file():
+        raise InputError(f"{folder}: is a file; give the folder of the run, {folder.parent}")
+    return exported_run(run_along(folder, options.ratio), named, options)
+
+
+def exported_run(run: Run, target: str | None, options: ExportOptions) -> Exported:
+    """Write the rod of a run for another program, into the folder of the run by default.
 
     Raises InputError for an unknown target, which it answers with the known ones, for other options that do not fit,
     for a target that cannot take the rod, and for files that exist or a folder that cannot be written.
     """
-    if target not in EXPORTS:
-        raise InputError(f"{argument('to', target)}: allowed are {', '.join(EXPORTS)}")
-    if options.rod not in (None, *RODS):
-        raise InputError(f"{argument('rod', options.rod)}: allowed are {', '.join(RODS)}")
-    if folder.is_file():
-        raise InputError(f"{folder}: is a file; give the folder of the run, {folder.parent}")
+    target = _known(target, options)
     try:
-        if (folder / "law.json").is_file() and not (folder / "run.json").is_file():  # of `pneurod cell`
-            return _of_law(SavedLaw.read(folder / "law.json").law, None, folder, target, options)
-        run = read_results(folder)
+        law = None if run.law is None or options.rod == "five" else plane_of(run, argument("to", target))
+        if law is not None and not (run.directory / "run.json").is_file():  # a law alone
+            return _of_law(law, None, run.directory, target, options)
         if options.rod == "five" or run.law is None:
-            SavedRod.read(folder / "parameters.json")  # refuses, with the reason, a run without five parameters
+            SavedRod.read(run.directory / "parameters.json")  # refuses, with the reason, a run without five parameters
         chosen = choose_rod(run, options.rod)
         if isinstance(chosen.source, ArmLaw):
-            done = _of_law(chosen.source, run, folder, target, options)
+            done = _of_law(chosen.source, run, run.directory, target, options)
         else:
             done = _of_five(run, target, options)
         return replace(done, sentences=(*done.sentences, *chosen.notes))
     except RodError as failure:
         raise InputError(f"{argument('to', target)}: {failure}") from None
+
+
+def _known(target: str | None, options: ExportOptions) -> str:
+    """The target. Raises InputError for an unknown one and an unknown rod."""
+    if target is None or target not in EXPORTS:
+        raise InputError(f"{argument('to', target)}: allowed are {', '.join(EXPORTS)}")
+    if options.rod not in (None, *RODS):
+        raise InputError(f"{argument('rod', options.rod)}: allowed are {', '.join(RODS)}")
+    return target
 
 
 def _without_weight(law: ArmLaw) -> ArmLaw:
@@ -107,7 +120,7 @@ def _of_law(law: ArmLaw, run: Run | None, folder: Path, target: str, options: Ex
         return Exported(files, ("The table has the law of the cells; json has both ends of the arm, too.",))
     compared = robot
     if run is not None and (run.directory / LAW_ON_MESH_OF_ARM).is_file():  # as the finite elements of the run
-        on_mesh = _without_weight(SavedLaw.read(run.directory / LAW_ON_MESH_OF_ARM).law)
+        on_mesh = _without_weight(read_plane_law(run.directory / LAW_ON_MESH_OF_ARM))
         compared = make(on_mesh, solid, pressures if is_linear or single is not None else on_mesh.pressures)
     return Exported(files, _sentences(compared, target, run, law))
 

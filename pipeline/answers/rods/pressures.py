@@ -1,19 +1,20 @@
 """The pressure for a tip, a bending or a force: the question that a rod answers, backwards."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from geometry.arrays import Array
 from pipeline.answers.rods.choice import RodOfRun
-from pipeline.answers.rods.end_loads import EndLoads, Weight
+from pipeline.answers.rods.end_loads import EndLoads, Vector, Weight
 from pipeline.config.units import ANGLE, FORCE, LENGTH
-from pipeline.results.options import option_pair, option_value
+from pipeline.results.options import option_value, option_vector
 from pipeline.values.errors import InputError, RunFailed
 from pipeline.values.formatting import number
 from pipeline.values.run import bending_error_deg
-from rod.arm_law.pairs import PairLaw
+from rod.arm_law.kinds import Ray
 from rod.arm_law.space_law import SpaceLaw
 from rod.errors import LoadError, RodError
 from rod.inverse import AtPressure, Quantity, Response
@@ -27,7 +28,7 @@ NO_WEIGHT = Weight()
 class Wish:
     """What is wanted of the end of an arm: its place, how far it bends, or its force where it is held."""
 
-    tip_mm: tuple[float, float] | None = None  #: from the clamped end of the material curve
+    tip_mm: Vector | None = None  #: from the clamped end of the material curve; in space with z
     angle_deg: float | None = None  #: of the circular arc through both ends of the material curve, as the verdict says
     force_N: float | None = None  #: y component of the force on the end, which is held at a height
     height_mm: float | None = None  #: of the end that is held
@@ -37,7 +38,7 @@ class Wish:
     def read(tip: str | None, angle: str | None, force: str | None, at_height: str | None, weight: Weight) -> "Wish":
         """From the options of the command line, written with units. Raises InputError, also where they contradict."""
         return Wish(
-            None if tip is None else option_pair("tip", tip, LENGTH),
+            None if tip is None else option_vector("tip", tip, LENGTH),
             None if angle is None else option_value("angle", angle, ANGLE),
             None if force is None else option_value("force", force, FORCE),
             None if at_height is None else option_value("at_height", at_height, LENGTH),
@@ -50,8 +51,6 @@ class Wish:
             raise InputError("give one of a tip, an angle and a force")
         if (self.force_N is None) != (self.height_mm is None):
             raise InputError("give the height at which the end is held together with a force, and with nothing else")
-        if self.weight.direction is not None and len(self.weight.direction) == 3:
-            raise InputError("pressures are found for arms in their plane; give gravity as x and y")
 
 
 @dataclass(frozen=True)
@@ -60,20 +59,25 @@ class PressureFor:
 
     pressure_kPa: float
     error_kPa: float | None  #: by the errors of rod and mesh; None where they are not known
-    tip_mm: tuple[float, float]
+    tip_mm: tuple[float, ...]  #: of an arm in space with z, as its force
     angle_deg: float
-    force_N: tuple[float, float]
+    force_N: tuple[float, ...]
     away_mm: float | None  #: of the tip from the wanted one; None where another quantity was wanted
+    pressures_kPa: tuple[float, ...] = ()  #: of all cavities; of an arm with one pressure that one
 
     @property
     def text(self) -> str:
         """In words."""
         error = "" if self.error_kPa is None else f" ± {self.error_kPa:.2g}"
-        x, y = self.tip_mm
+        several = f" ({_listed(self.pressures_kPa, '.4f')})" if len(self.pressures_kPa) > 1 else ""
         away = "" if self.away_mm is None else f", {self.away_mm:.2g} mm away"
-        end = f"tip at ({x:.2f}, {y:.2f}) mm{away}, bends by {self.angle_deg:.2f}°"
-        force = f", force on the end [{self.force_N[0]:.4g}, {self.force_N[1]:.4g}] N" if any(self.force_N) else ""
-        return f"{self.pressure_kPa:.4f}{error} kPa: {end}{force}"
+        end = f"tip at ({_listed(self.tip_mm, '.2f')}) mm{away}, bends by {self.angle_deg:.2f}°"
+        force = f", force on the end [{_listed(self.force_N, '.4g')}] N" if any(self.force_N) else ""
+        return f"{self.pressure_kPa:.4f}{error} kPa{several}: {end}{force}"
+
+
+def _listed(values: Sequence[float], form: str) -> str:
+    return ", ".join(format(value, form) for value in values)
 
 
 def pressures_for(rods: RodOfRun, wish: Wish) -> tuple[PressureFor, ...]:
@@ -94,14 +98,14 @@ def pressures_for(rods: RodOfRun, wish: Wish) -> tuple[PressureFor, ...]:
 
 
 def responses_of(rods: RodOfRun, wish: Wish) -> tuple[Response, ...]:
-    """The arm under the load of a wish over the pressure, kept with the rods. Raises InputError for two pressures."""
-    if isinstance(rods.source, PairLaw):
-        raise InputError("two pressures meet a wish in many ways; give the folder of one ratio, such as DIR/1_to_0.25")
-    if isinstance(rods.source, SpaceLaw):
-        raise InputError(
-            "several pressures meet a wish in many ways; `pneurod rod` gives the shape at those you choose"
-        )
-    known = [float(pressure) for pressure in rods.source.pressures]
+    """The arm under the load of a wish over its pressure, kept with the rods. Raises InputError for several ones."""
+    known = rods.over_one_pressure
+    is_in_space = isinstance(rods.source, Ray) and isinstance(rods.source.law, SpaceLaw)
+    if not is_in_space and len(wish.weight.direction or ()) == 3:
+        raise InputError("pressures are found for arms in their plane; give gravity as x and y")
+    if wish.tip_mm is not None and len(wish.tip_mm) != (3 if is_in_space else 2):
+        where, axes = ("in space", "x, y and z") if is_in_space else ("in its plane", "x and y")
+        raise InputError(f"this arm bends {where}; give the place of its tip as {axes}")
     key = (wish.height_mm, wish.weight)
     if key not in rods.responses:
 
@@ -118,9 +122,7 @@ def responses_of(rods: RodOfRun, wish: Wish) -> tuple[Response, ...]:
     return rods.responses[key]
 
 
-def _for_tip(
-    rods: RodOfRun, wish: Wish, responses: tuple[Response, ...], tip: tuple[float, float]
-) -> tuple[PressureFor, ...]:
+def _for_tip(rods: RodOfRun, wish: Wish, responses: tuple[Response, ...], tip: Vector) -> tuple[PressureFor, ...]:
     near = [_met(rods, wish, at) for response in responses for at in response.nearest(tip)]
     near.sort(key=lambda at: at.away_mm or 0.0)
     error = MET if rods.errors is None or not math.isfinite(rods.errors.shape) else rods.errors.shape
@@ -128,7 +130,7 @@ def _for_tip(
     if met:
         return tuple(met)
     raise InputError(
-        f"no pressure{_range(rods, responses)} brings the tip to ({tip[0]:g}, {tip[1]:g}) mm; nearest: {near[0].text}"
+        f"no pressure{_range(rods, responses)} brings the tip to ({_listed(tip, 'g')}) mm; nearest: {near[0].text}"
     )
 
 
@@ -149,11 +151,13 @@ def _range(rods: RodOfRun, responses: tuple[Response, ...]) -> str:
 
 
 def _met(rods: RodOfRun, wish: Wish, at: AtPressure) -> PressureFor:
-    x, y, force_x, force_y = (float(value) for value in at.state)
-    away = None if wish.tip_mm is None else math.dist((x, y), wish.tip_mm)
-    angle = float(_angle(at.state[None, :2], at.state[None, 2:])[0])
-    held = (force_x, force_y) if wish.force_N is not None else (0.0, 0.0)
-    return PressureFor(at.pressure, _error(rods, wish, at), (x, y), angle, held, away)
+    tip, force = (tuple(float(value) for value in half) for half in np.split(at.state, 2))
+    away = None if wish.tip_mm is None else math.dist(tip, wish.tip_mm)
+    angle = float(_angle(np.array([tip]), np.array([force]))[0])
+    held = force if wish.force_N is not None else (0.0,) * len(force)
+    fractions = rods.source.fractions if isinstance(rods.source, Ray) else (1.0,)
+    pressures = tuple(part * at.pressure for part in fractions)
+    return PressureFor(at.pressure, _error(rods, wish, at), tip, angle, held, away, pressures)
 
 
 def _error(rods: RodOfRun, wish: Wish, at: AtPressure) -> float | None:
@@ -176,8 +180,9 @@ def _over(error: float, slope: float) -> float | None:
 
 
 def _angle(tips: Array, _: Array) -> Array:
-    """Degrees, as `pipeline.values.run.bending_deg`."""
-    return np.abs(np.degrees(2.0 * np.arctan2(tips[:, 1], tips[:, 0])))
+    """Degrees, as `pipeline.values.run.bending_deg`; of tips in space (n, 3) in the plane through x."""
+    aside = tips[:, 1] if tips.shape[1] == 2 else np.hypot(tips[:, 1], tips[:, 2])
+    return np.abs(np.degrees(2.0 * np.arctan2(aside, tips[:, 0])))
 
 
 def _force(_: Array, forces: Array) -> Array:

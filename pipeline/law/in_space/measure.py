@@ -18,6 +18,7 @@ from pipeline.simulate.mass import mass_along
 from pipeline.store.context import RunContext
 from pipeline.store.parallel import Pending
 from pipeline.values.errors import InputError, RunFailed
+from pipeline.values.law import LawMeshError
 from rod.arm.unloaded import shape_under_moment
 from rod.arm_law.polynomial import Basis, Polynomial, exponents_up_to
 from rod.arm_law.space_law import SpaceLaw, SpaceRod
@@ -50,7 +51,17 @@ class MeasuredInSpace:
     law: SpaceLaw
     states: int  #: of the cell
     left: tuple[str, ...]  #: what could not be solved, a sentence each
-    mesh: tuple[float, float] | None  #: relative changes of curvature and rigidity on a mesh of `FINER` the size
+    mesh_error: LawMeshError | None  #: None: there is no finer mesh
+
+    @property
+    def changes(self) -> tuple[float, float] | None:
+        """Relative changes of curvature and rigidity on the finer mesh, without sign; None without one."""
+        if self.mesh_error is None:
+            return None
+        names = ("kappa_0_per_mm", "rigidity_N_mm2")
+        sizes, stds = ([getattr(self.mesh_error, f"{name}{end}")[0] for name in names] for end in ("", "_std"))
+        curvature = (1.0 - FINER) * stds[0] / max(sizes[0], 1.0 / self.law.length)
+        return curvature, (1.0 - FINER) * stds[1] / sizes[1]
 
 
 @dataclass(frozen=True)
@@ -256,16 +267,28 @@ def _error_between(tasks: _Tasks, law: SpaceLaw, rows: Sequence[Pressures]) -> f
     return max((float(np.linalg.norm(state.vector)) / largest for state in found), default=0.0)
 
 
-def _finer(tasks: _Tasks, law: SpaceLaw, rows: Sequence[Pressures]) -> tuple[float, float] | None:
-    """Relative changes of the curvature without moment and of the rigidity on a finer mesh, at the highest row."""
+def _finer(tasks: _Tasks, law: SpaceLaw, rows: Sequence[Pressures]) -> LawMeshError | None:
+    """The errors of the curvature without moment and of the rigidity at the row that bends the cell most.
+
+    They are taken as proportional to the size of the mesh, and follow from the changes on a finer one.
+    """
     pressures = max(rows, key=lambda row: float(np.linalg.norm(law.at(row).kappa_0)))
     bend = law.at(pressures).kappa_0
     middle = float(bend[0]), float(bend[1])
     try:
-        finer = replace(tasks, pieces=tasks.pieces.with_mesh_size(FINER * tasks.pieces.config.mesh.size_mm))
+        size = tasks.pieces.config.mesh.size_mm
+        finer = replace(tasks, pieces=tasks.pieces.with_mesh_size(FINER * size))
         own, other = (one.begin(SpaceStates.cell, pressures, middle).result() for one in (tasks, finer))
     except (InputError, NoArmLaw, PieceFailed):
         return None
     change = np.subtract(_without_moment(other), _without_moment(own))
-    rigidity = other.by_curvature[1] / own.by_curvature[1] - 1.0
-    return float(np.linalg.norm(change) / max(hypot(*middle), 1.0 / law.length)), float(rigidity)
+    rigidity = own.by_curvature[1]
+    return LawMeshError(
+        size,
+        FINER * size,
+        (max(pressures),),
+        kappa_0_per_mm=(hypot(*middle),),
+        rigidity_N_mm2=(rigidity,),
+        kappa_0_per_mm_std=(float(np.linalg.norm(change)) / (1.0 - FINER),),
+        rigidity_N_mm2_std=(abs(other.by_curvature[1] - rigidity) / (1.0 - FINER),),
+    )

@@ -1,6 +1,6 @@
-"""The command that measures the law of an arm that bends in space: law_in_space.json and the record of the run."""
+"""The command that measures the law of an arm that bends in space: law.json and the record of the run."""
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from math import degrees
 from pathlib import Path
 from time import perf_counter
@@ -13,15 +13,18 @@ from pipeline.law.in_space.measure import FINER, MeasuredInSpace, measure_in_spa
 from pipeline.law.in_space.rows import RowSpec
 from pipeline.law.pieces import ArmPieces, NoArmLaw
 from pipeline.law.plane import OUT_OF_PLANE, check_plane
+from pipeline.results.files import LAW
 from pipeline.simulate.scene import Scene
 from pipeline.store.context import run_context
 from pipeline.store.progress import Progress
 from pipeline.store.provenance import provenance
 from pipeline.store.store import open_store
 from pipeline.values.errors import InputError, RunFailed
-from pipeline.values.formats import FORMAT, LAW_IN_SPACE
+from pipeline.values.formats import FORMAT
 from pipeline.values.formatting import percent
+from pipeline.values.law import BesideLaw
 from pipeline.values.table import Table
+from rod.arm_law.kinds import law_record
 from rod.arm_law.space_law import SpaceRod
 from rod.errors import RodError
 from rod.spatial import SpatialLoad
@@ -44,8 +47,8 @@ class SpaceLawReport:
             f"{percent(law.error)} of the largest.",
             f"It is known within {1e3 * law.reach:.3g} 1/m of the curvature without load.",
         ]
-        if measured.mesh is not None:
-            curvature, rigidity = (percent(abs(change)) for change in measured.mesh)
+        if measured.changes is not None:
+            curvature, rigidity = map(percent, measured.changes)
             size = f"{100.0 * FINER:.0f} % of the size"
             lines.append(f"On a mesh of {size} its curvature changes by {curvature} and its rigidity by {rigidity}.")
         if measured.left:
@@ -90,7 +93,7 @@ def leaves_plane(config: Config) -> bool:
 
 
 def measure_space_law(spec: RowSpec, out: Path, jobs: int, fresh: bool, progress: Progress) -> SpaceLawReport:
-    """From a configuration to `out`/law_in_space.json; states that `out` already holds are not solved again.
+    """From a configuration to `out`/law.json; states that `out` already holds are not solved again.
 
     Raises InputError for an arm without such a law, and RunFailed for pressures that its cell does not bear.
     """
@@ -106,7 +109,8 @@ def measure_space_law(spec: RowSpec, out: Path, jobs: int, fresh: bool, progress
             sentence = str(failure).rstrip(".")
             raise RunFailed(f"the arm has no law in space at these pressures: {sentence}; give lower ones") from None
         report = SpaceLawReport(out, spec, measured)
-        store.save_json(LAW_IN_SPACE, {**measured.law.record(), "notes": list(report.sentences)})
+        beside = BesideLaw(measured.mesh_error, (), report.sentences)
+        store.save_json(LAW, {**law_record(measured.law), **asdict(beside)})
         record = {"format": FORMAT, "config": config.record(), "config_hash": config.hash, **provenance()}
         store.save_json("run.json", {**record, "rows_kPa": spec.rows, "seconds": {"this call": perf_counter() - begin}})
     return report

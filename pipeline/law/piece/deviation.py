@@ -21,7 +21,8 @@ def largest_deviation(piece: BendingPiece, lower: CellCurve, upper: CellCurve) -
     once may lead to equilibria in which a wall has buckled, which the law does not describe. Raises `PieceFailed` where
     the cell does not reach a curvature of the law, and `RodError` where there is no law.
     """
-    section = section_at((lower, upper), 0.5 * (lower.pressure + upper.pressure))
+    halfway = 0.5 * (lower.pressure + upper.pressure)
+    section = section_at((lower.placed, upper.placed), halfway, halfway)
     pressure, rows = in_MPa(section.pressure), _doubtful(section, lower, upper)
     angles = section.kappa * piece.body.length
     first, largest = rows[np.argmin(np.abs(section.moment[rows]))], 0.0
@@ -38,6 +39,6 @@ def largest_deviation(piece: BendingPiece, lower: CellCurve, upper: CellCurve) -
 def _doubtful(section: SectionLaw, lower: CellCurve, upper: CellCurve) -> Index:
     """Rows (CHECKS,) of the law, rising: one in each of as many equal ranges of the moment, where what the slopes of
     both curves predict differs most."""
-    difference = np.interp(section.kappa, *measure_disagreement(lower, upper))
+    difference = np.interp(section.kappa, *measure_disagreement(lower.placed, upper.placed))
     ranges = np.array_split(np.arange(len(section.moment)), CHECKS)
     return np.array([own[int(np.argmax(difference[own]))] for own in ranges])

@@ -12,18 +12,20 @@ from pathlib import Path
 import numpy as np
 
 from pipeline.law.study import measure_law
-from pipeline.results.saved_law import SavedLaw
+from pipeline.results.files import LAW, folder_of
 from pipeline.run import run
 from pipeline.store.progress import Progress
-from pipeline.store.result_folder import open_folder
+from pipeline.store.provenance import provenance
+from pipeline.store.result_folder import ResultFolder, open_folder
 from pipeline.store.store import check_no_run
-from pipeline.study.pairs.spec import PairSpec, folder_of
+from pipeline.study.pairs.spec import PairSpec
 from pipeline.values.errors import InputError, RunFailed
-from pipeline.values.formats import PAIRS
+from pipeline.values.formats import FORMAT, PAIRS_PAGE
 from pipeline.values.formatting import percent
 from pipeline.values.json_values import JsonObject
 from pipeline.values.run import Run
 from rod.arm_law.between import measure_disagreement
+from rod.arm_law.kinds import law_record
 from rod.arm_law.law import ArmLaw
 from rod.arm_law.pairs import PairLaw, fractions_of
 from rod.errors import RodError
@@ -64,13 +66,14 @@ class PairRuns:
 
 
 def run_pairs(spec: PairSpec, out: Path, jobs: int, fresh: bool, progress: Progress) -> PairRuns:
-    """Solve every pair in the folder of its ratio, and write `out`/pairs.json.
+    """Solve every pair in the folder of its ratio, and write `out`/law.json and run.json.
 
     Raises InputError and RunFailed as `pipeline.run.run`, and InputError for a folder with the results of another run.
     """
-    folder = open_folder(out)
+    open_folder(out)
     check_no_run(out)
-    (out / PAIRS).unlink(missing_ok=True)
+    for name in (LAW, PAIRS_PAGE):
+        (out / name).unlink(missing_ok=True)
     configs = {direction: spec.config(direction, pressures) for direction, pressures in spec.rays.items()}
     runs: dict[float, Run] = {}
     for direction, config in configs.items():
@@ -82,16 +85,25 @@ def run_pairs(spec: PairSpec, out: Path, jobs: int, fresh: bool, progress: Progr
         progress.remark(f"law between ratios, {name.replace('_', ' ')}")
         return measure_law(config, out / "between" / name, jobs, fresh, progress).measured.law
 
-    known = {d: SavedLaw.read(done.directory / "law.json").law for d, done in runs.items() if done.law}
-    law, notes = joined(spec, known, measured)
-    made = PairRuns(out, spec, runs, law, notes)
-    folder.save_json(PAIRS, record(made))
+    known = {d: law for d, done in runs.items() if done.law and (law := done.law.plane)}
+    both, notes = joined(spec, known, measured)
+    made = PairRuns(out, spec, runs, both, notes)
+    save_pairs(made)
     return made
 
 
+def save_pairs(made: PairRuns) -> None:
+    """Write the law over both pressures, where there is one, and run.json for every other command."""
+    folder, config = ResultFolder(made.directory), made.spec.config(*next(iter(made.spec.rays.items())))
+    if made.law is not None:
+        folder.save_json(LAW, record(made))
+    rows = [[part * p for part in fractions_of(d)] for d, pressures in made.spec.rays.items() for p in pressures]
+    folder.save_json("run.json", {"format": FORMAT, "config": config.record(), **provenance(), "rows_kPa": rows})
+
+
 def record(made: PairRuns) -> JsonObject:
-    """The content of pairs.json."""
-    law = {"cavities": list(made.spec.cavities), "rays": []} if made.law is None else made.law.record()
+    """The law over both pressures, where there is one, with its notes and the pressures of each folder."""
+    law = {"cavities": list(made.spec.cavities)} if made.law is None else law_record(made.law)
     folders = {folder_of(direction): list(pressures) for direction, pressures in made.spec.rays.items()}
     return {"design": made.spec.name, "pressures_kPa_by_folder": folders, "notes": list(made.notes), **law}
 
@@ -160,7 +172,7 @@ def _errors(spec: PairSpec, laws: Mapping[float, ArmLaw], rays: tuple[float, flo
         raise RodError("The laws of the ratios have no moment in common.")
     misses = np.abs(true.kappa - np.interp(true.moment, found.moment, found.kappa))[there]
     cells = whole.cells_around(0, larger)
-    error = float(misses.max()) / max(float(np.abs(cell.kappa).max()) for cell in cells)
+    error = float(misses.max()) / max(float(np.abs(cell.curve.kappa).max()) for cell in cells)
     before = float(measure_disagreement(*cells)[1].max()) or 1.0  # none: nothing to gain
     parts = [float(measure_disagreement(*half.cells_around(0, larger))[1].max()) / before for half in halves]
     return error * min(1.0, parts[0]), error * min(1.0, parts[1])

@@ -16,12 +16,6 @@ _OTHERWISE = (
 )
 
 
-def folder_of(direction: float) -> str:
-    """What the folder of a ratio is called: 1_to_0.25."""
-    one, other = fractions_of(direction)
-    return f"{one:.6g}_to_{other:.6g}"
-
-
 @dataclass(frozen=True)
 class PairSpec:
     """A design with two cavities and the pairs of pressures at which it is solved."""

@@ -2,11 +2,11 @@
 
 from collections.abc import Iterator
 
+from pipeline.results.files import folder_of
 from pipeline.results.verdict import verdict_of
 from pipeline.store.result_folder import ResultFolder
 from pipeline.study.pairs.run import PairRuns
-from pipeline.study.pairs.spec import folder_of
-from pipeline.values.formats import ARM_LAW
+from pipeline.values.formats import ARM_LAW, PAIRS_PAGE
 from pipeline.values.formatting import percent
 from pipeline.values.page import Section, page
 from pipeline.values.plots import Line, Panel, ordered_colour
@@ -51,7 +51,7 @@ def _numbers(results: Run, larger: float) -> tuple[str, ...]:
 
 def save_page(made: PairRuns) -> None:
     """Write pairs.html: the table, what each ratio has found, and moment over curvature at every pair."""
-    ResultFolder(made.directory).save_text("pairs.html", _page(made))
+    ResultFolder(made.directory).save_text(PAIRS_PAGE, _page(made))
 
 
 def _page(made: PairRuns) -> str:

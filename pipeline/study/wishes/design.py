@@ -4,7 +4,7 @@ import shutil
 from dataclasses import dataclass
 from pathlib import Path
 
-from pipeline.results.saved_law import SavedLaw
+from pipeline.results.files import read_plane_law
 from pipeline.run import run
 from pipeline.simulate.simulate import begin_loading
 from pipeline.store.context import run_context
@@ -102,7 +102,7 @@ def _run(file: WishFile, found: Found, store: Store, course: Course, progress: P
         shutil.copytree(known, folder / LAW, dirs_exist_ok=True)
     run(config, folder, course.jobs, False, progress)
     try:
-        law = SavedLaw.read(folder / "law.json").law
+        law = read_plane_law(folder)
         values = numbers_of(law, file.wishes, file.wishes.values(found.trial.point))
     except (InputError, RodError):
         return report_of(file, found, store.directory, folder)

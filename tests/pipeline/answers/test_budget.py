@@ -13,7 +13,7 @@ from pipeline.api.sensitivities import sensitivities_frame
 from pipeline.cli import app
 from pipeline.config.load import load_config
 from pipeline.config.tolerances import STIFFNESS, Tolerance, Tolerances
-from pipeline.results.saved_law import SavedLaw
+from pipeline.results.files import read_plane_law
 from pipeline.values.errors import InputError
 from rod import ArmLaw, law_record
 from rod.arm_law.curves import ACROSS, IN_SPACE, CellCurve
@@ -25,7 +25,7 @@ CONFIG = Path(__file__).resolve().parent.parent.parent.parent / "configs" / "pne
 
 def scaled_law() -> ArmLaw:
     """The law of the coarse arm with the exact derivatives by its modulus: moments scale with it, at p over it."""
-    law, E = SavedLaw.read(COARSE / "law.json").law, 1.2
+    law, E = read_plane_law(COARSE / "law.json"), 1.2
 
     def of_cell(cell: CellCurve) -> CellRate:
         p = cell.pressure
@@ -174,7 +174,7 @@ def test_derivatives_as_a_frame() -> None:
 
 def test_the_onset_of_contact_moves_with_a_kink() -> None:
     """Two lines of rigidity 160 and 240 N mm2 that meet at a curvature which moves by 0.02 1/mm per unit."""
-    cell, moves = SavedLaw.read(COARSE / "law.json").law.cells[-1], 0.02
+    cell, moves = read_plane_law(COARSE / "law.json").cells[-1], 0.02
     onset = float(cell.kappa[len(cell.kappa) // 2 - 1 : len(cell.kappa) // 2 + 1].mean())
     beyond = cell.kappa > onset
     kinked = replace(

@@ -25,8 +25,7 @@ from pipeline.law.pieces import ArmPieces, NoArmLaw
 from pipeline.law.study import LawReport, measure_law
 from pipeline.law.tasks import ArmTasks
 from pipeline.law.unloaded import begin_first_states, reached_states
-from pipeline.results.files import read_results
-from pipeline.results.saved_law import SavedLaw
+from pipeline.results.files import read_law, read_plane_law, read_results
 from pipeline.results.unloaded_states import unloaded_states
 from pipeline.simulate.scene import Scene
 from pipeline.store.context import RunContext
@@ -35,7 +34,7 @@ from pipeline.store.progress import Progress, Silent
 from pipeline.store.store import open_store
 from pipeline.values.law import Unloaded
 from rod import RodError
-from rod.arm_law.record import law_from_record
+from rod.arm_law.kinds import law_from_record
 from tests.coarse import COARSE
 
 CONFIGS = Path(__file__).resolve().parent.parent.parent.parent / "configs"
@@ -274,7 +273,7 @@ def test_the_command_refuses_such_an_arm_as_wrong_input(tmp_path: Path) -> None:
 def test_another_file_is_no_law(tmp_path: Path) -> None:
     (tmp_path / "law.json").write_text("{}")
     with pytest.raises(pneurod.InputError, match="not the law of an arm"):
-        SavedLaw.read(tmp_path / "law.json")
+        read_law(tmp_path / "law.json")
     with pytest.raises(RodError, match="format"):
         law_from_record({"format": 99})
 
@@ -282,7 +281,7 @@ def test_another_file_is_no_law(tmp_path: Path) -> None:
 def test_the_tip_without_a_load_is_that_of_the_material_curve() -> None:
     """As finite elements of the whole arm have it; the end of the axis is 0.1 and 0.2 mm away."""
     measured = {row.pressure_kPa: row for row in read_results(COARSE).states if row.experiment == "II"}
-    for state in unloaded_states(SavedLaw.read(COARSE / "law.json").law, tuple(measured)):
+    for state in unloaded_states(read_plane_law(COARSE / "law.json"), tuple(measured)):
         whole = measured[state.pressure_kPa]
         assert state.tip_mm == pytest.approx((whole.end_x_mm, whole.end_y_mm - 1.0), abs=0.08)
 

@@ -6,18 +6,19 @@ import numpy as np
 import pytest
 
 from pipeline.law.corrected import Corrections, corrected
-from pipeline.results.saved_law import SavedLaw
+from pipeline.results.files import read_plane_law
 from rod.arm_law.curves import CellCurve, ClampCurve
 from tests.coarse import COARSE
 
-LAW = SavedLaw.read(COARSE / "law.json").law
+LAW = read_plane_law(COARSE / "law.json")
 SOME = Corrections(np.array([0.0, 17.0, 37.0]), np.array([0.0, 2e-4, 5e-4]), np.array([1.0, 1.02, 1.05]))
 
 
 def test_the_limit_is_reached_where_it_is_known() -> None:
     moved = corrected(LAW, SOME)
     for before, after in zip(LAW.cells, moved.cells, strict=True):
-        shift, ratio, _, _ = SOME.at(before.pressure)
+        move = SOME.at(before.pressure)
+        shift, ratio = move.shift, move.ratio
         assert after.at(0.0)[0] == pytest.approx(before.at(0.0)[0] + shift, abs=1e-12)
         assert after.at(ratio * 0.5)[0] - after.at(0.0)[0] == pytest.approx(before.at(0.5)[0] - before.at(0.0)[0])
         assert after.at(ratio * 0.5)[1] == pytest.approx(before.at(0.5)[1])

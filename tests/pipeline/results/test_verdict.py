@@ -12,6 +12,7 @@ from pipeline.cli import app
 from pipeline.results.rod_errors import tip_moves_by
 from pipeline.results.verdict import MOST_WARNINGS, Verdict, verdict_of
 from pipeline.store.result_folder import json_text
+from pipeline.values.law import BesideLaw
 from pipeline.values.run import Reported, Run
 from tests.coarse import coarse_run
 
@@ -111,7 +112,7 @@ def test_warnings_are_ranked_and_few(run: Run) -> None:
 
 
 def test_an_unknown_error_of_the_mesh_is_said(run: Run) -> None:
-    unknown = verdict_of(replace(run, law=run.law and replace(run.law, mesh_error=None)))
+    unknown = verdict_of(replace(run, law=run.law and replace(run.law, beside=BesideLaw())))
     assert unknown.usable
     assert unknown.shape_error == unknown.errors[0].shape
     assert "mesh_error_unknown" in {warning.code for warning in unknown.warnings}

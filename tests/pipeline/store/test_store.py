@@ -248,11 +248,11 @@ def test_provenance_names_what_the_results_were_made_with() -> None:
 
 
 def test_a_folder_with_runs_at_pairs_of_pressures_is_refused(tmp_path: Path, config: Config) -> None:
-    (tmp_path / "pairs.json").write_text("{}")
+    (tmp_path / "pairs.html").write_text("{}")
     for fresh in (False, True):
         with (
             pytest.raises(InputError, match="holds runs at pairs of pressures"),
             open_store(tmp_path, config, fresh=fresh),
         ):
             pass
-    assert (tmp_path / "pairs.json").read_text() == "{}"
+    assert (tmp_path / "pairs.html").read_text() == "{}"

@@ -8,9 +8,9 @@ import pytest
 
 from rod import FiveParameters, Load, Rod, RodError
 from rod.arm_law.curves import CellCurve, ClampCurve, TipCurve
+from rod.arm_law.kinds import law_from_record, law_record
 from rod.arm_law.law import ArmLaw
-from rod.arm_law.record import law_from_record, law_record
-from rod.arm_law.scaling import power_of_modulus
+from rod.arm_law.moved import power_of_modulus
 from rod.arm_law.section import section_at
 
 LENGTH, PITCH = 110.0, 10.0
@@ -172,7 +172,7 @@ def test_between_states_of_the_clamped_end_its_values_are_smooth_or_do_not_go_be
     jumping = np.array([0.0, 0.0, 1.0, 1.0])
     curve = replace(curve, moment=moment, rotation_by_pressure=jumping, beside=rows, **shorter)
     at = np.linspace(-70.0, 70.0, 1401)
-    values = curve.rotation_by_pressure_at(at)
+    values = curve.slopes_at(curve.rotation_by_pressure, at)
     assert values.min() >= -1e-12
     assert values.max() <= 1.0 + 1e-12
     assert curve.beside_at(at)[:, 1, 1] == pytest.approx(1e-4 * np.clip(at, -60.0, 60.0) ** 2, abs=1e-9)
@@ -269,7 +269,9 @@ def test_between_pressures_the_cubic_takes_the_slopes_of_both() -> None:
 
     law = law_of(part(0.0), part(20.0), part(40.0))
     for pressure in (7.0, 20.0, 33.0):
-        assert section_at(law.cells, pressure).kappa_0 == pytest.approx(-a * pressure**2, rel=1e-9)
+        assert section_at([cell.placed for cell in law.cells], pressure, pressure).kappa_0 == pytest.approx(
+            -a * pressure**2, rel=1e-9
+        )
     with pytest.raises(RodError, match="The law goes from 0 to 40 kPa; 41 kPa is outside"):
         law.at(41.0)
 
@@ -372,7 +374,7 @@ def test_the_record_comes_back() -> None:
     again = law_from_record(record)
     assert law_record(again) == record
     assert again.at(12.0).solve(end_y=3.0).force[1] == law.at(12.0).solve(end_y=3.0).force[1]
-    with pytest.raises(RodError, match="This is no law of an arm in format 2"):
+    with pytest.raises(RodError, match="This is no law of an arm in format 3"):
         law_from_record({})
     with pytest.raises(RodError, match="lacks the key 'tip'"):
         law_from_record({key: value for key, value in record.items() if key != "tip"})

@@ -44,7 +44,7 @@ def curve(pressure: float, onset: float, onset_by_pressure: float, first: float 
 
 def largest_error(first: CellCurve, second: CellCurve, pressure: float, onset: float) -> float:
     """Of the curvature at equal moments, 1/mm."""
-    law = section_at((first, second), pressure)
+    law = section_at((first.placed, second.placed), pressure, pressure)
     kappa = np.linspace(law.kappa[0], law.kappa[-1], 4001)
     exact = np.interp(law.moment, moment_of(kappa, pressure, onset), kappa)
     return float(np.abs(law.kappa - exact).max())
@@ -65,7 +65,7 @@ def test_a_kink_at_one_curvature_stays_there_whatever_the_ranges_of_the_curves()
 
 def test_the_states_between_belong_to_both_curves_and_rise() -> None:
     first, second = curve(0.0, 0.01, 0.0), curve(20.0, -0.01, 0.0)
-    pairs = join_states(first, second, 5.0)
+    pairs = join_states(first.placed, second.placed, 5.0)
     assert np.all(np.diff(pairs.moment) > 0.0)
     assert (pairs.first[0], pairs.second[0]) == pytest.approx((first.moment[0], second.moment[0]))
     assert pairs.stretch == pytest.approx(1.0 + 1.5 * pairs.kappa + 5e-4, abs=1e-12)
@@ -74,7 +74,7 @@ def test_the_states_between_belong_to_both_curves_and_rise() -> None:
 def test_predictions_from_both_sides_agree_where_the_law_is_known_and_differ_where_it_is_not() -> None:
     rate = -1e-3
     exact, wrong = (
-        measure_disagreement(curve(0.0, 0.01, slope), curve(20.0, 0.01 + 20.0 * rate, slope))[1].max()
+        measure_disagreement(curve(0.0, 0.01, slope).placed, curve(20.0, 0.01 + 20.0 * rate, slope).placed)[1].max()
         for slope in (rate, 0.0)
     )
     assert exact < 1e-5
@@ -85,7 +85,7 @@ def test_rigidities_between_two_pressures_are_near_those_of_the_curves() -> None
     """Kinks that nearly meet the end of the curves: lines that belong to other states cross there."""
     first, second = curve(0.0, 0.019, -5e-4), curve(20.0, -0.02, 2e-3)
     for pressure in np.linspace(0.5, 19.5, 39):
-        law = section_at((first, second), pressure)
+        law = section_at((first.placed, second.placed), pressure, pressure)
         rigidity = 1.0 / law.kappa_slope
         assert rigidity.min() > 0.7 * SOFT
         assert rigidity.max() < 1.3 * STIFF

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from rod import RodError
+from rod.arm_law.kinds import along, law_from_record, law_record, ratios_of
 from rod.arm_law.law import ArmLaw
 from rod.arm_law.pairs import PairLaw, direction_of, fractions_of
 from tests.pair_laws import KAPPA, moment, ray, rotation
@@ -97,8 +98,19 @@ def law_without_derivatives(law: ArmLaw) -> ArmLaw:
 
 def test_the_record_is_the_law() -> None:
     law = fan(0.0, 1.0)
-    again = PairLaw.from_record(json.loads(json.dumps(law.record())))
+    again = law_from_record(json.loads(json.dumps(law_record(law))))
     assert again.cavities == law.cavities
     assert np.array_equal(again.at((20.0, 8.0)).solve().curve, law.at((20.0, 8.0)).solve().curve)
-    with pytest.raises(RodError, match="no law over two pressures"):
-        PairLaw.from_record({"format": 1, "rays": []})
+    with pytest.raises(RodError, match="lacks the key 'error_between'"):
+        law_from_record({"format": 3, "kind": "pairs", "rays": []})
+
+
+def test_along_a_ratio_it_is_a_law_of_one_pressure() -> None:
+    law = fan(0.0, 1.0, 2.0)
+    assert ratios_of(law) == ((1.0, 0.0), (1.0, 1.0), (0.0, 1.0))
+    assert along(law, (2.0, 2.0)) is law.laws[1]
+    between = along(law, (1.0, 0.5))
+    assert between.pressures[-1] == 30.0
+    assert between.at(20.0).section.kappa_0 == law.at((20.0, 10.0)).section.kappa_0
+    with pytest.raises(RodError, match="has one pressure and no ratio"):
+        along(law.laws[0], (1.0,))

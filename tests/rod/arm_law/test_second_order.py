@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from rod import RodError
+from rod.arm_law.kinds import law_from_record
 from rod.arm_law.law import ArmLaw
-from rod.arm_law.record import law_from_record
-from rod.arm_law.second_order import order_of_strain, with_second_order
+from rod.arm_law.moved import order_of_strain
 from tests.rod.arm_law.test_arm_law import law_of, straight_law
 
 LAW = Path("tests/data/results_coarse/law.json")
@@ -21,7 +21,7 @@ def law() -> ArmLaw:
 
 
 def test_curvature_and_stretch_change_by_the_square_of_the_strain(law: ArmLaw) -> None:
-    changed = with_second_order(law, 0.5, 0.3)
+    changed = law.with_second_order(0.5, 0.3)
     for before, after in zip(law.cells, changed.cells, strict=True):
         strain, height = order_of_strain(before)
         assert after.at(0.0)[0] - before.at(0.0)[0] == pytest.approx(0.5 * strain**2 / height, abs=1e-12)
@@ -39,7 +39,7 @@ def test_a_bar_has_its_height(law: ArmLaw) -> None:
 def test_slopes_by_the_pressure_follow() -> None:
     """Rigidities that do not depend on the pressure: between two pressures the change is that of a square."""
     bars = law_of(*(straight_law(pressure, EA=60.0) for pressure in (0.0, 10.0, 20.0)))
-    changed = with_second_order(bars, 2.0, 0.3)
+    changed = bars.with_second_order(2.0, 0.3)
     for pressure in (4.0, 13.0):
         section, last = changed.at(pressure).section, changed.at(20.0).section
         square = (pressure / 20.0) ** 2
@@ -49,7 +49,7 @@ def test_slopes_by_the_pressure_follow() -> None:
 
 
 def test_it_commutes_with_other_moduli(law: ArmLaw) -> None:
-    one, other = with_second_order(law.scaled(0.8), 0.5, 0.3), with_second_order(law, 0.5, 0.3).scaled(0.8)
+    one, other = law.scaled(0.8).with_second_order(0.5, 0.3), law.with_second_order(0.5, 0.3).scaled(0.8)
     for first, second in zip(one.cells, other.cells, strict=True):
         assert np.allclose(first.kappa, second.kappa, rtol=1e-12)
         assert np.allclose(first.moment_by_pressure, second.moment_by_pressure, rtol=1e-9)
@@ -58,4 +58,4 @@ def test_it_commutes_with_other_moduli(law: ArmLaw) -> None:
 
 def test_what_is_no_number_is_refused(law: ArmLaw) -> None:
     with pytest.raises(RodError, match="second order"):
-        with_second_order(law, float("nan"), 0.0)
+        law.with_second_order(float("nan"), 0.0)

@@ -8,6 +8,7 @@ import pytest
 from geometry.arrays import Array
 from rod import Rod, RodError
 from rod.arm.chain import rotation
+from rod.arm_law.kinds import along, law_from_record, law_record
 from rod.arm_law.polynomial import Basis, Polynomial, exponents_up_to
 from rod.arm_law.space_law import SpaceLaw
 from rod.spatial import SpatialLoad
@@ -113,20 +114,20 @@ def test_an_end_that_is_held_gives_the_force_that_brings_it_there() -> None:
 
 def test_the_file_gives_the_same_rod() -> None:
     made = law(stretch_slope=2.0)
-    again = SpaceLaw.from_record(made.record())
+    again = law_from_record(law_record(made))
     load = SpatialLoad((0.01, 0.02, 0.03))
     assert again.at((5, 2, 0)).solve_in_space(load).end == made.at((5, 2, 0)).solve_in_space(load).end
-    record = made.record()
+    record = law_record(made)
     del record["tip"]
-    with pytest.raises(RodError, match="The key 'tip' is missing"):
-        SpaceLaw.from_record(record)
+    with pytest.raises(RodError, match="lacks the key 'tip'"):
+        law_from_record(record)
 
 
 def test_pressures_between_the_rows_alone() -> None:
     assert law().at((3.0, 3.0, 4.0)).pressures == (3.0, 3.0, 4.0)
     with pytest.raises(RodError, match="are not between rows of the law"):
         law().at((6.0, 5.0, 0.0))
-    with pytest.raises(RodError, match="a pressure for each of a, b, c; 2 were given"):
+    with pytest.raises(RodError, match="has the pressures of a, b, c; give all"):
         law().at((6.0, 5.0))
 
 
@@ -137,7 +138,7 @@ def test_a_load_beyond_the_law_is_refused() -> None:
 
 def test_its_weight_bends_it_as_an_even_load() -> None:
     """A cantilever of 2 g lies along x; the file keeps its mass."""
-    made = SpaceLaw.from_record(replace(law(), mass=Mass.even(LENGTH, 2.0)).record())
+    made = law_from_record(law_record(replace(law(), mass=Mass.even(LENGTH, 2.0))))
     rod = Rod(LENGTH, law=made.at((0.0, 0.0, 0.0)))
     end = rod.solve(direction=(0.0, 0.0, -1.0)).end
     force = -2e-3 * 9.81 / 100  # N, of a hundredth of the weight; it is linear there
@@ -155,3 +156,13 @@ def test_as_a_rod() -> None:
         Rod(70.0, law=law().at((5.0, 2.0, 0.0)))
     with pytest.raises(RodError, match="has no five parameters"):
         _ = rod.five
+
+
+def test_along_a_ratio_it_goes_as_far_as_its_rows() -> None:
+    made = law()
+    whole = along(made, made.rows[0])
+    assert whole.pressures == (0.0, max(made.rows[0]))
+    mixed = along(made, (1.0, 1.0, 0.0))
+    assert mixed.at(mixed.pressures[-1]).pressures == (mixed.pressures[-1], mixed.pressures[-1], 0.0)
+    with pytest.raises(RodError, match="are not between rows of the law"):
+        mixed.at(1.01 * mixed.pressures[-1])

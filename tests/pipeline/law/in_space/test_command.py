@@ -1,5 +1,6 @@
 """`pneurod cell` of an arm with three chambers, on a coarse mesh and with few states."""
 
+import json
 from pathlib import Path
 
 import gmsh
@@ -11,7 +12,7 @@ from pipeline.cli import app
 from pipeline.config.document import read_document
 from pipeline.law.in_space import measure
 from pipeline.law.in_space.rows import read_rows
-from pipeline.results.saved_law_in_space import read_space_law
+from pipeline.results.files import read_law
 from pipeline.store.store import open_store
 from rod.arm_law.space_law import SpaceLaw
 from rod.errors import RodError
@@ -71,8 +72,8 @@ def folder(config: Path) -> Path:
 
 @pytest.fixture(scope="module")
 def law(folder: Path) -> SpaceLaw:
-    law = read_space_law(folder)
-    assert law is not None
+    law = read_law(folder).law
+    assert isinstance(law, SpaceLaw)
     return law
 
 
@@ -120,15 +121,35 @@ def test_other_commands_do_not_take_rows(config: Path, folder: Path) -> None:
     result = call("run", str(config))
     assert result.exit_code == 2
     assert "`pneurod cell` takes rows for three chambers" in " ".join(result.output.split())
-    result = call("solve", str(folder), "--angle", "3 deg")
-    assert result.exit_code == 2
-    assert "several pressures meet a wish in many ways" in " ".join(result.output.split())
 
 
-def test_other_commands_say_what_takes_the_law(folder: Path) -> None:
-    result = call("export", str(folder), "--to", "mujoco")
-    assert result.exit_code == 2
-    assert "holds a law in space; of all commands only `pneurod rod` takes it" in " ".join(result.output.split())
+def test_pressures_for_a_wish_in_the_ratio_of_its_row(folder: Path, law: SpaceLaw) -> None:
+    result = call("solve", str(folder), "--angle", "0.2 deg", "--json")
+    assert result.exit_code == 0, result.output
+    (found,) = json.loads(result.output)["solutions"]
+    assert found["angle_deg"] == pytest.approx(0.2, abs=1e-3)
+    assert found["pressures_kPa"] == pytest.approx([found["pressure_kPa"], found["pressure_kPa"] / 3.0, 0.0])
+    end = law.at(found["pressures_kPa"]).solve_in_space(SpatialLoad()).end
+    assert found["tip_mm"] == pytest.approx(end, abs=1e-4)
+    place = ", ".join(f"{value} mm" for value in end)
+    again = call("solve", str(folder), "--tip", f"[{place}]", "--ratio", "3:1:0", "--json")
+    assert json.loads(again.output)["solutions"][0]["pressure_kPa"] == pytest.approx(found["pressure_kPa"], rel=1e-3)
+    refused = call("solve", str(folder), "--angle", "0.2 deg", "--ratio", "1:1:0")
+    assert refused.exit_code == 2
+    assert "--ratio 1:1:0: The law has no pressures in this ratio" in refused.output
+
+
+def test_other_commands_say_what_the_law_lacks(folder: Path, tmp_path: Path) -> None:
+    (tmp_path / "arm.csv").write_text("pressure_kPa,tip_x_mm,tip_y_mm\n2,40,0.1\n", encoding="utf-8")
+    measured = [str(folder), str(tmp_path / "arm.csv")]
+    for command in (["export", str(folder), "--to", "mujoco"], ["budget", str(folder)]):
+        result = call(*command)
+        assert result.exit_code == 2
+        assert "takes a law in a plane, and this one is in space" in " ".join(result.output.split())
+    for name in ("compare", "calibrate"):
+        result = call(name, *measured)
+        assert result.exit_code == 2
+        assert "takes a law in a plane, and this one is in space" in " ".join(result.output.split())
 
 
 def test_the_weight_of_the_saved_arm(folder: Path) -> None:
@@ -139,5 +160,5 @@ def test_the_weight_of_the_saved_arm(folder: Path) -> None:
 
 def test_a_fresh_folder_has_no_older_law(folder: Path, config: Path) -> None:
     with open_store(folder, read_rows(read_document(config)).config, fresh=True):
-        assert not (folder / "law_in_space.json").exists()
+        assert not (folder / "law.json").exists()
         assert not (folder / "law_in_space").exists()

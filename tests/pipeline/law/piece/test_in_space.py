@@ -24,9 +24,10 @@ from pipeline.law.table import space_table
 from pipeline.values.law import LawMeshError
 from rod import RodError
 from rod.arm_law.curves import IN_SPACE, CellCurve
+from rod.arm_law.keys import curve_of, record_of
+from rod.arm_law.kinds import law_from_record, law_record
 from rod.arm_law.law import ArmLaw
 from rod.arm_law.law_rod import LawRod
-from rod.arm_law.record import curve_of, law_from_record, law_record, record_of
 from rod.spatial import SpatialLoad
 
 DESIGN = PneuNet(chambers=5)

@@ -11,12 +11,12 @@ from typer.testing import CliRunner, Result
 
 from pipeline.cli import app
 from pipeline.config.config import Config
-from pipeline.results.files import law_of
 from pipeline.store.result_folder import ResultFolder
+from pipeline.values.law import DeliveredLaw
 from pipeline.values.run import Run, State
+from rod.arm_law.kinds import law_record
 from rod.arm_law.law import ArmLaw
 from rod.arm_law.pairs import direction_of
-from rod.arm_law.record import law_record
 from tests.pair_laws import ray
 
 DESIGN = """
@@ -38,7 +38,7 @@ def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..., Result
         content = law_record(law_for(config))
         ResultFolder(out).save_json("law.json", content)
         states = (State("III", 30.0, reaction_N=(0.0, 0.0123)),)
-        return SimpleNamespace(results=Run(out, states=states, law=law_of(content)))
+        return SimpleNamespace(results=Run(out, states=states, law=DeliveredLaw(law_for(config))))
 
     def measured(config: Config, *_: Any) -> Any:
         return SimpleNamespace(measured=SimpleNamespace(law=law_for(config)))
@@ -59,7 +59,7 @@ def test_the_command_writes_a_folder_for_each_ratio_and_the_law_of_both(
     assert "has the ratios 1 to 0, 1 to 0.5, 1 to 1; between them it is interpolated to" in " ".join(
         done.stdout.split()
     )
-    saved = json.loads((tmp_path / "out" / "pairs.json").read_text(encoding="utf-8"))
+    saved = json.loads((tmp_path / "out" / "law.json").read_text(encoding="utf-8"))
     assert saved["pressures_kPa_by_folder"] == {"1_to_0": [30.0], "1_to_1": [30.0]}
     page = (tmp_path / "out" / "pairs.html").read_text(encoding="utf-8")
     assert '<a href="1_to_0/report.html">' in page
@@ -67,6 +67,33 @@ def test_the_command_writes_a_folder_for_each_ratio_and_the_law_of_both(
     rod = CliRunner().invoke(app, ["rod", str(tmp_path / "out"), "--pressure", "[30 kPa, 10 kPa]"])
     assert rod.exit_code == 0, rod.output
     assert "the arm's own law" in rod.stdout
+    solve = ["solve", str(tmp_path / "out"), "--angle", "1 deg"]
+    refused = CliRunner().invoke(app, solve)
+    assert refused.exit_code == 2
+    assert "its law has the pressures of cavity, cavity_lower; give their ratio, such as --ratio" in refused.stderr
+    for ratio, pressures in (("1:0", ""), ("1:0.3", "(")):  # of a folder of its own, and between two ratios
+        found = CliRunner().invoke(app, [*solve, "--ratio", ratio])
+        assert found.exit_code == 0, found.output
+        assert "bends by 1.00°" in found.stdout
+        assert ("kPa (" in found.stdout) == bool(pressures)
+
+
+def test_other_commands_take_a_ratio(run: Callable[..., Result], tmp_path: Path) -> None:
+    run()
+    out = str(tmp_path / "out")
+    done = CliRunner().invoke(app, ["export", out, "--to", "json", "--ratio", "1:0.5"])
+    assert done.exit_code == 0, done.output
+    between = CliRunner().invoke(app, ["export", out, "--to", "json", "--ratio", "1:0.3"])
+    assert between.exit_code == 2
+    assert "takes a law at a measured ratio of its pressures, one of 1:0, 1:0.5, 1:1" in between.stderr
+    budget = CliRunner().invoke(app, ["budget", out, "--ratio", "1:0.5"])
+    assert "its law has no derivatives" in budget.stderr
+    (tmp_path / "arm.csv").write_text("pressure_kPa,tip_x_mm,tip_y_mm\n20,60,0.1\n", encoding="utf-8")
+    compared = CliRunner().invoke(app, ["compare", out, str(tmp_path / "arm.csv"), "--ratio", "1:0.3"])
+    assert compared.exit_code == 0, compared.output
+    alone = CliRunner().invoke(app, ["solve", str(tmp_path / "out" / "1_to_0"), "--angle", "1 deg", "--ratio", "1:0"])
+    assert alone.exit_code == 2
+    assert "has one pressure; leave it out" in " ".join(alone.stderr.split())
 
 
 def test_the_verdict_as_json(run: Callable[..., Result]) -> None:

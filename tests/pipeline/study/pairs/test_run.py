@@ -5,26 +5,29 @@ from pathlib import Path
 
 import pytest
 
+import pneurod
 from pipeline.answers.rods.choice import rod_of_path
 from pipeline.answers.rods.end_loads import rod_at
 from pipeline.answers.rods.pressures import Wish, pressures_for
 from pipeline.config.document import Document
 from pipeline.law.in_space.pressure_lists import PressureRows
 from pipeline.results.files import read_results
-from pipeline.results.saved_pairs import read_pair_law
-from pipeline.store.result_folder import ResultFolder
-from pipeline.study.pairs.run import BETWEEN, PairRuns, joined, record
+from pipeline.study.pairs.run import BETWEEN, PairRuns, joined, save_pairs
 from pipeline.study.pairs.spec import PairSpec
 from pipeline.values.errors import InputError, RunFailed
-from pipeline.values.formats import PAIRS
-from pneurod import read_pair_law as read_law
 from rod.arm_law.law import ArmLaw
 from tests.pair_laws import ray
+
+CONTENT = {
+    "name": "two",
+    "geometry": {"family": "bisected_circle", "length": "70 mm"},
+    "material": {"law": "svk", "E": "1.2 MPa", "nu": 0.495},
+}
 
 
 def spec_of(*directions: float) -> PairSpec:
     rays = dict.fromkeys(directions, (30.0,))
-    return PairSpec(PressureRows(Document(Path("two.yaml"), {}, ()), ()), "two", ("cavity", "cavity_lower"), rays)
+    return PairSpec(PressureRows(Document(Path("two.yaml"), CONTENT, ()), ()), "two", ("cavity", "cavity_lower"), rays)
 
 
 def exact(direction: float, pressures: Sequence[float]) -> ArmLaw:
@@ -72,21 +75,26 @@ def test_the_rod_is_read_from_the_folder(tmp_path: Path) -> None:
     spec = spec_of(0.0, 1.0)
     law, notes = joined(spec, {d: ray(d) for d in (0.0, 1.0)}, exact)
     made = PairRuns(tmp_path, spec, {}, law, notes)
-    ResultFolder(tmp_path).save_json(PAIRS, record(made))
+    save_pairs(made)
     assert "1 to 0, 1 to 0.5, 1 to 1" in made.sentences[0]
     assert law is not None
     rods = rod_of_path(tmp_path, None)
     rod = rod_at(rods, "[20 kPa, 8 kPa]")
     assert rod.solve().end == pytest.approx(law.at((20.0, 8.0)).solve().end)
-    with pytest.raises(InputError, match="rod=five: a law over two pressures is that of rod law"):
+    with pytest.raises(InputError, match="rod=five: a law of several pressures is that of rod law"):
         rod_of_path(tmp_path, "five")
     with pytest.raises(InputError, match="has the pressures of cavity, cavity_lower; give all"):
         rod_at(rods, "20 kPa")
-    with pytest.raises(InputError, match="give the folder of one ratio"):
+    with pytest.raises(InputError, match="has the pressures of cavity, cavity_lower; give their ratio"):
         pressures_for(rods, Wish(angle_deg=20.0))
-    assert read_law(tmp_path).at((20.0, 8.0)).solve().end == pytest.approx(rod.solve().end)
-    with pytest.raises(InputError, match="holds pairs of pressures; give a folder of one ratio in it"):
+    assert pneurod.read_results(tmp_path).rod((20.0, 8.0)).solve().end == pytest.approx(rod.solve().end)
+    results = pneurod.read_results(tmp_path)
+    assert "--pressure '[30 kPa, 0 kPa]'" in results.verdict.command
+    found = results.along("1:0.4").pressure_for(angle=1.0)[0]
+    assert found.pressures_kPa == pytest.approx((found.pressure_kPa, 0.4 * found.pressure_kPa))
+    assert [file.suffix for file in results.along("1:0.5").export("json")] == [".json"]
+    with pytest.raises(InputError, match="takes a law at a measured ratio"):
+        results.export("json")
+    (tmp_path / "law.json").write_text('{"kind": "pairs"}', encoding="utf-8")
+    with pytest.raises(InputError, match=r"law\.json: This is no law of an arm in format 3"):
         read_results(tmp_path)
-    (tmp_path / PAIRS).write_text("{}", encoding="utf-8")
-    with pytest.raises(InputError, match=r"pairs\.json: This is no law over two pressures"):
-        read_pair_law(tmp_path)

@@ -1,0 +1,125 @@
+"""Every kind of law of an arm: over one pressure, over two, or in space over any; one file, and one way to a rod."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, ClassVar, Protocol, TypeAlias, final
+
+from rod.arm_law.law import ArmLaw
+from rod.arm_law.law_rod import LawRod
+from rod.arm_law.pairs import PairLaw
+from rod.arm_law.record import plane_law, plane_record
+from rod.arm_law.space_law import SpaceLaw
+from rod.arm_law.space_rod import SpaceRod
+from rod.errors import RodError
+from rod.same_pressure import Pressures, pressures_of
+from rod.weight import Mass
+
+#: of the file; raised when a key changes its meaning
+FORMAT = 3
+
+
+class Law(Protocol):
+    """The law of an arm over the pressures of its cavities; a number is a tuple of one pressure."""
+
+    kind: ClassVar[str]  #: plane, pairs or space
+
+    @property
+    def cavities(self) -> tuple[str, ...]:
+        """Of which it has the pressures; one name for an arm with one pressure."""
+
+    @property
+    def rows(self) -> tuple[Pressures, ...]:
+        """Pressures at which it was measured, kPa."""
+
+    @property
+    def length(self) -> float:
+        """Of the arm, mm."""
+
+    @property
+    def mass(self) -> Mass | None:
+        """None: not known."""
+
+    def at(self, pressures: float | Sequence[float]) -> LawRod | SpaceRod:
+        """The rod at pressures in kPa. Raises `RodError` where the law is not known."""
+
+
+@final
+@dataclass(frozen=True, eq=False)  # arrays inside
+class Ray:
+    """A law of several pressures in one ratio of them, over the largest."""
+
+    law: PairLaw | SpaceLaw
+    fractions: Pressures  #: of the largest pressure
+    kind: ClassVar[str] = "ray"
+    cavities: ClassVar[tuple[str, ...]] = ("the largest",)
+
+    @property
+    def pressures(self) -> tuple[float, ...]:
+        """The largest, kPa, rising."""
+        return self.law.pressures_along(self.fractions)
+
+    @property
+    def rows(self) -> tuple[Pressures, ...]:
+        """As of any law."""
+        return tuple((pressure,) for pressure in self.pressures)
+
+    @property
+    def length(self) -> float:
+        """Of the arm, mm."""
+        return self.law.length
+
+    @property
+    def mass(self) -> Mass | None:
+        """None: not known."""
+        return self.law.mass
+
+    def at(self, pressures: float | Sequence[float]) -> LawRod | SpaceRod:
+        """The rod where the largest pressure is so high, kPa. Raises `RodError` as the law does."""
+        (largest,) = pressures_of(pressures, self.cavities)
+        return self.law.at(tuple(part * largest for part in self.fractions))
+
+
+#: those that a file may hold, and a law along a ratio
+AnyLaw: TypeAlias = ArmLaw | PairLaw | SpaceLaw | Ray
+
+
+def along(law: AnyLaw, ratio: Sequence[float]) -> ArmLaw | Ray:
+    """A law of several pressures in one ratio of them. Raises `RodError` for a ratio that it does not have."""
+    if not isinstance(law, PairLaw | SpaceLaw):
+        raise RodError("This law has one pressure and no ratio.")
+    parts = pressures_of(tuple(ratio), law.cavities)
+    if min(parts) < 0.0 or not max(parts):
+        raise RodError("A ratio of pressures has no part below 0, and one above.")
+    ray = Ray(law, tuple(part / max(parts) for part in parts))
+    known = law.ray(ray.fractions) if isinstance(law, PairLaw) else None
+    if known is None and len(ray.pressures) < 2:
+        raise RodError("The law has no pressures in this ratio.")
+    return known or ray
+
+
+def ratios_of(law: AnyLaw) -> tuple[Pressures, ...]:
+    """The ratios in which a law of several pressures was measured, each as parts of the largest pressure."""
+    highest = [row for row in law.rows if max(row) > 0.0]
+    return tuple(dict.fromkeys(tuple(float(f"{p / max(row):.9g}") for p in row) for row in highest))
+
+
+def law_record(law: ArmLaw | PairLaw | SpaceLaw) -> dict[str, Any]:
+    """The contents of law.json but for how the law was measured."""
+    record = plane_record(law) if isinstance(law, ArmLaw) else law.record()
+    return {"format": FORMAT, "kind": law.kind, **record}
+
+
+#: reader of the file by kind
+_READERS = {"plane": plane_law, "pairs": PairLaw.from_record, "space": SpaceLaw.from_record}
+
+
+def law_from_record(record: Mapping[str, Any]) -> ArmLaw | PairLaw | SpaceLaw:
+    """The law that `law_record` wrote. Raises `RodError` with one sentence for anything else."""
+    if record.get("format") != FORMAT or record.get("kind") not in _READERS:
+        raise RodError(f"This is no law of an arm in format {FORMAT}; write it anew with `pneurod cell`.")
+    try:
+        law = _READERS[record["kind"]](record)
+    except KeyError as missing:
+        raise RodError(f"The law of an arm lacks the key {missing}; write it anew with `pneurod cell`.") from None
+    assert isinstance(law, ArmLaw | PairLaw | SpaceLaw)
+    return law
