@@ -3,11 +3,15 @@
 from dataclasses import dataclass
 from typing import final
 
+import numpy as np
+
 from fem.discretisation import Discretisation
 from fem.effects.effect import Effect
-from fem.effects.loads import PressureTerm
+from fem.effects.loads import PressureTerm, enclosed_volume
 from fem.kernels.surface import axial_flux, axial_flux_tangent
 from fem.materials.material import Material
+from geometry import Body
+from geometry.arrays import Array
 
 
 @final
@@ -26,3 +30,12 @@ class AirPressure(Effect):
     def bind(self, space: Discretisation, material: Material) -> PressureTerm:
         """The potential of the pressure; raises ValueError for a face that does not exist."""
         return PressureTerm(space.surface(self.where), self.value, flux=axial_flux, tangent=axial_flux_tangent)
+
+
+def air_volumes(body: Body, space: Discretisation, displacement: Array) -> Array:
+    """Air (c,) in mm3 in each cavity of a piece of a body, between its planes; of both halves of a half body.
+
+    displacement: (n, 3) of its nodes, mm.
+    """
+    whole, x = 2.0 if body.half else 1.0, space.points + displacement
+    return np.array([whole * enclosed_volume(space.surface(name), x, axial_flux) for name in body.cavities])

@@ -64,6 +64,6 @@ def _straight_clamp(clamp: ClampCurve, moments: Array) -> ClampCurve:
     change = moments - clamp.moment[0]
     rows: dict[str, Any] = {"moment": moments, "rotation": clamp.rotation + clamp.rotation_by_moment * change}
     rows["offset"] = clamp.offset + clamp.offset_by_moment * change[:, None]
-    for name in ("rotation_by_moment", "rotation_by_pressure", "offset_by_moment", "beside"):
+    for name in ("rotation_by_moment", "rotation_by_pressure", "offset_by_moment", "beside", "volume"):
         rows[name] = np.repeat(getattr(clamp, name), len(moments), axis=0)
     return replace(clamp, **rows)

@@ -1,8 +1,8 @@
 """What the pieces of an arm gave at one pressure: a cell and a clamped end over the moment, and the tip.
 
-Moments and forces are those of the whole body; curvature is the rotation per rest length of the axis. With the type of
-a field stand its key in law.json and its shape: k moments, m positions, n turns. Fields with a default may be missing
-there; they are empty then.
+Moments, forces and volumes are those of the whole body; curvature is the rotation per rest length of the axis. With the
+type of a field stand its key in law.json and its shape: k moments, m positions, n turns, c cavities. Fields with a
+default may be missing there; they are empty then.
 """
 
 from collections.abc import Mapping
@@ -78,6 +78,8 @@ class CellCurve:
     twist_axis: Annotated[Array, "twist_axis_mm", "k"] = field(default_factory=nothing)
     #: difference between the tilts of the planes at the end and in the middle of the cell, rad/(N mm)
     tilt_by_torque: Annotated[Array, "tilt_by_torque_rad_per_N_mm", "k"] = field(default_factory=nothing)
+    #: air per rest length in each cavity of the body, mm2
+    volume: Annotated[Array, "volume_mm3_per_mm", "k", "c"] = field(default_factory=nothing)
 
     def __post_init__(self) -> None:
         _freeze(self)
@@ -144,6 +146,8 @@ class ClampCurve:
     lateral_compliance: Annotated[Array, "lateral_compliance_rad_per_N_mm", 2, 2] = field(default_factory=nothing)
     #: by the pressure of one of two cavities alone, at fixed moment, rad/kPa
     rotation_by_other: Annotated[Array, "rotation_by_other_rad_per_kPa", "k"] = field(default_factory=nothing)
+    #: air in each cavity of the piece, mm3
+    volume: Annotated[Array, "volume_mm3", "k", "c"] = field(default_factory=nothing)
 
     def __post_init__(self) -> None:
         _freeze(self)
@@ -178,6 +182,11 @@ class ClampCurve:
     def offset_at(self, moment: Array | float) -> Array:
         """Offsets in mm, (n, 2) at moments (n,), (2,) at one; the ends outside."""
         return cubic(self.moment, self.offset, self.offset_by_moment, self._inside(moment))
+
+    def volume_at(self, moment: Array) -> Array:
+        """(n, c) mm3: air in each cavity of the piece at moments (n,); the ends outside."""
+        slopes = parabola_slopes(self.moment, self.volume)
+        return cubic(self.moment, self.volume, slopes, self._inside(moment))
 
     def beside_at(self, moment: Array) -> Array:
         """(n, m, 2) mm: the nodes of the material curve beside the axis at moments (n,); the ends outside."""
@@ -220,6 +229,8 @@ class TipCurve:
     beside_pinned: Annotated[Array, "beside_pinned_mm", "m", 2]  #: of the nodes where the edge is held in one point, mm
     #: displacement of these nodes beside the axis by an axial force on the point, mm/N
     pinned_by_pull: Annotated[Array, "pinned_by_pull_mm_per_N", "m", 2]
+    #: air in each cavity of the piece, which is free, mm3
+    volume: Annotated[Array, "volume_mm3", "c"] = field(default_factory=nothing)
 
     def __post_init__(self) -> None:
         _freeze(self)

@@ -111,9 +111,9 @@ class ArmLaw:
     def with_changes(self, changes: Mapping[str, float]) -> "ArmLaw":
         """The law of an arm whose parameters differ a little, to first order: `{"geometry.wall": 0.1}`.
 
-        changes: by parameter, in mm, MPa or 1. Mass, tip, and rigidities other than against bending and twist stay. The
-        derivatives are left out. Raises `RodError` for a parameter without them, and for a change so large that no law
-        is left.
+        changes: by parameter, in mm, MPa or 1. Mass, tip, volumes, and rigidities other than against bending and twist
+        stay. The derivatives are left out. Raises `RodError` for a parameter without them, and for a change so large
+        that no law is left.
         """
         if not changes:
             return replace(self, rates={})

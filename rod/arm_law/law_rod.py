@@ -15,6 +15,7 @@ from rod.arm.path import Path, follow
 from rod.arm.sections import TabulatedSection
 from rod.arm.solved import solved_in_space
 from rod.arm.stability import OUT_OF_PLANE, stability_of
+from rod.arm_law.air import air_volumes
 from rod.arm_law.curves import ClampCurve, TipCurve
 from rod.arm_law.section import SectionLaw
 from rod.errors import RodError
@@ -174,6 +175,13 @@ class LawRod:
             beside=_Beside(self, nodes.s, moment, at_tip),
             path=SolvedPath(path.chains, Held(load, position)),
         )
+
+    def volumes(self, state: RodSolution) -> Array:
+        """(c,) mm3: air in each cavity of the arm in a state of this rod, as finite elements of the arm have it.
+
+        Raises `RodError` for a law without volumes.
+        """
+        return air_volumes(self.section, self.clamp, self.tip, state)
 
     def stability(self, state: RodSolution) -> Stability:
         """Of a state of this rod against motions out of its plane. Its force keeps its direction.

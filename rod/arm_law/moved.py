@@ -58,9 +58,15 @@ class Move:
 
 
 def moved_cell(curve: CellCurve, by: Move) -> CellCurve:
-    """The same states of a cell at other moments and curvatures; what a state has besides stays with it."""
+    """The same states of a cell at other moments and curvatures; what a state has besides stays with it.
+
+    But for the air, in equal parts that of all cavities: dM/dp at fixed curvature is minus its slope by the curvature.
+    """
     by_pressure = by.ratio * curve.moment_by_pressure + by.ratio_slope * curve.moment
     stretch_by_pressure = curve.stretch_by_pressure - curve.stretch_by_kappa * by.shift_slope + by.longer_slope
+    volume = curve.volume
+    if volume.size:
+        volume = volume + by.ratio * by.shift_slope * curve.moment[:, None] / (KPA * volume.shape[1])
     return replace(
         curve,
         moment=by.ratio * curve.moment,
@@ -70,6 +76,7 @@ def moved_cell(curve: CellCurve, by: Move) -> CellCurve:
         moment_by_pressure=(by_pressure - by.ratio * curve.rigidity * by.shift_slope) / by.faster,
         stretch_by_pressure=stretch_by_pressure / by.faster,
         moment_by_other=by.ratio * curve.moment_by_other,
+        volume=volume,
     )
 
 

@@ -10,7 +10,7 @@ has d = 0 and the second one alone d = 2. The slopes jump at d = 1, which is the
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, replace
-from typing import Any, ClassVar, TypeVar
+from typing import Any, ClassVar, TypeVar, get_args
 
 import numpy as np
 
@@ -163,6 +163,7 @@ class PairLaw:
             min_J=mixed("min_J"),
             s=section.s,
             ripple=section.ripple,
+            volume=section.volume,
             **section.in_space,
         )
         return Placed(self.directions[k], cell, slopes)
@@ -225,8 +226,8 @@ def _on_equal_nodes(path: Sequence[Placed[Curve]]) -> list[Placed[Curve]]:
 def _on_nodes(curve: Curve, s: Array) -> Curve:
     changed: dict[str, Any] = {"s": s}
     for field in fields(curve):
-        values = getattr(curve, field.name)
-        if np.ndim(values) > 1 and values.shape[-2] == len(curve.s) and field.name != "lateral_compliance":
+        values, shape = getattr(curve, field.name), get_args(field.type)[2:]
+        if shape[-2:-1] == ("m",):
             along = interpolate_columns(s, curve.s, np.moveaxis(values, -2, 0))
             changed[field.name] = np.moveaxis(along, 0, -2)
     return replace(curve, **changed)

@@ -115,7 +115,7 @@ def changed_cells(curves: Sequence[CellCurve], changes: Sequence[Sequence[CellRa
     none comes to lie on the other side of one. States that would pass their neighbour are left out.
 
     Slopes by the curvature are those of `slopes_of`, slopes by the pressure those of parabolas through neighbouring
-    curves at equal curvature. Axial and shear rigidities stay as they are at equal curvature.
+    curves at equal curvature. Axial and shear rigidities and volumes stay as they are at equal curvature.
     """
     total = [
         CellRate(*(_sum([getattr(one, column.name) for one in of_curve]) for column in fields(CellRate)))
@@ -155,6 +155,8 @@ def _changed_cell(curve: CellCurve, change: CellRate, by_pressure: tuple[Array, 
     new |= {name: getattr(curve, name) for name in ("contact", "min_J")}
     for name in ("axial_rigidity", "shear_rigidity", *(IN_SPACE if curve.is_in_space else ())):
         new[name] = np.interp(kappa, curve.kappa, getattr(curve, name))
+    if curve.volume.size:
+        new["volume"] = interpolate_columns(kappa, curve.kappa, curve.volume)
     if curve.is_in_space and change.lateral_rigidity.size:
         new |= {name: new[name] + getattr(change, name) for name in ACROSS}
     return replace(curve, **{name: values[kept] for name, values in new.items()})

@@ -29,7 +29,7 @@ BEYOND = 0.25
 #: moments of the clamped end between two pressures
 CLAMP_POINTS = 65
 #: of a tip, interpolated between pressures
-TIP_VALUES = ("beside", "edge", "couple", "acts_at", "beside_held", "beside_pinned", "pinned_by_pull")
+TIP_VALUES = ("beside", "edge", "couple", "acts_at", "beside_held", "beside_pinned", "pinned_by_pull", "volume")
 
 
 @dataclass(frozen=True, eq=False)  # arrays inside
@@ -47,6 +47,7 @@ class SectionLaw:
     s: Array  #: (m,) along half a cell, mm
     ripple: Array  #: (POINTS, m, 2) mm
     in_space: Mapping[str, Array]  #: rigidities out of the plane as in `CellCurve`, by name; empty where not known
+    volume: Array  #: (POINTS, c) air per rest length in each cavity, mm2; empty where not known
 
     @property
     def kappa_0(self) -> float:
@@ -104,7 +105,25 @@ def section_at(path: Sequence[Placed[CellCurve]], place: float, pressure: float)
         first.s,
         straight("ripple") + _beyond_straight_at(_around(path, lower, upper), _ripple_at, place, moment),
         {name: in_space(name) for name in IN_SPACE if first.is_in_space and second.is_in_space},
+        _volumes(_around(path, lower, upper), in_space, place, cubic(*kappa, moment)),
     )
+
+
+def _volumes(
+    around: Sequence[Placed[CellCurve]], straight: Callable[[str], Array], place: float, kappa: Array
+) -> Array:
+    """(n, c) mm2 at curvatures (n,), which decide more than moments do; empty where a curve has none.
+
+    around: the curves of `_around`; straight: gives a column of two curves, joined by straight lines.
+    """
+    if not all(at.curve.volume.size for at in around):
+        return np.empty(0)
+    return straight("volume") + _beyond_straight_at(around, _volume_at, place, kappa, "kappa")
+
+
+def _volume_at(curve: CellCurve, kappa: Array) -> Array:
+    """(n, c) mm2 at curvatures (n,)."""
+    return monotone_cubic(curve.kappa, curve.volume, kappa)
 
 
 def _along(curve: CellCurve) -> SectionLaw:
@@ -124,6 +143,7 @@ def _along(curve: CellCurve) -> SectionLaw:
         curve.s,
         interpolate_columns(moment, curve.moment, curve.ripple),
         {name: _smooth(moment, curve, name) for name in IN_SPACE if curve.is_in_space},
+        _smooth(moment, curve, "volume") if curve.volume.size else curve.volume,
     )
 
 
@@ -192,6 +212,9 @@ def clamp_at(
     )
     rotation = interpolate_columns(moment, pairs.moment, hermite(pairs.t, low, high, low_slope, high_slope))
     offset = straight(ClampCurve.offset_at) + _beyond_straight_at(around, ClampCurve.offset_at, place, moment)
+    volume = np.empty(0)
+    if all(at.curve.volume.size for at in around):
+        volume = straight(ClampCurve.volume_at) + _beyond_straight_at(around, ClampCurve.volume_at, place, moment)
     return ClampCurve(
         pressure=pressure,
         moment=moment,
@@ -206,6 +229,7 @@ def clamp_at(
         s=first.s,
         beside=straight(ClampCurve.beside_at) + _beyond_straight_at(around, ClampCurve.beside_at, place, moment),
         lateral_compliance=_straight_compliance(first, second, pairs.t),
+        volume=volume,
     )
 
 
@@ -234,7 +258,8 @@ def tip_at(path: Sequence[Placed[TipCurve]], place: float, pressure: float) -> T
         rows = np.array([getattr(at.curve, name) for at in around])
         return np.asarray(straight + _beyond_straight(places, rows, place))
 
-    return TipCurve(pressure, a.s, *(value(name) for name in TIP_VALUES))
+    names = TIP_VALUES if all(at.curve.volume.size for at in around) else TIP_VALUES[:-1]
+    return TipCurve(pressure, a.s, *(value(name) for name in names))
 
 
 def _around(path: Sequence[Placed[Curve]], lower: int, upper: int) -> Sequence[Placed[Curve]]:
@@ -243,19 +268,24 @@ def _around(path: Sequence[Placed[Curve]], lower: int, upper: int) -> Sequence[P
 
 
 def _beyond_straight_at(
-    around: Sequence[Placed[Bent]], values: Callable[[Bent, Array], Array], place: float, moment: Array
+    around: Sequence[Placed[Bent]],
+    values: Callable[[Bent, Array], Array],
+    place: float,
+    at: Array,
+    over: str = "moment",
 ) -> Array:
     """`_beyond_straight` at moments (n,) in N mm; beyond those that all curves have, as at the last such moment.
 
-    values: gives those of a curve at moments (n,), (n, ...).
+    values: gives those of a curve at such moments, (n, ...). over: the field of the curves that takes their place.
     """
-    curves = [at.curve for at in around]
-    low, high = max(curve.moment[0] for curve in curves), min(curve.moment[-1] for curve in curves)
+    curves = [one.curve for one in around]
+    nodes = [getattr(curve, over) for curve in curves]
+    low, high = max(own[0] for own in nodes), min(own[-1] for own in nodes)
     if low > high:
         return np.zeros(())
-    at = np.clip(moment, low, high)
-    rows = np.array([values(curve, at) for curve in curves])
-    return _beyond_straight([at.place for at in around], rows, place)
+    inside = np.clip(at, low, high)
+    rows = np.array([values(curve, inside) for curve in curves])
+    return _beyond_straight([one.place for one in around], rows, place)
 
 
 def _beyond_straight(places: Sequence[float], rows: Array, place: float) -> Array:

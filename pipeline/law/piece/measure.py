@@ -47,16 +47,15 @@ class CellPoint(PiecePoint):
     def of(cls, piece: BendingPiece, state: PieceState) -> "CellPoint":
         """One factorization. Raises `PieceFailed` where the cell is not stable."""
         point = PiecePoint.of(piece, state)
-        return CellPoint(state, point.slopes, axis_of(piece, state, point.slopes))
+        return CellPoint(state, point.slopes, point.volumes, axis_of(piece, state, point.slopes))
 
     def turned(self, angle: float) -> "CellPoint":
-        """The state turned by an angle in rad, to first order."""
+        """The state turned by an angle in rad, to first order, without its volumes."""
         state = replace(
             self.state, angle=self.state.angle + angle, moment=self.moment + self.slopes.moment_by_angle * angle
         )
-        return replace(
-            self, state=state, axis=replace(self.axis, stretch=self.axis.stretch + self.axis.stretch_by_angle * angle)
-        )
+        axis = replace(self.axis, stretch=self.axis.stretch + self.axis.stretch_by_angle * angle)
+        return replace(self, state=state, volumes=np.empty(0), axis=axis)
 
 
 @dataclass
@@ -110,6 +109,7 @@ class CellSweep:
             min_J=np.array([p.state.extremes.min_J for p in points]),
             s=points[0].axis.s,
             ripple=np.array([p.axis.ripple for p in points]),
+            volume=np.array([p.volumes / h for p in points]),
             **other,
         )
 

@@ -107,6 +107,7 @@ def _curve(piece: BendingPiece, cell: CellCurve, points: Sequence["_ClampPoint"]
         s=piece.space.points[piece.curve, 0],
         beside=np.array([point.beside for point in points]),
         rotation_by_other=np.empty(0) if isnan(by_other[0]) else by_other,
+        volume=np.array([point.volumes for point in points]),
     )
 
 
@@ -150,6 +151,7 @@ class _ClampPoint(PiecePoint):
         return _ClampPoint(
             state,
             known,
+            point.volumes,
             rotation,
             (ahead[0] - behind[0]) / width,
             turned_by(known.moment_by_pressure, cell.moment_by_pressure),

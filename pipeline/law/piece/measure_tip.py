@@ -3,6 +3,7 @@
 import numpy as np
 from scipy.integrate import cumulative_trapezoid
 
+from fem.cell.air import air_volumes
 from fem.cell.axis import circle, components
 from fem.cell.edge import FreeEdge, free_edge
 from fem.cell.piece import BendingPiece, PieceState
@@ -60,6 +61,7 @@ def tip_curve(
         beside_held=np.array([beside(state.curve) for state in held]),
         beside_pinned=beside(pinned),
         pinned_by_pull=components(by_pull, angle)[::-1],
+        volume=air_volumes(piece.body, piece.space, state.state.displacement),
     )
     return Measured(curve), state
 

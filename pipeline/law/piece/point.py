@@ -7,11 +7,13 @@ from typing import Any, Generic, TypeVar
 
 import numpy as np
 
+from fem.cell.air import air_volumes
 from fem.cell.piece import BendingPiece, PieceFailed, PieceState
 from fem.cell.response import Slopes, inflated, slopes
 from fem.equations.linear import SingularMatrix
 from fem.path.predictor import PathPoint, extrapolate
 from geometry import Reason, Values
+from geometry.arrays import Array
 from pipeline.values.pressure import in_kPa
 from pipeline.values.reasons import render
 
@@ -27,12 +29,14 @@ class PiecePoint:
 
     state: PieceState
     slopes: Slopes
+    volumes: Array  #: (c,) mm3, air in each cavity of the piece; empty where it is not known
 
     @classmethod
     def of(cls, piece: BendingPiece, state: PieceState) -> "PiecePoint":
         """One factorization. Raises `PieceFailed` where the piece is not stable."""
         with stable(piece, state):
-            return PiecePoint(state, slopes(piece, state))
+            known = slopes(piece, state)
+        return PiecePoint(state, known, air_volumes(piece.body, piece.space, state.state.displacement))
 
     @property
     def moment(self) -> float:

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from fem import Hencky, Material, StrainLimitingLayer, StVenantKirchhoff
+from fem.cell.air import air_volumes
 from fem.cell.axis import axis_of, circle
 from fem.cell.piece import BendingPiece, PieceFailed
 from fem.cell.response import inflated, shear_rigidity, slopes
@@ -48,6 +49,8 @@ def test_slopes_are_those_of_neighbouring_states(formulation: str, law: Material
     step = 1e-5
     more, less = (piece.solve(p, phi + sign * step, at) for sign in (1, -1))
     assert (more.moment - less.moment) / (2 * step) == pytest.approx(known.moment_by_angle, rel=1e-4)
+    airs = [air_volumes(piece.body, piece.space, state.state.displacement)[0] for state in (more, less)]
+    assert (airs[0] - airs[1]) / (2 * step) == pytest.approx(-known.moment_by_pressure, rel=1e-4)  # of one potential
     longer, shorter = (axis_of(piece, state, slopes(piece, state)) for state in (more, less))
     assert (longer.stretch - shorter.stretch) / (2 * step) == pytest.approx(axis.stretch_by_angle, rel=1e-4)
     more, less = (piece.solve(p + sign * 1e-6, phi, at) for sign in (1, -1))

@@ -67,6 +67,13 @@ def test_slopes_by_one_pressure_are_those_of_cells_with_more_of_it(file: Path) -
     ]
     width = 2.0 * step * PRESSURE
     assert here.slopes.moment_by_other == pytest.approx((at[0].moment - at[1].moment) / width, rel=1e-4)
+    angles = [here.state.angle + sign * 1e-4 for sign in (1.0, -1.0)]
+    cell = pieces(file, 1.0, part).cell
+    bent = [CellPoint.of(cell, cell.solve(PRESSURE, angle, free(file, 1.0, part).state)) for angle in angles]
+    more, less = (point.volumes for point in bent)
+    of_first, of_second = (less - more) / 2e-4
+    assert of_second == pytest.approx(here.slopes.moment_by_other, rel=1e-3)
+    assert of_first + part * of_second == pytest.approx(here.slopes.moment_by_pressure, rel=1e-3)
     by_stretch = (at[0].axis.stretch - at[1].axis.stretch) / width
     assert here.axis.stretch_by_other == pytest.approx(by_stretch, rel=1e-4)
 
