@@ -14,7 +14,7 @@ from fem.equations.state import State
 from fem.path.predictor import extrapolate
 from geometry import Reason
 from geometry.arrays import Array
-from pipeline.law.piece.point import PiecePoint, reason_of, stable, without_moment
+from pipeline.law.piece.point import AdaptiveCurve, PiecePoint, reason_of, stable, without_moment
 from pipeline.law.piece.reach import Range, Reach
 from pipeline.values.pressure import KPA_PER_MPA, in_MPa
 from rod.arm_law.curves import CellCurve
@@ -229,27 +229,21 @@ def _place(sweep: CellSweep, point: CellPoint, half_pitch: float) -> dict[str, f
 def _refine(piece: BendingPiece, sweep: CellSweep) -> None:
     """Divide the intervals of the angle until their cubics are right to TOLERANCE where they are divided."""
     scale = max(abs(point.state.angle) for point in sweep.points)
-    pending = [(a, b, DIVISIONS) for a, b in zip(sweep.points[:-1], sweep.points[1:], strict=True)]
-    while pending:
-        first, second, divisions = pending.pop()
-        bound = _largest_error(first, second)
-        if bound <= TOLERANCE * scale:
-            sweep.errors.append((first, second, bound))
-            continue
+
+    def between(first: CellPoint, second: CellPoint) -> CellPoint:
         angle = first.state.angle + _division(first, second) * (second.state.angle - first.state.angle)
-        try:
-            predicted = predicted_at(first, second, angle)
-            middle = CellPoint.of(piece, piece.solve(first.state.pressure, angle, first.state, predicted))
-        except PieceFailed as failure:
-            _cut(sweep, first, second, reason_of(failure))
-            pending = [interval for interval in pending if interval[0] in sweep.points and interval[1] in sweep.points]
-            continue
-        error = _cubic_error(first, second, middle)
-        sweep.points.insert(sweep.points.index(second), middle)
-        if error > TOLERANCE * scale and divisions:
-            pending += [(first, middle, divisions - 1), (middle, second, divisions - 1)]
-        else:  # the error of the whole interval: walls that meet in a half make a kink there
-            sweep.errors.append((first, second, error))
+        predicted = predicted_at(first, second, angle)
+        return CellPoint.of(piece, piece.solve(first.state.pressure, angle, first.state, predicted))
+
+    def cut(first: CellPoint, second: CellPoint, failure: PieceFailed) -> None:
+        """Keep the states on that side of an interval where there is no moment."""
+        position = sweep.points.index(second)
+        keeps_first = first.moment + second.moment > 0.0
+        sweep.ends[1 if keeps_first else -1] = reason_of(failure)
+        sweep.points[:] = sweep.points[:position] if keeps_first else sweep.points[position:]
+
+    curve = AdaptiveCurve(_largest_error, between, _cubic_error, TOLERANCE * scale, DIVISIONS)
+    sweep.errors.extend(curve.refine(sweep.points, cut))
 
 
 def _division(first: CellPoint, second: CellPoint) -> float:
@@ -272,14 +266,6 @@ def _keep_rising(sweep: CellSweep, middle: CellPoint, half_pitch: float) -> None
         if row not in (0, len(rises)):
             sweep.ends[side] = Reason("cell_falls", _place(sweep, sweep.points[row], half_pitch))
     sweep.points[:] = sweep.points[first : last + 1]
-
-
-def _cut(sweep: CellSweep, first: CellPoint, second: CellPoint, reason: Reason) -> None:
-    """Keep the states on that side of an interval where there is no moment."""
-    position = sweep.points.index(second)
-    keeps_first = first.moment + second.moment > 0.0
-    sweep.ends[1 if keeps_first else -1] = reason
-    sweep.points[:] = sweep.points[:position] if keeps_first else sweep.points[position:]
 
 
 def _largest_error(first: CellPoint, second: CellPoint) -> float:

@@ -3,7 +3,6 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
-from itertools import pairwise
 from math import isnan, nan
 from typing import final
 
@@ -16,7 +15,7 @@ from fem.path.predictor import extrapolate
 from geometry import Reason
 from geometry.arrays import Array
 from pipeline.law.piece.in_space import clamp_in_space
-from pipeline.law.piece.point import Measured, PiecePoint, reached, reason_of, without_moment
+from pipeline.law.piece.point import AdaptiveCurve, Measured, PiecePoint, reached, reason_of, without_moment
 from pipeline.law.piece.rates import clamp_rates
 from pipeline.values.pressure import KPA_PER_MPA, in_MPa
 from rod.arm_law.curves import CellCurve, ClampCurve
@@ -205,26 +204,12 @@ def _next_point(
 
 def _refine(piece: BendingPiece, cell: CellCurve, points: list[_ClampPoint]) -> float:
     """Divide the intervals of the moment until their cubics are right to TOLERANCE; the largest error, rad."""
-    errors = [0.0]
-    pending = [(a, b, DIVISIONS) for a, b in pairwise(points)]
-    while pending:
-        first, second, divisions = pending.pop()
-        bound = _largest_miss(first, second)
-        if bound <= TOLERANCE:
-            errors.append(bound)
-            continue
-        try:
-            middle = _point_between(piece, cell, first, second)
-        except PieceFailed:
-            errors.append(bound)
-            continue
-        error = abs(float(_cubic(first, second, "rotation", "rotation_by_moment", middle.moment)) - middle.rotation)
-        points.insert(points.index(second), middle)
-        if error > TOLERANCE and divisions:
-            pending += [(first, middle, divisions - 1), (middle, second, divisions - 1)]
-        else:
-            errors.append(error)
-    return max(errors)
+
+    def missed(first: _ClampPoint, second: _ClampPoint, middle: _ClampPoint) -> float:
+        return abs(_rotation_between(first, second, middle.moment) - middle.rotation)
+
+    curve = AdaptiveCurve(_largest_miss, partial(_point_between, piece, cell), missed, TOLERANCE, DIVISIONS)
+    return max((error for *_, error in curve.refine(points)), default=0.0)
 
 
 def _largest_miss(first: _ClampPoint, second: _ClampPoint) -> float:
@@ -250,8 +235,7 @@ def _point_between(piece: BendingPiece, cell: CellCurve, first: _ClampPoint, sec
     met = second.rotation - first.rotation - second.rotation_by_moment * step
     part = met / (change * step) if change else 0.0
     moment = first.moment + (float(np.clip(part, CLOSEST, 1.0 - CLOSEST)) if 0.0 < part < 1.0 else 0.5) * step
-    rotation = float(_cubic(first, second, "rotation", "rotation_by_moment", moment))
-    angle = rotation + cell.at(moment)[0] * piece.body.length
+    angle = _rotation_between(first, second, moment) + cell.at(moment)[0] * piece.body.length
     predicted = extrapolate(first.path_point, second.path_point, angle)
     state = piece.solve_near(first.state.pressure, angle, predicted or first.state.state, second.state)
     if not first.moment < state.moment < second.moment:
@@ -259,12 +243,11 @@ def _point_between(piece: BendingPiece, cell: CellCurve, first: _ClampPoint, sec
     return _ClampPoint.on(piece, cell, state)
 
 
-def _cubic(first: _ClampPoint, second: _ClampPoint, name: str, slope: str, moment: float) -> Array:
-    """A value of two states between them."""
-    moments, values, slopes = (
-        np.array([getattr(point, key) for point in (first, second)]) for key in ("moment", name, slope)
-    )
-    return cubic(moments, values, slopes, moment)
+def _rotation_between(first: _ClampPoint, second: _ClampPoint, moment: float) -> float:
+    """The rotation at a moment between two states, rad, by the cubic through them."""
+    rows = [(point.moment, point.rotation, point.rotation_by_moment) for point in (first, second)]
+    moments, rotations, slopes = np.array(rows).T
+    return float(cubic(moments, rotations, slopes, moment))
 
 
 def _placed(piece: BendingPiece, cell: CellCurve, moment: float, angle: float, x: Array) -> tuple[float, Array, Array]:
