@@ -18,7 +18,7 @@ from benchmarks.unseen.designs import drawn
 from fem.cell.piece import PieceFailed
 from pipeline.config.config import Config
 from pipeline.config.load import load_config
-from pipeline.law.limit import fine_mesh
+from pipeline.law.build import fine_mesh
 from pipeline.law.mesh_limit import Numbers
 from pipeline.law.meshes import MESHES, find_limit
 from pipeline.law.piece.measure import cell_without_moment

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from geometry import Body, PneuNet
-from pipeline.law import limit
+from pipeline.law import build
 from pipeline.law.meshes import find_limit
 from pipeline.store.worker import THREADS
 
@@ -41,8 +41,8 @@ def coarse_limit() -> Iterator[None]:
     `tests/pipeline/law/test_cell.py` and `test_meshes.py` have limits of all meshes.
     """
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(limit, "fine_mesh", lambda pieces: pieces.config.mesh)
-        patch.setattr(limit, "find_limit", partial(find_limit, fewest=2))
+        patch.setattr(build, "fine_mesh", lambda pieces: pieces.config.mesh)
+        patch.setattr(build, "find_limit", partial(find_limit, fewest=2))
         yield
 
 

@@ -6,14 +6,23 @@ from itertools import pairwise
 
 import numpy as np
 
-from fem.cell.piece import PieceFailed
+from fem.cell.piece import BendingPiece, PieceFailed
+from fem.cell.response import inflated
 from geometry import Reason
+from geometry.arrays import Index
+from pipeline.law.piece.in_space import cell_in_space
+from pipeline.law.piece.measure import cell_near, cell_without_moment, sweep_cell
 from pipeline.law.piece.point import Measured, failure_of, reason_of
+from pipeline.law.piece.rates import cell_rates
+from pipeline.law.piece.reach import Reach
 from pipeline.law.tasks import ArmTasks, Log, PieceCurves
 from pipeline.values.errors import RunFailed
+from pipeline.values.pressure import in_MPa, name_of_state
 from pipeline.values.reasons import render, render_all
 from rod import RodError
+from rod.arm_law.between import measure_disagreement
 from rod.arm_law.curves import CellCurve
+from rod.arm_law.section import SectionLaw, section_at
 
 #: largest error of the curvature between two pressures, over the largest curvature of the law
 BETWEEN = 3e-3
@@ -23,6 +32,8 @@ MOST_ADDED = 12
 #: is at most the second number times the allowed one. As a rule such an error comes from curves of neighbouring
 #: pressures that end at different moments, and not from the interpolation in the pressure.
 NOT_REDUCED, NEARLY_ALLOWED = 0.8, 2.0
+#: states of the cell that are solved halfway between two pressures
+CHECKS = 5
 
 Cells = list[Measured[CellCurve]]
 Interval = tuple[float, float]  #: two pressures, kPa
@@ -46,7 +57,7 @@ def measure_bends(
 
 def _bends(tasks: ArmTasks, log: Log, pressures: Sequence[float]) -> dict[float, float]:
     bends: dict[float, float] = {}
-    for pressure, pending in [(p, tasks.submit(PieceCurves.bend, p)) for p in pressures]:
+    for pressure, pending in [(p, tasks.submit(bend_of, p)) for p in pressures]:
         try:
             measured = pending.result()
         except PieceFailed as failure:
@@ -69,7 +80,7 @@ class CellMeasurer:
         """Cells at rising pressures; why for one that is not borne."""
         progress = self.tasks.context.progress
         progress.experiment("cell", pressures)
-        submitted = [(p, self.tasks.submit(PieceCurves.cell, p, self._largest_bend(p))) for p in pressures]
+        submitted = [(p, self.tasks.submit(cell_at, p, self._largest_bend(p))) for p in pressures]
         for pressure, pending in submitted:
             try:
                 cell = pending.result()
@@ -151,7 +162,7 @@ class CellMeasurer:
         """
         neighbours = {(a.curve.pressure, b.curve.pressure): (a.curve, b.curve) for a, b in pairwise(cells)}
         submit = self.tasks.submit
-        new = {p: submit(PieceCurves.between, *both) for p, both in neighbours.items() if p not in errors}
+        new = {p: submit(miss_between, *both) for p, both in neighbours.items() if p not in errors}
         for pair, pending in new.items():
             errors[pair] = None
             try:
@@ -176,3 +187,82 @@ def is_not_reduced(errors: Sequence[float], allowed: float) -> bool:
     if len(errors) < 3 or errors[-1] > NEARLY_ALLOWED * allowed:
         return False
     return all(part > NOT_REDUCED * whole for whole, part in pairwise(errors[-3:]))
+
+
+def largest_deviation(piece: BendingPiece, lower: CellCurve, upper: CellCurve) -> float:
+    """Largest deviation of the curvature at equal moments, 1/mm, at CHECKS states halfway between two pressures.
+
+    From the state of the smallest moment the cell is bent to one side and then to the other: a change of the sides at
+    once may lead to equilibria in which a wall has buckled, which the law does not describe. Raises `PieceFailed` where
+    the cell does not reach a curvature of the law, and `RodError` where there is no law.
+    """
+    halfway = 0.5 * (lower.pressure + upper.pressure)
+    section = section_at((lower.placed, upper.placed), halfway, halfway)
+    pressure, rows = in_MPa(section.pressure), _doubtful(section, lower, upper)
+    angles = section.kappa * piece.body.length
+    first, largest = rows[np.argmin(np.abs(section.moment[rows]))], 0.0
+    middle = inflated(piece, pressure, float(angles[first]))
+    for side in (rows[rows >= first], rows[rows < first][::-1]):
+        state = middle
+        for row in side:
+            state = piece.solve(pressure, float(angles[row]), state)
+            difference = (state.moment - section.moment[row]) * section.kappa_slope[row]
+            largest = max(largest, abs(float(difference)))
+    return largest
+
+
+def _doubtful(section: SectionLaw, lower: CellCurve, upper: CellCurve) -> Index:
+    """Rows (CHECKS,) of the law, rising: one in each of as many equal ranges of the moment, where what the slopes of
+    both curves predict differs most."""
+    difference = np.interp(section.kappa, *measure_disagreement(lower.placed, upper.placed))
+    ranges = np.array_split(np.arange(len(section.moment)), CHECKS)
+    return np.array([own[int(np.argmax(difference[own]))] for own in ranges])
+
+
+def bend_of(curves: PieceCurves, pressure: float) -> Measured[float]:
+    """The curvature of the cell without moment at a pressure in kPa, 1/mm; a task.
+
+    As all curves of the cell it begins with the piece at rest, so that it does not depend on what was measured before.
+    Raises `PieceFailed`, as the tasks below, for a piece that does not bear the pressure.
+    """
+
+    def measure(cell: BendingPiece) -> Measured[float]:
+        return Measured(cell_without_moment(cell, in_MPa(pressure)).state.angle / cell.body.length)
+
+    return curves.of_cell(float, name_of_state("bend", pressure), measure)
+
+
+def cell_at(curves: PieceCurves, pressure: float, bend: float) -> Measured[CellCurve]:
+    """The cell at a pressure in kPa, for arms whose cells bend up to a curvature `bend` (1/mm) without moment; a task.
+
+    Raises `RodError` too.
+    """
+    config = curves.pieces.config
+
+    def measure(cell: BendingPiece) -> Measured[CellCurve]:
+        sweep = sweep_cell(cell, pressure, Reach.of(config, bend))
+        curve, limits = sweep.curve(cell.body.length), sweep.limits
+        if config.law_in_space:
+            curve, unstable = cell_in_space(cell, curve, [point.state for point in sweep.points])
+            limits = (*limits, *unstable)
+        return Measured(curve, limits, sweep.error, rates=cell_rates(cell, sweep.points, curve))
+
+    measured = curves.of_cell(CellCurve, name_of_state("cell", pressure), measure)
+    curves.progress.step_done("cell", pressure, 0.0 if measured.is_stored else measured.seconds)
+    return measured
+
+
+def near_cell(curves: PieceCurves, pressure: float, bend: float) -> Measured[CellCurve]:
+    """The cell at a pressure in kPa without moment, and bent by `bend` (1/mm) more and less; a task."""
+
+    def measure(cell: BendingPiece) -> Measured[CellCurve]:
+        sweep = cell_near(cell, pressure, bend)
+        return Measured(sweep.curve(cell.body.length), rates=cell_rates(cell, sweep.points))
+
+    return curves.of_cell(CellCurve, name_of_state("cell_near", pressure), measure)
+
+
+def miss_between(curves: PieceCurves, lower: CellCurve, upper: CellCurve) -> Measured[float]:
+    """How far the law halfway between two pressures is from the cell there, 1/mm at equal moments; a task."""
+    name = name_of_state(name_of_state("between", lower.pressure), upper.pressure)
+    return curves.of_cell(float, name, lambda cell: Measured(largest_deviation(cell, lower, upper)))

@@ -1,20 +1,30 @@
 """The two ends of an arm: how many half cells they disturb, and their curves beside those of the cell."""
 
 from collections.abc import Callable, Mapping, Sequence
-from functools import cache
+from contextlib import suppress
+from dataclasses import dataclass
+from functools import cache, partial
 from itertools import zip_longest
+from typing import Generic, TypeVar
 
 import numpy as np
 
-from fem.cell.piece import PieceFailed
+from fem.cell.boundary import Boundary
+from fem.cell.piece import BendingPiece, PieceFailed, PieceState
 from geometry import Reason
 from geometry.arrays import Array
 from pipeline.law.cells import check_two
-from pipeline.law.piece.point import Measured
+from pipeline.law.piece.measure_clamp import clamp_curve, clamp_without_moment, first_state
+from pipeline.law.piece.measure_tip import tip_curve, tip_state
+from pipeline.law.piece.point import Measured, failure_of
 from pipeline.law.pieces import NoArmLaw
-from pipeline.law.tasks import CLAMP, TIP, ArmTasks, Log, PieceCurves
+from pipeline.law.tasks import ArmTasks, Log, PieceCurves
 from pipeline.store.parallel import Pending
+from pipeline.values.pressure import name_of_state
+from rod import RodError
 from rod.arm_law.curves import CellCurve, ClampCurve, TipCurve
+
+Curve = TypeVar("Curve", ClampCurve, TipCurve)
 
 #: largest displacement of the arm's end, over its length, by which end pieces that differ by a cell may differ
 DECAY = 5e-4
@@ -37,7 +47,7 @@ def begin_clamps(tasks: ArmTasks, cell: CellCurve, available: int) -> Callable[[
 
     @cache
     def clamp(half_cells: int) -> Pending[Measured[ClampCurve]]:
-        return tasks.submit(PieceCurves.clamp_without_moment, cell, half_cells)
+        return tasks.submit(clamp_alone, cell, half_cells)
 
     for half_cells in (1, 3) if available >= 3 else ():
         clamp(half_cells)
@@ -134,8 +144,8 @@ def measure_ends(
     for end in (CLAMP, TIP):
         tasks.context.progress.experiment(end.name, [curve.pressure for curve in curves])
     groups = [curves[first : first + IN_TURN] for first in range(0, len(curves), IN_TURN)]
-    clamped_ends = [tasks.submit(PieceCurves.ends, CLAMP, group, half_cells) for group in groups]
-    free_ends = [tasks.submit(PieceCurves.ends, TIP, group, half_cells) for group in groups]
+    clamped_ends = [tasks.submit(end_curves, CLAMP, group, half_cells) for group in groups]
+    free_ends = [tasks.submit(end_curves, TIP, group, half_cells) for group in groups]
     clamps: list[Measured[ClampCurve]] = []
     tips: list[TipCurve] = []
     for clamped_end, free_end in zip(clamped_ends, free_ends, strict=True):
@@ -152,3 +162,75 @@ def measure_ends(
             break
     check_two(clamps, log)
     return cells[: len(clamps)], clamps, tips
+
+
+@dataclass(frozen=True)
+class End(Generic[Curve]):
+    """One of the two ends of an arm, and how it is measured beside a cell, from the state at a lower pressure."""
+
+    curve: type[Curve]
+    file: str  #: how the names of its files begin
+    name: str  #: in the progress
+    start: Boundary  #: what holds the piece
+    measure: Callable[[BendingPiece, CellCurve, PieceState | None], tuple[Measured[Curve], PieceState]]
+    solve_state: Callable[[BendingPiece, CellCurve, PieceState | None], PieceState]  #: that `measure` gives, alone
+
+
+CLAMP = End(ClampCurve, "clamp", "clamped end", "clamp", clamp_curve, first_state)
+TIP = End(TipCurve, "tip", "tip", "free", tip_curve, tip_state)
+
+
+@dataclass(frozen=True)
+class EndCurves(Generic[Curve]):
+    """An end of the arm by rising pressure."""
+
+    measured: tuple[Measured[Curve], ...]
+    failure: Reason | None  #: why it goes no further; None where all pressures are borne
+
+
+def clamp_alone(curves: PieceCurves, cell: CellCurve, half_cells: int) -> Measured[ClampCurve]:
+    """The clamped end with that many half cells without moment alone; a task. Raises `PieceFailed`."""
+    name, pieces = name_of_state(f"decay_{half_cells}", cell.pressure), curves.pieces
+
+    def measure(piece: BendingPiece) -> Measured[ClampCurve]:
+        return Measured(clamp_without_moment(piece, cell))
+
+    return curves.of_piece(ClampCurve, name, lambda: pieces.end(half_cells, "clamp"), measure)
+
+
+def end_curves(curves: PieceCurves, end: End[Curve], cells: Sequence[CellCurve], half_cells: int) -> EndCurves[Curve]:
+    """One end with that many half cells beside cells at rising pressures, up to the last one that it bears; a task.
+
+    Each begins with the state at the pressure before. Curves of an earlier run have left no states. If one is needed it
+    is solved again, so that a run that was interrupted has the same curves.
+    """
+    state: PieceState | None = None
+    without_state: list[CellCurve] = []
+    measured: list[Measured[Curve]] = []
+
+    def piece() -> BendingPiece:
+        nonlocal state
+        made = curves.pieces.end(half_cells, end.start)
+        for earlier in without_state:
+            with suppress(PieceFailed):
+                state = end.solve_state(made, earlier, state)
+        without_state.clear()
+        return made
+
+    def measure(cell: CellCurve, made: BendingPiece) -> Measured[Curve]:
+        nonlocal state
+        curve, state = end.measure(made, cell, state)
+        return curve
+
+    for cell in cells:
+        name = name_of_state(f"{end.file}_{half_cells}", cell.pressure)
+        try:
+            curve = curves.of_piece(end.curve, name, piece, partial(measure, cell))
+        except (PieceFailed, RodError) as failed:
+            curves.progress.stopped(end.name, [cell.pressure], str(failed).rstrip("."))
+            return EndCurves(tuple(measured), failure_of(failed))
+        if curve.is_stored:
+            without_state.append(cell)
+        curves.progress.step_done(end.name, cell.pressure, 0.0 if curve.is_stored else curve.seconds)
+        measured.append(curve)
+    return EndCurves(tuple(measured), None)

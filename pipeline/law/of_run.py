@@ -9,8 +9,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from geometry import Reason, Values
-from pipeline.law.build import MeasuredLaw, build_law
-from pipeline.law.limit import deliver_law
+from pipeline.law.build import MeasuredLaw, build_law, deliver_law
 from pipeline.law.pieces import ArmPieces, NoArmLaw
 from pipeline.law.plane import check_plane
 from pipeline.law.study import save_law

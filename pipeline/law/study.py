@@ -6,11 +6,10 @@ from pathlib import Path
 from time import perf_counter
 
 from pipeline.config.config import Config
-from pipeline.law.build import MeasuredLaw
-from pipeline.law.figure import law_page
-from pipeline.law.limit import deliver_law
+from pipeline.law.build import MeasuredLaw, deliver_law
 from pipeline.law.pieces import ArmPieces, NoArmLaw
 from pipeline.law.plane import check_plane
+from pipeline.law.table import law_page
 from pipeline.results.unloaded import delivered_numbers
 from pipeline.results.unloaded_states import unloaded_states
 from pipeline.simulate.scene import Scene
@@ -62,7 +61,7 @@ def measure_law(config: Config, out: Path, jobs: int, fresh: bool, progress: Pro
     """From a configuration to `out`/law.json; curves that `out` already holds are not measured again.
 
     The mesh of the configuration is that of the arm; with an accuracy the law comes from finer ones of the cell
-    (`pipeline.law.limit`).
+    (`pipeline.law.build`).
 
     A pressure that is not reached is named in the report; the law of those below it is in `out` then. Raises InputError
     for an arm without such a law, a body that cannot be meshed and a folder that cannot be used, and RunFailed where

@@ -1,4 +1,4 @@
-"""The arm's own law as a table, and where it ends."""
+"""The arm's own law as tables and as figures on an HTML page, and where it ends."""
 
 from collections.abc import Iterator
 
@@ -7,8 +7,9 @@ import numpy as np
 from geometry import Reason
 from pipeline.law.build import MeasuredLaw
 from pipeline.law.mesh_limit import MeshLimit
-from pipeline.law.study import LawReport
 from pipeline.values.law import LawMeshError
+from pipeline.values.page import figure_page
+from pipeline.values.plots import INK, Line, Panel, ordered_colour
 from pipeline.values.table import Table
 from rod.arm_law.curves import IN_SPACE, CellCurve
 from rod.arm_law.law import ArmLaw
@@ -86,11 +87,40 @@ def _contact(cell: CellCurve) -> str:
     return f"{touching[0]:.4f}" if cell.contact[-1] else f"{touching[0]:.4f} ... {touching[-1]:.4f}"
 
 
-def law_remarks(report: LawReport) -> Iterator[Reason]:
+def law_remarks(measured: MeasuredLaw) -> Iterator[Reason]:
     """How the law was interpolated, which mesh was taken, and where it ends."""
-    measured = report.measured
     values = {"half_cells": measured.half_cells, "along_percent": 100.0 * measured.error_along}
     yield Reason("law_interpolated", values | {"between_percent": 100.0 * (measured.error_between or 0.0)})
     if measured.limit is not None:
         yield from measured.limit.remarks
     yield from measured.limits
+
+
+def law_page(name: str, law: ArmLaw) -> str:
+    """The figure alone on a page that opens offline."""
+    at_rest = Line(law.pressures, [cell.at(0.0)[0] for cell in law.cells], "κ₀", INK, marker="square-open")
+    panels = (
+        Panel("Moment over curvature", "κ (1/mm)", "M (N mm)", (*_curves(law, "moment"), *_touching(law))),
+        Panel("Stretch of the axis", "κ (1/mm)", "λ", _curves(law, "stretch")),
+        Panel("Curvature without moment", "p (kPa)", "κ₀ (1/mm)", (at_rest,)),
+        Panel("Rigidity against bending", "κ (1/mm)", "dM/dκ (N mm²)", _curves(law, "rigidity"), log_y=True),
+    )
+    return figure_page(f"{name}: the arm's own law", panels)
+
+
+def _curves(law: ArmLaw, quantity: str) -> tuple[Line, ...]:
+    """A quantity over the curvature, one line per pressure."""
+    lines = []
+    for number, cell in enumerate(law.cells):
+        colour, name = ordered_colour(number, len(law.cells)), f"{cell.pressure:g} kPa"
+        lines.append(Line(cell.kappa, getattr(cell, quantity), name, colour, entry="", frame=name))
+    return tuple(lines)
+
+
+def _touching(law: ArmLaw) -> tuple[Line, ...]:
+    """The states in which walls touch."""
+    return tuple(
+        Line(cell.kappa[there], cell.moment[there], "walls touch", INK, "", "x", frame=f"{cell.pressure:g} kPa")
+        for cell in law.cells
+        if (there := cell.contact).any()
+    )

@@ -88,8 +88,7 @@ class CellSweep:
 
     def curve(self, half_pitch: float) -> CellCurve:
         """The sweep as a curve of the law; raises `rod.RodError` where the moment does not rise."""
-        points = self.points
-        h = half_pitch
+        points, h = self.points, half_pitch
         other = {}
         if not isnan(points[0].slopes.moment_by_other):
             other["moment_by_other"] = np.array([p.slopes.moment_by_other / KPA_PER_MPA for p in points])
@@ -154,6 +153,22 @@ def cell_without_moment(piece: BendingPiece, pressure: float, start: PieceState 
         return piece.kept(("without moment", pressure), from_rest)
     state = start if start.pressure == pressure else piece.solve(pressure, start.angle, start)
     return without_moment(piece, state, CellPoint.of)
+
+
+def cell_near(piece: BendingPiece, pressure_kPa: float, bend: float) -> CellSweep:
+    """The state without moment at a pressure, and those bent by `bend` (1/mm) more and less.
+
+    Raises `PieceFailed`.
+    """
+    middle = cell_without_moment(piece, in_MPa(pressure_kPa))
+
+    def side(sign: float) -> CellPoint:
+        angle = middle.state.angle + sign * bend * piece.body.length
+        predicted = predicted_at(None, middle, angle)
+        return CellPoint.of(piece, piece.solve(middle.state.pressure, angle, middle.state, predicted))
+
+    points = [side(-1.0), middle, side(1.0)]
+    return CellSweep(pressure_kPa, points, shear=[(middle.moment, shear_at(piece, middle))])
 
 
 def predicted_at(before: CellPoint | None, last: CellPoint, angle: float) -> State | None:

@@ -1,22 +1,25 @@
 """Derivatives of the arm's own law by its design, from the states that its curves are made of."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
+import fem
 from fem.cell.axis import circle, end_ripples, length_of
 from fem.cell.design_change import DesignChange, DesignRate, design_rates
 from fem.cell.lateral_change import lateral_rates
 from fem.cell.piece import BendingPiece
 from fem.equations.linear import SingularMatrix
+from fem.materials import LAWS, Constant
 from geometry import Design, DesignError
 from geometry.arrays import Array
 from geometry.meshing.mirror import Repetition
 from geometry.meshing.moving import Movement
 from pipeline.config.config import Config
-from pipeline.law.piece.parameters import SCALES, material_steps
+from pipeline.config.material import Material
 from pipeline.law.piece.point import Measured, PiecePoint, stable
 from rod.arm_law.curves import ACROSS, CellCurve, ClampCurve
 from rod.arm_law.rates import CellRate, ClampRate, LawRate, slopes_of
@@ -28,6 +31,10 @@ Rates = Mapping[str, Mapping[str, Any]]
 CHANGE = 1e-3
 #: change of angle (rad) and lengths (mm) in difference quotients of positions
 DIFFERENCE = 1e-6
+#: change of a constant of a material in difference quotients, over it or, of a stress, over the shear modulus
+STEP_OF_CONSTANT = 1e-4
+#: relative changes of the size of a body from a file, by the name of the parameter
+SCALES = ("geometry.scale_x", "geometry.scale_y", "geometry.scale_z")
 
 
 def changes_of(
@@ -203,3 +210,57 @@ def _axis_end(angle: float, rotation: float, kappa: float, stretch: float, lengt
     cosine, sine = np.cos(rotation), np.sin(rotation)
     along, normal = np.array([np.cos(angle), np.sin(angle)]), np.array([-np.sin(angle), np.cos(angle)])
     return np.array([cosine * x - sine * y, sine * x + cosine * y]) + ripple[0] * along + ripple[1] * normal
+
+
+@dataclass(frozen=True)
+class MaterialStep:
+    """The materials of a body with a constant smaller and larger by half a step."""
+
+    value: float
+    unit: str  #: MPa, or 1
+    step: float
+    less: fem.Solid
+    more: fem.Solid
+
+
+def material_steps(config: Config) -> dict[str, MaterialStep]:
+    """By the key of the constant, such as material.E, materials.base.mu, or material.mu.2 for the second of a list."""
+    steps = {}
+    for region, material in {"": config.material, **config.materials}.items():
+        section = f"materials.{region}" if region else "material"
+        for name, value, unit, half, less, more in _constants(material):
+            solids = (_solid(config, region, changed) for changed in (less, more))
+            steps[f"{section}.{name}"] = MaterialStep(value, unit, 2.0 * half, *solids)
+    return steps
+
+
+def _constants(material: Material) -> Iterator[tuple[str, float, str, float, Material, Material]]:
+    """Name, value, unit, half the step, and the material with less and with more of it."""
+    for name, kind in LAWS[material.law].constants().items():
+        given = material.constants[name]
+        values = given if isinstance(given, tuple) else (given,)
+        for k, value in enumerate(values):
+            half = _change(material, kind, value)
+            several = [(*values[:k], value + change, *values[k + 1 :]) for change in (-half, half)]
+            less, more = (
+                replace(material, constants={**material.constants, name: new if isinstance(given, tuple) else new[0]})
+                for new in several
+            )
+            key = f"{name}.{k + 1}" if isinstance(given, tuple) else name
+            yield key, value, kind.unit.strip() or "1", half, less, more
+
+
+def _change(material: Material, kind: Constant, value: float) -> float:
+    if kind is Constant.POISSON_RATIO:
+        return STEP_OF_CONSTANT * min(abs(value) or 0.5, 0.5 - value)
+    if kind in (Constant.STRESS, Constant.STRESSES):
+        return STEP_OF_CONSTANT * material.built().shear_modulus
+    return STEP_OF_CONSTANT * abs(value)
+
+
+def _solid(config: Config, region: str, material: Material) -> fem.Solid:
+    materials = {name: other.built() for name, other in config.materials.items()}
+    body = config.material.built()
+    if region:
+        return fem.ByRegion(body, {**materials, region: material.built()})
+    return fem.ByRegion(material.built(), materials) if materials else material.built()

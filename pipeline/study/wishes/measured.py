@@ -12,13 +12,15 @@ from fem.cell.piece import PieceFailed
 from geometry import DesignError
 from geometry.arrays import Array
 from pipeline.config.config import Config
-from pipeline.law.corrected import corrected
-from pipeline.law.limit import correction_of, fine_pieces
+from pipeline.law.build import correction_of, fine_pieces
+from pipeline.law.cells import bend_of, cell_at, near_cell
+from pipeline.law.ends import CLAMP, TIP, EndCurves, end_curves
+from pipeline.law.mesh_limit import corrected
 from pipeline.law.piece.measure import cell_without_moment
 from pipeline.law.piece.point import Measured
 from pipeline.law.piece.rates import law_rates
 from pipeline.law.pieces import ArmPieces, NoArmLaw
-from pipeline.law.tasks import CLAMP, TIP, ArmTasks, EndCurves, PieceCurves
+from pipeline.law.tasks import ArmTasks, PieceCurves
 from pipeline.simulate.scene import Scene
 from pipeline.store.context import RunContext
 from pipeline.store.kept import KeptFile
@@ -166,10 +168,10 @@ class _NearLaw:
         whole = {wish.pressure(values) for wish in wishes.wishes if wish.quantity in loaded}
         begun = [tasks.submit(_cell, pressure, pressure in whole) for pressure in pressures]
         if wishes.limits.bears is not None:
-            tasks.submit(PieceCurves.bend, wishes.limits.bears * pressures[-1]).result()
+            tasks.submit(bend_of, wishes.limits.bears * pressures[-1]).result()
         cells = [one.result() for one in begun]
-        clamps = [tasks.submit(PieceCurves.ends, CLAMP, [cell.curve], HALF_CELLS) for cell in cells]
-        tips = [tasks.submit(PieceCurves.ends, TIP, [cell.curve], HALF_CELLS) for cell in cells]
+        clamps = [tasks.submit(end_curves, CLAMP, [cell.curve], HALF_CELLS) for cell in cells]
+        tips = [tasks.submit(end_curves, TIP, [cell.curve], HALF_CELLS) for cell in cells]
         return _NearLaw(pieces, cells, clamps, tips)
 
     def law(self) -> ArmLaw:
@@ -186,8 +188,8 @@ class _NearLaw:
 def _cell(curves: PieceCurves, pressure: float, is_whole: bool) -> Measured[CellCurve]:
     """A cell for the loads of the wishes; a task."""
     if is_whole:
-        return curves.cell(pressure, curves.bend(pressure).curve)
-    return curves.near(pressure, NEAR / curves.pieces.design.length)
+        return cell_at(curves, pressure, bend_of(curves, pressure).curve)
+    return near_cell(curves, pressure, NEAR / curves.pieces.design.length)
 
 
 def _measured(pending: Pending[EndCurves[Any]]) -> Measured[Any]:

@@ -16,9 +16,9 @@ from geometry import Reason
 from pipeline.cli import app
 from pipeline.config.config import Config
 from pipeline.config.load import load_config
-from pipeline.law import meshes, tasks
+from pipeline.law import cells, meshes
+from pipeline.law.build import tell_first
 from pipeline.law.cells import BETWEEN, is_not_reduced
-from pipeline.law.limit import tell_first
 from pipeline.law.meshes import find_limit
 from pipeline.law.piece.measure import CellPoint
 from pipeline.law.pieces import ArmPieces, NoArmLaw
@@ -209,7 +209,7 @@ def test_a_pressure_that_the_cell_does_not_bear_is_named_and_the_law_below_it_st
     def fail(*arguments: object) -> None:
         raise PieceFailed(Reason("tangent_indefinite"))
 
-    monkeypatch.setattr(tasks, "sweep_cell", fail)
+    monkeypatch.setattr(cells, "sweep_cell", fail)
     again = measure_law(arm(*ARM), tmp_path / "again", 1, False, Silent())
     assert again.measured.law.pressures[-1] == 6.0
     [failure] = again.measured.failures

@@ -12,8 +12,7 @@ from fem.cell.piece import BendingPiece
 from fem.equations.constraints import Constraints
 from fem.supports import Fixed
 from geometry import GRADINGS, PneuNet, Reason
-from pipeline.law.corrected import Corrections, corrected
-from pipeline.law.mesh_limit import Across, CellMesh, MeshLimit, Numbers, across_on, numbers_on
+from pipeline.law.mesh_limit import Across, CellMesh, Corrections, MeshLimit, Numbers, across_on, corrected, numbers_on
 from pipeline.law.piece import in_space
 from pipeline.law.piece.in_space import cell_in_space
 from pipeline.law.piece.measure import CellSweep, sweep_cell

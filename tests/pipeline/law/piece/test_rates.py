@@ -13,13 +13,13 @@ from geometry import PneuNet
 from geometry.meshing.moving import Movement
 from pipeline.config.config import Config
 from pipeline.config.load import load_config
-from pipeline.law.corrected import Corrections, corrected
-from pipeline.law.mesh_limit import across_on
+from pipeline.law.cells import cell_at
+from pipeline.law.ends import CLAMP, TIP, end_curves
+from pipeline.law.mesh_limit import Corrections, across_on, corrected
 from pipeline.law.piece import in_space
-from pipeline.law.piece.parameters import material_steps
-from pipeline.law.piece.rates import law_rates
+from pipeline.law.piece.rates import law_rates, material_steps
 from pipeline.law.pieces import ArmPieces
-from pipeline.law.tasks import CLAMP, TIP, PieceCurves
+from pipeline.law.tasks import PieceCurves
 from pipeline.store.progress import Silent
 from pipeline.store.store import open_store
 from rod import ArmLaw, RodError, law_from_record, law_record
@@ -50,8 +50,8 @@ def law_at_one_pressure(arm: ArmPieces, pressure: float = PRESSURE) -> ArmLaw:
     ):
         patch.setattr(in_space, "STATES", 99)  # rigidities of all states, none between others
         curves = PieceCurves(arm, store, Silent())
-        cell = curves.cell(pressure, BEND)
-        ((clamp,), (tip,)) = (curves.ends(end, [cell.curve], 1).measured for end in (CLAMP, TIP))
+        cell = cell_at(curves, pressure, BEND)
+        ((clamp,), (tip,)) = (end_curves(curves, end, [cell.curve], 1).measured for end in (CLAMP, TIP))
     made = arm.repetition
     law = ArmLaw(2.0 * made.half_pitch, made.middle, arm.design.length, (cell.curve,), (clamp.curve,), (tip.curve,))
     return replace(law, rates=law_rates(arm.config, made, arm.movements, [cell], [clamp]))

@@ -6,8 +6,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from pipeline.law.piece import deviation
-from pipeline.law.piece.deviation import CHECKS, largest_deviation
+from pipeline.law import cells
+from pipeline.law.cells import CHECKS, largest_deviation
 from rod.arm_law.curves import CellCurve
 
 EI, HALF_PITCH = 500.0, 5.0
@@ -55,7 +55,7 @@ def start(monkeypatch: pytest.MonkeyPatch) -> None:
     def inflated(_cell: Cell, _pressure: float, angle: float) -> SimpleNamespace:
         return SimpleNamespace(angle=angle, moment=EI * angle / HALF_PITCH, other_branch=False)
 
-    monkeypatch.setattr(deviation, "inflated", inflated)
+    monkeypatch.setattr(cells, "inflated", inflated)
 
 
 def test_the_cell_is_bent_to_either_side_from_the_state_of_the_smallest_moment() -> None:

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from pipeline.law.corrected import Corrections, corrected
+from pipeline.law.mesh_limit import Corrections, corrected
 from pipeline.results.files import read_plane_law
 from rod.arm_law.curves import CellCurve, ClampCurve
 from tests.coarse import COARSE
