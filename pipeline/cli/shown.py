@@ -124,7 +124,7 @@ def show_cell(report: "LawReport | SpaceLawReport") -> None:
     tables = [law_table(measured), space_table(measured.law, measured.mesh_error or LawMeshError())]
     tables += [] if measured.limit is None else [mesh_table(measured.limit)]
     print_lines(*tables)
-    print_sentences(*(f"Note: {render(remark)}." for remark in law_remarks(report)))
+    print_sentences(*(f"Note: {render(remark)}." for remark in law_remarks(report.measured)))
     print_lines(f"law: {folder / 'law.json'}, picture: {folder / 'law.html'}")
 
 
