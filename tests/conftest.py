@@ -2,15 +2,18 @@
 
 import os
 from collections.abc import Iterator
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
 import pytest
 
+from fem.cell import piece
 from geometry import Body, PneuNet
 from pipeline.law import build
 from pipeline.law.meshes import find_limit
 from pipeline.store.worker import THREADS
+from tests.quotients import TIGHT
 
 #: of the libraries, as the tests begin
 BEGAN_WITH = {name: os.environ.get(name) for name in THREADS}
@@ -44,6 +47,12 @@ def coarse_limit() -> Iterator[None]:
         patch.setattr(build, "fine_mesh", lambda pieces: pieces.config.mesh)
         patch.setattr(build, "find_limit", partial(find_limit, fewest=2))
         yield
+
+
+@pytest.fixture
+def solved_tightly(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Cells are solved until their forces balance to `TIGHT`, so that differences of their states have digits."""
+    monkeypatch.setattr(piece, "OPTIONS", replace(piece.OPTIONS, tolerance=TIGHT))
 
 
 @pytest.fixture(scope="session")

@@ -56,8 +56,8 @@ def test_rod_between_two_pressures_has_the_means_of_the_numbers_and_a_rest_curva
     ours = rod.solve(force=(0.0, 0.05))
     kappa_0, theta0 = (np.polyval(np.polyfit([0, 17, 37], [0, *v], 2), 27) for v in ([-0.012, -0.023], [0.0, 0.02]))
     reference = Rod(LENGTH, float(kappa_0), law, theta0=float(theta0)).solve(force=(0.0, 0.05))
-    assert ours.x[-1] == pytest.approx(reference.x[-1], abs=1e-6)
-    assert ours.y[-1] == pytest.approx(reference.y[-1], abs=1e-6)
+    assert ours.x[-1] == pytest.approx(reference.x[-1], abs=1e-5)  # mm, of the elements
+    assert ours.y[-1] == pytest.approx(reference.y[-1], abs=1e-5)  # mm, of the elements
 
 
 def test_pressures_written_with_six_digits_are_those_of_the_file(results: Path) -> None:

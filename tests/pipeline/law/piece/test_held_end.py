@@ -16,6 +16,7 @@ from pipeline.law.piece.reach import Reach
 from rod import Load, RodSolution
 from rod.arm_law.curves import CellCurve, ClampCurve, TipCurve
 from rod.arm_law.law import ArmLaw
+from tests.quotients import SOLVED, quotient
 
 #: its flat divider, which carries the edge that is held, gives way along the arm
 DESIGN = BisectedCircle(length=60.0)
@@ -69,8 +70,8 @@ def test_the_displacement_of_the_axis_by_a_pull_is_that_of_the_rod(cell: CellCur
         clamp, tip = _rigid_ends(cell, beside)
         rod = ArmLaw(DESIGN.pitch, 0.5 * DESIGN.pitch, length, (curve,), (clamp,), (tip,)).at(PRESSURE)
         plus, minus = (rod.solve((force, 0.0)) for force in (pull, -pull))
-        quotient = (_axis(plus, s) - _axis(minus, s)) / (2.0 * pull)
-        assert axis_by_pull(curve, s, beside) == pytest.approx(quotient, rel=2e-3, abs=1e-3 * np.abs(quotient).max())
+        moved = quotient(_axis(plus, s), _axis(minus, s), 2.0 * pull, SOLVED)
+        assert axis_by_pull(curve, s, beside) == moved.within(rel=2e-3, abs=1e-3 * float(np.abs(moved.value).max()))
 
 
 def _axis(solution: RodSolution, s: Array) -> Array:

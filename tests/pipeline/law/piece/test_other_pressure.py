@@ -13,6 +13,7 @@ from pipeline.law.piece.measure import CellPoint, cell_without_moment, straight_
 from pipeline.law.piece.measure_clamp import clamp_without_moment
 from pipeline.law.pieces import ArmPieces
 from pipeline.study.pairs.spec import read_pairs
+from tests.quotients import quotient
 from tests.step_bodies import box, save
 
 DESIGN = """
@@ -56,6 +57,7 @@ def test_equal_pressures_leave_the_arm_straight_and_swapped_ones_bend_it_the_oth
     assert swapped.axis.stretch == pytest.approx(mixed.axis.stretch, abs=1e-5)
 
 
+@pytest.mark.usefixtures("solved_tightly")
 def test_slopes_by_one_pressure_are_those_of_cells_with_more_of_it(file: Path) -> None:
     part, step = 0.4, 0.01
     here = free(file, 1.0, part)
@@ -66,7 +68,6 @@ def test_slopes_by_one_pressure_are_those_of_cells_with_more_of_it(file: Path) -
         for cell, state in zip(cells, near, strict=True)
     ]
     width = 2.0 * step * PRESSURE
-    assert here.slopes.moment_by_other == pytest.approx((at[0].moment - at[1].moment) / width, rel=1e-4)
     angles = [here.state.angle + sign * 1e-4 for sign in (1.0, -1.0)]
     cell = pieces(file, 1.0, part).cell
     bent = [CellPoint.of(cell, cell.solve(PRESSURE, angle, free(file, 1.0, part).state)) for angle in angles]
@@ -74,8 +75,12 @@ def test_slopes_by_one_pressure_are_those_of_cells_with_more_of_it(file: Path) -
     of_first, of_second = (less - more) / 2e-4
     assert of_second == pytest.approx(here.slopes.moment_by_other, rel=1e-3)
     assert of_first + part * of_second == pytest.approx(here.slopes.moment_by_pressure, rel=1e-3)
-    by_stretch = (at[0].axis.stretch - at[1].axis.stretch) / width
-    assert here.axis.stretch_by_other == pytest.approx(by_stretch, rel=1e-4)
+    by_moment, by_stretch = (
+        quotient(more, less, width)
+        for more, less in ((at[0].moment, at[1].moment), (at[0].axis.stretch, at[1].axis.stretch))
+    )
+    assert here.slopes.moment_by_other == by_moment.within(rel=1e-4)
+    assert here.axis.stretch_by_other == by_stretch.within(rel=1e-4)
 
 
 def test_the_slope_of_the_clamped_end_by_one_pressure(file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
