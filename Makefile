@@ -21,7 +21,7 @@ LAW := both
 LARGER := 1
 
 all_targets := pneunet pneunet-coarse golden semicircular semicircular-single bisected-circle all effects cell budget design material sweep paper-coarse paper accuracy
-.PHONY: help setup $(all_targets) test slow hard fuzz kills unseen exports space experiments virtual-arms foreign nightly wheel recipes lint types docs doctor bench-peers bench-run clean
+.PHONY: help setup $(all_targets) test slow hard fuzz kills unseen exports space experiments virtual-arms foreign portable nightly wheel recipes lint types docs doctor bench-peers bench-run clean
 
 help:  ## list the targets
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## (.*)/make \1\t\2/' | expand -t 26
@@ -130,8 +130,26 @@ experiments: $(DEV)  ## measured bodies: error before and after a calibration; t
 virtual-arms: $(DEV)  ## twenty arms built otherwise than drawn, predicted after a calibration; a table, and a plot in results/virtual_arms
 	@$(BIN)/python -m benchmarks.virtual_arms
 
-nightly: $(DEV)  ## for a scheduler: hard cases, slow tests, and 40 designs drawn with today's date as the seed
+# instructions that every processor has, sums in another order, and kernels that are compiled for it; these round
+# differently when they are compiled and when they are loaded, so that the arm is run with both
+portable: export NUMBA_CPU_NAME := generic
+portable: export MKL_CBWR := COMPATIBLE
+portable: export OPENBLAS_CORETYPE := Nehalem
+portable: export NUMBA_CACHE_DIR := $(CURDIR)/build/portable_kernels
+portable: export OMP_NUM_THREADS := 1
+portable: $(DEV)  ## all tests but the slow ones, and the numbers of the coarse arm, as another processor rounds
 	@status=0
+	rm -rf $$NUMBA_CACHE_DIR
+	for kernels in compiled loaded; do
+		$(BIN)/pneurod run configs/pneunet_coarse.yaml --accuracy off --jobs 1 --fresh --out results/portable_$$kernels
+		$(BIN)/python -m tests.golden results/portable_$$kernels || status=1
+	done
+	$(BIN)/python -m pytest -n auto --maxprocesses 4 --dist loadfile --timeout 900 || status=1
+	exit $$status
+
+nightly: $(DEV)  ## for a scheduler: make portable, hard cases, slow tests, and 40 designs with the date as the seed
+	@status=0
+	$(MAKE) --no-print-directory portable || status=1
 	$(BIN)/python -m tests.hard_cases.run_all || status=1
 	$(BIN)/python -m pytest -m slow || status=1
 	$(BIN)/python -m benchmarks.unseen --seed $$(date +%Y%m%d) --count 40 --finer 40 --law both || status=1

@@ -36,10 +36,12 @@ LEFT_OUT = (
     "cores",
     "memory_GB",
 )
-#: what the solver took for a number
-COUNTS = ("newton_iterations", "factorizations", "cutbacks")
+#: what rounding decides: how many steps the solver took, and where a largest value is that several places share
+ROUNDED = ("newton_iterations", "factorizations", "cutbacks", "at_mm", "at_s_mm")
 #: relative tolerance on the same processor, and on another one: Newton's iteration ends at 1e-8 of the forces
 SAME, OTHER = 1e-12, 1e-5
+#: settings that make this processor calculate as another one (`make portable`)
+ARITHMETIC = ("NUMBA_CPU_NAME", "MKL_CBWR", "OPENBLAS_CORETYPE")
 #: largest size of numbers that are zero but for rounding
 ROUNDING = 1e-14
 
@@ -77,7 +79,11 @@ def _is_number(text: str) -> bool:
 
 
 def processor() -> str:
-    """The kind of processor and the number of cores, which decide how the linear algebra rounds."""
+    """The kind of processor and the number of cores, which decide how the linear algebra rounds, and what is set."""
+    return ", ".join([_machine(), *(f"{name}={os.environ[name]}" for name in ARITHMETIC if name in os.environ)])
+
+
+def _machine() -> str:
     if sys.platform != "linux":
         return f"{platform.system()} {platform.processor()}, {os.cpu_count()} cores"
     lines = [line.partition(":") for line in Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()]
@@ -98,8 +104,8 @@ def differences(kept: dict[str, float], found: dict[str, float], tolerance: floa
     ]
 
 
-def _is_count(path: str) -> bool:
-    return any(part in COUNTS for part in path.split("/"))
+def _is_rounded(path: str) -> bool:
+    return any(part.endswith(ROUNDED) for part in path.split("/"))
 
 
 def _list_of(path: str) -> str:
@@ -119,8 +125,8 @@ def main() -> int:
     kept = json.loads(gzip.decompress(KEPT.read_bytes()))
     same = kept["processor"] == processor()
     numbers = kept["numbers"]
-    if not same:  # rounding may change how many steps a solution takes
-        numbers, found = ({path: v for path, v in n.items() if not _is_count(path)} for n in (numbers, found))
+    if not same:
+        numbers, found = ({path: v for path, v in n.items() if not _is_rounded(path)} for n in (numbers, found))
     changed = differences(numbers, found, SAME if same else OTHER)
     missing, new = numbers.keys() - found.keys(), found.keys() - numbers.keys()
     if options.accept and not changed:

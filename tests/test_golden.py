@@ -2,7 +2,9 @@
 
 from pathlib import Path
 
-from tests.golden import SAME, differences, numbers_of
+import pytest
+
+from tests.golden import ARITHMETIC, SAME, differences, numbers_of, processor
 
 
 def test_a_number_that_moved_is_found() -> None:
@@ -24,3 +26,13 @@ def test_texts_and_times_are_left_out(tmp_path: Path) -> None:
     assert numbers["run.json/b/c"] == 4.5
     assert numbers["curves.csv/s_mm/0"] == 0.5
     assert not [path for path in numbers if "seconds" in path]
+
+
+def test_a_processor_that_is_told_to_calculate_as_another_one_is_another_one(monkeypatch: pytest.MonkeyPatch) -> None:
+    for name in ARITHMETIC:
+        monkeypatch.delenv(name, raising=False)
+    own = processor()
+    for name in ARITHMETIC:
+        monkeypatch.setenv(name, "generic")
+        assert processor() != own
+        monkeypatch.delenv(name)
