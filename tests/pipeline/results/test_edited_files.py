@@ -70,6 +70,13 @@ def refusal(file: Path, content: dict[str, Any]) -> str:
     return ended.stderr
 
 
+def named(path: tuple[str | int, ...]) -> str:
+    """The key at a path as a sentence names it: `stretch of curves[0]`."""
+    last = max(k for k, part in enumerate(path) if isinstance(part, str))
+    table = "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in path[:last])
+    return f"{path[last]} of {table[1:]}" if table else str(path[last])
+
+
 def test_the_files_themselves_are_read(tmp_path: Path) -> None:
     for name, content in (("parameters.json", parameters()), ("law.json", law())):
         (tmp_path / name).write_text(json.dumps(content))
@@ -78,74 +85,85 @@ def test_the_files_themselves_are_read(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("path", "value", "sentence"),
+    ("path", "value", "must"),
     [
-        (("format",), 99, "format 99"),
-        (("length_mm",), 0, "length_mm must be positive, not 0."),
-        (("length_mm",), None, "length_mm must be a finite number, not None."),
-        (("length_mm",), 90.0, "s_mm of kappa_0 goes to 110 mm, and length_mm is 90 mm."),
-        (("pressures_kPa",), ["17 kPa", "37 kPa"], "pressures_kPa must be n finite numbers, without texts"),
-        (("pressures_kPa",), [-5.0, 17.0], "pressures_kPa begin with -5; a rod has pressures from 0 on."),
-        (("mass_g",), 0, "mass_g must be positive, not 0."),
-        (("pressures_kPa",), [37.0, 17.0], "pressures_kPa must rise."),
-        (("alpha1_N_mm2",), [60.0], "alpha1_N_mm2 must be 2 finite numbers, and has 1."),
-        (("alpha2_N_mm2",), [300.0, NAN], "alpha2_N_mm2 must be 2 finite numbers, and has one that is none."),
-        (("alpha2_N_mm2",), [300.0, -440.0], "alpha2_N_mm2 must be positive, and has -440."),
-        (("d_mm",), None, "d_mm must be 2 finite numbers"),
-        (("kappa_0", "theta0_rad"), [0.0], "theta0_rad of kappa_0 must be 2 finite numbers, and has 1."),
-        (("kappa_0", "kappa_0_per_mm", 1), lambda row: row[1:], "kappa_0_per_mm of kappa_0 must be 2 × 12 finite"),
-        (("kappa_0", "s_mm"), lambda s: s[::-1], "s_mm of kappa_0 goes to 0 mm"),
-        (("moment_range_N_mm",), [[0.1, 3.0]], "moment_range_N_mm must be 2 × 2 finite numbers, and has 1 × 2."),
-        (("alpha1_N_mm2_std",), [1.0], "alpha1_N_mm2_std must be 2 finite numbers, and has 1."),
-        (("alpha1_N_mm2_std",), [None], "alpha1_N_mm2_std must be 2 numbers, and has 1."),
-        (("solid_volume_mm3",), -1.0, "solid_volume_mm3 must be positive, not -1."),
-        (("kappa_0", "cell_averaged_per_mm"), [[0.0] * 4], "cell_averaged_per_mm of kappa_0 must be 2 × 4 finite"),
-        (("kappa_0", "s_mm"), [], "s_mm of kappa_0 must be two numbers at least."),
-        (("eccentricity", "rest_stretch", 0, 3), None, "rest_stretch of eccentricity must be 2 × 12 finite numbers"),
-        (("eccentricity", "alpha1_N_mm2"), [60.0], "alpha1_N_mm2 of eccentricity must be 2 finite numbers, and has 1."),
+        (("length_mm",), 0, "be positive"),
+        (("length_mm",), None, "be a finite number"),
+        (("pressures_kPa",), ["17 kPa", "37 kPa"], "be n finite"),
+        (("pressures_kPa",), [37.0, 17.0], "rise"),
+        (("mass_g",), 0, "be positive"),
+        (("alpha1_N_mm2",), [60.0], "be 2 finite"),
+        (("alpha2_N_mm2",), [300.0, NAN], "be 2 finite"),
+        (("alpha2_N_mm2",), [300.0, -440.0], "be positive"),
+        (("d_mm",), None, "be 2 finite"),
+        (("kappa_0", "theta0_rad"), [0.0], "be 2 finite"),
+        (("kappa_0", "kappa_0_per_mm", 1), lambda row: row[1:], "be 2 × 12 finite"),
+        (("moment_range_N_mm",), [[0.1, 3.0]], "be 2 × 2 finite"),
+        (("alpha1_N_mm2_std",), [1.0], "be 2 finite"),
+        (("alpha1_N_mm2_std",), [None], "be 2 numbers"),
+        (("solid_volume_mm3",), -1.0, "be positive"),
+        (("kappa_0", "cell_averaged_per_mm"), [[0.0] * 4], "be 2 × 4 finite"),
+        (("kappa_0", "s_mm"), [], "be two numbers"),
+        (("eccentricity", "rest_stretch", 0, 3), None, "be 2 × 12 finite"),
+        (("eccentricity", "alpha1_N_mm2"), [60.0], "be 2 finite"),
     ],
 )
-def test_parameters(tmp_path: Path, path: tuple[str | int, ...], value: Any, sentence: str) -> None:
+def test_parameters(tmp_path: Path, path: tuple[str | int, ...], value: Any, must: str) -> None:
     content = changed(parameters(), path, value)
-    assert sentence in refusal(tmp_path / "parameters.json", content)
+    assert f": {named(path)} must {must}" in refusal(tmp_path / "parameters.json", content)
     with pytest.raises(pneurod.InputError, match=r"parameters\.json: ") as refused:
         pneurod.read_results(tmp_path)
     assert str(path[0]) in str(refused.value)
 
 
 @pytest.mark.parametrize(
-    ("path", "value", "sentence"),
+    ("path", "value", "must"),
     [
-        (("pitch_mm",), 0.0, "pitch_mm must be positive, not 0."),
-        (("pitch_mm",), -10.0, "pitch_mm must be positive, not -10."),
-        (("length_mm",), None, "length_mm must be a finite number, not None."),
-        (("first_middle_mm",), NAN, "first_middle_mm must be a finite number, not nan."),
-        (("curves", 1, "kappa_per_mm"), lambda row: row[1:], "kappa_per_mm of curves[1] must be 9 finite numbers, and"),
-        (("curves", 0, "moment_N_mm", 4), None, "moment_N_mm of curves[0] must be 9 finite numbers, and has one that"),
-        (("curves", 0, "stretch", 4), NAN, "stretch of curves[0] must be 9 finite numbers, and has one that is none."),
-        (("curves", 0, "ripple_mm", 2), [[0.0, 0.0]], "ripple_mm of curves[0] must be 9 × 3 × 2 finite numbers, witho"),
-        (
-            ("curves", 0, "rigidity_N_mm2", 4),
-            -1.0,
-            "rigidity_N_mm2 of curves[0] at the smallest moment must be positive",
-        ),
-        (("curves", 0, "rigidity_N_mm2", 0), 0.0, "rigidity_N_mm2 of curves[0] must not be zero."),
-        (("curves", 0, "s_mm"), lambda s: s[::-1], "s_mm of curves[0] must rise."),
-        (("clamp", "curves", 0, "moment_N_mm"), lambda m: m[::-1], "moment_N_mm of clamp.curves[0] must rise."),
-        (("curves", 1, "axial_rigidity_N", 2), 0.0, "axial_rigidity_N of curves[1] must be positive, and has 0."),
-        (("curves", 1, "shear_rigidity_N", 2), -3.0, "shear_rigidity_N of curves[1] must be positive, and has -3."),
-        (("curves", 0), 3.0, "curves[0] must have keys, and is 3.0."),
-        (("curves",), 3.0, "curves must be a list of curves."),
-        (("clamp", "curves", 0, "rotation_rad"), [0.0], "rotation_rad of clamp.curves[0] must be 9 finite numbers, an"),
-        (("clamp", "curves"), [], "must have a cell, a clamped end and a tip at each pressure"),
-        (("clamp",), None, "clamp must have keys"),
-        (("tip", "curves", 0, "edge_mm"), [0.0], "edge_mm of tip.curves[0] must be 2 finite numbers, and has 1."),
-        (("tip", "curves", 0, "beside_mm"), "none", "beside_mm of tip.curves[0] must be 2 × 2 finite numbers, witho"),
-        (("curves", 0, "pressure_kPa"), "0 kPa", "pressure_kPa of curves[0] must be one finite number, witho"),
+        (("pitch_mm",), 0.0, "be positive"),
+        (("pitch_mm",), -10.0, "be positive"),
+        (("length_mm",), None, "be a finite number"),
+        (("first_middle_mm",), NAN, "be a finite number"),
+        (("curves", 1, "kappa_per_mm"), lambda row: row[1:], "be 9 finite"),
+        (("curves", 0, "moment_N_mm", 4), None, "be 9 finite"),
+        (("curves", 0, "stretch", 4), NAN, "be 9 finite"),
+        (("curves", 0, "ripple_mm", 2), [[0.0, 0.0]], "be 9 × 3 × 2 finite"),
+        (("curves", 0, "rigidity_N_mm2", 0), 0.0, "not be zero"),
+        (("curves", 0, "s_mm"), lambda s: s[::-1], "rise"),
+        (("clamp", "curves", 0, "moment_N_mm"), lambda m: m[::-1], "rise"),
+        (("curves", 1, "axial_rigidity_N", 2), 0.0, "be positive"),
+        (("curves", 1, "shear_rigidity_N", 2), -3.0, "be positive"),
+        (("curves",), 3.0, "be a list"),
+        (("clamp", "curves", 0, "rotation_rad"), [0.0], "be 9 finite"),
+        (("clamp",), None, "have keys"),
+        (("tip", "curves", 0, "edge_mm"), [0.0], "be 2 finite"),
+        (("tip", "curves", 0, "beside_mm"), "none", "be 2 × 2 finite"),
+        (("curves", 0, "pressure_kPa"), "0 kPa", "be one finite"),
     ],
 )
-def test_laws(tmp_path: Path, path: tuple[str | int, ...], value: Any, sentence: str) -> None:
-    assert sentence in refusal(tmp_path / "law.json", changed(law(), path, value))
+def test_laws(tmp_path: Path, path: tuple[str | int, ...], value: Any, must: str) -> None:
+    assert f": {named(path)} must {must}" in refusal(tmp_path / "law.json", changed(law(), path, value))
+
+
+@pytest.mark.parametrize(
+    ("name", "path", "value", "sentence"),
+    [
+        ("parameters.json", ("format",), 99, "format 99"),
+        ("parameters.json", ("length_mm",), 0, "length_mm must be positive, not 0."),
+        ("parameters.json", ("length_mm",), None, "length_mm must be a finite number, not None."),
+        ("parameters.json", ("length_mm",), 90.0, "s_mm of kappa_0 goes to 110 mm, and length_mm is 90 mm."),
+        ("parameters.json", ("kappa_0", "s_mm"), lambda s: s[::-1], "s_mm of kappa_0 goes to 0 mm"),
+        ("parameters.json", ("pressures_kPa",), [-5.0, 17.0], "pressures_kPa begin with -5; a rod has pressures"),
+        ("parameters.json", ("pressures_kPa",), ["17 kPa"], "pressures_kPa must be n finite numbers, without texts"),
+        ("law.json", ("curves", 0, "stretch", 4), NAN, "must be 9 finite numbers, and has one that is none."),
+        ("law.json", ("curves", 0, "stretch"), [1.0], "must be 9 finite numbers, and has 1."),
+        ("law.json", ("curves", 0, "rigidity_N_mm2", 4), -1.0, "of curves[0] at the smallest moment must be positive"),
+        ("law.json", ("curves", 0), 3.0, "curves[0] must have keys, and is 3.0."),
+        ("law.json", ("clamp", "curves"), [], "must have a cell, a clamped end and a tip at each pressure"),
+    ],
+)
+def test_every_sentence(tmp_path: Path, name: str, path: tuple[str | int, ...], value: Any, sentence: str) -> None:
+    content = changed(parameters() if name == "parameters.json" else law(), path, value)
+    assert sentence in refusal(tmp_path / name, content)
 
 
 def test_a_law_may_soften_to_a_negative_rigidity_at_its_end(tmp_path: Path) -> None:
