@@ -14,6 +14,7 @@ from pipeline.law import build
 from pipeline.law.meshes import find_limit
 from pipeline.store.worker import THREADS
 from tests.quotients import TIGHT
+from tests.shared import SharedFolders
 
 #: of the libraries, as the tests begin
 BEGAN_WITH = {name: os.environ.get(name) for name in THREADS}
@@ -53,6 +54,15 @@ def coarse_limit() -> Iterator[None]:
 def solved_tightly(monkeypatch: pytest.MonkeyPatch) -> None:
     """Cells are solved until their forces balance to `TIGHT`, so that differences of their states have digits."""
     monkeypatch.setattr(piece, "OPTIONS", replace(piece.OPTIONS, tolerance=TIGHT))
+
+
+@pytest.fixture(scope="session")
+def shared(tmp_path_factory: pytest.TempPathFactory) -> Iterator[SharedFolders]:
+    """Folders that all processes of this run of the tests share."""
+    own = tmp_path_factory.getbasetemp()
+    folders = SharedFolders((own.parent if "PYTEST_XDIST_WORKER" in os.environ else own) / "shared")
+    yield folders
+    assert not folders.changed(), "a test changed a folder that others read; it must take a copy"
 
 
 @pytest.fixture(scope="session")

@@ -22,6 +22,7 @@ from pipeline.run import run
 from pipeline.stages import Stages, stage_names
 from pipeline.store.progress import Silent
 from pipeline.values.errors import RunFailed
+from tests.shared import SharedFolders
 
 SHORT = """
 name: short
@@ -44,10 +45,8 @@ def config_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="module")
-def results(config_file: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    out = tmp_path_factory.mktemp("results")
-    run(load_config(config_file), out, 1, False, Silent())
-    return out
+def results(config_file: Path, shared: SharedFolders) -> Path:
+    return shared.folder("short", lambda out: run(load_config(config_file), out, 1, False, Silent()))
 
 
 def read(results: Path, name: str):

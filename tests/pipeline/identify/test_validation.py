@@ -26,6 +26,7 @@ from pipeline.store.progress import Silent
 from pipeline.store.store import open_store
 from rod import Load
 from tests.pipeline.simulate.test_outcome import outcome, record
+from tests.shared import SharedFolders
 
 SHORT = """
 name: seven
@@ -47,10 +48,8 @@ def config(tmp_path_factory: pytest.TempPathFactory) -> Config:
 
 
 @pytest.fixture(scope="module")
-def results(config: Config, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    out = tmp_path_factory.mktemp("results")
-    run(config, out, 1, False, Silent())
-    return out
+def results(config: Config, shared: SharedFolders) -> Path:
+    return shared.folder("seven", lambda out: run(config, out, 1, False, Silent()))
 
 
 def read(results: Path, name: str):

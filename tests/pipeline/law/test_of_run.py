@@ -26,6 +26,7 @@ from pipeline.store.store import open_store
 from pipeline.values.errors import InputError
 from rod import Rod, law_from_record
 from tests.pipeline.simulate.test_outcome import outcome, record
+from tests.shared import SharedFolders
 
 pytestmark = pytest.mark.usefixtures("coarse_limit")
 
@@ -46,10 +47,9 @@ def config(folder: Path, *settings: str) -> Config:
 
 
 @pytest.fixture(scope="module")
-def results(tmp_path_factory: pytest.TempPathFactory, coarse_limit: None) -> Path:
-    out = tmp_path_factory.mktemp("results")
-    run(config(tmp_path_factory.mktemp("config")), out, 1, False, Silent()).results.raise_if_failed()
-    return out
+def results(tmp_path_factory: pytest.TempPathFactory, shared: SharedFolders, coarse_limit: None) -> Path:
+    five = config(tmp_path_factory.mktemp("config"))
+    return shared.folder("five", lambda out: run(five, out, 1, False, Silent()).results.raise_if_failed())
 
 
 def read(results: Path, name: str):
@@ -172,6 +172,12 @@ def test_a_cell_that_bears_no_pressure_of_the_configuration_is_measured_below_th
     assert 8.0 in made.measured.added_kPa
 
 
+@pytest.fixture(scope="module")
+def measured(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder in which a law finds the curves of an earlier one of the same configuration."""
+    return tmp_path_factory.mktemp("measured")
+
+
 @pytest.mark.parametrize(
     ("reached", "below_limit", "end", "highest"),
     [
@@ -184,12 +190,12 @@ def test_a_cell_that_bears_no_pressure_of_the_configuration_is_measured_below_th
     ],
 )
 def test_the_law_goes_no_higher_than_the_whole_arm(
-    tmp_path: Path, reached: tuple[float, ...], below_limit: tuple[float, ...], end: float, highest: float
+    measured: Path, reached: tuple[float, ...], below_limit: tuple[float, ...], end: float, highest: float
 ) -> None:
     """Up to the highest pressure at which II has a state, those below its limit included."""
-    design = config(tmp_path, "validation=off")
+    design = config(measured, "validation=off")
     scene, simulated = Scene.meshed(design), ended(design, reached, below_limit, end)
-    with open_store(tmp_path / "out", design) as store:
+    with open_store(measured / "out", design) as store:
         context = RunContext.alone(store, Silent())
         made = law_on_mesh_of_arm(scene, context, lambda: find_highest_pressure(scene, *simulated)).result()
     assert made.law is not None

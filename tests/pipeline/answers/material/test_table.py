@@ -202,19 +202,21 @@ def test_files_that_cannot_be_read(tmp_path: Path) -> None:
         read(tmp_path)
 
 
-@settings(max_examples=200, deadline=None)
-@given(
-    st.lists(st.sampled_from([*"0123456789.,;-\t\n\"'#%()[]/eE ", HEADER + "\n", "test,", "stretch (1)", "kPa", "nan"]))
-)
-def test_whatever_stands_in_a_file_it_is_read_or_refused(
-    tmp_path_factory: pytest.TempPathFactory, parts: list[str]
-) -> None:
-    path = written(tmp_path_factory.mktemp("fuzz"), "".join(parts))
-    message = ""
-    try:
-        tests = read_tensile([path], Specimen(), Selection())
-    except InputError as refused:
-        message, tests = str(refused), ()
-    assert bool(tests) != message.startswith(f"{path}: ")
-    assert len(message.splitlines()) <= 1
-    assert all(np.isfinite(test.stress).all() and (test.stretch > 0).all() for test in tests)
+PARTS = st.sampled_from([*"0123456789.,;-\t\n\"'#%()[]/eE ", HEADER + "\n", "test,", "stretch (1)", "kPa", "nan"])
+
+
+@pytest.mark.parametrize("number", [50, pytest.param(200, marks=pytest.mark.slow)])
+def test_whatever_stands_in_a_file_it_is_read_or_refused(tmp_path: Path, number: int) -> None:
+    @settings(max_examples=number, deadline=None)
+    @given(st.lists(PARTS))
+    def tried(parts: list[str]) -> None:
+        path, message = written(tmp_path, "".join(parts)), ""
+        try:
+            tests = read_tensile([path], Specimen(), Selection())
+        except InputError as refused:
+            message, tests = str(refused), ()
+        assert bool(tests) != message.startswith(f"{path}: ")
+        assert len(message.splitlines()) <= 1
+        assert all(np.isfinite(test.stress).all() and (test.stretch > 0).all() for test in tests)
+
+    tried()
