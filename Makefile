@@ -97,7 +97,7 @@ accuracy: $(READY)  ## convergence studies of the four coarse arms, in results/*
 test: export OMP_NUM_THREADS := 1
 test: $(DEV)  ## all tests but the slow ones
 	@# a test that hangs fails after a quarter of an hour, with the lines it stands at; the longest takes a minute
-	$(BIN)/python -m pytest -n auto --maxprocesses 4 --dist loadfile --timeout 900 --durations 15
+	$(BIN)/python -m pytest -n auto --maxprocesses 4 --dist worksteal --timeout 900 --durations 15
 
 slow: $(DEV)  ## the tests that take longer, and whole runs that repeat what faster tests do
 	@$(BIN)/python -m pytest -m slow
@@ -144,7 +144,7 @@ portable: $(DEV)  ## all tests but the slow ones, and the numbers of the coarse 
 		$(BIN)/pneurod run configs/pneunet_coarse.yaml --accuracy off --jobs 1 --fresh --out results/portable_$$kernels
 		$(BIN)/python -m tests.golden results/portable_$$kernels || status=1
 	done
-	$(BIN)/python -m pytest -n auto --maxprocesses 4 --dist loadfile --timeout 900 || status=1
+	$(BIN)/python -m pytest -n auto --maxprocesses 4 --dist worksteal --timeout 900 || status=1
 	exit $$status
 
 nightly: $(DEV)  ## for a scheduler: make portable, hard cases, slow tests, and 40 designs with the date as the seed

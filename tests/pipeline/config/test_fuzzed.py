@@ -83,7 +83,7 @@ def first_stage(folder: Path, written: Written, largest: int) -> str:
     return "meshed"
 
 
-@pytest.mark.parametrize("number", [40, pytest.param(200, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("number", [100, pytest.param(200, marks=pytest.mark.slow)])
 def test_every_configuration_is_read_or_refused_in_one_sentence(folder: Path, number: int) -> None:
     seen: Counter[str] = Counter()
 

@@ -233,7 +233,7 @@ def test_a_run_tells_its_law_how_high_it_goes(tmp_path: Path, monkeypatch: pytes
         return 6.0
 
     monkeypatch.setattr("pipeline.stages.find_highest_pressure", up_to_six)
-    design = config(tmp_path, "accuracy=20 %", "validation=off")
+    design = config(tmp_path, "accuracy=20 %", "validation=off", "experiments=[II, III]")
     delivered = run(design, tmp_path / "out", jobs, False, Silent()).arm.law
     assert delivered is not None
     assert delivered.pressures[-1] == 12.0
