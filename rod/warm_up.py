@@ -2,8 +2,8 @@
 
 import numpy as np
 
+from rod.arm.assembly import Tangent
 from rod.arm.chain import solve_chain
-from rod.arm.newton import Tangent
 from rod.arm.small_motions import lowest_of
 from rod.law import FiveParameters
 from rod.load import Load

@@ -11,8 +11,9 @@ import numpy as np
 from geometry.arrays import Array, Mask
 from geometry.topology import cross
 from rod.arm import newton
+from rod.arm.assembly import Chain, LoadArrays, StateArrays, Tangent
 from rod.arm.end_kernels import TIP_COLUMNS, EndArrays, tip_levers
-from rod.arm.newton import Chain, Found, LoadArrays, StateArrays, Tangent
+from rod.arm.newton import Found
 from rod.compiled import CompiledLater
 from rod.errors import RodError
 from rod.spatial import Position, SpatialLoad

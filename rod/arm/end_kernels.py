@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from geometry.arrays import Array
-from rod.arm.elements import cross_into, exponential, multiply
+from rod.arm.rotations import cross_into, exponential, multiply
 
 #: columns of the table of the tip: couple of its support; lever of a force and end of the curve, along the frame (3)
 TIP_COLUMNS = 7

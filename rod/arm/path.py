@@ -11,6 +11,7 @@ from typing import NamedTuple, Protocol
 import numpy as np
 
 from geometry.arrays import Array
+from rod.arm.assembly import StateArrays
 from rod.arm.chain import (
     NodeLoads,
     Nodes,
@@ -29,7 +30,7 @@ from rod.arm.chain import (
     turn_of,
 )
 from rod.arm.end_kernels import TIP_COLUMNS, EndArrays, tip_levers
-from rod.arm.newton import ITERATIONS, Found, StateArrays
+from rod.arm.newton import ITERATIONS, Found
 from rod.arm.sections import Section
 from rod.arm.small_motions import lowest
 from rod.errors import RodError, buckles_at

@@ -8,19 +8,11 @@ motion. The clamped end and the elements beside it follow the others in equilibr
 import numpy as np
 
 from geometry.arrays import Array, Index, Mask
+from rod.arm.assembly import Chain, LoadArrays, StateArrays, Tangent
 from rod.arm.bands import factorize, solve, solve_small
 from rod.arm.chain import room_for, solve_chain
 from rod.arm.end_kernels import EndArrays
-from rod.arm.newton import (
-    Chain,
-    LoadArrays,
-    StateArrays,
-    Tangent,
-    border_system,
-    held_axes,
-    negative_of,
-    unstable,
-)
+from rod.arm.newton import border_system, held_axes, negative_of, unstable
 from rod.arm.section_kernels import SectionArrays
 from rod.compiled import CompiledLater
 

@@ -3,8 +3,8 @@
 import numpy as np
 
 from geometry.arrays import Array, read_only
+from rod.arm.assembly import StateArrays
 from rod.arm.chain import NodeLoads, Nodes, chain_arrays, held_along, load_arrays
-from rod.arm.newton import StateArrays
 from rod.arm.path import ArmModel
 from rod.arm.small_motions import lowest
 from rod.spatial import Held, Stability

@@ -1,0 +1,409 @@
+"""Tangent and residual of a chain of beam elements between its ends, under loads on its nodes.
+
+The first node is where the clamp puts it (`rod.arm.end_kernels`): it is eliminated with the first element. The unknowns
+are the motions of all others, in the plane x, y and angle, in space place and turn.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from geometry.arrays import Array, Mask
+from rod.arm import elements, end_kernels, section_kernels
+from rod.arm.bands import solve_small
+from rod.arm.elements import plane_element, space_element, strain_change
+from rod.arm.end_kernels import TIP_COLUMNS, EndArrays, clamp_in_plane, clamp_in_space, tip_levers
+from rod.arm.rotations import exponential, logarithm, multiply, multiply_transposed
+from rod.arm.section_kernels import SectionArrays, plane_section, space_section
+
+#: numbers that are kept of an element
+KEPT = 42
+#: rad, of difference quotients at the tip
+STEP = 1e-5
+
+
+class LoadArrays(NamedTuple):
+    """What acts on the nodes, and holds the end."""
+
+    force: Array  #: (3,) N, on the end where it is not held
+    couple: Array  #: (3,) N mm, on the end
+    held: Mask  #: (3,)
+    target: Array  #: (3,) mm, of the end of the material curve where it is held
+    nodes: Array  #: (N, 3) N, on the axis at the nodes
+    couples: Array  #: (N, 3) N mm
+    #: (N, 2, 3) N mm: forces times how far along the first and the second direction of the section they act
+    beside: Array
+
+
+class StateArrays(NamedTuple):
+    """A chain in a state; Newton's method changes it in place."""
+
+    place: Array  #: (N, 3) mm
+    angle: Array  #: (N,) rad, in the plane
+    frames: Array  #: (N, 3, 3), in space
+    inner: Array  #: (n, 3) N, axial and shear forces of the elements in the tangent
+    force: Array  #: (3,) N, on the end
+
+
+class Chain(NamedTuple):
+    """The elements."""
+
+    in_space: bool
+    is_loaded: bool  #: False: the tangent is that of the same shape without forces and moments
+    h: Array  #: (n,) mm, rest lengths
+    free: int  #: first node beyond the clamped end, from which on unstable directions are counted
+    length: float  #: mm
+
+
+class Tangent(NamedTuple):
+    """The tangent of a chain, with what holds its end; overwritten by each iteration."""
+
+    band: Array  #: (m (N - 1), 4 m - 1), as in `rod.arm.bands`; m unknowns of a node
+    #: (2, 6, 3): the residual of the last node by forces on the end, and the places of the end by the last node
+    border: Array
+    missed: Array  #: (3,) mm, by these places
+    direct: Array  #: (3, 3) places by forces
+
+
+def _element(
+    section: SectionArrays,
+    chain: Chain,
+    state: StateArrays,
+    e: int,
+    work: Array,
+    gradient: Array,
+    hessian: Array,
+    kept: Array,
+    columns: Array,
+) -> float:
+    """Gradient and Hessian of element e; `kept` (n, KEPT) gets what `predict` needs."""
+    h, place = chain.h[e], state.place
+    strain, force = work[17, 0], work[17, 1]
+    if not chain.in_space:
+        angle = 0.5 * (state.angle[e] + state.angle[e + 1])
+        c, s = math.cos(angle), math.sin(angle)
+        x, y = (place[e + 1, 0] - place[e, 0]) / h, (place[e + 1, 1] - place[e, 1]) / h
+        strain[0] = (state.angle[e + 1] - state.angle[e]) / h
+        strain[1], strain[2] = c * x + s * y, c * y - s * x
+        stiffness = work[18]
+        outside = plane_section(section, e, strain, force, stiffness, columns)
+        if not chain.is_loaded:
+            force[:] = 0.0
+        row = kept[e]
+        row[0], row[1], row[2], row[3] = angle, strain[0], strain[1], strain[2]
+        row[5], row[6] = force[1], force[2]
+        for i in range(2):
+            for j in range(3):
+                row[7 + 3 * i + j] = stiffness[1 + i, j]
+        plane_element(h, row[:5], force, stiffness, state.inner[e, :2], gradient, hessian)
+        return outside
+    turn, half, middle, between = work[17, 2], work[16, 0], work[18], work[19]
+    multiply_transposed(state.frames[e], state.frames[e + 1], between)
+    logarithm(between, turn)
+    for i in range(3):
+        half[i] = 0.5 * turn[i]
+    exponential(half, between)
+    multiply(state.frames[e], between, middle)
+    row = kept[e]
+    six, forces, stiff = row[:6], row[6:12], work[20:24].reshape(36).reshape((6, 6))
+    for i in range(3):
+        six[i] = turn[i] / h
+        six[3 + i] = (
+            middle[0, i] * (place[e + 1, 0] - place[e, 0])
+            + middle[1, i] * (place[e + 1, 1] - place[e, 1])
+            + middle[2, i] * (place[e + 1, 2] - place[e, 2])
+        ) / h
+    outside = space_section(section, e, six, forces, stiff, columns)
+    if not chain.is_loaded:
+        forces[:] = 0.0
+    for i in range(3):
+        row[12 + i] = turn[i]
+        for j in range(3):
+            row[15 + 3 * i + j] = middle[i, j]
+        for j in range(6):
+            row[24 + 6 * i + j] = stiff[3 + i, j]
+    space_element(h, middle, turn, six, forces, stiff, state.inner[e], work[:16], gradient, hessian)
+    return outside
+
+
+def _add(band: Array, residual: Array, row: int, gradient: Array, hessian: Array, half: int) -> None:
+    """Add an element whose first row is `row`."""
+    n = len(gradient)
+    for i in range(n):
+        residual[row + i] += gradient[i]
+        for j in range(n):
+            band[row + i, half + j - i] += hessian[i, j]
+
+
+def _clamp(
+    ends: EndArrays,
+    chain: Chain,
+    state: StateArrays,
+    gradient: Array,
+    hessian: Array,
+    band: Array,
+    residual: Array,
+    start: Array,
+) -> float:
+    """Eliminate the first node: start (m, 1 + m) becomes its motion, and what it adds by that of the second node."""
+    m = 6 if chain.in_space else 3
+    missed, by_start, by_end = np.zeros(m), np.zeros((m, m)), np.zeros((m, m))
+    at_end, at_start = np.empty(m), np.empty(m)
+    for i in range(m):
+        at_start[i], at_end[i] = -gradient[i], gradient[m + i]
+    if chain.in_space:
+        place, turned, away, turn = np.empty(3), np.empty((3, 3)), np.empty((3, 3)), np.empty(3)
+        beyond = clamp_in_space(ends, state.frames[0], at_start, at_end, place, turned, by_start, by_end)
+        for i in range(3):
+            for j in range(3):
+                away[i, j] = (
+                    turned[i, 0] * state.frames[0, j, 0]
+                    + turned[i, 1] * state.frames[0, j, 1]
+                    + turned[i, 2] * state.frames[0, j, 2]
+                )
+        logarithm(away, turn)
+        for i in range(3):
+            missed[i], missed[3 + i] = place[i] - state.place[0, i], turn[i]
+    else:
+        place = np.empty(3)
+        beyond = clamp_in_plane(ends, at_end, place, by_end, np.empty((4, 3)))
+        missed[0], missed[1] = place[0] - state.place[0, 0], place[1] - state.place[0, 1]
+        missed[2] = place[2] - state.angle[0]
+    matrix = np.zeros((m, m))
+    for i in range(m):
+        matrix[i, i] = 1.0
+        start[i, 0] = missed[i]
+        for j in range(m):
+            start[i, 1 + j] = 0.0
+            for k in range(m):
+                matrix[i, j] += by_start[i, k] * hessian[k, j] - by_end[i, k] * hessian[m + k, j]
+                start[i, 1 + j] += by_end[i, k] * hessian[m + k, m + j] - by_start[i, k] * hessian[k, m + j]
+    solve_small(matrix, start)
+    for i in range(m):
+        residual[i] += gradient[m + i]
+        for k in range(m):
+            residual[i] += hessian[m + i, k] * start[k, 0]
+        for j in range(m):
+            value = hessian[m + i, m + j]
+            for k in range(m):
+                value += hessian[m + i, k] * start[k, 1 + j]
+            band[i, 2 * m - 1 + j - i] += value
+    return beyond
+
+
+def _frame(chain: Chain, state: StateArrays, i: int, out: Array) -> None:
+    """The frame (3, 3) of a node."""
+    if chain.in_space:
+        out[:] = state.frames[i]
+        return
+    c, s = math.cos(state.angle[i]), math.sin(state.angle[i])
+    out[:] = 0.0
+    out[0, 0], out[1, 0], out[0, 1], out[1, 1], out[2, 2] = c, s, -s, c, 1.0
+
+
+def _couple(band: Array, row: int, half: int, couple: Array, factor: float) -> None:
+    """Add what a couple of constant direction does to the tangent by turns: it has no potential.
+
+    The second derivatives of the elements are symmetric, the derivative of their moments is not.
+    """
+    for i in range(3):
+        j, k = (i + 1) % 3, (i + 2) % 3
+        band[row + i, half + j - i] += 0.5 * factor * couple[k]
+        band[row + i, half + k - i] -= 0.5 * factor * couple[j]
+
+
+def _nodal(
+    load: LoadArrays, chain: Chain, state: StateArrays, factor: float, band: Array, residual: Array, frame: Array
+) -> None:
+    """Add the loads on the nodes."""
+    m = 6 if chain.in_space else 3
+    half = 2 * m - 1
+    for node in range(1, len(state.place)):
+        row = m * (node - 1)
+        for i in range(m // 2 + (0 if chain.in_space else 1)):
+            if i < 2 or chain.in_space:
+                residual[row + i] -= factor * load.nodes[node, i]
+        along, normal = load.beside[node, 0], load.beside[node, 1]
+        turn = row + (3 if chain.in_space else 2)
+        if chain.in_space:
+            for i in range(3):
+                residual[turn + i] -= factor * load.couples[node, i]
+            _couple(band, turn, half, load.couples[node], factor)
+        else:
+            residual[turn] -= factor * load.couples[node, 2]
+        if not (along.any() or normal.any()):
+            continue
+        _frame(chain, state, node, frame)
+        for part in range(2):
+            a, A = frame[:, part], load.beside[node, part]
+            if not chain.in_space:
+                residual[turn] -= factor * (a[0] * A[1] - a[1] * A[0])
+                band[turn, half] += factor * (a[0] * A[0] + a[1] * A[1])
+                continue
+            dot = a[0] * A[0] + a[1] * A[1] + a[2] * A[2]
+            for i in range(3):
+                j, k = (i + 1) % 3, (i + 2) % 3
+                residual[turn + i] -= factor * (a[j] * A[k] - a[k] * A[j])
+                for other in range(3):
+                    band[turn + i, half + other - i] -= 0.5 * factor * (a[i] * A[other] + A[i] * a[other])
+                band[turn + i, half] += factor * dot
+
+
+def _moved_frame(chain: Chain, frame: Array, axis: int, angle: float, work: Array, out: Array) -> None:
+    """A frame turned about an axis of space."""
+    vector = work[0]
+    vector[:] = 0.0
+    vector[axis] = angle
+    exponential(vector, work[1:4])
+    multiply(work[1:4], frame, out)
+
+
+def _tip(
+    ends: EndArrays,
+    load: LoadArrays,
+    chain: Chain,
+    state: StateArrays,
+    factor: float,
+    tangent: Tangent,
+    residual: Array,
+) -> None:
+    """Add the load on the end, and what holds it."""
+    band, border, missed, direct = tangent
+    m = 6 if chain.in_space else 3
+    half, last = 2 * m - 1, len(state.place) - 1
+    row = m * (last - 1)
+    frame, moved, turned = np.empty((3, 3)), np.empty((3, 3)), np.empty((4, 3))
+    out, ahead, behind = np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3))
+    work, force = np.empty((2, TIP_COLUMNS)), np.empty(3)
+    _frame(chain, state, last, frame)
+    for i in range(3):
+        force[i] = state.force[i] if load.held[i] else factor * load.force[i]
+        state.force[i] = force[i]
+    tip_levers(ends, frame, force, out, work)
+    places = 3 if chain.in_space else 2
+    turn = row + places
+    first = 0 if chain.in_space else 2
+    border[:] = 0.0
+    direct[:] = 0.0
+    for i in range(places):
+        residual[row + i] -= force[i]
+        border[0, i, i], border[1, i, i] = -1.0, 1.0
+        missed[i] = state.place[last, i] + out[2, i] - load.target[i]
+    for i in range(first, 3):
+        residual[turn + i - first] -= out[0, i] + factor * load.couple[i]
+    if chain.in_space:
+        _couple(band, turn, half, load.couple, factor)
+    for axis in range(first, 3):
+        _moved_frame(chain, frame, axis, STEP, turned, moved)
+        tip_levers(ends, moved, force, ahead, work)
+        _moved_frame(chain, frame, axis, -STEP, turned, moved)
+        tip_levers(ends, moved, force, behind, work)
+        for i in range(first, 3):
+            value = -(ahead[0, i] - behind[0, i]) / (2.0 * STEP)
+            a, b = i - first, axis - first
+            band[turn + a, half + b - a] += 0.5 * value
+            band[turn + b, half + a - b] += 0.5 * value
+        for i in range(places):
+            border[1, places + axis - first, i] = (ahead[2, i] - behind[2, i]) / (2.0 * STEP)
+    for k in range(places):
+        if not load.held[k]:
+            continue
+        force[k] += 1.0
+        tip_levers(ends, frame, force, ahead, work)
+        force[k] -= 1.0
+        for i in range(first, 3):
+            border[0, places + i - first, k] = -(ahead[0, i] - out[0, i])
+        for i in range(places):
+            direct[i, k] = ahead[2, i] - out[2, i]
+
+
+def predict(chain: Chain, state: StateArrays, kept: Array, motion: Array) -> None:
+    """Forces of the elements after a motion (N, m), by the tangent, for the next geometric part."""
+    d, p, q, change = np.empty(3), np.empty(3), np.empty(3), np.empty(6)
+    for e in range(len(chain.h)):
+        row, h = kept[e], chain.h[e]
+        if not chain.in_space:
+            c, s = math.cos(row[0]), math.sin(row[0])
+            x, y = motion[e + 1, 0] - motion[e, 0], motion[e + 1, 1] - motion[e, 1]
+            turn = 0.5 * (motion[e, 2] + motion[e + 1, 2])
+            kappa = (motion[e + 1, 2] - motion[e, 2]) / h
+            stretch, shear = (c * x + s * y) / h + row[3] * turn, (c * y - s * x) / h - row[2] * turn
+            for i in range(2):
+                state.inner[e, i] = (
+                    row[5 + i] + row[7 + 3 * i] * kappa + row[8 + 3 * i] * stretch + row[9 + 3 * i] * shear
+                )
+            continue
+        for i in range(3):
+            d[i] = p[i] = q[i] = 0.0
+            for j in range(3):
+                along = row[15 + 3 * j + i]  # of the middle frame
+                d[i] += along * (motion[e + 1, j] - motion[e, j])
+                q[i] += along * (motion[e + 1, 3 + j] - motion[e, 3 + j])
+                p[i] += along * 0.5 * (motion[e + 1, 3 + j] + motion[e, 3 + j])
+        strain_change(h, row[12:15], row[3:6], d, p, q, change)
+        for i in range(3):
+            state.inner[e, i] = row[9 + i]
+            for j in range(6):
+                state.inner[e, i] += row[24 + 6 * i + j] * change[j]
+
+
+def move(chain: Chain, state: StateArrays, motion: Array, work: Array) -> float:
+    """Move all nodes by motion (N, m); the largest part of it, rad and mm over the length."""
+    largest = 0.0
+    for node in range(len(motion)):
+        if not chain.in_space:
+            for i in range(2):
+                state.place[node, i] += motion[node, i]
+                largest = max(largest, abs(motion[node, i]) / chain.length)
+            state.angle[node] += motion[node, 2]
+            largest = max(largest, abs(motion[node, 2]))
+            continue
+        for i in range(3):
+            state.place[node, i] += motion[node, i]
+            largest = max(largest, abs(motion[node, i]) / chain.length, abs(motion[node, 3 + i]))
+        exponential(motion[node, 3:], work[0])
+        multiply(work[0], state.frames[node], work[1])
+        state.frames[node] = work[1]
+    return largest
+
+
+def assemble(
+    section: SectionArrays,
+    ends: EndArrays,
+    chain: Chain,
+    load: LoadArrays,
+    state: StateArrays,
+    factor: float,
+    tangent: Tangent,
+    residual: Array,
+    start: Array,
+    kept: Array,
+) -> tuple[float, float]:
+    """Tangent, residual (m (N - 1),) and start (see `_clamp`) of a state.
+
+    Returns by how much curvature and moment leave what is known.
+    """
+    m = 6 if chain.in_space else 3
+    half, band = 2 * m - 1, tangent.band
+    work, columns = np.zeros((24, 3, 3)), np.empty((3, max(section.table.shape[2], 1)))
+    gradient, hessian = np.empty(2 * m), np.empty((2 * m, 2 * m))
+    band[:] = 0.0
+    residual[:] = 0.0
+    outside = _element(section, chain, state, 0, work, gradient, hessian, kept, columns)
+    beyond = _clamp(ends, chain, state, gradient, hessian, band, residual, start)
+    for e in range(1, len(chain.h)):
+        outside = max(outside, _element(section, chain, state, e, work, gradient, hessian, kept, columns))
+        _add(band, residual, m * (e - 1), gradient, hessian, half)
+    _nodal(load, chain, state, factor, band, residual, work[0])
+    _tip(ends, load, chain, state, factor, tangent, residual)
+    return outside, beyond
+
+
+#: in the order in which they call each other, innermost first
+CALLS = (
+    *section_kernels.CALLS,
+    *elements.CALLS,
+    *end_kernels.CALLS,
+    *(solve_small, _element, _add, _clamp, _frame, _couple, _nodal, _moved_frame, _tip, predict, move, assemble),
+)
