@@ -50,7 +50,18 @@ if TYPE_CHECKING:
         StVenantKirchhoff,
         Yeoh,
     )
-    from rod import ArmLaw, FiveParameters, Interval, LawRod, Rod, RodError, RodSolution, RodWarning
+    from rod import (
+        ArmLaw,
+        FiveParameters,
+        Interval,
+        LawRod,
+        LineLoad,
+        PointLoad,
+        Rod,
+        RodError,
+        RodSolution,
+        RodWarning,
+    )
 
 __all__ = [
     "ArmLaw",
@@ -62,12 +73,14 @@ __all__ = [
     "InputError",
     "Interval",
     "LawRod",
+    "LineLoad",
     "MooneyRivlin",
     "NamedRubber",
     "NeoHooke",
     "Ogden",
     "PneuNet",
     "PneurodError",
+    "PointLoad",
     "Rectangular",
     "Results",
     "Rod",

@@ -1,17 +1,23 @@
-"""What acts on an arm besides its pressure, as one value: end force, end couple, dead weight.
+"""What acts on an arm besides its pressure, as one value: end force, end couple, dead weight, loads along it.
 
-The rod in equilibrium and the moment of a curve (`moment_from_load`) take all three. In an identification the weight
-acts in experiment II as well as in III; the end force in III alone (`rod.curves.curve.moment_between`).
+The rod in equilibrium takes all, the moment of a curve (`moment_from_load`) the first three. In an identification the
+weight acts in experiment II as well as in III; the end force in III alone (`rod.curves.curve.moment_between`).
 """
 
 import math
 import reprlib
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Any, TypeVar
 
+import numpy as np
+
+from rod.along import AlongLoad, checked_along, is_end_force, leaves_plane
 from rod.checked import finite
 from rod.errors import LoadError, RodError
-from rod.spatial import PointLoad, SpatialLoad, held_at
+from rod.spatial import SpatialLoad, held_at
+
+AnyLoad = TypeVar("AnyLoad", "Load", SpatialLoad)
 
 
 @dataclass(frozen=True)
@@ -22,13 +28,16 @@ class Load:
     couple: float = 0.0  #: N mm, on the end
     weight: tuple[float, float] = (0.0, 0.0)  #: N/mm, q_x and q_y per rest length, all along the arm
     weight_height: float = 0.0  #: mm, of the mass above the material curve, along the normal of the curve
-    along: tuple[PointLoad, ...] = ()  #: on sections of the arm
+    along: tuple[AlongLoad, ...] = ()  #: on sections of the arm, in its plane
 
     def __post_init__(self) -> None:
         for name in ("force", "weight"):
             object.__setattr__(self, name, pair(getattr(self, name), name))
         object.__setattr__(self, "couple", finite(self.couple, "The end moment"))
         object.__setattr__(self, "weight_height", finite(self.weight_height, "weight_height"))
+        object.__setattr__(self, "along", checked_along(self.along))
+        if any(map(leaves_plane, self.along)):
+            raise LoadError("A load across the plane of the arm is none of a rod in its plane; solve the rod in space.")
 
     @property
     def own_weight(self) -> "Load":
@@ -42,10 +51,29 @@ class Load:
             (*self.force, 0.0), (0.0, 0.0, self.couple), (*self.weight, 0.0), self.weight_height, self.along
         )
 
+    def on_free_axes(self, end: tuple[float | None, float | None]) -> "Load":
+        """The load with its force on the end along the axes on which the end is free."""
+        fx, fy = (0.0 if held is not None else force for force, held in zip(self.force, end, strict=True))
+        return replace(self, force=(fx, fy))
+
     @property
     def force_size(self) -> float:
         """N, |F|."""
         return math.hypot(*self.force)
+
+
+def with_along(load: AnyLoad, more: Sequence[AlongLoad], length: float) -> AnyLoad:
+    """The load with more along the arm, mm; forces on its end join the force there."""
+    along: list[AlongLoad] = []
+    force = np.array(load.force)
+    given: tuple[AlongLoad, ...] = (*load.along, *more)
+    for one in given:
+        if is_end_force(one, length):
+            force += one.force[: len(force)]
+        else:
+            along.append(one)
+    joined: Any = tuple(force.tolist())
+    return replace(load, force=joined, along=tuple(along))
 
 
 def pair(values: Sequence[float | None], name: str) -> tuple[float, float]:

@@ -1,5 +1,6 @@
 """The names that users and the other rooms write as `rod.NAME`."""
 
+from rod.along import LineLoad, PointLoad
 from rod.arm_law.kinds import law_from_record, law_record
 from rod.arm_law.law import ArmLaw
 from rod.arm_law.law_rod import LawRod
@@ -41,10 +42,12 @@ __all__ = [
     "Interval",
     "LawRod",
     "LineFit",
+    "LineLoad",
     "LinearRange",
     "Load",
     "Moment",
     "MomentRange",
+    "PointLoad",
     "PressurisedRod",
     "Quantity",
     "Robot",

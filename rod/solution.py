@@ -9,6 +9,7 @@ import numpy as np
 
 from geometry.arrays import Array
 from geometry.centreline import END_PART, chord_angle
+from rod.along import resultant
 from rod.arm.chain import Nodes
 from rod.cubics import hermite
 from rod.errors import RodError
@@ -76,6 +77,8 @@ class RodSolution:
         """
         x, y = self.x[0] - self.curve[0, 0], self.y[0] - self.curve[0, 1]
         force = self.force + self.weight
+        if self.path is not None:
+            force = force + resultant(self.path.held.load.along)[:2]
         return float(self.moment[0] + x * force[1] - y * force[0])
 
     @property

@@ -1,18 +1,17 @@
 """Loads on a rod in space, and the rod in equilibrium under them."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import NamedTuple, final
 
 import numpy as np
 
 from geometry.arrays import Array
+from rod.along import AlongLoad, Triple, checked_along, part_of, scaled, triple
 from rod.checked import finite
 from rod.errors import LoadError, RodError
 
-#: (x, y, z)
-Triple = tuple[float, float, float]
 #: x, y and z of an end that is held, mm; None along an axis on which it is free
 Position = tuple[float | None, float | None, float | None]
 
@@ -20,34 +19,6 @@ Position = tuple[float | None, float | None, float | None]
 def is_triple(value: object) -> bool:
     """Whether it has three parts, and is no text."""
     return isinstance(value, Sequence | np.ndarray) and not isinstance(value, str) and np.shape(value)[:1] == (3,)
-
-
-def triple(values: object, name: str) -> Triple:
-    """Three finite numbers. Raises `RodError`, naming what they are, for anything else."""
-    try:
-        x, y, z = (finite(value, name) for value in values)  # type: ignore[attr-defined]
-    except (TypeError, ValueError):  # a RodError is a ValueError
-        raise RodError(f"{name} has three finite numbers, x, y and z; {values!r} has not.") from None
-    return x, y, z
-
-
-@final
-@dataclass(frozen=True)
-class PointLoad:
-    """A dead load on one section of an arm. Raises `RodError` for what is no finite number."""
-
-    s: float  #: mm, rest arc length from the clamp
-    force: Triple = (0.0, 0.0, 0.0)  #: N
-    couple: Triple = (0.0, 0.0, 0.0)  #: N mm; keeps its direction
-    beside: tuple[float, float] = (
-        0.0,
-        0.0,
-    )  #: mm, where the force acts beside the axis, in the section
-
-    def __post_init__(self) -> None:
-        finite(self.s, "s")
-        for name in ("force", "couple"):
-            object.__setattr__(self, name, triple(getattr(self, name), name))
 
 
 @final
@@ -59,27 +30,23 @@ class SpatialLoad:
     couple: Triple = (0.0, 0.0, 0.0)  #: N mm, on the end; keeps its direction
     weight: Triple = (0.0, 0.0, 0.0)  #: N/mm, per rest length, all along the arm
     weight_height: float = 0.0  #: mm, of the mass above the material curve, along the normal of the curve
-    along: tuple[PointLoad, ...] = ()  #: on sections of the arm
+    along: tuple[AlongLoad, ...] = ()  #: on sections of the arm
 
     def __post_init__(self) -> None:
         for name in ("force", "couple", "weight"):
             object.__setattr__(self, name, triple(getattr(self, name), name))
         finite(self.weight_height, "weight_height")
+        object.__setattr__(self, "along", checked_along(self.along))
 
     def times(self, part: float) -> "SpatialLoad":
         """A part of the load."""
         return SpatialLoad(
-            _times(self.force, part),
-            _times(self.couple, part),
-            _times(self.weight, part),
+            scaled(self.force, part),
+            scaled(self.couple, part),
+            scaled(self.weight, part),
             self.weight_height,
-            tuple(replace(p, force=_times(p.force, part), couple=_times(p.couple, part)) for p in self.along),
+            part_of(self.along, part),
         )
-
-
-def _times(values: Triple, part: float) -> Triple:
-    x, y, z = values
-    return part * x, part * y, part * z
 
 
 def held_at(x: float | None, y: float | None) -> tuple[float | None, float | None]:

@@ -5,25 +5,28 @@ import re
 import reprlib
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from typing import Annotated, Any, NamedTuple, TypeVar
+from typing import Annotated, Any, NamedTuple, TypeAlias
 
 import numpy as np
 
 from geometry.arrays import Array
+from rod.along import PointLoad, Triple, triple
 from rod.checked import finite
 from rod.errors import LoadError, RodError
-from rod.load import Load, pair
-from rod.spatial import SpatialLoad, Triple, is_triple, triple
+from rod.load import AnyLoad, pair
+from rod.spatial import is_triple
 
 #: N/g
 WEIGHT_OF_GRAM = 9.81e-3
 #: degrees by which the arm rises from its clamp to its end, at rest
 ORIENTATIONS = {"hanging": -90.0, "lying": 0.0, "standing": 90.0}
 _GRAMS = {"mg": 1e-3, "g": 1.0, "kg": 1e3}
+_LENGTHS = {"mm": 1.0, "cm": 10.0, "m": 1e3}
 _DEGREES = {"deg": 1.0, "°": 1.0, "rad": math.degrees(1.0)}
 NO_DIRECTION = "The direction of gravity must not be zero."
 _NUMBER_AND_UNIT = re.compile(r"\s*([-+]?[\d.]+(?:[eE][-+]?\d+)?)\s*([a-z°]+)\s*")
-AnyLoad = TypeVar("AnyLoad", Load, SpatialLoad)
+#: masses that hang along an arm: where, in mm or as "0.5 l", and how much, in g or as "5 g"
+Hung: TypeAlias = Sequence[tuple[float | str, float | str]]
 
 
 @dataclass(frozen=True, eq=False)  # arrays inside
@@ -69,9 +72,14 @@ class Weighing(NamedTuple):
 
 
 def weighted(
-    load: AnyLoad, of: Weighing, weight: bool, direction: str | Sequence[float] | None, tip_mass: float | str
+    load: AnyLoad,
+    of: Weighing,
+    weight: bool,
+    direction: str | Sequence[float] | None,
+    tip_mass: float | str,
+    hung: Hung = (),
 ) -> AnyLoad:
-    """A load with the weight of an arm in a direction, unless weight is False, and with a mass on its end.
+    """A load with the weight of an arm in a direction, unless weight is False, and with masses on its end and along it.
 
     The weight that always acts does not act then. Raises `LoadError` without a direction, and for the weight of an arm
     that is not known or on which the parameters depend.
@@ -82,7 +90,10 @@ def weighted(
     along = gravity_vector(direction)
     down[: len(along)] = WEIGHT_OF_GRAM * np.array(along)
     force: Any = np.array(load.force) + in_grams(tip_mass) * down
-    load = replace(load, force=tuple(force))
+    masses: list[PointLoad] = [
+        PointLoad(position_along(s, of.length), (grams * down).tolist()) for s, grams in _checked_hung(hung)
+    ]
+    load = replace(load, force=tuple(force), along=(*load.along, *masses))
     if of.is_identified:
         if weight:
             raise LoadError(
@@ -138,6 +149,24 @@ def in_grams(value: Any) -> float:
     if grams is None or grams < 0.0:
         raise RodError(f"{reprlib.repr(value)} is no mass; write it in g, or with its unit such as 20 g.")
     return grams
+
+
+def _checked_hung(hung: Hung) -> list[tuple[float | str, float]]:
+    """Places and masses in g. Raises `RodError` for anything else."""
+    if isinstance(hung, str) or any(isinstance(one, str) or np.shape(one) != (2,) for one in hung):
+        raise RodError(f"hung is a list of places and masses, such as [('0.5 l', '5 g')]; {reprlib.repr(hung)} is not.")
+    return [(s, in_grams(mass)) for s, mass in hung]
+
+
+def position_along(value: float | str, length: float) -> float:
+    """mm from the clamp, of a number, of a text such as "56 mm", or of a part of the length such as "0.5 l".
+
+    Raises `LoadError` for anything else.
+    """
+    s = _with_unit(value, {**_LENGTHS, "l": length}) if isinstance(value, str) else finite(value, "s")
+    if s is None:
+        raise LoadError(f"{reprlib.repr(value)} is no place along an arm; write it as 56 mm or 0.5 l.")
+    return s
 
 
 def _with_unit(text: str, units: dict[str, float]) -> float | None:

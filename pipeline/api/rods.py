@@ -41,8 +41,23 @@ def shape(
     end: Annotated[
         str | None, typer.Option(metavar="[X, Y]", help="Position of the end from the clamp, in space with Z.")
     ] = None,
+    force_at: Annotated[
+        Sequence[str],
+        list[str],
+        typer.Option(metavar="S: [FX, FY]", help="Dead force along the arm: '0.5 l: [0 N, 0.02 N]'. Repeatable."),
+    ] = (),
+    line_load: Annotated[
+        Sequence[str],
+        list[str],
+        typer.Option(metavar="S to S: [QX, QY]", help="'0.2 l to 0.8 l: [0 N/m, 0.5 N/m]'. Repeatable."),
+    ] = (),
     orientation: Orientation = None,
     tip_mass: TipMass = None,
+    mass_at: Annotated[
+        Sequence[str],
+        list[str],
+        typer.Option(metavar="S: M", help="A mass that hangs along the arm: '0.5 l: 5 g', '56 mm: 5 g'. Repeatable."),
+    ] = (),
     rod: Rod = None,
     out: Annotated[Path | str | None, typer.Option("--out", metavar="FILE", help="Write the shape as CSV.")] = None,
 ) -> RodShape:
@@ -51,10 +66,11 @@ def shape(
     Raises `pneurod.InputError` for a wrong argument, and `pneurod.RunFailed` where the rod has no equilibrium.
     """
     from pipeline.answers.rods.choice import rod_of_path
-    from pipeline.answers.rods.end_loads import EndLoads, Weight, rod_at, write_shape
+    from pipeline.answers.rods.end_loads import AlongForce, EndLoads, Weight, rod_at, write_shape
     from pipeline.api.given import given_path
 
-    loads = EndLoads.read(force, moment, end_y, end, Weight.read(orientation, tip_mass))
+    weight, along = Weight.read(orientation, tip_mass, mass_at), AlongForce.all_of(force_at, line_load)
+    loads = EndLoads.read(force, moment, end_y, end, weight, along)
     chosen = rod_of_path(given_path(path, "path", "results/arm"), rod)
     selected = rod_at(chosen, pressure)
     found = loads.shape(selected)

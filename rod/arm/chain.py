@@ -15,7 +15,6 @@ from rod.arm.assembly import Chain, LoadArrays, StateArrays, Tangent
 from rod.arm.end_kernels import TIP_COLUMNS, EndArrays, tip_levers
 from rod.arm.newton import Found
 from rod.compiled import CompiledLater
-from rod.errors import RodError
 from rod.spatial import Position, SpatialLoad
 from rod.weight import Mass
 
@@ -46,7 +45,6 @@ class NodeLoads:
     forces: Array  #: (N, 3) N
     couples: Array  #: (N, 3) N mm
     beside: Array  #: (N, 2, 3) N mm, as in `LoadArrays`
-    beyond: Array  #: (N, 3) N, of all that acts beyond each position and not on the end
 
     def with_more(self, other: "NodeLoads") -> "NodeLoads":
         """Both together."""
@@ -54,7 +52,6 @@ class NodeLoads:
             self.forces + other.forces,
             self.couples + other.couples,
             self.beside + other.beside,
-            self.beyond + other.beyond,
         )
 
     @staticmethod
@@ -67,16 +64,13 @@ class NodeLoads:
         total = np.array(load.weight) * length / all_grams
         forces, beside = -np.diff(grams)[:, None] * total, np.zeros((n, 2, 3))
         beside[:, 1] = -np.diff(heights)[:, None] * total
-        beyond = mass.within(length - s)[0][:, None] * total
         couples = np.zeros((n, 3))
-        for point in load.along:
-            node = int(np.argmin(np.abs(s - point.s)))
-            forces[node] += point.force
-            couples[node] += point.couple
-            beside[node] += np.outer(point.beside, point.force)
-            beyond[:node] += point.force
-            beyond[node] += 0.5 * np.array(point.force)
-        return NodeLoads(forces, couples, beside, beyond)
+        for one in load.along:
+            share = one.shares(s)[:, None]
+            forces += share * one.force
+            couples += share * one.couple
+            beside += share[:, None] * np.outer(one.beside, one.force)
+        return NodeLoads(forces, couples, beside)
 
 
 class Nodes(NamedTuple):
@@ -210,12 +204,6 @@ def extrapolated(coarse: Nodes, fine: Nodes, *, in_space: bool) -> Nodes:
         fine.force + (fine.force - coarse.force) / 3.0,
         fine.found,
     )
-
-
-def check_inside(s: float, length: float) -> None:
-    """Raise `RodError` for a load off the arm."""
-    if not 0.0 < s <= length * (1 + 1e-9):
-        raise RodError(f"A load acts at 0 < s <= {length:g} mm along the arm; s = {s:g} mm is outside.")
 
 
 def held_along(position: Position) -> Mask:

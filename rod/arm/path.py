@@ -11,6 +11,7 @@ from typing import NamedTuple, Protocol
 import numpy as np
 
 from geometry.arrays import Array
+from rod.along import check_inside
 from rod.arm.assembly import StateArrays
 from rod.arm.chain import (
     NodeLoads,
@@ -121,6 +122,8 @@ class Solver:
 
 #: largest change of the end over the length by halving the elements, and how often they are halved for it
 COARSEST, MOST_HALVINGS = 1e-3, 3
+#: distance of a load from both ends, over the length, from which on a node stands there
+APART = 1e-4
 #: of a state that no iteration has found
 NOT_SOLVED = Found(True, 0.0, 0.0, 0, 0)
 
@@ -131,9 +134,13 @@ def follow(
     """The equilibrium on the path from the inflated arm to the full load.
 
     together: the path begins with the straight arm, and its curvature grows with the load. Raises `RodError` where the
-    path ends or becomes unstable.
+    path ends or becomes unstable, and for a load off the arm.
     """
-    s = arm.positions(tuple(point.s for point in load.along))
+    length = float(arm.positions(())[-1])
+    for one in load.along:
+        check_inside(one, length)
+    breaks = {s for one in load.along for s in one.breaks if APART < s / length < 1.0 - APART}
+    s = arm.positions(tuple(breaks))
     coarse = Solver(arm, s, load, position, in_space=in_space)
     state, found, steps = _followed(coarse, position, together)
     target = np.array([0.0 if held is None else held for held in position])

@@ -8,6 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from geometry.arrays import Array, read_only
+from rod.along import part_of
 from rod.arm.chain import in_frame, planar_frames, positions_between
 from rod.arm.end_kernels import EndArrays
 from rod.arm.ends import end_arrays, tip_state
@@ -86,7 +87,7 @@ class LawRod:
 
     def _in_plane(self, load: Load, end: tuple[float | None, float | None]) -> RodSolution:
         position: Position = (*end, None)
-        spatial = self._with_own_weight(load.in_space)
+        spatial = self._placed(load.in_space, position)
         return self._planar_solution(self._followed(spatial, position, in_space=False), spatial, position)
 
     def solve_in_space(self, load: SpatialLoad, position: Position = (None, None, None)) -> SpatialSolution:
@@ -96,7 +97,7 @@ class LawRod:
         `RodError` as `solve` does, and for a law without rigidities out of the plane.
         """
         self._check_in_space()
-        load = self._with_own_weight(load)
+        load = self._placed(load, position)
         path = self._followed(load, position, in_space=True)
         nodes = path.nodes
         moment, inner = in_frame(nodes.frames, nodes.moment), in_frame(nodes.frames, nodes.inner)
@@ -108,9 +109,15 @@ class LawRod:
         beside = _Beside(self, nodes.s, bending, at_tip)(nodes.s)
         return solved_in_space(self._model, path, Held(load, position), (curvature, stretch), beside)
 
-    def _with_own_weight(self, load: SpatialLoad) -> SpatialLoad:
+    def _placed(self, load: SpatialLoad, position: Position) -> SpatialLoad:
+        """The load with the weight that always acts, its forces along the arm on the material curve without load."""
         x, y, z = load.weight
-        return replace(load, weight=(self.weight[0] + x, self.weight[1] + y, z))
+        at_tip = tip_state(self.tip, position).beside_at(0.0, 0.0)
+        curve, along = _Beside(self, np.array([0.0, self.length]), np.zeros(2), at_tip), []
+        for one in load.along:
+            beside = curve(one.places).mean(axis=0) + one.beside
+            along.append(replace(one, beside=(float(beside[0]), float(beside[1]))))
+        return replace(load, weight=(self.weight[0] + x, self.weight[1] + y, z), along=tuple(along))
 
     def _followed(self, load: SpatialLoad, position: Position, *, in_space: bool) -> Path:
         """The path to a load; raises `RodError` where it ends, and where the curvature leaves the law."""
@@ -204,7 +211,7 @@ class LawRod:
         while high - low > 1e-3:
             part = 0.5 * (low + high)
             x, y = (part * value for value in load.force)
-            reduced = replace(load, force=(x, y), couple=part * load.couple)
+            reduced = replace(load, force=(x, y), couple=part * load.couple, along=part_of(load.along, part))
             low, high = (part, high) if self.stability(self.under(reduced)).is_stable else (low, part)
         return high
 

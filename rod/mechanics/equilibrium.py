@@ -18,6 +18,7 @@ from typing import Literal, get_args, overload
 import numpy as np
 
 from geometry.arrays import read_only
+from rod.along import AlongLoad, checked_along, leaves_plane
 from rod.arm_law.law import ArmLaw
 from rod.arm_law.law_rod import LawRod
 from rod.arm_law.space_rod import SpaceRod
@@ -26,12 +27,12 @@ from rod.curves.extension import Extension
 from rod.errors import RodError, RodWarning
 from rod.identification.moment_range import MomentRange
 from rod.law import FiveParameters, TwoSlopes
-from rod.load import Load, pair, requested
+from rod.load import Load, pair, requested, with_along
 from rod.mechanics.lines import LinesRod
 from rod.mechanics.profile import Profile, sampled
 from rod.solution import RodSolution
 from rod.spatial import Position, SpatialLoad, SpatialSolution, held_at, is_triple, spatially_requested
-from rod.weight import Mass, Weighing, weighted
+from rod.weight import Hung, Mass, Weighing, weighted
 
 #: N mm, a moment whose own effect is nothing, under which the offsets of the law act
 NEXT_TO_NOTHING = 1e-9
@@ -136,6 +137,8 @@ class Rod:
         moment: float | Sequence[float] = ...,
         weight: bool = ...,
         direction: str | Sequence[float] | None = ...,
+        along: Sequence[AlongLoad] = ...,
+        hung: Hung = ...,
         tip_mass: float | str = ...,
     ) -> SpatialSolution: ...
 
@@ -148,6 +151,8 @@ class Rod:
         moment: float | Sequence[float] = ...,
         weight: bool = ...,
         direction: str | Sequence[float] | None = ...,
+        along: Sequence[AlongLoad] = ...,
+        hung: Hung = ...,
     ) -> SpatialSolution: ...
 
     @overload
@@ -162,6 +167,8 @@ class Rod:
         order: Order = ...,
         weight: bool = ...,
         direction: str | Sequence[float] | None = ...,
+        along: Sequence[AlongLoad] = ...,
+        hung: Hung = ...,
         tip_mass: float | str = ...,
     ) -> RodSolution: ...
 
@@ -177,12 +184,18 @@ class Rod:
         weight: bool = True,
         direction: str | Sequence[float] | None = None,
         tip_mass: float | str = 0.0,
+        along: Sequence[AlongLoad] = (),
+        hung: Hung = (),
     ) -> RodSolution | SpatialSolution:
         """The equilibrium that is reached when the loads grow from zero.
 
         force: dead end force (F_x, F_y) in N; or end = (x, y), end_x or end_y in mm, the prescribed position of the
         end (the other force component is zero: end_y alone is experiment III). Either may be combined with moment, M(l)
         in N mm. `under` takes a `Load`.
+
+        along: loads on sections of the arm, `rod.PointLoad` and `rod.LineLoad`; those with a part across the plane of
+        the arm give the rod in space. hung: masses along it, such as [("0.5 l", "5 g")], or in mm and g; they need a
+        direction.
 
         direction: of gravity, "hanging", "lying" or "standing", the angle "30 deg" by which the arm rises from its
         clamp to its end at rest, or (x, y); the weight of the arm acts then unless weight is False. tip_mass: hangs on
@@ -200,23 +213,28 @@ class Rod:
         too. Raises `RodError` when the loads contradict each other, when the end is put farther away than the rod is
         long, and when the path ends before the full load is reached.
         """
-        is_weighed = direction is not None or tip_mass != 0.0
+        along = checked_along(along)
+        is_weighed = direction is not None or tip_mass != 0.0 or len(hung) > 0
         carried = self.weight if isinstance(self.law, LawRod) else (0.0, 0.0)
         weighing = Weighing(self.mass, self.length, carried, any(self.weight) and not any(carried))
-        if isinstance(self.law, SpaceRod) or any(is_triple(value) for value in (force, end, moment, direction)):
+        is_spatial = any(is_triple(value) for value in (force, end, moment, direction))
+        if isinstance(self.law, SpaceRod) or is_spatial or any(map(leaves_plane, along)):
             if order != "as tested":
                 raise RodError(f"In space the loads grow on the inflated arm; order = {order!r} is not possible.")
             spatial, position = spatially_requested(force, moment, end, end_x, end_y)
             if is_weighed:
-                spatial = weighted(spatial, weighing, weight, direction, tip_mass)
-            return self._in_space(spatial, position)
+                spatial = weighted(spatial, weighing, weight, direction, tip_mass, hung)
+            return self._in_space(with_along(spatial, along, self.length), position)
         load, held = requested(force, moment, end, end_x, end_y)
         if is_weighed:
-            load = weighted(load, weighing, weight, direction, tip_mass)
+            load = weighted(load, weighing, weight, direction, tip_mass, hung)
+        load = with_along(load, along, self.length)
         if isinstance(self.law, LawRod):
             return replace(_by_arm_law(self.law, self.start, load, held, order), notes=self.notes)
-        load, loaded = _on_free_axes(load, held), force is not None or load.couple != 0.0 or is_weighed
-        solution = self.two_lines.under(load, held, together=_grow_together(order, held, loaded=loaded))
+        loaded = force is not None or load.couple != 0.0 or is_weighed or len(along) > 0
+        solution = self.two_lines.under(
+            load.on_free_axes(held), held, together=_grow_together(order, held, loaded=loaded)
+        )
         if outside := self._outside(solution):
             warnings.warn(outside, RodWarning, stacklevel=2)
         return replace(solution, notes=(*self.notes, *filter(None, [outside])))
@@ -249,18 +267,12 @@ class Rod:
         `RodError` as `solve` does.
         """
         held = held_at(end_x, end_y)
-        load = _on_free_axes(load, held)
+        load = load.on_free_axes(held)
         if isinstance(self.law, LawRod):
             return _by_arm_law(self.law, self.start, load, held, "as tested")
         if isinstance(self.law, SpaceRod):
             raise RodError("This arm bends in space; `solve` gives its shape.")
         return self.two_lines.under(load, held, together=_grow_together("as tested", held, loaded=True))
-
-
-def _on_free_axes(load: Load, end: tuple[float | None, float | None]) -> Load:
-    """The load with its force along the axes on which the end is free."""
-    fx, fy = (0.0 if held is not None else force for force, held in zip(load.force, end, strict=True))
-    return replace(load, force=(fx, fy))
 
 
 def _by_arm_law(

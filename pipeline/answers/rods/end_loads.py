@@ -1,4 +1,4 @@
-"""Loads on the end of a rod, written with units, and the shapes under them."""
+"""Loads on the end of a rod and along it, written with units, and the shapes under them."""
 
 import math
 import warnings
@@ -10,28 +10,59 @@ from typing import Any
 
 from geometry.arrays import Array
 from pipeline.answers.rods.choice import RodOfRun
-from pipeline.config.units import FORCE, LENGTH, MOMENT, PRESSURE
+from pipeline.config.units import FORCE, LENGTH, MOMENT, PRESSURE, STIFFNESS, Dimension
 from pipeline.results.options import option_list, option_value, option_vector
 from pipeline.store.atomic_file import write_atomic
 from pipeline.store.result_folder import open_file
 from pipeline.values.errors import InputError, RunFailed, argument
 from pipeline.values.formats import ARM_LAW, EXTENSIBLE, FIVE
 from pipeline.values.run import bending_deg
+from rod.along import LineLoad, PointLoad
 from rod.arm_law.law_rod import LawRod
 from rod.arm_law.space_law import SpaceRod
 from rod.errors import LoadError, RodError, RodWarning
 from rod.mechanics.equilibrium import Rod
 from rod.solution import RodSolution
 from rod.spatial import SpatialSolution
-from rod.weight import gravity_vector, in_grams
+from rod.weight import gravity_vector, in_grams, position_along
 
 #: x and y, and z of a load across the plane of the arm
 Vector = tuple[float, float] | tuple[float, float, float]
 
 
 @dataclass(frozen=True)
+class AlongForce:
+    """A force at a place along a rod, or one per length between two places."""
+
+    places: tuple[str, ...]  #: as they are written, "56 mm" or "0.5 l"
+    force: Vector  #: N, or N/mm between two places
+
+    @staticmethod
+    def all_of(force_at: Sequence[str], line_load: Sequence[str]) -> tuple["AlongForce", ...]:
+        """From the options of the command line, written as "0.5 l: [0 N, 0.02 N]". Raises InputError."""
+        points = [AlongForce._read("force_at", text, FORCE) for text in _texts(force_at)]
+        return (*points, *(AlongForce._read("line_load", text, STIFFNESS) for text in _texts(line_load)))
+
+    @staticmethod
+    def _read(name: str, text: str, dimension: Dimension) -> "AlongForce":
+        written, force = _placed(name, text)
+        places = tuple(written.split(" to "))
+        if len(places) != (1 if name == "force_at" else 2):
+            example = "0.5 l: [0 N, 0.02 N]" if name == "force_at" else "0.2 l to 0.8 l: [0 N/m, 0.5 N/m]"
+            raise InputError(f"{argument(name)}: '{text}' has not its places; write it as '{example}'")
+        for place in places:
+            _check_place(name, place)
+        return AlongForce(places, option_vector(name, force, dimension))
+
+    def on(self, length: float) -> PointLoad | LineLoad:
+        """The load on a rod of a length in mm. Raises `RodError` for an end before the start."""
+        start, *end = (position_along(place, length) for place in self.places)
+        return LineLoad(start, end[0], self.force) if end else PointLoad(start, self.force)
+
+
+@dataclass(frozen=True)
 class EndLoads:
-    """Loads on the end of a rod; None for what is not prescribed.
+    """Loads on the end of a rod and along it; None for what is not prescribed.
 
     Positions are relative to the clamped end of the material curve.
     """
@@ -41,9 +72,17 @@ class EndLoads:
     end_y: float | None  #: mm
     end: Vector | None  #: mm
     weight: "Weight"
+    along: tuple[AlongForce, ...] = ()
 
     @staticmethod
-    def read(force: str | None, moment: str, end_y: str | None, end: str | None, weight: "Weight") -> "EndLoads":
+    def read(
+        force: str | None,
+        moment: str,
+        end_y: str | None,
+        end: str | None,
+        weight: "Weight",
+        along: tuple[AlongForce, ...] = (),
+    ) -> "EndLoads":
         """From the options of the command line, written with units. Raises InputError, also where they contradict."""
         if sum(given is not None for given in (force, end_y, end)) > 1:
             names = ", ".join(map(argument, ("force", "end_y", "end")))
@@ -58,6 +97,7 @@ class EndLoads:
             None if end_y is None else option_value("end_y", end_y, LENGTH),
             None if end is None else option_vector("end", end, LENGTH),
             weight,
+            along,
         )
 
     def solve(self, rod: Rod) -> RodSolution | SpatialSolution:
@@ -66,7 +106,11 @@ class EndLoads:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", RodWarning)
             shape: RodSolution | SpatialSolution = rod.solve(
-                **given, direction=self.weight.direction, tip_mass=self.weight.tip_mass_g
+                **given,
+                direction=self.weight.direction,
+                tip_mass=self.weight.tip_mass_g,
+                hung=self.weight.hung,
+                along=[one.on(rod.length) for one in self.along],
             )
         return shape
 
@@ -95,21 +139,32 @@ class Weight:
 
     direction: Vector | None = None  #: of gravity; None: no weight but that of the run
     tip_mass_g: float = 0.0
+    hung: tuple[tuple[str, float], ...] = ()  #: places as they are written, and masses there in g
 
     @staticmethod
-    def read(orientation: str | None, tip_mass: str | None) -> "Weight":
+    def read(orientation: str | None, tip_mass: str | None, mass_at: Sequence[str] = ()) -> "Weight":
         """From the options of the command line. Raises InputError."""
-        if tip_mass is not None and orientation is None:
+        if (tip_mass is not None or mass_at) and orientation is None:
             orientations = f"{argument('orientation')} hanging, lying, standing, '30 deg' or '[0, -1]'"
-            raise InputError(f"{argument('tip_mass')}: needs {orientations}")
+            raise InputError(f"{argument('mass_at' if tip_mass is None else 'tip_mass')}: needs {orientations}")
         try:
             direction = None if orientation is None else gravity_vector(_pair_of(orientation))
         except RodError as failure:
             raise InputError(f"{argument('orientation')}: {failure}") from None
         try:
-            return Weight(direction, 0.0 if tip_mass is None else in_grams(tip_mass))
+            tip_mass_g = 0.0 if tip_mass is None else in_grams(tip_mass)
         except RodError as failure:
             raise InputError(f"{argument('tip_mass')}: {failure}") from None
+        return Weight(direction, tip_mass_g, tuple(Weight._hung(text) for text in _texts(mass_at)))
+
+    @staticmethod
+    def _hung(text: str) -> tuple[str, float]:
+        place, mass = _placed("mass_at", text)
+        _check_place("mass_at", place)
+        try:
+            return place, in_grams(mass)
+        except RodError as failure:
+            raise InputError(f"{argument('mass_at')}: {failure}") from None
 
     @staticmethod
     def of(direction: str | Sequence[float] | None, tip_mass: float | str) -> "Weight":
@@ -118,6 +173,27 @@ class Weight:
             return Weight(None if direction is None else gravity_vector(direction), in_grams(tip_mass))
         except RodError as failure:
             raise InputError(str(failure)) from None
+
+
+def _texts(given: Sequence[str]) -> Sequence[str]:
+    """The texts of an argument that may be repeated; from Python one may come alone."""
+    return (given,) if isinstance(given, str) else given
+
+
+def _placed(name: str, text: str) -> tuple[str, str]:
+    """What stands before and behind the colon. Raises InputError."""
+    place, colon, load = text.partition(":")
+    if not colon:
+        example = "0.5 l: 5 g" if name == "mass_at" else "0.5 l: [0 N, 0.02 N]"
+        raise InputError(f"{argument(name)}: '{text}' has no colon behind its place; write it as '{example}'")
+    return place, load.strip()
+
+
+def _check_place(name: str, place: str) -> None:
+    try:
+        position_along(place, 1.0)
+    except RodError as failure:
+        raise InputError(f"{argument(name)}: {failure}") from None
 
 
 def _pair_of(text: str) -> str | list[str | float]:
