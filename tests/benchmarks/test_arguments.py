@@ -12,6 +12,7 @@ WRONG = {
     "exports": (["x"],),
     "foreign": (["x"],),
     "kills": (["x"],),
+    "loads_along": (["x"],),
     "run": ([],),
     "space": (["x"],),
     "three_chambers": (["x"],),

@@ -1,7 +1,8 @@
-"""Weight and payload from the command line, on the rod of a stored run."""
+"""Weight, payload and loads along the arm from the command line, on the rod of a stored run."""
 
 import re
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -46,6 +47,52 @@ def test_weight_and_payload_are_those_of_python(orientation: str) -> None:
     ],
 )
 def test_weights_that_are_none_or_contradict_are_refused(options: tuple[str, ...], sentence: str) -> None:
+    code, _, error = call(*options)
+    assert (code, error.count("\n")) == (2, 1)
+    assert sentence in error
+
+
+@pytest.mark.parametrize(
+    ("options", "loads"),
+    [
+        (("--force-at", "0.5 l: [0 N, 0.005 N]"), {"along": [pneurod.PointLoad(56.0, (0.0, 0.005))]}),
+        (
+            ("--force-at", "56 mm: [0 N, 5 mN]", "--force-at", "3 cm: [1 mN, 0 N]"),
+            {"along": [pneurod.PointLoad(56.0, (0.0, 0.005)), pneurod.PointLoad(30.0, (0.001, 0.0))]},
+        ),
+        (
+            ("--line-load", "0.25 l to 0.75 l: [0 N/m, 0.1 N/m]"),
+            {"along": [pneurod.LineLoad(28.0, 84.0, (0.0, 1e-4))]},
+        ),
+        (
+            ("--mass-at", "0.5 l: 0.5 g", "--mass-at", "20 mm: 1 g", "--orientation", "hanging"),
+            {"hung": [("0.5 l", 0.5), (20.0, "1 g")], "direction": "hanging"},
+        ),
+    ],
+)
+def test_loads_along_the_arm_are_those_of_python(options: tuple[str, ...], loads: dict[str, Any]) -> None:
+    code, out, error = call(*options)
+    assert code == 0, error
+    assert end_of(out) == pytest.approx(rod_of_path(COARSE, "law").at(37.0).solve(**loads).end, abs=1e-3)
+    assert end_of(out) != pytest.approx(end_of(call()[1]), abs=0.1)
+
+
+@pytest.mark.parametrize(
+    ("options", "sentence"),
+    [
+        (("--force-at", "0.5 k: [0 N, 1 N]"), "--force-at: '0.5 k' is no place along an arm; write it as 56 mm or 0.5"),
+        (("--force-at", "[0 N, 1 N]"), "--force-at: '[0 N, 1 N]' has no colon behind its place; write it as '0.5 l: ["),
+        (("--force-at", "0.5 l: [0 N]"), "--force-at: '[0 N]' is not a pair"),
+        (("--force-at", "0.5 l: [0 mm, 1 mm]"), "--force-at: '0 mm' is not a force"),
+        (("--force-at", "200 mm: [0 N, 1 N]"), "A load acts at 0 < s <= 112 mm along the arm; s = 200 mm is outside"),
+        (("--line-load", "0.5 l: [0 N/m, 1 N/m]"), "--line-load: '0.5 l: [0 N/m, 1 N/m]' has not its places; write it"),
+        (("--line-load", "0.8 l to 0.2 l: [0 N/m, 1 N/m]"), "to an end beyond it; 89.6 to 22.4 mm does not"),
+        (("--mass-at", "0.5 l: 5 g"), "--mass-at: needs --orientation hanging"),
+        (("--mass-at", "0.5 l: 5 mm", "--orientation", "lying"), "--mass-at: '5 mm' is no mass; write it in g"),
+        (("--mass-at", "5 g", "--orientation", "lying"), "--mass-at: '5 g' has no colon behind its place"),
+    ],
+)
+def test_loads_along_the_arm_that_are_none_are_refused(options: tuple[str, ...], sentence: str) -> None:
     code, _, error = call(*options)
     assert (code, error.count("\n")) == (2, 1)
     assert sentence in error
