@@ -58,13 +58,14 @@ class NodeLoads:
     def of(load: SpatialLoad, mass: Mass | None, s: Array) -> "NodeLoads":
         """The weight of a load, spread as the mass of the arm is (None: evenly), and its loads along the arm."""
         length, n = float(s[-1]), len(s)
-        mass = mass or Mass.even(length, 1.0, load.weight_height)
-        edges = np.concatenate([s[:1], 0.5 * (s[1:] + s[:-1]), s[-1:]])
-        (grams, heights), (all_grams, _) = mass.within(length - edges), mass.within(np.array([length]))
-        total = np.array(load.weight) * length / all_grams
-        forces, beside = -np.diff(grams)[:, None] * total, np.zeros((n, 2, 3))
-        beside[:, 1] = -np.diff(heights)[:, None] * total
-        couples = np.zeros((n, 3))
+        forces, couples, beside = np.zeros((n, 3)), np.zeros((n, 3)), np.zeros((n, 2, 3))
+        if any(load.weight):
+            mass = mass or Mass.even(length, 1.0, load.weight_height)
+            edges = np.concatenate([s[:1], 0.5 * (s[1:] + s[:-1]), s[-1:]])
+            (grams, heights), (all_grams, _) = mass.within(length - edges), mass.within(np.array([length]))
+            total = np.array(load.weight) * length / all_grams
+            forces = -np.diff(grams)[:, None] * total
+            beside[:, 1] = -np.diff(heights)[:, None] * total
         for one in load.along:
             share = one.shares(s)[:, None]
             forces += share * one.force

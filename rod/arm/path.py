@@ -167,8 +167,10 @@ def _followed(solver: Solver, position: Position, together: bool) -> tuple[State
     if not found.converged:
         raise RodError("The inflated arm has no equilibrium without loads.")
     rest, before, behind, reached, count = found.negative, here, 0.0, 0.0, 0
-    turn = float(np.abs(solver.arm.section.rest(solver.s)[:, :3]).sum(axis=1) @ np.diff(solver.s))
-    step = 1.0 / max(1.0, turn) if together else 1.0
+    step = 1.0
+    if together:
+        turn = float(np.abs(solver.arm.section.rest(solver.s)[:, :3]).sum(axis=1) @ np.diff(solver.s))
+        step = 1.0 / max(1.0, turn)
     while reached < 1.0:
         factor = min(1.0, reached + step)
         part = 0.0 if reached == behind else (factor - reached) / (reached - behind)

@@ -27,8 +27,8 @@ RIGID = 1e8
 #: of the columns, rigidities in N, and those that every law has
 IN_NEWTON = frozenset({"axial_rigidity", "shear_rigidity", "lateral_shear_rigidity"})
 OVER_MOMENT = frozenset({"axial_rigidity", "shear_rigidity"})
-#: Newton's method for the curvature at a node: iterations
-STRAINS = 12
+#: Newton's method for the curvature at a node: most iterations, and the last change over all curvatures of the law
+STRAINS, SETTLED = 12, 1e-14
 
 
 class Section(Protocol):
@@ -99,14 +99,19 @@ class TabulatedSection:
         table, numbers = self._table
         local = np.zeros((len(s) - 1, 4))
         if grown < 1.0:
-            local[:, 0] = (1.0 - grown) * self.law.kappa_0
+            local[:, 0] = (1.0 - grown) * self._at_rest[0]
         return SectionArrays(TABULATED, table, numbers, local)
 
     def rest(self, s: Array, grown: float = 1.0) -> Array:
         """As `Section` says."""
-        kappa_0 = self.law.kappa_0
-        stretch = float(cubic(self.law.moment, self.law.stretch, self.law.stretch_slope, 0.0))
+        kappa_0, stretch = self._at_rest
         return np.tile([0.0, 0.0, grown * kappa_0, stretch], (len(s) - 1, 1))
+
+    @cached_property
+    def _at_rest(self) -> tuple[float, float]:
+        """Curvature (1/mm) and stretch without loads."""
+        law = self.law
+        return law.kappa_0, float(cubic(law.moment, law.stretch, law.stretch_slope, 0.0))
 
     @property
     def rigidity(self) -> float:
@@ -144,6 +149,8 @@ class TabulatedSection:
                 by_force = by_force + 0.5 * energy + across * slopes[:, 7] * twisted[:, 0]
             change = (moment[:, 2] - bends - by_force) / (slopes[:, 0] - axial * curved[:, 1])
             kappa = kappa + change
+            if np.abs(change).max() <= SETTLED * (high - low):
+                break
         stretch = values[:, 1] + longer
         curvature = np.column_stack([twisted[:, :2], kappa])
         return curvature, np.column_stack([stretch, shear, twisted[:, 2]]), bends
@@ -260,7 +267,9 @@ class PolynomialSection:
             matrices = values[:, [2, 3, 3, 4]] - force[:, :1] * values[:, [8, 9, 9, 10]]
             away = kappa - np.linalg.solve(matrices.reshape(-1, 2, 2), left[..., None])[..., 0] - self.origin
             size = np.linalg.norm(away, axis=1, keepdims=True)
-            kappa = self.origin + away * np.minimum(1.0, BEYOND * self.reach / np.maximum(size, 1e-300))
+            before, kappa = kappa, self.origin + away * np.minimum(1.0, BEYOND * self.reach / np.maximum(size, 1e-300))
+            if np.abs(kappa - before).max() <= SETTLED * self.reach:
+                break
         twisted = np.column_stack([moment[:, 0], force[:, 1:]]) @ self.compliance
         stretch = self.plane(kappa)[:, 5] + force[:, 0] / self.EA
         return np.column_stack([twisted[:, 0], kappa]), np.column_stack([stretch, twisted[:, 1:]])

@@ -233,20 +233,28 @@ class _Model:
         self.section, self.mass = TabulatedSection(rod.section, rod.length), rod.mass
         self.clamp_reach = float(rod.clamp.s[-1])
         self.own = SpatialLoad()
+        self._first = max(rod.clamp.position, FIRST * rod.pitch)
+        self._ends: dict[tuple[bool, ...], EndArrays] = {}
 
     def positions(self, breaks: tuple[float, ...]) -> Array:
         """As `ArmModel` says, and so are the others."""
-        rod = self.rod
-        first = max(rod.clamp.position, FIRST * rod.pitch)
+        rod, first = self.rod, self._first
         places = [s for s in sorted(breaks) if s > first]
         return np.append(0.0, positions_between([first, *places, rod.length], ELEMENT * rod.pitch))
 
     def ends(self, position: Position) -> EndArrays:
         """Of the clamp, and of the tip that is held so."""
-        return end_arrays(self.rod.clamp, tip_state(self.rod.tip, position))
+        held = tuple(at is not None for at in position)
+        if held not in self._ends:
+            self._ends[held] = end_arrays(self.rod.clamp, tip_state(self.rod.tip, position))
+        return self._ends[held]
 
     def begin(self) -> tuple[Array, Array]:
         """Where the clamp puts the axis without moment."""
+        return self._begin
+
+    @cached_property
+    def _begin(self) -> tuple[Array, Array]:
         rotation, offset = self.rod.clamp.at(0.0)
         return np.array([*offset, 0.0]), planar_frames(np.array([rotation]))[0]
 
