@@ -55,6 +55,11 @@ def held_at(x: float | None, y: float | None) -> tuple[float | None, float | Non
     return end_x, end_y
 
 
+def is_third_experiment(held: Sequence[float | None]) -> bool:
+    """Whether the height of an end alone is held, as in experiment III, where curvature and height grow together."""
+    return held[0] is None and held[1] is not None
+
+
 def spatially_requested(
     force: Sequence[float] | None,
     moment: float | Sequence[float],

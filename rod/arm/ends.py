@@ -48,9 +48,9 @@ def polynomial_ends(table: Array, to_end: Array) -> EndArrays:
     return EndArrays(True, *clamp, _copied(table), rows, np.zeros_like(rows), np.zeros(2))
 
 
-def rigid_ends(place: tuple[float, float], angle: float) -> EndArrays:
-    """A clamp that does not give way, at a place (mm) and an angle (rad), and a force on the end of the axis."""
-    clamp = np.array([-1.0, 1.0]), np.tile([angle, *place], (2, 1)), np.zeros((2, 3)), np.zeros((2, 2))
+def rigid_ends(angle: float) -> EndArrays:
+    """A clamp that does not give way, at an angle (rad), and a force on the end of the axis."""
+    clamp = np.array([-1.0, 1.0]), np.tile([angle, 0.0, 0.0], (2, 1)), np.zeros((2, 3)), np.zeros((2, 2))
     return EndArrays(False, *clamp, np.zeros((1, 1, 6)), np.zeros((2, 7)), np.zeros((2, 7)), np.zeros(2))
 
 

@@ -84,6 +84,13 @@ class Path(NamedTuple):
     steps: int  #: of the load
 
 
+class Way(NamedTuple):
+    """How the loads grow."""
+
+    together: bool = False  #: the path begins with the straight arm, and its curvature grows with the load
+    in_space: bool = False
+
+
 class Solver:
     """A chain of an arm under loads."""
 
@@ -128,9 +135,7 @@ APART = 1e-4
 NOT_SOLVED = Found(True, 0.0, 0.0, 0, 0)
 
 
-def follow(
-    arm: ArmModel, load: SpatialLoad, position: Position, *, together: bool = False, in_space: bool = False
-) -> Path:
+def follow(arm: ArmModel, load: SpatialLoad, position: Position, how: Way) -> Path:
     """The equilibrium on the path from the inflated arm to the full load.
 
     together: the path begins with the straight arm, and its curvature grows with the load. Raises `RodError` where the
@@ -140,6 +145,7 @@ def follow(
     for one in load.along:
         check_inside(one, length)
     breaks = {s for one in load.along for s in one.breaks if APART < s / length < 1.0 - APART}
+    together, in_space = how
     s = arm.positions(tuple(breaks))
     coarse = Solver(arm, s, load, position, in_space=in_space)
     state, found, steps = _followed(coarse, position, together)

@@ -12,7 +12,7 @@ from rod.along import part_of
 from rod.arm.chain import in_frame, planar_frames, positions_between
 from rod.arm.end_kernels import EndArrays
 from rod.arm.ends import end_arrays, tip_state
-from rod.arm.path import Path, follow
+from rod.arm.path import Path, Way, follow
 from rod.arm.sections import TabulatedSection
 from rod.arm.solved import solved_in_space
 from rod.arm.stability import OUT_OF_PLANE, stability_of
@@ -22,7 +22,7 @@ from rod.arm_law.section import SectionLaw
 from rod.errors import RodError
 from rod.load import Load, requested
 from rod.solution import RodSolution, SolvedPath
-from rod.spatial import Held, Position, SpatialLoad, SpatialSolution, Stability, held_at
+from rod.spatial import Held, Position, SpatialLoad, SpatialSolution, Stability, held_at, is_third_experiment
 from rod.weight import Mass
 
 #: longest element over the pitch; length of the first one at least, whose end decides on the clamp
@@ -75,7 +75,7 @@ class LawRod:
         III, and F_y follows; end: (x, y) of it, and both components follow. moment: a couple on the end, N mm.
         Raises `RodError` where loads contradict each other, where the path ends, and where a moment leaves the law.
         """
-        return self._in_plane(*requested(force, moment, end, None, end_y))
+        return self.in_plane(*requested(force, moment, end, None, end_y))
 
     def under(self, load: Load, end_y: float | None = None, end_x: float | None = None) -> RodSolution:
         """The equilibrium under a load; with a prescribed position of the end (mm) that component of the force follows.
@@ -83,12 +83,26 @@ class LawRod:
         The weight of the load is spread as the mass of the arm is, where that is known. Raises `RodError` as `solve`
         does.
         """
-        return self._in_plane(load, held_at(end_x, end_y))
+        return self.in_plane(load, held_at(end_x, end_y))
 
-    def _in_plane(self, load: Load, end: tuple[float | None, float | None]) -> RodSolution:
-        position: Position = (*end, None)
+    @property
+    def has_own_law(self) -> bool:
+        """As `rod.arm.arm.Arm` says, and so are the others."""
+        return True
+
+    @property
+    def carried(self) -> tuple[float, float]:
+        """The weight under which the law was measured."""
+        return self.weight
+
+    def in_plane(
+        self, load: Load, held: tuple[float | None, float | None], *, together: bool | None = None
+    ) -> RodSolution:
+        """The weight of the load is spread as the mass of the arm is, where that is known."""
+        position: Position = (*held, None)
         spatial = self._placed(load.in_space, position)
-        return self._planar_solution(self._followed(spatial, position, in_space=False), spatial, position)
+        how = Way(is_third_experiment(held) if together is None else together, in_space=False)
+        return self._planar_solution(self._followed(spatial, position, how), spatial, position)
 
     def solve_in_space(self, load: SpatialLoad, position: Position = (None, None, None)) -> SpatialSolution:
         """The equilibrium in space under a load, which grows on the inflated arm.
@@ -98,7 +112,7 @@ class LawRod:
         """
         self._check_in_space()
         load = self._placed(load, position)
-        path = self._followed(load, position, in_space=True)
+        path = self._followed(load, position, Way(together=False, in_space=True))
         nodes = path.nodes
         moment, inner = in_frame(nodes.frames, nodes.moment), in_frame(nodes.frames, nodes.inner)
         curvature, stretch, _ = self._model.section.strains(moment, inner)
@@ -119,16 +133,12 @@ class LawRod:
             along.append(replace(one, beside=(float(beside[0]), float(beside[1]))))
         return replace(load, weight=(self.weight[0] + x, self.weight[1] + y, z), along=tuple(along))
 
-    def _followed(self, load: SpatialLoad, position: Position, *, in_space: bool) -> Path:
+    def _followed(self, load: SpatialLoad, position: Position, how: Way) -> Path:
         """The path to a load; raises `RodError` where it ends, and where the curvature leaves the law."""
-        path = self._path(load, position, in_space=in_space)
+        path = follow(self._model, load, position, how)
         if outside := self._outside(path):
-            raise RodError(f"{outside} {self._borne(load, position, in_space=in_space)}")
+            raise RodError(f"{outside} {self._borne(load, position, how)}")
         return path
-
-    def _path(self, load: SpatialLoad, position: Position, *, in_space: bool) -> Path:
-        together = not in_space and position[0] is None and position[1] is not None
-        return follow(self._model, load, position, together=together, in_space=in_space)
 
     def _outside(self, path: Path) -> str:
         """A sentence where the curvature of cells or the moment at the clamp leaves the law; empty elsewhere."""
@@ -144,7 +154,7 @@ class LawRod:
             f"{law.pressure:g} kPa is known from {low:.4g} to {high:.4g} N mm."
         )
 
-    def _borne(self, load: SpatialLoad, position: Position, *, in_space: bool) -> str:
+    def _borne(self, load: SpatialLoad, position: Position, how: Way) -> str:
         """How much of a load the law bears, and what to do."""
         remedy = "Put this load into the configuration and measure the law again."
         if any(value is not None for value in position):
@@ -153,7 +163,7 @@ class LawRod:
         for _ in range(PARTS):
             part = 0.5 * (low + high)
             try:
-                is_inside = not self._outside(self._path(load.times(part), position, in_space=in_space))
+                is_inside = not self._outside(follow(self._model, load.times(part), position, how))
             except RodError:
                 is_inside = False
             low, high = (part, high) if is_inside else (low, part)

@@ -9,11 +9,13 @@ from geometry.arrays import Array
 from rod.arm.chain import in_frame, positions_between, rotation
 from rod.arm.end_kernels import EndArrays
 from rod.arm.ends import polynomial_ends
-from rod.arm.path import Path, follow
+from rod.arm.path import Path, Way, follow
 from rod.arm.sections import PolynomialSection
 from rod.arm.solved import solved_in_space
 from rod.arm_law.polynomial import Plane
 from rod.errors import RodError
+from rod.load import Load
+from rod.solution import RodSolution
 from rod.spatial import Held, Position, SpatialLoad, SpatialSolution
 from rod.weight import Mass
 
@@ -43,13 +45,29 @@ class SpaceRod:
         position: of the end where it is held, mm; the components of the force along these axes follow. Raises
         `RodError` where the path ends or becomes unstable, and where the curvature leaves the law.
         """
-        path = follow(self, load, position, in_space=True)
+        path = follow(self, load, position, Way(in_space=True))
         self._check_inside(path)
         nodes = path.nodes
         moment, inner = in_frame(nodes.frames, nodes.moment), in_frame(nodes.frames, nodes.inner)
         beside = np.zeros((len(nodes.s), 3))
         beside[-1] = self.to_end
         return solved_in_space(self, path, Held(load, position), self.section.strains(moment, inner), beside)
+
+    @property
+    def has_own_law(self) -> bool:
+        """As `rod.arm.arm.Arm` says, and so are the others."""
+        return True
+
+    @property
+    def carried(self) -> tuple[float, float]:
+        """No weight acts always."""
+        return 0.0, 0.0
+
+    def in_plane(
+        self, load: Load, held: tuple[float | None, float | None], *, together: bool | None = None
+    ) -> RodSolution:
+        """Refused: it has no plane."""
+        raise RodError("This arm bends in space; `solve` gives its shape.")
 
     @property
     def own(self) -> SpatialLoad:

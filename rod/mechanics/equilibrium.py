@@ -19,6 +19,7 @@ import numpy as np
 
 from geometry.arrays import read_only
 from rod.along import AlongLoad, checked_along, leaves_plane
+from rod.arm.arm import Arm
 from rod.arm_law.law import ArmLaw
 from rod.arm_law.law_rod import LawRod
 from rod.arm_law.space_rod import SpaceRod
@@ -31,7 +32,15 @@ from rod.load import Load, pair, requested, with_along
 from rod.mechanics.lines import LinesRod
 from rod.mechanics.profile import Profile, sampled
 from rod.solution import RodSolution
-from rod.spatial import Position, SpatialLoad, SpatialSolution, held_at, is_triple, spatially_requested
+from rod.spatial import (
+    Position,
+    SpatialLoad,
+    SpatialSolution,
+    held_at,
+    is_third_experiment,
+    is_triple,
+    spatially_requested,
+)
 from rod.weight import Hung, Mass, Weighing, weighted
 
 #: N mm, a moment whose own effect is nothing, under which the offsets of the law act
@@ -113,14 +122,19 @@ class Rod:
             raise RodError("A rod with five parameters needs kappa_0, its curvature without load.")
         s, kappa_0 = sampled(self.length, self.kappa_0)
         weight = SpatialLoad(weight=(*self.weight, 0.0), weight_height=self.weight_height)
-        return LinesRod(self.lines, self.length, s, kappa_0, self.theta0, self.start, self.extension, weight)
+        return LinesRod(self.lines, self.length, s, kappa_0, self.theta0, self.extension, weight)
+
+    @property
+    def arm(self) -> Arm:
+        """The arm that answers: with its own law, or with two lines."""
+        return self.two_lines if isinstance(self.law, TwoSlopes) else self.law
 
     @property
     def five(self) -> FiveParameters:
         """The five parameters. Raises `RodError` for a rod with another law."""
         if isinstance(self.law, FiveParameters):
             return self.law
-        if isinstance(self.law, LawRod | SpaceRod):
+        if self.arm.has_own_law:
             raise RodError("This rod follows the arm's own law and has no five parameters.")
         raise RodError("The slopes of this rod may be negative, and are not the five parameters of a rod.")
 
@@ -207,15 +221,13 @@ class Rod:
         order selects among several equilibria. "pressure first": the loads grow on the rod that already has
         its kappa_0. "together": kappa_0 and the loads grow together from the straight rod. "as tested": together where
         end_y is prescribed, because in experiment III the end is held while the pressure rises, else pressure first.
-        With the arm's own law the order is always "as tested".
-
         Warns with `RodWarning` where the moments leave those of the identification; the `notes` of the shape say so
         too. Raises `RodError` when the loads contradict each other, when the end is put farther away than the rod is
         long, and when the path ends before the full load is reached.
         """
         along = checked_along(along)
         is_weighed = direction is not None or tip_mass != 0.0 or len(hung) > 0
-        carried = self.weight if isinstance(self.law, LawRod) else (0.0, 0.0)
+        carried = self.arm.carried
         weighing = Weighing(self.mass, self.length, carried, any(self.weight) and not any(carried))
         is_spatial = any(is_triple(value) for value in (force, end, moment, direction))
         if isinstance(self.law, SpaceRod) or is_spatial or any(map(leaves_plane, along)):
@@ -228,24 +240,26 @@ class Rod:
         load, held = requested(force, moment, end, end_x, end_y)
         if is_weighed:
             load = weighted(load, weighing, weight, direction, tip_mass, hung)
-        load = with_along(load, along, self.length)
-        if isinstance(self.law, LawRod):
-            return replace(_by_arm_law(self.law, self.start, load, held, order), notes=self.notes)
         loaded = force is not None or load.couple != 0.0 or is_weighed or len(along) > 0
-        solution = self.two_lines.under(
-            load.on_free_axes(held), held, together=_grow_together(order, held, loaded=loaded)
-        )
+        together = _grow_together(order, held, loaded=loaded)
+        solution = self._in_plane(with_along(load, along, self.length), held, together=together)
         if outside := self._outside(solution):
             warnings.warn(outside, RodWarning, stacklevel=2)
         return replace(solution, notes=(*self.notes, *filter(None, [outside])))
 
+    def _in_plane(self, load: Load, held: tuple[float | None, float | None], *, together: bool) -> RodSolution:
+        """The equilibrium in the plane, whose clamp is at the start of this rod."""
+        x, y = (None if at is None else at - origin for at, origin in zip(held, self.start, strict=True))
+        solution = self.arm.in_plane(load.on_free_axes(held), (x, y), together=together)
+        if not any(self.start):
+            return solution
+        return replace(solution, x=read_only(solution.x + self.start[0]), y=read_only(solution.y + self.start[1]))
+
     def _in_space(self, load: SpatialLoad, position: Position) -> SpatialSolution:
         """The equilibrium in space, whose clamp is at the start of this rod."""
-        if not isinstance(self.law, LawRod | SpaceRod):
-            raise RodError("A rod with five parameters stays in its plane; in space a rod has the arm's own law.")
         start = np.array([*self.start, 0.0])
         x, y, z = (None if at is None else at - float(origin) for at, origin in zip(position, start, strict=True))
-        solution = self.law.solve_in_space(load, (x, y, z))
+        solution = self.arm.solve_in_space(load, (x, y, z))
         return replace(solution, axis=read_only(solution.axis + start), notes=self.notes)
 
     def _outside(self, shape: RodSolution) -> str:
@@ -267,25 +281,7 @@ class Rod:
         `RodError` as `solve` does.
         """
         held = held_at(end_x, end_y)
-        load = load.on_free_axes(held)
-        if isinstance(self.law, LawRod):
-            return _by_arm_law(self.law, self.start, load, held, "as tested")
-        if isinstance(self.law, SpaceRod):
-            raise RodError("This arm bends in space; `solve` gives its shape.")
-        return self.two_lines.under(load, held, together=_grow_together("as tested", held, loaded=True))
-
-
-def _by_arm_law(
-    law: LawRod, start: tuple[float, float], load: Load, end: tuple[float | None, float | None], order: Order
-) -> RodSolution:
-    """The equilibrium of a rod with the arm's own law whose clamp is at start (mm)."""
-    if order != "as tested":
-        raise RodError(f"With the arm's own law the loads grow as tested; order = {order!r} is not possible.")
-    x, y = (None if value is None else value - origin for value, origin in zip(end, start, strict=True))
-    solution = law.under(load, end_x=x, end_y=y)
-    if not any(start):
-        return solution
-    return replace(solution, x=read_only(solution.x + start[0]), y=read_only(solution.y + start[1]))
+        return self._in_plane(load, held, together=is_third_experiment(held))
 
 
 def _grow_together(order: Order, held: tuple[float | None, float | None], *, loaded: bool) -> bool:
@@ -293,6 +289,6 @@ def _grow_together(order: Order, held: tuple[float | None, float | None], *, loa
     if order not in get_args(Order):
         raise RodError(f"order is one of {', '.join(get_args(Order))}; {order!r} is not.")
     if order == "as tested":
-        return end_x is None and end_y is not None
+        return is_third_experiment(held)
     # on a rod that nothing acts on nothing can grow together
     return order == "together" and (loaded or end_x is not None or end_y is not None)

@@ -11,14 +11,14 @@ from geometry.arrays import Array, read_only
 from rod.arm.chain import planar_frames, positions_between
 from rod.arm.end_kernels import EndArrays
 from rod.arm.ends import rigid_ends
-from rod.arm.path import NOT_SOLVED, Solver, follow
+from rod.arm.path import NOT_SOLVED, Solver, Way, follow
 from rod.arm.sections import LinesSection
 from rod.curves.extension import Extension
 from rod.errors import RodError
 from rod.law import TwoSlopes
 from rod.load import Load
 from rod.solution import RodSolution
-from rod.spatial import Position, SpatialLoad
+from rod.spatial import Position, SpatialLoad, SpatialSolution, is_third_experiment
 
 #: length of the first element, which is never halved, over that of the rod
 FIRST = 1e-3
@@ -40,25 +40,41 @@ class LinesRod:
     s: Array  #: (n,) mm, of kappa_0, joined by straight lines
     kappa_0: Array  #: (n,) 1/mm
     theta0: float  #: rad
-    start: tuple[float, float]  #: mm
     extension: Extension | None
     weight: SpatialLoad  #: of the rod itself, under which it has kappa_0 where nothing else acts
 
-    def under(self, load: Load, held: tuple[float | None, float | None], *, together: bool) -> RodSolution:
+    @property
+    def has_own_law(self) -> bool:
+        """As `rod.arm.arm.Arm` says, and so are the others."""
+        return False
+
+    @property
+    def carried(self) -> tuple[float, float]:
+        """Its own weight cannot be replaced: the parameters depend on it."""
+        return 0.0, 0.0
+
+    def solve_in_space(self, load: SpatialLoad, position: Position = (None, None, None)) -> SpatialSolution:
+        """Refused: its law is that of the plane."""
+        raise RodError("A rod with five parameters stays in its plane; in space a rod has the arm's own law.")
+
+    def in_plane(
+        self, load: Load, held: tuple[float | None, float | None], *, together: bool | None = None
+    ) -> RodSolution:
         """The equilibrium under a load. together: the rest shape grows with the load from the straight rod.
 
         held: (x, y) of the end in mm, None where it is free. Raises `RodError` where the path ends, and for an end
         beyond the reach of an inextensible rod.
         """
-        reach = math.hypot(*(0.0 if at is None else at - self.start[k] for k, at in enumerate(held)))
+        reach = math.hypot(*(0.0 if at is None else at for at in held))
         if not reach < self.length and self.extension is None:
             raise RodError(
                 f"The end cannot be {reach:g} mm from the clamp: the rod of {self.length:g} mm is inextensible."
             )
         position: Position = (*held, None)
+        together = is_third_experiment(held) if together is None else together
         is_loaded = not self._is_idle(load, held) or together
         model = _Model(self, self._section(is_loaded=is_loaded))
-        path = follow(model, load.in_space, position, together=together)
+        path = follow(model, load.in_space, position, Way(together))
         nodes = path.nodes
         if np.hypot(*nodes.force[:2]) > STRETCHED * model.section.rigid:
             raise RodError("The end cannot be held there: the rod would have to be stretched by force.")
@@ -94,7 +110,7 @@ class LinesRod:
     @cached_property
     def _rest_end(self) -> Array:
         model = _Model(self, self._section(is_loaded=False))
-        return follow(model, SpatialLoad(), (None, None, None)).nodes.place[-1]
+        return follow(model, SpatialLoad(), (None, None, None), Way()).nodes.place[-1]
 
     def _section(self, *, is_loaded: bool) -> LinesSection:
         extension = self.extension
@@ -145,8 +161,8 @@ class _Model:
 
     def ends(self, position: Position) -> EndArrays:
         """A clamp that does not give way."""
-        return rigid_ends(self.rod.start, self.rod.theta0)
+        return rigid_ends(self.rod.theta0)
 
     def begin(self) -> tuple[Array, Array]:
         """The clamp."""
-        return np.array([*self.rod.start, 0.0]), planar_frames(np.array([self.rod.theta0]))[0]
+        return np.zeros(3), planar_frames(np.array([self.rod.theta0]))[0]

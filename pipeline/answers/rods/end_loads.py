@@ -19,7 +19,6 @@ from pipeline.values.formats import ARM_LAW, EXTENSIBLE, FIVE
 from pipeline.values.run import bending_deg
 from rod.along import LineLoad, PointLoad
 from rod.arm_law.law_rod import LawRod
-from rod.arm_law.space_law import SpaceRod
 from rod.errors import LoadError, RodError, RodWarning
 from rod.mechanics.equilibrium import Rod
 from rod.solution import RodSolution
@@ -265,7 +264,7 @@ def _listed(values: Array, unit: str = "") -> str:
 
 def _described(rod: Rod) -> str:
     """Which rod it is: its name in validation.json, and its name in words."""
-    if isinstance(rod.law, LawRod | SpaceRod):
+    if rod.arm.has_own_law:
         return f"{ARM_LAW}: the arm's own law"
     if rod.extension is None:
         return f"{FIVE}: five parameters, inextensible"
