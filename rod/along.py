@@ -12,10 +12,6 @@ from rod.errors import LoadError, RodError
 
 #: (x, y, z)
 Triple = tuple[float, float, float]
-#: places of a line load at which it is told where the material curve lies
-PLACES = 65
-#: distance of a load from the end, over the length, within which it acts on the end
-AT_END = 1e-9
 
 
 def triple(values: object, name: str) -> Triple:
@@ -25,11 +21,6 @@ def triple(values: object, name: str) -> Triple:
     except (TypeError, ValueError):  # a RodError is a ValueError
         raise RodError(f"{name} has three finite numbers, x, y and z; {values!r} has not.") from None
     return x, y, z
-
-
-def in_space(values: Sequence[float], name: str) -> Triple:
-    """As `triple`; a pair has no third component."""
-    return triple((*values, 0.0) if np.shape(values) == (2,) else values, name)
 
 
 def scaled(values: Sequence[float], part: float) -> Triple:
@@ -58,16 +49,6 @@ class PointLoad:
         """mm: where it acts."""
         return (self.s,)
 
-    @property
-    def places(self) -> Array:
-        """(m,) mm: where it acts."""
-        return np.array([self.s])
-
-    @property
-    def extent(self) -> float:
-        """By which the force is multiplied."""
-        return 1.0
-
     def shares(self, s: Array) -> Array:
         """(N,) parts of the load on nodes at s (N,) mm; between two nodes by its distances from them."""
         i = int(np.clip(np.searchsorted(s, self.s) - 1, 0, len(s) - 2))
@@ -92,26 +73,15 @@ class LineLoad:
     def __post_init__(self) -> None:
         start, end = (finite(s, name) for s, name in ((self.start, "start"), (self.end, "end")))
         if not 0.0 <= start < end:
-            raise LoadError(f"A line load goes from a start of 0 mm at least to an end beyond it; {self} does not.")
+            raise LoadError(
+                f"A line load goes from 0 mm or more to an end beyond it; {start:g} to {end:g} mm does not."
+            )
         _check(self)
-
-    def __str__(self) -> str:
-        return f"{self.start:g} to {self.end:g} mm"
 
     @property
     def breaks(self) -> tuple[float, ...]:
         """mm: where it begins and ends."""
         return self.start, self.end
-
-    @property
-    def places(self) -> Array:
-        """(m,) mm: evenly over the part on which it acts."""
-        return np.linspace(self.start, self.end, PLACES)
-
-    @property
-    def extent(self) -> float:
-        """mm, by which the force is multiplied."""
-        return self.end - self.start
 
     def shares(self, s: Array) -> Array:
         """(N,) mm: the length with the load that belongs to nodes at s (N,) mm."""
@@ -124,26 +94,21 @@ AlongLoad: TypeAlias = PointLoad | LineLoad
 
 def _check(load: AlongLoad) -> None:
     """Give the force three components; raise `RodError` for what is no finite number."""
-    object.__setattr__(load, "force", in_space(load.force, "force"))
+    force = (*load.force, 0.0) if np.shape(load.force) == (2,) else load.force
+    object.__setattr__(load, "force", triple(force, "force"))
     object.__setattr__(load, "couple", triple(load.couple, "couple"))
     if np.shape(load.beside) != (2,) or not np.all(np.isfinite(load.beside)):
         raise RodError(f"beside is a pair of finite numbers, along and normal to the arm; {load.beside!r} is not.")
 
 
-def resultant(along: Sequence[AlongLoad]) -> Array:
-    """(3,) N: the sum of the forces of loads."""
-    return np.asarray(sum((one.extent * np.array(one.force) for one in along), np.zeros(3)))
+def resultant(along: Sequence[AlongLoad], s: Array) -> Array:
+    """(3,) N: the sum of the forces of loads on nodes at s (N,) mm."""
+    return np.asarray(sum((one.shares(s).sum() * np.array(one.force) for one in along), np.zeros(3)))
 
 
 def leaves_plane(load: AlongLoad) -> bool:
     """Whether a load moves an arm out of its plane."""
     return any((load.force[2], *load.couple[:2]))
-
-
-def is_end_force(load: AlongLoad, length: float) -> bool:
-    """Whether a load is a force alone on the end of the material curve of an arm of this length, mm."""
-    is_force = isinstance(load, PointLoad) and not any((*load.couple, *load.beside))
-    return is_force and abs(load.breaks[0] - length) <= AT_END * length
 
 
 def part_of(along: Sequence[AlongLoad], part: float) -> tuple[AlongLoad, ...]:

@@ -12,7 +12,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from rod.along import AlongLoad, checked_along, is_end_force, leaves_plane
+from rod.along import AlongLoad, checked_along, leaves_plane
 from rod.checked import finite
 from rod.errors import LoadError, RodError
 from rod.spatial import SpatialLoad, held_at
@@ -66,9 +66,9 @@ def with_along(load: AnyLoad, more: Sequence[AlongLoad], length: float) -> AnyLo
     """The load with more along the arm, mm; forces on its end join the force there."""
     along: list[AlongLoad] = []
     force = np.array(load.force)
-    given: tuple[AlongLoad, ...] = (*load.along, *more)
-    for one in given:
-        if is_end_force(one, length):
+    one: AlongLoad
+    for one in (*load.along, *more):
+        if one.breaks == (length,) and not any((*one.couple, *one.beside)):
             force += one.force[: len(force)]
         else:
             along.append(one)

@@ -78,7 +78,7 @@ class RodSolution:
         x, y = self.x[0] - self.curve[0, 0], self.y[0] - self.curve[0, 1]
         force = self.force + self.weight
         if self.path is not None:
-            force = force + resultant(self.path.held.load.along)[:2]
+            force = force + resultant(self.path.held.load.along, self.s)[:2]
         return float(self.moment[0] + x * force[1] - y * force[0])
 
     @property

@@ -31,6 +31,8 @@ ELEMENT, FIRST = 0.2, 0.02
 ROUNDING = 1e-9
 #: how exactly the part of a load is told that the law bears
 PARTS = 7
+#: of a load along the arm, at which it is told where the material curve lies
+PLACES = 65
 
 
 @dataclass(frozen=True, eq=False)  # arrays inside
@@ -129,7 +131,7 @@ class LawRod:
         at_tip = tip_state(self.tip, position).beside_at(0.0, 0.0)
         curve, along = _Beside(self, np.array([0.0, self.length]), np.zeros(2), at_tip), []
         for one in load.along:
-            beside = curve(one.places).mean(axis=0) + one.beside
+            beside = curve(np.linspace(one.breaks[0], one.breaks[-1], PLACES)).mean(axis=0) + one.beside
             along.append(replace(one, beside=(float(beside[0]), float(beside[1]))))
         return replace(load, weight=(self.weight[0] + x, self.weight[1] + y, z), along=tuple(along))
 

@@ -10,7 +10,7 @@ from typing import Any
 
 from geometry.arrays import Array
 from pipeline.answers.rods.choice import RodOfRun
-from pipeline.config.units import FORCE, LENGTH, MOMENT, PRESSURE, STIFFNESS, Dimension
+from pipeline.config.units import FORCE, LENGTH, MOMENT, PRESSURE, STIFFNESS
 from pipeline.results.options import option_list, option_value, option_vector
 from pipeline.store.atomic_file import write_atomic
 from pipeline.store.result_folder import open_file
@@ -25,6 +25,12 @@ from rod.solution import RodSolution
 from rod.spatial import SpatialSolution
 from rod.weight import gravity_vector, in_grams, position_along
 
+#: loads along an arm as options have them
+EXAMPLES = {
+    "force_at": "0.5 l: [0 N, 0.02 N]",
+    "line_load": "0.2 l to 0.8 l: [0 N/m, 0.5 N/m]",
+    "mass_at": "0.5 l: 5 g",
+}
 #: x and y, and z of a load across the plane of the arm
 Vector = tuple[float, float] | tuple[float, float, float]
 
@@ -38,20 +44,12 @@ class AlongForce:
 
     @staticmethod
     def all_of(force_at: Sequence[str], line_load: Sequence[str]) -> tuple["AlongForce", ...]:
-        """From the options of the command line, written as "0.5 l: [0 N, 0.02 N]". Raises InputError."""
-        points = [AlongForce._read("force_at", text, FORCE) for text in _texts(force_at)]
-        return (*points, *(AlongForce._read("line_load", text, STIFFNESS) for text in _texts(line_load)))
-
-    @staticmethod
-    def _read(name: str, text: str, dimension: Dimension) -> "AlongForce":
-        written, force = _placed(name, text)
-        places = tuple(written.split(" to "))
-        if len(places) != (1 if name == "force_at" else 2):
-            example = "0.5 l: [0 N, 0.02 N]" if name == "force_at" else "0.2 l to 0.8 l: [0 N/m, 0.5 N/m]"
-            raise InputError(f"{argument(name)}: '{text}' has not its places; write it as '{example}'")
-        for place in places:
-            _check_place(name, place)
-        return AlongForce(places, option_vector(name, force, dimension))
+        """From the options of the command line. Raises InputError."""
+        found = []
+        for name, texts, dimension in (("force_at", force_at, FORCE), ("line_load", line_load, STIFFNESS)):
+            for places, force in _placed(name, texts):
+                found.append(AlongForce(places, option_vector(name, force, dimension)))
+        return tuple(found)
 
     def on(self, length: float) -> PointLoad | LineLoad:
         """The load on a rod of a length in mm. Raises `RodError` for an end before the start."""
@@ -154,16 +152,11 @@ class Weight:
             tip_mass_g = 0.0 if tip_mass is None else in_grams(tip_mass)
         except RodError as failure:
             raise InputError(f"{argument('tip_mass')}: {failure}") from None
-        return Weight(direction, tip_mass_g, tuple(Weight._hung(text) for text in _texts(mass_at)))
-
-    @staticmethod
-    def _hung(text: str) -> tuple[str, float]:
-        place, mass = _placed("mass_at", text)
-        _check_place("mass_at", place)
         try:
-            return place, in_grams(mass)
+            hung = tuple((place, in_grams(mass)) for (place,), mass in _placed("mass_at", mass_at))
         except RodError as failure:
             raise InputError(f"{argument('mass_at')}: {failure}") from None
+        return Weight(direction, tip_mass_g, hung)
 
     @staticmethod
     def of(direction: str | Sequence[float] | None, tip_mass: float | str) -> "Weight":
@@ -174,25 +167,21 @@ class Weight:
             raise InputError(str(failure)) from None
 
 
-def _texts(given: Sequence[str]) -> Sequence[str]:
-    """The texts of an argument that may be repeated; from Python one may come alone."""
-    return (given,) if isinstance(given, str) else given
-
-
-def _placed(name: str, text: str) -> tuple[str, str]:
-    """What stands before and behind the colon. Raises InputError."""
-    place, colon, load = text.partition(":")
-    if not colon:
-        example = "0.5 l: 5 g" if name == "mass_at" else "0.5 l: [0 N, 0.02 N]"
-        raise InputError(f"{argument(name)}: '{text}' has no colon behind its place; write it as '{example}'")
-    return place, load.strip()
-
-
-def _check_place(name: str, place: str) -> None:
-    try:
-        position_along(place, 1.0)
-    except RodError as failure:
-        raise InputError(f"{argument(name)}: {failure}") from None
+def _placed(name: str, texts: Sequence[str]) -> list[tuple[tuple[str, ...], str]]:
+    """Places along the arm and what acts there, of an argument that may be repeated. Raises InputError."""
+    found = []
+    for text in (texts,) if isinstance(texts, str) else texts:
+        place, _, load = text.partition(":")
+        places = tuple(place.split(" to "))
+        if not load or len(places) != len(EXAMPLES[name].split(" to ")):
+            raise InputError(f"{argument(name)}: '{text}' is not a place and a load; write it as '{EXAMPLES[name]}'")
+        try:
+            for one in places:
+                position_along(one, 1.0)
+        except RodError as failure:
+            raise InputError(f"{argument(name)}: {failure}") from None
+        found.append((places, load.strip()))
+    return found
 
 
 def _pair_of(text: str) -> str | list[str | float]:

@@ -81,15 +81,18 @@ def test_loads_along_the_arm_are_those_of_python(options: tuple[str, ...], loads
     ("options", "sentence"),
     [
         (("--force-at", "0.5 k: [0 N, 1 N]"), "--force-at: '0.5 k' is no place along an arm; write it as 56 mm or 0.5"),
-        (("--force-at", "[0 N, 1 N]"), "--force-at: '[0 N, 1 N]' has no colon behind its place; write it as '0.5 l: ["),
+        (("--force-at", "[0 N, 1 N]"), "--force-at: '[0 N, 1 N]' is not a place and a load; write it as '0.5 l: [0 N,"),
         (("--force-at", "0.5 l: [0 N]"), "--force-at: '[0 N]' is not a pair"),
         (("--force-at", "0.5 l: [0 mm, 1 mm]"), "--force-at: '0 mm' is not a force"),
         (("--force-at", "200 mm: [0 N, 1 N]"), "A load acts at 0 < s <= 112 mm along the arm; s = 200 mm is outside"),
-        (("--line-load", "0.5 l: [0 N/m, 1 N/m]"), "--line-load: '0.5 l: [0 N/m, 1 N/m]' has not its places; write it"),
+        (("--line-load", "0.5 l: [0 N/m, 1 N/m]"), "--line-load: '0.5 l: [0 N/m, 1 N/m]' is not a place and a load"),
         (("--line-load", "0.8 l to 0.2 l: [0 N/m, 1 N/m]"), "to an end beyond it; 89.6 to 22.4 mm does not"),
         (("--mass-at", "0.5 l: 5 g"), "--mass-at: needs --orientation hanging"),
         (("--mass-at", "0.5 l: 5 mm", "--orientation", "lying"), "--mass-at: '5 mm' is no mass; write it in g"),
-        (("--mass-at", "5 g", "--orientation", "lying"), "--mass-at: '5 g' has no colon behind its place"),
+        (
+            ("--mass-at", "5 g", "--orientation", "lying"),
+            "--mass-at: '5 g' is not a place and a load; write it as '0",
+        ),
     ],
 )
 def test_loads_along_the_arm_that_are_none_are_refused(options: tuple[str, ...], sentence: str) -> None:
