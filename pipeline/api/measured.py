@@ -47,20 +47,19 @@ def calibrate(
     ] = (),
     align: Align = False,
     ratio: Ratio = None,
-    samples: Annotated[int, typer.Option(metavar="N", min=0, help="Check the result with N samples.")] = 0,
 ) -> "CalibrationReport":
     """Fit modulus and dimensions to measurements, with intervals.
 
     out: "RESULTS_calibrated" by default; `pneurod.read_results(out)` reads it. free: dimensions ("geometry.wall"), by
-    default those whose tolerances move the tip most. align: as in `compare`. samples: drawn to check the result.
-    Raises InputError with file, line and column.
+    default those whose tolerances move the tip most. align: as in `compare`. Raises InputError with file, line and
+    column.
     """
     from pipeline.answers.measured.calibrate import CalibrateOptions, calibrate_files
     from pipeline.api.given import given_choice, given_path
 
     folder, file = given_path(results, "results", "results/arm"), given_path(measured, "measured", "arm.csv")
     new = None if out is None else given_path(out, "out", "results/arm_calibrated")
-    options = CalibrateOptions(tuple(free), given_choice(align, "align"), samples, ratio)
+    options = CalibrateOptions(tuple(free), given_choice(align, "align"), ratio)
     return calibrate_files(folder, file, new, options)
 
 

@@ -11,7 +11,6 @@ from pipeline.answers.measured.fit import LawRods
 from pipeline.answers.measured.page import comparison_page
 from pipeline.answers.measured.saved import new_folder, save_calibration
 from pipeline.answers.measured.table import read_measurements
-from pipeline.answers.measured.unknowns import MODULUS
 from pipeline.answers.rods.ratio import run_along
 from pipeline.results.files import read_results
 from pipeline.results.verdict import Verdict, verdict_of
@@ -26,7 +25,6 @@ class CalibrateOptions:
 
     free: tuple[str, ...] = ()  #: dimensions; none: those whose tolerances move the tip most
     align: bool = False  #: move the rows onto the rod at rest
-    samples: int = 0  #: drawn to check the result; 0: not checked
     ratio: str | None = None  #: of the pressures of a law that has several
 
 
@@ -41,13 +39,7 @@ class CalibrationReport:
     @property
     def lines(self) -> tuple[str, ...]:
         """What was found, in words."""
-        sampled, checked = self.found.sampled, []
-        if sampled:
-            checked = [
-                f"{sampled.samples} samples, worth {sampled.effective:.0f}: {MODULUS} is {sampled.mean[0]:.4g} on "
-                f"average, and {self.found[MODULUS].mean:.4g} above."
-            ]
-        return (*self.found.notes, *self.found.undetermined, *checked, self.found.next_measurement.text)
+        return (*self.found.notes, *self.found.undetermined, self.found.next_measurement.text)
 
 
 def calibrate_files(
@@ -63,7 +55,7 @@ def calibrate_files(
     store = new_folder(out or folder.with_name(f"{folder.name}_calibrated"))
     if options.align:
         measurements = aligned(measurements, LawRods(law))
-    found = calibrated(law, run.config, measurements, options.free, options.samples)
+    found = calibrated(law, run.config, measurements, options.free)
     save_calibration(store, run, file, found, report_reason(_remark(run, found)))
     store.save_text("calibration.html", comparison_page(run.design, found.predictions))
     return CalibrationReport(store.directory, found, verdict_of(read_results(store.directory)))

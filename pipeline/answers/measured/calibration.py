@@ -6,7 +6,6 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from scipy.stats import multivariate_t
 
 from geometry.arrays import Array
 from pipeline.answers.measured.aligned import check_degrees
@@ -20,15 +19,12 @@ from pipeline.answers.rods.choice import plane_of, refuse_out_of_plane
 from pipeline.values.errors import InputError
 from pipeline.values.run import Run
 from rod.arm_law.law import ArmLaw
-from rod.errors import RodError
 
 #: part of the deviation that a measurement leaves of an unknown, from which on it was not determined; correlation from
 #: which on only a combination of two was
 LEFT, TOGETHER = 0.8, 0.9
 #: relative change of a dimension beyond which derivatives are doubtful
 DOUBTFUL = 0.15
-#: degrees of freedom of Student's distribution that samples are of
-OF_SAMPLES = 5.0
 
 
 @dataclass(frozen=True)
@@ -44,16 +40,6 @@ class Estimate:
     source: str  #: of the deviation before
 
 
-@dataclass(frozen=True)
-class Sampled:
-    """Mean and deviation of the unknowns by sampling, without a linear approximation of the rod."""
-
-    samples: int
-    effective: float  #: number of equally weighted samples that are worth as much
-    mean: tuple[float, ...]
-    std: tuple[float, ...]
-
-
 @dataclass(frozen=True, eq=False)  # arrays inside
 class Calibration:
     """An arm after its measurement."""
@@ -66,7 +52,6 @@ class Calibration:
     undetermined: tuple[str, ...]  #: what the numbers do not tell, a sentence each
     notes: tuple[str, ...]
     next_measurement: NextMeasurement
-    sampled: Sampled | None = None  #: None where no samples were requested
 
     @property
     def correlation(self) -> Array:
@@ -86,12 +71,12 @@ def law_to_calibrate(run: Run) -> ArmLaw:
 
 
 def calibrated(
-    law: ArmLaw, config: Mapping[str, Any], measurements: Measurements, free: Sequence[str] = (), samples: int = 0
+    law: ArmLaw, config: Mapping[str, Any], measurements: Measurements, free: Sequence[str] = ()
 ) -> Calibration:
     """An arm calibrated to measurements.
 
     config: as run.json has it, for its tolerances. free: dimensions; by default those whose tolerances move the tip
-    most. samples: drawn to check the result. Raises InputError, with file, line and column.
+    most. Raises InputError, with file, line and column.
     """
     unknowns = unknowns_of(law, config, free, max(measurements.pressures_kPa) or law.pressures[-1])
     arm, numbers = BuiltArm(law, unknowns), Numbers.of(measurements)
@@ -125,7 +110,6 @@ def calibrated(
         undetermined=tuple(_undetermined(arm, fitted)),
         notes=(*_left_out(measurements, numbers, changed), *off_range(changed, numbers, setup), *_doubts(arm, fitted)),
         next_measurement=next_measurement(arm, fitted, changed),
-        sampled=_sampled(arm, numbers, fitted, samples) if samples else None,
     )
 
 
@@ -178,27 +162,3 @@ def _doubts(arm: BuiltArm, fitted: Fitted) -> list[str]:
                 "measure the law again with the new dimension."
             )
     return sentences
-
-
-def _sampled(arm: BuiltArm, numbers: Numbers, fitted: Fitted, samples: int) -> Sampled:
-    """By importance sampling from Student's distribution with the covariance of the linear approximation."""
-    posterior, observed = fitted.posterior, fitted.observed
-    noise = np.linalg.inv(observed.noise(posterior.spread))
-    drawn_from = multivariate_t(fitted.changes, posterior.covariance, OF_SAMPLES, seed=1, allow_singular=True)
-    points = drawn_from.rvs(samples).reshape(samples, -1)
-    logarithms = []
-    for point in points:
-        try:
-            off = numbers.values - numbers_of(arm, numbers, point)
-        except (InputError, RodError):
-            logarithms.append(-np.inf)
-            continue
-        before = float(np.sum((point / observed.stds) ** 2))
-        logarithms.append(-0.5 * (float(off @ noise @ off) + before) - float(drawn_from.logpdf(point)))
-    logs = np.array(logarithms)
-    weights = np.exp(logs - logs.max())
-    weights /= weights.sum()
-    values = np.array([[u.value(c) for u, c in zip(arm.unknowns, point, strict=True)] for point in points.tolist()])
-    mean = weights @ values
-    std = np.sqrt(weights @ (values - mean) ** 2)
-    return Sampled(samples, float(1.0 / np.sum(weights**2)), tuple(mean.tolist()), tuple(std.tolist()))

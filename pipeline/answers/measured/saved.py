@@ -84,7 +84,6 @@ def record_of(run: Run, file: Path, found: Calibration) -> JsonObject:
         "undetermined": list(found.undetermined),
         "notes": list(found.notes),
         "next_measurement": asdict(found.next_measurement),
-        "sampled": asdict(found.sampled) if found.sampled else None,
         "posterior": {
             "covariance": posterior.covariance,
             "gain": posterior.gain,
