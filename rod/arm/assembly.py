@@ -52,6 +52,7 @@ class Chain(NamedTuple):
     in_space: bool
     is_loaded: bool  #: False: the tangent is that of the same shape without forces and moments
     h: Array  #: (n,) mm, rest lengths
+    decides: int  #: node whose bending moment decides on the clamp
     free: int  #: first node beyond the clamped end, from which on unstable directions are counted
     length: float  #: mm
 
@@ -145,13 +146,19 @@ def _clamp(
     band: Array,
     residual: Array,
     start: Array,
+    decides: float,
 ) -> float:
-    """Eliminate the first node: start (m, 1 + m) becomes its motion, and what it adds by that of the second node."""
+    """Eliminate the first node: start (m, 1 + m) becomes its motion, and what it adds by that of the second node.
+
+    decides: N mm, the bending moment that decides on rotation and offset. It changes as that at the end of the first
+    element does, less the change of the force there on the way between both nodes.
+    """
     m = 6 if chain.in_space else 3
     missed, by_start, by_end = np.zeros(m), np.zeros((m, m)), np.zeros((m, m))
     at_end, at_start = np.empty(m), np.empty(m)
     for i in range(m):
         at_start[i], at_end[i] = -gradient[i], gradient[m + i]
+    at_end[m - 1] = decides
     if chain.in_space:
         place, turned, away, turn = np.empty(3), np.empty((3, 3)), np.empty((3, 3)), np.empty(3)
         beyond = clamp_in_space(ends, state.frames[0], at_start, at_end, place, turned, by_start, by_end)
@@ -170,6 +177,9 @@ def _clamp(
         beyond = clamp_in_plane(ends, at_end, place, by_end, np.empty((4, 3)))
         missed[0], missed[1] = place[0] - state.place[0, 0], place[1] - state.place[0, 1]
         missed[2] = place[2] - state.angle[0]
+    for i in range(m):
+        by_end[i, 0] += by_end[i, m - 1] * (state.place[chain.decides, 1] - state.place[1, 1])
+        by_end[i, 1] -= by_end[i, m - 1] * (state.place[chain.decides, 0] - state.place[1, 0])
     matrix = np.zeros((m, m))
     for i in range(m):
         matrix[i, i] = 1.0
@@ -390,8 +400,11 @@ def assemble(
     gradient, hessian = np.empty(2 * m), np.empty((2 * m, 2 * m))
     band[:] = 0.0
     residual[:] = 0.0
-    outside = _element(section, chain, state, 0, work, gradient, hessian, kept, columns)
-    beyond = _clamp(ends, chain, state, gradient, hessian, band, residual, start)
+    loaded = Chain(chain.in_space, True, chain.h, chain.decides, chain.free, chain.length)
+    outside = _element(section, loaded, state, max(chain.decides - 1, 0), work, gradient, hessian, kept, columns)
+    decides = gradient[2 * m - 1] if chain.decides > 0 else -gradient[m - 1]
+    outside = max(outside, _element(section, chain, state, 0, work, gradient, hessian, kept, columns))
+    beyond = _clamp(ends, chain, state, gradient, hessian, band, residual, start, decides)
     for e in range(1, len(chain.h)):
         outside = max(outside, _element(section, chain, state, e, work, gradient, hessian, kept, columns))
         _add(band, residual, m * (e - 1), gradient, hessian, half)

@@ -33,7 +33,7 @@ def positions_between(breaks: Sequence[float], longest: float) -> Array:
 
 
 def halved(s: Array) -> Array:
-    """The positions with one in the middle of all elements but the first, whose end decides on the clamp."""
+    """The positions with one in the middle of all elements but the first, which is short."""
     middle = 0.5 * (s[1:-1] + s[2:])
     return np.sort(np.concatenate([s, middle]))
 
@@ -90,10 +90,13 @@ class Nodes(NamedTuple):
 solve_chain = CompiledLater(newton._newton, newton.CALLS, 20)
 
 
-def chain_arrays(s: Array, clamp_reach: float, *, in_space: bool, is_loaded: bool = True) -> Chain:
-    """The elements between positions (N,); clamp_reach: mm, how far the clamped end reaches."""
+def chain_arrays(s: Array, decides_at: float, clamp_reach: float, *, in_space: bool) -> Chain:
+    """The elements between positions (N,).
+
+    decides_at: mm, of the node whose moment decides on the clamp; clamp_reach: mm, how far the clamped end reaches.
+    """
     free = min(max(int(np.searchsorted(s, clamp_reach - 1e-9)), 1), len(s) - 1)
-    return Chain(in_space, is_loaded, np.diff(s), free, float(s[-1]))
+    return Chain(in_space, True, np.diff(s), int(np.argmin(np.abs(s - decides_at))), free, float(s[-1]))
 
 
 def load_arrays(load: SpatialLoad, nodes: NodeLoads, held: Mask, target: Array) -> LoadArrays:

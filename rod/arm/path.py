@@ -59,6 +59,10 @@ class ArmModel(Protocol):
         """How a weight is spread along the arm; None: evenly."""
 
     @property
+    def decides_at(self) -> float:
+        """mm, where the bending moment decides on the clamp."""
+
+    @property
     def clamp_reach(self) -> float:
         """mm, how far the clamped end reaches."""
 
@@ -67,7 +71,7 @@ class ArmModel(Protocol):
         """A weight under which the section has its rest shape, besides those of a load."""
 
     def positions(self, breaks: tuple[float, ...]) -> Array:
-        """(N,) mm: the nodes, with the breaks among them; the first element ends where the moment decides."""
+        """(N,) mm: the nodes, with the breaks among them, and where the moment decides. The first element is short."""
 
     def ends(self, position: Position) -> EndArrays:
         """Clamp and tip, of an end that is held along the axes with a prescribed position."""
@@ -97,7 +101,7 @@ class Solver:
     def __init__(self, arm: ArmModel, s: Array, load: SpatialLoad, position: Position, *, in_space: bool) -> None:
         self.arm, self.s = arm, s
         self.ends = arm.ends(position)
-        self.chain = chain_arrays(s, arm.clamp_reach, in_space=in_space)
+        self.chain = chain_arrays(s, arm.decides_at, arm.clamp_reach, in_space=in_space)
         self.room = room_for(self.chain)
         nodes = NodeLoads.of(load, arm.mass, s)
         if any(arm.own.weight):

@@ -28,7 +28,7 @@ def stability_of(
 
 
 def _lowest(arm: ArmModel, nodes: Nodes, held: Held, motions: tuple[int, ...]) -> tuple[float, Array]:
-    chain = chain_arrays(nodes.s, arm.clamp_reach, in_space=True)
+    chain = chain_arrays(nodes.s, arm.decides_at, arm.clamp_reach, in_space=True)
     loads = NodeLoads.of(held.load, arm.mass, nodes.s)
     load = load_arrays(held.load, loads, held_along(held.position), np.zeros(3))
     frames, inner = np.ascontiguousarray(nodes.frames), np.zeros((len(chain.h), 3))

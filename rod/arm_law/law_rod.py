@@ -25,8 +25,10 @@ from rod.solution import RodSolution, SolvedPath
 from rod.spatial import Held, Position, SpatialLoad, SpatialSolution, Stability, held_at, is_third_experiment
 from rod.weight import Mass
 
-#: longest element over the pitch; length of the first one at least, whose end decides on the clamp
+#: longest element over the pitch; length of the first one, which is never halved
 ELEMENT, FIRST = 0.2, 0.02
+#: over the length of the first element: where the moment decides if the first element ends there
+SHORT = 0.05, 2.0
 #: a curvature or moment may leave the law by rounding, over its range
 ROUNDING = 1e-9
 #: how exactly the part of a load is told that the law bears
@@ -245,13 +247,15 @@ class _Model:
         self.section, self.mass = TabulatedSection(rod.section, rod.length), rod.mass
         self.clamp_reach = float(rod.clamp.s[-1])
         self.own = SpatialLoad()
-        self._first = max(rod.clamp.position, FIRST * rod.pitch)
+        self.decides_at = rod.clamp.position
+        usual = FIRST * rod.pitch
+        self._first = self.decides_at if SHORT[0] < self.decides_at / usual < SHORT[1] else usual
         self._ends: dict[tuple[bool, ...], EndArrays] = {}
 
     def positions(self, breaks: tuple[float, ...]) -> Array:
         """As `ArmModel` says, and so are the others."""
         rod, first = self.rod, self._first
-        places = [s for s in sorted(breaks) if s > first]
+        places = [s for s in sorted((self.decides_at, *breaks)) if s > first]
         return np.append(0.0, positions_between([first, *places, rod.length], ELEMENT * rod.pitch))
 
     def ends(self, position: Position) -> EndArrays:

@@ -19,8 +19,8 @@ from rod.solution import RodSolution
 from rod.spatial import Held, Position, SpatialLoad, SpatialSolution
 from rod.weight import Mass
 
-#: longest element over the pitch, and over the length
-ELEMENT, LONGEST = 0.25, 1 / 48
+#: longest element over the pitch, and over the length; length of the first one, which is never halved, over these
+ELEMENT, LONGEST, FIRST = 0.25, 1 / 48, 0.05
 #: a curvature may leave the law by rounding, over its reach
 ROUNDING = 1e-9
 
@@ -68,6 +68,9 @@ class SpaceRod:
     ) -> RodSolution:
         """Refused: it has no plane."""
         raise RodError("This arm bends in space; `solve` gives its shape.")
+    def decides_at(self) -> float:
+        """mm: the moments at the start decide on the clamp."""
+        return 0.0
 
     @property
     def own(self) -> SpatialLoad:
@@ -81,7 +84,10 @@ class SpaceRod:
 
     def positions(self, breaks: tuple[float, ...]) -> Array:
         """As `rod.arm.path.ArmModel` says, and so are the others."""
-        return positions_between([0.0, *sorted(breaks), self.length], min(ELEMENT * self.pitch, LONGEST * self.length))
+        longest = min(ELEMENT * self.pitch, LONGEST * self.length)
+        first = FIRST * longest
+        inner = [s for s in sorted(breaks) if s > first]
+        return np.append(0.0, positions_between([first, *inner, self.length], longest))
 
     def ends(self, position: Position) -> EndArrays:
         """The clamp, and a tip that is a point beside the axis."""

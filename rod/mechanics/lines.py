@@ -149,7 +149,8 @@ class _Model:
     """The rod as the path asks for it (`rod.arm.path.ArmModel`)."""
 
     def __init__(self, rod: LinesRod, section: LinesSection) -> None:
-        self.rod, self.section, self.mass, self.clamp_reach, self.own = rod, section, None, 0.0, rod.weight
+        self.rod, self.section, self.mass, self.own = rod, section, None, rod.weight
+        self.decides_at = self.clamp_reach = 0.0
 
     def positions(self, breaks: tuple[float, ...]) -> Array:
         """As `ArmModel` says, and so are the others."""
