@@ -16,5 +16,5 @@ def compile_kernels() -> None:
         kernel.compile_next()
     none = Tangent(np.zeros((6, 23)), np.zeros((2, 6, 3)), np.zeros(3), np.zeros((3, 3)))
     none.band[:, 11] = 1.0
-    lowest_of(none, none, np.ones(6, bool), np.zeros(0, np.intp), 0)
+    lowest_of(none, none, np.ones(6, bool), np.zeros(0, np.intp))
     Rod(1.0, 0.1, FiveParameters(1.0, 2.0, 0.0, 0.0, 0.5)).under(Load((0.0, 0.1)))

@@ -32,7 +32,7 @@ def lowest(
     none = LoadArrays(zero[0], zero[1], load.held, load.target, *zero[2:])
     still = state._replace(force=np.zeros(3))
     free = _tangent(section, ends, chain._replace(is_loaded=False), none, still, kept)
-    value, vector = lowest_of(loaded, free, kept, held_axes(load, 3), 6 * (chain.free - 1))
+    value, vector = lowest_of(loaded, free, kept, held_axes(load, 3))
     return float(value), np.concatenate([np.zeros((1, 6)), vector.reshape(-1, 6)])
 
 
@@ -55,14 +55,16 @@ def _below(
     loaded: Tangent,
     free: Tangent,
     value: float,
-    first: int,
     axes: Index,
     shifted: Tangent,
     columns: Array,
     small: Array,
     right: Array,
 ) -> int:
-    """How many eigenvalues are below a value; the band of `shifted` becomes the factors."""
+    """Negative pivots of the one tangent minus a value times the other, with the constraints of the end.
+
+    The band of `shifted` becomes the factors.
+    """
     for row in range(len(shifted.band)):
         for k in range(23):
             shifted.band[row, k] = loaded.band[row, k] - value * free.band[row, k]
@@ -70,28 +72,28 @@ def _below(
         return -1
     columns[:, 0] = 0.0
     border_system(shifted, axes, columns, small, right)
-    return unstable(shifted.band, first, small)
+    return unstable(shifted.band, 0, small)
 
 
-def _lowest_of(loaded: Tangent, free: Tangent, kept: Mask, axes: Index, first: int) -> tuple[float, Array]:
-    """The lowest eigenvalue of two tangents, and its vector; first: row from which on directions are counted."""
+def _lowest_of(loaded: Tangent, free: Tangent, kept: Mask, axes: Index) -> tuple[float, Array]:
+    """The lowest eigenvalue of two tangents, and its vector."""
     rows, count = len(loaded.band), len(axes)
     shifted = Tangent(np.empty((rows, 23)), loaded.border, loaded.missed, loaded.direct)
     columns, small, right = np.empty((rows, 1 + count)), np.empty((count, count)), np.empty((count, 1))
+    # a measured clamp may have a negative stiffness in series with the arm, with loads and without
+    clamp = _below(free, free, 0.0, axes, shifted, columns, small, right)
     low, high, size = 0.0, 1.0 + 1e-9, 1.0
-    while _below(loaded, free, low, first, axes, shifted, columns, small, right) > 0 and size < LARGEST:
+    while _below(loaded, free, low, axes, shifted, columns, small, right) > clamp and size < LARGEST:
         high, low, size = low, -size, 2.0 * size
-    while (
-        high > 0.0 and _below(loaded, free, high, first, axes, shifted, columns, small, right) == 0 and size < LARGEST
-    ):
+    while high > 0.0 and _below(loaded, free, high, axes, shifted, columns, small, right) == clamp and size < LARGEST:
         low, high, size = high, 2.0 * high, 2.0 * size
     for _ in range(BISECTIONS):
         middle = 0.5 * (low + high)
-        if _below(loaded, free, middle, first, axes, shifted, columns, small, right) > 0:
+        if _below(loaded, free, middle, axes, shifted, columns, small, right) > clamp:
             high = middle
         else:
             low = middle
-    _below(loaded, free, low - 1e-6 * max(1.0, abs(low)), first, axes, shifted, columns, small, right)
+    _below(loaded, free, low - 1e-6 * max(1.0, abs(low)), axes, shifted, columns, small, right)
     vector = np.ones(rows)
     shifted.missed[:] = 0.0
     for _ in range(4):

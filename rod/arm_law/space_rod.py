@@ -68,6 +68,8 @@ class SpaceRod:
     ) -> RodSolution:
         """Refused: it has no plane."""
         raise RodError("This arm bends in space; `solve` gives its shape.")
+
+    @property
     def decides_at(self) -> float:
         """mm: the moments at the start decide on the clamp."""
         return 0.0
