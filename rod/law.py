@@ -2,18 +2,10 @@
 
     M = alpha_i Delta + m0_i,    Delta = kappa - kappa_0,    i = 1 for s < d, i = 2 for s >= d
 
-Continuation to M = 0
----------------------
 The intercepts are secants of a nonlinear curve: the two lines describe a *loaded* rod. Applied where there is no moment
-they would bend an unloaded rod. The law is therefore read as
-
-    Delta = (M - w m0_i) / alpha_i,    w = min(1, |M| / fade),    fade -> 0+
-
-which gives Delta = 0 where M vanishes and the lines wherever M does not. A rod without any load has M = 0 everywhere
-and takes the shape of kappa_0; a loaded rod has M = 0 only at single points (its tip), which have no weight, so it
-follows the lines. A finite `fade` (N mm) makes the law continuous for loads that tend to zero;
-`tests/rod/test_equilibrium.py` shows that the loaded shapes do not depend on it. M is the moment that bends the rod: of
-one with a weight of its own the change of the moment, of one that stretches the moment about the neutral axis.
+they would bend an unloaded rod. A rod on which nothing acts therefore has Delta = 0 and takes the shape of kappa_0; any
+other rod follows the lines. M is the moment that bends the rod: of one with a weight of its own the change of the
+moment, of one that stretches the moment about the neutral axis.
 """
 
 from dataclasses import dataclass, fields

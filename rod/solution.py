@@ -44,7 +44,7 @@ class RodSolution:
     stretch: Array  #: (n,), 1 on an inextensible rod
     force: Array  #: (2,) N, F_x and F_y on the end s = l
     weight: Array  #: (2,) N, x and y of the weight of the rod itself
-    load_steps: int  #: steps of the continuation
+    load_steps: int  #: steps of the load
     shear: Array | None = field(default=None, repr=False)  #: (n,) slope Q/GA; None: the rod does not shear
     notes: tuple[str, ...] = ()  #: what limits the trust in this shape, a sentence each
     #: (m, 2) mm at s (m,): the material curve beside the axis, along and normal to it; None: it is the axis

@@ -8,6 +8,7 @@ import pytest
 from geometry.arrays import Array
 from rod import Rod, RodError
 from rod.arm.chain import rotation
+from rod.arm_law import space_rod
 from rod.arm_law.kinds import along, law_from_record, law_record
 from rod.arm_law.polynomial import Basis, Polynomial, exponents_up_to
 from rod.arm_law.space_law import SpaceLaw
@@ -105,6 +106,16 @@ def test_forces_have_a_potential_where_the_stretch_follows_the_curvature() -> No
     largest = float(np.abs(compliance.value).max())
     assert compliance.within(abs=1e-4 * largest) == compliance.value.T
     assert np.abs(compliance.value[0, 1:]).max() > 0.01 * largest
+
+
+def test_the_limit_of_the_elements_converges_with_the_fourth_power(monkeypatch: pytest.MonkeyPatch) -> None:
+    ends = []
+    monkeypatch.setattr(space_rod, "LONGEST", 1.0)
+    for element in (0.8, 0.4, 0.2, 0.1):
+        monkeypatch.setattr(space_rod, "ELEMENT", element)
+        ends.append(law(0.3, 2e3, 0.4).at((4.0, 3.0, 1.0)).solve_in_space(SpatialLoad((0.0, 0.02, 0.02))).end)
+    differences = np.abs(np.diff(np.array(ends), axis=0)).max(axis=1)
+    assert np.log2(differences[:-1] / differences[1:]) == pytest.approx(4.0, abs=0.3)
 
 
 def test_an_end_that_is_held_gives_the_force_that_brings_it_there() -> None:

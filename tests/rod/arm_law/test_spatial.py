@@ -147,6 +147,14 @@ def _is_planar(found: SpatialSolution, planar: RodSolution) -> None:
     assert np.abs(found.curve[:, 2]).max() == 0.0
 
 
+@pytest.mark.parametrize("position", [0.0, 0.1, 3.0, 5.0])
+def test_the_clamp_turns_by_the_moment_at_its_position(position: float) -> None:
+    rod, force, soft = straight(planar=160.0, clamp=1e-3, position=position), 1e-5, 1e-3
+    expected = force * (LENGTH**3 / (3.0 * 160.0) + soft * (LENGTH - position) ** 2)
+    assert rod.under(Load((0.0, force))).end[1] == pytest.approx(expected, rel=1e-6)
+    assert rod.solve_in_space(SpatialLoad((0.0, force, 0.0))).end[1] == pytest.approx(expected, rel=1e-6)
+
+
 def test_an_end_is_pulled_back_by_the_force_that_moved_it() -> None:
     rod = Rod(LENGTH, law=straight(kappa_0=-0.01, planar=160.0, height=1.0))
     moved = rod.solve(force=(0.002, 0.01, 0.03))
