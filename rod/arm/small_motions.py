@@ -2,7 +2,7 @@
 
 It is 1 without loads, 0 where the arm buckles and below 0 beyond. The pivots of the tangent minus a multiple of the
 elastic part count the eigenvalues below it (Sylvester), so that bisection finds the lowest; inverse iteration finds its
-motion. The clamped end and the elements beside it follow the others in equilibrium.
+motion. Negative stiffnesses that a measured clamp has without loads are not counted.
 """
 
 import numpy as np
@@ -18,6 +18,8 @@ from rod.compiled import CompiledLater
 
 #: bisections, and where the search for the lowest eigenvalue ends
 BISECTIONS, LARGEST = 40, 1e6
+#: negative stiffnesses that a clamp has at most: three motions and three turns
+OF_CLAMP = 6
 
 
 def lowest(
@@ -80,8 +82,8 @@ def _lowest_of(loaded: Tangent, free: Tangent, kept: Mask, axes: Index) -> tuple
     rows, count = len(loaded.band), len(axes)
     shifted = Tangent(np.empty((rows, 23)), loaded.border, loaded.missed, loaded.direct)
     columns, small, right = np.empty((rows, 1 + count)), np.empty((count, count)), np.empty((count, 1))
-    # a measured clamp may have a negative stiffness in series with the arm, with loads and without
-    clamp = _below(free, free, 0.0, axes, shifted, columns, small, right)
+    # a measured clamp may have negative stiffnesses in series with the arm; what is more belongs to the cells
+    clamp = min(max(_below(free, free, 0.0, axes, shifted, columns, small, right), 0), OF_CLAMP)
     low, high, size = 0.0, 1.0 + 1e-9, 1.0
     while _below(loaded, free, low, axes, shifted, columns, small, right) > clamp and size < LARGEST:
         high, low, size = low, -size, 2.0 * size
