@@ -45,8 +45,8 @@ def test_small_edges_are_named_before_meshing(tmp_path: Path) -> None:
     path.write_text(FILLETS, encoding="utf-8")
     command = [sys.executable, "-m", "pipeline", "mesh", str(path), "--out", str(tmp_path / "out")]
     done = subprocess.run(command, capture_output=True, text=True, check=True, cwd=HERE)
-    first, small, *_ = done.stdout.splitlines()
-    assert first == "stage: mesh"
+    small, stage, *_ = done.stdout.splitlines()
+    assert stage == "stage: mesh"
     (reason,) = check_load(load_config(path))
     assert small == f"note: {render(reason)}"
     assert (reason.code, reason.values["count"]) == ("short_edges", 4)
