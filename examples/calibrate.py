@@ -28,7 +28,7 @@ results = pneurod.characterize(  # the arm of the recipe on payloads; a finished
 # of your own, write the file from your photographs and leave this out.
 
 # %%
-assert results.arm_law is not None
+assert isinstance(results.arm_law, pneurod.ArmLaw)
 cast = results.arm_law.with_changes({"geometry.wall": 0.06}).scaled(1.25)
 scatter = np.random.default_rng(7).normal(0.0, 0.3, (5, 2))
 pressures = [4, 8, 12, 16, 20]
