@@ -25,6 +25,7 @@ pressures: [4 kPa, 7 kPa, 10 kPa]
 law: five
 validation: off
 mesh: {size: 8 mm, formulation: p2p0, grading: off, coarser: off}
+effects: {self_contact: off}
 """
 PATIENCE = 300.0
 """Seconds in which what is waited for must happen."""
@@ -32,7 +33,7 @@ PATIENCE = 300.0
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    fem.compile_kernels("p2p0")  # in a fresh clone they are written into a cache, which is no file of a run
+    fem.compile_kernels("p2p0")  # in a fresh clone all kernels of this run are written into a cache here
     directory = tmp_path_factory.mktemp("endings")
     (directory / "short.yaml").write_text(SHORT, encoding="utf-8")
     return directory
