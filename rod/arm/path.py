@@ -142,8 +142,7 @@ NOT_SOLVED = Found(True, 0.0, 0.0, 0, 0)
 def follow(arm: ArmModel, load: SpatialLoad, position: Position, how: Way) -> Path:
     """The equilibrium on the path from the inflated arm to the full load.
 
-    together: the path begins with the straight arm, and its curvature grows with the load. Raises `RodError` where the
-    path ends or becomes unstable, and for a load off the arm.
+    Raises `RodError` where the path ends or becomes unstable, and for a load off the arm.
     """
     length = float(arm.positions(())[-1])
     for one in load.along:
