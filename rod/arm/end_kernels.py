@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from geometry.arrays import Array
-from rod.arm.rotations import cross_into, exponential, multiply
+from rod.arm.rotations import cross_into, exponential, multiply, turn_matrix
 
 #: columns of the table of the tip: couple of its support; lever of a force and end of the curve, along the frame (3)
 TIP_COLUMNS = 7
@@ -153,16 +153,7 @@ def _left_jacobian(turn: Array, out: Array) -> None:
         first, second = 0.5 - square / 24.0, 1.0 / 6.0 - square / 120.0
     else:
         first, second = (1.0 - math.cos(angle)) / square, (angle - math.sin(angle)) / (square * angle)
-    for i in range(3):
-        for j in range(3):
-            out[i, j] = second * turn[i] * turn[j]
-        out[i, i] += 1.0 - second * square
-    out[0, 1] -= first * turn[2]
-    out[1, 0] += first * turn[2]
-    out[0, 2] += first * turn[1]
-    out[2, 0] -= first * turn[1]
-    out[1, 2] -= first * turn[0]
-    out[2, 1] += first * turn[0]
+    turn_matrix(turn, first, second, out)
 
 
 def tip_levers(ends: EndArrays, frame: Array, acting: Array, out: Array, work: Array) -> None:

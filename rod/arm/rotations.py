@@ -19,15 +19,9 @@ def skew(a: Array, out: Array) -> None:
     out[1, 0], out[2, 0], out[2, 1] = a[2], -a[1], a[0]
 
 
-def exponential(turn: Array, out: Array) -> None:
-    """The rotation (3, 3) of a rotation vector (3,), rad."""
+def turn_matrix(turn: Array, first: float, second: float, out: Array) -> None:
+    """The matrix (3, 3) I + first [turn] + second [turn]^2 of a rotation vector (3,)."""
     square = turn[0] * turn[0] + turn[1] * turn[1] + turn[2] * turn[2]
-    angle = math.sqrt(square)
-    if angle < 1e-4:
-        first, second = 1.0 - square / 6.0, 0.5 - square / 24.0
-    else:
-        half = math.sin(0.5 * angle)
-        first, second = math.sin(angle) / angle, 2.0 * half * half / square
     for i in range(3):
         for j in range(3):
             out[i, j] = second * turn[i] * turn[j]
@@ -38,6 +32,18 @@ def exponential(turn: Array, out: Array) -> None:
     out[2, 0] -= first * turn[1]
     out[1, 2] -= first * turn[0]
     out[2, 1] += first * turn[0]
+
+
+def exponential(turn: Array, out: Array) -> None:
+    """The rotation (3, 3) of a rotation vector (3,), rad."""
+    square = turn[0] * turn[0] + turn[1] * turn[1] + turn[2] * turn[2]
+    angle = math.sqrt(square)
+    if angle < 1e-4:
+        first, second = 1.0 - square / 6.0, 0.5 - square / 24.0
+    else:
+        half = math.sin(0.5 * angle)
+        first, second = math.sin(angle) / angle, 2.0 * half * half / square
+    turn_matrix(turn, first, second, out)
 
 
 def logarithm(frame: Array, out: Array) -> None:
@@ -68,4 +74,4 @@ def multiply_transposed(a: Array, b: Array, out: Array) -> None:
 
 
 #: what the elements call
-CALLS = (cross_into, skew, exponential, logarithm, multiply, multiply_transposed)
+CALLS = (cross_into, skew, turn_matrix, exponential, logarithm, multiply, multiply_transposed)
