@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from geometry import Reason, position_text
+from geometry.errors import Reason, position_text
 
 #: sentence without full stop by code; {at} is the position
 SENTENCES: Mapping[str, str] = {

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from typing import final
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from fem.discretisation import Discretisation
 from fem.finite import check_finite
@@ -213,7 +214,5 @@ def _unit(normal: tuple[float, float, float]) -> Array:
 
 def _nearest(points: Array, positions: Array) -> tuple[Array, Index]:
     """Distance (k,) from each of the positions (k, 3) to the nearest of the points (n, 3), and its number."""
-    from scipy.spatial import cKDTree  # loaded where it is needed: most models name faces only
-
     distance, nearest = cKDTree(points).query(positions)
     return distance, nearest

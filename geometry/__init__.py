@@ -1,48 +1,31 @@
-"""Geometry of the arms: dimensions, solids, meshes and the material curve."""
+"""Geometry of the arms: dimensions, solids, meshes and the material curve.
 
-from geometry.body import Body
-from geometry.centreline import Centreline
-from geometry.errors import DesignError, MeshError, PneurodError, Reason, Values, position_text
-from geometry.families import FAMILIES, BisectedCircle, PneuNet, Rectangular, Semicircular, SemicircularSingle
-from geometry.families.design import Design
-from geometry.files.cad.cad_file import CadFile
-from geometry.files.frame import Axes, CellPlanes, Directions
-from geometry.files.from_file import FileDesign, Plug
-from geometry.files.mesh.mesh_file import MeshFile
-from geometry.files.mesh.reader import SUFFIXES as MESH_SUFFIXES
-from geometry.files.surface.surface_file import SurfaceFile
-from geometry.files.surface.triangles import SUFFIXES as SURFACE_SUFFIXES
-from geometry.grading import GRADINGS, Grading
-from geometry.mesh import Mesh, Quality
+The names of `geometry.public` are loaded when the first of them is used. So errors and reasons are
+read without numpy.
+"""
 
-__all__ = [
-    "FAMILIES",
-    "GRADINGS",
-    "MESH_SUFFIXES",
-    "SURFACE_SUFFIXES",
-    "Axes",
-    "BisectedCircle",
-    "Body",
-    "CadFile",
-    "CellPlanes",
-    "Centreline",
-    "Design",
-    "DesignError",
-    "Directions",
-    "FileDesign",
-    "Grading",
-    "Mesh",
-    "MeshError",
-    "MeshFile",
-    "Plug",
-    "PneuNet",
-    "PneurodError",
-    "Quality",
-    "Reason",
-    "Rectangular",
-    "Semicircular",
-    "SemicircularSingle",
-    "SurfaceFile",
-    "Values",
-    "position_text",
-]
+from types import ModuleType
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from geometry.public import *  # noqa: F403  type checkers find the names where they are defined
+else:
+
+    def __getattr__(name: str) -> Any:
+        """The name of `geometry.public`; raises AttributeError where there is none."""
+        if name == "__all__" or not name.startswith("_"):
+            public = _public()
+            if name in (*public.__all__, "__all__"):
+                return getattr(public, name)
+        raise AttributeError(f"module 'geometry' has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    names: list[str] = _public().__all__
+    return names
+
+
+def _public() -> ModuleType:
+    import geometry.public as public
+
+    return public

@@ -62,11 +62,10 @@ def parts_of_graph(count: int, pairs: Index) -> Index:
 
     Parts are numbered in the order of their first nodes.
     """
-    from scipy.sparse import coo_array  # its import takes longer than most of what needs no parts
-    from scipy.sparse.csgraph import connected_components
+    import scipy.sparse.csgraph  # its import takes longer than most of what needs no parts
 
-    graph = coo_array((np.ones(len(pairs), dtype=bool), (pairs[:, 0], pairs[:, 1])), shape=(count, count))
-    _, number = connected_components(graph, directed=False)
+    graph = scipy.sparse.coo_array((np.ones(len(pairs), dtype=bool), (pairs[:, 0], pairs[:, 1])), shape=(count, count))
+    _, number = scipy.sparse.csgraph.connected_components(graph, directed=False)
     return np.asarray(number, dtype=np.int64)
 
 

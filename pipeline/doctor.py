@@ -12,6 +12,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+import fem
+import geometry
+import rod
 from pipeline.store.provenance import installed, pinned
 from pipeline.values.table import Table
 
@@ -100,9 +103,7 @@ def _disk() -> Finding:
 
 
 def _check_gmsh() -> str:
-    from geometry import PneuNet
-
-    return f"meshes one chamber with {PneuNet(chambers=1).body(4.0).mesh.quality.count} tetrahedra"
+    return f"meshes one chamber with {geometry.PneuNet(chambers=1).body(4.0).mesh.quality.count} tetrahedra"
 
 
 def _check_pictures() -> str:
@@ -136,17 +137,13 @@ def _check_linear_solver() -> str:
 def _check_threads() -> str:
     import numba
 
-    from fem import Hencky, NeoHooke, compile_kernels
-
-    for law in (NeoHooke(0.4, 20.0), Hencky(1.2, 0.495)):  # they have all the kernels of the laws between them
-        compile_kernels("mixed", law)
+    for law in (fem.NeoHooke(0.4, 20.0), fem.Hencky(1.2, 0.495)):  # they have all the kernels of the laws between them
+        fem.compile_kernels("mixed", law)
     return f"numba runs {numba.get_num_threads()} threads on {numba.threading_layer()}"
 
 
 def _check_rods() -> str:
-    from rod import compile_kernels
-
-    compile_kernels()
+    rod.compile_kernels()
     return "the solvers of rods, with five parameters and with the arm's own law, are compiled"
 
 

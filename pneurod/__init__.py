@@ -15,41 +15,42 @@
     pneurod.calibrate("results/pneunet", "arm.csv")     # modulus and dimensions of that arm, with intervals
 
 Units everywhere: mm, N, MPa, tonne/mm3, rad; pressures of a run in kPa. The four rooms are here under their own names:
-`pneurod.fem` is the module `fem`. Everything is imported when it is first used: `import pneurod` alone loads none of
-the numerical libraries.
+`pneurod.fem` is the module `fem`. What needs a numerical library is imported when it is first used:
+`import pneurod` alone loads none of them.
 """
 
 from typing import TYPE_CHECKING
 
+import fem
+import geometry
+import pipeline
+import rod
+from geometry.errors import PneurodError
+from pipeline.api.measured import calibrate, compare, material
+from pipeline.api.rods import budget, export, shape, solve
+from pipeline.api.runs import cell, characterize, characterize_pairs, mesh
+from pipeline.api.setup import doctor, init
+from pipeline.api.studies import accuracy, design, effects, sweep
+from pipeline.values.errors import InputError, RunFailed
+from pneurod.designs import (
+    BisectedCircle,
+    BodyFile,
+    Hencky,
+    MooneyRivlin,
+    NamedRubber,
+    NeoHooke,
+    Ogden,
+    PneuNet,
+    Rectangular,
+    Semicircular,
+    SemicircularSingle,
+    StVenantKirchhoff,
+    Yeoh,
+)
+
 if TYPE_CHECKING:
-    import fem
-    import geometry
-    import pipeline
-    import rod
-    from geometry import PneurodError
-    from pipeline.api.measured import calibrate, compare, material
     from pipeline.api.results import Results, read_results
-    from pipeline.api.rods import budget, export, shape, solve
-    from pipeline.api.runs import cell, characterize, characterize_pairs, mesh
-    from pipeline.api.setup import doctor, init
-    from pipeline.api.studies import accuracy, design, effects, sweep
     from pipeline.study.wishes.report import DesignReport
-    from pipeline.values.errors import InputError, RunFailed
-    from pneurod.designs import (
-        BisectedCircle,
-        BodyFile,
-        Hencky,
-        MooneyRivlin,
-        NamedRubber,
-        NeoHooke,
-        Ogden,
-        PneuNet,
-        Rectangular,
-        Semicircular,
-        SemicircularSingle,
-        StVenantKirchhoff,
-        Yeoh,
-    )
     from rod import (
         ArmLaw,
         FiveParameters,
@@ -131,53 +132,12 @@ def __dir__() -> list[str]:
 
 
 def _imported(name: str) -> object:
-    import geometry
-    import pipeline
-    import rod
+    if name in ("Results", "read_results"):
+        from pipeline.api import results
 
-    match name:
-        case "geometry" | "pipeline" | "rod":
-            return {"geometry": geometry, "pipeline": pipeline, "rod": rod}[name]
-        case "fem":
-            import fem
+        return getattr(results, name)
+    if name == "DesignReport":
+        from pipeline.study.wishes.report import DesignReport
 
-            return fem
-        case "InputError" | "RunFailed":
-            from pipeline.values import errors
-
-            return getattr(errors, name)
-        case "cell" | "characterize" | "characterize_pairs" | "mesh":
-            from pipeline.api import runs
-
-            return getattr(runs, name)
-        case "accuracy" | "design" | "effects" | "sweep":
-            from pipeline.api import studies
-
-            return getattr(studies, name)
-        case "budget" | "export" | "shape" | "solve":
-            from pipeline.api import rods
-
-            return getattr(rods, name)
-        case "calibrate" | "compare" | "material":
-            from pipeline.api import measured
-
-            return getattr(measured, name)
-        case "doctor" | "init":
-            from pipeline.api import setup
-
-            return getattr(setup, name)
-        case "Results" | "read_results":
-            from pipeline.api import results
-
-            return getattr(results, name)
-        case "DesignReport":
-            from pipeline.study.wishes.report import DesignReport
-
-            return DesignReport
-        case "PneurodError":
-            return geometry.PneurodError
-    if not hasattr(rod, name):
-        from pneurod import designs
-
-        return getattr(designs, name)
+        return DesignReport
     return getattr(rod, name)

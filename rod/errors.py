@@ -1,6 +1,6 @@
 """Why a request to the rod cannot be fulfilled."""
 
-from geometry import PneurodError
+from geometry.errors import PneurodError
 
 
 class RodError(PneurodError, ValueError):

@@ -55,7 +55,7 @@ DOORS: dict[str, set[str]] = {
     "yaml": {"pipeline/config/document.py"},
     "pyvista": {"pipeline/results/drawing.py"},
     "typer": {
-        *("pipeline/cli/commands.py", "pipeline/cli/ending.py", "pipeline/cli/shown.py"),
+        *("pipeline/cli/commands.py", "pipeline/cli/ending.py"),
         *(f"pipeline/api/{name}.py" for name in ("measured", "options", "rods", "setup", "studies")),
     },
     "rich": {
@@ -314,3 +314,15 @@ def test_the_rod_of_a_run_is_solved_without_the_machines() -> None:
     )
     assert {"numpy", "pydantic"} <= loaded
     assert loaded & (HEAVY - {"numpy", "pydantic", "pydantic_core"}) == set()
+
+
+def test_few_imports_stand_inside_functions() -> None:
+    inside = {
+        f"{file}:{node.lineno}"
+        for file in modules()
+        for function in ast.walk(ast.parse((HERE / file).read_text()))
+        if isinstance(function, ast.FunctionDef)
+        for node in ast.walk(function)
+        if isinstance(node, ast.Import | ast.ImportFrom)
+    }
+    assert 30 < len(inside) <= 82

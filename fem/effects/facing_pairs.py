@@ -6,6 +6,7 @@ from functools import cached_property
 from hashlib import sha256
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from fem.discretisation import Faces
 from fem.kernels import contact as kernels
@@ -213,8 +214,6 @@ class _Triangles:
         size until a triangle of opposite normal lies beside their ray, or they have left the surface's box: what is
         nearest in space may be the wall they are on.
         """
-        from scipy.spatial import cKDTree
-
         size, tree = self.size, cKDTree(self.centre)
         low, high = self.centre.min(axis=0) - size, self.centre.max(axis=0) + size
         searching, pairs = np.arange(start.shape[0]), [np.empty((2, 0), dtype=np.int64)]

@@ -2,10 +2,11 @@
 
 Components 11, 22, 33, 12, 23, 13. A fourth-order tensor with both minor symmetries becomes a 6 x 6 matrix of its own
 components, which maps strains with engineering shear to stresses. The loops over the points are compiled
-(`fem.kernels.tensors`); they are imported where they are called, because a configuration imports the laws, too.
+(`fem.kernels.tensors`); they are loaded at the first call, because a configuration imports the laws, too.
 """
 
 from dataclasses import dataclass
+from types import ModuleType
 from typing import NamedTuple, final
 
 import numpy as np
@@ -53,11 +54,9 @@ class CauchyGreen:
     @classmethod
     def of(cls, strain: Array) -> "CauchyGreen":
         """From Green-Lagrange strains (..., 6) with engineering shear."""
-        from fem.kernels.tensors import cauchy_green
-
         points = np.ascontiguousarray(strain, dtype=float).reshape(-1, 6)
         components, inverse, invariants = np.empty_like(points), np.empty_like(points), np.empty((points.shape[0], 3))
-        cauchy_green(points, MIN_DETERMINANT, components, inverse, invariants)
+        _kernels().cauchy_green(points, MIN_DETERMINANT, components, inverse, invariants)
         of_point = (invariants[:, number].reshape(strain.shape[:-1]) for number in range(3))
         return cls(components.reshape(strain.shape), inverse.reshape(strain.shape), *of_point)
 
@@ -69,13 +68,11 @@ class CauchyGreen:
 
     def add_products(self, factors: Products, total: Array) -> None:
         """Add the products with these factors to total (..., 6, 6), contiguous; raises ValueError for another one."""
-        from fem.kernels.tensors import add_products
-
         of_point = np.empty((*self.determinant.shape, 6))
         for number, factor in enumerate(factors):
             of_point[..., number] = factor
         points = (array.reshape(-1, 6) for array in (of_point, self.components, self.inverse))
-        add_products(*points, total.reshape((-1, 6, 6), copy=False))
+        _kernels().add_products(*points, total.reshape((-1, 6, 6), copy=False))
 
     def principal_values(self) -> tuple[Array, Array]:
         """Eigenvalues (..., 3) of C, at least `MIN_DETERMINANT`, and eigenvectors in the columns of (..., 3, 3)."""
@@ -92,10 +89,14 @@ def from_principal_axes(axes: Array, values: Array, diagonal: Array, rotation: A
     stress sum_a values_a n_a, tangent sum_ab diagonal_ab n_a x n_b + sum_k rotation_k r_k x r_k; values (..., 3),
     diagonal (..., 3, 3) symmetric, rotation (..., 3).
     """
-    from fem.kernels.tensors import principal
-
     shape = axes.shape[:-2]
     stress, tangent = np.empty((*shape, 6)), np.empty((*shape, 6, 6))
     given = (array.reshape(-1, *array.shape[len(shape) :]) for array in (axes, values, diagonal, rotation))
-    principal(*given, stress.reshape(-1, 6), tangent.reshape(-1, 6, 6))
+    _kernels().principal(*given, stress.reshape(-1, 6), tangent.reshape(-1, 6, 6))
     return stress, tangent
+
+
+def _kernels() -> ModuleType:
+    import fem.kernels.tensors as kernels
+
+    return kernels

@@ -1,6 +1,7 @@
 """Whether the body passes through itself where no contact is simulated: a curled arm that meets its own clamp."""
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from fem.discretisation import Discretisation
 from fem.effects.contact import crossings, triangles_cross
@@ -30,8 +31,6 @@ def self_intersection(space: Discretisation, x: Array, half: bool) -> Reason | N
         return Reason("crosses_mirror_image", where=position_of(current[int(np.argmin(current[:, 2]))]))
     ends = current[triangles[:, [0, 1, 2, 0]]]
     radius = SEARCH_RADIUS * float(np.linalg.norm(np.diff(ends, axis=1), axis=2).max())
-    from scipy.spatial import cKDTree
-
     pairs = cKDTree(current).query_pairs(radius, output_type="ndarray")
     distance_at_rest = np.linalg.norm(rest[pairs[:, 0]] - rest[pairs[:, 1]], axis=1)
     if not (distance_at_rest > MIN_DISTANCE_AT_REST * radius).any():

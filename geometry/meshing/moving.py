@@ -246,8 +246,7 @@ def _plane(x: Array, inside: Mask, axis: int, value: float, rate: Array, toleran
 
 def _spread(points: Array, tets: Index, held: Sequence[_Held]) -> list[Array]:
     """Velocities (n, 3) of all points; the faces are those of one drawing, so that one factorization serves all."""
-    import scipy.sparse as sp  # here: what only reads a design imports no scipy
-    from scipy.sparse.linalg import splu
+    import scipy.sparse.linalg  # here: what only reads a design imports no scipy
 
     if not held:
         return []
@@ -255,7 +254,7 @@ def _spread(points: Array, tets: Index, held: Sequence[_Held]) -> list[Array]:
     count = len(points)
     columns = np.cumsum(free.ravel()) - 1
     node, direction = np.nonzero(free)
-    basis = sp.csr_matrix(
+    basis = scipy.sparse.csr_matrix(
         (
             directions[node, :, direction].ravel(),
             ((3 * node[:, None] + np.arange(3)).ravel(), np.repeat(columns[free.ravel()], 3)),
@@ -263,8 +262,10 @@ def _spread(points: Array, tets: Index, held: Sequence[_Held]) -> list[Array]:
         shape=(3 * count, int(free.sum())),
     )
     local, corner = _laplace(points, tets), (np.repeat(tets, 4, axis=1).ravel(), np.tile(tets, (1, 4)).ravel())
-    stiffness = sp.kron(sp.csr_matrix((local.ravel(), corner), shape=(count, count)), sp.eye(3), format="csr")
-    factor = splu((basis.T @ stiffness @ basis).tocsc())
+    stiffness = scipy.sparse.kron(
+        scipy.sparse.csr_matrix((local.ravel(), corner), shape=(count, count)), scipy.sparse.eye(3), format="csr"
+    )
+    factor = scipy.sparse.linalg.splu((basis.T @ stiffness @ basis).tocsc())
     spread = []
     for one in held:
         prescribed = one.velocity.ravel()

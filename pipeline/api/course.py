@@ -3,20 +3,24 @@
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
-from geometry import Reason
+from geometry.errors import Reason
 from pipeline.api.described import Body, Setting
 from pipeline.api.given import document_of, given_choice, given_folder, given_jobs, given_progress
-from pipeline.config.config import Config
-from pipeline.config.section import read
+from pipeline.config.document import Document
 from pipeline.store.progress import Progress
 from pipeline.store.worker import available_cores
 from pipeline.values.errors import RunFailed
 from pipeline.values.reasons import render
 
+if TYPE_CHECKING:
+    from pipeline.config.config import Config
+
 Given = TypeVar("Given")
 Value = TypeVar("Value")
+#: of a run: its three experiments
+MOST_JOBS = 3
 
 
 @dataclass(frozen=True)
@@ -55,10 +59,25 @@ def design_of(
     settings: Mapping[str, Setting] | Sequence[str] | None,
     out: Path | str | None,
     suffix: str = "",
-) -> tuple[Config, Path]:
+) -> "tuple[Config, Path]":
     """The configuration, checked, and the result folder. Raises InputError."""
-    design = read(Config, document_of(config, arguments, settings))
+    design = checked(document_of(config, arguments, settings))
     return design, given_folder(out, f"{design.name}{suffix}")
+
+
+def checked(document: Document) -> "Config":
+    """The configuration of a document. Raises InputError."""
+    from pipeline.config.config import Config
+    from pipeline.config.section import read
+
+    return read(Config, document)
+
+
+def load_notes(design: "Config") -> "tuple[Reason, ...]":
+    """What is odd about the load of a design, before anything is solved."""
+    from pipeline.simulate.design_notes import check_load
+
+    return check_load(design)
 
 
 def reached(value: Value, raise_if_failed: Callable[[], None]) -> Value:

@@ -11,7 +11,6 @@ from pipeline.config.units import LENGTH, PRESSURE, Dimension, convert
 from pipeline.show.progress import progress_for
 from pipeline.store.progress import Progress, Silent
 from pipeline.values.errors import InputError, argument, quoted
-from rod.checked import finite
 
 
 def given_path(value: Any, name: str, example: str) -> Path:
@@ -43,6 +42,8 @@ def given_pressure(value: Any) -> float:
 
 def given_number(value: Any, dimension: Dimension, name: str) -> float | None:
     """A number in the unit of a dimension, of a number or a text with its unit; None for None. Raises InputError."""
+    from rod.checked import finite
+
     if value is None:
         return None
     try:

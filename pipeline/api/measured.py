@@ -6,7 +6,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from pipeline.api.given import given_choice, given_path
 from pipeline.api.options import Align, Folder, MeasuredFile, Ratio
+from pipeline.values.errors import RunFailed
 
 if TYPE_CHECKING:
     from pipeline.answers.material.study import Material
@@ -29,7 +31,6 @@ def compare(
     align: move the rows so that those at rest lie on the rod. Raises InputError with file, line and column.
     """
     from pipeline.answers.measured.compare import compare_files
-    from pipeline.api.given import given_choice, given_path
 
     folder, file = given_path(results, "results", "results/arm"), given_path(measured, "measured", "arm.csv")
     return compare_files(folder, file, given_choice(align, "align"), ratio=ratio)
@@ -55,7 +56,6 @@ def calibrate(
     column.
     """
     from pipeline.answers.measured.calibrate import CalibrateOptions, calibrate_files
-    from pipeline.api.given import given_choice, given_path
 
     folder, file = given_path(results, "results", "results/arm"), given_path(measured, "measured", "arm.csv")
     new = None if out is None else given_path(out, "out", "results/arm_calibrated")
@@ -88,8 +88,6 @@ def material(
     """
     from pipeline.answers.material.record import fit_material
     from pipeline.answers.material.study import FitOptions
-    from pipeline.api.given import given_path
-    from pipeline.values.errors import RunFailed
 
     files = [given_path(test, "tests", "tensile.csv") for test in tests]
     needing = None if run is None else given_path(run, "run", "results/arm")

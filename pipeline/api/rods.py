@@ -7,7 +7,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from pipeline.api.given import given_choice, given_path
 from pipeline.api.options import Folder, Orientation, Ratio, Rod, TipMass
+from pipeline.results.options import write_new
 
 if TYPE_CHECKING:
     import rod as rods
@@ -67,7 +69,6 @@ def shape(
     """
     from pipeline.answers.rods.choice import rod_of_path
     from pipeline.answers.rods.end_loads import AlongForce, EndLoads, Weight, rod_at, write_shape
-    from pipeline.api.given import given_path
 
     weight, along = Weight.read(orientation, tip_mass, mass_at), AlongForce.all_of(force_at, line_load)
     loads = EndLoads.read(force, moment, end_y, end, weight, along)
@@ -111,8 +112,6 @@ def solve(
     from pipeline.answers.rods.pressures import Wish, pressures_for
     from pipeline.answers.rods.ratio import rod_along
     from pipeline.answers.rods.tips import tips_page
-    from pipeline.api.given import given_path
-    from pipeline.results.options import write_new
 
     wish = Wish.read(tip, angle, force, at_height, Weight.read(orientation, tip_mass))
     chosen = rod_along(given_path(path, "path", "results/arm"), rod, ratio)
@@ -143,7 +142,6 @@ def budget(
     tolerances: texts KEY=VALUE, in place of those of the configuration. Raises `pneurod.InputError`.
     """
     from pipeline.answers.budget import budget_for
-    from pipeline.api.given import given_path
 
     picture = None if out is None else given_path(out, "out", "budget.html")
     found, _ = budget_for(given_path(folder, "folder", "results/arm"), pressure, tolerances, picture, ratio)
@@ -181,7 +179,6 @@ def export(
     Raises `pneurod.InputError` for another format, a rod that it cannot take, and files that exist.
     """
     from pipeline.answers.rods.export import ExportOptions, exported
-    from pipeline.api.given import given_choice, given_path
 
     target = None if out is None else given_path(out, "out", "results/arm")
     options = ExportOptions(pressure, rod, target, given_choice(force, "force"), ratio)

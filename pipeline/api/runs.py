@@ -1,20 +1,21 @@
 """From a configuration to results: the whole story, or a part of it."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
+from pipeline.api.course import MOST_JOBS, checked, course_of, design_of, load_notes, reached
+from pipeline.api.described import Material
+from pipeline.api.given import document_of, given_folder
 from pipeline.api.options import Accuracy, ConfigFile, Fresh, Out, Settings, jobs_option, out_option
+from pipeline.store.progress import Progress
+from pipeline.values.errors import InputError, RunFailed, quoted
 
 if TYPE_CHECKING:
-    from geometry import Body, Reason
-    from pipeline.api.described import Material
     from pipeline.api.results import Results
-    from pipeline.config.config import Config
     from pipeline.law.in_space.study import SpaceLawReport
     from pipeline.law.study import LawReport
-    from pipeline.store.progress import Progress
+    from pipeline.simulate.meshed import MeshedArm
     from pipeline.study.pairs.run import PairRuns
 
 
@@ -46,12 +47,8 @@ def characterize(
     `pneurod.RunFailed` when something could not be solved: its `reached` are the results, and its `directory` holds
     them.
     """
-    from pipeline.api.course import course_of, design_of, reached
-    from pipeline.api.described import Material
     from pipeline.api.results import Results
     from pipeline.run import run
-    from pipeline.simulate.simulate import EXPERIMENTS
-    from pipeline.values.errors import InputError, RunFailed, quoted
 
     if not isinstance(material, Material | None):
         raise InputError(
@@ -60,7 +57,7 @@ def characterize(
     constants = None if material is None else material.values
     arguments = {"name": name, "material": constants, "pressures": pressures, "accuracy": accuracy}
     design, folder = design_of(config, arguments, settings, out)
-    course = course_of(jobs, len(EXPERIMENTS), fresh, progress)
+    course = course_of(jobs, MOST_JOBS, fresh, progress)
     try:
         made = course.solve(run, design, folder).results
     except RunFailed as failure:
@@ -83,32 +80,18 @@ def characterize_pairs(
 
     Arguments and errors as those of `characterize`. Raises InputError also where the pressures are no pairs.
     """
-    from pipeline.api.course import course_of, reached
-    from pipeline.api.given import document_of, given_folder
-    from pipeline.simulate.simulate import EXPERIMENTS
     from pipeline.study.pairs.run import run_pairs
     from pipeline.study.pairs.spec import read_pairs
     from pipeline.study.pairs.table import save_page
-    from pipeline.values.errors import InputError
 
     document = document_of(config, {"accuracy": accuracy}, settings)
     if (spec := read_pairs(document)) is None:
         raise InputError(
             document.sentence(("pressures",), "are no pairs; for example [[10 kPa, 0 kPa], [20 kPa, 5 kPa]]")
         )
-    made = course_of(jobs, len(EXPERIMENTS), fresh, progress).solve(run_pairs, spec, given_folder(out, spec.name))
+    made = course_of(jobs, MOST_JOBS, fresh, progress).solve(run_pairs, spec, given_folder(out, spec.name))
     save_page(made)
     return reached(made, made.raise_if_failed)
-
-
-@dataclass(frozen=True)
-class MeshedArm:
-    """The body of a design that was meshed."""
-
-    file: Path  #: mesh.vtu
-    design: "Config"
-    body: "Body"
-    notes: "tuple[Reason, ...]"
 
 
 def mesh(
@@ -117,34 +100,15 @@ def mesh(
     *,
     settings: Settings = None,
     progress: "bool | Progress" = False,
-) -> MeshedArm:
+) -> "MeshedArm":
     """Mesh the body alone: DIR/mesh.vtu, volumes and the quality of the elements.
 
     Raises InputError for a wrong configuration, a body that cannot be meshed and a folder that cannot be used.
     """
-    from pipeline.api.course import course_of, design_of
-    from pipeline.simulate.design_notes import check_load
-    from pipeline.simulate.mesh_notes import check_body
-    from pipeline.simulate.scene import mesh_with_progress
-    from pipeline.simulate.too_short import too_short
-    from pipeline.store.atomic_file import replacing
-    from pipeline.store.result_folder import open_folder
-    from pipeline.store.store import check_owner
-    from pipeline.values.errors import argument
+    from pipeline.simulate.meshed import mesh_alone
 
     design, folder = design_of(config, {}, settings, out, "_mesh")
-    results = open_folder(folder)
-    check_owner(results.directory, design, f"give another {argument('out')}")
-
-    def meshed(design: "Config", folder: Path, _: int, __: bool, progress: "Progress") -> MeshedArm:
-        progress.stage("mesh")
-        body, file = mesh_with_progress(design, progress).body, results.path("mesh.vtu")
-        with replacing(file) as part:
-            body.mesh.write(part)
-        notes = filter(None, (too_short(design), *check_body(body, design)))
-        return MeshedArm(file, design, body, tuple(notes))
-
-    return course_of(None, 1, False, progress).solve(meshed, design, folder, check_load(design))
+    return course_of(None, 1, False, progress).solve(mesh_alone, design, folder, load_notes(design))
 
 
 def cell(
@@ -162,20 +126,15 @@ def cell(
     The law of an arm that leaves its plane is one in space. Raises InputError for a wrong configuration or folder and
     for an arm without such a law, and RunFailed, which has the report as `reached`, where a pressure is not reached.
     """
-    from pipeline.api.course import course_of, reached
-    from pipeline.api.given import document_of, given_folder
-    from pipeline.config.config import Config
-    from pipeline.config.section import read
     from pipeline.law.in_space.rows import read_rows, rows_of
     from pipeline.law.in_space.study import leaves_plane, measure_space_law
     from pipeline.law.study import measure_law
-    from pipeline.simulate.design_notes import check_load
 
     document = document_of(config, {"accuracy": accuracy}, settings)
     course, rows = course_of(jobs, 1, fresh, progress), read_rows(document)
-    design = read(Config, document) if rows is None else rows.config
+    design = checked(document) if rows is None else rows.config
     folder = given_folder(out, f"{design.name}_cell")
     if rows is not None or leaves_plane(design):
         return course.solve(measure_space_law, rows or rows_of(design), folder)
-    report = course.solve(measure_law, design, folder, check_load(design))
+    report = course.solve(measure_law, design, folder, load_notes(design))
     return reached(report, report.raise_if_failed)

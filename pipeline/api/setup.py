@@ -1,12 +1,15 @@
 """Before the first run: a configuration to start from, and the installation."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
-if TYPE_CHECKING:
-    from pipeline.doctor import Finding
+from pipeline.api.given import given_choice, given_path
+from pipeline.doctor import Finding, examine, remedy
+from pipeline.store.atomic_file import write_atomic
+from pipeline.store.result_folder import open_file
+from pipeline.values.errors import InputError, RunFailed, argument
 
 
 def init(
@@ -20,13 +23,9 @@ def init(
 
     Raises `pneurod.InputError` for another family and a file that exists.
     """
-    from pipeline.api.given import given_choice, given_path
     from pipeline.config.body import BODIES
     from pipeline.config.example import example
     from pipeline.config.section import not_known
-    from pipeline.store.atomic_file import write_atomic
-    from pipeline.store.result_folder import open_file
-    from pipeline.values.errors import InputError, argument
 
     if family not in BODIES:
         raise InputError(f"FAMILY: {not_known(family, BODIES)}")
@@ -37,15 +36,13 @@ def init(
     return file
 
 
-def doctor() -> "tuple[Finding, ...]":
+def doctor() -> tuple[Finding, ...]:
     """Check what is installed, what is missing, and the one command that installs it. Nothing is installed or changed.
     It compares the version of every package with the one that is required, meshes one chamber, draws a picture, solves
     two equations, starts the threads and writes a file that it removes again.
 
     Raises `pneurod.RunFailed` where something is missing.
     """
-    from pipeline.doctor import examine, remedy
-    from pipeline.values.errors import RunFailed
 
     findings = tuple(examine())
     if command := remedy(findings):

@@ -6,10 +6,14 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from pipeline.api.course import course_of, design_of, load_notes, reached
+from pipeline.api.given import given_choice, given_folder, given_jobs, given_path, given_progress
 from pipeline.api.options import ConfigFile, Fresh, Out, Settings, jobs_option, out_option
+from pipeline.store.progress import Progress, Silent
+from pipeline.store.worker import available_cores
+from pipeline.values.errors import InputError, RunFailed, argument
 
 if TYPE_CHECKING:
-    from pipeline.store.progress import Progress
     from pipeline.study.accuracy.study import ConvergenceStudy
     from pipeline.study.effects.study import EffectsTable
     from pipeline.study.sweep.study import SweepReport
@@ -30,13 +34,10 @@ def effects(
     Raises InputError for a wrong configuration or folder, and RunFailed, which has the table as `reached`, where rows
     lack numbers.
     """
-    from pipeline.api.course import course_of, design_of
-    from pipeline.simulate.design_notes import check_load
     from pipeline.study.effects.study import compare_effects
-    from pipeline.values.errors import RunFailed
 
     design, folder = design_of(config, {}, settings, out, "_effects")
-    table = course_of(jobs, 2, fresh, progress).solve(compare_effects, design, folder, check_load(design))
+    table = course_of(jobs, 2, fresh, progress).solve(compare_effects, design, folder, load_notes(design))
     if table.failures:
         missing = sum(bool(row["reason"]) for row in table.rows)
         lacking = f"{missing} of {len(table.rows)} rows lack numbers"
@@ -58,12 +59,10 @@ def accuracy(
 
     Raises InputError for a wrong configuration or folder.
     """
-    from pipeline.api.course import course_of, design_of
-    from pipeline.simulate.design_notes import check_load
     from pipeline.study.accuracy.run import run_study
 
     design, folder = design_of(config, {}, settings, out, "_accuracy")
-    return course_of(jobs, 2, fresh, progress).solve(run_study, design, folder, check_load(design))
+    return course_of(jobs, 2, fresh, progress).solve(run_study, design, folder, load_notes(design))
 
 
 def sweep(
@@ -88,14 +87,9 @@ def sweep(
     One report for each file. Raises InputError for a wrong file, folder or scheduler, and RunFailed, which has the
     reports as `reached`, where a point did not finish.
     """
-    from pipeline.api.course import reached
-    from pipeline.api.given import given_choice, given_jobs, given_path, given_progress
-    from pipeline.store.progress import Silent
-    from pipeline.store.worker import available_cores
     from pipeline.study.sweep.spec import read_sweep
     from pipeline.study.sweep.study import Course, run_sweeps
     from pipeline.study.sweep.workers import LocalWorkers
-    from pipeline.values.errors import InputError, argument
 
     if scheduler is not None and (jobs is not None or memory is not None):
         own = f"{argument('jobs')} and {argument('memory')}"
@@ -137,7 +131,6 @@ def design(
     `report.given_up` says what is missed, where wishes contradict each other. Raises `pneurod.InputError` for a wrong
     file and limits that no design keeps, and `pneurod.RunFailed` where no design has a law, or its run fails.
     """
-    from pipeline.api.given import given_choice, given_folder, given_jobs, given_path, given_progress
     from pipeline.study.wishes.design import Course, find_design
     from pipeline.study.wishes.spec import read_wishes
 

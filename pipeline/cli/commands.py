@@ -10,7 +10,9 @@ import signal
 import sys
 from collections.abc import Callable, Mapping
 from functools import wraps
+from importlib.metadata import version
 from pathlib import Path
+from types import ModuleType
 from typing import TYPE_CHECKING, Annotated, Any, get_args
 
 import typer
@@ -18,31 +20,16 @@ from rich.console import Console
 from typer.core import TyperCommand
 from typer.models import ParameterInfo
 
+import pipeline.cli.shown as shown
 from pipeline.api import measured, rods, runs, setup, studies
+from pipeline.api.given import document_of
 from pipeline.cli.ending import print_lines, with_sentences
-from pipeline.cli.shown import (
-    show_accuracy,
-    show_budget,
-    show_calibration,
-    show_cell,
-    show_comparison,
-    show_design,
-    show_effects,
-    show_export,
-    show_file,
-    show_findings,
-    show_material,
-    show_mesh,
-    show_results,
-    show_shape,
-    show_solutions,
-    show_sweep,
-)
+from pipeline.doctor import Finding
+from pipeline.store.progress import Progress, Silent
+from pipeline.values.errors import RunFailed, on_command_line
 
 if TYPE_CHECKING:
     from pipeline.api.results import Results
-    from pipeline.doctor import Finding
-    from pipeline.store.progress import Progress
     from pipeline.study.pairs.run import PairRuns
 
 app = typer.Typer(
@@ -66,37 +53,45 @@ class Init(TyperCommand):
         super().format_help(ctx, formatter)
 
 
-def add(function: Callable[..., Any], show: Callable[..., None], name: str = "", cls: Any = None) -> None:
+def add(
+    function: Callable[..., Any], shows: Callable[[], Callable[..., None]], name: str = "", cls: Any = None, **more: Any
+) -> None:
     """Add the command of a function: its arguments with an option are read, and its value is shown.
 
-    show: see `pipeline.cli.shown`. name: of the command, by default that of the function. What was reached by a
-    function that fails is shown before the reason.
+    shows: gives the function that shows the value, with the options `more`. name: of the command, by default that of
+    the function. What was reached by a function that fails is shown before the reason.
     """
-    own, more = _options(function), _options(show)
+    own = _options(function)
     takes_progress = "progress" in inspect.signature(function).parameters
-    beside = [key for key in list(inspect.signature(show).parameters)[1:] if key not in more]
 
     def command(**written: Any) -> None:
-        from pipeline.values.errors import RunFailed, on_command_line
-
         options = {key: written.pop(key) for key in more}
         given = {key: value for key, value in written.items() if value is not None}
         if takes_progress:
             given["progress"] = _listener(options)
-        rest = options | {key: written[key] for key in beside}
         with on_command_line():
             try:
                 value = function(**given)
             except RunFailed as failure:
                 if failure.reached is not None:
-                    show(failure.reached, **rest)
+                    _show(failure.reached, shows(), options | written)
                 raise
-            show(value, **rest)
+            _show(value, shows(), options | written)
 
-    command.__signature__ = inspect.Signature([*own.values(), *more.values()])  # type: ignore[attr-defined]
+    beside = [
+        inspect.Parameter(key, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=annotation)
+        for key, (annotation, default) in more.items()
+    ]
+    command.__signature__ = inspect.Signature([*own.values(), *beside])  # type: ignore[attr-defined]
     command.__annotations__ = {}
     text = inspect.getdoc(function) or ""
     app.command(name or function.__name__, cls=cls, help=text.partition("\n\n")[0])(with_sentences(command))
+
+
+def _show(value: Any, show: Callable[..., None], written: Mapping[str, Any]) -> None:
+    """Show a value with those options that its function takes."""
+    taken = list(inspect.signature(show).parameters)[1:]
+    show(value, **{key: written[key] for key in taken if key in written})
 
 
 def _options(function: Callable[..., Any]) -> dict[str, inspect.Parameter]:
@@ -112,10 +107,9 @@ def _options(function: Callable[..., Any]) -> dict[str, inspect.Parameter]:
     return found
 
 
-def _listener(options: Mapping[str, Any]) -> "Progress":
+def _listener(options: Mapping[str, Any]) -> Progress:
     """The listener to the progress, by the options -q, -v and --json of a command that has them."""
     from pipeline.show.progress import progress_for
-    from pipeline.store.progress import Silent
 
     if options.get("quiet"):
         return Silent()
@@ -124,7 +118,6 @@ def _listener(options: Mapping[str, Any]) -> "Progress":
 
 @wraps(runs.characterize)
 def run(config: Path, **given: Any) -> "Results | PairRuns":
-    from pipeline.api.given import document_of
     from pipeline.law.in_space.pressure_lists import has_rows
 
     document = document_of(config, {}, given.get("settings"))
@@ -133,7 +126,7 @@ def run(config: Path, **given: Any) -> "Results | PairRuns":
 
 
 @wraps(setup.doctor)
-def doctor() -> "tuple[Finding, ...]":
+def doctor() -> tuple[Finding, ...]:
     print_lines(
         "Checked are the versions of Python and of all packages, a mesh, a picture, the solver of linear "
         "equations, threads and the disk. Nothing is installed or changed; this takes about ten seconds."
@@ -143,8 +136,6 @@ def doctor() -> "tuple[Finding, ...]":
 
 def _print_version(requested: bool) -> None:
     if requested:
-        from importlib.metadata import version
-
         print_lines(f"pneurod {version('pneurod')}")
         raise typer.Exit
 
@@ -157,23 +148,47 @@ def show_version(
     """The options of `pneurod` itself."""
 
 
+def _solved() -> ModuleType:
+    """The functions that show what finite elements gave: they load the solver, which has been loaded by then."""
+    import pipeline.cli.shown_solved as shown_solved
+
+    return shown_solved
+
+
+QUIET = Annotated[bool, typer.Option("-q", "--quiet", help="No progress, only the verdict.")], False
+VERBOSE = (
+    Annotated[bool, typer.Option("-v", "--verbose", help="Every Newton iteration, and the time of every stage.")],
+    False,
+)
+JSON = (
+    Annotated[bool, typer.Option("--json", help="The verdict as JSON on standard output; progress on stderr.")],
+    False,
+)
+SOLUTIONS = Annotated[bool, typer.Option("--json", help="The solutions as JSON.")], False
+PICTURE = (
+    Annotated[
+        Path | None, typer.Option("--out", metavar="FILE", help="The picture (default: DIR/compared_MEASURED.html).")
+    ],
+    None,
+)
+
 app.callback()(show_version)
-add(setup.init, show_file, cls=Init)
-add(run, show_results, "run")
-add(runs.mesh, show_mesh)
-add(studies.effects, show_effects)
-add(studies.accuracy, show_accuracy)
-add(runs.cell, show_cell)
-add(studies.design, show_design)
-add(studies.sweep, show_sweep)
-add(rods.shape, show_shape, "rod")
-add(rods.solve, show_solutions)
-add(rods.budget, show_budget)
-add(measured.compare, show_comparison)
-add(measured.calibrate, show_calibration)
-add(measured.material, show_material)
-add(rods.export, show_export)
-add(doctor, show_findings)
+add(setup.init, lambda: shown.show_file, cls=Init)
+add(run, lambda: _solved().show_results, "run", quiet=QUIET, verbose=VERBOSE, as_json=JSON)
+add(runs.mesh, lambda: _solved().show_mesh)
+add(studies.effects, lambda: _solved().show_effects)
+add(studies.accuracy, lambda: _solved().show_accuracy)
+add(runs.cell, lambda: _solved().show_cell)
+add(studies.design, lambda: _solved().show_design, quiet=QUIET)
+add(studies.sweep, lambda: _solved().show_sweep)
+add(rods.shape, lambda: shown.show_shape, "rod")
+add(rods.solve, lambda: shown.show_solutions, as_json=SOLUTIONS)
+add(rods.budget, lambda: shown.show_budget)
+add(measured.compare, lambda: shown.show_comparison, out=PICTURE)
+add(measured.calibrate, lambda: shown.show_calibration)
+add(measured.material, lambda: shown.show_material)
+add(rods.export, lambda: shown.show_export)
+add(doctor, lambda: shown.show_findings)
 
 
 def main() -> None:

@@ -3,16 +3,16 @@
 import errno
 from collections.abc import Callable
 from functools import wraps
-from typing import TYPE_CHECKING, NoReturn, ParamSpec
+from typing import NoReturn, ParamSpec
 
 import rich.table
 import typer
 from rich.console import Console
 
+from pipeline.store.result_folder import json_text
+from pipeline.values.errors import InputError, RunFailed
+from pipeline.values.json_values import JsonObject
 from pipeline.values.table import Table
-
-if TYPE_CHECKING:
-    from pipeline.values.json_values import JsonObject
 
 P = ParamSpec("P")
 
@@ -56,10 +56,8 @@ def print_sentences(*sentences: str) -> None:
         console.print(sentence, highlight=False, markup=False, soft_wrap=not console.is_terminal)
 
 
-def print_json(value: "JsonObject") -> None:
+def print_json(value: JsonObject) -> None:
     """One JSON object; NaN and infinity become null."""
-    from pipeline.store.result_folder import json_text
-
     typer.echo(json_text(value), nl=False)
 
 
@@ -98,8 +96,6 @@ def _ending_of(failure: BaseException) -> tuple[str, int] | None:
             return f"{file}{failure.strerror}; {_remedy(failure)}; finished results are kept", 1
         case RuntimeError() if "no locator available" in str(failure):  # numba's, when it finds no folder for its cache
             return "no folder for compiled kernels can be written; name one that can: NUMBA_CACHE_DIR=FOLDER", 1
-    from pipeline.values.errors import InputError, RunFailed
-
     match failure:
         case InputError():
             return "\npneurod: ".join(failure.sentences), 2

@@ -11,8 +11,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from pydantic_core import to_json
-
 from pipeline.store.atomic_file import write_atomic
 from pipeline.values.errors import InputError, argument
 from pipeline.values.json_values import Json
@@ -89,6 +87,8 @@ def json_text(value: Json) -> str:
 
     A list of numbers has a line of its own, which makes a file of many numbers two fifths smaller.
     """
+    from pydantic_core import to_json  # `--help` does not wait for it
+
     text = to_json(value, indent=2, inf_nan_mode="null", fallback=_plain).decode()
     return _LIST_OF_NUMBERS.sub(lambda found: f"[{_BREAK.sub(' ', found[1])}]", text) + "\n"
 

@@ -7,7 +7,7 @@ from contextvars import ContextVar
 from pathlib import Path
 from typing import Any, final
 
-from geometry import PneurodError
+from geometry.errors import PneurodError
 
 #: Characters of a user's value that a sentence repeats.
 LONGEST = 60

@@ -2,9 +2,8 @@
 
 import math
 from collections.abc import Iterable, Sequence
+from decimal import Decimal
 from typing import Any
-
-import numpy as np
 
 #: digits that a number without a standard deviation is written with
 DIGITS = 4
@@ -21,7 +20,7 @@ def number(value: Any) -> str:
     if isinstance(value, bool) or not isinstance(value, int | float):
         return str(value)
     if value == 0 or 1e-4 <= abs(value) < 1e5:
-        return np.format_float_positional(value, precision=DIGITS, fractional=False, trim="-", unique=False)
+        return f"{Decimal(f'{value:.{DIGITS - 1}e}').normalize():f}"
     return f"{value:.3e}"
 
 

@@ -1,12 +1,13 @@
 """What a result file in JSON may be made of: the types of everything that is handed to `Store.save_json`."""
 
 from collections.abc import Mapping, Sequence
-from typing import Any, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
-import numpy as np
-from numpy.typing import NDArray
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
 
 #: a value that `Store.save_json` writes; arrays become lists, NaN and infinity become null
-Json: TypeAlias = bool | int | float | str | np.generic | NDArray[Any] | Sequence["Json"] | Mapping[str, "Json"] | None
+Json: TypeAlias = "bool | int | float | str | np.generic | NDArray[Any] | Sequence[Json] | Mapping[str, Json] | None"
 #: an object of a result file, or one row of a table
-JsonObject: TypeAlias = Mapping[str, Json]
+JsonObject: TypeAlias = "Mapping[str, Json]"

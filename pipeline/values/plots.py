@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from plotly.offline import get_plotlyjs
+from plotly.subplots import make_subplots
 
 from geometry.arrays import Array
 
@@ -177,8 +178,6 @@ def figure(panels: Sequence[Panel]) -> str:
 
 def plotly_figure(panels: Sequence[Panel]) -> "Figure":
     """Panels beside each other as a figure of plotly, which a notebook shows and a program can change."""
-    from plotly.subplots import make_subplots
-
     drawn = make_subplots(rows=1, cols=len(panels), subplot_titles=[panel.title for panel in panels])
     names: set[str] = set()
     for column, panel in enumerate(panels, start=1):

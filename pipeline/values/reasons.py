@@ -3,7 +3,8 @@
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from geometry import Reason, position_text
+from fem.reasons import sentence
+from geometry.errors import Reason, position_text
 from pipeline.values.record import Reported
 
 #: {at} is the place of the reason; a list is written with commas between its entries
@@ -165,9 +166,7 @@ NO_PARAMETERS = ("too_short", "nodes_too_far_apart", "not_identified")
 def render(reason: Reason) -> str:
     """The sentence of a reason, without a full stop."""
     if reason.code not in TEMPLATES:
-        from fem.reasons import sentence  # the solver's own
-
-        return sentence((reason,))
+        return sentence((reason,))  # the solver's own
     values = {name: _written(value) for name, value in reason.values.items()}
     place = {} if reason.where is None else {"at": position_text(reason.where)}
     return TEMPLATES[reason.code].format(**values, **place)

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from geometry import position_text
+from geometry.errors import position_text
 from pipeline.values.formats import FORMAT
 
 Position = tuple[float, float, float]

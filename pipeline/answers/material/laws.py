@@ -12,6 +12,7 @@ from itertools import product
 from typing import final
 
 import numpy as np
+from scipy.optimize import LinearConstraint, least_squares, minimize
 
 from fem.materials import LAWS, LinearLaw, Material, MaterialError, Ogden
 from fem.materials.material import TwoModuli
@@ -147,8 +148,6 @@ class LinearForm(Form):
     kind: type[LinearLaw]
 
     def fitted(self, points: Points, reach: float) -> Array:
-        from scipy.optimize import LinearConstraint, minimize
-
         half, invariant = points.modulus / 2, float(np.max(points.stretch**2 + 2 / points.stretch)) - 3
         if half <= 0:
             raise MaterialError(f"{self.kind.title}: the stress falls")
@@ -196,8 +195,6 @@ class OgdenForm(Form):
     """Ogden's law with terms mu alpha > 0, which make it stable at every strain."""
 
     def fitted(self, points: Points, reach: float) -> Array:
-        from scipy.optimize import least_squares
-
         modulus, terms, weight = points.modulus, len(self.constants) // 2, points.weight
         if modulus <= 0:
             raise MaterialError("Ogden: the stress falls")

@@ -6,6 +6,7 @@ from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
+from scipy.signal import find_peaks
 
 from geometry.arrays import Array, Index, Mask
 from pipeline.answers.material.table import MIN_POINTS, Series, Specimen, read_table
@@ -163,8 +164,6 @@ def _rising(reach: Array) -> list[Mask]:
 
 def _turns(strain: Array) -> Index:
     """The points at which the strain begins to go back by more than scatter."""
-    from scipy.signal import find_peaks
-
     least = LEAST_RETURN * float(np.ptp(strain))
     return np.sort(np.concatenate([find_peaks(side, prominence=least)[0] for side in (strain, -strain)]))
 

@@ -13,6 +13,7 @@ from pipeline.answers.material.loading import Selection, TensileTest, read_tensi
 from pipeline.answers.material.sentences import doubts, facts, recommendation, yaml_line
 from pipeline.answers.material.table import Specimen
 from pipeline.config.units import AREA, DENSITY, LENGTH, STRAIN, Dimension
+from pipeline.results.files import read_results
 from pipeline.results.options import option_value
 from pipeline.values.errors import InputError, RunFailed, argument
 
@@ -82,8 +83,6 @@ class Material:
 
 def need_of(run: Path) -> Need:
     """The stretches that an arm has reached in a run, and a little more. Raises InputError."""
-    from pipeline.results.files import read_results
-
     states = read_results(run).states
     reached = np.array([(state.min_stretch, state.max_stretch) for state in states])
     if not np.isfinite(reached).all() or not len(reached):

@@ -17,6 +17,7 @@ import typer
 from typer.testing import CliRunner, Result
 
 from pipeline import doctor
+from pipeline.api import setup
 from pipeline.cli import app
 from pipeline.cli import commands as cli
 from pipeline.cli.ending import print_lines
@@ -325,7 +326,7 @@ def test_doctor_names_the_one_command(monkeypatch: pytest.MonkeyPatch) -> None:
         Finding("pictures", False, "ended by signal 11", "apt-get install -y libglu1-mesa"),
         Finding("numpy", False, "not installed", "make setup"),
     ]
-    monkeypatch.setattr(doctor, "examine", lambda: findings)
+    monkeypatch.setattr(setup, "examine", lambda: findings)
     message = sentence(call("doctor"), 1)
     assert message == "something is missing; to mend it: apt-get install -y libglu1-mesa && make setup"
 
