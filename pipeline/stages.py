@@ -324,7 +324,7 @@ def _remarks(state: RunState, identified: Identified, arm: LawOfRun) -> tuple[Re
     """What is unusual about the design and its results, each remark once."""
     config, outcomes = state.config, identified.outcomes
     regions = {name: state.scene.body.mesh.regions[name] for name in config.materials}
-    solved = Solved(config, outcomes, identified.parameters, regions)
+    solved = Solved(config, outcomes, identified.parameters, state.scene.body.mesh.volumes, regions)
     of_results = (*identified.remarks(arm.law is not None), *arm.remarks(outcomes), *check_states(solved))
     of_results = (*of_results, *_tolerances(config, arm.law))
     return tuple(dict.fromkeys((*check_design(config), *state.remarks, *of_results)))

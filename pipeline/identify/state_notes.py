@@ -8,7 +8,7 @@ import numpy as np
 
 from fem.elements import ELEMENTS, Volumetric
 from geometry import Reason, Values
-from geometry.arrays import Index
+from geometry.arrays import Array, Index
 from pipeline.config.config import Config, Material
 from pipeline.identify.parameters import Parameters
 from pipeline.simulate.design_notes import SEVERAL
@@ -17,8 +17,10 @@ from pipeline.values.run import State
 
 #: mm and N; smaller errors of contact are not told
 NOTHING = 1e-5
+#: share of a volume that may have any stretch or J: extremes at sharp edges do not converge with the mesh
+LEFT_OUT = 0.01
 #: Poisson's ratio from which on a material keeps its volume, and the largest change of volume that is not mentioned
-KEEPS_ITS_VOLUME, VOLUME_CHANGE = 0.49, 0.3
+KEEPS_ITS_VOLUME, VOLUME_CHANGE = 0.49, 0.1
 #: error of a Poisson ratio that follows from kappa
 ROUNDING = 1e-9
 #: distance of the material curve from its plane over the length that is not mentioned: as much as a rod is wrong; and
@@ -43,6 +45,7 @@ class Solved:
     config: Config
     outcomes: Outcomes
     parameters: tuple[Parameters, ...]
+    volumes: Array  #: (e,) of the elements, mm3
     regions: Mapping[str, Index] = field(default_factory=dict)  #: rows of the elements of another material, by name
 
 
@@ -53,17 +56,25 @@ def check_states(solved: Solved) -> tuple[Reason, ...]:
     return tuple(reason for rule in RULES for reason in rule(solved))
 
 
+def _unstable(solved: Solved) -> Iterator[Reason]:
+    """Equilibria that the smallest push ends: an arm of full symmetry stands in them and falls over all the same."""
+    states = [record.state for record in solved.outcomes.records if record.state.negative_pivots]
+    if states:
+        lowest = min(states, key=lambda state: state.pressure_kPa)
+        yield Reason("unstable_states", {"directions": lowest.negative_pivots or 0, **_state(lowest)})
+
+
 def _beyond_law(solved: Solved) -> Iterator[Reason]:
     """Stretches beyond those for which the laws of the solid and of its regions describe rubber, or are stable."""
+    records, volumes = solved.outcomes.records, solved.volumes
     parts = [("the walls", solved.config.material, _rows_outside(solved))]
-    parts += [(f"the part {name}", law, solved.regions.get(name)) for name, law in solved.config.materials.items()]
+    parts += [(f"the part {name}", law, solved.regions[name]) for name, law in solved.config.materials.items()]
     for part, material, rows in parts:
-        states = [(*_stretches(record, rows), record.state.pressure_kPa) for record in solved.outcomes.records]
-        smallest = min(low for low, _, _ in states)
-        largest, pressure = max((high, pressure) for _, high, pressure in states)
         holds = _range_of(material)
-        if smallest < holds["holds_from"] or largest > holds["holds_to"]:
-            found = {"smallest": smallest, "largest": largest, "pressure_kPa": pressure}
+        share, worst = max((_share_outside(r, rows, volumes, holds), n) for n, r in enumerate(records))
+        if share > LEFT_OUT:
+            smallest, largest = _stretches(records[worst], rows, volumes)
+            found = {"percent": 100.0 * share, "smallest": smallest, "largest": largest, **_state(records[worst].state)}
             instead = _law_for(smallest, largest)
             yield Reason("beyond_law", {"part": part, "law": material.law, **found, **holds, "instead": instead})
 
@@ -83,19 +94,29 @@ def _range_of(material: Material) -> dict[str, float]:
     return {**holds, "unstable_below": least, "unstable_above": most}
 
 
-def _rows_outside(solved: Solved) -> Index | None:
-    """Rows of the elements outside of all regions; None where there are no regions."""
-    if not solved.regions:
-        return None
-    count = len(solved.outcomes.records[0].fields["stretch"])
-    return np.setdiff1d(np.arange(count), np.concatenate(list(solved.regions.values())))
+def _rows_outside(solved: Solved) -> Index:
+    """Rows of the elements outside of all regions."""
+    return np.setdiff1d(np.arange(len(solved.volumes)), np.concatenate([[], *solved.regions.values()])).astype(int)
 
 
-def _stretches(record: Record, rows: Index | None) -> tuple[float, float]:
-    """The smallest and the largest stretch of some of the elements, or of all."""
-    if rows is None:
-        return record.state.min_stretch, record.state.max_stretch
-    return float(record.fields["smallest_stretch"][rows].min()), float(record.fields["stretch"][rows].max())
+def _stretches(record: Record, rows: Index, volumes: Array) -> tuple[float, float]:
+    """The smallest and the largest stretch of some of the elements, without that of `LEFT_OUT` of their volume."""
+    least, most = record.fields["smallest_stretch"][rows], record.fields["stretch"][rows]
+    return _beyond_share(least, volumes[rows]), -_beyond_share(-most, volumes[rows])
+
+
+def _share_outside(record: Record, rows: Index, volumes: Array, holds: Mapping[str, float]) -> float:
+    """The share of the volume of some elements whose stretches are outside of a range."""
+    fields = record.fields
+    outside = (fields["smallest_stretch"] < holds["holds_from"]) | (fields["stretch"] > holds["holds_to"])
+    return float(volumes[rows] @ outside[rows] / volumes[rows].sum())
+
+
+def _beyond_share(values: Array, volumes: Array) -> float:
+    """The value (e,) that all elements but `LEFT_OUT` of their volume (e,) reach."""
+    order = np.argsort(values)
+    filled = np.cumsum(volumes[order])
+    return float(values[order][np.searchsorted(filled, LEFT_OUT * filled[-1])])
 
 
 def _out_of_plane(solved: Solved) -> Iterator[Reason]:
@@ -123,12 +144,15 @@ def _deflection(record: Record) -> float:
 def _volume_lost(solved: Solved) -> Iterator[Reason]:
     """Elements with one point for the volumetric part change their volume where it should be kept, and those with a
     pressure of their own do where they are too large for how the body deforms."""
-    worst = min((record.state for record in solved.outcomes.records), key=lambda state: state.min_J)
-    ratio, lost = solved.config.material.built().poisson_ratio, 1.0 - worst.min_J
+    kept, worst = min(
+        ((_beyond_share(record.fields["J"], solved.volumes), record.state) for record in solved.outcomes.records),
+        key=lambda found: found[0],
+    )
+    ratio, lost = solved.config.material.built().poisson_ratio, 1.0 - kept
     if ratio < KEEPS_ITS_VOLUME - ROUNDING or lost < VOLUME_CHANGE:
         return
     is_mixed = ELEMENTS[solved.config.mesh.formulation].volumetric is Volumetric.PRESSURE
-    values: Values = {"percent": 100 * lost, **_state(worst)}
+    values: Values = {"percent": 100 * lost, "share": 100 * LEFT_OUT, **_state(worst)}
     yield Reason("volume_lost" if is_mixed else "volume_lost_unevenly", values, worst.min_J_at_mm)
 
 
@@ -233,6 +257,7 @@ def _state(state: State) -> Values:
 
 #: the rules, those whose reasons are most serious first
 RULES: tuple[Callable[[Solved], Iterator[Reason]], ...] = (
+    _unstable,
     _beyond_law,
     _out_of_plane,
     _volume_lost,

@@ -29,7 +29,15 @@ TOLERANCES = "tolerances"
 CALIBRATED = "calibrated"
 #: codes of remarks by rank; others follow in the order in which they were found
 RANKS = (
-    *("beyond_law", OUT_OF_PLANE, "volume_lost", "volume_lost_unevenly", "law_beyond_end", "hardly_bent"),
+    *(
+        "unstable_states",
+        "beyond_law",
+        OUT_OF_PLANE,
+        "volume_lost",
+        "volume_lost_unevenly",
+        "law_beyond_end",
+        "hardly_bent",
+    ),
     *("rigidity_open", "one_rigidity_poor"),
 )
 

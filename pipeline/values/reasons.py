@@ -52,14 +52,16 @@ TEMPLATES: Mapping[str, str] = {
     "not_along_x": "the body is {length_mm:.3g} mm along x and {longest_mm:.3g} mm along {axis}; if {axis} is its "
     "length, give geometry.axes: {axes}",
     # states
-    "beyond_law": "stretches in {part} go from {smallest:.2f} to {largest:.2f} ({pressure_kPa:g} kPa); law {law} "
-    "holds from {holds_from:.2f} to {holds_to:.2f}; set material.law: {instead}",
+    "unstable_states": "the arm falls over: its equilibrium at {pressure_kPa:g} kPa ({experiment}) is unstable in "
+    "{directions} direction(s); hold the end, or make it shorter or stiffer",
+    "beyond_law": "{percent:.2g} % of the volume of {part} has stretches for which law {law} does not hold "
+    "({holds_from:.2f} to {holds_to:.2f}; {experiment}, {pressure_kPa:g} kPa); set material.law: {instead}",
     "out_of_plane": "the arm leaves its plane by {distance_mm:.3g} mm and moves by "
     "{deflection_mm:.3g} mm in it ({experiment}, {pressure_kPa:g} kPa); `pneurod cell` gives its law in space",
-    "volume_lost": "the material loses {percent:.0f} % of its volume at {at} ({experiment}, {pressure_kPa:g} kPa); "
-    "compare with a smaller mesh.size",
-    "volume_lost_unevenly": "the material loses {percent:.0f} % of its volume at {at} ({experiment}, "
-    "{pressure_kPa:g} kPa); compare with mesh.formulation: mixed",
+    "volume_lost": "{share:g} % of the material loses {percent:.0f} % of its volume or more, most at {at} "
+    "({experiment}, {pressure_kPa:g} kPa); compare with a smaller mesh.size",
+    "volume_lost_unevenly": "{share:g} % of the material loses {percent:.0f} % of its volume or more, most at {at} "
+    "({experiment}, {pressure_kPa:g} kPa); compare with mesh.formulation: mixed",
     "hardly_bent": "at {pressure_kPa:g} kPa the curvature in the middle bends the arm by {bend_rad:.2g} rad only; give "
     "higher pressures, thinner walls or another end.y",
     "few_reached": "{count} of {given} pressures have five parameters, too few to show how these change; give more "

@@ -23,7 +23,7 @@ RUBBER = "material={law: neo_hooke, mu: 0.4 MPa, nu: 0.495}"
 
 def solved(
     *settings: str,
-    min_J: float = 0.9,
+    min_J: float = 0.95,
     stretches: tuple[float, float] = (0.95, 1.05),
     kappa_0: float = 0.01,
     alpha2: tuple[float, float] = (9, 11),
@@ -36,16 +36,19 @@ def solved(
     deflection_mm: float = -50.0,
     path_dependence: float = 0.0,
     r2: float = 0.9,
+    share: float = 0.02,
+    negative_pivots: int = 0,
 ) -> Any:
-    """A run with one state of II at 20 kPa and the parameters at this pressure."""
+    """A run with one state of II at 20 kPa and the parameters at this pressure.
+
+    share: of the volume that has the stretches and J that are given; the rest is at rest.
+    """
     low, high = stretches
     state = SimpleNamespace(
         experiment="II",
         pressure_kPa=20.0,
-        min_J=min_J,
         min_J_at_mm=(1.0, 2.0, 3.0),
-        min_stretch=low,
-        max_stretch=high,
+        negative_pivots=negative_pivots,
         curve_z_mm=curve_z_mm,
         contact_error_mm=contact[0],
         contact_error_N=contact[1],
@@ -53,6 +56,11 @@ def solved(
     s = np.linspace(0.0, 100.0, 5)
     record = SimpleNamespace(
         state=state,
+        fields={
+            "stretch": np.array([high, 1.0, 1.0]),
+            "smallest_stretch": np.array([1.0, low, 1.0]),
+            "J": np.array([min_J, 1.0, 1.0]),
+        },
         inexact=inexact,
         path_dependence=path_dependence,
         experiment="II",
@@ -75,7 +83,7 @@ def solved(
         two_lines_on_coarser=on_coarser,
     )
     config = load_config(CONFIGS / "pneunet_coarse.yaml", settings)
-    return Solved(config, SimpleNamespace(records=(record,)), (parameters,))  # type: ignore[arg-type]
+    return Solved(config, SimpleNamespace(records=(record,)), (parameters,), np.array([share, share, 1.0 - 2 * share]))  # type: ignore[arg-type]
 
 
 def only(run: Solved) -> Reason:
@@ -88,6 +96,7 @@ def only(run: Solved) -> Reason:
 @pytest.mark.parametrize(
     ("settings", "state", "code"),
     [
+        ((), {"negative_pivots": 1}, "unstable_states"),
         ((), {"min_J": 0.6}, "volume_lost_unevenly"),
         (("mesh.formulation=mixed", "material={law: svk, E: 1.2 MPa, nu: 0.49}"), {"min_J": 0.48}, "volume_lost"),
         ((), {"stretches": (0.95, 1.3)}, "beyond_law"),
@@ -116,7 +125,8 @@ def test_unusual_states_and_parameters(settings: tuple[str, ...], state: dict[st
     ("settings", "state"),
     [
         ((), {}),
-        (("mesh.formulation=mixed",), {"min_J": 0.75}),
+        ((), {"min_J": 0.5, "stretches": (0.7, 1.4), "share": 0.005}),  # one corner
+        (("mesh.formulation=mixed",), {"min_J": 0.95}),
         (("mesh.formulation=mixed", "material={law: svk, E: 1.2 MPa, nu: 0.45}"), {"min_J": 0.6}),
         ((RUBBER,), {"stretches": (0.5, 1.45)}),
         ((), {"curve_z_mm": 0.1}),
@@ -137,7 +147,7 @@ def test_usual_states_and_parameters(settings: tuple[str, ...], state: dict[str,
 def test_reasons_have_the_numbers_of_the_states() -> None:
     at = {"experiment": "II", "pressure_kPa": 20.0}
     lost = only(solved(min_J=0.6))
-    assert (lost.values, lost.where) == ({"percent": pytest.approx(40.0), **at}, (1.0, 2.0, 3.0))
+    assert (lost.values, lost.where) == ({"percent": pytest.approx(40.0), "share": 1.0, **at}, (1.0, 2.0, 3.0))
     assert only(solved(curve_z_mm=1.12)).values == {"distance_mm": 1.12, "deflection_mm": 50.0, **at}
     assert only(solved(kappa_0=1e-4)).values == {"pressure_kPa": 20.0, "bend_rad": pytest.approx(0.01)}
     assert only(solved(r2=0.28, evidence=-20.0)).values == {"r2": 0.28, "pressure_kPa": 20.0}
@@ -185,7 +195,7 @@ def test_stretches_beyond_those_for_which_a_law_holds(
 def test_the_law_of_a_region_is_compared_with_the_stretches_in_it() -> None:
     run = solved(YEOH % "", "materials={base: {law: svk, E: 0.3 MPa, nu: 0.49}}", stretches=(0.5, 1.4))
     low, high = np.array([0.5, 0.95, 0.57]), np.array([1.4, 1.05, 1.08])
-    run.outcomes.records[0].fields = {"smallest_stretch": low, "stretch": high}
+    run.outcomes.records[0].fields = {"smallest_stretch": low, "stretch": high, "J": np.ones(3)}
     values = only(replace(run, regions={"base": np.array([1, 2])})).values
     assert (values["part"], values["smallest"], values["largest"]) == ("the part base", 0.57, 1.08)
     assert values["unstable_below"] == pytest.approx(1 / np.sqrt(3))
