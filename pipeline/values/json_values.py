@@ -7,7 +7,11 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-#: a value that `Store.save_json` writes; arrays become lists, NaN and infinity become null
-Json: TypeAlias = "bool | int | float | str | np.generic | NDArray[Any] | Sequence[Json] | Mapping[str, Json] | None"
+    #: a value that `Store.save_json` writes; arrays become lists, NaN and infinity become null
+    Json: TypeAlias = (
+        bool | int | float | str | np.generic | NDArray[Any] | Sequence["Json"] | Mapping[str, "Json"] | None
+    )
+else:  # `--help` does not wait for numpy
+    Json = Any
 #: an object of a result file, or one row of a table
-JsonObject: TypeAlias = "Mapping[str, Json]"
+JsonObject: TypeAlias = Mapping[str, Json]
