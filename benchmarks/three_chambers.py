@@ -22,6 +22,7 @@ from matplotlib.figure import Figure
 from benchmarks.markdown import table
 from benchmarks.whole_arm import NodalForces, at_full_pressure, reached
 from fem import Experiment, Model
+from fem.solution import Step
 from fem.supports import nodes_at
 from geometry.arrays import Array
 from pipeline.config.document import read_document
@@ -42,7 +43,7 @@ FORCES, PART = ((0.0, 0.012, 0.0), (0.0, 0.0, 0.012), (0.012, 0.0, 0.0)), 0.2
 
 
 def solved() -> Iterator[dict[str, Any]]:
-    """Finite elements of the whole arm: pressure, force, and the material curve (mm) of each state."""
+    """Finite elements of the whole arm: pressure, force, and the material curve (mm) and air (mm3) of each state."""
     cavities = ", ".join(f"{name}: {part}" for name, part in FRACTIONS.items())
     pressures = ", ".join(f"{pressure} kPa" for pressure in PRESSURES)
     config = load_config(CONFIG, [f"pressures=[{pressures}]", f"effects.pressure.cavities={{{cavities}}}"])
@@ -55,9 +56,14 @@ def solved() -> Iterator[dict[str, Any]]:
 
     free = model()
     curve, edge = (nodes_at(line, free.space) for line in (experiment.curve, experiment.edge))
+
+    def told(step: Step) -> dict[str, Any]:
+        air = [step.cavity_volume(name) for name in scene.body.cavities]
+        return {"curve_mm": step.positions[curve].tolist(), "air_mm3": air}
+
     steps = reached(free, [pressure / PRESSURES[-1] for pressure in PRESSURES], ())
     for pressure, step in zip(PRESSURES, steps, strict=True):
-        yield {"pressure_kPa": pressure, "force_N": [0.0] * 3, "curve_mm": step.positions[curve].tolist()}
+        yield {"pressure_kPa": pressure, "force_N": [0.0] * 3, **told(step)}
     last = steps[-1]
     start = replace(last, factor=0.0, rate=None, active=(*last.active, True), contacts=(*last.contacts, None))
     effects = [at_full_pressure(effect, 1.0) for effect in effects]
@@ -66,14 +72,15 @@ def solved() -> Iterator[dict[str, Any]]:
         np.add.at(nodal, edge, experiment.edge.nodal_weights(free.space)[:, None] * np.array(force))
         for step in reached(model(NodalForces(nodal)), [0.0, PART, 1.0], [start])[1:]:
             acting = (step.factor * np.array(force)).tolist()
-            yield {"pressure_kPa": PRESSURES[-1], "force_N": acting, "curve_mm": step.positions[curve].tolist()}
+            yield {"pressure_kPa": PRESSURES[-1], "force_N": acting, **told(step)}
 
 
-def rod_of(law: SpaceLaw, state: Mapping[str, Any]) -> Array:
-    """(n, 3) mm: the curve of the rod under the same loads."""
+def rod_of(law: SpaceLaw, state: Mapping[str, Any]) -> tuple[Array, Array]:
+    """(n, 3) mm and (3,) mm3: the curve of the rod under the same loads, and its air."""
     rod = law.at([state["pressure_kPa"] * part for part in FRACTIONS.values()])
     fx, fy, fz = state["force_N"]
-    return rod.solve_in_space(SpatialLoad((fx, fy, fz))).curve
+    shape = rod.solve_in_space(SpatialLoad((fx, fy, fz)))
+    return shape.curve, rod.volumes(shape)
 
 
 def main() -> int:
@@ -88,18 +95,21 @@ def main() -> int:
     if not file.exists():
         file.write_text(json.dumps(list(solved())) + "\n", encoding="utf-8")
     states = json.loads(file.read_text(encoding="utf-8"))
-    curves = [(rod_of(law, state), np.array(state["curve_mm"])) for state in states]
+    rods = [rod_of(law, state) for state in states]
+    curves = [(rod[0], np.array(state["curve_mm"])) for rod, state in zip(rods, states, strict=True)]
     free = curves[len(PRESSURES) - 1]
     rows = []
-    for state, (own, solid) in zip(states, curves, strict=True):
+    for state, (_, air), (own, solid) in zip(states, rods, curves, strict=True):
         missed, moved = own[-1] - solid[-1], solid[-1] - free[1][-1]
         away = float(np.linalg.norm(missed - (free[0][-1] - free[1][-1])))
         error = f"{100 * away / np.linalg.norm(moved):.2f}" if any(state["force_N"]) else ""
         force = ", ".join(f"{part:g}" for part in state["force_N"])
         end = ", ".join(f"{part:.2f}" for part in solid[-1])
         size = 100 * float(np.linalg.norm(missed)) / law.length
-        rows.append([f"{state['pressure_kPa']:g}", force, end, f"{size:.3f}", error])
+        missing = ", ".join(f"{100 * part:.2f}" for part in air / state["air_mm3"] - 1.0)
+        rows.append([f"{state['pressure_kPa']:g}", force, end, f"{size:.3f}", error, missing])
     heads = ["pressure, kPa", "force, N", "end, mm", "rod: error of the end, % of l", "of what the force moves, %"]
+    heads.append("of the air, %")
     sys.stdout.write(f"{table(heads, rows)}\n")
     draw(curves, given.results / "three_chambers.png")
     return int(max(float(row[3]) for row in rows) > 0.2)

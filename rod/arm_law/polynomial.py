@@ -61,6 +61,13 @@ class Polynomial:
         """(n, c) at (n, v)."""
         return np.asarray(self.basis.values(np.atleast_2d(x)) @ self.coefficients)
 
+    def by(self, variable: int, basis: Basis) -> Array:
+        """(k, c): coefficients of the derivative by a variable, in a basis of equal scale that has its monomials."""
+        powers = self.basis.exponents[:, variable]
+        lowered = self.basis.exponents - np.eye(self.basis.exponents.shape[1], dtype=np.intp)[variable]
+        is_same = (basis.exponents[:, None] == lowered).all(axis=2)
+        return np.asarray(is_same @ (powers[:, None] / self.basis.scale[variable] * self.coefficients))
+
     def at_last(self, values: Array) -> "Plane":
         """As polynomials of the first two variables, with the others given (v - 2,)."""
         powers, scale = self.basis.exponents, self.basis.scale

@@ -7,8 +7,9 @@ lambda(kappa, p), and small twist and shear:
     M = dw/dkappa - N dlambda/dkappa,   stretch = lambda + N / EA,   (twist, shear_y, shear_z) = C (T, Q_y, Q_z)
 
 for the moments M, the axial force N, the torque T and the shear forces Q. EA and C are taken at the curvature without
-moment. All of them are polynomials. The clamped end turns the rod and shifts it, as functions of the moments there and
-of p; the end of the material curve lies beside that of the axis.
+moment. The air in the cavities per rest length is V = -dw/dp. All of them are polynomials.
+The clamped end turns the rod and shifts it, as functions of the moments there and of p; the end of the material curve
+lies beside that of the axis. Both ends have other air than cells.
 """
 
 from collections.abc import Mapping, Sequence
@@ -30,7 +31,7 @@ from rod.weight import Mass
 #: by how much pressures may leave those of the law, over the largest
 ROUNDING = 1e-9
 
-_POLYNOMIALS = ("potential", "stretch", "axial_rigidity", "compliance", "clamp", "tip")
+_POLYNOMIALS = ("potential", "stretch", "axial_rigidity", "compliance", "volume", "clamp", "tip")
 
 
 @final
@@ -58,13 +59,19 @@ class SpaceLaw:
     stretch: Polynomial  #: lambda of (kappa_y, kappa_z, p)
     axial_rigidity: Polynomial  #: EA of (kappa_y, kappa_z, p), N
     compliance: Polynomial  #: the six upper components of C, of p: 1/(N mm2), 1/(N mm) and 1/N
-    clamp: Polynomial  #: turns (rad) and shift (mm) along x, y and z, of (M_y, M_z, p)
-    tip: Polynomial  #: the end of the material curve beside that of the axis, in the frame there, mm, of p
+    volume: Polynomial  #: air per rest length in each cavity, mm2, of (kappa_y, kappa_z, p)
+    #: turns (rad) and shift (mm) along x, y and z, and air beyond that of cells in each cavity (mm3), of (M_y, M_z, p)
+    clamp: Polynomial
+    #: the end of the material curve beside that of the axis, in the frame there (mm), and such air (mm3), of p
+    tip: Polynomial
     mass: Mass | None = None  #: None: not known
 
     def __post_init__(self) -> None:
-        if self.pressures.ndim != 2 or self.pressures.shape[1] != len(self.cavities):
+        count = len(self.cavities)
+        if self.pressures.ndim != 2 or self.pressures.shape[1] != count:
             raise RodError("A law in space must have rows with a pressure for each cavity.")
+        if [one.coefficients.shape[1] for one in (self.volume, self.clamp, self.tip)] != [count, 6 + count, 3 + count]:
+            raise RodError("A law in space must have the air of each cavity in `volume`, `clamp` and `tip`.")
 
     def __repr__(self) -> str:
         return f"SpaceLaw({', '.join(self.cavities)}, up to {self.pressures.max():g} kPa, {self.length:g} mm)"
@@ -122,8 +129,9 @@ class SpaceLaw:
         w, stretch, EA = (one.at_last(variables) for one in (self.potential, self.stretch, self.axial_rigidity))
         return SpaceRod(
             section=PolynomialSection.of(w, stretch, EA, compliance, self.reach),
+            air=self.volume.at_last(variables),
             clamp=self.clamp.at_last(variables),
-            to_end=self.tip(variables[None])[0],
+            tip=self.tip(variables[None])[0],
             pitch=self.pitch,
             length=self.length,
             clamp_reach=self.clamp_length,

@@ -31,8 +31,11 @@ class SpaceRod:
     """A clamped rod in space. Its sections' y and z are those of the arm at rest."""
 
     section: PolynomialSection
-    clamp: Plane  #: turns (rad) and shifts (mm) along x, y and z by the moments about y and z
-    to_end: Array  #: (3,) mm, from the end of the axis to that of the material curve, in the frame there
+    air: Plane  #: mm2, per rest length in each cavity, of the curvatures about y and z
+    #: turns (rad) and shifts (mm) along x, y and z by the moments about y and z, and air beyond that of cells (mm3)
+    clamp: Plane
+    #: (3 + c,) from the end of the axis to that of the material curve, in the frame there (mm), and such air (mm3)
+    tip: Array
     pitch: float  #: mm
     length: float  #: mm
     clamp_reach: float  #: mm, how far the clamped end reaches
@@ -50,7 +53,7 @@ class SpaceRod:
         nodes = path.nodes
         moment, inner = in_frame(nodes.frames, nodes.moment), in_frame(nodes.frames, nodes.inner)
         beside = np.zeros((len(nodes.s), 3))
-        beside[-1] = self.to_end
+        beside[-1] = self.tip[:3]
         return solved_in_space(self, path, Held(load, position), self.section.strains(moment, inner), beside)
 
     @property
@@ -93,12 +96,17 @@ class SpaceRod:
 
     def ends(self, position: Position) -> EndArrays:
         """The clamp, and a tip that is a point beside the axis."""
-        return polynomial_ends(self.clamp.table, self.to_end)
+        return polynomial_ends(self.clamp.table[..., :6], self.tip[:3])
 
     def begin(self) -> tuple[Array, Array]:
         """Where the clamp puts the axis without moment."""
-        turn, shift = np.split(self.clamp(np.zeros(2)), 2)
+        turn, shift, _ = np.split(self.clamp(np.zeros(2)), (3, 6))
         return shift, rotation(turn)
+
+    def volumes(self, state: SpatialSolution) -> Array:
+        """(c,) mm3: air in each cavity of the arm in a state of this rod, as finite elements of the arm have it."""
+        along = np.trapezoid(self.air(state.curvature[:, 1:]), state.s, axis=0)
+        return np.asarray(along + self.clamp((state.moment[0] @ state.frames[0])[1:])[6:] + self.tip[3:])
 
     def _check_inside(self, path: Path) -> None:
         outside, reach = path.nodes.found.outside, self.section.reach

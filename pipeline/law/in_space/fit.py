@@ -1,5 +1,9 @@
 """Polynomials through the states of an arm that bends in space, by least squares of values and slopes.
 
+Moments and the air in the cavities are derivatives of one potential w, which is fitted to both:
+
+    M = dw/dkappa,   V_i = -dw/dp_i,   so that dM/dp_i = -dV_i/dkappa.
+
 Pressures enter by their components in the space that the rows of pressures span, so that an arm whose pressures keep
 one ratio has one variable for them.
 """
@@ -13,13 +17,14 @@ import numpy as np
 
 from geometry.arrays import Array
 from pipeline.law.in_space.states import CellState
+from pipeline.values.pressure import KPA_PER_MPA
 from rod.arm_law.polynomial import Basis, Polynomial, exponents_up_to
 from rod.errors import RodError
 
 #: degrees of the potential that are tried, and the smallest number of equations over unknowns
 DEGREES, EQUATIONS = range(3, 8), 1.8
-#: weight of slopes over that of values
-SLOPES = 0.3
+#: weight of slopes over that of values, and that of the air
+SLOPES, AIR = 0.3, 0.1
 #: components of pressures over the largest below which they are rounding
 SPANNED = 1e-9
 #: groups of states that are left out in turn
@@ -29,10 +34,11 @@ FOLDS = 6
 @final
 @dataclass(frozen=True, eq=False)  # arrays inside
 class Fit:
-    """The potential of a cell and its stretch."""
+    """The potential of a cell, its stretch, and its air per rest length in mm2."""
 
     potential: Polynomial
     stretch: Polynomial
+    volume: Polynomial
     error: float  #: of the moment of states that were left out, root of mean squares over the largest moment
 
 
@@ -62,7 +68,8 @@ def fit_cell(states: Sequence[CellState], spanned: Spanned, kappa: float) -> Fit
     candidates = []
     for degree in DEGREES:
         powers = exponents_up_to(degree, len(scale))
-        basis = Basis(powers[powers[:, :2].sum(axis=1) > 0], scale)
+        # the air of straight cells is known at few pressures
+        basis = Basis(powers[powers[:, :2].any(axis=1) | (powers.sum(axis=1) < degree)], scale)
         if EQUATIONS * len(basis.exponents) <= 6 * len(states):
             candidates.append((_left_out(rows, basis), degree, basis))
     if not candidates:
@@ -70,12 +77,21 @@ def fit_cell(states: Sequence[CellState], spanned: Spanned, kappa: float) -> Fit
     error, degree, basis = min(candidates, key=lambda candidate: candidate[0])
     potential = Polynomial(basis, _solved(*rows.of_moment(basis))[:, None])
     lower = Basis(exponents_up_to(degree - 1, len(scale)), scale)
-    return Fit(potential, Polynomial(lower, _solved(*rows.of_stretch(lower))[:, None]), error)
+    stretch = Polynomial(lower, _solved(*rows.of_stretch(lower))[:, None])
+    return Fit(potential, stretch, _air(rows, spanned, potential, lower), error)
 
 
 def fit_values(x: Array, values: Array, basis: Basis) -> Polynomial:
     """Polynomials through values (n, c) at (n, v); the smallest coefficients where several fit."""
     return Polynomial(basis, np.asarray(np.linalg.lstsq(basis.values(x), values, rcond=1e-10)[0], float))
+
+
+def _air(rows: "_Rows", spanned: Spanned, potential: Polynomial, basis: Basis) -> Polynomial:
+    """Of the potential; pressures in fixed ratios leave a part to which it has no derivative, and that is fitted."""
+    onto = spanned.onto
+    known = -KPA_PER_MPA * np.hstack([potential.by(2 + k, basis) for k in range(onto.shape[1])]) @ onto.T
+    left = (rows.column("volume") - basis.values(rows.x) @ known) @ (np.eye(len(onto)) - onto @ onto.T)
+    return Polynomial(basis, known + fit_values(rows.x, left, basis).coefficients)
 
 
 def _left_out(rows: "_Rows", basis: Basis) -> float:
@@ -102,6 +118,7 @@ class _Rows:
 
     states: Sequence[CellState]
     x: Array  #: (n, v)
+    onto: Array  #: (m, q) as of `Spanned`
     curved: tuple[Array, Array]  #: (n, v) directions across and along the curvature
     pressed: Array  #: (n, v) change of the variables per kPa of the largest pressure
     kappa: float
@@ -120,19 +137,20 @@ class _Rows:
         pressed = np.column_stack([np.zeros((len(states), 2)), fractions @ spanned.onto])
         # at rest pressures in equal parts may leave what the rows span
         pressed[largest[:, 0] == 0.0] *= np.allclose(spanned.onto @ spanned.onto.T, np.eye(len(spanned.onto)))
-        return _Rows(states, x, (across, along), pressed, float(scale[0]), float(np.abs(pressures).max()))
+        return _Rows(states, x, spanned.onto, (across, along), pressed, float(scale[0]), float(np.abs(pressures).max()))
 
     @property
     def is_pressed(self) -> Array:
         """(n,) 1 where the slopes by the pressure are used, else 0."""
         return np.any(self.pressed != 0.0, axis=1).astype(float)
 
-    def _column(self, name: str, part: int | None = None) -> Array:
+    def column(self, name: str, part: int | None = None) -> Array:
+        """(n, ...): a number of all states, or a part of it."""
         values = [getattr(state, name) for state in self.states]
         return np.array(values if part is None else [value[part] for value in values])
 
     def of_moment(self, basis: Basis) -> tuple[Array, Array]:
-        """Matrix and right-hand side: moments, and their slopes by curvature and pressure."""
+        """Matrix and right-hand side: moments, their slopes by curvature and pressure, and the air."""
         along = self.curved[1]
         largest = float(np.abs(np.array([state.moment for state in self.states])).max())
         parts: list[tuple[Callable[[Array], Array], str, float]] = [
@@ -145,7 +163,11 @@ class _Rows:
             known = weight * (self.is_pressed if name == "by_pressure" else np.ones(len(self.x)))
             for k, direction in enumerate(self.curved):
                 matrix.append(known[:, None] * made(direction))
-                right.append(known * self._column(name, k))
+                right.append(known * self.column(name, k))
+        weight, directions = AIR * self.pressure / (self.kappa * largest), np.eye(self.x.shape[1])[2:]
+        for direction, air in zip(directions, (self.column("volume") @ self.onto).T, strict=True):
+            matrix.append(weight * basis.gradients(self.x, np.tile(direction, (len(self.x), 1))))
+            right.append(-weight / KPA_PER_MPA * air)
         return np.vstack(matrix), np.concatenate(right)
 
     def of_stretch(self, basis: Basis) -> tuple[Array, Array]:
@@ -157,8 +179,8 @@ class _Rows:
             pressed[:, None] * basis.gradients(self.x, self.pressed),
         ]
         right = [
-            self._column("stretch"),
-            bent * self._column("stretch_by_curvature"),
-            pressed * self._column("stretch_by_pressure"),
+            self.column("stretch"),
+            bent * self.column("stretch_by_curvature"),
+            pressed * self.column("stretch_by_pressure"),
         ]
         return np.vstack(matrix), np.concatenate(right)

@@ -173,7 +173,7 @@ def _law(
     reached: how far the law goes (1/mm), its rows of pressures, and the pressures at which ends are solved.
     """
     reach, highest, places = reached
-    pieces, scale, onto = tasks.pieces, spanned.scale, spanned.onto
+    pieces, scale, onto, cavities = tasks.pieces, spanned.scale, spanned.onto, len(spanned.onto)
     quadratic = Basis(exponents_up_to(2, len(scale)), scale)
     across = [tasks.begin(SpaceStates.across, pressures) for pressures in places]
     free = [tasks.begin(SpaceStates.free, pressures) for pressures in places]
@@ -192,8 +192,9 @@ def _law(
         stretch=fit.stretch,
         axial_rigidity=fit_values(x, EA, Basis(exponents_up_to(2, x.shape[1]), np.array([reach, reach, *scale]))),
         compliance=fit_values(np.array(places) @ onto, np.array([one.result() for one in across]), quadratic),
-        clamp=_nothing(6, len(scale)),
-        tip=_nothing(3, 0),
+        volume=fit.volume,
+        clamp=_nothing(6 + cavities, 2 + len(scale)),
+        tip=_nothing(3 + cavities, len(scale)),
         mass=mass_along(pieces.design.of_pieces(pieces.repetition), pieces.config),
     )
     clamp, clamp_length, left = _clamp(tasks, law, places)
@@ -204,14 +205,13 @@ def _law(
     return replace(law, clamp=clamp, clamp_length=clamp_length, tip=tip), left
 
 
-def _nothing(columns: int, pressures: int) -> Polynomial:
+def _nothing(columns: int, variables: int) -> Polynomial:
     """Zero for all moments and pressures."""
-    count = pressures + (2 if columns == 6 else 0)
-    return Polynomial(Basis(np.zeros((1, count), np.intp), np.ones(count)), np.zeros((1, columns)))
+    return Polynomial(Basis(np.zeros((1, variables), np.intp), np.ones(variables)), np.zeros((1, columns)))
 
 
 def _clamp(tasks: _Tasks, law: SpaceLaw, places: Sequence[Pressures]) -> tuple[Polynomial, float, tuple[str, ...]]:
-    """Turn and shift of the clamped end, linear in the moments, the length (mm) of its piece, and what failed."""
+    """Turn, shift and air of the clamped end, linear in the moments, the length (mm) of its piece, and what failed."""
     begun = []
     for pressures in places:
         k_y, k_z = law.at(pressures).kappa_0
@@ -231,11 +231,14 @@ def _clamp(tasks: _Tasks, law: SpaceLaw, places: Sequence[Pressures]) -> tuple[P
 
 
 def _departure(rod: SpaceRod, end: EndState) -> tuple[Array, Array]:
-    """Moments (2,) about y and z at the clamp, and turn (rad) and shift (mm) (6,) of cells continued to it."""
+    """Moments (2,) about y and z at the clamp, and turn (rad) and shift (mm) (6,) of cells continued to it, with the
+    air (mm3) in each cavity beyond that of cells."""
     frame, moment = Rotation.from_rotvec(end.turn).as_matrix(), np.array(end.moment)
     start, at_start = shape_under_moment(rod.section, end.length, frame, moment, STEPS)
     turn = Rotation.from_matrix(at_start).as_rotvec()
-    return (moment @ at_start)[1:], np.concatenate([turn, np.array(end.place) + start])
+    kappa = rod.section.strains((moment @ at_start)[None], np.zeros((1, 3)))[0][0, 1:]
+    air = np.array(end.volume) - end.length * rod.air(kappa)
+    return (moment @ at_start)[1:], np.concatenate([turn, np.array(end.place) + start, air])
 
 
 def _nearest(states: Sequence[CellState], pressures: Pressures) -> CellState:
@@ -248,13 +251,15 @@ def _nearest(states: Sequence[CellState], pressures: Pressures) -> CellState:
 
 
 def _end_beside(rod: SpaceRod, end: EndState, near: CellState) -> Array:
-    """(3,) mm: the end of the material curve beside the axis of cells continued to it, in the frame there.
+    """(3 + c,): the end of the material curve beside the axis of cells continued to it, in the frame there (mm), and
+    the air (mm3) in each cavity beyond that of cells.
 
     near: a state that tells where the material curve crosses the plane beside the axis.
     """
     # from the plane towards the end, which is the start of a rod of negative length
     start, frame = shape_under_moment(rod.section, -end.length, np.eye(3), np.zeros(3), STEPS)
-    return np.asarray(frame.T @ (np.array([0.0, *near.beside]) + np.array(end.place) - start))
+    beside = frame.T @ (np.array([0.0, *near.beside]) + np.array(end.place) - start)
+    return np.concatenate([beside, np.array(end.volume) - end.length * rod.air(rod.kappa_0)])
 
 
 def _error_between(tasks: _Tasks, law: SpaceLaw, rows: Sequence[Pressures]) -> float:

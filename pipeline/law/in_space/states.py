@@ -10,6 +10,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from fem.cell.across import QUARTER, Straight, twist_and_shear
+from fem.cell.air import air_volumes
 from fem.cell.any_plane import bent_state, frame_of, moment_beside
 from fem.cell.boundary import Boundary, spread
 from fem.cell.piece import BendingPiece, PieceState
@@ -44,6 +45,7 @@ class CellState:
     stretch_by_pressure: float  #: 1/kPa
     axial_rigidity: float  #: N
     beside: tuple[float, float]  #: mm, the material curve beside the axis between two cells, along y and z there
+    volume: tuple[float, ...]  #: mm2, air per rest length in each cavity
 
     @property
     def vector(self) -> Array:
@@ -60,6 +62,7 @@ class EndState:
     moment: tuple[float, float, float]  #: N mm, along x, y and z
     turn: tuple[float, float, float]  #: rotation vector of its plane, rad
     place: tuple[float, float, float]  #: mm, from the clamped end of the material curve, or from the plane to its end
+    volume: tuple[float, ...]  #: mm3, air in each cavity of the piece
 
 
 class SpaceStates:
@@ -109,6 +112,7 @@ class SpaceStates:
             found.stretch_by_pressure / KPA_PER_MPA,
             found.axial_rigidity,
             _pair(_beside(piece, at, found.stretch) @ frame_of(angle)),
+            _air(piece, at, piece.body.length),
         )
 
     def _across(self, pressures: Pressures) -> list[float]:
@@ -130,15 +134,16 @@ class SpaceStates:
         turn = (about_z * Rotation.from_rotvec([_turn(piece, at, about_z), 0.0, 0.0])).as_rotvec()
         x = piece.space.points[piece.curve] + at.state.displacement[piece.curve]
         place = x[-1] - piece.space.points[piece.curve[0]]
-        vectors = (_in_body(vector, angle) for vector in (moments[0] * beside + moments[1] * across, turn, place))
-        return EndState(pressures, piece.body.length, *vectors)
+        moment = moments[0] * beside + moments[1] * across
+        acting, turned, moved = (_in_body(vector, angle) for vector in (moment, turn, place))
+        return EndState(pressures, piece.body.length, acting, turned, moved, _air(piece, at))
 
     def _free(self, pressures: Pressures) -> EndState:
         piece, at = self._inflated("free", 0.0, pressures, 0.0)
         x = piece.space.points[piece.curve] + at.state.displacement[piece.curve]
         place = (x[0] - x[-1]) * [-1.0, 1.0, 1.0]  # the piece is the mirror image of the end
         none = (0.0, 0.0, 0.0)
-        return EndState(pressures, piece.body.length, none, none, _in_body(place, 0.0))
+        return EndState(pressures, piece.body.length, none, none, _in_body(place, 0.0), _air(piece, at))
 
     def half_cells(self, start: Boundary) -> int:
         """In a piece: of the clamped end an even number, of the other end an odd one."""
@@ -189,6 +194,11 @@ def _beside(piece: BendingPiece, at: PieceState, stretch: float) -> Array:
     along = stretch * piece.body.length * float(np.sinc(phi / np.pi))
     away = x[:2] - np.array([along, piece.body.curve_y + risen])
     return np.array([away @ [-np.sin(phi), np.cos(phi)], x[2]])
+
+
+def _air(piece: BendingPiece, at: PieceState, per: float = 1.0) -> tuple[float, ...]:
+    """Air in each cavity of a piece over a length."""
+    return tuple((air_volumes(piece.body, piece.space, at.state.displacement) / per).tolist())
 
 
 def _in_body(vector: Array, angle: float) -> tuple[float, float, float]:

@@ -5,6 +5,7 @@ import pytest
 
 from fem import StVenantKirchhoff
 from fem.cell.across import QUARTER, Straight, twist_and_shear
+from fem.cell.air import air_volumes
 from fem.cell.any_plane import BentState, bent_state, frame_of, turned
 from fem.cell.axis import axis_of
 from fem.cell.lateral import lateral_rigidities
@@ -65,6 +66,22 @@ def test_slopes_are_those_of_neighbouring_states() -> None:
     by_pressure = quotient(higher.moment, lower.moment, width)
     assert at.by_pressure == by_pressure.within(abs=1e-3 * float(np.abs(by_pressure.value).max()))
     assert at.stretch_by_pressure == quotient(higher.stretch, lower.stretch, width).within(rel=1e-3)
+
+
+@pytest.mark.usefixtures("solved_tightly")
+def test_the_moments_grow_with_the_pressure_as_the_air_does_with_the_curvature() -> None:
+    """About two directions of a body: dM/dp = -dV/dkappa, V the air of the cavities by their parts of the pressure."""
+    angle, kappa, step = 0.7, 0.004, 1e-4
+
+    def air(curvature: tuple[float, float]) -> float:
+        piece, at = state(float(np.arctan2(-curvature[0], curvature[1])), PRESSURE, float(np.hypot(*curvature)))
+        volumes = air_volumes(piece.body, piece.space, at.state.displacement) / piece.body.length
+        return float(volumes @ [PRESSURES[name] for name in piece.body.cavities])
+
+    middle = np.array([0.0, kappa]) @ frame_of(angle)
+    more, less = ([air(tuple(middle + sign * step * direction)) for direction in np.eye(2)] for sign in (1.0, -1.0))
+    by_pressure = in_body(bent(angle, PRESSURE, kappa).by_pressure, angle)
+    assert -by_pressure == quotient(more, less, 2.0 * step).within(abs=1e-3 * float(np.abs(by_pressure).max()))
 
 
 def test_the_moments_have_a_potential() -> None:

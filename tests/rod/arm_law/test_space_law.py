@@ -57,8 +57,9 @@ def law(stretch_slope: float = 0.0, cubic: float = 0.0, turn: float = 0.0) -> Sp
         stretch=polynomial(stretch, 5, scale),
         axial_rigidity=constant([EA], 5),
         compliance=constant([1 / GJ, 0.0, 0.0, 1 / GA, 0.0, 1 / GA], 3),
-        clamp=constant([0.0] * 6, 5),
-        tip=constant([0.0] * 3, 3),
+        volume=constant([30.0] * 3, 5),
+        clamp=constant([0.0] * 9, 5),
+        tip=constant([0.0] * 6, 3),
     )
 
 
@@ -118,6 +119,19 @@ def test_the_limit_of_the_elements_converges_with_the_fourth_power(monkeypatch: 
     assert np.log2(differences[:-1] / differences[1:]) == pytest.approx(4.0, abs=0.3)
 
 
+def test_the_air_is_minus_the_derivative_of_the_potential_by_the_pressures() -> None:
+    """That of cells along the arm, in mm2 with pressures in MPa, and what its ends have besides."""
+    made = law(cubic=2000.0)
+    basis = made.potential.basis
+    by_pressure = np.hstack([made.potential.by(2 + k, basis) for k in range(3)])
+    clamp, tip = constant([0.0] * 6 + [1.0, 2.0, 3.0], 5), constant([0.0] * 3 + [10.0, 20.0, 30.0], 3)
+    volume = Polynomial(basis, -1e3 * by_pressure)
+    rod = replace(made, volume=volume, clamp=clamp, tip=tip).at((5.0, 2.0, 0.0))
+    state = rod.solve_in_space(SpatialLoad((0.0, 0.02, 0.03)))
+    along = np.trapezoid(1e3 * state.curvature[:, 1:] @ RIGIDITY @ BENDS.T, state.s, axis=0)
+    assert rod.volumes(state) == pytest.approx(along + np.array([11.0, 22.0, 33.0]), rel=1e-9)
+
+
 def test_an_end_that_is_held_gives_the_force_that_brings_it_there() -> None:
     rod, force = law().at((5.0, 2.0, 0.0)), (0.01, 0.02, -0.01)
     end = rod.solve_in_space(SpatialLoad(force)).end
@@ -130,6 +144,8 @@ def test_the_file_gives_the_same_rod() -> None:
     load = SpatialLoad((0.01, 0.02, 0.03))
     assert again.at((5, 2, 0)).solve_in_space(load).end == made.at((5, 2, 0)).solve_in_space(load).end
     record = law_record(made)
+    with pytest.raises(RodError, match="must have the air of each cavity"):
+        law_from_record({**record, "volume": record["stretch"]})
     del record["tip"]
     with pytest.raises(RodError, match="lacks the key 'tip'"):
         law_from_record(record)

@@ -8,12 +8,16 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner, Result
 
+from fem import Experiment, Model, follow
 from pipeline.cli import app
 from pipeline.config.document import read_document
+from pipeline.config.load import load_config
 from pipeline.law.in_space import measure
 from pipeline.law.in_space.rows import read_rows
 from pipeline.results.files import read_law
+from pipeline.simulate.scene import Scene
 from pipeline.store.store import open_store
+from pipeline.values.pressure import in_MPa
 from rod.arm_law.space_law import SpaceLaw
 from rod.errors import RodError
 from rod.spatial import SpatialLoad
@@ -91,6 +95,19 @@ def test_the_law_is_known_along_its_row(law: SpaceLaw) -> None:
     assert 0.2 < less / more < 0.5
     with pytest.raises(RodError, match="are not between rows of the law"):
         law.at((12.0, 0.0, 0.0))
+
+
+@pytest.mark.parametrize("pressure", [9.0, 12.0])
+def test_the_air_is_that_of_finite_elements_of_the_whole_arm(law: SpaceLaw, config: Path, pressure: float) -> None:
+    given = [f"pressures=[{pressure} kPa]", "effects.pressure.cavities={a: 1, b: 0.3333333333333333, c: 0}"]
+    scene = Scene.meshed(load_config(config, given))
+    supports = Experiment.of("II", scene.body, None).supports
+    effects = scene.effects(in_MPa(pressure))
+    step = follow(Model(scene.body.mesh, scene.material, supports, effects, "p2p0"), [1.0]).steps[-1]
+    solid = np.array([step.cavity_volume(name) for name in law.cavities])
+    rod = law.at((pressure, pressure / 3.0, 0.0))
+    assert rod.volumes(rod.solve_in_space(SpatialLoad())) == pytest.approx(solid, rel=1e-3)
+    assert solid[0] > 1.03 * BORE**2 * (LENGTH - 2.0 * END)
 
 
 def test_the_rod_from_the_command_line(folder: Path) -> None:

@@ -18,6 +18,12 @@ def gradient(k: Array, p: Array) -> Array:
     return np.array([stiff * y + 2e4 * y * z - p[1], stiff * z + 1e4 * y**2 + 2e6 * z**3 + 0.02 * p[0] ** 2])
 
 
+def air(k: Array, p: Array) -> tuple[float, ...]:
+    """mm2: minus dw/dp of the same w, in N per kPa, and what is there without curvature."""
+    by_pressure = np.array([k @ k + 0.04 * p[0] * k[1], -k[0], 0.0])
+    return tuple((40.0 + np.array([0.1, 0.0, 0.04]) * p - 1e3 * by_pressure).tolist())
+
+
 def state(k: Curvatures, p: Pressures) -> CellState:
     y, z = k
     size = float(np.hypot(y, z))
@@ -46,6 +52,7 @@ def state(k: Curvatures, p: Pressures) -> CellState:
         1e-3 * part[0],
         40.0,
         (0.0, 0.0),
+        air(np.array(k), pressures),
     )
 
 
@@ -71,6 +78,7 @@ def test_a_potential_of_degree_four_is_found() -> None:
         assert fit.stretch(np.array([[*k, *np.array(there.pressures) @ spanned.onto]]))[0, 0] == pytest.approx(
             there.stretch
         )
+        assert fit.volume.at_last(np.array(there.pressures) @ spanned.onto)(k) == pytest.approx(there.volume, rel=1e-8)
 
 
 def test_the_error_is_that_of_states_that_were_left_out() -> None:
