@@ -8,7 +8,7 @@ from time import perf_counter
 from typing import Any, TypeAlias
 
 from geometry import Reason, Values
-from pipeline.answers.budget import make_budget
+from pipeline.answers.budget import make_budgets
 from pipeline.config.config import Config
 from pipeline.identify.added_pressures import Identified, identify_run
 from pipeline.identify.arm_rods import ArmRods
@@ -307,7 +307,8 @@ def _tolerances(config: Config, law: ArmLaw | None) -> Iterator[Reason]:
         return
     pressure = max(p for p in (0.0, *config.pressures_kPa) if p <= law.pressures[-1])
     with suppress(RodError):
-        budget = make_budget(law, config.tolerances, pressure, config.end.y_mm if config.end.x_mm is None else None)
+        held = config.end.y_mm if config.end.x_mm is None else None
+        (budget,) = make_budgets(law, config.tolerances, [pressure], held)
         most = budget.largest()
         values: Values = {
             "process": budget.process,
@@ -315,7 +316,7 @@ def _tolerances(config: Config, law: ArmLaw | None) -> Iterator[Reason]:
             "pressure_kPa": pressure,
             "parameter": most.parameter,
             "tolerance": most.tolerance,
-            "most_percent": 100.0 * most.tip,
+            "most_percent": 100.0 * most.changes["tip"],
         }
         yield Reason("tolerances", values)
 

@@ -5,12 +5,16 @@ the root of the sum of their squares.
 """
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
+from geometry.arrays import Array
 from pipeline.answers.rods.choice import plane_of
 from pipeline.answers.rods.ratio import run_along
 from pipeline.config.tolerances import STIFFNESS, Tolerance, Tolerances
@@ -25,15 +29,12 @@ from pipeline.values.plots import COLOURS, Line, Panel
 from pipeline.values.run import Run
 from pipeline.values.table import Table
 from rod.arm_law.curves import ACROSS
-from rod.arm_law.derivative import NUMBERS as NUMBERS_OF_LAW
 from rod.arm_law.law import ArmLaw
-from rod.arm_law.law_rod import LawRod
+from rod.arm_law.quantities import QUANTITIES, Asked, Rods, jacobian
 from rod.errors import RodError
 
-#: numbers of an arm, by their names in a `Row`, as they stand in tables
-NUMBERS = {"tip": "tip / length", "kappa_0": "κ₀", "rigidity": "rigidity", "force": "force in III"}
-#: those of a law with rigidities out of the plane, without moment
-IN_SPACE = dict(zip(ACROSS, ("B₂", "GJ"), strict=True))
+#: titles of the quantities of the table, by name; the tip comes first
+NUMBERS = {one.name: one.title for one in QUANTITIES.values() if one.title}
 PRESSURE = "pressure"
 #: part of a tolerance in difference quotients at most, and of a pressure
 LARGEST_PART, PART_OF_PRESSURE = 0.05, 1e-3
@@ -46,21 +47,16 @@ DEFAULTS = {
 
 @dataclass(frozen=True)
 class Row:
-    """What one tolerance does, to both sides: the tip over the length, all others over their value; NaN: no number."""
+    """What one tolerance does, to both sides."""
 
     parameter: str  #: key of the configuration
     tolerance: str  #: with its unit
     is_default: bool
-    tip: float
-    kappa_0: float
-    rigidity: float
-    force: float
-    lateral_rigidity: float
-    torsional_rigidity: float
+    changes: Mapping[str, float]  #: by the names of `NUMBERS`: the tip over the length, all others over their value
 
     def size(self, number: str) -> float:
         """Zero where there is no number."""
-        value = float(getattr(self, number))
+        value = self.changes[number]
         return value if math.isfinite(value) else 0.0
 
 
@@ -73,15 +69,15 @@ class Budget:
     rows: tuple[Row, ...]  #: by falling displacement of the tip
 
     def total(self, number: str) -> float:
-        """Of a number of a `Row`, such as tip: the root of the sum of squares; NaN where there is no number."""
-        known = [float(getattr(row, number)) for row in self.rows]
-        finite = [value for value in known if math.isfinite(value)]
+        """Of one of `NUMBERS`, such as tip: the root of the sum of squares; NaN where there is no number."""
+        finite = [row.changes[number] for row in self.rows if math.isfinite(row.changes[number])]
         return math.hypot(*finite) if finite else math.nan
 
     @property
     def numbers(self) -> dict[str, str]:
-        """Those of the table with their titles, by their names in a `Row`."""
-        return NUMBERS | {name: title for name, title in IN_SPACE.items() if math.isfinite(self.total(name))}
+        """Those of the table with their titles; out of the plane where the law has them."""
+        shown = [name for name in NUMBERS if name not in ACROSS or math.isfinite(self.total(name))]
+        return {name: NUMBERS[name] for name in shown}
 
     def largest(self, number: str = "tip") -> Row:
         """The tolerance that does the most."""
@@ -96,24 +92,19 @@ def budget_of(run: Run, pressure_kPa: float | None = None, tolerances: Tolerance
     law = _law(run)
     if law is None:
         return None
-    chosen = tolerances or Tolerances.from_record(run.config.get("tolerances"))
-    pressure = law.pressures[-1] if pressure_kPa is None else pressure_kPa
-    end = run.config.get("end") or {}
-    held = end.get("y_mm") if end.get("x_mm") is None else None
-    try:
-        return make_budget(law, chosen, pressure, held)
-    except RodError as failure:
-        raise InputError(f"{run.directory / 'law.json'}: {failure}") from None
+    return _budgets(run, law, [law.pressures[-1] if pressure_kPa is None else pressure_kPa], tolerances)[0]
 
 
 def budgets_of(run: Run, tolerances: Tolerances | None = None) -> tuple[Budget, ...]:
     """The budgets of a run at those pressures of its configuration that its law has; empty without derivatives."""
-    pressures = [state.pressure_kPa for state in run.law.beside.unloaded] if run.law else []
-    found = []
-    for pressure in pressures:
-        with suppress(InputError):
-            found.append(budget_of(run, pressure, tolerances))
-    return tuple(filter(None, found))
+    law = _law(run)
+    if law is None or run.law is None:
+        return ()
+    low, high = law.pressures[0], law.pressures[-1]
+    pressures = [state.pressure_kPa for state in run.law.beside.unloaded if low <= state.pressure_kPa <= high]
+    with suppress(InputError):
+        return _budgets(run, law, pressures, tolerances) if pressures else ()
+    return ()
 
 
 def _law(run: Run) -> ArmLaw | None:
@@ -122,76 +113,69 @@ def _law(run: Run) -> ArmLaw | None:
     return law if law and law.rates else None
 
 
-def make_budget(law: ArmLaw, tolerances: Tolerances, pressure_kPa: float, held_mm: float | None) -> Budget:
-    """The budget of a law at a pressure.
+def _budgets(
+    run: Run, law: ArmLaw, pressures_kPa: Sequence[float], tolerances: Tolerances | None
+) -> tuple[Budget, ...]:
+    end, chosen = run.config.get("end") or {}, tolerances or Tolerances.from_record(run.config.get("tolerances"))
+    try:
+        return make_budgets(law, chosen, pressures_kPa, end.get("y_mm") if end.get("x_mm") is None else None)
+    except RodError as failure:
+        raise InputError(f"{run.directory / 'law.json'}: {failure}") from None
+
+
+def make_budgets(
+    law: ArmLaw, tolerances: Tolerances, pressures_kPa: Sequence[float], held_mm: float | None
+) -> tuple[Budget, ...]:
+    """The budgets of a law at some pressures.
 
     held_mm: height of the end in experiment III; None where it is not held so. Raises `RodError`.
     """
-    dimensions = {name: rate.value for name, rate in law.rates.items() if rate.unit == "mm"}
-    known = _numbers(law.at(pressure_kPa), held_mm, law.at(pressure_kPa))
-    rows = []
-    for key, tolerance in tolerances.all(dimensions).items():
-        rates, unit = _rates(law, key, tolerance, pressure_kPa, held_mm)
-        if rates is not None:
-            tip = math.hypot(rates["x"], rates["y"]) / law.length
-            others = {name: abs(rates[name] / known[name]) for name in ("kappa_0", "rigidity", "force", *ACROSS)}
-            rows.append(Row(key, tolerance.text(unit), tolerance.is_default, tip, **others))
-    return Budget(pressure_kPa, tolerances.process, tuple(sorted(rows, key=lambda row: -row.size("tip"))))
+    chosen = tolerances.all({name: rate.value for name, rate in law.rates.items() if rate.unit == "mm"})
+    most = {name: by for key, one in chosen.items() for name, by in _moves(law, key, one).items() if name != PRESSURE}
+    names = [name for name in NUMBERS if name != "force" or held_mm is not None]
+    here, after, parts = cache(law.at), law.rods_after(list(most)), len(pressures_kPa)
+    asked = [Asked(name, p, here(p), held_mm or 0.0).or_nan for p in pressures_kPa for name in names]
+
+    def at(changes: Array) -> Rods:
+        rods = after(changes[1:])
+        return lambda pressure: rods(pressure + float(changes[0]) * pressure)
+
+    steps = (min(law.step(name), LARGEST_PART * move) for name, move in most.items())
+    rates = np.split(jacobian(at, asked, [PART_OF_PRESSURE, *steps]), parts)
+    values = np.split(np.concatenate([number(here) for number in asked]), parts)
+    budgets = []
+    for pressure, rate, value in zip(pressures_kPa, rates, values, strict=True):
+        by, rows = dict(zip((PRESSURE, *most), rate.T, strict=True)), []
+        for key, tolerance in chosen.items():
+            if moves := _moves(law, key, tolerance, pressure):
+                change = np.sum([by[name] * amount for name, amount in moves.items()], axis=0)
+                text = tolerance.text("kPa" if key == PRESSURE else law.rate(next(iter(moves))).unit)
+                rows.append(Row(key, text, tolerance.is_default, _changes(names, change, value, law.length)))
+        budgets.append(Budget(pressure, tolerances.process, tuple(sorted(rows, key=lambda row: -row.size("tip")))))
+    return tuple(budgets)
 
 
-def _rates(
-    law: ArmLaw, key: str, tolerance: Tolerance, pressure: float, held_mm: float | None
-) -> tuple[dict[str, float] | None, str]:
-    """Changes of the numbers by a tolerance, and the unit of what it belongs to; None for what the law has not."""
+def _moves(law: ArmLaw, key: str, tolerance: Tolerance, pressure: float = 0.0) -> dict[str, float]:
+    """The parameters that a tolerance changes, and by how much; the pressure by its part."""
     if key == PRESSURE:
-        step = PART_OF_PRESSURE * pressure
-        above = min(pressure + step, law.pressures[-1])
-        laws, pressures, part = (law, law), (pressure - step, above), (above - pressure + step) / tolerance.of(pressure)
-        return _difference(laws, pressures, part, law.at(pressure), held_mm), "kPa"
-    changes = _changes(law, key, tolerance)
-    if not changes:
-        return None, ""
-    part = min(LARGEST_PART, *(law.step(name) / change for name, change in changes.items()))
-    less, more = (law.with_changes({name: sign * part * c for name, c in changes.items()}) for sign in (-1.0, 1.0))
-    unit = law.rate(next(iter(changes))).unit
-    return _difference((less, more), (pressure,) * 2, 2.0 * part, law.at(pressure), held_mm), unit
-
-
-def _changes(law: ArmLaw, key: str, tolerance: Tolerance) -> dict[str, float]:
-    """The parameters of the law that a tolerance changes, and by how much."""
+        return {PRESSURE: tolerance.of(pressure) / pressure if pressure else 0.0}
     if key == STIFFNESS:
         moduli = {name: rate.value for name, rate in law.rates.items() if rate.unit == "MPa"}
         return {name: tolerance.amount * value for name, value in moduli.items() if value}
     return {key: tolerance.of(law.rates[key].value)} if key in law.rates else {}
 
 
-def _difference(
-    laws: Sequence[ArmLaw], pressures: Sequence[float], part: float, known: LawRod, held_mm: float | None
-) -> dict[str, float]:
-    less, more = (_numbers(law.at(pressure), held_mm, known) for law, pressure in zip(laws, pressures, strict=True))
-    return {name: (more[name] - less[name]) / part for name in less}
-
-
-def _numbers(rod: LawRod, held_mm: float | None, known: LawRod) -> Mapping[str, float]:
-    def tried(number: Callable[[], float]) -> float:
-        try:
-            return number()
-        except RodError:
-            return math.nan
-
-    x, y = rod.solve().end
-    return {
-        "x": x,
-        "y": y,
-        **{name: NUMBERS_OF_LAW[name](rod, known) for name in ("kappa_0", "rigidity", *ACROSS)},
-        "force": math.nan if held_mm is None else tried(lambda: float(rod.solve(end_y=held_mm).force[1])),
-    }
+def _changes(names: Sequence[str], change: Array, value: Array, length: float) -> dict[str, float]:
+    """Changes of numbers (m,) as a `Row` has them; the first two are those of the tip."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        relative = [math.hypot(*change[:2]) / length, *np.abs(change[2:] / value[2:]).tolist()]
+    return dict.fromkeys(NUMBERS, math.nan) | dict(zip(names, relative, strict=True))
 
 
 def budget_table(budget: Budget) -> Table:
     """One row per tolerance, and their total."""
     shown = budget.numbers
-    rows = [(row.parameter, row.tolerance, *(_cell(getattr(row, name)) for name in shown)) for row in budget.rows]
+    rows = [(row.parameter, row.tolerance, *(_cell(row.changes[name]) for name in shown)) for row in budget.rows]
     rows.append(("all", "", *(_cell(budget.total(name)) for name in shown)))
     some = "Tolerances" if all(row.is_default for row in budget.rows) else "Tolerances that are not given"
     caption = (
@@ -208,7 +192,7 @@ def _cell(value: float) -> str:
 def budget_panels(budgets: Sequence[Budget]) -> tuple[Panel, ...]:
     """Bars for each number, one frame per pressure."""
     panels: list[Panel] = []
-    for (name, title), colour in zip((NUMBERS | IN_SPACE).items(), COLOURS, strict=False):
+    for (name, title), colour in zip(NUMBERS.items(), COLOURS, strict=False):
         lines = [_bars(budget, name, title, colour) for budget in budgets if math.isfinite(budget.total(name))]
         if lines:
             panels.append(Panel(title, "", "change (%)", tuple(lines), from_zero=True))

@@ -5,8 +5,8 @@ from contextlib import suppress
 
 import numpy as np
 
+from geometry.centreline import bending_deg
 from pipeline.values.law import Unloaded
-from pipeline.values.run import bending_deg
 from rod.arm_law.law import ArmLaw
 from rod.errors import RodError
 from rod.mechanics.equilibrium import Rod

@@ -7,10 +7,11 @@ from typing import Any
 import numpy as np
 
 from geometry.arrays import Array
+from geometry.centreline import bending_deg
 from pipeline.results.rod_errors import rod_errors, rod_to_take
 from pipeline.values.formats import ARM_LAW, CURVE_PREFIXES, EXTENSIBLE, FIVE
 from pipeline.values.plots import COLOURS, INK, Line, Panel, figure, ordered_colour
-from pipeline.values.run import Curve, RodError, Run, bending_deg, bending_error_deg
+from pipeline.values.run import Curve, RodError, Run, bending_error_deg
 
 FINITE_ELEMENTS = "finite elements"
 EXPERIMENTS = {

@@ -14,6 +14,7 @@ import numpy as np
 from pydantic import BeforeValidator, WithJsonSchema
 
 from geometry.arrays import Array
+from geometry.centreline import bending_deg
 from pipeline.values.errors import RunFailed
 from pipeline.values.formats import CONVERGED, FIVE
 from pipeline.values.law import DeliveredLaw
@@ -156,14 +157,6 @@ class Curve:
 def bending_error_deg(moved_mm: float, tip_mm: Pair) -> float:
     """Largest change of the bending angle where the end moves by a distance from its position, degrees."""
     return math.degrees(2.0 * moved_mm / math.hypot(*tip_mm))
-
-
-def bending_deg(tip_mm: Pair) -> float:
-    """Angle of the circular arc along x at the clamp whose end is at this position from it, degrees; 0 to 360.
-
-    The tangent at the end itself turns with the end wall of a cavity, by up to 10 degrees the other way.
-    """
-    return abs(math.degrees(2.0 * math.atan2(tip_mm[1], tip_mm[0])))
 
 
 @dataclass(frozen=True)

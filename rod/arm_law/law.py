@@ -1,21 +1,26 @@
 """The arm's own law over all pressures, and the rod that follows it."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cache
 from typing import Annotated, ClassVar
 
 import numpy as np
 
-from rod.arm_law.curves import CellCurve, ClampCurve, TipCurve
-from rod.arm_law.derivative import LARGEST_STEP, NUMBERS, STEP, Derivative, rates_of
+from geometry.arrays import Array
+from rod.arm_law.curves import ACROSS, CellCurve, ClampCurve, TipCurve
 from rod.arm_law.law_rod import LawRod
 from rod.arm_law.moved import growing, moved_cell, moved_clamp, scaled_curve, scaled_rate, second_order
+from rod.arm_law.quantities import UNITS, Asked, Rods, jacobian
 from rod.arm_law.rates import LawRate, changed_cells, changed_clamps, onset_rate
 from rod.arm_law.section import clamp_at, section_at, tip_at
 from rod.checked import finite, positive
 from rod.errors import RodError
 from rod.same_pressure import Pressures, pressures_of
 from rod.weight import Mass
+
+#: change of the moments of the law in difference quotients, over the largest one, and that of the parameter at most
+STEP, LARGEST_STEP = 1e-4, 1e-2
 
 
 @dataclass(frozen=True, eq=False)  # arrays inside
@@ -133,16 +138,29 @@ class ArmLaw:
         rates = self.rates.items()
         return replace(law, rates={name: r.carried(self.cells, law.cells, changes.get(name, 0.0)) for name, r in rates})
 
-    def derivative(self, name: str) -> Derivative:
-        """Of curvature, rigidities, moment, stretch and angle of the end by a parameter, per mm, MPa or 1 of it.
+    def derivative(self, name: str) -> dict[str, Array]:
+        """By a parameter, per mm, MPa or 1 of it, at the pressures of the law (n,); NaN where there is no such number.
 
-        name: a key of `rates`, such as "geometry.wall". Raises `RodError` for a parameter without derivatives.
+        name: a key of `rates`, such as "geometry.wall". The numbers are those of `UNITS`, out of the plane where the
+        law has them; contact_onset, the curvature beyond which walls touch up to the end of a curve, and
+        largest_stretch, that of a cell without moment. Raises `RodError` for a parameter without derivatives.
         """
-        rate, numbers = self.rate(name), rates_of(self, name, self.pressures, NUMBERS)
+        rate, pressures = self.rate(name), self.pressures
+        names = [number for number in UNITS if number not in ACROSS or self.is_in_space]
+        asked = [Asked(number, pressure, self.at(pressure)).or_nan for number in names for pressure in pressures]
+        try:
+            rows = jacobian(self.rods_after([name]), asked, [self.step(name)]).reshape(len(names), -1)
+        except RodError:
+            rows = np.full((len(names), len(pressures)), np.nan)
         onset = np.array([onset_rate(*pair) for pair in zip(self.cells, rate.cells, strict=True)])
         stretch = np.array([float(cell.largest_stretch) for cell in rate.cells])
-        of_cells = {"contact_onset": onset, "largest_stretch": stretch}
-        return Derivative(name, rate.value, rate.unit, np.array(self.pressures), **numbers, **of_cells)
+        return dict(zip(names, rows, strict=True)) | {"contact_onset": onset, "largest_stretch": stretch}
+
+    def rods_after(self, names: Sequence[str]) -> Callable[[Array], Rods]:
+        """The rods by pressure after changes (k,) of parameters, as `jacobian` takes them."""
+        return lambda changes: cache(
+            self.with_changes({name: float(x) for name, x in zip(names, changes, strict=True) if x}).at
+        )
 
     def step(self, name: str) -> float:
         """A change of a parameter for difference quotients. Raises `RodError` for one without derivatives."""

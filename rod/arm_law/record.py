@@ -5,9 +5,10 @@ from typing import Any
 
 import numpy as np
 
-from rod.arm_law.curves import ACROSS, CellCurve, ClampCurve, TipCurve
+from rod.arm_law.curves import CellCurve, ClampCurve, TipCurve
 from rod.arm_law.keys import keys_of, record_of, value_of, values_of
 from rod.arm_law.law import ArmLaw
+from rod.arm_law.quantities import key_in_files
 from rod.arm_law.rates import LawRate
 from rod.checked import check_positive, check_table, positive
 from rod.errors import RodError
@@ -34,8 +35,7 @@ def plane_record(law: ArmLaw) -> dict[str, Any]:
 
 def _derivatives(law: ArmLaw, name: str) -> dict[str, Any]:
     """By one parameter: of the curves, and at the pressures of the law what follows from them."""
-    left_out = () if law.is_in_space else {f"{across}_N_mm2" for across in ACROSS}
-    numbers = {key: row for key, row in record_of(law.derivative(name)).items() if key not in left_out}
+    numbers = {key_in_files(number): row.tolist() for number, row in law.derivative(name).items()}
     return numbers | law.rate(name).record()
 
 

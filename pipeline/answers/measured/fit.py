@@ -1,7 +1,6 @@
 """The unknowns of an arm fitted to what was measured on it, by Gauss-Newton steps on its rod."""
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import final
 
@@ -15,6 +14,7 @@ from pipeline.answers.measured.predicted import Numbers, Setup
 from pipeline.answers.measured.unknowns import BuiltArm
 from pipeline.values.errors import InputError
 from rod.arm_law.law import ArmLaw
+from rod.arm_law.quantities import jacobian
 from rod.errors import RodError
 from rod.mechanics.equilibrium import Rod
 
@@ -89,30 +89,12 @@ def effects_on(arm: BuiltArm, numbers: Numbers, changes: Array | None = None) ->
     """How numbers change at some changes (k,) of the unknowns, none by default, by differences. Raises InputError."""
     at = np.zeros(len(arm.unknowns)) if changes is None else changes
 
-    def by(unknown: int) -> Array:
-        step = np.zeros(len(at))
-        step[unknown] = PART * arm.unknowns[unknown].std
-        return _slope(lambda part: numbers_of(arm, numbers, at + part * step)) / step[unknown]
+    def of(more: Array) -> Array:
+        return numbers_of(arm, numbers, at + more[:-1], math.exp(more[-1]))
 
-    columns = [by(k) for k in range(len(at))]
-    stiffer = _slope(lambda part: numbers_of(arm, numbers, at, math.exp(part * STIFFER))) / STIFFER
-    by_model = np.column_stack([columns[0], OF_STIFFNESS * stiffer])
-    return Effects(np.column_stack(columns), by_model, numbers.pressures)
-
-
-def _slope(numbers_at: Callable[[float], Array]) -> Array:
-    """(n,) change of numbers per step, from the parts -1 and 1 of it, or from that which has a rod and from 0."""
-    found = []
-    for part in (-1.0, 1.0, 0.0):
-        try:
-            found.append((part, numbers_at(part)))
-        except InputError:
-            if part == 0.0:
-                raise
-        if len(found) == 2:
-            break
-    (first, less), (second, more) = found
-    return np.asarray((more - less) / (second - first))
+    steps = [*(PART * unknown.std for unknown in arm.unknowns), STIFFER]
+    by = jacobian(lambda more: more, [of], steps, InputError)
+    return Effects(by[:, :-1], np.column_stack([by[:, 0], OF_STIFFNESS * by[:, -1]]), numbers.pressures)
 
 
 def fit(arm: BuiltArm, numbers: Numbers) -> Fitted:

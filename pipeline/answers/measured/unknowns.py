@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from geometry.arrays import Array
-from pipeline.answers.budget import make_budget
+from pipeline.answers.budget import make_budgets
 from pipeline.answers.measured.predicted import AS_WRITTEN, Setup
 from pipeline.config.section import not_known
 from pipeline.config.tolerances import STIFFNESS, Tolerance, Tolerances
@@ -98,7 +98,7 @@ def unknowns_of(law: ArmLaw, config: Mapping[str, Any], free: Sequence[str], hig
     chosen = list(dict.fromkeys(free))
     if not free and known:
         pressure = min(highest_kPa, law.pressures[-1])
-        budget = make_budget(law, Tolerances.from_record(config.get("tolerances")), pressure, None)
+        (budget,) = make_budgets(law, Tolerances.from_record(config.get("tolerances")), [pressure], None)
         chosen = [row.parameter for row in budget.rows if row.parameter in known][:MOST_DIMENSIONS]
     stds = {TREND: OF_TREND, BEND: OF_BEND, STRETCH: OF_STRETCH}
     trend, *second = (Unknown(name, "1", 0.0, std, "another law of the rubber") for name, std in stds.items())

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from geometry.arrays import Array
+from geometry.centreline import bending_deg
 from pipeline.answers.rods.choice import RodOfRun
 from pipeline.config.units import FORCE, LENGTH, MOMENT, PRESSURE, STIFFNESS
 from pipeline.results.options import option_list, option_value, option_vector
@@ -16,7 +17,6 @@ from pipeline.store.atomic_file import write_atomic
 from pipeline.store.result_folder import open_file
 from pipeline.values.errors import InputError, RunFailed, argument
 from pipeline.values.formats import ARM_LAW, EXTENSIBLE, FIVE
-from pipeline.values.run import bending_deg
 from rod.along import LineLoad, PointLoad
 from rod.arm_law.law_rod import LawRod
 from rod.errors import LoadError, RodError, RodWarning

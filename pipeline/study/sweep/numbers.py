@@ -4,6 +4,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
+from geometry.centreline import bending_deg
 from pipeline.config.config import Config
 from pipeline.identify.compare import Comparison
 from pipeline.identify.mesh_error import RELATIVE
@@ -12,7 +13,6 @@ from pipeline.law.build import MeasuredLaw
 from pipeline.simulate.outcome import Outcomes, Record
 from pipeline.stages import SolvedRun
 from pipeline.study.sweep.record import Row
-from pipeline.values.run import bending_deg
 from rod import PARAMETER_COLUMNS
 from rod.arm_law.curves import CellCurve
 from rod.same_pressure import is_same

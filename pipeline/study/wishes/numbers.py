@@ -6,15 +6,11 @@ from dataclasses import replace
 import numpy as np
 
 from geometry.arrays import Array
-from pipeline.study.wishes.wish import PRESSURE, Wish, Wishes
-from pipeline.values.run import bending_deg
+from pipeline.study.wishes.wish import PRESSURE, Wishes
 from rod.arm_law.curves import CellCurve, ClampCurve
 from rod.arm_law.law import ArmLaw
+from rod.arm_law.quantities import Asked, jacobian
 from rod.arm_law.rates import CellRate, ClampRate, LawRate
-from rod.mechanics.equilibrium import Rod
-
-#: displacement of the tip over the length, to both sides, over which its stiffness is meant
-DEFLECTION = 0.01
 
 
 def numbers_of(law: ArmLaw, wishes: Wishes, values: Mapping[str, float]) -> Array:
@@ -22,7 +18,7 @@ def numbers_of(law: ArmLaw, wishes: Wishes, values: Mapping[str, float]) -> Arra
 
     Raises `RodError` where the arm has no equilibrium.
     """
-    return np.concatenate([_number(law, wish, wish.pressure(values)) for wish in wishes.wishes])
+    return np.concatenate([one.of(law.at) for one in _asked(law, wishes, values)])
 
 
 def rates_of(law: ArmLaw, wishes: Wishes, values: Mapping[str, float]) -> Array:
@@ -30,12 +26,13 @@ def rates_of(law: ArmLaw, wishes: Wishes, values: Mapping[str, float]) -> Array:
 
     law: with derivatives by the free dimensions (`with_pressures` for the pressures).
     """
-    columns = []
-    for key in values:
-        step = law.step(key)
-        less, more = (numbers_of(law.with_changes({key: sign * step}), wishes, values) for sign in (-1.0, 1.0))
-        columns.append((more - less) / (2.0 * step))
-    return np.array(columns).T
+    asked = [one.of for one in _asked(law, wishes, values)]
+    return jacobian(law.rods_after(list(values)), asked, [*map(law.step, values)])
+
+
+def _asked(law: ArmLaw, wishes: Wishes, values: Mapping[str, float]) -> list[Asked]:
+    pairs = [(wish, wish.pressure(values)) for wish in wishes.wishes]
+    return [Asked(wish.quantity, pressure, law.at(pressure), wish.given) for wish, pressure in pairs]
 
 
 def with_pressures(law: ArmLaw, values: Mapping[str, float]) -> ArmLaw:
@@ -57,22 +54,3 @@ def _by_pressure(cell: CellCurve, part: float) -> CellRate:
 
 def _turned_by_pressure(clamp: ClampCurve, part: float) -> ClampRate:
     return ClampRate(part * clamp.rotation_by_pressure, np.zeros_like(clamp.offset))
-
-
-def _number(law: ArmLaw, wish: Wish, pressure: float) -> Array:
-    """(1,), or (2,) of a tip."""
-    rod = Rod(law.length, law=law.at(pressure))
-    if wish.quantity == "kappa_0":
-        return np.array([law.at(pressure).section.kappa_0])
-    if wish.quantity == "force":
-        return np.array([rod.solve(end_y=wish.height_mm).force[1]])
-    shape = rod.solve()
-    if wish.quantity == "tip":
-        return np.array(shape.end, dtype=float)
-    if wish.quantity == "angle":
-        x, y = shape.end
-        return np.array([bending_deg((float(x), float(y)))])
-    turn, force = float(shape.theta[-1]), DEFLECTION * law.length * abs(wish.target[0])
-    across = np.array([-np.sin(turn), np.cos(turn)])
-    back, ahead = (np.array(rod.solve(tuple(sign * force * across)).end) for sign in (-1.0, 1.0))
-    return np.array([2.0 * force / float((ahead - back) @ across)])  # the stiffness, of a force to both sides

@@ -62,6 +62,11 @@ class Wish:
         return values[f"{PRESSURE}{self.at}"] if isinstance(self.at, str) else self.at
 
     @property
+    def given(self) -> float:
+        """As `rod.arm_law.quantities.Quantity.of` takes it."""
+        return self.height_mm if self.quantity == "force" else abs(self.target[0])
+
+    @property
     def name(self) -> str:
         """In tables."""
         at = f"{self.at:g} kPa" if isinstance(self.at, float) else self.at

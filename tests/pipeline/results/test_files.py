@@ -7,11 +7,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from geometry.centreline import bending_deg
 from pipeline.results.files import TYPES, json_schema, read_results, save_value
 from pipeline.store.result_folder import ResultFolder
 from pipeline.values.errors import InputError
 from pipeline.values.formats import CONVERGED
-from pipeline.values.run import RodError, State, bending_deg
+from pipeline.values.run import RodError, State
 from tests.coarse import COARSE, coarse_run, copy_with
 
 

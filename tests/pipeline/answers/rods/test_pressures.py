@@ -11,13 +11,13 @@ import pytest
 from typer.testing import CliRunner
 
 import pneurod
+from geometry.centreline import bending_deg
 from pipeline.answers.rods.choice import RodOfRun, choose_rod
 from pipeline.answers.rods.end_loads import Weight
 from pipeline.answers.rods.pressures import Wish, pressures_for
 from pipeline.answers.rods.tips import tips_page
 from pipeline.cli import app
 from pipeline.values.errors import InputError
-from pipeline.values.run import bending_deg
 from rod import FiveParameters, Rod, compile_kernels
 from rod.inverse import Response
 from tests.coarse import COARSE, coarse_run
