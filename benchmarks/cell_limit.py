@@ -19,7 +19,7 @@ from fem.cell.piece import PieceFailed
 from pipeline.config.config import Config
 from pipeline.config.load import load_config
 from pipeline.law.build import fine_mesh
-from pipeline.law.mesh_limit import Numbers
+from pipeline.law.mesh_limit import PLANE, scales_of
 from pipeline.law.meshes import MESHES, find_limit
 from pipeline.law.piece.measure import cell_without_moment
 from pipeline.law.pieces import ArmPieces
@@ -66,12 +66,12 @@ def rows(config: Config, out: Path) -> Iterator[str]:
     with open_store(out, config, fresh=False) as store:
         context = RunContext.alone(store, Silent())
         used, true = (find_limit(pieces, bends, inf, context, MESHES + more) for more in (0, FINER))
-    limits = dict(zip(true.pressures_kPa, true.limits, strict=True))
-    for pressure, own, stds in zip(used.pressures_kPa, used.limits, used.stds, strict=True):
+    for pressure, own in used.limits.items():
         if pressure:
-            limit = limits[pressure]
-            values = zip(own, limit, stds, limit.over(length), strict=True)
-            cells = [f"{100.0 * (a - b) / c:+.2f} | {100.0 * std / c:.2f}" for a, b, std, c in values]
+            limit = true.limits[pressure]
+            scales = scales_of(limit, length)
+            rows = ((own[one].value - limit[one].value, own[one].std, scales[one]) for one in PLANE)
+            cells = [f"{100.0 * error / c:+.2f} | {100.0 * std / c:.2f}" for error, std, c in rows]
             yield f"| {name}, {pressure:g} kPa | {' | '.join(cells)} | {len(true.meshes)} |"
 
 
@@ -82,7 +82,7 @@ def main() -> None:
     parser.add_argument("--seed", type=int, help="of designs drawn at random; default: the four coarse arms")
     parser.add_argument("--count", type=int, default=10, help="how many of them")
     given = parser.parse_args()
-    heads = " | ".join(f"{name}: error | stated" for name in Numbers._fields)
+    heads = " | ".join(f"{name}: error | stated" for name in PLANE)
     sys.stdout.write(f"| cell | {heads} | meshes |\n")
     for one in configs(given.seed, given.count):
         for row in rows(one, given.out / f"{one.name}_{one.material.law}"):

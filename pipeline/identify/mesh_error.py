@@ -17,7 +17,7 @@ from pipeline.simulate.simulate import simulate
 from pipeline.store.context import RunContext
 from pipeline.store.parallel import TaskContext
 from pipeline.values.errors import InputError
-from pipeline.values.richardson import extrapolate
+from pipeline.values.richardson import extrapolate_all
 from rod import PARAMETER_NAMES, Identification, RodError, cell_averaged
 
 #: elements whose error does not fall steadily with the size, so that a coarser mesh of them does not show it: p2p0 on
@@ -49,14 +49,14 @@ def with_mesh_error(
     coarse, refused = _identify(parameters, outcomes, "coarser")
     fine = [_numbers(p) for p in parameters]
     on_coarse = [None if on is None else on.numbers(p) for on, p in zip(coarse, parameters, strict=True)]
-    deviations = mesh_deviations(fine, on_coarse, config.mesh.size_mm, factor)
     reasons = [Reason("on_coarser_mesh", {"factor": factor, "why": refused})] if refused else []
     others: dict[str, float] = {}
     compared = _of_half_the_highest(parameters)
-    if config.mesh.formulation == UNSTEADY and any(deviations):
+    if config.mesh.formulation == UNSTEADY and any(on_coarse):
         others, not_compared = _from_mixed(second, context, compared)
         reasons += not_compared
-    every = zip(parameters, fine, with_others(deviations, fine, others), _two_lines(parameters, coarse), strict=True)
+    deviations = mesh_deviations(fine, on_coarse, config.mesh.size_mm, factor, others)
+    every = zip(parameters, fine, deviations, _two_lines(parameters, coarse), strict=True)
     improved = (with_errors(*of_pressure) for of_pressure in every)
     mixed_at_kPa = compared.pressure_kPa if others else None
     return tuple(replace(p, mixed_at_kPa=mixed_at_kPa) for p in improved), tuple(reasons)
@@ -84,16 +84,6 @@ def _from_mixed(second: Config, context: RunContext, own: Parameters) -> tuple[d
         return {}, [Reason("not_compared_with_mixed", {"why": refused})]
     of_run, numbers = _numbers(own), on_mixed.numbers(own)
     return {name: abs(of_run[name] - value) / _scale(name, of_run) for name, value in numbers.items()}, []
-
-
-def with_others(
-    deviations: Sequence[dict[str, float]], fine: Sequence[Mapping[str, float]], others: Mapping[str, float]
-) -> tuple[dict[str, float], ...]:
-    """The deviations at every pressure, at least the differences `others` (over `_scale`) from other elements."""
-    return tuple(
-        stds | {name: max(stds.get(name, 0.0), other * _scale(name, numbers)) for name, other in others.items()}
-        for stds, numbers in zip(deviations, fine, strict=True)
-    )
 
 
 def _solved(scene: Scene, context: RunContext, name: str, pressures_kPa: tuple[float, ...]) -> Outcomes:
@@ -140,25 +130,30 @@ def _measured(free: Record, loaded: Record, pitch: float) -> dict[str, float]:
 
 
 def mesh_deviations(
-    fine: Sequence[Mapping[str, float]], coarse: Sequence[Mapping[str, float] | None], size: float, factor: float
+    fine: Sequence[Mapping[str, float]],
+    coarse: Sequence[Mapping[str, float] | None],
+    size: float,
+    factor: float,
+    others: Mapping[str, float] | None = None,
 ) -> tuple[dict[str, float], ...]:
     """Standard deviations by name of the numbers at every pressure, from those on a mesh of `size` (mm) and on a mesh
     `factor` times as coarse; empty where there is nothing to compare with at any pressure.
 
     Two meshes may agree on a number by chance, so no number gets less than the root mean square over the pressures,
-    of the relative errors for rigidities, which grow with the pressure.
+    of the relative errors for rigidities, which grow with the pressure; nor less than its difference from other
+    elements, in `others` over `_scale`.
     """
-    sizes = (size, factor * size)
     scaled: list[dict[str, float]] = []
     for on_fine, on_coarse in zip(fine, coarse, strict=True):
-        pairs = {} if on_coarse is None else {n: (on_fine[n], on_coarse[n]) for n in on_fine}
-        scaled.append({n: extrapolate(sizes, pair).error_std / _scale(n, on_fine) for n, pair in pairs.items()})
+        found = extrapolate_all({size: on_fine, factor * size: on_coarse or {}})
+        scaled.append({n: one.error_std / _scale(n, on_fine) for n, one in found.items()})
     available = [stds for stds in scaled if stds]
     if not available:
         return tuple({} for _ in scaled)
     rms = {n: math.sqrt(sum(stds[n] ** 2 for stds in available) / len(available)) for n in available[0]}
+    least = {n: max(one, (others or {}).get(n, 0.0)) for n, one in rms.items()}
     return tuple(
-        {n: max(stds.get(n, 0.0), rms[n]) * _scale(n, on_fine) for n in rms}
+        {n: max(stds.get(n, 0.0), least[n]) * _scale(n, on_fine) for n in least}
         for stds, on_fine in zip(scaled, fine, strict=True)
     )
 

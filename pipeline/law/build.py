@@ -4,7 +4,7 @@ A cell is measured at each pressure, and at pressures between where that is need
 to the limit of finer ones.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from math import inf
@@ -132,7 +132,7 @@ def deliver_law(pieces: ArmPieces, context: RunContext) -> MeasuredLaw:
     length, size = pieces.design.length, taken.config.mesh.size_mm
     law = measured.law
     if accuracy is not None:
-        own = _numbers(taken, _bends(measured, limit.pressures_kPa), context)
+        own = _numbers(taken, _bends(measured, limit.limits), context)
         law = corrected(law, Corrections.of(law.cells, own, limit, length))
         measured = replace(measured, law=law, limit=limit)
     return replace(measured, mesh_error=limit.error_of(law.cells, length, size))
@@ -147,7 +147,7 @@ def correction_of(pieces: ArmPieces, curves: Sequence[CellCurve], context: RunCo
     config = pieces.config
     bends = {curve.pressure: curve.at(0.0)[0] for curve in curves}
     limit = _Search(pieces, config.pressures_kPa, config.accuracy or inf, context).limit(bends)
-    own = _numbers(fine_pieces(pieces), {p: bends[p] for p in limit.pressures_kPa if p in bends}, context)
+    own = _numbers(fine_pieces(pieces), {p: bends[p] for p in limit.limits if p in bends}, context)
     return Corrections.of(curves, own, limit, pieces.design.length)
 
 
@@ -242,7 +242,7 @@ class _Search:
         return find_limit(coarsest, {p: known[p] for p in self.at(bends)}, self.accuracy, self.context)
 
 
-def _bends(measured: MeasuredLaw, pressures_kPa: Sequence[float]) -> dict[float, float]:
+def _bends(measured: MeasuredLaw, pressures_kPa: Collection[float]) -> dict[float, float]:
     """Curvatures without moment, 1/mm, by pressure."""
     return {cell.pressure: cell.at(0.0)[0] for cell in measured.law.cells if cell.pressure in pressures_kPa}
 

@@ -8,7 +8,7 @@ other moments and curvatures. What a state has besides, such as stretch, ripple 
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from math import copysign, hypot
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -16,36 +16,28 @@ from geometry import Reason
 from geometry.arrays import Array
 from pipeline.values.json_values import JsonObject
 from pipeline.values.law import LawMeshError
-from pipeline.values.parameters import Column
+from pipeline.values.richardson import Limit
 from pipeline.values.run import SMALLEST_TURN
-from rod.arm_law.curves import CellCurve, ClampCurve
+from rod.arm_law.curves import ACROSS, CellCurve, ClampCurve
 from rod.arm_law.law import ArmLaw
 from rod.arm_law.moved import Move, moved_cell, moved_clamp
+from rod.arm_law.quantities import key_in_files
 from rod.cubics import cubic, cubic_slope, monotone_slopes
 
-
-class Numbers(NamedTuple):
-    """What a cell at one pressure is compared by."""
-
-    kappa_0: float  #: curvature without moment, 1/mm
-    #: N mm2, mean over a change of the curvature by one over the length of the arm, towards straight: where walls
-    #: touch, the slope at a point says more about a node than about the mesh
-    rigidity: float
-    moment: float  #: that straightens the cell, N mm
-
-    def over(self, length: float) -> "Numbers":
-        """By what errors of these numbers are divided; those of an arm of `length` mm that hardly bends are larger."""
-        turning = SMALLEST_TURN / length
-        return Numbers(
-            max(abs(self.kappa_0), turning), self.rigidity, max(abs(self.moment), turning * abs(self.rigidity))
-        )
+#: what a cell at one pressure is compared by: the curvature without moment; the rigidity, a mean over a change of the
+#: curvature by one over the length of the arm, towards straight, because where walls touch the slope at a point says
+#: more about a node than about the mesh; and the moment that straightens the cell
+PLANE = ("kappa_0", "rigidity", "moment")
+#: these, and where they are measured the rigidities out of the plane of a cell without moment
+Numbers = Mapping[str, float]
+Limits = Mapping[str, Limit]
 
 
-class Across(NamedTuple):
-    """What a cell without moment at one pressure is compared by out of its plane, N mm2."""
-
-    lateral_rigidity: float
-    torsional_rigidity: float
+def scales_of(limits: Limits, length: float) -> dict[str, float]:
+    """By what errors of numbers are divided; those of an arm of `length` mm that hardly bends are larger."""
+    turning = SMALLEST_TURN / length
+    least = {"kappa_0": turning, "moment": turning * abs(limits["rigidity"].value)}
+    return {name: max(abs(one.value), least.get(name, 0.0)) for name, one in limits.items()}
 
 
 @dataclass(frozen=True)
@@ -67,11 +59,8 @@ class MeshLimit:
 
     requested: float  #: relative error
     reached: float  #: largest relative standard deviation of a limit
-    pressures_kPa: tuple[float, ...]  #: from rest on
-    limits: tuple[Numbers, ...]  #: by pressure
-    stds: tuple[Numbers, ...]
+    limits: Mapping[float, Limits]  #: by pressure in kPa, from rest on
     meshes: tuple[CellMesh, ...]  #: the coarsest first
-    across: Mapping[float, tuple[Across, Across]]  #: limits and standard deviations by pressure; empty: not measured
     reasons: tuple[Reason, ...] = ()  #: why finer meshes were not tried, and pressures without a limit
 
     @property
@@ -82,42 +71,24 @@ class MeshLimit:
     def record(self) -> JsonObject:
         """The key `accuracy` of law.json."""
         common = {"requested": self.requested, "reached": self.reached, "is_reached": self.is_reached}
-        return {**common, "pressures_kPa": self.pressures_kPa, "meshes": [asdict(mesh) for mesh in self.meshes]}
+        return {**common, "pressures_kPa": tuple(self.limits), "meshes": [asdict(mesh) for mesh in self.meshes]}
 
     def error_of(self, cells: Sequence[CellCurve], length: float, size_mm: float) -> LawMeshError:
         """Of a law on a mesh of that size: how far its numbers are from the limit, and how uncertain that is.
 
         length: mm, of the arm.
         """
-        limits = {p: row for p, *row in zip(self.pressures_kPa, self.limits, self.stds, strict=True)}
+        known = [cell for cell in cells if cell.pressure and cell.pressure in self.limits]
         rows = []
-        for cell in cells:
-            if cell.pressure and (known := limits.get(cell.pressure)):
-                own = numbers_on(cell, length, known[0])
-                rows.append(
-                    (cell.pressure, own, Numbers(*(hypot(a - b, c) for a, b, c in zip(own, *known, strict=True))))
-                )
+        for cell in known:
+            limits = self.limits[cell.pressure]
+            own = numbers_on(cell, length, limits)
+            rows.append({name: (own[name], hypot(own[name] - limits[name].value, limits[name].std)) for name in own})
         columns: dict[str, Any] = {}
-        for i, name in enumerate(("kappa_0_per_mm", "rigidity_N_mm2", "moment_N_mm")):
-            columns[name] = tuple(own[i] for _, own, _ in rows)
-            columns[f"{name}_std"] = tuple(std[i] for _, _, std in rows)
-        out_of_plane = {cell.pressure: cell for cell in cells if cell.is_in_space and cell.pressure in self.across}
-        if rows and out_of_plane:
-            columns |= self._errors_across([out_of_plane.get(row[0]) for row in rows])
-        return LawMeshError(size_mm, self.meshes[-1].size_mm, tuple(row[0] for row in rows), **columns)
-
-    def _errors_across(self, cells: Sequence[CellCurve | None]) -> dict[str, Column]:
-        """Columns of the rigidities of these cells out of their plane, and of their standard deviations."""
-        rows: list[tuple[float | None, ...]] = []
-        for cell in cells:
-            if cell is None:
-                rows.append((None,) * 4)
-                continue
-            own = across_on(cell)
-            errors = (hypot(a - b, c) for a, b, c in zip(own, *self.across[cell.pressure], strict=True))
-            rows.append((*own, *errors))
-        names = [f"{name}_N_mm2{std}" for std in ("", "_std") for name in Across._fields]
-        return dict(zip(names, zip(*rows, strict=True), strict=True))
+        for name in dict.fromkeys(name for row in rows for name in row):
+            pairs = [row.get(name, (None, None)) for row in rows]
+            columns |= zip((key_in_files(name), f"{key_in_files(name)}_std"), zip(*pairs, strict=True), strict=True)
+        return LawMeshError(size_mm, self.meshes[-1].size_mm, tuple(cell.pressure for cell in known), **columns)
 
     @property
     def remarks(self) -> tuple[Reason, ...]:
@@ -127,18 +98,20 @@ class MeshLimit:
         return (made, *self.reasons)
 
 
-def across_on(cell: CellCurve) -> Across:
-    """Those of a curve with rigidities out of the plane."""
-    return Across(*(float(np.interp(0.0, cell.moment, getattr(cell, name))) for name in Across._fields))
+def across_on(cell: CellCurve) -> dict[str, float]:
+    """The rigidities of a curve out of the plane, without moment; none of a curve of the plane alone."""
+    names = ACROSS if cell.is_in_space else ()
+    return {name: float(np.interp(0.0, cell.moment, getattr(cell, name))) for name in names}
 
 
-def numbers_on(cell: CellCurve, length: float, unknown: Numbers) -> Numbers:
-    """The numbers of a curve, those of `unknown` where it does not reach them; length: mm, of the arm."""
+def numbers_on(cell: CellCurve, length: float, limits: Limits) -> dict[str, float]:
+    """The numbers of a curve that have limits, which stand for those that it does not reach; length: mm, of the arm."""
     kappa_0 = cell.at(0.0)[0]
     change = change_for(kappa_0, length)
     moment, bent = moment_at(cell, 0.0), moment_at(cell, kappa_0 + change)
-    rigidity = unknown.rigidity if bent is None else bent / change
-    return Numbers(kappa_0, rigidity, unknown.moment if moment is None else moment)
+    rigidity = limits["rigidity"].value if bent is None else bent / change
+    found = {"kappa_0": kappa_0, "rigidity": rigidity, "moment": limits["moment"].value if moment is None else moment}
+    return found | {name: value for name, value in across_on(cell).items() if name in limits}
 
 
 def moment_at(cell: CellCurve, kappa: float) -> float | None:
@@ -157,6 +130,10 @@ def change_for(kappa_0: float, length: float) -> float:
     return -copysign(1.0 / length, kappa_0)
 
 
+#: factors of rigidities that are not corrected
+STILL = np.zeros(1), np.ones((1, 2))
+
+
 @dataclass(frozen=True, eq=False)  # arrays inside
 class Corrections:
     """By pressure, from rest on: monotone cubics between, constant beyond the last."""
@@ -164,8 +141,7 @@ class Corrections:
     pressures: Array  #: (n,) kPa, rising
     shift: Array  #: (n,) 1/mm
     ratio: Array  #: (n,)
-    #: pressures (m,) in kPa, and (m, 2) factors of the rigidities of `Across`; None: not corrected
-    across: tuple[Array, Array] | None = None
+    across: tuple[Array, Array] = STILL  #: pressures (m,) in kPa, and (m, 2) factors of the rigidities out of the plane
 
     @staticmethod
     def of(cells: Sequence[CellCurve], own: Mapping[float, Numbers], limit: MeshLimit, length: float) -> "Corrections":
@@ -174,10 +150,11 @@ class Corrections:
         length: mm, of the arm.
         """
         curves, rows = {cell.pressure: cell for cell in cells}, [(0.0, 0.0, 1.0)]
-        for pressure, numbers in zip(limit.pressures_kPa, limit.limits, strict=True):
+        for pressure, limits in limit.limits.items():
             if pressure in own and (cell := curves.get(pressure)):
                 rows = [row for row in rows if row[0] != pressure]
-                rows.append((pressure, numbers.kappa_0 - cell.at(0.0)[0], _ratio(cell, own[pressure], numbers, length)))
+                shift = limits["kappa_0"].value - cell.at(0.0)[0]
+                rows.append((pressure, shift, _ratio(cell, own[pressure], limits, length)))
         pressures, shift, ratio = np.array(rows).T
         return Corrections(pressures, shift, ratio, _across(cells, limit))
 
@@ -187,9 +164,7 @@ class Corrections:
         return Move(shift, ratio, shift_slope=shift_slope, ratio_slope=ratio_slope)
 
     def out_of_plane(self, pressure: float) -> Array:
-        """(2,) factors of the rigidities of `Across` at a pressure in kPa, by straight lines over the pressure."""
-        if self.across is None:
-            return np.ones(2)
+        """(2,) factors of the rigidities out of the plane at a pressure in kPa, by straight lines over the pressure."""
         pressures, factors = self.across
         return np.array([np.interp(pressure, pressures, column) for column in factors.T])
 
@@ -202,11 +177,14 @@ class Corrections:
         return value, slope if inside == pressure else 0.0
 
 
-def _across(cells: Sequence[CellCurve], limit: MeshLimit) -> tuple[Array, Array] | None:
+def _across(cells: Sequence[CellCurve], limit: MeshLimit) -> tuple[Array, Array]:
     """Pressures and factors from the rigidities of cells out of the plane to those in the limit."""
-    own = {cell.pressure: across_on(cell) for cell in cells if cell.is_in_space and cell.pressure in limit.across}
-    known = {pressure: np.divide(limit.across[pressure][0], of_cell) for pressure, of_cell in own.items()}
-    return (np.array(list(known)), np.array(list(known.values()))) if known else None
+    known = {}
+    for cell in cells:
+        limits, own = limit.limits.get(cell.pressure, {}), across_on(cell)
+        if own and own.keys() <= limits.keys():
+            known[cell.pressure] = [limits[name].value / value for name, value in own.items()]
+    return (np.array(list(known)), np.array(list(known.values()))) if known else STILL
 
 
 def corrected(law: ArmLaw, corrections: Corrections) -> ArmLaw:
@@ -223,19 +201,20 @@ def corrected(law: ArmLaw, corrections: Corrections) -> ArmLaw:
     )
 
 
-def _ratio(cell: CellCurve, own: Numbers, limit: Numbers, length: float) -> float:
+def _ratio(cell: CellCurve, own: Numbers, limits: Limits, length: float) -> float:
     """Of the moments in the limit over those of a cell: where it is straight, if that bends it by more than one over
     the length of the arm, else where it is bent by that much, on which the curve need not reach."""
-    if abs(limit.kappa_0) > 1.0 / length:
-        straight = moment_at(cell, cell.at(0.0)[0] - limit.kappa_0)
+    kappa_0 = limits["kappa_0"].value
+    if abs(kappa_0) > 1.0 / length:
+        straight = moment_at(cell, cell.at(0.0)[0] - kappa_0)
         if straight is not None:
-            return limit.moment / straight
-    return limit.rigidity / own.rigidity
+            return limits["moment"].value / straight
+    return limits["rigidity"].value / own["rigidity"]
 
 
 def _cell_across(curve: CellCurve, factors: Array) -> CellCurve:
-    """The curve with its rigidities of `Across` times their factors (2,)."""
-    columns = zip(Across._fields, factors, strict=True)
+    """The curve with its rigidities out of the plane times their factors (2,)."""
+    columns = zip(ACROSS, factors, strict=True)
     return replace(curve, **{name: factor * getattr(curve, name) for name, factor in columns})
 
 

@@ -5,12 +5,11 @@ bend it a little, and what to straighten it. They are solved on finer meshes, un
 enough. Limits are beside those of much finer meshes in studies/cell.md.
 """
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from math import hypot, inf, sqrt
 from time import process_time
-from typing import TypeVar
 
 from fem.cell.lateral import lateral_rigidities
 from fem.cell.piece import PieceFailed
@@ -18,7 +17,7 @@ from fem.cell.response import inflated
 from fem.elements import MOST_ACCURATE
 from fem.equations.linear import SingularMatrix
 from geometry import Reason
-from pipeline.law.mesh_limit import Across, CellMesh, MeshLimit, Numbers, change_for
+from pipeline.law.mesh_limit import PLANE, CellMesh, Limits, MeshLimit, Numbers, change_for, scales_of
 from pipeline.law.piece.measure import cell_without_moment
 from pipeline.law.pieces import ArmPieces
 from pipeline.law.tasks import ArmTasks, PieceCurves
@@ -26,7 +25,8 @@ from pipeline.store.context import RunContext
 from pipeline.store.kept import KeptFile
 from pipeline.values.errors import InputError
 from pipeline.values.pressure import in_MPa, name_of_state
-from pipeline.values.richardson import extrapolate
+from pipeline.values.richardson import Limit, extrapolate_all
+from rod.arm_law.curves import ACROSS
 
 #: size of a mesh over that of the next finer one, and fewest meshes that are compared: three may agree by chance
 RATIO, MESHES = 1.4, 4
@@ -46,11 +46,6 @@ class SolvedNumbers:
     numbers: Numbers
     unknowns: int  #: displacement components
     seconds: float  #: of processor time
-    across: Across | None = None  #: None: not measured
-
-
-Compared = TypeVar("Compared", Numbers, Across)
-Limits = tuple[Numbers, Numbers]  #: the numbers of a cell at one pressure in the limit, and their standard deviations
 
 
 @dataclass(frozen=True)
@@ -85,16 +80,7 @@ class _Ladder:
     def limits(self) -> dict[float, Limits]:
         """The limits of the numbers by the pressures at which two meshes have some."""
         length = self.pieces.design.length
-        solved = {p: {size: known.numbers for size, known in rows.items()} for p, rows in sorted(self.solved.items())}
-        return {p: _limit(rows, lambda limit: limit.over(length)) for p, rows in solved.items() if len(rows) >= 2}
-
-    def across(self) -> dict[float, tuple[Across, Across]]:
-        """The same of the rigidities out of the plane."""
-        solved = {
-            p: {size: known.across for size, known in rows.items() if known.across}
-            for p, rows in sorted(self.solved.items())
-        }
-        return {p: _limit(rows, lambda limit: limit) for p, rows in solved.items() if len(rows) >= 2}
+        return {p: _limits(by_size, length) for p, by_size in sorted(self.solved.items()) if len(by_size) >= 2}
 
     def soft(self, limits: Mapping[float, Limits]) -> dict[float, SolvedNumbers]:
         """What SOFT elements give on the finest mesh, at the pressures that they bear."""
@@ -108,12 +94,9 @@ class _Ladder:
         return solved
 
     def reached(self, limits: Mapping[float, Limits]) -> float:
-        """The largest relative standard deviation of a limit."""
-        length = self.pieces.design.length
-        relative = [
-            std / scale for row, stds in limits.values() for std, scale in zip(stds, row.over(length), strict=True)
-        ]
-        return max(relative, default=inf)
+        """The largest relative standard deviation of a limit in the plane."""
+        rows = [(row, scales_of(row, self.pieces.design.length)) for row in limits.values()]
+        return max((row[name].std / scales[name] for row, scales in rows for name in PLANE), default=inf)
 
     def why_no_finer(self) -> str:
         """A clause; empty where a finer mesh may be tried."""
@@ -129,9 +112,9 @@ class _Ladder:
             known = {p: by_size[size] for p, by_size in self.solved.items() if size in by_size}
             errors = [0.0]
             for p in limits.keys() & known.keys():
-                limit = limits[p][0]
-                errors += [abs(a - b) / s for a, b, s in zip(known[p].numbers, limit, limit.over(length), strict=True)]
-            columns = [tuple(known[p].numbers[i] if p in known else None for p in limits) for i in range(3)]
+                row, scales = limits[p], scales_of(limits[p], length)
+                errors += [abs(known[p].numbers[name] - row[name].value) / scales[name] for name in PLANE]
+            columns = [tuple(known[p].numbers[name] if p in known else None for p in limits) for name in PLANE]
             unknowns, seconds = max(k.unknowns for k in known.values()), sum(k.seconds for k in known.values())
             yield CellMesh(size, unknowns, max(errors), seconds, *columns)
 
@@ -157,37 +140,30 @@ def find_limit(
         if len(ladder.sizes) >= fewest and reached <= accuracy:
             break
         why = ladder.why_no_finer()
-    across = ladder.across()
     if pieces.design.outer_corners and pieces.config.mesh.formulation == MOST_ACCURATE:
         for pressure, soft in ladder.soft(limits).items():
-            limits[pressure] = halfway(*limits[pressure], soft.numbers)
-            if soft.across and pressure in across:
-                across[pressure] = halfway(*across[pressure], soft.across)
+            own = limits[pressure]
+            moved = {name: halfway(own[name], number) for name, number in soft.numbers.items() if name in own}
+            limits[pressure] = {**own, **moved}
         reached = ladder.reached(limits)
         why = (why or f"{MOST_ACCURATE} and {SOFT} elements differ") if reached > accuracy else ""
     reasons = [Reason("cell_accuracy_missed", {"why": why})] if why else []
     for pressure, (failed, clause) in sorted(ladder.failures.items()):
         reasons.append(Reason("cell_no_limit", {"pressure_kPa": pressure, "size_mm": failed, "why": clause}))
-    values, stds = (tuple(row[part] for row in limits.values()) for part in (0, 1))
-    meshes = tuple(ladder.meshes(limits))
-    return MeshLimit(accuracy, reached, tuple(limits), values, stds, meshes, across, tuple(reasons))
+    return MeshLimit(accuracy, reached, limits, tuple(ladder.meshes(limits)), tuple(reasons))
 
 
-def _limit(by_size: Mapping[float, Compared], scales: Callable[[Compared], Compared]) -> tuple[Compared, Compared]:
-    """The limit of numbers on meshes of two or more sizes, and stated standard deviations; scales: of a limit."""
-    found = [extrapolate(list(by_size), column) for column in zip(*by_size.values(), strict=True)]
-    kind = type(next(iter(by_size.values())))
-    limit = kind(*(one.limit for one in found))
-    stds = (hypot(INFLATED * one.limit_std, LEAST_STD * abs(of)) for one, of in zip(found, scales(limit), strict=True))
-    return limit, kind(*stds)
+def _limits(by_size: Mapping[float, SolvedNumbers], length: float) -> dict[str, Limit]:
+    """Of the numbers that two meshes have at least, with stated standard deviations."""
+    found = extrapolate_all({size: known.numbers for size, known in by_size.items()})
+    limits = {name: Limit(one.limit, INFLATED * one.limit_std) for name, one in found.items()}
+    least = {name: LEAST_STD * scale for name, scale in scales_of(limits, length).items()}
+    return {name: Limit(one.value, hypot(one.std, least[name])) for name, one in limits.items()}
 
 
-def halfway(limit: Compared, stds: Compared, soft: Compared) -> tuple[Compared, Compared]:
-    """Between a limit and other numbers, everywhere with the same probability."""
-    rows = zip(limit, stds, soft, strict=True)
-    moved = [(0.5 * (a + b), hypot(std, (a - b) / sqrt(12.0))) for a, std, b in rows]
-    kind = type(limit)
-    return kind(*(row[0] for row in moved)), kind(*(row[1] for row in moved))
+def halfway(limit: Limit, soft: float) -> Limit:
+    """Between a limit and another number, everywhere with the same probability."""
+    return Limit(0.5 * (limit.value + soft), hypot(limit.std, (limit.value - soft) / sqrt(12.0)))
 
 
 def solve_numbers(curves: PieceCurves, pressure: float, bend: float, length: float) -> SolvedNumbers:
@@ -201,17 +177,18 @@ def solve_numbers(curves: PieceCurves, pressure: float, bend: float, length: flo
         h = piece.body.length
         near = inflated(piece, in_MPa(pressure), bend * h)
         point = cell_without_moment(piece, near.pressure, near)
-        at, across = point.state, None
+        at, across = point.state, dict[str, float]()
         if curves.pieces.config.law_in_space and piece.body.half:
             with suppress(SingularMatrix):
                 found = lateral_rigidities(piece, at)
-                across = Across(found.bending, found.torsion)
+                across = dict(zip(ACROSS, (found.bending, found.torsion), strict=True))
         kappa_0 = at.angle / h
         change = change_for(kappa_0, length)
         bent = piece.solve(at.pressure, at.angle + change * h, at)
         straight = piece.solve(at.pressure, 0.0, bent if abs(kappa_0) > 1.0 / length else at)
-        numbers = Numbers(kappa_0, (bent.moment - at.moment) / change, straight.moment - at.moment)
-        return SolvedNumbers(numbers, 3 * len(piece.space.points), process_time() - begin, across)
+        values = kappa_0, (bent.moment - at.moment) / change, straight.moment - at.moment
+        numbers = dict(zip(PLANE, values, strict=True)) | across
+        return SolvedNumbers(numbers, 3 * len(piece.space.points), process_time() - begin)
 
     file = curves.file(name_of_state("numbers", pressure))
     return KeptFile[SolvedNumbers].of_run(curves.store, file, SolvedNumbers).read_or_make(solve)

@@ -17,8 +17,9 @@ W. L. Oberkampf and C. J. Roy, Verification and Validation in Scientific Computi
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -33,6 +34,13 @@ SCATTER, PRIOR_OBSERVATIONS = 0.05, 3
 _ORDERS = 351
 
 
+class Limit(NamedTuple):
+    """The limit of a number, for an infinitely fine mesh."""
+
+    value: float
+    std: float  #: standard deviation of value
+
+
 @dataclass(frozen=True)
 class Extrapolated:
     """A result extrapolated to mesh size zero, and the discretisation error of the finest mesh."""
@@ -45,13 +53,9 @@ class Extrapolated:
 
     @property
     def error_std(self) -> float:
-        """Standard deviation of the uncorrected value on the finest mesh due to discretisation."""
-        return self.std_of(self.value)
-
-    def std_of(self, value: float) -> float:
-        """Standard deviation of a value on one of the meshes: the root sum of squares of its estimated error and of
-        the uncertainty of the limit."""
-        return math.hypot(value - self.limit, self.limit_std)
+        """Standard deviation of the uncorrected value on the finest mesh due to discretisation: the root sum of squares
+        of its estimated error and of the uncertainty of the limit."""
+        return math.hypot(self.value - self.limit, self.limit_std)
 
 
 def extrapolate(
@@ -83,6 +87,17 @@ def extrapolate(
     spread = float(weights @ ((limits - limit) ** 2 + variances))
     order_std = math.sqrt(float(weights @ (candidates - order) ** 2))
     return Extrapolated(finest, limit, math.sqrt(spread), order, order_std)
+
+
+def extrapolate_all(by_size: Mapping[float, Mapping[str, float]]) -> dict[str, Extrapolated]:
+    """The limits of all numbers that two meshes have at least; by_size: numbers by name, by the size of a mesh."""
+    names = dict.fromkeys(name for numbers in by_size.values() for name in numbers)
+    found = {}
+    for name in names:
+        known = {size: numbers[name] for size, numbers in by_size.items() if name in numbers}
+        if len(known) > 1:
+            found[name] = extrapolate(list(known), list(known.values()))
+    return found
 
 
 def _fit(h: Array, v: Array, order: float) -> tuple[float, float, float]:

@@ -10,7 +10,7 @@ with equally many lines only.
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -19,7 +19,7 @@ from pipeline.config.config import Config
 from pipeline.study.accuracy.ladder import CONTACT, TOLERANCE, Rung
 from pipeline.study.accuracy.measure import HEADLINE, RIGIDITY, Measured, RodNumbers
 from pipeline.values.json_values import JsonObject
-from pipeline.values.richardson import extrapolate
+from pipeline.values.richardson import Limit, extrapolate
 
 #: name of a number -> its symbol and unit
 NUMBERS = {
@@ -48,20 +48,12 @@ Errors = Mapping[str, float | None]
 
 
 @dataclass(frozen=True)
-class Reference:
-    """The limit of a number."""
-
-    value: float
-    std: float  #: standard deviation of value
-
-
-@dataclass(frozen=True)
 class References:
     """The references of all numbers at one pressure."""
 
     pressure_kPa: float
     #: by the names of `RodNumbers.scalars`; None where too few rungs have a number
-    numbers: Mapping[str, Reference | None]
+    numbers: Mapping[str, Limit | None]
 
     @property
     def relative_std(self) -> float:
@@ -69,14 +61,14 @@ class References:
         present = [reference for name in HEADLINE if (reference := self.numbers[name])]
         return max((abs(reference.std / reference.value) for reference in present), default=0.0)
 
-    def of(self, name: str) -> tuple[Reference, ...]:
+    def of(self, name: str) -> tuple[Limit, ...]:
         """The reference of a number by its name in `NUMBERS`, two of the end; empty where there is none."""
         parts = [self.numbers[part] for part in (COORDINATES if name == END else (name,))]
         return tuple(filter(None, parts)) if all(parts) else ()
 
     def record(self) -> JsonObject:
         """As in accuracy.json."""
-        records = {name: [asdict(part) for part in self.of(name)] or None for name in NUMBERS}
+        records = {name: [part._asdict() for part in self.of(name)] or None for name in NUMBERS}
         scalars = {name: parts and parts[0] for name, parts in records.items() if name != END}
         return {"pressure_kPa": self.pressure_kPa, **scalars, END: records[END]}
 
@@ -114,7 +106,7 @@ def references_at(
     def values_of(name: str, meshes: Sequence[Located]) -> dict[float, float]:
         return _values(name, meshes, two_lines if name in OF_THE_LAW else None)
 
-    def reference(name: str) -> Reference | None:
+    def reference(name: str) -> Limit | None:
         found, by_distance = limit([values_of(name, meshes) for meshes in series.values()]), values_of(name, distances)
         if found is None or contact_mm is None or len(by_distance) < 2 or contact_mm not in by_distance:
             return found
@@ -137,7 +129,7 @@ def _most_have_two_lines(meshes: Iterable[Sequence[Located]]) -> bool:
     return votes > 0 or (votes == 0 and bool(by_size) and by_size[-1][1].has_two_lines)
 
 
-def limit(series: Sequence[Mapping[float, float]]) -> Reference | None:
+def limit(series: Sequence[Mapping[float, float]]) -> Limit | None:
     """The value for infinitely many degrees of freedom, from series of values by degrees of freedom.
 
     Every series with two or more meshes gives a limit; they are averaged by the inverse of their variances, and their
@@ -153,14 +145,14 @@ def limit(series: Sequence[Mapping[float, float]]) -> Reference | None:
     weights = 1.0 / (stds**2 + (MIN_STD * limits) ** 2)
     mean = float(np.average(limits, weights=weights))
     spread = float(np.average((limits - mean) ** 2, weights=weights))
-    return Reference(mean, math.sqrt(1.0 / float(weights.sum()) + spread))
+    return Limit(mean, math.sqrt(1.0 / float(weights.sum()) + spread))
 
 
-def without_contact_distance(reference: Reference, by_distance: Mapping[float, float], configured: float) -> Reference:
+def without_contact_distance(reference: Limit, by_distance: Mapping[float, float], configured: float) -> Limit:
     """The reference less the effect of the configured contact distance (mm), from values by distance on one mesh."""
     to_zero = extrapolate(list(by_distance), list(by_distance.values()))
     value = reference.value + to_zero.limit - by_distance[configured]
-    return Reference(value, math.hypot(reference.std, to_zero.limit_std))
+    return Limit(value, math.hypot(reference.std, to_zero.limit_std))
 
 
 @dataclass(frozen=True)

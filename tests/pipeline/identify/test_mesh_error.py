@@ -9,7 +9,7 @@ from typing import cast
 import pytest
 
 from pipeline.config.load import load_config
-from pipeline.identify.mesh_error import mesh_deviations, of_single_line, with_mesh_error, with_others
+from pipeline.identify.mesh_error import mesh_deviations, of_single_line, with_mesh_error
 from pipeline.identify.parameters import Parameters
 from pipeline.results.files import read_results
 from pipeline.results.rod_errors import mesh_errors
@@ -53,11 +53,13 @@ def test_a_pressure_that_the_coarser_mesh_did_not_reach_gets_the_usual() -> None
 
 def test_the_difference_from_other_elements_is_the_least_error_at_every_pressure() -> None:
     fine = [{"alpha1": 200.0, "d": 6.0}, {"alpha1": 300.0, "d": 7.0}]
-    others = {"alpha1": 0.05, "d": 0.2}  # the first over the value, the second in mm
-    first, second = with_others([{"alpha1": 20.0, "d": 0.1}, {}], fine, others)
-    assert first == pytest.approx({"alpha1": 20.0, "d": 0.2})
-    assert second == pytest.approx({"alpha1": 15.0, "d": 0.2})
-    assert with_others([{"alpha1": 20.0}], fine[:1], {}) == ({"alpha1": 20.0},)
+    coarse = [{"alpha1": 208.0, "d": 6.05}, None]
+    known = mesh_deviations(fine, coarse, 4.0, 1.5)
+    others = {"alpha1": 0.05, "d": 0.5}  # the first over the value, the second in mm
+    first, second = mesh_deviations(fine, coarse, 4.0, 1.5, others)
+    assert first == pytest.approx({"alpha1": known[0]["alpha1"], "d": 0.5})
+    assert second == pytest.approx({"alpha1": known[1]["alpha1"], "d": 0.5})
+    assert mesh_deviations(fine, coarse, 4.0, 1.5, {"alpha1": 0.5})[1]["alpha1"] == pytest.approx(150.0)
 
 
 def test_both_pieces_of_a_single_line_have_one_error() -> None:

@@ -3,27 +3,29 @@
 from math import log
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from fem.cell.piece import PieceFailed
 from geometry import Reason
 from pipeline.config.load import load_config
 from pipeline.law import meshes
-from pipeline.law.mesh_limit import Across, Numbers
+from pipeline.law.mesh_limit import PLANE
 from pipeline.law.meshes import SolvedNumbers, find_limit
 from pipeline.law.pieces import ArmPieces
 from pipeline.law.tasks import PieceCurves
 from pipeline.store.context import RunContext
 from pipeline.store.progress import Silent
 from pipeline.store.store import open_store
+from rod.arm_law.curves import ACROSS
 
 CONFIGS = Path(__file__).resolve().parent.parent.parent.parent / "configs"
 LENGTH = 112.0
 
 
 def solved(unknowns: int, kappa: float, rigidity: float) -> SolvedNumbers:
-    across = Across(10.0 * rigidity, 2.0 * rigidity)
-    return SolvedNumbers(Numbers(1e-3 * kappa, rigidity, -1e-3 * kappa * rigidity), unknowns, 1.0, across)
+    values = 1e-3 * kappa, rigidity, -1e-3 * kappa * rigidity, 10.0 * rigidity, 2.0 * rigidity
+    return SolvedNumbers(dict(zip((*PLANE, *ACROSS), values, strict=True)), unknowns, 1.0)
 
 
 #: unknowns, 1000 times the curvature without moment and the rigidity of a half cell of a random `pneunet`, number 6 of
@@ -52,12 +54,10 @@ def test_arms_with_gaps_lie_between_two_kinds_of_elements(tmp_path: Path, monkey
         context = RunContext.alone(store, Silent())
         limit = find_limit(ArmPieces(config, None), {1.0: -0.0014, 2.0: -0.0014}, 0.01, context)
     assert kinds == ["mixed"] * 6 + ["p2p0"] * 2
-    near, alone = zip(limit.limits, limit.stds, strict=True)
-    for number, std, expected in zip(*near, RANDOM_LIMIT, strict=False):
-        assert abs(number - expected) < 1.65 * std < 0.05 * abs(expected)
-    assert abs(alone[0][0] - RANDOM_LIMIT[0]) > 3.0 * alone[1][0]
-    (lateral, torsional), (std, _) = limit.across[1.0]
-    assert lateral == pytest.approx(10.0 * near[0][1])
-    assert torsional == pytest.approx(2.0 * near[0][1])
-    assert std == pytest.approx(10.0 * near[1][1])
+    near, alone = limit.limits.values()
+    for name, expected in zip(PLANE, RANDOM_LIMIT, strict=False):
+        assert abs(near[name].value - expected) < 1.65 * near[name].std < 0.05 * abs(expected)
+    assert abs(alone["kappa_0"].value - RANDOM_LIMIT[0]) > 3.0 * alone["kappa_0"].std
+    assert near["lateral_rigidity"] == pytest.approx(10.0 * np.array(near["rigidity"]))
+    assert near["torsional_rigidity"].value == pytest.approx(2.0 * near["rigidity"].value)
     assert [remark.code for remark in limit.remarks] == ["cell_accuracy", "cell_accuracy_missed"]

@@ -12,7 +12,7 @@ from fem.cell.piece import BendingPiece
 from fem.equations.constraints import Constraints
 from fem.supports import Fixed
 from geometry import GRADINGS, PneuNet, Reason
-from pipeline.law.mesh_limit import Across, CellMesh, Corrections, MeshLimit, Numbers, across_on, corrected, numbers_on
+from pipeline.law.mesh_limit import PLANE, CellMesh, Corrections, MeshLimit, across_on, corrected, numbers_on
 from pipeline.law.piece import in_space
 from pipeline.law.piece.in_space import cell_in_space
 from pipeline.law.piece.measure import CellSweep, sweep_cell
@@ -21,8 +21,9 @@ from pipeline.law.piece.measure_tip import tip_curve
 from pipeline.law.piece.reach import Reach
 from pipeline.law.table import space_table
 from pipeline.values.law import LawMeshError
+from pipeline.values.richardson import Limit
 from rod import RodError
-from rod.arm_law.curves import IN_SPACE, CellCurve
+from rod.arm_law.curves import ACROSS, IN_SPACE, CellCurve
 from rod.arm_law.keys import curve_of, record_of
 from rod.arm_law.kinds import law_from_record, law_record
 from rod.arm_law.law import ArmLaw
@@ -119,18 +120,20 @@ def test_a_law_of_the_plane_alone_says_nothing_of_space(law: ArmLaw) -> None:
 
 def test_in_the_limit_of_the_mesh_rigidities_without_moment_are_those_of_the_limit(law: ArmLaw) -> None:
     (cell,), own = law.cells, across_on(law.cells[0])
-    across = {PRESSURE: (Across(0.9 * own[0], 1.2 * own[1]), Across(3.0, 4.0))}
-    numbers = numbers_on(cell, law.length, Numbers(0.0, 1.0, 1.0))
-    limit = MeshLimit(0.01, 0.001, (PRESSURE,), (numbers,), (Numbers(0.0, 0.0, 0.0),), (), across)
+    lateral, torsional = (own[name] for name in ACROSS)
+    across = {"lateral_rigidity": Limit(0.9 * lateral, 3.0), "torsional_rigidity": Limit(1.2 * torsional, 4.0)}
+    numbers = numbers_on(cell, law.length, dict.fromkeys(PLANE, Limit(1.0, 0.0)))
+    limits = {PRESSURE: {name: Limit(value, 0.0) for name, value in numbers.items()} | across}
+    limit = MeshLimit(0.01, 0.001, limits, ())
     moved = corrected(law, Corrections.of(law.cells, {PRESSURE: numbers}, limit, law.length))
-    assert across_on(moved.cells[0]) == pytest.approx(across[PRESSURE][0])
+    assert across_on(moved.cells[0]) == pytest.approx({name: one.value for name, one in across.items()})
     # turns about x by a torque and about y by a moment, of a clamped end as much stiffer as the cells
     mean = np.sqrt(1.2 * 0.9)
     softer = law.clamps[0].lateral_compliance / np.array([[1.2, mean], [mean, 0.9]])
     assert moved.clamps[0].lateral_compliance == pytest.approx(softer)
     of_mesh = replace(limit, meshes=(MESH,)).error_of(law.cells, law.length, SIZE)
-    assert of_mesh.lateral_rigidity_N_mm2_std == pytest.approx([np.hypot(0.1 * own[0], 3.0)])
-    assert of_mesh.torsional_rigidity_N_mm2 == pytest.approx([own[1]])
+    assert of_mesh.lateral_rigidity_N_mm2_std == pytest.approx([np.hypot(0.1 * lateral, 3.0)])
+    assert of_mesh.torsional_rigidity_N_mm2 == pytest.approx([torsional])
 
 
 def test_an_unstable_direction_is_a_reason_with_its_place(

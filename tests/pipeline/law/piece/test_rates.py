@@ -120,7 +120,7 @@ def test_by_a_dimension_as_laws_of_moved_meshes_differ(name: str) -> None:
     ):
         expected = number(more) - number(less)
         assert number(ours[1]) - number(ours[0]) == pytest.approx(expected, rel=0.01)
-    own, low, high, *changed = (np.array(across_on(one.cells[0])) for one in (law(), less, more, *ours))
+    own, low, high, *changed = (np.array(list(across_on(one.cells[0]).values())) for one in (law(), less, more, *ours))
     # the wall hardly changes B_2; curves between two states leave 3e-4 of it per mm
     assert (changed[1] - changed[0]) / own == pytest.approx((high - low) / own, rel=0.01, abs=4e-4 * 2.0 * CHANGE)
     rate = law().rates[key]

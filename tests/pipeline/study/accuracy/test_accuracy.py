@@ -22,7 +22,6 @@ from pipeline.study.accuracy.ladder import CONTACT, TOLERANCE, Rung, ladder
 from pipeline.study.accuracy.measure import HEADLINE, Cost, Measured, RodNumbers
 from pipeline.study.accuracy.reference import (
     COORDINATES,
-    Reference,
     References,
     limit,
     orders_along,
@@ -32,6 +31,7 @@ from pipeline.study.accuracy.run import measured, run_study
 from pipeline.study.accuracy.study import ConvergenceStudy, convergence_study, largest_error, pareto_front
 from pipeline.study.accuracy.table import orders_table, references_table, study_page, study_table
 from pipeline.values.errors import RunFailed
+from pipeline.values.richardson import Limit
 
 CONTACT_MM = 0.04
 EXACT = {"kappa_0_per_mm": -0.016, "alpha1_N_mm2": 50.0, "alpha2_N_mm2": 400.0, "d_mm": 12.0, "force_N": 0.03}
@@ -84,14 +84,14 @@ def test_the_limit_is_that_of_infinitely_many_degrees_of_freedom() -> None:
 
 def test_the_reference_is_extrapolated_to_zero_contact_distance() -> None:
     distances = {mm: 7.0 + 2.0 * mm for mm in (0.2, 0.1, 0.05, 0.025)}
-    reference = without_contact_distance(Reference(7.4, 0.01), distances, 0.2)
+    reference = without_contact_distance(Limit(7.4, 0.01), distances, 0.2)
     assert reference.value == pytest.approx(7.0, abs=0.02)
     assert reference.std >= 0.01
 
 
 def test_errors_are_relative_and_that_of_the_end_is_over_the_length() -> None:
     end = dict(zip(COORDINATES, (100.0, -60.0), strict=True))
-    references = References(17.0, {name: Reference(value, 0.0) for name, value in {**EXACT, **end}.items()})
+    references = References(17.0, {name: Limit(value, 0.0) for name, value in {**EXACT, **end}.items()})
     numbers = replace(rod_numbers(17.0, 0.0), alpha2_N_mm2=408.0, d_mm=None, end_mm=(103.0, -64.0))
     errors = references.errors(numbers, 100.0)
     assert errors["alpha2_N_mm2"] == pytest.approx(0.02)
