@@ -27,8 +27,8 @@ from fem.supports import nodes_at
 from geometry.arrays import Array
 from pipeline.config.document import read_document
 from pipeline.config.load import load_config
-from pipeline.law.in_space.rows import read_rows
-from pipeline.law.in_space.study import measure_space_law
+from pipeline.law.rows import read_rows
+from pipeline.law.study import measure_any_law
 from pipeline.simulate.scene import Scene
 from pipeline.store.progress import Silent
 from pipeline.values.pressure import in_MPa
@@ -90,7 +90,8 @@ def main() -> int:
     given = parser.parse_args()
     spec = read_rows(read_document(CONFIG))
     assert spec is not None
-    law = measure_space_law(spec, given.results / "law", 2, False, Silent()).measured.law
+    law = measure_any_law(spec, given.results / "law", 2, False, Silent()).measured.law
+    assert isinstance(law, SpaceLaw)
     file = given.results / "whole_arm.json"
     if not file.exists():
         file.write_text(json.dumps(list(solved())) + "\n", encoding="utf-8")

@@ -13,7 +13,8 @@ from pipeline.values.errors import InputError, RunFailed, quoted
 
 if TYPE_CHECKING:
     from pipeline.api.results import Results
-    from pipeline.law.in_space.study import SpaceLawReport
+    from pipeline.law.build import MeasuredLaw
+    from pipeline.law.in_space.measure import MeasuredInSpace
     from pipeline.law.study import LawReport
     from pipeline.simulate.meshed import MeshedArm
     from pipeline.study.pairs.run import PairRuns
@@ -80,8 +81,8 @@ def characterize_pairs(
 
     Arguments and errors as those of `characterize`. Raises InputError also where the pressures are no pairs.
     """
+    from pipeline.law.rows import read_pairs
     from pipeline.study.pairs.run import run_pairs
-    from pipeline.study.pairs.spec import read_pairs
     from pipeline.study.pairs.table import save_page
 
     document = document_of(config, {"accuracy": accuracy}, settings)
@@ -120,21 +121,18 @@ def cell(
     jobs: Annotated[int | None, jobs_option("1")] = None,
     fresh: Fresh = False,
     progress: "bool | Progress" = False,
-) -> "LawReport | SpaceLawReport":
+) -> "LawReport[MeasuredLaw] | LawReport[MeasuredInSpace]":
     """Measure the arm's own law from one cell and its two ends, for every load and length.
 
     The law of an arm that leaves its plane is one in space. Raises InputError for a wrong configuration or folder and
     for an arm without such a law, and RunFailed, which has the report as `reached`, where a pressure is not reached.
     """
-    from pipeline.law.in_space.rows import read_rows, rows_of
-    from pipeline.law.in_space.study import leaves_plane, measure_space_law
-    from pipeline.law.study import measure_law
+    from pipeline.law.rows import read_rows
+    from pipeline.law.study import measure_any_law
 
     document = document_of(config, {"accuracy": accuracy}, settings)
     course, rows = course_of(jobs, 1, fresh, progress), read_rows(document)
     design = checked(document) if rows is None else rows.config
     folder = given_folder(out, f"{design.name}_cell")
-    if rows is not None or leaves_plane(design):
-        return course.solve(measure_space_law, rows or rows_of(design), folder)
-    report = course.solve(measure_law, design, folder, load_notes(design))
+    report = course.solve(measure_any_law, rows or design, folder, () if rows else load_notes(design))
     return reached(report, report.raise_if_failed)

@@ -118,7 +118,7 @@ def _listener(options: Mapping[str, Any]) -> Progress:
 
 @wraps(runs.characterize)
 def run(config: Path, **given: Any) -> "Results | PairRuns":
-    from pipeline.law.in_space.pressure_lists import has_rows
+    from pipeline.law.rows import has_rows
 
     document = document_of(config, {}, given.get("settings"))
     # the pressures of two cavities are pairs

@@ -8,9 +8,10 @@ from pathlib import Path
 
 from pipeline.api.results import Results
 from pipeline.cli.ending import print_json, print_lines, print_sentences
-from pipeline.law.in_space.study import SpaceLawReport
+from pipeline.law.build import MeasuredLaw
+from pipeline.law.in_space.measure import MeasuredInSpace
 from pipeline.law.study import LawReport
-from pipeline.law.table import law_remarks, law_table, mesh_table, space_table
+from pipeline.law.table import law_remarks, law_table, mesh_table, rows_table, space_sentences, space_table
 from pipeline.show import tables
 from pipeline.show.terminal import body_table
 from pipeline.simulate.meshed import MeshedArm
@@ -81,18 +82,17 @@ def show_accuracy(study: ConvergenceStudy, out: Path | None) -> None:
     print_lines(f"picture: {folder / 'accuracy.html'}")
 
 
-def show_cell(report: LawReport | SpaceLawReport) -> None:
+def show_cell(report: LawReport[MeasuredLaw] | LawReport[MeasuredInSpace]) -> None:
     """Print the law of an arm, and how far it may be trusted."""
-    folder = report.directory
-    if not isinstance(report, LawReport):
-        print_lines(report.table)
-        print_sentences(*report.sentences)
+    folder, measured = report.directory, report.measured
+    if isinstance(measured, MeasuredInSpace):
+        print_lines(rows_table(measured.law))
+        print_sentences(*space_sentences(measured))
         print_lines(f"law: {folder / 'law.json'}")
         return
-    measured = report.measured
-    shown = [law_table(measured), space_table(measured.law, measured.mesh_error or LawMeshError())]
-    shown += [] if measured.limit is None else [mesh_table(measured.limit)]
-    print_lines(*shown)
+    tables = [law_table(measured), space_table(measured.law, measured.mesh_error or LawMeshError())]
+    tables += [] if measured.limit is None else [mesh_table(measured.limit)]
+    print_lines(*tables)
     print_sentences(*(f"Note: {render(remark)}." for remark in law_remarks(measured)))
     print_lines(f"law: {folder / 'law.json'}, picture: {folder / 'law.html'}")
 

@@ -40,6 +40,7 @@ class ArmPieces:
     by: tuple[str, ...] = ()  #: the parameters of these derivatives, such as geometry.wall; empty: all
     mesh_of: Config | None = None  #: the design whose mesh is moved to these dimensions; None: a mesh of its own
     _pieces: dict[tuple[int, Boundary], BendingPiece] = field(default_factory=dict, init=False, repr=False)
+    _turned: dict[Hashable, BendingPiece] = field(default_factory=dict, init=False, repr=False)
 
     def __post_init__(self) -> None:
         if reason := self.config.effects.why_no_arm_law(self.config.design):
@@ -132,11 +133,16 @@ class ArmPieces:
         return self._pieces[key]
 
     def turned(self, start: Boundary, half_cells: int, fractions: Sequence[float], angle: float) -> BendingPiece:
-        """A piece of the body turned about its material curve (`fem.cell.any_plane`), made anew.
+        """A piece of the body turned about its material curve (`fem.cell.any_plane`); the last one is kept.
 
         fractions: of the pressure, by cavity. Raises `NoArmLaw` and InputError.
         """
-        return self._made(start, half_cells, dict(zip(self.design.cavities, fractions, strict=True)), angle)
+        key = start, round(angle, 12), tuple(fractions)
+        if key not in self._turned:
+            self._turned.clear()  # each keeps a factorization
+            by_cavity = dict(zip(self.design.cavities, fractions, strict=True))
+            self._turned[key] = self._made(start, half_cells, by_cavity, angle)
+        return self._turned[key]
 
     def _piece(self, half_cells: int, start: Boundary) -> BendingPiece:
         fractions = {name: cavity.fraction for name, cavity in self.config.effects.pressure.cavities.items()}

@@ -1,20 +1,29 @@
-"""The command that measures the arm's own law: law.json, law.html, and the record of the run."""
+"""The command that measures the arm's own law: law.json, law.html of one in a plane, and the record of the run."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from time import perf_counter
+from typing import Generic, TypeVar
 
+import numpy as np
+
+from fem.cell.any_plane import moment_beside
+from fem.cell.piece import PieceFailed
+from fem.cell.response import inflated
 from pipeline.config.config import Config
 from pipeline.law.build import MeasuredLaw, deliver_law
+from pipeline.law.in_space.measure import MeasuredInSpace, measure_in_space
 from pipeline.law.pieces import ArmPieces, NoArmLaw
-from pipeline.law.plane import check_plane
-from pipeline.law.table import law_page
+from pipeline.law.rows import RowSpec, rows_of
+from pipeline.law.table import law_page, space_sentences
+from pipeline.results.files import LAW
 from pipeline.results.unloaded import delivered_numbers
 from pipeline.results.unloaded_states import unloaded_states
 from pipeline.simulate.scene import Scene
 from pipeline.simulate.simulate import begin_loading
-from pipeline.store.context import run_context
+from pipeline.store.context import RunContext, run_context
 from pipeline.store.progress import Progress
 from pipeline.store.provenance import provenance
 from pipeline.store.store import Store, open_store
@@ -22,42 +31,56 @@ from pipeline.values.errors import InputError, RunFailed
 from pipeline.values.formats import FORMAT
 from pipeline.values.json_values import JsonObject
 from pipeline.values.law import BesideLaw, DeliveredLaw
+from pipeline.values.pressure import in_MPa
 from pipeline.values.reasons import render, render_all
 from rod.arm_law.kinds import law_record
+from rod.errors import RodError
+
+Measured = TypeVar("Measured", MeasuredLaw, MeasuredInSpace)
+
+#: moment out of the plane of a straight cell over that within, up to which it bends in the plane
+IN_PLANE = 0.01
+#: moment over the pressure times the volume of the cell that is rounding
+NOTHING = 1e-6
 
 
 @dataclass(frozen=True, eq=False)  # arrays inside
-class LawReport:
+class LawReport(Generic[Measured]):
     """The law of an arm as it was measured; the same numbers stand in the files of `directory`."""
 
     directory: Path
     config: Config
-    measured: MeasuredLaw
+    measured: Measured
     seconds: float  #: wall time of this call
 
     def raise_if_failed(self) -> None:
         """Raise RunFailed where a pressure was not reached."""
-        if self.measured.failures:
+        if isinstance(self.measured, MeasuredLaw) and self.measured.failures:
             known = f"the law goes up to {self.measured.law.pressures[-1]:g} kPa"
             sentence = f"{render_all(self.measured.failures)}; {known}; what was reached is in {self.directory}"
             raise RunFailed(sentence, directory=self.directory)
 
-    def record(self) -> JsonObject:
-        """The content of run.json."""
-        failure = render_all(self.measured.failures)
-        return {
-            "format": FORMAT,
-            "config": self.config.record(),
-            "config_hash": self.config.hash,
-            **provenance(),
-            "seconds": {**self.measured.seconds, "this call": self.seconds},
-            "factorizations": self.measured.factorizations,
-            "degrees_of_freedom": self.measured.unknowns,
-            **({"failure": failure} if failure else {}),
-        }
+
+def check_plane(pieces: ArmPieces) -> None:
+    """Raise `NoArmLaw` for cells that the lowest pressure of the configuration bends out of the plane."""
+    if leaves_plane(pieces):
+        raise NoArmLaw("its cells bend out of the plane z = 0; `pneurod cell` measures its law in space")
 
 
-def measure_law(config: Config, out: Path, jobs: int, fresh: bool, progress: Progress) -> LawReport:
+def leaves_plane(pieces: ArmPieces) -> bool:
+    """Whether the lowest pressure of the configuration bends the cells out of the plane; False where it fails."""
+    if not pieces.design.halves_differ:
+        return False
+    try:
+        state = inflated(pieces.cell, in_MPa(pieces.config.pressures_kPa[0]), 0.0)
+    except PieceFailed:
+        return False  # the law will say so
+    moments = np.array([moment_beside(pieces.cell, state), state.moment])
+    rounding = NOTHING * state.pressure * pieces.cell.body.volume
+    return bool(abs(moments[0]) > max(IN_PLANE * float(np.linalg.norm(moments)), rounding))
+
+
+def measure_law(config: Config, out: Path, jobs: int, fresh: bool, progress: Progress) -> LawReport[MeasuredLaw]:
     """From a configuration to `out`/law.json; curves that `out` already holds are not measured again.
 
     The mesh of the configuration is that of the arm; with an accuracy the law comes from finer ones of the cell
@@ -67,6 +90,32 @@ def measure_law(config: Config, out: Path, jobs: int, fresh: bool, progress: Pro
     for an arm without such a law, a body that cannot be meshed and a folder that cannot be used, and RunFailed where
     not even the lowest pressure is borne.
     """
+    with _begun(config, out, jobs, fresh, progress) as (pieces, context, begin):
+        check_plane(pieces)
+        return _in_plane(pieces, context, begin)
+
+
+def measure_any_law(
+    given: Config | RowSpec, out: Path, jobs: int, fresh: bool, progress: Progress
+) -> LawReport[MeasuredLaw] | LawReport[MeasuredInSpace]:
+    """As `measure_law`, in space for rows of pressures and for an arm that leaves its plane.
+
+    Raises InputError for effects that a law in space lacks, and RunFailed for rows that its cell does not bear.
+    """
+    spec = given if isinstance(given, RowSpec) else rows_of(given)
+    if spec is given:
+        _refuse_effects(spec.config)
+    with _begun(spec.config, out, jobs, fresh, progress) as (pieces, context, begin):
+        if spec is given or leaves_plane(pieces):
+            return _in_space(pieces, spec, context, begin)
+        return _in_plane(pieces, context, begin)
+
+
+@contextmanager
+def _begun(
+    config: Config, out: Path, jobs: int, fresh: bool, progress: Progress
+) -> Iterator[tuple[ArmPieces, RunContext, float]]:
+    """The pieces of an arm, the surroundings of its run, and when it was begun. Raises InputError."""
     begin = perf_counter()
     with open_store(out, config, fresh=fresh) as store, run_context(store, jobs, progress) as context:
         loading = begin_loading(context, config)
@@ -77,17 +126,57 @@ def measure_law(config: Config, out: Path, jobs: int, fresh: bool, progress: Pro
             for pending in loading:
                 pending.result()
             progress.stage("cell and ends")
-            check_plane(pieces)
-            measured = deliver_law(pieces, context)
+            yield pieces, context, begin
         except NoArmLaw as refusal:
             raise InputError(f"{config.source}: {refusal}") from None
-        report = LawReport(out, config, measured, perf_counter() - begin)
-        law = save_law(store, measured, config.pressures_kPa)
-        if law.beside.unloaded:
-            progress.remark(delivered_numbers(law))
-        store.save_json("run.json", report.record())
-        store.save_text("law.html", law_page(config.name, measured.law))
+
+
+def _in_plane(pieces: ArmPieces, context: RunContext, begin: float) -> LawReport[MeasuredLaw]:
+    config, store = pieces.config, context.store
+    report = LawReport(store.directory, config, measured := deliver_law(pieces, context), perf_counter() - begin)
+    law = save_law(store, measured, config.pressures_kPa)
+    if law.beside.unloaded:
+        context.progress.remark(delivered_numbers(law))
+    failure = render_all(measured.failures)
+    record = {
+        **_record(config),
+        "seconds": {**measured.seconds, "this call": report.seconds},
+        "factorizations": measured.factorizations,
+        "degrees_of_freedom": measured.unknowns,
+        **({"failure": failure} if failure else {}),
+    }
+    store.save_json("run.json", record)
+    store.save_text("law.html", law_page(config.name, measured.law))
     return report
+
+
+def _in_space(pieces: ArmPieces, spec: RowSpec, context: RunContext, begin: float) -> LawReport[MeasuredInSpace]:
+    _refuse_effects(spec.config)
+    try:
+        measured = measure_in_space(pieces, spec.rows, context)
+    except (PieceFailed, RodError) as failure:
+        sentence = str(failure).rstrip(".")
+        raise RunFailed(f"the arm has no law in space at these pressures: {sentence}; give lower ones") from None
+    report = LawReport(context.store.directory, spec.config, measured, perf_counter() - begin)
+    beside = BesideLaw(measured.mesh_error, (), space_sentences(measured))
+    context.store.save_json(LAW, {**law_record(measured.law), **asdict(beside)})
+    record = {**_record(spec.config), "rows_kPa": spec.rows, "seconds": {"this call": report.seconds}}
+    context.store.save_json("run.json", record)
+    return report
+
+
+def _record(config: Config) -> JsonObject:
+    """What run.json begins with."""
+    return {"format": FORMAT, "config": config.record(), "config_hash": config.hash, **provenance()}
+
+
+def _refuse_effects(config: Config) -> None:
+    """Raise InputError for effects that the law in space does not have."""
+    if config.effects.gravity.on:
+        remedy = "leave it out; `pneurod rod` takes --orientation"
+        raise InputError(f"{config.source}: effects.gravity: the law in space has no weight in it; {remedy}")
+    if config.effects.strain_limiting_layer.on:
+        raise InputError(f"{config.source}: effects.strain_limiting_layer: the law in space has no layer; leave it out")
 
 
 def save_law(store: Store, measured: MeasuredLaw, pressures_kPa: Sequence[float]) -> DeliveredLaw:
@@ -114,5 +203,5 @@ def save_law(store: Store, measured: MeasuredLaw, pressures_kPa: Sequence[float]
         "seconds": measured.seconds,
         "degrees_of_freedom": measured.unknowns,
     }
-    store.save_json("law.json", content)
+    store.save_json(LAW, content)
     return DeliveredLaw(measured.law, beside)

@@ -1,18 +1,23 @@
 """The arm's own law as tables and as figures on an HTML page, and where it ends."""
 
 from collections.abc import Iterator
+from math import degrees
 
 import numpy as np
 
 from geometry import Reason
 from pipeline.law.build import MeasuredLaw
+from pipeline.law.in_space.measure import FINER, MeasuredInSpace
 from pipeline.law.mesh_limit import MeshLimit
+from pipeline.values.formatting import percent
 from pipeline.values.law import LawMeshError
 from pipeline.values.page import figure_page
 from pipeline.values.plots import INK, Line, Panel, ordered_colour
 from pipeline.values.table import Table
 from rod.arm_law.curves import IN_SPACE, CellCurve
 from rod.arm_law.law import ArmLaw
+from rod.arm_law.space_law import SpaceLaw, SpaceRod
+from rod.spatial import SpatialLoad
 
 
 def law_table(measured: MeasuredLaw) -> Table:
@@ -123,4 +128,43 @@ def _touching(law: ArmLaw) -> tuple[Line, ...]:
         Line(cell.kappa[there], cell.moment[there], "walls touch", INK, "", "x", frame=f"{cell.pressure:g} kPa")
         for cell in law.cells
         if (there := cell.contact).any()
+    )
+
+
+def space_sentences(measured: MeasuredInSpace) -> tuple[str, ...]:
+    """How far a law in space may be trusted, and what could not be solved."""
+    law = measured.law
+    lines = [
+        f"The law interpolates {measured.states} states of a half cell; its moments are right to "
+        f"{percent(law.error)} of the largest.",
+        f"It is known within {1e3 * law.reach:.3g} 1/m of the curvature without load.",
+    ]
+    if measured.changes is not None:
+        curvature, rigidity = map(percent, measured.changes)
+        size = f"{100.0 * FINER:.0f} % of the size"
+        lines.append(f"On a mesh of {size} its curvature changes by {curvature} and its rigidity by {rigidity}.")
+    if measured.left:
+        lines.append(f"{len(measured.left)} states have no equilibrium, the first: {measured.left[0]}.")
+    return tuple(lines)
+
+
+def rows_table(law: SpaceLaw) -> Table:
+    """One row per row of pressures: the arm without load."""
+    heads = ("p (kPa)", "κ_y, κ_z (1/m)", "end (mm)", "bends by", "rigidities (N mm²)", "GJ (N mm²)", "EA (N)")
+    caption = f"pressures of {', '.join(law.cavities)}; the arm without load"
+    return Table(heads, tuple(_row(law.at(pressures)) for pressures in law.rows), caption)
+
+
+def _row(rod: SpaceRod) -> tuple[str, ...]:
+    end = np.array(rod.solve_in_space(SpatialLoad()).end)
+    bent = degrees(2.0 * np.arctan2(np.linalg.norm(end[1:]), end[0]))
+    least, most = rod.section.rigidities
+    return (
+        ", ".join(f"{pressure:g}" for pressure in rod.pressures),
+        ", ".join(f"{1e3 * value:.3f}" for value in rod.kappa_0),
+        ", ".join(f"{value:.2f}" for value in end),
+        f"{bent:.1f}°",
+        f"{least:.4g}, {most:.4g}",
+        f"{1.0 / rod.section.compliance[0, 0]:.4g}",
+        f"{rod.section.EA:.3g}",
     )

@@ -7,10 +7,10 @@ import pytest
 
 from pipeline.config.document import read_document
 from pipeline.config.load import load_config
+from pipeline.law.rows import read_pairs
 from pipeline.run import run
 from pipeline.store.progress import Silent
 from pipeline.study.pairs.run import run_pairs
-from pipeline.study.pairs.spec import read_pairs
 from pipeline.values.run import Run
 from rod.arm_law.pairs import PairLaw
 

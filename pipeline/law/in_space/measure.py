@@ -1,6 +1,6 @@
 """The law of an arm that bends in space, from states of its cell and its ends."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from math import cos, hypot, pi, sin
@@ -12,8 +12,17 @@ from scipy.spatial.transform import Rotation
 from fem.cell.piece import PieceFailed
 from geometry.arrays import Array
 from pipeline.law.in_space.fit import Fit, Spanned, fit_cell, fit_values
-from pipeline.law.in_space.states import CellState, Curvatures, EndState, Pressures, SpaceStates, state_of
+from pipeline.law.in_space.states import (
+    CellState,
+    Curvatures,
+    EndState,
+    across_state,
+    cell_state,
+    clamped_state,
+    free_state,
+)
 from pipeline.law.pieces import ArmPieces, NoArmLaw
+from pipeline.law.tasks import ArmTasks
 from pipeline.simulate.mass import mass_along
 from pipeline.store.context import RunContext
 from pipeline.store.parallel import Pending
@@ -22,6 +31,7 @@ from pipeline.values.law import LawMeshError
 from rod.arm.unloaded import shape_under_moment
 from rod.arm_law.polynomial import Basis, Polynomial, exponents_up_to
 from rod.arm_law.space_law import SpaceLaw, SpaceRod
+from rod.same_pressure import Pressures
 
 #: parts of each row of pressures at which the cell is solved, where all rows have one ratio and where they have not
 ONE_RATIO, RATIOS = (1 / 3, 2 / 3, 1.0), (0.5, 1.0)
@@ -64,22 +74,12 @@ class MeasuredInSpace:
         return curvature, (1.0 - FINER) * stds[1] / sizes[1]
 
 
-@dataclass(frozen=True)
-class _Tasks:
-    pieces: ArmPieces
-    context: RunContext
-
-    def begin(self, method: Callable[..., Any], *arguments: Any) -> Pending[Any]:
-        """A method of `SpaceStates`."""
-        return self.context.submit(state_of, self.pieces, self.context.store, method, *arguments)
-
-
 def measure_in_space(pieces: ArmPieces, rows: Sequence[Pressures], context: RunContext) -> MeasuredInSpace:
     """The law between rows of pressures (kPa, of all cavities) and 0 kPa.
 
     Raises `NoArmLaw` and InputError for pieces that cannot be made, and RunFailed where a row is not borne.
     """
-    tasks, spanned = _Tasks(pieces, context), Spanned(np.array(rows))
+    tasks, spanned = ArmTasks(pieces, context), Spanned(np.array(rows))
     count = spanned.onto.shape[1]
     parts = ONE_RATIO if count == 1 else RATIOS
     highest = _highest(rows) if count == 1 else list(rows)
@@ -95,7 +95,7 @@ def measure_in_space(pieces: ArmPieces, rows: Sequence[Pressures], context: RunC
     wanted = [(s.pressures, k) for n, s in enumerate(around) for k in _ring(_without_moment(s), reach, n, rings)]
     rest = tuple(0.0 for _ in pieces.design.cavities)
     wanted += [(rest, k) for k in ((0.0, 0.0), *_ring((0.0, 0.0), reach, 0, ((1.0, 3),)))]
-    begun = [tasks.begin(SpaceStates.cell, *one) for one in wanted]
+    begun = [tasks.submit(cell_state, *one) for one in wanted]
     found, left = _results(begun)
     states = [state for row in (*middles, *mixed) for state in row] + found
     fit = fit_cell(states, spanned, reach)
@@ -120,12 +120,12 @@ def _scaled(row: Pressures, part: float) -> Pressures:
     return tuple(part * pressure for pressure in row)
 
 
-def _followed(tasks: _Tasks, rows: Sequence[Pressures], parts: Sequence[float]) -> list[list[CellState]]:
+def _followed(tasks: ArmTasks, rows: Sequence[Pressures], parts: Sequence[float]) -> list[list[CellState]]:
     """A state near that without moment at parts of each row, the last one twice. Raises RunFailed."""
     states: list[list[CellState]] = [[] for _ in rows]
     guesses: list[Curvatures] = [(0.0, 0.0)] * len(rows)
     for part in (*parts, parts[-1]):
-        begun = [tasks.begin(SpaceStates.cell, _scaled(row, part), k) for row, k in zip(rows, guesses, strict=True)]
+        begun = [tasks.submit(cell_state, _scaled(row, part), k) for row, k in zip(rows, guesses, strict=True)]
         for k, (row, pending) in enumerate(zip(rows, begun, strict=True)):
             try:
                 states[k].append(pending.result())
@@ -162,7 +162,7 @@ def _results(begun: Sequence[Pending[Any]]) -> tuple[list[Any], tuple[str, ...]]
 
 
 def _law(
-    tasks: _Tasks,
+    tasks: ArmTasks,
     fit: Fit,
     states: Sequence[CellState],
     spanned: Spanned,
@@ -175,8 +175,8 @@ def _law(
     reach, highest, places = reached
     pieces, scale, onto, cavities = tasks.pieces, spanned.scale, spanned.onto, len(spanned.onto)
     quadratic = Basis(exponents_up_to(2, len(scale)), scale)
-    across = [tasks.begin(SpaceStates.across, pressures) for pressures in places]
-    free = [tasks.begin(SpaceStates.free, pressures) for pressures in places]
+    across = [tasks.submit(across_state, pressures) for pressures in places]
+    free = [tasks.submit(free_state, pressures) for pressures in places]
     x = np.column_stack([[state.curvature for state in states], np.array([s.pressures for s in states]) @ onto])
     EA = np.array([[state.axial_rigidity] for state in states])
     law = SpaceLaw(
@@ -210,14 +210,14 @@ def _nothing(columns: int, variables: int) -> Polynomial:
     return Polynomial(Basis(np.zeros((1, variables), np.intp), np.ones(variables)), np.zeros((1, columns)))
 
 
-def _clamp(tasks: _Tasks, law: SpaceLaw, places: Sequence[Pressures]) -> tuple[Polynomial, float, tuple[str, ...]]:
+def _clamp(tasks: ArmTasks, law: SpaceLaw, places: Sequence[Pressures]) -> tuple[Polynomial, float, tuple[str, ...]]:
     """Turn, shift and air of the clamped end, linear in the moments, the length (mm) of its piece, and what failed."""
     begun = []
     for pressures in places:
         k_y, k_z = law.at(pressures).kappa_0
         step = BENT * law.reach
         bent = [(k_y + step, k_z), (k_y, k_z + step), (k_y - step, k_z - step)]
-        begun += [tasks.begin(SpaceStates.clamped, pressures, (float(a), float(b))) for a, b in bent]
+        begun += [tasks.submit(clamped_state, pressures, (float(a), float(b))) for a, b in bent]
     found, left = _results(begun)
     if len(found) < 3:
         raise RunFailed("the clamped end of the arm bears none of the states that the law needs")
@@ -262,17 +262,17 @@ def _end_beside(rod: SpaceRod, end: EndState, near: CellState) -> Array:
     return np.concatenate([beside, np.array(end.volume) - end.length * rod.air(rod.kappa_0)])
 
 
-def _error_between(tasks: _Tasks, law: SpaceLaw, rows: Sequence[Pressures]) -> float:
+def _error_between(tasks: ArmTasks, law: SpaceLaw, rows: Sequence[Pressures]) -> float:
     """Moment that a cell has between rows at the curvature without moment of the law, over the largest moment."""
     between = [tuple(float(pressure) for pressure in np.array(BETWEEN) @ pair) for pair in pairwise(rows)]
     bends = [law.at(pressures).kappa_0 for pressures in between]
-    begun = [tasks.begin(SpaceStates.cell, p, (float(k[0]), float(k[1]))) for p, k in zip(between, bends, strict=True)]
+    begun = [tasks.submit(cell_state, p, (float(k[0]), float(k[1]))) for p, k in zip(between, bends, strict=True)]
     found, _ = _results(begun)
     largest = law.reach * max(law.at(row).section.rigidity for row in rows)
     return max((float(np.linalg.norm(state.vector)) / largest for state in found), default=0.0)
 
 
-def _finer(tasks: _Tasks, law: SpaceLaw, rows: Sequence[Pressures]) -> LawMeshError | None:
+def _finer(tasks: ArmTasks, law: SpaceLaw, rows: Sequence[Pressures]) -> LawMeshError | None:
     """The errors of the curvature without moment and of the rigidity at the row that bends the cell most.
 
     They are taken as proportional to the size of the mesh, and follow from the changes on a finer one.
@@ -283,7 +283,7 @@ def _finer(tasks: _Tasks, law: SpaceLaw, rows: Sequence[Pressures]) -> LawMeshEr
     try:
         size = tasks.pieces.config.mesh.size_mm
         finer = replace(tasks, pieces=tasks.pieces.with_mesh_size(FINER * size))
-        own, other = (one.begin(SpaceStates.cell, pressures, middle).result() for one in (tasks, finer))
+        own, other = (one.submit(cell_state, pressures, middle).result() for one in (tasks, finer))
     except (InputError, NoArmLaw, PieceFailed):
         return None
     change = np.subtract(_without_moment(other), _without_moment(own))

@@ -4,7 +4,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from hashlib import sha256
 from math import atan2, ceil, hypot
-from typing import Any
+from typing import TypeVar
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -18,15 +18,15 @@ from fem.cell.response import inflated, slopes
 from geometry.arrays import Array
 from pipeline.law.piece.point import stable
 from pipeline.law.pieces import ArmPieces
+from pipeline.law.tasks import PieceCurves
 from pipeline.store.kept import KeptFile
-from pipeline.store.parallel import TaskContext
-from pipeline.store.store import Store
 from pipeline.values.pressure import KPA_PER_MPA, in_MPa
+from rod.same_pressure import Pressures
 
 #: how far an end reaches into the cells, over the largest side of a section
 INTO = 0.6
-Pressures = tuple[float, ...]  #: of all cavities, kPa
 Curvatures = tuple[float, float]  #: about y and z, 1/mm
+State = TypeVar("State")
 
 
 @dataclass(frozen=True)
@@ -65,37 +65,12 @@ class EndState:
     volume: tuple[float, ...]  #: mm3, air in each cavity of the piece
 
 
-class SpaceStates:
-    """States of the pieces of one arm, kept in the store. All raise `PieceFailed` where there is no such state."""
+def cell_state(curves: PieceCurves, pressures: Pressures, curvature: Curvatures) -> CellState:
+    """Half a cell that is bent; a task. Raises `PieceFailed`, as the others, where there is no such state."""
 
-    def __init__(self, pieces: ArmPieces, store: Store) -> None:
-        self.pieces, self.store = pieces, store
-        self._made: dict[tuple[Boundary, float, Pressures], BendingPiece] = {}
-
-    def cell(self, pressures: Pressures, curvature: Curvatures) -> CellState:
-        """Half a cell that is bent."""
-        return self._kept(CellState, "cell", (*pressures, *curvature), lambda: self._cell(pressures, curvature))
-
-    def across(self, pressures: Pressures) -> list[float]:
-        """The six upper components of the compliance against twist and shear, of the straight cell."""
-        return self._kept(list[float], "across", pressures, lambda: self._across(pressures))
-
-    def clamped(self, pressures: Pressures, curvature: Curvatures) -> EndState:
-        """The clamped end, its plane turned about as cells of that curvature turn."""
-        return self._kept(EndState, "clamp", (*pressures, *curvature), lambda: self._clamped(pressures, curvature))
-
-    def free(self, pressures: Pressures) -> EndState:
-        """The other end, without moment."""
-        return self._kept(EndState, "tip", pressures, lambda: self._free(pressures))
-
-    def _kept(self, kind: Any, name: str, numbers: Sequence[float], make: Callable[[], Any]) -> Any:
-        key = sha256(repr([f"{number:.12g}" for number in numbers]).encode()).hexdigest()[:16]
-        file = f"law_in_space/{self.pieces.mesh_name}/{name}_{key}.json"
-        return KeptFile[Any].of_run(self.store, file, kind).read_or_make(make)
-
-    def _cell(self, pressures: Pressures, curvature: Curvatures) -> CellState:
+    def solve() -> CellState:
         angle, size = _direction(curvature)
-        piece, at = self._inflated("mirror", angle, pressures, size)
+        piece, at = _inflated(curves, "mirror", angle, pressures, size)
         with stable(piece, at):
             found = bent_state(piece, at, slopes(piece, at))
         across, along = frame_of(angle)
@@ -115,18 +90,30 @@ class SpaceStates:
             _air(piece, at, piece.body.length),
         )
 
-    def _across(self, pressures: Pressures) -> list[float]:
+    return _kept(curves, CellState, "cell", (*pressures, *curvature), solve)
+
+
+def across_state(curves: PieceCurves, pressures: Pressures) -> list[float]:
+    """The six upper components of the compliance against twist and shear, of the straight cell; a task."""
+
+    def solve() -> list[float]:
         states = []
         for angle in (0.0, QUARTER):
-            piece, at = self._inflated("mirror", angle, pressures, 0.0)
+            piece, at = _inflated(curves, "mirror", angle, pressures, 0.0)
             with stable(piece, at):
                 states.append(Straight(piece, at, slopes(piece, at)))
         with stable(states[0].piece, states[0].at):
             return [float(value) for value in twist_and_shear(*states)[np.triu_indices(3)]]
 
-    def _clamped(self, pressures: Pressures, curvature: Curvatures) -> EndState:
+    return _kept(curves, list[float], "across", pressures, solve)
+
+
+def clamped_state(curves: PieceCurves, pressures: Pressures, curvature: Curvatures) -> EndState:
+    """The clamped end, its plane turned about as cells of that curvature turn; a task."""
+
+    def solve() -> EndState:
         angle, size = _direction(curvature)
-        piece, at = self._inflated("clamp", angle, pressures, size)
+        piece, at = _inflated(curves, "clamp", angle, pressures, size)
         with stable(piece, at):
             moments = np.array([moment_beside(piece, at), at.moment])
         about_z = Rotation.from_rotvec([0.0, 0.0, at.angle])
@@ -138,38 +125,46 @@ class SpaceStates:
         acting, turned, moved = (_in_body(vector, angle) for vector in (moment, turn, place))
         return EndState(pressures, piece.body.length, acting, turned, moved, _air(piece, at))
 
-    def _free(self, pressures: Pressures) -> EndState:
-        piece, at = self._inflated("free", 0.0, pressures, 0.0)
+    return _kept(curves, EndState, "clamp", (*pressures, *curvature), solve)
+
+
+def free_state(curves: PieceCurves, pressures: Pressures) -> EndState:
+    """The other end, without moment; a task."""
+
+    def solve() -> EndState:
+        piece, at = _inflated(curves, "free", 0.0, pressures, 0.0)
         x = piece.space.points[piece.curve] + at.state.displacement[piece.curve]
         place = (x[0] - x[-1]) * [-1.0, 1.0, 1.0]  # the piece is the mirror image of the end
         none = (0.0, 0.0, 0.0)
         return EndState(pressures, piece.body.length, none, none, _in_body(place, 0.0), _air(piece, at))
 
-    def half_cells(self, start: Boundary) -> int:
-        """In a piece: of the clamped end an even number, of the other end an odd one."""
-        repetition = self.pieces.repetition
-        far = ceil(INTO * max(self.pieces.design.extent[1:]) / repetition.half_pitch)
-        count = {"mirror": 0, "clamp": far + far % 2, "free": far + 1 - far % 2}[start]
-        return min(count, repetition.half_cells - (start == "free"))
-
-    def _inflated(
-        self, start: Boundary, angle: float, pressures: Pressures, curvature: float
-    ) -> tuple[BendingPiece, PieceState]:
-        """A piece, turned by an angle, at pressures and with its plane turned by a curvature times its length."""
-        largest = max(map(abs, pressures))
-        fractions = tuple(pressure / largest if largest else 1.0 for pressure in pressures)
-        key = start, round(angle, 12), fractions
-        if key not in self._made:
-            self._made.clear()  # each keeps a factorization
-            self._made[key] = self.pieces.turned(start, self.half_cells(start), fractions, angle)
-        piece = self._made[key]
-        return piece, inflated(piece, in_MPa(largest), curvature * piece.body.length)
+    return _kept(curves, EndState, "tip", pressures, solve)
 
 
-def state_of(context: TaskContext, pieces: ArmPieces, store: Store, method: Callable[..., Any], *arguments: Any) -> Any:
-    """A task: what a method of `SpaceStates` gives."""
-    states = context.kept((SpaceStates, pieces.key, store.directory), lambda: SpaceStates(pieces, store))
-    return method(states, *arguments)
+def _kept(
+    curves: PieceCurves, kind: type[State], name: str, numbers: Sequence[float], solve: Callable[[], State]
+) -> State:
+    key = sha256(repr([f"{number:.12g}" for number in numbers]).encode()).hexdigest()[:16]
+    file = f"law_in_space/{curves.pieces.mesh_name}/{name}_{key}.json"
+    return KeptFile[State].of_run(curves.store, file, kind).read_or_make(solve)
+
+
+def _inflated(
+    curves: PieceCurves, start: Boundary, angle: float, pressures: Pressures, curvature: float
+) -> tuple[BendingPiece, PieceState]:
+    """A piece, turned by an angle, at pressures and with its plane turned by a curvature times its length."""
+    largest = max(map(abs, pressures))
+    fractions = tuple(pressure / largest if largest else 1.0 for pressure in pressures)
+    piece = curves.pieces.turned(start, _half_cells(curves.pieces, start), fractions, angle)
+    return piece, inflated(piece, in_MPa(largest), curvature * piece.body.length)
+
+
+def _half_cells(pieces: ArmPieces, start: Boundary) -> int:
+    """In a piece: of the clamped end an even number, of the other end an odd one."""
+    repetition = pieces.repetition
+    far = ceil(INTO * max(pieces.design.extent[1:]) / repetition.half_pitch)
+    count = {"mirror": 0, "clamp": far + far % 2, "free": far + 1 - far % 2}[start]
+    return min(count, repetition.half_cells - (start == "free"))
 
 
 def _direction(curvature: Curvatures) -> tuple[float, float]:

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
+from pipeline.law.rows import PairSpec
 from pipeline.law.study import measure_law
 from pipeline.results.files import LAW, folder_of
 from pipeline.run import run
@@ -18,7 +19,6 @@ from pipeline.store.progress import Progress
 from pipeline.store.provenance import provenance
 from pipeline.store.result_folder import ResultFolder, open_folder
 from pipeline.store.store import check_no_run
-from pipeline.study.pairs.spec import PairSpec
 from pipeline.values.errors import InputError, RunFailed
 from pipeline.values.formats import FORMAT, PAIRS_PAGE
 from pipeline.values.formatting import percent

@@ -13,7 +13,7 @@ from pipeline.cli import app
 from pipeline.config.document import read_document
 from pipeline.config.load import load_config
 from pipeline.law.in_space import measure
-from pipeline.law.in_space.rows import read_rows
+from pipeline.law.rows import read_rows
 from pipeline.results.files import read_law
 from pipeline.simulate.scene import Scene
 from pipeline.store.store import open_store

@@ -10,10 +10,9 @@ from pipeline.answers.rods.choice import rod_of_path
 from pipeline.answers.rods.end_loads import rod_at
 from pipeline.answers.rods.pressures import Wish, pressures_for
 from pipeline.config.document import Document
-from pipeline.law.in_space.pressure_lists import PressureRows
+from pipeline.law.rows import PairSpec
 from pipeline.results.files import read_results
 from pipeline.study.pairs.run import BETWEEN, PairRuns, joined, save_pairs
-from pipeline.study.pairs.spec import PairSpec
 from pipeline.values.errors import InputError, RunFailed
 from rod.arm_law.law import ArmLaw
 from tests.pair_laws import ray
@@ -27,7 +26,7 @@ CONTENT = {
 
 def spec_of(*directions: float) -> PairSpec:
     rays = dict.fromkeys(directions, (30.0,))
-    return PairSpec(PressureRows(Document(Path("two.yaml"), CONTENT, ()), ()), "two", ("cavity", "cavity_lower"), rays)
+    return PairSpec(Document(Path("two.yaml"), CONTENT, ()), "two", ("cavity", "cavity_lower"), rays)
 
 
 def exact(direction: float, pressures: Sequence[float]) -> ArmLaw:

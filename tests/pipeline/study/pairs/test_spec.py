@@ -6,8 +6,8 @@ import pytest
 
 from pipeline.config.document import read_document
 from pipeline.config.load import load_config
+from pipeline.law.rows import PairSpec, read_pairs
 from pipeline.results.files import folder_of
-from pipeline.study.pairs.spec import PairSpec, read_pairs
 from pipeline.values.errors import InputError
 
 DESIGN = """
