@@ -59,7 +59,6 @@ SENTENCES: Mapping[str, str] = {
     "clamp_moment_falls": "at {pressure_kPa:.4g} kPa the clamped end is not described from a moment of "
     "{moment_N_mm:.4g} N mm on, because that moment does not grow when the end is bent further",
     "clamp_not_followed": "the clamped end at {pressure_kPa:.4g} kPa was not followed beyond {moment_N_mm:.4g} N mm",
-    "clamp_not_near": "the clamped end at {pressure_kPa:.4g} kPa has no state near {moment_N_mm:.4g} N mm",
     "clamp_once": "the clamped end has one state at {pressure_kPa:.4g} kPa only",
     # the stability of a state
     "unstable": "unstable in {directions} direction(s); the motion nearest to a limit point is largest at {at}",

@@ -10,6 +10,7 @@ from fem.cell.piece import BendingPiece, PieceFailed
 from fem.cell.response import inflated
 from geometry import Reason
 from geometry.arrays import Index
+from pipeline.law.adaptive import AdaptiveCurve, Interval
 from pipeline.law.piece.in_space import cell_in_space
 from pipeline.law.piece.measure import cell_near, cell_without_moment, sweep_cell
 from pipeline.law.piece.point import Measured, failure_of, reason_of
@@ -35,8 +36,8 @@ NOT_REDUCED, NEARLY_ALLOWED = 0.8, 2.0
 #: states of the cell that are solved halfway between two pressures
 CHECKS = 5
 
-Cells = list[Measured[CellCurve]]
-Interval = tuple[float, float]  #: two pressures, kPa
+Cell = Measured[CellCurve]
+Cells = list[Cell]
 
 
 def measure_bends(
@@ -131,49 +132,43 @@ class CellMeasurer:
         The error of the curvature that is left, over the largest curvature; None where it was not checked anywhere.
         """
         allowed = BETWEEN * max(float(np.abs(cell.curve.kappa).max()) for cell in cells)
-        errors: dict[Interval, float | None] = {}
-        above: dict[Interval, tuple[float, ...]] = {}  # errors of the intervals that one is a part of, largest first
-        tried: set[float] = set()
-        given = len(cells)
-        while True:
-            known = self._errors_between(cells, errors)
-            middles = []
-            for low, high in sorted((pair for pair in known if known[pair] > allowed), key=lambda pair: -known[pair]):
-                halved = (*above.get((low, high), ()), known[low, high])
-                if not is_not_reduced(halved, allowed):
-                    middles.append(middle := 0.5 * (low + high))
-                    above[low, middle] = above[middle, high] = halved
-            more = sorted(set(middles[: MOST_ADDED - len(cells) + given]) - tried)
-            if not more:
-                break
-            tried.update(more)
-            cells = sorted([*cells, *self.measure_also(more)], key=lambda cell: cell.curve.pressure)
+        curve = AdaptiveCurve(
+            self._errors_between,
+            self._solve_between,
+            allowed,
+            MOST_ADDED,
+            ends=lambda one: is_not_reduced(one.errors, allowed),
+            order=lambda pending: sorted(pending, key=lambda one: -(one.error or 0.0)),
+        )
+        cells = [*cells]
+        known = [one.error for one in curve.refine(cells) if one.error is not None]
         if not known:
             return cells, None
-        left = max(known.values()) / allowed * BETWEEN
+        left = max(known) / allowed * BETWEEN
         if left > BETWEEN:
             self.log.limits.append(Reason("law_between", {"percent": 100.0 * left, "added": MOST_ADDED}))
         return cells, left
 
-    def _errors_between(self, cells: Cells, errors: dict[Interval, float | None]) -> dict[Interval, float]:
-        """Largest error of the curvature in the middle between two neighbours, 1/mm, by their pressures in kPa.
+    def _solve_between(self, intervals: Sequence[Interval[Cell]]) -> list[Cell | None]:
+        """Cells in the middle between two pressures; None where one is not borne, which is a limit."""
+        middles = [0.5 * (one.first.curve.pressure + one.second.curve.pressure) for one in intervals]
+        found = {cell.curve.pressure: cell for cell in self.measure_also(middles)}
+        return [found.get(pressure) for pressure in middles]
 
-        errors: those that are known, to which new ones are added; None where one cannot be found, which is a limit.
-        """
-        neighbours = {(a.curve.pressure, b.curve.pressure): (a.curve, b.curve) for a, b in pairwise(cells)}
-        submit = self.tasks.submit
-        new = {p: submit(miss_between, *both) for p, both in neighbours.items() if p not in errors}
-        for pair, pending in new.items():
-            errors[pair] = None
+    def _errors_between(self, intervals: Sequence[Interval[Cell]]) -> Iterator[float | None]:
+        """Largest error of the curvature in the middle between two pressures, 1/mm; None where it cannot be found,
+        which is a limit."""
+        begun = [(one, self.tasks.submit(miss_between, one.first.curve, one.second.curve)) for one in intervals]
+        for one, pending in begun:
             try:
                 deviation = pending.result()
             except (PieceFailed, RodError) as failure:
-                why = str(failure).rstrip(".")
-                self.log.limits.append(Reason("between_unchecked", {"pressure_kPa": 0.5 * sum(pair), "why": why}))
+                middle, why = 0.5 * (one.first.curve.pressure + one.second.curve.pressure), str(failure).rstrip(".")
+                self.log.limits.append(Reason("between_unchecked", {"pressure_kPa": middle, "why": why}))
+                yield None
                 continue
             self.log.count("between", deviation)
-            errors[pair] = deviation.curve
-        return {pair: error for pair in neighbours if (error := errors[pair]) is not None}
+            yield deviation.curve
 
 
 def check_two(cells: Sequence[object], log: Log) -> None:

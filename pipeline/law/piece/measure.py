@@ -14,7 +14,8 @@ from fem.equations.state import State
 from fem.path.predictor import extrapolate
 from geometry import Reason
 from geometry.arrays import Array
-from pipeline.law.piece.point import AdaptiveCurve, PiecePoint, reason_of, stable, without_moment
+from pipeline.law.adaptive import divided
+from pipeline.law.piece.point import PiecePoint, reason_of, stable, without_moment
 from pipeline.law.piece.reach import Range, Reach
 from pipeline.values.pressure import KPA_PER_MPA, in_MPa
 from rod.arm_law.curves import CellCurve
@@ -243,22 +244,21 @@ def _place(sweep: CellSweep, point: CellPoint, half_pitch: float) -> dict[str, f
 
 def _refine(piece: BendingPiece, sweep: CellSweep) -> None:
     """Divide the intervals of the angle until their cubics are right to TOLERANCE where they are divided."""
-    scale = max(abs(point.state.angle) for point in sweep.points)
+    tolerance = TOLERANCE * max(abs(point.state.angle) for point in sweep.points)
 
-    def between(first: CellPoint, second: CellPoint) -> CellPoint:
+    def between(first: CellPoint, second: CellPoint) -> CellPoint | None:
         angle = first.state.angle + _division(first, second) * (second.state.angle - first.state.angle)
         predicted = predicted_at(first, second, angle)
-        return CellPoint.of(piece, piece.solve(first.state.pressure, angle, first.state, predicted))
+        try:
+            return CellPoint.of(piece, piece.solve(first.state.pressure, angle, first.state, predicted))
+        except PieceFailed as failure:  # keep the states on that side of the interval where there is no moment
+            position, keeps_first = sweep.points.index(second), first.moment + second.moment > 0.0
+            sweep.ends[1 if keeps_first else -1] = reason_of(failure)
+            sweep.points[:] = sweep.points[:position] if keeps_first else sweep.points[position:]
+            return None
 
-    def cut(first: CellPoint, second: CellPoint, failure: PieceFailed) -> None:
-        """Keep the states on that side of an interval where there is no moment."""
-        position = sweep.points.index(second)
-        keeps_first = first.moment + second.moment > 0.0
-        sweep.ends[1 if keeps_first else -1] = reason_of(failure)
-        sweep.points[:] = sweep.points[:position] if keeps_first else sweep.points[position:]
-
-    curve = AdaptiveCurve(_largest_error, between, _cubic_error, TOLERANCE * scale, DIVISIONS)
-    sweep.errors.extend(curve.refine(sweep.points, cut))
+    curve = divided(_largest_error, between, _cubic_error, tolerance, DIVISIONS)
+    sweep.errors.extend((one.first, one.second, one.error or 0.0) for one in curve.refine(sweep.points))
 
 
 def _division(first: CellPoint, second: CellPoint) -> float:

@@ -1,6 +1,7 @@
 """The clamped end of the arm at one pressure, beside cells continued to it, from finite elements."""
 
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
 from math import isnan, nan
@@ -14,8 +15,9 @@ from fem.cell.response import inflated
 from fem.path.predictor import extrapolate
 from geometry import Reason
 from geometry.arrays import Array
+from pipeline.law.adaptive import divided
 from pipeline.law.piece.in_space import clamp_in_space
-from pipeline.law.piece.point import AdaptiveCurve, Measured, PiecePoint, reached, reason_of, without_moment
+from pipeline.law.piece.point import Measured, PiecePoint, reached, reason_of, without_moment
 from pipeline.law.piece.rates import clamp_rates
 from pipeline.values.pressure import KPA_PER_MPA, in_MPa
 from rod.arm_law.curves import CellCurve, ClampCurve
@@ -208,8 +210,8 @@ def _refine(piece: BendingPiece, cell: CellCurve, points: list[_ClampPoint]) -> 
     def missed(first: _ClampPoint, second: _ClampPoint, middle: _ClampPoint) -> float:
         return abs(_rotation_between(first, second, middle.moment) - middle.rotation)
 
-    curve = AdaptiveCurve(_largest_miss, partial(_point_between, piece, cell), missed, TOLERANCE, DIVISIONS)
-    return max((error for *_, error in curve.refine(points)), default=0.0)
+    curve = divided(_largest_miss, partial(_point_between, piece, cell), missed, TOLERANCE, DIVISIONS)
+    return max((one.error or 0.0 for one in curve.refine(points)), default=0.0)
 
 
 def _largest_miss(first: _ClampPoint, second: _ClampPoint) -> float:
@@ -225,10 +227,10 @@ def _largest_miss(first: _ClampPoint, second: _ClampPoint) -> float:
     return max(abs(bent) / 8.0, abs(left) / 4.0)
 
 
-def _point_between(piece: BendingPiece, cell: CellCurve, first: _ClampPoint, second: _ClampPoint) -> _ClampPoint:
+def _point_between(piece: BendingPiece, cell: CellCurve, first: _ClampPoint, second: _ClampPoint) -> _ClampPoint | None:
     """The clamped end between two states, where the tangents of the rotation in both meet: at a kink if there is one.
 
-    Raises `PieceFailed`.
+    None where there is no state.
     """
     step = second.moment - first.moment
     change = first.rotation_by_moment - second.rotation_by_moment
@@ -237,10 +239,11 @@ def _point_between(piece: BendingPiece, cell: CellCurve, first: _ClampPoint, sec
     moment = first.moment + (float(np.clip(part, CLOSEST, 1.0 - CLOSEST)) if 0.0 < part < 1.0 else 0.5) * step
     angle = _rotation_between(first, second, moment) + cell.at(moment)[0] * piece.body.length
     predicted = extrapolate(first.path_point, second.path_point, angle)
-    state = piece.solve_near(first.state.pressure, angle, predicted or first.state.state, second.state)
-    if not first.moment < state.moment < second.moment:
-        raise PieceFailed(Reason("clamp_not_near", {"pressure_kPa": cell.pressure, "moment_N_mm": moment}))
-    return _ClampPoint.on(piece, cell, state)
+    with suppress(PieceFailed):
+        state = piece.solve_near(first.state.pressure, angle, predicted or first.state.state, second.state)
+        if first.moment < state.moment < second.moment:
+            return _ClampPoint.on(piece, cell, state)
+    return None
 
 
 def _rotation_between(first: _ClampPoint, second: _ClampPoint, moment: float) -> float:

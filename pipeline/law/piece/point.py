@@ -3,7 +3,6 @@
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
-from itertools import pairwise
 from typing import Any, Generic, TypeVar
 
 import numpy as np
@@ -119,46 +118,6 @@ def reached(
         with suppress(PieceFailed):
             return made_of(inflated(piece, pressure, angle, start))
     return made_of(inflated(piece, pressure, angle))
-
-
-@dataclass(frozen=True)
-class AdaptiveCurve(Generic[Point]):
-    """Divides the intervals between the points of a curve, the last one first, until its cubics are right there."""
-
-    bound: Callable[[Point, Point], float]  #: how far the cubic between two points may miss
-    solve: Callable[[Point, Point], Point]  #: a point between two; raises `PieceFailed`
-    error: Callable[[Point, Point, Point], float]  #: how far the cubic between the first two misses the third
-    tolerance: float
-    divisions: int  #: how often an interval is divided at most
-
-    def refine(
-        self, points: list[Point], failed: Callable[[Point, Point, PieceFailed], None] | None = None
-    ) -> list[tuple[Point, Point, float]]:
-        """Put points where they are needed; returns intervals with their errors, or bounds of them.
-
-        failed: told where there is no point between two; it may take points away.
-        """
-        errors: list[tuple[Point, Point, float]] = []
-        pending = [(*pair, self.divisions) for pair in pairwise(points)]
-        while pending:
-            first, second, divisions = pending.pop()
-            error = self.bound(first, second)
-            if error > self.tolerance:
-                try:
-                    middle = self.solve(first, second)
-                except PieceFailed as failure:
-                    if failed is not None:
-                        failed(first, second, failure)
-                        pending = [one for one in pending if one[0] in points and one[1] in points]
-                else:
-                    error = self.error(first, second, middle)
-                    points.insert(points.index(second), middle)
-                    if error > self.tolerance and divisions:
-                        pending += [(first, middle, divisions - 1), (middle, second, divisions - 1)]
-                        continue
-                    # the error of the whole interval: walls that meet in a half make a kink there
-            errors.append((first, second, error))
-        return errors
 
 
 @contextmanager

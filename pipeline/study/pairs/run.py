@@ -4,13 +4,14 @@ Between two ratios a further one is measured, by cell and ends alone, to see how
 a part of the law; where it was missed by more than `BETWEEN`, both halves are looked at as well.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import pairwise
+from math import inf
 from pathlib import Path
 
 import numpy as np
 
+from pipeline.law.adaptive import AdaptiveCurve, Interval
 from pipeline.law.rows import PairSpec
 from pipeline.law.study import measure_law
 from pipeline.results.files import LAW, folder_of
@@ -32,8 +33,6 @@ from rod.errors import RodError
 
 #: largest error of the curvature halfway between two ratios, over the largest curvature, and how many ratios are added
 BETWEEN, MOST_ADDED = 0.01, 6
-#: two directions, and the error of the law between them that is expected; None: not known
-Interval = tuple[float, float, float | None]
 
 
 @dataclass(frozen=True)
@@ -114,37 +113,49 @@ def joined(
     """The law over both pressures from those by direction, and what limits it; measured: gives that of a direction."""
     if missing := [folder_of(direction) for direction in spec.rays if direction not in laws]:
         return None, (f"There is no law over both pressures, because {', '.join(missing)} has no law of its own.",)
-    notes: list[str] = []
-    left: list[float | None] = []  # errors between rays
-    pending: list[Interval] = [(low, high, None) for low, high in pairwise(sorted(laws))]
-    while pending:
-        low, high, expected = pending.pop(0)
-        if expected is not None and (expected <= BETWEEN or len(laws) - len(spec.rays) >= MOST_ADDED):
-            left.append(expected)
-            continue
-        crosses = low < 1.0 < high  # slopes jump at equal pressures
-        middle = 1.0 if crosses else 0.5 * (low + high)
-        try:
-            laws[middle] = measured(middle, _common(laws[low], laws[high]))
-        except (InputError, RunFailed) as failure:
-            notes.append(f"Between {folder_of(low)} and {folder_of(high)}: {failure}")
-            if crosses:
-                return None, (*notes, "There is no law over both pressures without one at equal pressures.")
-            left.append(None)
-            continue
-        try:
-            errors = (None, None) if crosses else _errors(spec, laws, (low, middle, high))
-        except RodError as failure:
-            notes.append(f"Between {folder_of(low)} and {folder_of(high)}: {failure}")
-            left.append(None)
-            continue
-        pending += [(low, middle, errors[0]), (middle, high, errors[1])]
-    if max((error or 0.0 for error in left), default=0.0) > BETWEEN:
+    notes: dict[str, None] = {}
+    failed: list[Interval[float]] = []
+
+    def fail(one: Interval[float], failure: Exception) -> None:
+        notes[f"Between {folder_of(one.first)} and {folder_of(one.second)}: {failure}"] = None
+        failed.append(one)
+
+    def solve(intervals: Sequence[Interval[float]]) -> Iterator[float | None]:
+        for one in intervals:
+            middle = 1.0 if _crosses(one) else 0.5 * (one.first + one.second)
+            try:
+                laws[middle] = measured(middle, _common(laws[one.first], laws[one.second]))
+                yield middle
+            except (InputError, RunFailed) as failure:
+                fail(one, failure)
+                if _crosses(one):
+                    raise
+                yield None
+
+    def errors(intervals: Sequence[Interval[float]]) -> Iterator[float | None]:
+        for one in intervals:
+            try:
+                yield _error(spec, laws, one)
+            except RodError as failure:
+                fail(one.part_of or one, failure)
+                yield None
+
+    try:
+        intervals = AdaptiveCurve(errors, solve, BETWEEN, MOST_ADDED).refine(sorted(laws))
+    except (InputError, RunFailed):
+        return None, (*notes, "There is no law over both pressures without one at equal pressures.")
+    left = [one.error for one in intervals if one.error is not None and one not in failed]
+    if max(left, default=0.0) > BETWEEN:
         added = len(laws) - len(spec.rays)
-        notes.append(f"The law between ratios is less certain than usual, although {added} ratios were added.")
+        notes[f"The law between ratios is less certain than usual, although {added} ratios were added."] = None
     rays = sorted(laws)
-    error = None if None in left or not left else max(error for error in left if error is not None)
+    error = None if failed or not left else max(left)
     return PairLaw(spec.cavities, tuple(rays), tuple(laws[d] for d in rays), error), tuple(notes)
+
+
+def _crosses(one: Interval[float]) -> bool:
+    """Whether equal pressures, where slopes jump, lie between two directions."""
+    return one.first < 1.0 < one.second
 
 
 def _common(low: ArmLaw, high: ArmLaw) -> list[float]:
@@ -152,19 +163,23 @@ def _common(low: ArmLaw, high: ArmLaw) -> list[float]:
     return [pressure for pressure in min(low, high, key=lambda law: law.pressures[-1]).pressures if pressure]
 
 
-def _errors(spec: PairSpec, laws: Mapping[float, ArmLaw], rays: tuple[float, float, float]) -> tuple[float, float]:
-    """Expected errors of the curvature in both halves between two rays, over the largest curvature.
+def _error(spec: PairSpec, laws: Mapping[float, ArmLaw], half: Interval[float]) -> float:
+    """Expected error of the curvature in a half between two rays, over the largest curvature; infinite without a ray
+    in the middle.
 
     What the law of both rays misses the third one in the middle by, times the part of the disagreement of their slopes
-    that is left in a half. All at the highest pressure that the three have.
+    that is left in the half. All at the highest pressure that the three have.
     """
-    low, middle, high = rays
-    larger = min(laws[d].pressures[-1] for d in rays)
+    if half.part_of is None or _crosses(half.part_of):
+        return inf
+    low, high = half.part_of.first, half.part_of.second
+    middle = half.second if half.first == low else half.first
+    larger = min(laws[d].pressures[-1] for d in (low, middle, high))
 
     def fan(*directions: float) -> PairLaw:
         return PairLaw(spec.cavities, directions, tuple(laws[d] for d in directions))
 
-    whole, halves = fan(low, high), (fan(low, middle), fan(middle, high))
+    whole, part = fan(low, high), fan(half.first, half.second)
     one, other = fractions_of(middle)
     found, true = whole.at((one * larger, other * larger)).section, laws[middle].at(larger).section
     there = (true.moment >= found.moment[0]) & (true.moment <= found.moment[-1])
@@ -174,5 +189,4 @@ def _errors(spec: PairSpec, laws: Mapping[float, ArmLaw], rays: tuple[float, flo
     cells = whole.cells_around(0, larger)
     error = float(misses.max()) / max(float(np.abs(cell.curve.kappa).max()) for cell in cells)
     before = float(measure_disagreement(*cells)[1].max()) or 1.0  # none: nothing to gain
-    parts = [float(measure_disagreement(*half.cells_around(0, larger))[1].max()) / before for half in halves]
-    return error * min(1.0, parts[0]), error * min(1.0, parts[1])
+    return error * min(1.0, float(measure_disagreement(*part.cells_around(0, larger))[1].max()) / before)
