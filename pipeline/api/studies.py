@@ -1,12 +1,13 @@
 """Many designs: effects on and off, meshes, axes of a sweep, and a design for a wish."""
 
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from pipeline.api.course import course_of, design_of, load_notes, reached
+from pipeline.api.course import MOST_JOBS, course_of, design_of, load_notes, reached
 from pipeline.api.given import given_choice, given_folder, given_jobs, given_path, given_progress
 from pipeline.api.options import ConfigFile, Fresh, Out, Settings, jobs_option, out_option
 from pipeline.store.progress import Progress, Silent
@@ -131,13 +132,9 @@ def design(
     `report.given_up` says what is missed, where wishes contradict each other. Raises `pneurod.InputError` for a wrong
     file and limits that no design keeps, and `pneurod.RunFailed` where no design has a law, or its run fails.
     """
-    from pipeline.study.wishes.design import Course, find_design
+    from pipeline.study.wishes.design import find_design
     from pipeline.study.wishes.spec import read_wishes
 
     file = read_wishes(given_path(wish, "wish", "wish.yaml"))
-    course = Course.of(given_jobs(jobs), given_choice(fresh, "fresh"), given_choice(run, "run"))
-    listener = given_progress(progress)
-    try:
-        return find_design(file, given_folder(out, file.name), course, listener)
-    finally:
-        listener.done()
+    find = partial(find_design, with_run=given_choice(run, "run"))
+    return course_of(jobs, MOST_JOBS, fresh, progress).solve(find, file, given_folder(out, file.name))

@@ -90,9 +90,9 @@ def show_cell(report: LawReport[MeasuredLaw] | LawReport[MeasuredInSpace]) -> No
         print_sentences(*space_sentences(measured))
         print_lines(f"law: {folder / 'law.json'}")
         return
-    tables = [law_table(measured), space_table(measured.law, measured.mesh_error or LawMeshError())]
-    tables += [] if measured.limit is None else [mesh_table(measured.limit)]
-    print_lines(*tables)
+    shown = [law_table(measured), space_table(measured.law, measured.mesh_error or LawMeshError())]
+    shown += [] if measured.limit is None else [mesh_table(measured.limit)]
+    print_lines(*shown)
     print_sentences(*(f"Note: {render(remark)}." for remark in law_remarks(measured)))
     print_lines(f"law: {folder / 'law.json'}, picture: {folder / 'law.html'}")
 

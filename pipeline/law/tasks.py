@@ -49,31 +49,19 @@ class PieceCurves:
         measure: Callable[[BendingPiece], Measured[Value]],
     ) -> Measured[Value]:
         """What is measured on a piece, which is made where an earlier run of these sources has kept nothing."""
-        return self._read(kind, name) or self._measure(name, piece_of, measure)
-
-    def _read(self, kind: type[Value], name: str) -> Measured[Value] | None:
-        """The value of this name from an earlier run of these sources."""
-        kept = self._kept(name).read()
-        if kept is None or (self.pieces.derivatives and name.startswith(WITH_RATES) and not kept.rates):
-            return None
-        return replace(kept, curve=kept.curve if kind is float else curve_of(kind, kept.curve), is_stored=True)
-
-    def _measure(
-        self, name: str, piece_of: Callable[[], BendingPiece], measure: Callable[[BendingPiece], Measured[Value]]
-    ) -> Measured[Value]:
+        file: KeptFile[Measured[Any]] = KeptFile.of_run(self.store, self.file(name), Measured[Any])
+        needs_rates = self.pieces.derivatives and name.startswith(WITH_RATES)
+        if (kept := file.read()) is not None and (kept.rates or not needs_rates):
+            return replace(kept, curve=kept.curve if kind is float else curve_of(kind, kept.curve), is_stored=True)
         begin, piece = perf_counter(), piece_of()
         before = piece.factorizations
         measured = measure(piece)
-        spent = piece.factorizations - before
-        seconds, unknowns = perf_counter() - begin, 3 * len(piece.space.points)
+        spent, seconds = piece.factorizations - before, perf_counter() - begin
+        unknowns = 3 * len(piece.space.points)
         measured = replace(measured, factorizations=spent, seconds=seconds, unknowns=unknowns)
         made: Any = measured
-        content = made.curve if isinstance(made.curve, float) else record_of(made.curve)
-        self._kept(name).save(replace(made, curve=content))
+        file.save(replace(made, curve=made.curve if kind is float else record_of(made.curve)))
         return measured
-
-    def _kept(self, name: str) -> KeptFile[Measured[Any]]:
-        return KeptFile.of_run(self.store, self.file(name), Measured[Any])
 
     def file(self, name: str) -> str:
         """Where what has this name is kept of these pieces."""

@@ -61,17 +61,8 @@ class MeasuredInSpace:
     law: SpaceLaw
     states: int  #: of the cell
     left: tuple[str, ...]  #: what could not be solved, a sentence each
-    mesh_error: LawMeshError | None  #: None: there is no finer mesh
-
-    @property
-    def changes(self) -> tuple[float, float] | None:
-        """Relative changes of curvature and rigidity on the finer mesh, without sign; None without one."""
-        if self.mesh_error is None:
-            return None
-        names = ("kappa_0_per_mm", "rigidity_N_mm2")
-        sizes, stds = ([getattr(self.mesh_error, f"{name}{end}")[0] for name in names] for end in ("", "_std"))
-        curvature = (1.0 - FINER) * stds[0] / max(sizes[0], 1.0 / self.law.length)
-        return curvature, (1.0 - FINER) * stds[1] / sizes[1]
+    mesh_error: LawMeshError | None = None  #: None: there is no finer mesh
+    changes: tuple[float, float] | None = None  #: relative, of curvature and rigidity on it, without sign
 
 
 def measure_in_space(pieces: ArmPieces, rows: Sequence[Pressures], context: RunContext) -> MeasuredInSpace:
@@ -82,7 +73,7 @@ def measure_in_space(pieces: ArmPieces, rows: Sequence[Pressures], context: RunC
     tasks, spanned = ArmTasks(pieces, context), Spanned(np.array(rows))
     count = spanned.onto.shape[1]
     parts = ONE_RATIO if count == 1 else RATIOS
-    highest = _highest(rows) if count == 1 else list(rows)
+    highest = [max(rows, key=lambda row: max(map(abs, row)))] if count == 1 else list(rows)
     context.progress.stage("states without moment")
     middles = _followed(tasks, highest, parts)
     mixed = [] if count == 1 else _followed(tasks, _between(rows), MIXED)
@@ -103,11 +94,7 @@ def measure_in_space(pieces: ArmPieces, rows: Sequence[Pressures], context: RunC
     places = [rest, *(_scaled(row, part) for row in highest for part in parts[-2:])]
     law, missing = _law(tasks, fit, states, spanned, (reach, highest, places))
     law = replace(law, error=max(law.error, _error_between(tasks, law, highest)))
-    return MeasuredInSpace(law, len(states), (*left, *missing), _finer(tasks, law, highest))
-
-
-def _highest(rows: Sequence[Pressures]) -> list[Pressures]:
-    return [max(rows, key=lambda row: max(map(abs, row)))]
+    return MeasuredInSpace(law, len(states), (*left, *missing), *_finer(tasks, law, highest))
 
 
 def _between(rows: Sequence[Pressures]) -> list[Pressures]:
@@ -272,10 +259,13 @@ def _error_between(tasks: ArmTasks, law: SpaceLaw, rows: Sequence[Pressures]) ->
     return max((float(np.linalg.norm(state.vector)) / largest for state in found), default=0.0)
 
 
-def _finer(tasks: ArmTasks, law: SpaceLaw, rows: Sequence[Pressures]) -> LawMeshError | None:
+def _finer(
+    tasks: ArmTasks, law: SpaceLaw, rows: Sequence[Pressures]
+) -> tuple[()] | tuple[LawMeshError, tuple[float, float]]:
     """The errors of the curvature without moment and of the rigidity at the row that bends the cell most.
 
-    They are taken as proportional to the size of the mesh, and follow from the changes on a finer one.
+    They are taken as proportional to the size of the mesh, and follow from the changes on a finer one, which are
+    returned as well, over their values.
     """
     pressures = max(rows, key=lambda row: float(np.linalg.norm(law.at(row).kappa_0)))
     bend = law.at(pressures).kappa_0
@@ -285,15 +275,10 @@ def _finer(tasks: ArmTasks, law: SpaceLaw, rows: Sequence[Pressures]) -> LawMesh
         finer = replace(tasks, pieces=tasks.pieces.with_mesh_size(FINER * size))
         own, other = (one.submit(cell_state, pressures, middle).result() for one in (tasks, finer))
     except (InputError, NoArmLaw, PieceFailed):
-        return None
-    change = np.subtract(_without_moment(other), _without_moment(own))
-    rigidity = own.by_curvature[1]
-    return LawMeshError(
-        size,
-        FINER * size,
-        (max(pressures),),
-        kappa_0_per_mm=(hypot(*middle),),
-        rigidity_N_mm2=(rigidity,),
-        kappa_0_per_mm_std=(float(np.linalg.norm(change)) / (1.0 - FINER),),
-        rigidity_N_mm2_std=(abs(other.by_curvature[1] - rigidity) / (1.0 - FINER),),
-    )
+        return ()
+    kappa_0, rigidity = hypot(*middle), own.by_curvature[1]
+    change = float(np.linalg.norm(np.subtract(_without_moment(other), _without_moment(own))))
+    stiffer, left = abs(other.by_curvature[1] - rigidity), 1.0 - FINER
+    columns = (kappa_0,), (rigidity,), (), (change / left,), (stiffer / left,)
+    changes = change / max(kappa_0, 1.0 / law.length), stiffer / rigidity
+    return LawMeshError(size, FINER * size, (max(pressures),), *columns), changes

@@ -1,7 +1,6 @@
 """The command for a wish: search, files, and a run of the design that was found."""
 
 import shutil
-from dataclasses import dataclass
 from pathlib import Path
 
 from pipeline.results.files import read_plane_law
@@ -11,12 +10,11 @@ from pipeline.store.context import run_context
 from pipeline.store.progress import Progress
 from pipeline.store.provenance import provenance
 from pipeline.store.store import Store, check_owner, clear, open_store
-from pipeline.store.worker import available_cores
-from pipeline.study.wishes.feasible import check_feasible
 from pipeline.study.wishes.measured import POINTS, NotBorne, store_of
 from pipeline.study.wishes.numbers import numbers_of
 from pipeline.study.wishes.report import DesignReport, design_page, history_rows, report_of
 from pipeline.study.wishes.search import Found, Search
+from pipeline.study.wishes.step import check_feasible
 from pipeline.study.wishes.wish_file import WishFile
 from pipeline.values.errors import InputError, RunFailed
 from rod import RodError
@@ -28,32 +26,22 @@ RUN = "run"
 LAW = "law"
 
 
-@dataclass(frozen=True)
-class Course:
-    """How a design is looked for; it decides no result."""
-
-    jobs: int
-    fresh: bool
-    with_run: bool  #: whether the design that was found is run in full
-
-    @staticmethod
-    def of(jobs: int | None, fresh: bool, with_run: bool) -> "Course":
-        """With as many processes as cores, at most 3, unless a number is given."""
-        return Course(jobs or min(3, available_cores()), fresh, with_run)
-
-
-def find_design(file: WishFile, out: Path, course: Course, progress: Progress) -> DesignReport:
+def find_design(
+    file: WishFile, out: Path, jobs: int, fresh: bool, progress: Progress, *, with_run: bool
+) -> DesignReport:
     """From a wish to `out`/design.yaml; designs that `out` already holds are not measured again.
+
+    with_run: whether the design that was found is run in full.
 
     Raises InputError for limits that no design keeps and a folder that cannot be used, and RunFailed where no design
     has a law. Where wishes are missed the report says so (`raise_if_missed`).
     """
     check_feasible(file)
-    with open_store(out, file, fresh=course.fresh) as store:
-        if course.fresh:
+    with open_store(out, file, fresh=fresh) as store:
+        if fresh:
             for name in (POINTS, RUN):
                 shutil.rmtree(out / name, ignore_errors=True)
-        with run_context(store, course.jobs, progress) as context:
+        with run_context(store, jobs, progress) as context:
             for pending in begin_loading(context, file.start):
                 pending.result()
             try:
@@ -62,8 +50,8 @@ def find_design(file: WishFile, out: Path, course: Course, progress: Progress) -
                 raise RunFailed(f"no design was found: {failure}; designs that were tried are kept in {out}") from None
         report = report_of(file, found, out)
         _save(store, file, found, report)
-        if course.with_run:
-            report = _run(file, found, store, course, progress)
+        if with_run:
+            report = _run(file, found, store, jobs, progress)
             _save(store, file, found, report)
     return report
 
@@ -87,7 +75,7 @@ def _save(store: Store, file: WishFile, found: Found, report: DesignReport) -> N
     store.save_text(FILES[3], design_page(file.wishes, report))
 
 
-def _run(file: WishFile, found: Found, store: Store, course: Course, progress: Progress) -> DesignReport:
+def _run(file: WishFile, found: Found, store: Store, jobs: int, progress: Progress) -> DesignReport:
     """The report with the numbers of a run of the design, whose law is partly there already.
 
     A run that misses something says so in its own results.
@@ -100,7 +88,7 @@ def _run(file: WishFile, found: Found, store: Store, course: Course, progress: P
         clear(folder)
     if known.is_dir():
         shutil.copytree(known, folder / LAW, dirs_exist_ok=True)
-    run(config, folder, course.jobs, False, progress)
+    run(config, folder, jobs, False, progress)
     try:
         law = read_plane_law(folder)
         values = numbers_of(law, file.wishes, file.wishes.values(found.trial.point))

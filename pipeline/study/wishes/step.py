@@ -5,7 +5,9 @@ dimensions and pressures. Such a model is exact for numbers that are products of
 """
 
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
+from itertools import islice, product
 from typing import Any
 
 import numpy as np
@@ -22,6 +24,10 @@ from pipeline.values.errors import InputError
 MET, KEPT = 0.7, 0.995
 #: change of the logarithm of a dimension in difference quotients of mass and wall
 STEP = 1e-4
+#: corners of the bounds that are looked at
+MOST_CORNERS = 64
+#: excess over a limit, over it, that is rounding
+ROUNDING = 1e-6
 
 
 @dataclass(frozen=True, eq=False)  # arrays inside
@@ -140,3 +146,26 @@ def solved(
     except (InputError, DesignError):
         return start
     return np.clip(found, box[:, 0], box[:, 1]) if np.all(np.isfinite(found)) else start
+
+
+def check_feasible(file: WishFile) -> None:
+    """Raise InputError where no design within the bounds has a mass and walls within their limits."""
+
+    def excess(u: Array) -> float:
+        return float(np.sum(np.maximum(exact_ratios(file, u) - 1.0, 0.0)))
+
+    box, ends = np.log(file.wishes.bounds), list[tuple[float, int, Array]]()
+    corners = islice(product(*box), MOST_CORNERS)
+    for number, u in enumerate((np.log(file.wishes.start), *map(np.array, corners))):
+        with suppress(InputError, DesignError):  # a corner may be no body
+            ends.append((excess(u), number, u))
+    least, _, best = min(ends)
+    if least > ROUNDING:
+        best = solved(excess, best, box)
+    if excess(best) > ROUNDING:
+        found = exact_limits(file.wishes, file.drawn(np.exp(best)))
+        name = max(found, key=lambda key: found[key][0])
+        has = f"{found[name][1]:.4g} {'g' if name == 'mass' else 'mm'}"
+        raise InputError(
+            f"{file.source}: limits.{name}: no design within the bounds of free keeps it; the nearest has {has}"
+        )

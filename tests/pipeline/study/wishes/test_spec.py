@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from pipeline.study.wishes.feasible import check_feasible
+from pipeline.study.wishes.step import check_feasible
 from pipeline.study.wishes.wish_file import rounded
 from pipeline.values.errors import InputError
 from tests.pipeline.study.wishes.test_measured import SMALL, small
