@@ -1,6 +1,6 @@
 """`pressures` whose entries are rows, with a pressure for each cavity, instead of one pressure for all of them."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,11 +12,11 @@ from rod.arm_law.pairs import direction_of, fractions_of
 from rod.same_pressure import Pressures, as_known, is_among
 
 _KEY, _CAVITIES = "pressures", "effects.pressure.cavities"
-_NO_ROW = "is no row of pressures; for example [20 kPa, 5 kPa, 0 kPa]"
-_NO_PAIR = (
-    "is not a pair of pressures; for example [[10 kPa, 0 kPa], [20 kPa, 5 kPa]]. `pneurod cell` takes rows for three "
-    "chambers"
-)
+_OTHERWISE = {
+    "rows": "is no row of pressures; for example [20 kPa, 5 kPa, 0 kPa]",
+    "pairs": "is not a pair of pressures; for example [[10 kPa, 0 kPa], [20 kPa, 5 kPa]]. `pneurod cell` takes rows "
+    "for three chambers",
+}
 
 
 @dataclass(frozen=True)
@@ -58,7 +58,7 @@ def read_rows(document: Document) -> RowSpec | None:
     """
     if not has_rows(document):
         return None
-    rows = _rows(document, "rows", _NO_ROW, _check_row)
+    rows = _rows(document, "rows")
     config = _config(document, sorted({max(row) for row in rows}))
     cavities = config.design.cavities
     if not config.design.halves_differ:
@@ -83,7 +83,7 @@ def read_pairs(document: Document) -> PairSpec | None:
     if not has_rows(document):
         return None
     rays: dict[float, list[float]] = {}
-    for k, row in enumerate(_rows(document, "pairs", _NO_PAIR, _check_pair)):
+    for k, row in enumerate(_rows(document, "pairs")):
         larger, direction = direction_of(row)
         direction = as_known([*rays], direction) if rays else direction
         if is_among(rays.setdefault(direction, []), larger):
@@ -97,26 +97,8 @@ def read_pairs(document: Document) -> PairSpec | None:
     return PairSpec(document, config.name, names, known)
 
 
-def _check_row(row: Pressures) -> None:
-    """Raise ValueError for a vacuum, and for a body at rest."""
-    if min(row) < 0.0 or not max(row):
-        raise ValueError("must have no pressure below 0 kPa, and one above")
-
-
-def _check_pair(row: Pressures) -> None:
-    """Raise ValueError for what is no pair, and for a body at rest."""
-    if len(row) != 2:
-        raise ValueError(_NO_PAIR)
-    if not direction_of(row)[0]:
-        raise ValueError("is a body at rest; give one of both pressures above 0 kPa")
-
-
-def _rows(document: Document, name: str, otherwise: str, check: Callable[[Pressures], None]) -> tuple[Pressures, ...]:
-    """The rows of a document. Raises InputError for each wrong one, and beside fractions of cavities.
-
-    name: of such entries. otherwise: what is said of an entry that is none. check: raises ValueError for a row that is
-    not allowed.
-    """
+def _rows(document: Document, name: str) -> tuple[Pressures, ...]:
+    """The rows of a document; name: rows, or pairs. Raises InputError for wrong ones, and beside fractions."""
     effects = document.content.get("effects")
     pressure = effects.get("pressure") if isinstance(effects, Mapping) else None
     if isinstance(pressure, Mapping) and "cavities" in pressure:
@@ -124,10 +106,13 @@ def _rows(document: Document, name: str, otherwise: str, check: Callable[[Pressu
         raise document.wrong(tuple(_CAVITIES.split(".")), sentence)
 
     def row(_: int, entry: Any) -> Pressures:
-        if not isinstance(entry, list) or len(entry) < 2:
-            raise ValueError(otherwise)
+        if not isinstance(entry, list) or len(entry) < 2 or (name == "pairs" and len(entry) > 2):
+            raise ValueError(_OTHERWISE[name])
         values = tuple(convert(value, PRESSURE) for value in entry)
-        check(values)
+        if name == "rows" and (min(values) < 0.0 or not max(values)):
+            raise ValueError("must have no pressure below 0 kPa, and one above")
+        if name == "pairs" and not direction_of(values)[0]:
+            raise ValueError("is a body at rest; give one of both pressures above 0 kPa")
         return values
 
     with in_sentences(document):

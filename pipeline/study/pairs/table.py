@@ -21,17 +21,19 @@ _HEADS = ("bends by (°)", "tip x, y (mm)", "force in III (N)", "rod: shape", "r
 def pairs_table(made: PairRuns) -> Table:
     """One row per pair: the arm by finite elements, and how far the rod with its own law is from them."""
     rows = []
-    for direction, pressures, results in _runs(made):
-        for larger in pressures:
-            pair = ", ".join(f"{fraction * larger:.4g}" for fraction in fractions_of(direction))
-            rows.append((pair, *_numbers(results, larger)))
+    for direction, larger in _pairs(made):
+        rows.append((_told(direction, larger), *_numbers(made.runs[direction], larger)))
     heads = (f"{' and '.join(made.spec.cavities)} (kPa)", *_HEADS)
     return Table(heads, tuple(rows), "rod: with the arm's own law, against finite elements of the whole arm")
 
 
-def _runs(made: PairRuns) -> Iterator[tuple[float, tuple[float, ...], Run]]:
-    for direction, pressures in made.spec.rays.items():
-        yield direction, pressures, made.runs[direction]
+def _pairs(made: PairRuns) -> list[tuple[float, float]]:
+    """Direction and larger pressure (kPa) of each."""
+    return [(direction, larger) for direction, pressures in made.spec.rays.items() for larger in pressures]
+
+
+def _told(direction: float, larger: float) -> str:
+    return ", ".join(f"{fraction * larger:.4g}" for fraction in fractions_of(direction))
 
 
 def _numbers(results: Run, larger: float) -> tuple[str, ...]:
@@ -62,7 +64,7 @@ def _page(made: PairRuns) -> str:
             link=f"{folder_of(direction)}/report.html",
             sentences=verdict_of(results).lines,
         )
-        for direction, _, results in _runs(made)
+        for direction, results in made.runs.items()
     )
     whole = Section(table=pairs_table(made)), Section(sentences=made.sentences, panels=panels)
     return page(f"{made.spec.name}: pairs of pressures", *whole, *found)
@@ -70,11 +72,11 @@ def _page(made: PairRuns) -> str:
 
 def _curves(made: PairRuns) -> Iterator[Line]:
     assert made.law is not None
-    pairs = [(d, larger) for d, pressures, _ in _runs(made) for larger in pressures]
+    pairs = _pairs(made)
     for number, (direction, larger) in enumerate(pairs):
         law = made.law.laws[made.law.directions.index(direction)]
         if larger > law.pressures[-1]:
             continue
         section = law.at(larger).section
-        name = ", ".join(f"{fraction * larger:.4g}" for fraction in fractions_of(direction)) + " kPa"
+        name = f"{_told(direction, larger)} kPa"
         yield Line(section.kappa, section.moment, name, ordered_colour(number, len(pairs)))
