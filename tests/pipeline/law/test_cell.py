@@ -17,7 +17,7 @@ from pipeline.cli import app
 from pipeline.config.config import Config
 from pipeline.config.load import load_config
 from pipeline.law import cells, meshes
-from pipeline.law.build import tell_first
+from pipeline.law.build import MeasuredLaw, tell_first
 from pipeline.law.cells import BETWEEN, is_not_reduced
 from pipeline.law.meshes import find_limit
 from pipeline.law.piece.measure import CellPoint
@@ -46,11 +46,11 @@ def arm(*settings: str, name: str = "pneunet_coarse") -> Config:
 
 
 @pytest.fixture(scope="module")
-def report(tmp_path_factory: pytest.TempPathFactory, coarse_limit: None) -> LawReport:
+def report(tmp_path_factory: pytest.TempPathFactory, coarse_limit: None) -> LawReport[MeasuredLaw]:
     return measure_law(arm(*ARM), tmp_path_factory.mktemp("law"), 1, False, Silent())
 
 
-def test_the_law_goes_through_rest_and_every_pressure_of_the_configuration(report: LawReport) -> None:
+def test_the_law_goes_through_rest_and_every_pressure_of_the_configuration(report: LawReport[MeasuredLaw]) -> None:
     law = report.measured.law
     assert report.measured.failures == ()
     assert {0.0, 6.0, 9.0} | set(report.measured.added_kPa) == set(law.pressures)
@@ -77,7 +77,7 @@ def test_intervals_of_the_pressure_are_not_divided_in_vain(errors: tuple[float, 
     assert is_not_reduced(errors, 1.0) is expected
 
 
-def test_the_file_holds_the_law_with_its_errors_and_limits(report: LawReport) -> None:
+def test_the_file_holds_the_law_with_its_errors_and_limits(report: LawReport[MeasuredLaw]) -> None:
     content = json.loads((report.directory / "law.json").read_text(encoding="utf-8"))
     assert {"format", "pitch_mm", "pressures_kPa", "curves", "clamp", "tip", "mesh_error", "limits"} <= set(content)
     keys = {"pressure_kPa", "kappa_per_mm", "moment_N_mm", "stretch", "rigidity_N_mm2", "contact", "min_J"}
@@ -92,7 +92,7 @@ def test_the_file_holds_the_law_with_its_errors_and_limits(report: LawReport) ->
         assert (report.directory / name).stat().st_size > 1000
 
 
-def test_the_law_is_read_back_and_gives_the_same_rod(report: LawReport) -> None:
+def test_the_law_is_read_back_and_gives_the_same_rod(report: LawReport[MeasuredLaw]) -> None:
     results = pneurod.read_results(report.directory)
     assert isinstance(results.arm_law, pneurod.ArmLaw)
     assert results.run.record.config_hash == report.config.hash
@@ -103,7 +103,7 @@ def test_the_law_is_read_back_and_gives_the_same_rod(report: LawReport) -> None:
 
 
 def test_a_second_call_solves_nothing_and_writes_the_same_law(
-    report: LawReport, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    report: LawReport[MeasuredLaw], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     shutil.copytree(report.directory, tmp_path / "again")
 
@@ -118,7 +118,7 @@ def test_a_second_call_solves_nothing_and_writes_the_same_law(
 
 
 def test_an_interrupted_measurement_continues_with_equal_numbers(
-    report: LawReport, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    report: LawReport[MeasuredLaw], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """A cell, an end and a check that are missing are measured again, from the same states as the first time."""
     shutil.copytree(report.directory, tmp_path / "again")
@@ -188,7 +188,7 @@ def test_a_pressure_that_a_finer_mesh_does_not_bear_is_named(tmp_path: Path, mon
     assert reason.values["size_mm"] == pytest.approx(6.0 / meshes.RATIO)
 
 
-def test_processes_measure_the_same_law(report: LawReport, tmp_path: Path) -> None:
+def test_processes_measure_the_same_law(report: LawReport[MeasuredLaw], tmp_path: Path) -> None:
     shutil.copytree(report.directory, tmp_path / "again")
     for pattern in ("cell_6kPa*", "cell_9kPa*"):
         for file in (tmp_path / "again" / "law").rglob(pattern):
@@ -200,7 +200,7 @@ def test_processes_measure_the_same_law(report: LawReport, tmp_path: Path) -> No
 
 
 def test_a_pressure_that_the_cell_does_not_bear_is_named_and_the_law_below_it_stays(
-    report: LawReport, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    report: LawReport[MeasuredLaw], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     shutil.copytree(report.directory, tmp_path / "again")
     [file] = (tmp_path / "again" / "law").rglob("cell_9kPa*")
@@ -219,7 +219,7 @@ def test_a_pressure_that_the_cell_does_not_bear_is_named_and_the_law_below_it_st
     assert "the law goes up to 6 kPa" in str(failed.value)
 
 
-def test_the_rod_command_reads_the_law(report: LawReport, tmp_path: Path) -> None:
+def test_the_rod_command_reads_the_law(report: LawReport[MeasuredLaw], tmp_path: Path) -> None:
     file = str(report.directory / "law.json")
     call = CliRunner().invoke(
         app, ["rod", file, "--pressure", "8 kPa", "--end-y", "0 mm", "--out", f"{tmp_path}/s.csv"]
@@ -233,7 +233,7 @@ def test_the_rod_command_reads_the_law(report: LawReport, tmp_path: Path) -> Non
     assert "12 kPa is outside" in outside.stderr
 
 
-def test_the_section_law_is_exported_as_a_table(report: LawReport, tmp_path: Path) -> None:
+def test_the_section_law_is_exported_as_a_table(report: LawReport[MeasuredLaw], tmp_path: Path) -> None:
     shutil.copy(report.directory / "law.json", tmp_path)
     for target in ("csv", "json"):
         assert CliRunner().invoke(app, ["export", str(tmp_path), "--to", target]).exit_code == 0
@@ -286,7 +286,9 @@ def test_the_tip_without_a_load_is_that_of_the_material_curve() -> None:
         assert state.tip_mm == pytest.approx((whole.end_x_mm, whole.end_y_mm - 1.0), abs=0.08)
 
 
-def test_the_first_numbers_are_those_of_the_law_on_the_same_mesh(report: LawReport, tmp_path: Path) -> None:
+def test_the_first_numbers_are_those_of_the_law_on_the_same_mesh(
+    report: LawReport[MeasuredLaw], tmp_path: Path
+) -> None:
     config, told = arm(*ARM), Mock(spec=Progress)
     with open_store(tmp_path, config) as store:
         pieces, context = ArmPieces.of(Scene.meshed(config)), RunContext.alone(store, told)
