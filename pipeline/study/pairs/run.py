@@ -4,8 +4,8 @@ Between two ratios a further one is measured, by cell and ends alone, to see how
 a part of the law; where it was missed by more than `BETWEEN`, both halves are looked at as well.
 """
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
 from math import inf
 from pathlib import Path
 
@@ -113,80 +113,79 @@ def joined(
     """The law over both pressures from those by direction, and what limits it; measured: gives that of a direction."""
     if missing := [folder_of(direction) for direction in spec.rays if direction not in laws]:
         return None, (f"There is no law over both pressures, because {', '.join(missing)} has no law of its own.",)
-    notes: dict[str, None] = {}
-    failed: list[Interval[float]] = []
+    fan = _Fan(spec.cavities, laws, measured)
+    try:
+        intervals = AdaptiveCurve(fan.errors, fan.solve, BETWEEN, MOST_ADDED).refine(sorted(laws))
+    except (InputError, RunFailed):
+        return None, (*fan.notes, "There is no law over both pressures without one at equal pressures.")
+    left = [one.error for one in intervals if one.error is not None and one not in fan.failed]
+    if max(left, default=0.0) > BETWEEN:
+        added = len(laws) - len(spec.rays)
+        fan.notes.append(f"The law between ratios is less certain than usual, although {added} ratios were added.")
+    return fan.law(*sorted(laws), error=None if fan.failed or not left else max(left)), tuple(fan.notes)
 
-    def fail(one: Interval[float], failure: Exception) -> None:
-        notes[f"Between {folder_of(one.first)} and {folder_of(one.second)}: {failure}"] = None
-        failed.append(one)
 
-    def solve(intervals: Sequence[Interval[float]]) -> Iterator[float | None]:
+@dataclass(frozen=True)
+class _Fan:
+    """Laws by direction, to which those of directions between are added."""
+
+    cavities: tuple[str, ...]
+    laws: dict[float, ArmLaw]
+    measured: Callable[[float, Sequence[float]], ArmLaw]  #: the law of a direction at pressures (kPa)
+    notes: list[str] = field(default_factory=list)
+    failed: list[Interval[float]] = field(default_factory=list)  #: in which nothing more is known
+
+    def law(self, *directions: float, error: float | None = None) -> PairLaw:
+        """The law of some of the directions."""
+        return PairLaw(self.cavities, directions, tuple(self.laws[d] for d in directions), error)
+
+    def solve(self, intervals: Sequence[Interval[float]]) -> Iterator[float | None]:
+        """Directions in the middle, whose laws are measured. Raises InputError and RunFailed at equal pressures."""
         for one in intervals:
             middle = 1.0 if _crosses(one) else 0.5 * (one.first + one.second)
+            shorter = min(self.laws[one.first], self.laws[one.second], key=lambda law: law.pressures[-1])
             try:
-                laws[middle] = measured(middle, _common(laws[one.first], laws[one.second]))
-                yield middle
+                self.laws[middle] = self.measured(middle, [pressure for pressure in shorter.pressures if pressure])
             except (InputError, RunFailed) as failure:
-                fail(one, failure)
+                self._fail(one, failure)
                 if _crosses(one):
                     raise
                 yield None
+            else:
+                yield middle
 
-    def errors(intervals: Sequence[Interval[float]]) -> Iterator[float | None]:
+    def errors(self, intervals: Sequence[Interval[float]]) -> Iterator[float | None]:
+        """Expected errors of the curvature in halves, over the largest curvature; infinite without a ray between."""
         for one in intervals:
             try:
-                yield _error(spec, laws, one)
+                yield inf if one.part_of is None or _crosses(one.part_of) else self._error(one, one.part_of)
             except RodError as failure:
-                fail(one.part_of or one, failure)
+                self._fail(one.part_of or one, failure)
                 yield None
 
-    try:
-        intervals = AdaptiveCurve(errors, solve, BETWEEN, MOST_ADDED).refine(sorted(laws))
-    except (InputError, RunFailed):
-        return None, (*notes, "There is no law over both pressures without one at equal pressures.")
-    left = [one.error for one in intervals if one.error is not None and one not in failed]
-    if max(left, default=0.0) > BETWEEN:
-        added = len(laws) - len(spec.rays)
-        notes[f"The law between ratios is less certain than usual, although {added} ratios were added."] = None
-    rays = sorted(laws)
-    error = None if failed or not left else max(left)
-    return PairLaw(spec.cavities, tuple(rays), tuple(laws[d] for d in rays), error), tuple(notes)
+    def _fail(self, one: Interval[float], failure: Exception) -> None:
+        self.failed.append(one)
+        note = f"Between {folder_of(one.first)} and {folder_of(one.second)}: {failure}"
+        self.notes.extend([note] if note not in self.notes else [])
+
+    def _error(self, half: Interval[float], whole: Interval[float]) -> float:
+        """What the law of two rays misses the third one in the middle by, times the part of the disagreement of their
+        slopes that is left in the half. All at the highest pressure that the three have."""
+        middle = half.second if half.first == whole.first else half.first
+        larger = min(self.laws[d].pressures[-1] for d in (whole.first, middle, whole.second))
+        law, part = self.law(whole.first, whole.second), self.law(half.first, half.second)
+        one, other = fractions_of(middle)
+        found, true = law.at((one * larger, other * larger)).section, self.laws[middle].at(larger).section
+        there = (true.moment >= found.moment[0]) & (true.moment <= found.moment[-1])
+        if not there.any():
+            raise RodError("The laws of the ratios have no moment in common.")
+        misses = np.abs(true.kappa - np.interp(true.moment, found.moment, found.kappa))[there]
+        cells = law.cells_around(0, larger)
+        error = float(misses.max()) / max(float(np.abs(cell.curve.kappa).max()) for cell in cells)
+        before = float(measure_disagreement(*cells)[1].max()) or 1.0  # none: nothing to gain
+        return error * min(1.0, float(measure_disagreement(*part.cells_around(0, larger))[1].max()) / before)
 
 
 def _crosses(one: Interval[float]) -> bool:
     """Whether equal pressures, where slopes jump, lie between two directions."""
     return one.first < 1.0 < one.second
-
-
-def _common(low: ArmLaw, high: ArmLaw) -> list[float]:
-    """The pressures above 0 kPa of the law that ends first."""
-    return [pressure for pressure in min(low, high, key=lambda law: law.pressures[-1]).pressures if pressure]
-
-
-def _error(spec: PairSpec, laws: Mapping[float, ArmLaw], half: Interval[float]) -> float:
-    """Expected error of the curvature in a half between two rays, over the largest curvature; infinite without a ray
-    in the middle.
-
-    What the law of both rays misses the third one in the middle by, times the part of the disagreement of their slopes
-    that is left in the half. All at the highest pressure that the three have.
-    """
-    if half.part_of is None or _crosses(half.part_of):
-        return inf
-    low, high = half.part_of.first, half.part_of.second
-    middle = half.second if half.first == low else half.first
-    larger = min(laws[d].pressures[-1] for d in (low, middle, high))
-
-    def fan(*directions: float) -> PairLaw:
-        return PairLaw(spec.cavities, directions, tuple(laws[d] for d in directions))
-
-    whole, part = fan(low, high), fan(half.first, half.second)
-    one, other = fractions_of(middle)
-    found, true = whole.at((one * larger, other * larger)).section, laws[middle].at(larger).section
-    there = (true.moment >= found.moment[0]) & (true.moment <= found.moment[-1])
-    if not there.any():
-        raise RodError("The laws of the ratios have no moment in common.")
-    misses = np.abs(true.kappa - np.interp(true.moment, found.moment, found.kappa))[there]
-    cells = whole.cells_around(0, larger)
-    error = float(misses.max()) / max(float(np.abs(cell.curve.kappa).max()) for cell in cells)
-    before = float(measure_disagreement(*cells)[1].max()) or 1.0  # none: nothing to gain
-    return error * min(1.0, float(measure_disagreement(*part.cells_around(0, larger))[1].max()) / before)
