@@ -1,6 +1,7 @@
 """Arms that are smooth outside, with chambers parted by solid partitions or with one cavity: what families share."""
 
 from abc import abstractmethod
+from collections.abc import Callable
 
 from geometry.families.design import SymmetricDesign
 from geometry.meshing.mirror import slices
@@ -12,8 +13,8 @@ from geometry.meshing.solid import Solid
 class PartitionedDesign(SymmetricDesign):
     """A bar with a row of equal chambers, one behind the other along x, that an air channel on the base plate joins.
 
-    A cell extends from the middle of one partition to the middle of the next. A family is a dataclass with the fields
-    named here, all lengths in mm, and defines the solid bar and its cavities.
+    A cell extends from the middle of one partition to the middle of the next; those of a single chamber are nominal. A
+    family is a dataclass with the fields named here, all lengths in mm, and defines the solid bar and its cavities.
     """
 
     chambers: int
@@ -40,8 +41,15 @@ class PartitionedDesign(SymmetricDesign):
         return "chambers"
 
     @property
+    def _cells(self) -> tuple[int, float]:
+        """Number of cells and their length, mm."""
+        if self.chambers > 1:
+            return self.chambers, self.chamber_length + self.partition
+        return nominal_cells(self.chamber_length, max(self.extent[1:]))
+
+    @property
     def cell_count(self) -> int:
-        return self.chambers
+        return self._cells[0]
 
     @property
     def curve_y(self) -> float:
@@ -53,7 +61,7 @@ class PartitionedDesign(SymmetricDesign):
 
     @property
     def pitch(self) -> float:
-        return self.chamber_length + self.partition
+        return self._cells[1]
 
     @property
     def channel_volume(self) -> float:
@@ -62,19 +70,19 @@ class PartitionedDesign(SymmetricDesign):
 
     @property
     def drawing(self) -> Drawing:
+        if self.chambers == 1:
+            return _undivided(self, lambda start, stop: [self._cavity(start, stop)])
         near, far = self.end_wall, self.end_wall + self.chamber_length
         middle = self.end_wall + self.chamber_length / 2
         edge = middle + self.pitch / 2
-        material, hollow = {"end": self._bar(0, middle)}, [self._cavity(near, middle)]
-        if self.chambers > 1:
-            material["cell"] = self._bar(middle, edge)
-            channel = Box((far, self.base, 0), (edge, self.base + self.channel, self.channel / 2))
-            hollow += [self._cavity(middle, far), channel]
+        channel = Box((far, self.base, 0), (edge, self.base + self.channel, self.channel / 2))
+        hollow = [self._cavity(near, middle), self._cavity(middle, far), channel]
+        material = {"end": self._bar(0, middle), "cell": self._bar(middle, edge)}
         return Drawing(Solid(material, {"cavity": hollow}), middle, edge)
 
 
 class UndividedDesign(SymmetricDesign):
-    """A round bar without partitions, whose cells are nominal: equal parts of its cavities, about 4/3 radii long.
+    """A round bar without partitions, whose cells are nominal: equal parts of its cavities, 2/3 of its width long.
 
     A family is a dataclass with the fields named here, all lengths in mm, and defines the solid bar and its cavities.
     """
@@ -94,7 +102,7 @@ class UndividedDesign(SymmetricDesign):
     @property
     def _cells(self) -> tuple[int, float]:
         """Number of cells and their length, mm."""
-        return slices(self.length - 2 * self.end_wall, 4 / 3 * self.radius)
+        return nominal_cells(self.length - 2 * self.end_wall, 2 * self.radius)
 
     @property
     def cell_count(self) -> int:
@@ -106,11 +114,21 @@ class UndividedDesign(SymmetricDesign):
 
     @property
     def drawing(self) -> Drawing:
-        middle = self.end_wall + self.pitch / 2
-        edge = middle + self.pitch / 2
-        material, hollow = {"end": self._bar(0, middle)}, [self._cavities(self.end_wall, middle)]
-        if self.cell_count > 1:
-            material["cell"] = self._bar(middle, edge)
-            hollow.append(self._cavities(middle, edge))
-        air = dict(zip(self.cavities, map(list, zip(*hollow, strict=True)), strict=True))
-        return Drawing(Solid(material, air), middle, edge)
+        return _undivided(self, self._cavities)
+
+
+def nominal_cells(length: float, width: float) -> tuple[int, float]:
+    """Number and length (mm) of equal parts of a cavity, about two thirds of the width of the arm (mm) long."""
+    return slices(length, 2 / 3 * width)
+
+
+def _undivided(design: PartitionedDesign | UndividedDesign, cavities: Callable[[float, float], list[Shape]]) -> Drawing:
+    """The end piece and the half cell of a bar whose cavities go from one end wall to the other."""
+    middle = design.end_wall + design.pitch / 2
+    edge = middle + design.pitch / 2
+    material, hollow = {"end": design._bar(0, middle)}, [cavities(design.end_wall, middle)]
+    if design.cell_count > 1:
+        material["cell"] = design._bar(middle, edge)
+        hollow.append(cavities(middle, edge))
+    air = dict(zip(design.cavities, map(list, zip(*hollow, strict=True)), strict=True))
+    return Drawing(Solid(material, air), middle, edge)

@@ -6,7 +6,15 @@ import pytest
 from geometry import GRADINGS, BisectedCircle, DesignError, PneuNet, Rectangular, Semicircular, SemicircularSingle
 from geometry.families.design import SymmetricDesign
 
-DESIGNS = (PneuNet(), Semicircular(), SemicircularSingle(), BisectedCircle(), PneuNet(chambers=4, fillet=0.5))
+ONE_CAVITY = Rectangular(1, 28.0, 22.0, 86.0, 2.0, 1.5, 4.0, 1.5, 1.5)
+DESIGNS = (
+    PneuNet(),
+    Semicircular(),
+    SemicircularSingle(),
+    BisectedCircle(),
+    PneuNet(chambers=4, fillet=0.5),
+    ONE_CAVITY,
+)
 
 
 @pytest.mark.parametrize("design", DESIGNS, ids=lambda design: f"{design.family}-{design.length:g}mm")
