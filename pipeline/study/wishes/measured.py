@@ -28,8 +28,7 @@ from pipeline.store.parallel import Pending
 from pipeline.store.state_key import NUMBER_SOURCES, STATE_SOURCES, result_key
 from pipeline.store.store import Store
 from pipeline.study.wishes.numbers import numbers_of, rates_of, with_pressures
-from pipeline.study.wishes.wish import WALL
-from pipeline.study.wishes.wish_file import WishFile, rounded
+from pipeline.study.wishes.wish_file import WishFile
 from pipeline.values.errors import InputError, RunFailed, WorkerLost
 from pipeline.values.pressure import in_MPa, name_of_state
 from pipeline.values.reasons import render
@@ -43,8 +42,6 @@ NEAR = 0.4
 HALF_CELLS = 1
 #: relative change of a dimension beyond which the cell is meshed anew
 FARTHEST = 0.25
-#: change of what is free, over it, in difference quotients of a sensitivity
-CHANGE = 0.02
 #: the folder of the designs that were tried
 POINTS = "points"
 
@@ -61,9 +58,6 @@ class Numbers:
     rates: Array  #: (m, n) by the logarithms of what is free
     stretch: float  #: largest one of a cell without moment at the highest pressure; NaN: not asked for
     stretch_rates: Array  #: (n,) by the logarithms
-    #: relative change of kappa_0 at the highest pressure by the wall, over that of the wall; NaN: not asked for
-    sensitivity: float
-    sensitivity_rates: Array  #: (n,) by the logarithms
 
 
 @contextmanager
@@ -101,18 +95,10 @@ class MovedMesh:
 
     def numbers(self, point: Array) -> Numbers:
         """Of the design of a point (n,). Raises `NotBorne`."""
-        found = self._numbers(point)
-        if self.file.wishes.minimize != "sensitivity":
-            return found
-        ahead = [self._numbers(rounded(point * (1.0 + CHANGE * row))).sensitivity for row in np.eye(len(point))]
-        return replace(found, sensitivity_rates=(np.array(ahead) - found.sensitivity) / CHANGE)
-
-    def _numbers(self, point: Array) -> Numbers:
         wishes, values = self.file.wishes, self.file.wishes.values(point)
         with borne():
             config = replace(self.file.config(point), mesh=self.meshed.config.mesh)
-            of_wall = (WALL,) * (wishes.minimize == "sensitivity")
-            by = tuple(dict.fromkeys((*wishes.dimensions, *of_wall))) or ("",)
+            by = wishes.dimensions or ("",)
             pieces = ArmPieces(config, self.meshed.dhat, self.meshed.outer, True, by, self.meshed.config)
             context = replace(self.context, store=store_of(self.context.store, config, self.meshed.config, by))
             law = with_pressures(_NearLaw.begin(self.file, pieces, point, context, ("force",)).law(), values)
@@ -120,8 +106,7 @@ class MovedMesh:
             if wishes.limits.largest_stretch is not None:
                 stretch = ArmTasks(pieces, context).submit(largest_stretch, law.pressures[-1]).result()
                 by_stretch = np.array([float(law.rates[key].cells[-1].largest_stretch) for key in values]) * point
-            rates, by_wall = rates_of(law, wishes, values) * point, _by_wall(law) if of_wall else np.nan
-            return Numbers(numbers_of(law, wishes, values), rates, stretch, by_stretch, by_wall, np.zeros(len(point)))
+            return Numbers(numbers_of(law, wishes, values), rates_of(law, wishes, values) * point, stretch, by_stretch)
 
 
 def delivered(file: WishFile, point: Array, context: RunContext) -> tuple[Array, float]:
@@ -207,13 +192,6 @@ def largest_stretch(curves: PieceCurves, pressure: float) -> float:
 
     file = curves.file(name_of_state("stretch", pressure))
     return KeptFile[float].of_run(curves.store, file, float).read_or_make(measure)
-
-
-def _by_wall(law: ArmLaw) -> float:
-    """The sensitivity of the curvature without moment, which is that of the state in the middle of a curve near it."""
-    cell, rate = law.cells[-1], law.rates[WALL]
-    moment, rigidity = (float(np.interp(0.0, cell.moment, row)) for row in (rate.cells[-1].moment, cell.rigidity))
-    return abs(moment * rate.value / (rigidity * cell.at(0.0)[0]))
 
 
 def store_of(store: Store, config: Config, mesh_of: Config | None = None, by: tuple[str, ...] = ()) -> Store:

@@ -12,7 +12,7 @@ from pipeline.config.document import Document, read_document
 from pipeline.config.kinds import Count, Length, Name, Text, in_unit, list_of
 from pipeline.config.section import Field, Kind, Section, closest, not_known, read, section, section_of
 from pipeline.config.units import LENGTH, PRESSURE, Dimension, convert, number_and_unit
-from pipeline.study.wishes.wish import GEOMETRY, OBJECTIVES, QUANTITIES, WALL, Free, Limits, Wish, Wishes
+from pipeline.study.wishes.wish import GEOMETRY, OBJECTIVES, QUANTITIES, Free, Limits, Wish, Wishes
 from pipeline.study.wishes.wish import PRESSURE as PRESSURE_KEY
 from pipeline.study.wishes.wish_file import WishFile
 from pipeline.values.errors import InputError, quoted
@@ -173,8 +173,6 @@ def _minimize(document: Document, written: Any, free: tuple[Free, ...], arm: Con
         raise document.wrong(("minimize",), not_known(written, OBJECTIVES))
     if written == "pressure" and not any(one.key.startswith(PRESSURE_KEY) for one in free):
         raise document.wrong(("minimize",), "no pressure is free; give one, {pressure.p: {from: 5 kPa, to: 30 kPa}}")
-    if written == "sensitivity" and WALL.removeprefix(GEOMETRY) not in arm.design.dimensions:
-        raise document.wrong(("minimize",), "sensitivity is that to geometry.wall, which this arm does not have")
     if written == "mass" and arm.mass_tonne is None:
         raise document.wrong(("minimize",), "the base has no density; give material.density there")
     return str(written)

@@ -92,8 +92,6 @@ class Model:
     def objective(self, u: Array) -> float:
         """What is made small: mass and pressure over those at the start; NaN where nothing is."""
         wishes, point = self.file.wishes, np.exp(u)
-        if wishes.minimize == "sensitivity":
-            return float(self.numbers.sensitivity + self.numbers.sensitivity_rates @ (u - np.log(self.point)))
         if wishes.minimize == "mass":
             return (self.file.drawn(point).mass_tonne or 0.0) / (self.file.start.mass_tonne or 1.0)
         if wishes.minimize == "pressure":

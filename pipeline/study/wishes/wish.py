@@ -26,10 +26,8 @@ POWERS = ("kappa_0", "force", "stiffness")
 SHOWN = {"1/mm": (1e3, "1/m"), "deg": (1.0, "°"), "mm": (1.0, "mm"), "N": (1.0, "N"), "N/mm": (1e3, "N/m")}
 #: in front of the name of a free pressure, and of a dimension
 PRESSURE, GEOMETRY = "pressure.", "geometry."
-#: the dimension that `minimize: sensitivity` is about
-WALL = f"{GEOMETRY}wall"
 #: what is made as small as possible, by its key; "" where wishes are met as nearly as possible
-OBJECTIVES = ("pressure", "mass", "sensitivity")
+OBJECTIVES = ("pressure", "mass")
 
 
 @dataclass(frozen=True)

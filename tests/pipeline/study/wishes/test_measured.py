@@ -59,28 +59,8 @@ def test_derivatives_are_those_of_designs_that_were_measured(tmp_path: Path) -> 
     assert known.stretch_rates[:2] == pytest.approx(np.array(stretches[:2]) * point[:2], rel=0.05)
 
 
-SENSITIVE = f"""
-name: sensitive
-base: {CONFIGS}/semicircular_coarse.yaml
-set: {{mesh.size: 6 mm, accuracy: off}}
-free: {{geometry.wall: {{from: 0.7 mm, to: 1.6 mm}}}}
-wishes: [{{kappa_0: -0.6 1/m, at: 20 kPa, within: 2 %}}]
-minimize: sensitivity
-"""
-
-
-def test_the_sensitivity_to_the_wall_is_that_of_the_curvature(tmp_path: Path) -> None:
-    file = small(tmp_path, SENSITIVE)
-    with open_store(tmp_path / "out", file) as store:
-        mesh = MovedMesh.of(file, file.wishes.start, RunContext.alone(store, Silent()), is_fine=False)
-        first, second = (mesh.numbers(np.array([wall])) for wall in (1.0, 1.02))
-    powers = [abs(end.rates[0, 0] / end.values[0]) for end in (first, second)]
-    assert [first.sensitivity, second.sensitivity] == pytest.approx(powers, rel=1e-4)
-    assert first.sensitivity_rates == pytest.approx([(powers[1] - powers[0]) / 0.02], rel=0.02)
-
-
 def test_a_margin_that_the_cell_does_not_bear_is_named(tmp_path: Path) -> None:
-    file = small(tmp_path, SENSITIVE.replace("minimize: sensitivity", "limits: {bears: 40}"))
+    file = small(tmp_path, SMALL.replace("limits: {", "limits: {bears: 40, "))
     with open_store(tmp_path / "out", file) as store:
         mesh = MovedMesh.of(file, file.wishes.start, RunContext.alone(store, Silent()), is_fine=False)
         with pytest.raises(NotBorne, match="kPa"):

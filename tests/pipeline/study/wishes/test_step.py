@@ -37,7 +37,7 @@ def numbers(point: Array, powers: Array = POWERS) -> Numbers:
     """Of an arm that has what is wished at wall 1.1 mm and base 1.9 mm."""
     values = np.array([-6e-4, 2e-3]) * np.exp(powers @ np.log(point / [1.1, 1.9]))
     stretch = 1.2 / point[0]
-    return Numbers(values, values[:, None] * powers, stretch, np.array([-stretch, 0.0]), np.nan, np.zeros(2))
+    return Numbers(values, values[:, None] * powers, stretch, np.array([-stretch, 0.0]))
 
 
 def model(file: WishFile, point: Array = START) -> Model:
