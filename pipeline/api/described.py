@@ -6,6 +6,7 @@ from types import MappingProxyType
 from typing import Any, ClassVar, dataclass_transform
 
 from pipeline.values.errors import InputError, quoted
+from pipeline.values.json_values import plain
 
 #: numbers with their unit and words as texts, plain numbers, and lists of them
 Setting = str | float | bool | Sequence[Any] | Mapping[str, Any]
@@ -89,9 +90,3 @@ def _setting(value: Any, name: str) -> Any:
     if isinstance(entry, Sequence) and not isinstance(entry, bytes | bytearray):
         return [_setting(inner, name) for inner in entry]
     raise InputError(f"{name}: {quoted(value)} is not allowed; give {_SETTING}")
-
-
-def plain(value: Any) -> Any:
-    """Numbers, arrays and columns of numpy and pandas as numbers and lists of Python."""
-    to_list = getattr(value, "tolist", None)
-    return to_list() if callable(to_list) else value

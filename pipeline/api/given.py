@@ -5,12 +5,12 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from pipeline.api.described import Body, Setting, given_settings, plain, setting_name
+from pipeline.api.described import Body, Setting, given_settings, setting_name
 from pipeline.config.document import Document, key_and_value, on_command_line, read_document
-from pipeline.config.units import LENGTH, PRESSURE, Dimension, convert
 from pipeline.show.progress import progress_for
 from pipeline.store.progress import Progress, Silent
 from pipeline.values.errors import InputError, argument, quoted
+from pipeline.values.json_values import plain
 
 
 def given_path(value: Any, name: str, example: str) -> Path:
@@ -30,43 +30,6 @@ def given_choice(value: Any, name: str) -> bool:
     if not isinstance(choice, bool):
         raise InputError(f"{name}: {quoted(value)} is not allowed; give True or False")
     return choice
-
-
-def given_pressure(value: Any) -> float:
-    """kPa, of a number or a text with its unit. Raises InputError for anything else."""
-    pressure = given_number(value, PRESSURE, "pressure_kPa")
-    if pressure is None:
-        raise InputError("pressure_kPa: None is no pressure; write it in kPa or as 12 kPa")
-    return pressure
-
-
-def given_number(value: Any, dimension: Dimension, name: str) -> float | None:
-    """A number in the unit of a dimension, of a number or a text with its unit; None for None. Raises InputError."""
-    from rod.checked import finite
-
-    if value is None:
-        return None
-    try:
-        return convert(value, dimension) if isinstance(value, str) else finite(value, name)
-    except ValueError as failure:  # a RodError is one
-        raise InputError(f"{name}: {failure}") from None
-
-
-def given_pressures(value: Any) -> float | tuple[float, ...]:
-    """A pressure, or a sequence of those of all cavities. Raises InputError for anything else."""
-    pressures = plain(value)
-    if isinstance(pressures, Sequence) and not isinstance(pressures, str | bytes):
-        return tuple(given_pressure(one) for one in pressures)
-    return given_pressure(value)
-
-
-def given_place(values: Any, name: str) -> tuple[float, float] | tuple[float, float, float]:
-    """Two or three lengths. Raises InputError for anything else."""
-    place = plain(values)
-    if not isinstance(place, Sequence) or isinstance(place, str) or len(place) not in (2, 3) or None in place:
-        raise InputError(f"{name}: {quoted(values)} is no pair; give x and y, for example (30.0, -40.0)")
-    x, y, *across = (given_number(value, LENGTH, name) or 0.0 for value in place)
-    return (x, y, across[0]) if across else (x, y)
 
 
 def given_jobs(value: Any) -> int | None:

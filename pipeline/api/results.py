@@ -17,10 +17,11 @@ from pipeline.answers.rods.export import ExportOptions, exported_run
 from pipeline.answers.rods.pressures import PressureFor, Wish, pressures_for
 from pipeline.answers.rods.ratio import run_along
 from pipeline.api.frames import by_pressure, curves_frame, expanded, frame_of, profiles
-from pipeline.api.given import given_choice, given_number, given_path, given_place, given_pressure, given_pressures
+from pipeline.api.given import given_choice, given_path
 from pipeline.api.sensitivities import sensitivities_frame
-from pipeline.config.units import ANGLE, FORCE, LENGTH
+from pipeline.config.units import PRESSURE
 from pipeline.results.files import read_results as read_run
+from pipeline.results.options import option_pressures, option_value
 from pipeline.results.parameter_checks import check_parameters
 from pipeline.results.verdict import Verdict, verdict_of
 from pipeline.values.errors import InputError, quoted
@@ -171,7 +172,9 @@ class Results:
     def budget(self, pressure_kPa: float | str | None = None) -> Budget | None:
         """What the tolerances of the built arm do at a pressure, the highest one unless it is given; None for a law
         without derivatives. Raises InputError outside its pressures."""
-        return budget_of(self.run, None if pressure_kPa is None else given_pressure(pressure_kPa))
+        return budget_of(
+            self.run, None if pressure_kPa is None else option_value("pressure_kPa", pressure_kPa, PRESSURE)
+        )
 
     @property
     def curve_start_mm(self) -> tuple[float, float]:
@@ -209,7 +212,7 @@ class Results:
         plane.
         """
         check_kind(kind, "kind")
-        pressure = given_pressures(pressure_kPa)
+        pressure = option_pressures("pressure_kPa", pressure_kPa)
         chosen = self._chosen(kind)
         try:
             rod = chosen.at(pressure)
@@ -238,10 +241,7 @@ class Results:
         nearest that is not, and for a law of several pressures (`along`).
         """
         check_kind(kind, "kind")
-        place = None if tip is None else given_place(tip, "tip")
-        numbers = given_number(angle, ANGLE, "angle"), given_number(force, FORCE, "force")
-        weight = Weight.of(direction, tip_mass)
-        wish = Wish(place, *numbers, given_number(at_height, LENGTH, "at_height"), weight)
+        wish = Wish.read(tip, angle, force, at_height, Weight.of(direction, tip_mass))
         return pressures_for(self._chosen(kind), wish)
 
     def export(self, to: str, out: Path | str | None = None, *, force: bool = False) -> tuple[Path, ...]:
@@ -263,7 +263,7 @@ class Results:
     def _row(self, pressure_kPa: float | str) -> "pd.Series":
         if not self.pressures_kPa:
             raise nothing_identified(self.run)
-        pressure = given_pressure(pressure_kPa)
+        pressure = option_value("pressure_kPa", pressure_kPa, PRESSURE)
         known = known_at(self.pressures_kPa, pressure)
         if known is None:
             identified = ", ".join(f"{p:g}" for p in self.pressures_kPa)

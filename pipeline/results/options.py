@@ -1,17 +1,24 @@
-"""Values of arguments that are written with their unit."""
+"""Arguments with a unit: texts such as "30 mm", and in Python also numbers."""
 
+from collections.abc import Sequence
+from math import isfinite
 from pathlib import Path
+from typing import Any
 
-from pipeline.config.units import Dimension, convert
+from pipeline.config.units import PRESSURE, Dimension, convert
 from pipeline.store.atomic_file import write_atomic
 from pipeline.store.result_folder import open_file
-from pipeline.values.errors import InputError, argument
+from pipeline.values.errors import InputError, argument, quoted
+from pipeline.values.json_values import plain
 
 
-def option_value(name: str, text: str, dimension: Dimension) -> float:
+def option_value(name: str, given: Any, dimension: Dimension) -> float:
     """A number in the unit of its dimension. Raises InputError, naming the argument."""
+    value = plain(given)
+    if isinstance(value, int | float) and not isinstance(value, bool) and isfinite(value):
+        return float(value)
     try:
-        return convert(text, dimension)
+        return convert(value, dimension)
     except ValueError as failure:
         raise InputError(f"{argument(name)}: {failure}") from None
 
@@ -23,27 +30,34 @@ def write_new(file: Path, text: str) -> None:
     write_atomic(open_file(file), text.encode())
 
 
-def option_pair(name: str, text: str, dimension: Dimension) -> tuple[float, float]:
-    """Two numbers, written as [x, y]. Raises InputError."""
-    values = option_vector(name, text, dimension)
-    if len(values) != 2:
-        raise InputError(f"{argument(name)}: '{text}' is not a pair; write x and y")
-    return values
+def option_pressures(name: str, given: Any) -> float | tuple[float, ...]:
+    """A pressure, or those of all cavities, kPa. Raises InputError."""
+    values = option_list(name, given, PRESSURE)
+    return values if _is_list(given) else values[0]
 
 
-def option_list(name: str, text: str, dimension: Dimension) -> tuple[float, ...]:
-    """Numbers, written as [x, y]. Raises InputError."""
-    values = text.strip().removeprefix("[").removesuffix("]").split(",")
+def option_list(name: str, given: Any, dimension: Dimension) -> tuple[float, ...]:
+    """Numbers, written as [x, y]; one number is a list of one. Raises InputError."""
+    if isinstance(given, str):
+        values: Sequence[Any] = given.strip().removeprefix("[").removesuffix("]").split(",")
+    else:
+        values = plain(given) if _is_list(given) else [given]
     return tuple(option_value(name, value, dimension) for value in values)
 
 
-def option_vector(name: str, text: str, dimension: Dimension) -> tuple[float, float] | tuple[float, float, float]:
+def option_vector(name: str, given: Any, dimension: Dimension) -> tuple[float, float] | tuple[float, float, float]:
     """Two or three numbers, written as [x, y] or [x, y, z]. Raises InputError."""
-    values = text.strip().removeprefix("[").removesuffix("]").split(",")
+    values = option_list(name, given, dimension)
     if len(values) not in (2, 3):
         raise InputError(
-            f"{argument(name)}: '{text}' is not a pair; write x and y, for example [0 {dimension.unit}, "
+            f"{argument(name)}: {quoted(given)} is not a pair; write x and y, for example [0 {dimension.unit}, "
             f"{dimension.example}], and z for a load across the plane of the arm"
         )
-    x, y, *across = (option_value(name, value, dimension) for value in values)
+    x, y, *across = values
     return (x, y, across[0]) if across else (x, y)
+
+
+def _is_list(given: Any) -> bool:
+    """True for several values, also where they are written in one text."""
+    value = plain(given)
+    return value.strip().startswith("[") if isinstance(value, str) else isinstance(value, Sequence)

@@ -15,3 +15,9 @@ else:  # `--help` does not wait for numpy
     Json = Any
 #: an object of a result file, or one row of a table
 JsonObject: TypeAlias = Mapping[str, Json]
+
+
+def plain(value: Any) -> Any:
+    """Numbers, arrays and columns of numpy and pandas as numbers and lists of Python."""
+    to_list = getattr(value, "tolist", None)
+    return to_list() if callable(to_list) else value

@@ -152,7 +152,7 @@ def test_results_can_be_pickled_and_copied(results: pneurod.Results) -> None:
 def test_a_pressure_that_is_no_number_is_refused(results: pneurod.Results) -> None:
     nothing: Any = None
     for method in (results.rod, results.law, lambda p: results.interval("d", p)):
-        with pytest.raises(pneurod.InputError, match="pressure_kPa: None is no pressure"):
+        with pytest.raises(pneurod.InputError, match="pressure_kPa: None is not a pressure"):
             method(nothing)
         with pytest.raises(pneurod.InputError, match=r"^pressure_kPa: '16 mm' is not a pressure"):
             method("16 mm")

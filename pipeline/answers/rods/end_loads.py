@@ -11,8 +11,8 @@ from typing import Any
 from geometry.arrays import Array
 from geometry.centreline import bending_deg
 from pipeline.answers.rods.choice import RodOfRun
-from pipeline.config.units import FORCE, LENGTH, MOMENT, PRESSURE, STIFFNESS
-from pipeline.results.options import option_list, option_value, option_vector
+from pipeline.config.units import FORCE, LENGTH, MOMENT, STIFFNESS
+from pipeline.results.options import option_pressures, option_value, option_vector
 from pipeline.store.atomic_file import write_atomic
 from pipeline.store.result_folder import open_file
 from pipeline.values.errors import InputError, RunFailed, argument
@@ -196,8 +196,7 @@ def _pair_of(text: str) -> str | list[str | float]:
 
 def rod_at(rods: RodOfRun, pressure: str) -> Rod:
     """The rod at a pressure written with its unit, or at two: [20 kPa, 5 kPa]. Raises InputError."""
-    option = option_list if pressure.strip().startswith("[") else option_value
-    value = option("pressure", pressure, PRESSURE)
+    value = option_pressures("pressure", pressure)
     try:
         return rods.at(value)
     except RodError as failure:

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -35,8 +36,8 @@ class Wish:
     weight: Weight = NO_WEIGHT
 
     @staticmethod
-    def read(tip: str | None, angle: str | None, force: str | None, at_height: str | None, weight: Weight) -> "Wish":
-        """From the options of the command line, written with units. Raises InputError, also where they contradict."""
+    def read(tip: Any, angle: Any, force: Any, at_height: Any, weight: Weight) -> "Wish":
+        """From texts with units, or numbers; None for what is not given. Raises InputError, also for contradictions."""
         return Wish(
             None if tip is None else option_vector("tip", tip, LENGTH),
             None if angle is None else option_value("angle", angle, ANGLE),

@@ -135,7 +135,7 @@ def test_python_takes_numbers_and_texts() -> None:
     [loaded] = results.pressure_for(angle="60 deg", direction="hanging", tip_mass="1 g")
     assert loaded.pressure_kPa > results.pressure_for(angle=60.0)[0].pressure_kPa
     wrong: Any = 3
-    with pytest.raises(pneurod.InputError, match=r"^tip: 3 is no pair"):
+    with pytest.raises(pneurod.InputError, match=r"^tip: 3 is not a pair"):
         results.pressure_for(tip=wrong)
     with pytest.raises(pneurod.InputError, match="give one of a tip, an angle and a force"):
         results.pressure_for()
