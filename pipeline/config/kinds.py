@@ -6,9 +6,10 @@ from dataclasses import replace
 from itertools import pairwise
 from typing import Annotated, Any
 
-from pipeline.config.section import Kind, not_known
+from pipeline.config.document import Document, read_document
+from pipeline.config.section import Kind, WrittenAs, not_known
 from pipeline.config.units import ACCELERATION, DENSITY, FORCE, LENGTH, PRESSURE, STRESS, Dimension, convert
-from pipeline.values.errors import quoted
+from pipeline.values.errors import InputError, quoted
 from rod.same_pressure import SAME, is_same
 
 
@@ -73,6 +74,17 @@ def list_of(
 def one_or_more(kind: Kind) -> Kind:
     """A list whose brackets can be left out if it has one entry."""
     return replace(kind, read=lambda value: value if isinstance(value, list) and value else [value])
+
+
+def not_empty(example: str) -> Kind:
+    """Entries, at least one."""
+
+    def test(value: Any) -> bool:
+        if not value:
+            raise ValueError(f"is empty; for example {example}")
+        return True
+
+    return Kind("", example, test=test)
 
 
 def above_zero(value: float) -> bool:
@@ -148,6 +160,18 @@ CountFromZero = Annotated[Count, Kind("0 or more", "0", test=lambda value: value
 YesNo = Annotated[bool, Kind("`true` or `false`", "true", read=of_type(bool, "is neither true nor false"))]
 Name = Annotated[str, Kind("letters, digits, `_`, `-` and `.`", "pneunet", read=_name)]
 Text = Annotated[str, Kind("a text", "pneunet", read=text("pneunet"))]
+
+
+def _base(value: Any, _: Any, document: Document) -> Document:
+    try:
+        return read_document(document.path.parent / text(_BASE)(value))
+    except InputError as failure:
+        raise ValueError(str(failure)) from None
+
+
+_BASE = "pneunet_coarse.yaml"
+#: the configuration with which a study begins, by its file
+Base = Annotated[Document, WrittenAs(_base), Kind("a file", _BASE)]
 
 #: the largest relative error that can be requested
 MOST_ACCURACY = 0.2

@@ -10,6 +10,7 @@ import numpy as np
 from scipy.stats import qmc
 
 from geometry.arrays import Array
+from pipeline.config.section import read_each
 from pipeline.config.units import in_unit_of, number_and_unit
 from pipeline.values.errors import quoted
 
@@ -59,15 +60,10 @@ def check_value(value: Value) -> None:
 
 
 def axis_of(content: Mapping[str, Value]) -> Axis:
-    """One entry of `axes`: the keys in it change together. Raises ValueError, which names the key."""
+    """One entry of `axes`: the keys in it change together. Raises ValueError, for each key that is wrong."""
     if not content:
         raise ValueError("holds no key; for example 'geometry.wall: [1 mm, 1.5 mm]'")
-    columns = {}
-    for key, entry in content.items():
-        try:
-            columns[str(key)] = _values(entry)
-        except ValueError as refused:
-            raise ValueError(f"{key}: {refused}") from None
+    columns = read_each(content, lambda _, entry: _values(entry))
     lengths = {key: len(values) for key, values in columns.items()}
     if len(set(lengths.values())) > 1:
         listed = ", ".join(f"{key} has {number}" for key, number in lengths.items())
@@ -77,18 +73,16 @@ def axis_of(content: Mapping[str, Value]) -> Axis:
 
 def latin_hypercube(points: int, seed: int, ranges: Mapping[str, Value]) -> Axis:
     """Values of all keys drawn together: each range is divided into as many equal parts as there are points, and each
-    part has one value. Raises ValueError, which names the key."""
+    part has one value. Raises ValueError, for each key that is wrong."""
     fractions = qmc.LatinHypercube(len(ranges), rng=np.random.default_rng(seed)).random(points)
+    columns = dict(zip(ranges, fractions.T, strict=True))
 
-    columns = {}
-    for (key, entry), column in zip(ranges.items(), fractions.T, strict=True):
-        try:
-            if not isinstance(entry, Mapping) or set(entry) != {"from", "to"}:
-                raise ValueError(f"{quoted(entry)} is not a range; for example {{from: 8 mm, to: 16 mm}}")
-            columns[str(key)] = _between(entry, column, is_drawn=True)
-        except ValueError as refused:
-            raise ValueError(f"{key}: {refused}") from None
-    return Axis.of(columns, is_drawn=True)
+    def drawn(key: str, entry: Value) -> list[Value]:
+        if not isinstance(entry, Mapping) or set(entry) != {"from", "to"}:
+            raise ValueError(f"{quoted(entry)} is not a range; for example {{from: 8 mm, to: 16 mm}}")
+        return _between(entry, columns[key], is_drawn=True)
+
+    return Axis.of(read_each(ranges, drawn, ("axes",)), is_drawn=True)
 
 
 def _values(entry: Value) -> list[Value]:

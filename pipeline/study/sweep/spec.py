@@ -1,17 +1,29 @@
 """The file of a sweep: a base configuration, what is run on every point, and the axes."""
 
 import hashlib
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import product
 from json import dumps
 from pathlib import Path
 from typing import Annotated, Any
 
 from pipeline.config.document import Document, read_document
-from pipeline.config.kinds import Count, CountFromZero, Name, Text, list_of
-from pipeline.config.section import Field, Kind, Section, read, section
+from pipeline.config.kinds import Base, Count, CountFromZero, Name, above_zero, list_of, not_empty
+from pipeline.config.section import (
+    Error,
+    Field,
+    Kind,
+    Section,
+    in_sentences,
+    raise_all,
+    read_each,
+    read_keys,
+    section,
+    wrong,
+)
 from pipeline.study.sweep.axes import Axis, Setting, axis_of, check_value, combined, latin_hypercube
-from pipeline.values.errors import InputError, quoted
+from pipeline.values.errors import quoted
 from pipeline.values.json_values import JsonObject
 
 #: what may be run on a point: the whole run, the arm's own law, or some of the experiments
@@ -31,17 +43,17 @@ def _run(value: Any) -> Run:
     raise ValueError(f"{quoted(value)} is not allowed; allowed: whole, cell, I, II, III, or a list such as [II, III]")
 
 
-@section(frozen=True)
+@section(frozen=True, kw_only=True)
 class _Hypercube(Section):
-    points: Count = Field(examples=["60"])
+    points: Annotated[Count, Kind("above 0", "60", test=above_zero)]
     seed: CountFromZero = Field(examples=["1"])
-    axes: dict[str, Any] = Field(examples=["{geometry.wall: {from: 0.8 mm, to: 1.6 mm}}"])
+    axes: Annotated[dict[str, Any], not_empty("{geometry.wall: {from: 0.8 mm, to: 1.6 mm}}")]
 
 
 @section(frozen=True)
 class _File(Section):
     name: Name
-    base: Text = Field(examples=["pneunet_coarse.yaml"])
+    base: Base
     run: Annotated[Run, Kind("", WHOLE, read=_run)] = (WHOLE,)
     set: dict[str, Any] = Field(default_factory=dict)
     axes: Annotated[tuple[dict[str, Any], ...], list_of("", "[geometry.wall: [1 mm, 1.5 mm]]")] = ()
@@ -77,63 +89,34 @@ class Sweep:
 def read_sweep(path: Path) -> Sweep:
     """The sweep in a YAML file.
 
-    Raises InputError with one sentence that names the file, the key and what is allowed.
+    Raises InputError with a sentence that names the file, the key and what is allowed, for each mistake.
     """
     document = read_document(path)
-    content = read(_File, document)
-    axes = tuple(_axes(document, content))
+    with in_sentences(document):
+        content = read_keys(_File, document.content, document)
+        axes = [*read_each(dict(enumerate(content.axes)), lambda _, entry: axis_of(entry), ("axes",)).values()]
+        if (cube := content.latin_hypercube) is not None:
+            drawn = {"latin_hypercube": cube}
+            axes += read_each(drawn, lambda _, cube: latin_hypercube(cube.points, cube.seed, cube.axes)).values()
+        read_each(content.set, lambda _, value: check_value(value), ("set",))
+        raise_all(_conflicts(content.set, axes))
+        settings = read_each({"axes": axes}, lambda _, axes: tuple(combined(axes)))
+    base = content.base
+    return Sweep(path, content.name, base.path, base, content.run, content.set, tuple(axes), settings["axes"])
+
+
+def _conflicts(common: Setting, axes: Sequence[Axis]) -> Iterator[Error]:
+    """Refuses a key that is given twice, or holds another one, which it would replace."""
     if not axes:
-        raise document.wrong(("axes",), "holds no points; for example 'axes: [geometry.wall: [1 mm, 1.5 mm]]'")
-    common = dict(content.set)
-    for key, value in common.items():
-        try:
-            check_value(value)
-        except ValueError as refused:
-            raise document.wrong(("set", key), str(refused)) from None
-    doubled = sorted(set(common) & {key for axis in axes for key in axis.keys})
-    if doubled:
-        raise document.wrong(("set", doubled[0]), "is on an axis too; leave it out of one of them")
-    _refuse_nested(document, [*common, *(key for axis in axes for key in axis.keys)])
-    try:
-        settings = combined(axes)
-    except ValueError as refused:
-        raise document.wrong(("axes",), str(refused)) from None
-    base = path.parent / content.base
-    return Sweep(path, content.name, base, _base(document, base), content.run, common, axes, tuple(settings))
-
-
-def _base(document: Document, path: Path) -> Document:
-    """The base configuration. Raises InputError, which names the key `base`."""
-    try:
-        return read_document(path)
-    except InputError as failure:
-        raise document.wrong(("base",), str(failure)) from None
-
-
-def _refuse_nested(document: Document, keys: Sequence[str]) -> None:
-    """Raise InputError where a key holds another one, which it would replace."""
-    for outer in keys:
-        for inner in keys:
-            if inner.startswith(f"{outer}."):
-                sentence = f"{outer} and {inner} are both given, and the first replaces the second"
-                raise document.wrong(("axes",), f"{sentence}; give one of them")
-
-
-def _axes(document: Document, content: _File) -> list[Axis]:
-    axes: list[Axis] = []
-    for number, entry in enumerate(content.axes):
-        try:
-            axes.append(axis_of(entry))
-        except ValueError as refused:
-            raise document.wrong(("axes", number), str(refused)) from None
-    if cube := content.latin_hypercube:
-        if cube.points < 1 or not cube.axes:
-            raise document.wrong(("latin_hypercube",), "holds no points; give some, and at least one key in its axes")
-        try:
-            axes.append(latin_hypercube(cube.points, cube.seed, cube.axes))
-        except ValueError as refused:
-            raise document.wrong(("latin_hypercube", "axes"), str(refused)) from None
-    return axes
+        yield wrong("holds no points; for example 'axes: [geometry.wall: [1 mm, 1.5 mm]]'", ("axes",))
+    on_axes = [key for axis in axes for key in axis.keys]
+    keys = [*common, *on_axes]
+    for key in sorted(common.keys() & on_axes):
+        yield wrong("is on an axis too; leave it out of one of them", ("set", key))
+    for outer, inner in product(keys, keys):
+        if inner.startswith(f"{outer}."):
+            sentence = f"{outer} and {inner} are both given, and the first replaces the second; give one of them"
+            yield wrong(sentence, ("axes",))
 
 
 def document_of(sweep: Sweep, setting: Setting) -> Document:

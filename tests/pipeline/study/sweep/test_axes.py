@@ -101,7 +101,7 @@ def test_a_point_whose_only_experiment_is_not_simulated_is_refused(file: Path) -
         ("run: IV\naxes: [geometry.wall: [1 mm]]", "allowed: whole, cell"),
         ("latin_hypercube: {points: 2, axes: {mesh.size: {from: 8 mm, to: 9 mm}}}", "'seed: 1'"),
         ("axes: {mesh.size: [8 mm]}", "for example [geometry.wall"),
-        ("latin_hypercube: {points: 0, seed: 1, axes: {mesh.size: {from: 8 mm, to: 9 mm}}}", "holds no points"),
+        ("latin_hypercube: {points: 0, seed: 1, axes: {mesh.size: {from: 8 mm, to: 9 mm}}}", "allowed: above 0"),
         ("latin_hypercube: {points: 2, seed: 1, axes: {mesh.size: [8 mm]}}", "is not a range"),
         ("axis: [geometry.wall: [1 mm]]", "unknown key; did you mean 'axes'?"),
         ("base: nowhere.yaml\naxes: [geometry.wall: [1 mm]]", "key 'base' given twice"),

@@ -43,7 +43,7 @@ def test_a_file_is_complete_values(tmp_path: Path) -> None:
         ("kappa_0: -0.6 1/m", "kappa_0: -0.6", r"wishes\[1\].kappa_0: .*has no unit"),
         ("kappa_0: -0.6 1/m", "kapa_0: -0.6 1/m", r"wishes\[1\].kapa_0: unknown key; did you mean 'kappa_0'"),
         ("kappa_0: -0.6 1/m", "kappa_0: -0.6 1/m, angle: 4 deg", r"wishes\[1\]: names 2 quantities"),
-        ("at: grip, within: 1 mm", "at: grp, within: 1 mm", r"wishes\[2\].at: 'grp' is no free pressure"),
+        ("at: grip, within: 1 mm", "at: grp, within: 1 mm", r"wishes\[2\].at: 'grp' is not known; did you mean 'grip'"),
         ("at: grip, within: 1 mm", "at: grip, within: 1 %", r"wishes\[2\].within: .*no tolerance here"),
         ("at: grip, within: 1 mm", "at: grip", r"wishes\[2\].within: is missing"),
         ("tip: [40 mm, -2 mm]", "tip: 40 mm", r"wishes\[2\].tip: must be a list, for example"),
