@@ -141,7 +141,7 @@ def geometry_section(design: Any) -> type[Section]:
         default = {key: v for key in ("default", "default_factory") if (v := getattr(field, key)) is not MISSING}
         examples = [_EXAMPLES[field.name]] if field.name in _EXAMPLES else None
         keys[field.name] = (kind, Field(**default, examples=examples, description=meaning))
-    return section_of("Geometry", keys, {name: [f.name for f in fields(design)] for name, design in DESIGNS.items()})
+    return section_of("Geometry", keys, others={name: [f.name for f in fields(own)] for name, own in DESIGNS.items()})
 
 
 def read_design(value: Any, _: Mapping[str, Any], document: Document) -> Design:

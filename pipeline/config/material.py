@@ -20,14 +20,13 @@ from pipeline.config.kinds import (
     list_of,
     one_or_more,
 )
-from pipeline.config.rubbers import BESIDE, FORMS, RUBBERS, instead, ogden_terms
+from pipeline.config.rubbers import BESIDE, INSTEAD, RUBBERS, ogden_terms
 from pipeline.config.section import (
     Error,
     Field,
     Section,
     chosen,
     conflict,
-    not_known,
     raise_all,
     read_keys,
     section_of,
@@ -91,10 +90,10 @@ class Material:
 
 
 @cache
-def material_section(law: type[fem.materials.Material]) -> type[Section]:
+def material_section(law: str) -> type[Section]:
     """The keys of a material that obeys a law; instead of its bulk modulus kappa nu may be given."""
-    meanings = law.meanings()
-    keys = {name: (CONSTANTS[kind], Field(description=meanings[name])) for name, kind in law.constants().items()}
+    kinds, meanings = LAWS[law].constants(), LAWS[law].meanings()
+    keys = {name: (CONSTANTS[kind], Field(description=meanings[name])) for name, kind in kinds.items()}
     if BULK in keys:
         keys[BULK] = (PositiveStress | None, Field(default=None, examples=["20 MPa"], description=meanings[BULK]))
         ratio = f"Poisson's ratio, which can be given instead of `{BULK}`; {RUBBER_POISSON_RATIO:g} without both"
@@ -103,7 +102,7 @@ def material_section(law: type[fem.materials.Material]) -> type[Section]:
     keys["holds_between"] = (Stretches | None, Field(default=None, description=_HOLDS))
     keys["loss_factor"] = (LossFactor, Field(default=LOSS_FACTOR, description=_LOSS))
     constants = {name: list(other.constants()) for name, other in LAWS.items()}
-    return section_of("Material", {"law": (str, Field()), **keys}, constants)
+    return section_of("Material", {"law": (str, Field()), **keys}, others=constants, hints=INSTEAD.get(law, {}))
 
 
 _DENSITY = "mass per volume; for gravity, the mass of the arm and M/(m g l), which are left out without it"
@@ -122,7 +121,7 @@ def read_material(value: Any, _: Mapping[str, Any], document: Document) -> Mater
     """The material that a section describes, with all constants: kappa from nu where nu is given."""
     value, name = _by_name(value)
     law = chosen(value, "law", tuple(LAWS))
-    keys = read_keys(material_section(LAWS[law]), _in_own_form(law, value), document)
+    keys = read_keys(material_section(law), ogden_terms(value) if law == "ogden" else value, document)
     constants = {name: getattr(keys, name) for name in LAWS[law].constants()}
     if BULK in constants:
         nu, kappa = keys.nu, constants.pop(BULK)  # type: ignore[attr-defined]
@@ -149,16 +148,6 @@ def _by_name(value: Any) -> tuple[Any, str]:
         if key not in BESIDE
     )
     return RUBBERS[name] | beside, name
-
-
-def _in_own_form(law: str, value: Any) -> Any:
-    """The section without what other programs write."""
-    raise_all(wrong(f"unknown key; {hint}", (key,)) for key in value if (hint := instead(law, str(key))))
-    if law != "ogden":
-        return value
-    if "form" in value and value["form"] not in FORMS:
-        raise_all([wrong(not_known(value["form"], FORMS), ("form",))])
-    return ogden_terms(value)
 
 
 def stiffness_conflicts(material: Material, pressures_kPa: tuple[float, ...]) -> Iterator[Error]:

@@ -14,7 +14,7 @@ _ABSOLUTE = "pressures are differences to the air outside; write pressures, and 
 _CLAUSES: dict[str, tuple[str, ...]] = {
     _FIBRE: ("fibre", "fiber", "fibres", "fibers", "reinforcement", "fibre_angle", "fiber_angle"),
     _DYNAMICS: ("dynamics", "dynamic", "inertia", "damping", "time", "transient", "viscosity"),
-    _CREEP: ("creep", "relaxation", "viscoelasticity", "hysteresis", "mullins"),
+    _CREEP: ("creep", "relaxation", "viscoelasticity", "viscoelastic", "prony", "tau", "hysteresis", "mullins"),
     _FRICTION: ("friction",),
     _TIP_LOAD: ("tip_load", "tip_force", "tip_mass", "payload", "end_load", "end_force"),
     _GRAVITY: ("gravity", "orientation", "weight"),

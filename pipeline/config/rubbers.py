@@ -10,6 +10,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from pipeline.config.kinds import number
+from pipeline.config.section import not_known, raise_all, wrong
 from pipeline.config.units import STRESS, convert
 
 
@@ -35,7 +36,6 @@ BESIDE = ("nu", "kappa", "density", "holds_between", "loss_factor")
 FORMS = ("ogden", "abaqus")
 _BULK = {"d1": "write kappa, 2 / d1, or leave it out where d1 is 0"}
 _NEO_HOOKE = {"c10": "write mu, 2 c10", "c1": "write mu, 2 c1", "g": "write mu"}
-_TIME = "creep, rate and the softening of later cycles are in no law; loss_factor damps exported arms"
 #: what to write instead of the constants of other programs, in small letters
 INSTEAD: dict[str, dict[str, str]] = {
     "neo_hooke": _BULK | _NEO_HOOKE,
@@ -43,21 +43,16 @@ INSTEAD: dict[str, dict[str, str]] = {
     "yeoh": _BULK | {"c1": "write c10", "c2": "write c20", "c3": "write c30"},
     "ogden": _BULK,
 }
-OF_TIME = ("prony", "viscosity", "viscoelastic", "relaxation", "tau", "damping", "mullins", "creep")
-
-
-def instead(law: str, key: str) -> str:
-    """What to write instead of a key that another program has; empty where none is known."""
-    small = key.lower()
-    return _TIME if small in OF_TIME else INSTEAD.get(law, {}).get(small, "")
 
 
 def ogden_terms(section: Mapping[str, Any]) -> Mapping[str, Any]:
     """The section of Ogden's law without `form`, in which terms are written as mu / alpha.
 
-    Raises ValueError where terms are most likely those of Abaqus and `form` is not given. Values that are no lists of
-    numbers are left to the checks of the section.
+    Raises ValueError for a form that does not exist, and where terms are most likely those of Abaqus and none is given.
+    Values that are no lists of numbers are left to the checks of the section.
     """
+    if section.get("form", FORMS[0]) not in FORMS:
+        raise_all([wrong(not_known(section["form"], FORMS), ("form",))])
     form, rest = section.get("form"), {key: value for key, value in section.items() if key != "form"}
     try:
         mu = [convert(value, STRESS) for value in section["mu"]]

@@ -134,6 +134,7 @@ class Section:
     """Keys of a configuration that belong together."""
 
     others: ClassVar[Mapping[str, Iterable[str]]] = {}  #: the keys of similar sections by their names
+    hints: ClassVar[Mapping[str, str]] = {}  #: what to write instead of keys of other programs, in small letters
 
     @classmethod
     def key_fields(cls) -> dict[str, FieldInfo]:
@@ -159,14 +160,14 @@ class Section:
             raise ValidationError.from_exception_data("configuration", list(_worded(cls, refused))) from None
 
 
-def section_of(name: str, fields: Mapping[str, tuple[Any, Any]], others: Mapping[str, Iterable[str]]) -> Any:
+def section_of(name: str, fields: Mapping[str, tuple[Any, Any]], **hints: Any) -> Any:
     """A section with these fields, each of a type and with its default and description (`pydantic.Field`).
 
-    others: the keys of similar sections by name, for a hint where one of them is tried.
+    hints: `others` and `hints` of the section.
     """
     namespace = {"__annotations__": {key: kind for key, (kind, _) in fields.items()}, "__module__": __name__}
     defaults = {key: default for key, (_, default) in fields.items()}
-    made = type(name, (Section,), {**namespace, **defaults, "others": others})
+    made = type(name, (Section,), {**namespace, **defaults, **hints})
     return section(made, frozen=True, kw_only=True)
 
 
@@ -245,7 +246,7 @@ def _complaint(keys: type[Section], error: Any) -> str:
     if kind == "value_error":
         return str(error["ctx"]["error"])
     if kind in UNKNOWN:
-        if sought := NOT_THERE.get(str(loc[-1]).lower()):
+        if sought := {**NOT_THERE, **keys.hints}.get(str(loc[-1]).lower()):
             return f"unknown key; {sought}"
         near = closest(loc[-1], keys.key_fields())
         having = ", ".join(name for name, others in keys.others.items() if loc[-1] in others)

@@ -13,7 +13,7 @@ from geometry import Design
 from pipeline.config.document import Document
 from pipeline.config.material import Material
 from pipeline.config.section import known, not_known, raise_all, read_each, wrong
-from pipeline.config.units import LENGTH, PRESSURE, STRESS, Dimension, convert, number_and_unit
+from pipeline.config.units import LENGTH, PRESSURE, STRESS, Dimension, convert
 from pipeline.values.json_values import JsonObject
 
 #: how an arm is made, which decides about the tolerances that are not given
@@ -135,15 +135,10 @@ def _units(design: Design, materials: Mapping[str, Material]) -> dict[str, Dimen
 
 def _read(written: Any, dimension: Dimension | None) -> Tolerance:
     """Raises ValueError."""
-    example = "10 %" if dimension is None else f"0.1 {dimension.unit} or 10 %"
-    parts = number_and_unit(written)
-    if parts is None:
-        raise ValueError(f"{written!r} has no unit; write a tolerance as {example}")
-    amount, unit = parts
-    is_relative = unit == "%"
-    if dimension is None and not is_relative:
-        raise ValueError(f"{written!r} is not a part of the value; write it as {example}")
-    amount = amount / 100.0 if is_relative or dimension is None else convert(written, dimension)
+    is_relative = dimension is None or (isinstance(written, str) and written.rstrip().endswith("%"))
+    example = "10 %" if dimension is None else f"0.1 {dimension.unit}' or '10 %"
+    unit = "dimensionless" if dimension is None or is_relative else dimension.unit
+    amount = convert(written, Dimension("a tolerance", unit, example))
     if not amount > 0.0:
         raise ValueError(f"{written!r} is not above zero; leave out what is exact")
     return Tolerance(amount, is_relative)

@@ -53,7 +53,6 @@ _Wish = section_of(
         "tip": (Annotated[list[Length] | None, list_of("x and y", "[30 mm, -40 mm]", count=2)], Field(default=None)),
         "at_height": _optional(LENGTH),
     },
-    {},
 )
 
 
