@@ -23,7 +23,7 @@ from pipeline.config.units import PRESSURE as UNIT
 from pipeline.results.options import option_value
 from pipeline.store.atomic_file import write_atomic
 from pipeline.store.result_folder import open_file
-from pipeline.values.errors import InputError, argument
+from pipeline.values.errors import InputError, argument, ask
 from pipeline.values.page import figure_page
 from pipeline.values.plots import COLOURS, Line, Panel
 from pipeline.values.run import Run
@@ -31,7 +31,6 @@ from pipeline.values.table import Table
 from rod.arm_law.curves import ACROSS
 from rod.arm_law.law import ArmLaw
 from rod.arm_law.quantities import QUANTITIES, Asked, Rods, jacobian
-from rod.errors import RodError
 
 #: titles of the quantities of the table, by name; the tip comes first
 NUMBERS = {one.name: one.title for one in QUANTITIES.values() if one.title}
@@ -117,10 +116,8 @@ def _budgets(
     run: Run, law: ArmLaw, pressures_kPa: Sequence[float], tolerances: Tolerances | None
 ) -> tuple[Budget, ...]:
     end, chosen = run.config.get("end") or {}, tolerances or Tolerances.from_record(run.config.get("tolerances"))
-    try:
-        return make_budgets(law, chosen, pressures_kPa, end.get("y_mm") if end.get("x_mm") is None else None)
-    except RodError as failure:
-        raise InputError(f"{run.directory / 'law.json'}: {failure}") from None
+    held = end.get("y_mm") if end.get("x_mm") is None else None
+    return ask(str(run.directory / "law.json"), make_budgets, law, chosen, pressures_kPa, held)
 
 
 def make_budgets(
@@ -241,10 +238,8 @@ def _with_settings(run: Run, settings: Sequence[str]) -> Tolerances:
             raise InputError(
                 f"{argument('tolerances', setting)}: write it as KEY=VALUE, for example geometry.wall='0.1 mm'"
             )
-        try:
-            known = known.with_setting(key.strip(), written.strip(), {} if law is None else _units(law))
-        except ValueError as refused:
-            raise InputError(f"{argument('tolerances', setting)}: {refused}") from None
+        units = {} if law is None else _units(law)
+        known = ask(argument("tolerances", setting), known.with_setting, key.strip(), written.strip(), units)
     return known
 
 

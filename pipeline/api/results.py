@@ -24,10 +24,9 @@ from pipeline.results.files import read_results as read_run
 from pipeline.results.options import option_pressures, option_value
 from pipeline.results.parameter_checks import check_parameters
 from pipeline.results.verdict import Verdict, verdict_of
-from pipeline.values.errors import InputError, quoted
+from pipeline.values.errors import InputError, ask, quoted
 from pipeline.values.run import Effect, RodError, Run, State
 from rod import PARAMETER_COLUMNS, FiveParameters, Interval, Rod, RodWarning
-from rod import RodError as NoRod
 from rod.arm_law.kinds import AnyLaw
 from rod.same_pressure import known_at
 
@@ -213,11 +212,7 @@ class Results:
         """
         check_kind(kind, "kind")
         pressure = option_pressures("pressure_kPa", pressure_kPa)
-        chosen = self._chosen(kind)
-        try:
-            rod = chosen.at(pressure)
-        except NoRod as failure:
-            raise InputError(str(failure)) from None
+        rod = ask("", self._chosen(kind).at, pressure)
         for note in rod.notes:
             warnings.warn(note, RodWarning, stacklevel=2)
         return rod

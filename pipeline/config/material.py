@@ -90,10 +90,10 @@ class Material:
 
 
 @cache
-def material_section(law: str) -> type[Section]:
+def material_section(law: type[fem.materials.Material]) -> type[Section]:
     """The keys of a material that obeys a law; instead of its bulk modulus kappa nu may be given."""
-    kinds, meanings = LAWS[law].constants(), LAWS[law].meanings()
-    keys = {name: (CONSTANTS[kind], Field(description=meanings[name])) for name, kind in kinds.items()}
+    meanings = law.meanings()
+    keys = {name: (CONSTANTS[kind], Field(description=meanings[name])) for name, kind in law.constants().items()}
     if BULK in keys:
         keys[BULK] = (PositiveStress | None, Field(default=None, examples=["20 MPa"], description=meanings[BULK]))
         ratio = f"Poisson's ratio, which can be given instead of `{BULK}`; {RUBBER_POISSON_RATIO:g} without both"
@@ -102,7 +102,8 @@ def material_section(law: str) -> type[Section]:
     keys["holds_between"] = (Stretches | None, Field(default=None, description=_HOLDS))
     keys["loss_factor"] = (LossFactor, Field(default=LOSS_FACTOR, description=_LOSS))
     constants = {name: list(other.constants()) for name, other in LAWS.items()}
-    return section_of("Material", {"law": (str, Field()), **keys}, others=constants, hints=INSTEAD.get(law, {}))
+    hints = next((keys for name, keys in INSTEAD.items() if LAWS[name] is law), {})
+    return section_of("Material", {"law": (str, Field()), **keys}, others=constants, hints=hints)
 
 
 _DENSITY = "mass per volume; for gravity, the mass of the arm and M/(m g l), which are left out without it"
@@ -121,7 +122,7 @@ def read_material(value: Any, _: Mapping[str, Any], document: Document) -> Mater
     """The material that a section describes, with all constants: kappa from nu where nu is given."""
     value, name = _by_name(value)
     law = chosen(value, "law", tuple(LAWS))
-    keys = read_keys(material_section(law), ogden_terms(value) if law == "ogden" else value, document)
+    keys = read_keys(material_section(LAWS[law]), ogden_terms(value) if law == "ogden" else value, document)
     constants = {name: getattr(keys, name) for name in LAWS[law].constants()}
     if BULK in constants:
         nu, kappa = keys.nu, constants.pop(BULK)  # type: ignore[attr-defined]

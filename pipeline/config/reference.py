@@ -5,6 +5,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
+from fem.materials import LAWS
 from pipeline.config.body import geometry_section
 from pipeline.config.config import Config
 from pipeline.config.material import material_section
@@ -48,7 +49,7 @@ def geometry_keys(design: Any) -> list[KeyEntry]:
 
 def material_keys(law: str) -> list[KeyEntry]:
     """The keys of a material that obeys a law."""
-    return [entry for entry in _entries(material_section(law)) if entry.key != "law"]
+    return [entry for entry in _entries(material_section(LAWS[law])) if entry.key != "law"]
 
 
 def _entries(keys: type[Section], prefix: str = "") -> Iterator[KeyEntry]:

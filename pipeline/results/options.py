@@ -8,7 +8,7 @@ from typing import Any
 from pipeline.config.units import PRESSURE, Dimension, convert
 from pipeline.store.atomic_file import write_atomic
 from pipeline.store.result_folder import open_file
-from pipeline.values.errors import InputError, argument, quoted
+from pipeline.values.errors import InputError, argument, ask, quoted
 from pipeline.values.json_values import plain
 
 
@@ -17,10 +17,7 @@ def option_value(name: str, given: Any, dimension: Dimension) -> float:
     value = plain(given)
     if isinstance(value, int | float) and not isinstance(value, bool) and isfinite(value):
         return float(value)
-    try:
-        return convert(value, dimension)
-    except ValueError as failure:
-        raise InputError(f"{argument(name)}: {failure}") from None
+    return ask(argument(name), convert, value, dimension)
 
 
 def write_new(file: Path, text: str) -> None:

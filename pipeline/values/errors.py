@@ -1,13 +1,15 @@
 """How a command ends when it cannot do its work: in sentences, and with the exit status that goes with them."""
 
 import reprlib
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 from pathlib import Path
-from typing import Any, final
+from typing import Any, TypeVar, final
 
 from geometry.errors import PneurodError
+
+Answer = TypeVar("Answer")
 
 #: Characters of a user's value that a sentence repeats.
 LONGEST = 60
@@ -60,6 +62,17 @@ class InputError(PneurodError):
 
     def __str__(self) -> str:
         return "\n".join(self.sentences)
+
+
+def ask(where: str, function: Callable[..., Answer], *arguments: Any) -> Answer:
+    """Call a function with values of a user. Raises InputError where it raises ValueError.
+
+    where: the values were given, such as an argument; empty if the error says it.
+    """
+    try:
+        return function(*arguments)
+    except ValueError as refused:
+        raise InputError(f"{where}: {refused}" if where else str(refused)) from None
 
 
 @final

@@ -15,7 +15,7 @@ from pipeline.answers.material.table import Specimen
 from pipeline.config.units import AREA, DENSITY, LENGTH, STRAIN, Dimension
 from pipeline.results.files import read_results
 from pipeline.results.options import option_value
-from pipeline.values.errors import InputError, RunFailed, argument
+from pipeline.values.errors import InputError, RunFailed, argument, ask
 
 #: stretches that arms reach (docs/materials.md), where no run says others
 USUAL = Need(0.7, 2.0)
@@ -39,10 +39,7 @@ class FitOptions:
     @staticmethod
     def read(texts: dict[str, str | None], nu: float, cycle: int, run: Path | None) -> "FitOptions":
         """From texts by the name of the argument. Raises InputError."""
-        try:
-            StVenantKirchhoff(1.0, nu)
-        except MaterialError as failure:
-            raise InputError(f"{argument('nu')}: {failure}") from None
+        ask(argument("nu"), StVenantKirchhoff, 1.0, nu)
 
         def value(option: str, dimension: Dimension) -> float | None:
             text = texts.get(option)

@@ -10,8 +10,7 @@ import numpy as np
 from geometry.arrays import Array
 from pipeline.answers.measured.rows import COLUMNS, NUMBERS, QUANTITIES, TEXTS, Measurements, Row, State
 from pipeline.answers.written_table import is_unit, name_and_unit, number_in, per_unit, plain, read_cells
-from pipeline.values.errors import InputError, quoted
-from rod.errors import RodError
+from pipeline.values.errors import InputError, ask, quoted
 from rod.weight import gravity_direction
 
 EXAMPLE = "a line of titles names columns with their units, for example 'pressure_kPa, tip_x_mm, tip_y_mm'"
@@ -130,10 +129,7 @@ def _check_row(where: str, numbers: Mapping[str, float], orientation: str) -> No
     if numbers.get("tip_mass") and not orientation:
         raise InputError(f"{where}: tip_mass_g needs an orientation: hanging, lying, standing, or an angle as '30 deg'")
     if orientation:
-        try:
-            gravity_direction(orientation)
-        except RodError as failure:
-            raise InputError(f"{where}: {failure}") from None
+        ask(where, gravity_direction, orientation)
 
 
 def _list(names: Sequence[str]) -> str:

@@ -15,7 +15,7 @@ from pipeline.config.units import FORCE, LENGTH, MOMENT, STIFFNESS
 from pipeline.results.options import option_pressures, option_value, option_vector
 from pipeline.store.atomic_file import write_atomic
 from pipeline.store.result_folder import open_file
-from pipeline.values.errors import InputError, RunFailed, argument
+from pipeline.values.errors import InputError, RunFailed, argument, ask
 from pipeline.values.formats import ARM_LAW, EXTENSIBLE, FIVE
 from rod.along import LineLoad, PointLoad
 from rod.arm_law.law_rod import LawRod
@@ -144,27 +144,19 @@ class Weight:
         if (tip_mass is not None or mass_at) and orientation is None:
             orientations = f"{argument('orientation')} hanging, lying, standing, '30 deg' or '[0, -1]'"
             raise InputError(f"{argument('mass_at' if tip_mass is None else 'tip_mass')}: needs {orientations}")
-        try:
-            direction = None if orientation is None else gravity_vector(_pair_of(orientation))
-        except RodError as failure:
-            raise InputError(f"{argument('orientation')}: {failure}") from None
-        try:
-            tip_mass_g = 0.0 if tip_mass is None else in_grams(tip_mass)
-        except RodError as failure:
-            raise InputError(f"{argument('tip_mass')}: {failure}") from None
-        try:
-            hung = tuple((place, in_grams(mass)) for (place,), mass in _placed("mass_at", mass_at))
-        except RodError as failure:
-            raise InputError(f"{argument('mass_at')}: {failure}") from None
-        return Weight(direction, tip_mass_g, hung)
+        given = None if orientation is None else _pair_of(orientation)
+        direction = None if given is None else ask(argument("orientation"), gravity_vector, given)
+        tip_mass_g = ask(argument("tip_mass"), in_grams, 0.0 if tip_mass is None else tip_mass)
+        placed = _placed("mass_at", mass_at)
+        return Weight(
+            direction, tip_mass_g, tuple((at, ask(argument("mass_at"), in_grams, mass)) for (at,), mass in placed)
+        )
 
     @staticmethod
     def of(direction: str | Sequence[float] | None, tip_mass: float | str) -> "Weight":
         """From the arguments of `Rod.solve`. Raises InputError."""
-        try:
-            return Weight(None if direction is None else gravity_vector(direction), in_grams(tip_mass))
-        except RodError as failure:
-            raise InputError(str(failure)) from None
+        given = None if direction is None else ask("", gravity_vector, direction)
+        return Weight(given, ask("", in_grams, tip_mass))
 
 
 def _placed(name: str, texts: Sequence[str]) -> list[tuple[tuple[str, ...], str]]:
@@ -175,11 +167,8 @@ def _placed(name: str, texts: Sequence[str]) -> list[tuple[tuple[str, ...], str]
         places = tuple(place.split(" to "))
         if not load or len(places) != len(EXAMPLES[name].split(" to ")):
             raise InputError(f"{argument(name)}: '{text}' is not a place and a load; write it as '{EXAMPLES[name]}'")
-        try:
-            for one in places:
-                position_along(one, 1.0)
-        except RodError as failure:
-            raise InputError(f"{argument(name)}: {failure}") from None
+        for one in places:
+            ask(argument(name), position_along, one, 1.0)
         found.append((places, load.strip()))
     return found
 
@@ -196,11 +185,7 @@ def _pair_of(text: str) -> str | list[str | float]:
 
 def rod_at(rods: RodOfRun, pressure: str) -> Rod:
     """The rod at a pressure written with its unit, or at two: [20 kPa, 5 kPa]. Raises InputError."""
-    value = option_pressures("pressure", pressure)
-    try:
-        return rods.at(value)
-    except RodError as failure:
-        raise InputError(f"{argument('pressure', pressure)}: {failure}") from None
+    return ask(argument("pressure", pressure), rods.at, option_pressures("pressure", pressure))
 
 
 def end_lines(rod: Rod, shape: RodSolution | SpatialSolution, errors: str = "") -> list[str]:

@@ -5,13 +5,12 @@ from pathlib import Path
 
 from pipeline.answers.rods.choice import RodOfRun, choose_rod, rod_of_law, rod_of_path, told_ratios
 from pipeline.results.files import LAW, folder_of, read_results
-from pipeline.values.errors import InputError, argument
+from pipeline.values.errors import InputError, argument, ask
 from pipeline.values.law import DeliveredLaw
 from pipeline.values.run import Run
 from rod.arm_law.kinds import along, ratios_of
 from rod.arm_law.pairs import PairLaw, direction_of
 from rod.arm_law.space_law import SpaceLaw
-from rod.errors import RodError
 from rod.same_pressure import Pressures
 
 
@@ -57,10 +56,7 @@ def law_along(path: Path, delivered: DeliveredLaw, ratio: str | None) -> Deliver
     if not isinstance(law, PairLaw | SpaceLaw):
         _refuse(path, ratio)
         return delivered
-    try:
-        return replace(delivered, law=along(law, _fractions(path, law, ratio)))
-    except RodError as failure:
-        raise InputError(f"{argument('ratio', ratio)}: {failure}") from None
+    return replace(delivered, law=ask(argument("ratio", ratio), along, law, _fractions(path, law, ratio)))
 
 
 def _fractions(path: Path, law: PairLaw | SpaceLaw, ratio: str | None) -> Pressures:
