@@ -15,7 +15,7 @@ from pipeline.config.config import Config
 from pipeline.config.document import read_document
 from pipeline.config.load import load_config
 from pipeline.config.material import Material, read_material
-from pipeline.config.section import Field, Kind, Section, WrittenAs, read, section
+from pipeline.config.section import Field, Kind, Section, read, section
 from pipeline.values.errors import InputError
 
 CASE, MEASURED = "case.yaml", "measured.csv"
@@ -28,7 +28,7 @@ class _Bar(Section):
     length_mm: kinds.PositiveLength
     height_mm: kinds.PositiveLength
     width_mm: kinds.PositiveLength
-    material: Annotated[Material, WrittenAs(read_material), Kind("a section", "{name: dragon_skin_10}")]
+    material: Annotated[Material, Kind("a section", "{name: dragon_skin_10}", complete=read_material)]
 
 
 _ROWS = kinds.list_of("lists of numbers of rows, from 1", "[[1, 2], [3, 4]]")

@@ -24,7 +24,6 @@ from pipeline.config.section import (
     Field,
     Kind,
     Section,
-    WrittenAs,
     conflict,
     raise_all,
     section,
@@ -44,6 +43,7 @@ LAW_CHOICES: tuple[Laws, ...] = get_args(Laws)
 STANDARD_GRAVITY = 9810.0
 #: Newton's tolerance where none is given
 USUAL_TOLERANCE = 1e-6
+_MATERIAL = Kind("a section", "{law: svk, ...}", complete=read_material)
 _REGIONS = Kind("a section for each region", "{base: {law: svk, E: 5 MPa, nu: 0.495, density: 1130 kg/m^3}}")
 
 
@@ -127,14 +127,12 @@ class Config(Section):
     """A design and what is to be computed for it, checked. The order of the fields is that in which they are read."""
 
     name: kinds.Name = Field(description="name of the design")
-    design: Annotated[Design, WrittenAs(read_design), Kind("a section", "{family: pneunet, ...}")] = Field(
+    design: Annotated[Design, Kind("a section", "{family: pneunet, ...}", complete=read_design)] = Field(
         alias="geometry", description="`family` of the body and its [dimensions](#geometry)"
     )
     #: of the body, but for the regions below
-    material: Annotated[Material, WrittenAs(read_material), Kind("a section", "{law: svk, ...}")] = Field(
-        description="`law` of the material and its [constants](#material)"
-    )
-    materials: Annotated[dict[str, Annotated[Material, WrittenAs(read_material)]], _REGIONS] = Field(
+    material: Annotated[Material, _MATERIAL] = Field(description="`law` of the material and its [constants](#material)")
+    materials: Annotated[dict[str, Annotated[Material, _MATERIAL]], _REGIONS] = Field(
         default_factory=dict,
         description="[regions](#a-base-of-another-material) of another material than the rest of the body",
     )
@@ -149,10 +147,10 @@ class Config(Section):
             default=("I", "II", "III"), description="II and III give the parameters; I, the free body, may be left out"
         )
     )
-    end: Annotated[End, WrittenAs(read_end, GivenEnd)] = End()
+    end: Annotated[End, Kind("", "{}", complete=read_end, keys=GivenEnd)] = End()
     identification: IdentificationSettings = IdentificationSettings()
     added_pressures: kinds.CountFromZero = Field(default=0, description="how many pressures the program may add")
-    validation: Annotated[Validation, WrittenAs(read_validation, GivenValidation)] = Field(
+    validation: Annotated[Validation, Kind("", "{}", complete=read_validation, keys=GivenValidation)] = Field(
         default_factory=dict, validate_default=True
     )
     law: Annotated[Laws, kinds.one_of(LAW_CHOICES)] = Field(
@@ -176,14 +174,19 @@ class Config(Section):
         description="error that the mesh may make of the [arm's own law](cell.md#error-of-the-mesh), or `off`; "
         "also `--accuracy`",
     )
-    effects: Annotated[Effects, WrittenAs(_with_all_cavities, Effects)] = Field(
+    effects: Annotated[Effects, Kind("", "{}", complete=_with_all_cavities, keys=Effects)] = Field(
         default_factory=dict, validate_default=True
     )
-    mesh: Annotated[MeshSettings, WrittenAs(read_mesh, GivenMesh)] = Field(default_factory=dict, validate_default=True)
+    mesh: Annotated[MeshSettings, Kind("", "{}", complete=read_mesh, keys=GivenMesh)] = Field(
+        default_factory=dict, validate_default=True
+    )
     tolerances: Annotated[
         Tolerances,
-        WrittenAs(read_tolerances),
-        Kind("a section: a key of the configuration with a length, stress or part of it", "{pressure: 2 %}"),
+        Kind(
+            "a section: a key of the configuration with a length, stress or part of it",
+            "{pressure: 2 %}",
+            complete=read_tolerances,
+        ),
     ] = Field(
         default_factory=dict,
         validate_default=True,
@@ -191,7 +194,7 @@ class Config(Section):
         "`process: cast` or `printed` for those that are not given",
     )
     #: the file it was read from, for messages; it has no key
-    source: Annotated[str, WrittenAs(_check_together)] = Field(default="", alias="", validate_default=True)
+    source: Annotated[str, Kind("", "", complete=_check_together)] = Field(default="", alias="", validate_default=True)
 
     def record(self) -> JsonObject:
         """Everything that decides the results, ready for JSON, with the keys of the YAML and their units."""

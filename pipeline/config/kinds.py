@@ -7,7 +7,7 @@ from itertools import pairwise
 from typing import Annotated, Any
 
 from pipeline.config.document import Document, read_document
-from pipeline.config.section import Kind, WrittenAs, not_known
+from pipeline.config.section import Kind, not_known
 from pipeline.config.units import ACCELERATION, DENSITY, FORCE, LENGTH, PRESSURE, STRESS, Dimension, convert
 from pipeline.values.errors import InputError, quoted
 from rod.same_pressure import SAME, is_same
@@ -171,7 +171,7 @@ def _base(value: Any, _: Any, document: Document) -> Document:
 
 _BASE = "pneunet_coarse.yaml"
 #: the configuration with which a study begins, by its file
-Base = Annotated[Document, WrittenAs(_base), Kind("a file", _BASE)]
+Base = Annotated[Document, Kind("a file", _BASE, complete=_base)]
 
 #: the largest relative error that can be requested
 MOST_ACCURACY = 0.2

@@ -9,7 +9,7 @@ from fem.materials import LAWS
 from pipeline.config.body import geometry_section
 from pipeline.config.config import Config
 from pipeline.config.material import material_section
-from pipeline.config.section import FieldInfo, Section, WrittenAs, example_of, kind_of
+from pipeline.config.section import FieldInfo, Kind, Section, example_of, kind_of
 
 REQUIRED = "required"
 _LINK = re.compile(r"\[([^\]]*)\]\([^)]*\)")
@@ -62,7 +62,7 @@ def _entries(keys: type[Section], prefix: str = "") -> Iterator[KeyEntry]:
 
 def _section_in(field: FieldInfo) -> type[Section] | None:
     """The section that is written at a key; None for a value, and where its keys depend on what is in it."""
-    written = next((part.keys for part in field.metadata if isinstance(part, WrittenAs)), field.annotation)
+    written = next((kind.keys for kind in field.metadata if isinstance(kind, Kind)), field.annotation)
     return written if isinstance(written, type) and issubclass(written, Section) else None
 
 

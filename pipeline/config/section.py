@@ -55,14 +55,6 @@ CONFIG = ConfigDict(
 )
 
 
-def _unchanged(value: Any) -> Any:
-    return value
-
-
-def _in_document(function: Callable[[Any], Any]) -> Callable[[Any, ValidationInfo], Any]:
-    return lambda value, info: value if info.context is None else function(value)
-
-
 @dataclass(frozen=True)
 class Kind:
     """How a kind of value is written, for sentences and the reference, and how the value inside is made from it."""
@@ -70,39 +62,28 @@ class Kind:
     allowed: str  #: Markdown
     example: str
     unit: str = ""
-    read: Callable[[Any], Any] = _unchanged  #: from what is written; raises ValueError with the complaint
+    read: Callable[[Any], Any] = lambda value: value  #: of what is written; raises ValueError with the complaint
     test: Callable[[Any], bool] | None = None  #: whether a value is allowed; may raise ValueError with the complaint
+    #: instead of `read`, of what is written, the fields before and the document, for what follows from several of them
+    complete: Callable[[Any, Mapping[str, Any], Document], Any] | None = None
+    keys: "type[Section] | None" = None  #: as which it is written; None for a value, or keys that depend on one of them
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-        checked = core_schema.with_info_after_validator_function(_in_document(self._check), handler(source))
-        return core_schema.with_info_before_validator_function(_in_document(self.read), checked)
-
-    def _check(self, value: Any) -> Any:
-        if self.test is None or self.test(value):
-            return value
-        allowed = self.allowed.replace("`", "")
-        number = f"{value:g}" if isinstance(value, float) else quoted(value)
-        raise ValueError(f"{number} is not allowed; allowed: {allowed}; for example {self.example}")
-
-
-@dataclass(frozen=True)
-class WrittenAs:
-    """A section that is written otherwise than it is inside, or completed from other ones.
-
-    keys: the section as it is written; None where its keys depend on a choice in it.
-    """
-
-    complete: Callable[[Any, Mapping[str, Any], Document], Any]  #: of what is written, the fields before, the document
-    keys: "type[Section] | None" = None
-
-    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-        return core_schema.with_info_before_validator_function(self._read, handler(source))
+        checked = core_schema.with_info_after_validator_function(self._check, handler(source))
+        return core_schema.with_info_before_validator_function(self._read, checked)
 
     def _read(self, value: Any, info: ValidationInfo) -> Any:
         if info.context is None:
             return value
         written = value if self.keys is None else read_keys(self.keys, value, info.context)
-        return self.complete(written, info.data, info.context)
+        return self.complete(written, info.data, info.context) if self.complete else self.read(written)
+
+    def _check(self, value: Any, info: ValidationInfo) -> Any:
+        if info.context is None or self.test is None or self.test(value):
+            return value
+        allowed = self.allowed.replace("`", "")
+        number = f"{value:g}" if isinstance(value, float) else quoted(value)
+        raise ValueError(f"{number} is not allowed; allowed: {allowed}; for example {self.example}")
 
 
 def known(fields: Mapping[str, Any], *names: str) -> list[Any]:
