@@ -12,7 +12,7 @@ from typing import Any
 from geometry import Design
 from pipeline.config.document import Document
 from pipeline.config.material import Material
-from pipeline.config.section import known, not_known, raise_all, read_each, wrong
+from pipeline.config.section import known, not_known, read_each
 from pipeline.config.units import LENGTH, PRESSURE, STRESS, Dimension, convert
 from pipeline.values.json_values import JsonObject
 
@@ -67,11 +67,8 @@ class Tolerances:
 
     def with_setting(self, key: str, written: str, units: Mapping[str, Dimension | None]) -> "Tolerances":
         """With another tolerance, or process; units: what each key measures. Raises ValueError."""
-        if key == "process":
-            if written not in PROCESSES:
-                raise ValueError(not_known(written, PROCESSES))
-            return replace(self, process=written)
-        return replace(self, given={**self.given, key: _known(key, written, units)})
+        read = _known(key, written, units)
+        return replace(self, process=read) if isinstance(read, str) else replace(self, given={**self.given, key: read})
 
     def all(self, dimensions: Mapping[str, float]) -> dict[str, Tolerance]:
         """Those that are given, and the defaults of all others.
@@ -95,12 +92,9 @@ def read_tolerances(value: Any, values: Mapping[str, Any], _: Document) -> Toler
     design, material, materials = known(values, "design", "material", "materials")
     if not isinstance(value, Mapping):
         raise ValueError("must hold keys, for example {geometry.wall: 0.1 mm, material.stiffness: 10 %}")
-    flat = dict(_flat(value))
-    process = flat.pop("process", PROCESSES[0])
-    if process not in PROCESSES:
-        raise_all([wrong(not_known(process, PROCESSES), ("process",))])
     units = _units(design, {"material": material, **{f"materials.{name}": m for name, m in materials.items()}})
-    return Tolerances(process, read_each(flat, lambda key, written: _known(key, written, units)))
+    given: dict[str, Any] = read_each(dict(_flat(value)), lambda key, written: _known(key, written, units))
+    return Tolerances(given.pop("process", PROCESSES[0]), given)
 
 
 def _flat(value: Mapping[Any, Any]) -> Iterator[tuple[str, Any]]:
@@ -112,8 +106,12 @@ def _flat(value: Mapping[Any, Any]) -> Iterator[tuple[str, Any]]:
             yield str(key), entry
 
 
-def _known(key: str, written: Any, units: Mapping[str, Dimension | None]) -> Tolerance:
-    """The tolerance at a key; units: what each key measures. Raises ValueError, also for an unknown key."""
+def _known(key: str, written: Any, units: Mapping[str, Dimension | None]) -> Tolerance | str:
+    """The process, or the tolerance at a key; units: what each measures. Raises ValueError, also for an unknown key."""
+    if key == "process" and written in PROCESSES:
+        return str(written)
+    if key == "process":
+        raise ValueError(not_known(written, PROCESSES))
     if key not in units:
         raise ValueError(not_known(key, ("process", *units)))
     return _read(written, units[key])
