@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from geometry.arrays import Array
+from geometry.errors import Reason, Values
 from pipeline.values.formats import ARM_LAW, EXTENSIBLE, FIVE
 from pipeline.values.formatting import percent
 from pipeline.values.law import DeliveredLaw
@@ -21,6 +22,8 @@ TITLES = {
 }
 #: distance over the length beyond which no rod is recommended
 POOR = 0.10
+#: relative error of the mesh above which a number should not be used
+LARGE_MESH_ERROR = 0.10
 #: errors of shape and of force below which one rod is as good as another
 EQUAL = 1e-3
 
@@ -116,27 +119,45 @@ def mesh_errors(run: Run, rod: str) -> MeshErrors:
 
 
 def law_mesh_errors(law: DeliveredLaw | None) -> MeshErrors:
-    """The errors of the mesh in the numbers of an arm's own law, at the worst pressure."""
+    """The errors of the mesh in the numbers of an arm's own law: of curvature and moment over their largest values.
+
+    Both may pass through zero at a pressure, where the shape is as certain as elsewhere; see `uncertain_forces`.
+    """
     if law is None or not law.beside.mesh_error:
         return MeshErrors(None, None, None)
     error, turning = law.beside.mesh_error, SMALLEST_TURN / law.law.length
-    moments = tuple(0.5 * turning * abs(rigidity or 0.0) for rigidity in error.rigidity_N_mm2)
-    none = (0.0,) * len(error.pressures_kPa)
+    stiffest = _largest(error.rigidity_N_mm2) or 0.0
+    rigidity = _relative(error.rigidity_N_mm2, error.rigidity_N_mm2_std)
     return MeshErrors(
-        _relative(error.kappa_0_per_mm, error.kappa_0_per_mm_std, (turning,) * len(none)),
-        _relative(error.rigidity_N_mm2, error.rigidity_N_mm2_std, none),
-        _relative(error.moment_N_mm, error.moment_N_mm_std, moments),
+        _over_largest(error.kappa_0_per_mm, error.kappa_0_per_mm_std, turning),
+        _largest(relative for relative in rigidity if relative is not None),
+        _over_largest(error.moment_N_mm, error.moment_N_mm_std, 0.5 * turning * stiffest),
     )
 
 
-def _relative(values: Column, deviations: Column, least: Sequence[float]) -> float | None:
-    """The largest deviation over its value, or over the least value that counts."""
-    pairs = zip(values, deviations, least, strict=False)
-    return _largest(
-        std / size
-        for value, std, smallest in pairs
-        if value is not None and std is not None and (size := max(abs(value), smallest))
-    )
+def uncertain_forces(law: DeliveredLaw | None) -> Reason | None:
+    """Pressures at which the moment that straightens the cells is uncertain by more than a tenth of itself, if any."""
+    if law is None or not law.beside.mesh_error:
+        return None
+    error = law.beside.mesh_error
+    relative = _relative(error.moment_N_mm, error.moment_N_mm_std)
+    found = {p: one for p, one in zip(error.pressures_kPa, relative, strict=False) if p and one}
+    wide = {pressure: one for pressure, one in found.items() if one > LARGE_MESH_ERROR}
+    values: Values = {"pressures_kPa": list(wide), "percent": 100.0 * max(wide.values(), default=0.0)}
+    return Reason("forces_uncertain", values) if wide else None
+
+
+def _relative(values: Column, deviations: Column) -> list[float | None]:
+    """Deviations over their values; None where one of them is not known, or the value is zero."""
+    return [
+        None if not value or std is None else std / abs(value) for value, std in zip(values, deviations, strict=False)
+    ]
+
+
+def _over_largest(values: Column, deviations: Column, least: float) -> float | None:
+    """The largest deviation over the largest value, or over the least value that counts."""
+    largest = _largest(deviations)
+    return None if largest is None else largest / max(_largest(values) or 0.0, least)
 
 
 @dataclass(frozen=True)

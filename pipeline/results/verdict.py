@@ -6,9 +6,20 @@ The verdict is one value. The terminal, the report, `pneurod run --json` and `pn
 import shlex
 from dataclasses import asdict, dataclass
 from html import escape
+from math import isinf
 
 from geometry import Reason
-from pipeline.results.rod_errors import POOR, TITLES, MeshErrors, RodAndMesh, RodErrors, rod_errors, rod_to_take
+from pipeline.results.rod_errors import (
+    LARGE_MESH_ERROR,
+    POOR,
+    TITLES,
+    MeshErrors,
+    RodAndMesh,
+    RodErrors,
+    rod_errors,
+    rod_to_take,
+    uncertain_forces,
+)
 from pipeline.results.unloaded import named_states
 from pipeline.values.formats import ARM_LAW, EXTENSIBLE, FIVE
 from pipeline.values.formatting import number, round_down
@@ -17,8 +28,8 @@ from pipeline.values.reasons import report_reason, shorten
 from pipeline.values.record import Reported
 from pipeline.values.run import Run
 
-#: relative error of the mesh above which no rod of the run should be used, and the size of a finer mesh over its own
-LARGE_MESH_ERROR, FINER = 0.10, 2 / 3
+#: size of a finer mesh over that of the run
+FINER = 2 / 3
 #: warnings that the verdict shows
 MOST_WARNINGS = 2
 #: code of the remark on an arm that no rod describes
@@ -176,6 +187,9 @@ def _refusal(run: Run, errors: tuple[RodErrors, ...], mesh: MeshErrors) -> Repor
     """Why no rod should be used: the arm leaves the plane, the mesh is too coarse, or every rod is far off."""
     if plane := next((remark for remark in run.remarks if remark.code == OUT_OF_PLANE), None):
         return plane
+    if errors and isinf(errors[0].shape):
+        why = next((row.reason for row in run.errors_of(errors[0].rod) if row.reason), "")
+        return report_reason(Reason("no_rod_bends", {"why": why.rstrip(".") or "it was compared under no load"}))
     if errors and errors[0].shape > POOR:
         return report_reason(Reason("no_rod_is_near", {"percent": 100.0 * errors[0].shape}))
     if (mesh.largest or 0.0) > LARGE_MESH_ERROR:
@@ -225,8 +239,7 @@ def _instead(run: Run, rod: str, mesh: MeshErrors) -> str:
     """What to do where no rod can be used."""
     if (mesh.largest or 0.0) > LARGE_MESH_ERROR:
         if rod == ARM_LAW:
-            finer = "give lower pressures or another material.law" if run.config.get("accuracy") else "--accuracy 1%"
-            return f"Next: repeat the run with {finer} and another --out."
+            return "" if run.config.get("accuracy") else "Next: repeat the run with --accuracy 1% and another --out."
         if run.mesh is None or run.mesh.from_file:
             return "Next: run the body with a finer mesh."
         finer = f"--set mesh.size='{FINER * run.mesh.size_mm:.2g} mm'"
@@ -241,6 +254,8 @@ def _warnings(run: Run, rod: str, mesh: MeshErrors, refusal: Reported | None) ->
     of_rod = []
     if rod and mesh.largest is None:
         of_rod.append(report_reason(Reason("mesh_error_unknown")))
+    if rod == ARM_LAW and refusal is None and (uncertain := uncertain_forces(run.law)):
+        of_rod.append(report_reason(uncertain))
     if rod in (FIVE, EXTENSIBLE):
         of_rod.append(report_reason(Reason("offsets_bend")))
     said = {TOLERANCES, CALIBRATED} | {reason.code for reason in (*run.failures, *filter(None, [refusal]))}

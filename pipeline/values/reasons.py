@@ -148,8 +148,11 @@ TEMPLATES: Mapping[str, str] = {
     # the rods
     "no_rod_is_near": "do not use a rod of this run, because the nearest one is {percent:.2g} % of the length off the "
     "finite elements",
+    "no_rod_bends": "no rod of this run has an equilibrium under its loads: {why}",
     "mesh_too_coarse": "do not use a rod of this run, because the mesh makes an error of about {percent:.2g} % in its "
     "{quantity}",
+    "forces_uncertain": "forces are uncertain by up to {percent:.2g} % at {pressures_kPa:g} kPa because of the mesh; "
+    "shapes hold",
     "tolerances": "a {process} arm's tolerances move its tip by {percent:.2g} % of the length ({pressure_kPa:g} kPa); "
     "measure {parameter} first: {most_percent:.2g} % by ± {tolerance}",
     "calibrated": "calibrated to {numbers} numbers: the tip is within {percent:.2g} % of the length in nine of ten "

@@ -9,7 +9,7 @@ from typing import Any
 
 from geometry import Reason
 from pipeline.results.files import read_law, read_results
-from pipeline.results.rod_errors import RodAndMesh, rod_and_mesh, rod_to_take
+from pipeline.results.rod_errors import RodAndMesh, rod_and_mesh, rod_to_take, uncertain_forces
 from pipeline.results.saved_rod import SavedRod, pressurised_rod
 from pipeline.results.verdict import OUT_OF_PLANE, Verdict, verdict_of
 from pipeline.values.errors import InputError, argument, quoted
@@ -118,7 +118,10 @@ def choose_rod(run: Run, kind: str | None = None) -> RodOfRun:
     taken = rod_to_take(run, verdict.errors)
     errors = rod_and_mesh(run, compared) if compared else taken[1] if taken and taken[0] == rod else None
     mass = None if chosen == "law" else _mass(run)
-    return RodOfRun(chosen, _source(run, chosen), errors, _notes(verdict, errors), mass)
+    notes = _notes(verdict, errors)
+    if chosen == "law" and verdict.refusal is None and (uncertain := uncertain_forces(run.law)):
+        notes = (*notes, report_reason(uncertain).text)
+    return RodOfRun(chosen, _source(run, chosen), errors, notes, mass)
 
 
 def refuse_out_of_plane(run: Run) -> None:
