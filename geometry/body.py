@@ -41,17 +41,10 @@ class Body:
     @cached_property
     def curve_vertices(self) -> Index:
         """Indices (k,) of the mesh vertices on the material curve, by increasing x; read-only."""
-        points, tolerance = self.mesh.points, 1e-7 * self.length
-        on_curve = (np.abs(points[:, 1] - self.curve_y) < tolerance) & (np.abs(points[:, 2]) < tolerance)
-        vertices = np.flatnonzero(on_curve)
-        vertices = vertices[np.argsort(points[vertices, 0], kind="stable")]
-        x = points[vertices, 0]
-        curve = f"the material curve y = {self.curve_y:g} mm, z = 0; cut the body along it before meshing it"
-        if len(vertices) < 2 or abs(x[0]) > tolerance or abs(x[-1] - self.length) > tolerance:
-            raise MeshError(f"the mesh has no vertex at each end of {curve}")
-        if not self.mesh.has_edges(np.column_stack([vertices[:-1], vertices[1:]])).all():
-            raise MeshError(f"the mesh has no edges along {curve}")
-        vertices.setflags(write=False)
+        vertices, gap = curve_in(self.mesh, self.curve_y, self.length)
+        if gap is not None:
+            curve = f"the material curve y = {self.curve_y:g} mm, z = 0, from x = {gap[0]:.4g} to {gap[1]:.4g} mm"
+            raise MeshError(f"the mesh has no edges along {curve}; cut the body along it before meshing it")
         return vertices
 
     def edge(self, face: str) -> Array:
@@ -71,3 +64,17 @@ class Body:
         if not self.half:
             return self
         return Body(self.mesh.mirrored(), self.name, self.length, self.pitch, self.curve_y, False, self.cavities)
+
+
+def curve_in(mesh: Mesh, curve_y: float, length: float) -> tuple[Index, tuple[float, float] | None]:
+    """The vertices (k,) on the line y = curve_y, z = 0, by increasing x, read-only, and from where to where (x, mm) it
+    does not run along edges for the first time; None where it does from 0 to `length`."""
+    points, tolerance = mesh.points, 1e-7 * length
+    on = np.flatnonzero((np.abs(points[:, 1] - curve_y) < tolerance) & (np.abs(points[:, 2]) < tolerance))
+    on = on[np.argsort(points[on, 0], kind="stable")]
+    on.setflags(write=False)
+    stops = [0.0, *map(float, points[on, 0]), length]
+    pairs = np.column_stack([on[:-1], on[1:]])
+    inner = mesh.has_edges(pairs) if len(pairs) else np.zeros(0, dtype=bool)
+    filled = [abs(stops[1]) <= tolerance, *inner, abs(stops[-2] - length) <= tolerance]
+    return on, next(((stops[k], stops[k + 1]) for k, ok in enumerate(filled) if not ok), None)

@@ -5,7 +5,7 @@ import numpy as np
 from geometry.arrays import Index
 from geometry.errors import MeshError, position_text
 from geometry.mesh import Mesh
-from geometry.topology import OUTWARD, normals, parts_of_graph, row_keys, triangle_edges
+from geometry.topology import OUTWARD, parts_of_graph, row_keys, triangle_edges
 
 
 def check_manifold(mesh: Mesh) -> None:
@@ -41,27 +41,6 @@ def check_untangled(mesh: Mesh) -> None:
     overlapping = first[same_side]
     at = f"at {len(overlapping)} of their faces, such as near {_position(mesh, overlapping[0])}"
     raise MeshError(f"the elements of the mesh are tangled: {at}, both neighbours lie on the same side; mesh it again")
-
-
-def check_half(mesh: Mesh) -> None:
-    """Raise `MeshError` unless the face sym of a half body covers all of the body's boundary in the plane z = 0, and
-    the body is on the side z >= 0 of it."""
-    tolerance = 1e-7 * np.ptp(mesh.points, axis=0).max()
-    off = np.abs(mesh.points[mesh.faces["sym"], 2]).max(axis=1)
-    if off.max() > tolerance:
-        where = _position(mesh, mesh.faces["sym"][int(np.argmax(off))])
-        raise MeshError(f"the face sym must lie in the plane z = 0; a triangle of it is near {where}")
-    if mesh.points[:, 2].min() < -tolerance:
-        where = position_text(mesh.points[int(np.argmin(mesh.points[:, 2]))])
-        raise MeshError(f"the body has a face sym, but reaches to {where} beyond z = 0; leave sym out of a whole body")
-    in_plane = mesh.boundary[(np.abs(mesh.points[mesh.boundary, 2]) <= tolerance).all(axis=1)]
-    count = len(mesh.points)
-    missing = in_plane[~np.isin(row_keys(in_plane, count), row_keys(mesh.faces["sym"], count))]
-    if len(missing):
-        areas = np.linalg.norm(normals(mesh.points[missing]), axis=1) / 2
-        where = _position(mesh, missing[int(np.argmax(areas))])
-        part = f"{areas.sum():.3g} of {areas.sum() + mesh.area('sym'):.3g} mm2, such as near {where}"
-        raise MeshError(f"the face sym must be all of the boundary in the plane z = 0, and it leaves out {part}")
 
 
 def count_components(mesh: Mesh) -> int:

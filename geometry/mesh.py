@@ -149,26 +149,18 @@ class Mesh:
             return float(areas(self.points, self.faces[name], self.curved).sum())
         return float(np.linalg.norm(normals(self.points[self.faces[name]]), axis=1).sum() / 2)
 
-    def check_closed(self, name: str, clamp: float = 0.0, half: bool = True) -> None:
-        """Raise `MeshError` when a named face has an open edge away from the planes x = clamp, mm, and z = 0 of a
-        half."""
-        corners = self.points[open_edges(self.faces[name], len(self.points))]
-        planes = np.abs(corners[:, :, [0, 2]] - [clamp, 0.0]) if half else np.abs(corners[:, :, [0]] - clamp)
-        away = planes.max(axis=1).min(axis=1)
-        if len(away) and away.max() > 1e-7 * np.ptp(self.points, axis=0).max():
-            middle = corners[np.argmax(away)].mean(axis=0)
-            planes_of = "clamp and z = 0" if half else "clamp; of a half name the faces in the plane z = 0 sym"
-            edge = f"it has an open edge near {position_text(middle)}"
-            raise MeshError(f"the face {name} encloses no volume: {edge}, away from the {planes_of}")
-
     def enclosed_volume(self, name: str) -> float:
         """Volume of the air that a named face encloses, closed by the planes z = 0 and x = 0 if these cut it, mm3.
 
         V = -1/3 sum over triangles of the integral of x . n dA (divergence theorem), n out of the solid; both planes
         contain the origin and add nothing. Raises `MeshError` when the face has an open edge away from them.
         """
-        self.check_closed(name)
         triangles = self.faces[name]
+        corners = self.points[open_edges(triangles, len(self.points))]
+        away = np.abs(corners[:, :, [0, 2]]).max(axis=1).min(axis=1)
+        if len(away) and away.max() > 1e-7 * np.ptp(self.points, axis=0).max():
+            edge = f"it has an open edge near {position_text(corners[np.argmax(away)].mean(axis=0))}"
+            raise MeshError(f"the face {name} encloses no volume: {edge}, away from the clamp and z = 0")
         if len(self.curved):
             return -float(flux(self.points, triangles, self.curved).sum())
         a, b, c = np.moveaxis(self.points[triangles], 1, 0)

@@ -91,7 +91,12 @@ def cross(a: Array, b: Array) -> Array:
 
 
 def passes_through(edges: Array, triangles: Array) -> Mask:
-    """Whether the edges (m, 2, 3) end on different sides of the triangles (m, 3, 3) and pass them inside, (m,).
+    """Whether the edges (m, 2, 3) end on different sides of the triangles (m, 3, 3) and pass them inside, (m,)."""
+    return np.isfinite(crossings(edges, triangles))
+
+
+def crossings(edges: Array, triangles: Array) -> Array:
+    """The part of each edge (m, 2, 3) at which it passes a triangle (m, 3, 3); infinite where it does not, (m,).
 
     Source: T. Moeller, B. Trumbore, "Fast, minimum storage ray/triangle intersection", J. Graph. Tools 2 (1997).
     """
@@ -104,4 +109,5 @@ def passes_through(edges: Array, triangles: Array) -> Mask:
             np.einsum("mi,mi->m", u, v) / volume for u, v in ((start, across), (way, around), (second, around))
         )
         low, high = -ON_EDGE, 1.0 + ON_EDGE
-        return np.asarray((a >= low) & (b >= low) & (a + b <= high) & (part >= low) & (part <= high))
+        met = (a >= low) & (b >= low) & (a + b <= high) & (part >= low) & (part <= high)
+        return np.where(met, part, np.inf)

@@ -3,9 +3,7 @@
 Positions are in mm and in the directions of the arm: x along it, y up, z across, its middle at z = 0.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
-from math import ceil, floor, log10
 from typing import TypeAlias
 
 import numpy as np
@@ -45,8 +43,6 @@ UNEQUAL, ROUNDED = 1e-3, 1e-4
 SMALLEST, LARGEST, USUAL = 1.0, 3000.0, 10.0
 #: sine of the smallest angle between the directions along and up
 LEAST_ANGLE = 1e-3
-#: heights of the material curve that are looked at, and most that are named
-HEIGHTS, NAMED = 25, 5
 
 
 @dataclass(frozen=True)
@@ -125,10 +121,11 @@ def no_end_face(name: str, x: float) -> DesignError:
     return DesignError(name, f"{plane}; cut a rounded end off, or turn it with axes")
 
 
-def outside_material(curve: float, gap: tuple[float, float], advice: str) -> DesignError:
+def outside_material(curve: float, gap: tuple[float, float], advice: str = "") -> DesignError:
     """The refusal of a material curve at a height (mm) that leaves the material in a gap, mm from the clamp."""
     line = f"the line y = {curve:g} mm, z = 0 is outside the material"
-    return DesignError("curve", f"{line} from {gap[0]:.4g} to {gap[1]:.4g} mm behind the clamp; {advice}")
+    where = f"{line} from {gap[0]:.4g} to {gap[1]:.4g} mm behind the clamp"
+    return DesignError("curve", f"{where}; give a height in a wall that runs from end to end{advice}")
 
 
 def goes_on(name: str, x: float) -> DesignError:
@@ -173,15 +170,3 @@ def _turn(low: Array, high: Array) -> str:
 def position_of(position: float) -> str:
     """A position as the value of a key, mm."""
     return f"{round(position, 9) + 0.0:.9g} mm"
-
-
-def height_advice(low: float, high: float, fits: Callable[[float], bool]) -> str:
-    """The second half of a sentence: some of the heights between low and high (mm) at which the material curve fits."""
-    step = (high - low) / (HEIGHTS + 1)
-    digits = max(0, 1 - floor(log10(step)))
-    heights = (round(low + step * k, digits) for k in range(1, HEIGHTS + 1))  # as they are written
-    fitting = [y for y in heights if fits(y)]
-    if not fitting:
-        return "at no height that was tried does it run through the material from end to end"
-    named = ", ".join(f"{y + 0.0:.9g}" for y in fitting[:: ceil(len(fitting) / NAMED)])
-    return f"it runs through a wall from end to end for example at y = {named} mm"

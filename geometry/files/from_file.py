@@ -2,7 +2,6 @@
 
 from abc import abstractmethod
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cached_property
 from hashlib import sha256
@@ -11,12 +10,11 @@ from math import isfinite
 from pathlib import Path
 from typing import Annotated, ClassVar, TypeAlias
 
-from geometry.arrays import Array, Index
+from geometry.arrays import Array
 from geometry.errors import DesignError, MeshError, raise_together
 from geometry.families.design import Design
 from geometry.files.chambers import Range, distances, middles_of
 from geometry.files.frame import PITCHES, SAME, Axes, CellPlanes, Directions, Point, rotation, usual_cell
-from geometry.files.oblique import oblique_directions
 from geometry.meshing.mirror import slices
 
 #: largest difference of the distances of chambers, over the largest, with which these are the cells of the arm
@@ -62,30 +60,8 @@ class FileDesign(Design):
             object.__setattr__(self, "axes", tuple(self.axes))
         try:
             self._read()
-        except (DesignError, MeshError) as error:
-            if oblique := self._oblique():
-                raise oblique from error
-            if isinstance(error, MeshError):
-                raise DesignError("file", str(error)) from error
-            raise
-
-    def _oblique(self) -> DesignError | None:
-        """What to write for a body that lies in other directions than those of its file; None where it does not."""
-        found = None
-        if not self.is_reoriented and Path(self.file).is_file():
-            with suppress(DesignError, MeshError):
-                found = oblique_directions(*self._outline())
-        if found is None:
-            return None
-        along, up = (
-            ", ".join(f"{round(part, 9) + 0.0:.9g}" for part in direction) for direction in (found.along, found.up)
-        )
-        ways = f"write axes: {{along: [{along}], up: [{up}]}}, or the opposite direction up"
-        return DesignError("axes", f"the body lies obliquely in its file; {ways}")
-
-    @abstractmethod
-    def _outline(self) -> tuple[Array, Index]:
-        """Points (n, 3) and triangles (k, 3) of the surface of the body, in the directions of the file."""
+        except MeshError as error:
+            raise DesignError("file", str(error)) from error
 
     @abstractmethod
     def _read(self) -> None:
@@ -125,16 +101,16 @@ class FileDesign(Design):
     def is_reoriented(self) -> bool:
         return self.axes != SAME
 
-    @property
-    def holds_half(self) -> bool:
-        """Whether the file holds one half of the arm alone."""
-        return False
+    def ends_between(
+        self, low: float, high: float, clamp: float | None = None, tip: float | None = None
+    ) -> tuple[float, float]:
+        """x of clamp and tip (mm) of a body between two x, with the ends that its file names.
 
-    def ends_between(self, low: float, high: float) -> tuple[float, float]:
-        """x of clamp and tip (mm) of a body between two x. Raises `DesignError` where both are the same."""
-        clamp = low if self.clamp is None else self.clamp
+        Raises `DesignError` where both are the same.
+        """
+        clamp = next(x for x in (self.clamp, clamp, low) if x is not None)
         other = high if clamp <= (low + high) / 2 else low
-        tip = other if self.tip is None else self.tip
+        tip = next(x for x in (self.tip, tip, other) if x is not None)
         if abs(tip - clamp) <= FLAT * (high - low):
             raise DesignError(("clamp", "tip"), f"clamp and tip are both at x = {clamp:g} mm; they are the two ends")
         return clamp, tip

@@ -83,13 +83,6 @@ def test_two_cavities_keep_their_names(folder: Path) -> None:
         design_of(path, air={"cavity": (10, 5, 0), "other": (12, 5, 0)})
 
 
-def test_unit_of_a_brep_file(folder: Path) -> None:
-    path = save(folder / "metres.brep", lambda occ: occ.dilate(finger(occ), 0, 0, 0, 1e-3, 1e-3, 1e-3))
-    assert design_of(path, unit=1000).solid_volume == pytest.approx(SOLID, rel=1e-6)
-    with pytest.raises(DesignError, match=r"measures 0\.06 x 0\.016 x 0\.015 mm; is it in another unit"):
-        design_of(path)
-
-
 def test_a_step_file_stores_its_unit(folder: Path) -> None:
     """The CAD kernel converts it to mm, so that a second unit would scale the body twice."""
     path = save(folder / "unit.step", finger)
@@ -152,25 +145,6 @@ def test_keys_that_cannot_be_used(changes: dict[str, Any], key: str, sentence: s
     with pytest.raises(DesignError, match=sentence) as caught:
         design_of(path, **changes)
     assert caught.value.keys[0] == key
-
-
-@pytest.mark.parametrize("angle", [np.pi / 2, -np.pi / 2])
-def test_a_body_along_another_direction_is_refused_with_advice(angle: float, folder: Path) -> None:
-    def along_z(occ: Any) -> None:
-        occ.rotate(finger(occ), 0, 0, 0, 0, 1, 0, angle)
-
-    path = save(folder / "along_z.brep", along_z)
-    with pytest.raises(
-        DesignError,
-        match=r"write axes: \[z, y, -x\]",
-    ):
-        CadFile(str(path), 1.0)
-
-
-def test_a_whole_body_beside_its_middle_is_refused(folder: Path) -> None:
-    path = save(folder / "beside.brep", lambda occ: occ.translate(finger(occ), 0, 0, 7.5))
-    with pytest.raises(DesignError, match=r"symmetric, middle: the body reaches from z = 0 to 15 mm"):
-        design_of(path, symmetric=False, air={})
 
 
 def test_errors_that_only_meshing_shows(folder: Path) -> None:

@@ -106,12 +106,6 @@ def test_materials_that_are_not_symmetric_are_refused(tmp_path: Path) -> None:
         CadFile(str(path), 1.5, parts={"rail": (20.0, 1.0, 6.0)})
 
 
-def test_the_curve_may_run_along_the_bottom_of_a_half(folder: Path) -> None:
-    """Nothing of the solid lies below the curve."""
-    design = CadFile(str(folder / "half.brep"), 0.0, unite=True, symmetric=True)
-    assert 2 * design.body(6.0).mesh.volume == pytest.approx(PLATE + BLOCK - AIR, rel=1e-9)
-
-
 @pytest.mark.parametrize(
     ("draw", "keys", "key", "sentence"),
     [

@@ -67,7 +67,7 @@ def test_planes_in_either_order_and_a_body_that_is_meshed_on_both_sides(drawn: P
 
 
 REFUSED: list[tuple[CellPlanes, str]] = [
-    (CellPlanes(15, 21), r"not symmetric about the plane x = 15 mm: .* differs by \d+ % of its volume, around \("),
+    (CellPlanes(15, 21), r"not symmetric about the plane x = 15 mm: the material beside it differs, around \("),
     (CellPlanes(16, 80), r"cell\.to: x = 80 mm lies outside the arm, which reaches from 0 to 32 mm"),
     (CellPlanes(16, 16), "the planes are 0 mm apart"),
     (CellPlanes(1, 6), "beside x = 1 mm is no room for a half cell"),
@@ -83,7 +83,7 @@ def test_planes_that_are_not_those_of_a_cell(planes: CellPlanes, sentence: str, 
 
 def test_a_lopsided_cell_is_refused_with_what_differs_and_where(tmp_path: Path) -> None:
     path = pneunet_as_step(tmp_path / "net.step", NET, ((18, 17, -2), (20, 18, 2)))
-    with pytest.raises(DesignError, match=r"plane x = 16 mm: .* differs by 1\.2 % .* around \(\d+, 17\.5, ") as caught:
+    with pytest.raises(DesignError, match=r"plane x = 16 mm: .* differs, around \(1\d\.?\d*, 17\.\d+, ") as caught:
         design_of(path)
     assert caught.value.keys == ("cell",)
 
@@ -118,19 +118,6 @@ def test_three_chambers_are_cells_though_too_few_for_five_parameters(drawn: Path
     assert own.cells == given.cells
     assert (own.pitch, given.pitch) == (pytest.approx(3.2), 10)
     assert "five parameters need" in own.reason_for_pitch
-
-
-def test_round_chambers(tmp_path: Path) -> None:
-    """The kernel's difference of such a body and its mirror image is more than the body itself."""
-
-    def draw(occ: Any) -> None:
-        air = [(3, occ.addSphere(9.1 + 9.3 * k, 0, 0, 4)) for k in range(9)]
-        air, _ = occ.fuse(air[:1], [*air[1:], (3, occ.addCylinder(8, 0, 0, 76, 0, 0, 1))])
-        occ.cut([box(occ, (0, -8, -8), (92, 8, 8))], air)
-
-    own = CadFile(str(save(tmp_path / "spheres.step", draw)), -7.0)
-    assert own.cells is not None
-    assert (own.cells.first, own.cells.half_pitch, own.cells.half_cells) == pytest.approx((9.1, 4.65, 16), abs=1e-6)
 
 
 def chambers_in_a_bar(occ: Any, *, channel: bool = True, notched: bool = False) -> None:
@@ -168,22 +155,6 @@ def test_an_arm_with_one_section_has_cells_and_one_with_a_rib_has_none(tmp_path:
     assert "name the planes of one" in ribbed.why_no_cell
 
 
-@pytest.mark.slow
-def test_a_knob_on_one_side_of_an_arm_with_round_chambers_is_no_mirror_image(tmp_path: Path) -> None:
-    """The kernel gives mirror images of such bodies another volume than the bodies have."""
-
-    def draw(occ: Any, knob: float) -> None:
-        bar, _ = occ.fuse([box(occ, (0, 0, -6), (54, 10, 6))], [box(occ, (25, 9, 2), (26, 10 + knob, 3))])
-        chambers = [(3, occ.addCylinder(7 + 10 * k, 5, -4, 0, 0, 8, 3)) for k in range(5)]
-        air, _ = occ.fuse(chambers[:1], [*chambers[1:], box(occ, (7, 4, -1), (47, 5, 1))])
-        occ.cut(bar, air)
-
-    even = CadFile(str(save(tmp_path / "even.step", lambda occ: draw(occ, 0.0))), 1.0, cell=CellPlanes(27, 32))
-    assert even.repeats
-    with pytest.raises(DesignError, match=r"the halves of the body about z = 0 differ \(0\.0\d+ % of its volume\)"):
-        CadFile(str(save(tmp_path / "knob.step", lambda occ: draw(occ, 0.5))), 1.0)
-
-
 def test_a_cavity_that_begins_just_behind_a_plane_gets_no_walls_between_cells(tmp_path: Path) -> None:
     def draw(occ: Any) -> None:
         occ.cut([box(occ, (0, 0, -6), (80, 10, 6))], [box(occ, (8.0001, 2, -4), (72, 8, 4))])
@@ -192,33 +163,6 @@ def test_a_cavity_that_begins_just_behind_a_plane_gets_no_walls_between_cells(tm
     own, whole = CadFile(path, 1.0), CadFile(path, 1.0, cell=8.0)
     assert own.repeats
     assert own.body(5.0).mesh.area("cavity") == pytest.approx(whole.body(5.0).mesh.area("cavity"), rel=1e-4)
-
-
-@pytest.mark.slow
-def test_three_round_chambers_and_a_longer_last_one(tmp_path: Path) -> None:
-    """Triangles of round walls give middles that are off by 0.01 mm, so that the planes of round chambers are named.
-
-    The longer half of a last chamber is no cell.
-    """
-
-    def cylinders(occ: Any) -> None:
-        air = [(3, occ.addCylinder(7 + 9.3 * k, 5, -4, 0, 0, 8, 3)) for k in range(3)]
-        air, _ = occ.fuse(air[:1], [*air[1:], box(occ, (7, 4, -1), (25.6, 5, 1))])
-        occ.cut([box(occ, (0, 0, -6), (31.9, 10, 6))], air)
-
-    path = str(save(tmp_path / "round.step", cylinders))
-    assert CadFile(path, 1.0).why_no_cell.endswith("; name the planes of a cell with geometry.cell")
-    round_ones = CadFile(path, 1.0, cell=CellPlanes(16.3, 20.95)).cells
-    assert round_ones is not None
-    assert (round_ones.first, round_ones.half_pitch, round_ones.half_cells) == pytest.approx((7.0, 4.65, 4), abs=1e-4)
-
-    def longer(occ: Any) -> None:
-        air = [box(occ, (4 + 10 * k, 2, -4), (10 + 10 * k + 0.8 * (k == 6), 8, 4)) for k in range(7)]
-        occ.cut([box(occ, (0, 0, -6), (80, 10, 6))], [*air, box(occ, (6, 3, -1), (70, 4, 1))])
-
-    with_longer = CadFile(str(save(tmp_path / "longer.step", longer)), 1.0).cells
-    assert with_longer is not None
-    assert (with_longer.first, with_longer.half_pitch, with_longer.half_cells) == pytest.approx((7, 5, 12), abs=1e-6)
 
 
 def test_cells_that_cannot_be_meshed_are_left_out(drawn: Path, monkeypatch: pytest.MonkeyPatch) -> None:

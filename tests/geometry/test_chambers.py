@@ -13,7 +13,7 @@ from geometry.files.frame import PITCHES
 from geometry.files.from_file import FileDesign, usual_pitch
 from rod.identification.observed import FEWEST_PITCHES
 from tests.foreign_bodies import meshed, two_chambers, write_mesh, write_surface
-from tests.step_bodies import box, pneunet_as_step, pneunet_drawn, save
+from tests.step_bodies import box, pneunet_as_step, save
 
 AIR = {"far": (40.0, 6.0, 0.0), "near": (20.0, 6.0, 0.0)}
 NET = PneuNet(chambers=7)
@@ -59,26 +59,6 @@ def test_chambers_joined_by_a_channel(tmp_path: Path) -> None:
     assert [design.reason_for_pitch for design in designs] == ["this is the distance of its 7 chambers"] * 3
     given = CadFile(step, NET.curve_y, cell=5.0)
     assert (given.averages_within_cavities, given.reason_for_pitch) == (True, "")
-
-
-@pytest.mark.slow
-def test_gaps_on_the_outside_of_a_file_of_each_kind(tmp_path: Path) -> None:
-    net, two = str(pneunet_as_step(tmp_path / "net.step", NET)), str(save(tmp_path / "two.step", two_chambers))
-    solid = CadFile(net, NET.curve_y)
-    half = solid.body(6.0).mesh
-    gapped: list[FileDesign] = [
-        solid,
-        CadFile(net, NET.curve_y, clamp=NET.length, tip=0.0),
-        MeshFile(str(write_mesh(tmp_path / "net.vtu", half.points, half.tets)), NET.curve_y, symmetric=True),
-        SurfaceFile(str(write_surface(tmp_path / "net.stl", pneunet_drawn(NET), 50)), NET.curve_y),
-    ]
-    smooth: list[FileDesign] = [
-        CadFile(two, 1.5, air=AIR),
-        MeshFile(str(write_mesh(tmp_path / "two.vtu", *meshed(two_chambers, 6.0))), 1.5, air=AIR),
-        SurfaceFile(str(write_surface(tmp_path / "two.stl", two_chambers, 50)), 1.5, air=AIR),
-    ]
-    assert [design.outer_corners for design in gapped] == [True] * len(gapped)
-    assert [design.outer_corners for design in smooth] == [False] * len(smooth)
 
 
 @pytest.mark.parametrize(

@@ -1,6 +1,5 @@
-"""Heights of the material curve that a refusal suggests: the program accepts them."""
+"""Heights of the material curve at which a body cannot be divided, and ends without a flat face."""
 
-import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -8,18 +7,8 @@ from typing import Any
 import pytest
 
 from geometry import CadFile, Design, DesignError, Mesh, MeshError, MeshFile, SurfaceFile
-from geometry.files.frame import height_advice
 from tests.foreign_bodies import bar, meshed, write_mesh, write_surface
-from tests.step_bodies import box, save
-
-
-def rounded_ends(occ: Any) -> Any:
-    """A bar of 60 x 12 x 15 mm whose edges at its ends are rounded by 2 mm, with a cavity 4 mm over the base."""
-    block = occ.addBox(0, 0, -7.5, 60, 12, 15)
-    occ.synchronize()
-    boxes = {tag: occ.getBoundingBox(1, tag) for _, tag in occ.getEntities(1)}
-    ends = [tag for tag, reach in boxes.items() if reach[3] - reach[0] < 1]
-    return occ.cut(occ.fillet([block], ends, [2.0]), [box(occ, (5, 4, -4), (55, 9, 4))])[0]
+from tests.step_bodies import save
 
 
 def round_tip(occ: Any) -> Any:
@@ -33,28 +22,6 @@ KINDS: dict[str, tuple[Callable[..., Design], Callable[[Path, Any], Path]]] = {
     "vtu": (MeshFile, lambda path, draw: write_mesh(path, *meshed(draw, 4.0))),
     "step": (CadFile, save),
 }
-
-
-def suggested(design: Callable[[float], object], curve: float) -> list[float]:
-    with pytest.raises(DesignError, match=r"curve: the line y = .* is outside the material") as caught:
-        design(curve)
-    return [float(y) for y in re.findall(r"[-0-9.]+(?=,| mm$)", caught.value.sentence.split("y = ")[-1])]
-
-
-@pytest.mark.parametrize("suffix", ["step", *(pytest.param(k, marks=pytest.mark.slow) for k in KINDS if k != "step")])
-def test_what_is_suggested_for_rounded_ends_is_accepted(suffix: str, tmp_path: Path) -> None:
-    kind, write = KINDS[suffix]
-    path = write(tmp_path / f"rounded.{suffix}", rounded_ends)
-
-    def meshed_with(curve: float) -> object:
-        return kind(str(path), curve).body(3.0).curve_vertices
-
-    heights = suggested(meshed_with, 6.0)
-    assert heights
-    assert all(2 < y < 4 or 9 < y < 10 for y in heights)
-    for y in {heights[0], heights[-1]}:
-        meshed_with(y)
-    assert all(2 < y < 4 or 9 < y < 10 for y in suggested(meshed_with, 1.0))
 
 
 @pytest.mark.parametrize("suffix", KINDS)
@@ -73,16 +40,3 @@ def test_a_height_at_which_elements_would_be_flat_is_refused(tmp_path: Path, mon
     path = str(write_mesh(tmp_path / "bar.vtk", *meshed(bar, 4.0)))
     with pytest.raises(DesignError, match=r"curve: the elements around the line y = .* because tetrahedron 7"):
         MeshFile(path, 1.0)
-
-
-def test_heights_are_written_as_they_were_looked_at() -> None:
-    looked: list[float] = []
-
-    def fits(y: float) -> bool:
-        looked.append(y)
-        return True
-
-    advice = height_advice(1000.0, 1012.0, fits)
-    named = [float(y) for y in re.findall(r"[0-9.]+(?=,| mm$)", advice.split("y = ")[-1])]
-    assert len(set(named)) == 5
-    assert set(named) <= set(looked)

@@ -231,7 +231,7 @@ def test_sizes_that_do_not_suit_the_body_are_refused(size: float) -> None:
 
 def test_body_without_its_curve_is_refused() -> None:
     mesh = meshed(PneuNet(), 4).mesh
-    with pytest.raises(MeshError, match="no vertex at each end of the material curve"):
+    with pytest.raises(MeshError, match="has no edges along the material curve"):
         Body(mesh, "body", 112, 10, 1.5)
     with pytest.raises(MeshError, match="no face named cavity_lower"):
         Body(mesh, "body", 112, 10, 1, True, ("cavity", "cavity_lower"))

@@ -1,6 +1,5 @@
 """Solids as other programs save them: other directions, several solids, open inlets; and the same inlets in meshes."""
 
-import shutil
 from pathlib import Path
 from typing import Any
 
@@ -51,16 +50,6 @@ def test_ends_and_cavity_need_not_be_given(step: Path) -> None:
     assert (design.length, design.pitch, design.cavities) == (60, 6, ("cavity",))
 
 
-def test_several_cavities_are_listed(folder: Path) -> None:
-    path = save(folder / "two.step", two_chambers)
-    with pytest.raises(DesignError, match=r"air: no name for 2 cavities, around \(.*\) mm; \(.*\) mm"):
-        CadFile(str(path), 1.5)
-
-
-def test_brp_is_a_brep_file(folder: Path) -> None:
-    check_bar(CadFile(str(shutil.copy(save(folder / "copy.brep", bar), folder / "copy.brp")), 1.5))
-
-
 @pytest.mark.parametrize("symmetric", [True, False])
 def test_a_small_body_may_be_in_another_unit(folder: Path, symmetric: bool) -> None:
     path, as_step = (in_inches(bar, folder / f"inches{suffix}") for suffix in (".brep", ".step"))
@@ -106,13 +95,6 @@ def test_the_clamp_at_the_other_end(folder: Path) -> None:
         CadFile(str(one_half), 1.5, clamp=60, tip=0, symmetric=False)
 
 
-def knobbed_from_its_corner(occ: Any) -> Any:
-    """The bar with the knob, with z from 0 to 15 mm."""
-    solids = knobbed(occ)
-    occ.translate(solids, 0, 0, 7.5)
-    return solids
-
-
 def corner_of_the_file(folder: Path, kind: str) -> Path:
     """The bar with z from 0 to 15 mm in a file of some kind."""
 
@@ -146,37 +128,6 @@ def test_a_body_with_its_origin_at_a_corner(kind: str, folder: Path) -> None:
                 match=r"from z = -5 to 10 mm; .*write middle: 7\.5 mm .* 0 mm or 15 mm",
             ):
                 family(path, 1.5, middle=5.0, **ends)
-
-
-def test_the_middle_of_a_body_that_is_clamped_at_its_larger_x(folder: Path) -> None:
-    path = str(save(folder / "knob_corner.step", knobbed_from_its_corner))
-    keys: dict[str, Any] = {"clamp": 60, "tip": 0, "middle": 7.5}
-    with pytest.raises(DesignError, match="the halves of the body about z = 0 differ"):
-        CadFile(path, 1.5, **keys)
-    mesh = CadFile(path, 1.5, **keys, symmetric=False, air={"cavity": (50, 5, 1)}).body(4.0).mesh
-    top = mesh.points[mesh.points[:, 1] > 13]
-    assert (top[:, 2].min(), top[:, 2].max()) == pytest.approx((-6, -2)), "as without the shift of the file"
-    with pytest.raises(DesignError, match=r"air\.cavity: the point \(50, 1, 1\) mm lies in the material"):
-        CadFile(path, 1.5, **keys, symmetric=False, air={"cavity": (50, 1, 1)})
-
-
-def half_knobbed(occ: Any) -> Any:
-    """The half z >= 0 of the bar with a knob at (50, 12, 0)."""
-    return occ.fuse(half_bar(occ), [box(occ, (48, 12, 0), (52, 14, 6))])[0]
-
-
-@pytest.mark.slow
-def test_a_half_solid_may_be_clamped_at_the_other_end(folder: Path) -> None:
-    path = save(folder / "half.step", half_knobbed)
-    for air in ({}, {"cavity": (50, 5, 1)}):
-        design = CadFile(str(path), 1.5, clamp=60, tip=0, air=air, symmetric=True)
-        assert design.solid_volume == pytest.approx(BAR_VOLUME + 2 * 4 * 2 * 6, rel=1e-6)
-        assert design.cavity_volume == pytest.approx(BAR_AIR, rel=1e-6)
-    mesh = design.body(4.0).mesh
-    top = mesh.points[mesh.points[:, 1] > 13]
-    assert (top[:, 0].min(), top[:, 0].max()) == pytest.approx((8, 12))
-    assert (mesh.points[:, 2].min(), mesh.points[:, 2].max()) == pytest.approx((0, 7.5))
-    assert 2 * mesh.enclosed_volume("cavity") == pytest.approx(BAR_AIR, rel=1e-6)
 
 
 def half_knobbed_below(occ: Any) -> Any:

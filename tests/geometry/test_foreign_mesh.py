@@ -316,7 +316,7 @@ def test_files_that_cannot_be_used(case: str, tmp_path: Path, capfd: pytest.Capt
         ({"tip": 40}, "tip", "no flat face in the plane x = 40 mm"),
         ({"clamp": 60, "tip": 60}, "clamp", "both at x = 60 mm"),
         ({"curve": 20}, "curve", "y = 20 mm lies outside the body"),
-        ({"curve": 6}, "curve", "outside the material from 3 to 57 mm behind the clamp; .* for example at y = 0.46"),
+        ({"curve": 6}, "curve", "outside the material from 3 to 57 mm behind the clamp; give a height in a wall"),
         ({"symmetric": True}, "symmetric", "true is for a file that holds one half alone"),
         ({"unit": 1000}, "file", "is it in another unit"),
     ],
@@ -374,16 +374,6 @@ def test_named_groups_of_elements_are_regions(suffix: str, order: int, curve: fl
         assert flattest < 0.03
     else:  # 3 mm is the boundary, which is flat: vertices move within it
         assert flattest > 0.15
-
-
-def test_groups_without_a_material_do_not_change_the_mesh(folder: Path) -> None:
-    path = two_materials(folder, ".msh")
-    plain = MeshFile(str(path), curve=1.3).with_regions([]).body(1.0).mesh
-    content = meshio.read(path)
-    tets = np.vstack([block.data for block in content.cells if block.type == "tetra"])
-    nameless = MeshFile(str(write_mesh(folder / "nameless.vtu", content.points, tets)), curve=1.3).body(1.0).mesh
-    np.testing.assert_array_equal(plain.points, nameless.points)
-    np.testing.assert_array_equal(plain.tets, nameless.tets)
 
 
 def test_the_volume_of_a_region_is_that_of_its_curved_elements(folder: Path) -> None:

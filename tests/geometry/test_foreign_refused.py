@@ -60,14 +60,6 @@ def test_a_half_of_splines_below_can_be_read(folder: Path) -> None:
     assert design.extent == pytest.approx((50, 14, 18.2), rel=5e-4)
 
 
-@pytest.mark.slow
-def test_a_round_body_in_inches_stays_round(folder: Path) -> None:
-    path = save(folder / "inches.brep", lambda occ: occ.dilate(tube(occ), 0, 0, 0, *(3 * [1 / 25.4])))
-    design = CadFile(str(path), -6.0, unit=25.4)
-    assert design.extent == pytest.approx((50, 14, 14), rel=5e-4)
-    assert design.solid_volume == pytest.approx(np.pi * (49 * 50 - 25 * 44), rel=1e-6)
-
-
 @pytest.mark.parametrize("name", ["clamp", "tip", "sym", "outer"])
 def test_a_cavity_cannot_have_the_name_of_another_face(name: str, folder: Path) -> None:
     bodies = {
@@ -127,8 +119,7 @@ def test_names_may_leave_the_clamp_open(folder: Path) -> None:
 
 
 def test_names_of_some_faces_only(folder: Path) -> None:
-    with pytest.raises(DesignError, match=r"no face named tip; .* give clamp and tip"):
-        MeshFile(str(named_mesh(folder / "some.msh", bar, {"tip": "end"})), 1.5)
+    assert MeshFile(str(named_mesh(folder / "some.msh", bar, {"tip": "end"})), 1.5).length == pytest.approx(60)
     with pytest.raises(DesignError, match=r"one more cavity, around \(44.0, 6.5, .*0.0\) mm; name its faces too"):
         MeshFile(str(named_mesh(folder / "two.msh", two_chambers)), 1.5)
 

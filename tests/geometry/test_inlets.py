@@ -140,17 +140,6 @@ def test_other_inlets_are_left_to_the_cad_program(name: str, tmp_path: Path) -> 
             CadFile(str(drawing), curve, plug={"inlet": point})
 
 
-def test_a_countersunk_inlet_is_not_closed(tmp_path: Path) -> None:
-    """Without the cone the bore is still open."""
-
-    def countersunk(occ: Any) -> Any:
-        return occ.cut(BELOW(occ), [(3, occ.addCone(30, -1, 0, 0, 2, 0, 3.2, 1.2))])[0]
-
-    path = str(save(tmp_path / "countersunk.step", countersunk))
-    with pytest.raises(DesignError, match="close it in CAD"):
-        CadFile(path, 11, plug={"inlet": (30, 0, 0)})
-
-
 def test_holes_are_listed(tmp_path: Path) -> None:
     def with_boss(occ: Any) -> Any:
         return occ.fuse(BELOW(occ), [(3, occ.addCylinder(20, 12, 0, 0, 3, 0, 2.5))])[0]
@@ -161,13 +150,6 @@ def test_holes_are_listed(tmp_path: Path) -> None:
             CadFile(path, **keys)
         assert "(30, 0, 0) mm" in str(refused.value)
         assert "(20, 12, 0) mm" not in str(refused.value)  # the foot of the boss is no hole
-
-
-@pytest.mark.parametrize("kind", [CadFile, SurfaceFile])
-def test_a_plug_is_a_point(kind: Any, tmp_path: Path) -> None:
-    path = save(tmp_path / "inlet.step", BELOW)
-    with pytest.raises(DesignError, match=r"plug.inlet: must be a point \(x, y, z\) in mm, not \(30, 0\)"):
-        kind(str(path), 1.5, plug={"inlet": (30, 0)})
 
 
 def test_a_plug_in_a_configuration(tmp_path: Path) -> None:

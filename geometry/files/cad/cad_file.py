@@ -8,13 +8,11 @@ from typing import Annotated, ClassVar, final
 
 import numpy as np
 
-from geometry.arrays import Array, Index
 from geometry.body import Body
 from geometry.errors import DesignError, MeshError
 from geometry.files.cad.body import CadMeasures, edges_of, measure, measure_gaps, measure_thinnest_wall, mesh_cad
 from geometry.files.cad.cells import CellPlanes, Cells, find_cells, mesh_cells
 from geometry.files.cad.solids import STEP, SUFFIXES, CadBody, CadSource, air_left_out, file_bounds
-from geometry.files.cad.triangles import surface_of
 from geometry.files.chambers import Range, as_drawn
 from geometry.files.frame import PITCHES, Point, rotation
 from geometry.files.from_file import FileDesign
@@ -52,9 +50,6 @@ class CadFile(FileDesign):
         _ = self.measures
         if isinstance(self.cell, CellPlanes):
             _ = self.cells
-
-    def _outline(self) -> tuple[Array, Index]:
-        return surface_of(CadSource(Path(self.file), self.unit, np.eye(3), self.unite, bool(self.parts)))
 
     def _wrong_values(self) -> Iterator[DesignError]:
         path = Path(self.file)

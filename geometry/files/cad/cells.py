@@ -205,17 +205,11 @@ class _Slots:
     def _check_neighbour(self, number: int) -> None:
         """Raise `DesignError` unless a neighbour of slot 0 is its mirror image."""
         slot, at = self.slots.get(number, []), self._position(max(number, 0))
-        found = difference(self.gmsh, slot, self.slots[0], 0, at, SAME) if slot else Difference(1.0)
-        if found.fraction > SAME:
-            x, around = self._told(max(number, 0)), ""
-            if found.centre is not None:
-                x_centre, y, z = (round(coordinate, 3) for coordinate in found.centre)
-                around = f", around {self.body.words((x_centre, y, z))}"
-            part = f"{100 * min(found.fraction, 1.0):.2g} % of its volume{around}"
-            sentence = (
-                f"the body is not symmetric about the plane x = {x:g} mm: beside it the material differs by {part}"
-            )
-            raise DesignError("cell", sentence)
+        found = difference(self.gmsh, slot, self.slots[0], 0, at, SAME) if slot else Difference(True)
+        if found.exists:
+            around = f", around {self.body.words(found.centre, '.4')}" if found.centre else ""
+            plane = f"the body is not symmetric about the plane x = {self._told(max(number, 0)):g} mm"
+            raise DesignError("cell", f"{plane}: the material beside it differs{around}")
 
 
 def _cut_at(gmsh: Any, blocks: Collection[Volume], positions: list[float]) -> list[Volume]:

@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from geometry.errors import DesignError
+from geometry.errors import DesignError, position_text
 from geometry.files.cad.inlets import hole_advice
 from geometry.files.cad.mirror import difference
 from geometry.files.cad.solids import CadBody, has_splines, is_in_material
@@ -14,14 +14,13 @@ from geometry.files.frame import (
     check_dimensions,
     check_within,
     goes_on,
-    height_advice,
     misplaced,
     no_end_face,
     outside_material,
 )
 from geometry.meshing.shapes import Volume
 
-#: part of the volume of a symmetric body in which both halves together may differ
+#: difference of the moments of both halves of a symmetric body, over its volume and extent, that is rounding
 DIFFERENT = 2e-6
 #: a face all of which is nearer to the plane of an end than this, over the length, may lie in it: the CAD kernel draws
 #: boxes wider than faces, by more in files in metres
@@ -69,11 +68,9 @@ def check_ends(gmsh: Any, body: CadBody, solids: list[Volume]) -> None:
 
 def check_symmetric(gmsh: Any, solids: list[Volume]) -> None:
     """Raise `DesignError` unless solids of one material and their mirror images at z = 0 fill the same space."""
-    fraction = difference(gmsh, solids, solids, 2, 0.0, DIFFERENT).fraction
-    gmsh.model.occ.synchronize()
-    if fraction > DIFFERENT:
-        part = f"{50 * fraction:.2g} % of its volume"
-        raise DesignError("symmetric", f"the halves of the body about z = 0 differ ({part}); write false")
+    if (found := difference(gmsh, solids, solids, 2, 0.0, DIFFERENT)).exists:
+        around = f" around {position_text(np.round(found.centre, 3), 'g')}" if found.centre else ""
+        raise DesignError("symmetric", f"the halves of the body about z = 0 differ{around}; write false")
 
 
 def check_curve(gmsh: Any, body: CadBody, solids: list[Volume], low: Point, high: Point) -> None:
@@ -97,8 +94,7 @@ def check_curve(gmsh: Any, body: CadBody, solids: list[Volume], low: Point, high
     start, stop = gap(body.curve) or (body.clamp, body.tip)
     holes = hole_advice(gmsh, body, solids)
     through = f"; if it crosses an inlet, fill that with plug: {{inlet: [x, y, z]}}{holes}" if holes else ""
-    heights = height_advice(low[1], high[1], lambda y: gap(y) is None)
-    raise outside_material(body.curve, (start - body.clamp, stop - body.clamp), f"{heights}{through}")
+    raise outside_material(body.curve, (start - body.clamp, stop - body.clamp), through)
 
 
 def _first_gap(gmsh: Any, body: CadBody, solids: list[Volume], y: float, across: float) -> tuple[float, float] | None:

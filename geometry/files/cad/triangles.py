@@ -1,4 +1,4 @@
-"""The faces of a CAD body as triangles: its surface, its chambers and its gaps.
+"""The faces of a CAD body as triangles: its chambers and its gaps.
 
 In a session of `geometry.meshing.solid`, which is of no use for a mesh afterwards.
 """
@@ -11,11 +11,11 @@ import numpy as np
 
 from geometry.arrays import Array, Index
 from geometry.errors import MeshError
-from geometry.files.cad.solids import CadSource, bounds, import_solids
+from geometry.files.cad.solids import bounds
 from geometry.files.chambers import Range, chambers_of, has_gaps
 from geometry.files.shells import enclosed
 from geometry.meshing.shapes import Face, Volume
-from geometry.meshing.solid import session, told
+from geometry.meshing.solid import told
 
 #: length of the body over that of the largest edges of the triangles
 BODY_OVER_EDGES = 10
@@ -25,16 +25,6 @@ AROUND = 16
 INACCURATE = 0.1
 #: Gmsh's type of triangles with three nodes
 TRIANGLE = 2
-
-
-def surface_of(source: CadSource) -> tuple[Array, Index]:
-    """Points (n, 3), mm, and triangles (k, 3) of the surface of the solids of a CAD file. Raises `DesignError` and
-    `MeshError`."""
-    with session() as gmsh:
-        solids = import_solids(gmsh, source)
-        faces = gmsh.model.getBoundary(solids, combined=False, oriented=False)
-        low, high = bounds(gmsh, solids)
-        return triangles_of(gmsh, solids, faces, float(np.subtract(high, low).max()) / BODY_OVER_EDGES)
 
 
 def chambers(gmsh: Any, air: Mapping[Volume, str], length: float) -> dict[str, tuple[Range, ...]]:

@@ -5,24 +5,16 @@ those of the body, and it knows no C3D4H and no types in small letters.
 """
 
 import re
+from collections import defaultdict
 from collections.abc import Iterator
-from dataclasses import dataclass, field
 from pathlib import Path
 
 from geometry.errors import MeshError
 
 #: type of an element of a volume with its number of nodes: C3D4, C3D10MH
 _VOLUME = re.compile(r"C3D\d+")
-
-
-@dataclass
-class _Scope:
-    """What is numbered together: a part or an instance, or all outside of these."""
-
-    name: str
-    nodes: list[str] = field(default_factory=list)  #: lines
-    elements: list[str] = field(default_factory=list)  #: lines, those of the keyword too
-    instances: int = 0
+#: where lines stand that belong to no part or instance
+OUTSIDE = "outside of parts"
 
 
 def only_body(path: Path) -> str:
@@ -30,29 +22,27 @@ def only_body(path: Path) -> str:
 
     Raises `MeshError` where several parts or instances have elements, or lines are in other files.
     """
-    outside = scope = _Scope("outside of parts")
-    scopes = [outside]
+    nodes, elements = defaultdict[str, list[str]](list), defaultdict[str, list[str]](list)
+    instanced, scope = list[str](), OUTSIDE
     for keyword, options, data in _blocks(path):
         if keyword == "INCLUDE" or "INPUT" in options:
             raise MeshError(f"the mesh file {path} has lines in another file ({options.get('INPUT')}); write one file")
         if keyword == "SYSTEM" or (keyword == "NODE" and options.get("SYSTEM", "R").upper() != "R"):
             raise MeshError(f"the mesh file {path} has nodes in a coordinate system of their own; save Cartesian ones")
         if keyword in ("PART", "INSTANCE"):
-            for known in scopes:
-                known.instances += known.name.lower() == options.get("PART", "").lower()
-            scope = _Scope(options.get("NAME", ""))
-            scopes.append(scope)
+            scope = options.get("NAME", "")
+            instanced.append(options.get("PART", "").lower())
         elif keyword in ("END PART", "END INSTANCE"):
-            scope = outside
+            scope = OUTSIDE
         elif keyword == "NODE":
-            scope.nodes += [",".join(line.split(",")[:4]) for line in data]
+            nodes[scope] += [",".join(line.split(",")[:4]) for line in data]
         elif keyword == "ELEMENT" and (kind := _VOLUME.match(options.get("TYPE", "").upper())):
-            scope.elements += [f"*ELEMENT, TYPE={kind[0]}", *data]
-    bodies = [scope for scope in scopes if scope.elements] or scopes[:1]
-    if len(bodies) > 1 or bodies[0].instances > 1:
-        names = ", ".join(scope.name for scope in bodies)
+            elements[scope] += [f"*ELEMENT, TYPE={kind[0]}", *data]
+    bodies = list(elements) or [OUTSIDE]
+    if len(bodies) > 1 or instanced.count(bodies[0].lower()) > 1:
+        names = ", ".join(bodies)
         raise MeshError(f"the mesh file {path} holds several parts or instances with elements ({names}); save one")
-    return "\n".join(["*NODE", *bodies[0].nodes, *bodies[0].elements, ""])
+    return "\n".join(["*NODE", *nodes[bodies[0]], *elements[bodies[0]], ""])
 
 
 def _blocks(path: Path) -> Iterator[tuple[str, dict[str, str], list[str]]]:

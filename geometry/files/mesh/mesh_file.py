@@ -9,19 +9,17 @@ from typing import Annotated, ClassVar, Self, final
 
 import numpy as np
 
-from geometry.arrays import Array, Index
+from geometry.arrays import Array
 from geometry.body import Body
-from geometry.errors import DesignError, MeshError, position_text
+from geometry.errors import DesignError, MeshError
 from geometry.files.chambers import Range, chambers_of, has_gaps
-from geometry.files.frame import position_of
-from geometry.files.from_file import FLAT, FileDesign
-from geometry.files.mesh.placing import Placed, check_across, moved, placed_by_planes, turned
+from geometry.files.from_file import FileDesign
+from geometry.files.mesh.placing import Placed, placed_body, turned
 from geometry.files.mesh.reader import FileMesh, read_mesh_file
-from geometry.files.shells import middle_of, opens_at, parts_of
+from geometry.files.shells import opens_at
 from geometry.grading import OFF, Grading
-from geometry.manifold import check_half, check_manifold, check_untangled
 from geometry.mesh import Mesh
-from geometry.topology import find_rows, row_keys
+from geometry.topology import find_rows
 
 
 @final
@@ -51,10 +49,6 @@ class MeshFile(FileDesign):
     def _read(self) -> None:
         _ = self.fixed_body
 
-    def _outline(self) -> tuple[Array, Index]:
-        content = read_mesh_file(Path(self.file))
-        return content.points, Mesh(content.points, content.tets, {}).boundary
-
     @cached_property
     def fixed_body(self) -> Body:
         """The body, moved along x so that its clamp is at x = 0, with the regions of `with_regions`."""
@@ -66,25 +60,17 @@ class MeshFile(FileDesign):
         try:
             content = self._content
             content = replace(content, regions={name: content.regions[name] for name in self.regions})
-            return (_placed_by_names if self._by_names(content) else placed_by_planes)(content, self)
+            return placed_body(content, self, self.symmetric or "sym" in content.faces)
         except MeshError as error:
             raise DesignError("file", str(error)) from error
 
-    @property
-    def holds_half(self) -> bool:
-        return self.symmetric
-
     @cached_property
     def _content(self) -> FileMesh:
-        """What the file says, in mm and in the directions of the arm."""
+        """What the file says, in mm and in the directions of the arm; without names of faces if any is told by keys."""
         content = read_mesh_file(Path(self.file))
-        half = self.symmetric or (self._by_names(content) and "sym" in content.faces)
-        return turned(content, self, half)
-
-    def _by_names(self, content: FileMesh) -> bool:
-        """Whether the names that the file has for its faces are used."""
-        given = self.clamp is not None or self.tip is not None or self.air or self.plug
-        return not given and _has_names(content)
+        if self.clamp is not None or self.tip is not None or self.air or self.plug:
+            content = replace(content, faces={})
+        return turned(content, self, self.symmetric or "sym" in content.faces)
 
     @cached_property
     def is_open_at_clamp(self) -> bool:
@@ -173,78 +159,3 @@ class MeshFile(FileDesign):
     def body(self, size: float, grading: Grading = OFF) -> Body:
         """The mesh of the file; `size` and `grading` are not used."""
         return self.fixed_body
-
-
-def _has_names(content: FileMesh) -> bool:
-    """Whether the file names faces that a body needs."""
-    return any(name in ("clamp", "tip") or name.startswith("cavity") for name in content.faces)
-
-
-def _placed_by_names(content: FileMesh, design: FileDesign) -> Placed:
-    """The body with the faces of the file. Raises `MeshError` where they do not fit."""
-    faces = {name: _once(triangles, len(content.points)) for name, triangles in content.faces.items()}
-    mesh = Mesh(content.points, content.tets, faces, content.curved, content.regions)
-    check_manifold(mesh)
-    check_untangled(mesh)
-    names = tuple(sorted(name for name in mesh.faces if name.startswith("cavity")))
-    missing = next((name for name in ("clamp", "tip") if name not in mesh.faces), "" if names else "cavity...")
-    if missing or (design.holds_half and "sym" not in mesh.faces):
-        has = f"it has {', '.join(mesh.faces)}"
-        raise MeshError(f"the mesh has no face named {missing or 'sym'}; {has}: name it, or give clamp and tip")
-    if "sym" in mesh.faces:
-        _refuse_shifted(mesh, design)
-        check_half(mesh)
-    clamp, tip = ends = _plane_of(mesh, "clamp"), _plane_of(mesh, "tip")
-    if not tip > clamp:
-        raise MeshError("the tip must lie at a greater x than the clamp")
-    _refuse_named_twice(mesh, [name for name in (*names, "clamp", "tip", "sym") if name in mesh.faces])
-    _refuse_nameless(mesh, names)
-    for name in names:  # before the body is moved: positions in sentences are those that a user knows
-        mesh.check_closed(name, clamp, half="sym" in mesh.faces)
-    if "sym" not in mesh.faces:
-        check_across(mesh.points, design)
-    return moved(mesh, design, ends, names)
-
-
-def _refuse_shifted(mesh: Mesh, design: FileDesign) -> None:
-    """Raise `DesignError` where the face sym is flat, but in another plane than z = 0."""
-    z, tolerance = mesh.points[np.unique(mesh.faces["sym"]), 2], FLAT * float(np.ptp(mesh.points, axis=0).max())
-    if np.ptp(z) <= tolerance and abs(z.mean()) > tolerance:
-        middle = position_of(design.middle + z.mean())
-        raise DesignError("middle", f"the face sym lies in the plane z = {z.mean():.6g} mm; write middle: {middle}")
-
-
-def _once(triangles: Index, count: int) -> Index:
-    """The triangles of a face without those that the file lists again."""
-    first = np.unique(row_keys(triangles, count), return_index=True)[1]
-    return triangles[np.sort(first)]
-
-
-def _refuse_named_twice(mesh: Mesh, names: Iterable[str]) -> None:
-    """Raise `MeshError` where a triangle belongs to two of these faces: both pressures would act on it."""
-    for first, second in combinations(names, 2):
-        common = find_rows(mesh.faces[first], mesh.faces[second], len(mesh.points)) >= 0
-        if common.any():
-            where = position_text(mesh.points[mesh.faces[first][common][0]].mean(axis=0))
-            raise MeshError(f"{np.count_nonzero(common)} triangles belong to {first} and to {second}, one at {where}")
-
-
-def _refuse_nameless(mesh: Mesh, names: Iterable[str]) -> None:
-    """Raise `MeshError` where a closed cavity has no name, and would have no pressure."""
-    count = len(mesh.points)
-    boundary = mesh.boundary
-    if "sym" in mesh.faces:
-        boundary = boundary[find_rows(boundary, mesh.faces["sym"], count) < 0]
-    walls = np.vstack([mesh.faces[name] for name in names])
-    for part in parts_of(mesh.points, boundary, None, 0.0)[1]:
-        if (find_rows(part, walls, count) < 0).all():
-            where = position_text(middle_of(mesh.points, part))
-            raise MeshError(f"the mesh has one more cavity, around {where}; name its faces too, for example cavity2")
-
-
-def _plane_of(mesh: Mesh, name: str) -> float:
-    """x of the flat face of an end, mm. Raises `MeshError`."""
-    x = mesh.points[np.unique(mesh.faces[name]), 0]
-    if np.ptp(x) > 1e-6 * float(np.ptp(mesh.points, axis=0).max()):
-        raise MeshError(f"the face {name} must be flat, in a plane x = const; its x varies by {np.ptp(x):.3g} mm")
-    return float(x.mean())

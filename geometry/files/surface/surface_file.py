@@ -14,7 +14,7 @@ from geometry.errors import DesignError, MeshError
 from geometry.files.chambers import Range, chambers_of, has_gaps
 from geometry.files.frame import check_dimensions, misplaced, no_end_face
 from geometry.files.from_file import FLAT, FileDesign
-from geometry.files.mesh.placing import Placed, ends_of, placed_by_planes, walls_of_air
+from geometry.files.mesh.placing import Placed, ends_of, placed_body, walls_of_air
 from geometry.files.shells import enclosed, lies_in, parts_of
 from geometry.files.surface.inlets import fill_surface_inlets
 from geometry.files.surface.triangles import NotFilled, Surface, fill, read_surface, thinnest
@@ -53,10 +53,6 @@ class SurfaceFile(FileDesign):
                 raise no_end_face(name, x)
         _ = self.cavity_volumes
 
-    def _outline(self) -> tuple[Array, Index]:
-        surface = read_surface(Path(self.file))
-        return surface.points, surface.triangles
-
     @cached_property
     def surface(self) -> Surface:
         """The surface in mm and in the directions of the arm, with the inlets filled."""
@@ -77,7 +73,7 @@ class SurfaceFile(FileDesign):
     @cached_property
     def _ends(self) -> tuple[float, float]:
         """x of clamp and tip, mm."""
-        return ends_of(self.surface.points, self)
+        return ends_of(self.surface.points, self, {})
 
     @property
     def why_no_cell(self) -> str:
@@ -167,7 +163,7 @@ class SurfaceFile(FileDesign):
     def _placed(self, size: float) -> tuple[Placed, float]:
         """The mesh, and by how much its volume or that of its air is off, over that of the surface."""
         try:
-            placed = placed_by_planes(fill(self.surface, size), self)
+            placed = placed_body(fill(self.surface, size), self, half=False)
         except MeshError as error:
             key = "mesh.size" if isinstance(error, NotFilled) else "file"
             raise DesignError(key, str(error)) from error

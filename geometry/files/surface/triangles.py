@@ -17,7 +17,7 @@ from geometry.errors import MeshError
 from geometry.files.mesh.reader import FileMesh
 from geometry.files.shells import enclosed, find_crossing, outside_first, shells, windings
 from geometry.meshing.solid import collect_mesh, optimize, session, told
-from geometry.topology import normals, open_edges, parts_of_graph, row_keys, triangle_edges
+from geometry.topology import crossings, normals, open_edges, parts_of_graph, row_keys, triangle_edges
 
 #: what a file of a surface may end with
 SUFFIXES = (".stl", ".ply", ".obj", ".off")
@@ -183,27 +183,14 @@ def thinnest(surface: Surface) -> float:
     across = normals(corners)
     area = np.linalg.norm(across, axis=1)
     chosen = np.argsort(-area, kind="stable")[:: max(1, len(area) // PLACES)]
+    size = float(np.ptp(surface.points, axis=0).max())
     thicknesses = []
     for k in chosen:
         if area[k] > 0:
-            thicknesses.append(_through(corners[k].mean(axis=0), -across[k] / area[k], corners))
-    return float(min(thicknesses, default=np.inf))
-
-
-def _through(start: Array, direction: Array, corners: Array) -> float:
-    """Distance from `start` along `direction` to the first triangle of corners (k, 3, 3) that is met (T. Moeller and B.
-    Trumbore, J. Graphics Tools 2 (1997) 21)."""
-    size = float(np.ptp(corners.reshape(-1, 3), axis=0).max())
-    a, along, aside = corners[:, 0], corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
-    across = np.cross(direction, aside)
-    determinant = np.einsum("ij,ij->i", along, across)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        u = np.einsum("ij,ij->i", start - a, across) / determinant
-        second = np.cross(start - a, along)
-        v = second @ direction / determinant
-        distance = np.einsum("ij,ij->i", aside, second) / determinant
-        met = (u >= 0) & (v >= 0) & (u + v <= 1) & (distance > 1e-6 * size)
-    return float(distance[met].min(initial=np.inf))
+            start, way = corners[k].mean(axis=0), -2 * size * across[k] / area[k]
+            ray = np.broadcast_to([start + 1e-6 * way, start + way], (len(corners), 2, 3))
+            thicknesses.append(2 * size * float(crossings(ray, corners).min()))
+    return min(thicknesses, default=np.inf)
 
 
 def fill(surface: Surface, size: float) -> FileMesh:
