@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
-from math import hypot, inf, isinf
+from math import degrees, hypot, inf, isinf
 
 import numpy as np
 
@@ -23,11 +23,13 @@ LEFT_OUT = 0.01
 KEEPS_ITS_VOLUME, VOLUME_CHANGE = 0.49, 0.1
 #: error of a Poisson ratio that follows from kappa
 ROUNDING = 1e-9
-#: distance of the material curve from its plane over the length that is not mentioned: as much as a rod is wrong; and
-#: over its deflection in the plane, where it is more than the noise of a mesh over the length
-OUT_OF_PLANE, ASIDE, NOISE = 1e-3, 0.1, 1e-5
-#: rotation of the end in II (kappa_0 at half of the length times the length) below which an arm hardly bends, rad
-HARDLY_BENT = 0.05
+#: distance of the material curve from its plane that is not mentioned: over the length, as much as a rod is wrong, and
+#: over the deflection in the plane, as much as an unsymmetric mesh of a symmetric body makes
+OUT_OF_PLANE, OF_DEFLECTION = 1e-3, 0.01
+#: the same over the deflection of an arm without load, where it is more than the noise of a mesh over the length
+ASIDE, NOISE = 0.1, 1e-5
+#: rotation of the end in II below which an arm hardly bends, degrees
+HARDLY_BENT = 3.0
 #: largest ratio of the ends of the 95 % interval of a rigidity that counts as determined
 DETERMINED = 4.0
 #: R² of a single line below which it is mentioned
@@ -125,7 +127,11 @@ def _out_of_plane(solved: Solved) -> Iterator[Reason]:
     An arm that is moved little may leave the plane by less than a rod is wrong, and yet more than it bends in it.
     """
     length = solved.config.design.length
-    far = [record for record in solved.outcomes.records if record.state.curve_z_mm >= OUT_OF_PLANE * length]
+    far = [
+        record
+        for record in solved.outcomes.records
+        if record.state.curve_z_mm >= max(OUT_OF_PLANE * length, OF_DEFLECTION * _deflection(record))
+    ]
     free = [record for record in solved.outcomes.records if record.experiment == "II"]
     aside = [r for r in free if r.state.curve_z_mm >= max(ASIDE * _deflection(r), NOISE * length)]
     if far or aside:
@@ -158,21 +164,11 @@ def _volume_lost(solved: Solved) -> Iterator[Reason]:
 
 def _hardly_bent(solved: Solved) -> Iterator[Reason]:
     """The mesh, rounding and what the pressure does to the cross-section of the end matter more than usual."""
-    bent = _bends(solved)
+    free = (record for record in solved.outcomes.records if record.experiment == "II")
+    bent = {record.state.pressure_kPa: degrees(abs(record.centreline.end_angle)) for record in free}
     highest = max(bent, default=0.0)
     if bent and max(bent.values()) < HARDLY_BENT and solved.config.effects.pressure.acts:
-        yield Reason("hardly_bent", {"pressure_kPa": highest, "bend_rad": bent[highest]})
-
-
-def _bends(solved: Solved) -> dict[float, float]:
-    """Curvature in the middle of the length in II times the length, rad, by pressure; of arms that are too short for
-    five parameters too."""
-    if solved.parameters:
-        return {p.pressure_kPa: abs(p.kappa_0_middle) * p.kappa_0.length for p in solved.parameters}
-    design = solved.config.design
-    second = (record for record in solved.outcomes.records if record.experiment == "II")
-    of_states = {record.pressure_kPa: record.kappa_middle(design.pitch) for record in second}
-    return {pressure: abs(kappa) * design.length for pressure, kappa in of_states.items() if kappa is not None}
+        yield Reason("hardly_bent", {"pressure_kPa": highest, "bend_deg": bent[highest]})
 
 
 def _few_reached(solved: Solved) -> Iterator[Reason]:

@@ -62,7 +62,7 @@ TEMPLATES: Mapping[str, str] = {
     "({experiment}, {pressure_kPa:g} kPa); compare with a smaller mesh.size",
     "volume_lost_unevenly": "{share:g} % of the material loses {percent:.0f} % of its volume or more, most at {at} "
     "({experiment}, {pressure_kPa:g} kPa); compare with mesh.formulation: mixed",
-    "hardly_bent": "at {pressure_kPa:g} kPa the curvature in the middle bends the arm by {bend_rad:.2g} rad only; give "
+    "hardly_bent": "at {pressure_kPa:g} kPa the arm bends by {bend_deg:.2g}° only; give "
     "higher pressures, thinner walls or another end.y",
     "few_reached": "{count} of {given} pressures have five parameters, too few to show how these change; give more "
     "and lower pressures",
