@@ -42,7 +42,8 @@ from rod.arm_law.kinds import law_record
 from rod.arm_law.law_rod import LawRod
 from rod.export.formats import PROGRAMS, export_robot
 from rod.export.robot import Robot, Section
-from rod.spatial import SpatialLoad, SpatialSolution
+from rod.solution import SpatialSolution
+from rod.spatial import SpatialLoad
 
 #: parts of the length by which forces across the arm move its end, and the angle (rad) by which a couple twists it
 LIFTS, TWIST = (0.02, 0.1), 0.1

@@ -23,8 +23,8 @@ from rod.load import Load
 from rod.mechanics.equilibrium import Rod
 from rod.pressures import LinearRange, Quantity, Straightness, linear_range, next_pressure, straightness
 from rod.pressurised_rod import PressurisedRod
-from rod.solution import RodSolution
-from rod.spatial import SpatialLoad, SpatialSolution, Stability
+from rod.solution import RodSolution, SpatialSolution
+from rod.spatial import SpatialLoad, Stability
 from rod.warm_up import compile_kernels
 
 __all__ = [

@@ -1,26 +1,19 @@
-"""A rod in equilibrium, whichever law it follows."""
+"""Rods in equilibrium, in their plane and in space, whichever law they follow."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import NamedTuple
+from typing import final
 
 import numpy as np
 
 from geometry.arrays import Array
 from geometry.centreline import END_PART, chord_angle
-from rod.along import resultant
-from rod.arm.chain import Nodes
+from rod.along import Triple, resultant
+from rod.arm.response import Parameter, Response, SolvedPath
 from rod.cubics import hermite
 from rod.errors import RodError
-from rod.spatial import Held
-
-
-class SolvedPath(NamedTuple):
-    """How a state was found."""
-
-    chains: tuple[Nodes, Nodes]  #: both chains of elements in equilibrium
-    held: Held  #: what acts on the rod and holds it
+from rod.spatial import Stability
 
 
 @dataclass(frozen=True)
@@ -45,6 +38,7 @@ class RodSolution:
     force: Array  #: (2,) N, F_x and F_y on the end s = l
     weight: Array  #: (2,) N, x and y of the weight of the rod itself
     load_steps: int  #: steps of the load
+    path: SolvedPath = field(repr=False)  #: how it was found
     shear: Array | None = field(default=None, repr=False)  #: (n,) slope Q/GA; None: the rod does not shear
     notes: tuple[str, ...] = ()  #: what limits the trust in this shape, a sentence each
     #: (m, 2) mm at s (m,): the material curve beside the axis, along and normal to it; None: it is the axis
@@ -52,8 +46,6 @@ class RodSolution:
     #: (n,) N mm, what bends a rod with two lines: its moment about the neutral axis, less that of its own weight where
     #: nothing else acts; None: a rod with another law
     bending_moment: Array | None = field(default=None, repr=False)
-    #: how it was found; None: a rod with another law than the arm's own
-    path: SolvedPath | None = field(default=None, repr=False)
 
     @cached_property
     def curve(self) -> Array:
@@ -68,6 +60,14 @@ class RodSolution:
         x, y = self.curve[-1]
         return float(x), float(y)
 
+    def derivative(self, by: Parameter) -> Response:
+        """What one more right-hand side gives: how fast the rod and its force on the end change with a parameter.
+
+        by: a load, `Load(force=(0.0, 1.0))` per newton of it; or two arms, `(law.at(19.9), law.at(20.1))` for the
+        change between these pressures. Raises `RodError` for a load off the rod or across its plane.
+        """
+        return self.path.derivative(by)
+
     @property
     def clamp_moment(self) -> float:
         """Moment at s = 0 about the clamped end of the material curve, N mm, positive where it raises the curvature.
@@ -76,9 +76,7 @@ class RodSolution:
         The clamp exerts its negative on the body (`clamp_moment_N_mm` of the finite elements).
         """
         x, y = self.x[0] - self.curve[0, 0], self.y[0] - self.curve[0, 1]
-        force = self.force + self.weight
-        if self.path is not None:
-            force = force + resultant(self.path.held.load.along, self.s)[:2]
+        force = self.force + self.weight + resultant(self.path.held.load.along, self.s)[:2]
         return float(self.moment[0] + x * force[1] - y * force[0])
 
     @property
@@ -125,3 +123,46 @@ class RodSolution:
             x += along * np.cos(theta) - normal * np.sin(theta)
             y += along * np.sin(theta) + normal * np.cos(theta)
         return np.column_stack([x, y])
+
+
+@final
+@dataclass(frozen=True, eq=False)  # arrays inside
+class SpatialSolution:
+    """A rod in equilibrium in space. All arrays are read-only; the origin is the clamped end of the material curve.
+
+    Columns of a frame are the normal of the cross section, its direction in the plane of symmetry, and that across it.
+    """
+
+    s: Array  #: (n,) mm, rest arc length
+    axis: Array  #: (n, 3) mm
+    frames: Array  #: (n, 3, 3)
+    curvature: Array  #: (n, 3) 1/mm, twist, lateral curvature and curvature in the plane of symmetry
+    stretch: Array  #: (n, 3) stretch, shear in the plane of symmetry and across it
+    moment: Array  #: (n, 3) N mm, along x, y and z
+    force: Array  #: (3,) N, on the end
+    weight: Array  #: (3,) N, of the rod itself
+    load_steps: int  #: steps of the load
+    notes: tuple[str, ...]  #: what limits the trust in this shape, a sentence each
+    #: (n, 2) or (n, 3) mm, of the material curve beside the axis, along the first directions of the frames
+    beside: Array
+    path: SolvedPath = field(repr=False)  #: how it was found
+
+    @cached_property
+    def stability(self) -> Stability:
+        """Against small motions; the path to this state was stable."""
+        return self.path.stability()
+
+    def derivative(self, by: Parameter) -> Response:
+        """As `RodSolution.derivative`; a load may have three components."""
+        return self.path.derivative(by)
+
+    @property
+    def curve(self) -> Array:
+        """(n, 3) mm: the material curve, which finite elements have as well."""
+        return np.asarray(self.axis + (self.frames[:, :, : self.beside.shape[1]] @ self.beside[..., None])[..., 0])
+
+    @property
+    def end(self) -> Triple:
+        """x, y and z of the end of the material curve, mm."""
+        x, y, z = (float(value) for value in self.curve[-1])
+        return x, y, z

@@ -1,8 +1,7 @@
 """Loads on a rod in space, and the rod in equilibrium under them."""
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
-from functools import cached_property
+from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import NamedTuple, final
 
 import numpy as np
@@ -38,15 +37,11 @@ class SpatialLoad:
         finite(self.weight_height, "weight_height")
         object.__setattr__(self, "along", checked_along(self.along))
 
-    def times(self, part: float) -> "SpatialLoad":
-        """A part of the load."""
-        return SpatialLoad(
-            scaled(self.force, part),
-            scaled(self.couple, part),
-            scaled(self.weight, part),
-            self.weight_height,
-            part_of(self.along, part),
-        )
+    def plus(self, other: "SpatialLoad", part: float) -> "SpatialLoad":
+        """Together with a part of another one, whose weight acts at the height of this one."""
+        mine, others = ((one.force, one.couple, one.weight) for one in (self, other))
+        force, couple, weight = (tuple(np.add(a, scaled(b, part))) for a, b in zip(mine, others, strict=True))
+        return SpatialLoad(force, couple, weight, self.weight_height, (*self.along, *part_of(other.along, part)))
 
 
 def held_at(x: float | None, y: float | None) -> tuple[float | None, float | None]:
@@ -110,42 +105,3 @@ class Stability:
     def is_stable(self) -> bool:
         """Whether the rod returns from small motions."""
         return self.lowest > 0.0
-
-
-@final
-@dataclass(frozen=True, eq=False)  # arrays inside
-class SpatialSolution:
-    """A rod in equilibrium in space. All arrays are read-only; the origin is the clamped end of the material curve.
-
-    Columns of a frame are the normal of the cross section, its direction in the plane of symmetry, and that across it.
-    """
-
-    s: Array  #: (n,) mm, rest arc length
-    axis: Array  #: (n, 3) mm
-    frames: Array  #: (n, 3, 3)
-    curvature: Array  #: (n, 3) 1/mm, twist, lateral curvature and curvature in the plane of symmetry
-    stretch: Array  #: (n, 3) stretch, shear in the plane of symmetry and across it
-    moment: Array  #: (n, 3) N mm, along x, y and z
-    force: Array  #: (3,) N, on the end
-    weight: Array  #: (3,) N, of the rod itself
-    load_steps: int  #: steps of the load
-    notes: tuple[str, ...]  #: what limits the trust in this shape, a sentence each
-    #: (n, 2) or (n, 3) mm, of the material curve beside the axis, along the first directions of the frames
-    beside: Array
-    find_stability: Callable[[], Stability] = field(repr=False)  #: finds `stability` when it is asked for
-
-    @cached_property
-    def stability(self) -> Stability:
-        """Against small motions; the path to this state was stable."""
-        return self.find_stability()
-
-    @property
-    def curve(self) -> Array:
-        """(n, 3) mm: the material curve, which finite elements have as well."""
-        return np.asarray(self.axis + (self.frames[:, :, : self.beside.shape[1]] @ self.beside[..., None])[..., 0])
-
-    @property
-    def end(self) -> Triple:
-        """x, y and z of the end of the material curve, mm."""
-        x, y, z = (float(value) for value in self.curve[-1])
-        return x, y, z

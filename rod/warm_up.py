@@ -2,8 +2,7 @@
 
 import numpy as np
 
-from rod.arm.assembly import Tangent
-from rod.arm.chain import solve_chain
+from rod.arm.chain import chain_arrays, room_for, solve_chain
 from rod.arm.small_motions import lowest_of
 from rod.law import FiveParameters
 from rod.load import Load
@@ -14,7 +13,7 @@ def compile_kernels() -> None:
     """Solve a short rod: a minute at the first time, one second from disk."""
     for kernel in (solve_chain, lowest_of):
         kernel.compile_next()
-    none = Tangent(np.zeros((6, 23)), np.zeros((2, 6, 3)), np.zeros(3), np.zeros((3, 3)))
+    none = room_for(chain_arrays(np.array([0.0, 1.0]), 0.0, 0.0, in_space=True))
     none.band[:, 11] = 1.0
     lowest_of(none, none, np.ones(6, bool), np.zeros(0, np.intp))
     Rod(1.0, 0.1, FiveParameters(1.0, 2.0, 0.0, 0.0, 0.5)).under(Load((0.0, 0.1)))

@@ -2,12 +2,13 @@
 
 from typing import Protocol
 
+from rod.arm.response import Posed
 from rod.load import Load
-from rod.solution import RodSolution
-from rod.spatial import Position, SpatialLoad, SpatialSolution
+from rod.solution import RodSolution, SpatialSolution
+from rod.spatial import Position, SpatialLoad
 
 
-class Arm(Protocol):
+class Arm(Posed, Protocol):
     """A clamped arm whose clamp is the origin. Raises `RodError` for what its law does not know."""
 
     @property

@@ -53,6 +53,7 @@ class Chain(NamedTuple):
     is_loaded: bool  #: False: the tangent is that of the same shape without forces and moments
     h: Array  #: (n,) mm, rest lengths
     decides: int  #: node whose bending moment decides on the clamp
+    beyond: float  #: mm, how far beyond this node the moment decides in fact
     free: int  #: first node beyond the clamped end, from which on unstable directions are counted
     length: float  #: mm
 
@@ -65,6 +66,8 @@ class Tangent(NamedTuple):
     border: Array
     missed: Array  #: (3,) mm, by these places
     direct: Array  #: (3, 3) places by forces
+    residual: Array  #: (m (N - 1),) of the nodes beyond the clamp
+    start: Array  #: (m, 1 + m) motion of the first node, and what it adds by that of the second
 
 
 def _element(
@@ -279,7 +282,7 @@ def _tip(
     residual: Array,
 ) -> None:
     """Add the load on the end, and what holds it."""
-    band, border, missed, direct = tangent
+    band, border, missed, direct = tangent.band, tangent.border, tangent.missed, tangent.direct
     m = 6 if chain.in_space else 3
     half, last = 2 * m - 1, len(state.place) - 1
     row = m * (last - 1)
@@ -386,25 +389,28 @@ def assemble(
     state: StateArrays,
     factor: float,
     tangent: Tangent,
-    residual: Array,
-    start: Array,
     kept: Array,
 ) -> tuple[float, float]:
-    """Tangent, residual (m (N - 1),) and start (see `_clamp`) of a state.
+    """The tangent of a state.
 
     Returns by how much curvature and moment leave what is known.
     """
     m = 6 if chain.in_space else 3
-    half, band = 2 * m - 1, tangent.band
+    half, band, residual = 2 * m - 1, tangent.band, tangent.residual
     work, columns = np.zeros((24, 3, 3)), np.empty((3, max(section.table.shape[2], 1)))
     gradient, hessian = np.empty(2 * m), np.empty((2 * m, 2 * m))
     band[:] = 0.0
     residual[:] = 0.0
-    loaded = Chain(chain.in_space, True, chain.h, chain.decides, chain.free, chain.length)
+    loaded = Chain(chain.in_space, True, chain.h, chain.decides, chain.beyond, chain.free, chain.length)
     outside = _element(section, loaded, state, max(chain.decides - 1, 0), work, gradient, hessian, kept, columns)
     decides = gradient[2 * m - 1] if chain.decides > 0 else -gradient[m - 1]
+    d = chain.decides
+    if d > 0 and chain.beyond != 0.0:
+        part = chain.beyond / chain.h[d - 1]
+        across = part * (state.place[d, 0] - state.place[d - 1, 0]), part * (state.place[d, 1] - state.place[d - 1, 1])
+        decides -= across[0] * gradient[m + 1] - across[1] * gradient[m]
     outside = max(outside, _element(section, chain, state, 0, work, gradient, hessian, kept, columns))
-    beyond = _clamp(ends, chain, state, gradient, hessian, band, residual, start, decides)
+    beyond = _clamp(ends, chain, state, gradient, hessian, band, residual, tangent.start, decides)
     for e in range(1, len(chain.h)):
         outside = max(outside, _element(section, chain, state, e, work, gradient, hessian, kept, columns))
         _add(band, residual, m * (e - 1), gradient, hessian, half)

@@ -20,6 +20,8 @@ from rod.weight import Mass
 
 #: two positions nearer than this part of an element are one node
 SAME = 1e-3
+#: nothing that a chain answers besides its equilibrium
+NO_SIDE = np.empty(0)
 
 
 def positions_between(breaks: Sequence[float], longest: float) -> Array:
@@ -86,6 +88,26 @@ class Nodes(NamedTuple):
     force: Array  #: (3,) N, on the end
     found: Found
 
+    @property
+    def state(self) -> StateArrays:
+        """A copy that the solver may change."""
+        return self.moved(np.zeros((len(self.s), 6)), np.zeros(3))
+
+    def on(self, s: Array) -> StateArrays:
+        """The state on other nodes (n,) mm, with the strains of these elements."""
+        h = np.diff(self.s)
+        turns = turn_of(np.swapaxes(self.frames[:-1], 1, 2) @ self.frames[1:])
+        strains = np.column_stack([turns, np.linalg.norm(np.diff(self.place, axis=0), axis=1)]) / h[:, None]
+        middle, at = self.s[:-1] + 0.5 * h, s[:-1] + 0.5 * np.diff(s)
+        there = np.column_stack([np.interp(at, middle, column) for column in strains.T])
+        return rest_state(s, there, self.place[0], self.frames[0])._replace(force=self.force.copy())
+
+    def moved(self, motion: Array, force: Array) -> StateArrays:
+        """The state after a motion (N, 6) of its nodes, with a force (3,) on the end added."""
+        frames = rotation(motion[:, 3:]) @ self.frames
+        inner = np.zeros((len(self.s) - 1, 3))
+        return StateArrays(self.place + motion[:, :3], self.angle + motion[:, 5], frames, inner, self.force + force)
+
 
 solve_chain = CompiledLater(newton._newton, newton.CALLS, 20)
 
@@ -95,8 +117,9 @@ def chain_arrays(s: Array, decides_at: float, clamp_reach: float, *, in_space: b
 
     decides_at: mm, of the node whose moment decides on the clamp; clamp_reach: mm, how far the clamped end reaches.
     """
+    node = int(np.argmin(np.abs(s - decides_at)))
     free = min(max(int(np.searchsorted(s, clamp_reach - 1e-9)), 1), len(s) - 1)
-    return Chain(in_space, True, np.diff(s), int(np.argmin(np.abs(s - decides_at))), free, float(s[-1]))
+    return Chain(in_space, True, np.diff(s), node, decides_at - float(s[node]), free, float(s[-1]))
 
 
 def load_arrays(load: SpatialLoad, nodes: NodeLoads, held: Mask, target: Array) -> LoadArrays:
@@ -215,7 +238,13 @@ def held_along(position: Position) -> Mask:
     return np.array([value is not None for value in position])
 
 
+def target_of(position: Position) -> Array:
+    """(3,) mm, where the end is held; 0 along other axes."""
+    return np.array([0.0 if value is None else value for value in position])
+
+
 def room_for(chain: Chain) -> Tangent:
     """A tangent that is not filled yet."""
     m = 6 if chain.in_space else 3
-    return Tangent(np.zeros((m * len(chain.h), 4 * m - 1)), np.zeros((2, 6, 3)), np.zeros(3), np.zeros((3, 3)))
+    rows, places = m * len(chain.h), (np.zeros((2, 6, 3)), np.zeros(3), np.zeros((3, 3)))
+    return Tangent(np.zeros((rows, 4 * m - 1)), *places, np.zeros(rows), np.zeros((m, 1 + m)))

@@ -34,7 +34,7 @@ def border_system(tangent: Tangent, axes: Index, columns: Array, small: Array, r
 
     small (k, k) and right (k, 1) become the system for these forces.
     """
-    band, border, missed, direct = tangent
+    band, border, missed, direct = tangent.band, tangent.border, tangent.missed, tangent.direct
     rows, count = len(band), len(axes)
     half = band.shape[1] // 2
     m = (half + 1) // 2
@@ -91,26 +91,31 @@ def _newton(
     factor: float,
     tangent: Tangent,
     iterations: int,
+    side: Array,
 ) -> Found:
     """The equilibrium near a state under a part of the loads; the state becomes it.
 
-    Without iterations the tangent becomes that of the state, and its forces stand in the geometric part.
+    Without iterations the tangent becomes that of the state, and its forces stand in the geometric part. A side
+    (N m + 3,) is what a parameter adds to the residual, to the motion of the first node and to the places of the end;
+    it becomes what the arm answers: the motions of the nodes, and the forces on the end where it is held.
     """
     m = 6 if chain.in_space else 3
     nodes = len(state.place)
     rows, half, band = m * (nodes - 1), 2 * m - 1, tangent.band
-    residual, start, kept = np.empty(rows), np.empty((m, 1 + m)), np.empty((len(chain.h), KEPT))
+    residual, start, kept = tangent.residual, tangent.start, np.empty((len(chain.h), KEPT))
     motion, work = np.empty((nodes, m)), np.empty((2, 3, 3))
     axes = held_axes(load, 3 if chain.in_space else 2)
     count = len(axes)
     columns, small, right = np.empty((rows, 1 + count)), np.empty((count, count)), np.empty((count, 1))
     outside = beyond = math.inf
     for iteration in range(max(iterations, 2)):
-        outside, beyond = assemble(section, ends, chain, load, state, factor, tangent, residual, start, kept)
+        outside, beyond = assemble(section, ends, chain, load, state, factor, tangent, kept)
         if iterations == 0:
             motion[:] = 0.0
             predict(chain, state, kept, motion)
-            continue
+            if iteration == 0 or len(side) == 0:
+                continue
+            residual[:], start[:, 0], tangent.missed[:] = side[:rows], side[rows : rows + m], side[rows + m :]
         if not factorize(band, half, 1e-300):
             return Found(False, outside, beyond, 0, iteration)
         for k in range(rows):
@@ -120,7 +125,6 @@ def _newton(
         if count and solve_small(small, right) == 0.0:
             return Found(False, outside, beyond, 0, iteration)
         for a in range(count):
-            state.force[axes[a]] += right[a, 0]
             for k in range(rows):
                 columns[k, 0] += columns[k, 1 + a] * right[a, 0]
         for node in range(1, nodes):
@@ -130,6 +134,13 @@ def _newton(
             motion[0, i] = start[i, 0]
             for j in range(m):
                 motion[0, i] += start[i, 1 + j] * motion[1, j]
+        if iterations == 0:
+            side[:-3], side[-3:] = motion.reshape(rows + m), 0.0
+            for a in range(count):
+                side[axes[a] - 3] = right[a, 0]
+            continue
+        for a in range(count):
+            state.force[axes[a]] += right[a, 0]
         predict(chain, state, kept, motion)
         largest = move(chain, state, motion, work)
         if not largest < 30.0:

@@ -10,7 +10,7 @@ import numpy as np
 from geometry.arrays import Array, Index, Mask
 from rod.arm.assembly import Chain, LoadArrays, StateArrays, Tangent
 from rod.arm.bands import factorize, solve, solve_small
-from rod.arm.chain import room_for, solve_chain
+from rod.arm.chain import NO_SIDE, room_for, solve_chain
 from rod.arm.end_kernels import EndArrays
 from rod.arm.newton import border_system, held_axes, negative_of, unstable
 from rod.arm.section_kernels import SectionArrays
@@ -44,7 +44,7 @@ def _tangent(
     """The tangent of a state; motions that are not kept are left out."""
     tangent = room_for(chain)
     copied = StateArrays(*(values.copy() for values in state))
-    solve_chain(section, ends, chain, load, copied, 1.0, tangent, 0)
+    solve_chain(section, ends, chain, load, copied, 1.0, tangent, 0, NO_SIDE)
     rows = np.arange(len(tangent.band))[:, None]
     columns = rows + np.arange(-11, 12)
     is_out = ~(kept[rows % 6] & kept[columns % 6])
@@ -80,7 +80,8 @@ def _below(
 def _lowest_of(loaded: Tangent, free: Tangent, kept: Mask, axes: Index) -> tuple[float, Array]:
     """The lowest eigenvalue of two tangents, and its vector."""
     rows, count = len(loaded.band), len(axes)
-    shifted = Tangent(np.empty((rows, 23)), loaded.border, loaded.missed, loaded.direct)
+    band = np.empty((rows, 23))
+    shifted = Tangent(band, loaded.border, loaded.missed, loaded.direct, loaded.residual, loaded.start)
     columns, small, right = np.empty((rows, 1 + count)), np.empty((count, count)), np.empty((count, 1))
     # a measured clamp may have negative stiffnesses in series with the arm; what is more belongs to the cells
     clamp = min(max(_below(free, free, 0.0, axes, shifted, columns, small, right), 0), OF_CLAMP)

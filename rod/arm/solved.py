@@ -1,18 +1,15 @@
 """An arm in space in equilibrium, from the end of its path."""
 
-from functools import partial
-
 import numpy as np
 
 from geometry.arrays import Array, read_only
-from rod.arm.path import ArmModel, Path
-from rod.arm.stability import stability_of
-from rod.spatial import Held, SpatialSolution
+from rod.arm.path import Path
+from rod.arm.response import Posed, SolvedPath
+from rod.solution import SpatialSolution
+from rod.spatial import Held
 
 
-def solved_in_space(
-    arm: ArmModel, path: Path, held: Held, strains: tuple[Array, Array], beside: Array
-) -> SpatialSolution:
+def solved_in_space(rod: Posed, path: Path, held: Held, strains: tuple[Array, ...], beside: Array) -> SpatialSolution:
     """With curvatures and with stretch and shears (N, 3) at the nodes; beside: (N, 2 or 3) mm, the material curve."""
     nodes = path.nodes
     return SpatialSolution(
@@ -23,9 +20,9 @@ def solved_in_space(
         stretch=read_only(strains[1]),
         moment=read_only(nodes.moment),
         force=read_only(nodes.force),
-        weight=read_only(np.array(held.load.weight) * float(nodes.s[-1])),
+        weight=read_only(np.array(rod.posed(*held)[1].weight) * float(nodes.s[-1])),
         load_steps=path.steps,
         notes=(),
         beside=read_only(beside),
-        find_stability=partial(stability_of, arm, path.chains, held),
+        path=SolvedPath(rod, held, path.chains, in_space=True),
     )

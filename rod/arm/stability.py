@@ -3,19 +3,16 @@
 import numpy as np
 
 from geometry.arrays import Array, read_only
-from rod.arm.assembly import StateArrays
 from rod.arm.chain import NodeLoads, Nodes, chain_arrays, held_along, load_arrays
 from rod.arm.path import ArmModel
 from rod.arm.small_motions import lowest
 from rod.spatial import Held, Stability
 
-#: of the three motions and three turns of a section, those out of the plane
-OUT_OF_PLANE = (2, 3, 4)
+#: the three motions and three turns of a section, and those of them out of the plane
+ALL, OUT_OF_PLANE = (0, 1, 2, 3, 4, 5), (2, 3, 4)
 
 
-def stability_of(
-    arm: ArmModel, chains: tuple[Nodes, Nodes], held: Held, motions: tuple[int, ...] = (0, 1, 2, 3, 4, 5)
-) -> Stability:
+def stability_of(arm: ArmModel, chains: tuple[Nodes, Nodes], held: Held, motions: tuple[int, ...]) -> Stability:
     """Of an arm on both chains of its path, at the limit of the elements, under a load that keeps its direction.
 
     motions: which of the three motions and three turns of a section are possible.
@@ -31,7 +28,5 @@ def _lowest(arm: ArmModel, nodes: Nodes, held: Held, motions: tuple[int, ...]) -
     chain = chain_arrays(nodes.s, arm.decides_at, arm.clamp_reach, in_space=True)
     loads = NodeLoads.of(held.load, arm.mass, nodes.s)
     load = load_arrays(held.load, loads, held_along(held.position), np.zeros(3))
-    frames, inner = np.ascontiguousarray(nodes.frames), np.zeros((len(chain.h), 3))
-    state = StateArrays(nodes.place, nodes.angle, frames, inner, nodes.force.copy())
     kept, ends = np.isin(np.arange(6), motions), arm.ends(held.position)
-    return lowest(arm.section.arrays(nodes.s), ends, chain, load, state, kept)
+    return lowest(arm.section.arrays(nodes.s), ends, chain, load, nodes.state, kept)

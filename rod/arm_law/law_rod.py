@@ -9,20 +9,21 @@ import numpy as np
 
 from geometry.arrays import Array, read_only
 from rod.along import part_of
-from rod.arm.chain import in_frame, planar_frames, positions_between
+from rod.arm.chain import planar_frames, positions_between
 from rod.arm.end_kernels import EndArrays
 from rod.arm.ends import end_arrays, tip_state
 from rod.arm.path import Path, Way, follow
-from rod.arm.sections import TabulatedSection
+from rod.arm.response import SolvedPath
+from rod.arm.sections import TabulatedSection, acting_in_frames
 from rod.arm.solved import solved_in_space
-from rod.arm.stability import OUT_OF_PLANE, stability_of
+from rod.arm.stability import OUT_OF_PLANE
 from rod.arm_law.air import air_volumes
 from rod.arm_law.curves import ClampCurve, TipCurve
 from rod.arm_law.section import SectionLaw
 from rod.errors import RodError
 from rod.load import Load, requested
-from rod.solution import RodSolution, SolvedPath
-from rod.spatial import Held, Position, SpatialLoad, SpatialSolution, Stability, held_at, is_third_experiment
+from rod.solution import RodSolution, SpatialSolution
+from rod.spatial import Held, Position, SpatialLoad, Stability, held_at, is_third_experiment
 from rod.weight import Mass
 
 #: longest element over the pitch; length of the first one, which is never halved
@@ -103,10 +104,9 @@ class LawRod:
         self, load: Load, held: tuple[float | None, float | None], *, together: bool | None = None
     ) -> RodSolution:
         """The weight of the load is spread as the mass of the arm is, where that is known."""
-        position: Position = (*held, None)
-        spatial = self._placed(load.in_space, position)
+        asked = Held(load.in_space, (*held, None))
         how = Way(is_third_experiment(held) if together is None else together, in_space=False)
-        return self._planar_solution(self._followed(spatial, position, how), spatial, position)
+        return self._planar_solution(self._followed(asked, how), asked)
 
     def solve_in_space(self, load: SpatialLoad, position: Position = (None, None, None)) -> SpatialSolution:
         """The equilibrium in space under a load, which grows on the inflated arm.
@@ -115,19 +115,18 @@ class LawRod:
         `RodError` as `solve` does, and for a law without rigidities out of the plane.
         """
         self._check_in_space()
-        load = self._placed(load, position)
-        path = self._followed(load, position, Way(together=False, in_space=True))
+        path = self._followed(Held(load, position), Way(together=False, in_space=True))
         nodes = path.nodes
-        moment, inner = in_frame(nodes.frames, nodes.moment), in_frame(nodes.frames, nodes.inner)
-        curvature, stretch, _ = self._model.section.strains(moment, inner)
         frame = nodes.frames[-1]
         turn = math.atan2(frame[1, 0], frame[0, 0])
         at_tip = tip_state(self.tip, position).beside_at(turn, float(nodes.force @ frame[:, 0]))
         bending = (nodes.moment[:, None] @ nodes.frames)[:, 0, 2]
         beside = _Beside(self, nodes.s, bending, at_tip)(nodes.s)
-        return solved_in_space(self._model, path, Held(load, position), (curvature, stretch), beside)
+        return solved_in_space(
+            self, path, Held(load, position), self._model.section.strains(*acting_in_frames(nodes)), beside
+        )
 
-    def _placed(self, load: SpatialLoad, position: Position) -> SpatialLoad:
+    def posed(self, load: SpatialLoad, position: Position) -> tuple["_Model", SpatialLoad]:
         """The load with the weight that always acts, its forces along the arm on the material curve without load."""
         x, y, z = load.weight
         at_tip = tip_state(self.tip, position).beside_at(0.0, 0.0)
@@ -135,22 +134,22 @@ class LawRod:
         for one in load.along:
             beside = curve(np.linspace(one.breaks[0], one.breaks[-1], PLACES)).mean(axis=0) + one.beside
             along.append(replace(one, beside=(float(beside[0]), float(beside[1]))))
-        return replace(load, weight=(self.weight[0] + x, self.weight[1] + y, z), along=tuple(along))
+        return self._model, replace(load, weight=(self.weight[0] + x, self.weight[1] + y, z), along=tuple(along))
 
-    def _followed(self, load: SpatialLoad, position: Position, how: Way) -> Path:
+    def _followed(self, asked: Held, how: Way) -> Path:
         """The path to a load; raises `RodError` where it ends, and where the curvature leaves the law."""
-        path = follow(self._model, load, position, how)
-        if outside := self._outside(path):
-            raise RodError(f"{outside} {self._borne(load, position, how)}")
+        model, load = self.posed(*asked)
+        path = follow(model, load, asked.position, how)
+        if outside := self.outside(path):
+            raise RodError(f"{outside} {self._borne(load, asked.position, how)}")
         return path
 
-    def _outside(self, path: Path) -> str:
+    def outside(self, path: Path) -> str:
         """A sentence where the curvature of cells or the moment at the clamp leaves the law; empty elsewhere."""
         law, clamp, found = self.section, self.clamp, path.nodes.found
         if found.outside <= ROUNDING * np.ptp(law.kappa) and found.beyond <= ROUNDING * np.ptp(clamp.moment):
             return ""
-        moment, inner = (in_frame(path.nodes.frames, value) for value in (path.nodes.moment, path.nodes.inner))
-        bends = self._model.section.strains(moment, inner)[2]
+        bends = self._model.section.strains(*acting_in_frames(path.nodes))[2]
         low, high = max(law.moment[0], clamp.moment[0]), min(law.moment[-1], clamp.moment[-1])
         worst = int(np.argmax(np.maximum(low - bends, bends - high)))
         return (
@@ -167,19 +166,20 @@ class LawRod:
         for _ in range(PARTS):
             part = 0.5 * (low + high)
             try:
-                is_inside = not self._outside(follow(self._model, load.times(part), position, how))
+                is_inside = not self.outside(
+                    follow(self._model, SpatialLoad(weight_height=load.weight_height).plus(load, part), position, how)
+                )
             except RodError:
                 is_inside = False
             low, high = (part, high) if is_inside else (low, part)
         return f"It bears {100 * low:.2g} % of this load. {remedy}" if low else remedy
 
-    def _planar_solution(self, path: Path, load: SpatialLoad, position: Position) -> RodSolution:
+    def _planar_solution(self, path: Path, asked: Held) -> RodSolution:
         nodes = path.nodes
-        inner = in_frame(nodes.frames, nodes.inner)
-        curvature, stretch, _ = self._model.section.strains(nodes.moment, inner)
+        curvature, stretch, _ = self._model.section.strains(*acting_in_frames(nodes))
         turn = float(nodes.angle[-1])
         pull = float(nodes.force[:2] @ (math.cos(turn), math.sin(turn)))
-        at_tip = tip_state(self.tip, position).beside_at(turn, pull)
+        at_tip = tip_state(self.tip, asked.position).beside_at(turn, pull)
         moment = read_only(np.ascontiguousarray(nodes.moment[:, 2]))
         return RodSolution(
             s=read_only(nodes.s),
@@ -190,11 +190,11 @@ class LawRod:
             moment=moment,
             stretch=read_only(np.ascontiguousarray(stretch[:, 0])),
             force=read_only(nodes.force[:2].copy()),
-            weight=read_only(np.array(load.weight[:2]) * self.length),
+            weight=read_only((np.array(asked.load.weight[:2]) + self.weight) * self.length),
             load_steps=path.steps,
             shear=read_only(np.ascontiguousarray(stretch[:, 1])),
             beside=_Beside(self, nodes.s, moment, at_tip),
-            path=SolvedPath(path.chains, Held(load, position)),
+            path=SolvedPath(self, asked, path.chains),
         )
 
     def volumes(self, state: RodSolution) -> Array:
@@ -210,9 +210,7 @@ class LawRod:
         Raises `RodError` for a law without rigidities out of the plane.
         """
         self._check_in_space()
-        if state.path is None:
-            raise RodError("Stability is that of a state which this rod was solved for.")
-        return stability_of(self._model, state.path.chains, state.path.held, OUT_OF_PLANE)
+        return state.path.stability(OUT_OF_PLANE)
 
     def buckling_part(self, load: Load) -> float | None:
         """The part of a load in the plane, to 0.1 %, at which the rod buckles out of it; None where it does not.

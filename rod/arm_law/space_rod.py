@@ -10,13 +10,13 @@ from rod.arm.chain import in_frame, positions_between, rotation
 from rod.arm.end_kernels import EndArrays
 from rod.arm.ends import polynomial_ends
 from rod.arm.path import Path, Way, follow
-from rod.arm.sections import PolynomialSection
+from rod.arm.sections import PolynomialSection, acting_in_frames
 from rod.arm.solved import solved_in_space
 from rod.arm_law.polynomial import Plane
 from rod.errors import RodError
 from rod.load import Load
-from rod.solution import RodSolution
-from rod.spatial import Held, Position, SpatialLoad, SpatialSolution
+from rod.solution import RodSolution, SpatialSolution
+from rod.spatial import Held, Position, SpatialLoad
 from rod.weight import Mass
 
 #: longest element over the pitch, and over the length; length of the first one, which is never halved, over these
@@ -49,12 +49,16 @@ class SpaceRod:
         `RodError` where the path ends or becomes unstable, and where the curvature leaves the law.
         """
         path = follow(self, load, position, Way(in_space=True))
-        self._check_inside(path)
+        if outside := self.outside(path):
+            raise RodError(outside)
         nodes = path.nodes
-        moment, inner = in_frame(nodes.frames, nodes.moment), in_frame(nodes.frames, nodes.inner)
         beside = np.zeros((len(nodes.s), 3))
         beside[-1] = self.tip[:3]
-        return solved_in_space(self, path, Held(load, position), self.section.strains(moment, inner), beside)
+        return solved_in_space(self, path, Held(load, position), self.section.strains(*acting_in_frames(nodes)), beside)
+
+    def posed(self, load: SpatialLoad, position: Position) -> tuple["SpaceRod", SpatialLoad]:
+        """The same."""
+        return self, load
 
     @property
     def has_own_law(self) -> bool:
@@ -108,13 +112,14 @@ class SpaceRod:
         along = np.trapezoid(self.air(state.curvature[:, 1:]), state.s, axis=0)
         return np.asarray(along + self.clamp((state.moment[0] @ state.frames[0])[1:])[6:] + self.tip[3:])
 
-    def _check_inside(self, path: Path) -> None:
+    def outside(self, path: Path) -> str:
+        """A sentence where the curvature leaves the law; empty elsewhere."""
         outside, reach = path.nodes.found.outside, self.section.reach
         if outside <= ROUNDING * reach:
-            return
+            return ""
         moments = in_frame(path.nodes.frames, path.nodes.moment)[:, 1:]
         largest = float(np.linalg.norm(moments, axis=1).max())
-        raise RodError(
+        return (
             f"The bending moment reaches {largest:.4g} N mm. The law is known up to curvatures that are "
             f"{reach:.3g} 1/mm from that without moment, and these are {outside:.3g} 1/mm beyond it. "
             "It is not extrapolated: this load is too large."

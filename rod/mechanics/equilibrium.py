@@ -31,11 +31,10 @@ from rod.law import FiveParameters, TwoSlopes
 from rod.load import Load, pair, requested, with_along
 from rod.mechanics.lines import LinesRod
 from rod.mechanics.profile import Profile, sampled
-from rod.solution import RodSolution
+from rod.solution import RodSolution, SpatialSolution
 from rod.spatial import (
     Position,
     SpatialLoad,
-    SpatialSolution,
     held_at,
     is_third_experiment,
     is_triple,

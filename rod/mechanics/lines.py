@@ -11,14 +11,15 @@ from geometry.arrays import Array, read_only
 from rod.arm.chain import planar_frames, positions_between
 from rod.arm.end_kernels import EndArrays
 from rod.arm.ends import rigid_ends
-from rod.arm.path import NOT_SOLVED, Solver, Way, follow
+from rod.arm.path import NOT_SOLVED, Path, Solver, Way, follow
+from rod.arm.response import SolvedPath
 from rod.arm.sections import LinesSection
 from rod.curves.extension import Extension
 from rod.errors import RodError
 from rod.law import TwoSlopes
 from rod.load import Load
-from rod.solution import RodSolution
-from rod.spatial import Position, SpatialLoad, SpatialSolution, is_third_experiment
+from rod.solution import RodSolution, SpatialSolution
+from rod.spatial import Held, Position, SpatialLoad, is_third_experiment
 
 #: length of the first element, which is never halved, over that of the rod
 FIRST = 1e-3
@@ -70,14 +71,14 @@ class LinesRod:
             raise RodError(
                 f"The end cannot be {reach:g} mm from the clamp: the rod of {self.length:g} mm is inextensible."
             )
-        position: Position = (*held, None)
+        asked = Held(load.in_space, (*held, None))
         together = is_third_experiment(held) if together is None else together
-        is_loaded = not self._is_idle(load, held) or together
+        is_loaded = not self._is_idle(asked.load, held) or together
         model = _Model(self, self._section(is_loaded=is_loaded))
-        path = follow(model, load.in_space, position, Way(together))
+        path = follow(model, *asked, Way(together))
         nodes = path.nodes
-        if np.hypot(*nodes.force[:2]) > STRETCHED * model.section.rigid:
-            raise RodError("The end cannot be held there: the rod would have to be stretched by force.")
+        if outside := self.outside(path):
+            raise RodError(outside)
         bending, rest = self._bending(model, nodes.s, nodes.moment[:, 2], nodes.inner, nodes.angle)
         first = nodes.s < self.law.d - 1e-9 * self.length
         intercept = float(is_loaded) * np.where(first, self.law.m01, self.law.m02)
@@ -95,11 +96,23 @@ class LinesRod:
             weight=read_only((np.array(load.weight) + self.weight.weight[:2]) * self.length),
             load_steps=path.steps if is_loaded else 0,
             bending_moment=read_only(bending),
+            path=SolvedPath(self, asked, path.chains),
         )
 
-    def _is_idle(self, load: Load, held: tuple[float | None, float | None]) -> bool:
+    def posed(self, load: SpatialLoad, position: Position) -> tuple["_Model", SpatialLoad]:
+        """The rod, with the offsets of its law where something acts."""
+        x, y, _ = position
+        is_loaded = not self._is_idle(load, (x, y)) or is_third_experiment((x, y))
+        return _Model(self, self._section(is_loaded=is_loaded)), load
+
+    def outside(self, path: Path) -> str:
+        """A sentence where a held end stretches the rod; empty elsewhere."""
+        stretches = np.hypot(*path.nodes.force[:2]) > STRETCHED * self._section(is_loaded=True).rigid
+        return "The end cannot be held there: the rod would have to be stretched by force." if stretches else ""
+
+    def _is_idle(self, load: SpatialLoad, held: tuple[float | None, float | None]) -> bool:
         """Whether nothing acts on the rod; an end that is held is then where the unloaded rod has it."""
-        if any(load.force) or any(load.weight) or load.couple or load.along:
+        if any((*load.force, *load.weight, *load.couple)) or load.along:
             return False
         if held == (None, None):
             return True

@@ -20,7 +20,7 @@ from pipeline.values.run import Run
 from rod.arm_law.kinds import AnyLaw, Ray, ratios_of
 from rod.arm_law.law import ArmLaw
 from rod.arm_law.pairs import PairLaw
-from rod.inverse import Response
+from rod.inverse import Branch
 from rod.mechanics.equilibrium import Rod
 from rod.pressurised_rod import PressurisedRod
 from rod.same_pressure import Pressures, pressures_of
@@ -41,7 +41,7 @@ class RodOfRun:
     errors: RodAndMesh | None = None  #: None where it was not compared with finite elements
     notes: tuple[str, ...] = ()  #: what limits the trust in it, a sentence each
     mass: Mass | None = None  #: of an arm with five parameters; None: not known
-    responses: dict[Hashable, tuple[Response, ...]] = field(default_factory=dict, repr=False)  #: by load, once made
+    branches: dict[Hashable, tuple[Branch, ...]] = field(default_factory=dict, repr=False)  #: by load, once made
 
     @property
     def error_text(self) -> str:

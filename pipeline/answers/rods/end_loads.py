@@ -21,8 +21,7 @@ from rod.along import LineLoad, PointLoad
 from rod.arm_law.law_rod import LawRod
 from rod.errors import LoadError, RodError, RodWarning
 from rod.mechanics.equilibrium import Rod
-from rod.solution import RodSolution
-from rod.spatial import SpatialSolution
+from rod.solution import RodSolution, SpatialSolution
 from rod.weight import gravity_vector, in_grams, position_along
 
 #: loads along an arm as options have them

@@ -18,7 +18,7 @@ from pipeline.values.run import bending_error_deg
 from rod.arm_law.kinds import Ray
 from rod.arm_law.space_law import SpaceLaw
 from rod.errors import LoadError, RodError
-from rod.inverse import AtPressure, Quantity, Response
+from rod.inverse import AtPressure, Branch, Quantity
 
 #: distance of the tip from the wanted place, over the length, that is met where the error of the rod is not known
 MET = 0.005
@@ -87,18 +87,18 @@ def pressures_for(rods: RodOfRun, wish: Wish) -> tuple[PressureFor, ...]:
     Raises InputError for a wish that is out of reach, with what is nearest to it, and RunFailed where the arm has no
     equilibrium under its load.
     """
-    responses = responses_of(rods, wish)
+    branches = branches_of(rods, wish)
     if wish.tip_mm is not None:
-        return _for_tip(rods, wish, responses, wish.tip_mm)
+        return _for_tip(rods, wish, branches, wish.tip_mm)
     quantity, target = (_angle, wish.angle_deg) if wish.angle_deg is not None else (_force, wish.force_N)
     assert target is not None
-    found = [at for response in responses for at in response.where(quantity, target)]
+    found = [at for branch in branches for at in branch.where(quantity, target)]
     if not found:
-        raise InputError(_out_of_reach(rods, wish, responses, quantity, target))
+        raise InputError(_out_of_reach(rods, wish, branches, quantity, target))
     return tuple(_met(rods, wish, at) for at in found)
 
 
-def responses_of(rods: RodOfRun, wish: Wish) -> tuple[Response, ...]:
+def branches_of(rods: RodOfRun, wish: Wish) -> tuple[Branch, ...]:
     """The arm under the load of a wish over its pressure, kept with the rods. Raises InputError for several ones."""
     known = rods.over_one_pressure
     is_in_space = isinstance(rods.source, Ray) and isinstance(rods.source.law, SpaceLaw)
@@ -108,45 +108,39 @@ def responses_of(rods: RodOfRun, wish: Wish) -> tuple[Response, ...]:
         where, axes = ("in space", "x, y and z") if is_in_space else ("in its plane", "x and y")
         raise InputError(f"this arm bends {where}; give the place of its tip as {axes}")
     key = (wish.height_mm, wish.weight)
-    if key not in rods.responses:
-
-        def solve(pressure: float) -> Array:
-            shape = EndLoads(None, 0.0, wish.height_mm, None, wish.weight).solve(rods.at(pressure))
-            return np.array([*shape.end, *shape.force])
-
+    if key not in rods.branches:
+        loads = EndLoads(None, 0.0, wish.height_mm, None, wish.weight)
         try:
-            rods.responses[key] = Response.all_of(solve, known)
+            rods.branches[key] = Branch.all_of(rods.at, loads.solve, known)
         except LoadError as failure:
             raise InputError(str(failure)) from None
         except RodError as failure:
             raise RunFailed(str(failure)) from None
-    return rods.responses[key]
+    return rods.branches[key]
 
 
-def _for_tip(rods: RodOfRun, wish: Wish, responses: tuple[Response, ...], tip: Vector) -> tuple[PressureFor, ...]:
-    near = [_met(rods, wish, at) for response in responses for at in response.nearest(tip)]
+def _for_tip(rods: RodOfRun, wish: Wish, branches: tuple[Branch, ...], tip: Vector) -> tuple[PressureFor, ...]:
+    near = [_met(rods, wish, at) for branch in branches for at in branch.nearest(tip)]
     near.sort(key=lambda at: at.away_mm or 0.0)
     error = MET if rods.errors is None or not math.isfinite(rods.errors.shape) else rods.errors.shape
     met = [at for at in near if (at.away_mm or 0.0) <= error * rods.source.length]
     if met:
         return tuple(met)
     raise InputError(
-        f"no pressure{_range(rods, responses)} brings the tip to ({_listed(tip, 'g')}) mm; nearest: {near[0].text}"
+        f"no pressure{_range(rods, branches)} brings the tip to ({_listed(tip, 'g')}) mm; nearest: {near[0].text}"
     )
 
 
-def _out_of_reach(
-    rods: RodOfRun, wish: Wish, responses: tuple[Response, ...], quantity: Quantity, target: float
-) -> str:
-    ends = [at for response in responses for at in response.extremes(quantity)]
-    nearest = min(ends, key=lambda at: abs(at.of(quantity)[0] - target))
+def _out_of_reach(rods: RodOfRun, wish: Wish, branches: tuple[Branch, ...], quantity: Quantity, target: float) -> str:
+    ends = [at for branch in branches for at in branch.extremes(quantity)]
+    nearest = min(ends, key=lambda at: abs(float(at.of(quantity)[0]) - target))
     what = f"bends the arm by {target:g}°" if wish.angle_deg is not None else f"gives the end a force of {target:g} N"
-    return f"no pressure{_range(rods, responses)} {what}; nearest: {_met(rods, wish, nearest).text}"
+    return f"no pressure{_range(rods, branches)} {what}; nearest: {_met(rods, wish, nearest).text}"
 
 
-def _range(rods: RodOfRun, responses: tuple[Response, ...]) -> str:
+def _range(rods: RodOfRun, branches: tuple[Branch, ...]) -> str:
     """The pressures that were searched; at others the load leaves the range of the rod."""
-    known = [(float(response.pressures[0]), float(response.pressures[-1])) for response in responses]
+    known = [(float(branch.pressures[0]), float(branch.pressures[-1])) for branch in branches]
     text = f" from {' and from '.join(f'{number(low)} to {number(high)}' for low, high in known)} kPa"
     return text if known == [rods.pressures_kPa] else f"{text}, where the rod is known under this load,"
 
@@ -154,7 +148,7 @@ def _range(rods: RodOfRun, responses: tuple[Response, ...]) -> str:
 def _met(rods: RodOfRun, wish: Wish, at: AtPressure) -> PressureFor:
     tip, force = (tuple(float(value) for value in half) for half in np.split(at.state, 2))
     away = None if wish.tip_mm is None else math.dist(tip, wish.tip_mm)
-    angle = float(_angle(np.array([tip]), np.array([force]))[0])
+    angle = float(_angle(at.state[None])[0])
     held = force if wish.force_N is not None else (0.0,) * len(force)
     fractions = rods.source.fractions if isinstance(rods.source, Ray) else (1.0,)
     pressures = tuple(part * at.pressure for part in fractions)
@@ -170,9 +164,9 @@ def _error(rods: RodOfRun, wish: Wish, at: AtPressure) -> float | None:
     if wish.force_N is not None:
         if errors.force is None or errors.largest_N is None:
             return None
-        return _over(errors.force * errors.largest_N, at.of(_force)[1])
+        return _over(errors.force * errors.largest_N, float(at.of(_force)[1]))
     if wish.angle_deg is not None:
-        return _over(bending_error_deg(moves, (float(at.state[0]), float(at.state[1]))), at.of(_angle)[1])
+        return _over(bending_error_deg(moves, (float(at.state[0]), float(at.state[1]))), float(at.of(_angle)[1]))
     return _over(moves, math.hypot(*at.slope[:2]))
 
 
@@ -180,11 +174,11 @@ def _over(error: float, slope: float) -> float | None:
     return abs(error / slope) if slope else None
 
 
-def _angle(tips: Array, _: Array) -> Array:
-    """Degrees, as `pipeline.values.run.bending_deg`; of tips in space (n, 3) in the plane through x."""
-    aside = tips[:, 1] if tips.shape[1] == 2 else np.hypot(tips[:, 1], tips[:, 2])
-    return np.abs(np.degrees(2.0 * np.arctan2(aside, tips[:, 0])))
+def _angle(states: Array) -> Array:
+    """Degrees, as `pipeline.values.run.bending_deg`; of tips in space in the plane through x."""
+    aside = states[:, 1] if states.shape[1] == 4 else np.hypot(states[:, 1], states[:, 2])
+    return np.abs(np.degrees(2.0 * np.arctan2(aside, states[:, 0])))
 
 
-def _force(_: Array, forces: Array) -> Array:
-    return np.asarray(forces[:, 1])
+def _force(states: Array) -> Array:
+    return np.asarray(states[:, states.shape[1] // 2 + 1])

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from pipeline.answers.rods.choice import RodOfRun
-from pipeline.answers.rods.pressures import PressureFor, Wish, responses_of
+from pipeline.answers.rods.pressures import PressureFor, Wish, branches_of
 from pipeline.values.page import figure_page
 from pipeline.values.plots import Line, Panel, ordered_colour
 
@@ -19,10 +19,10 @@ def tips_page(rods: RodOfRun, wish: Wish, found: Sequence[PressureFor]) -> str:
     lines = []
     for k, weight in enumerate(loads or [wish.weight]):
         name = f"{weight.tip_mass_g:.3g} g" if mass else "tip"
-        for response in responses_of(rods, replace(wish, weight=weight)):
-            texts = [f"{name}, {pressure:.4g} kPa" for pressure in response.pressures]
+        for branch in branches_of(rods, replace(wish, weight=weight)):
+            texts = [f"{name}, {pressure:.4g} kPa" for pressure in branch.pressures]
             colour = ordered_colour(k, max(len(loads), 2))
-            x, y = response.states[:, :2].T
+            x, y = branch.states[:, :2].T
             lines.append(Line(x, y, name, colour, marker="circle", marker_size=4, texts=texts))
     if wish.tip_mm is not None:
         lines.append(Line([wish.tip_mm[0]], [wish.tip_mm[1]], "wanted", dash="", marker="x", marker_size=11))

@@ -7,14 +7,14 @@ import numpy as np
 import pytest
 
 from geometry.arrays import Array
-from rod import Load, Rod, RodError, RodSolution
+from rod import Load, Rod, RodError, RodSolution, SpatialSolution
 from rod.arm.chain import rotation
 from rod.arm.sections import TabulatedSection
 from rod.arm.unloaded import arc_compliance
 from rod.arm_law.curves import CellCurve, ClampCurve, TipCurve
 from rod.arm_law.law import ArmLaw
 from rod.arm_law.law_rod import LawRod
-from rod.spatial import SpatialLoad, SpatialSolution, triple
+from rod.spatial import SpatialLoad, triple
 from rod.weight import Mass
 from tests.quotients import SOLVED, quotient
 

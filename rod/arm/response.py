@@ -1,0 +1,120 @@
+"""How an arm in equilibrium changes with a parameter, and the equilibrium of another arm beside it.
+
+What is out of balance in a state where a parameter is a little smaller and larger is one more right-hand side for its
+tangent (`rod.arm.newton`): loads enter it linearly, a law by the forces of its sections at the strains of the state.
+"""
+
+from typing import NamedTuple, Protocol, TypeAlias
+
+import numpy as np
+
+from geometry.arrays import Array, read_only
+from rod.along import check_inside, leaves_plane
+from rod.arm.chain import Nodes, held_along, target_of
+from rod.arm.path import ArmModel, Path, Solver, beside
+from rod.arm.stability import ALL, stability_of
+from rod.errors import RodError
+from rod.load import Load
+from rod.spatial import Held, Position, SpatialLoad, Stability
+
+#: solutions with one tangent, which leaves out how the place of the moment that decides on a clamp moves; and the
+#: motion (rad, and mm over the length) by which that is found
+PASSES, MOVED = 4, 1e-4
+
+
+class Posed(Protocol):
+    """An arm at one pressure, as it is solved."""
+
+    def posed(self, load: SpatialLoad, position: Position) -> tuple[ArmModel, SpatialLoad]:
+        """The arm and all that acts on it."""
+
+    def outside(self, path: Path) -> str:
+        """A sentence where a state leaves what is known of the arm; empty elsewhere."""
+
+
+#: an arm, and what acts on it
+Case: TypeAlias = tuple[Posed, SpatialLoad]
+#: a load, or two arms
+Parameter: TypeAlias = Load | SpatialLoad | tuple[Posed, Posed]
+
+
+class Response(NamedTuple):
+    """Derivatives of an arm in equilibrium by a parameter. All arrays are read-only."""
+
+    axis: Array  #: (n, 3) mm, of its places at the s of the solution
+    turn: Array  #: (n, 3) rad, of its sections, about x, y and z
+    end: Array  #: (3,) mm, of the end of the material curve
+    force: Array  #: (3,) N, on the end; a reaction where it is held
+
+
+class SolvedPath(NamedTuple):
+    """How a state was found."""
+
+    rod: Posed
+    held: Held  #: what acts on the rod besides what always does, and holds it
+    chains: tuple[Nodes, Nodes]  #: both chains of elements in equilibrium
+    in_space: bool = False
+
+    def derivative(self, by: Parameter, passes: int = PASSES) -> Response:
+        """As `rod.solution.RodSolution.derivative`; the first pass is right to half a percent."""
+        load = self.held.load
+        if isinstance(by, tuple):
+            return self._change((by[0], load), (by[1], load), passes)
+        added = by.in_space if isinstance(by, Load) else by
+        for one in added.along:
+            check_inside(one, float(self.chains[0].s[-1]))
+        if not self.in_space and (any((added.force[2], *added.couple[:2])) or any(map(leaves_plane, added.along))):
+            raise RodError("A load across the plane moves an arm in space; solve the rod there.")
+        return self._change((self.rod, load.plus(added, -0.5)), (self.rod, load.plus(added, 0.5)), passes)
+
+    def at(self, rod: Posed) -> "SolvedPath":
+        """The equilibrium of another arm beside this one. Raises `RodError` where there is none as stable."""
+        path = beside(*rod.posed(*self.held), self.held.position, self.chains, in_space=self.in_space)
+        if outside := rod.outside(path):
+            raise RodError(outside)
+        return self._replace(rod=rod, chains=path.chains)
+
+    def stability(self, motions: tuple[int, ...] = ALL) -> Stability:
+        """Against small motions; motions: which of the three motions and three turns of a section are possible."""
+        arm, load = self.rod.posed(*self.held)
+        return stability_of(arm, self.chains, Held(load, self.held.position), motions)
+
+    @property
+    def state(self) -> Array:
+        """(2, 3): the end of the material curve in mm and the force on it in N."""
+        low, high = (
+            np.array([self._solver(nodes, self.rod, self.held.load).end(nodes.state), nodes.force])
+            for nodes in self.chains
+        )
+        return np.asarray(high + (high - low) / 3.0)
+
+    def _change(self, less: Case, more: Case, passes: int) -> Response:
+        """At the limit of the elements: the errors are those of h^2."""
+        (low, *lower), (high, *higher) = (self._of(nodes, less, more, passes) for nodes in self.chains)
+        at = np.searchsorted(self.chains[1].s, self.chains[0].s - 1e-9 * self.chains[0].s[-1])
+        pairs = zip((low, *lower), (high[at], *higher), strict=True)
+        motion, end, force = (fine + (fine - coarse) / 3.0 for coarse, fine in pairs)
+        return Response(*map(read_only, (motion[:, :3].copy(), motion[:, 3:].copy(), end, force)))
+
+    def _of(self, nodes: Nodes, less: Case, more: Case, passes: int) -> tuple[Array, Array, Array]:
+        """Of one chain: motions (N, 6), end (3,) and force (3,)."""
+        solver, left, right = (self._solver(nodes, *one) for one in ((self.rod, self.held.load), less, more))
+        target = target_of(self.held.position)
+        side = right.respond(nodes.state, target) - left.respond(nodes.state, target)
+        unknowns = [0, 1, 2, 3, 4, 5] if self.in_space else [0, 1, 5]
+        motion, moved, total = np.zeros((len(nodes.s), 6)), np.zeros_like(side), side
+        for _ in range(passes):
+            solver.respond(nodes.state, target, answer := total.copy())
+            moved = moved + answer
+            motion[:, unknowns] = moved[:-3].reshape(len(motion), -1)
+            part = MOVED / max(np.abs(motion[:, :3]).max() / nodes.s[-1], np.abs(motion[:, 3:]).max(), 1e-300)
+            ahead, behind = (
+                solver.respond(nodes.moved(step * motion, step * moved[-3:]), target) for step in (part, -part)
+            )
+            total = side + (ahead - behind) / (2.0 * part)
+        force = np.where(held_along(self.held.position), moved[-3:], right.load.force - left.load.force)
+        return motion, total[-3:], force
+
+    def _solver(self, nodes: Nodes, rod: Posed, load: SpatialLoad) -> Solver:
+        arm, posed = rod.posed(load, self.held.position)
+        return Solver(arm, nodes.s, posed, self.held.position, in_space=self.in_space)
