@@ -28,7 +28,7 @@ SAMPLES = 17
 #: points of the cubic between two of them, among which the first estimate is found
 PARTS = 16
 #: change of the pressure, over the range of pressures, that is made without solving the rod again; most steps
-SETTLED, STEPS = 1e-4, 12
+SETTLED, STEPS = 1e-5, 12
 
 #: how often the interval is halved in which the pressures without an equilibrium begin
 BISECTIONS = 6
@@ -157,7 +157,8 @@ class Branch:
     def _met(self, pressure: float, missed: Quantity) -> AtPressure:
         """The state that misses a wish least, from a pressure near by: Newton's method, for several parts Gauss's."""
         span = float(np.ptp(self.pressures))
-        there, path = min(self.solved, key=lambda one: abs(one[0] - pressure) or np.inf)
+        apart = np.abs(self.pressures - pressure)
+        there, path = self.solved[int(np.argmin(np.where(apart > SETTLED * span, apart, np.inf)))]
         for _ in range(STEPS):
             (before, other), path = (there, path), path.at(self.at(pressure))
             response = path.derivative((other.rod, path.rod), passes=1)

@@ -38,10 +38,11 @@ class SpatialLoad:
         object.__setattr__(self, "along", checked_along(self.along))
 
     def plus(self, other: "SpatialLoad", part: float) -> "SpatialLoad":
-        """Together with a part of another one, whose weight acts at the height of this one."""
+        """Together with a part of another one; a weight acts at the height of this one, if this one has any."""
         mine, others = ((one.force, one.couple, one.weight) for one in (self, other))
         force, couple, weight = (tuple(np.add(a, scaled(b, part))) for a, b in zip(mine, others, strict=True))
-        return SpatialLoad(force, couple, weight, self.weight_height, (*self.along, *part_of(other.along, part)))
+        height = self.weight_height if any(self.weight) else other.weight_height
+        return SpatialLoad(force, couple, weight, height, (*self.along, *part_of(other.along, part)))
 
 
 def held_at(x: float | None, y: float | None) -> tuple[float | None, float | None]:

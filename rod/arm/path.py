@@ -186,10 +186,11 @@ def beside(arm: ArmModel, load: SpatialLoad, position: Position, near: tuple[Nod
     while 1.5 * len(s) < len(near[0].s):
         s = halved(s)
     for known, places in zip(near, (s, halved(s)), strict=True):
-        solver, state = Solver(arm, places, load, position, in_space=in_space), known.on(places)
+        solver, begin = Solver(arm, places, load, position, in_space=in_space), known.on(places)
+        state = _ahead(begin, begin, 0.0, in_space)
         found = solver.converge(state, 1.0, target_of(position))
-        turn = float(np.abs(_turns(known.on(places), state, in_space)).max())
-        if not (found.converged and turn <= LARGEST_TURN) or found.negative != known.found.negative:
+        is_near = found.converged and _is_near(begin, begin, state, 0.0, in_space)
+        if not is_near or found.negative != known.found.negative:
             raise RodError("No equilibrium that is as stable was found beside the one that is known.")
         chains.append(solver.nodes(state, found))
     coarse, fine = chains

@@ -103,7 +103,7 @@ class SolvedPath(NamedTuple):
         side = right.respond(nodes.state, target) - left.respond(nodes.state, target)
         unknowns = [0, 1, 2, 3, 4, 5] if self.in_space else [0, 1, 5]
         motion, moved, total = np.zeros((len(nodes.s), 6)), np.zeros_like(side), side
-        for _ in range(passes):
+        for _ in range(passes if solver.chain.decides else 1):
             solver.respond(nodes.state, target, answer := total.copy())
             moved = moved + answer
             motion[:, unknowns] = moved[:-3].reshape(len(motion), -1)

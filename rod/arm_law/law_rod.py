@@ -122,16 +122,16 @@ class LawRod:
         at_tip = tip_state(self.tip, position).beside_at(turn, float(nodes.force @ frame[:, 0]))
         bending = (nodes.moment[:, None] @ nodes.frames)[:, 0, 2]
         beside = _Beside(self, nodes.s, bending, at_tip)(nodes.s)
-        return solved_in_space(
-            self, path, Held(load, position), self._model.section.strains(*acting_in_frames(nodes)), beside
-        )
+        strains = self._model.section.strains(*acting_in_frames(nodes))
+        return solved_in_space(self, path, Held(load, position), strains, beside)
 
     def posed(self, load: SpatialLoad, position: Position) -> tuple["_Model", SpatialLoad]:
         """The load with the weight that always acts, its forces along the arm on the material curve without load."""
         x, y, z = load.weight
-        at_tip = tip_state(self.tip, position).beside_at(0.0, 0.0)
-        curve, along = _Beside(self, np.array([0.0, self.length]), np.zeros(2), at_tip), []
+        along = []
         for one in load.along:
+            at_tip = tip_state(self.tip, position).beside_at(0.0, 0.0)
+            curve = _Beside(self, np.array([0.0, self.length]), np.zeros(2), at_tip)
             beside = curve(np.linspace(one.breaks[0], one.breaks[-1], PLACES)).mean(axis=0) + one.beside
             along.append(replace(one, beside=(float(beside[0]), float(beside[1]))))
         return self._model, replace(load, weight=(self.weight[0] + x, self.weight[1] + y, z), along=tuple(along))
@@ -166,9 +166,7 @@ class LawRod:
         for _ in range(PARTS):
             part = 0.5 * (low + high)
             try:
-                is_inside = not self.outside(
-                    follow(self._model, SpatialLoad(weight_height=load.weight_height).plus(load, part), position, how)
-                )
+                is_inside = not self.outside(follow(self._model, SpatialLoad().plus(load, part), position, how))
             except RodError:
                 is_inside = False
             low, high = (part, high) if is_inside else (low, part)

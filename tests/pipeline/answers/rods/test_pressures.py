@@ -8,6 +8,8 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
+from scipy.special import ellipe, ellipk
 from typer.testing import CliRunner
 
 import pneurod
@@ -18,8 +20,8 @@ from pipeline.answers.rods.pressures import Wish, pressures_for
 from pipeline.answers.rods.tips import tips_page
 from pipeline.cli import app
 from pipeline.values.errors import InputError
-from rod import FiveParameters, Rod, compile_kernels
-from rod.inverse import Response
+from rod import FiveParameters, Rod, RodError, compile_kernels
+from rod.inverse import Branch
 from tests.coarse import COARSE, coarse_run
 
 HANGING = Weight((1.0, 0.0), 1.0)
@@ -75,15 +77,34 @@ def test_several_solutions_are_named() -> None:
     parabola = np.array([0.0, 0.01, 0.012, 0.01, 0.004])
     lines = FiveParameters(400.0, 400.0, 0.0, 0.0, 50.0)
 
-    def end(pressure: float) -> np.ndarray:
-        kappa = float(np.interp(pressure, [0.0, 10.0, 20.0, 30.0, 40.0], parabola))
-        return np.array([*Rod(100.0, kappa, lines).solve().end, 0.0, 0.0])
+    def rod(pressure: float) -> Rod:
+        return Rod(100.0, float(np.interp(pressure, [0.0, 10.0, 20.0, 30.0, 40.0], parabola)), lines)
 
-    [response] = Response.all_of(end, [0.0, 10.0, 20.0, 30.0, 40.0])
-    found = list(response.where(lambda tips, _: tips[:, 1], end(5.0)[1]))
+    [branch] = Branch.all_of(rod, Rod.solve, [0.0, 10.0, 20.0, 30.0, 40.0])
+    found = list(branch.where(lambda states: states[:, 1], rod(5.0).solve().end[1]))
     assert [at.pressure for at in found] == pytest.approx([5.0, 38.3333], abs=0.01)
-    near = list(response.nearest((float(end(25.0)[0]), float(end(25.0)[1]))))
+    near = list(branch.nearest(rod(25.0).solve().end))
     assert any(at.pressure == pytest.approx(25.0, abs=0.01) for at in near)
+
+
+def test_an_upright_arm_that_its_load_has_bent_over_is_followed_to_no_pressure() -> None:
+    """A column under more than the force of Euler: at rest the load has no path, but the arm came from elsewhere."""
+    lines, force = FiveParameters(400.0, 400.0, 0.0, 0.0, 50.0), (-1.5 * np.pi**2 / 4.0 * 400.0 / 100.0**2, 0.0)
+
+    def rod(pressure: float) -> Rod:
+        return Rod(100.0, 2e-4 * pressure, lines)
+
+    with pytest.raises(RodError, match=r"66\.7 % of the load"):
+        rod(0.0).solve(force=force)
+    [branch] = Branch.all_of(rod, lambda one: one.solve(force=force), [0.0, 20.0, 40.0])
+    assert branch.pressures[[0, -1]] == pytest.approx([0.0, 40.0])
+    k = brentq(lambda m: ellipk(m) - 0.5 * np.pi * np.sqrt(1.5), 0.0, 0.99)
+    elastica = 100.0 * np.array([2.0 * ellipe(k) / ellipk(k) - 1.0, 2.0 * np.sqrt(k) / ellipk(k)])
+    assert branch.states[0, :2] == pytest.approx(elastica, abs=1e-3)
+    [at] = branch.where(lambda states: states[:, 0], rod(1.0).solve(force=force).end[0])
+    assert at.pressure == pytest.approx(1.0, abs=1e-3)
+    less, more = (rod(pressure).solve(force=force).end for pressure in (0.99, 1.01))
+    assert at.slope[:2] == pytest.approx((np.array(more) - less) / 0.02, rel=0.01)
 
 
 def test_what_is_out_of_reach_is_told_with_the_nearest(rods: RodOfRun) -> None:
