@@ -17,7 +17,7 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 
 from geometry.arrays import Array
-from rod.arm.response import Posed, SolvedPath
+from rod.arm.response import SolvedPath
 from rod.cubics import cubic, cubic_slope, parabola_slopes
 from rod.errors import LoadError, RodError
 from rod.mechanics.equilibrium import Rod
@@ -59,8 +59,10 @@ class AtPressure(NamedTuple):
 class Branch:
     """The equilibria of an arm under one load over rising pressures, at least three without a gap."""
 
-    at: Callable[[float], Posed]  #: the arm at a pressure in kPa
-    solved: tuple[Solved, ...]
+    at: Callable[[float], Rod]  #: the rod at a pressure in kPa
+    paths: tuple[SolvedPath, ...]
+    pressures: Array  #: (n,) kPa
+    states: Array  #: (n, 2 d): tips in mm and forces on the end in N
 
     @staticmethod
     def all_of(
@@ -72,15 +74,11 @@ class Branch:
         of the identification; more are added between. Raises `RodError`, with the reason, where there is no equilibrium
         at all, and `LoadError` as solve does.
         """
-
-        def arm(pressure: float) -> Posed:
-            return at(pressure).arm
-
         pieces: list[list[Solved]] = [[]]
         reason, unsolved = "", []
         for pressure in np.union1d(np.linspace(pressures[0], pressures[-1], SAMPLES), pressures).tolist():
             if pieces[-1]:
-                pieces[-1] += _towards(arm, pieces[-1][-1], pressure)
+                pieces[-1] += _towards(at, pieces[-1][-1], pressure)
                 if pieces[-1][-1][0] == pressure:
                     continue
                 pieces.append([])
@@ -94,21 +92,13 @@ class Branch:
                 continue
             pieces[-1].append((pressure, path))
             while unsolved:
-                pieces[-1][:0] = reversed(_towards(arm, pieces[-1][0], unsolved.pop()))
+                pieces[-1][:0] = reversed(_towards(at, pieces[-1][0], goal := unsolved.pop()))
+                unsolved = unsolved if pieces[-1][0][0] == goal else []
         long = [piece for piece in pieces if len(piece) > 2]
         if not long:
             raise RodError(reason or "One pressure alone is no range in which another one could be found.")
-        return tuple(Branch(arm, tuple(piece)) for piece in long)
-
-    @cached_property
-    def pressures(self) -> Array:
-        """(n,) kPa."""
-        return np.array([pressure for pressure, _ in self.solved])
-
-    @cached_property
-    def states(self) -> Array:
-        """(n, 2 d): tips in mm and forces on the end in N."""
-        return np.array([_flat(path.state, path) for _, path in self.solved])
+        columns = (tuple(zip(*piece, strict=True)) for piece in long)
+        return tuple(Branch(at, paths, np.array(p), np.array([path.state for path in paths])) for p, paths in columns)
 
     def where(self, quantity: Quantity, target: float) -> Iterator[AtPressure]:
         """The states in which a quantity has a value, by rising pressure."""
@@ -144,9 +134,8 @@ class Branch:
     def _sample(self, k: int) -> AtPressure:
         return AtPressure(float(self.pressures[k]), self.states[k], self._slopes[k])
 
-    def _zeros(self, function: "Function") -> Iterator[tuple[float, bool]]:
-        """Pressures at which a function of the states (n, 2 d) and their slopes changes its sign, and whether it rises
-        there."""
+    def _zeros(self, function: Callable[[Array, Array], Array]) -> Iterator[tuple[float, bool]]:
+        """Pressures where a function of the states (n, 2 d) and their slopes changes its sign, and whether it rises."""
         p = self.pressures
         parts = np.append((p[:-1, None] + np.arange(PARTS) / PARTS * np.diff(p)[:, None]).ravel(), p[-1])
         between = cubic(p, self.states, self._slopes, parts), cubic_slope(p, self.states, self._slopes, parts)
@@ -158,12 +147,12 @@ class Branch:
         """The state that misses a wish least, from a pressure near by: Newton's method, for several parts Gauss's."""
         span = float(np.ptp(self.pressures))
         apart = np.abs(self.pressures - pressure)
-        there, path = self.solved[int(np.argmin(np.where(apart > SETTLED * span, apart, np.inf)))]
+        k = int(np.argmin(np.where(apart > SETTLED * span, apart, np.inf)))
+        there, path = float(self.pressures[k]), self.paths[k]
         for _ in range(STEPS):
-            (before, other), path = (there, path), path.at(self.at(pressure))
+            (before, other), path = (there, path), path.at(self.at(pressure).arm)
             response = path.derivative((other.rod, path.rod), passes=1)
-            slope = np.array([response.end, response.force]) / (pressure - before)
-            at = AtPressure(pressure, _flat(path.state, path), _flat(slope, path))
+            at = AtPressure(pressure, path.state, path.flat(response.end, response.force) / (pressure - before))
             left, change = at.of(missed)
             there, square = pressure, float(np.sum(change * change))
             step = -float(np.sum(left * change)) / square if square else 0.0
@@ -173,22 +162,13 @@ class Branch:
         return AtPressure(pressure, at.state + (pressure - there) * at.slope, at.slope)
 
 
-#: of states (n, 2 d) and their slopes by the pressure (n, 2 d), (n,)
-Function = Callable[[Array, Array], Array]
-
-
-def _flat(state: Array, path: SolvedPath) -> Array:
-    """(2 d,) of tip and force (2, 3)."""
-    return state[:, : 3 if path.in_space else 2].ravel()
-
-
-def _towards(at: Callable[[float], Posed], begin: Solved, pressure: float) -> list[Solved]:
+def _towards(at: Callable[[float], Rod], begin: Solved, pressure: float) -> list[Solved]:
     """States from one on towards a pressure, each beside the one before; the last is there unless they end before."""
     states, goal = [begin], pressure
     for _ in range(BISECTIONS):
         reached, path = states[-1]
         try:
-            states.append((goal, path.at(at(goal))))
+            states.append((goal, path.at(at(goal).arm)))
         except RodError:
             goal = 0.5 * (reached + goal)
         else:

@@ -11,6 +11,7 @@ from geometry.arrays import Array
 from geometry.centreline import END_PART, chord_angle
 from rod.along import Triple, resultant
 from rod.arm.response import Parameter, Response, SolvedPath
+from rod.arm.stability import ALL, stability_of
 from rod.cubics import hermite
 from rod.errors import RodError
 from rod.spatial import Stability
@@ -150,7 +151,7 @@ class SpatialSolution:
     @cached_property
     def stability(self) -> Stability:
         """Against small motions; the path to this state was stable."""
-        return self.path.stability()
+        return stability_of(self.path, ALL)
 
     def derivative(self, by: Parameter) -> Response:
         """As `RodSolution.derivative`; a load may have three components."""

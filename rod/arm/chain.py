@@ -238,11 +238,6 @@ def held_along(position: Position) -> Mask:
     return np.array([value is not None for value in position])
 
 
-def target_of(position: Position) -> Array:
-    """(3,) mm, where the end is held; 0 along other axes."""
-    return np.array([0.0 if value is None else value for value in position])
-
-
 def room_for(chain: Chain) -> Tangent:
     """A tangent that is not filled yet."""
     m = 6 if chain.in_space else 3

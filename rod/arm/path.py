@@ -29,7 +29,6 @@ from rod.arm.chain import (
     room_for,
     rotation,
     solve_chain,
-    target_of,
     turn_of,
 )
 from rod.arm.end_kernels import TIP_COLUMNS, EndArrays, tip_levers
@@ -108,7 +107,8 @@ class Solver:
         nodes = NodeLoads.of(load, arm.mass, s)
         if any(arm.own.weight):
             nodes = nodes.with_more(NodeLoads.of(arm.own, arm.mass, s))
-        self.load = load_arrays(load, nodes, held_along(position), np.zeros(3))
+        target = np.array([0.0 if at is None else at for at in position])
+        self.load = load_arrays(load, nodes, held_along(position), target)
 
     def rest(self, grown: float = 1.0) -> StateArrays:
         """The chain without loads, at a part of its rest curvature."""
@@ -119,13 +119,13 @@ class Solver:
         section, load = self.arm.section.arrays(self.s, factor, grown), self.load._replace(target=target)
         return solve_chain(section, self.ends, self.chain, load, state, factor, self.room, ITERATIONS, NO_SIDE)
 
-    def respond(self, state: StateArrays, target: Array, side: Array = NO_SIDE) -> Array:
+    def respond(self, state: StateArrays, side: Array = NO_SIDE) -> Array:
         """(N m + 3,): residual, motion of the first node and missed places of a state under the full load.
 
         A side (N m + 3,) becomes what the state answers to it (`rod.arm.newton`).
         """
-        section, load = self.arm.section.arrays(self.s), self.load._replace(target=target)
-        solve_chain(section, self.ends, self.chain, load, state, 1.0, self.room, 0, side)
+        section = self.arm.section.arrays(self.s)
+        solve_chain(section, self.ends, self.chain, self.load, state, 1.0, self.room, 0, side)
         return np.concatenate([self.room.residual, self.room.start[:, 0], self.room.missed])
 
     def end(self, state: StateArrays) -> Array:
@@ -165,12 +165,11 @@ def follow(arm: ArmModel, load: SpatialLoad, position: Position, how: Way) -> Pa
     s = _positions(arm, load)
     coarse = Solver(arm, s, load, position, in_space=in_space)
     state, found, steps = _followed(coarse, position, together)
-    target = target_of(position)
     for _ in range(MOST_HALVINGS):
         fine = Solver(arm, halved(coarse.s), load, position, in_space=in_space)
         known = coarse.nodes(state, found)
         finer = known.on(fine.s)
-        there = fine.converge(finer, 1.0, target)
+        there = fine.converge(finer, 1.0, fine.load.target)
         if not (there.converged and there.negative == found.negative):
             finer, there, steps = _followed(fine, position, together)
         chains = known, fine.nodes(finer, there)
@@ -188,7 +187,7 @@ def beside(arm: ArmModel, load: SpatialLoad, position: Position, near: tuple[Nod
     for known, places in zip(near, (s, halved(s)), strict=True):
         solver, begin = Solver(arm, places, load, position, in_space=in_space), known.on(places)
         state = _ahead(begin, begin, 0.0, in_space)
-        found = solver.converge(state, 1.0, target_of(position))
+        found = solver.converge(state, 1.0, solver.load.target)
         is_near = found.converged and _is_near(begin, begin, state, 0.0, in_space)
         if not is_near or found.negative != known.found.negative:
             raise RodError("No equilibrium that is as stable was found beside the one that is known.")

@@ -10,12 +10,11 @@ import numpy as np
 
 from geometry.arrays import Array, read_only
 from rod.along import check_inside, leaves_plane
-from rod.arm.chain import Nodes, held_along, target_of
+from rod.arm.chain import Nodes, held_along
 from rod.arm.path import ArmModel, Path, Solver, beside
-from rod.arm.stability import ALL, stability_of
 from rod.errors import RodError
 from rod.load import Load
-from rod.spatial import Held, Position, SpatialLoad, Stability
+from rod.spatial import Held, Position, SpatialLoad
 
 #: solutions with one tangent, which leaves out how the place of the moment that decides on a clamp moves; and the
 #: motion (rad, and mm over the length) by which that is found
@@ -74,19 +73,16 @@ class SolvedPath(NamedTuple):
             raise RodError(outside)
         return self._replace(rod=rod, chains=path.chains)
 
-    def stability(self, motions: tuple[int, ...] = ALL) -> Stability:
-        """Against small motions; motions: which of the three motions and three turns of a section are possible."""
-        arm, load = self.rod.posed(*self.held)
-        return stability_of(arm, self.chains, Held(load, self.held.position), motions)
-
     @property
     def state(self) -> Array:
-        """(2, 3): the end of the material curve in mm and the force on it in N."""
-        low, high = (
-            np.array([self._solver(nodes, self.rod, self.held.load).end(nodes.state), nodes.force])
-            for nodes in self.chains
-        )
-        return np.asarray(high + (high - low) / 3.0)
+        """(2 d,): the end of the material curve in mm and the force on it in N; d: 2, or 3 in space."""
+        ends = [self._solver(nodes, self.rod, self.held.load).end(nodes.state) for nodes in self.chains]
+        low, high = (self.flat(end, nodes.force) for end, nodes in zip(ends, self.chains, strict=True))
+        return high + (high - low) / 3.0
+
+    def flat(self, end: Array, force: Array) -> Array:
+        """(2 d,) of two vectors (3,)."""
+        return np.concatenate([end, force] if self.in_space else [end[:2], force[:2]])
 
     def _change(self, less: Case, more: Case, passes: int) -> Response:
         """At the limit of the elements: the errors are those of h^2."""
@@ -99,18 +95,15 @@ class SolvedPath(NamedTuple):
     def _of(self, nodes: Nodes, less: Case, more: Case, passes: int) -> tuple[Array, Array, Array]:
         """Of one chain: motions (N, 6), end (3,) and force (3,)."""
         solver, left, right = (self._solver(nodes, *one) for one in ((self.rod, self.held.load), less, more))
-        target = target_of(self.held.position)
-        side = right.respond(nodes.state, target) - left.respond(nodes.state, target)
+        side = right.respond(nodes.state) - left.respond(nodes.state)
         unknowns = [0, 1, 2, 3, 4, 5] if self.in_space else [0, 1, 5]
         motion, moved, total = np.zeros((len(nodes.s), 6)), np.zeros_like(side), side
         for _ in range(passes if solver.chain.decides else 1):
-            solver.respond(nodes.state, target, answer := total.copy())
+            solver.respond(nodes.state, answer := total.copy())
             moved = moved + answer
             motion[:, unknowns] = moved[:-3].reshape(len(motion), -1)
             part = MOVED / max(np.abs(motion[:, :3]).max() / nodes.s[-1], np.abs(motion[:, 3:]).max(), 1e-300)
-            ahead, behind = (
-                solver.respond(nodes.moved(step * motion, step * moved[-3:]), target) for step in (part, -part)
-            )
+            ahead, behind = (solver.respond(nodes.moved(step * motion, step * moved[-3:])) for step in (part, -part))
             total = side + (ahead - behind) / (2.0 * part)
         force = np.where(held_along(self.held.position), moved[-3:], right.load.force - left.load.force)
         return motion, total[-3:], force

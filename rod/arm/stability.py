@@ -5,6 +5,7 @@ import numpy as np
 from geometry.arrays import Array, read_only
 from rod.arm.chain import NodeLoads, Nodes, chain_arrays, held_along, load_arrays
 from rod.arm.path import ArmModel
+from rod.arm.response import SolvedPath
 from rod.arm.small_motions import lowest
 from rod.spatial import Held, Stability
 
@@ -12,11 +13,13 @@ from rod.spatial import Held, Stability
 ALL, OUT_OF_PLANE = (0, 1, 2, 3, 4, 5), (2, 3, 4)
 
 
-def stability_of(arm: ArmModel, chains: tuple[Nodes, Nodes], held: Held, motions: tuple[int, ...]) -> Stability:
+def stability_of(path: SolvedPath, motions: tuple[int, ...]) -> Stability:
     """Of an arm on both chains of its path, at the limit of the elements, under a load that keeps its direction.
 
     motions: which of the three motions and three turns of a section are possible.
     """
+    (arm, load), chains = path.rod.posed(*path.held), path.chains
+    held = Held(load, path.held.position)
     (coarse, _), (fine, motion) = (_lowest(arm, nodes, held, motions) for nodes in chains)
     at = np.searchsorted(chains[1].s, chains[0].s - 1e-9 * chains[0].s[-1])
     moved = motion[at, :3]

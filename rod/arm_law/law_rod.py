@@ -16,7 +16,7 @@ from rod.arm.path import Path, Way, follow
 from rod.arm.response import SolvedPath
 from rod.arm.sections import TabulatedSection, acting_in_frames
 from rod.arm.solved import solved_in_space
-from rod.arm.stability import OUT_OF_PLANE
+from rod.arm.stability import OUT_OF_PLANE, stability_of
 from rod.arm_law.air import air_volumes
 from rod.arm_law.curves import ClampCurve, TipCurve
 from rod.arm_law.section import SectionLaw
@@ -208,7 +208,7 @@ class LawRod:
         Raises `RodError` for a law without rigidities out of the plane.
         """
         self._check_in_space()
-        return state.path.stability(OUT_OF_PLANE)
+        return stability_of(state.path, OUT_OF_PLANE)
 
     def buckling_part(self, load: Load) -> float | None:
         """The part of a load in the plane, to 0.1 %, at which the rod buckles out of it; None where it does not.
