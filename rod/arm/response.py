@@ -62,7 +62,9 @@ class SolvedPath(NamedTuple):
         added = by.in_space if isinstance(by, Load) else by
         for one in added.along:
             check_inside(one, float(self.chains[0].s[-1]))
-        if not self.in_space and (any((added.force[2], *added.couple[:2])) or any(map(leaves_plane, added.along))):
+        if not self.in_space and (
+            any((added.force[2], *added.couple[:2], added.weight[2])) or any(map(leaves_plane, added.along))
+        ):
             raise RodError("A load across the plane moves an arm in space; solve the rod there.")
         return self._change((self.rod, load.plus(added, -0.5)), (self.rod, load.plus(added, 0.5)), passes)
 
