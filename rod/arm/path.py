@@ -148,31 +148,26 @@ APART = 1e-4
 NOT_SOLVED = Found(True, 0.0, 0.0, 0, 0)
 
 
-def _positions(arm: ArmModel, load: SpatialLoad) -> Array:
-    """(N,) mm: the nodes, with one where a load acts. Raises `LoadError` for a load off the arm."""
-    length = float(arm.positions(())[-1])
-    for one in load.along:
-        check_inside(one, length)
-    return arm.positions(tuple({s for one in load.along for s in one.breaks if APART < s / length < 1.0 - APART}))
-
-
 def follow(arm: ArmModel, load: SpatialLoad, position: Position, how: Way) -> Path:
     """The equilibrium on the path from the inflated arm to the full load.
 
     Raises `RodError` where the path ends or becomes unstable, and for a load off the arm.
     """
+    length = float(arm.positions(())[-1])
+    for one in load.along:
+        check_inside(one, length)
+    breaks = {s for one in load.along for s in one.breaks if APART < s / length < 1.0 - APART}
     together, in_space = how
-    s = _positions(arm, load)
+    s = arm.positions(tuple(breaks))
     coarse = Solver(arm, s, load, position, in_space=in_space)
     state, found, steps = _followed(coarse, position, together)
     for _ in range(MOST_HALVINGS):
         fine = Solver(arm, halved(coarse.s), load, position, in_space=in_space)
-        known = coarse.nodes(state, found)
-        finer = known.on(fine.s)
+        finer = _refined(state, in_space)
         there = fine.converge(finer, 1.0, fine.load.target)
         if not (there.converged and there.negative == found.negative):
             finer, there, steps = _followed(fine, position, together)
-        chains = known, fine.nodes(finer, there)
+        chains = coarse.nodes(state, found), fine.nodes(finer, there)
         if float(np.abs(finer.place[-1] - state.place[-1]).max()) <= COARSEST * float(s[-1]):
             return Path(extrapolated(*chains, in_space=in_space), chains, steps)
         coarse, state, found = fine, finer, there
@@ -181,15 +176,14 @@ def follow(arm: ArmModel, load: SpatialLoad, position: Position, how: Way) -> Pa
 
 def beside(arm: ArmModel, load: SpatialLoad, position: Position, near: tuple[Nodes, Nodes], *, in_space: bool) -> Path:
     """The equilibrium beside another one, with as many unstable directions. Raises `RodError` where there is none."""
-    s, chains = _positions(arm, load), []
+    s, chains = arm.positions(()), []
     while 1.5 * len(s) < len(near[0].s):
         s = halved(s)
     for known, places in zip(near, (s, halved(s)), strict=True):
-        solver, begin = Solver(arm, places, load, position, in_space=in_space), known.on(places)
-        state = _ahead(begin, begin, 0.0, in_space)
+        solver, state = Solver(arm, places, load, position, in_space=in_space), known.on(places)
         found = solver.converge(state, 1.0, solver.load.target)
-        is_near = found.converged and _is_near(begin, begin, state, 0.0, in_space)
-        if not is_near or found.negative != known.found.negative:
+        turn = np.abs(_turns(known.on(places), state, in_space)).max()
+        if not (found.converged and turn <= LARGEST_TURN) or found.negative != known.found.negative:
             raise RodError("No equilibrium that is as stable was found beside the one that is known.")
         chains.append(solver.nodes(state, found))
     coarse, fine = chains
@@ -283,3 +277,24 @@ def _turns(here: StateArrays, there: StateArrays, in_space: bool) -> Array:
     if not in_space:
         return np.asarray(there.angle - here.angle)
     return turn_of(there.frames @ np.swapaxes(here.frames, 1, 2))
+
+
+def _refined(state: StateArrays, in_space: bool) -> StateArrays:
+    """The state with a node in the middle of all elements but the first."""
+    n = len(state.angle) - 1
+    frames = state.frames if in_space else planar_frames(state.angle)
+    middle = frames[1:-1]
+    if in_space:
+        middle = middle @ rotation(0.5 * turn_of(np.swapaxes(frames[1:-1], 1, 2) @ frames[2:]))
+    distance = np.linalg.norm(np.diff(state.place[1:], axis=0), axis=1)[:, None]
+    place = 0.5 * (state.place[1:-1] + state.place[2:])
+    place += distance / 8.0 * (frames[1:-1, :, 0] - frames[2:, :, 0])
+
+    def mixed(old: Array, new: Array) -> Array:
+        both = np.empty((2 * n, *old.shape[1:]))
+        both[0], both[1::2], both[2::2] = old[0], old[1:], new
+        return both
+
+    inner = np.concatenate([state.inner[:1], np.repeat(state.inner[1:], 2, axis=0)])
+    angle = mixed(state.angle, 0.5 * (state.angle[1:-1] + state.angle[2:]))
+    return StateArrays(mixed(state.place, place), angle, mixed(state.frames, middle), inner, state.force.copy())
