@@ -32,13 +32,13 @@ from pipeline.config.load import load_config
 from pipeline.law.build import build_law
 from pipeline.law.pieces import ArmPieces
 from pipeline.results.files import read_plane_law
+from pipeline.results.laws import law_record
 from pipeline.simulate.scene import Scene
 from pipeline.store.context import RunContext
 from pipeline.store.progress import Silent
 from pipeline.store.store import open_store
 from pipeline.values.errors import RunFailed
 from rod import ArmLaw, Load, Solid
-from rod.arm_law.kinds import law_record
 from rod.arm_law.law_rod import LawRod
 from rod.export.formats import PROGRAMS, export_robot
 from rod.export.robot import Robot, Section

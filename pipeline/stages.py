@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from math import isfinite
 from time import perf_counter
 from typing import Any, TypeAlias
@@ -21,7 +21,9 @@ from pipeline.identify.state_notes import Solved, check_states
 from pipeline.identify.validate import Validated, find_loads_beyond_II, keep_reached_loads, solve_validation
 from pipeline.identify.validate import validate as compare_loads
 from pipeline.law.of_run import LawOfRun, deliver_law_of_run, law_on_mesh_of_arm
+from pipeline.law.study import save_law
 from pipeline.results.files import CURVES, LAW_ON_MESH_OF_ARM, VALIDATION_CURVES, save_curves, save_value
+from pipeline.results.laws import law_record
 from pipeline.results.unloaded import delivered_numbers
 from pipeline.simulate.design_notes import check_design
 from pipeline.simulate.effects_record import list_effects
@@ -37,7 +39,6 @@ from pipeline.values.reasons import render, render_all, report_reason
 from pipeline.values.record import RunRecord
 from pipeline.values.run import Run
 from rod import ArmLaw, RodError
-from rod.arm_law.kinds import law_record
 
 #: the stage of a run whose configuration has a second mesh
 _COARSER_MESH = "coarser mesh"
@@ -148,8 +149,10 @@ def deliver_law(state: RunState) -> tuple[RunState, LawOfRun]:
 
 
 def _with_law(state: RunState, arm: LawOfRun) -> RunState:
-    law = arm.save(state.context.store, state.config.pressures_kPa)
-    if law is not None and law.beside.unloaded:
+    if arm.measured is None:
+        return state
+    law = save_law(state.context.store, arm.measured, state.config.pressures_kPa)
+    if law.unloaded:
         state.context.progress.remark(delivered_numbers(law))
     return state.with_results(law=law)
 
@@ -235,7 +238,7 @@ def compare_rods(
     """
     body, outcomes = state.scene.body, identified.outcomes
     with state.stages.timed("rod"):
-        rods = ArmRods(asdict(state.written.parameters), on_mesh.law, (0.0, body.curve_y))
+        rods = ArmRods(state.written.parameters, on_mesh.law, (0.0, body.curve_y))
         comparisons = compare(outcomes, rods, body.pitch)
         curves = curves_of(outcomes, comparisons, body.pitch)
         save_curves(state.context.store, CURVES, curves)

@@ -25,6 +25,7 @@ from rod.errors import RodError
 from rod.identification.moment_range import MomentRange
 from rod.law import PARAMETER_NAMES, FiveParameters
 from rod.mechanics.equilibrium import Rod
+from rod.mechanics.profile import sampled
 from rod.same_pressure import as_known, known_at
 
 #: where the numbers at an identified pressure come from
@@ -54,13 +55,14 @@ class PressurisedRod:
     weight_height: float = 0.0  #: mm
 
     def __post_init__(self) -> None:
-        if len(self.pressures) < 1 or np.any(np.diff(self.pressures) <= 0.0):
-            raise RodError("The pressures of a rod must rise.")
+        if len(self.pressures) < 1 or np.any(np.diff(self.pressures) <= 0.0) or self.pressures[0] < 0.0:
+            raise RodError("The pressures of a rod must rise, from 0 kPa at least.")
         count = len(self.pressures)
         if not len(self.laws) == len(self.theta0) == count or self.kappa_0.shape != (count, len(self.s)):
             raise RodError("Every pressure of a rod needs its five parameters, its theta0 and its kappa_0 at every s.")
         if any(given and len(given) != count for given in (self.extensions, self.moment_ranges)):
             raise RodError("Where extensions or ranges of moments are given, every pressure needs its own.")
+        sampled(self.length, np.column_stack([self.s, self.kappa_0[0]]))  # refuses an s that does not rise to it
 
     def at(self, pressure: float) -> Rod:
         """The rod at a pressure (kPa) in the identified range. Raises `RodError` outside it."""

@@ -1,7 +1,6 @@
 """The names that users and the other rooms write as `rod.NAME`."""
 
 from rod.along import LineLoad, PointLoad
-from rod.arm_law.kinds import law_from_record, law_record
 from rod.arm_law.law import ArmLaw
 from rod.arm_law.law_rod import LawRod
 from rod.curves.cell_average import cell_averaged, shortest_pitch
@@ -68,8 +67,6 @@ __all__ = [
     "extension",
     "identify",
     "is_clear",
-    "law_from_record",
-    "law_record",
     "linear_range",
     "longest_break",
     "moment_about_neutral_axis",

@@ -20,14 +20,14 @@ def coarse_run(mesh_error: float | None = None) -> Run:
     if mesh_error is None:
         return run
     assert run.law is not None
-    assert run.law.beside.mesh_error is not None
-    known = run.law.beside.mesh_error
+    assert run.law.mesh_error is not None
+    known = run.law.mesh_error
     columns: dict[str, Any] = {
         f"{name}_std": tuple(mesh_error * abs(value or 0.0) for value in getattr(known, name))
         for name in ("kappa_0_per_mm", "rigidity_N_mm2", "moment_N_mm")
     }
     error: LawMeshError = replace(known, **columns)
-    return replace(run, law=replace(run.law, beside=replace(run.law.beside, mesh_error=error)))
+    return replace(run, law=replace(run.law, mesh_error=error))
 
 
 def copy_with(folder: Path, name: str, change: Callable[[Any], Any]) -> Path:

@@ -8,8 +8,9 @@ import numpy as np
 from pipeline.answers.measured.fit import LawRods
 from pipeline.answers.measured.predicted import Numbers, Setup
 from pipeline.answers.measured.rows import Measurements, Row, State
+from pipeline.results.laws import law_record
 from pipeline.values.formats import FORMAT
-from rod import ArmLaw, law_record
+from rod import ArmLaw
 from rod.arm_law.curves import CellCurve, ClampCurve, TipCurve
 from rod.arm_law.rates import CellRate, ClampRate, LawRate
 from rod.weight import Mass

@@ -45,10 +45,10 @@ DOORS: dict[str, set[str]] = {
     "ipctk": {"fem/effects/contact.py"},
     "pypardiso": {"fem/equations/pardiso.py"},
     "pydantic": {
-        *("pipeline/config/section.py", "pipeline/results/files.py", "pipeline/values/run.py"),
+        *("pipeline/config/section.py", "pipeline/results/files.py", "pipeline/values/parameters.py"),
         "pipeline/store/kept.py",
     },
-    "pydantic_core": {"pipeline/config/section.py", "pipeline/store/result_folder.py"},
+    "pydantic_core": {"pipeline/config/section.py", "pipeline/results/laws.py", "pipeline/store/result_folder.py"},
     "pint": {"pipeline/config/units.py"},
     "filelock": {"pipeline/store/store.py"},
     "psutil": {"pipeline/store/worker.py"},

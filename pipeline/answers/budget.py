@@ -100,7 +100,7 @@ def budgets_of(run: Run, tolerances: Tolerances | None = None) -> tuple[Budget, 
     if law is None or run.law is None:
         return ()
     low, high = law.pressures[0], law.pressures[-1]
-    pressures = [state.pressure_kPa for state in run.law.beside.unloaded if low <= state.pressure_kPa <= high]
+    pressures = [state.pressure_kPa for state in run.law.unloaded if low <= state.pressure_kPa <= high]
     with suppress(InputError):
         return _budgets(run, law, pressures, tolerances) if pressures else ()
     return ()

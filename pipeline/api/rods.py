@@ -108,13 +108,14 @@ def solve(
 
     Raises `pneurod.InputError` for a wrong argument and for what is out of reach, with the nearest that is not.
     """
+    from pipeline.answers.rods.choice import choose_rod
     from pipeline.answers.rods.end_loads import Weight
     from pipeline.answers.rods.pressures import Wish, pressures_for
-    from pipeline.answers.rods.ratio import rod_along
+    from pipeline.answers.rods.ratio import run_along
     from pipeline.answers.rods.tips import tips_page
 
     wish = Wish.read(tip, angle, force, at_height, Weight.read(orientation, tip_mass))
-    chosen = rod_along(given_path(path, "path", "results/arm"), rod, ratio)
+    chosen = choose_rod(run_along(given_path(path, "path", "results/arm"), ratio), rod)
     found = pressures_for(chosen, wish)
     if picture is not None:
         write_new(given_path(picture, "picture", "tips.html"), tips_page(chosen, wish, found))

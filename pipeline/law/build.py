@@ -27,7 +27,7 @@ from pipeline.results.unloaded import first_numbers
 from pipeline.store.context import RunContext
 from pipeline.store.progress import Silent
 from pipeline.values.errors import InputError, RunFailed
-from pipeline.values.law import LawMeshError
+from pipeline.values.law import DeliveredLaw
 from rod.arm_law.curves import CellCurve
 from rod.arm_law.law import ArmLaw
 
@@ -35,9 +35,9 @@ from rod.arm_law.law import ArmLaw
 PRESSURES = 3
 
 
-@dataclass(frozen=True, eq=False)  # arrays inside
-class MeasuredLaw:
-    """The arm's own law, how it was measured, and how far it may be trusted."""
+@dataclass(frozen=True, eq=False, kw_only=True)  # arrays inside
+class MeasuredLaw(DeliveredLaw):
+    """The arm's own law of a run, how it was measured, and how far it may be trusted."""
 
     law: ArmLaw
     half_cells: int  #: in each end piece
@@ -52,7 +52,6 @@ class MeasuredLaw:
     seconds: Mapping[str, float] = field(repr=False)  #: by part of the work, of earlier runs too
     seconds_of_cells: tuple[float, ...] = field(repr=False)  #: by pressure
     unknowns: Mapping[str, int] = field(repr=False)  #: displacement components by piece
-    mesh_error: LawMeshError | None = None  #: of the cell; None: not estimated
     limit: MeshLimit | None = None  #: of the mesh, to which the law was corrected; None: the law on one mesh
 
 

@@ -5,20 +5,18 @@ comes from pieces on the mesh of the whole arm: the difference between its rod a
 rod's theory alone.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 
 from geometry import Reason, Values
 from pipeline.law.build import MeasuredLaw, build_law, deliver_law
 from pipeline.law.pieces import ArmPieces, NoArmLaw
-from pipeline.law.study import check_plane, save_law
+from pipeline.law.study import check_plane
 from pipeline.simulate.outcome import Outcomes
 from pipeline.simulate.scene import Scene
 from pipeline.store.context import RunContext
 from pipeline.store.parallel import Pending
-from pipeline.store.store import Store
 from pipeline.values.errors import InputError, RunFailed, WorkerLost
-from pipeline.values.law import DeliveredLaw
 from pipeline.values.reasons import render_all
 from pipeline.values.run import Effect
 from rod import ArmLaw
@@ -44,13 +42,6 @@ class LawOfRun:
     def law(self) -> ArmLaw | None:
         """None where there is none."""
         return None if self.measured is None else self.measured.law
-
-    def save(self, store: Store, pressures_kPa: Sequence[float]) -> DeliveredLaw | None:
-        """Write law.json where there is a law, and return it as it is read.
-
-        pressures_kPa: of the configuration, at which the states without load are told.
-        """
-        return None if self.measured is None else save_law(store, self.measured, pressures_kPa)
 
     @property
     def effect(self) -> Effect:

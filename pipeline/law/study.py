@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, fields, replace
 from pathlib import Path
 from time import perf_counter
 from typing import Generic, TypeVar
@@ -19,8 +19,8 @@ from pipeline.law.pieces import ArmPieces, NoArmLaw
 from pipeline.law.rows import RowSpec, rows_of
 from pipeline.law.table import law_page, space_sentences
 from pipeline.results.files import LAW
-from pipeline.results.unloaded import delivered_numbers
-from pipeline.results.unloaded_states import unloaded_states
+from pipeline.results.laws import law_record
+from pipeline.results.unloaded import delivered_numbers, unloaded_states
 from pipeline.simulate.scene import Scene
 from pipeline.simulate.simulate import begin_loading
 from pipeline.store.context import RunContext, run_context
@@ -30,10 +30,9 @@ from pipeline.store.store import Store, open_store
 from pipeline.values.errors import InputError, RunFailed
 from pipeline.values.formats import FORMAT
 from pipeline.values.json_values import JsonObject
-from pipeline.values.law import BesideLaw, DeliveredLaw
+from pipeline.values.law import BesideLaw
 from pipeline.values.pressure import in_MPa
 from pipeline.values.reasons import render, render_all
-from rod.arm_law.kinds import law_record
 from rod.errors import RodError
 
 Measured = TypeVar("Measured", MeasuredLaw, MeasuredInSpace)
@@ -135,7 +134,7 @@ def _in_plane(pieces: ArmPieces, context: RunContext, begin: float) -> LawReport
     config, store = pieces.config, context.store
     report = LawReport(store.directory, config, measured := deliver_law(pieces, context), perf_counter() - begin)
     law = save_law(store, measured, config.pressures_kPa)
-    if law.beside.unloaded:
+    if law.unloaded:
         context.progress.remark(delivered_numbers(law))
     failure = render_all(measured.failures)
     record = {
@@ -179,15 +178,15 @@ def _refuse_effects(config: Config) -> None:
         raise InputError(f"{config.source}: effects.strain_limiting_layer: the law in space has no layer; leave it out")
 
 
-def save_law(store: Store, measured: MeasuredLaw, pressures_kPa: Sequence[float]) -> DeliveredLaw:
-    """Write law.json, the law, its errors and where it ends, and return what the verdict and the report read.
+def save_law(store: Store, measured: MeasuredLaw, pressures_kPa: Sequence[float]) -> MeasuredLaw:
+    """Write law.json, the law, its errors and where it ends, and return it with the arm without a load.
 
     pressures_kPa: of the configuration, at which the arm without a load is told.
     """
-    beside = BesideLaw(measured.mesh_error, unloaded_states(measured.law, pressures_kPa))
+    measured = replace(measured, unloaded=unloaded_states(measured.law, pressures_kPa))
     content = {
         **law_record(measured.law),
-        **asdict(beside),
+        **{one.name: getattr(measured, one.name) for one in fields(BesideLaw)},
         "added_pressures_kPa": measured.added_kPa,
         "end_half_cells": measured.half_cells,
         "interpolation_error": {
@@ -204,4 +203,4 @@ def save_law(store: Store, measured: MeasuredLaw, pressures_kPa: Sequence[float]
         "degrees_of_freedom": measured.unknowns,
     }
     store.save_json(LAW, content)
-    return DeliveredLaw(measured.law, beside)
+    return measured

@@ -9,13 +9,13 @@ from fem.cell.piece import BendingPiece
 from geometry import Reason
 from pipeline.law.piece.point import Measured
 from pipeline.law.pieces import ArmPieces
+from pipeline.results.laws import record_of, value_of
 from pipeline.store.context import RunContext
 from pipeline.store.kept import KeptFile
 from pipeline.store.parallel import Pending, TaskContext
 from pipeline.store.progress import Progress
 from pipeline.store.store import Store
 from rod.arm_law.curves import ClampCurve, TipCurve
-from rod.arm_law.keys import curve_of, record_of
 
 P = ParamSpec("P")
 Value = TypeVar("Value")
@@ -52,7 +52,7 @@ class PieceCurves:
         file: KeptFile[Measured[Any]] = KeptFile.of_run(self.store, self.file(name), Measured[Any])
         needs_rates = self.pieces.derivatives and name.startswith(WITH_RATES)
         if (kept := file.read()) is not None and (kept.rates or not needs_rates):
-            return replace(kept, curve=kept.curve if kind is float else curve_of(kind, kept.curve), is_stored=True)
+            return replace(kept, curve=kept.curve if kind is float else value_of(kind, kept.curve), is_stored=True)
         begin, piece = perf_counter(), piece_of()
         before = piece.factorizations
         measured = measure(piece)

@@ -13,17 +13,17 @@ from typing import Any, TypeVar
 import numpy as np
 from pydantic import TypeAdapter, ValidationError
 
+from pipeline.results.laws import law_of_record
 from pipeline.store.result_folder import ResultFolder, json_text
-from pipeline.values.errors import InputError
+from pipeline.values.errors import InputError, quoted
 from pipeline.values.formats import CURVE_COLUMNS, FORMAT
 from pipeline.values.law import BesideLaw, DeliveredLaw, is_law
 from pipeline.values.parameters import RodParameters
 from pipeline.values.record import RunRecord
 from pipeline.values.run import Curve, Effect, RodError, Run, State
-from rod.arm_law.kinds import law_from_record
 from rod.arm_law.law import ArmLaw
 from rod.arm_law.pairs import fractions_of
-from rod.errors import RodError as NoLaw
+from rod.errors import RodError as NoRod
 
 Value = TypeVar("Value")
 #: file -> the type of its content
@@ -42,6 +42,15 @@ LAW_ON_MESH_OF_ARM = "law_on_mesh_of_arm.json"
 CURVES, VALIDATION_CURVES = "curves.csv", "validation_curves.csv"
 _KEYS = ("experiment", "pressure_kPa")
 _IDENTITY = "states/configuration.json"  #: written when a run starts
+#: what is wrong by the type of an error of pydantic
+_WRONG = {
+    **dict.fromkeys(("list_type", "tuple_type"), "must be a list"),
+    **dict.fromkeys(("dataclass_type", "dict_type", "mapping_type"), "must have keys"),
+    "missing": "is missing",
+    "float_type": "must be a number",
+    "finite_number": "must be a finite number",
+    "greater_than": "must be positive",
+}
 
 
 def save_value(folder: ResultFolder, name: str, value: Value) -> Value:
@@ -68,13 +77,24 @@ def folder_of(direction: float) -> str:
     return f"{one:.6g}_to_{other:.6g}"
 
 
+def read_run(path: Path) -> Run:
+    """A result folder; or a parameters.json, with the run.json beside it; or a law.json alone. Raises InputError."""
+    return _read_rod(path) if path.is_file() else read_results(path)
+
+
+def _read_rod(file: Path) -> Run:
+    content, beside = _content(file), file.with_name("run.json")
+    if is_law(content):
+        return Run(file.parent, law=_law(file, content))
+    if not isinstance(content, Mapping) or "pressures_kPa" not in content:
+        raise InputError(f"{file}: has no rod; give the folder of a run, its parameters.json or its law.json")
+    return Run(file.parent, _typed(beside, RunRecord, _content(beside) or {}), _parameters(file, content))
+
+
 def read_law(path: Path) -> DeliveredLaw:
     """The law of a file, or of the law.json of a folder. Raises InputError."""
     file = path / LAW if path.is_dir() else path
-    content = _content(file)
-    if content is None:
-        raise InputError(f"{file}: cannot be read (No such file or directory); give the law.json of a run")
-    return _law(file, content)
+    return _law(file, _content(file))
 
 
 def read_plane_law(path: Path) -> ArmLaw:
@@ -100,14 +120,13 @@ def read_results(directory: Path) -> Run:
     _check_there(directory, contents)
     if not contents.get("run.json"):  # stopped before its report: the configuration alone
         contents["run.json"] = _content(directory / _IDENTITY) or {}
-    for name in ("run.json", "parameters.json"):
-        _check_format(directory / name, contents.get(name))
+    parameters = _parameters(directory / "parameters.json", contents.pop("parameters.json", {}))
     typed = [name for name in TYPES if name in contents and name != LAW]
     values = {name: _typed(directory / name, TYPES[name], contents[name]) for name in typed}
     return Run(
         directory=directory,
         record=values["run.json"],
-        parameters=values.get("parameters.json", RodParameters()),
+        parameters=parameters,
         states=values.get("experiments.json", ()),
         curves=_curves(directory / CURVES),
         rod_errors=values.get("validation.json", ()),
@@ -137,31 +156,37 @@ def _content(path: Path) -> Any:
     except OSError as failure:
         raise InputError(f"{path}: cannot be read ({failure.strerror})") from None
     except ValueError as failure:
-        raise _unreadable(path, str(failure)) from None
-
-
-def _check_format(path: Path, content: Any) -> None:
-    found = content.get("format", FORMAT) if isinstance(content, dict) else FORMAT
-    if found != FORMAT:
-        raise InputError(f"{path}: has format {found}, and this version reads {FORMAT}; repeat the run")
+        raise _unreadable(path, failure) from None
 
 
 def _typed(path: Path, kind: Any, content: Any) -> Any:
+    found = content.get("format", FORMAT) if isinstance(content, dict) else FORMAT
+    if found != FORMAT:
+        raise InputError(f"{path}: has format {quoted(found)}, and this version reads {FORMAT}; repeat the run")
     try:
         return TypeAdapter(kind).validate_python(content)
     except ValidationError as failure:
-        first = failure.errors()[0]
-        key = ".".join(map(str, first["loc"]))
-        raise _unreadable(path, f"{key}: {first['msg']}") from None
+        raise _unreadable(path, failure) from None
+
+
+def _parameters(path: Path, content: Any) -> RodParameters:
+    parameters: RodParameters = _typed(path, RodParameters, content)
+    try:
+        for extensible in {False, parameters.eccentricity is not None} if parameters.pressures_kPa else ():
+            parameters.rods(extensible)
+    except NoRod as failure:
+        raise _unreadable(path, failure) from None
+    return parameters
 
 
 def _law(path: Path, content: Any) -> DeliveredLaw:
     if not is_law(content):
-        raise InputError(f"{path}: is not the law of an arm, as `pneurod cell` writes it")
+        missing = "cannot be read (No such file or directory)"
+        raise InputError(f"{path}: {missing if content is None else 'is not the law of an arm'}; give that of a run")
     try:
-        return DeliveredLaw(law_from_record(content), TypeAdapter(BesideLaw).validate_python(content))
-    except (NoLaw, TypeError, ValueError) as failure:
-        raise InputError(f"{path}: {str(failure).splitlines()[0]}") from None
+        return DeliveredLaw(**vars(TypeAdapter(BesideLaw).validate_python(content)), law=law_of_record(content))
+    except ValueError as failure:
+        raise _unreadable(path, failure) from None
 
 
 def _curves(path: Path) -> tuple[Curve, ...]:
@@ -178,7 +203,7 @@ def _curves(path: Path) -> tuple[Curve, ...]:
             curves.setdefault(key, []).append(row)
         return tuple(_curve(*key, rows) for key, rows in curves.items())
     except (KeyError, ValueError, TypeError, csv.Error) as failure:
-        raise _unreadable(path, str(failure)) from None
+        raise _unreadable(path, failure) from None
 
 
 def _curve(experiment: str, pressure: float, load: str, rows: list[dict[str, str]]) -> Curve:
@@ -187,7 +212,15 @@ def _curve(experiment: str, pressure: float, load: str, rows: list[dict[str, str
     return Curve(experiment, pressure, columns, load)
 
 
-def _unreadable(path: Path, reason: str) -> InputError:
+def _unreadable(path: Path, failure: Exception) -> InputError:
+    reason = str(failure).rstrip(".")
+    if isinstance(failure, json.JSONDecodeError):
+        reason = f"line {failure.lineno} is not JSON"
+    elif isinstance(failure, ValidationError):
+        first = failure.errors()[0]
+        raised = str(first.get("ctx", {}).get("error", "")).rstrip(".")
+        key = ".".join(map(str, first["loc"]))
+        reason = ": ".join(filter(None, (key, raised or _WRONG.get(first["type"], first["msg"]))))
     return InputError(f"{path}: is not a result file of a run: {reason}; repeat the run or restore the file")
 
 

@@ -123,9 +123,9 @@ def law_mesh_errors(law: DeliveredLaw | None) -> MeshErrors:
 
     Both may pass through zero at a pressure, where the shape is as certain as elsewhere; see `uncertain_forces`.
     """
-    if law is None or not law.beside.mesh_error:
+    if law is None or not law.mesh_error:
         return MeshErrors(None, None, None)
-    error, turning = law.beside.mesh_error, SMALLEST_TURN / law.law.length
+    error, turning = law.mesh_error, SMALLEST_TURN / law.law.length
     stiffest = _largest(error.rigidity_N_mm2) or 0.0
     rigidity = _relative(error.rigidity_N_mm2, error.rigidity_N_mm2_std)
     return MeshErrors(
@@ -137,9 +137,9 @@ def law_mesh_errors(law: DeliveredLaw | None) -> MeshErrors:
 
 def uncertain_forces(law: DeliveredLaw | None) -> Reason | None:
     """Pressures at which the moment that straightens the cells is uncertain by more than a tenth of itself, if any."""
-    if law is None or not law.beside.mesh_error:
+    if law is None or not law.mesh_error:
         return None
-    error = law.beside.mesh_error
+    error = law.mesh_error
     relative = _relative(error.moment_N_mm, error.moment_N_mm_std)
     found = {p: one for p, one in zip(error.pressures_kPa, relative, strict=False) if p and one}
     wide = {pressure: one for pressure, one in found.items() if one > LARGE_MESH_ERROR}
@@ -208,7 +208,7 @@ def rod_and_mesh(run: Run, errors: RodErrors) -> RodAndMesh:
 
 def _of_mesh_alone(law: DeliveredLaw, mesh: MeshErrors) -> RodAndMesh:
     """Of the arm without a load, as circular arcs."""
-    arcs = [np.linspace(0.0, math.radians(state.bending_deg), 50) for state in law.beside.unloaded]
+    arcs = [np.linspace(0.0, math.radians(state.bending_deg), 50) for state in law.unloaded]
     moved = (tip_moves_by(np.linspace(0.0, 1.0, 50), arc, mesh.kappa_0 or 0.0) for arc in arcs)
     return RodAndMesh(max(moved, default=0.0), None, None, mesh, is_compared=False)
 

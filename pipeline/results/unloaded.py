@@ -1,16 +1,40 @@
-"""The arm without a load in words, by its own law."""
+"""The arm without a load, by its own law, and in words."""
 
 from collections.abc import Sequence
+from contextlib import suppress
 from typing import TypeVar
 
+import numpy as np
+
+from geometry.centreline import bending_deg
 from pipeline.results.rod_errors import law_mesh_errors
 from pipeline.values.formatting import percent
 from pipeline.values.law import DeliveredLaw, Unloaded
+from rod.arm_law.law import ArmLaw
+from rod.errors import RodError
+from rod.mechanics.equilibrium import Rod
 
 State = TypeVar("State")
 
 #: pressures that are named; of more the lowest, the middle and the highest one
 MOST_NAMED = 3
+
+
+def unloaded_states(law: ArmLaw, pressures_kPa: Sequence[float]) -> tuple[Unloaded, ...]:
+    """The clamped arm without a load at those of the pressures that the law has; without one that has no rod."""
+    states: list[Unloaded] = []
+    for pressure in (p for p in pressures_kPa if law.pressures[0] <= p <= law.pressures[-1]):
+        with suppress(RodError):
+            states.append(unloaded_state(law, pressure))
+    return tuple(states)
+
+
+def unloaded_state(law: ArmLaw, pressure: float) -> Unloaded:
+    """At a pressure of the law in kPa. Raises `RodError`."""
+    at = law.at(pressure)
+    shape = Rod(law.length, law=at).solve()
+    rigidity = 1.0 / float(np.interp(0.0, at.section.moment, at.section.kappa_slope))
+    return Unloaded(pressure, at.section.kappa_0, rigidity, bending_deg(shape.end), shape.end)
 
 
 def named_states(states: Sequence[State]) -> tuple[State, ...]:
@@ -27,7 +51,7 @@ def delivered_numbers(law: DeliveredLaw) -> str:
     """The arm without a load in one sentence, with the error of the mesh where it is known."""
     error = law_mesh_errors(law).largest
     known = "" if error is None else f", known to {percent(error)} for the mesh"
-    return f"numbers of the law{known}: {_numbers(law.beside.unloaded)}"
+    return f"numbers of the law{known}: {_numbers(law.unloaded)}"
 
 
 def _numbers(states: Sequence[Unloaded]) -> str:

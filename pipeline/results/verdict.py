@@ -177,8 +177,8 @@ def verdict_of(run: Run) -> Verdict:
 
 def _bending(run: Run, rod: str) -> tuple[Bending, ...]:
     """By the arm's own law where that is the rod to take, because its mesh is finer; else by experiment II."""
-    if rod == ARM_LAW and run.law and run.law.beside.unloaded:
-        return tuple(Bending(state.pressure_kPa, state.bending_deg, *state.tip_mm) for state in run.law.beside.unloaded)
+    if rod == ARM_LAW and run.law and run.law.unloaded:
+        return tuple(Bending(state.pressure_kPa, state.bending_deg, *state.tip_mm) for state in run.law.unloaded)
     bent = (curve for curve in run.curves_of("II") if not curve.load)
     return tuple(Bending(curve.pressure_kPa, curve.bending_deg, *curve.tip_mm) for curve in bent)
 

@@ -90,8 +90,8 @@ def bending(run: Run) -> Panels:
 
 def _rod_tips(run: Run, rod: str, curves: Sequence[Curve]) -> list[tuple[float, tuple[float, float]]]:
     """Pressures in kPa with the position of the end of a rod in mm: by the law that is delivered, or beside curves."""
-    if rod == ARM_LAW and run.law and run.law.beside.unloaded:
-        return [(state.pressure_kPa, state.tip_mm) for state in run.law.beside.unloaded]
+    if rod == ARM_LAW and run.law and run.law.unloaded:
+        return [(state.pressure_kPa, state.tip_mm) for state in run.law.unloaded]
     return [(curve.pressure_kPa, tip) for curve in curves if (tip := _DRAWN[rod].tip_mm(curve))]
 
 

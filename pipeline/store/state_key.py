@@ -16,7 +16,7 @@ NUMBER_SOURCES = (
     *(*STATE_SOURCES, "rod"),
     *(f"pipeline/simulate/{name}.py" for name in ("mass", "outcome", "records", "too_short")),
     *("pipeline/study/accuracy", "pipeline/law", "pipeline/identify"),
-    *("pipeline/values/richardson.py", "pipeline/results/unloaded_states.py"),
+    *("pipeline/values/richardson.py", "pipeline/results/laws.py", "pipeline/results/unloaded.py"),
 )
 #: what decides a picture besides the states
 PICTURE_SOURCES = ("pipeline/results/drawing.py", "pipeline/show/pictures.py")

@@ -10,9 +10,6 @@ from rod.arm_law.kinds import AnyLaw
 from rod.arm_law.law import ArmLaw
 from rod.same_pressure import is_same
 
-#: keys of a law.json, by any of which it is known
-_KEYS = ("kind", "curves", "clamp", "tip", "rays")
-
 
 @dataclass(frozen=True)
 class LawMeshError:
@@ -55,11 +52,10 @@ class BesideLaw:
 
 
 @dataclass(frozen=True, eq=False)  # arrays inside
-class DeliveredLaw:
+class DeliveredLaw(BesideLaw):
     """The arm's own law as law.json has it."""
 
-    law: AnyLaw
-    beside: BesideLaw = field(default_factory=BesideLaw)
+    law: AnyLaw = field(kw_only=True)
 
     @property
     def plane(self) -> ArmLaw | None:
@@ -79,4 +75,4 @@ class DeliveredLaw:
 
 def is_law(content: Any) -> bool:
     """Whether the content of a file is the law of an arm rather than the parameters of a rod."""
-    return isinstance(content, Mapping) and "kappa_0" not in content and not content.keys().isdisjoint(_KEYS)
+    return isinstance(content, Mapping) and "kind" in content

@@ -1,15 +1,43 @@
-"""The content of parameters.json as one frozen value: every column is a list over the pressures, units in its name."""
+"""The content of parameters.json as one frozen value: every column is a list over the pressures, units in its name.
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
-from typing import Any
+Letters beside a type are the lengths of its lists: n pressures, m nodes of the material curve, c cells. Other lists may
+be empty.
+"""
 
+import math
+from collections.abc import Mapping, Sequence, Sized
+from dataclasses import dataclass, field, fields
+from typing import Annotated, Any, get_args
+
+import numpy as np
+from pydantic import BeforeValidator, Field, WithJsonSchema
+
+from rod.checked import finite, positive
+from rod.curves.extension import Extension
+from rod.identification.moment_range import MomentRange
+from rod.law import PARAMETER_COLUMNS, FiveParameters
+from rod.pressurised_rod import PressurisedRod
+from rod.same_pressure import known_at
+
+
+def _nan_of_null(value: Any) -> Any:
+    return math.nan if value is None else value
+
+
+#: a number; NaN, in JSON null, where there is none
+Number = Annotated[
+    float, BeforeValidator(_nan_of_null), WithJsonSchema({"anyOf": [{"type": "number"}, {"type": "null"}]})
+]
+Finite = Annotated[float, Field(strict=True, allow_inf_nan=False)]
+Positive = Annotated[float, Field(strict=True, allow_inf_nan=False, gt=0.0)]
+Numbers = tuple[Finite, ...]
 #: one number for every pressure; None where there is none
-Column = tuple[float | None, ...]
-Numbers = tuple[float, ...]
-Switches = tuple[bool | None, ...]
+Column = Annotated[tuple[Finite | None, ...], "n"]
+Switches = Annotated[tuple[bool | None, ...], "n"]
 #: two ends of an interval for every pressure
-Ends = tuple[tuple[float, float] | None, ...]
+Ends = Annotated[tuple[tuple[Finite, Finite] | None, ...], "n"]
+#: columns without which there is no rod
+_OF_ROD = (*PARAMETER_COLUMNS.values(), "theta0_rad", "kappa_0_per_mm", "eccentricity_mm", "rest_stretch")
 
 
 @dataclass(frozen=True)
@@ -52,7 +80,7 @@ class StretchingRod(FiveColumns):
     eccentricity_mm: Column = ()  #: distance of the neutral axis from the material curve
     eccentricity_mm_std: Column = ()
     moment_range_N_mm: Ends = ()
-    rest_stretch: tuple[Numbers, ...] = ()  #: at the nodes of the material curve, without load
+    rest_stretch: Annotated[tuple[Numbers, ...], "n", "m"] = ()  #: at the nodes of the material curve, without load
 
 
 @dataclass(frozen=True)
@@ -60,10 +88,10 @@ class RestShape:
     """Curvature without load: at the nodes of the material curve, and averaged over cells."""
 
     s_mm: Numbers = ()
-    theta0_rad: Numbers = ()
-    kappa_0_per_mm: tuple[Numbers, ...] = ()
+    theta0_rad: Annotated[Numbers, "n"] = ()
+    kappa_0_per_mm: Annotated[tuple[Numbers, ...], "n", "m"] = ()
     cell_s_mm: Numbers = ()
-    cell_averaged_per_mm: tuple[Numbers, ...] = ()
+    cell_averaged_per_mm: Annotated[tuple[Numbers, ...], "n", "c"] = ()
     middle_per_mm: Numbers = ()
 
 
@@ -115,15 +143,15 @@ class BreakProfile:
 
 @dataclass(frozen=True)
 class RodParameters(FiveColumns):
-    """Everything in parameters.json."""
+    """Everything in parameters.json. Raises ValueError, with the key, for lists whose lengths differ."""
 
     format: int = 0
     design: Mapping[str, Any] = field(default_factory=dict)  #: the section geometry of the configuration
     material: Mapping[str, Any] | None = None  #: law, constants (MPa), density (tonne/mm3)
     materials: Mapping[str, Any] | None = None  #: of the regions with another material
-    solid_volume_mm3: float | None = None
-    length_mm: float | None = None
-    mass_g: float | None = None
+    solid_volume_mm3: Positive | None = None
+    length_mm: Positive | None = None
+    mass_g: Positive | None = None
     pressures_kPa: Numbers = ()
     straight_without_pressure: bool = True
     weight_N_per_mm: tuple[float, float] = (0.0, 0.0)  #: under which the arm has kappa_0
@@ -157,3 +185,46 @@ class RodParameters(FiveColumns):
     dimensionless: tuple[Dimensionless, ...] = ()
     dimensionless_numbers: Mapping[str, Any] | None = None
     profile_over_d: tuple[BreakProfile, ...] = ()
+
+    def __post_init__(self) -> None:
+        sizes = {"n": len(self.pressures_kPa), "m": len(self.kappa_0.s_mm), "c": len(self.kappa_0.cell_s_mm)}
+        for name, part in (("", self), ("kappa_0.", self.kappa_0), ("eccentricity.", self.eccentricity)):
+            for column in fields(part) if part else ():
+                held, (letter, *inner) = getattr(part, column.name), get_args(column.type)[1:] or ("",)
+                if letter in sizes and (held or column.name in _OF_ROD):
+                    _check_length(f"{name}{column.name}", held, sizes[letter])
+                    for k, row in enumerate(held if inner else ()):
+                        _check_length(f"{name}{column.name}.{k}", row, sizes[inner[0]])
+
+    def rods(self, extensible: bool = False) -> PressurisedRod:
+        """The inextensible or the extensible rod. Raises `RodError` for numbers that cannot be those of a rod."""
+        stretching = self.eccentricity if extensible else None
+        five, shape = stretching or self, self.kappa_0
+        s, columns = np.array(shape.s_mm), [getattr(five, column) for column in PARAMETER_COLUMNS.values()]
+        stretches = zip(stretching.rest_stretch, stretching.eccentricity_mm, strict=True) if stretching else ()
+        return PressurisedRod(
+            length=positive(self.length_mm, "length_mm"),
+            pressures=np.array(self.pressures_kPa),
+            laws=tuple(FiveParameters(*row) for row in zip(*columns, strict=True)),
+            s=s,
+            kappa_0=np.array(shape.kappa_0_per_mm),
+            theta0=np.array(shape.theta0_rad),
+            extensions=tuple(Extension(s, np.array(rest), finite(e, "eccentricity_mm")) for rest, e in stretches),
+            moment_ranges=tuple(MomentRange(*ends) for ends in five.moment_range_N_mm if ends),
+            straight_without_pressure=self.straight_without_pressure,
+            weight=self.weight_N_per_mm,
+            weight_height=self.weight_height_mm,
+        )
+
+    def deviations_at(self, pressures: Sequence[float]) -> dict[str, tuple[float, ...]]:
+        """The standard deviations at identified pressures (kPa) by PARAMETER_NAMES; empty where one is not known."""
+        known = [known_at(self.pressures_kPa, pressure) for pressure in pressures]
+        columns = {name: getattr(self, f"{column}_std") for name, column in PARAMETER_COLUMNS.items()}
+        if None in known or any(not column or None in column for column in columns.values()):
+            return {}
+        return {name: tuple(column[k] for k in known) for name, column in columns.items()}
+
+
+def _check_length(key: str, held: Sized, size: int) -> None:
+    if len(held) != size:
+        raise ValueError(f"{key}: must have a length of {size}, and has {len(held)}")

@@ -8,29 +8,19 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Any
 
 import numpy as np
-from pydantic import BeforeValidator, WithJsonSchema
 
 from geometry.arrays import Array
 from geometry.centreline import bending_deg
 from pipeline.values.errors import RunFailed
 from pipeline.values.formats import CONVERGED, FIVE
 from pipeline.values.law import DeliveredLaw
-from pipeline.values.parameters import Numbers, RodParameters
+from pipeline.values.parameters import Number, Numbers, RodParameters
 from pipeline.values.record import MeshRecord, Position, Reported, RunRecord
 from rod.same_pressure import is_same
 
-
-def _nan_of_null(value: Any) -> Any:
-    return math.nan if value is None else value
-
-
-#: a number; NaN, in JSON null, where there is none
-Number = Annotated[
-    float, BeforeValidator(_nan_of_null), WithJsonSchema({"anyOf": [{"type": "number"}, {"type": "null"}]})
-]
 Pair = tuple[Number, Number]
 _NONE = (math.nan, math.nan)
 
@@ -229,7 +219,7 @@ class Run:
         """All pressures that occur, ascending; those of the arm's own law where no experiment was solved."""
         occurring = {curve.pressure_kPa for curve in self.curves} | {state.pressure_kPa for state in self.states}
         if not occurring and self.law:
-            occurring = {state.pressure_kPa for state in self.law.beside.unloaded}
+            occurring = {state.pressure_kPa for state in self.law.unloaded}
         return tuple(sorted(occurring))
 
     @property

@@ -6,9 +6,9 @@ default may be missing there; they are empty then.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import Field, dataclass, field, fields
 from functools import cached_property
-from typing import Annotated, Generic, TypeVar, final
+from typing import Annotated, Any, Generic, TypeVar, final, get_args
 
 import numpy as np
 
@@ -19,6 +19,12 @@ from rod.errors import RodError
 #: of a cell out of its plane: those that have a limit of the mesh and derivatives by the design, and all
 ACROSS = ("lateral_rigidity", "torsional_rigidity")
 IN_SPACE = (*ACROSS, "lateral_shear_rigidity", "twist_axis", "tilt_by_torque")
+
+
+def key_of(one: "Field[Any]") -> str:
+    """The key of a field in a file; empty for a field without one."""
+    known = get_args(one.type)
+    return str(known[1]) if len(known) > 1 and isinstance(known[1], str) else ""
 
 
 def nothing() -> Array:
@@ -39,9 +45,12 @@ class Placed(Generic[Curve_co]):
     slopes: Mapping[str, Array]  #: (k,) by the place, of fields by name; at fixed curvature, or fixed moment of an end
 
 
-def _freeze(curve: "CellCurve | ClampCurve | TipCurve") -> None:
-    """Everything but the pressure as an array that cannot be changed."""
+def _freeze(curve: "CellCurve | ClampCurve | TipCurve", *rising: str) -> None:
+    """Everything but the pressure as an array that cannot be changed. Raises `RodError` for what does not rise."""
     freeze(curve, (one.name for one in fields(curve) if one.name != "pressure"))
+    for one in fields(curve):
+        if one.name in rising and np.any(np.diff(getattr(curve, one.name)) <= 0.0):
+            raise RodError(f"{key_of(one)} must rise.")
 
 
 @dataclass(frozen=True, eq=False)  # arrays inside
@@ -82,7 +91,7 @@ class CellCurve:
     volume: Annotated[Array, "volume_mm3_per_mm", "k", "c"] = field(default_factory=nothing)
 
     def __post_init__(self) -> None:
-        _freeze(self)
+        _freeze(self, "s")
         if len(self.moment) < 2:
             raise RodError(f"The law of a cell needs two curvatures at least; at {self.pressure:g} kPa it has one.")
         for name, unit in (("moment", "N mm"), ("kappa", "1/mm")):
@@ -150,7 +159,7 @@ class ClampCurve:
     volume: Annotated[Array, "volume_mm3", "k", "c"] = field(default_factory=nothing)
 
     def __post_init__(self) -> None:
-        _freeze(self)
+        _freeze(self, "s", "moment")
 
     @cached_property
     def placed(self) -> Placed["ClampCurve"]:
@@ -233,7 +242,7 @@ class TipCurve:
     volume: Annotated[Array, "volume_mm3", "c"] = field(default_factory=nothing)
 
     def __post_init__(self) -> None:
-        _freeze(self)
+        _freeze(self, "s")
         if len(self.couple) % 4:
             raise RodError(f"The tip needs a multiple of four turns, not {len(self.couple)}.")
 

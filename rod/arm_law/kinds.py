@@ -1,21 +1,17 @@
 """Every kind of law of an arm: over one pressure, over two, or in space over any; one file, and one way to a rod."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, ClassVar, Protocol, TypeAlias, final
+from typing import ClassVar, Protocol, TypeAlias, final
 
 from rod.arm_law.law import ArmLaw
 from rod.arm_law.law_rod import LawRod
 from rod.arm_law.pairs import PairLaw
-from rod.arm_law.record import plane_law, plane_record
 from rod.arm_law.space_law import SpaceLaw
 from rod.arm_law.space_rod import SpaceRod
 from rod.errors import RodError
 from rod.same_pressure import Pressures, pressures_of
 from rod.weight import Mass
-
-#: of the file; raised when a key changes its meaning
-FORMAT = 3
 
 
 class Law(Protocol):
@@ -101,25 +97,3 @@ def ratios_of(law: AnyLaw) -> tuple[Pressures, ...]:
     """The ratios in which a law of several pressures was measured, each as parts of the largest pressure."""
     highest = [row for row in law.rows if max(row) > 0.0]
     return tuple(dict.fromkeys(tuple(float(f"{p / max(row):.9g}") for p in row) for row in highest))
-
-
-def law_record(law: ArmLaw | PairLaw | SpaceLaw) -> dict[str, Any]:
-    """The contents of law.json but for how the law was measured."""
-    record = plane_record(law) if isinstance(law, ArmLaw) else law.record()
-    return {"format": FORMAT, "kind": law.kind, **record}
-
-
-#: reader of the file by kind
-_READERS = {"plane": plane_law, "pairs": PairLaw.from_record, "space": SpaceLaw.from_record}
-
-
-def law_from_record(record: Mapping[str, Any]) -> ArmLaw | PairLaw | SpaceLaw:
-    """The law that `law_record` wrote. Raises `RodError` with one sentence for anything else."""
-    if record.get("format") != FORMAT or record.get("kind") not in _READERS:
-        raise RodError(f"This is no law of an arm in format {FORMAT}; write it anew with `pneurod cell`.")
-    try:
-        law = _READERS[record["kind"]](record)
-    except KeyError as missing:
-        raise RodError(f"The law of an arm lacks the key {missing}; write it anew with `pneurod cell`.") from None
-    assert isinstance(law, ArmLaw | PairLaw | SpaceLaw)
-    return law

@@ -35,12 +35,14 @@ class ArmLaw:
     pitch: Annotated[float, "pitch_mm"]  #: mm
     first_middle: Annotated[float, "first_middle_mm"]  #: mm, from the clamp to the middle of the first cell
     length: Annotated[float, "length_mm"]  #: mm, of the arm whose pieces were solved
-    cells: tuple[CellCurve, ...]
-    clamps: tuple[ClampCurve, ...]
-    tips: tuple[TipCurve, ...]
-    mass: Mass | None = None  #: None: not known, because the configuration has no density
-    weight: tuple[float, float] = (0.0, 0.0)  #: N/mm, x and y per rest length, that always acts; zero without gravity
-    rates: Mapping[str, LawRate] = field(default_factory=dict, repr=False)  #: derivatives by parameter of the design
+    cells: Annotated[tuple[CellCurve, ...], "curves"]
+    clamps: Annotated[tuple[ClampCurve, ...], "clamp.curves"]
+    tips: Annotated[tuple[TipCurve, ...], "tip.curves"]
+    mass: Annotated[Mass | None, "mass"] = None  #: None: not known, because the configuration has no density
+    #: N/mm, x and y per rest length, that always acts; zero without gravity
+    weight: Annotated[tuple[float, float], "weight_N_per_mm"] = (0.0, 0.0)
+    #: derivatives by parameter of the design
+    rates: Annotated[Mapping[str, LawRate], "derivatives"] = field(default_factory=dict, repr=False)
 
     def __post_init__(self) -> None:
         parts = [[curve.pressure for curve in curves] for curves in (self.cells, self.clamps, self.tips)]

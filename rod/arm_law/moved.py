@@ -29,8 +29,7 @@ from typing import Any, TypeVar, final
 
 import numpy as np
 
-from rod.arm_law.curves import CellCurve, ClampCurve, TipCurve
-from rod.arm_law.keys import key_of
+from rod.arm_law.curves import CellCurve, ClampCurve, TipCurve, key_of
 from rod.arm_law.rates import LawRate
 
 Curve = TypeVar("Curve", CellCurve, ClampCurve, TipCurve)

@@ -8,7 +8,7 @@ The direction d of a ray is p_2/p_1 up to equal pressures, d = 1, and 2 - p_1/p_
 has d = 0 and the second one alone d = 2. The slopes jump at d = 1, which is therefore always a ray between others.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
 from typing import Any, ClassVar, TypeVar, get_args
 
@@ -19,9 +19,7 @@ from rod.arm_law.between import interpolate_columns
 from rod.arm_law.curves import CellCurve, ClampCurve, Placed, TipCurve
 from rod.arm_law.law import ArmLaw
 from rod.arm_law.law_rod import LawRod
-from rod.arm_law.record import plane_law, plane_record
 from rod.arm_law.section import bracket, clamp_at, section_at, tip_at
-from rod.checked import finite
 from rod.errors import RodError
 from rod.same_pressure import Pressures, as_known, pressures_of
 from rod.weight import Mass
@@ -183,24 +181,6 @@ class PairLaw:
         if self.directions[k] > 1.0:
             return -larger * other
         return larger * (other - _mixed(curves, larger, f"{name}_by_pressure", over, at))
-
-    def record(self) -> dict[str, Any]:
-        """As it stands in law.json."""
-        rays = zip(self.directions, self.laws, strict=True)
-        return {
-            "cavities": list(self.cavities),
-            "error_between": self.error_between,
-            "rays": [{"direction": d, "fractions": fractions_of(d), "law": plane_record(law)} for d, law in rays],
-        }
-
-    @staticmethod
-    def from_record(record: Mapping[str, Any]) -> "PairLaw":
-        """What `record` gave. Raises `RodError`, and KeyError for a key that is missing."""
-        rays, error = record["rays"], record["error_between"]
-        directions = tuple(finite(ray["direction"], "The direction of a ray") for ray in rays)
-        laws = tuple(plane_law(ray["law"]) for ray in rays)
-        cavities = tuple(map(str, record["cavities"]))
-        return PairLaw(cavities, directions, laws, None if error is None else finite(error, "error_between"))
 
 
 def _ratio(cavities: Sequence[str], direction: float) -> str:

@@ -1,14 +1,13 @@
 """Polynomials in several variables, with their derivatives, as least squares find them from values and slopes."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import product
-from typing import Any, final
+from typing import Annotated, final
 
 import numpy as np
 
 from geometry.arrays import Array, Index
-from rod.checked import check_table
 
 
 def exponents_up_to(degree: int, variables: int) -> Index:
@@ -17,13 +16,12 @@ def exponents_up_to(degree: int, variables: int) -> Index:
     return np.array([powers for powers in every if sum(powers) <= degree], dtype=np.intp).reshape(-1, variables)
 
 
-@final
 @dataclass(frozen=True, eq=False)  # arrays inside
 class Basis:
     """Monomials of scaled variables."""
 
-    exponents: Index  #: (k, v)
-    scale: Array  #: (v,) by which variables are divided
+    exponents: Annotated[Index, "exponents", "k", "v"]
+    scale: Annotated[Array, "scale", "v"]  #: by which variables are divided
 
     def values(self, x: Array, orders: Sequence[int] | Index = ()) -> Array:
         """(n, k) at (n, v); orders: how often each variable is differentiated."""
@@ -48,49 +46,36 @@ class Basis:
             sum((first[:, i] * other[:, j])[:, None] * self.values(x, unit[i] + unit[j]) for i, j in pairs)
         )
 
+    def times(self, coefficients: Array) -> "Polynomial":
+        """The polynomials with coefficients (k, c)."""
+        return Polynomial(self.exponents, self.scale, coefficients)
+
 
 @final
 @dataclass(frozen=True, eq=False)  # arrays inside
-class Polynomial:
+class Polynomial(Basis):
     """Several polynomials with the same monomials."""
 
-    basis: Basis
-    coefficients: Array  #: (k, c)
+    coefficients: Annotated[Array, "coefficients", "k", "c"]
 
     def __call__(self, x: Array) -> Array:
         """(n, c) at (n, v)."""
-        return np.asarray(self.basis.values(np.atleast_2d(x)) @ self.coefficients)
+        return np.asarray(self.values(np.atleast_2d(x)) @ self.coefficients)
 
     def by(self, variable: int, basis: Basis) -> Array:
         """(k, c): coefficients of the derivative by a variable, in a basis of equal scale that has its monomials."""
-        powers = self.basis.exponents[:, variable]
-        lowered = self.basis.exponents - np.eye(self.basis.exponents.shape[1], dtype=np.intp)[variable]
+        powers = self.exponents[:, variable]
+        lowered = self.exponents - np.eye(self.exponents.shape[1], dtype=np.intp)[variable]
         is_same = (basis.exponents[:, None] == lowered).all(axis=2)
-        return np.asarray(is_same @ (powers[:, None] / self.basis.scale[variable] * self.coefficients))
+        return np.asarray(is_same @ (powers[:, None] / self.scale[variable] * self.coefficients))
 
     def at_last(self, values: Array) -> "Plane":
         """As polynomials of the first two variables, with the others given (v - 2,)."""
-        powers, scale = self.basis.exponents, self.basis.scale
+        powers, scale = self.exponents, self.scale
         factor = np.prod((values / scale[2:]) ** powers[:, 2:], axis=1) / np.prod(scale[:2] ** powers[:, :2], axis=1)
         table = np.zeros((*(powers[:, :2].max(axis=0) + 1), self.coefficients.shape[1]))
         np.add.at(table, (powers[:, 0], powers[:, 1]), factor[:, None] * self.coefficients)
         return Plane(table)
-
-    def record(self) -> dict[str, Any]:
-        """As it stands in a file."""
-        basis = self.basis
-        return {
-            "exponents": basis.exponents.tolist(),
-            "scale": basis.scale.tolist(),
-            "coefficients": self.coefficients.tolist(),
-        }
-
-    @staticmethod
-    def from_record(record: Mapping[str, Any], name: str) -> "Polynomial":
-        """What `record` gave. Raises `RodError` with the name."""
-        check_table(record, {"exponents": ("k", "v"), "scale": ("v",), "coefficients": ("k", "c")}, name)
-        powers, scale, coefficients = (np.array(record[key], float) for key in ("exponents", "scale", "coefficients"))
-        return Polynomial(Basis(powers.astype(np.intp), scale), coefficients)
 
 
 @final

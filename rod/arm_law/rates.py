@@ -1,6 +1,6 @@
 """Derivatives of an arm's own law by a parameter of its design, and the law after a small change of some of them."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, fields, replace
 from typing import Annotated, Any, final
 
@@ -9,7 +9,6 @@ import numpy as np
 from geometry.arrays import Array
 from rod.arm_law.between import interpolate_columns
 from rod.arm_law.curves import ACROSS, IN_SPACE, CellCurve, ClampCurve, nothing
-from rod.arm_law.keys import fields_of, record_of, values_of
 from rod.cubics import monotone_slopes, parabola_slopes
 
 #: change of the rigidity between two states, over it, from which there is a kink between them
@@ -54,12 +53,12 @@ class LawRate:
     """Of a law by one parameter, per unit of it. What is not here does not change to first order, or hardly."""
 
     value: Annotated[float, "value"]  #: of the parameter, to which the law belongs
-    unit: str  #: of the parameter: mm, MPa, or 1
+    unit: Annotated[str, "unit"]  #: of the parameter: mm, MPa, or 1
     pitch: Annotated[float, "pitch_mm"]  #: change of the pitch, mm
     first_middle: Annotated[float, "first_middle_mm"]  #: mm
     length: Annotated[float, "length_mm"]  #: mm
-    cells: tuple[CellRate, ...]  #: at the pressures of the law
-    clamps: tuple[ClampRate, ...]
+    cells: Annotated[tuple[CellRate, ...], "curves"]  #: at the pressures of the law
+    clamps: Annotated[tuple[ClampRate, ...], "clamp"]
 
     def with_moments(self, ratios: Sequence[float], across: Sequence[Array] = ()) -> "LawRate":
         """Of a law whose moments are this many times as large at each pressure, and so its rigidities out of the plane.
@@ -88,18 +87,6 @@ class LawRate:
             for cell, old, new in zip(self.cells, before, after, strict=True)
         )
         return replace(self, cells=cells, value=self.value + change)
-
-    def record(self) -> dict[str, Any]:
-        """As it stands in law.json."""
-        rows = {"curves": [*map(record_of, self.cells)], "clamp": [*map(record_of, self.clamps)]}
-        return {"unit": self.unit, **record_of(self), **rows}
-
-    @staticmethod
-    def from_record(record: Mapping[str, Any], name: str) -> "LawRate":
-        """What `record` gave. Raises `RodError`, and KeyError for a key that is missing."""
-        cells = values_of(CellRate, record["curves"], f"{name}.curves")
-        clamps = values_of(ClampRate, record["clamp"], f"{name}.clamp")
-        return LawRate(unit=str(record["unit"]), **fields_of(LawRate, record, name), cells=cells, clamps=clamps)
 
 
 def _at(kappa: Array, nodes: Array, values: Array) -> Array:

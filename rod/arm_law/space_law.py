@@ -12,17 +12,15 @@ The clamped end turns the rod and shifts it, as functions of the moments there a
 lies beside that of the axis. Both ends have other air than cells.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Annotated, Any, ClassVar, final
+from typing import Annotated, ClassVar, final
 
 import numpy as np
 
 from geometry.arrays import Array
 from rod.arm.sections import PolynomialSection
-from rod.arm_law.keys import fields_of, record_of
 from rod.arm_law.polynomial import Polynomial
-from rod.arm_law.record import mass_of, mass_record
 from rod.arm_law.space_rod import SpaceRod
 from rod.errors import RodError
 from rod.same_pressure import Pressures, pressures_of
@@ -30,8 +28,6 @@ from rod.weight import Mass
 
 #: by how much pressures may leave those of the law, over the largest
 ROUNDING = 1e-9
-
-_POLYNOMIALS = ("potential", "stretch", "axial_rigidity", "compliance", "volume", "clamp", "tip")
 
 
 @final
@@ -43,28 +39,26 @@ class SpaceLaw:
     """
 
     kind: ClassVar[str] = "space"
-    cavities: tuple[str, ...]
-    pressures: Annotated[
-        Array, "pressures_kPa", "r", "m"
-    ]  #: kPa, rows of pressures; the law is known between them and 0 kPa
+    cavities: Annotated[tuple[str, ...], "cavities"]
+    #: kPa, rows of pressures; the law is known between them and 0 kPa
+    pressures: Annotated[Array, "pressures_kPa", "r", "m"]
     onto: Annotated[Array, "onto", "m", "q"]  #: pressures times this are the variables p of the polynomials
     pitch: Annotated[float, "pitch_mm"]  #: mm
     length: Annotated[float, "length_mm"]  #: mm
     clamp_length: Annotated[float, "clamp_length_mm"]  #: mm, of the piece by which the clamped end was measured
     reach: Annotated[float, "reach_per_mm"]  #: 1/mm, largest change of the curvature from that without moment
-    error: Annotated[
-        float, "error"
-    ]  #: of the moment between the states of the cell, over the largest moment; one standard deviation
-    potential: Polynomial  #: w of (kappa_y, kappa_z, p), N
-    stretch: Polynomial  #: lambda of (kappa_y, kappa_z, p)
-    axial_rigidity: Polynomial  #: EA of (kappa_y, kappa_z, p), N
-    compliance: Polynomial  #: the six upper components of C, of p: 1/(N mm2), 1/(N mm) and 1/N
-    volume: Polynomial  #: air per rest length in each cavity, mm2, of (kappa_y, kappa_z, p)
+    #: of the moment between the states of the cell, over the largest moment; one standard deviation
+    error: Annotated[float, "error"]
+    potential: Annotated[Polynomial, "potential"]  #: w of (kappa_y, kappa_z, p), N
+    stretch: Annotated[Polynomial, "stretch"]  #: lambda of (kappa_y, kappa_z, p)
+    axial_rigidity: Annotated[Polynomial, "axial_rigidity"]  #: EA of (kappa_y, kappa_z, p), N
+    compliance: Annotated[Polynomial, "compliance"]  #: the six upper components of C, of p: 1/(N mm2), 1/(N mm) and 1/N
+    volume: Annotated[Polynomial, "volume"]  #: air per rest length in each cavity, mm2, of (kappa_y, kappa_z, p)
     #: turns (rad) and shift (mm) along x, y and z, and air beyond that of cells in each cavity (mm3), of (M_y, M_z, p)
-    clamp: Polynomial
+    clamp: Annotated[Polynomial, "clamp"]
     #: the end of the material curve beside that of the axis, in the frame there (mm), and such air (mm3), of p
-    tip: Polynomial
-    mass: Mass | None = None  #: None: not known
+    tip: Annotated[Polynomial, "tip"]
+    mass: Annotated[Mass | None, "mass"] = None  #: None: not known
 
     def __post_init__(self) -> None:
         count = len(self.cavities)
@@ -138,15 +132,3 @@ class SpaceLaw:
             mass=self.mass,
             pressures=pressures,
         )
-
-    def record(self) -> dict[str, Any]:
-        """As it stands in law.json."""
-        polynomials = {name: getattr(self, name).record() for name in _POLYNOMIALS}
-        return {"cavities": list(self.cavities), **record_of(self), **polynomials, "mass": mass_record(self.mass)}
-
-    @staticmethod
-    def from_record(record: Mapping[str, Any]) -> "SpaceLaw":
-        """What `record` gave. Raises `RodError`, and KeyError for a key that is missing."""
-        values: dict[str, Any] = {name: Polynomial.from_record(record[name], name) for name in _POLYNOMIALS}
-        values |= {"mass": mass_of(record.get("mass")), **fields_of(SpaceLaw, record)}
-        return SpaceLaw(tuple(map(str, record["cavities"])), **values)

@@ -34,8 +34,6 @@ class Arm:
     origin: str = IDENTIFIED  #: where the numbers at these pressures come from
     #: standard deviations by PARAMETER_NAMES, one per pressure; empty: not known
     deviations: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
-    #: the same at more pressures, for files whose program interpolates between theirs; None: at these
-    finer: "Arm | None" = None
 
     def __post_init__(self) -> None:
         rise = np.diff([0.0, *self.pressures])
@@ -56,8 +54,3 @@ class Arm:
             if self.deviations:
                 columns[f"{column}_std"] = list(self.deviations[name])
         return columns
-
-    @property
-    def tabulated(self) -> "Arm":
-        """The arm at the pressures between which a program interpolates linearly."""
-        return self if self.finer is None else self.finer

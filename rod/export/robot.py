@@ -107,16 +107,16 @@ class Robot:
         return Robot(known, _alike(chains), known, law.length, solid, f"{OF_LAW}, linear about the arm without load")
 
     @staticmethod
-    def of_five(arm: Arm, solid: Solid | None, *, between: bool = False) -> "Robot":
-        """With five parameters; between: at pressures between those of the arm as well.
+    def of_five(arm: Arm, solid: Solid | None, finer: Arm | None = None) -> "Robot":
+        """With five parameters; finer: the arm at more pressures, for a program that interpolates between them.
 
-        Then it is straight at 0 kPa, and as stiff as at the lowest pressure.
+        It is straight at 0 kPa then, and as stiff as at the lowest pressure.
         """
-        known = arm.tabulated if between else arm
+        known = finer or arm
         axial = 1.0 if solid is None else solid.modulus * solid.area
         chains = tuple(chain_of_five(rod, LINEAR_PIECES, axial) for rod in known.rods)
         pressures = known.pressures
-        if between and len(pressures) > 1:
+        if finer:
             pressures, chains = (0.0, *pressures), (chains[0].straight(), *chains)
         return Robot(pressures, chains, arm.pressures, arm.length, solid, f"five parameters, {arm.origin}")
 

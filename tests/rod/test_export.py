@@ -13,7 +13,8 @@ import numpy as np
 import pytest
 from scipy.io import loadmat
 
-from rod import ArmLaw, FiveParameters, Rod, RodError, law_from_record
+from pipeline.results.laws import law_of_record
+from rod import ArmLaw, FiveParameters, Rod, RodError
 from rod.export.arm import Arm
 from rod.export.chain import Chain, chain_of_five, chain_of_law, linear_chain_of_law
 from rod.export.formats import EXPORTS, export_robot
@@ -43,7 +44,7 @@ def arm() -> Arm:
 @pytest.fixture(scope="module")
 def law() -> ArmLaw:
     """That of the coarse arm of eleven chambers."""
-    return law_from_record(json.loads((COARSE / "law.json").read_text(encoding="utf-8")))
+    return law_of_record(json.loads((COARSE / "law.json").read_text(encoding="utf-8")))
 
 
 @pytest.fixture(scope="module")
@@ -242,7 +243,7 @@ def test_the_first_vibration_in_mujoco_has_the_loss_factor(mujoco_file: Path) ->
 def test_five_parameters_in_mujoco(tmp_path: Path) -> None:
     """The file has the lines of a loaded rod, whatever acts on it, and is straight at 0 kPa."""
     mujoco = pytest.importorskip("mujoco")
-    robot = Robot.of_five(arm(), SOLID, between=True)
+    robot = Robot.of_five(arm(), SOLID, arm())
     program = imported(export_robot(robot, "mujoco", tmp_path)[1])
     model, data = program.load(37.0)
     assert model.ntendon == 0

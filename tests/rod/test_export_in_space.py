@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 from scipy.io import loadmat
 
-from rod import ArmLaw, law_from_record
+from pipeline.results.laws import law_of_record
+from rod import ArmLaw
 from rod.arm_law.curves import IN_SPACE
 from rod.export.chain import chain_of_law
 from rod.export.formats import export_robot
@@ -39,7 +40,7 @@ def in_space(planar: ArmLaw, clamp: np.ndarray = CLAMP, **changes: float) -> Arm
 @pytest.fixture(scope="module")
 def planar() -> ArmLaw:
     """That of the coarse arm of eleven chambers."""
-    return law_from_record(json.loads((COARSE / "law.json").read_text(encoding="utf-8")))
+    return law_of_record(json.loads((COARSE / "law.json").read_text(encoding="utf-8")))
 
 
 @pytest.fixture(scope="module")

@@ -6,10 +6,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from pipeline.results.laws import law_of_record, law_record
 from rod import Extension, FiveParameters, Rod, compile_kernels
 from rod.arm.chain import solve_chain
 from rod.arm.small_motions import lowest_of
-from rod.arm_law.kinds import law_from_record, law_record
 from tests.rod.arm_law.test_arm_law import law_of, straight_law
 
 KERNELS = {"rods": solve_chain, "stability": lowest_of}
@@ -45,7 +45,7 @@ def test_nothing_is_compiled_once_a_run_has_begun(compiled: dict[str, list[str]]
     repeated = replace(clamp, offset=np.broadcast_to(np.zeros(2), (9, 2)))
     by_columns = replace(tip, acts_at=np.asfortranarray(tip.acts_at))
     measured = law_of(straight_law(0.0), (cell, repeated, by_columns), straight_law(10.0, -0.001))
-    for law in (measured, law_from_record(json.loads(json.dumps(law_record(measured))))):
+    for law in (measured, law_of_record(json.loads(json.dumps(law_record(measured))))):
         for pressure in (5.0, 7.5, 10.0):
             for load in loads[:2]:
                 Rod(law.length, law=law.at(pressure)).solve(**load)

@@ -12,7 +12,8 @@ from pipeline.answers.measured.calibration import Calibration
 from pipeline.answers.measured.gaussian import Effects, Posterior, Spread
 from pipeline.answers.measured.predicted import Setup
 from pipeline.answers.measured.unknowns import CLAMP, GAUGE, MODULUS, Unknown
-from pipeline.results.unloaded_states import unloaded_states
+from pipeline.results.laws import law_record
+from pipeline.results.unloaded import unloaded_states
 from pipeline.store.provenance import provenance
 from pipeline.store.result_folder import ResultFolder, open_folder
 from pipeline.values.errors import InputError, argument
@@ -20,7 +21,6 @@ from pipeline.values.formats import FORMAT
 from pipeline.values.json_values import JsonObject
 from pipeline.values.record import Reported
 from pipeline.values.run import Run
-from rod.arm_law.kinds import law_record
 from rod.arm_law.moved import power_of_modulus
 
 FILE = "calibration.json"
@@ -97,7 +97,7 @@ def record_of(run: Run, file: Path, found: Calibration) -> JsonObject:
 
 def _scaled_error(run: Run, factor: float) -> JsonObject | None:
     """The errors of the mesh, of the arm with its factor of all moduli."""
-    error = run.law and run.law.beside.mesh_error
+    error = run.law and run.law.mesh_error
     if not error:
         return None
 

@@ -1,20 +1,17 @@
 """The rods of a result folder over the pressure, and which of them to take: the one that the verdict recommends."""
 
-import json
 from collections.abc import Hashable, Sequence
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import dataclass, field, replace
 from math import isfinite
 from pathlib import Path
 from typing import Any
 
 from geometry import Reason
-from pipeline.results.files import read_law, read_results
+from pipeline.results.files import read_run
 from pipeline.results.rod_errors import RodAndMesh, rod_and_mesh, rod_to_take, uncertain_forces
-from pipeline.results.saved_rod import SavedRod, pressurised_rod
 from pipeline.results.verdict import OUT_OF_PLANE, Verdict, verdict_of
 from pipeline.values.errors import InputError, argument, quoted
 from pipeline.values.formats import ARM_LAW, EXTENSIBLE, FIVE
-from pipeline.values.law import DeliveredLaw, is_law
 from pipeline.values.reasons import NO_PARAMETERS, report_reason
 from pipeline.values.run import Run
 from rod.arm_law.kinds import AnyLaw, Ray, ratios_of
@@ -75,21 +72,8 @@ class RodOfRun:
 
 
 def rod_of_path(path: Path, kind: str | None) -> RodOfRun:
-    """The rod of a result folder, or the one of a parameters.json or a law.json alone. Raises InputError."""
-    check_kind(kind, "rod")
-    if path.is_dir():
-        return choose_rod(read_results(path), kind)
-    try:
-        content = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError):
-        content = None  # the sentence is that of the parameters
-    there = ("law",) if is_law(content) else ("five", "five_extensible")
-    if kind not in (None, *there):
-        raise InputError(f"{argument('rod', kind)}: is not in {path.name}; give the folder of the run")
-    if is_law(content):
-        return rod_of_law(read_law(path))
-    chosen = kind or "five"
-    return RodOfRun(chosen, SavedRod.read(path, extensible=chosen == "five_extensible").rods)
+    """The rod of a result folder, of a parameters.json or of a law.json alone. Raises InputError."""
+    return choose_rod(read_run(path), kind)
 
 
 def check_kind(kind: Any, name: str) -> None:
@@ -105,11 +89,14 @@ def choose_rod(run: Run, kind: str | None = None) -> RodOfRun:
     Where nothing was compared with finite elements it is the one with the arm's own law, if there is one. Raises
     InputError where the run has no such rod, and for an arm that leaves its plane.
     """
+    check_kind(kind, "rod")
     refuse_out_of_plane(run)
     if run.law is not None and run.law.plane is None:
         if kind not in (None, "law"):
             raise InputError(f"{argument('rod', kind)}: a law of several pressures is that of rod law; leave it out")
-        return rod_of_law(run.law)
+        law = run.law.law.law if isinstance(run.law.law, Ray) else run.law.law
+        doubt = isinstance(law, PairLaw) and law.error_between is None and len(law.laws) > 1
+        return RodOfRun("law", run.law.law, notes=("The error of this law between its ratios is not known.",) * doubt)
     verdict = verdict_of(run)
     names = {name: kind for kind, name in KINDS.items()}
     chosen = kind or names.get(verdict.rod, "law" if run.law else "five")
@@ -147,14 +134,6 @@ def told_ratios(law: AnyLaw) -> str:
     return ", ".join(":".join(f"{part:.6g}" for part in ratio) for ratio in ratios_of(law))
 
 
-def rod_of_law(delivered: DeliveredLaw) -> RodOfRun:
-    """The rod of a law alone."""
-    law = delivered.law
-    pairs = law.law if isinstance(law, Ray) else law
-    doubt = isinstance(pairs, PairLaw) and pairs.error_between is None and len(pairs.laws) > 1
-    return RodOfRun("law", law, notes=("The error of this law between its ratios is not known.",) * doubt)
-
-
 def _source(run: Run, kind: str) -> AnyLaw | PressurisedRod:
     if kind == "law":
         if run.law is None:
@@ -165,7 +144,7 @@ def _source(run: Run, kind: str) -> AnyLaw | PressurisedRod:
     extensible = kind == "five_extensible"
     if extensible and run.parameters.eccentricity is None:
         raise InputError(f"{run.directory}: has no parameters of a rod that stretches; take rod five")
-    return pressurised_rod(asdict(run.parameters), extensible)
+    return run.parameters.rods(extensible)
 
 
 def _mass(run: Run) -> Mass | None:
@@ -179,8 +158,9 @@ def _mass(run: Run) -> Mass | None:
 def nothing_identified(run: Run) -> InputError:
     """The refusal of a run without five parameters."""
     named = next((r.text for r in (*run.remarks, *run.failures) if r.code in NO_PARAMETERS), "")
-    reason = named or run.failure or "the run has not come to the identification"
-    return InputError(f"{run.directory}: holds no parameters of a rod: {reason}")
+    without = "the identification needs II and III at the same pressure"
+    missing = without if run.parameters.format else "the run has not come to the identification"
+    return InputError(f"{run.directory}: holds no parameters of a rod: {named or run.failure or missing}")
 
 
 def _why(run: Run) -> str:

@@ -12,9 +12,9 @@ from pipeline.config.material import LOSS_FACTOR
 from pipeline.config.units import PRESSURE
 from pipeline.results.files import LAW_ON_MESH_OF_ARM, read_plane_law
 from pipeline.results.options import option_value
-from pipeline.results.saved_rod import SavedRod
 from pipeline.store.result_folder import open_folder
 from pipeline.values.errors import InputError, argument
+from pipeline.values.parameters import RodParameters
 from pipeline.values.run import Run
 from rod import EXPORTS, Arm, ArmLaw, Robot, RodError, export_robot
 from rod.export.arm import divide_pressures
@@ -70,8 +70,6 @@ def exported_run(run: Run, target: str | None, options: ExportOptions) -> Export
         law = None if run.law is None or options.rod == "five" else plane_of(run, argument("to", target))
         if law is not None and not (run.directory / "run.json").is_file():  # a law alone
             return _of_law(law, None, run.directory, target, options)
-        if options.rod == "five" or run.law is None:
-            SavedRod.read(run.directory / "parameters.json")  # refuses, with the reason, a run without five parameters
         chosen = choose_rod(run, options.rod)
         if isinstance(chosen.source, ArmLaw):
             done = _of_law(chosen.source, run, run.directory, target, options)
@@ -127,25 +125,26 @@ def _of_law(law: ArmLaw, run: Run | None, folder: Path, target: str, options: Ex
 
 def _of_five(run: Run, target: str, options: ExportOptions) -> Exported:
     """The inextensible rod with five parameters."""
-    saved = SavedRod.read(run.directory / "parameters.json")
-    arm = _arm(saved, options)
-    solid = solid_of(run)
-    is_interpolated = target in PROGRAMS and not PROGRAMS[target].is_linear
-    robot = Robot.of_five(arm, solid, between=is_interpolated)
+    parameters, solid = run.parameters, solid_of(run)
+    arm, finer = _arm(parameters, options), None
+    if target in PROGRAMS and not PROGRAMS[target].is_linear and len(arm.pressures) > 1:
+        more = divide_pressures(arm.pressures)
+        finer = Arm(more, tuple(map(parameters.rods().at, more)))
+    robot = Robot.of_five(arm, solid, finer)
     writers: dict[str, Callable[[Path], None]] = {
         "csv": lambda path: write_csv(arm, path),
-        "json": lambda path: write_json(arm, saved.mass_g, path),
+        "json": lambda path: write_json(arm, parameters.mass_g, path),
     }
     files = _write(robot, target, options, writers, (options.out or run.directory) / f"rod_{robot.label}.{target}")
     sentences = [] if arm.origin == IDENTIFIED else [f"The numbers at {options.pressure} are {arm.origin}."]
-    if not saved.rods.straight_without_pressure:
+    if not parameters.straight_without_pressure:
         below = ", nor a pressure below those of the file, where its arm becomes straight"
-        below = below if is_interpolated and len(robot.pressures) > 1 else ""
+        below = below if finer else ""
         sentences.append(
             "kappa_0 contains what bends the arm besides the pressure of the run (its weight, a constant pressure in a "
             f"cavity): do not apply that once more in the other program{below}."
         )
-    if any(saved.rods.weight):
+    if any(parameters.weight_N_per_mm):
         sentences.append(
             "The exported rod keeps the moments that its weight has without load; how they change when a load moves it "
             "is left out (pneurod rod has it)."
@@ -191,22 +190,17 @@ def _write(
     return tuple(files)
 
 
-def _arm(saved: SavedRod, options: ExportOptions) -> Arm:
+def _arm(parameters: RodParameters, options: ExportOptions) -> Arm:
     """The rods with five parameters at the pressures that are written."""
-    if options.pressure is None:
-        pressures = tuple(float(pressure) for pressure in saved.rods.pressures)
-        rods = tuple(saved.rods.at(pressure) for pressure in pressures)
-        arm = Arm(pressures, rods, deviations=saved.deviations)
-        if len(pressures) == 1:
-            return arm
-        more = divide_pressures(pressures)
-        between = tuple(saved.rods.at(pressure) for pressure in more)
-        return replace(arm, finer=Arm(more, between))
-    pressure = as_known(saved.rods.pressures, option_value("pressure", options.pressure, PRESSURE))
+    rods, single = parameters.rods(), options.pressure_kPa
+    if single is None:
+        pressures = parameters.pressures_kPa
+        return Arm(pressures, tuple(map(rods.at, pressures)), deviations=parameters.deviations_at(pressures))
+    pressure, given = as_known(rods.pressures, single), argument("pressure", options.pressure)
     if pressure <= 0.0:
-        given = argument("pressure", options.pressure)
         raise InputError(f"{given}: is not exported; give one above 0 kPa, at which the arm is at rest")
-    selected = saved.at(options.pressure)
-    deviations = saved.deviations_at(pressure)
-    origin = saved.rods.origin_at(pressure)
-    return Arm((pressure,), (selected,), origin, deviations)
+    try:
+        selected = rods.at(single)
+    except RodError as failure:
+        raise InputError(f"{given}: {failure}") from None
+    return Arm((pressure,), (selected,), rods.origin_at(pressure), parameters.deviations_at((pressure,)))

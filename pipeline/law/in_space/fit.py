@@ -75,15 +75,15 @@ def fit_cell(states: Sequence[CellState], spanned: Spanned, kappa: float) -> Fit
     if not candidates:
         raise RodError(f"Only {len(states)} states of the cell have an equilibrium, too few for a law.")
     error, degree, basis = min(candidates, key=lambda candidate: candidate[0])
-    potential = Polynomial(basis, _solved(*rows.of_moment(basis))[:, None])
+    potential = basis.times(_solved(*rows.of_moment(basis))[:, None])
     lower = Basis(exponents_up_to(degree - 1, len(scale)), scale)
-    stretch = Polynomial(lower, _solved(*rows.of_stretch(lower))[:, None])
+    stretch = lower.times(_solved(*rows.of_stretch(lower))[:, None])
     return Fit(potential, stretch, _air(rows, spanned, potential, lower), error)
 
 
 def fit_values(x: Array, values: Array, basis: Basis) -> Polynomial:
     """Polynomials through values (n, c) at (n, v); the smallest coefficients where several fit."""
-    return Polynomial(basis, np.asarray(np.linalg.lstsq(basis.values(x), values, rcond=1e-10)[0], float))
+    return basis.times(np.asarray(np.linalg.lstsq(basis.values(x), values, rcond=1e-10)[0], float))
 
 
 def _air(rows: "_Rows", spanned: Spanned, potential: Polynomial, basis: Basis) -> Polynomial:
@@ -91,7 +91,7 @@ def _air(rows: "_Rows", spanned: Spanned, potential: Polynomial, basis: Basis) -
     onto = spanned.onto
     known = -KPA_PER_MPA * np.hstack([potential.by(2 + k, basis) for k in range(onto.shape[1])]) @ onto.T
     left = (rows.column("volume") - basis.values(rows.x) @ known) @ (np.eye(len(onto)) - onto @ onto.T)
-    return Polynomial(basis, known + fit_values(rows.x, left, basis).coefficients)
+    return basis.times(known + fit_values(rows.x, left, basis).coefficients)
 
 
 def _left_out(rows: "_Rows", basis: Basis) -> float:

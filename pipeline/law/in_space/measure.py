@@ -194,7 +194,7 @@ def _law(
 
 def _nothing(columns: int, variables: int) -> Polynomial:
     """Zero for all moments and pressures."""
-    return Polynomial(Basis(np.zeros((1, variables), np.intp), np.ones(variables)), np.zeros((1, columns)))
+    return Basis(np.zeros((1, variables), np.intp), np.ones(variables)).times(np.zeros((1, columns)))
 
 
 def _clamp(tasks: ArmTasks, law: SpaceLaw, places: Sequence[Pressures]) -> tuple[Polynomial, float, tuple[str, ...]]:

@@ -15,6 +15,7 @@ from pipeline.law.adaptive import AdaptiveCurve, Interval
 from pipeline.law.rows import PairSpec
 from pipeline.law.study import measure_law
 from pipeline.results.files import LAW, folder_of
+from pipeline.results.laws import law_record
 from pipeline.run import run
 from pipeline.store.progress import Progress
 from pipeline.store.provenance import provenance
@@ -26,7 +27,6 @@ from pipeline.values.formatting import percent
 from pipeline.values.json_values import JsonObject
 from pipeline.values.run import Run
 from rod.arm_law.between import measure_disagreement
-from rod.arm_law.kinds import law_record
 from rod.arm_law.law import ArmLaw
 from rod.arm_law.pairs import PairLaw, fractions_of
 from rod.errors import RodError

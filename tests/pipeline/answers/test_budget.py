@@ -14,8 +14,9 @@ from pipeline.cli import app
 from pipeline.config.load import load_config
 from pipeline.config.tolerances import STIFFNESS, Tolerance, Tolerances
 from pipeline.results.files import read_plane_law
+from pipeline.results.laws import law_record
 from pipeline.values.errors import InputError
-from rod import ArmLaw, law_record
+from rod import ArmLaw
 from rod.arm_law.curves import ACROSS, IN_SPACE, CellCurve
 from rod.arm_law.rates import CellRate, ClampRate, LawRate, changed_cells, onset_rate
 from tests.coarse import COARSE, coarse_run

@@ -26,15 +26,14 @@ from pipeline.law.study import LawReport, measure_law
 from pipeline.law.tasks import ArmTasks
 from pipeline.law.unloaded import begin_first_states, reached_states
 from pipeline.results.files import read_law, read_plane_law, read_results
-from pipeline.results.unloaded_states import unloaded_states
+from pipeline.results.laws import law_of_record
+from pipeline.results.unloaded import unloaded_states
 from pipeline.simulate.scene import Scene
 from pipeline.store.context import RunContext
 from pipeline.store.parallel import Pending
 from pipeline.store.progress import Progress, Silent
 from pipeline.store.store import open_store
 from pipeline.values.law import Unloaded
-from rod import RodError
-from rod.arm_law.kinds import law_from_record
 from tests.coarse import COARSE
 
 CONFIGS = Path(__file__).resolve().parent.parent.parent.parent / "configs"
@@ -274,8 +273,8 @@ def test_another_file_is_no_law(tmp_path: Path) -> None:
     (tmp_path / "law.json").write_text("{}")
     with pytest.raises(pneurod.InputError, match="not the law of an arm"):
         read_law(tmp_path / "law.json")
-    with pytest.raises(RodError, match="format"):
-        law_from_record({"format": 99})
+    with pytest.raises(ValueError, match="format"):
+        law_of_record({"format": 99})
 
 
 def test_the_tip_without_a_load_is_that_of_the_material_curve() -> None:

@@ -14,6 +14,7 @@ from pipeline.config.load import load_config
 from pipeline.law.of_run import LawOfRun, deliver_law_of_run, law_on_mesh_of_arm
 from pipeline.law.pieces import ArmPieces, NoArmLaw
 from pipeline.results.files import read_results
+from pipeline.results.laws import law_of_record
 from pipeline.results.verdict import verdict_of
 from pipeline.run import run
 from pipeline.simulate.outcome import Failure, Outcome, Outcomes
@@ -24,7 +25,7 @@ from pipeline.store.parallel import Pending
 from pipeline.store.progress import Silent
 from pipeline.store.store import open_store
 from pipeline.values.errors import InputError
-from rod import Rod, law_from_record
+from rod import Rod
 from tests.pipeline.simulate.test_outcome import outcome, record
 from tests.shared import SharedFolders
 
@@ -72,7 +73,7 @@ def test_the_law_meets_the_finite_elements_under_loads_that_nothing_was_fitted_t
 
 
 def test_the_law_of_a_run_is_a_file_that_gives_a_rod(results: Path) -> None:
-    law = law_from_record(read(results, "law.json"))
+    law = law_of_record(read(results, "law.json"))
     assert law.pressures[0] == 0.0
     shape = Rod(law.length, law=law.at(9.0)).solve(force=(0.0, 0.01))
     assert shape.x[-1] > 40.0

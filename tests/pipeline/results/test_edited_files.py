@@ -10,7 +10,7 @@ from typer.testing import CliRunner
 
 import pneurod
 from pipeline.cli import app
-from rod import law_record
+from pipeline.results.laws import law_record
 from tests.rod.arm_law.test_arm_law import law_of, straight_law
 
 LENGTH = 110.0
@@ -70,13 +70,6 @@ def refusal(file: Path, content: dict[str, Any]) -> str:
     return ended.stderr
 
 
-def named(path: tuple[str | int, ...]) -> str:
-    """The key at a path as a sentence names it: `stretch of curves[0]`."""
-    last = max(k for k, part in enumerate(path) if isinstance(part, str))
-    table = "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in path[:last])
-    return f"{path[last]} of {table[1:]}" if table else str(path[last])
-
-
 def test_the_files_themselves_are_read(tmp_path: Path) -> None:
     for name, content in (("parameters.json", parameters()), ("law.json", law())):
         (tmp_path / name).write_text(json.dumps(content))
@@ -85,85 +78,80 @@ def test_the_files_themselves_are_read(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("path", "value", "must"),
+    ("path", "value", "sentence"),
     [
-        (("length_mm",), 0, "be positive"),
-        (("length_mm",), None, "be a finite number"),
-        (("pressures_kPa",), ["17 kPa", "37 kPa"], "be n finite"),
-        (("pressures_kPa",), [37.0, 17.0], "rise"),
-        (("mass_g",), 0, "be positive"),
-        (("alpha1_N_mm2",), [60.0], "be 2 finite"),
-        (("alpha2_N_mm2",), [300.0, NAN], "be 2 finite"),
-        (("alpha2_N_mm2",), [300.0, -440.0], "be positive"),
-        (("d_mm",), None, "be 2 finite"),
-        (("kappa_0", "theta0_rad"), [0.0], "be 2 finite"),
-        (("kappa_0", "kappa_0_per_mm", 1), lambda row: row[1:], "be 2 × 12 finite"),
-        (("moment_range_N_mm",), [[0.1, 3.0]], "be 2 × 2 finite"),
-        (("alpha1_N_mm2_std",), [1.0], "be 2 finite"),
-        (("alpha1_N_mm2_std",), [None], "be 2 numbers"),
-        (("solid_volume_mm3",), -1.0, "be positive"),
-        (("kappa_0", "cell_averaged_per_mm"), [[0.0] * 4], "be 2 × 4 finite"),
-        (("kappa_0", "s_mm"), [], "be two numbers"),
-        (("eccentricity", "rest_stretch", 0, 3), None, "be 2 × 12 finite"),
-        (("eccentricity", "alpha1_N_mm2"), [60.0], "be 2 finite"),
+        (("format",), 99, "has format 99"),
+        (("length_mm",), 0, "length_mm: must be positive"),
+        (("length_mm",), None, "length_mm must be a finite number, not None"),
+        (("length_mm",), 90.0, "kappa_0 is given from s = 0 to 110 mm, the rod goes from 0 to 90 mm"),
+        (("pressures_kPa",), ["17 kPa", "37 kPa"], "pressures_kPa.0: must be a number"),
+        (("pressures_kPa",), [37.0, 17.0], "pressures of a rod must rise, from 0 kPa at least"),
+        (("pressures_kPa",), [-5.0, 17.0], "pressures of a rod must rise, from 0 kPa at least"),
+        (("mass_g",), 0, "mass_g: must be positive"),
+        (("alpha1_N_mm2",), [60.0], "alpha1_N_mm2: must have a length of 2, and has 1"),
+        (("alpha2_N_mm2",), [300.0, NAN], "alpha2_N_mm2.1: must be a finite number"),
+        (("alpha2_N_mm2",), [300.0, -440.0], "alpha2 is a rigidity and must be positive, not -440 N mm2"),
+        (("d_mm",), None, "d_mm: must be a list"),
+        (("kappa_0", "theta0_rad"), [0.0], "kappa_0.theta0_rad: must have a length of 2, and has 1"),
+        (
+            ("kappa_0", "kappa_0_per_mm", 1),
+            lambda row: row[1:],
+            "kappa_0_per_mm.1: must have a length of 12, and has 11",
+        ),
+        (("moment_range_N_mm",), [[0.1, 3.0]], "moment_range_N_mm: must have a length of 2"),
+        (("alpha1_N_mm2_std",), [1.0], "alpha1_N_mm2_std: must have a length of 2"),
+        (("alpha1_N_mm2_std",), [None], "alpha1_N_mm2_std: must have a length of 2"),
+        (("solid_volume_mm3",), -1.0, "solid_volume_mm3: must be positive"),
+        (("kappa_0", "cell_averaged_per_mm"), [[0.0] * 4], "kappa_0.cell_averaged_per_mm: must have a length of 2"),
+        (("kappa_0", "s_mm"), [], "kappa_0.kappa_0_per_mm.0: must have a length of 0"),
+        (("kappa_0", "s_mm"), lambda s: s[::-1], "column s of kappa_0 must rise"),
+        (("eccentricity", "rest_stretch", 0, 3), None, "eccentricity.rest_stretch.0.3: must be a number"),
+        (("eccentricity", "alpha1_N_mm2"), [60.0], "eccentricity.alpha1_N_mm2: must have a length of 2"),
+        (("eccentricity", "eccentricity_mm"), [1.2, None], "eccentricity_mm must be a finite number, not None"),
     ],
 )
-def test_parameters(tmp_path: Path, path: tuple[str | int, ...], value: Any, must: str) -> None:
-    content = changed(parameters(), path, value)
-    assert f": {named(path)} must {must}" in refusal(tmp_path / "parameters.json", content)
+def test_parameters(tmp_path: Path, path: tuple[str | int, ...], value: Any, sentence: str) -> None:
+    assert sentence in refusal(tmp_path / "parameters.json", changed(parameters(), path, value))
     with pytest.raises(pneurod.InputError, match=r"parameters\.json: ") as refused:
         pneurod.read_results(tmp_path)
-    assert str(path[0]) in str(refused.value)
+    assert sentence in str(refused.value)
 
 
 @pytest.mark.parametrize(
-    ("path", "value", "must"),
+    ("path", "value", "sentence"),
     [
-        (("pitch_mm",), 0.0, "be positive"),
-        (("pitch_mm",), -10.0, "be positive"),
-        (("length_mm",), None, "be a finite number"),
-        (("first_middle_mm",), NAN, "be a finite number"),
-        (("curves", 1, "kappa_per_mm"), lambda row: row[1:], "be 9 finite"),
-        (("curves", 0, "moment_N_mm", 4), None, "be 9 finite"),
-        (("curves", 0, "stretch", 4), NAN, "be 9 finite"),
-        (("curves", 0, "ripple_mm", 2), [[0.0, 0.0]], "be 9 × 3 × 2 finite"),
-        (("curves", 0, "rigidity_N_mm2", 0), 0.0, "not be zero"),
-        (("curves", 0, "s_mm"), lambda s: s[::-1], "rise"),
-        (("clamp", "curves", 0, "moment_N_mm"), lambda m: m[::-1], "rise"),
-        (("curves", 1, "axial_rigidity_N", 2), 0.0, "be positive"),
-        (("curves", 1, "shear_rigidity_N", 2), -3.0, "be positive"),
-        (("curves",), 3.0, "be a list"),
-        (("clamp", "curves", 0, "rotation_rad"), [0.0], "be 9 finite"),
-        (("clamp",), None, "have keys"),
-        (("tip", "curves", 0, "edge_mm"), [0.0], "be 2 finite"),
-        (("tip", "curves", 0, "beside_mm"), "none", "be 2 × 2 finite"),
-        (("curves", 0, "pressure_kPa"), "0 kPa", "be one finite"),
+        (("pitch_mm",), 0.0, "pitch_mm: must be positive, and has 0"),
+        (("pitch_mm",), -10.0, "pitch_mm: must be positive, and has -10"),
+        (("length_mm",), None, "length_mm: must be a number"),
+        (("first_middle_mm",), NAN, "first_middle_mm: must be a finite number"),
+        (("curves", 1, "kappa_per_mm"), lambda row: row[1:], "curves.1: kappa_per_mm must be 9 numbers, and has 8"),
+        (("curves", 0, "moment_N_mm", 4), None, "curves.0.moment_N_mm: must be finite numbers"),
+        (("curves", 0, "stretch", 4), NAN, "curves.0.stretch: must be finite numbers"),
+        (("curves", 0, "stretch"), [1.0], "curves.0: stretch must be 9 numbers, and has 1"),
+        (("curves", 0, "ripple_mm", 2), [[0.0, 0.0]], "curves.0.ripple_mm: must be lists of equal length with finite"),
+        (("curves", 0, "rigidity_N_mm2", 0), 0.0, "curves.0.rigidity_N_mm2: must be positive, and has 0"),
+        (("curves", 0, "rigidity_N_mm2", 4), -1.0, "curves.0.rigidity_N_mm2: must be positive, and has -1"),
+        (("curves", 0, "s_mm"), lambda s: s[::-1], "curves.0: s_mm must rise"),
+        (("clamp", "curves", 0, "moment_N_mm"), lambda m: m[::-1], "clamp.curves.0: moment_N_mm must rise"),
+        (("curves", 1, "axial_rigidity_N", 2), 0.0, "curves.1.axial_rigidity_N: must be positive, and has 0"),
+        (("curves", 1, "shear_rigidity_N", 2), -3.0, "curves.1.shear_rigidity_N: must be positive, and has -3"),
+        (("curves",), 3.0, "curves: must be a list"),
+        (("curves", 0), 3.0, "curves.0: must have keys"),
+        (("clamp", "curves", 0, "rotation_rad"), [0.0], "clamp.curves.0: rotation_rad must be 9 numbers, and has 1"),
+        (("clamp", "curves"), [], "must have a cell, a clamped end and a tip at each pressure"),
+        (("clamp",), None, "clamp.curves: is missing"),
+        (("tip", "curves", 0, "edge_mm"), [0.0], "tip.curves.0: edge_mm must be 2 numbers, and has 1"),
+        (("tip", "curves", 0, "beside_mm"), "none", "tip.curves.0.beside_mm: must be lists of equal length"),
+        (("curves", 0, "pressure_kPa"), "0 kPa", "curves.0.pressure_kPa: must be a number"),
+        (
+            ("mass",),
+            {"from_end_mm": [], "mass_g": [], "mass_times_height_g_mm": []},
+            "mass.from_end_mm: must be finite",
+        ),
     ],
 )
-def test_laws(tmp_path: Path, path: tuple[str | int, ...], value: Any, must: str) -> None:
-    assert f": {named(path)} must {must}" in refusal(tmp_path / "law.json", changed(law(), path, value))
-
-
-@pytest.mark.parametrize(
-    ("name", "path", "value", "sentence"),
-    [
-        ("parameters.json", ("format",), 99, "format 99"),
-        ("parameters.json", ("length_mm",), 0, "length_mm must be positive, not 0."),
-        ("parameters.json", ("length_mm",), None, "length_mm must be a finite number, not None."),
-        ("parameters.json", ("length_mm",), 90.0, "s_mm of kappa_0 goes to 110 mm, and length_mm is 90 mm."),
-        ("parameters.json", ("kappa_0", "s_mm"), lambda s: s[::-1], "s_mm of kappa_0 goes to 0 mm"),
-        ("parameters.json", ("pressures_kPa",), [-5.0, 17.0], "pressures_kPa begin with -5; a rod has pressures"),
-        ("parameters.json", ("pressures_kPa",), ["17 kPa"], "pressures_kPa must be n finite numbers, without texts"),
-        ("law.json", ("curves", 0, "stretch", 4), NAN, "must be 9 finite numbers, and has one that is none."),
-        ("law.json", ("curves", 0, "stretch"), [1.0], "must be 9 finite numbers, and has 1."),
-        ("law.json", ("curves", 0, "rigidity_N_mm2", 4), -1.0, "of curves[0] at the smallest moment must be positive"),
-        ("law.json", ("curves", 0), 3.0, "curves[0] must have keys, and is 3.0."),
-        ("law.json", ("clamp", "curves"), [], "must have a cell, a clamped end and a tip at each pressure"),
-    ],
-)
-def test_every_sentence(tmp_path: Path, name: str, path: tuple[str | int, ...], value: Any, sentence: str) -> None:
-    content = changed(parameters() if name == "parameters.json" else law(), path, value)
-    assert sentence in refusal(tmp_path / name, content)
+def test_laws(tmp_path: Path, path: tuple[str | int, ...], value: Any, sentence: str) -> None:
+    assert sentence in refusal(tmp_path / "law.json", changed(law(), path, value))
 
 
 def test_a_law_may_soften_to_a_negative_rigidity_at_its_end(tmp_path: Path) -> None:
@@ -176,4 +164,4 @@ def test_a_law_may_soften_to_a_negative_rigidity_at_its_end(tmp_path: Path) -> N
 def test_a_key_of_a_curve_that_is_missing_is_named(tmp_path: Path) -> None:
     content = law()
     del content["tip"]["curves"][1]["s_mm"]
-    assert "The key 's_mm' of tip.curves[1] is missing." in refusal(tmp_path / "law.json", content)
+    assert "tip.curves.1.s_mm: is missing" in refusal(tmp_path / "law.json", content)

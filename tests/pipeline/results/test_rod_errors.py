@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from pipeline.results.rod_errors import RodErrors, mesh_errors, rod_errors, tip_moves_by
-from pipeline.values.law import BesideLaw, LawMeshError
+from pipeline.values.law import LawMeshError
 from pipeline.values.run import Curve, RodError
 from tests.coarse import coarse_run
 
@@ -54,7 +54,7 @@ def test_a_small_curvature_is_no_measure_of_its_error() -> None:
     run = coarse_run()
     assert run.law is not None
     error = LawMeshError(pressures_kPa=(5.0,), kappa_0_per_mm=(1e-9,), kappa_0_per_mm_std=(1e-5,))
-    small = mesh_errors(replace(run, law=replace(run.law, beside=BesideLaw(error))), "arm_law")
+    small = mesh_errors(replace(run, law=replace(run.law, mesh_error=error)), "arm_law")
     assert small.kappa_0 == pytest.approx(1e-5 / (0.1 / 112.0))
 
 

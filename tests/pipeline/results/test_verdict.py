@@ -12,7 +12,6 @@ from pipeline.cli import app
 from pipeline.results.rod_errors import tip_moves_by
 from pipeline.results.verdict import MOST_WARNINGS, Verdict, verdict_of
 from pipeline.store.result_folder import json_text
-from pipeline.values.law import BesideLaw
 from pipeline.values.run import Reported, Run
 from tests.coarse import coarse_run
 
@@ -77,21 +76,21 @@ def test_a_moment_that_is_small_at_a_low_pressure_does_not_veto_the_rod() -> Non
     run = coarse_run()
     assert run.law is not None
     error = replace(
-        run.law.beside.mesh_error,
+        run.law.mesh_error,
         kappa_0_per_mm=(1e-5, 0.02),
         kappa_0_per_mm_std=(3e-5, 1e-4),
         rigidity_N_mm2_std=(1.0, 1.0),
         moment_N_mm=(1.3, 9.0),
         moment_N_mm_std=(0.143, 0.1),
     )
-    law = replace(run.law, beside=replace(run.law.beside, mesh_error=error))
+    law = replace(run.law, mesh_error=error)
     verdict = verdict_of(replace(run, law=law))
     assert verdict.usable
     assert verdict.mesh.kappa_0 == pytest.approx(1e-4 / 0.02)
     assert verdict.mesh.force == pytest.approx(0.143 / 9.0)
     (uncertain,) = (warning for warning in verdict.warnings if warning.code == "forces_uncertain")
     assert uncertain.values == {
-        "pressures_kPa": [run.law.beside.mesh_error.pressures_kPa[0]],
+        "pressures_kPa": [run.law.mesh_error.pressures_kPa[0]],
         "percent": pytest.approx(11),
     }
 
@@ -147,7 +146,7 @@ def test_warnings_are_ranked_and_few(run: Run) -> None:
 
 
 def test_an_unknown_error_of_the_mesh_is_said(run: Run) -> None:
-    unknown = verdict_of(replace(run, law=run.law and replace(run.law, beside=BesideLaw())))
+    unknown = verdict_of(replace(run, law=run.law and replace(run.law, mesh_error=None, unloaded=())))
     assert unknown.usable
     assert unknown.shape_error == unknown.errors[0].shape
     assert "mesh_error_unknown" in {warning.code for warning in unknown.warnings}

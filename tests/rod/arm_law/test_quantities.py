@@ -9,7 +9,7 @@ from geometry.arrays import Array
 from pipeline.answers.budget import NUMBERS, budget_table, make_budgets
 from pipeline.api.sensitivities import sensitivities_frame
 from pipeline.config.tolerances import Tolerances
-from rod import law_record
+from pipeline.results.laws import law_record
 from rod.arm_law.quantities import QUANTITIES, UNITS, Asked, Quantity, jacobian, key_in_files
 from rod.errors import RodError
 from tests.measured_arm import BENDING, EI, THICKER, arm_law

@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from pipeline.results.laws import law_of_record
 from rod import RodError
-from rod.arm_law.kinds import law_from_record
 from rod.arm_law.law import ArmLaw
 from rod.arm_law.moved import order_of_strain
 from tests.rod.arm_law.test_arm_law import law_of, straight_law
@@ -17,7 +17,7 @@ LAW = Path("tests/data/results_coarse/law.json")
 
 @pytest.fixture(scope="module")
 def law() -> ArmLaw:
-    return law_from_record(json.loads(LAW.read_text(encoding="utf-8")))
+    return law_of_record(json.loads(LAW.read_text(encoding="utf-8")))
 
 
 def test_curvature_and_stretch_change_by_the_square_of_the_strain(law: ArmLaw) -> None:

@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 
 from geometry.arrays import Array
+from pipeline.results.laws import law_of_record, law_record
 from rod import Rod, RodError
 from rod.arm.chain import rotation
 from rod.arm_law import space_rod
-from rod.arm_law.kinds import along, law_from_record, law_record
+from rod.arm_law.kinds import along
 from rod.arm_law.polynomial import Basis, Polynomial, exponents_up_to
 from rod.arm_law.space_law import SpaceLaw
 from rod.spatial import SpatialLoad
@@ -26,11 +27,11 @@ def polynomial(columns: dict[tuple[int, ...], float], count: int, scale: Array) 
     """One column, from coefficients by the powers of unscaled variables."""
     powers = exponents_up_to(max(sum(key) for key in columns), count)
     values = [columns.get(tuple(row), 0.0) * np.prod(scale**row) for row in powers.tolist()]
-    return Polynomial(Basis(powers, scale), np.array(values)[:, None])
+    return Basis(powers, scale).times(np.array(values)[:, None])
 
 
 def constant(values: list[float], count: int) -> Polynomial:
-    return Polynomial(Basis(np.zeros((1, count), np.intp), np.ones(count)), np.array([values]))
+    return Basis(np.zeros((1, count), np.intp), np.ones(count)).times(np.array([values]))
 
 
 def law(stretch_slope: float = 0.0, cubic: float = 0.0, turn: float = 0.0) -> SpaceLaw:
@@ -122,10 +123,10 @@ def test_the_limit_of_the_elements_converges_with_the_fourth_power(monkeypatch: 
 def test_the_air_is_minus_the_derivative_of_the_potential_by_the_pressures() -> None:
     """That of cells along the arm, in mm2 with pressures in MPa, and what its ends have besides."""
     made = law(cubic=2000.0)
-    basis = made.potential.basis
+    basis = made.potential
     by_pressure = np.hstack([made.potential.by(2 + k, basis) for k in range(3)])
     clamp, tip = constant([0.0] * 6 + [1.0, 2.0, 3.0], 5), constant([0.0] * 3 + [10.0, 20.0, 30.0], 3)
-    volume = Polynomial(basis, -1e3 * by_pressure)
+    volume = basis.times(-1e3 * by_pressure)
     rod = replace(made, volume=volume, clamp=clamp, tip=tip).at((5.0, 2.0, 0.0))
     state = rod.solve_in_space(SpatialLoad((0.0, 0.02, 0.03)))
     along = np.trapezoid(1e3 * state.curvature[:, 1:] @ RIGIDITY @ BENDS.T, state.s, axis=0)
@@ -140,15 +141,15 @@ def test_an_end_that_is_held_gives_the_force_that_brings_it_there() -> None:
 
 def test_the_file_gives_the_same_rod() -> None:
     made = law(stretch_slope=2.0)
-    again = law_from_record(law_record(made))
+    again = law_of_record(law_record(made))
     load = SpatialLoad((0.01, 0.02, 0.03))
     assert again.at((5, 2, 0)).solve_in_space(load).end == made.at((5, 2, 0)).solve_in_space(load).end
     record = law_record(made)
-    with pytest.raises(RodError, match="must have the air of each cavity"):
-        law_from_record({**record, "volume": record["stretch"]})
+    with pytest.raises(ValueError, match="must have the air of each cavity"):
+        law_of_record({**record, "volume": record["stretch"]})
     del record["tip"]
-    with pytest.raises(RodError, match="lacks the key 'tip'"):
-        law_from_record(record)
+    with pytest.raises(ValueError, match="tip"):
+        law_of_record(record)
 
 
 def test_pressures_between_the_rows_alone() -> None:
@@ -166,7 +167,7 @@ def test_a_load_beyond_the_law_is_refused() -> None:
 
 def test_its_weight_bends_it_as_an_even_load() -> None:
     """A cantilever of 2 g lies along x; the file keeps its mass."""
-    made = law_from_record(law_record(replace(law(), mass=Mass.even(LENGTH, 2.0))))
+    made = law_of_record(law_record(replace(law(), mass=Mass.even(LENGTH, 2.0))))
     rod = Rod(LENGTH, law=made.at((0.0, 0.0, 0.0)))
     end = rod.solve(direction=(0.0, 0.0, -1.0)).end
     force = -2e-3 * 9.81 / 100  # N, of a hundredth of the weight; it is linear there

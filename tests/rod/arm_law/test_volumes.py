@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 
 from geometry.arrays import Array
+from pipeline.results.laws import law_of_record, law_record
 from rod import RodError
 from rod.arm_law.curves import CellCurve, ClampCurve, TipCurve
 from rod.arm_law.law import ArmLaw
 from rod.arm_law.pairs import PairLaw
 from rod.arm_law.rates import CellRate, ClampRate, LawRate
-from rod.arm_law.record import plane_law, plane_record
 from tests.pair_laws import ray
 from tests.rod.arm_law.test_arm_law import EI, LENGTH, law_of, straight_law
 
@@ -96,13 +96,13 @@ def test_at_equal_curvature_a_change_of_the_design_leaves_the_air(law: ArmLaw) -
 
 
 def test_the_record_has_the_volumes_and_may_lack_them(law: ArmLaw) -> None:
-    record = json.loads(json.dumps(plane_record(law)))
+    record = json.loads(json.dumps(law_record(law)))
     assert np.shape(record["curves"][1]["volume_mm3_per_mm"]) == (9, 1)
     assert record["tip"]["curves"][0]["volume_mm3"] == list(law.tips[0].volume)
-    assert plane_record(plane_law(record)) == record
+    assert law_record(law_of_record(record)) == record
     for row in record["clamp"]["curves"]:
         del row["volume_mm3"]
-    rod = plane_law(record).at(12.0)
+    rod = law_of_record(record).at(12.0)
     with pytest.raises(RodError, match="has no volumes of the air"):
         rod.volumes(rod.solve())
 

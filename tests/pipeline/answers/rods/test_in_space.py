@@ -8,7 +8,7 @@ import pytest
 from typer.testing import CliRunner
 
 from pipeline.cli import app
-from rod.arm_law.kinds import law_record
+from pipeline.results.laws import law_record
 from rod.spatial import SpatialLoad
 from tests.coarse import COARSE
 from tests.rod.arm_law.test_spatial import law_of_straight, straight

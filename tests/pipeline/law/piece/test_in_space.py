@@ -20,12 +20,11 @@ from pipeline.law.piece.measure_clamp import clamp_curve
 from pipeline.law.piece.measure_tip import tip_curve
 from pipeline.law.piece.reach import Reach
 from pipeline.law.table import space_table
+from pipeline.results.laws import law_of_record, law_record, record_of, value_of
 from pipeline.values.law import LawMeshError
 from pipeline.values.richardson import Limit
 from rod import RodError
 from rod.arm_law.curves import ACROSS, IN_SPACE, CellCurve
-from rod.arm_law.keys import curve_of, record_of
-from rod.arm_law.kinds import law_from_record, law_record
 from rod.arm_law.law import ArmLaw
 from rod.arm_law.law_rod import LawRod
 from rod.spatial import SpatialLoad
@@ -89,11 +88,11 @@ def test_the_law_in_the_plane_stays_as_it_is(swept: tuple[BendingPiece, CellSwee
     planar, record = record_of(sweep.curve(piece.body.length)), record_of(cell)
     assert {key: record[key] for key in planar} == planar
     assert len(record) == len(planar) + len(IN_SPACE)
-    assert not curve_of(CellCurve, planar).is_in_space
+    assert not value_of(CellCurve, planar).is_in_space
 
 
 def test_the_rigidities_stand_in_the_file_and_follow_the_moduli(law: ArmLaw) -> None:
-    read = law_from_record(law_record(law))
+    read = law_of_record(law_record(law))
     np.testing.assert_array_equal(read.cells[0].twist_axis, law.cells[0].twist_axis)
     np.testing.assert_array_equal(read.clamps[0].lateral_compliance, law.clamps[0].lateral_compliance)
     rod, soft = law.at(PRESSURE), law.scaled(0.5).at(0.5 * PRESSURE)

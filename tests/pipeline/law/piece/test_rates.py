@@ -20,9 +20,10 @@ from pipeline.law.piece import in_space
 from pipeline.law.piece.rates import law_rates, material_steps
 from pipeline.law.pieces import ArmPieces
 from pipeline.law.tasks import PieceCurves
+from pipeline.results.laws import law_of_record, law_record
 from pipeline.store.progress import Silent
 from pipeline.store.store import open_store
-from rod import ArmLaw, RodError, law_from_record, law_record
+from rod import ArmLaw, RodError
 from rod.arm_law.curves import ACROSS
 
 CONFIGS = Path(__file__).resolve().parent.parent.parent.parent.parent / "configs"
@@ -138,7 +139,7 @@ def test_in_the_limit_of_the_mesh_rigidities_out_of_the_plane_change_by_the_same
 
 
 def test_the_file_holds_them() -> None:
-    again = law_from_record(json.loads(json.dumps(law_record(law()))))
+    again = law_of_record(json.loads(json.dumps(law_record(law()))))
     assert list(again.rates) == list(law().rates)
     ours, theirs = (one.derivative("geometry.wall") for one in (law(), again))
     assert np.array_equal(ours["kappa_0"], theirs["kappa_0"])

@@ -11,10 +11,10 @@ from typer.testing import CliRunner, Result
 
 from pipeline.cli import app
 from pipeline.config.config import Config
+from pipeline.results.laws import law_record
 from pipeline.store.result_folder import ResultFolder
 from pipeline.values.law import DeliveredLaw
 from pipeline.values.run import Run, State
-from rod.arm_law.kinds import law_record
 from rod.arm_law.law import ArmLaw
 from rod.arm_law.pairs import direction_of
 from tests.pair_laws import ray
@@ -38,7 +38,7 @@ def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..., Result
         content = law_record(law_for(config))
         ResultFolder(out).save_json("law.json", content)
         states = (State("III", 30.0, reaction_N=(0.0, 0.0123)),)
-        return SimpleNamespace(results=Run(out, states=states, law=DeliveredLaw(law_for(config))))
+        return SimpleNamespace(results=Run(out, states=states, law=DeliveredLaw(law=law_for(config))))
 
     def measured(config: Config, *_: Any) -> Any:
         return SimpleNamespace(measured=SimpleNamespace(law=law_for(config)))

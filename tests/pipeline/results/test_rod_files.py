@@ -10,9 +10,10 @@ import pytest
 from typer.testing import CliRunner
 
 from pipeline.cli import app
-from pipeline.results.saved_rod import SavedRod
+from pipeline.results.files import read_run
+from pipeline.results.laws import law_record
 from pipeline.values.formats import FORMAT
-from rod import FiveParameters, Rod, law_record
+from rod import FiveParameters, Rod
 from tests.rod.arm_law.test_arm_law import law_of, straight_law
 
 LENGTH = 112.0
@@ -51,7 +52,7 @@ def call(*arguments: str) -> tuple[int, str, str]:
 def test_rod_between_two_pressures_has_the_means_of_the_numbers_and_a_rest_curvature_through_zero(
     results: Path,
 ) -> None:
-    rod = SavedRod.read(results / "parameters.json").at("27 kPa")
+    rod = read_run(results / "parameters.json").parameters.rods().at(27.0)
     law = FiveParameters(alpha1=57.5, alpha2=370.0, m01=0.15, m02=-0.3, d=10.0)
     ours = rod.solve(force=(0.0, 0.05))
     kappa_0, theta0 = (np.polyval(np.polyfit([0, 17, 37], [0, *v], 2), 27) for v in ([-0.012, -0.023], [0.0, 0.02]))
@@ -108,8 +109,8 @@ def test_the_extensible_rod_has_a_longer_curve(results: Path) -> None:
     eccentricity = {key: content[key] for key in keys}
     eccentricity |= {"eccentricity_mm": [1.2, 1.4], "rest_stretch": [[1.02] * 57, [1.04] * 57]}
     file.write_text(json.dumps({**content, "eccentricity": eccentricity}))
-    assert SavedRod.read(file).at("27 kPa").extension is None
-    rod = SavedRod.read(file, extensible=True).at("27 kPa")
+    assert read_run(file).parameters.rods().at(27.0).extension is None
+    rod = read_run(file).parameters.rods(extensible=True).at(27.0)
     shape = rod.solve()
     stretch = float(np.polyval(np.polyfit([0, 17, 37], [1, 1.02, 1.04], 2), 27))
     assert np.all(np.abs(shape.stretch - stretch) < 1e-12)
@@ -159,8 +160,8 @@ def test_a_rod_carries_the_weight_of_its_arm(results: Path) -> None:
     light = call(*command)[1]
     content = json.loads(file.read_text())
     file.write_text(json.dumps(content | {"weight_N_per_mm": [0.0, -0.001], "weight_height_mm": 5.0}))
-    rods = SavedRod.read(file)
-    rod, length = rods.at("37 kPa"), content["length_mm"]
+    rods = read_run(file).parameters.rods()
+    rod, length = rods.at(37.0), content["length_mm"]
     rest = np.array(content["kappa_0"]["kappa_0_per_mm"][content["pressures_kPa"].index(37.0)])
     alone = rod.solve()
     at_rest = np.interp(content["kappa_0"]["s_mm"], alone.s, alone.kappa)
@@ -226,7 +227,7 @@ def test_the_command_prints_the_end_and_writes_the_shape(results: Path) -> None:
         (("--pressure", "27 kPa", "--end", "[130 mm, 0 mm]"), 2, "--end: is 130 mm away from the clamped end"),
         (("--pressure", "27 kPa", "--end-y", "0 mm", "--force", "[0 N, 1 N]"), 2, "give one of them"),
         (("--pressure", "27 kPa", "--end-y", "-300 mm"), 2, "--end-y: is 300 mm away from the clamped end"),
-        (("--pressure", "27 kPa", "--rod", "law"), 2, "--rod law: is not in parameters.json"),
+        (("--pressure", "27 kPa", "--rod", "law"), 2, "has no law.json, the arm's own law; take rod five"),
         (("--pressure", "27 kPa", "--rod", "six"), 2, "--rod six: allowed are law, five, five_extensible"),
     ],
 )
@@ -242,16 +243,16 @@ def test_other_files_are_rejected(tmp_path: Path) -> None:
     file.write_text("{}")
     status, _, sentence = call("rod", str(file), "--pressure", "17 kPa")
     assert status == 2
-    assert "is not the parameters.json of a finished run" in sentence
+    assert "has no rod; give the folder of a run, its parameters.json or its law.json" in sentence
     for text, problem in (
-        ("[{}]", ";"),
-        ("{", ", line 1 is not JSON;"),
-        ("{}", ", the key 'pressures_kPa' is missing;"),
+        ("[{}]", "has no rod"),
+        ("{", "line 1 is not JSON"),
+        ('{"pressures_kPa": 3}', "must be a list"),
     ):
         file.write_text(text)
         sentence = call("rod", str(file), "--pressure", "17 kPa")[2]
-        assert f"is not the parameters.json of a finished run{problem}" in sentence
-        assert not any(word in sentence for word in ("list indices", "str", "char"))
+        assert problem in sentence
+        assert not any(word in sentence for word in ("list indices", "char"))
 
 
 @pytest.mark.parametrize(
@@ -276,7 +277,7 @@ def test_a_run_without_parameters_is_refused_with_its_reason(
     for command in (("rod", str(file), "--pressure", "10 kPa"), ("export", str(results), "--to", "csv")):
         status, _, sentence = call(*command)
         assert status == 2
-        assert sentence == f"pneurod: {file}: holds no parameters of a rod: {reason}\n"
+        assert sentence == f"pneurod: {results}: holds no parameters of a rod: {reason}\n"
 
 
 @pytest.mark.parametrize("target", ["csv", "json", "pyelastica", "mujoco", "somo", "sorosim"])
@@ -336,7 +337,7 @@ def test_without_a_mass_there_are_tables_and_no_dynamics(results: Path, tmp_path
 
 def test_the_end_angle_printed_is_that_of_the_material_curve(results: Path) -> None:
     file = results / "parameters.json"
-    shape = SavedRod.read(file).at("37 kPa").solve(force=(0.0, 0.02))
+    shape = read_run(file).parameters.rods().at(37.0).solve(force=(0.0, 0.02))
     code, out, _ = call("rod", str(file), "--pressure", "37 kPa", "--force", "[0 N, 0.02 N]")
     assert code == 0
     assert f"{shape.end_angle:.4f} rad" in out
@@ -362,8 +363,8 @@ def test_options_of_the_five_parameters_and_missing_parts_are_named_for_a_law(re
     assert code == 0
     assert "arm_law: the arm's own law" in out
     status, _, sentence = call(*command, "--rod", "five")
-    assert (status, "--rod five: is not in law.json" in sentence) == (2, True)
+    assert (status, "holds no parameters of a rod" in sentence) == (2, True)
     record = json.loads(file.read_text())
     file.write_text(json.dumps({key: value for key, value in record.items() if key != "curves"}))
     status, _, sentence = call(*command)
-    assert (status, "The law of an arm lacks the key 'curves'" in sentence) == (2, True)
+    assert (status, "curves: is missing" in sentence) == (2, True)
