@@ -16,8 +16,6 @@ from geometry.errors import MeshError
 
 def read_content(path: Path, name: Path | None = None) -> Any:
     """What meshio reads in a mesh file. Raises `MeshError`, with `name` if given, where it cannot be read."""
-    import meshio
-
     name = path if name is None else name
     if not path.is_file():
         raise MeshError(f"the mesh file {name} does not exist")
@@ -29,7 +27,7 @@ def read_content(path: Path, name: Path | None = None) -> Any:
             warnings.catch_warnings(),
         ):
             warnings.simplefilter("ignore")
-            return meshio.read(path)
+            return _meshio().read(path)
     except ModuleNotFoundError as error:
         raise MeshError(f"the mesh file {name} cannot be read without {error.name}; save VTU") from error
     except (Exception, SystemExit) as error:
@@ -92,8 +90,7 @@ def named_rows(content: Any, dimension: int, kinds: tuple[str, ...]) -> dict[str
 
 def write_mesh(path: Path, points: Array, tets: Index, faces: Mapping[str, Index]) -> None:
     """Write a .msh with physical groups or a .vtu of the tetrahedra; see `Mesh.write`."""
-    import meshio
-
+    meshio = _meshio()
     if path.suffix == ".vtu":
         meshio.Mesh(points, [("tetra", tets)]).write(path, file_format="vtu")
         return
@@ -105,3 +102,9 @@ def write_mesh(path: Path, points: Array, tets: Index, faces: Mapping[str, Index
     names["solid"] = np.array([len(cells), 3])
     content = meshio.Mesh(points, cells, cell_data={"gmsh:physical": tags, "gmsh:geometrical": tags}, field_data=names)
     meshio.write(path, content, file_format="gmsh22", binary=False)
+
+
+def _meshio() -> Any:
+    import meshio
+
+    return meshio

@@ -107,14 +107,12 @@ def _check_gmsh() -> str:
 
 
 def _check_pictures() -> str:
-    import numpy as np
-
     from pipeline.results.drawing import draw_body
 
-    corners = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
+    body = geometry.PneuNet(chambers=1).body(4.0).mesh
     with tempfile.TemporaryDirectory() as folder:
-        picture = Path(folder) / "tetrahedron.png"
-        draw_body(picture, corners, np.array([[0, 1, 2, 3]]))
+        picture = Path(folder) / "chamber.png"
+        draw_body(picture, body.points, body.tets)
         return f"drawn without a display, {picture.stat().st_size} bytes"
 
 

@@ -45,11 +45,10 @@ class CompiledLater(Generic[P, R]):
 
     def compiled(self) -> Callable[P, R]:
         """The function compiled by numba, with a cache on disk that holds until one of the source files changes."""
-        import numba
-        from numba.extending import register_jitable
+        import numba.extending
 
         for function in self.calls:
-            register_jitable(function)
+            numba.extending.register_jitable(function)
         compiled = numba.njit(cache=True)(self.function)
         # numba itself looks at the file of the function alone, and not at those of the functions that it calls
         compiled._cache._cache_file._source_stamp = source_stamp((self.function, *self.calls))

@@ -67,10 +67,9 @@ def design_of(
 
 def checked(document: Document) -> "Config":
     """The configuration of a document. Raises InputError."""
-    from pipeline.config.config import Config
-    from pipeline.config.section import read
+    from pipeline.config import load
 
-    return read(Config, document)
+    return load.checked(document)
 
 
 def load_notes(design: "Config") -> "tuple[Reason, ...]":

@@ -86,13 +86,13 @@ def material(
 
     Raises `pneurod.InputError` for a wrong file or argument, and `pneurod.RunFailed` where no law can be used.
     """
-    from pipeline.answers.material.record import fit_material
-    from pipeline.answers.material.study import FitOptions
+    from pipeline.answers.material import record, study
 
     files = [given_path(test, "tests", "tensile.csv") for test in tests]
     needing = None if run is None else given_path(run, "run", "results/arm")
     texts = {"length": length, "area": area, "start": start, "up_to": up_to, "within": within, "density": density}
-    found = fit_material(files, FitOptions.read(texts, nu, cycle, needing), given_path(out, "out", "results/material"))
+    options = study.FitOptions.read(texts, nu, cycle, needing)
+    found = record.fit_material(files, options, given_path(out, "out", "results/material"))
     if not found.judged.usable:
         raise RunFailed(" ".join(found.words)).with_reached(found)
     return found

@@ -67,16 +67,16 @@ def shape(
 
     Raises `pneurod.InputError` for a wrong argument, and `pneurod.RunFailed` where the rod has no equilibrium.
     """
-    from pipeline.answers.rods.choice import rod_of_path
-    from pipeline.answers.rods.end_loads import AlongForce, EndLoads, Weight, rod_at, write_shape
+    from pipeline.answers.rods import choice, end_loads
 
-    weight, along = Weight.read(orientation, tip_mass, mass_at), AlongForce.all_of(force_at, line_load)
-    loads = EndLoads.read(force, moment, end_y, end, weight, along)
-    chosen = rod_of_path(given_path(path, "path", "results/arm"), rod)
-    selected = rod_at(chosen, pressure)
+    weight = end_loads.Weight.read(orientation, tip_mass, mass_at)
+    along = end_loads.AlongForce.all_of(force_at, line_load)
+    loads = end_loads.EndLoads.read(force, moment, end_y, end, weight, along)
+    chosen = choice.rod_of_path(given_path(path, "path", "results/arm"), rod)
+    selected = end_loads.rod_at(chosen, pressure)
     found = loads.shape(selected)
     if out is not None:
-        write_shape(found, given_path(out, "out", "shape.csv"))
+        end_loads.write_shape(found, given_path(out, "out", "shape.csv"))
     return RodShape(selected, found, chosen.error_text)
 
 
@@ -108,17 +108,15 @@ def solve(
 
     Raises `pneurod.InputError` for a wrong argument and for what is out of reach, with the nearest that is not.
     """
-    from pipeline.answers.rods.choice import choose_rod
-    from pipeline.answers.rods.end_loads import Weight
-    from pipeline.answers.rods.pressures import Wish, pressures_for
+    from pipeline.answers.rods import choice, end_loads, pressures, tips
     from pipeline.answers.rods.ratio import run_along
-    from pipeline.answers.rods.tips import tips_page
 
-    wish = Wish.read(tip, angle, force, at_height, Weight.read(orientation, tip_mass))
-    chosen = choose_rod(run_along(given_path(path, "path", "results/arm"), ratio), rod)
-    found = pressures_for(chosen, wish)
+    weight = end_loads.Weight.read(orientation, tip_mass)
+    wish = pressures.Wish.read(tip, angle, force, at_height, weight)
+    chosen = choice.choose_rod(run_along(given_path(path, "path", "results/arm"), ratio), rod)
+    found = pressures.pressures_for(chosen, wish)
     if picture is not None:
-        write_new(given_path(picture, "picture", "tips.html"), tips_page(chosen, wish, found))
+        write_new(given_path(picture, "picture", "tips.html"), tips.tips_page(chosen, wish, found))
     return Solutions(found, chosen.notes)
 
 

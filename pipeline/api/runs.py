@@ -82,16 +82,15 @@ def characterize_pairs(
     Arguments and errors as those of `characterize`. Raises InputError also where the pressures are no pairs.
     """
     from pipeline.law.rows import read_pairs
-    from pipeline.study.pairs.run import run_pairs
-    from pipeline.study.pairs.table import save_page
+    from pipeline.study.pairs import run, table
 
     document = document_of(config, {"accuracy": accuracy}, settings)
     if (spec := read_pairs(document)) is None:
         raise InputError(
             document.sentence(("pressures",), "are no pairs; for example [[10 kPa, 0 kPa], [20 kPa, 5 kPa]]")
         )
-    made = course_of(jobs, MOST_JOBS, fresh, progress).solve(run_pairs, spec, given_folder(out, spec.name))
-    save_page(made)
+    made = course_of(jobs, MOST_JOBS, fresh, progress).solve(run.run_pairs, spec, given_folder(out, spec.name))
+    table.save_page(made)
     return reached(made, made.raise_if_failed)
 
 
@@ -127,12 +126,11 @@ def cell(
     The law of an arm that leaves its plane is one in space. Raises InputError for a wrong configuration or folder and
     for an arm without such a law, and RunFailed, which has the report as `reached`, where a pressure is not reached.
     """
-    from pipeline.law.rows import read_rows
-    from pipeline.law.study import measure_any_law
+    from pipeline.law import rows, study
 
     document = document_of(config, {"accuracy": accuracy}, settings)
-    course, rows = course_of(jobs, 1, fresh, progress), read_rows(document)
-    design = checked(document) if rows is None else rows.config
+    course, given = course_of(jobs, 1, fresh, progress), rows.read_rows(document)
+    design = checked(document) if given is None else given.config
     folder = given_folder(out, f"{design.name}_cell")
-    report = course.solve(measure_any_law, rows or design, folder, () if rows else load_notes(design))
+    report = course.solve(study.measure_any_law, given or design, folder, () if given else load_notes(design))
     return reached(report, report.raise_if_failed)

@@ -23,16 +23,13 @@ def init(
 
     Raises `pneurod.InputError` for another family and a file that exists.
     """
-    from pipeline.config.body import BODIES
     from pipeline.config.example import example
-    from pipeline.config.section import not_known
 
-    if family not in BODIES:
-        raise InputError(f"FAMILY: {not_known(family, BODIES)}")
+    text = example(family, every=given_choice(every, "every"))
     file = Path(f"my_{family}.yaml") if out is None else given_path(out, "out", "arm.yaml")
     if file.exists() and not given_choice(force, "force"):
         raise InputError(f"{file}: exists; give another {argument('out')}, or {argument('force', True)} to replace it")
-    write_atomic(open_file(file), example(family, every=given_choice(every, "every")).encode())
+    write_atomic(open_file(file), text.encode())
     return file
 
 

@@ -88,20 +88,18 @@ def sweep(
     One report for each file. Raises InputError for a wrong file, folder or scheduler, and RunFailed, which has the
     reports as `reached`, where a point did not finish.
     """
-    from pipeline.study.sweep.spec import read_sweep
-    from pipeline.study.sweep.study import Course, run_sweeps
-    from pipeline.study.sweep.workers import LocalWorkers
+    from pipeline.study.sweep import spec, study, workers
 
     if scheduler is not None and (jobs is not None or memory is not None):
         own = f"{argument('jobs')} and {argument('memory')}"
         raise InputError(f"{argument('scheduler')}: its workers are started apart; leave out {own}")
-    sweeps = [read_sweep(given_path(file, "files", "sweep.yaml")) for file in files]
-    workers = scheduler or LocalWorkers.of(given_jobs(jobs) or available_cores(), memory)
+    sweeps = [spec.read_sweep(given_path(file, "files", "sweep.yaml")) for file in files]
+    who = scheduler or workers.LocalWorkers.of(given_jobs(jobs) or available_cores(), memory)
     parent = Path("results") if out is None else given_path(out, "out", "results/sweep")
     folders = [parent / sweep.name if out is None or len(sweeps) > 1 else parent for sweep in sweeps]
     say = _ignore if isinstance(given_progress(progress), Silent) else typer.echo
-    course = Course(workers, given_choice(fresh, "fresh"), say)
-    reports = tuple(run_sweeps(list(zip(sweeps, folders, strict=True)), course))
+    course = study.Course(who, given_choice(fresh, "fresh"), say)
+    reports = tuple(study.run_sweeps(list(zip(sweeps, folders, strict=True)), course))
     for report in reports:
         reached(reports, report.raise_if_failed)
     return reports
@@ -132,9 +130,8 @@ def design(
     `report.given_up` says what is missed, where wishes contradict each other. Raises `pneurod.InputError` for a wrong
     file and limits that no design keeps, and `pneurod.RunFailed` where no design has a law, or its run fails.
     """
-    from pipeline.study.wishes.design import find_design
-    from pipeline.study.wishes.spec import read_wishes
+    from pipeline.study.wishes import design, spec
 
-    file = read_wishes(given_path(wish, "wish", "wish.yaml"))
-    find = partial(find_design, with_run=given_choice(run, "run"))
+    file = spec.read_wishes(given_path(wish, "wish", "wish.yaml"))
+    find = partial(design.find_design, with_run=given_choice(run, "run"))
     return course_of(jobs, MOST_JOBS, fresh, progress).solve(find, file, given_folder(out, file.name))

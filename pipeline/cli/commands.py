@@ -25,6 +25,7 @@ from pipeline.api import measured, rods, runs, setup, studies
 from pipeline.api.given import document_of
 from pipeline.cli.ending import print_lines, with_sentences
 from pipeline.doctor import Finding
+from pipeline.show.progress import progress_for
 from pipeline.store.progress import Progress, Silent
 from pipeline.values.errors import RunFailed, on_command_line
 
@@ -109,8 +110,6 @@ def _options(function: Callable[..., Any]) -> dict[str, inspect.Parameter]:
 
 def _listener(options: Mapping[str, Any]) -> Progress:
     """The listener to the progress, by the options -q, -v and --json of a command that has them."""
-    from pipeline.show.progress import progress_for
-
     if options.get("quiet"):
         return Silent()
     return progress_for(Console(stderr=options.get("as_json", False)), verbose=options.get("verbose", False))

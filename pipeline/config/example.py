@@ -5,9 +5,11 @@ from dataclasses import replace
 
 from fem.materials import LAWS
 from geometry import FAMILIES
-from pipeline.config.body import OWN, design_class
+from pipeline.config.body import BODIES, OWN, design_class
 from pipeline.config.reference import REQUIRED, KeyEntry, effect_keys, general_keys, geometry_keys, material_keys
 from pipeline.config.rubbers import RUBBERS
+from pipeline.config.section import not_known
+from pipeline.values.errors import InputError
 
 _WIDTH = 34
 
@@ -19,8 +21,12 @@ MODULUS = "0.2 MPa"
 
 
 def example(family: str, *, every: bool = False) -> str:
-    """The text of a configuration of a body family, with every key or those of most designs. Raises KeyError for
-    another name."""
+    """The text of a configuration of a body family, with every key or those of most designs.
+
+    Raises InputError for another name.
+    """
+    if family not in BODIES:
+        raise InputError(f"FAMILY: {not_known(family, BODIES)}")
     own = family == OWN
     lines = [
         f"# A design of the family {family} for pneurod. Behind each value: what it means; its unit; what is allowed.",

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from pipeline.config.config import Config
-from pipeline.config.document import read_document
+from pipeline.config.document import Document, read_document
 from pipeline.config.section import read
 
 
@@ -17,4 +17,9 @@ def load_config(path: Path | str, overrides: Sequence[str] = ()) -> Config:
     Raises InputError with a sentence for each thing that is wrong, which names the file (or the override), the key and
     what is allowed.
     """
-    return read(Config, read_document(Path(path), overrides))
+    return checked(read_document(Path(path), overrides))
+
+
+def checked(document: Document) -> Config:
+    """The configuration of a document. Raises InputError."""
+    return read(Config, document)

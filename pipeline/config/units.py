@@ -100,9 +100,13 @@ def in_unit_of(value: str, unit: str) -> float:
 
 @cache
 def _registry() -> "pint.UnitRegistry":
+    return _pint().UnitRegistry()
+
+
+def _pint() -> Any:
     import pint
 
-    return pint.UnitRegistry()
+    return pint
 
 
 def _factor(unit: str, dimension: Dimension) -> float:
@@ -110,13 +114,11 @@ def _factor(unit: str, dimension: Dimension) -> float:
     usual = _USUAL.get(dimension.unit, {})
     if unit in usual:
         return usual[unit]
-    import pint
-
     if not _UNIT.fullmatch(unit) or len(unit) > LONGEST:
         raise ValueError
     try:
         return float(_registry().Quantity(1.0, _registry().parse_units(unit)).to(dimension.unit).magnitude)
-    except pint.DimensionalityError:
+    except _pint().DimensionalityError:
         raise TypeError from None
-    except (pint.PintError, ArithmeticError, AttributeError, AssertionError):
+    except (_pint().PintError, ArithmeticError, AttributeError, AssertionError):
         raise ValueError from None

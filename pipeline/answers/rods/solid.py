@@ -7,8 +7,10 @@ from typing import Any
 
 import numpy as np
 
+from fem.materials import LAWS
 from geometry.arrays import Array
 from pipeline.config.material import LOSS_FACTOR
+from pipeline.results.drawing import read_tetrahedra
 from pipeline.values.run import Run
 from rod import RodError, Solid
 from rod.export.robot import Section
@@ -40,8 +42,6 @@ def solid_of(run: Run) -> Solid | None:
 
 def young_modulus(material: Mapping[str, Any]) -> float:
     """MPa, at small strain, of a material as files have it. Raises `RodError` where it is no law with its constants."""
-    from fem.materials import LAWS  # only an export needs the laws
-
     try:
         law = LAWS[material["law"]]
         return law(**{name: material[name] for name in law.constants()}).young_modulus
@@ -50,8 +50,6 @@ def young_modulus(material: Mapping[str, Any]) -> float:
 
 
 def _corners(path: Path) -> Array:
-    from pipeline.results.drawing import read_tetrahedra  # only an export of a run reads its mesh
-
     return read_tetrahedra(path)
 
 

@@ -213,11 +213,9 @@ def simulate(pressure_kPa, force=(0.0, 0.0), seconds=None, damping=None, tell=No
 
 def plot(curves, file):
     """Draw material curves by their labels into a file."""
-    import matplotlib
-
-    matplotlib.use("Agg")
     import matplotlib.pyplot as plt
 
+    plt.switch_backend("Agg")
     figure, axes = plt.subplots()
     for label, points in curves.items():
         axes.plot(*(1e3 * points.T[:2]), label=label)

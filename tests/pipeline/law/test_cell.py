@@ -181,7 +181,7 @@ def test_a_pressure_that_a_finer_mesh_does_not_bear_is_named(tmp_path: Path, mon
     monkeypatch.setattr(meshes, "cell_without_moment", failing)
     with open_store(tmp_path, config, fresh=False) as store:
         limit = find_limit(pieces, {0.0: 0.0, 6.0: -0.004, 9.0: -0.006}, 1.0, RunContext.alone(store, Silent()))
-    assert limit.pressures_kPa == (0.0, 6.0)
+    assert tuple(limit.limits) == (0.0, 6.0)
     [reason] = limit.reasons
     assert (reason.code, reason.values["pressure_kPa"]) == ("cell_no_limit", 9.0)
     assert reason.values["size_mm"] == pytest.approx(6.0 / meshes.RATIO)
