@@ -99,6 +99,8 @@ def is_unit(text: str, dimensions: Sequence[Dimension]) -> bool:
 def per_unit(text: str, dimension: Dimension) -> float:
     """What one unit is in that of the dimension; NaN where this is no unit of it."""
     unit = text.strip("()[] ")
+    if unit == "strain":  # pint has it among its units
+        return np.nan
     for written, meant in UNITS.items():
         unit = unit.replace(written, meant)
     if dimension is STRAIN and plain(unit) in PURE:

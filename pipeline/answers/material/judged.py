@@ -24,6 +24,8 @@ SHORTER, SHORTEST = 0.85, 1.05
 UNSAFE = 1.3
 #: part of the tolerance within which the law of one constant is preferred
 SIMPLE = 0.5
+#: what ends the range of the law that is offered where none is close to the tests
+NEAREST = "misfit from the start on"
 #: laws whose biaxial stress follows best from tensile tests come first: those of the first invariant alone, and one
 #: term of Ogden's law (R. S. Rivlin, D. W. Saunders 1951; O. H. Yeoh, Rubber Chem. Technol. 63 (1990) 792)
 ORDER = ("yeoh", "ogden 1", "neo_hooke", "mooney_rivlin", "ogden 2", "hencky", "svk")
@@ -37,10 +39,11 @@ class LawFit:
     constants: Array  #: (k,) MPa; exponents without unit
     law: Material  #: with its Poisson ratio or kappa
     fitted: tuple[float, float]  #: stretches of the first and the last point that it was fitted to
-    misfit: float  #: root mean square of the differences over the stress, from a strain of 20 % on, over these points
-    largest: float  #: the largest of them
     holds: tuple[float, float] | None  #: smallest and largest principal stretch; None where it cannot be used
     why: str  #: what ends this range, or why there is none
+    misfit: float = np.nan  #: root mean square of the differences over the stress, from a strain of 20 % on, over the
+    #: points of this range, or else over those that it was fitted to
+    largest: float = np.nan  #: the largest of them
 
     @property
     def name(self) -> str:
@@ -96,7 +99,8 @@ def judge(points: Points, need: Need, nu: float, within: float) -> Judged:
         stable = [_as_it_is(fit, points) for fit in taken]
         best = min((fit for fit in stable if fit.holds), key=lambda fit: fit.misfit, default=taken[0])
         taken = [best, *(fit for fit in taken if fit.form is not best.form)]
-    return Judged(tuple(sorted(taken, key=lambda fit: fit.holds is None)), refused)
+    stated = [_with_misfit(fit, points) for fit in taken]
+    return Judged(tuple(sorted(stated, key=lambda fit: fit.holds is None)), refused)
 
 
 def end_of(points: Points) -> float:
@@ -123,10 +127,11 @@ def _widest(form: Form, points: Points, need: Need, nu: float, within: float) ->
         if len(chosen.stretch) <= len(form.constants):
             break
         try:
-            fit = _fitted(form, chosen, points, need, nu, within)
+            fit = _fitted(form, chosen, need, nu)
         except MaterialError as failure:
             refused = failure
             continue
+        fit = _with_range(_with_misfit(fit, points), points, within)
         first = first or fit
         if fit.holds and fit.holds[1] >= min(end, need.high, end_of(chosen)) * 0.99:
             return fit
@@ -137,15 +142,18 @@ def _widest(form: Form, points: Points, need: Need, nu: float, within: float) ->
     return first
 
 
-def _fitted(form: Form, chosen: Points, points: Points, need: Need, nu: float, within: float) -> LawFit:
+def _fitted(form: Form, chosen: Points, need: Need, nu: float) -> LawFit:
     constants = form.fitted(chosen, need.high)
-    law = form.solved(constants, nu)
+    return LawFit(form, constants, form.solved(constants, nu), (chosen.stretch[0], chosen.stretch[-1]), None, "")
+
+
+def _with_misfit(fit: LawFit, points: Points) -> LawFit:
+    """The same with its differences from the points of its range."""
+    chosen = points.within(*(fit.holds or fit.fitted))
     far = np.abs(chosen.stretch - 1) >= min(JUDGED_FROM, 0.5 * float(np.abs(chosen.stretch - 1).max()))
-    off = np.abs(law.uniaxial(chosen.stretch[far]).nominal - chosen.stress[far])
+    off = np.abs(fit.law.uniaxial(chosen.stretch[far]).nominal - chosen.stress[far])
     judged = np.nan_to_num(off, nan=np.inf) / np.maximum(np.abs(chosen.stress[far]), LEAST_STRESS * points.modulus)
-    fitted = float(chosen.stretch[0]), float(chosen.stretch[-1])
-    fit = LawFit(form, constants, law, fitted, float(np.sqrt(np.mean(judged**2))), float(judged.max()), None, "")
-    return _with_range(fit, points, within)
+    return replace(fit, misfit=float(np.sqrt(np.mean(judged**2))), largest=float(judged.max()))
 
 
 def _with_range(fit: LawFit, points: Points, within: float) -> LawFit:
@@ -215,4 +223,4 @@ def parting(law: Material, other: Material, high: float) -> tuple[float, str, fl
 def _as_it_is(fit: LawFit, points: Points) -> LawFit:
     """The same for all stretches of the tests at which it is stable, however far off it is."""
     high = _stable_to(fit.law, end_of(points))
-    return replace(fit, holds=(high**-2, high), why="misfit") if high > 1 else fit
+    return replace(fit, holds=(high**-2, high), why=NEAREST) if high > 1 else fit

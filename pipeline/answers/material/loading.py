@@ -9,7 +9,7 @@ import numpy as np
 from scipy.signal import find_peaks
 
 from geometry.arrays import Array, Index, Mask
-from pipeline.answers.material.table import MIN_POINTS, Series, Specimen, read_table
+from pipeline.answers.material.table import MIN_POINTS, PULLED, Series, Specimen, read_table
 from pipeline.values.errors import InputError, argument
 
 #: part of the range of strains by which the strain has to go back or beyond earlier strains; less is scatter
@@ -25,6 +25,9 @@ WINDOW, LAST_START, PART = 0.4, 0.15, 0.25
 STEEPEST = 0.95
 #: smallest slack that is taken away, over its standard error too, and the largest one
 LEAST_SLACK, CERTAIN, LARGEST_SLACK = 0.003, 2.0, 0.2
+#: strains of the start over which a stress e + c e^2 is judged, the least of them, and the least c of compression in
+#: positive numbers: rubbers have 1.4 to 10 there, in tension -1.3 to 0.4; Ogden's exponent 5.5 has 0.8 in tension
+START, LEAST_START, LEAST_BEND = 0.3, 0.15, 1.0
 #: strain of a preload from which it is told
 LEAST_PRELOAD = 0.02
 #: standard deviations of the slack, and of the two numbers by which rubber departs from neo-Hooke's law
@@ -102,6 +105,8 @@ def first_loading(where: str, name: str, series: Series, selection: Selection) -
         )
     used = order[strain[order] >= begin]
     _enough(where, len(used))
+    if not PULLED.search(series.kind):
+        _check_tension(where, strain[used], stress[used], slack)
     rest = np.setdiff1d(np.arange(len(strain)), used)
     stretch = 1 + strain - slack
     out = stretch[rest], stress[rest]
@@ -116,6 +121,24 @@ def _check(where: str, strain: Array, stress: Array) -> None:
         raise InputError(f"{where}: every stress is zero; give the measured force over the area at rest")
     if np.sum(strain * stress) <= 0:
         raise InputError(f"{where}: stress falls as the strain grows; tension must be positive in both columns")
+
+
+def _check_tension(where: str, strain: Array, stress: Array, slack: float) -> None:
+    """Asks about a stress that rises faster than the strain from the start; strain (n,) ascending, with its slack."""
+    begin = max(float(strain[0]), 0.0) if slack else 0.0
+    first = int(np.argmax(strain >= begin))
+    last = max(int(np.sum(strain <= begin + START)), first + MIN_POINTS)
+    strain, stress, longest = strain[first:last] - begin, stress[first:last], float(strain[-1])
+    if longest >= 1 or len(strain) < MIN_POINTS or np.ptp(strain) < LEAST_START:  # none is pressed to nothing
+        return
+    powers = strain[:, None] ** (np.arange(3) if slack else np.arange(1, 3))
+    excess = np.array([0.0, -LEAST_BEND, 1.0])[-powers.shape[1] :]
+    error = scatter(strain, stress) * float(np.sqrt(excess @ np.linalg.pinv(powers.T @ powers) @ excess))
+    if excess @ np.linalg.lstsq(powers, stress)[0] > CERTAIN * error:
+        raise InputError(
+            f"{where}: the stress rises faster than the strain from the start, as in compression: give compression "
+            "negative numbers, or call tension 'tensile stress' in the title"
+        )
 
 
 def _enough(where: str, count: int) -> None:

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from fem.materials import LAWS, Constant
-from pipeline.answers.material.judged import Judged, LawFit, Need, end_of, parting
+from pipeline.answers.material.judged import NEAREST, Judged, LawFit, Need, end_of, parting
 from pipeline.answers.material.laws import Points
 from pipeline.answers.material.loading import TensileTest
 
@@ -53,9 +53,11 @@ def recommendation(judged: Judged, points: Points, need: Need, within: float) ->
     if best.holds is None:
         return [f"No law can be used: {best.name}, which comes closest, is {best.why}."]
     misfit = f"on average {100 * best.misfit:.2g} % off the tests, at most {100 * best.largest:.2g} %"
-    sentences = [f"Take {best.name}: it is {misfit}, and can be used up to a stretch of {best.holds[1]:.3g}."]
-    if best.why == "misfit" and best.largest > within:
-        sentences = [f"No law is within {100 * within:g} % of the tests. {best.name} comes closest: it is {misfit}."]
+    end = f"up to a stretch of {best.holds[1]:.3g}"
+    sentences = [f"Take {best.name}: {end} it can be used, and is {misfit}."]
+    if best.why == NEAREST and best.largest > within:
+        none = f"No law is within {100 * within:g} % of the tests."
+        sentences = [f"{none} {best.name} comes closest: {end} it is {misfit}."]
     if best.holds[1] < 0.98 * need.high:
         ends = f"ends at a stretch of {best.holds[1]:.3g}"
         end = f"the test {ends}" if end_of(points) <= best.holds[1] * 1.02 else f"what it describes {ends}"

@@ -6,7 +6,7 @@ units. Titles may be English, German or French.
 
 import re
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -24,9 +24,11 @@ OTHERS = re.compile(
     r"|yield|strecksp|streckgr|width|breite|largeur|later|transv|quer|time|zeit|temps|max|peak|\bat\b|\bbei\b"
 )
 TRUE = re.compile(r"\b(true|cauchy|wahr\w*|vrai\w*|log\w*|hencky)\b")
-#: words of columns in which compression is positive
-PRESSED = re.compile(r"compress|druck|stauch")
-NOMINAL = re.compile(r"engineering|nominal|technisch|ingenieur")
+#: words of columns and tests of tension, of those in which compression is positive, and of those along several axes
+PULLED = re.compile(r"\btens|\bzug|traction")
+PRESSED = re.compile(r"compress|stauch|(?<!3d[- ])\bdruck")
+ACROSS = re.compile(r"\S*(?:bi-?ax|zweiachs|\bplanar|shear|\bscher|\bschub|cisaill|volumetr|hydrostat)\S*")
+NOMINAL = re.compile(r"\beng(\b|ineering)|nominal|technisch|ingenieur")
 #: kind of a column -> what it measures, and words of its title; the first kind whose words and unit fit is taken
 KINDS = {
     "stretch": (STRAIN, r"stretch|lambda|λ|verstreckung|extension ratio|rapport d.allongement"),
@@ -61,6 +63,7 @@ class Series:
     stress: Array  #: (n,) MPa
     lines: Array  #: (n,) numbers of their lines
     notes: tuple[str, ...]
+    kind: str = ""  #: name and titles in small letters
 
 
 @dataclass(frozen=True)
@@ -73,16 +76,28 @@ class _Column:
 
 
 def read_table(path: Path, specimen: Specimen) -> list[Series]:
-    """The tests of a file: by line of titles, pair of columns and name in a column of tests. Raises InputError."""
+    """The tests of a file along one axis: by line of titles, pair of columns and name in a column of tests.
+
+    Raises InputError.
+    """
     cells = read_cells(path, "tensile tests", EXAMPLE)
     tables = _tables(path, cells, np.array([[number_in(cell) for cell in row] for row in cells], dtype=float))
     most = max(table.points for table in tables)
     pairs = [(table, *pair) for table in tables if table.points >= min(most, MIN_POINTS) for pair in table.pairs()]
-    return [
+    found = [
         series
         for number, (table, *pair, notes) in enumerate(pairs, start=1)
         for series in _series(table, pair, specimen, str(number) if len(pairs) > 1 else "", notes)
     ]
+    words = dict.fromkeys(match.group() for series in found if (match := ACROSS.search(series.kind)))
+    if not words:
+        return found
+    named, uniaxial = ", ".join(words), [series for series in found if not ACROSS.search(series.kind)]
+    if not uniaxial:
+        raise InputError(f"{path}: {quoted(named)} is no test along one axis; give uniaxial tension or compression")
+    note = f"{path}: {quoted(named)} is left out: laws are fitted to tension and compression along one axis"
+    notes = tuple(dict.fromkeys(text for series in found for text in series.notes))
+    return [replace(series, notes=() if number else (*notes, note)) for number, series in enumerate(uniaxial)]
 
 
 @dataclass(frozen=True)
@@ -105,8 +120,12 @@ class _Table:
         stresses = _chosen(self.columns, ("stress",), "force")
         if len(strains) == len(stresses):
             return [(strain, stress, ()) for strain, stress in zip(strains, stresses, strict=True)]
+        strains, stresses = (
+            [column for column in columns if not ACROSS.search(plain(column.title))] or columns
+            for columns in (strains, stresses)
+        )
         taken = f"'{strains[0].title}' and '{stresses[0].title}'"
-        note = f"{self.path}: the columns {taken} are taken, others that hold the same are not"
+        note = f"{self.path}: the columns {taken} are taken, other columns of strain and stress are not"
         return [(strains[0], stresses[0], (note,))]
 
 
@@ -119,21 +138,23 @@ def _series(
     notes += tuple(note for _, note in values if note)
     if not known.any():
         raise InputError(f"{table.path}: has titles and no numbers under them; give a row for each point")
-    strain, stress = (column[known] for column, _ in values)
     lines = np.flatnonzero(known) + table.above + 1
     if gaps := int(lines[-1] - lines[0]) + 1 - len(lines):
         notes += (f"{table.path}: {gaps} rows between points have no numbers and are left out",)
-    if (impossible := strain <= -1).any():
-        line, value = lines[impossible][0], 100 * strain[impossible][0]
-        raise InputError(f"{table.path}: line {line}: {value:g} % is no possible strain; allowed: above -100 %")
     names = np.full(len(lines), number)
     if tests := [column.position for column in table.columns if column.kind == "test"]:
         column = table.cells[:, tests[0]]
         last = np.maximum.accumulate(np.where(column != "", np.arange(len(column)), 0))  # the last that is not empty
         names = np.array([f"{name} {number}".strip() for name in column[last][known]])
     for name in dict.fromkeys(names.tolist()):
-        of_test = names == name
-        yield Series(name, strain[of_test], stress[of_test], lines[of_test], notes)
+        kind, of_test = plain(" ".join([name, *(column.title for column in pair)])), names == name
+        strain, stress = (column[known][of_test] for column, _ in values)
+        if PRESSED.search(kind):
+            strain, stress = (-column if np.median(column) > 0 else column for column in (strain, stress))
+        if (impossible := strain <= -1).any():
+            line, value = lines[of_test][impossible][0], 100 * strain[impossible][0]
+            raise InputError(f"{table.path}: line {line}: {value:g} % is no possible strain; allowed: above -100 %")
+        yield Series(name, strain, stress, lines[of_test], notes, kind)
         notes = ()
 
 
@@ -154,8 +175,6 @@ def _values(table: _Table, column: _Column, specimen: Specimen) -> tuple[Array, 
             needed = f"{area}, the cross-section" if is_force else f"{length}, the length"
             raise InputError(f"{table.path}: column '{column.title}' holds {column.kind}s; give {needed} at rest")
         unit /= size
-    if PRESSED.search(plain(column.title)) and np.nanmedian(values[np.isfinite(values)]) > 0:
-        unit = -unit
     return unit * values - (column.kind == "stretch"), note
 
 

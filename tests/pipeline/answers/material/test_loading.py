@@ -110,6 +110,21 @@ def test_a_preload_is_named_and_not_taken_away() -> None:
     assert "the stress at rest is 0.05" in note or "the stress at rest is 0.04" in note
 
 
+@pytest.mark.parametrize("law", LAWS.values(), ids=LAWS)
+def test_compression_in_positive_numbers_is_asked_about(law: fem.Material) -> None:
+    """Sparse or dense, with a rounded start or without; tension to the same strains is not, nor what is called so."""
+    for top, count in ((0.2, 25), (0.4, 200), (0.6, 7)):
+        strain = np.linspace(0.0, top, count)
+        rounded = 0.01 * np.log1p(np.exp((strain - 0.03) / 0.01))
+        for shown in (strain, rounded) if count > 7 else (strain,):
+            with pytest.raises(InputError, match="the stress rises faster than the strain from the start"):
+                read(strain, -law.incompressible(1 - shown))
+            read(strain, law.incompressible(1 + shown))
+        pressed = -law.incompressible(1 - strain)
+        series = Series("", strain, pressed, np.arange(2, count + 2), (), "tensile strain (1) tensile stress (mpa)")
+        assert len(first_loading("pull.csv", "pull", series, FIRST).stress) > 4
+
+
 def test_strains_are_left_out_where_it_is_asked_for() -> None:
     test = read(UP, stress_of(UP), Selection(start=0.2, stop=1.0))
     np.testing.assert_allclose(test.strain[[0, -1]], [0.2, 1.0], atol=0.01)

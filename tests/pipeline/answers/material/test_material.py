@@ -15,7 +15,7 @@ from pipeline.answers.material.loading import TensileTest
 from pipeline.answers.material.page import law_table
 from pipeline.answers.material.record import fit_material
 from pipeline.answers.material.sentences import doubts, yaml_line
-from pipeline.answers.material.study import FitOptions
+from pipeline.answers.material.study import FitOptions, fit_tests
 from pipeline.cli import app
 from pipeline.config.load import load_config
 from tests.pipeline.values.test_plots import panels_of
@@ -42,7 +42,7 @@ def test_the_command(configs: Path, tmp_path: Path) -> None:
     result = call(str(configs / "elastosil_m4601_yeoh.csv"), "--out", str(tmp_path), "--density", "1130 kg/m^3")
     assert result.exit_code == 0, result.output
     lines = [line for line in result.stdout.splitlines() if line]
-    assert lines[0].startswith("Take yeoh: it is on average 3")
+    assert lines[0].startswith("Take yeoh: up to a stretch of 3 it can be used, and is on average 4")
     assert "the specimens differ by 2" in result.stdout
     assert "No other law agrees with it in two directions beyond a stretch of 1.65" in result.stdout
     record = json.loads((tmp_path / "material.json").read_text(encoding="utf-8"))
@@ -102,6 +102,36 @@ def test_the_stretches_of_a_run_are_met(tmp_path: Path) -> None:
     refused = call(file, "--out", str(tmp_path / "out"), "--for", str(run))
     assert refused.exit_code == 2
     assert f"{run}: holds no results; give the folder of a run" in refused.stderr
+
+
+def test_the_error_of_a_law_is_that_over_the_stretches_for_which_it_is_offered(configs: Path) -> None:
+    found = fit_tests([configs / "elastosil_m4601_yeoh.csv"], FitOptions())
+    for fit in found.judged.usable:
+        assert fit.holds is not None
+        inside = found.points.within(1.0, fit.holds[1])
+        far = inside.stretch - 1 >= 0.2
+        off = np.abs(fit.law.uniaxial(inside.stretch[far]).nominal / inside.stress[far] - 1)
+        if fit.holds[1] > 1.45:  # else strains below 20 % count too
+            assert (fit.largest, fit.misfit) == pytest.approx((off.max(), np.sqrt(np.mean(off**2))))
+
+
+def test_two_kinds_of_test_and_compression_in_positive_numbers(tmp_path: Path) -> None:
+    """Neo-Hooke's law comes from the uniaxial rows alone, and from compression that is called so; else it is asked."""
+    law, strain = fem.NeoHooke(0.15, 100.0), np.linspace(0.05, 1.5, 30)
+    rows = [f"uniaxial,{e},{s}" for e, s in zip(strain, law.incompressible(1 + strain), strict=True)]
+    rows += [f"equibiaxial,{e},{s}" for e, s in zip(strain, 0.15 * (1 + strain - (1 + strain) ** -5), strict=True)]
+    (tmp_path / "two.csv").write_text("\n".join(["test,strain (1),stress (MPa)", *rows]))
+    pressed = np.linspace(0.0, 0.4, 25)
+    stress = -law.incompressible(1 - pressed)
+    called = written(tmp_path, pressed, stress, "compressive strain (1),stress (MPa)")
+    for file in (str(tmp_path / "two.csv"), called):
+        result = call(file, "--out", str(tmp_path / "out"))
+        assert "Take neo_hooke" in result.stdout, result.output
+        assert "mu: 0.15 MPa" in result.stdout
+        assert ("'equibiaxial' is left out" in result.stderr + result.stdout) == (file != called)
+    asked = call(written(tmp_path, pressed, stress), "--out", str(tmp_path / "out"))
+    assert asked.exit_code == 2
+    assert "give compression negative numbers, or call tension 'tensile stress' in the title" in asked.stderr
 
 
 def test_a_test_that_ends_early_says_so(tmp_path: Path) -> None:

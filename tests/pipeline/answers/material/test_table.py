@@ -75,6 +75,8 @@ def read(path: Path) -> list[Series]:
          "{mm:.6f}\t{N:.6f}\t1"),
         ("Sample,1\nPosition,Load,Time\nmm,kN,s", "{mm:.6f},{kN:.9f},1"),
         ("ε (%)\tσ (kPa)", "{percent:g}\t{kPa:g}"),
+        ("eng. strain, eng. stress (MPa)", "{strain:g},{MPa:g}"),
+        ("strain (1),stress (Pa),eng. strain (%),eng. stress (MPa)", "{true:.6f},{cauchy:g},{percent:g},{MPa:g}"),
     ],
 )  # fmt: skip
 def test_titles_units_and_separators(header: str, form: str, tmp_path: Path) -> None:
@@ -82,7 +84,7 @@ def test_titles_units_and_separators(header: str, form: str, tmp_path: Path) -> 
     np.testing.assert_allclose(test.strain, STRAINS, atol=1e-6)
     np.testing.assert_allclose(test.stress, STRESSES, atol=1e-6)
     assert all("has no unit" in note for note in test.notes)
-    assert len(test.notes) == ("Engineering Strain;" in header)
+    assert len(test.notes) == (header.startswith("eng.") or "Engineering Strain;" in header)
 
 
 @pytest.mark.parametrize(
@@ -151,8 +153,32 @@ def test_rows_without_numbers_and_columns_that_repeat_are_left_out_and_named(tmp
         written(tmp_path, table("strain (%),stretch,stress (MPa)", points("{percent:g},{stretch:g},{MPa:g}")))
     )
     assert test.notes[0].endswith(
-        "the columns 'strain (%)' and 'stress (MPa)' are taken, others that hold the same are not"
+        "the columns 'strain (%)' and 'stress (MPa)' are taken, other columns of strain and stress are not"
     )
+
+
+@pytest.mark.parametrize(
+    ("header", "form"),
+    [
+        ("test,strain (1),stress (MPa)", "pure shear,{strain},9\npull 1,{strain},{MPa}"),
+        ("biaxial strain (1),biaxial stress (MPa),strain (1),stress (MPa)", "{strain},9,{strain},{MPa}"),
+        ("strain (1),planar stress (MPa),uniaxial stress (MPa)", "{strain},9,{MPa}"),
+        ("Scherdehnung (1);Schubspannung (MPa);Dehnung (1);Zugspannung (MPa)", "{strain};9;{strain};{MPa}"),
+    ],
+)
+def test_tests_along_several_axes_are_left_out_and_named(header: str, form: str, tmp_path: Path) -> None:
+    [test] = read(written(tmp_path, table(header, points(form))))
+    np.testing.assert_allclose(test.stress, STRESSES)
+    assert "is left out: laws are fitted to tension and compression along one axis" in test.notes[0] or (
+        "'uniaxial stress (MPa)' are taken" in test.notes[0]
+    )
+
+
+def test_a_column_of_tests_names_compression(tmp_path: Path) -> None:
+    rows = points("compression,{percent:g},{MPa:g}\n3D-Druck 1,{percent:g},{MPa:g}")
+    pressed, printed = read(written(tmp_path, table(f"test,{HEADER}", rows)))
+    np.testing.assert_allclose(pressed.stress, -printed.stress)
+    np.testing.assert_allclose(pressed.strain, -np.array(STRAINS), atol=1e-12)
 
 
 @pytest.mark.parametrize(
@@ -176,6 +202,7 @@ def test_rows_without_numbers_and_columns_that_repeat_are_left_out_and_named(tmp
         (table("strain (%),stress", GOOD), r"column 'stress' has no unit; write it as in 'stress \(MPa\)'"),
         (table("true strain (%),stress (MPa)", GOOD), r"column 'true strain \(%\)' is not nominal; give"),
         (table("Dehnung (%),wahre Spannung (MPa)", GOOD), "is not nominal"),
+        (table("shear strain (%),shear stress (MPa)", GOOD), "'shear' is no test along one axis; give uniaxial"),
         (table(HEADER, ["-100,-9", *GOOD]), "line 2: -100 % is no possible strain"),
         (
             table("strain (%),force (N)", GOOD),
