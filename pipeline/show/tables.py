@@ -6,6 +6,7 @@ from dataclasses import fields
 from typing import Any
 
 from fem.elements import ELEMENTS
+from pipeline.answers.rods.solid import young_modulus
 from pipeline.results.rod_errors import TITLES, mesh_errors, rod_errors
 from pipeline.values.formats import EXTENSIBLE, FIVE
 from pipeline.values.formatting import decimals_beside, decimals_of, duration, interval, number, percent, with_spread
@@ -138,7 +139,9 @@ def design(run: Run) -> Table:
     lengths = [f"{name.replace('_', ' ')} {number(v)}" for name, v in geometry.items() if isinstance(v, float)]
     rows += [("dimensions (mm)", ", ".join(lengths))] if lengths else []
     materials = {"material": run.config.get("material") or {}, **(run.config.get("materials") or {})}
-    rows += [(name, ", ".join(f"{key} {_cell(v)}" for key, v in law.items())) for name, law in materials.items() if law]
+    for name, law in materials.items():
+        values = [f"{key} {_cell(value)}" for key, value in law.items()]
+        rows += [(name, ", ".join([*values, f"Young's modulus at rest {young_modulus(law):.3g} MPa"]))] if law else []
     if mesh:
         edges = f"edges {mesh.mean_edge_mm:.2g} mm on average, {mesh.longest_edge_mm:.2g} mm at most"
         rows.append(("mesh", f"{mesh.elements} {mesh.formulation} elements, {edges}"))

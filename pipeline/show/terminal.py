@@ -8,8 +8,8 @@ from pipeline.values.table import Table
 
 
 def body_table(file: Path, config: Config, body: Body) -> Table:
-    """The meshed body: volumes beside those of the drawing, what was chosen for its mesh and why, and the quality of
-    the elements."""
+    """The meshed body: volumes beside those of the drawing, moduli of its materials, what was chosen for its mesh and
+    why, and the quality of the elements."""
     design, quality, halves = config.design, body.mesh.quality, 2 if body.half else 1
     rows = [
         ("mesh", f"{file}, {'the half z >= 0' if body.half else 'the full body'}"),
@@ -19,6 +19,9 @@ def body_table(file: Path, config: Config, body: Body) -> Table:
     for name, tets in body.mesh.regions.items():
         meshed, drawn = halves * float(body.mesh.volumes[tets].sum()), design.region_volumes[name]
         rows.append((f"of it {name}", f"{meshed:.7g} mm3; from the drawing {drawn:.7g}"))
+    materials = {"material": config.material, **{f"materials.{name}": law for name, law in config.materials.items()}}
+    at_rest = {key: f"{law.built().young_modulus:.3g} MPa at rest" for key, law in materials.items()}
+    rows += [(key, f"{law.law}, Young's modulus {at_rest[key]}") for key, law in materials.items()]
     for name, drawn in design.cavity_volumes.items():
         air = halves * body.mesh.enclosed_volume(name)
         rows.append((name, f"{air:.7g} mm3 in the full body; from the drawing {drawn:.7g}"))

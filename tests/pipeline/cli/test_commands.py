@@ -233,6 +233,7 @@ def test_mesh_writes_the_body_and_its_quality(coarse: str, tmp_path: Path) -> No
     output = " ".join(result.stdout.split())
     for text in ("22 mm", "from the drawing", "radius ratio", "tetrahedra", "five parameters need an arm of 65 mm"):
         assert text in output
+    assert "material svk, Young's modulus 1.2 MPa at rest" in output
     assert "formulation p2p0, because mixed elements, though more accurate, end early" in output
     assert "size 5 mm" not in output  # it was given
 

@@ -116,6 +116,15 @@ def test_the_five_parameters_have_errors_and_intervals(run: Run) -> None:
     assert one.rows[0][-1] == "one section"
 
 
+def test_a_material_stands_with_its_modulus_at_rest(run: Run) -> None:
+    """Of the constants of Ogden's law, which other programs read in another form, it shows which one is meant."""
+    ogden = {"law": "ogden", "mu": [0.08], "alpha": [5.5], "kappa": 21.9}
+    for material, modulus in ((run.config["material"], "1.2 MPa"), (ogden, "0.658 MPa")):
+        table = tables.design(replace(run, record=replace(run.record, config={"material": material})))
+        [shown] = [value for name, value in table.rows if name == "material"]
+        assert shown.endswith(f"Young's modulus at rest {modulus}")
+
+
 def test_every_rod_and_load_has_a_row(run: Run) -> None:
     rods, loads = tables.rods(run), tables.loads(run)
     assert rods.rows[0][0] == "the arm's own law"
