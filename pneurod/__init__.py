@@ -62,6 +62,7 @@ if TYPE_CHECKING:
         RodError,
         RodSolution,
         RodWarning,
+        Support,
     )
 
 __all__ = [
@@ -92,6 +93,7 @@ __all__ = [
     "Semicircular",
     "SemicircularSingle",
     "StVenantKirchhoff",
+    "Support",
     "Yeoh",
     "accuracy",
     "budget",

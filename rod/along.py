@@ -1,8 +1,9 @@
-"""Dead loads on sections of an arm between its ends."""
+"""Dead loads on sections of an arm, and supports that hold them."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TypeAlias, final
+from itertools import pairwise
+from typing import NamedTuple, TypeAlias, final
 
 import numpy as np
 
@@ -12,6 +13,10 @@ from rod.errors import LoadError, RodError
 
 #: (x, y, z)
 Triple = tuple[float, float, float]
+#: x, y and z of a point that is held, mm; None along an axis on which it is free
+Position = tuple[float | None, float | None, float | None]
+#: distance from the clamp and from the end, over the length, below which a place is theirs
+APART = 1e-4
 
 
 def triple(values: object, name: str) -> Triple:
@@ -92,13 +97,98 @@ class LineLoad:
 AlongLoad: TypeAlias = PointLoad | LineLoad
 
 
+@final
+@dataclass(frozen=True)
+class Support:
+    """Holds an arm in one section. Raises `RodError` for what is no finite number, and where it holds nothing."""
+
+    s: float  #: mm, rest arc length from the clamp
+    x: float | None = None  #: mm, where it holds the curve; None: free, and so are the others
+    y: float | None = None  #: mm
+    z: float | None = None  #: mm, across the plane of the arm
+    angle: float | None = None  #: rad, of the cross section's normal, as `theta` of a solution; in the plane alone
+    #: mm, where it holds the arm beside the material curve without load, along and normal to the arm
+    beside: tuple[float, float] = (0.0, 0.0)
+
+    def __post_init__(self) -> None:
+        finite(self.s, "s")
+        for name in ("x", "y", "z", "angle"):
+            at = getattr(self, name)
+            object.__setattr__(self, name, None if at is None else finite(at, name))
+        _check_beside(self)
+        if not self.held:
+            raise RodError("A support holds x, y, z or the angle of a section; this one holds none of them.")
+
+    @property
+    def breaks(self) -> tuple[float, ...]:
+        """mm: where it stands."""
+        return (self.s,)
+
+    @property
+    def position(self) -> Position:
+        """x, y and z, mm."""
+        return self.x, self.y, self.z
+
+    @property
+    def held(self) -> dict[int, float]:
+        """What is held, 0 to 2 for x to z and 5 for the angle, and its value."""
+        values = {0: self.x, 1: self.y, 2: self.z, 5: self.angle}
+        return {axis: at for axis, at in values.items() if at is not None}
+
+    def seen_from(self, start: Sequence[float]) -> "Support":
+        """The same where x, y and z are measured from a start."""
+        x, y, z = (None if at is None else at - origin for at, origin in zip(self.position, start, strict=True))
+        return replace(self, x=x, y=y, z=z)
+
+
+#: what `Rod.solve` takes along an arm
+Along: TypeAlias = PointLoad | LineLoad | Support
+
+
+class Reaction(NamedTuple):
+    """What a support exerts on an arm."""
+
+    s: float  #: mm, where it stands
+    force: Triple  #: N
+    couple: float  #: N mm, of a support that holds the angle
+
+
+def reactions_of(supports: Sequence[Support], values: Array) -> tuple[Reaction, ...]:
+    """By support; values: (k,) N or N mm, of all that is held."""
+    found, left = [], iter(values.tolist())
+    for one in supports:
+        of = dict.fromkeys((0, 1, 2, 5), 0.0) | {axis: next(left) for axis in one.held}
+        found.append(Reaction(one.s, (of[0], of[1], of[2]), of[5]))
+    return tuple(found)
+
+
+def are_heights(supports: Sequence[Support]) -> bool:
+    """Whether heights are held as in experiment III, and neither places along x nor angles."""
+    return any(one.y is not None for one in supports) and all(one.x is one.angle is None for one in supports)
+
+
+def check_supports(supports: Sequence[Support], begin: float, length: float) -> None:
+    """Raise `LoadError` for supports off the arm between two places (mm), and for two at one place."""
+    places, inside = sorted(one.s for one in supports), f"{begin:.3g} < s <= {length:g} mm"
+    for s in places:
+        if not begin < s <= length * (1 + 1e-9):
+            raise LoadError(f"A support of this arm stands at {inside}; s = {s:g} mm is outside.")
+    for s, following in pairwise(places):
+        if following - s <= APART * length:
+            raise LoadError(f"Two supports stand at s = {s:g} mm; write all that is held there as one.")
+
+
 def _check(load: AlongLoad) -> None:
     """Give the force three components; raise `RodError` for what is no finite number."""
     force = (*load.force, 0.0) if np.shape(load.force) == (2,) else load.force
     object.__setattr__(load, "force", triple(force, "force"))
     object.__setattr__(load, "couple", triple(load.couple, "couple"))
-    if np.shape(load.beside) != (2,) or not np.all(np.isfinite(load.beside)):
-        raise RodError(f"beside is a pair of finite numbers, along and normal to the arm; {load.beside!r} is not.")
+    _check_beside(load)
+
+
+def _check_beside(one: Along) -> None:
+    if np.shape(one.beside) != (2,) or not np.all(np.isfinite(one.beside)):
+        raise RodError(f"beside is a pair of finite numbers, along and normal to the arm; {one.beside!r} is not.")
 
 
 def resultant(along: Sequence[AlongLoad], s: Array) -> Array:
@@ -106,9 +196,9 @@ def resultant(along: Sequence[AlongLoad], s: Array) -> Array:
     return np.asarray(sum((one.shares(s).sum() * np.array(one.force) for one in along), np.zeros(3)))
 
 
-def leaves_plane(load: AlongLoad) -> bool:
-    """Whether a load moves an arm out of its plane."""
-    return any((load.force[2], *load.couple[:2]))
+def leaves_plane(one: Along) -> bool:
+    """Whether a load moves an arm out of its plane, or a support holds it there."""
+    return one.z is not None if isinstance(one, Support) else any((one.force[2], *one.couple[:2]))
 
 
 def part_of(along: Sequence[AlongLoad], part: float) -> tuple[AlongLoad, ...]:
@@ -116,11 +206,12 @@ def part_of(along: Sequence[AlongLoad], part: float) -> tuple[AlongLoad, ...]:
     return tuple(replace(one, force=scaled(one.force, part), couple=scaled(one.couple, part)) for one in along)
 
 
-def checked_along(along: object) -> tuple[AlongLoad, ...]:
-    """Loads as a tuple. Raises `RodError` for anything else."""
-    if not isinstance(along, Sequence) or not all(isinstance(one, PointLoad | LineLoad) for one in along):
-        raise RodError(f"along is a list of rod.PointLoad and rod.LineLoad; {along!r} is not.")
-    return tuple(along)
+def split_along(along: object) -> tuple[tuple[AlongLoad, ...], tuple[Support, ...]]:
+    """Loads and supports. Raises `RodError` for anything else."""
+    if not isinstance(along, Sequence) or not all(isinstance(one, PointLoad | LineLoad | Support) for one in along):
+        raise RodError(f"along is a list of rod.PointLoad, rod.LineLoad and rod.Support; {along!r} is not.")
+    supports = tuple(one for one in along if isinstance(one, Support))
+    return tuple(one for one in along if not isinstance(one, Support)), supports
 
 
 def check_inside(load: AlongLoad, length: float) -> None:

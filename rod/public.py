@@ -1,6 +1,6 @@
 """The names that users and the other rooms write as `rod.NAME`."""
 
-from rod.along import LineLoad, PointLoad
+from rod.along import LineLoad, PointLoad, Reaction, Support
 from rod.arm_law.law import ArmLaw
 from rod.arm_law.law_rod import LawRod
 from rod.curves.cell_average import cell_averaged, shortest_pitch
@@ -49,6 +49,7 @@ __all__ = [
     "PointLoad",
     "PressurisedRod",
     "Quantity",
+    "Reaction",
     "Robot",
     "Rod",
     "RodError",
@@ -59,6 +60,7 @@ __all__ = [
     "SpatialSolution",
     "Stability",
     "Straightness",
+    "Support",
     "TwoSlopes",
     "cell_averaged",
     "compile_kernels",

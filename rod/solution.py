@@ -9,7 +9,7 @@ import numpy as np
 
 from geometry.arrays import Array
 from geometry.centreline import END_PART, chord_angle
-from rod.along import Triple, resultant
+from rod.along import Reaction, Triple, resultant
 from rod.arm.response import Parameter, Response, SolvedPath
 from rod.arm.stability import ALL, stability_of
 from rod.cubics import hermite
@@ -37,6 +37,7 @@ class RodSolution:
     moment: Array  #: (n,) N mm
     stretch: Array  #: (n,), 1 on an inextensible rod
     force: Array  #: (2,) N, F_x and F_y on the end s = l
+    reactions: tuple[Reaction, ...]  #: of the supports along the arm, in their order, and of that of its end
     weight: Array  #: (2,) N, x and y of the weight of the rod itself
     load_steps: int  #: steps of the load
     path: SolvedPath = field(repr=False)  #: how it was found
@@ -77,7 +78,8 @@ class RodSolution:
         The clamp exerts its negative on the body (`clamp_moment_N_mm` of the finite elements).
         """
         x, y = self.x[0] - self.curve[0, 0], self.y[0] - self.curve[0, 1]
-        force = self.force + self.weight + resultant(self.path.held.load.along, self.s)[:2]
+        force = self.force + self.weight + resultant(self.path.load.along, self.s)[:2]
+        force += sum((one.force[:2] for one in self.reactions if one.s < self.s[-1]), np.zeros(2))
         return float(self.moment[0] + x * force[1] - y * force[0])
 
     @property
@@ -141,6 +143,7 @@ class SpatialSolution:
     stretch: Array  #: (n, 3) stretch, shear in the plane of symmetry and across it
     moment: Array  #: (n, 3) N mm, along x, y and z
     force: Array  #: (3,) N, on the end
+    reactions: tuple[Reaction, ...]  #: of the supports along the arm, in their order, and of that of its end
     weight: Array  #: (3,) N, of the rod itself
     load_steps: int  #: steps of the load
     notes: tuple[str, ...]  #: what limits the trust in this shape, a sentence each

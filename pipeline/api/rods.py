@@ -53,6 +53,11 @@ def shape(
         list[str],
         typer.Option(metavar="S to S: [QX, QY]", help="'0.2 l to 0.8 l: [0 N/m, 0.5 N/m]'. Repeatable."),
     ] = (),
+    held_at: Annotated[
+        Sequence[str],
+        list[str],
+        typer.Option(metavar="S: HELD", help="A support along the arm: '0.5 l: y -3 mm, angle 5 deg'. Repeatable."),
+    ] = (),
     orientation: Orientation = None,
     tip_mass: TipMass = None,
     mass_at: Annotated[
@@ -70,7 +75,7 @@ def shape(
     from pipeline.answers.rods import choice, end_loads
 
     weight = end_loads.Weight.read(orientation, tip_mass, mass_at)
-    along = end_loads.AlongForce.all_of(force_at, line_load)
+    along = end_loads.AlongArm.all_of(force_at, line_load, held_at)
     loads = end_loads.EndLoads.read(force, moment, end_y, end, weight, along)
     chosen = choice.rod_of_path(given_path(path, "path", "results/arm"), rod)
     selected = end_loads.rod_at(chosen, pressure)

@@ -148,7 +148,7 @@ def _under_load(name: str, rod: Rod | NoSolution, record: Record) -> RodUnderLoa
     if isinstance(rod, NoSolution):
         return RodUnderLoad(name, rod)
     solution = _solution(rod, record)
-    if rod.arm.has_own_law:  # nothing was fitted to the arm's own law
+    if rod.has_own_law:  # nothing was fitted to the arm's own law
         return RodUnderLoad(name, solution)
     warning = ""
     if rod.moment_range is not None and isinstance(solution, RodSolution):
@@ -162,7 +162,7 @@ def _solution(rod: Rod, record: Record) -> RodSolution | NoSolution:
         return NoSolution(f"The numbers are those of an arm of {identified:g} mm, the shape is one of {length:g} mm.")
     load = Load()
     if record.experiment in ("III", "dead"):  # of the weight the rod itself knows
-        load = Load(record.load.force, 0.0 if rod.arm.has_own_law else record.load.couple)
+        load = Load(record.load.force, 0.0 if rod.has_own_law else record.load.couple)
     end_x, end_y = record.held_end
     try:
         return rod.under(load, end_y, end_x)

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from geometry.arrays import Array, Mask
+from geometry.arrays import Array, Index
 from rod.arm import elements, end_kernels, section_kernels
 from rod.arm.bands import solve_small
 from rod.arm.elements import plane_element, space_element, strain_change
@@ -21,19 +21,23 @@ from rod.arm.section_kernels import SectionArrays, plane_section, space_section
 KEPT = 42
 #: rad, of difference quotients at the tip
 STEP = 1e-5
+#: the angle in the plane among what may be held
+TURN = 5
 
 
 class LoadArrays(NamedTuple):
-    """What acts on the nodes, and holds the end."""
+    """What acts on the nodes, and what holds them."""
 
-    force: Array  #: (3,) N, on the end where it is not held
+    force: Array  #: (3,) N, on the end
     couple: Array  #: (3,) N mm, on the end
-    held: Mask  #: (3,)
-    target: Array  #: (3,) mm, of the end of the material curve where it is held
     nodes: Array  #: (N, 3) N, on the axis at the nodes
     couples: Array  #: (N, 3) N mm
     #: (N, 2, 3) N mm: forces times how far along the first and the second direction of the section they act
     beside: Array
+    #: (k, 2) nodes, and what is held there: the place along x, y or z (0 to 2), or the angle in the plane (5)
+    held: Index
+    target: Array  #: (k,) mm or rad, of the point that is held
+    lever: Array  #: (k, 2) mm, of this point beside the axis; for the end the tip has it
 
 
 class StateArrays(NamedTuple):
@@ -43,7 +47,7 @@ class StateArrays(NamedTuple):
     angle: Array  #: (N,) rad, in the plane
     frames: Array  #: (N, 3, 3), in space
     inner: Array  #: (n, 3) N, axial and shear forces of the elements in the tangent
-    force: Array  #: (3,) N, on the end
+    reaction: Array  #: (k,) N or N mm, of what is held
 
 
 class Chain(NamedTuple):
@@ -59,15 +63,35 @@ class Chain(NamedTuple):
 
 
 class Tangent(NamedTuple):
-    """The tangent of a chain, with what holds its end; overwritten by each iteration."""
+    """The tangent of a chain, with what holds it; overwritten by each iteration."""
 
     band: Array  #: (m (N - 1), 4 m - 1), as in `rod.arm.bands`; m unknowns of a node
-    #: (2, 6, 3): the residual of the last node by forces on the end, and the places of the end by the last node
-    border: Array
-    missed: Array  #: (3,) mm, by these places
-    direct: Array  #: (3, 3) places by forces
+    by_reaction: Array  #: (k, 6): the residual of the held node by the reaction
+    by_motion: Array  #: (k, 6): the held place or angle by the motion of the node
+    missed: Array  #: (k,) mm or rad
+    direct: Array  #: (k, k) held places by reactions, of a tip that gives way
     residual: Array  #: (m (N - 1),) of the nodes beyond the clamp
     start: Array  #: (m, 1 + m) motion of the first node, and what it adds by that of the second
+
+
+def acting(load: LoadArrays, state: StateArrays, factor: float) -> LoadArrays:
+    """A part of the loads, with the reactions of what is held."""
+    force, couple, nodes = factor * load.force, factor * load.couple, factor * load.nodes
+    couples, beside = factor * load.couples, factor * load.beside
+    for c in range(len(load.held)):
+        node, axis, reaction = load.held[c, 0], load.held[c, 1], state.reaction[c]
+        is_end = node == len(nodes) - 1
+        if axis == TURN and is_end:
+            couple[2] += reaction
+        elif axis == TURN:
+            couples[node, 2] += reaction
+        elif is_end:
+            force[axis] += reaction
+        else:
+            nodes[node, axis] += reaction
+            beside[node, 0, axis] += reaction * load.lever[c, 0]
+            beside[node, 1, axis] += reaction * load.lever[c, 1]
+    return LoadArrays(force, couple, nodes, couples, beside, load.held, load.target, load.lever)
 
 
 def _element(
@@ -215,52 +239,49 @@ def _frame(chain: Chain, state: StateArrays, i: int, out: Array) -> None:
     out[0, 0], out[1, 0], out[0, 1], out[1, 1], out[2, 2] = c, s, -s, c, 1.0
 
 
-def _couple(band: Array, row: int, half: int, couple: Array, factor: float) -> None:
+def _couple(band: Array, row: int, half: int, couple: Array) -> None:
     """Add what a couple of constant direction does to the tangent by turns: it has no potential.
 
     The second derivatives of the elements are symmetric, the derivative of their moments is not.
     """
     for i in range(3):
         j, k = (i + 1) % 3, (i + 2) % 3
-        band[row + i, half + j - i] += 0.5 * factor * couple[k]
-        band[row + i, half + k - i] -= 0.5 * factor * couple[j]
+        band[row + i, half + j - i] += 0.5 * couple[k]
+        band[row + i, half + k - i] -= 0.5 * couple[j]
 
 
-def _nodal(
-    load: LoadArrays, chain: Chain, state: StateArrays, factor: float, band: Array, residual: Array, frame: Array
-) -> None:
+def _nodal(load: LoadArrays, chain: Chain, state: StateArrays, band: Array, residual: Array, frame: Array) -> None:
     """Add the loads on the nodes."""
     m = 6 if chain.in_space else 3
     half = 2 * m - 1
     for node in range(1, len(state.place)):
         row = m * (node - 1)
-        for i in range(m // 2 + (0 if chain.in_space else 1)):
-            if i < 2 or chain.in_space:
-                residual[row + i] -= factor * load.nodes[node, i]
+        for i in range(3 if chain.in_space else 2):
+            residual[row + i] -= load.nodes[node, i]
         along, normal = load.beside[node, 0], load.beside[node, 1]
         turn = row + (3 if chain.in_space else 2)
         if chain.in_space:
             for i in range(3):
-                residual[turn + i] -= factor * load.couples[node, i]
-            _couple(band, turn, half, load.couples[node], factor)
+                residual[turn + i] -= load.couples[node, i]
+            _couple(band, turn, half, load.couples[node])
         else:
-            residual[turn] -= factor * load.couples[node, 2]
+            residual[turn] -= load.couples[node, 2]
         if not (along.any() or normal.any()):
             continue
         _frame(chain, state, node, frame)
         for part in range(2):
             a, A = frame[:, part], load.beside[node, part]
             if not chain.in_space:
-                residual[turn] -= factor * (a[0] * A[1] - a[1] * A[0])
-                band[turn, half] += factor * (a[0] * A[0] + a[1] * A[1])
+                residual[turn] -= a[0] * A[1] - a[1] * A[0]
+                band[turn, half] += a[0] * A[0] + a[1] * A[1]
                 continue
             dot = a[0] * A[0] + a[1] * A[1] + a[2] * A[2]
             for i in range(3):
                 j, k = (i + 1) % 3, (i + 2) % 3
-                residual[turn + i] -= factor * (a[j] * A[k] - a[k] * A[j])
+                residual[turn + i] -= a[j] * A[k] - a[k] * A[j]
                 for other in range(3):
-                    band[turn + i, half + other - i] -= 0.5 * factor * (a[i] * A[other] + A[i] * a[other])
-                band[turn + i, half] += factor * dot
+                    band[turn + i, half + other - i] -= 0.5 * (a[i] * A[other] + A[i] * a[other])
+                band[turn + i, half] += dot
 
 
 def _moved_frame(chain: Chain, frame: Array, axis: int, angle: float, work: Array, out: Array) -> None:
@@ -277,36 +298,24 @@ def _tip(
     load: LoadArrays,
     chain: Chain,
     state: StateArrays,
-    factor: float,
     tangent: Tangent,
     residual: Array,
 ) -> None:
     """Add the load on the end, and what holds it."""
-    band, border, missed, direct = tangent.band, tangent.border, tangent.missed, tangent.direct
-    m = 6 if chain.in_space else 3
-    half, last = 2 * m - 1, len(state.place) - 1
-    row = m * (last - 1)
+    band, m, last = tangent.band, 6 if chain.in_space else 3, len(state.place) - 1
+    half, row, places = 2 * m - 1, m * (last - 1), 3 if chain.in_space else 2
+    turn, first = row + places, 0 if chain.in_space else 2
     frame, moved, turned = np.empty((3, 3)), np.empty((3, 3)), np.empty((4, 3))
     out, ahead, behind = np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3))
-    work, force = np.empty((2, TIP_COLUMNS)), np.empty(3)
+    work, force, swing = np.empty((2, TIP_COLUMNS)), load.force, np.zeros((3, 3))
     _frame(chain, state, last, frame)
-    for i in range(3):
-        force[i] = state.force[i] if load.held[i] else factor * load.force[i]
-        state.force[i] = force[i]
     tip_levers(ends, frame, force, out, work)
-    places = 3 if chain.in_space else 2
-    turn = row + places
-    first = 0 if chain.in_space else 2
-    border[:] = 0.0
-    direct[:] = 0.0
     for i in range(places):
         residual[row + i] -= force[i]
-        border[0, i, i], border[1, i, i] = -1.0, 1.0
-        missed[i] = state.place[last, i] + out[2, i] - load.target[i]
     for i in range(first, 3):
-        residual[turn + i - first] -= out[0, i] + factor * load.couple[i]
+        residual[turn + i - first] -= out[0, i] + load.couple[i]
     if chain.in_space:
-        _couple(band, turn, half, load.couple, factor)
+        _couple(band, turn, half, load.couple)
     for axis in range(first, 3):
         _moved_frame(chain, frame, axis, STEP, turned, moved)
         tip_levers(ends, moved, force, ahead, work)
@@ -318,17 +327,57 @@ def _tip(
             band[turn + a, half + b - a] += 0.5 * value
             band[turn + b, half + a - b] += 0.5 * value
         for i in range(places):
-            border[1, places + axis - first, i] = (ahead[2, i] - behind[2, i]) / (2.0 * STEP)
-    for k in range(places):
-        if not load.held[k]:
+            swing[axis, i] = (ahead[2, i] - behind[2, i]) / (2.0 * STEP)
+    for c in range(len(load.held)):
+        axis = load.held[c, 1]
+        if load.held[c, 0] != last or axis == TURN:
             continue
-        force[k] += 1.0
+        tangent.missed[c] += out[2, axis]
+        # the moment is quadratic in the force
+        force[axis] += 1.0
         tip_levers(ends, frame, force, ahead, work)
-        force[k] -= 1.0
+        force[axis] -= 2.0
+        tip_levers(ends, frame, force, behind, work)
+        force[axis] += 1.0
         for i in range(first, 3):
-            border[0, places + i - first, k] = -(ahead[0, i] - out[0, i])
-        for i in range(places):
-            direct[i, k] = ahead[2, i] - out[2, i]
+            tangent.by_reaction[c, places + i - first] = 0.5 * (behind[0, i] - ahead[0, i])
+            tangent.by_motion[c, places + i - first] = swing[i, axis]
+        for other in range(len(load.held)):
+            if load.held[other, 0] == last and load.held[other, 1] != TURN:
+                tangent.direct[other, c] = ahead[2, load.held[other, 1]] - out[2, load.held[other, 1]]
+
+
+def _hold(load: LoadArrays, chain: Chain, state: StateArrays, tangent: Tangent, frame: Array) -> None:
+    """Fill in what holds the nodes; `_tip` adds what the end has besides."""
+    places, first = (3, 0) if chain.in_space else (2, 2)
+    tangent.by_motion[:] = 0.0
+    tangent.direct[:] = 0.0
+    for c in range(len(load.held)):
+        node, axis = load.held[c, 0], load.held[c, 1]
+        row = tangent.by_motion[c]
+        if axis == TURN:
+            row[places + 2 - first] = 1.0
+            tangent.missed[c] = state.angle[node] - load.target[c]
+            continue
+        row[axis] = 1.0
+        tangent.missed[c] = state.place[node, axis] - load.target[c]
+        if node == len(state.place) - 1:
+            continue
+        _frame(chain, state, node, frame)
+        x, y, z = (
+            frame[0, 0] * load.lever[c, 0] + frame[0, 1] * load.lever[c, 1],
+            frame[1, 0] * load.lever[c, 0] + frame[1, 1] * load.lever[c, 1],
+            frame[2, 0] * load.lever[c, 0] + frame[2, 1] * load.lever[c, 1],
+        )
+        lever = (x, y, z)
+        tangent.missed[c] += lever[axis]
+        # turns move it by the cross product with its lever
+        i, j = (axis + 1) % 3, (axis + 2) % 3
+        if i >= first:
+            row[places + i - first] = lever[j]
+        if j >= first:
+            row[places + j - first] = -lever[i]
+    tangent.by_reaction[:] = -tangent.by_motion
 
 
 def predict(chain: Chain, state: StateArrays, kept: Array, motion: Array) -> None:
@@ -385,13 +434,13 @@ def assemble(
     section: SectionArrays,
     ends: EndArrays,
     chain: Chain,
-    load: LoadArrays,
+    given: LoadArrays,
     state: StateArrays,
     factor: float,
     tangent: Tangent,
     kept: Array,
 ) -> tuple[float, float]:
-    """The tangent of a state.
+    """The tangent of a state under a part of the loads.
 
     Returns by how much curvature and moment leave what is known.
     """
@@ -399,6 +448,7 @@ def assemble(
     half, band, residual = 2 * m - 1, tangent.band, tangent.residual
     work, columns = np.zeros((24, 3, 3)), np.empty((3, max(section.table.shape[2], 1)))
     gradient, hessian = np.empty(2 * m), np.empty((2 * m, 2 * m))
+    load = acting(given, state, factor)
     band[:] = 0.0
     residual[:] = 0.0
     loaded = Chain(chain.in_space, True, chain.h, chain.decides, chain.beyond, chain.free, chain.length)
@@ -414,8 +464,9 @@ def assemble(
     for e in range(1, len(chain.h)):
         outside = max(outside, _element(section, chain, state, e, work, gradient, hessian, kept, columns))
         _add(band, residual, m * (e - 1), gradient, hessian, half)
-    _nodal(load, chain, state, factor, band, residual, work[0])
-    _tip(ends, load, chain, state, factor, tangent, residual)
+    _nodal(load, chain, state, band, residual, work[0])
+    _hold(load, chain, state, tangent, work[0])
+    _tip(ends, load, chain, state, tangent, residual)
     return outside, beyond
 
 
@@ -424,5 +475,6 @@ CALLS = (
     *section_kernels.CALLS,
     *elements.CALLS,
     *end_kernels.CALLS,
-    *(solve_small, _element, _add, _clamp, _frame, _couple, _nodal, _moved_frame, _tip, predict, move, assemble),
+    *(solve_small, acting, _element, _add, _clamp, _frame, _couple, _nodal, _moved_frame),
+    *(_hold, _tip, predict, move, assemble),
 )

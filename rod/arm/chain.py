@@ -2,20 +2,19 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
 
-from geometry.arrays import Array, Mask
+from geometry.arrays import Array
 from geometry.topology import cross
 from rod.arm import newton
-from rod.arm.assembly import Chain, LoadArrays, StateArrays, Tangent
+from rod.arm.assembly import Chain, LoadArrays, StateArrays, Tangent, acting
 from rod.arm.end_kernels import TIP_COLUMNS, EndArrays, tip_levers
 from rod.arm.newton import Found
 from rod.compiled import CompiledLater
-from rod.spatial import Position, SpatialLoad
+from rod.spatial import SpatialLoad
 from rod.weight import Mass
 
 #: two positions nearer than this part of an element are one node
@@ -40,42 +39,6 @@ def halved(s: Array) -> Array:
     return np.sort(np.concatenate([s, middle]))
 
 
-@dataclass(frozen=True, eq=False)  # arrays inside
-class NodeLoads:
-    """The loads on the nodes of a chain besides those on its end."""
-
-    forces: Array  #: (N, 3) N
-    couples: Array  #: (N, 3) N mm
-    beside: Array  #: (N, 2, 3) N mm, as in `LoadArrays`
-
-    def with_more(self, other: "NodeLoads") -> "NodeLoads":
-        """Both together."""
-        return NodeLoads(
-            self.forces + other.forces,
-            self.couples + other.couples,
-            self.beside + other.beside,
-        )
-
-    @staticmethod
-    def of(load: SpatialLoad, mass: Mass | None, s: Array) -> "NodeLoads":
-        """The weight of a load, spread as the mass of the arm is (None: evenly), and its loads along the arm."""
-        length, n = float(s[-1]), len(s)
-        forces, couples, beside = np.zeros((n, 3)), np.zeros((n, 3)), np.zeros((n, 2, 3))
-        if any(load.weight):
-            mass = mass or Mass.even(length, 1.0, load.weight_height)
-            edges = np.concatenate([s[:1], 0.5 * (s[1:] + s[:-1]), s[-1:]])
-            (grams, heights), (all_grams, _) = mass.within(length - edges), mass.within(np.array([length]))
-            total = np.array(load.weight) * length / all_grams
-            forces = -np.diff(grams)[:, None] * total
-            beside[:, 1] = -np.diff(heights)[:, None] * total
-        for one in load.along:
-            share = one.shares(s)[:, None]
-            forces += share * one.force
-            couples += share * one.couple
-            beside += share[:, None] * np.outer(one.beside, one.force)
-        return NodeLoads(forces, couples, beside)
-
-
 class Nodes(NamedTuple):
     """A chain in equilibrium, at its nodes."""
 
@@ -85,13 +48,14 @@ class Nodes(NamedTuple):
     frames: Array  #: (N, 3, 3)
     moment: Array  #: (N, 3) N mm, on the part before the node
     inner: Array  #: (N, 3) N, force on the part before the node
-    force: Array  #: (3,) N, on the end
+    force: Array  #: (3,) N, on the end, with what holds it
+    reaction: Array  #: (k,) N or N mm, of what is held
     found: Found
 
     @property
     def state(self) -> StateArrays:
         """A copy that the solver may change."""
-        return self.moved(np.zeros((len(self.s), 6)), np.zeros(3))
+        return self.moved(np.zeros((len(self.s), 6)), np.zeros(len(self.reaction)))
 
     def on(self, s: Array) -> StateArrays:
         """The state on other nodes (n,) mm, with the strains of these elements."""
@@ -100,36 +64,50 @@ class Nodes(NamedTuple):
         strains = np.column_stack([turns, np.linalg.norm(np.diff(self.place, axis=0), axis=1)]) / h[:, None]
         middle, at = self.s[:-1] + 0.5 * h, s[:-1] + 0.5 * np.diff(s)
         there = np.column_stack([np.interp(at, middle, column) for column in strains.T])
-        return rest_state(s, there, self.place[0], self.frames[0])._replace(force=self.force.copy())
+        state = rest_state(s, there, self.place[0], self.frames[0], 0)
+        return state._replace(reaction=self.reaction.copy())
 
-    def moved(self, motion: Array, force: Array) -> StateArrays:
-        """The state after a motion (N, 6) of its nodes, with a force (3,) on the end added."""
+    def moved(self, motion: Array, reaction: Array) -> StateArrays:
+        """The state after a motion (N, 6) of its nodes, with reactions (k,) added."""
         frames = rotation(motion[:, 3:]) @ self.frames
         inner = np.zeros((len(self.s) - 1, 3))
-        return StateArrays(self.place + motion[:, :3], self.angle + motion[:, 5], frames, inner, self.force + force)
+        place, angle = self.place + motion[:, :3], self.angle + motion[:, 5]
+        return StateArrays(place, angle, frames, inner, self.reaction + reaction)
 
 
 solve_chain = CompiledLater(newton._newton, newton.CALLS, 20)
 
 
-def chain_arrays(s: Array, decides_at: float, clamp_reach: float, *, in_space: bool) -> Chain:
-    """The elements between positions (N,).
+def load_arrays(load: SpatialLoad, mass: Mass | None, s: Array) -> LoadArrays:
+    """Loads and supports on the nodes at positions (N,) mm; the weight is spread as the mass is (None: evenly)."""
+    n = len(s)
+    forces, couples, beside = np.zeros((n, 3)), np.zeros((n, 3)), np.zeros((n, 2, 3))
+    if any(load.weight):
+        mass = mass or Mass.even(float(s[-1]), 1.0, load.weight_height)
+        edges = float(s[-1]) - np.concatenate([s[:1], 0.5 * (s[1:] + s[:-1]), s[-1:]])
+        (grams, heights), (all_grams, _) = mass.within(edges), mass.within(s[-1:])
+        total = np.array(load.weight) * float(s[-1]) / all_grams
+        forces = -np.diff(grams)[:, None] * total
+        beside[:, 1] = -np.diff(heights)[:, None] * total
+    for one in load.along:
+        share = one.shares(s)[:, None]
+        forces += share * one.force
+        couples += share * one.couple
+        beside += share[:, None] * np.outer(one.beside, one.force)
+    rows: list[tuple[float, ...]] = []
+    for support in load.supports:
+        node = int(np.abs(s - support.s).argmin())
+        rows += [(node, axis, at, *support.beside) for axis, at in support.held.items()]
+    table = np.array(rows, float).reshape(-1, 5)
+    held, target, lever = table[:, :2].astype(np.int64), table[:, 2].copy(), table[:, 3:].copy()
+    return LoadArrays(np.array(load.force), np.array(load.couple), forces, couples, beside, held, target, lever)
 
-    decides_at: mm, of the node whose moment decides on the clamp; clamp_reach: mm, how far the clamped end reaches.
+
+def rest_state(s: Array, strains: Array, place: Array, frame: Array, held: int) -> StateArrays:
+    """The chain without loads from its first node; strains (n, 4): three curvatures and the stretch of its elements.
+
+    held: number of reactions.
     """
-    node = int(np.argmin(np.abs(s - decides_at)))
-    free = min(max(int(np.searchsorted(s, clamp_reach - 1e-9)), 1), len(s) - 1)
-    return Chain(in_space, True, np.diff(s), node, decides_at - float(s[node]), free, float(s[-1]))
-
-
-def load_arrays(load: SpatialLoad, nodes: NodeLoads, held: Mask, target: Array) -> LoadArrays:
-    """What the solver reads."""
-    force, couple = np.array(load.force, float), np.array(load.couple, float)
-    return LoadArrays(force, couple, held, target, nodes.forces, nodes.couples, nodes.beside)
-
-
-def rest_state(s: Array, strains: Array, place: Array, frame: Array) -> StateArrays:
-    """The chain without loads from its first node; strains (n, 4): three curvatures and the stretch of its elements."""
     n, h = len(s) - 1, np.diff(s)
     angle = math.atan2(frame[1, 0], frame[0, 0]) + np.concatenate([[0.0], np.cumsum(h * strains[:, 2])])
     if np.any(strains[:, :2]) or abs(frame[2, 2] - 1.0) > 1e-15:
@@ -142,7 +120,7 @@ def rest_state(s: Array, strains: Array, place: Array, frame: Array) -> StateArr
         frames = planar_frames(angle)
         along = planar_frames(0.5 * (angle[1:] + angle[:-1]))[:, :, 0]
     places = place + np.concatenate([np.zeros((1, 3)), np.cumsum((h * strains[:, 3])[:, None] * along, axis=0)])
-    return StateArrays(places, angle, frames, np.zeros((n, 3)), np.zeros(3))
+    return StateArrays(places, angle, frames, np.zeros((n, 3)), np.zeros(held))
 
 
 def rotation(turn: Array) -> Array:
@@ -190,12 +168,12 @@ def planar_frames(angle: Array) -> Array:
 def nodes_of(s: Array, state: StateArrays, chain: Chain, ends: EndArrays, load: LoadArrays, found: Found) -> Nodes:
     """Moments and forces by statics, in the state that was found under the full load."""
     frames = state.frames if chain.in_space else planar_frames(state.angle)
-    place, force = state.place, state.force
+    place, load = state.place, acting(load, state, 1.0)
     # right of a node: all that acts beyond it
-    beyond = force + np.cumsum(load.nodes[::-1], axis=0)[::-1]
-    elements = np.concatenate([beyond[1:], force[None]])
+    beyond = load.force + np.cumsum(load.nodes[::-1], axis=0)[::-1]
+    elements = np.concatenate([beyond[1:], load.force[None]])
     out = np.empty((3, 3))
-    tip_levers(ends, frames[-1], force, out, np.empty((2, TIP_COLUMNS)))
+    tip_levers(ends, frames[-1], load.force, out, np.empty((2, TIP_COLUMNS)))
     couples = load.couples + cross(frames[:, :, 0], load.beside[:, 0]) + cross(frames[:, :, 1], load.beside[:, 1])
     steps = cross(np.diff(place, axis=0), elements[:-1])
     at_end = out[0] + load.couple
@@ -203,7 +181,7 @@ def nodes_of(s: Array, state: StateArrays, chain: Chain, ends: EndArrays, load: 
     # a couple of a node acts on its middle; those of the first and the last node belong to half an element
     moment = behind + 0.5 * couples
     moment[0], moment[-1] = behind[0] + couples[0], at_end
-    return Nodes(s, place, state.angle, frames, moment, elements, force, found)
+    return Nodes(s, place, state.angle, frames, moment, elements, load.force, state.reaction, found)
 
 
 def extrapolated(coarse: Nodes, fine: Nodes, *, in_space: bool) -> Nodes:
@@ -211,9 +189,9 @@ def extrapolated(coarse: Nodes, fine: Nodes, *, in_space: bool) -> Nodes:
     at = np.searchsorted(fine.s, coarse.s - 1e-9 * coarse.s[-1])
 
     def limit(name: str) -> Array:
-        one = getattr(fine, name)
-        known = one if one.ndim == 1 and len(one) == 3 else one[at]
-        return np.asarray(known + (known - getattr(coarse, name)) / 3.0)
+        less, more = getattr(coarse, name), getattr(fine, name)
+        known = more if name in ("force", "reaction") else more[at]
+        return np.asarray(known + (known - less) / 3.0)
 
     angle = limit("angle")
     if in_space:
@@ -221,25 +199,13 @@ def extrapolated(coarse: Nodes, fine: Nodes, *, in_space: bool) -> Nodes:
         frames = rotation(turned / 3.0) @ fine.frames[at]
     else:
         frames = planar_frames(angle)
-    return Nodes(
-        coarse.s,
-        limit("place"),
-        angle,
-        frames,
-        limit("moment"),
-        limit("inner"),
-        fine.force + (fine.force - coarse.force) / 3.0,
-        fine.found,
-    )
+    place, moment, inner, force, reaction = map(limit, ("place", "moment", "inner", "force", "reaction"))
+    return Nodes(coarse.s, place, angle, frames, moment, inner, force, reaction, fine.found)
 
 
-def held_along(position: Position) -> Mask:
-    """(3,) the axes along which the end is held."""
-    return np.array([value is not None for value in position])
-
-
-def room_for(chain: Chain) -> Tangent:
-    """A tangent that is not filled yet."""
+def room_for(chain: Chain, held: int) -> Tangent:
+    """A tangent that is not filled yet, of a chain with a number of reactions."""
     m = 6 if chain.in_space else 3
-    rows, places = m * len(chain.h), (np.zeros((2, 6, 3)), np.zeros(3), np.zeros((3, 3)))
-    return Tangent(np.zeros((rows, 4 * m - 1)), *places, np.zeros(rows), np.zeros((m, 1 + m)))
+    rows, by = m * len(chain.h), np.zeros((2, held, 6))
+    borders = by[0], by[1], np.zeros(held), np.zeros((held, held))
+    return Tangent(np.zeros((rows, 4 * m - 1)), *borders, np.zeros(rows), np.zeros((m, 1 + m)))

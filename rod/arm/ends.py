@@ -3,9 +3,9 @@
 import numpy as np
 
 from geometry.arrays import Array
+from rod.along import Position
 from rod.arm.end_kernels import EndArrays
 from rod.arm_law.curves import ClampCurve, TipCurve, TipState
-from rod.spatial import Position
 
 
 def tip_state(tip: TipCurve, position: Position) -> TipState:

@@ -1,6 +1,6 @@
 """Newton's method for a chain of beam elements (`rod.arm.assembly`): one load, from a state near by.
 
-Unknowns besides the motions are the forces on the end along the axes along which it is held.
+Unknowns besides the motions are the reactions of what holds the arm.
 """
 
 import math
@@ -29,35 +29,36 @@ class Found(NamedTuple):
     iterations: int
 
 
-def border_system(tangent: Tangent, axes: Index, columns: Array, small: Array, right: Array) -> None:
-    """Solve for columns (rows, 1 + k) with a factorized band: the first without forces on the end, the others by each.
+def border_system(tangent: Tangent, held: Index, columns: Array, small: Array, right: Array) -> None:
+    """Solve for columns (rows, 1 + k) with a factorized band: the first without reactions, the others by each.
 
-    small (k, k) and right (k, 1) become the system for these forces.
+    held: (k, 2) as in `LoadArrays`. small (k, k) and right (k, 1) become the system for the reactions.
     """
-    band, border, missed, direct = tangent.band, tangent.border, tangent.missed, tangent.direct
-    rows, count = len(band), len(axes)
+    band, by_reaction, by_motion = tangent.band, tangent.by_reaction, tangent.by_motion
+    rows, count = len(band), len(held)
     half = band.shape[1] // 2
     m = (half + 1) // 2
     for c in range(count):
         for k in range(rows):
             columns[k, 1 + c] = 0.0
         for i in range(m):
-            columns[rows - m + i, 1 + c] = -border[0, i, axes[c]]
+            columns[m * (held[c, 0] - 1) + i, 1 + c] = -by_reaction[c, i]
     solve(band, half, columns)
     for a in range(count):
-        right[a, 0] = -missed[axes[a]]
+        row = m * (held[a, 0] - 1)
+        right[a, 0] = -tangent.missed[a]
         for i in range(m):
-            right[a, 0] -= border[1, i, axes[a]] * columns[rows - m + i, 0]
+            right[a, 0] -= by_motion[a, i] * columns[row + i, 0]
         for b in range(count):
-            small[a, b] = direct[axes[a], axes[b]]
+            small[a, b] = tangent.direct[a, b]
             for i in range(m):
-                small[a, b] += border[1, i, axes[a]] * columns[rows - m + i, 1 + b]
+                small[a, b] += by_motion[a, i] * columns[row + i, 1 + b]
 
 
 def unstable(band: Array, first: int, small: Array) -> int:
-    """Unstable directions among the rows from `first` on of a factorized band, with the constraints of the end.
+    """Unstable directions among the rows from `first` on of a factorized band, with what holds the arm there.
 
-    The residual has the forces with the minus sign: each constraint that holds makes one entry of small positive.
+    The residual has the reactions with the minus sign: each one that holds makes one positive pivot of small.
     """
     half = band.shape[1] // 2
     negative = 0
@@ -65,21 +66,6 @@ def unstable(band: Array, first: int, small: Array) -> int:
         if band[k, half] < 0.0:
             negative += 1
     return negative - negative_of(small)
-
-
-def held_axes(load: LoadArrays, places: int) -> Index:
-    """The axes along which the end is held."""
-    count = 0
-    for i in range(places):
-        if load.held[i]:
-            count += 1
-    axes = np.empty(count, np.int64)
-    count = 0
-    for i in range(places):
-        if load.held[i]:
-            axes[count] = i
-            count += 1
-    return axes
 
 
 def _newton(
@@ -96,16 +82,15 @@ def _newton(
     """The equilibrium near a state under a part of the loads; the state becomes it.
 
     Without iterations the tangent becomes that of the state, and its forces stand in the geometric part. A side
-    (N m + 3,) is what a parameter adds to the residual, to the motion of the first node and to the places of the end;
-    it becomes what the arm answers: the motions of the nodes, and the forces on the end where it is held.
+    (N m + k,) is what a parameter adds to the residual, to the motion of the first node and to what is held; it becomes
+    what the arm answers: the motions of the nodes, and the reactions.
     """
     m = 6 if chain.in_space else 3
     nodes = len(state.place)
     rows, half, band = m * (nodes - 1), 2 * m - 1, tangent.band
     residual, start, kept = tangent.residual, tangent.start, np.empty((len(chain.h), KEPT))
     motion, work = np.empty((nodes, m)), np.empty((2, 3, 3))
-    axes = held_axes(load, 3 if chain.in_space else 2)
-    count = len(axes)
+    count = len(load.held)
     columns, small, right = np.empty((rows, 1 + count)), np.empty((count, count)), np.empty((count, 1))
     outside = beyond = math.inf
     for iteration in range(max(iterations, 2)):
@@ -120,7 +105,7 @@ def _newton(
             return Found(False, outside, beyond, 0, iteration)
         for k in range(rows):
             columns[k, 0] = -residual[k]
-        border_system(tangent, axes, columns, small, right)
+        border_system(tangent, load.held, columns, small, right)
         negative = unstable(band, m * (chain.free - 1), small)
         if count and solve_small(small, right) == 0.0:
             return Found(False, outside, beyond, 0, iteration)
@@ -135,12 +120,10 @@ def _newton(
             for j in range(m):
                 motion[0, i] += start[i, 1 + j] * motion[1, j]
         if iterations == 0:
-            side[:-3], side[-3:] = motion.reshape(rows + m), 0.0
-            for a in range(count):
-                side[axes[a] - 3] = right[a, 0]
+            side[: rows + m], side[rows + m :] = motion.reshape(rows + m), right[:, 0]
             continue
         for a in range(count):
-            state.force[axes[a]] += right[a, 0]
+            state.reaction[a] += right[a, 0]
         predict(chain, state, kept, motion)
         largest = move(chain, state, motion, work)
         if not largest < 30.0:
@@ -152,7 +135,7 @@ def _newton(
 
 
 def negative_of(matrix: Array) -> int:
-    """Negative eigenvalues of a matrix (k, k) with k of at most 3 that is nearly symmetric, by its pivots."""
+    """Negative eigenvalues of a matrix (k, k) that is nearly symmetric, by its pivots."""
     n = len(matrix)
     copied = matrix.copy()
     negative = 0
@@ -169,4 +152,4 @@ def negative_of(matrix: Array) -> int:
 
 
 #: the functions that `_newton` calls, innermost first
-CALLS = (*assembly.CALLS, factorize, solve, negative_of, border_system, unstable, held_axes)
+CALLS = (*assembly.CALLS, factorize, solve, negative_of, border_system, unstable)

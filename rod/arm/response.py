@@ -10,22 +10,24 @@ import numpy as np
 
 from geometry.arrays import Array, read_only
 from rod.along import check_inside, leaves_plane
-from rod.arm.chain import Nodes, held_along
-from rod.arm.path import ArmModel, Path, Solver, beside
+from rod.arm.assembly import StateArrays
+from rod.arm.chain import Nodes
+from rod.arm.path import Path, beside
+from rod.arm.solver import ArmModel, Solver
 from rod.errors import RodError
 from rod.load import Load
-from rod.spatial import Held, Position, SpatialLoad
+from rod.spatial import SpatialLoad
 
 #: solutions with one tangent, which leaves out how the place of the moment that decides on a clamp moves; and the
 #: motion (rad, and mm over the length) by which that is found
-PASSES, MOVED = 4, 1e-4
+PASSES, MOVED = 4, 1e-5
 
 
 class Posed(Protocol):
     """An arm at one pressure, as it is solved."""
 
-    def posed(self, load: SpatialLoad, position: Position) -> tuple[ArmModel, SpatialLoad]:
-        """The arm and all that acts on it."""
+    def posed(self, load: SpatialLoad) -> tuple[ArmModel, SpatialLoad]:
+        """The arm, and all that acts on it and holds it."""
 
     def outside(self, path: Path) -> str:
         """A sentence where a state leaves what is known of the arm; empty elsewhere."""
@@ -50,27 +52,29 @@ class SolvedPath(NamedTuple):
     """How a state was found."""
 
     rod: Posed
-    held: Held  #: what acts on the rod besides what always does, and holds it
+    load: SpatialLoad  #: what acts on the rod besides what always does, and holds it
     chains: tuple[Nodes, Nodes]  #: both chains of elements in equilibrium
     in_space: bool = False
 
     def derivative(self, by: Parameter, passes: int = PASSES) -> Response:
         """As `rod.solution.RodSolution.derivative`; the first pass is right to half a percent."""
-        load = self.held.load
         if isinstance(by, tuple):
-            return self._change((by[0], load), (by[1], load), passes)
+            return self._change((by[0], self.load), (by[1], self.load), passes)
         added = by.in_space if isinstance(by, Load) else by
+        if added.supports:
+            raise RodError("A rod has derivatives by loads and by its law; a support is neither.")
         for one in added.along:
             check_inside(one, float(self.chains[0].s[-1]))
         if not self.in_space and (
             any((added.force[2], *added.couple[:2], added.weight[2])) or any(map(leaves_plane, added.along))
         ):
             raise RodError("A load across the plane moves an arm in space; solve the rod there.")
-        return self._change((self.rod, load.plus(added, -0.5)), (self.rod, load.plus(added, 0.5)), passes)
+        less, more = ((self.rod, self.load.plus(added, part)) for part in (-0.5, 0.5))
+        return self._change(less, more, passes)
 
     def at(self, rod: Posed) -> "SolvedPath":
         """The equilibrium of another arm beside this one. Raises `RodError` where there is none as stable."""
-        path = beside(*rod.posed(*self.held), self.held.position, self.chains, in_space=self.in_space)
+        path = beside(*rod.posed(self.load), self.chains, in_space=self.in_space)
         if outside := rod.outside(path):
             raise RodError(outside)
         return self._replace(rod=rod, chains=path.chains)
@@ -78,9 +82,8 @@ class SolvedPath(NamedTuple):
     @property
     def state(self) -> Array:
         """(2 d,): the end of the material curve in mm and the force on it in N; d: 2, or 3 in space."""
-        ends = [self._solver(nodes, self.rod, self.held.load).end(nodes.state) for nodes in self.chains]
-        low, high = (self.flat(end, nodes.force) for end, nodes in zip(ends, self.chains, strict=True))
-        return high + (high - low) / 3.0
+        low, high = (self._solver(nodes, self.rod, self.load).end(nodes.state) for nodes in self.chains)
+        return self.flat(*np.split(high + (high - low) / 3.0, 2))
 
     def flat(self, end: Array, force: Array) -> Array:
         """(2 d,) of two vectors (3,)."""
@@ -96,20 +99,26 @@ class SolvedPath(NamedTuple):
 
     def _of(self, nodes: Nodes, less: Case, more: Case, passes: int) -> tuple[Array, Array, Array]:
         """Of one chain: motions (N, 6), end (3,) and force (3,)."""
-        solver, left, right = (self._solver(nodes, *one) for one in ((self.rod, self.held.load), less, more))
-        side = right.respond(nodes.state) - left.respond(nodes.state)
+        solver, left, right = (self._solver(nodes, *one) for one in ((self.rod, self.load), less, more))
+        side = _out_of_balance(right, nodes.state) - _out_of_balance(left, nodes.state)
         unknowns = [0, 1, 2, 3, 4, 5] if self.in_space else [0, 1, 5]
-        motion, moved, total = np.zeros((len(nodes.s), 6)), np.zeros_like(side), side
+        motion, moved, total = np.zeros((len(nodes.s), 6)), np.zeros(len(side) - 6), side
+        count = len(motion) * len(unknowns)
         for _ in range(passes if solver.chain.decides else 1):
-            solver.respond(nodes.state, answer := total.copy())
+            solver.respond(nodes.state, answer := total[:-6].copy())
             moved = moved + answer
-            motion[:, unknowns] = moved[:-3].reshape(len(motion), -1)
+            motion[:, unknowns] = moved[:count].reshape(len(motion), -1)
             part = MOVED / max(np.abs(motion[:, :3]).max() / nodes.s[-1], np.abs(motion[:, 3:]).max(), 1e-300)
-            ahead, behind = (solver.respond(nodes.moved(step * motion, step * moved[-3:])) for step in (part, -part))
+            states = (nodes.moved(step * motion, step * moved[count:]) for step in (part, -part))
+            ahead, behind = (_out_of_balance(solver, state) for state in states)
             total = side + (ahead - behind) / (2.0 * part)
-        force = np.where(held_along(self.held.position), moved[-3:], right.load.force - left.load.force)
-        return motion, total[-3:], force
+        return motion, total[-6:-3], total[-3:]
 
     def _solver(self, nodes: Nodes, rod: Posed, load: SpatialLoad) -> Solver:
-        arm, posed = rod.posed(load, self.held.position)
-        return Solver(arm, nodes.s, posed, self.held.position, in_space=self.in_space)
+        arm, posed = rod.posed(load)
+        return Solver(arm, nodes.s, posed, in_space=self.in_space)
+
+
+def _out_of_balance(solver: Solver, state: StateArrays) -> Array:
+    """(N m + k + 6,): what a state misses under the full load, and the end in mm and the force on it in N."""
+    return np.concatenate([solver.respond(state), solver.end(state)])

@@ -66,9 +66,9 @@ def _columns(section: SectionArrays, kappa: float, out: Array) -> float:
         out[0, c] = table[0, i, c] + x * (c1 + x * (c2 + x * c3))
         out[1, c] = c1 + x * (2.0 * c2 + 3.0 * x * c3)
         out[2, c] = 2.0 * c2 + 6.0 * x * c3
-        if beyond != 0.0:  # the moment goes on along its tangent, all else stays
+        if beyond != 0.0:  # moment and stretch go on along their tangents, rigidities stay
             out[2, c] = 0.0
-            if c == 0:
+            if c < 2:
                 out[0, c] += beyond * out[1, c]
             else:
                 out[1, c] = 0.0

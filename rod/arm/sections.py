@@ -133,8 +133,8 @@ class TabulatedSection:
             values = c0 + x * (c1 + x * (c2 + x * c3))
             slopes, curved = c1 + x * (2.0 * c2 + 3.0 * x * c3), 2.0 * c2 + 6.0 * x * c3
             beyond = kappa - inside
-            bends = values[:, 0] + beyond * slopes[:, 0]
-            slopes[:, 1:][beyond != 0.0] = 0.0
+            values[:, :2] += beyond[:, None] * slopes[:, :2]
+            bends, slopes[:, 2:][beyond != 0.0] = values[:, 0], 0.0
             longer, shear = axial / values[:, 2], force[:, 1] / values[:, 3]
             by_force = longer * (0.5 * slopes[:, 2] * longer - values[:, 2] * slopes[:, 1])
             by_force = by_force + 0.5 * slopes[:, 3] * shear**2

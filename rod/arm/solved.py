@@ -3,13 +3,16 @@
 import numpy as np
 
 from geometry.arrays import Array, read_only
+from rod.along import reactions_of
 from rod.arm.path import Path
 from rod.arm.response import Posed, SolvedPath
 from rod.solution import SpatialSolution
-from rod.spatial import Held
+from rod.spatial import SpatialLoad
 
 
-def solved_in_space(rod: Posed, path: Path, held: Held, strains: tuple[Array, ...], beside: Array) -> SpatialSolution:
+def solved_in_space(
+    rod: Posed, path: Path, load: SpatialLoad, strains: tuple[Array, ...], beside: Array
+) -> SpatialSolution:
     """With curvatures and with stretch and shears (N, 3) at the nodes; beside: (N, 2 or 3) mm, the material curve."""
     nodes = path.nodes
     return SpatialSolution(
@@ -20,9 +23,10 @@ def solved_in_space(rod: Posed, path: Path, held: Held, strains: tuple[Array, ..
         stretch=read_only(strains[1]),
         moment=read_only(nodes.moment),
         force=read_only(nodes.force),
-        weight=read_only(np.array(rod.posed(*held)[1].weight) * float(nodes.s[-1])),
+        reactions=reactions_of(load.supports, nodes.reaction),
+        weight=read_only(np.array(rod.posed(load)[1].weight) * float(nodes.s[-1])),
         load_steps=path.steps,
         notes=(),
         beside=read_only(beside),
-        path=SolvedPath(rod, held, path.chains, in_space=True),
+        path=SolvedPath(rod, load, path.chains, in_space=True),
     )

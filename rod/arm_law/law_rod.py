@@ -4,11 +4,12 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import TypeVar
 
 import numpy as np
 
 from geometry.arrays import Array, read_only
-from rod.along import part_of
+from rod.along import AlongLoad, Position, Support, are_heights, part_of, reactions_of
 from rod.arm.chain import planar_frames, positions_between
 from rod.arm.end_kernels import EndArrays
 from rod.arm.ends import end_arrays, tip_state
@@ -18,12 +19,12 @@ from rod.arm.sections import TabulatedSection, acting_in_frames
 from rod.arm.solved import solved_in_space
 from rod.arm.stability import OUT_OF_PLANE, stability_of
 from rod.arm_law.air import air_volumes
-from rod.arm_law.curves import ClampCurve, TipCurve
+from rod.arm_law.curves import ClampCurve, TipCurve, TipState
 from rod.arm_law.section import SectionLaw
 from rod.errors import RodError
-from rod.load import Load, requested
+from rod.load import Load, held_end, requested, with_along
 from rod.solution import RodSolution, SpatialSolution
-from rod.spatial import Held, Position, SpatialLoad, Stability, held_at, is_third_experiment
+from rod.spatial import SpatialLoad, Stability
 from rod.weight import Mass
 
 #: longest element over the pitch; length of the first one, which is never halved
@@ -36,6 +37,8 @@ ROUNDING = 1e-9
 PARTS = 7
 #: of a load along the arm, at which it is told where the material curve lies
 PLACES = 65
+
+Placeable = TypeVar("Placeable", AlongLoad, Support)
 
 
 @dataclass(frozen=True, eq=False)  # arrays inside
@@ -80,7 +83,8 @@ class LawRod:
         III, and F_y follows; end: (x, y) of it, and both components follow. moment: a couple on the end, N mm.
         Raises `RodError` where loads contradict each other, where the path ends, and where a moment leaves the law.
         """
-        return self.in_plane(*requested(force, moment, end, None, end_y))
+        supports = held_end(self.length, force, end, None, end_y)
+        return self.in_plane(with_along(requested(force, moment), supports, self.length))
 
     def under(self, load: Load, end_y: float | None = None, end_x: float | None = None) -> RodSolution:
         """The equilibrium under a load; with a prescribed position of the end (mm) that component of the force follows.
@@ -88,60 +92,52 @@ class LawRod:
         The weight of the load is spread as the mass of the arm is, where that is known. Raises `RodError` as `solve`
         does.
         """
-        return self.in_plane(load, held_at(end_x, end_y))
+        return self.in_plane(with_along(load, held_end(self.length, None, None, end_x, end_y), self.length))
 
-    @property
-    def has_own_law(self) -> bool:
-        """As `rod.arm.arm.Arm` says, and so are the others."""
-        return True
-
-    @property
-    def carried(self) -> tuple[float, float]:
-        """The weight under which the law was measured."""
-        return self.weight
-
-    def in_plane(
-        self, load: Load, held: tuple[float | None, float | None], *, together: bool | None = None
-    ) -> RodSolution:
+    def in_plane(self, load: Load, *, together: bool | None = None) -> RodSolution:
         """The weight of the load is spread as the mass of the arm is, where that is known."""
-        asked = Held(load.in_space, (*held, None))
-        how = Way(is_third_experiment(held) if together is None else together, in_space=False)
-        return self._planar_solution(self._followed(asked, how), asked)
+        how = Way(are_heights(load.supports) if together is None else together, in_space=False)
+        return self._planar_solution(self._followed(load.in_space, how), load.in_space)
 
-    def solve_in_space(self, load: SpatialLoad, position: Position = (None, None, None)) -> SpatialSolution:
+    def solve_in_space(self, load: SpatialLoad) -> SpatialSolution:
         """The equilibrium in space under a load, which grows on the inflated arm.
 
-        position: of the end where it is held, mm; the components of the force along these axes follow. Raises
-        `RodError` as `solve` does, and for a law without rigidities out of the plane.
+        Raises `RodError` as `solve` does, and for a law without rigidities out of the plane.
         """
         self._check_in_space()
-        path = self._followed(Held(load, position), Way(together=False, in_space=True))
+        path = self._followed(load, Way(together=False, in_space=True))
         nodes = path.nodes
         frame = nodes.frames[-1]
         turn = math.atan2(frame[1, 0], frame[0, 0])
-        at_tip = tip_state(self.tip, position).beside_at(turn, float(nodes.force @ frame[:, 0]))
+        at_tip = self._tip_state(load).beside_at(turn, float(nodes.force @ frame[:, 0]))
         bending = (nodes.moment[:, None] @ nodes.frames)[:, 0, 2]
         beside = _Beside(self, nodes.s, bending, at_tip)(nodes.s)
         strains = self._model.section.strains(*acting_in_frames(nodes))
-        return solved_in_space(self, path, Held(load, position), strains, beside)
+        return solved_in_space(self, path, load, strains, beside)
 
-    def posed(self, load: SpatialLoad, position: Position) -> tuple["_Model", SpatialLoad]:
-        """The load with the weight that always acts, its forces along the arm on the material curve without load."""
+    def _tip_state(self, load: SpatialLoad) -> TipState:
+        return tip_state(self.tip, load.end_at(self.length))
+
+    def posed(self, load: SpatialLoad) -> tuple["_Model", SpatialLoad]:
+        """The load with the weight that always acts, where the material curve is without load along the arm."""
         x, y, z = load.weight
-        along = []
-        for one in load.along:
-            at_tip = tip_state(self.tip, position).beside_at(0.0, 0.0)
+
+        def placed(one: Placeable) -> Placeable:
+            at_tip = self._tip_state(load).beside_at(0.0, 0.0)
             curve = _Beside(self, np.array([0.0, self.length]), np.zeros(2), at_tip)
             beside = curve(np.linspace(one.breaks[0], one.breaks[-1], PLACES)).mean(axis=0) + one.beside
-            along.append(replace(one, beside=(float(beside[0]), float(beside[1]))))
-        return self._model, replace(load, weight=(self.weight[0] + x, self.weight[1] + y, z), along=tuple(along))
+            return replace(one, beside=(float(beside[0]), float(beside[1])))
 
-    def _followed(self, asked: Held, how: Way) -> Path:
+        along, supports = tuple(map(placed, load.along)), tuple(map(placed, load.supports))
+        weight = self.weight[0] + x, self.weight[1] + y, z
+        return self._model, replace(load, weight=weight, along=along, supports=supports)
+
+    def _followed(self, load: SpatialLoad, how: Way) -> Path:
         """The path to a load; raises `RodError` where it ends, and where the curvature leaves the law."""
-        model, load = self.posed(*asked)
-        path = follow(model, load, asked.position, how)
+        model, load = self.posed(load)
+        path = follow(model, load, how)
         if outside := self.outside(path):
-            raise RodError(f"{outside} {self._borne(load, asked.position, how)}")
+            raise RodError(f"{outside} {self._borne(load, how)}")
         return path
 
     def outside(self, path: Path) -> str:
@@ -157,27 +153,27 @@ class LawRod:
             f"{law.pressure:g} kPa is known from {low:.4g} to {high:.4g} N mm."
         )
 
-    def _borne(self, load: SpatialLoad, position: Position, how: Way) -> str:
+    def _borne(self, load: SpatialLoad, how: Way) -> str:
         """How much of a load the law bears, and what to do."""
         remedy = "Put this load into the configuration and measure the law again."
-        if any(value is not None for value in position):
+        if load.supports:
             return remedy
         low, high = 0.0, 1.0
         for _ in range(PARTS):
             part = 0.5 * (low + high)
             try:
-                is_inside = not self.outside(follow(self._model, SpatialLoad().plus(load, part), position, how))
+                is_inside = not self.outside(follow(self._model, SpatialLoad().plus(load, part), how))
             except RodError:
                 is_inside = False
             low, high = (part, high) if is_inside else (low, part)
         return f"It bears {100 * low:.2g} % of this load. {remedy}" if low else remedy
 
-    def _planar_solution(self, path: Path, asked: Held) -> RodSolution:
+    def _planar_solution(self, path: Path, load: SpatialLoad) -> RodSolution:
         nodes = path.nodes
         curvature, stretch, _ = self._model.section.strains(*acting_in_frames(nodes))
         turn = float(nodes.angle[-1])
         pull = float(nodes.force[:2] @ (math.cos(turn), math.sin(turn)))
-        at_tip = tip_state(self.tip, asked.position).beside_at(turn, pull)
+        at_tip = self._tip_state(load).beside_at(turn, pull)
         moment = read_only(np.ascontiguousarray(nodes.moment[:, 2]))
         return RodSolution(
             s=read_only(nodes.s),
@@ -188,11 +184,12 @@ class LawRod:
             moment=moment,
             stretch=read_only(np.ascontiguousarray(stretch[:, 0])),
             force=read_only(nodes.force[:2].copy()),
-            weight=read_only((np.array(asked.load.weight[:2]) + self.weight) * self.length),
+            reactions=reactions_of(load.supports, nodes.reaction),
+            weight=read_only((np.array(load.weight[:2]) + self.weight) * self.length),
             load_steps=path.steps,
             shear=read_only(np.ascontiguousarray(stretch[:, 1])),
             beside=_Beside(self, nodes.s, moment, at_tip),
-            path=SolvedPath(self, asked, path.chains),
+            path=SolvedPath(self, load, path.chains),
         )
 
     def volumes(self, state: RodSolution) -> Array:
@@ -236,13 +233,12 @@ class LawRod:
 
 
 class _Model:
-    """The rod as the path asks for it (`rod.arm.path.ArmModel`)."""
+    """The rod as the path asks for it (`rod.arm.solver.ArmModel`)."""
 
     def __init__(self, rod: LawRod) -> None:
         self.rod = rod
         self.section, self.mass = TabulatedSection(rod.section, rod.length), rod.mass
         self.clamp_reach = float(rod.clamp.s[-1])
-        self.own = SpatialLoad()
         self.decides_at = rod.clamp.position
         usual = FIRST * rod.pitch
         self._first = self.decides_at if SHORT[0] < self.decides_at / usual < SHORT[1] else usual
@@ -254,11 +250,11 @@ class _Model:
         places = [s for s in sorted((self.decides_at, *breaks)) if s > first]
         return np.append(0.0, positions_between([first, *places, rod.length], ELEMENT * rod.pitch))
 
-    def ends(self, position: Position) -> EndArrays:
+    def ends(self, end: Position) -> EndArrays:
         """Of the clamp, and of the tip that is held so."""
-        held = tuple(at is not None for at in position)
+        held = tuple(at is not None for at in end)
         if held not in self._ends:
-            self._ends[held] = end_arrays(self.rod.clamp, tip_state(self.rod.tip, position))
+            self._ends[held] = end_arrays(self.rod.clamp, tip_state(self.rod.tip, end))
         return self._ends[held]
 
     def begin(self) -> tuple[Array, Array]:

@@ -6,6 +6,7 @@ from typing import final
 import numpy as np
 
 from geometry.arrays import Array
+from rod.along import Position
 from rod.arm.chain import in_frame, positions_between, rotation
 from rod.arm.end_kernels import EndArrays
 from rod.arm.ends import polynomial_ends
@@ -16,7 +17,7 @@ from rod.arm_law.polynomial import Plane
 from rod.errors import RodError
 from rod.load import Load
 from rod.solution import RodSolution, SpatialSolution
-from rod.spatial import Held, Position, SpatialLoad
+from rod.spatial import SpatialLoad
 from rod.weight import Mass
 
 #: longest element over the pitch, and over the length; length of the first one, which is never halved, over these
@@ -42,37 +43,24 @@ class SpaceRod:
     mass: Mass | None  #: None: not known
     pressures: tuple[float, ...]  #: kPa
 
-    def solve_in_space(self, load: SpatialLoad, position: Position = (None, None, None)) -> SpatialSolution:
+    def solve_in_space(self, load: SpatialLoad) -> SpatialSolution:
         """The equilibrium under a load, which grows on the inflated arm.
 
-        position: of the end where it is held, mm; the components of the force along these axes follow. Raises
-        `RodError` where the path ends or becomes unstable, and where the curvature leaves the law.
+        Raises `RodError` where the path ends or becomes unstable, and where the curvature leaves the law.
         """
-        path = follow(self, load, position, Way(in_space=True))
+        path = follow(self, load, Way(in_space=True))
         if outside := self.outside(path):
             raise RodError(outside)
         nodes = path.nodes
         beside = np.zeros((len(nodes.s), 3))
         beside[-1] = self.tip[:3]
-        return solved_in_space(self, path, Held(load, position), self.section.strains(*acting_in_frames(nodes)), beside)
+        return solved_in_space(self, path, load, self.section.strains(*acting_in_frames(nodes)), beside)
 
-    def posed(self, load: SpatialLoad, position: Position) -> tuple["SpaceRod", SpatialLoad]:
+    def posed(self, load: SpatialLoad) -> tuple["SpaceRod", SpatialLoad]:
         """The same."""
         return self, load
 
-    @property
-    def has_own_law(self) -> bool:
-        """As `rod.arm.arm.Arm` says, and so are the others."""
-        return True
-
-    @property
-    def carried(self) -> tuple[float, float]:
-        """No weight acts always."""
-        return 0.0, 0.0
-
-    def in_plane(
-        self, load: Load, held: tuple[float | None, float | None], *, together: bool | None = None
-    ) -> RodSolution:
+    def in_plane(self, load: Load, *, together: bool | None = None) -> RodSolution:
         """Refused: it has no plane."""
         raise RodError("This arm bends in space; `solve` gives its shape.")
 
@@ -82,23 +70,18 @@ class SpaceRod:
         return 0.0
 
     @property
-    def own(self) -> SpatialLoad:
-        """Nothing acts on its rest shape."""
-        return SpatialLoad()
-
-    @property
     def kappa_0(self) -> Array:
         """(2,) 1/mm: the curvatures about y and z without moment."""
         return self.section.origin
 
     def positions(self, breaks: tuple[float, ...]) -> Array:
-        """As `rod.arm.path.ArmModel` says, and so are the others."""
+        """As `rod.arm.solver.ArmModel` says, and so are the others."""
         longest = min(ELEMENT * self.pitch, LONGEST * self.length)
         first = FIRST * longest
         inner = [s for s in sorted(breaks) if s > first]
         return np.append(0.0, positions_between([first, *inner, self.length], longest))
 
-    def ends(self, position: Position) -> EndArrays:
+    def ends(self, end: Position) -> EndArrays:
         """The clamp, and a tip that is a point beside the axis."""
         return polynomial_ends(self.clamp.table[..., :6], self.tip[:3])
 

@@ -13,13 +13,10 @@ import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Literal, get_args, overload
-
-import numpy as np
+from typing import Literal, TypedDict, Unpack, get_args, overload
 
 from geometry.arrays import read_only
-from rod.along import AlongLoad, checked_along, leaves_plane
-from rod.arm.arm import Arm
+from rod.along import Along, LineLoad, Support, are_heights, leaves_plane, split_along
 from rod.arm_law.law import ArmLaw
 from rod.arm_law.law_rod import LawRod
 from rod.arm_law.space_rod import SpaceRod
@@ -28,24 +25,27 @@ from rod.curves.extension import Extension
 from rod.errors import RodError, RodWarning
 from rod.identification.moment_range import MomentRange
 from rod.law import FiveParameters, TwoSlopes
-from rod.load import Load, pair, requested, with_along
+from rod.load import AnyLoad, Load, held_end, pair, requested, spatially_requested, with_along
 from rod.mechanics.lines import LinesRod
 from rod.mechanics.profile import Profile, sampled
 from rod.solution import RodSolution, SpatialSolution
-from rod.spatial import (
-    Position,
-    SpatialLoad,
-    held_at,
-    is_third_experiment,
-    is_triple,
-    spatially_requested,
-)
+from rod.spatial import SpatialLoad, is_triple
 from rod.weight import Hung, Mass, Weighing, weighted
 
 #: N mm, a moment whose own effect is nothing, under which the offsets of the law act
 NEXT_TO_NOTHING = 1e-9
 
 Order = Literal["as tested", "together", "pressure first"]
+
+
+class _Also(TypedDict, total=False):
+    """What `Rod.solve` takes in the plane and in space."""
+
+    moment: float | Sequence[float]
+    weight: bool
+    direction: str | Sequence[float] | None
+    along: Sequence[Along]
+    hung: Hung
 
 
 def _no_law() -> FiveParameters:
@@ -102,7 +102,7 @@ class Rod:
             raise RodError(f"The break d = {self.law.d:g} mm lies off the rod of {self.length:g} mm.")
         if not isinstance(self.extension, Extension | None):
             raise RodError(f"The extension of a rod is a rod.Extension or None, not {reprlib.repr(self.extension)}.")
-        _ = self.two_lines  # refuses a kappa_0 that does not fit
+        _ = self.arm  # refuses a kappa_0 that does not fit
 
     def _check_nothing_twice(self, weight: tuple[float, float]) -> None:
         given = {"kappa_0": self.kappa_0 is not None, "extension": self.extension is not None}
@@ -115,57 +115,39 @@ class Rod:
                 raise RodError(f"A rod with the arm's own law takes no {name}: the law has it or needs none.")
 
     @cached_property
-    def two_lines(self) -> LinesRod:
-        """The rod with two lines. Raises `RodError` for a kappa_0 that does not fit and for the arm's own law."""
+    def arm(self) -> LinesRod | LawRod | SpaceRod:
+        """The arm that answers, with its own law or two lines. Raises `RodError` for a kappa_0 that does not fit."""
+        if not isinstance(self.law, TwoSlopes):
+            return self.law
         if self.kappa_0 is None:
             raise RodError("A rod with five parameters needs kappa_0, its curvature without load.")
         s, kappa_0 = sampled(self.length, self.kappa_0)
-        weight = SpatialLoad(weight=(*self.weight, 0.0), weight_height=self.weight_height)
-        return LinesRod(self.lines, self.length, s, kappa_0, self.theta0, self.extension, weight)
+        beside = (0.0, self.weight_height)
+        own = (LineLoad(0.0, self.length, self.weight, beside=beside),) if any(self.weight) else ()
+        return LinesRod(self.law, self.length, s, kappa_0, self.theta0, self.extension, own)
 
     @property
-    def arm(self) -> Arm:
-        """The arm that answers: with its own law, or with two lines."""
-        return self.two_lines if isinstance(self.law, TwoSlopes) else self.law
+    def has_own_law(self) -> bool:
+        """Whether its law was measured on a cell; others have two straight lines."""
+        return not isinstance(self.law, TwoSlopes)
 
     @property
     def five(self) -> FiveParameters:
         """The five parameters. Raises `RodError` for a rod with another law."""
         if isinstance(self.law, FiveParameters):
             return self.law
-        if self.arm.has_own_law:
+        if self.has_own_law:
             raise RodError("This rod follows the arm's own law and has no five parameters.")
         raise RodError("The slopes of this rod may be negative, and are not the five parameters of a rod.")
 
-    @property
-    def lines(self) -> TwoSlopes:
-        """The two lines of its law. Raises `RodError` for a rod with the arm's own law."""
-        return self.law if isinstance(self.law, TwoSlopes) else self.five
-
     @overload
     def solve(  # type: ignore[overload-overlap]
-        self,
-        force: tuple[float, float, float],
-        *,
-        moment: float | Sequence[float] = ...,
-        weight: bool = ...,
-        direction: str | Sequence[float] | None = ...,
-        along: Sequence[AlongLoad] = ...,
-        hung: Hung = ...,
-        tip_mass: float | str = ...,
+        self, force: tuple[float, float, float], *, tip_mass: float | str = ..., **also: Unpack[_Also]
     ) -> SpatialSolution: ...
 
     @overload
     def solve(  # type: ignore[overload-overlap]
-        self,
-        force: None = ...,
-        *,
-        end: tuple[float | None, float | None, float | None],
-        moment: float | Sequence[float] = ...,
-        weight: bool = ...,
-        direction: str | Sequence[float] | None = ...,
-        along: Sequence[AlongLoad] = ...,
-        hung: Hung = ...,
+        self, force: None = ..., *, end: tuple[float | None, float | None, float | None], **also: Unpack[_Also]
     ) -> SpatialSolution: ...
 
     @overload
@@ -173,16 +155,12 @@ class Rod:
         self,
         force: Sequence[float] | None = ...,
         *,
-        end: Sequence[float] | None = ...,
+        end: Sequence[float | None] | None = ...,
         end_x: float | None = ...,
         end_y: float | None = ...,
-        moment: float = ...,
         order: Order = ...,
-        weight: bool = ...,
-        direction: str | Sequence[float] | None = ...,
-        along: Sequence[AlongLoad] = ...,
-        hung: Hung = ...,
         tip_mass: float | str = ...,
+        **also: Unpack[_Also],
     ) -> RodSolution: ...
 
     def solve(
@@ -197,7 +175,7 @@ class Rod:
         weight: bool = True,
         direction: str | Sequence[float] | None = None,
         tip_mass: float | str = 0.0,
-        along: Sequence[AlongLoad] = (),
+        along: Sequence[Along] = (),
         hung: Hung = (),
     ) -> RodSolution | SpatialSolution:
         """The equilibrium that is reached when the loads grow from zero.
@@ -206,9 +184,9 @@ class Rod:
         end (the other force component is zero: end_y alone is experiment III). Either may be combined with moment, M(l)
         in N mm. `under` takes a `Load`.
 
-        along: loads on sections of the arm, `rod.PointLoad` and `rod.LineLoad`; those with a part across the plane of
-        the arm give the rod in space. hung: masses along it, such as [("0.5 l", "5 g")], or in mm and g; they need a
-        direction.
+        along: loads on sections of the arm, `rod.PointLoad` and `rod.LineLoad`, and supports, `rod.Support`; those with
+        a part across the plane of the arm give the rod in space. hung: masses along it, such as [("0.5 l", "5 g")], or
+        in mm and g; they need a direction.
 
         direction: of gravity, "hanging", "lying" or "standing", the angle "30 deg" by which the arm rises from its
         clamp to its end at rest, or (x, y); the weight of the arm acts then unless weight is False. tip_mass: hangs on
@@ -224,42 +202,44 @@ class Rod:
         too. Raises `RodError` when the loads contradict each other, when the end is put farther away than the rod is
         long, and when the path ends before the full load is reached.
         """
-        along = checked_along(along)
+        supports = held_end(self.length, force, end, end_x, end_y)
+        along = (*sum(split_along(along), ()), *supports)
         is_weighed = direction is not None or tip_mass != 0.0 or len(hung) > 0
-        carried = self.arm.carried
-        weighing = Weighing(self.mass, self.length, carried, any(self.weight) and not any(carried))
+        carried = self.weight if self.has_own_law else (0.0, 0.0)
+        weighing = Weighing(self.mass, self.length, carried, any(self.weight) and not self.has_own_law)
         is_spatial = any(is_triple(value) for value in (force, end, moment, direction))
         if isinstance(self.law, SpaceRod) or is_spatial or any(map(leaves_plane, along)):
             if order != "as tested":
                 raise RodError(f"In space the loads grow on the inflated arm; order = {order!r} is not possible.")
-            spatial, position = spatially_requested(force, moment, end, end_x, end_y)
+            spatial = spatially_requested(force, moment)
             if is_weighed:
                 spatial = weighted(spatial, weighing, weight, direction, tip_mass, hung)
-            return self._in_space(with_along(spatial, along, self.length), position)
-        load, held = requested(force, moment, end, end_x, end_y)
+            return self._in_space(with_along(spatial, along, self.length))
+        load = requested(force, moment)
         if is_weighed:
             load = weighted(load, weighing, weight, direction, tip_mass, hung)
+        load = with_along(load, along, self.length)
         loaded = force is not None or load.couple != 0.0 or is_weighed or len(along) > 0
-        together = _grow_together(order, held, loaded=loaded)
-        solution = self._in_plane(with_along(load, along, self.length), held, together=together)
+        solution = self._in_plane(load, together=_grow_together(order, load.supports, loaded=loaded))
         if outside := self._outside(solution):
             warnings.warn(outside, RodWarning, stacklevel=2)
         return replace(solution, notes=(*self.notes, *filter(None, [outside])))
 
-    def _in_plane(self, load: Load, held: tuple[float | None, float | None], *, together: bool) -> RodSolution:
+    def _in_plane(self, load: Load, *, together: bool) -> RodSolution:
         """The equilibrium in the plane, whose clamp is at the start of this rod."""
-        x, y = (None if at is None else at - origin for at, origin in zip(held, self.start, strict=True))
-        solution = self.arm.in_plane(load.on_free_axes(held), (x, y), together=together)
+        solution = self.arm.in_plane(self._from_start(load), together=together)
         if not any(self.start):
             return solution
         return replace(solution, x=read_only(solution.x + self.start[0]), y=read_only(solution.y + self.start[1]))
 
-    def _in_space(self, load: SpatialLoad, position: Position) -> SpatialSolution:
+    def _in_space(self, load: SpatialLoad) -> SpatialSolution:
         """The equilibrium in space, whose clamp is at the start of this rod."""
-        start = np.array([*self.start, 0.0])
-        x, y, z = (None if at is None else at - float(origin) for at, origin in zip(position, start, strict=True))
-        solution = self.arm.solve_in_space(load, (x, y, z))
+        solution, start = self.arm.solve_in_space(self._from_start(load)), (*self.start, 0.0)
         return replace(solution, axis=read_only(solution.axis + start), notes=self.notes)
+
+    def _from_start(self, load: AnyLoad) -> AnyLoad:
+        """The load where the clamp is the origin."""
+        return replace(load, supports=tuple(one.seen_from((*self.start, 0.0)) for one in load.supports))
 
     def _outside(self, shape: RodSolution) -> str:
         """A sentence where the moments of a shape leave those of the identification; empty elsewhere."""
@@ -279,15 +259,12 @@ class Rod:
         force the components along the other axes; those along an axis on which the end is held follow. Raises
         `RodError` as `solve` does.
         """
-        held = held_at(end_x, end_y)
-        return self._in_plane(load, held, together=is_third_experiment(held))
+        held = with_along(load, held_end(self.length, None, None, end_x, end_y), self.length)
+        return self._in_plane(held, together=are_heights(held.supports))
 
 
-def _grow_together(order: Order, held: tuple[float | None, float | None], *, loaded: bool) -> bool:
-    end_x, end_y = held
+def _grow_together(order: Order, supports: Sequence[Support], *, loaded: bool) -> bool:
     if order not in get_args(Order):
         raise RodError(f"order is one of {', '.join(get_args(Order))}; {order!r} is not.")
-    if order == "as tested":
-        return is_third_experiment(held)
     # on a rod that nothing acts on nothing can grow together
-    return order == "together" and (loaded or end_x is not None or end_y is not None)
+    return are_heights(supports) if order == "as tested" else order == "together" and loaded

@@ -1,25 +1,26 @@
 """A clamped rod with two straight lines between moment and curvature, as a chain of elements (`rod.arm`)."""
 
 import math
-from dataclasses import dataclass
-from functools import cached_property
+from dataclasses import dataclass, replace
 from typing import final
 
 import numpy as np
 
 from geometry.arrays import Array, read_only
-from rod.arm.chain import planar_frames, positions_between
+from rod.along import LineLoad, Position, are_heights, reactions_of, resultant
+from rod.arm.chain import halved, planar_frames, positions_between
 from rod.arm.end_kernels import EndArrays
 from rod.arm.ends import rigid_ends
-from rod.arm.path import NOT_SOLVED, Path, Solver, Way, follow
+from rod.arm.path import NOT_SOLVED, Path, Way, follow, positions_under
 from rod.arm.response import SolvedPath
 from rod.arm.sections import LinesSection
+from rod.arm.solver import Solver
 from rod.curves.extension import Extension
-from rod.errors import RodError
+from rod.errors import LoadError, RodError
 from rod.law import TwoSlopes
 from rod.load import Load
 from rod.solution import RodSolution, SpatialSolution
-from rod.spatial import Held, Position, SpatialLoad, is_third_experiment
+from rod.spatial import SpatialLoad
 
 #: length of the first element, which is never halved, over that of the rod
 FIRST = 1e-3
@@ -42,40 +43,24 @@ class LinesRod:
     kappa_0: Array  #: (n,) 1/mm
     theta0: float  #: rad
     extension: Extension | None
-    weight: SpatialLoad  #: of the rod itself, under which it has kappa_0 where nothing else acts
+    own: tuple[LineLoad, ...]  #: its weight, under which it has kappa_0 where nothing else acts
 
-    @property
-    def has_own_law(self) -> bool:
-        """As `rod.arm.arm.Arm` says, and so are the others."""
-        return False
-
-    @property
-    def carried(self) -> tuple[float, float]:
-        """Its own weight cannot be replaced: the parameters depend on it."""
-        return 0.0, 0.0
-
-    def solve_in_space(self, load: SpatialLoad, position: Position = (None, None, None)) -> SpatialSolution:
+    def solve_in_space(self, load: SpatialLoad) -> SpatialSolution:
         """Refused: its law is that of the plane."""
         raise RodError("A rod with five parameters stays in its plane; in space a rod has the arm's own law.")
 
-    def in_plane(
-        self, load: Load, held: tuple[float | None, float | None], *, together: bool | None = None
-    ) -> RodSolution:
+    def in_plane(self, load: Load, *, together: bool | None = None) -> RodSolution:
         """The equilibrium under a load. together: the rest shape grows with the load from the straight rod.
 
-        held: (x, y) of the end in mm, None where it is free. Raises `RodError` where the path ends, and for an end
-        beyond the reach of an inextensible rod.
+        Raises `RodError` where the path ends, and for a place beyond the reach of an inextensible rod.
         """
-        reach = math.hypot(*(0.0 if at is None else at for at in held))
-        if not reach < self.length and self.extension is None:
-            raise RodError(
-                f"The end cannot be {reach:g} mm from the clamp: the rod of {self.length:g} mm is inextensible."
-            )
-        asked = Held(load.in_space, (*held, None))
-        together = is_third_experiment(held) if together is None else together
-        is_loaded = not self._is_idle(asked.load, held) or together
+        together = are_heights(load.supports) if together is None else together
+        asked = load.in_space
+        is_loaded = not self._is_idle(asked) or together
+        if self.extension is None:
+            self._check_reach(load)
         model = _Model(self, self._section(is_loaded=is_loaded))
-        path = follow(model, *asked, Way(together))
+        path = follow(model, self._all(asked), Way(together))
         nodes = path.nodes
         if outside := self.outside(path):
             raise RodError(outside)
@@ -93,37 +78,43 @@ class LinesRod:
             moment=_column(nodes.moment[:, 2]),
             stretch=read_only(stretch),
             force=_column(nodes.force[:2]),
-            weight=read_only((np.array(load.weight) + self.weight.weight[:2]) * self.length),
+            reactions=reactions_of(load.supports, nodes.reaction),
+            weight=read_only(np.array(load.weight) * self.length + resultant(self.own, nodes.s)[:2]),
             load_steps=path.steps if is_loaded else 0,
             bending_moment=read_only(bending),
             path=SolvedPath(self, asked, path.chains),
         )
 
-    def posed(self, load: SpatialLoad, position: Position) -> tuple["_Model", SpatialLoad]:
-        """The rod, with the offsets of its law where something acts."""
-        x, y, _ = position
-        is_loaded = not self._is_idle(load, (x, y)) or is_third_experiment((x, y))
-        return _Model(self, self._section(is_loaded=is_loaded)), load
+    def posed(self, load: SpatialLoad) -> tuple["_Model", SpatialLoad]:
+        """The rod, with the offsets of its law where something acts, and its weight."""
+        is_loaded = not self._is_idle(load) or are_heights(load.supports)
+        return _Model(self, self._section(is_loaded=is_loaded)), self._all(load)
+
+    def _all(self, load: SpatialLoad) -> SpatialLoad:
+        return replace(load, along=(*load.along, *self.own))
 
     def outside(self, path: Path) -> str:
-        """A sentence where a held end stretches the rod; empty elsewhere."""
-        stretches = np.hypot(*path.nodes.force[:2]) > STRETCHED * self._section(is_loaded=True).rigid
-        return "The end cannot be held there: the rod would have to be stretched by force." if stretches else ""
+        """A sentence where what holds the rod stretches it; empty elsewhere."""
+        stretches = np.hypot(*path.nodes.inner[:, :2].T).max() > STRETCHED * self._section(is_loaded=True).rigid
+        return "The rod cannot be held there: it would have to be stretched by force." if stretches else ""
 
-    def _is_idle(self, load: SpatialLoad, held: tuple[float | None, float | None]) -> bool:
-        """Whether nothing acts on the rod; an end that is held is then where the unloaded rod has it."""
-        if any((*load.force, *load.weight, *load.couple)) or load.along:
+    def _check_reach(self, load: Load) -> None:
+        for one in load.supports:
+            reach = math.hypot(one.x or 0.0, one.y or 0.0)
+            if not reach < one.s:
+                which = "end" if one.s == self.length else f"point at s = {one.s:g} mm"
+                told = f"the rod of {self.length:g} mm is inextensible."
+                raise LoadError(f"The {which} cannot be {reach:g} mm from the clamp: {told}")
+
+    def _is_idle(self, load: SpatialLoad) -> bool:
+        """Whether nothing acts on the rod; what is held is then where the unloaded rod has it."""
+        if any((*load.force, *load.weight, *load.couple, *load.along)):
             return False
-        if held == (None, None):
-            return True
-        x, y, _ = self._rest_end
-        away = [at - own for at, own in zip(held, (x, y), strict=True) if at is not None]
-        return max(map(abs, away)) < AT_REST * self.length
-
-    @cached_property
-    def _rest_end(self) -> Array:
         model = _Model(self, self._section(is_loaded=False))
-        return follow(model, SpatialLoad(), (None, None, None), Way()).nodes.place[-1]
+        s = positions_under(model, load)
+        solvers = (Solver(model, places, load, in_space=False) for places in (s, halved(s)))
+        coarse, fine = (solver.held(solver.rest()) - solver.load.target for solver in solvers)
+        return bool(np.all(np.abs(fine + (fine - coarse) / 3.0) < AT_REST * self.length))
 
     def _section(self, *, is_loaded: bool) -> LinesSection:
         extension = self.extension
@@ -134,13 +125,13 @@ class LinesRod:
         eccentricity = 0.0 if extension is None else extension.eccentricity
         none = np.zeros(len(s))
         section = LinesSection(self.law, self.length, s, kappa_0, stretch, s, none, eccentricity, is_loaded)
-        return section if not any(self.weight.weight) else self._with_own_moment(section)
+        return self._with_own_moment(section) if self.own else section
 
     def _with_own_moment(self, section: LinesSection) -> LinesSection:
         """The moment of its weight about the neutral axis, in the shape of kappa_0."""
         model = _Model(self, section)
         s = positions_between([0.0, self.length], self.length / (8 * ELEMENTS))
-        solver = Solver(model, s, SpatialLoad(), (None, None, None), in_space=False)
+        solver = Solver(model, s, SpatialLoad(along=self.own), in_space=False)
         nodes = solver.nodes(solver.rest(), NOT_SOLVED)
         inner = nodes.inner[:, 0] * np.cos(nodes.angle) + nodes.inner[:, 1] * np.sin(nodes.angle)
         own = nodes.moment[:, 2] + section.eccentricity * inner
@@ -159,10 +150,10 @@ def _column(values: Array) -> Array:
 
 
 class _Model:
-    """The rod as the path asks for it (`rod.arm.path.ArmModel`)."""
+    """The rod as the path asks for it (`rod.arm.solver.ArmModel`)."""
 
     def __init__(self, rod: LinesRod, section: LinesSection) -> None:
-        self.rod, self.section, self.mass, self.own = rod, section, None, rod.weight
+        self.rod, self.section, self.mass = rod, section, None
         self.decides_at = self.clamp_reach = 0.0
 
     def positions(self, breaks: tuple[float, ...]) -> Array:
@@ -173,7 +164,7 @@ class _Model:
         first = min(FIRST * rod.length, 0.5 * inner[0])
         return np.append(0.0, positions_between([first, *inner, rod.length], rod.length / ELEMENTS))
 
-    def ends(self, position: Position) -> EndArrays:
+    def ends(self, end: Position) -> EndArrays:
         """A clamp that does not give way."""
         return rigid_ends(self.rod.theta0)
 

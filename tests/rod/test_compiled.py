@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from rod import FiveParameters, Rod
-from rod.arm import path
+from rod.arm import path, solver
 from rod.arm.chain import solve_chain
 from rod.compiled import source_stamp
 
@@ -27,7 +27,7 @@ def test_plain_and_compiled_rods_are_equal(monkeypatch: pytest.MonkeyPatch, load
     import numba  # noqa: F401  where it is loaded every call is a compiled one
 
     compiled = ARM.solve(**loads)  # type: ignore[arg-type]
-    monkeypatch.setattr(path, "solve_chain", in_python)
+    monkeypatch.setattr(solver, "solve_chain", in_python)
     again = ARM.solve(**loads)  # type: ignore[arg-type]
     for array in ("x", "y", "theta", "moment", "force"):
         # stretch is next to rigid: a rounded length of 1e-16 is a force of 1e-8 alpha / l^2
@@ -36,7 +36,7 @@ def test_plain_and_compiled_rods_are_equal(monkeypatch: pytest.MonkeyPatch, load
 
 def test_an_absurd_force_raises_nothing_in_plain_python(monkeypatch: pytest.MonkeyPatch) -> None:
     """Newton's method meets numbers that are not finite on the way."""
-    monkeypatch.setattr(path, "solve_chain", in_python)
+    monkeypatch.setattr(solver, "solve_chain", in_python)
     monkeypatch.setattr(path, "SMALLEST_STEP", 0.2)
     with pytest.raises(ValueError, match="No equilibrium was found beyond 0 % of the load"):
         ARM.solve(force=(0.0, 1e300))

@@ -69,7 +69,7 @@ def test_solutions_can_be_pickled_and_copied() -> None:
     [
         ({"end_y": float("nan")}, "end_y must be a finite number, not nan."),
         ({"end_y": "3"}, "end_y must be a finite number, not '3'."),
-        ({"end": (100.0, None)}, "end is a pair of finite numbers, x and y; (100.0, None) is not."),
+        ({"end": (100.0,)}, "end is x and y, in space also z, None where it is free; (100.0,) is not."),
         ({"force": 0.05}, "force is a pair of finite numbers, x and y; 0.05 is not."),
         ({"force": ("0 N", "0.05 N")}, "force is a pair of finite numbers, x and y; ('0 N', '0.05 N') is not."),
         ({"force": (0.0, 0.1, 0.0, 0.0)}, "force is a pair of finite numbers, x and y; (0.0, 0.1, 0.0, 0.0) is not."),

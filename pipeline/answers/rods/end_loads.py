@@ -1,23 +1,25 @@
-"""Loads on the end of a rod and along it, written with units, and the shapes under them."""
+"""Loads on the end of a rod and along it, and supports, written with units, and the shapes under them."""
 
 import math
 import warnings
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from geometry.arrays import Array
 from geometry.centreline import bending_deg
 from pipeline.answers.rods.choice import RodOfRun
-from pipeline.config.units import FORCE, LENGTH, MOMENT, STIFFNESS
+from pipeline.config.units import ANGLE, FORCE, LENGTH, MOMENT, STIFFNESS
 from pipeline.results.options import option_pressures, option_value, option_vector
 from pipeline.store.atomic_file import write_atomic
 from pipeline.store.result_folder import open_file
 from pipeline.values.errors import InputError, RunFailed, argument, ask
 from pipeline.values.formats import ARM_LAW, EXTENSIBLE, FIVE
-from rod.along import LineLoad, PointLoad
+from rod.along import Along, LineLoad, PointLoad, Reaction, Support
 from rod.arm_law.law_rod import LawRod
 from rod.errors import LoadError, RodError, RodWarning
 from rod.mechanics.equilibrium import Rod
@@ -28,6 +30,7 @@ from rod.weight import gravity_vector, in_grams, position_along
 EXAMPLES = {
     "force_at": "0.5 l: [0 N, 0.02 N]",
     "line_load": "0.2 l to 0.8 l: [0 N/m, 0.5 N/m]",
+    "held_at": "0.5 l: y -3 mm",
     "mass_at": "0.5 l: 5 g",
 }
 #: x and y, and z of a load across the plane of the arm
@@ -35,25 +38,29 @@ Vector = tuple[float, float] | tuple[float, float, float]
 
 
 @dataclass(frozen=True)
-class AlongForce:
-    """A force at a place along a rod, or one per length between two places."""
+class AlongArm:
+    """What acts on a rod at a place or between two places, or holds it at one."""
 
     places: tuple[str, ...]  #: as they are written, "56 mm" or "0.5 l"
-    force: Vector  #: N, or N/mm between two places
+    kind: Callable[..., Along]
+    what: dict[str, Any]  #: the fields of its kind besides the places
 
     @staticmethod
-    def all_of(force_at: Sequence[str], line_load: Sequence[str]) -> tuple["AlongForce", ...]:
+    def all_of(
+        force_at: Sequence[str], line_load: Sequence[str], held_at: Sequence[str] = ()
+    ) -> tuple["AlongArm", ...]:
         """From the options of the command line. Raises InputError."""
-        found = []
-        for name, texts, dimension in (("force_at", force_at, FORCE), ("line_load", line_load, STIFFNESS)):
-            for places, force in _placed(name, texts):
-                found.append(AlongForce(places, option_vector(name, force, dimension)))
-        return tuple(found)
+        forces = ("force_at", force_at, PointLoad, FORCE), ("line_load", line_load, LineLoad, STIFFNESS)
+        found = [
+            AlongArm(places, kind, {"force": option_vector(name, force, dimension)})
+            for name, texts, kind, dimension in forces
+            for places, force in _placed(name, texts)
+        ]
+        return (*found, *(AlongArm(places, Support, _held(what)) for places, what in _placed("held_at", held_at)))
 
-    def on(self, length: float) -> PointLoad | LineLoad:
-        """The load on a rod of a length in mm. Raises `RodError` for an end before the start."""
-        start, *end = (position_along(place, length) for place in self.places)
-        return LineLoad(start, end[0], self.force) if end else PointLoad(start, self.force)
+    def on(self, length: float) -> Along:
+        """The load or the support on a rod of a length in mm. Raises `RodError` for an end before the start."""
+        return self.kind(*(position_along(place, length) for place in self.places), **self.what)
 
 
 @dataclass(frozen=True)
@@ -68,7 +75,7 @@ class EndLoads:
     end_y: float | None  #: mm
     end: Vector | None  #: mm
     weight: "Weight"
-    along: tuple[AlongForce, ...] = ()
+    along: tuple[AlongArm, ...] = ()
 
     @staticmethod
     def read(
@@ -77,7 +84,7 @@ class EndLoads:
         end_y: str | None,
         end: str | None,
         weight: "Weight",
-        along: tuple[AlongForce, ...] = (),
+        along: tuple[AlongArm, ...] = (),
     ) -> "EndLoads":
         """From the options of the command line, written with units. Raises InputError, also where they contradict."""
         if sum(given is not None for given in (force, end_y, end)) > 1:
@@ -117,16 +124,13 @@ class EndLoads:
         """
         try:
             return self.solve(rod)
-        except LoadError as failure:
-            raise InputError(str(failure)) from None
         except RodError as failure:
             away = abs(self.end_y or 0.0) if self.end is None else math.hypot(*self.end)
-            if away <= rod.length:
-                raise RunFailed(str(failure)) from None
-            given = argument("end_y" if self.end is None else "end")
-            raise InputError(
-                f"{given}: is {away:g} mm away from the clamped end, but the arm is {rod.length:g} mm long"
-            ) from None
+            if away > rod.length:
+                given = argument("end_y" if self.end is None else "end")
+                far = f"is {away:g} mm away from the clamped end, but the arm is {rod.length:g} mm long"
+                raise InputError(f"{given}: {far}") from None
+            raise (InputError if isinstance(failure, LoadError) else RunFailed)(str(failure)) from None
 
 
 @dataclass(frozen=True)
@@ -172,6 +176,19 @@ def _placed(name: str, texts: Sequence[str]) -> list[tuple[tuple[str, ...], str]
     return found
 
 
+def _held(text: str) -> dict[str, float]:
+    """x, y and z in mm and the angle in rad, of a text such as "x 50 mm, angle 5 deg". Raises InputError."""
+    found: dict[str, float] = {}
+    for part in text.split(","):
+        name, _, value = part.strip().partition(" ")
+        if name not in ("x", "y", "z", "angle") or name in found:
+            told = f"says x, y, z or angle once each, as in '{EXAMPLES['held_at']}'"
+            raise InputError(f"{argument('held_at')}: '{text}' does not say what is held; it {told}")
+        at = option_value("held_at", value, ANGLE if name == "angle" else LENGTH)
+        found[name] = math.radians(at) if name == "angle" else at
+    return found
+
+
 def _pair_of(text: str) -> str | list[str | float]:
     """The numbers of a text such as [0, -1]; other texts as they are."""
     if not text.strip().startswith("["):
@@ -194,6 +211,8 @@ def end_lines(rod: Rod, shape: RodSolution | SpatialSolution, errors: str = "") 
     """
     lines = {"rod": _described(rod), **({"errors": errors} if errors else {})}
     lines |= _lines_in_space(shape) if isinstance(shape, SpatialSolution) else _lines_in_plane(rod, shape)
+    at_end = float(shape.s[-1])
+    lines |= {f"reaction at {one.s:g} mm": _reaction(one) for one in shape.reactions if one.s < at_end or one.couple}
     width = max(map(len, lines))
     return [*(f"{name:<{width}}  {value}" for name, value in lines.items()), *shape.notes]
 
@@ -229,6 +248,12 @@ def _lines_in_space(shape: SpatialSolution) -> dict[str, str]:
     }
 
 
+def _reaction(one: Reaction) -> str:
+    """Force of a support on the arm, and its couple where it holds the angle."""
+    force = _listed(np.array(one.force if one.force[2] else one.force[:2]), "N")
+    return f"{force}, {one.couple:.5g} N mm" if one.couple else force
+
+
 def _listed(values: Array, unit: str = "") -> str:
     """Components in brackets."""
     return f"[{', '.join(f'{value + 0.0:.5g}' for value in values)}] {unit}".rstrip()
@@ -236,7 +261,7 @@ def _listed(values: Array, unit: str = "") -> str:
 
 def _described(rod: Rod) -> str:
     """Which rod it is: its name in validation.json, and its name in words."""
-    if rod.arm.has_own_law:
+    if rod.has_own_law:
         return f"{ARM_LAW}: the arm's own law"
     if rod.extension is None:
         return f"{FIVE}: five parameters, inextensible"

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from rod import FiveParameters, Load, PointLoad, Rod, RodError
+from rod import FiveParameters, Load, PointLoad, Rod, RodError, Support
 from rod.spatial import SpatialLoad
 from tests.coarse import coarse_run
 from tests.quotients import SOLVED, quotient
@@ -75,6 +75,25 @@ def test_forces_payloads_and_loads_along_the_arm_as_small_ones() -> None:
         assert shape.derivative(load).end[:2] == found.within(rel=3e-3)
 
 
+def test_of_an_arm_that_a_support_holds_in_its_middle() -> None:
+    """Its end by a force there, and the force on its end, where it is held too, by a load before it."""
+    law = coarse_run().law
+    assert law is not None
+    assert law.plane is not None
+    rod = Rod(law.plane.length, law=law.plane.at(10.0))
+    middle, end = Support(0.5 * rod.length, y=-2.0), Support(rod.length, y=-5.0)
+    width = 0.1 * NARROW  # a newton moves the end of this arm by half a meter
+    for name, s, held in (("end", rod.length, (middle,)), ("force", 0.75 * rod.length, (middle, end))):
+        loads = ((0.0, 0.01 + part * width) for part in (0.0, -0.5, 0.5))
+        shape, less, more = (rod.solve(along=[PointLoad(s, load), *held]) for load in loads)
+        by = Load((0.0, 1.0)) if s == rod.length else Load(along=(PointLoad(s, (0.0, 1.0)),))
+        given, found = shape.derivative(by), quotient(getattr(more, name), getattr(less, name), width, SOLVED)
+        rate = getattr(given, name)[:2]
+        assert rate == found.within(rel=1e-3, abs=1e-3 * np.abs(rate).max())
+        i = int(np.abs(shape.s - middle.s).argmin())
+        assert given.axis[i, 1] == pytest.approx(0.0, abs=1e-3 * np.abs(given.axis[:, 1]).max())
+
+
 def test_of_an_arm_in_space_and_of_one_whose_end_is_held() -> None:
     arm, load = space_law(stretch_slope=0.3, cubic=2.0, turn=0.1).at((5.0, 3.0, 0.0)), SpatialLoad((0.0, 0.01, 0.02))
     shape = arm.solve_in_space(load)
@@ -84,10 +103,11 @@ def test_of_an_arm_in_space_and_of_one_whose_end_is_held() -> None:
         for part in (-0.5, 0.5)
     )
     assert given.end == quotient(more.end, less.end, width, SOLVED).within(rel=1e-4, abs=1e-4 * np.abs(given.end).max())
-    position = tuple(np.add(shape.end, [-1.0, 1.0, 0.0]))
-    held = arm.solve_in_space(SpatialLoad(), position)
+    supports = (Support(arm.length, *map(float, np.add(shape.end, [-1.0, 1.0, 0.0]))),)
+    held = arm.solve_in_space(SpatialLoad(supports=supports))
     by_couple = held.derivative(SpatialLoad(couple=(0.0, 0.0, 1.0)))
-    less, more = (arm.solve_in_space(SpatialLoad(couple=(0.0, 0.0, sign)), position) for sign in (-0.01, 0.01))
+    couples = ((0.0, 0.0, sign) for sign in (-0.01, 0.01))
+    less, more = (arm.solve_in_space(SpatialLoad(couple=couple, supports=supports)) for couple in couples)
     assert by_couple.end == pytest.approx(np.zeros(3), abs=1e-7)
     assert by_couple.force == quotient(more.force, less.force, 0.02, SOLVED).within(
         rel=1e-3, abs=1e-3 * np.abs(by_couple.force).max()

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from geometry.arrays import Array
-from rod import Load, Rod, RodError, RodSolution, SpatialSolution
+from rod import Load, Rod, RodError, RodSolution, SpatialSolution, Support
 from rod.arm.chain import rotation
 from rod.arm.sections import TabulatedSection
 from rod.arm.unloaded import arc_compliance
@@ -137,7 +137,8 @@ def test_in_the_plane_it_is_the_planar_rod(loads: Load) -> None:
 @pytest.mark.parametrize("held", [(None, -20.0), (75.0, -45.0)])
 def test_with_a_held_end_in_the_plane_it_is_the_planar_rod(held: tuple[float | None, float]) -> None:
     rod = straight(kappa_0=-0.01, planar=160.0, axial=50.0, in_plane_shear=20.0)
-    _is_planar(rod.solve_in_space(SpatialLoad(), (*held, None)), rod.under(Load(), held[1], held[0]))
+    load = SpatialLoad(supports=(Support(LENGTH, *held),))
+    _is_planar(rod.solve_in_space(load), rod.under(Load(), held[1], held[0]))
 
 
 def _is_planar(found: SpatialSolution, planar: RodSolution) -> None:
@@ -256,7 +257,7 @@ def test_weight_across_the_plane_is_that_of_its_mass_and_acts_above_the_axis() -
         ({"force": (0.0, 1.0, math.nan)}, "force has three finite numbers"),
         ({"force": (0.0, 0.0, 0.1), "end": (1.0, 2.0, 3.0)}, "Give either the force on the end or its position"),
         ({"force": (0.0, 0.1, 0.0, 0.0), "direction": (0.0, 0.0, 1.0)}, "force has three finite numbers"),
-        ({"end": (50.0,), "moment": (1.0, 0.0, 0.0)}, "In space an end is x, y and z"),
+        ({"end": (50.0,), "moment": (1.0, 0.0, 0.0)}, "end is x and y, in space also z"),
         ({"force": (0.0, 0.0, 0.1), "order": "together"}, "In space the loads grow on the inflated arm"),
     ],
 )

@@ -68,6 +68,11 @@ def test_weights_that_are_none_or_contradict_are_refused(options: tuple[str, ...
             ("--mass-at", "0.5 l: 0.5 g", "--mass-at", "20 mm: 1 g", "--orientation", "hanging"),
             {"hung": [("0.5 l", 0.5), (20.0, "1 g")], "direction": "hanging"},
         ),
+        (("--held-at", "0.5 l: y -20 mm"), {"along": [pneurod.Support(56.0, y=-20.0)]}),
+        (
+            ("--held-at", "56 mm: x 5 cm, y -20 mm", "--held-at", "1 l: angle -100 deg"),
+            {"along": [pneurod.Support(56.0, 50.0, -20.0), pneurod.Support(112.0, angle=np.radians(-100.0))]},
+        ),
     ],
 )
 def test_loads_along_the_arm_are_those_of_python(options: tuple[str, ...], loads: dict[str, Any]) -> None:
@@ -87,6 +92,14 @@ def test_loads_along_the_arm_are_those_of_python(options: tuple[str, ...], loads
         (("--force-at", "200 mm: [0 N, 1 N]"), "A load acts at 0 < s <= 112 mm along the arm; s = 200 mm is outside"),
         (("--line-load", "0.5 l: [0 N/m, 1 N/m]"), "--line-load: '0.5 l: [0 N/m, 1 N/m]' is not a place and a load"),
         (("--line-load", "0.8 l to 0.2 l: [0 N/m, 1 N/m]"), "to an end beyond it; 89.6 to 22.4 mm does not"),
+        (("--held-at", "0.5 l: [0 mm, 1 mm]"), "--held-at: '[0 mm, 1 mm]' does not say what is held; it says x, y"),
+        (("--held-at", "0.5 l: y 1 mm, y 2 mm"), "--held-at: 'y 1 mm, y 2 mm' does not say what is held"),
+        (("--held-at", "0.5 l: y 1 N"), "--held-at: '1 N' is not a length"),
+        (("--held-at", "0.5 l: angle 1 mm"), "--held-at: '1 mm' is not an angle"),
+        (("--held-at", "y 1 mm"), "--held-at: 'y 1 mm' is not a place and a load; write it as '0.5 l: y -3 mm'"),
+        (("--held-at", "200 mm: y 0 mm"), "A support of this arm stands at 11 < s <= 112 mm; s = 200 mm is outside"),
+        (("--held-at", "1 l: y 0 mm", "--end-y", "0 mm"), "Two supports stand at s = 112 mm; write all that is held"),
+        (("--held-at", "40 mm: y 0 mm", "--held-at", "4 cm: x 0 mm"), "Two supports stand at s = 40 mm"),
         (("--mass-at", "0.5 l: 5 g"), "--mass-at: needs --orientation hanging"),
         (("--mass-at", "0.5 l: 5 mm", "--orientation", "lying"), "--mass-at: '5 mm' is no mass; write it in g"),
         (
@@ -99,6 +112,16 @@ def test_loads_along_the_arm_that_are_none_are_refused(options: tuple[str, ...],
     code, _, error = call(*options)
     assert (code, error.count("\n")) == (2, 1)
     assert sentence in error
+
+
+def test_the_reactions_of_supports_have_a_line_each() -> None:
+    _, out, _ = call("--held-at", "0.5 l: y -28 mm, angle -70 deg", "--held-at", "80 mm: x 46 mm")
+    lines = [line for line in out.splitlines() if line.startswith("reaction at")]
+    numbers = [[float(number) for number in re.findall(r"-?\d[\d.e-]*", line)] for line in lines]
+    along = [pneurod.Support(56.0, y=-28.0, angle=np.radians(-70.0)), pneurod.Support(80.0, x=46.0)]
+    first, second = rod_of_path(COARSE, "law").at(37.0).solve(along=along).reactions
+    assert numbers[0] == pytest.approx([56.0, *first.force[:2], first.couple], rel=1e-3)
+    assert numbers[1] == pytest.approx([80.0, *second.force[:2]], rel=1e-3)
 
 
 def test_five_parameters_carry_the_weight_as_well() -> None:
