@@ -25,8 +25,16 @@ class Found(NamedTuple):
     converged: bool
     outside: float  #: by how much a curvature (1/mm) leaves the section's table at the most
     beyond: float  #: by how much the moment at the clamp leaves its curve, N mm
-    negative: int  #: unstable directions
+    #: unstable directions, of the whole arm and of what lies beyond the clamped end
+    negative: tuple[int, int]
     iterations: int
+
+    def is_as_stable_as(self, other: "Found") -> bool:
+        """Whether one of both numbers is that of another state.
+
+        A measured clamp adds a negative pivot to the first number, and this pivot may move beyond the clamped end.
+        """
+        return self.negative[0] == other.negative[0] or self.negative[1] == other.negative[1]
 
 
 def border_system(tangent: Tangent, held: Index, columns: Array, small: Array, right: Array) -> None:
@@ -102,13 +110,13 @@ def _newton(
                 continue
             residual[:], start[:, 0], tangent.missed[:] = side[:rows], side[rows : rows + m], side[rows + m :]
         if not factorize(band, half, 1e-300):
-            return Found(False, outside, beyond, 0, iteration)
+            return Found(False, outside, beyond, (0, 0), iteration)
         for k in range(rows):
             columns[k, 0] = -residual[k]
         border_system(tangent, load.held, columns, small, right)
-        negative = unstable(band, m * (chain.free - 1), small)
+        negative = unstable(band, 0, small), unstable(band, m * (chain.free - 1), small)
         if count and solve_small(small, right) == 0.0:
-            return Found(False, outside, beyond, 0, iteration)
+            return Found(False, outside, beyond, (0, 0), iteration)
         for a in range(count):
             for k in range(rows):
                 columns[k, 0] += columns[k, 1 + a] * right[a, 0]
@@ -127,11 +135,11 @@ def _newton(
         predict(chain, state, kept, motion)
         largest = move(chain, state, motion, work)
         if not largest < 30.0:
-            return Found(False, outside, beyond, 0, iteration)
+            return Found(False, outside, beyond, (0, 0), iteration)
         # the tangent of the first step has the forces of the state before
         if largest < TOLERANCE and iteration > 0:
             return Found(True, outside, beyond, negative, iteration + 1)
-    return Found(iterations == 0, outside, beyond, 0, iterations)
+    return Found(iterations == 0, outside, beyond, (0, 0), iterations)
 
 
 def negative_of(matrix: Array) -> int:

@@ -1,8 +1,9 @@
 """The path of an arm from its inflated shape to the full load, in steps that shrink and grow.
 
-A step whose number of unstable directions differs from that of the inflated arm is shortened: the path ends where the
-arm buckles, and is not followed beyond. Where supports hold heights alone the path is that of experiment III: the
-curvature without moment and the heights grow together from the straight arm, which selects among several equilibria.
+A step whose numbers of unstable directions both differ from those of the inflated arm is shortened: the path ends
+where the arm buckles, and is not followed beyond. Where supports hold heights alone the path is that of experiment III:
+the curvature without moment and the heights grow together from the straight arm, which selects among several
+equilibria.
 The end of the path is solved on elements of half the length too, and both give the limit (`extrapolated`).
 """
 
@@ -48,7 +49,7 @@ class Way(NamedTuple):
 #: largest change of the end over the length by halving the elements, and how often they are halved for it
 COARSEST, MOST_HALVINGS = 1e-3, 3
 #: of a state that no iteration has found
-NOT_SOLVED = Found(True, 0.0, 0.0, 0, 0)
+NOT_SOLVED = Found(True, 0.0, 0.0, (0, 0), 0)
 
 
 def follow(arm: ArmModel, load: SpatialLoad, how: Way) -> Path:
@@ -65,7 +66,7 @@ def follow(arm: ArmModel, load: SpatialLoad, how: Way) -> Path:
         fine = Solver(arm, halved(coarse.s), load, in_space=in_space)
         finer = _refined(state, in_space)
         there = fine.converge(finer, 1.0, fine.load.target)
-        if not (there.converged and there.negative == found.negative):
+        if not (there.converged and there.is_as_stable_as(found)):
             finer, there, steps = _followed(fine, load, together)
         chains = coarse.nodes(state, found), fine.nodes(finer, there)
         if float(np.abs(finer.place[-1] - state.place[-1]).max()) <= COARSEST * float(fine.s[-1]):
@@ -93,7 +94,7 @@ def beside(arm: ArmModel, load: SpatialLoad, near: tuple[Nodes, Nodes], *, in_sp
         solver, state = Solver(arm, places, load, in_space=in_space), known.on(places)
         found = solver.converge(state, 1.0, solver.load.target)
         turn = np.abs(_turns(known.on(places), state, in_space)).max()
-        if not (found.converged and turn <= LARGEST_TURN) or found.negative != known.found.negative:
+        if not (found.converged and turn <= LARGEST_TURN) or not found.is_as_stable_as(known.found):
             raise RodError("No equilibrium that is as stable was found beside the one that is known.")
         chains.append(solver.nodes(state, found))
     coarse, fine = chains
@@ -108,7 +109,7 @@ def _followed(solver: Solver, load: SpatialLoad, together: bool) -> tuple[StateA
     found = solver.converge(here, 0.0, begin, grown)
     if not found.converged:
         raise RodError("The inflated arm has no equilibrium without loads.")
-    rest, before, behind, reached, count = found.negative, here, 0.0, 0.0, 0
+    rest, before, behind, reached, count = found, here, 0.0, 0.0, 0
     step = 1.0
     if together:
         turn = float(np.abs(solver.arm.section.rest(solver.s)[:, :3]).sum(axis=1) @ np.diff(solver.s))
@@ -119,7 +120,7 @@ def _followed(solver: Solver, load: SpatialLoad, together: bool) -> tuple[StateA
         there = _ahead(before, here, part, in_space)
         trial = solver.converge(there, factor, begin + factor * (goal - begin), factor if together else 1.0)
         near = trial.converged and _is_near(before, here, there, part, in_space)
-        if not near or trial.negative != rest:
+        if not (near and trial.is_as_stable_as(rest)):
             step = 0.4 * (factor - reached)
             if step < SMALLEST_STEP:
                 nowhere = f"No equilibrium was found beyond {100 * reached:.3g} % of the load."

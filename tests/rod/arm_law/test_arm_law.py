@@ -103,6 +103,18 @@ def test_shear_and_axial_force_in_the_small() -> None:
     assert (rod.solve((force, 0.0)).x[-1] - LENGTH) / force == pytest.approx(LENGTH / 60.0, rel=1e-6)
 
 
+def test_a_clamp_that_shifts_the_arm_by_a_moment_makes_no_state_unstable() -> None:
+    """A shift along an arm whose height is held moves it as a whole; a negative pivot of the clamp passes on."""
+    cell, clamp, tip = straight_law(0.0, kappa_0=-0.03, EA=60.0, GA=20.0)
+    moment, along = clamp.moment[:, None], np.array([1.0, 0.0])
+    turning = replace(clamp, rotation=0.01 * clamp.moment, rotation_by_moment=np.full(9, 0.01))
+    shift, by_moment = 0.02 * moment + 0.0025 * moment**2, 0.02 + 0.005 * moment
+    shifting = replace(turning, offset=shift * along, offset_by_moment=by_moment * along)
+    fixed, moved = (law_of((cell, one, tip)).at(0.0).solve(end_y=0.0) for one in (turning, shifting))
+    assert moved.force == pytest.approx(fixed.force, rel=1e-9)
+    assert moved.x == pytest.approx(fixed.x + shifting.offset_at(fixed.moment[0])[0], rel=1e-9)
+
+
 def test_work_over_a_closed_loop_of_forces_vanishes() -> None:
     """The clamped end moves along the arm by a moment, so that a force along the arm turns it (reciprocal theorem)."""
     cell, clamp, tip = straight_law(0.0, kappa_0=0.01)
