@@ -7,14 +7,15 @@ from typing import final
 
 import numpy as np
 
-from geometry.arrays import Array
+from geometry.arrays import Array, read_only
 from geometry.centreline import END_PART, chord_angle
-from rod.along import Reaction, Triple, resultant
-from rod.arm.response import Parameter, Response, SolvedPath
+from rod.along import Reaction, Triple, reactions_of, resultant
+from rod.arm.path import Path
+from rod.arm.response import Parameter, Posed, Response, SolvedPath
 from rod.arm.stability import ALL, stability_of
 from rod.cubics import hermite
 from rod.errors import RodError
-from rod.spatial import Stability
+from rod.spatial import SpatialLoad, Stability
 
 
 @dataclass(frozen=True)
@@ -170,3 +171,28 @@ class SpatialSolution:
         """x, y and z of the end of the material curve, mm."""
         x, y, z = (float(value) for value in self.curve[-1])
         return x, y, z
+
+
+def solved_in_space(
+    rod: Posed, path: Path, load: SpatialLoad, strains: tuple[Array, ...], beside: Array
+) -> SpatialSolution:
+    """An arm in space from the end of its path.
+
+    With curvatures and with stretch and shears (N, 3) at the nodes; beside: (N, 2 or 3) mm, the material curve.
+    """
+    nodes = path.nodes
+    return SpatialSolution(
+        s=read_only(nodes.s),
+        axis=read_only(nodes.place),
+        frames=read_only(nodes.frames),
+        curvature=read_only(strains[0]),
+        stretch=read_only(strains[1]),
+        moment=read_only(nodes.moment),
+        force=read_only(nodes.force),
+        reactions=reactions_of(load.supports, nodes.reaction),
+        weight=read_only(np.array(rod.posed(load)[1].weight) * float(nodes.s[-1])),
+        load_steps=path.steps,
+        notes=(),
+        beside=read_only(beside),
+        path=SolvedPath(rod, load, path.chains, in_space=True),
+    )

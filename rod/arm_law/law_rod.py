@@ -16,14 +16,13 @@ from rod.arm.ends import end_arrays, tip_state
 from rod.arm.path import Path, Way, follow
 from rod.arm.response import SolvedPath
 from rod.arm.sections import TabulatedSection, acting_in_frames
-from rod.arm.solved import solved_in_space
 from rod.arm.stability import OUT_OF_PLANE, stability_of
 from rod.arm_law.air import air_volumes
 from rod.arm_law.curves import ClampCurve, TipCurve, TipState
 from rod.arm_law.section import SectionLaw
 from rod.errors import RodError
 from rod.load import Load, held_end, requested, with_along
-from rod.solution import RodSolution, SpatialSolution
+from rod.solution import RodSolution, SpatialSolution, solved_in_space
 from rod.spatial import SpatialLoad, Stability
 from rod.weight import Mass
 

@@ -12,11 +12,10 @@ from rod.arm.end_kernels import EndArrays
 from rod.arm.ends import polynomial_ends
 from rod.arm.path import Path, Way, follow
 from rod.arm.sections import PolynomialSection, acting_in_frames
-from rod.arm.solved import solved_in_space
 from rod.arm_law.polynomial import Plane
 from rod.errors import RodError
 from rod.load import Load
-from rod.solution import RodSolution, SpatialSolution
+from rod.solution import RodSolution, SpatialSolution, solved_in_space
 from rod.spatial import SpatialLoad
 from rod.weight import Mass
 
