@@ -4,7 +4,6 @@
 # A cast arm is not the drawn one. Five photographs of its tip give a rod of the arm on the bench.
 
 # %%
-import shutil
 from pathlib import Path
 
 import matplotlib.pyplot as plt
@@ -43,15 +42,14 @@ print((folder / "photographs.csv").read_text())
 # The calibration finds modulus and dimensions together. It writes a folder that all other commands take.
 
 # %%
-before = pneurod.compare(results.directory, folder / "photographs.csv")
+before = pneurod.compare(results, folder / "photographs.csv")
 print(f"before: {before.rms('mm'):.1f} mm, {100 * before.within:.0f} % of the numbers are within what is allowed")
-shutil.rmtree(folder / "cast_arm", ignore_errors=True)  # a calibration overwrites nothing
-report = pneurod.calibrate(results.directory, folder / "photographs.csv", folder / "cast_arm")
+report = pneurod.calibrate(results, folder / "photographs.csv", folder / "cast_arm")
 for one in report.found.estimates:
     print(f"{one.name}: {one.mean:.3g} ± {one.std:.2g} {one.unit}")
 for line in report.lines:
     print(line)
-after = pneurod.compare(report.directory, folder / "photographs.csv")
+after = pneurod.compare(report, folder / "photographs.csv")
 print(f"after: {after.rms('mm'):.1f} mm, {100 * after.within:.0f} % of the numbers are within what is allowed")
 
 # %% [markdown]

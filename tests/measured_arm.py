@@ -1,6 +1,7 @@
 """An arm with a law in closed form, its result folder, and measurements of one that was built otherwise."""
 
 import json
+from dataclasses import asdict
 from pathlib import Path
 
 import numpy as np
@@ -8,8 +9,10 @@ import numpy as np
 from pipeline.answers.measured.fit import LawRods
 from pipeline.answers.measured.predicted import Numbers, Setup
 from pipeline.answers.measured.rows import Measurements, Row, State
+from pipeline.results.drawing import write_fields
 from pipeline.results.laws import law_record
 from pipeline.values.formats import FORMAT
+from pipeline.values.record import MeshRecord
 from rod import ArmLaw
 from rod.arm_law.curves import CellCurve, ClampCurve, TipCurve
 from rod.arm_law.rates import CellRate, ClampRate, LawRate
@@ -53,6 +56,18 @@ def result_folder(folder: Path, law: ArmLaw | None = None) -> Path:
     config = {"name": "closed_form", "geometry": {"wall": 1.0}, "pressures_kPa": [20.0], "end": {"y_mm": 0.0}}
     (folder / "law.json").write_text(json.dumps(law_record(law or arm_law())), encoding="utf-8")
     (folder / "run.json").write_text(json.dumps({"format": FORMAT, "config": config}), encoding="utf-8")
+    return folder
+
+
+def with_body(folder: Path) -> Path:
+    """The same folder with the mesh of a box of 110 x 10 x 12 mm, half of it, and a material."""
+    corners = np.array([[x, y, z] for x in (0.0, LENGTH) for y in (0.0, 10.0) for z in (0.0, 6.0)])
+    tetrahedra = np.array([[0, 1, 2, 4], [3, 1, 2, 7], [5, 1, 4, 7], [6, 2, 4, 7], [1, 2, 4, 7]])
+    write_fields(folder / "mesh.vtu", corners, tetrahedra)
+    run = json.loads((folder / "run.json").read_text(encoding="utf-8"))
+    run["config"]["material"] = {"law": "neo_hooke", "mu": 0.15, "kappa": 15.0}
+    run["mesh"] = asdict(MeshRecord(4.0, False, "p2p0", "walls", 10.0, 1.0, {}, 5, 9.0, 110.0, 0.1, 1.0))
+    (folder / "run.json").write_text(json.dumps(run), encoding="utf-8")
     return folder
 
 

@@ -14,9 +14,12 @@ from pipeline.values.json_values import plain
 
 
 def given_path(value: Any, name: str, example: str) -> Path:
-    """A path that is given as a text or as a `Path`. Raises InputError, naming the argument, for anything else."""
+    """A path that is given as a text, as a `Path`, or as results with a `directory`.
+
+    Raises InputError, naming the argument, for anything else.
+    """
     try:
-        text = os.fspath(value)
+        text = os.fspath(getattr(value, "directory", value))
     except TypeError:
         text = None
     if not isinstance(text, str) or not text or "\0" in text:

@@ -6,8 +6,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from pipeline.api.course import reached
 from pipeline.api.given import given_choice, given_path
-from pipeline.api.options import Align, Folder, MeasuredFile, Ratio
+from pipeline.api.options import Align, Folder, Given, MeasuredFile, Ratio
 from pipeline.values.errors import RunFailed
 
 if TYPE_CHECKING:
@@ -17,9 +18,7 @@ if TYPE_CHECKING:
 
 
 def compare(
-    results: Annotated[
-        Path | str, typer.Argument(metavar="DIR", help="Results of a run, of `cell` or of `calibrate`.")
-    ],
+    results: Annotated[Given, typer.Argument(metavar="DIR", help="Results of a run, of `cell` or of `calibrate`.")],
     measured: MeasuredFile,
     *,
     align: Align = False,
@@ -52,15 +51,17 @@ def calibrate(
     """Fit modulus and dimensions to measurements, with intervals.
 
     out: "RESULTS_calibrated" by default; `pneurod.read_results(out)` reads it. free: dimensions ("geometry.wall"), by
-    default those whose tolerances move the tip most. align: as in `compare`. Raises InputError with file, line and
-    column.
+    default those whose tolerances move the tip most. align: as in `compare`. An earlier calibration in `out` is
+    replaced. Raises InputError with file, line and column, and RunFailed, which has the report as `reached`, for a fit
+    that misses a large part of the motion.
     """
     from pipeline.answers.measured.calibrate import CalibrateOptions, calibrate_files
 
     folder, file = given_path(results, "results", "results/arm"), given_path(measured, "measured", "arm.csv")
     new = None if out is None else given_path(out, "out", "results/arm_calibrated")
     options = CalibrateOptions(tuple(free), given_choice(align, "align"), ratio)
-    return calibrate_files(folder, file, new, options)
+    report = calibrate_files(folder, file, new, options)
+    return reached(report, report.raise_if_failed)
 
 
 def material(

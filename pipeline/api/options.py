@@ -6,13 +6,25 @@ type and the option.
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Protocol, TypeAlias
 
 import typer
 
 if TYPE_CHECKING:
     from pipeline.api.described import Body, Setting
 
+
+class Saved(Protocol):
+    """What has left its results in a folder: the value of `read_results`, `characterize`, `cell` or `calibrate`."""
+
+    @property
+    def directory(self) -> Path:
+        """The folder."""
+        ...
+
+
+#: a folder or file of results, or the value of the function that wrote it
+Given: TypeAlias = Path | str | Saved
 ConfigFile = Annotated[
     "Path | str | Body", Path, typer.Argument(metavar="CONFIG", help="A design in YAML, such as configs/pneunet.yaml.")
 ]
@@ -59,5 +71,5 @@ def jobs_option(default: str) -> Any:
     return typer.Option("--jobs", min=1, help=f"Number of worker processes (default: {default}).")
 
 
-Folder = Annotated[Path | str, typer.Argument(metavar="DIR", help="Results of a run or of `pneurod cell`.")]
+Folder = Annotated[Given, typer.Argument(metavar="DIR", help="Results of a run or of `pneurod cell`.")]
 Out = Annotated[Path | str | None, out_option()]

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from pipeline.api.given import given_choice, given_path
-from pipeline.api.options import Folder, Orientation, Ratio, Rod, TipMass
+from pipeline.api.options import Folder, Given, Orientation, Ratio, Rod, TipMass
 from pipeline.results.options import write_new
 
 if TYPE_CHECKING:
@@ -29,7 +29,7 @@ class RodShape:
 
 def shape(
     path: Annotated[
-        Path | str, typer.Argument(metavar="DIR", help="Results of a run; or a parameters.json or law.json alone.")
+        Given, typer.Argument(metavar="DIR", help="Results of a run; or a parameters.json or law.json alone.")
     ],
     pressure: Annotated[str, typer.Option(metavar="P", help="With its unit: '31 kPa', or '[20 kPa, 5 kPa]'.")],
     *,
@@ -94,7 +94,7 @@ class Solutions:
 
 
 def solve(
-    path: Annotated[Path | str, typer.Argument(metavar="DIR", help="Results of a run; or a law.json alone.")],
+    path: Annotated[Given, typer.Argument(metavar="DIR", help="Results of a run; or a law.json alone.")],
     *,
     tip: Annotated[str | None, typer.Option(metavar="[X, Y]", help="Place of the end: '[30 mm, -40 mm]'.")] = None,
     angle: Annotated[str | None, typer.Option(metavar="A", help="How far the arm bends: '90 deg'.")] = None,
@@ -153,7 +153,7 @@ def budget(
 
 
 def export(
-    folder: Annotated[Path | str, typer.Argument(metavar="DIR", help="Results of a finished run.")],
+    folder: Annotated[Given, typer.Argument(metavar="DIR", help="Results of a run, of `cell` or of `calibrate`.")],
     to: Annotated[
         str | None,
         typer.Option(

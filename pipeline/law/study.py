@@ -21,6 +21,7 @@ from pipeline.law.table import law_page, space_sentences
 from pipeline.results.files import LAW
 from pipeline.results.laws import law_record
 from pipeline.results.unloaded import delivered_numbers, unloaded_states
+from pipeline.simulate.meshed import save_body
 from pipeline.simulate.scene import Scene
 from pipeline.simulate.simulate import begin_loading
 from pipeline.store.context import RunContext, run_context
@@ -89,9 +90,9 @@ def measure_law(config: Config, out: Path, jobs: int, fresh: bool, progress: Pro
     for an arm without such a law, a body that cannot be meshed and a folder that cannot be used, and RunFailed where
     not even the lowest pressure is borne.
     """
-    with _begun(config, out, jobs, fresh, progress) as (pieces, context, begin):
+    with _begun(config, out, jobs, fresh, progress) as (pieces, context, begin, head):
         check_plane(pieces)
-        return _in_plane(pieces, context, begin)
+        return _in_plane(pieces, context, begin, head)
 
 
 def measure_any_law(
@@ -104,33 +105,39 @@ def measure_any_law(
     spec = given if isinstance(given, RowSpec) else rows_of(given)
     if spec is given:
         _refuse_effects(spec.config)
-    with _begun(spec.config, out, jobs, fresh, progress) as (pieces, context, begin):
+    with _begun(spec.config, out, jobs, fresh, progress) as (pieces, context, begin, head):
         if spec is given or leaves_plane(pieces):
-            return _in_space(pieces, spec, context, begin)
-        return _in_plane(pieces, context, begin)
+            return _in_space(pieces, spec, context, begin, head)
+        return _in_plane(pieces, context, begin, head)
 
 
 @contextmanager
 def _begun(
     config: Config, out: Path, jobs: int, fresh: bool, progress: Progress
-) -> Iterator[tuple[ArmPieces, RunContext, float]]:
-    """The pieces of an arm, the surroundings of its run, and when it was begun. Raises InputError."""
+) -> Iterator[tuple[ArmPieces, RunContext, float, JsonObject]]:
+    """The pieces of an arm, the surroundings of its run, when it was begun, and the head of run.json.
+
+    The mesh of the whole arm is written. Raises InputError.
+    """
     begin = perf_counter()
     with open_store(out, config, fresh=fresh) as store, run_context(store, jobs, progress) as context:
         loading = begin_loading(context, config)
         progress.stage("mesh")
         try:
-            pieces = ArmPieces.of(Scene.meshed(config))
+            scene = Scene.meshed(config)
+            pieces = ArmPieces.of(scene)
             progress.stage("kernels (compiled once)")
             for pending in loading:
                 pending.result()
             progress.stage("cell and ends")
-            yield pieces, context, begin
+            save_body(store, scene.body)
+            record = {"format": FORMAT, "config": config.record(), "config_hash": config.hash, **provenance()}
+            yield pieces, context, begin, {**record, "mesh": asdict(scene.mesh_record)}
         except NoArmLaw as refusal:
             raise InputError(f"{config.source}: {refusal}") from None
 
 
-def _in_plane(pieces: ArmPieces, context: RunContext, begin: float) -> LawReport[MeasuredLaw]:
+def _in_plane(pieces: ArmPieces, context: RunContext, begin: float, head: JsonObject) -> LawReport[MeasuredLaw]:
     config, store = pieces.config, context.store
     report = LawReport(store.directory, config, measured := deliver_law(pieces, context), perf_counter() - begin)
     law = save_law(store, measured, config.pressures_kPa)
@@ -138,7 +145,7 @@ def _in_plane(pieces: ArmPieces, context: RunContext, begin: float) -> LawReport
         context.progress.remark(delivered_numbers(law))
     failure = render_all(measured.failures)
     record = {
-        **_record(config),
+        **head,
         "seconds": {**measured.seconds, "this call": report.seconds},
         "factorizations": measured.factorizations,
         "degrees_of_freedom": measured.unknowns,
@@ -149,7 +156,9 @@ def _in_plane(pieces: ArmPieces, context: RunContext, begin: float) -> LawReport
     return report
 
 
-def _in_space(pieces: ArmPieces, spec: RowSpec, context: RunContext, begin: float) -> LawReport[MeasuredInSpace]:
+def _in_space(
+    pieces: ArmPieces, spec: RowSpec, context: RunContext, begin: float, head: JsonObject
+) -> LawReport[MeasuredInSpace]:
     _refuse_effects(spec.config)
     try:
         measured = measure_in_space(pieces, spec.rows, context)
@@ -159,14 +168,9 @@ def _in_space(pieces: ArmPieces, spec: RowSpec, context: RunContext, begin: floa
     report = LawReport(context.store.directory, spec.config, measured, perf_counter() - begin)
     beside = BesideLaw(measured.mesh_error, (), space_sentences(measured))
     context.store.save_json(LAW, {**law_record(measured.law), **asdict(beside)})
-    record = {**_record(spec.config), "rows_kPa": spec.rows, "seconds": {"this call": report.seconds}}
+    record = {**head, "rows_kPa": spec.rows, "seconds": {"this call": report.seconds}}
     context.store.save_json("run.json", record)
     return report
-
-
-def _record(config: Config) -> JsonObject:
-    """What run.json begins with."""
-    return {"format": FORMAT, "config": config.record(), "config_hash": config.hash, **provenance()}
 
 
 def _refuse_effects(config: Config) -> None:

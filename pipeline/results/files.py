@@ -113,9 +113,11 @@ def json_schema() -> dict[str, Any]:
 def read_results(directory: Path) -> Run:
     """Every result file in `directory` that is there.
 
-    Raises InputError with one sentence for a folder that does not exist, holds no result, or holds a file that is none
-    of this version.
+    The folder of a design has them in that of its run. Raises InputError with one sentence for a folder that does not
+    exist, holds no result, or holds a file that is none of this version.
     """
+    if (directory / "design.json").is_file() and (directory / "run").is_dir():
+        directory /= "run"
     contents = {path.name: _content(path) for path in sorted(directory.glob("*.json"))}
     _check_there(directory, contents)
     if not contents.get("run.json"):  # stopped before its report: the configuration alone

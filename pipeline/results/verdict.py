@@ -38,6 +38,8 @@ OUT_OF_PLANE = "out_of_plane"
 TOLERANCES = "tolerances"
 #: code of the remark that takes its place where the arm was calibrated to a measurement
 CALIBRATED = "calibrated"
+#: code of the remark that a fit to a measurement is no calibration
+NOT_CALIBRATED = "not_calibrated"
 #: codes of remarks by rank; others follow in the order in which they were found
 RANKS = (
     *(
@@ -184,9 +186,9 @@ def _bending(run: Run, rod: str) -> tuple[Bending, ...]:
 
 
 def _refusal(run: Run, errors: tuple[RodErrors, ...], mesh: MeshErrors) -> Reported | None:
-    """Why no rod should be used: the arm leaves the plane, the mesh is too coarse, or every rod is far off."""
-    if plane := next((remark for remark in run.remarks if remark.code == OUT_OF_PLANE), None):
-        return plane
+    """Why no rod should be used: the arm leaves its plane, no fit meets it, the mesh is coarse, or rods are far off."""
+    if told := next((remark for remark in run.remarks if remark.code in (OUT_OF_PLANE, NOT_CALIBRATED)), None):
+        return told
     if errors and isinf(errors[0].shape):
         why = next((row.reason for row in run.errors_of(errors[0].rod) if row.reason), "")
         return report_reason(Reason("no_rod_bends", {"why": why.rstrip(".") or "it was compared under no load"}))

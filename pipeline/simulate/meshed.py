@@ -10,9 +10,10 @@ from pipeline.simulate.scene import mesh_with_progress
 from pipeline.simulate.too_short import too_short
 from pipeline.store.atomic_file import replacing
 from pipeline.store.progress import Progress
-from pipeline.store.result_folder import open_folder
+from pipeline.store.result_folder import ResultFolder, open_folder
 from pipeline.store.store import check_owner
 from pipeline.values.errors import argument
+from pipeline.values.formats import BODY
 
 
 @dataclass(frozen=True)
@@ -25,13 +26,20 @@ class MeshedArm:
     notes: tuple[Reason, ...]
 
 
+def save_body(folder: ResultFolder, body: Body) -> Path:
+    """Write the tetrahedra of a body at rest: the file."""
+    file = folder.path(BODY)
+    with replacing(file) as part:
+        body.mesh.write(part)
+    return file
+
+
 def mesh_alone(design: Config, folder: Path, _: int, __: bool, progress: Progress) -> MeshedArm:
     """Mesh the body and write mesh.vtu. Raises InputError for a folder that cannot be used."""
     results = open_folder(folder)
     check_owner(results.directory, design, f"give another {argument('out')}")
     progress.stage("mesh")
-    body, file = mesh_with_progress(design, progress).body, results.path("mesh.vtu")
-    with replacing(file) as part:
-        body.mesh.write(part)
+    body = mesh_with_progress(design, progress).body
+    file = save_body(results, body)
     notes = filter(None, (too_short(design), *check_body(body, design)))
     return MeshedArm(file, design, body, tuple(notes))

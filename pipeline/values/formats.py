@@ -12,6 +12,8 @@ CURVE_COLUMNS = (
     "moment_N_mm",
     *(f"{prefix}_{name}" for prefix in CURVE_PREFIXES.values() for name in ("x_mm", "y_mm", "kappa_per_mm")),
 )
+#: the tetrahedra of the body at rest
+BODY = "mesh.vtu"
 #: the file with the surface of the body in every state
 SURFACES = "pictures/surfaces.npz"
 #: the page of a run at pairs of pressures

@@ -1,4 +1,4 @@
-"""Measured rows whose frame is not that of the drawing, and angles whose unit is not what it says."""
+"""Measured rows whose frame is not that of the drawing."""
 
 from dataclasses import replace
 
@@ -9,24 +9,10 @@ from pipeline.answers.measured.predicted import Numbers, Rods
 from pipeline.answers.measured.rows import Measurements, Row
 from pipeline.values.errors import InputError, argument
 
-#: degrees of a rod from which an angle is checked, and the part of it below which it was read in radians
-LARGE, IN_RADIANS = 15.0, 0.06
 #: mm, distance of two points that fix a turn
 APART = 5.0
 #: what together is a place
 PLACES = (("tip_x", "tip_y"), ("x", "y"))
-
-
-def check_degrees(numbers: Numbers, predicted: Array) -> None:
-    """Raise InputError, with a line, where end angles of some size are as small as if they were in radians."""
-    angles = [k for k, name in enumerate(numbers.names) if name == "end_angle" and abs(predicted[k]) > LARGE]
-    if angles and np.median([abs(numbers.values[k] / predicted[k]) for k in angles]) < IN_RADIANS:
-        first = angles[0]
-        raise InputError(
-            f"{numbers.measurements.file}: line {numbers.rows[first].line}: end_angle_deg is "
-            f"{numbers.values[first]:.3g}, where the rod has {predicted[first]:.3g}°; if it is in radians, name the "
-            "column end_angle_rad"
-        )
 
 
 def aligned(measurements: Measurements, rods: Rods) -> Measurements:

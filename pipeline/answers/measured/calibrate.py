@@ -9,12 +9,13 @@ from pipeline.answers.measured.aligned import aligned
 from pipeline.answers.measured.calibration import Calibration, calibrated, law_to_calibrate
 from pipeline.answers.measured.fit import LawRods
 from pipeline.answers.measured.page import comparison_page
-from pipeline.answers.measured.saved import new_folder, save_calibration
+from pipeline.answers.measured.saved import folder_for, save_calibration
 from pipeline.answers.measured.table import read_measurements
 from pipeline.answers.rods.ratio import run_along
 from pipeline.results.files import read_results
 from pipeline.results.verdict import Verdict, verdict_of
-from pipeline.values.reasons import report_reason
+from pipeline.values.errors import RunFailed
+from pipeline.values.reasons import render, report_reason
 from pipeline.values.run import Run
 from pipeline.values.table import Table
 
@@ -33,6 +34,7 @@ class CalibrationReport:
     """A calibration and where it was written."""
 
     directory: Path
+    file: Path  #: that was measured
     found: Calibration
     verdict: Verdict  #: of the calibrated arm
 
@@ -41,24 +43,30 @@ class CalibrationReport:
         """What was found, in words."""
         return (*self.found.notes, *self.found.undetermined, self.found.next_measurement.text)
 
+    def raise_if_failed(self) -> None:
+        """Raise RunFailed where the fit is no calibration."""
+        if self.found.missed:
+            sentence = f"{self.file}: the fit is no calibration; {render(self.found.missed)}"
+            raise RunFailed(sentence, directory=self.directory)
+
 
 def calibrate_files(
     folder: Path, file: Path, out: Path | None = None, options: CalibrateOptions | None = None
 ) -> CalibrationReport:
     """The calibrated arm of a result folder and a file of measurements, written to another folder.
 
-    out: FOLDER_calibrated by default. Raises InputError.
+    out: FOLDER_calibrated by default; an earlier calibration in it is replaced. Raises InputError.
     """
     options = options or CalibrateOptions()
     run, measurements = run_along(folder, options.ratio), read_measurements(file)
     law = law_to_calibrate(run)
-    store = new_folder(out or folder.with_name(f"{folder.name}_calibrated"))
+    store = folder_for(out or folder.with_name(f"{folder.name}_calibrated"), folder)
     if options.align:
         measurements = aligned(measurements, LawRods(law))
     found = calibrated(law, run.config, measurements, options.free)
-    save_calibration(store, run, file, found, report_reason(_remark(run, found)))
+    save_calibration(store, run, file, found, report_reason(found.missed or _remark(run, found)))
     store.save_text("calibration.html", comparison_page(run.design, found.predictions))
-    return CalibrationReport(store.directory, found, verdict_of(read_results(store.directory)))
+    return CalibrationReport(store.directory, file, found, verdict_of(read_results(store.directory)))
 
 
 def _remark(run: Run, found: Calibration) -> Reason:

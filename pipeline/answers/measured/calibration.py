@@ -7,9 +7,10 @@ from typing import Any
 
 import numpy as np
 
+from geometry import Reason
 from geometry.arrays import Array
-from pipeline.answers.measured.aligned import check_degrees
-from pipeline.answers.measured.fit import Fitted, fit, numbers_of, off_range
+from pipeline.answers.measured.doubtful import check_numbers, missed
+from pipeline.answers.measured.fit import Fitted, fit, numbers_of, off_range, usual_scatter
 from pipeline.answers.measured.gaussian import Posterior
 from pipeline.answers.measured.next_measurement import NextMeasurement, next_measurement
 from pipeline.answers.measured.predicted import Compared, Numbers, Setup
@@ -25,6 +26,8 @@ from rod.arm_law.law import ArmLaw
 LEFT, TOGETHER = 0.8, 0.9
 #: relative change of a dimension beyond which derivatives are doubtful
 DOUBTFUL = 0.15
+#: Poisson ratios of rubbers
+OF_RUBBER = 0.45, 0.5
 
 
 @dataclass(frozen=True)
@@ -52,6 +55,7 @@ class Calibration:
     undetermined: tuple[str, ...]  #: what the numbers do not tell, a sentence each
     notes: tuple[str, ...]
     next_measurement: NextMeasurement
+    missed: Reason | None = None  #: why this is no calibration
 
     @property
     def correlation(self) -> Array:
@@ -85,7 +89,7 @@ def calibrated(
     low, high = law.pressures[0], law.pressures[-1]
     likely = high * math.exp(2.0 * unknowns[0].std)
     measurements.check_pressures(low, likely, f"the law, which goes from {low:g} to {high:g} kPa")
-    _check_angles(arm, numbers)
+    _check(arm, numbers)
     fitted = fit(arm, numbers)
     while fitted.at_limit:
         *lower, highest = numbers.measurements.pressures_kPa
@@ -110,6 +114,7 @@ def calibrated(
         undetermined=tuple(_undetermined(arm, fitted)),
         notes=(*_left_out(measurements, numbers, changed), *off_range(changed, numbers, setup), *_doubts(arm, fitted)),
         next_measurement=next_measurement(arm, fitted, changed),
+        missed=missed(numbers, fitted.observed.residual, usual_scatter(law.length, numbers), law.length),
     )
 
 
@@ -123,13 +128,13 @@ def _left_out(measurements: Measurements, numbers: Numbers, law: ArmLaw) -> list
     ]
 
 
-def _check_angles(arm: BuiltArm, numbers: Numbers) -> None:
-    """Raise InputError for angles that are as small as if they were in radians, where the drawn arm has all states."""
+def _check(arm: BuiltArm, numbers: Numbers) -> None:
+    """Raise InputError for numbers that cannot be of the arm, where the drawn one has all states."""
     try:
         predicted = numbers_of(arm, numbers, np.zeros(len(arm.unknowns)))
     except InputError:
         return
-    check_degrees(numbers, predicted)
+    check_numbers(numbers, predicted, arm.law.length)
 
 
 def _estimates(arm: BuiltArm, fitted: Fitted) -> tuple[Estimate, ...]:
@@ -160,5 +165,10 @@ def _doubts(arm: BuiltArm, fitted: Fitted) -> list[str]:
             sentences.append(
                 f"{unknown.name} changes by {100 * change / unknown.drawn:.0f} %, for which derivatives are doubtful; "
                 "measure the law again with the new dimension."
+            )
+        if unknown.name.endswith(".nu") and not OF_RUBBER[0] <= unknown.value(change) < OF_RUBBER[1]:
+            sentences.append(
+                f"{unknown.name} comes out as {unknown.value(change):.3g}, which no rubber has (it has "
+                f"{OF_RUBBER[0]:g} to {OF_RUBBER[1]:g}); free dimensions in its place."
             )
     return sentences

@@ -7,7 +7,8 @@ from pathlib import Path
 import numpy as np
 
 from geometry.arrays import Array
-from pipeline.answers.measured.aligned import aligned, check_degrees
+from pipeline.answers.measured.aligned import aligned
+from pipeline.answers.measured.doubtful import check_numbers
 from pipeline.answers.measured.fit import LawRods, effects_on, off_range
 from pipeline.answers.measured.predicted import AS_WRITTEN, Compared, Numbers
 from pipeline.answers.measured.rows import Measurements
@@ -91,7 +92,7 @@ def compare(run: Run, rods: RodOfRun, measurements: Measurements) -> Comparison:
     measurements.check_pressures(low, high, f"the rod, which goes from {low:g} to {high:g} kPa")
     law = rods.source if isinstance(rods.source, ArmLaw) else None
     predicted = numbers.predicted(LawRods(law) if law else rods.at, setup)
-    check_degrees(numbers, predicted)
+    check_numbers(numbers, predicted, run.length_mm)
     bands, unknown = _bands(run, rods, numbers, predicted, saved)
     total = np.sum(list(bands.values()), axis=0) if bands else np.zeros(len(numbers.values))
     rows, unknown = numbers.beside(predicted, total), (*unknown, *(off_range(law, numbers, setup) if law else ()))
@@ -124,7 +125,7 @@ def _bands(
         unknown.append("The error of the mesh is not known.")
     else:
         relative = np.array([of_mesh.force or 0.0 if unit == "N" else of_mesh.kappa_0 for unit in numbers.units])
-        bands["mesh"] = relative * np.abs(predicted - _straight(numbers, run.length_mm))
+        bands["mesh"] = relative * np.abs(predicted - numbers.straight(run.length_mm))
     if isinstance(rods.source, ArmLaw) and rods.source.rates:
         unknowns = tolerance_unknowns(rods.source, run.config, float(numbers.pressures.max()))
         by = effects_on(BuiltArm(rods.source, unknowns), numbers).by_unknown
@@ -132,10 +133,3 @@ def _bands(
     else:
         unknown.append("Tolerances are not counted, because this rod has no derivatives.")
     return bands, tuple(unknown)
-
-
-def _straight(numbers: Numbers, length_mm: float) -> Array:
-    """(n,) the numbers of the straight arm, of which displacements and angles are multiples of the curvature."""
-    places = {"tip_x": length_mm}
-    pairs = zip(numbers.rows, numbers.names, strict=True)
-    return np.array([row.s_mm or 0.0 if name == "x" else places.get(name, 0.0) for row, name in pairs])

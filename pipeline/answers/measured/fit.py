@@ -106,7 +106,7 @@ def fit(arm: BuiltArm, numbers: Numbers) -> Fitted:
     lowest, highest_kPa = np.full(len(stds), -np.inf), float(numbers.pressures.max())
     lowest[0] = math.log(max(highest_kPa, 1e-9) / arm.law.pressures[-1])
     changes = _start(arm, numbers, max(0.0, lowest[0] + 0.5 * PART))
-    usual = _usual(arm, numbers)
+    usual = usual_scatter(arm.law.length, numbers)
     for _ in range(ROUNDS):
         observed = _observed(arm, numbers, changes, stds)
         spread = choose_spread(observed, usual)
@@ -138,10 +138,11 @@ def _observed(arm: BuiltArm, numbers: Numbers, changes: Array, stds: Array) -> O
     return Observed(effects_on(arm, numbers, changes), residual, numbers.units, changes, stds)
 
 
-def _usual(arm: BuiltArm, numbers: Numbers) -> dict[str, float]:
+def usual_scatter(length_mm: float, numbers: Numbers) -> dict[str, float]:
+    """Scatter that is expected of numbers, by unit: mm, deg and N."""
     reactions = [abs(value) for value, unit in zip(numbers.values, numbers.units, strict=True) if unit == "N"]
     largest = max(reactions, default=1.0) or 1.0
-    return {"mm": OF_POSITIONS * arm.law.length, "deg": OF_ANGLES, "N": OF_REACTIONS * largest}
+    return {"mm": OF_POSITIONS * length_mm, "deg": OF_ANGLES, "N": OF_REACTIONS * largest}
 
 
 def _improved(arm: BuiltArm, numbers: Numbers, observed: Observed, spread: Spread, lowest: Array) -> Array:

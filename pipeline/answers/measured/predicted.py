@@ -90,6 +90,12 @@ class Numbers:
         """(n,) kPa."""
         return np.array([row.state.pressure_kPa for row in self.rows])
 
+    def straight(self, length_mm: float) -> Array:
+        """(n,) the numbers of the straight arm, of which displacements and angles are multiples of the curvature."""
+        places = {"tip_x": length_mm}
+        pairs = zip(self.rows, self.names, strict=True)
+        return np.array([row.s_mm or 0.0 if name == "x" else places.get(name, 0.0) for row, name in pairs])
+
     def predicted(self, rods: Rods, setup: Setup = AS_WRITTEN) -> Array:
         """(n,) the same numbers by a rod. Raises InputError, with the line, where it has none."""
         shapes: dict[State, RodSolution] = {}

@@ -14,10 +14,11 @@ from pipeline.answers.measured.predicted import Setup
 from pipeline.answers.measured.unknowns import CLAMP, GAUGE, MODULUS, Unknown
 from pipeline.results.laws import law_record
 from pipeline.results.unloaded import unloaded_states
+from pipeline.store.atomic_file import write_atomic
 from pipeline.store.provenance import provenance
 from pipeline.store.result_folder import ResultFolder, open_folder
 from pipeline.values.errors import InputError, argument
-from pipeline.values.formats import FORMAT
+from pipeline.values.formats import BODY, FORMAT
 from pipeline.values.json_values import JsonObject
 from pipeline.values.record import Reported
 from pipeline.values.run import Run
@@ -36,11 +37,15 @@ class SavedCalibration:
     posterior: Posterior
 
 
-def new_folder(out: Path) -> ResultFolder:
-    """A folder for a calibrated arm. Raises InputError for one that holds results."""
-    held = next((name for name in (FILE, "law.json", "run.json") if (out / name).exists()), None)
-    if held:
-        raise InputError(f"{argument('out', out)}: holds {held}, and nothing is overwritten; give another folder")
+def folder_for(out: Path, source: Path) -> ResultFolder:
+    """A folder for a calibrated arm; source: that of the law.
+
+    Raises InputError for the source itself, and for a folder with other results than an earlier calibration.
+    """
+    held = next((name for name in ("law.json", "run.json") if (out / name).exists()), None)
+    if held and (out.resolve() == source.resolve() or not (out / FILE).exists()):
+        replaced = "and only an earlier calibration of another folder is replaced"
+        raise InputError(f"{argument('out', out)}: holds {held}, {replaced}; give another folder")
     return open_folder(out)
 
 
@@ -65,7 +70,10 @@ def save_calibration(folder: ResultFolder, run: Run, file: Path, found: Calibrat
     ]  # fmt: skip
     folder.save_rows("predictions.csv", PREDICTION_COLUMNS, rows)
     config = calibrated_config(run.config, found)
-    folder.save_json("run.json", {"format": FORMAT, "config": config, **provenance(), "remarks": [asdict(remark)]})
+    beside: JsonObject = {"mesh": None if run.mesh is None else asdict(run.mesh), "remarks": [asdict(remark)]}
+    folder.save_json("run.json", {"format": FORMAT, "config": config, **provenance(), **beside})
+    if (mesh := run.directory / BODY).is_file():
+        write_atomic(folder.path(BODY), mesh.read_bytes())
 
 
 def record_of(run: Run, file: Path, found: Calibration) -> JsonObject:

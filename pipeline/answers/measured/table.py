@@ -1,6 +1,7 @@
 """The file of an arm that was measured: columns with their units, in any order, as spreadsheets write them."""
 
 import math
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,6 +15,8 @@ from pipeline.values.errors import InputError, ask, quoted
 from rod.weight import gravity_direction
 
 EXAMPLE = "a line of titles names columns with their units, for example 'pressure_kPa, tip_x_mm, tip_y_mm'"
+#: units of pictures, which pint takes as those of a screen
+PIXELS = {"px", "pixel", "pixels"}
 _DIMENSIONS = tuple(dict.fromkeys(NUMBERS.values()))
 
 
@@ -68,6 +71,11 @@ def _name(title: str) -> tuple[str, str]:
 def _column(path: Path, position: int, title: str, unit: str) -> _Column:
     if plain(title) in TEXTS:
         return _Column(plain(title), position, title, 1.0)
+    if PIXELS & set(re.split(r"[\W_]+", f"{title} {unit}".lower())):
+        raise InputError(
+            f"{path}: column {quoted(title)} is in pixels; give mm per px: multiply it by those of the photograph, and "
+            "name its unit mm"
+        )
     name, of_title = _name(title)
     if name not in NUMBERS:
         raise InputError(f"{path}: column {quoted(title)} is not known; allowed are {', '.join(COLUMNS.values())}")

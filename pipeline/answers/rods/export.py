@@ -14,6 +14,7 @@ from pipeline.results.files import LAW_ON_MESH_OF_ARM, read_plane_law
 from pipeline.results.options import option_value
 from pipeline.store.result_folder import open_folder
 from pipeline.values.errors import InputError, argument
+from pipeline.values.formats import BODY
 from pipeline.values.parameters import RodParameters
 from pipeline.values.run import Run
 from rod import EXPORTS, Arm, ArmLaw, Robot, RodError, export_robot
@@ -97,8 +98,9 @@ def _without_weight(law: ArmLaw) -> ArmLaw:
 def _of_law(law: ArmLaw, run: Run | None, folder: Path, target: str, options: ExportOptions) -> Exported:
     """The rod with the arm's own law; run: None where the folder has nothing else."""
     solid, light = None if run is None else solid_of(run), _without_weight(law)
-    if run is None and target in PROGRAMS:
-        raise InputError(f"{folder}: has a law and no mass, which {target} needs; give the folder of `pneurod run`")
+    is_alone = run is None or (run.parameters.solid_volume_mm3 is None and not (folder / BODY).is_file())
+    if is_alone and target in PROGRAMS:
+        raise InputError(f"{folder}: has a law and no body, which {target} needs; give the folder of `pneurod run`")
     is_linear = target in PROGRAMS and PROGRAMS[target].is_linear
     of_run = () if run is None else run.config.get("pressures_kPa", ())
     all_pressures = [p for p in of_run if law.pressures[0] <= p <= law.pressures[-1]] if is_linear else ()

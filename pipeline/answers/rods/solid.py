@@ -11,6 +11,7 @@ from fem.materials import LAWS
 from geometry.arrays import Array
 from pipeline.config.material import LOSS_FACTOR
 from pipeline.results.drawing import read_tetrahedra
+from pipeline.values.formats import BODY
 from pipeline.values.run import Run
 from rod import RodError, Solid
 from rod.export.robot import Section
@@ -21,14 +22,14 @@ def solid_of(run: Run) -> Solid | None:
 
     Raises `RodError` for a material that is no law with its constants.
     """
-    parameters, path = run.parameters, run.directory / "mesh.vtu"
+    parameters, path = run.parameters, run.directory / BODY
     material = parameters.material or run.config.get("material") or {}
     corners = _corners(path) if path.is_file() else None
     volume, mass = parameters.solid_volume_mm3, parameters.mass_g
-    if volume is None and corners is not None:  # a run without five parameters at all: `law: cell`
+    if volume is None and corners is not None:  # no five parameters: `law: cell`, `pneurod cell`, or calibrated
         volume = float(_volumes(corners).sum()) * (1.0 if corners[..., 2].min() < 0.0 else 2.0)
-        density = None if run.config.get("materials") else material.get("density_tonne_mm3")
-        mass = None if density is None else 1e6 * density * volume
+        known = None if run.law is None else run.law.law.mass
+        mass = None if known is None else float(known.grams[-1])
     if mass is None or volume is None:
         return None
     area = volume / run.length_mm

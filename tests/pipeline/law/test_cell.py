@@ -13,6 +13,7 @@ from typer.testing import CliRunner
 import pneurod
 from fem.cell.piece import BendingPiece, PieceFailed, PieceState
 from geometry import Reason
+from pipeline.answers.rods.solid import solid_of
 from pipeline.cli import app
 from pipeline.config.config import Config
 from pipeline.config.load import load_config
@@ -245,7 +246,19 @@ def test_the_section_law_is_exported_as_a_table(report: LawReport[MeasuredLaw], 
     assert (tmp_path / "law_8kPa.csv").is_file()
     refused = CliRunner().invoke(app, ["export", str(tmp_path), "--to", "mujoco"])
     assert refused.exit_code == 2
-    assert "has a law and no mass, which mujoco needs; give the folder of `pneurod run`" in refused.stderr
+    assert "has a law and no body, which mujoco needs; give the folder of `pneurod run`" in refused.stderr
+
+
+def test_the_folder_of_a_cell_is_solved_and_exported(report: LawReport, tmp_path: Path) -> None:
+    """With the mass of its law, and the section of its mesh."""
+    solid, law = solid_of(read_results(report.directory)), report.measured.law
+    assert solid is not None
+    assert law.mass is not None
+    assert (solid.mass, solid.section.width) == pytest.approx((law.mass.grams[-1], 15.0))
+    assert solid.section.centre == pytest.approx(law.mass.heights[-1] / law.mass.grams[-1], rel=1e-3)
+    assert pneurod.solve(report, angle="10 deg").solutions
+    for target in ("mujoco", "pyelastica", "somo", "sorosim"):
+        assert pneurod.export(report, target, out=tmp_path).files
 
 
 @pytest.mark.parametrize(

@@ -2,6 +2,7 @@
 
 import csv
 import json
+import shutil
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -9,6 +10,7 @@ import numpy as np
 import pytest
 from scipy.stats import multivariate_t
 
+import pneurod
 from pipeline.answers.measured.calibrate import CalibrateOptions, CalibrationReport, calibrate_files
 from pipeline.answers.measured.compare import compare_files
 from pipeline.answers.measured.fit import effects_on, fit, numbers_of, off_range
@@ -18,9 +20,10 @@ from pipeline.answers.measured.rows import State
 from pipeline.answers.measured.table import read_measurements
 from pipeline.answers.measured.unknowns import BuiltArm, unknowns_of
 from pipeline.answers.rods.choice import choose_rod
+from pipeline.answers.rods.solid import solid_of
 from pipeline.results.files import read_results
 from pipeline.values.errors import InputError
-from tests.measured_arm import arm_law, measured, result_folder
+from tests.measured_arm import arm_law, measured, result_folder, with_body
 
 STATES = [State(p) for p in (4.0, 8.0, 12.0, 16.0)] + [State(16.0, (0.0, 0.02)), State(12.0, held_y_mm=-20.0)]
 
@@ -39,7 +42,7 @@ def report(tmp_path_factory: pytest.TempPathFactory) -> CalibrationReport:
     folder = tmp_path_factory.mktemp("calibrated")
     law = arm_law().scaled(0.8)
     file = measured(folder / "arm.csv", law, STATES, 0.2, Setup(gauge_kPa=0.2, clamp_deg=0.8))
-    return calibrate_files(result_folder(folder / "arm"), file, None, CalibrateOptions())
+    return calibrate_files(with_body(result_folder(folder / "arm")), file, None, CalibrateOptions())
 
 
 def test_modulus_and_setup_are_found_within_their_intervals(report: CalibrationReport) -> None:
@@ -144,11 +147,26 @@ def test_bad_input(tmp_path: Path, text: str, words: tuple[str, ...], free: tupl
     assert [word for word in words if word not in str(refused.value)] == []
 
 
-def test_nothing_is_overwritten(tmp_path: Path) -> None:
+def test_an_earlier_calibration_is_replaced_and_nothing_else(report: CalibrationReport, tmp_path: Path) -> None:
     folder = result_folder(tmp_path / "arm")
     file = measured(tmp_path / "arm.csv", arm_law(), [State(8.0)])
-    with pytest.raises(InputError, match=r"law\.json"):
+    with pytest.raises(InputError, match=r"holds law\.json, and only an earlier calibration"):
         calibrate_files(folder, file, folder)
+    again = tmp_path / "again"
+    shutil.copytree(report.directory, again)
+    with pytest.raises(InputError, match=r"holds law\.json, and only an earlier calibration"):
+        calibrate_files(again, file, again)
+    found = calibrate_files(folder, file, again)
+    assert [row.line for row in found.found.predictions] == [2, 2]
+    assert json.loads((again / "calibration.json").read_text(encoding="utf-8"))["measured"] == str(file)
+
+
+def test_the_calibrated_arm_is_exported_with_the_mass_of_its_law(report: CalibrationReport, tmp_path: Path) -> None:
+    solid = solid_of(read_results(report.directory))
+    assert solid is not None
+    assert (solid.mass, solid.section.width) == pytest.approx((20.0, 12.0))
+    for target in ("mujoco", "pyelastica"):
+        assert pneurod.export(report, target, out=tmp_path).files
 
 
 def test_effects_are_those_of_closed_forms(tmp_path: Path) -> None:

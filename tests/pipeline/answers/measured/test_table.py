@@ -65,6 +65,9 @@ def test_points_held_ends_units_and_decimal_commas(tmp_path: Path) -> None:
         ("pressure_kPa,tip_x_mm,tip_mass_g,orientation\n12,100,3,sideways\n", ("line 2", "sideways", "hanging")),
         ("pressure_kPa,tip_x_mm,tip_mass_g,orientation\n12,100,-3,lying\n", ("line 2", "tip_mass_g")),
         ("pressure_kPa,tip_x_mm\n", ("arm.csv",)),
+        ("pressure_kPa,tip_x_px\n12,100\n", ("tip_x_px", "mm per px")),
+        ("pressure_kPa,tip_x [pixel],tip_y [pixel]\n12,100,3\n", ("tip_x [pixel]", "mm per px")),
+        ("pressure,tip_x,tip_y\nkPa,px,px\n12,100,3\n", ("tip_x", "mm per px")),
         ("nothing\n", ("arm.csv", "pressure_kPa")),
     ],
 )

@@ -1,0 +1,104 @@
+"""Measured numbers that cannot be of an arm: in radians, of its mirror image, out of its reach, or met by no fit."""
+
+import math
+from collections.abc import Mapping
+
+import numpy as np
+
+from geometry import Reason
+from geometry.arrays import Array
+from pipeline.answers.measured.aligned import PLACES
+from pipeline.answers.measured.predicted import Numbers
+from pipeline.answers.measured.rows import COLUMNS
+from pipeline.values.errors import InputError
+
+#: degrees of a rod from which an angle is checked, and the part of it below which it was read in radians
+LARGE, IN_RADIANS = 15.0, 0.06
+#: part of the length, and degrees, from which the sign of a number is checked: laws of rubber differ by less. The
+#: mirrored numbers of moduli within a factor of 3 are nearer than half as far
+CLEAR, CLEAR_DEG, NEARER = 0.05, 5.0, 0.5
+#: part of the length by which a place may be farther from the clamp than the arm is long: it stretches, and the frame
+#: of a photograph may be shifted
+BEYOND = 0.2
+#: part of the motion that a fit may miss: measured bodies leave at most 0.08, mirrored or unscaled ones half of it; and
+#: how many times the usual scatter it has to miss, so that an arm that hardly moves may be read as roughly as others
+MISSED, SCATTERS = 0.3, 3.0
+
+
+def check_numbers(numbers: Numbers, predicted: Array, length_mm: float) -> None:
+    """Raise InputError, with line and column, for numbers that cannot be of an arm of which a rod is known.
+
+    predicted: (n,) the same numbers by the rod, whose moduli may be others.
+    """
+    _check_degrees(numbers, predicted)
+    _check_signs(numbers, predicted, length_mm)
+    _check_reach(numbers, predicted, length_mm)
+
+
+def _check_degrees(numbers: Numbers, predicted: Array) -> None:
+    angles = [k for k, name in enumerate(numbers.names) if name == "end_angle" and abs(predicted[k]) > LARGE]
+    if angles and np.median([abs(numbers.values[k] / predicted[k]) for k in angles]) < IN_RADIANS:
+        first = angles[0]
+        raise InputError(
+            f"{numbers.measurements.file}: line {numbers.rows[first].line}: end_angle_deg is "
+            f"{numbers.values[first]:.3g}, where the rod has {predicted[first]:.3g}°; if it is in radians, name the "
+            "column end_angle_rad"
+        )
+
+
+def _check_signs(numbers: Numbers, predicted: Array, length_mm: float) -> None:
+    """Columns all of whose numbers without load have the other sign than the rod, and about its size."""
+    sentences = []
+    for name in ("tip_x", "tip_y", "x", "y", "end_angle"):
+        clear = CLEAR_DEG if name == "end_angle" else CLEAR * length_mm
+        kinds = zip(numbers.rows, numbers.names, predicted, strict=True)
+        at = [k for k, (row, kind, by) in enumerate(kinds) if kind == name and not row.state.load and abs(by) > clear]
+        read, rod = numbers.values[at], predicted[at]
+        is_other = bool(at) and bool(np.all(read * rod < 0.0))
+        if is_other and np.linalg.norm(read + rod) < NEARER * np.linalg.norm(read - rod):
+            sign, written = ("-", "a minus sign") if rod[0] < 0.0 else ("+", "a plus sign")
+            sentences.append(
+                f"{numbers.measurements.file}: line {numbers.rows[at[0]].line}: {COLUMNS[name]} is {read[0]:.3g}, with "
+                f"the sign of the mirrored arm; this one bends towards {sign}{'x' if name.endswith('x') else 'y'}: "
+                f"write the column with {written}"
+            )
+    if sentences:
+        raise InputError(*sentences)
+
+
+def _check_reach(numbers: Numbers, predicted: Array, length_mm: float) -> None:
+    """Places farther from the clamp than the arm is long, with twice the stretch of the rod."""
+    pairs = zip(numbers.rows, numbers.names, predicted.tolist(), strict=True)
+    by_rod = {(row.line, name): value for row, name, value in pairs}
+    for row in numbers.measurements.rows:
+        for place in PLACES:
+            given = [name for name in place if name in row.values]
+            far = math.hypot(*(row.values[name] for name in given))
+            of_rod = math.hypot(*(by_rod[row.line, name] for name in given))
+            if far > (1.0 + BEYOND) * length_mm + 2.0 * max(0.0, of_rod - length_mm):
+                columns = ", ".join(COLUMNS[name] for name in given)
+                raise InputError(
+                    f"{numbers.measurements.file}: line {row.line}: the place in {columns} is {far:.4g} mm from the "
+                    f"clamp of an arm of {length_mm:.4g} mm; check the unit and the origin"
+                )
+
+
+def missed(numbers: Numbers, residual: Array, usual: Mapping[str, float], length_mm: float) -> Reason | None:
+    """Why a fit is no calibration: it misses a large part of the motion; None where it is one.
+
+    residual: (n,) measured less fitted. usual: scatter by unit, by which numbers of all units are weighed.
+    """
+    scatter = np.array([usual[unit] for unit in numbers.units])
+    off, motion = residual / scatter, (numbers.values - numbers.straight(length_mm)) / scatter
+    part = float(np.linalg.norm(off)) / (float(np.linalg.norm(motion)) or 1.0)
+    if part < MISSED or np.sqrt(np.mean(off**2)) < SCATTERS:
+        return None
+    worst = int(np.abs(off).argmax())
+    values: dict[str, float | str] = {
+        "percent": 100.0 * part,
+        "line": numbers.rows[worst].line,
+        "quantity": COLUMNS[numbers.names[worst]],
+        "measured": float(numbers.values[worst]),
+        "fitted": float(numbers.values[worst] - residual[worst]),
+    }
+    return Reason("not_calibrated", values)
