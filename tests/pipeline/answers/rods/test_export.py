@@ -221,6 +221,13 @@ def test_the_section_of_a_body_is_that_of_its_mesh(tmp_path: Path) -> None:
         young_modulus({"law": "svk", "E": 1.2})
 
 
+def test_of_a_design_its_run_is_exported(tmp_path: Path) -> None:
+    shutil.copytree(COARSE, tmp_path / "design" / "run")
+    (tmp_path / "design" / "design.json").write_text("{}", encoding="utf-8")
+    assert call("export", str(tmp_path / "design"), "--to", "json", "--out", str(tmp_path / "files"))[0] == 0
+    assert call("solve", str(tmp_path / "design"), "--angle", "30 deg")[0] == 0
+
+
 def test_the_weight_of_a_run_is_left_to_the_other_program(tmp_path: Path) -> None:
     """A law measured with gravity on: its file is that of the same law without."""
     heavy = copy_with(tmp_path / "arm", "law.json", lambda content: content | {"weight_N_per_mm": [0.0, -1e-4]})
