@@ -39,7 +39,7 @@ def calibrate(
     results: Folder,
     measured: MeasuredFile,
     out: Annotated[
-        Path | str | None, typer.Option("--out", metavar="DIR2", help="New folder (default: DIR_calibrated).")
+        Path | str | None, typer.Option("--out", metavar="DIR2", help="Its folder (default: DIR_calibrated).")
     ] = None,
     *,
     free: Annotated[

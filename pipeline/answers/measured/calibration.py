@@ -162,9 +162,10 @@ def _doubts(arm: BuiltArm, fitted: Fitted) -> list[str]:
     sentences = []
     for unknown, change in zip(arm.unknowns, fitted.changes.tolist(), strict=True):
         if unknown.is_of_law and unknown.drawn and abs(change / unknown.drawn) > DOUBTFUL:
+            percent, times = 100.0 * change / unknown.drawn, abs(change) / unknown.std
             sentences.append(
-                f"{unknown.name} changes by {100 * change / unknown.drawn:.0f} %, for which derivatives are doubtful; "
-                "measure the law again with the new dimension."
+                f"{unknown.name} changes by {percent:.0f} %, {times:.1f} times its tolerance, for which derivatives "
+                "are doubtful; check the scale of the numbers, or measure the law again with it."
             )
         if unknown.name.endswith(".nu") and not OF_RUBBER[0] <= unknown.value(change) < OF_RUBBER[1]:
             sentences.append(

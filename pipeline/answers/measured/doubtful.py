@@ -20,8 +20,8 @@ CLEAR, CLEAR_DEG, NEARER = 0.05, 5.0, 0.5
 #: part of the length by which a place may be farther from the clamp than the arm is long: it stretches, and the frame
 #: of a photograph may be shifted
 BEYOND = 0.2
-#: part of the motion that a fit may miss: measured bodies leave at most 0.08, mirrored or unscaled ones half of it; and
-#: how many times the usual scatter it has to miss, so that an arm that hardly moves may be read as roughly as others
+#: part of the motion that a fit may miss: measured bodies leave at most 0.08, one misread row of five 0.5, columns in
+#: pixels or mirrored 1; and over the usual scatter, so that an arm that hardly moves may be read as roughly as others
 MISSED, SCATTERS = 0.3, 3.0
 
 
