@@ -19,16 +19,15 @@ from pydantic_core import core_schema as schema
 from geometry.arrays import Array
 from pipeline.values.json_values import JsonObject
 from rod.arm_law.curves import key_of
+from rod.arm_law.kinds import Saved
 from rod.arm_law.law import ArmLaw
 from rod.arm_law.pairs import PairLaw, fractions_of
 from rod.arm_law.quantities import key_in_files
-from rod.arm_law.space_law import SpaceLaw
 
 #: of the file; raised when a key changes its meaning
 FORMAT = 3
 
 Value = TypeVar("Value")
-Saved = ArmLaw | PairLaw | SpaceLaw
 
 
 @dataclass(frozen=True, eq=False)  # arrays inside
@@ -91,7 +90,7 @@ def _plain(value: Any) -> Any:
 
 def law_of_record(record: Mapping[str, Any]) -> Saved:
     """The law that `law_record` wrote. Raises ValueError, with the key, for anything else."""
-    kinds = {"plane": ArmLaw, "pairs": _Rays, "space": SpaceLaw}
+    kinds: dict[Any, type[Any]] = {law.kind: law for law in get_args(Saved)} | {PairLaw.kind: _Rays}
     if record.get("format") != FORMAT or record.get("kind") not in kinds:
         raise ValueError(f"it is no law of an arm in format {FORMAT}")
     law: Saved | _Rays = value_of(kinds[record["kind"]], record)

@@ -17,7 +17,7 @@ from rod.weight import Mass
 class Law(Protocol):
     """The law of an arm over the pressures of its cavities; a number is a tuple of one pressure."""
 
-    kind: ClassVar[str]  #: plane, pairs or space
+    kind: ClassVar[str]  #: as law.json has it: plane, pairs, space
 
     @property
     def cavities(self) -> tuple[str, ...]:
@@ -75,8 +75,9 @@ class Ray:
         return self.law.at(tuple(part * largest for part in self.fractions))
 
 
-#: those that a file may hold, and a law along a ratio
-AnyLaw: TypeAlias = ArmLaw | PairLaw | SpaceLaw | Ray
+#: those that law.json may hold
+Saved: TypeAlias = ArmLaw | PairLaw | SpaceLaw
+AnyLaw: TypeAlias = Saved | Ray  #: the same, and a law along a ratio
 
 
 def along(law: AnyLaw, ratio: Sequence[float]) -> ArmLaw | Ray:

@@ -37,6 +37,7 @@ class Quantity:
     size: int = 1
     title: str = ""  #: in the budget of tolerances; empty: it is not there
     in_law: bool = False  #: whether law.json and `results.sensitivities` have its derivatives
+    wished: str = ""  #: how it follows dimensions of a design, "line" or "power"; empty: it cannot be wished
 
 
 def _rigidity(rod: LawRod, known: LawRod, _: float) -> float:
@@ -72,17 +73,17 @@ def _stiffness(rod: LawRod, _: LawRod, about: float) -> float:
 QUANTITIES = {
     one.name: one
     for one in (
-        Quantity("tip", "mm", lambda rod, *_: rod.solve().end, 2, title="tip / length"),
-        Quantity("kappa_0", "1/mm", lambda rod, *_: rod.section.kappa_0, title="κ₀", in_law=True),
+        Quantity("tip", "mm", lambda rod, *_: rod.solve().end, 2, title="tip / length", wished="line"),
+        Quantity("kappa_0", "1/mm", lambda rod, *_: rod.section.kappa_0, title="κ₀", in_law=True, wished="power"),
         Quantity("rigidity", "N mm2", _rigidity, title="rigidity", in_law=True),
-        Quantity("force", "N", lambda rod, _, y: float(rod.solve(end_y=y).force[1]), title="force in III"),
+        Quantity("force", "N", lambda rod, _, y: float(rod.solve(end_y=y).force[1]), 1, "force in III", wished="power"),
         Quantity("moment", "N mm", lambda rod, known, _: _moment_at(rod, 0.5 * known.section.kappa_0), in_law=True),
         Quantity("stretch", "1", lambda rod, *_: _without_moment(rod, "stretch"), in_law=True),
         Quantity("end_angle", "rad", lambda rod, *_: float(rod.solve().theta[-1]), in_law=True),
         Quantity(ACROSS[0], "N mm2", lambda rod, *_: _without_moment(rod, ACROSS[0]), title="B₂", in_law=True),
         Quantity(ACROSS[1], "N mm2", lambda rod, *_: _without_moment(rod, ACROSS[1]), title="GJ", in_law=True),
-        Quantity("angle", "deg", lambda rod, *_: bending_deg(rod.solve().end)),
-        Quantity("stiffness", "N/mm", _stiffness),
+        Quantity("angle", "deg", lambda rod, *_: bending_deg(rod.solve().end), wished="line"),
+        Quantity("stiffness", "N/mm", _stiffness, wished="power"),
     )
 }
 #: units of those whose derivatives a law has, and of those that the rates of its cells tell

@@ -19,9 +19,7 @@ from pipeline.answers.rods.choice import KINDS, RodOfRun, choose_rod, plane_of
 from pipeline.answers.rods.ratio import run_along
 from pipeline.results.rod_errors import RodErrors, mesh_errors
 from pipeline.values.run import Run
-from rod.arm_law.kinds import Ray
 from rod.arm_law.law import ArmLaw
-from rod.arm_law.space_law import SpaceLaw
 
 
 @dataclass(frozen=True)
@@ -79,7 +77,7 @@ def compare_files(
     """
     run, measurements = run_along(folder, ratio), read_measurements(file)
     rods = choose_rod(run, kind)
-    if isinstance(rods.source, Ray) and isinstance(rods.source.law, SpaceLaw):
+    if rods.is_in_space:
         plane_of(run, "a comparison")  # refuses it
     return compare(run, rods, aligned(measurements, rods.at) if align else measurements)
 

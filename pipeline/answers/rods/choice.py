@@ -17,6 +17,7 @@ from pipeline.values.run import Run
 from rod.arm_law.kinds import AnyLaw, Ray, ratios_of
 from rod.arm_law.law import ArmLaw
 from rod.arm_law.pairs import PairLaw
+from rod.arm_law.space_rod import SpaceRod
 from rod.inverse import Branch
 from rod.mechanics.equilibrium import Rod
 from rod.pressurised_rod import PressurisedRod
@@ -54,9 +55,16 @@ class RodOfRun:
     @property
     def over_one_pressure(self) -> Sequence[float]:
         """The pressures of a rod that has one, kPa, rising. Raises InputError for a law of several pressures."""
-        if not isinstance(self.source, ArmLaw | Ray | PressurisedRod):
+        if isinstance(self.source, PressurisedRod):
+            return tuple(map(float, self.source.pressures))
+        if len(self.source.cavities) > 1:
             raise InputError(f"its law has the pressures of {', '.join(self.source.cavities)}; give their ratio")
-        return tuple(map(float, self.source.pressures))
+        return tuple(float(pressure) for (pressure,) in self.source.rows)
+
+    @property
+    def is_in_space(self) -> bool:
+        """Whether a rod over one pressure has no plane. Raises InputError as `over_one_pressure` does."""
+        return isinstance(self.at(self.pressures_kPa[1]).law, SpaceRod)
 
     def at(self, pressures_kPa: float | Pressures) -> Rod:
         """The rod at the pressures of all cavities; its origin is the clamped end of the material curve.

@@ -16,7 +16,6 @@ from pipeline.values.errors import InputError, RunFailed
 from pipeline.values.formatting import number
 from pipeline.values.run import bending_error_deg
 from rod.arm_law.kinds import Ray
-from rod.arm_law.space_law import SpaceLaw
 from rod.errors import LoadError, RodError
 from rod.inverse import AtPressure, Branch, Quantity
 
@@ -101,7 +100,7 @@ def pressures_for(rods: RodOfRun, wish: Wish) -> tuple[PressureFor, ...]:
 def branches_of(rods: RodOfRun, wish: Wish) -> tuple[Branch, ...]:
     """The arm under the load of a wish over its pressure, kept with the rods. Raises InputError for several ones."""
     known = rods.over_one_pressure
-    is_in_space = isinstance(rods.source, Ray) and isinstance(rods.source.law, SpaceLaw)
+    is_in_space = rods.is_in_space
     if not is_in_space and len(wish.weight.direction or ()) == 3:
         raise InputError("pressures are found for arms in their plane; give gravity as x and y")
     if wish.tip_mm is not None and len(wish.tip_mm) != (3 if is_in_space else 2):

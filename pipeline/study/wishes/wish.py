@@ -11,19 +11,13 @@ from pipeline.config.config import Config
 from pipeline.config.kinds import PositiveLength, above_zero, in_unit, number
 from pipeline.config.section import Field, Kind, Section, section
 from pipeline.config.units import ANGLE, CURVATURE, FORCE, LENGTH, MASS, STIFFNESS, Dimension
+from rod.arm_law.quantities import QUANTITIES as ASKED
 
+_BY_UNIT = {one.unit: one for one in (LENGTH, CURVATURE, FORCE, ANGLE, STIFFNESS)}
 #: what can be wanted, by its key in a file
-QUANTITIES: dict[str, Dimension] = {
-    "kappa_0": CURVATURE,
-    "angle": ANGLE,
-    "tip": LENGTH,
-    "force": FORCE,
-    "stiffness": STIFFNESS,
-}
-#: those that follow a power of the dimensions rather than a straight line
-POWERS = ("kappa_0", "force", "stiffness")
-#: how each of them is told: a factor and its unit
-SHOWN = {"1/mm": (1e3, "1/m"), "deg": (1.0, "°"), "mm": (1.0, "mm"), "N": (1.0, "N"), "N/mm": (1e3, "N/m")}
+QUANTITIES: dict[str, Dimension] = {name: _BY_UNIT[one.unit] for name, one in ASKED.items() if one.wished}
+#: how units are told where it is otherwise: a factor and the unit
+SHOWN = {"1/mm": (1e3, "1/m"), "deg": (1.0, "°"), "N/mm": (1e3, "N/m")}
 #: in front of the name of a free pressure, and of a dimension
 PRESSURE, GEOMETRY = "pressure.", "geometry."
 #: what is made as small as possible, by its key; "" where wishes are met as nearly as possible
@@ -73,7 +67,8 @@ class Wish:
 
     def text(self, values: Any) -> str:
         """Values in words, with their unit."""
-        factor, unit = SHOWN[QUANTITIES[self.quantity].unit]
+        unit = QUANTITIES[self.quantity].unit
+        factor, unit = SHOWN.get(unit, (1.0, unit))
         shown = [f"{factor * float(value):.4g}" for value in np.atleast_1d(values)]
         joined = shown[0] if len(shown) == 1 else f"({', '.join(shown)})"
         return f"{joined}{unit}" if unit == "°" else f"{joined} {unit}"
@@ -140,7 +135,7 @@ class Wishes:
     @property
     def powers(self) -> Mask:
         """(m,) whether a number follows a power of the dimensions."""
-        return np.concatenate([[wish.quantity in POWERS] * len(wish.target) for wish in self.wishes])
+        return np.concatenate([[ASKED[wish.quantity].wished == "power"] * len(wish.target) for wish in self.wishes])
 
     def parts(self, numbers: Array) -> list[Array]:
         """The numbers (m, ..) of all wishes by wish."""

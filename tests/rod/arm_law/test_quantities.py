@@ -10,6 +10,7 @@ from pipeline.answers.budget import NUMBERS, budget_table, make_budgets
 from pipeline.api.sensitivities import sensitivities_frame
 from pipeline.config.tolerances import Tolerances
 from pipeline.results.laws import law_record
+from pipeline.study.wishes import wish
 from rod.arm_law.quantities import QUANTITIES, UNITS, Asked, Quantity, jacobian, key_in_files
 from rod.errors import RodError
 from tests.measured_arm import BENDING, EI, THICKER, arm_law
@@ -85,3 +86,9 @@ def test_a_row_of_the_table_is_asked_everywhere(monkeypatch: pytest.MonkeyPatch)
     assert budget.largest("turn").parameter == "geometry.wall"
     assert "turn (%)" in budget_table(budget).heads
     assert key_in_files("turn") == "turn_rad"
+
+
+def test_a_row_that_can_be_wished_is_a_key_of_a_wish() -> None:
+    assert {name for name, one in QUANTITIES.items() if one.wished} == {*wish.QUANTITIES}
+    assert {one.wished for one in QUANTITIES.values()} == {"", "line", "power"}
+    assert all(wish.QUANTITIES[name].unit == QUANTITIES[name].unit for name in wish.QUANTITIES)

@@ -1,18 +1,25 @@
 """The rod with a law of two curvatures against arcs, beams and itself turned about its axis."""
 
-from dataclasses import replace
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Annotated, ClassVar
 
 import numpy as np
 import pytest
 
+import pneurod
 from geometry.arrays import Array
+from pipeline.results import laws
 from pipeline.results.laws import law_of_record, law_record
 from rod import Rod, RodError, Support
 from rod.arm.chain import rotation
-from rod.arm_law import space_rod
+from rod.arm_law import kinds, space_rod
 from rod.arm_law.kinds import along
 from rod.arm_law.polynomial import Basis, Polynomial, exponents_up_to
 from rod.arm_law.space_law import SpaceLaw
+from rod.same_pressure import Pressures, pressures_of
 from rod.spatial import SpatialLoad
 from rod.weight import Mass
 from tests.quotients import SOLVED, quotient
@@ -151,6 +158,37 @@ def test_the_file_gives_the_same_rod() -> None:
     del record["tip"]
     with pytest.raises(ValueError, match="tip"):
         law_of_record(record)
+
+
+@dataclass(frozen=True)
+class Alone:
+    """A kind of law that is added: the same arm over the pressure of its first cavity."""
+
+    kind: ClassVar[str] = "alone"
+    cavities: ClassVar[tuple[str, ...]] = ("the arm",)
+    length: Annotated[float, "length_mm"]
+    highest: Annotated[float, "highest_kPa"]
+    mass: Annotated[Mass | None, "mass"] = None
+
+    @property
+    def rows(self) -> tuple[Pressures, ...]:
+        return (0.0,), (self.highest,)
+
+    def at(self, pressures: float | Sequence[float]) -> space_rod.SpaceRod:
+        return law().at((*pressures_of(pressures, self.cavities), 0.0, 0.0))
+
+
+def test_a_kind_of_law_that_is_added_is_read_and_bends(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(laws, "Saved", kinds.Saved | Alone)
+    record = law_record(Alone(LENGTH, 5.0))  # type: ignore[arg-type]
+    (tmp_path / "law.json").write_text(json.dumps(record), encoding="utf-8")
+    found = pneurod.shape(tmp_path / "law.json", "4 kPa").shape
+    assert found.end == law().at((4.0, 0.0, 0.0)).solve_in_space(SpatialLoad()).end
+    tip = [f"{value} mm" for value in found.end]
+    (pressure,) = pneurod.solve(tmp_path / "law.json", tip=f"[{', '.join(tip)}]").solutions
+    assert pressure.pressure_kPa == pytest.approx(4.0, rel=1e-6)
+    with pytest.raises(pneurod.InputError, match="this arm bends in space; give the place of its tip as x, y and z"):
+        pneurod.solve(tmp_path / "law.json", tip="[70 mm, 0 mm]")
 
 
 def test_pressures_between_the_rows_alone() -> None:
