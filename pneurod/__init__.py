@@ -26,27 +26,15 @@ import geometry
 import pipeline
 import rod
 from geometry.errors import PneurodError
-from pipeline.api.measured import calibrate, compare, material
-from pipeline.api.rods import budget, export, shape, solve
-from pipeline.api.runs import cell, characterize, characterize_pairs, mesh
-from pipeline.api.setup import doctor, init
-from pipeline.api.studies import accuracy, design, effects, sweep
+from pipeline.api import measured, rods, runs, setup, studies
+from pipeline.api.measured import *
+from pipeline.api.rods import *
+from pipeline.api.runs import *
+from pipeline.api.setup import *
+from pipeline.api.studies import *
 from pipeline.values.errors import InputError, RunFailed
-from pneurod.designs import (
-    BisectedCircle,
-    BodyFile,
-    Hencky,
-    MooneyRivlin,
-    NamedRubber,
-    NeoHooke,
-    Ogden,
-    PneuNet,
-    Rectangular,
-    Semicircular,
-    SemicircularSingle,
-    StVenantKirchhoff,
-    Yeoh,
-)
+from pneurod import designs
+from pneurod.designs import *
 
 if TYPE_CHECKING:
     from pipeline.api.results import Results, read_results
@@ -67,57 +55,33 @@ if TYPE_CHECKING:
 
 __all__ = [
     "ArmLaw",
-    "BisectedCircle",
-    "BodyFile",
     "DesignReport",
     "FiveParameters",
-    "Hencky",
     "InputError",
     "Interval",
     "LawRod",
     "LineLoad",
-    "MooneyRivlin",
-    "NamedRubber",
-    "NeoHooke",
-    "Ogden",
-    "PneuNet",
     "PneurodError",
     "PointLoad",
-    "Rectangular",
     "Results",
     "Rod",
     "RodError",
     "RodSolution",
     "RodWarning",
     "RunFailed",
-    "Semicircular",
-    "SemicircularSingle",
-    "StVenantKirchhoff",
     "Support",
-    "Yeoh",
-    "accuracy",
-    "budget",
-    "calibrate",
-    "cell",
-    "characterize",
-    "characterize_pairs",
-    "compare",
-    "design",
-    "doctor",
-    "effects",
-    "export",
     "fem",
     "geometry",
-    "init",
-    "material",
-    "mesh",
     "pipeline",
     "read_results",
     "rod",
-    "shape",
-    "solve",
-    "sweep",
 ]
+__all__ += measured.__all__
+__all__ += rods.__all__
+__all__ += runs.__all__
+__all__ += setup.__all__
+__all__ += studies.__all__
+__all__ += designs.__all__
 
 if not TYPE_CHECKING:  # a type checker reads the imports above and refuses every other name
 

@@ -13,6 +13,22 @@ from dataclasses import field
 
 from pipeline.api.described import Body, Material
 
+__all__ = [
+    "BisectedCircle",
+    "BodyFile",
+    "Hencky",
+    "MooneyRivlin",
+    "NamedRubber",
+    "NeoHooke",
+    "Ogden",
+    "PneuNet",
+    "Rectangular",
+    "Semicircular",
+    "SemicircularSingle",
+    "StVenantKirchhoff",
+    "Yeoh",
+]
+
 #: a point of the file, with units: x, y and z
 Point = Sequence[str]
 

@@ -11,6 +11,8 @@ from pipeline.api.given import given_choice, given_path
 from pipeline.api.options import Align, Folder, Given, MeasuredFile, Ratio
 from pipeline.values.errors import RunFailed
 
+__all__ = ["calibrate", "compare", "material"]
+
 if TYPE_CHECKING:
     from pipeline.answers.material.study import Material
     from pipeline.answers.measured.calibrate import CalibrationReport

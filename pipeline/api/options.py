@@ -4,11 +4,13 @@ The command line reads texts, numbers and paths. Where Python takes more, what t
 type and the option.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Protocol, TypeAlias
+from typing import TYPE_CHECKING, Annotated, Any, Protocol, TypeAlias, TypeVar
 
 import typer
+
+from pipeline.values.table import Table
 
 if TYPE_CHECKING:
     from pipeline.api.described import Body, Setting
@@ -25,6 +27,31 @@ class Saved(Protocol):
 
 #: a folder or file of results, or the value of the function that wrote it
 Given: TypeAlias = Path | str | Saved
+
+
+class HasLines(Protocol):
+    """A value that a terminal shows."""
+
+    @property
+    def lines(self) -> Sequence[str | Table]:
+        """Sentences and tables, in their order."""
+
+
+Function = TypeVar("Function", bound=Callable[..., HasLines])
+#: functions that `command` made commands, by the names of these
+COMMANDS: dict[str, Callable[..., HasLines]] = {}
+
+
+def command(name: str) -> Callable[[Function], Function]:
+    """Make a function a command of the command line, which prints the lines of its value."""
+
+    def named(function: Function) -> Function:
+        COMMANDS[name] = function
+        return function
+
+    return named
+
+
 ConfigFile = Annotated[
     "Path | str | Body", Path, typer.Argument(metavar="CONFIG", help="A design in YAML, such as configs/pneunet.yaml.")
 ]

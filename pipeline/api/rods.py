@@ -8,8 +8,10 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from pipeline.api.given import given_choice, given_path
-from pipeline.api.options import Folder, Given, Orientation, Ratio, Rod, TipMass
+from pipeline.api.options import Folder, Given, Orientation, Ratio, Rod, TipMass, command
 from pipeline.results.options import write_new
+
+__all__ = ["budget", "export", "shape", "solve"]
 
 if TYPE_CHECKING:
     import rod as rods
@@ -26,7 +28,15 @@ class RodShape:
     shape: "rods.RodSolution | rods.SpatialSolution"
     errors: str  #: of the rod against finite elements; empty where they are not known
 
+    @property
+    def lines(self) -> list[str]:
+        """Position, angle and force of the end, and the moment at the clamp."""
+        from pipeline.answers.rods.end_loads import end_lines
 
+        return end_lines(self.rod, self.shape, self.errors)
+
+
+@command("rod")
 def shape(
     path: Annotated[
         Given, typer.Argument(metavar="DIR", help="Results of a run; or a parameters.json or law.json alone.")
@@ -152,6 +162,7 @@ def budget(
     return found
 
 
+@command("export")
 def export(
     folder: Annotated[Given, typer.Argument(metavar="DIR", help="Results of a run, of `cell` or of `calibrate`.")],
     to: Annotated[

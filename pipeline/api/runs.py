@@ -11,6 +11,8 @@ from pipeline.api.options import Accuracy, ConfigFile, Fresh, Out, Settings, job
 from pipeline.store.progress import Progress
 from pipeline.values.errors import InputError, RunFailed, quoted
 
+__all__ = ["cell", "characterize", "characterize_pairs", "mesh"]
+
 if TYPE_CHECKING:
     from pipeline.api.results import Results
     from pipeline.law.build import MeasuredLaw

@@ -11,6 +11,8 @@ from pipeline.store.atomic_file import write_atomic
 from pipeline.store.result_folder import open_file
 from pipeline.values.errors import InputError, RunFailed, argument
 
+__all__ = ["doctor", "init"]
+
 
 def init(
     family: Annotated[str, typer.Argument(metavar="[FAMILY]")] = "pneunet",

@@ -14,6 +14,8 @@ from pipeline.store.progress import Progress, Silent
 from pipeline.store.worker import available_cores
 from pipeline.values.errors import InputError, RunFailed, argument
 
+__all__ = ["accuracy", "design", "effects", "sweep"]
+
 if TYPE_CHECKING:
     from pipeline.study.accuracy.study import ConvergenceStudy
     from pipeline.study.effects.study import EffectsTable

@@ -23,6 +23,7 @@ from typer.models import ParameterInfo
 import pipeline.cli.shown as shown
 from pipeline.api import measured, rods, runs, setup, studies
 from pipeline.api.given import document_of
+from pipeline.api.options import COMMANDS
 from pipeline.cli.ending import print_lines, with_sentences
 from pipeline.doctor import Finding
 from pipeline.show.progress import progress_for
@@ -180,13 +181,13 @@ add(studies.accuracy, lambda: _solved().show_accuracy)
 add(runs.cell, lambda: _solved().show_cell)
 add(studies.design, lambda: _solved().show_design, quiet=QUIET)
 add(studies.sweep, lambda: _solved().show_sweep)
-add(rods.shape, lambda: shown.show_shape, "rod")
+for name, function in COMMANDS.items():
+    add(function, lambda: lambda value: print_lines(*value.lines), name)
 add(rods.solve, lambda: shown.show_solutions, as_json=SOLUTIONS)
 add(rods.budget, lambda: shown.show_budget)
 add(measured.compare, lambda: shown.show_comparison, out=PICTURE)
 add(measured.calibrate, lambda: shown.show_calibration)
 add(measured.material, lambda: shown.show_material)
-add(rods.export, lambda: shown.show_export)
 add(doctor, lambda: shown.show_findings)
 
 

@@ -17,15 +17,7 @@ if TYPE_CHECKING:
     from pipeline.answers.material.study import Material
     from pipeline.answers.measured.calibrate import CalibrationReport
     from pipeline.answers.measured.compare import Comparison
-    from pipeline.answers.rods.export import Exported
-    from pipeline.api.rods import RodShape, Solutions
-
-
-def show_shape(found: "RodShape") -> None:
-    """Print position, angle and force of the end, and the moment at the clamp."""
-    from pipeline.answers.rods.end_loads import end_lines
-
-    print_lines(*end_lines(found.rod, found.shape, found.errors))
+    from pipeline.api.rods import Solutions
 
 
 def show_solutions(found: "Solutions", as_json: bool = False) -> None:
@@ -72,11 +64,6 @@ def show_material(found: "Material", out: Path) -> None:
         return
     print_lines("", *found.words, "", found.line, "", law_table(found))
     print_lines(f"\nwritten: {out / 'material.html'} (picture), material.json (all laws as lines), material_curves.csv")
-
-
-def show_export(done: "Exported") -> None:
-    """Print the names of the files, their error, and what they leave out."""
-    print_lines(*(f"written: {file}" for file in done.files), *done.sentences)
 
 
 def show_file(file: Path) -> None:

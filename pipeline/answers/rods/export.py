@@ -51,6 +51,11 @@ class Exported:
     files: tuple[Path, ...]
     sentences: tuple[str, ...]  #: the error of the files, and what they leave out
 
+    @property
+    def lines(self) -> tuple[str, ...]:
+        """The names of the files, and the sentences."""
+        return *(f"written: {file}" for file in self.files), *self.sentences
+
 
 def exported(folder: Path, target: str | None, options: ExportOptions) -> Exported:
     """Write the rod of a result folder for another program. Raises InputError as `exported_run` does."""

@@ -9,6 +9,7 @@ import typer
 from typer.testing import CliRunner
 
 import pneurod
+from pipeline.api import options
 from pipeline.cli import app
 from pipeline.results.files import read_results
 from tests.coarse import COARSE, copy_with
@@ -29,6 +30,14 @@ def test_a_command_is_a_function_with_its_arguments(name: str) -> None:
     help_of_function = " ".join((inspect.getdoc(function) or "").partition("\n\n")[0].split())
     assert " ".join(COMMANDS[name].help.split()) == help_of_function
     assert help_of_function.split()[0] not in ("A", "An", "The", "What", "How")
+
+
+def test_a_function_is_made_a_command_where_it_stands(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert {name: COMMANDS[name].callback is not None for name in options.COMMANDS} == {"rod": True, "export": True}
+    monkeypatch.setattr(options, "COMMANDS", dict(options.COMMANDS))
+    named = options.command("length")(pneurod.shape)
+    assert named is pneurod.shape
+    assert options.COMMANDS["length"] is pneurod.shape
 
 
 def test_a_rod_of_a_folder_and_the_pressure_for_a_wish() -> None:
