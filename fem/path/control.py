@@ -86,6 +86,15 @@ class Control(ABC):
         assembly is that of the state. None where that matrix does not give it. Raises `SingularMatrix`.
         """
 
+    def rate_with_constants(
+        self, state: State, assembly: Assembly, linearised: Linearised, terms: Terms, growth: float
+    ) -> State | None:
+        """Tangent of the path at an equilibrium while constant loads and displacements grow as well, d(state)/d(value).
+
+        growth: of their fraction per unit of the value. None where it is not available. Raises `SingularMatrix`.
+        """
+        return None
+
     @abstractmethod
     def rate_at_rest(self, terms: Terms, fraction: float) -> State | None:
         """Tangent of the path at rest, d(state)/d(value), with constant loads growing by `fraction` per unit of value.
@@ -123,6 +132,23 @@ class LoadControl(Control):
             return None
         change = _load_rate(self.system, state, linearised, terms)
         return self.system.rate(state, assembly, replace(change, factor=1.0))
+
+    def rate_with_constants(
+        self, state: State, assembly: Assembly, linearised: Linearised, terms: Terms, growth: float
+    ) -> State | None:
+        system = self.system
+        # the loads are linear in the load factor and the fraction
+        more, less = (
+            system.loads(
+                state.displacement,
+                state.factor + part,
+                at_constant_fraction(terms, self.constant_fraction + part * growth),
+            )
+            for part in (0.5, -0.5)
+        )
+        motion = system.constraints.prescribed(1.0, growth)
+        _, coupling = system.tangent(state, assembly, terms, motion, convex=False)
+        return rate_with_motion(system, state, assembly, linearised, Drive(more - less, 1.0, motion, coupling))
 
     def rate_at_rest(self, terms: Terms, fraction: float) -> State | None:
         system, rest, unloaded = self.system, self.system.rest_state(), at_constant_fraction(terms, 0.0)

@@ -95,6 +95,8 @@ class PathFollower:
         self.points = [PathPoint(control.value, 0.0, self.system.rest_state(), terms=terms)]  #: the last two
         self.predictor = Predictor(self.points[0], control)
         self.solver = IncrementSolver(self.system, self.predictor, active_set, self.options.newton)
+        #: the last point on the way to the first target, with its rate while constant loads grow as well
+        self.arrival: PathPoint | None = None
         self.is_stable = True  #: whether the last equilibrium is
         #: where the path lost its stability on the way to the target, or before and has not regained it
         self.not_followed: Reason | None = None
@@ -133,7 +135,7 @@ class PathFollower:
         if converged.negative_pivots:
             raise Unstable(Reason("equilibrium_unstable", {"negative_pivots": converged.negative_pivots}))
         point = self._point(control, converged)
-        self._check_continuation(converged, point, increments)
+        self._check_continuation(control, converged, point, increments)
         self.points = [self.points[-1], point]
         reached = _Reached(control, converged, self.solver.iterations, 0)
         return self._step(reached, 1.0, before)
@@ -207,7 +209,7 @@ class PathFollower:
                 increment = self._increment(control, increments, target.announced)
                 converged = self.solver.solve(increment)
                 point = self._point(control, converged)
-                self._check_continuation(converged, point, increments)
+                arrival = self._check_continuation(control, converged, point, increments)
                 if fraction == 1.0:
                     converged, point = self._settled(converged, point, increment)
             except StepFailed as failure:
@@ -223,7 +225,7 @@ class PathFollower:
             iterations += self.solver.iterations
             self._note_stability(converged, increments.reached, fraction)
             limit = self._announced_limit(self.points[-1], point)
-            self.points = [self.points[-1], point]
+            self.points, self.arrival = [self.points[-1], point], arrival
             increments.accepted(fraction, limit)
             if fraction == 1.0:
                 self.points = [load_step.origin, point]  # the next extrapolation uses points at targets alone
@@ -253,11 +255,20 @@ class PathFollower:
         """Tells the observer of every iteration."""
         return lambda iteration, residual: self.observer.iteration(announced, iteration, residual)
 
-    def _check_continuation(self, converged: Converged, point: PathPoint, increments: Increments) -> None:
-        """Raise `Unstable` where an equilibrium under a given load is not on the path that led to the last one."""
+    def _check_continuation(
+        self, control: Control, converged: Converged, point: PathPoint, increments: Increments
+    ) -> PathPoint:
+        """The point with its rate on the way that led to it, while constant loads grow as well.
+
+        Raises `Unstable` where an equilibrium under a given load is not on the path that led to the last one.
+        """
         if not self.control.gives_load:
-            return
-        way = way_between(self._with_rate(self.points[-1]), point)
+            return point
+        last, arrival = self._with_rate(self.points[-1]), point
+        if self.predictor.nonsmooth_start and last.constant_fraction < 1.0:
+            last = self.arrival or replace(last, rate=self.predictor.rate_at_rest)
+            arrival = replace(point, rate=self.predictor.rate_with_constants(control, converged, point.terms))
+        way = way_between(last, arrival)
         if self.is_stable and converged.negative_pivots:
             is_small = increments.is_small
             if not (way.is_straight or (is_small and way.is_smooth) if way else is_small):
@@ -266,6 +277,7 @@ class PathFollower:
             raise Unstable(Reason("jump"))
         if increments.passes_limit and way and not way.is_smooth:
             raise Unstable(Reason("beyond_limit"))
+        return arrival
 
     def _settled(self, converged: Converged, point: PathPoint, increment: Increment) -> tuple[Converged, PathPoint]:
         """An equilibrium at a target with its point, or the one near it whose contact does not depend on the way.

@@ -120,6 +120,16 @@ class Predictor:
             return point.rate(converged.state, converged.assembly, converged.linearised, terms)
         return None
 
+    def rate_with_constants(self, point: Control, converged: Converged, terms: Terms) -> State | None:
+        """The same on the way to the first target, while constant loads and displacements grow as well."""
+        ahead = point.value - self.rest.value
+        if converged.linearised is None or not ahead:
+            return None
+        with suppress(SingularMatrix, StaleFactorization):
+            growth = point.constant_fraction / ahead
+            return point.rate_with_constants(converged.state, converged.assembly, converged.linearised, terms, growth)
+        return None
+
     def _is_smooth(self, before: PathPoint, last: PathPoint) -> bool:
         """Whether a polynomial through both points describes the path: there is no kink between them (the first contact
         of walls, the first target with constant loads), and the walls have not stiffened much since rest."""
