@@ -12,7 +12,6 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Any, final
 
-import ipctk
 import numpy as np
 
 from fem.discretisation import Discretisation, Faces
@@ -133,7 +132,7 @@ def _smallest_gap(pairs: FacingPairs, space: Discretisation) -> float:
 
 def triangles_cross(rest: Array, now: Array, triangles: Index) -> bool:
     """Whether any two triangles (m, 3) without a common vertex cross at the positions now (n, 3), by exact tests."""
-    faces = np.asfortranarray(triangles.astype(np.int32))
+    ipctk, faces = _ipctk(), np.asfortranarray(triangles.astype(np.int32))
     mesh = ipctk.CollisionMesh(np.asfortranarray(rest), ipctk.edges(faces), faces)
     return bool(ipctk.has_intersections(mesh, np.asfortranarray(now)))
 
@@ -143,6 +142,7 @@ def crossings(x: Array, triangles: Index) -> tuple[Index, Index]:
 
     Those with a common vertex are not told.
     """
+    ipctk = _ipctk()
     nodes, local = np.unique(triangles, return_inverse=True)
     faces = np.asfortranarray(local.reshape(triangles.shape).astype(np.int32))
     edges = ipctk.edges(faces)
@@ -154,6 +154,13 @@ def crossings(x: Array, triangles: Index) -> tuple[Index, Index]:
     is_apart = ~(edge[:, :, None] == face[:, None, :]).any(axis=(1, 2))
     crosses = is_apart & passes_through(x[edge], x[face])
     return edge[crosses], face[crosses]
+
+
+def _ipctk() -> Any:
+    """The library, which scenes without contact do not load."""
+    import ipctk
+
+    return ipctk
 
 
 @final
@@ -171,6 +178,7 @@ class BarrierTerm(InteriorTerm):
         self, surface: Faces, rest: Array, dhat: float, stiffness: float, images: FacingTerm | None = None
     ) -> None:
         self._images, self._rest = images, rest
+        self._ipctk = ipctk = _ipctk()
         ipctk.set_num_threads(1)  # sums in a fixed order: near a loss of stability rounding decides the state
         self.nodes, self._triangles = surface.unique_nodes, surface.triangles
         faces = np.asfortranarray(np.searchsorted(self.nodes, surface.triangles).astype(np.int32))
@@ -189,10 +197,10 @@ class BarrierTerm(InteriorTerm):
         return np.asfortranarray(x[self.nodes])
 
     def _collisions(self, x: Array, dhat: float) -> Any:
-        collisions = ipctk.NormalCollisions()
+        collisions = self._ipctk.NormalCollisions()
         collisions.use_area_weighting = True
         # the plain set counts the area of a wall several times; this one as `barrier.WEIGHT` says
-        collisions.collision_set_type = ipctk.NormalCollisions.IMPROVED_MAX_APPROX
+        collisions.collision_set_type = self._ipctk.NormalCollisions.IMPROVED_MAX_APPROX
         collisions.build(self._mesh, self._surface(x), dhat)
         return collisions
 
@@ -216,7 +224,7 @@ class BarrierTerm(InteriorTerm):
         return Blocks(rows, columns, np.concatenate([own.values, images.values]))
 
     def _own_blocks(self, x: Array, convex: bool) -> Blocks:
-        method = ipctk.PSDProjectionMethod.CLAMP if convex else ipctk.PSDProjectionMethod.NONE
+        method = self._ipctk.PSDProjectionMethod.CLAMP if convex else self._ipctk.PSDProjectionMethod.NONE
         collisions = self._collisions(x, self.dhat)
         if len(collisions) == 0:
             return NO_BLOCKS
@@ -232,13 +240,13 @@ class BarrierTerm(InteriorTerm):
 
     def step_limit(self, x: Array, dx: Array) -> float:
         start, end = self._surface(x), self._surface(x + dx)
-        return float(ipctk.compute_collision_free_stepsize(self._mesh, start, end))
+        return float(self._ipctk.compute_collision_free_stepsize(self._mesh, start, end))
 
     def near_pairs(self, x: Array) -> tuple[Index, Index]:
         return self._images.near_pairs(x) if self._images else super().near_pairs(x)
 
     def violation(self, x: Array) -> Reason | None:
-        if not ipctk.has_intersections(self._mesh, self._surface(x)):
+        if not self._ipctk.has_intersections(self._mesh, self._surface(x)):
             return self._images.violation(x) if self._images else None
         edges, triangles = crossings(x, self._triangles)  # with rounding, where the test above has none
         if not len(edges):

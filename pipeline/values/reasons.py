@@ -157,8 +157,8 @@ TEMPLATES: Mapping[str, str] = {
     "measure {parameter} first: {most_percent:.2g} % by ± {tolerance}",
     "calibrated": "calibrated to {numbers} numbers: the tip is within {percent:.2g} % of the length in nine of ten "
     "cases; tolerances alone move it by {before:.2g} %",
-    "not_calibrated": "do not use this rod, because it misses {percent:.0f} % of the measured motion, most in line "
-    "{line}: {quantity} is {measured:.4g}, and the rod has {fitted:.4g}",
+    "not_calibrated": "do not use this rod: it misses {percent:.0f} % of the measured motion, most in line "
+    "{line}: {quantity} is {measured:.4g}, the rod has {fitted:.4g}",
     "mesh_error_unknown": "the error of the mesh is not known; repeat the run with --set mesh.coarser=1.5 to estimate "
     "it",
     "offsets_bend": "under small loads the rod with five parameters is off, because its offsets m₀₁ and m₀₂ bend it "

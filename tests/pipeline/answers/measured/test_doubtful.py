@@ -116,7 +116,7 @@ def test_a_fit_that_misses_the_motion_is_no_calibration(tmp_path: Path) -> None:
     lines = text.splitlines()
     lines[4] = ";".join([*lines[4].split(";")[:2], "3", *lines[4].split(";")[3:]])
     file.write_text("\n".join(lines), encoding="utf-8")
-    with pytest.raises(RunFailed, match=r"line 5: tip_y_mm is 3, and the rod has -\d") as failed:
+    with pytest.raises(RunFailed, match=r"line 5: tip_y_mm is 3, the rod has -\d") as failed:
         pneurod.calibrate(folder, file, tmp_path / "c")
     report = failed.value.reached
     assert failed.value.directory == tmp_path / "c"
