@@ -127,12 +127,10 @@ def _out_of_plane(solved: Solved) -> Iterator[Reason]:
     An arm that is moved little may leave the plane by less than a rod is wrong, and yet more than it bends in it.
     """
     length = solved.config.design.length
-    far = [
-        record
-        for record in solved.outcomes.records
-        if record.state.curve_z_mm >= max(OUT_OF_PLANE * length, OF_DEFLECTION * _deflection(record))
-    ]
-    free = [record for record in solved.outcomes.records if record.experiment == "II"]
+    records = solved.outcomes.records
+    least = max(OUT_OF_PLANE * length, OF_DEFLECTION * max(map(_deflection, records)))
+    far = [record for record in records if record.state.curve_z_mm >= least]
+    free = [record for record in records if record.experiment == "II"]
     aside = [r for r in free if r.state.curve_z_mm >= max(ASIDE * _deflection(r), NOISE * length)]
     if far or aside:
         worst = max(aside or far, key=lambda record: record.state.curve_z_mm)
