@@ -387,6 +387,14 @@ class SymmetricDesign(Design):
         return self.of_pieces(self._checked_repetition(size, grading))
 
 
+def usual_cell(length: float) -> float:
+    """Length (mm) over which curvature is averaged on an arm of that length (mm) of which no cell is known.
+
+    Five parameters need 6.5 of them.
+    """
+    return min(10.0, length / 10)
+
+
 def expected_tets(size: float, extent: Sequence[float], volume: float) -> float:
     """Estimated number of elements of `size` mm in a body of that extent (x, y, z, mm) and meshed volume (mm3)."""
     return max(volume / (REGULAR_TET * size**3), TETS_PER_SQUARE * _half_surface(extent) / size**2)

@@ -3,7 +3,7 @@
 from abc import abstractmethod
 from collections.abc import Callable
 
-from geometry.families.design import SymmetricDesign
+from geometry.families.design import SymmetricDesign, usual_cell
 from geometry.meshing.mirror import slices
 from geometry.meshing.moving import Drawing
 from geometry.meshing.shapes import Box, Shape
@@ -45,7 +45,8 @@ class PartitionedDesign(SymmetricDesign):
         """Number of cells and their length, mm."""
         if self.chambers > 1:
             return self.chambers, self.chamber_length + self.partition
-        return nominal_cells(self.chamber_length, max(self.extent[1:]))
+        width = max(self.extent[1:])  # thinner cells than a quarter of it have flat elements
+        return slices(self.chamber_length, min(2 / 3 * width, max(width / 4, usual_cell(self.length))))
 
     @property
     def cell_count(self) -> int:
@@ -102,7 +103,7 @@ class UndividedDesign(SymmetricDesign):
     @property
     def _cells(self) -> tuple[int, float]:
         """Number of cells and their length, mm."""
-        return nominal_cells(self.length - 2 * self.end_wall, 2 * self.radius)
+        return slices(self.length - 2 * self.end_wall, 4 / 3 * self.radius)
 
     @property
     def cell_count(self) -> int:
@@ -115,11 +116,6 @@ class UndividedDesign(SymmetricDesign):
     @property
     def drawing(self) -> Drawing:
         return _undivided(self, self._cavities)
-
-
-def nominal_cells(length: float, width: float) -> tuple[int, float]:
-    """Number and length (mm) of equal parts of a cavity, about two thirds of the width of the arm (mm) long."""
-    return slices(length, 2 / 3 * width)
 
 
 def _undivided(design: PartitionedDesign | UndividedDesign, cavities: Callable[[float, float], list[Shape]]) -> Drawing:

@@ -90,14 +90,6 @@ def _between(directions: Directions) -> Array:
     return np.stack([along, up, np.cross(along, up)])
 
 
-def usual_cell(length: float) -> float:
-    """Length (mm) over which curvature is averaged on an arm of that length (mm) of which no cell is known.
-
-    The five parameters need `PITCHES` of them.
-    """
-    return min(10.0, length / 10)
-
-
 def check_dimensions(sides: Array) -> None:
     """Raise `DesignError` unless the sides (3,) of a body, mm, are those of an arm."""
     if not SMALLEST <= sides.max() <= LARGEST:

@@ -12,9 +12,9 @@ from typing import Annotated, ClassVar, TypeAlias
 
 from geometry.arrays import Array
 from geometry.errors import DesignError, MeshError, raise_together
-from geometry.families.design import Design
+from geometry.families.design import Design, usual_cell
 from geometry.files.chambers import Range, distances, middles_of
-from geometry.files.frame import PITCHES, SAME, Axes, CellPlanes, Directions, Point, rotation, usual_cell
+from geometry.files.frame import PITCHES, SAME, Axes, CellPlanes, Directions, Point, rotation
 from geometry.meshing.mirror import slices
 
 #: largest difference of the distances of chambers, over the largest, with which these are the cells of the arm
