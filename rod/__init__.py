@@ -5,19 +5,12 @@ modules of this room, without scipy.
 """
 
 from types import ModuleType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+from geometry.deferred import named_in
 
 if TYPE_CHECKING:
     from rod.public import *  # noqa: F403  type checkers find the names where they are defined
-else:
-
-    def __getattr__(name: str) -> Any:
-        """The name of `rod.public`; raises AttributeError where there is none."""
-        if name == "__all__" or not name.startswith("_"):
-            public = _public()
-            if name in (*public.__all__, "__all__"):
-                return getattr(public, name)
-        raise AttributeError(f"module 'rod' has no attribute {name!r}")
 
 
 def __dir__() -> list[str]:
@@ -29,3 +22,7 @@ def _public() -> ModuleType:
     import rod.public as public
 
     return public
+
+
+if not TYPE_CHECKING:
+    __getattr__ = named_in(_public, __name__)

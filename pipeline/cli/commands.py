@@ -10,7 +10,6 @@ import signal
 import sys
 from collections.abc import Callable, Mapping
 from functools import wraps
-from importlib.metadata import version
 from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Annotated, Any, get_args
@@ -28,6 +27,7 @@ from pipeline.cli.ending import print_lines, with_sentences
 from pipeline.doctor import Finding
 from pipeline.show.progress import progress_for
 from pipeline.store.progress import Progress, Silent
+from pipeline.store.provenance import installed
 from pipeline.values.errors import RunFailed, on_command_line
 
 if TYPE_CHECKING:
@@ -136,7 +136,7 @@ def doctor() -> tuple[Finding, ...]:
 
 def _print_version(requested: bool) -> None:
     if requested:
-        print_lines(f"pneurod {version('pneurod')}")
+        print_lines(f"pneurod {installed('pneurod')}")
         raise typer.Exit
 
 

@@ -3,8 +3,8 @@
 import os
 import platform
 import subprocess
-from importlib import metadata
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 from packaging.requirements import Requirement
@@ -12,7 +12,7 @@ from packaging.requirements import Requirement
 
 def pinned() -> dict[str, str]:
     """The direct dependencies of pneurod that this machine needs, each with the version it is pinned to."""
-    requirements = [Requirement(text) for text in metadata.requires("pneurod") or ()]
+    requirements = [Requirement(text) for text in _metadata().requires("pneurod") or ()]
     return {
         needed.name: str(needed.specifier).removeprefix("==")
         for needed in requirements
@@ -23,7 +23,7 @@ def pinned() -> dict[str, str]:
 def provenance() -> dict[str, Any]:
     """The part of run.json that does not depend on the design."""
     return {
-        "pneurod": metadata.version("pneurod"),
+        "pneurod": _metadata().version("pneurod"),
         "commit": _commit(),
         "python": platform.python_version(),
         "packages": {name: installed(name) for name in pinned()},
@@ -39,9 +39,16 @@ def provenance() -> dict[str, Any]:
 def installed(name: str) -> str | None:
     """The version of a distribution on this machine, or None."""
     try:
-        return metadata.version(name)
-    except metadata.PackageNotFoundError:
+        return _metadata().version(name)
+    except _metadata().PackageNotFoundError:
         return None
+
+
+def _metadata() -> ModuleType:
+    """Of installed packages; what asks for none does not wait for it."""
+    import importlib.metadata as metadata
+
+    return metadata
 
 
 def _commit() -> str | None:
