@@ -19,6 +19,7 @@ from fem.solution import Step
 from fem.supports import Fixed, Line, Prescribed, Support, nodes_at
 from geometry import Body, Centreline
 from geometry.arrays import Array
+from geometry.centreline import chord_angle
 
 #: names of the experiments
 NAMES = ("I", "II", "III", "dead")
@@ -105,6 +106,14 @@ class Experiment:
         curves = (x[nodes] for x in (step.positions, step.space.points))
         now, rest = (np.linalg.norm(np.diff(curve, axis=0), axis=1).sum() for curve in curves)
         return float(now / rest)
+
+    def end_rotation(self, step: Step) -> float:
+        """Mean rotation of the face at x = l about z against that at x = 0, rad; the curve's last part may bulge."""
+        rest, now = (x[:, 0] + 1j * x[:, 1] for x in (step.space.points, step.positions))
+        faces = (nodes_at(face, step.space) for face in ("tip", "clamp"))
+        tip, clamp = (np.vdot(rest[nodes] - rest[nodes].mean(), now[nodes]) for nodes in faces)
+        turned, angle = complex(tip * np.conj(clamp)), self.centreline(step).angle
+        return chord_angle(turned.real, turned.imag, float(angle[-1] - angle[0]))
 
     def distance_from_plane(self, step: Step) -> float:
         """Largest distance (mm) of the material curve from the plane z = 0, in which a planar rod lies."""

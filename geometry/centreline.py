@@ -77,11 +77,3 @@ def chord_angle(x: float, y: float, near: float) -> float:
     """Angle of a chord (x, y) from the x axis, rad; of those that differ by full turns the one nearest to near."""
     angle = math.atan2(y, x)
     return angle + 2.0 * math.pi * round((near - angle) / (2.0 * math.pi))
-
-
-def bending_deg(tip_mm: tuple[float, float]) -> float:
-    """Angle of the circular arc along x at the clamp whose end is at this position from it, degrees; 0 to 360.
-
-    The tangent at the end itself turns with the end wall of a cavity, by up to 10 degrees the other way.
-    """
-    return abs(math.degrees(2.0 * math.atan2(tip_mm[1], tip_mm[0])))

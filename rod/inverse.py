@@ -35,7 +35,7 @@ BISECTIONS = 6
 #: kPa, of difference quotients
 DIFFERENCE = 1e-3
 
-#: numbers (n,) or (n, k) of tips in mm and forces on the end in N (n, 2 d); d: 2, or 3 of an arm that bends in space
+#: numbers (n,) or (n, k) of the ends (n, 9) of an arm, as `SolvedPath.state` has them
 Quantity = Callable[[Array], Array]
 #: a pressure in kPa and the equilibrium there
 Solved: TypeAlias = tuple[float, SolvedPath]
@@ -45,8 +45,8 @@ class AtPressure(NamedTuple):
     """The end of the rod at a pressure, and how fast it changes with the pressure."""
 
     pressure: float  #: kPa
-    state: Array  #: (2 d,) tip in mm and force on the end in N
-    slope: Array  #: (2 d,) their changes per kPa
+    state: Array  #: (9,) as `SolvedPath.state`
+    slope: Array  #: (9,) its change per kPa
 
     def of(self, quantity: Quantity) -> tuple[Array, Array]:
         """A quantity, and its change per kPa."""
@@ -62,7 +62,7 @@ class Branch:
     at: Callable[[float], Rod]  #: the rod at a pressure in kPa
     paths: tuple[SolvedPath, ...]
     pressures: Array  #: (n,) kPa
-    states: Array  #: (n, 2 d): tips in mm and forces on the end in N
+    states: Array  #: (n, 9) of the paths
 
     @staticmethod
     def all_of(
@@ -135,7 +135,7 @@ class Branch:
         return AtPressure(float(self.pressures[k]), self.states[k], self._slopes[k])
 
     def _zeros(self, function: Callable[[Array, Array], Array]) -> Iterator[tuple[float, bool]]:
-        """Pressures where a function of the states (n, 2 d) and their slopes changes its sign, and whether it rises."""
+        """Pressures where a function of the states (n, 9) and their slopes changes its sign, and whether it rises."""
         p = self.pressures
         parts = np.append((p[:-1, None] + np.arange(PARTS) / PARTS * np.diff(p)[:, None]).ravel(), p[-1])
         between = cubic(p, self.states, self._slopes, parts), cubic_slope(p, self.states, self._slopes, parts)
@@ -152,7 +152,7 @@ class Branch:
         for _ in range(STEPS):
             (before, other), path = (there, path), path.at(self.at(pressure).arm)
             response = path.derivative((other.rod, path.rod), passes=1)
-            at = AtPressure(pressure, path.state, path.flat(response.end, response.force) / (pressure - before))
+            at = AtPressure(pressure, path.state, path.change_of_state(response) / (pressure - before))
             left, change = at.of(missed)
             there, square = pressure, float(np.sum(change * change))
             step = -float(np.sum(left * change)) / square if square else 0.0

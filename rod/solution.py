@@ -84,6 +84,11 @@ class RodSolution:
         return float(self.moment[0] + x * force[1] - y * force[0])
 
     @property
+    def bending_deg(self) -> float:
+        """Rotation of the end section from rest, degrees; positive to the side to which the arm bends without load."""
+        return float(self.path.bending_deg(self.path.state))
+
+    @property
     def end_angle(self) -> float:
         """Angle of the end of the material curve from the x axis, rad: that of its chord over the last 2 % of its rest
         length.
@@ -165,6 +170,11 @@ class SpatialSolution:
     def curve(self) -> Array:
         """(n, 3) mm: the material curve, which finite elements have as well."""
         return np.asarray(self.axis + (self.frames[:, :, : self.beside.shape[1]] @ self.beside[..., None])[..., 0])
+
+    @property
+    def bending_deg(self) -> float:
+        """Angle of the end section's normal from that at rest, degrees; 0 to 180."""
+        return float(self.path.bending_deg(self.path.state))
 
     @property
     def end(self) -> Triple:

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
-from math import degrees, hypot, inf, isinf
+from math import hypot, inf, isinf
 
 import numpy as np
 
@@ -163,7 +163,7 @@ def _volume_lost(solved: Solved) -> Iterator[Reason]:
 def _hardly_bent(solved: Solved) -> Iterator[Reason]:
     """The mesh, rounding and what the pressure does to the cross-section of the end matter more than usual."""
     free = (record for record in solved.outcomes.records if record.experiment == "II")
-    bent = {record.state.pressure_kPa: degrees(abs(record.centreline.end_angle)) for record in free}
+    bent = {record.state.pressure_kPa: abs(record.state.end_rotation_deg) for record in free}
     highest = max(bent, default=0.0)
     if bent and max(bent.values()) < HARDLY_BENT and solved.config.effects.pressure.acts:
         yield Reason("hardly_bent", {"pressure_kPa": highest, "bend_deg": bent[highest]})

@@ -1,7 +1,6 @@
 """The arm's own law as tables and as figures on an HTML page, and where it ends."""
 
 from collections.abc import Iterator
-from math import degrees
 
 import numpy as np
 
@@ -156,14 +155,13 @@ def rows_table(law: SpaceLaw) -> Table:
 
 
 def _row(rod: SpaceRod) -> tuple[str, ...]:
-    end = np.array(rod.solve_in_space(SpatialLoad()).end)
-    bent = degrees(2.0 * np.arctan2(np.linalg.norm(end[1:]), end[0]))
+    shape = rod.solve_in_space(SpatialLoad())
     least, most = rod.section.rigidities
     return (
         ", ".join(f"{pressure:g}" for pressure in rod.pressures),
         ", ".join(f"{1e3 * value:.3f}" for value in rod.kappa_0),
-        ", ".join(f"{value:.2f}" for value in end),
-        f"{bent:.1f}°",
+        ", ".join(f"{value:.2f}" for value in shape.end),
+        f"{shape.bending_deg:.1f}°",
         f"{least:.4g}, {most:.4g}",
         f"{1.0 / rod.section.compliance[0, 0]:.4g}",
         f"{rod.section.EA:.3g}",

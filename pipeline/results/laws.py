@@ -25,7 +25,7 @@ from rod.arm_law.pairs import PairLaw, fractions_of
 from rod.arm_law.quantities import key_in_files
 
 #: of the file; raised when a key changes its meaning
-FORMAT = 3
+FORMAT = 4
 
 Value = TypeVar("Value")
 

@@ -6,7 +6,6 @@ from typing import TypeVar
 
 import numpy as np
 
-from geometry.centreline import bending_deg
 from pipeline.results.rod_errors import law_mesh_errors
 from pipeline.values.formatting import percent
 from pipeline.values.law import DeliveredLaw, Unloaded
@@ -34,7 +33,7 @@ def unloaded_state(law: ArmLaw, pressure: float) -> Unloaded:
     at = law.at(pressure)
     shape = Rod(law.length, law=at).solve()
     rigidity = 1.0 / float(np.interp(0.0, at.section.moment, at.section.kappa_slope))
-    return Unloaded(pressure, at.section.kappa_0, rigidity, bending_deg(shape.end), shape.end)
+    return Unloaded(pressure, at.section.kappa_0, rigidity, abs(shape.bending_deg), shape.end)
 
 
 def named_states(states: Sequence[State]) -> tuple[State, ...]:

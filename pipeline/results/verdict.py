@@ -60,7 +60,7 @@ class Bending:
     """Where the end of the arm without a load is; positions are relative to the clamped end."""
 
     pressure_kPa: float
-    angle_deg: float  #: of the circular arc through both ends
+    angle_deg: float  #: rotation of the end section
     tip_x_mm: float
     tip_y_mm: float
 
@@ -182,7 +182,7 @@ def _bending(run: Run, rod: str) -> tuple[Bending, ...]:
     if rod == ARM_LAW and run.law and run.law.unloaded:
         return tuple(Bending(state.pressure_kPa, state.bending_deg, *state.tip_mm) for state in run.law.unloaded)
     bent = (curve for curve in run.curves_of("II") if not curve.load)
-    return tuple(Bending(curve.pressure_kPa, curve.bending_deg, *curve.tip_mm) for curve in bent)
+    return tuple(Bending(curve.pressure_kPa, run.bending_deg(curve.pressure_kPa), *curve.tip_mm) for curve in bent)
 
 
 def _refusal(run: Run, errors: tuple[RodErrors, ...], mesh: MeshErrors) -> Reported | None:

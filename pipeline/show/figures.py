@@ -1,13 +1,14 @@
 """The figures of the report, made from the results of a run. Figs 8, 10 and 16 of the paper have the same form."""
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
+from geometry import Centreline
 from geometry.arrays import Array
-from geometry.centreline import bending_deg
 from pipeline.results.rod_errors import rod_errors, rod_to_take
 from pipeline.values.formats import ARM_LAW, CURVE_PREFIXES, EXTENSIBLE, FIVE
 from pipeline.values.plots import COLOURS, INK, Line, Panel, figure, ordered_colour
@@ -40,10 +41,13 @@ class _Drawn:
         name = quantity if quantity == "s_mm" else f"{CURVE_PREFIXES[self.rod]}_{quantity}"
         return curve[name] if curve.has(name) else None
 
-    def tip_mm(self, curve: Curve) -> tuple[float, float] | None:
-        """Position of the end of the rod from its clamped end, mm; None where the rod is not there."""
-        x, y = self.column(curve, "x_mm"), self.column(curve, "y_mm")
-        return None if x is None or y is None else (float(x[-1] - x[0]), float(y[-1] - y[0]))
+    def end(self, curve: Curve) -> tuple[float, tuple[float, float]] | None:
+        """Rotation of the end of the rod in degrees, and where it is from its clamped end in mm; None without it."""
+        s, x, y, kappa = (self.column(curve, name) for name in ("s_mm", "x_mm", "y_mm", "kappa_per_mm"))
+        if s is None or x is None or y is None or kappa is None:
+            return None
+        turn = Centreline(s, x, y).angle[-1] + 0.5 * (s[-1] - s[-2]) * kappa[-1]
+        return abs(math.degrees(turn)), (float(x[-1] - x[0]), float(y[-1] - y[0]))
 
 
 _DRAWN = {
@@ -68,16 +72,15 @@ def bending(run: Run) -> Panels:
         return ()
     start = [0.0] if run.parameters.straight_without_pressure else []
     pressures = np.array([*start, *(curve.pressure_kPa for curve in curves)])
-    bent = np.array([*start, *(curve.bending_deg for curve in curves)])
+    bent = np.array([*start, *(run.bending_deg(curve.pressure_kPa) for curve in curves)])
     tips = np.array([*[(run.length_mm, 0.0)] * len(start), *(curve.tip_mm for curve in curves)])
     texts = [f"{FINITE_ELEMENTS}, {p:g} kPa" for p in pressures]
     angle = [Line(pressures, bent, FINITE_ELEMENTS, COLOURS[0], marker="circle")] if curves else []
     path = [Line(tips[:, 0], tips[:, 1], FINITE_ELEMENTS, COLOURS[0], marker="circle", texts=texts)] if curves else []
     if rod and at:
         drawn, error = _DRAWN[rod[0]], run.length_mm * rod[1].shape
-        reached, rod_tips = np.array([p for p, _ in at]), np.array([tip for _, tip in at])
-        angles = [bending_deg(tip) for _, tip in at]
-        turned = np.array([bending_error_deg(error, tip) for _, tip in at])
+        reached, angles, rod_tips = (np.array(column) for column in zip(*at, strict=True))
+        turned = np.array([bending_error_deg(error, tip) for tip in rod_tips])
         entry = drawn.entry + (" on a finer mesh" if rod[0] == ARM_LAW and run.config.get("accuracy") else "")
         turns = Line(reached, angles, entry, INK, "", drawn.marker, marker_size=12, spread=turned)
         angle.append(turns)
@@ -88,11 +91,11 @@ def bending(run: Run) -> Panels:
     )
 
 
-def _rod_tips(run: Run, rod: str, curves: Sequence[Curve]) -> list[tuple[float, tuple[float, float]]]:
-    """Pressures in kPa with the position of the end of a rod in mm: by the law that is delivered, or beside curves."""
+def _rod_tips(run: Run, rod: str, curves: Sequence[Curve]) -> list[tuple[float, float, tuple[float, float]]]:
+    """Pressures (kPa) with how far a rod bends (degrees) and its end (mm): by the law delivered, or beside curves."""
     if rod == ARM_LAW and run.law and run.law.unloaded:
-        return [(state.pressure_kPa, state.tip_mm) for state in run.law.unloaded]
-    return [(curve.pressure_kPa, tip) for curve in curves if (tip := _DRAWN[rod].tip_mm(curve))]
+        return [(state.pressure_kPa, state.bending_deg, state.tip_mm) for state in run.law.unloaded]
+    return [(curve.pressure_kPa, *end) for curve in curves if (end := _DRAWN[rod].end(curve))]
 
 
 def of_experiment(run: Run, experiment: str) -> Panels:

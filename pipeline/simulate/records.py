@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from math import isinf, nan
+from math import degrees, isinf, nan
 
 import numpy as np
 
@@ -67,6 +67,7 @@ def _state(scene: Scene, experiment: fem.Experiment, pressure_kPa: float, step: 
         clamp_moment_N_mm=experiment.clamp_moment(step),
         cavity_volume_mm3=experiment.symmetry_factor * air,
         stretch_of_curve=experiment.stretch_of_curve(step),
+        end_rotation_deg=degrees(experiment.end_rotation(step)),
         curve_z_mm=experiment.distance_from_plane(step),
         min_J=extremes.min_J,
         max_stretch=extremes.max_stretch,

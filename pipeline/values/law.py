@@ -38,7 +38,7 @@ class Unloaded:
     pressure_kPa: float
     kappa_0_per_mm: float  #: curvature of the cell
     rigidity_N_mm2: float  #: dM/dkappa of the cell there
-    bending_deg: float  #: angle of the circular arc through both ends
+    bending_deg: float  #: rotation of the end section
     tip_mm: tuple[float, float]  #: relative to the clamped end
 
 

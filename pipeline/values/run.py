@@ -5,7 +5,7 @@ A new column of a table is a new field here; `pipeline.results.files` reads and 
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -13,7 +13,6 @@ from typing import Any
 import numpy as np
 
 from geometry.arrays import Array
-from geometry.centreline import bending_deg
 from pipeline.values.errors import RunFailed
 from pipeline.values.formats import CONVERGED, FIVE
 from pipeline.values.law import DeliveredLaw
@@ -46,6 +45,8 @@ class State:
     cavity_volume_mm3: Number = math.nan
     #: current length of the material curve over its length at rest
     stretch_of_curve: Number = field(default=math.nan, metadata={"title": "stretch of the curve"})
+    #: of the end section about z against the clamped one, negative where the arm bends downwards
+    end_rotation_deg: Number = math.nan
     curve_z_mm: Number = math.nan  #: largest distance of the material curve from the plane z = 0
     min_J: Number = field(default=math.nan, metadata={"title": "smallest volume ratio J"})
     max_stretch: Number = field(default=math.nan, metadata={"title": "largest stretch"})
@@ -138,14 +139,9 @@ class Curve:
         x, y = self["x_mm"], self["y_mm"]
         return float(x[-1] - x[0]), float(y[-1] - y[0])
 
-    @property
-    def bending_deg(self) -> float:
-        """Bending angle of a clamped arm, degrees."""
-        return bending_deg(self.tip_mm)
 
-
-def bending_error_deg(moved_mm: float, tip_mm: Pair) -> float:
-    """Largest change of the bending angle where the end moves by a distance from its position, degrees."""
+def bending_error_deg(moved_mm: float, tip_mm: Sequence[float]) -> float:
+    """Largest change of the bending of a circular arc whose end moves by a distance from its position, degrees."""
     return math.degrees(2.0 * moved_mm / math.hypot(*tip_mm))
 
 
@@ -254,6 +250,11 @@ class Run:
     def curves_of(self, experiment: str) -> list[Curve]:
         """The curves of one experiment by ascending pressure."""
         return sorted((c for c in self.curves if c.experiment == experiment), key=lambda c: c.pressure_kPa)
+
+    def bending_deg(self, pressure_kPa: float) -> float:
+        """How far the clamped arm without a load bends (II), degrees; NaN where that was not reached."""
+        bent = [s for s in self.states if s.experiment == "II" and is_same(s.pressure_kPa, pressure_kPa)]
+        return abs(bent[0].end_rotation_deg) if bent else math.nan
 
     def picture(self, name: str) -> Path | None:
         """The picture of this name without suffix (body, body_open, II_17kPa); None where there is none."""

@@ -81,13 +81,29 @@ class SolvedPath(NamedTuple):
 
     @property
     def state(self) -> Array:
-        """(2 d,): the end of the material curve in mm and the force on it in N; d: 2, or 3 in space."""
-        low, high = (self._solver(nodes, self.rod, self.load).end(nodes.state) for nodes in self.chains)
-        return self.flat(*np.split(high + (high - low) / 3.0, 2))
+        """(9,): the end of the material curve in mm, the force on it in N, and how its section is turned: about x, y
+        and z in rad for an arm in its plane, in space its normal."""
+        ends = (self._solver(nodes, self.rod, self.load).end(nodes.state) for nodes in self.chains)
+        turns = (n.frames[-1, :, 0] if self.in_space else (0.0, 0.0, n.angle[-1]) for n in self.chains)
+        low, high = (np.append(end, turn) for end, turn in zip(ends, turns, strict=True))
+        return np.asarray(high + (high - low) / 3.0)
 
-    def flat(self, end: Array, force: Array) -> Array:
-        """(2 d,) of two vectors (3,)."""
-        return np.concatenate([end, force] if self.in_space else [end[:2], force[:2]])
+    def change_of_state(self, response: Response) -> Array:
+        """(9,): how `state` changes with the parameter of a response."""
+        turn = response.turn[-1]
+        turn = np.cross(turn, self.chains[1].frames[-1, :, 0]) if self.in_space else turn
+        return np.concatenate([response.end, response.force, turn])
+
+    def bending_deg(self, states: Array) -> Array:
+        """(...,) degrees, how far the end section is turned from rest in states (..., 9) of this arm.
+
+        In its plane it is positive to the side to which this arm bends without load, and counts full turns.
+        """
+        if self.in_space:
+            return np.degrees(np.arctan2(np.hypot(states[..., 7], states[..., 8]), states[..., 6]))
+        arm, s = self.rod.posed(self.load)[0], self.chains[0].s
+        bends_up = np.diff(s) @ arm.section.rest(s)[:, 2] > 0.0
+        return np.degrees(states[..., 8]) * (1.0 if bends_up else -1.0)
 
     def _change(self, less: Case, more: Case, passes: int) -> Response:
         """At the limit of the elements: the errors are those of h^2."""

@@ -12,7 +12,6 @@ from typing import TypeVar
 import numpy as np
 
 from geometry.arrays import Array
-from geometry.centreline import bending_deg
 from rod.arm_law.curves import ACROSS
 from rod.arm_law.law_rod import LawRod
 from rod.errors import RodError
@@ -82,7 +81,7 @@ QUANTITIES = {
         Quantity("end_angle", "rad", lambda rod, *_: float(rod.solve().theta[-1]), in_law=True),
         Quantity(ACROSS[0], "N mm2", lambda rod, *_: _without_moment(rod, ACROSS[0]), title="B₂", in_law=True),
         Quantity(ACROSS[1], "N mm2", lambda rod, *_: _without_moment(rod, ACROSS[1]), title="GJ", in_law=True),
-        Quantity("angle", "deg", lambda rod, *_: bending_deg(rod.solve().end), wished="line"),
+        Quantity("angle", "deg", lambda rod, *_: rod.solve().bending_deg, wished="line"),
         Quantity("stiffness", "N/mm", _stiffness, wished="power"),
     )
 }

@@ -11,7 +11,6 @@ from typing import Any
 import numpy as np
 
 from geometry.arrays import Array
-from geometry.centreline import bending_deg
 from pipeline.answers.rods.choice import RodOfRun
 from pipeline.config.units import ANGLE, FORCE, LENGTH, MOMENT, STIFFNESS
 from pipeline.results.options import option_pressures, option_value, option_vector
@@ -221,8 +220,7 @@ def _lines_in_plane(rod: Rod, shape: RodSolution) -> dict[str, str]:
     x, y = shape.end
     lines = {
         "end": f"x = {_rounded(x):.3f} mm, y = {_rounded(y):.3f} mm from the clamped end of the curve",
-        "bends by": f"{bending_deg((x, y)):.2f}°",
-        "end angle": f"{shape.end_angle:.4f} rad",
+        "bends by": f"{_rounded(shape.bending_deg):.2f}°",
         "end force": _listed(shape.force, "N"),
         "moment at the clamp": f"{shape.clamp_moment:.5g} N mm",
     }
@@ -240,6 +238,7 @@ def _lines_in_space(shape: SpatialSolution) -> dict[str, str]:
     x, y, z = (_rounded(value) for value in shape.end)
     return {
         "end": f"x = {x:.3f} mm, y = {y:.3f} mm, z = {z:.3f} mm from the clamped end of the curve",
+        "bends by": f"{shape.bending_deg:.2f}°",
         "points along": _listed(shape.frames[-1, :, 0]),
         "end force": _listed(shape.force, "N"),
         "moment at the clamp": _listed(shape.moment[0], "N mm"),

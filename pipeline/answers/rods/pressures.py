@@ -29,7 +29,7 @@ class Wish:
     """What is wanted of the end of an arm: its place, how far it bends, or its force where it is held."""
 
     tip_mm: Vector | None = None  #: from the clamped end of the material curve; in space with z
-    angle_deg: float | None = None  #: of the circular arc through both ends of the material curve, as the verdict says
+    angle_deg: float | None = None  #: rotation of the end section, as the verdict says
     force_N: float | None = None  #: y component of the force on the end, which is held at a height
     height_mm: float | None = None  #: of the end that is held
     weight: Weight = NO_WEIGHT
@@ -89,7 +89,7 @@ def pressures_for(rods: RodOfRun, wish: Wish) -> tuple[PressureFor, ...]:
     branches = branches_of(rods, wish)
     if wish.tip_mm is not None:
         return _for_tip(rods, wish, branches, wish.tip_mm)
-    quantity, target = (_angle, wish.angle_deg) if wish.angle_deg is not None else (_force, wish.force_N)
+    quantity, target = (_angle(rods, wish), wish.angle_deg) if wish.angle_deg is not None else (_force, wish.force_N)
     assert target is not None
     found = [at for branch in branches for at in branch.where(quantity, target)]
     if not found:
@@ -145,9 +145,10 @@ def _range(rods: RodOfRun, branches: tuple[Branch, ...]) -> str:
 
 
 def _met(rods: RodOfRun, wish: Wish, at: AtPressure) -> PressureFor:
-    tip, force = (tuple(float(value) for value in half) for half in np.split(at.state, 2))
+    axes = 3 if rods.is_in_space else 2
+    tip, force = (tuple(at.state[first : first + axes].tolist()) for first in (0, 3))
     away = None if wish.tip_mm is None else math.dist(tip, wish.tip_mm)
-    angle = float(_angle(at.state[None])[0])
+    angle = float(_angle(rods, wish)(at.state[None])[0])
     held = force if wish.force_N is not None else (0.0,) * len(force)
     fractions = rods.source.fractions if isinstance(rods.source, Ray) else (1.0,)
     pressures = tuple(part * at.pressure for part in fractions)
@@ -165,19 +166,18 @@ def _error(rods: RodOfRun, wish: Wish, at: AtPressure) -> float | None:
             return None
         return _over(errors.force * errors.largest_N, float(at.of(_force)[1]))
     if wish.angle_deg is not None:
-        return _over(bending_error_deg(moves, (float(at.state[0]), float(at.state[1]))), float(at.of(_angle)[1]))
-    return _over(moves, math.hypot(*at.slope[:2]))
+        return _over(bending_error_deg(moves, at.state[:3].tolist()), float(at.of(_angle(rods, wish))[1]))
+    return _over(moves, math.hypot(*at.slope[:3]))
 
 
 def _over(error: float, slope: float) -> float | None:
     return abs(error / slope) if slope else None
 
 
-def _angle(states: Array) -> Array:
-    """Degrees, as `pipeline.values.run.bending_deg`; of tips in space in the plane through x."""
-    aside = states[:, 1] if states.shape[1] == 4 else np.hypot(states[:, 1], states[:, 2])
-    return np.abs(np.degrees(2.0 * np.arctan2(aside, states[:, 0])))
+def _angle(rods: RodOfRun, wish: Wish) -> Quantity:
+    """Degrees; in the plane positive to the side to which the arm bends without load at the highest pressure."""
+    return branches_of(rods, wish)[-1].paths[-1].bending_deg
 
 
 def _force(states: Array) -> Array:
-    return np.asarray(states[:, states.shape[1] // 2 + 1])
+    return np.asarray(states[:, 4])

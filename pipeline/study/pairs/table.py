@@ -43,7 +43,7 @@ def _numbers(results: Run, larger: float) -> tuple[str, ...]:
     shape = max((e.distance_over_length for e in rows if e.distance_over_length is not None), default=None)
     force = max((abs(e.force_error) for e in rows if e.force_error is not None), default=None)
     return (
-        "not reached" if curve is None else f"{curve.bending_deg:.2f}",
+        "not reached" if curve is None else f"{results.bending_deg(larger):.2f}",
         "" if curve is None else f"{curve.tip_mm[0]:.2f}, {curve.tip_mm[1]:.2f}",
         f"{held[0].reaction_N[1]:.4g}" if held else "not reached",
         percent(shape),

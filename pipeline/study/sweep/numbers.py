@@ -1,10 +1,10 @@
 """The numbers of a point for the table of a sweep: one row per pressure, names with units."""
 
+import math
 from collections.abc import Iterable
 
 import numpy as np
 
-from geometry.centreline import bending_deg
 from pipeline.config.config import Config
 from pipeline.identify.compare import Comparison
 from pipeline.identify.mesh_error import RELATIVE
@@ -65,14 +65,15 @@ def _arm(config: Config) -> Row:
 
 def _states(outcomes: Outcomes, pressure: float, pitch: float) -> Row:
     reached = {outcome.name: record for outcome in outcomes if (record := outcome.at(pressure))}
-    states = {name: _state(record, pitch) for name, record in reached.items()}
+    free = next((reached[name].state.end_rotation_deg for name in ("II", "I") if name in reached), -1.0)
+    states = {name: _state(record, pitch, math.copysign(1.0, free)) for name, record in reached.items()}
     return {f"{name}_{column}": value for name, state in states.items() for column, value in state.items()}
 
 
-def _state(record: Record, pitch: float) -> Row:
+def _state(record: Record, pitch: float, side: float) -> Row:
     curve = record.centreline
     row: Row = {
-        "bending_deg": bending_deg((float(curve.x[-1] - curve.x[0]), float(curve.y[-1] - curve.y[0]))),
+        "bending_deg": side * record.state.end_rotation_deg,
         "end_x_mm": record.state.end_x_mm,
         "end_y_mm": record.state.end_y_mm,
         "end_angle_rad": curve.end_angle,
