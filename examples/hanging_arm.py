@@ -7,7 +7,6 @@
 from pathlib import Path
 
 import matplotlib.pyplot as plt
-import numpy as np
 
 import pneurod
 
@@ -36,12 +35,12 @@ results = pneurod.characterize(
 # %%
 rod = results.rod("20 kPa")
 print(f"the arm weighs {results.mass_g:.1f} g")
-print("payload (g)   end is below the clamp (mm)   beside it (mm)   turned by (degrees)")
+print("payload (g)   end is below the clamp (mm)   beside it (mm)    bends by (degrees)")
 shapes = {}
 for mass in (0, 2, 5, 10, 20):
     shapes[mass] = shape = rod.solve(direction="hanging", tip_mass=f"{mass} g")
     down, aside = shape.end
-    print(f"{mass:11d} {down:29.1f} {aside:16.1f} {np.degrees(shape.end_angle):21.0f}")
+    print(f"{mass:11d} {down:29.1f} {aside:16.1f} {shape.bending_deg:21.0f}")
 
 # %% [markdown]
 # ## The picture

@@ -35,12 +35,12 @@ rod = pneurod.Rod(length=112.0, kappa_0=-0.012, law=law)  # kappa_0 in 1/mm; a f
 
 # %%
 figure, axes = plt.subplots(layout="constrained")
-print("F_y (N)   tip x (mm)   tip y (mm)   tip angle (rad)   moment at the clamp (N mm)")
+print("F_y (N)   tip x (mm)   tip y (mm)   bends by (degrees)   moment at the clamp (N mm)")
 for force in np.linspace(0.0, 0.1, 6):
     shape = rod.solve(force=(0.0, force))
     x, y = shape.end
     axes.plot(*shape.curve.T, label=f"{force:.2f} N")
-    print(f"{force:7.3f} {x:12.2f} {y:12.2f} {shape.end_angle:17.4f} {shape.moment[0]:28.3f}")
+    print(f"{force:7.3f} {x:12.2f} {y:12.2f} {shape.bending_deg:20.2f} {shape.moment[0]:28.3f}")
 
 # %% [markdown]
 # ## 3. The other way round

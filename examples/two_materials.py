@@ -7,7 +7,6 @@
 from pathlib import Path
 
 import matplotlib.pyplot as plt
-import numpy as np
 
 import pneurod
 
@@ -38,13 +37,13 @@ runs = {
 
 # %%
 figure, axes = plt.subplots(layout="constrained")
-print("arm            pressure (kPa)   tip x (mm)   tip y (mm)   turned by (degrees)   force (N)")
+print("arm            pressure (kPa)   tip x (mm)   tip y (mm)    bends by (degrees)   force (N)")
 for label, results in runs.items():
     for pressure in (10.0, 20.0):
         rod = results.rod(pressure)
         shape, force = rod.solve(), rod.solve(end_y=0.0).force[1]
         x, y = shape.end
-        print(f"{label:14s} {pressure:14.0f} {x:12.1f} {y:12.1f} {np.degrees(shape.end_angle):21.1f} {force:11.4f}")
+        print(f"{label:14s} {pressure:14.0f} {x:12.1f} {y:12.1f} {shape.bending_deg:21.1f} {force:11.4f}")
         axes.plot(*shape.curve.T, label=f"{label}, {pressure:g} kPa")
 axes.set(xlabel="x (mm)", ylabel="y (mm)", aspect="equal")
 axes.legend()

@@ -55,6 +55,6 @@ def test_results_are_short_where_they_are_shown(results: pneurod.Results) -> Non
         rod = results.rod(20)
     assert len(repr(rod)) < 400
     shown = results._repr_html_()
-    assert "bends by 72°, 138°" in shown
+    assert "bends by 74°, 140°" in shown
     assert "alpha2_N_mm2" in shown
     assert "--accuracy 1%" in shown

@@ -57,6 +57,26 @@ def test_the_end_angle_counts_full_turns() -> None:
     assert Centreline(nodes, *shape.positions(nodes).T).end_angle == pytest.approx(shape.end_angle, abs=1e-4)
 
 
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_an_arm_bends_by_the_rotation_of_its_end_section(side: float) -> None:
+    """Positive to the side to which it bends without load, with full turns; where it is held the tip may be at rest."""
+    rod = replace(FIVE, kappa_0=side * 0.01, law=FiveParameters(400.0, 400.0, 0.0, 0.0, 20.0))
+    assert rod.solve().bending_deg == pytest.approx(np.degrees(0.01 * LENGTH), abs=1e-6)
+    assert replace(rod, kappa_0=side * 0.1).solve().bending_deg == pytest.approx(np.degrees(0.1 * LENGTH), abs=1e-5)
+    against = rod.solve(moment=-side * 6.0)
+    assert against.bending_deg == pytest.approx(np.degrees((0.01 - 6.0 / 400.0) * LENGTH), abs=1e-6)
+    held = rod.solve(end_y=1.0)  # the chord does not turn
+    assert held.end[1] == pytest.approx(1.0, abs=1e-6)
+    assert held.bending_deg == pytest.approx(side * np.degrees(held.theta[-1]), abs=1e-6)
+    assert held.bending_deg > 0.2 * np.degrees(0.01 * LENGTH)
+
+
+def test_the_end_of_the_material_curve_may_turn_otherwise_than_the_section() -> None:
+    shape = beside_the_axis()
+    assert shape.bending_deg == pytest.approx(abs(np.degrees(shape.theta[-1])), abs=1e-6)
+    assert abs(shape.bending_deg - abs(np.degrees(shape.end_angle))) > 10.0
+
+
 def test_solutions_can_be_pickled_and_copied() -> None:
     for shape in (FIVE.solve(force=(0.0, 0.02)), beside_the_axis()):
         for again in (pickle.loads(pickle.dumps(shape)), copy.deepcopy(shape)):

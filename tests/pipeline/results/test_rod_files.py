@@ -335,12 +335,13 @@ def test_without_a_mass_there_are_tables_and_no_dynamics(results: Path, tmp_path
     assert call("rod", str(file), "--pressure", "17 kPa")[0] == 0
 
 
-def test_the_end_angle_printed_is_that_of_the_material_curve(results: Path) -> None:
+def test_the_angle_printed_is_the_rotation_of_the_end_section(results: Path) -> None:
     file = results / "parameters.json"
     shape = read_run(file).parameters.rods().at(37.0).solve(force=(0.0, 0.02))
     code, out, _ = call("rod", str(file), "--pressure", "37 kPa", "--force", "[0 N, 0.02 N]")
     assert code == 0
-    assert f"{shape.end_angle:.4f} rad" in out
+    assert f"bends by             {shape.bending_deg:.2f}°" in out
+    assert " rad" not in out
     assert f"{shape.end[1]:.3f} mm from the clamped end of the curve" in out
 
 

@@ -103,7 +103,7 @@ def test_the_record_is_the_law() -> None:
     assert again.cavities == law.cavities
     assert np.array_equal(again.at((20.0, 8.0)).solve().curve, law.at((20.0, 8.0)).solve().curve)
     with pytest.raises(ValueError, match="error_between"):
-        law_of_record({"format": 3, "kind": "pairs", "rays": []})
+        law_of_record({"format": 4, "kind": "pairs", "rays": []})
 
 
 def test_along_a_ratio_it_is_a_law_of_one_pressure() -> None:

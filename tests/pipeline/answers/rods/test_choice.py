@@ -31,7 +31,7 @@ def test_python_and_the_command_line_give_the_same_rod(kind: str | None, taken: 
     ended = CliRunner().invoke(app, ["rod", str(COARSE), "--pressure", "17 kPa", "--end-y", "-20 mm", *options])
     assert ended.exit_code == 0, ended.stderr
     shape = rod.solve(end_y=-20.0)
-    assert f"end angle            {shape.end_angle:.4f} rad" in ended.stdout
+    assert f"bends by             {shape.bending_deg:.2f}°" in ended.stdout
     assert shape.notes == rod.notes
     assert all(note in ended.stdout for note in shape.notes)
     assert "errors               error of the shape" in ended.stdout

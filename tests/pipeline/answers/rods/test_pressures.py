@@ -13,7 +13,6 @@ from scipy.special import ellipe, ellipk
 from typer.testing import CliRunner
 
 import pneurod
-from geometry.centreline import bending_deg
 from pipeline.answers.rods.choice import RodOfRun, choose_rod
 from pipeline.answers.rods.end_loads import Weight
 from pipeline.answers.rods.pressures import Wish, pressures_for
@@ -43,7 +42,8 @@ def test_the_pressure_comes_back_from_what_the_rod_does(rods: RodOfRun, pressure
     free, held, loaded = rod.solve(), rod.solve(end_y=-5.0), rod.solve(direction="hanging", tip_mass=1.0)
     wishes = {
         "tip": Wish(tip_mm=free.end),
-        "angle": Wish(angle_deg=bending_deg(free.end)),
+        "angle": Wish(angle_deg=free.bending_deg),
+        "bent": Wish(angle_deg=loaded.bending_deg, weight=HANGING),
         "force": Wish(force_N=float(held.force[1]), height_mm=-5.0),
         "loaded": Wish(tip_mm=loaded.end, weight=HANGING),
     }
@@ -51,10 +51,22 @@ def test_the_pressure_comes_back_from_what_the_rod_does(rods: RodOfRun, pressure
         found = pressures_for(rods, wish)
         nearest = min(found, key=lambda at: abs(at.pressure_kPa - pressure))
         assert nearest.pressure_kPa == pytest.approx(pressure, abs=0.005), name
-        shape = held if name == "force" else loaded if name == "loaded" else free
+        shape = held if name == "force" else loaded if name in ("loaded", "bent") else free
         assert nearest.tip_mm == pytest.approx(shape.end, abs=0.02)
         assert nearest.error_kPa is not None
         assert 0.0 < nearest.error_kPa < 2.0
+
+
+def test_the_angle_of_a_held_end_is_that_of_its_section(rods: RodOfRun) -> None:
+    """Its chord does not turn, its section turns by tens of degrees; the slope is that of neighbouring pressures."""
+    [branch] = Branch.all_of(rods.at, lambda rod: rod.solve(end_y=0.0), rods.over_one_pressure)
+    bends = branch.paths[-1].bending_deg
+    [at] = branch.where(bends, 33.4)
+    held = rods.at(at.pressure).solve(end_y=0.0)
+    assert held.end[1] == pytest.approx(0.0, abs=1e-6)
+    assert held.bending_deg == pytest.approx(33.4, abs=1e-3)
+    less, more = (rods.at(at.pressure + step).solve(end_y=0.0).bending_deg for step in (-0.05, 0.05))
+    assert at.of(bends)[1] == pytest.approx((more - less) / 0.1, rel=5e-3)  # the first pass is right to half a percent
 
 
 def test_the_commands_agree_both_ways(tmp_path: Path) -> None:
