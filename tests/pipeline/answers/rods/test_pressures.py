@@ -77,7 +77,8 @@ def test_the_commands_agree_both_ways(tmp_path: Path) -> None:
     printed = CliRunner().invoke(app, command).stdout
     end = [float(value) for value in re.findall(r"[xy] = (-?[\d.]+) mm", printed)]
     assert end == pytest.approx(at["tip_mm"], abs=0.01)
-    assert f"{at['angle_deg']:.1f}" in printed
+    bends_by = float(re.findall(r"bends by +(-?[\d.]+)°", printed)[0])
+    assert bends_by == pytest.approx(at["angle_deg"], abs=0.01)
     code, out, _ = solve("--angle", "1.5708 rad", "--picture", str(tmp_path / "reach.html"))
     assert (code, "bends by 90.00°" in out) == (0, True)
     assert "Do not use a rod of this run" in out
