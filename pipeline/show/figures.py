@@ -1,13 +1,11 @@
 """The figures of the report, made from the results of a run. Figs 8, 10 and 16 of the paper have the same form."""
 
-import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
-from geometry import Centreline
 from geometry.arrays import Array
 from pipeline.results.rod_errors import rod_errors, rod_to_take
 from pipeline.values.formats import ARM_LAW, CURVE_PREFIXES, EXTENSIBLE, FIVE
@@ -41,13 +39,10 @@ class _Drawn:
         name = quantity if quantity == "s_mm" else f"{CURVE_PREFIXES[self.rod]}_{quantity}"
         return curve[name] if curve.has(name) else None
 
-    def end(self, curve: Curve) -> tuple[float, tuple[float, float]] | None:
-        """Rotation of the end of the rod in degrees, and where it is from its clamped end in mm; None without it."""
-        s, x, y, kappa = (self.column(curve, name) for name in ("s_mm", "x_mm", "y_mm", "kappa_per_mm"))
-        if s is None or x is None or y is None or kappa is None:
-            return None
-        turn = Centreline(s, x, y).angle[-1] + 0.5 * (s[-1] - s[-2]) * kappa[-1]
-        return abs(math.degrees(turn)), (float(x[-1] - x[0]), float(y[-1] - y[0]))
+    def tip_mm(self, curve: Curve) -> tuple[float, float] | None:
+        """Position of the end of the rod from its clamped end, mm; None where the rod is not there."""
+        x, y = self.column(curve, "x_mm"), self.column(curve, "y_mm")
+        return None if x is None or y is None else (float(x[-1] - x[0]), float(y[-1] - y[0]))
 
 
 _DRAWN = {
@@ -93,9 +88,10 @@ def bending(run: Run) -> Panels:
 
 def _rod_tips(run: Run, rod: str, curves: Sequence[Curve]) -> list[tuple[float, float, tuple[float, float]]]:
     """Pressures (kPa) with how far a rod bends (degrees) and its end (mm): by the law delivered, or beside curves."""
-    if rod == ARM_LAW and run.law and run.law.unloaded:
-        return [(state.pressure_kPa, state.bending_deg, state.tip_mm) for state in run.law.unloaded]
-    return [(curve.pressure_kPa, *end) for curve in curves if (end := _DRAWN[rod].end(curve))]
+    if rod == ARM_LAW:
+        return [(at.pressure_kPa, at.bending_deg, at.tip_mm) for at in run.law.unloaded] if run.law else []
+    tips = [(curve.pressure_kPa, tip) for curve in curves if (tip := _DRAWN[rod].tip_mm(curve))]
+    return [(p, run.parameters.rods(rod == EXTENSIBLE).at(p).solve().bending_deg, tip) for p, tip in tips]
 
 
 def of_experiment(run: Run, experiment: str) -> Panels:
