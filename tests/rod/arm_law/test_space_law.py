@@ -82,6 +82,7 @@ def test_without_load_it_is_an_arc_about_the_direction_of_its_curvature() -> Non
     expected = stretch / size * np.array([np.sin(angle), *((1 - np.cos(angle)) * across)])
     found = rod.solve_in_space(SpatialLoad())
     assert np.array(found.end) == pytest.approx(expected, abs=1e-6)
+    assert found.bending_deg == pytest.approx(np.degrees(angle), abs=1e-5)
     assert found.stability.lowest == pytest.approx(1.0, abs=1e-6)
 
 
@@ -187,6 +188,8 @@ def test_a_kind_of_law_that_is_added_is_read_and_bends(tmp_path: Path, monkeypat
     tip = [f"{value} mm" for value in found.end]
     (pressure,) = pneurod.solve(tmp_path / "law.json", tip=f"[{', '.join(tip)}]").solutions
     assert pressure.pressure_kPa == pytest.approx(4.0, rel=1e-6)
+    (bent,) = pneurod.solve(tmp_path / "law.json", angle=f"{found.bending_deg} deg").solutions
+    assert (bent.pressure_kPa, bent.angle_deg) == pytest.approx((4.0, found.bending_deg), rel=1e-5)
     with pytest.raises(pneurod.InputError, match="this arm bends in space; give the place of its tip as x, y and z"):
         pneurod.solve(tmp_path / "law.json", tip="[70 mm, 0 mm]")
 
