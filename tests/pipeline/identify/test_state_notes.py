@@ -49,6 +49,7 @@ def solved(
         min_J_at_mm=(1.0, 2.0, 3.0),
         negative_pivots=negative_pivots,
         curve_z_mm=curve_z_mm,
+        end_rotation_deg=float(np.degrees(np.arctan2(deflection_mm, 100.0))),
         contact_error_mm=contact[0],
         contact_error_N=contact[1],
     )
