@@ -17,6 +17,10 @@ from rod.identification.moment_range import MomentRange
 from rod.identification.observed import too_few_pitches
 from rod.identification.single_line import LineFit
 from rod.identification.two_lines import Identification, identify, is_clear, longest_break, shortest_break
+from rod.in_time.body import Acting, Body
+from rod.in_time.motion import Motion
+from rod.in_time.move import Start, Steps, move
+from rod.in_time.relaxation import Relaxation
 from rod.law import PARAMETER_COLUMNS, PARAMETER_NAMES, FiveParameters, TwoSlopes
 from rod.load import Load
 from rod.mechanics.equilibrium import Rod
@@ -30,8 +34,10 @@ __all__ = [
     "EXPORTS",
     "PARAMETER_COLUMNS",
     "PARAMETER_NAMES",
+    "Acting",
     "Arm",
     "ArmLaw",
+    "Body",
     "Bootstrap",
     "Closure",
     "Curvature",
@@ -46,10 +52,12 @@ __all__ = [
     "Load",
     "Moment",
     "MomentRange",
+    "Motion",
     "PointLoad",
     "PressurisedRod",
     "Quantity",
     "Reaction",
+    "Relaxation",
     "Robot",
     "Rod",
     "RodError",
@@ -59,6 +67,8 @@ __all__ = [
     "SpatialLoad",
     "SpatialSolution",
     "Stability",
+    "Start",
+    "Steps",
     "Straightness",
     "Support",
     "TwoSlopes",
@@ -74,6 +84,7 @@ __all__ = [
     "moment_about_neutral_axis",
     "moment_between",
     "moment_from_load",
+    "move",
     "next_pressure",
     "rest_curvature",
     "shortest_break",

@@ -15,10 +15,10 @@ from rod.arm.bands import solve_small
 from rod.arm.elements import plane_element, space_element, strain_change
 from rod.arm.end_kernels import TIP_COLUMNS, EndArrays, clamp_in_plane, clamp_in_space, tip_levers
 from rod.arm.rotations import exponential, logarithm, multiply, multiply_transposed
-from rod.arm.section_kernels import SectionArrays, plane_section, space_section
+from rod.arm.section_kernels import SectionArrays, add_memory, elastic, plane_section, space_section
 
 #: numbers that are kept of an element
-KEPT = 42
+KEPT, FORCES, FORCES_IN_SPACE = 42, 4, 6
 #: rad, of difference quotients at the tip
 STEP = 1e-5
 #: the angle in the plane among what may be held
@@ -72,6 +72,8 @@ class Tangent(NamedTuple):
     direct: Array  #: (k, k) held places by reactions, of a tip that gives way
     residual: Array  #: (m (N - 1),) of the nodes beyond the clamp
     start: Array  #: (m, 1 + m) motion of the first node, and what it adds by that of the second
+    #: (n, KEPT), of the elements for `predict`; forces from FORCES on, in space from FORCES_IN_SPACE on
+    kept: Array
 
 
 def acting(load: LoadArrays, state: StateArrays, factor: float) -> LoadArrays:
@@ -116,11 +118,13 @@ def _element(
         strain[1], strain[2] = c * x + s * y, c * y - s * x
         stiffness = work[18]
         outside = plane_section(section, e, strain, force, stiffness, columns)
+        if len(section.memory):
+            add_memory(section, e, force, stiffness)
         if not chain.is_loaded:
             force[:] = 0.0
         row = kept[e]
         row[0], row[1], row[2], row[3] = angle, strain[0], strain[1], strain[2]
-        row[5], row[6] = force[1], force[2]
+        row[4], row[5], row[6] = force[0], force[1], force[2]
         for i in range(2):
             for j in range(3):
                 row[7 + 3 * i + j] = stiffness[1 + i, j]
@@ -143,6 +147,8 @@ def _element(
             + middle[2, i] * (place[e + 1, 2] - place[e, 2])
         ) / h
     outside = space_section(section, e, six, forces, stiff, columns)
+    if len(section.memory):
+        add_memory(section, e, forces, stiff)
     if not chain.is_loaded:
         forces[:] = 0.0
     for i in range(3):
@@ -173,18 +179,21 @@ def _clamp(
     band: Array,
     residual: Array,
     start: Array,
+    felt: Array,
     decides: float,
+    scale: float,
 ) -> float:
     """Eliminate the first node: start (m, 1 + m) becomes its motion, and what it adds by that of the second node.
 
-    decides: N mm, the bending moment that decides on rotation and offset. It changes as that at the end of the first
-    element does, less the change of the force there on the way between both nodes.
+    felt: (2 m,), the gradient of the elastic forces. decides: N mm, the elastic bending moment that decides on rotation
+    and offset. It changes as that at the end of the first element does, less the change of the force there on the way
+    between both nodes; scale: of the Hessian over that of the elastic forces.
     """
     m = 6 if chain.in_space else 3
     missed, by_start, by_end = np.zeros(m), np.zeros((m, m)), np.zeros((m, m))
     at_end, at_start = np.empty(m), np.empty(m)
     for i in range(m):
-        at_start[i], at_end[i] = -gradient[i], gradient[m + i]
+        at_start[i], at_end[i] = -felt[i], felt[m + i]
     at_end[m - 1] = decides
     if chain.in_space:
         place, turned, away, turn = np.empty(3), np.empty((3, 3)), np.empty((3, 3)), np.empty(3)
@@ -207,6 +216,9 @@ def _clamp(
     for i in range(m):
         by_end[i, 0] += by_end[i, m - 1] * (state.place[chain.decides, 1] - state.place[1, 1])
         by_end[i, 1] -= by_end[i, m - 1] * (state.place[chain.decides, 0] - state.place[1, 0])
+        for j in range(m):
+            by_start[i, j] /= scale
+            by_end[i, j] /= scale
     matrix = np.zeros((m, m))
     for i in range(m):
         matrix[i, i] = 1.0
@@ -438,21 +450,21 @@ def assemble(
     state: StateArrays,
     factor: float,
     tangent: Tangent,
-    kept: Array,
 ) -> tuple[float, float]:
     """The tangent of a state under a part of the loads.
 
     Returns by how much curvature and moment leave what is known.
     """
     m = 6 if chain.in_space else 3
-    half, band, residual = 2 * m - 1, tangent.band, tangent.residual
+    half, band, residual, kept = 2 * m - 1, tangent.band, tangent.residual, tangent.kept
     work, columns = np.zeros((24, 3, 3)), np.empty((3, max(section.table.shape[2], 1)))
-    gradient, hessian = np.empty(2 * m), np.empty((2 * m, 2 * m))
+    gradient, felt, hessian = np.empty(2 * m), np.empty(2 * m), np.empty((2 * m, 2 * m))
+    rubber = elastic(section)
     load = acting(given, state, factor)
     band[:] = 0.0
     residual[:] = 0.0
     loaded = Chain(chain.in_space, True, chain.h, chain.decides, chain.beyond, chain.free, chain.length)
-    outside = _element(section, loaded, state, max(chain.decides - 1, 0), work, gradient, hessian, kept, columns)
+    outside = _element(rubber, loaded, state, max(chain.decides - 1, 0), work, gradient, hessian, kept, columns)
     decides = gradient[2 * m - 1] if chain.decides > 0 else -gradient[m - 1]
     d = chain.decides
     if d > 0 and chain.beyond != 0.0:
@@ -460,7 +472,12 @@ def assemble(
         across = part * (state.place[d, 0] - state.place[d - 1, 0]), part * (state.place[d, 1] - state.place[d - 1, 1])
         decides -= across[0] * gradient[m + 1] - across[1] * gradient[m]
     outside = max(outside, _element(section, chain, state, 0, work, gradient, hessian, kept, columns))
-    beyond = _clamp(ends, chain, state, gradient, hessian, band, residual, tangent.start, decides)
+    felt[:] = gradient
+    if len(section.memory):
+        _element(rubber, chain, state, 0, work, felt, hessian, kept, columns)
+        _element(section, chain, state, 0, work, gradient, hessian, kept, columns)
+    start = tangent.start
+    beyond = _clamp(ends, chain, state, gradient, hessian, band, residual, start, felt, decides, section.scale)
     for e in range(1, len(chain.h)):
         outside = max(outside, _element(section, chain, state, e, work, gradient, hessian, kept, columns))
         _add(band, residual, m * (e - 1), gradient, hessian, half)

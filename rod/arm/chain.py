@@ -10,7 +10,7 @@ import numpy as np
 from geometry.arrays import Array
 from geometry.topology import cross
 from rod.arm import newton
-from rod.arm.assembly import Chain, LoadArrays, StateArrays, Tangent, acting
+from rod.arm.assembly import KEPT, Chain, LoadArrays, StateArrays, Tangent, acting
 from rod.arm.end_kernels import TIP_COLUMNS, EndArrays, tip_levers
 from rod.arm.newton import Found
 from rod.compiled import CompiledLater
@@ -208,4 +208,5 @@ def room_for(chain: Chain, held: int) -> Tangent:
     m = 6 if chain.in_space else 3
     rows, by = m * len(chain.h), np.zeros((2, held, 6))
     borders = by[0], by[1], np.zeros(held), np.zeros((held, held))
-    return Tangent(np.zeros((rows, 4 * m - 1)), *borders, np.zeros(rows), np.zeros((m, 1 + m)))
+    last = np.zeros(rows), np.zeros((m, 1 + m)), np.zeros((len(chain.h), KEPT))
+    return Tangent(np.zeros((rows, 4 * m - 1)), *borders, *last)

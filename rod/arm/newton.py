@@ -10,13 +10,35 @@ import numpy as np
 
 from geometry.arrays import Array, Index
 from rod.arm import assembly
-from rod.arm.assembly import KEPT, Chain, LoadArrays, StateArrays, Tangent, assemble, move, predict
+from rod.arm.assembly import Chain, LoadArrays, StateArrays, Tangent, assemble, move, predict
 from rod.arm.bands import factorize, solve, solve_small
 from rod.arm.end_kernels import EndArrays
+from rod.arm.rotations import cross_into, logarithm, multiply, skew
 from rod.arm.section_kernels import SectionArrays
 
 #: Newton's method: largest last correction (rad, and mm over the length), and iterations
 TOLERANCE, ITERATIONS = 1e-8, 25
+
+
+class Inertia(NamedTuple):
+    """What the nodes are as rigid bodies, and their motion before a step of time, in tonne, mm and s.
+
+    The motion u of a node in the step, from the state before it, has the acceleration `of_motion` u + `carried`.
+    """
+
+    mass: Array  #: (N,); empty: nothing resists, as in statics
+    first: Array  #: (N, 3) mass times its place beside the node, in the frame of the node
+    second: Array  #: (N, 3, 3) moments of inertia about the node, in its frame
+    place: Array  #: (N, 3), before the step, and so are angle (N,) and frames (N, 3, 3)
+    angle: Array
+    frames: Array
+    #: (N, 9) of places and turns of the acceleration, and of turns of the speed
+    carried: Array
+    of_motion: Array  #: (2,) acceleration and speed by the motion
+
+
+#: nothing resists
+STATICS = Inertia(*(np.empty(shape) for shape in (0, (0, 3), (0, 3, 3), (0, 3), 0, (0, 3, 3), (0, 9), 2)))
 
 
 class Found(NamedTuple):
@@ -76,6 +98,75 @@ def unstable(band: Array, first: int, small: Array) -> int:
     return negative - negative_of(small)
 
 
+def _add_in_plane(inertia: Inertia, state: StateArrays, node: int, tangent: Tangent) -> None:
+    """Add the inertia of a node whose motion is x, y and angle."""
+    row, band, carried = 3 * (node - 1), tangent.band, inertia.carried[node]
+    by, by_speed = inertia.of_motion[0], inertia.of_motion[1]
+    c, s = math.cos(state.angle[node]), math.sin(state.angle[node])
+    mass, first, second = inertia.mass[node], inertia.first[node], inertia.second[node, 2, 2]
+    x, y = c * first[0] - s * first[1], s * first[0] + c * first[1]
+    ax = by * (state.place[node, 0] - inertia.place[node, 0]) + carried[0]
+    ay = by * (state.place[node, 1] - inertia.place[node, 1]) + carried[1]
+    turn = state.angle[node] - inertia.angle[node]
+    spin, speed = by * turn + carried[5], by_speed * turn + carried[8]
+    tangent.residual[row] += mass * ax - spin * y - speed * speed * x
+    tangent.residual[row + 1] += mass * ay + spin * x - speed * speed * y
+    tangent.residual[row + 2] += x * ay - y * ax + second * spin
+    band[row, 5] += mass * by
+    band[row + 1, 5] += mass * by
+    band[row, 7] += speed * speed * y - by * y - (spin + 2.0 * speed * by_speed) * x
+    band[row + 1, 6] += by * x - spin * y - 2.0 * speed * by_speed * y - speed * speed * x
+    band[row + 2, 3] -= by * y
+    band[row + 2, 4] += by * x
+    band[row + 2, 5] += second * by - y * ay - x * ax
+
+
+def add_inertia(inertia: Inertia, chain: Chain, state: StateArrays, tangent: Tangent) -> None:
+    """Add forces and moments of inertia of all nodes but the first, which the clamp moves, to residual and tangent.
+
+    In space the tangent is without what the speeds and the turning of the lever add.
+    """
+    first, spin, speed, acceleration = np.empty(3), np.empty(3), np.empty(3), np.empty(3)
+    between, turn, whirl, lever = np.empty((3, 3)), np.empty(3), np.empty(3), np.empty((3, 3))
+    second, turned = np.empty((3, 3)), np.empty((3, 3))
+    by, by_speed = inertia.of_motion[0], inertia.of_motion[1]
+    for node in range(1, len(state.place)):
+        if not chain.in_space:
+            _add_in_plane(inertia, state, node, tangent)
+            continue
+        row, carried, frame = 6 * (node - 1), inertia.carried[node], state.frames[node]
+        for i in range(3):
+            for j in range(3):
+                between[i, j] = 0.0
+                for k in range(3):
+                    between[i, j] += frame[i, k] * inertia.frames[node, j, k]
+        logarithm(between, turn)
+        multiply(frame, inertia.second[node], turned)
+        for i in range(3):
+            first[i] = 0.0
+            acceleration[i] = by * (state.place[node, i] - inertia.place[node, i]) + carried[i]
+            spin[i], speed[i] = by * turn[i] + carried[3 + i], by_speed * turn[i] + carried[6 + i]
+            for j in range(3):
+                first[i] += frame[i, j] * inertia.first[node, j]
+                second[i, j] = turned[i, 0] * frame[j, 0] + turned[i, 1] * frame[j, 1] + turned[i, 2] * frame[j, 2]
+        skew(first, lever)
+        cross_into(speed, first, whirl)
+        cross_into(speed, whirl, turn)
+        for i in range(3):
+            whirl[i] = second[i, 0] * speed[0] + second[i, 1] * speed[1] + second[i, 2] * speed[2]
+            tangent.residual[row + i] += inertia.mass[node] * acceleration[i] + turn[i]
+            tangent.band[row + i, 11] += inertia.mass[node] * by
+        cross_into(speed, whirl, turn)
+        for i in range(3):
+            tangent.residual[row + 3 + i] += turn[i]
+            for j in range(3):
+                tangent.residual[row + i] -= lever[i, j] * spin[j]
+                tangent.residual[row + 3 + i] += lever[i, j] * acceleration[j] + second[i, j] * spin[j]
+                tangent.band[row + i, 14 + j - i] -= by * lever[i, j]
+                tangent.band[row + 3 + i, 8 + j - i] += by * lever[i, j]
+                tangent.band[row + 3 + i, 11 + j - i] += by * second[i, j]
+
+
 def _newton(
     section: SectionArrays,
     ends: EndArrays,
@@ -86,6 +177,7 @@ def _newton(
     tangent: Tangent,
     iterations: int,
     side: Array,
+    inertia: Inertia,
 ) -> Found:
     """The equilibrium near a state under a part of the loads; the state becomes it.
 
@@ -96,13 +188,15 @@ def _newton(
     m = 6 if chain.in_space else 3
     nodes = len(state.place)
     rows, half, band = m * (nodes - 1), 2 * m - 1, tangent.band
-    residual, start, kept = tangent.residual, tangent.start, np.empty((len(chain.h), KEPT))
+    residual, start, kept = tangent.residual, tangent.start, tangent.kept
     motion, work = np.empty((nodes, m)), np.empty((2, 3, 3))
     count = len(load.held)
     columns, small, right = np.empty((rows, 1 + count)), np.empty((count, count)), np.empty((count, 1))
     outside = beyond = math.inf
     for iteration in range(max(iterations, 2)):
-        outside, beyond = assemble(section, ends, chain, load, state, factor, tangent, kept)
+        outside, beyond = assemble(section, ends, chain, load, state, factor, tangent)
+        if len(inertia.mass):
+            add_inertia(inertia, chain, state, tangent)
         if iterations == 0:
             motion[:] = 0.0
             predict(chain, state, kept, motion)
@@ -160,4 +254,4 @@ def negative_of(matrix: Array) -> int:
 
 
 #: the functions that `_newton` calls, innermost first
-CALLS = (*assembly.CALLS, factorize, solve, negative_of, border_system, unstable)
+CALLS = (*assembly.CALLS, factorize, solve, negative_of, border_system, unstable, _add_in_plane, add_inertia)

@@ -47,6 +47,22 @@ class SectionArrays(NamedTuple):
     numbers: Array
     #: (n, 4) by element. Tabulated: what is added to kappa; two lines: kappa_0, alpha, m_0, s
     local: Array
+    #: of a rubber that relaxes, in a step of time: its forces are scale times the elastic ones, and memory
+    scale: float = 1.0
+    memory: Array = np.empty((0, 0))  #: (n, 3), in space (n, 6), N mm and N; empty: an elastic section
+
+
+def elastic(section: SectionArrays) -> SectionArrays:
+    """The section without memory."""
+    return SectionArrays(section.kind, section.table, section.numbers, section.local, 1.0, section.memory[:0])
+
+
+def add_memory(section: SectionArrays, e: int, force: Array, stiffness: Array) -> None:
+    """Change elastic forces (k,) and stiffness (k, k) of element e to those of a rubber that relaxes."""
+    for i in range(len(force)):
+        force[i] = section.scale * force[i] + section.memory[e, i]
+        for j in range(len(force)):
+            stiffness[i, j] *= section.scale
 
 
 def _columns(section: SectionArrays, kappa: float, out: Array) -> float:
@@ -213,4 +229,4 @@ def _polynomial(section: SectionArrays, strain: Array, force: Array, stiffness: 
 
 
 #: in the order in which they call each other, innermost first
-CALLS = (_columns, _polynomial, plane_section, space_section)
+CALLS = (_columns, _polynomial, plane_section, space_section, elastic, add_memory)

@@ -11,7 +11,7 @@ from geometry.arrays import Array, Index, Mask
 from rod.arm.assembly import LoadArrays, StateArrays, Tangent, acting
 from rod.arm.bands import factorize, solve, solve_small
 from rod.arm.chain import NO_SIDE, room_for, solve_chain
-from rod.arm.newton import border_system, negative_of, unstable
+from rod.arm.newton import STATICS, border_system, negative_of, unstable
 from rod.arm.solver import Solver
 from rod.compiled import CompiledLater
 
@@ -41,7 +41,7 @@ def _tangent(solver: Solver, load: LoadArrays, state: StateArrays, kept: Mask, *
     tangent = room_for(chain, len(load.held))
     copied = StateArrays(*(values.copy() for values in state))
     section = solver.arm.section.arrays(solver.s)
-    solve_chain(section, solver.ends, chain, load, copied, float(is_loaded), tangent, 0, NO_SIDE)
+    solve_chain(section, solver.ends, chain, load, copied, float(is_loaded), tangent, 0, NO_SIDE, STATICS)
     rows = np.arange(len(tangent.band))[:, None]
     columns = rows + np.arange(-11, 12)
     is_out = ~(kept[rows % 6] & kept[columns % 6])

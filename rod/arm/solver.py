@@ -9,7 +9,7 @@ from rod.along import Position
 from rod.arm.assembly import Chain, StateArrays, acting
 from rod.arm.chain import NO_SIDE, Nodes, load_arrays, nodes_of, planar_frames, rest_state, room_for, solve_chain
 from rod.arm.end_kernels import TIP_COLUMNS, EndArrays, tip_levers
-from rod.arm.newton import ITERATIONS, Found
+from rod.arm.newton import ITERATIONS, STATICS, Found
 from rod.arm.sections import Section
 from rod.spatial import SpatialLoad
 from rod.weight import Mass
@@ -64,8 +64,9 @@ class Solver:
         self, state: StateArrays, factor: float, target: Array, grown: float = 1.0, iterations: int = ITERATIONS
     ) -> Found:
         """The equilibrium near a state, which becomes it, under a part of the loads; what is held is at target (k,)."""
-        section, load = self.arm.section.arrays(self.s, factor, grown), self.load._replace(target=target)
-        return solve_chain(section, self.ends, self.chain, load, state, factor, self.room, iterations, NO_SIDE)
+        load = self.load._replace(target=target)
+        section = self.arm.section.arrays(self.s, factor, grown)
+        return solve_chain(section, self.ends, self.chain, load, state, factor, self.room, iterations, NO_SIDE, STATICS)
 
     def respond(self, state: StateArrays, side: Array = NO_SIDE) -> Array:
         """(N m + k,): residual, motion of the first node, and by how much what is held misses, under the full load.
@@ -73,7 +74,7 @@ class Solver:
         A side (N m + k,) becomes what the state answers to it (`rod.arm.newton`).
         """
         section = self.arm.section.arrays(self.s)
-        solve_chain(section, self.ends, self.chain, self.load, state, 1.0, self.room, 0, side)
+        solve_chain(section, self.ends, self.chain, self.load, state, 1.0, self.room, 0, side, STATICS)
         return np.concatenate([self.room.residual, self.room.start[:, 0], self.room.missed])
 
     def end(self, state: StateArrays) -> Array:

@@ -196,7 +196,18 @@ class LawRod:
 
         Raises `RodError` for a law without volumes.
         """
-        return air_volumes(self.section, self.clamp, self.tip, state)
+        return air_volumes(self.section, self.clamp, self.tip, state.s, state.moment)
+
+    def air_along(self, s: Array, kappa: Array) -> Array:
+        """(c,) mm3: air in each cavity where elements between s (N,) mm have curvatures (N - 1, 3) in 1/mm.
+
+        Empty for a law without volumes.
+        """
+        law = self.section
+        if not law.volume.size:
+            return np.empty(0)
+        bending = np.interp(s, 0.5 * (s[1:] + s[:-1]), np.interp(kappa[:, 2], law.kappa, law.moment))
+        return air_volumes(law, self.clamp, self.tip, s, bending)
 
     def stability(self, state: RodSolution) -> Stability:
         """Of a state of this rod against motions out of its plane. Its force keeps its direction.

@@ -94,6 +94,11 @@ class SpaceRod:
         along = np.trapezoid(self.air(state.curvature[:, 1:]), state.s, axis=0)
         return np.asarray(along + self.clamp((state.moment[0] @ state.frames[0])[1:])[6:] + self.tip[3:])
 
+    def air_along(self, s: Array, kappa: Array) -> Array:
+        """(c,) mm3: air in each cavity where elements between s (N,) mm have curvatures (N - 1, 3) in 1/mm."""
+        at_clamp = self.clamp(self.section.plane(kappa[0, 1:])[:2])
+        return np.asarray(np.diff(s) @ self.air(kappa[:, 1:]) + at_clamp[6:] + self.tip[3:])
+
     def outside(self, path: Path) -> str:
         """A sentence where the curvature leaves the law; empty elsewhere."""
         outside, reach = path.nodes.found.outside, self.section.reach

@@ -1,0 +1,128 @@
+"""What moves: an arm over its pressures, with its mass and its rubber, and what acts on it."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from functools import lru_cache
+from typing import Any, TypeAlias, final
+
+import numpy as np
+
+from geometry.arrays import Array
+from rod.along import leaves_plane
+from rod.arm.end_kernels import EndArrays
+from rod.arm.section_kernels import TABULATED, SectionArrays
+from rod.arm.solver import Solver
+from rod.arm_law.law_rod import LawRod
+from rod.arm_law.space_rod import SpaceRod
+from rod.cubics import cubic, cubic_slope
+from rod.errors import RodError
+from rod.in_time.relaxation import ELASTIC, Relaxation
+from rod.load import Load
+from rod.mechanics.equilibrium import Rod
+from rod.mechanics.lines import LinesRod
+from rod.spatial import SpatialLoad
+from rod.weight import Hung, Mass, Weighing, in_grams, position_along, weighted
+
+#: an arm at one pressure
+Arm: TypeAlias = LinesRod | LawRod | SpaceRod
+#: tonne
+GRAM = 1e-6
+#: moments of a clamp between two pressures
+CLAMP_ROWS = 65
+
+
+@final
+@dataclass(frozen=True)
+class Acting:
+    """What acts on an arm besides its pressure; masses have their inertia, and with a direction of gravity a weight."""
+
+    load: Load | SpatialLoad = field(default_factory=Load)
+    tip_mass: float | str = 0.0  #: g, or with its unit, on the end
+    direction: str | Sequence[float] | None = None  #: of gravity, as `Rod.solve` takes it; None: no weight
+    hung: Hung = ()  #: masses along the arm, as `Rod.solve` takes them
+
+
+@final
+@dataclass(frozen=True, eq=False)  # a law has arrays
+class Body:
+    """An arm with all that decides on its motion."""
+
+    law: Any  #: one with `at(pressures)`, such as `ArmLaw` or `PressurisedRod`; or a `Rod`, whose pressure stays
+    relaxation: Relaxation = ELASTIC
+    mass: Mass | None = None  #: None: that of the law
+    spread: tuple[float, float] = (0.0, 0.0)  #: mm2, mean squares of its distance from its centre, along y and z
+
+    def at(self, pressures: Array) -> Arm:
+        """The arm at pressures (c,) in kPa. Raises `RodError` as the law does."""
+        return _arm_at(self.law, tuple(pressures.tolist()))
+
+    @property
+    def weighed(self) -> Mass:
+        """Its mass. Raises `RodError` where it is not known."""
+        mass: Mass | None = self.mass or getattr(self.law, "mass", None)
+        if mass is None:
+            raise RodError("The mass of the arm is not known; a motion needs material.density in the configuration.")
+        return mass
+
+    def loaded(self, acting: Acting, arm: Arm) -> SpatialLoad:
+        """What acts, as a load in space. Raises `LoadError` as `weighted` does."""
+        load = acting.load if isinstance(acting.load, SpatialLoad) else acting.load.in_space
+        if acting.direction is None:
+            return load
+        of = Weighing(self.weighed, arm.length, getattr(arm, "weight", (0.0, 0.0)), is_identified=False)
+        return weighted(load, of, True, acting.direction, acting.tip_mass, acting.hung)
+
+    def inertia(self, acting: Acting, solver: Solver) -> tuple[Array, Array, Array]:
+        """Mass (N,), its place in the frame (N, 3) and moments of inertia (N, 3, 3) of the nodes; tonne and mm."""
+        s, length = solver.s, float(solver.s[-1])
+        edges = np.concatenate([s[:1], 0.5 * (s[1:] + s[:-1]), s[-1:]])
+        mass, heights = (-GRAM * np.diff(one) for one in self.weighed.within(length - edges))
+        lever = np.zeros((len(s), 3))
+        lever[:, 1] = heights / mass
+        y, z = self.spread
+        along = np.diff(edges) ** 2 / 12.0
+        second = np.zeros((len(s), 3, 3))
+        squares = np.array([along, along + y, along + z]).T  # of the distances along the three directions
+        second[:, [0, 1, 2], [0, 1, 2]] = mass[:, None] * (squares.sum(axis=1)[:, None] - squares)
+        second += _about(mass, lever)
+        first = mass[:, None] * lever
+        tip = np.array([*solver.ends.tip[len(solver.ends.tip) // 2, 4:6], solver.ends.tip[0, 6]])
+        points = [(length, in_grams(acting.tip_mass), tip)]
+        points += [(position_along(at, length), in_grams(grams), np.zeros(3)) for at, grams in acting.hung]
+        for at, grams, beside in points:
+            node, one = int(np.abs(s - at).argmin()), np.array([GRAM * grams])
+            mass[node] += one[0]
+            first[node] += one[0] * beside
+            second[node] += _about(one, beside[None])[0]
+        return mass, first, second
+
+
+def _about(mass: Array, lever: Array) -> Array:
+    """(n, 3, 3) moments of inertia of masses (n,) at levers (n, 3)."""
+    squares = (lever**2).sum(axis=1)[:, None, None] * np.eye(3)
+    return np.asarray(mass[:, None, None] * (squares - lever[:, :, None] * lever[:, None, :]))
+
+
+@lru_cache(256)
+def _arm_at(law: Any, pressures: tuple[float, ...]) -> Arm:
+    rod = law if isinstance(law, Rod) else law.at(pressures if len(pressures) > 1 else pressures[0])
+    return rod.arm if isinstance(rod, Rod) else rod
+
+
+def arrays_of(arm: Arm, load: SpatialLoad, s: Array, *, in_space: bool) -> tuple[SectionArrays, EndArrays]:
+    """Sections and ends of an arm under a load, of one size at all pressures."""
+    model, _ = arm.posed(load)
+    section, ends = model.section.arrays(s), model.ends(load.end_at(float(s[-1])))
+    if section.kind == TABULATED and not in_space:
+        section = section._replace(table=np.ascontiguousarray(section.table[..., :4]))
+    moment = np.linspace(ends.moment[0], ends.moment[-1], CLAMP_ROWS)
+    known = ends.moment, ends.clamped, ends.clamped_slope
+    return section, ends._replace(
+        moment=moment, clamped=cubic(*known, moment), clamped_slope=cubic_slope(*known, moment)
+    )
+
+
+def is_spatial(load: SpatialLoad) -> bool:
+    """Whether a load moves an arm out of its plane."""
+    across = any((load.force[2], *load.couple[:2], load.weight[2]))
+    return across or any(map(leaves_plane, (*load.along, *load.supports)))

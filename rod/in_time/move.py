@@ -1,0 +1,272 @@
+"""The motion of an arm under pressures over time, from an equilibrium."""
+
+import math
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from geometry.arrays import Array, read_only
+from rod.along import are_heights
+from rod.arm.assembly import FORCES, FORCES_IN_SPACE, StateArrays
+from rod.arm.chain import planar_frames, turn_of
+from rod.arm.path import Way, follow, positions_under
+from rod.arm.solver import Solver
+from rod.arm_law.space_rod import SpaceRod
+from rod.checked import positive
+from rod.cubics import cubic
+from rod.errors import LoadError, RodError
+from rod.in_time.body import Acting, Arm, Body, arrays_of, is_spatial
+from rod.in_time.motion import Motion
+from rod.in_time.steps import LAST, WITHIN, Joined, Memory, Moment, Stepper
+from rod.spatial import SpatialLoad
+
+#: parts of the range of a law between whose pressures sections are joined by straight lines
+PARTS = 48
+#: how far a pressure may be from the line between two known ones, over their distance
+BESIDE = 0.02
+#: the first acceleration is that within a step so much shorter than the others
+FIRST = 0.1
+#: how much a step may grow, and shrink; how much it must grow to be changed; the shortest one, s
+GROW, SHRINK, WORTH, SHORTEST = 1.5, 0.3, 1.2, 1e-8
+#: error of a step (rad, and mm over the length) at which it does not resolve the motion
+UNRESOLVED = 0.03
+#: the first step by error, over the time of the first vibration through one radian
+CAREFUL = 0.02
+
+
+class Start(NamedTuple):
+    """The equilibrium from which a motion begins; all has relaxed there."""
+
+    pressure: float | Sequence[float] | None = None  #: kPa; None: that of a table at its first time, else 0
+    acting: Acting | None = None  #: what acts before; None: what acts during the motion
+
+
+class Steps(NamedTuple):
+    """How time is divided, and where the arm may go."""
+
+    fixed: float | None = None  #: s, the length of all steps; None: by their error
+    tolerance: float = 5e-3  #: error that a second of motion adds at the most, rad and mm over the length
+    in_space: bool = False  #: whether the arm may leave its plane; it does where a load does
+
+
+def move(
+    body: Body,
+    pressure: Any,
+    seconds: float,
+    acting: Acting = Acting(),  # noqa: B008  frozen
+    start: Start = Start(),  # noqa: B008
+    steps: Steps = Steps(),  # noqa: B008
+) -> Motion:
+    """The motion of an arm from an equilibrium, for a time in s.
+
+    pressure: kPa from 0 s on, one for each cavity, or a table of rows t in s and pressures, joined by straight lines;
+    any number for a `Rod`. Where the arm cannot be followed to the end the motion has a `reason`. Raises `RodError` for
+    what cannot begin: no mass, times that do not rise, a start that is no equilibrium.
+    """
+    seconds = positive(seconds, "The time of a motion in s")
+    cavities = len(getattr(body.law, "cavities", ("the arm",)))
+    times, values = _table(pressure, seconds, cavities)
+    before = values[0] if start.pressure is None and np.ndim(pressure) == 2 else start.pressure or np.zeros(cavities)
+    moved = _Moved(body, acting, steps)
+    moved.begin(np.broadcast_to(np.asarray(before, float), cavities), values[0], start.acting or acting)
+    return moved.along(times, values, seconds)
+
+
+def _table(pressure: Any, seconds: float, cavities: int) -> tuple[Array, Array]:
+    """Times (T,) in s and pressures (T, c) in kPa. Raises `RodError` as `move` says."""
+    try:
+        given = np.array(pressure, float)
+    except (TypeError, ValueError):
+        given = np.full((1, 1), np.nan)
+    if given.ndim < 2:
+        given = np.tile(np.append(0.0, given), (2, 1))
+        given[1, 0] = seconds
+    if given.ndim != 2 or given.shape[1] != 1 + cavities or not np.all(np.isfinite(given)):
+        asked = "a pressure in kPa" if cavities == 1 else f"{cavities} pressures in kPa"
+        raise RodError(f"A motion takes {asked}, or rows of a time in s and {asked}.")
+    if given[0, 0] != 0.0 or np.any(np.diff(given[:, 0]) <= 0.0):
+        raise RodError("The times of the pressures must rise from row to row, from 0 s on.")
+    return given[:, 0], given[:, 1:]
+
+
+class _Moved:
+    """An arm on its way."""
+
+    def __init__(self, body: Body, acting: Acting, steps: Steps) -> None:
+        self.body, self.acting, self.steps = body, acting, steps
+        rows = getattr(body.law, "rows", None)
+        known = getattr(body.law, "pressures", (0.0, 1.0)) if rows is None else [max(row) for row in rows]
+        self.range = float(np.min(known)), float(np.max(known))
+        self.rows: list[tuple[Array, ...]] = []
+        self.outside = 0.0
+        self.felt: Array
+        self.joined: Joined
+
+    def begin(self, before: Array, first: Array, was: Acting) -> None:
+        """In equilibrium at pressures (c,), which become the first ones at once."""
+        body = self.body
+        then = body.at(before)
+        old, self.load = (body.loaded(one, then) for one in (was, self.acting))
+        self.in_space = self.steps.in_space or isinstance(then, SpaceRod) or is_spatial(old) or is_spatial(self.load)
+        solver, state = self._equilibrium(then, old)
+        creep = np.array(body.relaxation.creep.shares)
+        late = np.multiply.outer(creep, first - before)
+        felt = first - late.sum(axis=0)
+        self.arms = (body.at(felt),) * 2
+        model, posed = self.arms[0].posed(self.load)
+        own = Solver(model, solver.s, posed, in_space=self.in_space)
+        if len(own.load.held) and not np.array_equal(own.load.held, solver.load.held):
+            raise LoadError("What holds an arm in motion must hold it from the start.")
+        earlier, elastic = (_forces(one, state) for one in (solver, own))
+        forces = np.multiply.outer(np.array(body.relaxation.shares), elastic - earlier)
+        state = state._replace(reaction=state.reaction if len(own.load.held) else np.zeros(0))
+        self.stepper = Stepper(own, body.inertia(self.acting, own), body.relaxation)
+        still = np.zeros((len(own.s), 6))
+        self.now = Moment(0.0, state, still, still, Memory(0.0, first, late, elastic, forces))
+        self._know(felt, felt)
+        self._write(before)
+
+    def _equilibrium(self, arm: Arm, load: SpatialLoad) -> tuple[Solver, StateArrays]:
+        """On nodes where this load and that of the motion have breaks."""
+        (model, posed), (_, later) = arm.posed(load), arm.posed(self.load)
+        path = follow(model, posed, Way(not self.in_space and are_heights(posed.supports), self.in_space))
+        if outside := arm.outside(path):
+            raise RodError(outside)
+        both = SpatialLoad(along=(*posed.along, *later.along), supports=posed.supports)
+        solver = Solver(model, positions_under(model, both), posed, in_space=self.in_space)
+        state = path.chains[0].on(solver.s)
+        if not solver.converge(state, 1.0, solver.load.target).converged:
+            raise RodError("The arm has no equilibrium from which it could move.")
+        return solver, state
+
+    def along(self, times: Array, values: Array, seconds: float) -> Motion:
+        """Through pressures (T, c) at times (T,), up to a time."""
+        now, fixed = self.now, self.steps.fixed
+
+        def pressure(time: float) -> Array:
+            return np.array([np.interp(time, times, column) for column in values.T])
+
+        dt = fixed or CAREFUL * self._shortest()
+        reason = ""
+        try:
+            trial = self._step(FIRST * dt, pressure)
+            if trial is not None:
+                self.now = Moment(0.0, now.state, now.speed, (1.0 - LAST) * trial.acceleration, now.memory)
+            while (left := seconds - self.now.time) > 1e-12 * seconds:
+                dt = min(fixed, left) if fixed else left if left <= dt else min(dt, 0.5 * left) if left < 2 * dt else dt
+                dt, reason = self._go(dt, pressure)
+                if reason:
+                    break
+        except RodError as error:
+            reason = f"At t = {self.now.time:.4g} s the motion leaves what is known: {error}"
+        return self._motion(reason)
+
+    def _go(self, dt: float, pressure: Any) -> tuple[float, str]:
+        """Make a step, and give the next one; and why there is none."""
+        trial, fixed = self._step(dt, pressure), bool(self.steps.fixed)
+        allowed = self.steps.tolerance * dt
+        part = 0.9 * math.sqrt(allowed / max(trial.error, 1e-300)) if trial else SHRINK
+        if fixed and (trial is None or trial.error > UNRESOLVED):
+            return (
+                dt,
+                f"A step of {dt:.3g} s does not resolve the motion at t = {self.now.time:.4g} s; take a shorter one.",
+            )
+        if trial is None or (part < 0.6 and not fixed):
+            if dt < SHORTEST:
+                return dt, f"No motion was found beyond t = {self.now.time:.4g} s."
+            return dt * max(part, SHRINK), ""
+        self.now, self.outside = trial, max(self.outside, trial.outside)
+        self._write(pressure(trial.time))
+        return dt * min(part, GROW) if part < 1.0 or part > WORTH else dt, ""
+
+    def _step(self, dt: float, pressure: Any) -> Moment | None:
+        now = self.now
+        time = now.time + WITHIN * dt
+        acts = pressure(time)
+        felt, late = self.stepper.felt(now.memory, time, acts)
+        part, distance = self._place(felt)
+        if not (-BESIDE <= part <= 1.0 + BESIDE and distance <= BESIDE):
+            self._know(felt, self.felt)
+            part, _ = self._place(felt)
+        self.felt = felt
+        self.joined.go(part)
+        return self.stepper.step(now, dt, self.joined, acts, late)
+
+    def _place(self, felt: Array) -> tuple[float, float]:
+        """Where pressures are between the two known ones, and how far beside them, over their distance."""
+        low, way = self.known
+        size = float(way @ way)
+        if size == 0.0:
+            return 0.0, 0.0 if np.array_equal(felt, low) else math.inf
+        part = float((felt - low) @ way) / size
+        return part, float(np.abs(felt - low - part * way).max()) / math.sqrt(size)
+
+    def _know(self, felt: Array, before: Array) -> None:
+        """Take the arms at two pressures beside or beyond those that are felt."""
+        lowest, highest = self.range
+        step = (highest - lowest) / PARTS
+        self.felt = felt
+        if len(felt) == 1 and lowest <= felt[0] <= highest:
+            i = min(math.floor((felt[0] - lowest) / step), PARTS - 1) if step else 0
+            low, high = np.array([lowest + i * step]), np.array([min(lowest + (i + 1) * step, highest)])
+        else:
+            low, way = felt, felt - before
+            high = felt + way * (step / max(float(np.abs(way).max()), 1e-300))
+        arm = self.body.at(low)
+        try:
+            self.arms = arm, self.body.at(high)
+        except RodError:
+            self.arms, high = (arm, arm), low
+        self.known = low, high - low
+        s = self.stepper.solver.s
+        self.joined = Joined(*(arrays_of(one, self.load, s, in_space=self.in_space) for one in self.arms))
+
+    def _shortest(self) -> float:
+        """s, of the first vibration through one radian, of a cantilever of the arm's mass, about."""
+        solver = self.stepper.solver
+        mass, length = float(self.stepper.bodies[0].sum()), solver.chain.length
+        return math.sqrt(mass * length**3 / solver.arm.section.rigidity) / 3.516
+
+    def _write(self, pressure: Array) -> None:
+        """Keep the state with its pressures (c,), the air and the end."""
+        now, ends, s = self.now, self.joined.ends, self.stepper.solver.s
+        state = now.state
+        frames = state.frames if self.in_space else planar_frames(state.angle)
+        frame = frames[-1]
+        turn = math.atan2(frame[1, 0], frame[0, 0])
+        turns = np.linspace(-np.pi, np.pi, len(ends.tip))
+        beside = cubic(turns, ends.tip[:, 4:], ends.tip_slope[:, 4:], turn)
+        kappa = np.zeros((len(s) - 1, 3))
+        if self.in_space:
+            kappa = turn_of(np.swapaxes(frames[:-1], 1, 2) @ frames[1:])
+        else:
+            kappa[:, 2] = np.diff(state.angle)
+        kappa /= np.diff(s)[:, None]
+        low, high = (one.air_along(s, kappa) for one in self.arms)
+        air = low + self.joined.part * (high - low)
+        tip = state.place[-1] + frame @ beside
+        self.rows.append((np.array(now.time), pressure, air, tip, np.array(turn), state.reaction, state.place))
+
+    def _motion(self, reason: str) -> Motion:
+        times, pressures, air, tips, turns, reactions, axis = (
+            read_only(np.array(one)) for one in zip(*self.rows, strict=True)
+        )
+        d = 3 if self.in_space else 2
+        angles = read_only(np.degrees(np.unwrap(turns)))
+        s = read_only(self.stepper.solver.s.copy())
+        notes: tuple[str, ...] = ()
+        if self.outside > 0.0:
+            notes = (
+                f"The cells bend by up to {self.outside:.3g} 1/mm beyond the curvatures of the law; "
+                "the moment goes on there along its tangent.",
+            )
+        return Motion(times, pressures, air, tips[:, :d], angles, reactions, s, axis[..., :d], reason, notes)
+
+
+def _forces(solver: Solver, state: StateArrays) -> Array:
+    """(n, m) N mm and N: elastic forces of the elements in a state."""
+    copied = state._replace(inner=state.inner.copy(), reaction=np.zeros(len(solver.load.held)))
+    solver.converge(copied, 1.0, solver.load.target, iterations=0)
+    first, m = (FORCES_IN_SPACE, 6) if solver.chain.in_space else (FORCES, 3)
+    return solver.room.kept[:, first : first + m].copy()
