@@ -16,8 +16,10 @@ from rod.arm.end_kernels import EndArrays
 from rod.arm.rotations import cross_into, logarithm, multiply, skew
 from rod.arm.section_kernels import SectionArrays
 
-#: Newton's method: largest last correction (rad, and mm over the length), and iterations
-TOLERANCE, ITERATIONS = 1e-8, 25
+#: Newton's method: largest last correction (rad, and mm over the length), in a step of time, and iterations
+TOLERANCE, IN_TIME, ITERATIONS = 1e-8, 1e-6, 25
+#: iteration of a step of time from which on half of each correction is made: at a kink of a law whole ones may cycle
+CYCLING = 8
 
 
 class Inertia(NamedTuple):
@@ -192,6 +194,7 @@ def _newton(
     motion, work = np.empty((nodes, m)), np.empty((2, 3, 3))
     count = len(load.held)
     columns, small, right = np.empty((rows, 1 + count)), np.empty((count, count)), np.empty((count, 1))
+    tolerance = IN_TIME if len(inertia.mass) else TOLERANCE
     outside = beyond = math.inf
     for iteration in range(max(iterations, 2)):
         outside, beyond = assemble(section, ends, chain, load, state, factor, tangent)
@@ -226,12 +229,14 @@ def _newton(
             continue
         for a in range(count):
             state.reaction[a] += right[a, 0]
+        if len(inertia.mass) and iteration >= CYCLING:
+            motion *= 0.5
         predict(chain, state, kept, motion)
         largest = move(chain, state, motion, work)
         if not largest < 30.0:
             return Found(False, outside, beyond, (0, 0), iteration)
         # the tangent of the first step has the forces of the state before
-        if largest < TOLERANCE and iteration > 0:
+        if largest < tolerance and iteration > 0:
             return Found(True, outside, beyond, negative, iteration + 1)
     return Found(iterations == 0, outside, beyond, (0, 0), iterations)
 

@@ -17,7 +17,7 @@ from rod.arm.path import Path, Way, follow
 from rod.arm.response import SolvedPath
 from rod.arm.sections import TabulatedSection, acting_in_frames
 from rod.arm.stability import OUT_OF_PLANE, stability_of
-from rod.arm_law.air import air_volumes
+from rod.arm_law.air import air_along, air_volumes
 from rod.arm_law.curves import ClampCurve, TipCurve, TipState
 from rod.arm_law.section import SectionLaw
 from rod.errors import RodError
@@ -196,18 +196,11 @@ class LawRod:
 
         Raises `RodError` for a law without volumes.
         """
-        return air_volumes(self.section, self.clamp, self.tip, state.s, state.moment)
+        return air_volumes(self.section, self.clamp, self.tip, state)
 
-    def air_along(self, s: Array, kappa: Array) -> Array:
-        """(c,) mm3: air in each cavity where elements between s (N,) mm have curvatures (N - 1, 3) in 1/mm.
-
-        Empty for a law without volumes.
-        """
-        law = self.section
-        if not law.volume.size:
-            return np.empty(0)
-        bending = np.interp(s, 0.5 * (s[1:] + s[:-1]), np.interp(kappa[:, 2], law.kappa, law.moment))
-        return air_volumes(law, self.clamp, self.tip, s, bending)
+    def air_along(self, h: Array, kappa: Array) -> Array:
+        """(t, c) mm3: the same of elements of lengths h (n,) with curvatures (t, n, 3); (t, 0) without volumes."""
+        return air_along(self.section, self.clamp, self.tip, h, kappa[..., 2])
 
     def stability(self, state: RodSolution) -> Stability:
         """Of a state of this rod against motions out of its plane. Its force keeps its direction.

@@ -94,10 +94,10 @@ class SpaceRod:
         along = np.trapezoid(self.air(state.curvature[:, 1:]), state.s, axis=0)
         return np.asarray(along + self.clamp((state.moment[0] @ state.frames[0])[1:])[6:] + self.tip[3:])
 
-    def air_along(self, s: Array, kappa: Array) -> Array:
-        """(c,) mm3: air in each cavity where elements between s (N,) mm have curvatures (N - 1, 3) in 1/mm."""
-        at_clamp = self.clamp(self.section.plane(kappa[0, 1:])[:2])
-        return np.asarray(np.diff(s) @ self.air(kappa[:, 1:]) + at_clamp[6:] + self.tip[3:])
+    def air_along(self, h: Array, kappa: Array) -> Array:
+        """(t, c) mm3: the same of elements of lengths h (n,) with curvatures (t, n, 3)."""
+        at_clamp = self.clamp(self.section.plane(kappa[:, 0, 1:])[:, :2])
+        return np.asarray(np.einsum("e,tec->tc", h, self.air(kappa[..., 1:])) + at_clamp[:, 6:] + self.tip[3:])
 
     def outside(self, path: Path) -> str:
         """A sentence where the curvature leaves the law; empty elsewhere."""

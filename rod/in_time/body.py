@@ -14,7 +14,7 @@ from rod.arm.section_kernels import TABULATED, SectionArrays
 from rod.arm.solver import Solver
 from rod.arm_law.law_rod import LawRod
 from rod.arm_law.space_rod import SpaceRod
-from rod.cubics import cubic, cubic_slope
+from rod.cubics import cubic, cubic_coefficients, cubic_slope, parabola_slopes
 from rod.errors import RodError
 from rod.in_time.relaxation import ELASTIC, Relaxation
 from rod.load import Load
@@ -29,6 +29,8 @@ Arm: TypeAlias = LinesRod | LawRod | SpaceRod
 GRAM = 1e-6
 #: moments of a clamp between two pressures
 CLAMP_ROWS = 65
+#: pieces of stretch and rigidities over the curvature
+SMOOTH = 8
 
 
 @final
@@ -94,6 +96,9 @@ class Body:
             mass[node] += one[0]
             first[node] += one[0] * beside
             second[node] += _about(one, beside[None])[0]
+        # cells and the negative stiffness of a measured clamp are one spring, without masses inside
+        for values in (mass, first, second):
+            values[: solver.chain.free] = 0.0
         return mass, first, second
 
 
@@ -109,17 +114,50 @@ def _arm_at(law: Any, pressures: tuple[float, ...]) -> Arm:
     return rod.arm if isinstance(rod, Rod) else rod
 
 
-def arrays_of(arm: Arm, load: SpatialLoad, s: Array, *, in_space: bool) -> tuple[SectionArrays, EndArrays]:
-    """Sections and ends of an arm under a load, of one size at all pressures."""
+@lru_cache(256)
+def arrays_of(arm: Arm, load: SpatialLoad, s: tuple[float, ...], in_space: bool) -> tuple[SectionArrays, EndArrays]:
+    """Sections and ends of an arm under a load, of one size at all pressures; s: (N,) mm, of the nodes."""
     model, _ = arm.posed(load)
-    section, ends = model.section.arrays(s), model.ends(load.end_at(float(s[-1])))
-    if section.kind == TABULATED and not in_space:
-        section = section._replace(table=np.ascontiguousarray(section.table[..., :4]))
-    moment = np.linspace(ends.moment[0], ends.moment[-1], CLAMP_ROWS)
+    section, ends = model.section.arrays(np.array(s)), model.ends(load.end_at(s[-1]))
+    if section.kind == TABULATED:
+        section = _smooth(section, section.table.shape[2] if in_space else 4)
+    inside = np.linspace(ends.moment[0], ends.moment[-1], CLAMP_ROWS)
     known = ends.moment, ends.clamped, ends.clamped_slope
-    return section, ends._replace(
-        moment=moment, clamped=cubic(*known, moment), clamped_slope=cubic_slope(*known, moment)
+    values, slopes = cubic(*known, inside), cubic_slope(*known, inside)
+    # a clamp whose slope ended at its last moment would have a kink there
+    beyond = np.ptp(inside) * np.array([-1.0, 1.0])
+    more = values[[0, -1]] + beyond[:, None] * slopes[[0, -1]]
+    moment, clamped, clamped_slope = (
+        np.concatenate([first, middle, last])
+        for first, middle, last in (
+            (inside[:1] + beyond[:1], inside, inside[-1:] + beyond[1:]),
+            (more[:1], values, more[1:]),
+            (slopes[:1], slopes, slopes[-1:]),
+        )
     )
+    return section, ends._replace(moment=moment, clamped=clamped, clamped_slope=clamped_slope)
+
+
+def _smooth(section: SectionArrays, columns: int) -> SectionArrays:
+    """A tabulated section without kinks and ends: its stretch and rigidities follow `SMOOTH` cubics.
+
+    Forces of inertia are large beside dead loads; under them every kink of a rigidity would be a hinge.
+    """
+    table, (first, step), pieces = section.table[..., :columns], section.numbers, section.table.shape[1]
+    every = pieces // SMOOTH
+    kappa = step * np.arange(-every, pieces + every + 1)
+    values = np.concatenate([table[0], table[0, -1:] + step * table[1, -1:]])
+    slopes = np.concatenate([table[1], table[1, -1:]])
+    at, beyond = np.clip(kappa, 0.0, step * pieces), np.clip(np.arange(-every, pieces + every + 1), 0, pieces)
+    moment = values[beyond, 0] + (kappa - at) * slopes[beyond, 0]
+    knots, rows = kappa[::every], values[beyond[::every]]
+    rows[[0, -1], 1] += every * step * slopes[[0, -1], 1] * [-1.0, 1.0]
+    known = knots, rows, parabola_slopes(knots, rows)
+    known[2][[0, -1], 2:] = 0.0
+    smooth, by_kappa = cubic(*known, kappa), cubic_slope(*known, kappa)
+    smooth[:, 0], by_kappa[:, 0] = moment, slopes[beyond, 0]
+    found = np.ascontiguousarray(cubic_coefficients(kappa, smooth, by_kappa))
+    return section._replace(table=found, numbers=np.array([first + kappa[0], step]))
 
 
 def is_spatial(load: SpatialLoad) -> bool:

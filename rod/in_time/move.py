@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Sequence
+from itertools import groupby
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -12,9 +13,9 @@ from rod.arm.assembly import FORCES, FORCES_IN_SPACE, StateArrays
 from rod.arm.chain import planar_frames, turn_of
 from rod.arm.path import Way, follow, positions_under
 from rod.arm.solver import Solver
+from rod.arm_law.law_rod import LawRod
 from rod.arm_law.space_rod import SpaceRod
 from rod.checked import positive
-from rod.cubics import cubic
 from rod.errors import LoadError, RodError
 from rod.in_time.body import Acting, Arm, Body, arrays_of, is_spatial
 from rod.in_time.motion import Motion
@@ -26,12 +27,18 @@ PARTS = 48
 #: how far a pressure may be from the line between two known ones, over their distance
 BESIDE = 0.02
 #: the first acceleration is that within a step so much shorter than the others
-FIRST = 0.1
-#: how much a step may grow, and shrink; how much it must grow to be changed; the shortest one, s
-GROW, SHRINK, WORTH, SHORTEST = 1.5, 0.3, 1.2, 1e-8
+FIRST = 1.0
+#: how much a step may grow, and shrink; how much it must grow to be changed
+GROW, SHRINK, WORTH = 1.5, 0.3, 1.2
+#: most parts of a step that Newton's method needs
+MOST_PARTS = 64
 #: error of a step (rad, and mm over the length) at which it does not resolve the motion
-UNRESOLVED = 0.03
-#: the first step by error, over the time of the first vibration through one radian
+UNRESOLVED = 0.02
+#: a note
+BEYOND = (
+    "Cells bend by up to {:.3g} 1/mm beyond the curvatures of the law; their moment goes on there along its tangent."
+)
+#: the first step by error, which is the shortest too, over the time of the first vibration through one radian
 CAREFUL = 0.02
 
 
@@ -98,7 +105,7 @@ class _Moved:
         rows = getattr(body.law, "rows", None)
         known = getattr(body.law, "pressures", (0.0, 1.0)) if rows is None else [max(row) for row in rows]
         self.range = float(np.min(known)), float(np.max(known))
-        self.rows: list[tuple[Array, ...]] = []
+        self.rows: list[tuple[tuple[Arm, Arm], float, tuple[Any, ...]]] = []
         self.outside = 0.0
         self.felt: Array
         self.joined: Joined
@@ -147,7 +154,8 @@ class _Moved:
         def pressure(time: float) -> Array:
             return np.array([np.interp(time, times, column) for column in values.T])
 
-        dt = fixed or CAREFUL * self._shortest()
+        self.shortest = CAREFUL * self._radian()
+        dt = fixed or self.shortest
         reason = ""
         try:
             trial = self._step(FIRST * dt, pressure)
@@ -163,22 +171,35 @@ class _Moved:
         return self._motion(reason)
 
     def _go(self, dt: float, pressure: Any) -> tuple[float, str]:
-        """Make a step, and give the next one; and why there is none."""
-        trial, fixed = self._step(dt, pressure), bool(self.steps.fixed)
+        """Make a step, in parts where Newton's method needs them; give the next one, and why there is none."""
+        fixed, parts, begin = bool(self.steps.fixed), 1, self.now
+        while (trial := self._parted(dt, parts, pressure)) is None and parts < MOST_PARTS:
+            self.now, parts = begin, 2 * parts
+        if trial is None:
+            self.now = begin
+            return dt, f"No motion was found beyond t = {begin.time:.4g} s."
         allowed = self.steps.tolerance * dt
-        part = 0.9 * math.sqrt(allowed / max(trial.error, 1e-300)) if trial else SHRINK
-        if fixed and (trial is None or trial.error > UNRESOLVED):
+        part = 0.9 * math.sqrt(allowed / max(trial.error, 1e-300))
+        if fixed and trial.error > UNRESOLVED:
             return (
                 dt,
                 f"A step of {dt:.3g} s does not resolve the motion at t = {self.now.time:.4g} s; take a shorter one.",
             )
-        if trial is None or (part < 0.6 and not fixed):
-            if dt < SHORTEST:
-                return dt, f"No motion was found beyond t = {self.now.time:.4g} s."
+        if part < 0.6 and not fixed and dt > self.shortest:
+            self.now = begin
             return dt * max(part, SHRINK), ""
         self.now, self.outside = trial, max(self.outside, trial.outside)
         self._write(pressure(trial.time))
-        return dt * min(part, GROW) if part < 1.0 or part > WORTH else dt, ""
+        return (max(dt * min(part, GROW), self.shortest) if part < 1.0 or part > WORTH else dt), ""
+
+    def _parted(self, dt: float, parts: int, pressure: Any) -> Moment | None:
+        trial: Moment | None = self.now
+        for _ in range(parts):
+            trial = self._step(dt / parts, pressure)
+            if trial is None:
+                return None
+            self.now = trial
+        return trial
 
     def _step(self, dt: float, pressure: Any) -> Moment | None:
         now = self.now
@@ -219,49 +240,51 @@ class _Moved:
         except RodError:
             self.arms, high = (arm, arm), low
         self.known = low, high - low
-        s = self.stepper.solver.s
-        self.joined = Joined(*(arrays_of(one, self.load, s, in_space=self.in_space) for one in self.arms))
+        s = tuple(self.stepper.solver.s.tolist())
+        self.joined = Joined(*(arrays_of(one, self.load, s, self.in_space) for one in self.arms))
 
-    def _shortest(self) -> float:
+    def _radian(self) -> float:
         """s, of the first vibration through one radian, of a cantilever of the arm's mass, about."""
         solver = self.stepper.solver
         mass, length = float(self.stepper.bodies[0].sum()), solver.chain.length
         return math.sqrt(mass * length**3 / solver.arm.section.rigidity) / 3.516
 
     def _write(self, pressure: Array) -> None:
-        """Keep the state with its pressures (c,), the air and the end."""
-        now, ends, s = self.now, self.joined.ends, self.stepper.solver.s
-        state = now.state
-        frames = state.frames if self.in_space else planar_frames(state.angle)
-        frame = frames[-1]
+        """Keep the state with its pressures (c,), and the end of the material curve beside the axis."""
+        state, tip = self.now.state, self.joined.ends.tip[:, 4:]
+        frame = state.frames[-1] if self.in_space else planar_frames(state.angle[-1])
         turn = math.atan2(frame[1, 0], frame[0, 0])
-        turns = np.linspace(-np.pi, np.pi, len(ends.tip))
-        beside = cubic(turns, ends.tip[:, 4:], ends.tip_slope[:, 4:], turn)
-        kappa = np.zeros((len(s) - 1, 3))
-        if self.in_space:
-            kappa = turn_of(np.swapaxes(frames[:-1], 1, 2) @ frames[1:])
-        else:
-            kappa[:, 2] = np.diff(state.angle)
-        kappa /= np.diff(s)[:, None]
-        low, high = (one.air_along(s, kappa) for one in self.arms)
-        air = low + self.joined.part * (high - low)
-        tip = state.place[-1] + frame @ beside
-        self.rows.append((np.array(now.time), pressure, air, tip, np.array(turn), state.reaction, state.place))
+        at = (len(tip) - 1) * (0.5 + turn / (2.0 * math.pi))
+        i = min(int(at), len(tip) - 2)
+        beside = frame @ (tip[i] + (at - i) * (tip[i + 1] - tip[i]))
+        row = np.array(self.now.time), pressure, turn, beside, state.reaction, state.place, state.angle, state.frames
+        self.rows.append((self.arms, self.joined.part, row))
 
     def _motion(self, reason: str) -> Motion:
-        times, pressures, air, tips, turns, reactions, axis = (
-            read_only(np.array(one)) for one in zip(*self.rows, strict=True)
-        )
-        d = 3 if self.in_space else 2
-        angles = read_only(np.degrees(np.unwrap(turns)))
-        s = read_only(self.stepper.solver.s.copy())
-        notes: tuple[str, ...] = ()
-        if self.outside > 0.0:
-            notes = (
-                f"The cells bend by up to {self.outside:.3g} 1/mm beyond the curvatures of the law; "
-                "the moment goes on there along its tangent.",
-            )
-        return Motion(times, pressures, air, tips[:, :d], angles, reactions, s, axis[..., :d], reason, notes)
+        parts = np.array([part for _, part, _ in self.rows])
+        columns = (np.array(one) for one in zip(*(row for _, _, row in self.rows), strict=True))
+        times, pressures, turns, beside, reactions, place, angle, frames = columns
+        h, d = np.diff(self.stepper.solver.s), 3 if self.in_space else 2
+        kappa = np.zeros((len(times), len(h), 3))
+        if self.in_space:
+            kappa[:] = turn_of(np.swapaxes(frames[:, :-1], -1, -2) @ frames[:, 1:])
+        else:
+            kappa[..., 2] = np.diff(angle, axis=1)
+        kappa /= h[:, None]
+        airs, outside = [], self.outside
+        for arms, group in groupby(range(len(parts)), key=lambda k: self.rows[k][0]):
+            rows = list(group)
+            low, high = (arm.air_along(h, kappa[rows]) for arm in arms)
+            airs.append(low + parts[rows, None] * (high - low))
+            if isinstance(arms[0], LawRod):
+                law = arms[0].section.kappa
+                outside = max(
+                    outside, *(float(np.max(one)) for one in (law[0] - kappa[rows, :, 2], kappa[rows, :, 2] - law[-1]))
+                )
+        notes = (BEYOND.format(outside),) if outside > 0.0 else ()
+        values = times, pressures, np.concatenate(airs), (place[:, -1] + beside)[:, :d], np.degrees(np.unwrap(turns))
+        more = reactions, self.stepper.solver.s.copy(), place[..., :d]
+        return Motion(*map(read_only, (*values, *more)), reason, notes)
 
 
 def _forces(solver: Solver, state: StateArrays) -> Array:

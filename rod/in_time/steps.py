@@ -20,12 +20,12 @@ from rod.arm.solver import Solver
 from rod.in_time.relaxation import Relaxation
 
 #: part of a motion that no step resolves which is left after a step
-RHO = 0.9
+RHO = 0.6
 #: weight of the last acceleration; where in a step the forces are taken; and the numbers of Newmark's formulas
 LAST, WITHIN = (2.0 * RHO - 1.0) / (RHO + 1.0), 1.0 / (RHO + 1.0)
 BETA, GAMMA = 0.25 * (2.0 - LAST - WITHIN) ** 2, 1.5 - LAST - WITHIN
 #: iterations of Newton's method
-ITERATIONS = 12
+ITERATIONS = 25
 
 
 class Joined:
@@ -68,7 +68,7 @@ class Moment:
     speed: Array  #: (N, 6)
     acceleration: Array  #: (N, 6)
     memory: Memory
-    error: float = 0.0  #: of the step, rad and mm over the length
+    error: float = 0.0  #: of the step, of means of the places over the length, in which short waves cancel
     outside: float = 0.0  #: 1/mm, by how much a curvature leaves the law
 
 
@@ -79,6 +79,9 @@ class Stepper:
         """bodies: mass (N,), first (N, 3) and second (N, 3, 3) moments of the nodes."""
         self.solver, self.bodies, self.relaxation = solver, bodies, relaxation
         self.in_space = solver.chain.in_space
+        self.has_mass = (bodies[0] > 0.0)[:, None]
+        means = bodies[0] * np.array([np.ones_like(solver.s), solver.s, solver.s**2])
+        self.means = means / means.sum(axis=1)[:, None]
         self.first = FORCES_IN_SPACE if self.in_space else FORCES
         self.shares, self.times = np.array(relaxation.shares), np.array(relaxation.times_s)
         self.creep = np.array(relaxation.creep.shares), np.array(relaxation.creep.times_s)
@@ -116,10 +119,9 @@ class Stepper:
         if not found.converged:
             return None
         motion = self._motion(now.state, state)
-        later = by * (motion / WITHIN - known)
-        speed = v + dt * ((1.0 - GAMMA) * a + GAMMA * later)
-        error = abs(BETA - 1.0 / 6.0) * dt * dt * np.abs(later - a)[1:].max(axis=0)
-        error[:3] /= solver.chain.length
+        later = self.has_mass * by * (motion / WITHIN - known)
+        speed = self.has_mass * (v + dt * ((1.0 - GAMMA) * a + GAMMA * later))
+        error = dt * dt * float(np.abs(self.means @ (later - a)[:, :3]).max())
         forces = solver.room.kept[:, self.first : self.first + memory.elastic.shape[1]]
         if len(slowed):
             elastic = (forces - held) / scale
@@ -127,8 +129,16 @@ class Stepper:
             memory = Memory(time, pressure, late, elastic, branches)
         else:
             memory = memory._replace(time=time, pressure=pressure)
-        state = self._moved(state, (1.0 / WITHIN - 1.0) * motion)
-        return Moment(now.time + dt, state, speed, later, memory, float(error.max()), found.outside)
+        state = self._moved(state, (1.0 / WITHIN - 1.0) * self.has_mass * motion)
+        return Moment(
+            now.time + dt,
+            state,
+            speed,
+            later,
+            memory,
+            abs(BETA - 1.0 / 6.0) * error / solver.chain.length,
+            found.outside,
+        )
 
     def _motion(self, before: StateArrays, after: StateArrays) -> Array:
         """(N, 6) between two states."""

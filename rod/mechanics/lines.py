@@ -93,9 +93,9 @@ class LinesRod:
     def _all(self, load: SpatialLoad) -> SpatialLoad:
         return replace(load, along=(*load.along, *self.own))
 
-    def air_along(self, s: Array, kappa: Array) -> Array:
-        """(0,): its law has no volumes."""
-        return np.empty(0)
+    def air_along(self, h: Array, kappa: Array) -> Array:
+        """(t, 0): its law has no volumes."""
+        return np.empty((len(kappa), 0))
 
     def outside(self, path: Path) -> str:
         """A sentence where what holds the rod stretches it; empty elsewhere."""
