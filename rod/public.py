@@ -18,6 +18,7 @@ from rod.identification.observed import too_few_pitches
 from rod.identification.single_line import LineFit
 from rod.identification.two_lines import Identification, identify, is_clear, longest_break, shortest_break
 from rod.in_time.body import Acting, Body
+from rod.in_time.frequencies import Mode, frequencies
 from rod.in_time.motion import Motion
 from rod.in_time.move import Start, Steps, move
 from rod.in_time.relaxation import Relaxation
@@ -50,6 +51,7 @@ __all__ = [
     "LineLoad",
     "LinearRange",
     "Load",
+    "Mode",
     "Moment",
     "MomentRange",
     "Motion",
@@ -77,6 +79,7 @@ __all__ = [
     "end_displacement_closure",
     "export_robot",
     "extension",
+    "frequencies",
     "identify",
     "is_clear",
     "linear_range",

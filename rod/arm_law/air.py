@@ -28,7 +28,7 @@ def air_volumes(section: SectionLaw, clamp: ClampCurve, tip: TipCurve, state: Ro
 
 
 def air_along(section: SectionLaw, clamp: ClampCurve, tip: TipCurve, h: Array, kappa: Array) -> Array:
-    """(t, c) mm3: the same of elements of lengths h (n,) in mm with curvatures (t, n) in 1/mm; (t, 0) without volumes."""
+    """(t, c) mm3: the same of elements of lengths h (n,) in mm with curvatures (t, n) in 1/mm."""
     if not section.volume.size:
         return np.empty((len(kappa), 0))
     decides = min(int(np.searchsorted(np.cumsum(h), clamp.position)), len(h) - 1)

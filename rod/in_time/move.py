@@ -8,19 +8,16 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from geometry.arrays import Array, read_only
-from rod.along import are_heights
-from rod.arm.assembly import FORCES, FORCES_IN_SPACE, StateArrays
 from rod.arm.chain import planar_frames, turn_of
-from rod.arm.path import Way, follow, positions_under
 from rod.arm.solver import Solver
 from rod.arm_law.law_rod import LawRod
 from rod.arm_law.space_rod import SpaceRod
 from rod.checked import positive
 from rod.errors import LoadError, RodError
 from rod.in_time.body import Acting, Arm, Body, arrays_of, is_spatial
+from rod.in_time.equilibrium import elastic_forces, equilibrium
 from rod.in_time.motion import Motion
 from rod.in_time.steps import LAST, WITHIN, Joined, Memory, Moment, Stepper
-from rod.spatial import SpatialLoad
 
 #: parts of the range of a law between whose pressures sections are joined by straight lines
 PARTS = 48
@@ -116,7 +113,7 @@ class _Moved:
         then = body.at(before)
         old, self.load = (body.loaded(one, then) for one in (was, self.acting))
         self.in_space = self.steps.in_space or isinstance(then, SpaceRod) or is_spatial(old) or is_spatial(self.load)
-        solver, state = self._equilibrium(then, old)
+        solver, state = equilibrium(then, old, self.load, self.in_space)
         creep = np.array(body.relaxation.creep.shares)
         late = np.multiply.outer(creep, first - before)
         felt = first - late.sum(axis=0)
@@ -125,7 +122,7 @@ class _Moved:
         own = Solver(model, solver.s, posed, in_space=self.in_space)
         if len(own.load.held) and not np.array_equal(own.load.held, solver.load.held):
             raise LoadError("What holds an arm in motion must hold it from the start.")
-        earlier, elastic = (_forces(one, state) for one in (solver, own))
+        earlier, elastic = (elastic_forces(one, state) for one in (solver, own))
         forces = np.multiply.outer(np.array(body.relaxation.shares), elastic - earlier)
         state = state._replace(reaction=state.reaction if len(own.load.held) else np.zeros(0))
         self.stepper = Stepper(own, body.inertia(self.acting, own), body.relaxation)
@@ -133,19 +130,6 @@ class _Moved:
         self.now = Moment(0.0, state, still, still, Memory(0.0, first, late, elastic, forces))
         self._know(felt, felt)
         self._write(before)
-
-    def _equilibrium(self, arm: Arm, load: SpatialLoad) -> tuple[Solver, StateArrays]:
-        """On nodes where this load and that of the motion have breaks."""
-        (model, posed), (_, later) = arm.posed(load), arm.posed(self.load)
-        path = follow(model, posed, Way(not self.in_space and are_heights(posed.supports), self.in_space))
-        if outside := arm.outside(path):
-            raise RodError(outside)
-        both = SpatialLoad(along=(*posed.along, *later.along), supports=posed.supports)
-        solver = Solver(model, positions_under(model, both), posed, in_space=self.in_space)
-        state = path.chains[0].on(solver.s)
-        if not solver.converge(state, 1.0, solver.load.target).converged:
-            raise RodError("The arm has no equilibrium from which it could move.")
-        return solver, state
 
     def along(self, times: Array, values: Array, seconds: float) -> Motion:
         """Through pressures (T, c) at times (T,), up to a time."""
@@ -282,14 +266,15 @@ class _Moved:
                     outside, *(float(np.max(one)) for one in (law[0] - kappa[rows, :, 2], kappa[rows, :, 2] - law[-1]))
                 )
         notes = (BEYOND.format(outside),) if outside > 0.0 else ()
-        values = times, pressures, np.concatenate(airs), (place[:, -1] + beside)[:, :d], np.degrees(np.unwrap(turns))
-        more = reactions, self.stepper.solver.s.copy(), place[..., :d]
-        return Motion(*map(read_only, (*values, *more)), reason, notes)
-
-
-def _forces(solver: Solver, state: StateArrays) -> Array:
-    """(n, m) N mm and N: elastic forces of the elements in a state."""
-    copied = state._replace(inner=state.inner.copy(), reaction=np.zeros(len(solver.load.held)))
-    solver.converge(copied, 1.0, solver.load.target, iterations=0)
-    first, m = (FORCES_IN_SPACE, 6) if solver.chain.in_space else (FORCES, 3)
-    return solver.room.kept[:, first : first + m].copy()
+        return Motion(
+            read_only(times),
+            read_only(pressures),
+            read_only(np.concatenate(airs)),
+            read_only((place[:, -1] + beside)[:, :d]),
+            read_only(np.degrees(np.unwrap(turns))),
+            read_only(reactions),
+            read_only(self.stepper.solver.s.copy()),
+            read_only(place[..., :d]),
+            reason,
+            notes,
+        )

@@ -1,0 +1,40 @@
+"""The equilibrium about which, or from which, an arm moves."""
+
+import numpy as np
+
+from geometry.arrays import Array
+from rod.along import are_heights
+from rod.arm.assembly import FORCES, FORCES_IN_SPACE, StateArrays
+from rod.arm.chain import halved
+from rod.arm.path import Way, follow, positions_under
+from rod.arm.solver import Solver
+from rod.errors import RodError
+from rod.in_time.body import Arm
+from rod.spatial import SpatialLoad
+
+
+def equilibrium(
+    arm: Arm, load: SpatialLoad, later: SpatialLoad, in_space: bool, *, fine: bool = False
+) -> tuple[Solver, StateArrays]:
+    """Under a load, on nodes where this and a later load have breaks; fine: on elements of half the length.
+
+    Raises `RodError` where there is none that the law knows.
+    """
+    (model, posed), (_, other) = arm.posed(load), arm.posed(later)
+    path = follow(model, posed, Way(not in_space and are_heights(posed.supports), in_space))
+    if outside := arm.outside(path):
+        raise RodError(outside)
+    s = positions_under(model, SpatialLoad(along=(*posed.along, *other.along), supports=posed.supports))
+    solver = Solver(model, halved(s) if fine else s, posed, in_space=in_space)
+    state = path.chains[0].on(solver.s)
+    if not solver.converge(state, 1.0, solver.load.target).converged:
+        raise RodError("The arm has no equilibrium from which it could move.")
+    return solver, state
+
+
+def elastic_forces(solver: Solver, state: StateArrays) -> Array:
+    """(n, m) N mm and N: elastic forces of the elements in a state."""
+    copied = state._replace(inner=state.inner.copy(), reaction=np.zeros(len(solver.load.held)))
+    solver.converge(copied, 1.0, solver.load.target, iterations=0)
+    first, m = (FORCES_IN_SPACE, 6) if solver.chain.in_space else (FORCES, 3)
+    return solver.room.kept[:, first : first + m].copy()
