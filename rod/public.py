@@ -17,6 +17,7 @@ from rod.identification.moment_range import MomentRange
 from rod.identification.observed import too_few_pitches
 from rod.identification.single_line import LineFit
 from rod.identification.two_lines import Identification, identify, is_clear, longest_break, shortest_break
+from rod.in_time.air import Air
 from rod.in_time.body import Acting, Body
 from rod.in_time.frequencies import Mode, frequencies
 from rod.in_time.motion import Motion
@@ -36,6 +37,7 @@ __all__ = [
     "PARAMETER_COLUMNS",
     "PARAMETER_NAMES",
     "Acting",
+    "Air",
     "Arm",
     "ArmLaw",
     "Body",

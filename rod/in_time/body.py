@@ -52,7 +52,8 @@ class Body:
     law: Any  #: one with `at(pressures)`, such as `ArmLaw` or `PressurisedRod`; or a `Rod`, whose pressure stays
     relaxation: Relaxation = ELASTIC
     mass: Mass | None = None  #: None: that of the law
-    spread: tuple[float, float] = (0.0, 0.0)  #: mm2, mean squares of its distance from its centre, along y and z
+    #: mm2, mean squares of its distance from its centre, along y and z; None: its rigidities over that against stretch
+    spread: tuple[float, float] | None = None
 
     def at(self, pressures: Array) -> Arm:
         """The arm at pressures (c,) in kPa. Raises `RodError` as the law does."""
@@ -81,7 +82,7 @@ class Body:
         mass, heights = (-GRAM * np.diff(one) for one in self.weighed.within(length - edges))
         lever = np.zeros((len(s), 3))
         lever[:, 1] = heights / mass
-        y, z = self.spread
+        y, z = self.spread or (_gyration(solver),) * 2
         along = np.diff(edges) ** 2 / 12.0
         second = np.zeros((len(s), 3, 3))
         squares = np.array([along, along + y, along + z]).T  # of the distances along the three directions
@@ -100,6 +101,15 @@ class Body:
         for values in (mass, first, second):
             values[: solver.chain.free] = 0.0
         return mass, first, second
+
+
+def _gyration(solver: Solver) -> float:
+    """mm2: the rigidity against bending over that against stretch."""
+    arrays = solver.arm.section.arrays(solver.s)
+    axial = (
+        arrays.table[0, arrays.table.shape[1] // 2, 2] if arrays.kind == TABULATED else arrays.numbers[arrays.kind % 2]
+    )
+    return float(solver.arm.section.rigidity / axial)
 
 
 def _about(mass: Array, lever: Array) -> Array:

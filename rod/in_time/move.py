@@ -1,19 +1,23 @@
 """The motion of an arm under pressures over time, from an equilibrium."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from functools import partial
 from itertools import groupby
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
 from geometry.arrays import Array, read_only
+from rod.arm.assembly import StateArrays
 from rod.arm.chain import planar_frames, turn_of
 from rod.arm.solver import Solver
 from rod.arm_law.law_rod import LawRod
 from rod.arm_law.space_rod import SpaceRod
 from rod.checked import positive
 from rod.errors import LoadError, RodError
+from rod.in_time.air import Air
 from rod.in_time.body import Acting, Arm, Body, arrays_of, is_spatial
 from rod.in_time.equilibrium import elastic_forces, equilibrium
 from rod.in_time.motion import Motion
@@ -23,10 +27,10 @@ from rod.in_time.steps import LAST, WITHIN, Joined, Memory, Moment, Stepper
 PARTS = 48
 #: how far a pressure may be from the line between two known ones, over their distance
 BESIDE = 0.02
-#: the first acceleration is that within a step so much shorter than the others
-FIRST = 1.0
-#: how much a step may grow, and shrink; how much it must grow to be changed
-GROW, SHRINK, WORTH = 1.5, 0.3, 1.2
+#: rounds for the pressure of air, and how exactly the logarithm of its amount is kept
+ROUNDS, MISSED = 12, 1e-8
+#: how much a step may grow, and shrink; how much it must grow to be changed, and shrink to be made again
+GROW, SHRINK, WORTH, AGAIN = 1.5, 0.3, 1.2, 0.6
 #: most parts of a step that Newton's method needs
 MOST_PARTS = 64
 #: error of a step (rad, and mm over the length) at which it does not resolve the motion
@@ -37,6 +41,10 @@ BEYOND = (
 )
 #: the first step by error, which is the shortest too, over the time of the first vibration through one radian
 CAREFUL = 0.02
+
+
+#: makes a step of a length in s
+Step: TypeAlias = Callable[[float], Moment | None]
 
 
 class Start(NamedTuple):
@@ -70,11 +78,20 @@ def move(
     """
     seconds = positive(seconds, "The time of a motion in s")
     cavities = len(getattr(body.law, "cavities", ("the arm",)))
-    times, values = _table(pressure, seconds, cavities)
-    before = values[0] if start.pressure is None and np.ndim(pressure) == 2 else start.pressure or np.zeros(cavities)
+    is_air, is_table = isinstance(pressure, Air), np.ndim(pressure) == 2
+    times, values = _table(0.0 if is_air else pressure, seconds, 1 if is_air else cavities)
+    before = values[0] if start.pressure is None and is_table else start.pressure or np.zeros(cavities)
+    before = np.broadcast_to(np.asarray(before, float), cavities)
     moved = _Moved(body, acting, steps)
-    moved.begin(np.broadcast_to(np.asarray(before, float), cavities), values[0], start.acting or acting)
-    return moved.along(times, values, seconds)
+    if is_air:
+        moved.begin(before, before, start.acting or acting)
+        return moved.along(seconds, partial(moved.blown, air=pressure))
+    moved.begin(before, values[0], start.acting or acting)
+
+    def given(time: float) -> Array:
+        return np.array([np.interp(time, times, column) for column in values.T])
+
+    return moved.along(seconds, partial(moved.step, pressure=given))
 
 
 def _table(pressure: Any, seconds: float, cavities: int) -> tuple[Array, Array]:
@@ -106,6 +123,7 @@ class _Moved:
         self.outside = 0.0
         self.felt: Array
         self.joined: Joined
+        self.shortest = 0.0
 
     def begin(self, before: Array, first: Array, was: Acting) -> None:
         """In equilibrium at pressures (c,), which become the first ones at once."""
@@ -127,76 +145,110 @@ class _Moved:
         state = state._replace(reaction=state.reaction if len(own.load.held) else np.zeros(0))
         self.stepper = Stepper(own, body.inertia(self.acting, own), body.relaxation)
         still = np.zeros((len(own.s), 6))
-        self.now = Moment(0.0, state, still, still, Memory(0.0, first, late, elastic, forces))
+        memory = Memory(0.0, first, late, elastic, forces)
+        self.now = Moment(0.0, state, still, still, memory, pressure=before)
+        self._know(before, before)
+        self.now = replace(self.now, volume=float(self._air(state).sum()))
+        self._write()
         self._know(felt, felt)
-        self._write(before)
 
-    def along(self, times: Array, values: Array, seconds: float) -> Motion:
-        """Through pressures (T, c) at times (T,), up to a time."""
-        now, fixed = self.now, self.steps.fixed
-
-        def pressure(time: float) -> Array:
-            return np.array([np.interp(time, times, column) for column in values.T])
-
+    def along(self, seconds: float, step: Step) -> Motion:
+        """By steps up to a time."""
+        fixed = self.steps.fixed
         self.shortest = CAREFUL * self._radian()
-        dt = fixed or self.shortest
-        reason = ""
+        dt, reason = fixed or self.shortest, ""
         try:
-            trial = self._step(FIRST * dt, pressure)
-            if trial is not None:
-                self.now = Moment(0.0, now.state, now.speed, (1.0 - LAST) * trial.acceleration, now.memory)
-            while (left := seconds - self.now.time) > 1e-12 * seconds:
+            if trial := step(dt):
+                self.now = replace(self.now, acceleration=(1.0 - LAST) * trial.acceleration)
+            while not reason and (left := seconds - self.now.time) > 1e-12 * seconds:
                 dt = min(fixed, left) if fixed else left if left <= dt else min(dt, 0.5 * left) if left < 2 * dt else dt
-                dt, reason = self._go(dt, pressure)
-                if reason:
-                    break
+                dt, reason = self._go(dt, step)
         except RodError as error:
             reason = f"At t = {self.now.time:.4g} s the motion leaves what is known: {error}"
         return self._motion(reason)
 
-    def _go(self, dt: float, pressure: Any) -> tuple[float, str]:
+    def _go(self, dt: float, step: Step) -> tuple[float, str]:
         """Make a step, in parts where Newton's method needs them; give the next one, and why there is none."""
         fixed, parts, begin = bool(self.steps.fixed), 1, self.now
-        while (trial := self._parted(dt, parts, pressure)) is None and parts < MOST_PARTS:
-            self.now, parts = begin, 2 * parts
+        while (trial := self._parted(dt, parts, step)) is None and parts < MOST_PARTS:
+            parts *= 2
+        now, self.now = self.now, begin
         if trial is None:
-            self.now = begin
             return dt, f"No motion was found beyond t = {begin.time:.4g} s."
-        allowed = self.steps.tolerance * dt
-        part = 0.9 * math.sqrt(allowed / max(trial.error, 1e-300))
         if fixed and trial.error > UNRESOLVED:
-            return (
-                dt,
-                f"A step of {dt:.3g} s does not resolve the motion at t = {self.now.time:.4g} s; take a shorter one.",
-            )
-        if part < 0.6 and not fixed and dt > self.shortest:
-            self.now = begin
+            told = f"A step of {dt:.3g} s does not resolve the motion at t = {begin.time:.4g} s"
+            return dt, f"{told}; take a shorter one."
+        part = 0.9 * math.sqrt(self.steps.tolerance * dt / max(trial.error, 1e-300))
+        if part < AGAIN and not fixed and dt > self.shortest:
             return dt * max(part, SHRINK), ""
-        self.now, self.outside = trial, max(self.outside, trial.outside)
-        self._write(pressure(trial.time))
+        self.now, self.outside = now, max(self.outside, trial.outside)
+        self._write()
         return (max(dt * min(part, GROW), self.shortest) if part < 1.0 or part > WORTH else dt), ""
 
-    def _parted(self, dt: float, parts: int, pressure: Any) -> Moment | None:
-        trial: Moment | None = self.now
+    def _parted(self, dt: float, parts: int, step: Step) -> Moment | None:
+        """The last of some equal parts of a step; None, and the arm as before, where one is not found."""
+        begin = self.now
         for _ in range(parts):
-            trial = self._step(dt / parts, pressure)
+            trial = step(dt / parts)
             if trial is None:
+                self.now = begin
                 return None
             self.now = trial
-        return trial
+        return self.now
 
-    def _step(self, dt: float, pressure: Any) -> Moment | None:
+    def step(self, dt: float, pressure: Callable[[float], Array]) -> Moment | None:
+        """The end of a step under pressures (c,) over time; None where it is not found."""
         now = self.now
-        time = now.time + WITHIN * dt
-        acts = pressure(time)
-        felt, late = self.stepper.felt(now.memory, time, acts)
+        acts = pressure(now.time + WITHIN * dt)
+        felt, late = self.stepper.felt(now.memory, now.time + WITHIN * dt, acts)
         part, distance = self._place(felt)
         if not (-BESIDE <= part <= 1.0 + BESIDE and distance <= BESIDE):
             self._know(felt, self.felt)
-            part, _ = self._place(felt)
-        self.felt = felt
-        self.joined.go(part)
-        return self.stepper.step(now, dt, self.joined, acts, late)
+        else:
+            self.felt = felt
+            self.joined.go(part)
+        found = self.stepper.step(now, dt, self.joined, acts, late)
+        return found and replace(found, pressure=pressure(found.time))
+
+    def blown(self, dt: float, air: Air) -> Moment | None:
+        """The end of a step under the pressure of air, which changes evenly in it."""
+        now = self.now
+        before = float(now.pressure[0])
+        amount, growth = air.amount(before, now.volume), air.growth(now.time, before, now.volume)
+        slope, last = 1.0 / (air.atmosphere + before), (0.0, 0.0)
+        pressure = before
+        for k in range(ROUNDS):
+            after = np.array([pressure])
+
+            def evenly(time: float, after: Array = after) -> Array:
+                return now.pressure + (time - now.time) / dt * (after - now.pressure)
+
+            trial = self.step(dt, evenly)
+            if trial is None:
+                return None
+            volume = float(self._air(trial.state)[0])
+            more = 0.5 * dt * (growth + air.growth(trial.time, pressure, volume))
+            missed = air.amount(pressure, volume) - amount - more
+            if abs(missed) < MISSED:
+                return replace(trial, volume=volume)
+            if k and missed != last[1]:
+                slope = (missed - last[1]) / (pressure - last[0])
+            last, pressure = (pressure, missed), pressure - missed / slope
+        return None
+
+    def _air(self, state: StateArrays) -> Array:
+        """(c,) mm3 in a state."""
+        kappa = self._curvatures(state.angle[None], state.frames[None])
+        h = np.diff(self.stepper.solver.s)
+        low, high = (arm.air_along(h, kappa)[0] for arm in self.arms)
+        return np.asarray(low + self.joined.part * (high - low))
+
+    def _curvatures(self, angle: Array, frames: Array) -> Array:
+        """(t, n, 3) 1/mm of the elements, from angles (t, N) or frames (t, N, 3, 3) of the nodes."""
+        h = np.diff(self.stepper.solver.s)[:, None]
+        if self.in_space:
+            return np.asarray(turn_of(np.swapaxes(frames[:, :-1], -1, -2) @ frames[:, 1:]) / h)
+        return np.diff(angle, axis=1)[..., None] * [0.0, 0.0, 1.0] / h
 
     def _place(self, felt: Array) -> tuple[float, float]:
         """Where pressures are between the two known ones, and how far beside them, over their distance."""
@@ -226,6 +278,7 @@ class _Moved:
         self.known = low, high - low
         s = tuple(self.stepper.solver.s.tolist())
         self.joined = Joined(*(arrays_of(one, self.load, s, self.in_space) for one in self.arms))
+        self.joined.go(self._place(felt)[0])
 
     def _radian(self) -> float:
         """s, of the first vibration through one radian, of a cantilever of the arm's mass, about."""
@@ -233,15 +286,24 @@ class _Moved:
         mass, length = float(self.stepper.bodies[0].sum()), solver.chain.length
         return math.sqrt(mass * length**3 / solver.arm.section.rigidity) / 3.516
 
-    def _write(self, pressure: Array) -> None:
-        """Keep the state with its pressures (c,), and the end of the material curve beside the axis."""
+    def _write(self) -> None:
+        """Keep the state, and the end of the material curve beside the axis."""
         state, tip = self.now.state, self.joined.ends.tip[:, 4:]
         frame = state.frames[-1] if self.in_space else planar_frames(state.angle[-1])
         turn = math.atan2(frame[1, 0], frame[0, 0])
         at = (len(tip) - 1) * (0.5 + turn / (2.0 * math.pi))
         i = min(int(at), len(tip) - 2)
         beside = frame @ (tip[i] + (at - i) * (tip[i + 1] - tip[i]))
-        row = np.array(self.now.time), pressure, turn, beside, state.reaction, state.place, state.angle, state.frames
+        row = (
+            np.array(self.now.time),
+            self.now.pressure,
+            turn,
+            beside,
+            state.reaction,
+            state.place,
+            state.angle,
+            state.frames,
+        )
         self.rows.append((self.arms, self.joined.part, row))
 
     def _motion(self, reason: str) -> Motion:
@@ -249,12 +311,7 @@ class _Moved:
         columns = (np.array(one) for one in zip(*(row for _, _, row in self.rows), strict=True))
         times, pressures, turns, beside, reactions, place, angle, frames = columns
         h, d = np.diff(self.stepper.solver.s), 3 if self.in_space else 2
-        kappa = np.zeros((len(times), len(h), 3))
-        if self.in_space:
-            kappa[:] = turn_of(np.swapaxes(frames[:, :-1], -1, -2) @ frames[:, 1:])
-        else:
-            kappa[..., 2] = np.diff(angle, axis=1)
-        kappa /= h[:, None]
+        kappa = self._curvatures(angle, frames)
         airs, outside = [], self.outside
         for arms, group in groupby(range(len(parts)), key=lambda k: self.rows[k][0]):
             rows = list(group)

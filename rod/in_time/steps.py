@@ -5,7 +5,7 @@ Mech. 60 (1993) 371; for rotations O. Bruels, A. Cardona, J. Comput. Nonlinear D
 rubber are integrated exactly for forces that change evenly from one such time to the next.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
@@ -70,6 +70,8 @@ class Moment:
     memory: Memory
     error: float = 0.0  #: of the step, of means of the places over the length, in which short waves cancel
     outside: float = 0.0  #: 1/mm, by how much a curvature leaves the law
+    pressure: Array = field(default_factory=lambda: np.empty(0))  #: (c,) kPa
+    volume: float = 0.0  #: mm3, of air that decides on its pressure
 
 
 class Stepper:
