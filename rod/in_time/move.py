@@ -33,8 +33,6 @@ ROUNDS, MISSED = 12, 1e-8
 GROW, SHRINK, WORTH, AGAIN = 1.5, 0.3, 1.2, 0.6
 #: most parts of a step that Newton's method needs
 MOST_PARTS = 64
-#: error of a step (rad, and mm over the length) at which it does not resolve the motion
-UNRESOLVED = 0.02
 #: a note
 BEYOND = (
     "Cells bend by up to {:.3g} 1/mm beyond the curvatures of the law; their moment goes on there along its tangent."
@@ -85,6 +83,8 @@ def move(
     moved = _Moved(body, acting, steps)
     if is_air:
         moved.begin(before, before, start.acting or acting)
+        if moved.now.volume == 0.0:
+            raise RodError("The law has no volumes of the air; measure it anew with `pneurod cell`.")
         return moved.along(seconds, partial(moved.blown, air=pressure))
     moved.begin(before, values[0], start.acting or acting)
 
@@ -155,8 +155,12 @@ class _Moved:
     def along(self, seconds: float, step: Step) -> Motion:
         """By steps up to a time."""
         fixed = self.steps.fixed
-        self.shortest = CAREFUL * self._radian()
+        radian = self._radian()
+        self.shortest = CAREFUL * radian
         dt, reason = fixed or self.shortest, ""
+        if dt > radian:
+            told = f"A step of {dt:.3g} s does not resolve a vibration of {0.5 / (math.pi * radian):.2g} Hz"
+            return self._motion(f"{told}; take one of {0.1 * radian:.2g} s.")
         try:
             if trial := step(dt):
                 self.now = replace(self.now, acceleration=(1.0 - LAST) * trial.acceleration)
@@ -175,9 +179,6 @@ class _Moved:
         now, self.now = self.now, begin
         if trial is None:
             return dt, f"No motion was found beyond t = {begin.time:.4g} s."
-        if fixed and trial.error > UNRESOLVED:
-            told = f"A step of {dt:.3g} s does not resolve the motion at t = {begin.time:.4g} s"
-            return dt, f"{told}; take a shorter one."
         part = 0.9 * math.sqrt(self.steps.tolerance * dt / max(trial.error, 1e-300))
         if part < AGAIN and not fixed and dt > self.shortest:
             return dt * max(part, SHRINK), ""

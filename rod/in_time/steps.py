@@ -80,6 +80,7 @@ class Stepper:
     def __init__(self, solver: Solver, bodies: tuple[Array, Array, Array], relaxation: Relaxation) -> None:
         """bodies: mass (N,), first (N, 3) and second (N, 3, 3) moments of the nodes."""
         self.solver, self.bodies, self.relaxation = solver, bodies, relaxation
+        solve_chain.compile_next()
         self.in_space = solver.chain.in_space
         self.has_mass = (bodies[0] > 0.0)[:, None]
         means = bodies[0] * np.array([np.ones_like(solver.s), solver.s, solver.s**2])
