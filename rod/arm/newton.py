@@ -10,7 +10,7 @@ import numpy as np
 
 from geometry.arrays import Array, Index
 from rod.arm import assembly
-from rod.arm.assembly import Chain, LoadArrays, StateArrays, Tangent, assemble, move, predict
+from rod.arm.assembly import Chain, LoadArrays, StateArrays, Tangent, _frame, assemble, move, predict
 from rod.arm.bands import factorize, solve, solve_small
 from rod.arm.end_kernels import EndArrays
 from rod.arm.rotations import cross_into, logarithm, multiply, skew
@@ -100,73 +100,67 @@ def unstable(band: Array, first: int, small: Array) -> int:
     return negative - negative_of(small)
 
 
-def _add_in_plane(inertia: Inertia, state: StateArrays, node: int, tangent: Tangent) -> None:
-    """Add the inertia of a node whose motion is x, y and angle."""
-    row, band, carried = 3 * (node - 1), tangent.band, inertia.carried[node]
-    by, by_speed = inertia.of_motion[0], inertia.of_motion[1]
-    c, s = math.cos(state.angle[node]), math.sin(state.angle[node])
-    mass, first, second = inertia.mass[node], inertia.first[node], inertia.second[node, 2, 2]
-    x, y = c * first[0] - s * first[1], s * first[0] + c * first[1]
-    ax = by * (state.place[node, 0] - inertia.place[node, 0]) + carried[0]
-    ay = by * (state.place[node, 1] - inertia.place[node, 1]) + carried[1]
-    turn = state.angle[node] - inertia.angle[node]
-    spin, speed = by * turn + carried[5], by_speed * turn + carried[8]
-    tangent.residual[row] += mass * ax - spin * y - speed * speed * x
-    tangent.residual[row + 1] += mass * ay + spin * x - speed * speed * y
-    tangent.residual[row + 2] += x * ay - y * ax + second * spin
-    band[row, 5] += mass * by
-    band[row + 1, 5] += mass * by
-    band[row, 7] += speed * speed * y - by * y - (spin + 2.0 * speed * by_speed) * x
-    band[row + 1, 6] += by * x - spin * y - 2.0 * speed * by_speed * y - speed * speed * x
-    band[row + 2, 3] -= by * y
-    band[row + 2, 4] += by * x
-    band[row + 2, 5] += second * by - y * ay - x * ax
-
-
 def add_inertia(inertia: Inertia, chain: Chain, state: StateArrays, tangent: Tangent) -> None:
     """Add forces and moments of inertia of all nodes but the first, which the clamp moves, to residual and tangent.
 
-    In space the tangent is without what the speeds and the turning of the lever add.
+    The tangent is without what the speeds and the turning of a lever add.
     """
-    first, spin, speed, acceleration = np.empty(3), np.empty(3), np.empty(3), np.empty(3)
-    between, turn, whirl, lever = np.empty((3, 3)), np.empty(3), np.empty(3), np.empty((3, 3))
-    second, turned = np.empty((3, 3)), np.empty((3, 3))
-    by, by_speed = inertia.of_motion[0], inertia.of_motion[1]
+    m, base, frame, between = 6 if chain.in_space else 3, np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3))
+    lever, second, turned, out, block = (
+        np.empty((3, 3)),
+        np.empty((3, 3)),
+        np.empty((3, 3)),
+        np.empty(6),
+        np.zeros((6, 6)),
+    )
+    first, turn, whirl, spin, speed, along = (
+        np.empty(3),
+        np.zeros(3),
+        np.empty(3),
+        np.empty(3),
+        np.empty(3),
+        np.empty(3),
+    )
+    by, half = inertia.of_motion[0], 2 * m - 1
     for node in range(1, len(state.place)):
-        if not chain.in_space:
-            _add_in_plane(inertia, state, node, tangent)
+        if inertia.mass[node] == 0.0:
             continue
-        row, carried, frame = 6 * (node - 1), inertia.carried[node], state.frames[node]
-        for i in range(3):
-            for j in range(3):
-                between[i, j] = 0.0
-                for k in range(3):
-                    between[i, j] += frame[i, k] * inertia.frames[node, j, k]
-        logarithm(between, turn)
+        _frame(chain, state, node, frame)
+        if chain.in_space:
+            base[:] = inertia.frames[node].T
+            multiply(frame, base, between)
+            logarithm(between, turn)
+        else:
+            turn[2] = state.angle[node] - inertia.angle[node]
+        base[:] = frame.T
         multiply(frame, inertia.second[node], turned)
+        multiply(turned, base, second)
+        carried = inertia.carried[node]
         for i in range(3):
-            first[i] = 0.0
-            acceleration[i] = by * (state.place[node, i] - inertia.place[node, i]) + carried[i]
-            spin[i], speed[i] = by * turn[i] + carried[3 + i], by_speed * turn[i] + carried[6 + i]
-            for j in range(3):
-                first[i] += frame[i, j] * inertia.first[node, j]
-                second[i, j] = turned[i, 0] * frame[j, 0] + turned[i, 1] * frame[j, 1] + turned[i, 2] * frame[j, 2]
+            first[i] = frame[i, 0] * inertia.first[node, 0] + frame[i, 1] * inertia.first[node, 1]
+            first[i] += frame[i, 2] * inertia.first[node, 2]
+            along[i] = by * (state.place[node, i] - inertia.place[node, i]) + carried[i]
+            spin[i], speed[i] = by * turn[i] + carried[3 + i], inertia.of_motion[1] * turn[i] + carried[6 + i]
         skew(first, lever)
         cross_into(speed, first, whirl)
-        cross_into(speed, whirl, turn)
+        cross_into(speed, whirl, out[:3])
         for i in range(3):
             whirl[i] = second[i, 0] * speed[0] + second[i, 1] * speed[1] + second[i, 2] * speed[2]
-            tangent.residual[row + i] += inertia.mass[node] * acceleration[i] + turn[i]
-            tangent.band[row + i, 11] += inertia.mass[node] * by
-        cross_into(speed, whirl, turn)
+        cross_into(speed, whirl, out[3:])
         for i in range(3):
-            tangent.residual[row + 3 + i] += turn[i]
+            out[i] += inertia.mass[node] * along[i]
+            block[i, i] = by * inertia.mass[node]
             for j in range(3):
-                tangent.residual[row + i] -= lever[i, j] * spin[j]
-                tangent.residual[row + 3 + i] += lever[i, j] * acceleration[j] + second[i, j] * spin[j]
-                tangent.band[row + i, 14 + j - i] -= by * lever[i, j]
-                tangent.band[row + 3 + i, 8 + j - i] += by * lever[i, j]
-                tangent.band[row + 3 + i, 11 + j - i] += by * second[i, j]
+                out[i] -= lever[i, j] * spin[j]
+                out[3 + i] += lever[i, j] * along[j] + second[i, j] * spin[j]
+                block[i, 3 + j], block[3 + i, j] = -by * lever[i, j], by * lever[i, j]
+                block[3 + i, 3 + j] = by * second[i, j]
+        row = m * (node - 1)
+        for i in range(m):
+            at = i if m == 6 or i < 2 else 5
+            tangent.residual[row + i] += out[at]
+            for j in range(m):
+                tangent.band[row + i, half + j - i] += block[at, j if m == 6 or j < 2 else 5]
 
 
 def _newton(
@@ -259,4 +253,4 @@ def negative_of(matrix: Array) -> int:
 
 
 #: the functions that `_newton` calls, innermost first
-CALLS = (*assembly.CALLS, factorize, solve, negative_of, border_system, unstable, _add_in_plane, add_inertia)
+CALLS = (*assembly.CALLS, factorize, solve, negative_of, border_system, unstable, add_inertia)

@@ -131,21 +131,13 @@ def arrays_of(arm: Arm, load: SpatialLoad, s: tuple[float, ...], in_space: bool)
     section, ends = model.section.arrays(np.array(s)), model.ends(load.end_at(s[-1]))
     if section.kind == TABULATED:
         section = _smooth(section, section.table.shape[2] if in_space else 4)
-    inside = np.linspace(ends.moment[0], ends.moment[-1], CLAMP_ROWS)
-    known = ends.moment, ends.clamped, ends.clamped_slope
-    values, slopes = cubic(*known, inside), cubic_slope(*known, inside)
+    low, high = ends.moment[[0, -1]]
     # a clamp whose slope ended at its last moment would have a kink there
-    beyond = np.ptp(inside) * np.array([-1.0, 1.0])
-    more = values[[0, -1]] + beyond[:, None] * slopes[[0, -1]]
-    moment, clamped, clamped_slope = (
-        np.concatenate([first, middle, last])
-        for first, middle, last in (
-            (inside[:1] + beyond[:1], inside, inside[-1:] + beyond[1:]),
-            (more[:1], values, more[1:]),
-            (slopes[:1], slopes, slopes[-1:]),
-        )
-    )
-    return section, ends._replace(moment=moment, clamped=clamped, clamped_slope=clamped_slope)
+    moment = np.concatenate([[2.0 * low - high], np.linspace(low, high, CLAMP_ROWS), [2.0 * high - low]])
+    known, inside = (ends.moment, ends.clamped, ends.clamped_slope), np.clip(moment, low, high)
+    slope = cubic_slope(*known, inside)
+    clamped = cubic(*known, inside) + (moment - inside)[:, None] * slope
+    return section, ends._replace(moment=moment, clamped=clamped, clamped_slope=slope)
 
 
 def _smooth(section: SectionArrays, columns: int) -> SectionArrays:
@@ -153,21 +145,19 @@ def _smooth(section: SectionArrays, columns: int) -> SectionArrays:
 
     Forces of inertia are large beside dead loads; under them every kink of a rigidity would be a hinge.
     """
-    table, (first, step), pieces = section.table[..., :columns], section.numbers, section.table.shape[1]
+    (first, step), pieces = section.numbers, section.table.shape[1]
     every = pieces // SMOOTH
-    kappa = step * np.arange(-every, pieces + every + 1)
-    values = np.concatenate([table[0], table[0, -1:] + step * table[1, -1:]])
-    slopes = np.concatenate([table[1], table[1, -1:]])
-    at, beyond = np.clip(kappa, 0.0, step * pieces), np.clip(np.arange(-every, pieces + every + 1), 0, pieces)
-    moment = values[beyond, 0] + (kappa - at) * slopes[beyond, 0]
-    knots, rows = kappa[::every], values[beyond[::every]]
-    rows[[0, -1], 1] += every * step * slopes[[0, -1], 1] * [-1.0, 1.0]
-    known = knots, rows, parabola_slopes(knots, rows)
-    known[2][[0, -1], 2:] = 0.0
-    smooth, by_kappa = cubic(*known, kappa), cubic_slope(*known, kappa)
-    smooth[:, 0], by_kappa[:, 0] = moment, slopes[beyond, 0]
-    found = np.ascontiguousarray(cubic_coefficients(kappa, smooth, by_kappa))
-    return section._replace(table=found, numbers=np.array([first + kappa[0], step]))
+    n = np.arange(-every, pieces + every + 1)
+    kappa, row = step * n, np.clip(n, 0, pieces - 1)
+    inside = step * (np.clip(n, 0, pieces) - row)[:, None]
+    c0, c1, c2, c3 = section.table[:, row, :columns]
+    values, slopes = c0 + inside * (c1 + inside * (c2 + inside * c3)), c1 + inside * (2.0 * c2 + 3.0 * inside * c3)
+    values[:, :2] += (kappa - step * np.clip(n, 0, pieces))[:, None] * slopes[:, :2]
+    knots = kappa[::every], values[::every], parabola_slopes(kappa[::every], values[::every])
+    knots[2][[0, -1], 2:] = 0.0
+    values[:, 1:], slopes[:, 1:] = cubic(*knots, kappa)[:, 1:], cubic_slope(*knots, kappa)[:, 1:]
+    table = np.ascontiguousarray(cubic_coefficients(kappa, values, slopes))
+    return section._replace(table=table, numbers=np.array([first + kappa[0], step]))
 
 
 def is_spatial(load: SpatialLoad) -> bool:

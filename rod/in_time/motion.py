@@ -1,12 +1,12 @@
 """The motion of an arm."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import final
 
 import numpy as np
 
-from geometry.arrays import Array
+from geometry.arrays import Array, freeze
 
 
 @final
@@ -24,6 +24,9 @@ class Motion:
     axis: Array  #: (n, N, 2) or (n, N, 3) mm, places of the nodes
     reason: str  #: why it ends before the time that was asked for, one sentence; empty where it does not
     notes: tuple[str, ...] = ()  #: what limits the trust in it, a sentence each
+
+    def __post_init__(self) -> None:
+        freeze(self, (one.name for one in fields(self) if one.name not in ("reason", "notes")))
 
     def shapes(self, times_s: Sequence[float]) -> Array:
         """(m, N, 2 or 3) mm: the axis at times (m,) in s, between two steps by straight lines."""

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
-from geometry.arrays import Array, read_only
+from geometry.arrays import Array
 from rod.arm.assembly import StateArrays
 from rod.arm.chain import planar_frames, turn_of
 from rod.arm.solver import Solver
@@ -17,7 +17,7 @@ from rod.arm_law.law_rod import LawRod
 from rod.arm_law.space_rod import SpaceRod
 from rod.checked import positive
 from rod.errors import LoadError, RodError
-from rod.in_time.air import Air
+from rod.in_time.air import Air, over_time
 from rod.in_time.body import Acting, Arm, Body, arrays_of, is_spatial
 from rod.in_time.equilibrium import elastic_forces, equilibrium
 from rod.in_time.motion import Motion
@@ -31,7 +31,7 @@ BESIDE = 0.02
 ROUNDS, MISSED = 12, 1e-8
 #: how much a step may grow, and shrink; how much it must grow to be changed, and shrink to be made again
 GROW, SHRINK, WORTH, AGAIN = 1.5, 0.3, 1.2, 0.6
-#: most parts of a step that Newton's method needs
+#: into how many parts a step is divided for Newton's method
 MOST_PARTS = 64
 #: a note
 BEYOND = (
@@ -75,40 +75,20 @@ def move(
     what cannot begin: no mass, times that do not rise, a start that is no equilibrium.
     """
     seconds = positive(seconds, "The time of a motion in s")
+    for value, told in ((steps.fixed, "A step in s"), (steps.tolerance, "The tolerance of a second")):
+        positive(1.0 if value is None else value, told)
     cavities = len(getattr(body.law, "cavities", ("the arm",)))
-    is_air, is_table = isinstance(pressure, Air), np.ndim(pressure) == 2
-    times, values = _table(0.0 if is_air else pressure, seconds, 1 if is_air else cavities)
-    before = values[0] if start.pressure is None and is_table else start.pressure or np.zeros(cavities)
-    before = np.broadcast_to(np.asarray(before, float), cavities)
+    is_air = isinstance(pressure, Air)
+    rows = over_time(0.0 if is_air else pressure, 1 if is_air else cavities, "The pressure of a motion", "kPa")
+    first = rows[0, 1:] if np.ndim(pressure) == 2 else np.zeros(cavities)
+    before = np.broadcast_to(np.asarray(first if start.pressure is None else start.pressure, float), cavities)
     moved = _Moved(body, acting, steps)
-    if is_air:
-        moved.begin(before, before, start.acting or acting)
-        if moved.now.volume == 0.0:
-            raise RodError("The law has no volumes of the air; measure it anew with `pneurod cell`.")
-        return moved.along(seconds, partial(moved.blown, air=pressure))
-    moved.begin(before, values[0], start.acting or acting)
-
-    def given(time: float) -> Array:
-        return np.array([np.interp(time, times, column) for column in values.T])
-
-    return moved.along(seconds, partial(moved.step, pressure=given))
-
-
-def _table(pressure: Any, seconds: float, cavities: int) -> tuple[Array, Array]:
-    """Times (T,) in s and pressures (T, c) in kPa. Raises `RodError` as `move` says."""
-    try:
-        given = np.array(pressure, float)
-    except (TypeError, ValueError):
-        given = np.full((1, 1), np.nan)
-    if given.ndim < 2:
-        given = np.tile(np.append(0.0, given), (2, 1))
-        given[1, 0] = seconds
-    if given.ndim != 2 or given.shape[1] != 1 + cavities or not np.all(np.isfinite(given)):
-        asked = "a pressure in kPa" if cavities == 1 else f"{cavities} pressures in kPa"
-        raise RodError(f"A motion takes {asked}, or rows of a time in s and {asked}.")
-    if given[0, 0] != 0.0 or np.any(np.diff(given[:, 0]) <= 0.0):
-        raise RodError("The times of the pressures must rise from row to row, from 0 s on.")
-    return given[:, 0], given[:, 1:]
+    moved.begin(before, before if is_air else rows[0, 1:], start.acting or acting)
+    if not is_air:
+        return moved.along(seconds, partial(moved.step, rows=rows))
+    if moved.now.volume == 0.0:
+        raise RodError("The law has no volumes of the air; measure it anew with `pneurod cell`.")
+    return moved.along(seconds, partial(moved.blown, air=pressure))
 
 
 class _Moved:
@@ -165,51 +145,40 @@ class _Moved:
             if trial := step(dt):
                 self.now = replace(self.now, acceleration=(1.0 - LAST) * trial.acceleration)
             while not reason and (left := seconds - self.now.time) > 1e-12 * seconds:
-                dt = min(fixed, left) if fixed else left if left <= dt else min(dt, 0.5 * left) if left < 2 * dt else dt
+                dt = left if left <= dt else min(dt, 0.5 * left) if left < 2.0 * dt and not fixed else dt
                 dt, reason = self._go(dt, step)
         except RodError as error:
             reason = f"At t = {self.now.time:.4g} s the motion leaves what is known: {error}"
         return self._motion(reason)
 
     def _go(self, dt: float, step: Step) -> tuple[float, str]:
-        """Make a step, in parts where Newton's method needs them; give the next one, and why there is none."""
-        fixed, parts, begin = bool(self.steps.fixed), 1, self.now
-        while (trial := self._parted(dt, parts, step)) is None and parts < MOST_PARTS:
-            parts *= 2
-        now, self.now = self.now, begin
+        """Make a step, and give the next one; and why there is none."""
+        trial, fixed = step(dt), self.steps.fixed
         if trial is None:
-            return dt, f"No motion was found beyond t = {begin.time:.4g} s."
+            ends = dt < (fixed or self.shortest) / MOST_PARTS
+            return 0.5 * dt, f"No motion was found beyond t = {self.now.time:.4g} s." if ends else ""
         part = 0.9 * math.sqrt(self.steps.tolerance * dt / max(trial.error, 1e-300))
         if part < AGAIN and not fixed and dt > self.shortest:
             return dt * max(part, SHRINK), ""
-        self.now, self.outside = now, max(self.outside, trial.outside)
+        self.now, self.outside = trial, max(self.outside, trial.outside)
         self._write()
-        return (max(dt * min(part, GROW), self.shortest) if part < 1.0 or part > WORTH else dt), ""
+        return fixed or (max(dt * min(part, GROW), self.shortest) if part < 1.0 or part > WORTH else dt), ""
 
-    def _parted(self, dt: float, parts: int, step: Step) -> Moment | None:
-        """The last of some equal parts of a step; None, and the arm as before, where one is not found."""
-        begin = self.now
-        for _ in range(parts):
-            trial = step(dt / parts)
-            if trial is None:
-                self.now = begin
-                return None
-            self.now = trial
-        return self.now
-
-    def step(self, dt: float, pressure: Callable[[float], Array]) -> Moment | None:
-        """The end of a step under pressures (c,) over time; None where it is not found."""
+    def step(self, dt: float, rows: Array) -> Moment | None:
+        """The end of a step under pressures over time, rows (T, 1 + c); None where it is not found."""
         now = self.now
-        acts = pressure(now.time + WITHIN * dt)
-        felt, late = self.stepper.felt(now.memory, now.time + WITHIN * dt, acts)
+        within, end = (
+            np.array([np.interp(t, rows[:, 0], p) for p in rows.T[1:]]) for t in (now.time + WITHIN * dt, now.time + dt)
+        )
+        felt, late = self.stepper.felt(now.memory, now.time + WITHIN * dt, within)
         part, distance = self._place(felt)
         if not (-BESIDE <= part <= 1.0 + BESIDE and distance <= BESIDE):
             self._know(felt, self.felt)
         else:
             self.felt = felt
             self.joined.go(part)
-        found = self.stepper.step(now, dt, self.joined, acts, late)
-        return found and replace(found, pressure=pressure(found.time))
+        found = self.stepper.step(now, dt, self.joined, within, late)
+        return found and replace(found, pressure=end)
 
     def blown(self, dt: float, air: Air) -> Moment | None:
         """The end of a step under the pressure of air, which changes evenly in it."""
@@ -219,12 +188,7 @@ class _Moved:
         slope, last = 1.0 / (air.atmosphere + before), (0.0, 0.0)
         pressure = before
         for k in range(ROUNDS):
-            after = np.array([pressure])
-
-            def evenly(time: float, after: Array = after) -> Array:
-                return now.pressure + (time - now.time) / dt * (after - now.pressure)
-
-            trial = self.step(dt, evenly)
+            trial = self.step(dt, np.array([[now.time, before], [now.time + dt, pressure]]))
             if trial is None:
                 return None
             volume = float(self._air(trial.state)[0])
@@ -295,16 +259,7 @@ class _Moved:
         at = (len(tip) - 1) * (0.5 + turn / (2.0 * math.pi))
         i = min(int(at), len(tip) - 2)
         beside = frame @ (tip[i] + (at - i) * (tip[i + 1] - tip[i]))
-        row = (
-            np.array(self.now.time),
-            self.now.pressure,
-            turn,
-            beside,
-            state.reaction,
-            state.place,
-            state.angle,
-            state.frames,
-        )
+        row = self.now.time, self.now.pressure, turn, beside, state.reaction, state.place, state.angle, state.frames
         self.rows.append((self.arms, self.joined.part, row))
 
     def _motion(self, reason: str) -> Motion:
@@ -319,20 +274,9 @@ class _Moved:
             low, high = (arm.air_along(h, kappa[rows]) for arm in arms)
             airs.append(low + parts[rows, None] * (high - low))
             if isinstance(arms[0], LawRod):
-                law = arms[0].section.kappa
-                outside = max(
-                    outside, *(float(np.max(one)) for one in (law[0] - kappa[rows, :, 2], kappa[rows, :, 2] - law[-1]))
-                )
+                known, bent = arms[0].section.kappa, kappa[rows, :, 2]
+                outside = max(outside, float(known[0] - bent.min()), float(bent.max() - known[-1]))
         notes = (BEYOND.format(outside),) if outside > 0.0 else ()
-        return Motion(
-            read_only(times),
-            read_only(pressures),
-            read_only(np.concatenate(airs)),
-            read_only((place[:, -1] + beside)[:, :d]),
-            read_only(np.degrees(np.unwrap(turns))),
-            read_only(reactions),
-            read_only(self.stepper.solver.s.copy()),
-            read_only(place[..., :d]),
-            reason,
-            notes,
-        )
+        air, tips, angles = np.concatenate(airs), (place[:, -1] + beside)[:, :d], np.degrees(np.unwrap(turns))
+        s = self.stepper.solver.s.copy()
+        return Motion(times, pressures, air, tips, angles, reactions, s, place[..., :d], reason, notes)

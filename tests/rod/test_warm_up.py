@@ -7,9 +7,10 @@ import numpy as np
 import pytest
 
 from pipeline.results.laws import law_of_record, law_record
-from rod import Extension, FiveParameters, Rod, compile_kernels
+from rod import Acting, Body, Extension, FiveParameters, Load, Relaxation, Rod, Start, compile_kernels, move
 from rod.arm.chain import solve_chain
 from rod.arm.small_motions import lowest_of
+from rod.weight import Mass
 from tests.rod.arm_law.test_arm_law import law_of, straight_law
 
 KERNELS = {"rods": solve_chain, "stability": lowest_of}
@@ -49,4 +50,7 @@ def test_nothing_is_compiled_once_a_run_has_begun(compiled: dict[str, list[str]]
         for pressure in (5.0, 7.5, 10.0):
             for load in loads[:2]:
                 Rod(law.length, law=law.at(pressure)).solve(**load)
+    body = Body(measured, Relaxation((0.1,), (0.1,)), Mass.even(measured.length, 10.0))
+    motion = move(body, 7.5, 0.01, start=Start(5.0, Acting(Load((0.0, 0.01)))))
+    assert motion.reason == ""
     assert signatures() == compiled
