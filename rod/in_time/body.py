@@ -1,8 +1,8 @@
 """What moves: an arm over its pressures, with its mass and its rubber, and what acts on it."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from typing import Any, TypeAlias, final
 
 import numpy as np
@@ -57,7 +57,18 @@ class Body:
 
     def at(self, pressures: Array) -> Arm:
         """The arm at pressures (c,) in kPa. Raises `RodError` as the law does."""
-        return _arm_at(self.law, tuple(pressures.tolist()))
+        return self._known(tuple(pressures.tolist()))
+
+    @cached_property
+    def _known(self) -> Callable[[tuple[float, ...]], Arm]:
+        """Arms, which take longer than a step."""
+
+        def at(pressures: tuple[float, ...]) -> Arm:
+            law = self.law
+            rod = law if isinstance(law, Rod) else law.at(pressures if len(pressures) > 1 else pressures[0])
+            return rod.arm if isinstance(rod, Rod) else rod
+
+        return lru_cache(256)(at)
 
     @property
     def weighed(self) -> Mass:
@@ -106,22 +117,16 @@ class Body:
 def _gyration(solver: Solver) -> float:
     """mm2: the rigidity against bending over that against stretch."""
     arrays = solver.arm.section.arrays(solver.s)
-    axial = (
-        arrays.table[0, arrays.table.shape[1] // 2, 2] if arrays.kind == TABULATED else arrays.numbers[arrays.kind % 2]
+    middle = arrays.table[0, arrays.table.shape[1] // 2]
+    return float(
+        solver.arm.section.rigidity / (middle[2] if arrays.kind == TABULATED else arrays.numbers[arrays.kind % 2])
     )
-    return float(solver.arm.section.rigidity / axial)
 
 
 def _about(mass: Array, lever: Array) -> Array:
     """(n, 3, 3) moments of inertia of masses (n,) at levers (n, 3)."""
     squares = (lever**2).sum(axis=1)[:, None, None] * np.eye(3)
     return np.asarray(mass[:, None, None] * (squares - lever[:, :, None] * lever[:, None, :]))
-
-
-@lru_cache(256)
-def _arm_at(law: Any, pressures: tuple[float, ...]) -> Arm:
-    rod = law if isinstance(law, Rod) else law.at(pressures if len(pressures) > 1 else pressures[0])
-    return rod.arm if isinstance(rod, Rod) else rod
 
 
 @lru_cache(256)

@@ -78,7 +78,7 @@ def _modes(
     values, vectors = np.linalg.eigh(root.T @ soft)
     modes = soft @ vectors[:, ::-1]
     flat = np.isin(np.arange(len(whole)) % m, (0, 1, 5) if m == 6 else (0, 1, 2))
-    shares = np.linalg.norm(root.T @ (flat[:, None] * modes[:, : 4 * count]), axis=0) / values[::-1][: 4 * count]
+    shares = np.linalg.norm(root.T @ (flat[:, None] * modes[:, : 12 * count]), axis=0) / values[::-1][: 12 * count]
     found = []
     for is_flat in (True, False):
         for k in np.flatnonzero((shares > math.sqrt(0.5)) == is_flat)[:count]:

@@ -24,6 +24,8 @@ RHO = 0.6
 #: weight of the last acceleration; where in a step the forces are taken; and the numbers of Newmark's formulas
 LAST, WITHIN = (2.0 * RHO - 1.0) / (RHO + 1.0), 1.0 / (RHO + 1.0)
 BETA, GAMMA = 0.25 * (2.0 - LAST - WITHIN) ** 2, 1.5 - LAST - WITHIN
+#: error of a step over the change of the acceleration times its square
+ERROR = abs(BETA - 1.0 / 6.0)
 #: iterations of Newton's method
 ITERATIONS = 25
 
@@ -124,7 +126,7 @@ class Stepper:
         motion = self._motion(now.state, state)
         later = self.has_mass * by * (motion / WITHIN - known)
         speed = self.has_mass * (v + dt * ((1.0 - GAMMA) * a + GAMMA * later))
-        error = dt * dt * float(np.abs(self.means @ (later - a)[:, :3]).max())
+        error = ERROR * dt * dt * float(np.abs(self.means @ (later - a)[:, :3]).max()) / solver.chain.length
         forces = solver.room.kept[:, self.first : self.first + memory.elastic.shape[1]]
         if len(slowed):
             elastic = (forces - held) / scale
@@ -133,15 +135,7 @@ class Stepper:
         else:
             memory = memory._replace(time=time, pressure=pressure)
         state = self._moved(state, (1.0 / WITHIN - 1.0) * self.has_mass * motion)
-        return Moment(
-            now.time + dt,
-            state,
-            speed,
-            later,
-            memory,
-            abs(BETA - 1.0 / 6.0) * error / solver.chain.length,
-            found.outside,
-        )
+        return Moment(now.time + dt, state, speed, later, memory, error, found.outside)
 
     def _motion(self, before: StateArrays, after: StateArrays) -> Array:
         """(N, 6) between two states."""

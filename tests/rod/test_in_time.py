@@ -90,6 +90,8 @@ def test_a_cantilever_has_the_frequencies_of_its_closed_form() -> None:
     hung, root = GRAMS, 1.2479174  # of 1 + cos cosh + r (cos sinh - sin cosh)
     closed = math.cos(root) * math.sinh(root) - math.sin(root) * math.cosh(root)
     assert 1.0 + math.cos(root) * math.cosh(root) + root * closed == pytest.approx(0.0, abs=1e-5)
+    propped = Acting(Load(supports=(Support(LENGTH, y=0.0),)))
+    assert first_mode(acting=propped) == pytest.approx(3.92660231**2 * math.sqrt(SCALE) / (2.0 * math.pi), rel=2e-5)
     with_mass = first_mode(acting=Acting(tip_mass=hung))
     assert with_mass == pytest.approx(root**2 * math.sqrt(SCALE) / (2.0 * math.pi), rel=2e-5)
 
