@@ -163,11 +163,11 @@ def test_what_holds_an_arm_has_an_exact_tangent(held: dict[str, Any]) -> None:
     made = solver.Solver(arm, arm.positions((56.0,)), load, in_space=False)
     state = made.rest()
     state.reaction[:] = 0.1 + 0.01 * np.arange(len(state.reaction))
-    section, steps = made.arm.section.arrays(made.s), len(made.chain.h)
+    section = made.arm.section.arrays(made.s)
 
     def parts(moved: StateArrays) -> tuple[Array, Array, assembly.Tangent]:
-        room, kept = room_for(made.chain, len(state.reaction)), np.empty((steps, assembly.KEPT))
-        assembly.assemble(section, made.ends, made.chain, made.load, moved, 1.0, room, kept)
+        room = room_for(made.chain, len(state.reaction))
+        assembly.assemble(section, made.ends, made.chain, made.load, moved, 1.0, room)
         return room.residual, room.missed, room
 
     def difference(name: str, place: int) -> tuple[Array, Array]:
