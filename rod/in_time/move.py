@@ -56,7 +56,7 @@ class Steps(NamedTuple):
     """How time is divided, and where the arm may go."""
 
     fixed: float | None = None  #: s, the length of all steps; None: by their error
-    tolerance: float = 5e-3  #: error that a second of motion adds at the most, rad and mm over the length
+    tolerance: float = 5e-3  #: error that a second of motion adds, about, of places over the length
     in_space: bool = False  #: whether the arm may leave its plane; it does where a load does
 
 
@@ -126,7 +126,7 @@ class _Moved:
         self.stepper = Stepper(own, body.inertia(self.acting, own), body.relaxation)
         still = np.zeros((len(own.s), 6))
         memory = Memory(0.0, first, late, elastic, forces)
-        self.now = Moment(0.0, state, still, still, memory, pressure=before)
+        self.now = Moment(0.0, state, still, still, memory, before)
         self._know(before, before)
         self.now = replace(self.now, volume=float(self._air(state).sum()))
         self._write()
@@ -167,18 +167,16 @@ class _Moved:
     def step(self, dt: float, rows: Array) -> Moment | None:
         """The end of a step under pressures over time, rows (T, 1 + c); None where it is not found."""
         now = self.now
-        within, end = (
-            np.array([np.interp(t, rows[:, 0], p) for p in rows.T[1:]]) for t in (now.time + WITHIN * dt, now.time + dt)
-        )
-        felt, late = self.stepper.felt(now.memory, now.time + WITHIN * dt, within)
+        times = now.time + WITHIN * dt, now.time + dt
+        pressures = np.array([np.interp(times, rows[:, 0], values) for values in rows.T[1:]]).T
+        felt, late = self.stepper.felt(now.memory, times[0], pressures[0])
         part, distance = self._place(felt)
         if not (-BESIDE <= part <= 1.0 + BESIDE and distance <= BESIDE):
             self._know(felt, self.felt)
         else:
             self.felt = felt
             self.joined.go(part)
-        found = self.stepper.step(now, dt, self.joined, within, late)
-        return found and replace(found, pressure=end)
+        return self.stepper.step(now, dt, self.joined, pressures, late)
 
     def blown(self, dt: float, air: Air) -> Moment | None:
         """The end of a step under the pressure of air, which changes evenly in it."""

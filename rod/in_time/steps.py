@@ -5,7 +5,7 @@ Mech. 60 (1993) 371; for rotations O. Bruels, A. Cardona, J. Comput. Nonlinear D
 rubber are integrated exactly for forces that change evenly from one such time to the next.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -70,9 +70,9 @@ class Moment:
     speed: Array  #: (N, 6)
     acceleration: Array  #: (N, 6)
     memory: Memory
+    pressure: Array  #: (c,) kPa
     error: float = 0.0  #: of the step, of means of the places over the length, in which short waves cancel
     outside: float = 0.0  #: 1/mm, by how much a curvature leaves the law
-    pressure: Array = field(default_factory=lambda: np.empty(0))  #: (c,) kPa
     volume: float = 0.0  #: mm3, of air that decides on its pressure
 
 
@@ -98,8 +98,8 @@ class Stepper:
         late = decay[:, None] * memory.late + (shares * slowed)[:, None] * (pressure - memory.pressure)
         return pressure - late.sum(axis=0), late
 
-    def step(self, now: Moment, dt: float, joined: Joined, pressure: Array, late: Array) -> Moment | None:
-        """The end of a step under a pressure (c,) at the time within it; None where none is found.
+    def step(self, now: Moment, dt: float, joined: Joined, pressures: Array, late: Array) -> Moment | None:
+        """The end of a step under pressures (2, c), within it and at its end; None where none is found.
 
         joined: at the pressure that is felt then; late: as `felt` gives it.
         """
@@ -108,7 +108,8 @@ class Stepper:
         scale, slowed = 1.0 + float(self.shares @ slowed), self.shares * slowed
         section = joined.section
         if len(slowed):
-            held = np.tensordot(decay, memory.forces, 1) - (scale - 1.0) * memory.elastic
+            held = (decay @ memory.forces.reshape(len(decay), -1)).reshape(memory.elastic.shape)
+            held -= (scale - 1.0) * memory.elastic
             section = section._replace(scale=scale, memory=held)
         v, a, by = now.speed, now.acceleration, 1.0 / (BETA * dt * dt)
         known = dt * v + dt * dt * (0.5 - BETA) * a
@@ -131,11 +132,11 @@ class Stepper:
         if len(slowed):
             elastic = (forces - held) / scale
             branches = decay[:, None, None] * memory.forces + np.multiply.outer(slowed, elastic - memory.elastic)
-            memory = Memory(time, pressure, late, elastic, branches)
+            memory = Memory(time, pressures[0], late, elastic, branches)
         else:
-            memory = memory._replace(time=time, pressure=pressure)
+            memory = memory._replace(time=time, pressure=pressures[0])
         state = self._moved(state, (1.0 / WITHIN - 1.0) * self.has_mass * motion)
-        return Moment(now.time + dt, state, speed, later, memory, error, found.outside)
+        return Moment(now.time + dt, state, speed, later, memory, pressures[1], error, found.outside)
 
     def _motion(self, before: StateArrays, after: StateArrays) -> Array:
         """(N, 6) between two states."""
