@@ -13,9 +13,3 @@ class LoadError(RodError):
 
 class RodWarning(UserWarning):
     """A rod, or its shape under a load, is less certain than usual; the message is one sentence that says why."""
-
-
-def buckles_at(part: float, *, out_of_plane: bool = False) -> str:
-    """The sentence on a path of loads that becomes unstable beyond a part of the load."""
-    reached = f"{'out of its plane ' if out_of_plane else ''}at {100 * part:.3g} % of the load"
-    return f"The rod buckles {reached}: beyond it the path from the unloaded rod is unstable or ends."

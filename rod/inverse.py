@@ -83,7 +83,7 @@ class Branch:
                     continue
                 pieces.append([])
             try:
-                path = solve(at(pressure)).path
+                path = solve(at(pressure)).path.refuse_fall()
             except LoadError:
                 raise
             except RodError as failure:

@@ -202,7 +202,7 @@ def solved_in_space(
         reactions=reactions_of(load.supports, nodes.reaction),
         weight=read_only(np.array(rod.posed(load)[1].weight) * float(nodes.s[-1])),
         load_steps=path.steps,
-        notes=(),
+        notes=path.notes,
         beside=read_only(beside),
-        path=SolvedPath(rod, load, path.chains, in_space=True),
+        path=SolvedPath(rod, load, path.chains, in_space=True, fall=path.fall),
     )

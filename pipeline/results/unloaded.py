@@ -11,6 +11,7 @@ from pipeline.values.formatting import percent
 from pipeline.values.law import DeliveredLaw, Unloaded
 from rod.arm_law.law import ArmLaw
 from rod.errors import RodError
+from rod.load import Load
 from rod.mechanics.equilibrium import Rod
 
 State = TypeVar("State")
@@ -31,7 +32,7 @@ def unloaded_states(law: ArmLaw, pressures_kPa: Sequence[float]) -> tuple[Unload
 def unloaded_state(law: ArmLaw, pressure: float) -> Unloaded:
     """At a pressure of the law in kPa. Raises `RodError`."""
     at = law.at(pressure)
-    shape = Rod(law.length, law=at).solve()
+    shape = Rod(law.length, law=at).under(Load())
     rigidity = 1.0 / float(np.interp(0.0, at.section.moment, at.section.kappa_slope))
     return Unloaded(pressure, at.section.kappa_0, rigidity, abs(shape.bending_deg), shape.end)
 

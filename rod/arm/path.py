@@ -1,7 +1,9 @@
 """The path of an arm from its inflated shape to the full load, in steps that shrink and grow.
 
 A step whose numbers of unstable directions both differ from those of the inflated arm is shortened: the path ends
-where the arm buckles, and is not followed beyond. Where supports hold heights alone the path is that of experiment III:
+where the arm buckles. A small force in its softest motion leads along the path of an arm that is not quite perfect.
+Where that ends in a stable state without this force, the arm falls there, and the path says so.
+Where supports hold heights alone the path is that of experiment III:
 the curvature without moment and the heights grow together from the straight arm, which selects among several
 equilibria.
 The end of the path is solved on elements of half the length too, and both give the limit (`extrapolated`).
@@ -15,15 +17,22 @@ import numpy as np
 from geometry.arrays import Array
 from rod.along import APART, are_heights, check_inside, check_supports
 from rod.arm.assembly import StateArrays
-from rod.arm.chain import Nodes, extrapolated, halved, in_frame, planar_frames, rotation, turn_of
+from rod.arm.chain import Nodes, extrapolated, halved, planar_frames, rotation, turn_of
 from rod.arm.newton import Found
-from rod.arm.small_motions import lowest
 from rod.arm.solver import ArmModel, Solver
-from rod.errors import LoadError, RodError, buckles_at
+from rod.errors import LoadError, RodError
 from rod.spatial import SpatialLoad
 
 #: smallest part of the load in one step
 SMALLEST_STEP = 1e-5
+#: how exactly the part of the load is known at which an arm buckles, relative, and the smallest such step
+EXACTLY, TINIEST = 1e-4, 1e-12
+#: of a buckling arm: inverse iterations for its softest motion; by how much of its length it is pushed; pushes at most
+INVERSE, PUSH, PUSHES = 4, 1e-3, 2
+#: softness of a motion from which on it ends the path; part of the length beyond which a place is the tip
+SOFT, TIP = 30.0, 0.97
+#: part of the load that is none; motion of a straight arm over its length that is rounding
+ONCE, ASIDE = 1e-4, 1e-9
 #: rad, largest change of an angle in one step of the load
 LARGEST_TURN = 1.0
 #: largest distance of a state from the line through the two before, over its distance from the last one; rad, a change
@@ -37,6 +46,20 @@ class Path(NamedTuple):
     nodes: Nodes  #: at the limit of the elements
     chains: tuple[Nodes, Nodes]  #: in equilibrium on the elements, and on those of half the length
     steps: int  #: of the load
+    fall: str = ""  #: how the arm buckles on the way, a sentence; the nodes are then those of its fallen shape
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """A note on an arm that has fallen; none on others."""
+        return (f"{self.fall} This is the stable shape to which it falls; to which side is chance.",) * bool(self.fall)
+
+
+class Buckles(RodError):
+    """The end of a path at which an arm becomes unstable."""
+
+    def __init__(self, told: str, force: Array) -> None:
+        super().__init__(told)
+        self.force = force  #: (N, 3) N, that pushes the arm in its softest motion
 
 
 class Way(NamedTuple):
@@ -61,16 +84,16 @@ def follow(arm: ArmModel, load: SpatialLoad, how: Way) -> Path:
     if in_space and any(one.angle is not None for one in load.supports):
         raise LoadError("A support holds an angle in the plane alone; in space it holds x, y and z.")
     coarse = Solver(arm, positions_under(arm, load), load, in_space=in_space)
-    state, found, steps = _followed(coarse, load, together)
+    state, found, steps, fall = _fallen(coarse, load, together)
     for _ in range(MOST_HALVINGS):
         fine = Solver(arm, halved(coarse.s), load, in_space=in_space)
         finer = _refined(state, in_space)
         there = fine.converge(finer, 1.0, fine.load.target)
         if not (there.converged and there.is_as_stable_as(found)):
-            finer, there, steps = _followed(fine, load, together)
+            finer, there, steps, fall = _fallen(fine, load, together)
         chains = coarse.nodes(state, found), fine.nodes(finer, there)
         if float(np.abs(finer.place[-1] - state.place[-1]).max()) <= COARSEST * float(fine.s[-1]):
-            return Path(extrapolated(*chains, in_space=in_space), chains, steps)
+            return Path(extrapolated(*chains, in_space=in_space), chains, steps, fall)
         coarse, state, found = fine, finer, there
     raise RodError("The load bends the rod within less than a two-hundredth of its length; this solver ends there.")
 
@@ -101,6 +124,26 @@ def beside(arm: ArmModel, load: SpatialLoad, near: tuple[Nodes, Nodes], *, in_sp
     return Path(extrapolated(coarse, fine, in_space=in_space), (coarse, fine), 0)
 
 
+def _fallen(solver: Solver, load: SpatialLoad, together: bool) -> tuple[StateArrays, Found, int, str]:
+    """As `_followed`; where the arm buckles on the way the state to which it falls, and the sentence on it."""
+    pushed, told = solver, ""
+    for _ in range(1 + PUSHES):
+        try:
+            state, found, steps = _followed(pushed, load, together)
+        except Buckles as buckles:
+            pushed, told = pushed.pushed(buckles.force), told or str(buckles)
+            continue
+        except RodError:
+            if told:
+                break
+            raise
+        there = solver.converge(state, 1.0, solver.load.target) if told else found
+        if there.converged and there.is_as_stable_as(found):
+            return state, there, steps, told
+        break
+    raise RodError(f"{told} No stable shape was found beyond.")
+
+
 def _followed(solver: Solver, load: SpatialLoad, together: bool) -> tuple[StateArrays, Found, int]:
     """The state at the end of the path, how it was found, and the number of steps."""
     grown, in_space = (0.0 if together else 1.0), solver.chain.in_space
@@ -122,22 +165,46 @@ def _followed(solver: Solver, load: SpatialLoad, together: bool) -> tuple[StateA
         near = trial.converged and _is_near(before, here, there, part, in_space)
         if not (near and trial.is_as_stable_as(rest)):
             step = 0.4 * (factor - reached)
-            if step < SMALLEST_STEP:
-                nowhere = f"No equilibrium was found beyond {100 * reached:.3g} % of the load."
-                raise RodError(_buckling(solver, there, factor, reached) if near else nowhere)
+            if step < min(SMALLEST_STEP, max(EXACTLY * factor, TINIEST)):
+                state, part = (there, factor) if near else (here, reached)
+                raise _ended(solver, state, part, part if together else 1.0, is_there=near)
             continue
         before, behind, here, found, reached, count = here, reached, there, trial, factor, count + 1
         step = 2.0 * (reached - behind)
     return here, found, count
 
 
-def _buckling(solver: Solver, state: StateArrays, factor: float, reached: float) -> str:
-    """The sentence on a path that becomes unstable beyond a part of the load; state: beyond it, at a factor."""
-    if not solver.chain.in_space:
-        return buckles_at(reached)
-    _, motion = lowest(solver, state, np.ones(6, bool), factor)
-    moved = np.abs(in_frame(state.frames, motion[:, :3])).max(axis=0)
-    return buckles_at(reached, out_of_plane=bool(moved[2] > moved[:2].max()))
+def _ended(solver: Solver, state: StateArrays, part: float, grown: float, *, is_there: bool) -> RodError:
+    """Why a path ends near a state under a part of the loads; is_there: an equilibrium, which is unstable."""
+    motion, force, softness = _softest(solver, state, part, grown)
+    if is_there or softness > SOFT:
+        reached = f"at {100 * part:.3g} % of the load" if part > ONCE else "at once"
+        return Buckles(f"The rod buckles {reached}: {motion}.", force)
+    return RodError(f"No equilibrium was found beyond {100 * part:.3g} % of the load.")
+
+
+def _softest(solver: Solver, state: StateArrays, part: float, grown: float) -> tuple[str, Array, float]:
+    """The softest motion of a state in words, forces (N, 3) in N that push the arm a little, and its softness.
+
+    Softness: by how much more such forces move the state than the arm without loads.
+    """
+    places, length, rest = (3 if solver.chain.in_space else 2), float(solver.s[-1]), solver.rest(grown)
+    force, largest = np.tile(solver.s[:, None] / length, 3), 1.0
+    for _ in range(INVERSE):
+        force = force / largest
+        motion = solver.moved_by(before := force, state, part, grown)
+        force = np.zeros_like(force)
+        force[:, :places] = motion[:, :places]
+        at, axis = np.unravel_index(int(np.abs(force).argmax()), force.shape)
+        largest = float(force[at, axis])
+    twist = np.abs((motion[:, 3:] * state.frames[:, :, 0]).sum(axis=1)).max() if solver.chain.in_space else 0.0
+    told = "its tip moves" if solver.s[at] > TIP * length else f"it moves at s = {solver.s[at]:.3g} mm"
+    told += f" along {'xyz'[axis]}{', out of its plane' * bool(axis == 2)}"
+    told += ", and it twists" * bool(twist * length > abs(largest))
+    at_rest = float(np.abs(solver.moved_by(before, rest, 0.0, grown)[:, :places]).max())
+    # an arm that is not quite straight falls to the side to which it bends
+    side = -1.0 if (before * (state.place - rest.place)).sum() < -ASIDE * length else 1.0
+    return told, side * PUSH * length / at_rest * before, abs(largest) / at_rest
 
 
 def _inflated(solver: Solver, load: SpatialLoad, grown: float) -> StateArrays:

@@ -13,6 +13,7 @@ from rod.along import check_inside, leaves_plane
 from rod.arm.assembly import StateArrays
 from rod.arm.chain import Nodes
 from rod.arm.path import Path, beside
+from rod.arm.small_motions import OF_CLAMP
 from rod.arm.solver import ArmModel, Solver
 from rod.errors import RodError
 from rod.load import Load
@@ -28,6 +29,10 @@ class Posed(Protocol):
 
     def posed(self, load: SpatialLoad) -> tuple[ArmModel, SpatialLoad]:
         """The arm, and all that acts on it and holds it."""
+
+    @property
+    def is_in_space(self) -> bool:
+        """Whether it is known out of a plane."""
 
     def outside(self, path: Path) -> str:
         """A sentence where a state leaves what is known of the arm; empty elsewhere."""
@@ -55,6 +60,26 @@ class SolvedPath(NamedTuple):
     load: SpatialLoad  #: what acts on the rod besides what always does, and holds it
     chains: tuple[Nodes, Nodes]  #: both chains of elements in equilibrium
     in_space: bool = False
+    fall: str = ""  #: how the arm buckled on the way, a sentence
+
+    def refuse_fall(self) -> "SolvedPath":
+        """The same path. Raises `RodError` where the arm falls on the way."""
+        if self.fall:
+            raise RodError(self.fall)
+        return self
+
+    @property
+    def sideways(self) -> str:
+        """A sentence where an arm in its plane is unstable out of it; empty elsewhere, and where that is not known."""
+        if self.in_space or not self.rod.is_in_space:
+            return ""
+        nodes = self.chains[1]
+        solver, state = self._replace(in_space=True)._solver(nodes, self.rod, self.load), nodes.state
+        rest = solver.rest()
+        free, found = solver.converge(rest, 0.0, solver.held(rest)), solver.converge(state, 1.0, solver.load.target)
+        if found.converged and found.negative[0] <= min(free.negative[0], OF_CLAMP):
+            return ""
+        return "The arm buckles out of its plane before this load; give a third component to follow it."
 
     def derivative(self, by: Parameter, passes: int = PASSES) -> Response:
         """As `rod.solution.RodSolution.derivative`; the first pass is right to half a percent."""

@@ -1,5 +1,6 @@
 """An arm at one pressure as a chain of elements under loads, as its path and its stability ask for it."""
 
+from copy import copy
 from typing import Protocol
 
 import numpy as np
@@ -55,6 +56,7 @@ class Solver:
         self.chain = Chain(in_space, True, np.diff(s), node, arm.decides_at - float(s[node]), free, float(s[-1]))
         self.load = load_arrays(load, arm.mass, s)
         self.room = room_for(self.chain, len(self.load.held))
+        self.push = np.zeros((len(s), 3))  #: N, on the nodes under any part of the loads but none
 
     def rest(self, grown: float = 1.0) -> StateArrays:
         """The chain without loads, at a part of its rest curvature."""
@@ -64,17 +66,31 @@ class Solver:
         self, state: StateArrays, factor: float, target: Array, grown: float = 1.0, iterations: int = ITERATIONS
     ) -> Found:
         """The equilibrium near a state, which becomes it, under a part of the loads; what is held is at target (k,)."""
-        load = self.load._replace(target=target)
-        section = self.arm.section.arrays(self.s, factor, grown)
+        section, nodes = self.arm.section.arrays(self.s, factor, grown), self.load.nodes
+        load = self.load._replace(target=target, nodes=nodes + self.push / factor if factor else nodes)
         return solve_chain(section, self.ends, self.chain, load, state, factor, self.room, iterations, NO_SIDE, STATICS)
 
-    def respond(self, state: StateArrays, side: Array = NO_SIDE) -> Array:
-        """(N m + k,): residual, motion of the first node, and by how much what is held misses, under the full load.
+    def pushed(self, force: Array) -> "Solver":
+        """The same under forces (N, 3) in N on its nodes besides."""
+        other = copy(self)
+        other.push = self.push + force
+        return other
+
+    def moved_by(self, force: Array, state: StateArrays, factor: float, grown: float) -> Array:
+        """(N, m) mm and rad: the small motion of a state under a part of the loads by forces (N, 3) on its nodes."""
+        n, (m, places) = len(force), (6, 3) if self.chain.in_space else (3, 2)
+        side = np.zeros(n * m + len(self.load.held))
+        side[: (n - 1) * m].reshape(n - 1, m)[:, :places] = -force[1:, :places]
+        self.respond(state, side, factor, grown)
+        return side[: n * m].reshape(n, m)
+
+    def respond(self, state: StateArrays, side: Array = NO_SIDE, factor: float = 1.0, grown: float = 1.0) -> Array:
+        """(N m + k,): residual, motion of the first node, and by how much what is held misses, under a part of loads.
 
         A side (N m + k,) becomes what the state answers to it (`rod.arm.newton`).
         """
-        section = self.arm.section.arrays(self.s)
-        solve_chain(section, self.ends, self.chain, self.load, state, 1.0, self.room, 0, side, STATICS)
+        section = self.arm.section.arrays(self.s, factor, grown)
+        solve_chain(section, self.ends, self.chain, self.load, state, factor, self.room, 0, side, STATICS)
         return np.concatenate([self.room.residual, self.room.start[:, 0], self.room.missed])
 
     def end(self, state: StateArrays) -> Array:

@@ -83,15 +83,18 @@ class LawRod:
         Raises `RodError` where loads contradict each other, where the path ends, and where a moment leaves the law.
         """
         supports = held_end(self.length, force, end, None, end_y)
-        return self.in_plane(with_along(requested(force, moment), supports, self.length))
+        shape = self.in_plane(with_along(requested(force, moment), supports, self.length))
+        return replace(shape, notes=(*shape.notes, *filter(None, [shape.path.sideways])))
 
     def under(self, load: Load, end_y: float | None = None, end_x: float | None = None) -> RodSolution:
         """The equilibrium under a load; with a prescribed position of the end (mm) that component of the force follows.
 
         The weight of the load is spread as the mass of the arm is, where that is known. Raises `RodError` as `solve`
-        does.
+        does, and where the arm falls over.
         """
-        return self.in_plane(with_along(load, held_end(self.length, None, None, end_x, end_y), self.length))
+        shape = self.in_plane(with_along(load, held_end(self.length, None, None, end_x, end_y), self.length))
+        shape.path.refuse_fall()
+        return shape
 
     def in_plane(self, load: Load, *, together: bool | None = None) -> RodSolution:
         """The weight of the load is spread as the mass of the arm is, where that is known."""
@@ -136,7 +139,7 @@ class LawRod:
         model, load = self.posed(load)
         path = follow(model, load, how)
         if outside := self.outside(path):
-            raise RodError(f"{outside} {self._borne(load, how)}")
+            raise RodError(f"{path.fall} {outside} {self._borne(load, how)}".strip())
         return path
 
     def outside(self, path: Path) -> str:
@@ -188,7 +191,8 @@ class LawRod:
             load_steps=path.steps,
             shear=read_only(np.ascontiguousarray(stretch[:, 1])),
             beside=_Beside(self, nodes.s, moment, at_tip),
-            path=SolvedPath(self, load, path.chains),
+            path=SolvedPath(self, load, path.chains, fall=path.fall),
+            notes=path.notes,
         )
 
     def volumes(self, state: RodSolution) -> Array:

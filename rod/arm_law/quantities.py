@@ -15,6 +15,7 @@ from geometry.arrays import Array
 from rod.arm_law.curves import ACROSS
 from rod.arm_law.law_rod import LawRod
 from rod.errors import RodError
+from rod.load import Load
 
 #: displacement of the tip over the length, to both sides, over which its stiffness is meant
 DEFLECTION = 0.01
@@ -60,11 +61,15 @@ def _without_moment(rod: LawRod, name: str) -> float:
     return math.nan if values is None else float(np.interp(0.0, law.moment, values))
 
 
+def _force(rod: LawRod, _: LawRod, height: float) -> float:
+    return float(rod.under(Load(), end_y=height).force[1])
+
+
 def _stiffness(rod: LawRod, _: LawRod, about: float) -> float:
     """Of the tip without load, against a force across its end to both sides."""
-    turn, force = float(rod.solve().theta[-1]), DEFLECTION * rod.length * about
+    turn, force = float(rod.under(Load()).theta[-1]), DEFLECTION * rod.length * about
     across = np.array([-np.sin(turn), np.cos(turn)])
-    back, ahead = (rod.solve((sign * force * across).tolist()).end for sign in (-1.0, 1.0))
+    back, ahead = (rod.under(Load((sign * force * across).tolist())).end for sign in (-1.0, 1.0))
     return 2.0 * force / float(np.subtract(ahead, back) @ across)
 
 
@@ -72,16 +77,16 @@ def _stiffness(rod: LawRod, _: LawRod, about: float) -> float:
 QUANTITIES = {
     one.name: one
     for one in (
-        Quantity("tip", "mm", lambda rod, *_: rod.solve().end, 2, title="tip / length", wished="line"),
+        Quantity("tip", "mm", lambda rod, *_: rod.under(Load()).end, 2, title="tip / length", wished="line"),
         Quantity("kappa_0", "1/mm", lambda rod, *_: rod.section.kappa_0, title="κ₀", in_law=True, wished="power"),
         Quantity("rigidity", "N mm2", _rigidity, title="rigidity", in_law=True),
-        Quantity("force", "N", lambda rod, _, y: float(rod.solve(end_y=y).force[1]), 1, "force in III", wished="power"),
+        Quantity("force", "N", _force, 1, title="force in III", wished="power"),
         Quantity("moment", "N mm", lambda rod, known, _: _moment_at(rod, 0.5 * known.section.kappa_0), in_law=True),
         Quantity("stretch", "1", lambda rod, *_: _without_moment(rod, "stretch"), in_law=True),
-        Quantity("end_angle", "rad", lambda rod, *_: float(rod.solve().theta[-1]), in_law=True),
+        Quantity("end_angle", "rad", lambda rod, *_: float(rod.under(Load()).theta[-1]), in_law=True),
         Quantity(ACROSS[0], "N mm2", lambda rod, *_: _without_moment(rod, ACROSS[0]), title="B₂", in_law=True),
         Quantity(ACROSS[1], "N mm2", lambda rod, *_: _without_moment(rod, ACROSS[1]), title="GJ", in_law=True),
-        Quantity("angle", "deg", lambda rod, *_: rod.solve().bending_deg, wished="line"),
+        Quantity("angle", "deg", lambda rod, *_: rod.under(Load()).bending_deg, wished="line"),
         Quantity("stiffness", "N/mm", _stiffness, wished="power"),
     )
 }

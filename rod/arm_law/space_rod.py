@@ -1,7 +1,7 @@
 """A clamped arm without a plane of symmetry, with its law at given pressures."""
 
 from dataclasses import dataclass
-from typing import final
+from typing import ClassVar, final
 
 import numpy as np
 
@@ -41,6 +41,7 @@ class SpaceRod:
     clamp_reach: float  #: mm, how far the clamped end reaches
     mass: Mass | None  #: None: not known
     pressures: tuple[float, ...]  #: kPa
+    is_in_space: ClassVar[bool] = True
 
     def solve_in_space(self, load: SpatialLoad) -> SpatialSolution:
         """The equilibrium under a load, which grows on the inflated arm.

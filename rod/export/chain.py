@@ -23,6 +23,7 @@ from rod.cubics import cubic
 from rod.errors import RodError
 from rod.export.in_space import Part, SpaceHinges, space_hinges
 from rod.export.lumped import cut_into_joints
+from rod.load import Load
 from rod.mechanics.equilibrium import Rod
 
 #: moments of the broken line of a spring over the largest and over the smallest moment of the law
@@ -179,7 +180,7 @@ def chain_of_law(rod: LawRod, pieces: int, *, has_shear: bool = True) -> Chain:
 
 def _beside(rod: LawRod, s: Array) -> Array:
     """(m, 2) mm: the material curve beside the axis at s (m,) mm without load, along and across it."""
-    free = rod.solve()
+    free = rod.under(Load())
     assert free.beside is not None  # the arm's own law has it
     return free.beside(s)
 

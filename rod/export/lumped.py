@@ -15,6 +15,7 @@ from scipy.interpolate import CubicHermiteSpline
 
 from geometry.arrays import Array
 from rod.errors import RodError
+from rod.load import Load
 from rod.mechanics.equilibrium import Rod
 
 
@@ -34,7 +35,7 @@ def cut_into_joints(rod: Rod, edges: Array) -> Joints:
         raise RodError("A rod is cut into at least two pieces by lengths that rise from 0.")
     if abs(edges[-1] - rod.length) > 1e-9 * rod.length:
         raise RodError(f"The last cut must be the end of the rod, {rod.length:g} mm, not {edges[-1]:g} mm.")
-    law, rest = rod.five, rod.solve()
+    law, rest = rod.five, rod.under(Load())
     turned = CubicHermiteSpline(rest.s, rest.theta, rest.kappa)(np.minimum(edges, rod.length))
     first = np.minimum(edges, law.d)
     compliance = first / law.alpha1 + (edges - first) / law.alpha2

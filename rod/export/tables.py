@@ -11,6 +11,7 @@ from geometry.arrays import Array
 from rod.arm_law.law import ArmLaw
 from rod.export.arm import Arm
 from rod.export.robot import Robot
+from rod.load import Load
 from rod.mechanics.equilibrium import Rod
 
 #: digits after the decimal point of a position in mm that is one of two that are the same
@@ -35,7 +36,7 @@ def positions(rods: Sequence[Rod], points: int = 225) -> Array:
 def table(rod: Rod, s: Array | None = None) -> dict[str, Array]:
     """Columns at s (n,), by default `positions`: s_mm, kappa_0_per_mm, alpha_N_mm2, m0_N_mm, kappa_rest_per_mm."""
     s = positions([rod]) if s is None else s
-    rest = rod.solve()
+    rest = rod.under(Load())
     kappa_0 = np.interp(s, rest.s, rest.kappa)
     return {
         "s_mm": s,

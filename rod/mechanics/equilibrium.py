@@ -198,9 +198,10 @@ class Rod:
         order selects among several equilibria. "pressure first": the loads grow on the rod that already has
         its kappa_0. "together": kappa_0 and the loads grow together from the straight rod. "as tested": together where
         end_y is prescribed, because in experiment III the end is held while the pressure rises, else pressure first.
-        Warns with `RodWarning` where the moments leave those of the identification; the `notes` of the shape say so
-        too. Raises `RodError` when the loads contradict each other, when the end is put farther away than the rod is
-        long, and when the path ends before the full load is reached.
+        Where an arm buckles on the way, the shape is the stable one to which it falls. Warns with `RodWarning` then,
+        and where the moments leave those of the identification; the `notes` of the shape say so too. Raises `RodError`
+        when the loads contradict each other, when the end is put farther away than the rod is long, and when the path
+        ends before the full load is reached.
         """
         supports = held_end(self.length, force, end, end_x, end_y)
         along = (*sum(split_along(along), ()), *supports)
@@ -221,9 +222,10 @@ class Rod:
         load = with_along(load, along, self.length)
         loaded = force is not None or load.couple != 0.0 or is_weighed or len(along) > 0
         solution = self._in_plane(load, together=_grow_together(order, load.supports, loaded=loaded))
-        if outside := self._outside(solution):
-            warnings.warn(outside, RodWarning, stacklevel=2)
-        return replace(solution, notes=(*self.notes, *filter(None, [outside])))
+        notes = *solution.notes, *filter(None, [self._outside(solution), solution.path.sideways])
+        for note in notes:
+            warnings.warn(note, RodWarning, stacklevel=2)
+        return replace(solution, notes=(*self.notes, *notes))
 
     def _in_plane(self, load: Load, *, together: bool) -> RodSolution:
         """The equilibrium in the plane, whose clamp is at the start of this rod."""
@@ -235,7 +237,7 @@ class Rod:
     def _in_space(self, load: SpatialLoad) -> SpatialSolution:
         """The equilibrium in space, whose clamp is at the start of this rod."""
         solution, start = self.arm.solve_in_space(self._from_start(load)), (*self.start, 0.0)
-        return replace(solution, axis=read_only(solution.axis + start), notes=self.notes)
+        return replace(solution, axis=read_only(solution.axis + start), notes=(*self.notes, *solution.notes))
 
     def _from_start(self, load: AnyLoad) -> AnyLoad:
         """The load where the clamp is the origin."""
@@ -257,10 +259,12 @@ class Rod:
 
         With end_y, end_x or both (mm) the end is held there as in experiment III: couple and weight act, and of the
         force the components along the other axes; those along an axis on which the end is held follow. Raises
-        `RodError` as `solve` does.
+        `RodError` as `solve` does, and where the arm falls over.
         """
         held = with_along(load, held_end(self.length, None, None, end_x, end_y), self.length)
-        return self._in_plane(held, together=are_heights(held.supports))
+        shape = self._in_plane(held, together=are_heights(held.supports))
+        shape.path.refuse_fall()
+        return shape
 
 
 def _grow_together(order: Order, supports: Sequence[Support], *, loaded: bool) -> bool:

@@ -2,7 +2,7 @@
 
 import math
 from dataclasses import dataclass, replace
-from typing import final
+from typing import ClassVar, final
 
 import numpy as np
 
@@ -44,6 +44,7 @@ class LinesRod:
     theta0: float  #: rad
     extension: Extension | None
     own: tuple[LineLoad, ...]  #: its weight, under which it has kappa_0 where nothing else acts
+    is_in_space: ClassVar[bool] = False
 
     def solve_in_space(self, load: SpatialLoad) -> SpatialSolution:
         """Refused: its law is that of the plane."""
@@ -63,7 +64,7 @@ class LinesRod:
         path = follow(model, self._all(asked), Way(together))
         nodes = path.nodes
         if outside := self.outside(path):
-            raise RodError(outside)
+            raise RodError(f"{path.fall} {outside}".strip())
         bending, rest = self._bending(model, nodes.s, nodes.moment[:, 2], nodes.inner, nodes.angle)
         first = nodes.s < self.law.d - 1e-9 * self.length
         intercept = float(is_loaded) * np.where(first, self.law.m01, self.law.m02)
@@ -82,7 +83,8 @@ class LinesRod:
             weight=read_only(np.array(load.weight) * self.length + resultant(self.own, nodes.s)[:2]),
             load_steps=path.steps if is_loaded else 0,
             bending_moment=read_only(bending),
-            path=SolvedPath(self, asked, path.chains),
+            path=SolvedPath(self, asked, path.chains, fall=path.fall),
+            notes=path.notes,
         )
 
     def posed(self, load: SpatialLoad) -> tuple["_Model", SpatialLoad]:

@@ -129,11 +129,14 @@ def shape_of(rod: Rod, state: State, setup: Setup = AS_WRITTEN) -> RodSolution:
         warnings.simplefilter("ignore", RodWarning)
         if state.held_y_mm is None:
             force = _turned(np.array(state.force_N) / setup.stiffness, -turn).tolist()
-            return rod.solve(force, **weight) if any(state.force_N) else rod.solve(**weight)
+            shape = rod.solve(force, **weight) if any(state.force_N) else rod.solve(**weight)
+            shape.path.refuse_fall()
+            return shape
         shape = rod.solve(end_y=state.held_y_mm, **weight)
         if setup.clamp_deg:  # the height is that of another point of the frame of the clamp
             height = (state.held_y_mm - math.sin(turn) * shape.end[0]) / math.cos(turn)
             shape = rod.solve(end_y=height, **weight)
+    shape.path.refuse_fall()
     return shape
 
 

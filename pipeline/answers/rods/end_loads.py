@@ -19,7 +19,6 @@ from pipeline.store.result_folder import open_file
 from pipeline.values.errors import InputError, RunFailed, argument, ask
 from pipeline.values.formats import ARM_LAW, EXTENSIBLE, FIVE
 from rod.along import Along, LineLoad, PointLoad, Reaction, Support
-from rod.arm_law.law_rod import LawRod
 from rod.errors import LoadError, RodError, RodWarning
 from rod.mechanics.equilibrium import Rod
 from rod.solution import RodSolution, SpatialSolution
@@ -209,14 +208,14 @@ def end_lines(rod: Rod, shape: RodSolution | SpatialSolution, errors: str = "") 
     errors: of the rod against finite elements, where known.
     """
     lines = {"rod": _described(rod), **({"errors": errors} if errors else {})}
-    lines |= _lines_in_space(shape) if isinstance(shape, SpatialSolution) else _lines_in_plane(rod, shape)
+    lines |= _lines_in_space(shape) if isinstance(shape, SpatialSolution) else _lines_in_plane(shape)
     at_end = float(shape.s[-1])
     lines |= {f"reaction at {one.s:g} mm": _reaction(one) for one in shape.reactions if one.s < at_end or one.couple}
     width = max(map(len, lines))
     return [*(f"{name:<{width}}  {value}" for name, value in lines.items()), *shape.notes]
 
 
-def _lines_in_plane(rod: Rod, shape: RodSolution) -> dict[str, str]:
+def _lines_in_plane(shape: RodSolution) -> dict[str, str]:
     x, y = shape.end
     lines = {
         "end": f"x = {_rounded(x):.3f} mm, y = {_rounded(y):.3f} mm from the clamped end of the curve",
@@ -226,11 +225,6 @@ def _lines_in_plane(rod: Rod, shape: RodSolution) -> dict[str, str]:
     }
     if shape.weight.any():
         lines["weight"] = f"{_listed(shape.weight, 'N')}, which the rod carries besides"
-    if isinstance(rod.law, LawRod) and rod.law.is_in_space:
-        with suppress(RodError):  # an arm that is unstable in itself
-            if rod.law.stability(shape).is_stable:
-                return lines
-        lines["unstable"] = "the arm buckles out of its plane before this load; give a third component to follow it"
     return lines
 
 

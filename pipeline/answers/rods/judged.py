@@ -11,7 +11,7 @@ import numpy as np
 from geometry.arrays import Array
 from pipeline.config.validation import SMALL_FORCES
 from pipeline.values.run import Curve, Run
-from rod import ArmLaw, Robot, RodError
+from rod import ArmLaw, Load, Robot, RodError
 
 _NUMBER = r"[-+]?[\d.]+(?:e[-+]?\d+)?"
 #: of the load in a row of validation_curves.csv
@@ -99,7 +99,7 @@ def _against_rod(robot: Robot, law: ArmLaw) -> str:
         for part in (sign * part for part in SMALL_FORCES for sign in (1.0, -1.0)):
             force = (0.0, part * chain.rigidity / robot.length**2)
             turn = chain.solve(force, law.weight, _height(robot))
-            apart = chain.curve(turn) - rod.solve(force).positions(chain.s)
+            apart = chain.curve(turn) - rod.under(Load(force)).positions(chain.s)
             worst = max(worst, float(np.hypot(*apart.T).max()) / robot.length)
     return (
         "The run has no dead forces at these pressures; under EI/l^2 / 50 and EI/l^2 / 10 across the end the file is "
