@@ -179,7 +179,7 @@ def _ended(solver: Solver, state: StateArrays, part: float, grown: float, *, is_
     motion, force, softness = _softest(solver, state, part, grown)
     if is_there or softness > SOFT:
         reached = f"at {100 * part:.3g} % of the load" if part > ONCE else "at once"
-        return Buckles(f"The rod buckles {reached}: {motion}.", force)
+        return Buckles(f"The rod buckles {'out of its plane ' * ('along z' in motion)}{reached}: {motion}.", force)
     return RodError(f"No equilibrium was found beyond {100 * part:.3g} % of the load.")
 
 
@@ -198,8 +198,8 @@ def _softest(solver: Solver, state: StateArrays, part: float, grown: float) -> t
         at, axis = np.unravel_index(int(np.abs(force).argmax()), force.shape)
         largest = float(force[at, axis])
     twist = np.abs((motion[:, 3:] * state.frames[:, :, 0]).sum(axis=1)).max() if solver.chain.in_space else 0.0
-    told = "its tip moves" if solver.s[at] > TIP * length else f"it moves at s = {solver.s[at]:.3g} mm"
-    told += f" along {'xyz'[axis]}{', out of its plane' * bool(axis == 2)}"
+    along, where = f"moves along {'xyz'[axis]}", f" at s = {solver.s[at]:.3g} mm"
+    told = f"its tip {along}" if solver.s[at] > TIP * length else f"it {along}{where}"
     told += ", and it twists" * bool(twist * length > abs(largest))
     at_rest = float(np.abs(solver.moved_by(before, rest, 0.0, grown)[:, :places]).max())
     # an arm that is not quite straight falls to the side to which it bends

@@ -102,7 +102,7 @@ class LinesRod:
     def outside(self, path: Path) -> str:
         """A sentence where what holds the rod stretches it; empty elsewhere."""
         stretches = np.hypot(*path.nodes.inner[:, :2].T).max() > STRETCHED * self._section(is_loaded=True).rigid
-        return "The rod cannot be held there: it would have to be stretched by force." if stretches else ""
+        return "The rod would have to be stretched by force, which its law does not know." if stretches else ""
 
     def _check_reach(self, load: Load) -> None:
         for one in load.supports:

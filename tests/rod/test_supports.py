@@ -1,6 +1,7 @@
 """Sections of an arm that supports hold, against beams of Euler and Bernoulli, Euler's columns, and the held end."""
 
 import dataclasses
+import re
 from collections.abc import Callable
 from typing import Any
 
@@ -136,8 +137,11 @@ def test_columns_that_are_held_sideways(supports: tuple[Support, ...], load: flo
     rod = straight(planar=10.0 * B)
     shape = rod.solve_in_space(SpatialLoad((-0.9 * load * B, 0.0, 0.0), supports=supports))
     assert shape.stability.lowest == pytest.approx(0.1, abs=0.005)
-    with pytest.raises(RodError, match=r"buckles out of its plane at 95\.\d %"):
-        rod.solve_in_space(SpatialLoad((-1.05 * load * B, 0.0, 0.0), supports=supports))
+    try:
+        (told,) = rod.solve_in_space(SpatialLoad((-1.05 * load * B, 0.0, 0.0), supports=supports)).notes
+    except RodError as refused:  # a hinged column has no stable shape near by: its bow twists out of the way
+        told = str(refused)
+    assert re.search(r"buckles out of its plane at 95\.\d %", told)
 
 
 def test_an_arm_with_three_chambers_is_held_along_its_length() -> None:

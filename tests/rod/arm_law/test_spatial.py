@@ -1,6 +1,7 @@
 """The rod in space against closed forms, against the planar rod, and against itself turned."""
 
 import math
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -234,8 +235,8 @@ def test_a_column_buckles_across_its_plane_at_the_force_of_euler() -> None:
     critical = np.pi**2 * 100.0 / (2.0 * LENGTH) ** 2
     for part in (0.5, 0.99, 1.01):
         assert rod.stability(rod.under(Load((-part * critical, 0.0)))).lowest == pytest.approx(1.0 - part, abs=1e-5)
-    with pytest.raises(RodError, match=r"buckles out of its plane at 66\.[67] %"):
-        rod.solve_in_space(SpatialLoad((-1.5 * critical, 0.0, 0.0)))
+    (told,) = rod.solve_in_space(SpatialLoad((-1.5 * critical, 0.0, 0.0))).notes
+    assert re.search(r"buckles out of its plane at 66\.[67] %", told)
     bent = rod.solve_in_space(SpatialLoad((-1.1 * critical, 0.0, 1e-3 * critical)))
     assert bent.end[2] > 40.0
     assert bent.stability.is_stable
