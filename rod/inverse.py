@@ -47,6 +47,7 @@ class AtPressure(NamedTuple):
     pressure: float  #: kPa
     state: Array  #: (9,) as `SolvedPath.state`
     slope: Array  #: (9,) its change per kPa
+    path: SolvedPath  #: an equilibrium there or near by
 
     def of(self, quantity: Quantity) -> tuple[Array, Array]:
         """A quantity, and its change per kPa."""
@@ -132,7 +133,7 @@ class Branch:
         return parabola_slopes(self.pressures, self.states)
 
     def _sample(self, k: int) -> AtPressure:
-        return AtPressure(float(self.pressures[k]), self.states[k], self._slopes[k])
+        return AtPressure(float(self.pressures[k]), self.states[k], self._slopes[k], self.paths[k])
 
     def _zeros(self, function: Callable[[Array, Array], Array]) -> Iterator[tuple[float, bool]]:
         """Pressures where a function of the states (n, 9) and their slopes changes its sign, and whether it rises."""
@@ -152,14 +153,15 @@ class Branch:
         for _ in range(STEPS):
             (before, other), path = (there, path), path.at(self.at(pressure).arm)
             response = path.derivative((other.rod, path.rod), passes=1)
-            at = AtPressure(pressure, path.state, path.change_of_state(response) / (pressure - before))
+            slope = path.change_of_state(response) / (pressure - before)
+            at = AtPressure(pressure, path.state, slope, path)
             left, change = at.of(missed)
             there, square = pressure, float(np.sum(change * change))
             step = -float(np.sum(left * change)) / square if square else 0.0
             pressure = float(np.clip(there + np.clip(step, -0.1 * span, 0.1 * span), *self.pressures[[0, -1]]))
             if abs(pressure - there) < SETTLED * span:
                 break
-        return AtPressure(pressure, at.state + (pressure - there) * at.slope, at.slope)
+        return at._replace(pressure=pressure, state=at.state + (pressure - there) * at.slope)
 
 
 def _towards(at: Callable[[float], Rod], begin: Solved, pressure: float) -> list[Solved]:

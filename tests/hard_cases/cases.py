@@ -59,6 +59,8 @@ class HardCase:
     limit: str  #: what the reason must say; empty where the case is solved
     check: Check | None  #: of a solved case
     aspect: float  #: the mesh has an element at least as slender
+    #: name of a rod of `rods.py` and its part of the load, in place of the scene
+    rod: tuple[str, float] | None = None
 
     def __post_init__(self) -> None:
         assert bool(self.limit) != (self.check is not None), f"{self.name}: either a limit or a check"
@@ -77,12 +79,12 @@ def read_cases(path: Path = HERE / "cases.yaml") -> tuple[HardCase, ...]:
 
 
 def _case(values: Mapping[str, Any], bases: Mapping[str, Scene]) -> HardCase:
-    _only(values, ("name", "base", "limit", "check", "aspect", *SCENE))
-    scene = bases[values["base"]].changed(values)
-    check = values.get("check")
-    return HardCase(
-        values["name"], scene, values.get("limit", ""), check and _check(check, scene, bases), values.get("aspect", 0.0)
-    )
+    _only(values, ("name", "base", "rod", "limit", "check", "aspect", *SCENE))
+    scene = bases[values["base"]].changed(values) if "base" in values else PLAIN
+    check, rod = values.get("check"), values.get("rod")
+    checked = check and _check(check, scene, bases)
+    limit, aspect = values.get("limit", ""), values.get("aspect", 0.0)
+    return HardCase(values["name"], scene, limit, checked, aspect, rod and tuple(rod))
 
 
 def _check(values: Mapping[str, Any], scene: Scene, bases: Mapping[str, Scene]) -> Check:

@@ -19,7 +19,9 @@ from pipeline.store.progress import Silent
 from pipeline.store.store import open_store
 from pipeline.values.errors import InputError, RunFailed
 from pipeline.values.reasons import render_all
+from rod import RodError
 from tests.hard_cases.cases import CONFIGS, Check, HardCase, Scene
+from tests.hard_cases.rods import fallen
 
 
 @dataclass(frozen=True)
@@ -62,6 +64,8 @@ class Refused(Exception):
 
 def line_of(case: HardCase) -> Line:
     """Solve a case and its twin."""
+    if case.rod is not None:
+        return _line_of_rod(case, *case.rod)
     try:
         solved = solve(case.scene)
     except Refused as refused:
@@ -83,6 +87,17 @@ def line_of(case: HardCase) -> Line:
         max((state.max_stretch for state in states), default=np.nan),
         _largest_aspect_ratio(solved.body.mesh),
     )
+
+
+def _line_of_rod(case: HardCase, name: str, part: float) -> Line:
+    """Of a rod beyond its limit."""
+    none, check = (0, 0, np.nan, np.nan, np.nan, np.inf), case.check
+    try:
+        shape, found = fallen(name, part, check.of if check else "end")
+    except RodError as refused:
+        return Line(case, str(refused), np.nan, 0, *none)
+    error = float(np.abs(found - check.value).max() / found.max()) if check else np.nan
+    return Line(case, "", error, shape.load_steps, *none)
 
 
 def _largest_aspect_ratio(mesh: Mesh) -> float:

@@ -47,9 +47,10 @@ def _row(line: Line) -> list[str]:
     outcome = _sentence(line.reason) if line.reason else "solved"
     if not line.as_expected:
         outcome = f"**not as expected**: {outcome}"
-    stretches = f"{line.min_stretch:.3f} to {line.max_stretch:.3f}" if line.steps else ""
-    counts = [str(line.steps), str(line.cutbacks), str(line.factorizations)]
-    return [case.name, expected, outcome, *compared, *counts, f"{line.min_J:.3f}" if line.steps else "", stretches]
+    is_body = bool(line.steps and not case.rod)
+    stretches = f"{line.min_stretch:.3f} to {line.max_stretch:.3f}" if is_body else ""
+    counts = [str(line.steps), *([str(line.cutbacks), str(line.factorizations)] if not case.rod else ["", ""])]
+    return [case.name, expected, outcome, *compared, *counts, f"{line.min_J:.3f}" if is_body else "", stretches]
 
 
 def _sentence(reason: str) -> str:

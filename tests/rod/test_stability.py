@@ -6,7 +6,7 @@ Where an arm buckles its answer is the stable shape to which it falls, and says 
 import math
 import re
 import warnings
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -14,33 +14,20 @@ import pytest
 from scipy.optimize import brentq
 from scipy.special import ellipe, ellipk
 
-from geometry.arrays import Array
-from rod import FiveParameters, Load, PointLoad, Rod, RodError, RodSolution, RodWarning, SpatialLoad, SpatialSolution
+from rod import FiveParameters, Load, Rod, RodError, RodSolution, RodWarning, SpatialLoad, SpatialSolution
 from rod.arm.chain import rotation
 from rod.arm_law import law_rod
 from rod.inverse import Branch
 from rod.spatial import triple
 from rod.weight import WEIGHT_OF_GRAM, Mass
-from tests.rod.arm_law.test_spatial import GJ, B, straight
+from tests.hard_cases.rods import COLUMN, EI, EULER, GREENHILL, LATERAL, LENGTH, arch, standing
+from tests.hard_cases.rods import column as pushed
+from tests.links import Links
 from tests.rod.arm_law.test_spatial import LENGTH as DEEP
+from tests.rod.arm_law.test_spatial import B, straight
 
-EI, LENGTH = 140.0, 90.0
-LAW = FiveParameters(EI, EI, 0.0, 0.0, 9.0)
-COLUMN = Rod(LENGTH, 0.0, LAW)
-#: S. P. Timoshenko and J. M. Gere, "Theory of Elastic Stability", 2.1 and 6.3; A. G. Greenhill (1881): first zero of
-#: J_(-1/3)
-EULER, GREENHILL, LATERAL = math.pi**2 * EI / (4.0 * LENGTH**2), 7.837347, 4.013 * math.sqrt(B * GJ) / DEEP**2
 TURN = np.array([0.0, 0.003, 0.003])
 BEYOND = [1.01, 1.1, 2.0, 8.0, 9.5, 15.0, 24.0, 26.0, 60.0, 150.0]
-
-
-def pushed(part: float) -> RodSolution:
-    return COLUMN.solve(force=(-part * EULER, 0.0))
-
-
-def standing(part: float) -> RodSolution:
-    grams = part * GREENHILL * EI / LENGTH**2 / WEIGHT_OF_GRAM
-    return replace(COLUMN, mass=Mass.even(LENGTH, grams)).solve(direction="standing")
 
 
 def deep(part: float) -> SpatialSolution:
@@ -119,53 +106,9 @@ def ellipkm1(log: float) -> float:
     return float(ellipk(-math.expm1(log))) if log > -30.0 else math.log(4.0) - 0.5 * log
 
 
-@dataclass(frozen=True)
-class Links:
-    """A clamped rod in its plane as a chain of links with springs between them, by its potential energy.
-
-    It shares nothing with the elements of the rod: unknown are the angles of its links.
-    """
-
-    rod: Rod
-    force: Array  #: (2,) N, on the end
-    weight: Array  #: (2,) N/mm
-    n: int = 400
-
-    def stiffness(self, angle: Array) -> tuple[Array, Array]:
-        """Gradient (n,) and Hessian (n, n) of the energy."""
-        rod, h = self.rod, self.rod.length / self.n
-        joints = np.arange(self.n) * h
-        law, kappa_0 = rod.five, np.full(self.n, float(rod.kappa_0))  # type: ignore[arg-type]
-        springs = np.where(joints < law.d, law.alpha1, law.alpha2) / h
-        springs[0] *= 2.0  # half a link from the clamp
-        moment = springs * (np.diff(angle, prepend=rod.theta0) - kappa_0 * h * np.where(joints > 0.0, 1.0, 0.5))
-        beyond = self.force + np.outer(rod.length - joints - 0.5 * h, self.weight)
-        c, s = np.cos(angle), np.sin(angle)
-        gradient = moment - np.append(moment[1:], 0.0) + h * (beyond[:, 0] * s - beyond[:, 1] * c)
-        hessian = np.diag(springs + np.append(springs[1:], 0.0) + h * (beyond[:, 0] * c + beyond[:, 1] * s))
-        hessian -= np.diag(springs[1:], 1) + np.diag(springs[1:], -1)
-        return gradient, hessian
-
-    def settled(self, angle: Array) -> tuple[Array, float]:
-        """The equilibrium near angles (n,), by Newton's method, and its lowest eigenvalue over the elastic one."""
-        for _ in range(40):
-            gradient, hessian = self.stiffness(angle)
-            step = np.linalg.solve(hessian, -gradient)
-            angle = angle + step / max(1.0, 10.0 * float(np.abs(step).max()))
-        elastic = Links(self.rod, np.zeros(2), np.zeros(2), self.n).stiffness(angle)[1]
-        factor = np.linalg.inv(np.linalg.cholesky(elastic))
-        return angle, float(np.linalg.eigvalsh(factor @ self.stiffness(angle)[1] @ factor.T)[0])
-
-
-def links_of(shape: RodSolution, rod: Rod) -> tuple[Links, Array]:
-    """The same rod as links, and their angles."""
-    links = Links(rod, shape.force, shape.weight / rod.length)
-    return links, np.interp((np.arange(links.n) + 0.5) * rod.length / links.n, shape.s, shape.theta)
-
-
 def is_stable(shape: RodSolution, rod: Rod = COLUMN) -> bool:
     """Whether links settle in this shape, from a start beside it too, and are stable there."""
-    links, angle = links_of(shape, rod)
+    links, angle = Links.of(rod, shape)
     settled, lowest = links.settled(angle)
     assert np.abs(settled - angle).max() < 0.05
     again, _ = links.settled(settled + 0.03 * np.linspace(0.0, 1.0, links.n) * min(1.0, 10.0 * lowest))
@@ -238,7 +181,7 @@ def test_an_end_that_is_pushed_towards_the_clamp_of_a_straight_rod_finds_its_fir
     for x in (0.999, 0.9, 0.6):
         shape, told = said(COLUMN.solve, end=(x * LENGTH, 0.0))
         assert re.match(r"The rod buckles at (once|0.0202 % of the load): it moves along y at s = 54 mm\. This", told)
-        links, angle = links_of(shape, COLUMN)
+        links, angle = Links.of(COLUMN, shape)
         assert links.settled(angle)[0] == pytest.approx(angle, abs=5e-3)
         forces.append(-shape.force[0] * LENGTH**2 / EI)
     assert forces == pytest.approx([20.198, 20.959, 22.916], abs=1e-3)
@@ -266,9 +209,8 @@ def test_what_cannot_say_that_an_arm_falls_refuses_it() -> None:
 
 
 def test_an_arch_that_snaps_through_is_refused_with_its_load_and_direction() -> None:
-    arch, load = replace(COLUMN, kappa_0=-3.0 / LENGTH, theta0=1.5), PointLoad(40.0, (0.0, -200.0 * EI / LENGTH**2))
     with pytest.raises(RodError, match=r"buckles at 49\.\d % of the load: it moves along y at s = 4.* No stable shape"):
-        arch.solve(end=(0.6 * LENGTH, 0.0), along=[load])
+        arch(1.0)
 
 
 @pytest.mark.parametrize("solve", [Rod.solve, None])
@@ -279,3 +221,9 @@ def test_a_shape_in_the_plane_that_buckles_out_of_it_says_so(solve: Any) -> None
         shape, told = said(solve, rod, (0.0, part * LATERAL))
         assert ("buckles out of its plane before this load" in told) == is_said
         assert law.stability(shape).is_stable != is_said
+
+
+def test_a_pressure_for_a_wish_knows_that_the_arm_buckles_out_of_its_plane() -> None:
+    rod, load = Rod(DEEP, law=straight()), Load((0.0, 1.5 * LATERAL))
+    [branch] = Branch.all_of(lambda _: rod, lambda one: one.under(load), [0.0, 5.0, 10.0])
+    assert all("out of its plane" in at.path.sideways for at in branch.extremes(lambda states: states[:, 1]))

@@ -64,6 +64,7 @@ class PressureFor:
     force_N: tuple[float, ...]
     away_mm: float | None  #: of the tip from the wanted one; None where another quantity was wanted
     pressures_kPa: tuple[float, ...] = ()  #: of all cavities; of an arm with one pressure that one
+    note: str = ""  #: a sentence on an arm in its plane that is unstable out of it
 
     @property
     def text(self) -> str:
@@ -73,7 +74,7 @@ class PressureFor:
         away = "" if self.away_mm is None else f", {self.away_mm:.2g} mm away"
         end = f"tip at ({_listed(self.tip_mm, '.2f')}) mm{away}, bends by {self.angle_deg:.2f}°"
         force = f", force on the end [{_listed(self.force_N, '.4g')}] N" if any(self.force_N) else ""
-        return f"{self.pressure_kPa:.4f}{error} kPa{several}: {end}{force}"
+        return f"{self.pressure_kPa:.4f}{error} kPa{several}: {end}{force}{f'. {self.note}' if self.note else ''}"
 
 
 def _listed(values: Sequence[float], form: str) -> str:
@@ -152,7 +153,7 @@ def _met(rods: RodOfRun, wish: Wish, at: AtPressure) -> PressureFor:
     held = force if wish.force_N is not None else (0.0,) * len(force)
     fractions = rods.source.fractions if isinstance(rods.source, Ray) else (1.0,)
     pressures = tuple(part * at.pressure for part in fractions)
-    return PressureFor(at.pressure, _error(rods, wish, at), tip, angle, held, away, pressures)
+    return PressureFor(at.pressure, _error(rods, wish, at), tip, angle, held, away, pressures, at.path.sideways)
 
 
 def _error(rods: RodOfRun, wish: Wish, at: AtPressure) -> float | None:

@@ -19,7 +19,7 @@ from pipeline.answers.rods.pressures import Wish, pressures_for
 from pipeline.answers.rods.tips import tips_page
 from pipeline.cli import app
 from pipeline.values.errors import InputError
-from rod import FiveParameters, Rod, RodError, compile_kernels
+from rod import FiveParameters, Load, Rod, RodError, compile_kernels
 from rod.inverse import Branch
 from tests.coarse import COARSE, coarse_run
 
@@ -108,8 +108,8 @@ def test_an_upright_arm_that_its_load_has_bent_over_is_followed_to_no_pressure()
         return Rod(100.0, 2e-4 * pressure, lines)
 
     with pytest.raises(RodError, match=r"66\.7 % of the load"):
-        rod(0.0).solve(force=force)
-    [branch] = Branch.all_of(rod, lambda one: one.solve(force=force), [0.0, 20.0, 40.0])
+        rod(0.0).under(Load(force))
+    [branch] = Branch.all_of(rod, lambda one: one.under(Load(force)), [0.0, 20.0, 40.0])
     assert branch.pressures[[0, -1]] == pytest.approx([0.0, 40.0])
     k = brentq(lambda m: ellipk(m) - 0.5 * np.pi * np.sqrt(1.5), 0.0, 0.99)
     elastica = 100.0 * np.array([2.0 * ellipe(k) / ellipk(k) - 1.0, 2.0 * np.sqrt(k) / ellipk(k)])
