@@ -44,7 +44,8 @@ def _row(line: Line) -> list[str]:
     compared = (
         ["", "", ""] if check is None else [f"{check.against} ({check.of})", f"{line.error:.1e}", f"{check.within:g}"]
     )
-    outcome = _sentence(line.reason) if line.reason else "solved"
+    begin, limit, rest = _sentence(line.reason).partition(case.limit or "\n")
+    outcome = f"{begin}{limit}{' …' * bool(rest)}" if line.reason else "solved"
     if not line.as_expected:
         outcome = f"**not as expected**: {outcome}"
     is_body = bool(line.steps and not case.rod)
