@@ -33,7 +33,7 @@ class Predicted:
         lever = loaded.positions(loaded.s[-1:])[0] - [loaded.x[-1], loaded.y[-1]]
         # about the end of the material curve
         couple = float(loaded.moment[-1]) - lever[0] * force[1] + lever[1] * force[0]
-        curves = _centreline(rod.solve(), curve.s), _centreline(loaded, curve.s)
+        curves = _centreline(rod.under(Load()), curve.s), _centreline(loaded, curve.s)
         load = Load(force, couple)
         lines = numbers_of_curves(*curves, load, parameters.kappa.pitch, parameters.given_d)
         return Predicted(lines, at.section.kappa_0, load.force_size)
