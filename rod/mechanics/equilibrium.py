@@ -237,6 +237,8 @@ class Rod:
     def _in_space(self, load: SpatialLoad) -> SpatialSolution:
         """The equilibrium in space, whose clamp is at the start of this rod."""
         solution, start = self.arm.solve_in_space(self._from_start(load)), (*self.start, 0.0)
+        for note in solution.notes:
+            warnings.warn(note, RodWarning, stacklevel=3)
         return replace(solution, axis=read_only(solution.axis + start), notes=(*self.notes, *solution.notes))
 
     def _from_start(self, load: AnyLoad) -> AnyLoad:

@@ -85,6 +85,11 @@ def test_beyond_its_limit_a_deep_strip_falls_sideways(part: float) -> None:
     assert shape.end[2] > 1.0
 
 
+def test_a_strip_that_falls_gives_a_warning_of_python() -> None:
+    with pytest.warns(RodWarning, match="buckles out of its plane at 50 % of the load"):
+        Rod(DEEP, law=straight()).solve(force=(0.0, 2.0 * LATERAL, 0.0))
+
+
 @pytest.mark.parametrize("part", BEYOND)
 def test_a_column_that_falls_is_the_elastica(part: float) -> None:
     """Timoshenko and Gere, 2.7: K(k) = (pi/2) sqrt(P / P_cr), k = sin(alpha/2), x_end = (2 E/K - 1) l, y_end = 2 k l/K.
