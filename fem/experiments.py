@@ -4,7 +4,7 @@ I to III are those from which a rod is identified, the fourth puts a force of co
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import final
 
 import numpy as np
@@ -15,6 +15,8 @@ from fem.effects.membrane import StrainLimitingLayer
 from fem.effects.mirror_layer import MirroredLayer
 from fem.materials.regions import Solid
 from fem.model import Model
+from fem.path.diagnosis import instability_of
+from fem.reasons import Reasons
 from fem.solution import Step
 from fem.supports import Fixed, Line, Prescribed, Support, nodes_at
 from geometry import Body, Centreline
@@ -94,6 +96,19 @@ class Experiment:
     def symmetry_factor(self) -> float:
         """Forces and volumes of the whole body over those of the meshed part: 2 for half a body."""
         return 2.0 if self.body.half else 1.0
+
+    def falls_sideways(self, model: Model, steps: Sequence[Step]) -> list[Reasons]:
+        """For each state of half a body, how the whole one falls out of its plane; empty reasons where it does not.
+
+        In its motions that are antisymmetric about z = 0 that plane moves along z alone. One factorization each.
+        """
+        plane, *others = self.supports
+        unmoved = [replace(other, value=0.0) if isinstance(other, Prescribed) else other for other in others]
+        system = replace(model, supports=[Fixed(plane.where, "xy"), *unmoved]).system()
+        try:
+            return [instability_of(system, step) for step in steps]
+        finally:
+            system.solver.close()
 
     def centreline(self, step: Step) -> Centreline:
         """The material curve in the state `step`."""

@@ -61,7 +61,7 @@ SENTENCES: Mapping[str, str] = {
     "clamp_not_followed": "the clamped end at {pressure_kPa:.4g} kPa was not followed beyond {moment_N_mm:.4g} N mm",
     "clamp_once": "the clamped end has one state at {pressure_kPa:.4g} kPa only",
     # the stability of a state
-    "unstable": "unstable in {directions} direction(s); the motion nearest to a limit point is largest at {at}",
+    "unstable": "unstable in {directions} direction(s): the smallest push lets it fall along {axis}, most at {at}",
     "unstable_at_limit_point": "unstable in {directions} direction(s), at a limit point",
     "not_followed": "the path was not followed: it lost its stability between {stable:.1%} and {unstable:.1%} of the "
     "way to this state; smaller steps there end at a limit point or follow another branch",

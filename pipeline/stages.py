@@ -268,7 +268,7 @@ def conclude(
     with state.stages.timed("report"):
         found = (*list_effects(state.scene, outcomes), arm.effect)
         effects = save_value(state.context.store, "effects.json", found)
-        record = _record(state, identified, failures, _remarks(state, identified, arm))
+        record = _record(state, identified, failures, _remarks(state, identified, arm, validated))
     results = replace(state.written, effects=effects, record=record)
     compared = (*comparisons, *validated.comparisons)
     return SolvedRun(results, state.config, outcomes, parameters, compared, arm)
@@ -324,11 +324,12 @@ def _tolerances(config: Config, law: ArmLaw | None) -> Iterator[Reason]:
         yield Reason("tolerances", values)
 
 
-def _remarks(state: RunState, identified: Identified, arm: LawOfRun) -> tuple[Reason, ...]:
+def _remarks(state: RunState, identified: Identified, arm: LawOfRun, validated: Validated) -> tuple[Reason, ...]:
     """What is unusual about the design and its results, each remark once."""
     config, outcomes = state.config, identified.outcomes
     regions = {name: state.scene.body.mesh.regions[name] for name in config.materials}
-    solved = Solved(config, outcomes, identified.parameters, state.scene.body.mesh.volumes, regions)
+    loads = tuple(comparison.record for comparison in validated.comparisons)
+    solved = Solved(config, outcomes, identified.parameters, state.scene.body.mesh.volumes, regions, loads)
     of_results = (*identified.remarks(arm.law is not None), *arm.remarks(outcomes), *check_states(solved))
     of_results = (*of_results, *_tolerances(config, arm.law))
     return tuple(dict.fromkeys((*check_design(config), *state.remarks, *of_results)))

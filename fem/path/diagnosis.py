@@ -1,13 +1,15 @@
 """What the last equilibrium of a path tells of its end: a law out of its limits, a limit point near by, instability."""
 
-from fem.effects.effect import Terms
+from fem.effects.effect import Terms, at_constant_fraction
 from fem.equations.linear import SingularMatrix
 from fem.equations.system import System
-from fem.path.modes import critical_mode, stiffness_ratio_mode
+from fem.path.active_set import ActiveSet
+from fem.path.modes import falling_mode, stiffness_ratio_mode
 from fem.path.newton import Converged
 from fem.path.predictor import PathPoint
 from fem.post.extremes import unstable_stretches
 from fem.reasons import Reasons
+from fem.solution import Step
 from geometry import Reason
 
 #: fraction of the elastic stiffness that is left, where least is left, below which a path that ends is at a limit
@@ -68,7 +70,7 @@ def _limit_point(system: System, reason: Reason, law_is_named: bool) -> Reasons:
 
 
 def instability(system: System, converged: Converged, terms: Terms) -> Reasons:
-    """In how many directions an equilibrium is unstable, and where it moves; empty for a stable one.
+    """In how many directions an equilibrium is unstable, and where it falls; empty for a stable one.
 
     Factorizes where it is unstable.
     """
@@ -76,6 +78,19 @@ def instability(system: System, converged: Converged, terms: Terms) -> Reasons:
         return ()
     values = {"directions": converged.negative_pivots}
     try:
-        return (Reason("unstable", values, critical_mode(system, converged.state, terms).position),)
+        mode = falling_mode(system, converged.state, terms)
+        return (Reason("unstable", {**values, "axis": mode.axis}, mode.position),)
     except SingularMatrix:
         return (Reason("unstable_at_limit_point", values),)
+
+
+def instability_of(system: System, step: Step) -> Reasons:
+    """The same of a finished step, under the constraints of a system, which need not be those of its path."""
+    state = system.state_at(step.displacement, step.factor)
+    terms = at_constant_fraction(ActiveSet.of_step(system.terms, step).active, 1.0)
+    assembly = system.assemble(state, terms)
+    try:
+        linearised = system.linearise(state, assembly, terms)
+    except SingularMatrix:
+        return (Reason("unstable_at_limit_point", {"directions": 1}),)
+    return instability(system, Converged(state, assembly, 1, 0.0, linearised), terms)

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
+from itertools import islice
 from math import hypot, inf, isinf
 
 import numpy as np
@@ -49,6 +50,7 @@ class Solved:
     parameters: tuple[Parameters, ...]
     volumes: Array  #: (e,) of the elements, mm3
     regions: Mapping[str, Index] = field(default_factory=dict)  #: rows of the elements of another material, by name
+    loads: tuple[Record, ...] = ()  #: of the validation
 
 
 def check_states(solved: Solved) -> tuple[Reason, ...]:
@@ -60,10 +62,13 @@ def check_states(solved: Solved) -> tuple[Reason, ...]:
 
 def _unstable(solved: Solved) -> Iterator[Reason]:
     """Equilibria that the smallest push ends: an arm of full symmetry stands in them and falls over all the same."""
-    states = [record.state for record in solved.outcomes.records if record.state.negative_pivots]
-    if states:
-        lowest = min(states, key=lambda state: state.pressure_kPa)
-        yield Reason("unstable_states", {"directions": lowest.negative_pivots or 0, **_state(lowest)})
+    records = sorted((*solved.outcomes.records, *solved.loads), key=lambda record: record.pressure_kPa)
+    found = ((why, record) for record in records for why in record.instability if why.code.startswith("unstable"))
+    for why, record in islice(found, 1):
+        axis = why.values.get("axis")
+        plane = "out of its plane" if axis == "z" else "in its plane"
+        way = f"{plane} (along {axis})" if axis else "at a limit point"
+        yield Reason("unstable_states", {"directions": why.values["directions"], "way": way, **_state(record.state)})
 
 
 def _beyond_law(solved: Solved) -> Iterator[Reason]:

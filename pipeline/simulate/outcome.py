@@ -73,6 +73,7 @@ class Record:
     cpu_seconds: float = 0.0  #: processor time since the state before, failed increments included
     inexact: tuple[Reason, ...] = ()  #: why its contact could not be compared with exact distances, where it should be
     path_dependence: float = 0.0  #: of contact in creases (`fem.Step`)
+    instability: tuple[Reason, ...] = ()  #: in which directions it falls (`fem.Step`)
 
     @property
     def held_end(self) -> tuple[float | None, float | None]:

@@ -28,6 +28,16 @@ def steps_before_crossing(scene: Scene, steps: Sequence[fem.Step]) -> tuple[Sequ
     return steps, ()
 
 
+def with_falls_sideways(
+    scene: Scene, experiment: fem.Experiment, model: fem.Model, steps: Sequence[fem.Step]
+) -> Sequence[fem.Step]:
+    """The steps with what makes half a body under its weight or a force fall out of its plane."""
+    if not (scene.body.half and (scene.config.effects.gravity.on or any(experiment.force))):
+        return steps
+    sideways = experiment.falls_sideways(model, steps)
+    return [replace(step, instability=(*step.instability, *why)) for step, why in zip(steps, sideways, strict=True)]
+
+
 def record_of(
     scene: Scene, experiment: fem.Experiment, case: LoadCase, pressure_kPa: float, step: fem.Step, cpu_seconds: float
 ) -> Record:
@@ -45,6 +55,7 @@ def record_of(
         cpu_seconds=cpu_seconds,
         inexact=step.inexact,
         path_dependence=step.path_dependence,
+        instability=step.instability,
     )
 
 

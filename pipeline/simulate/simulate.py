@@ -14,7 +14,7 @@ from pipeline.simulate.case_path import CasePath
 from pipeline.simulate.known_limit import FIRST, EndOfII, waits_for_II
 from pipeline.simulate.loadcase import LoadCase, identification_case, schedule
 from pipeline.simulate.outcome import Failure, Outcome, Outcomes
-from pipeline.simulate.records import record_of, steps_before_crossing
+from pipeline.simulate.records import record_of, steps_before_crossing, with_falls_sideways
 from pipeline.simulate.scene import Scene, material_of
 from pipeline.store.context import RunContext
 from pipeline.store.parallel import Pending, TaskContext
@@ -107,7 +107,7 @@ def _follow(case: LoadCase, scene: Scene, store: Store, progress: Progress, end_
     newton = fem.NewtonOptions(tolerance=scene.config.newton.tolerance)
     path = CasePath(case, model, newton, store, progress, end_of_II)
     solution, failure = path.follow()
-    steps, crossing = steps_before_crossing(scene, solution.steps)
+    steps, crossing = steps_before_crossing(scene, with_falls_sideways(scene, experiment, model, solution.steps))
     pressures = case.schedule.pressures_kPa
     if crossing:
         reached_kPa = pressures[len(steps) - 1] if steps else 0.0

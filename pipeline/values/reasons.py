@@ -52,8 +52,8 @@ TEMPLATES: Mapping[str, str] = {
     "not_along_x": "the body is {length_mm:.3g} mm along x and {longest_mm:.3g} mm along {axis}; if {axis} is its "
     "length, give geometry.axes: {axes}",
     # states
-    "unstable_states": "the arm falls over: its equilibrium at {pressure_kPa:g} kPa ({experiment}) is unstable in "
-    "{directions} direction(s); hold the end, or make it shorter or stiffer",
+    "unstable_states": "the arm falls over {way}: its equilibrium at {pressure_kPa:g} kPa ({experiment}) is unstable "
+    "in {directions} direction(s); hold the end, or make it shorter or stiffer",
     "beyond_law": "{percent:.2g} % of the volume of {part} has stretches for which law {law} does not hold "
     "({holds_from:.2f} to {holds_to:.2f}; {experiment}, {pressure_kPa:g} kPa); set material.law: {instead}",
     "out_of_plane": "the arm leaves its plane by {distance_mm:.3g} mm and moves by "

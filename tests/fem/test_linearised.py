@@ -15,7 +15,7 @@ from fem.equations.system import System
 from fem.path import newton
 from fem.path.control import LoadControl
 from fem.path.diagnosis import near_limit_point
-from fem.path.modes import critical_mode
+from fem.path.modes import falling_mode
 from fem.path.newton import Converged, Start
 from fem.path.predictor import PathPoint
 from geometry.arrays import Array
@@ -77,9 +77,9 @@ def near_limit(system: System, state: State, terms: Terms) -> str:
 
 
 def test_the_analysis_of_instability_leaves_no_usable_factor_behind() -> None:
-    """`critical_mode` and `near_limit_point` factorize; what Newton returned before must not solve with theirs."""
+    """`falling_mode` and `near_limit_point` factorize; what Newton returned before must not solve with theirs."""
     model = Model(hollow_box(half=True), LAW, [Fixed("clamp"), Fixed("sym", "z")], [Pressure("cavity", 0.05)])
-    for analysis in (critical_mode, near_limit):
+    for analysis in (falling_mode, near_limit):
         system = model.system()
         converged = equilibrium(LoadControl.of(system).target(1.0, 1.0), system.rest_state(), NewtonOptions())
         assert converged.linearised is not None

@@ -350,5 +350,5 @@ def test_a_path_that_loses_its_stability_on_the_way_says_that_it_was_not_followe
     assert (at_once.negative_pivots, halved.negative_pivots) == (2, 2)
     assert [reason.code for reason in at_once.instability] == ["unstable"]
     unstable, left = halved.instability
-    assert (unstable.code, unstable.values) == ("unstable", {"directions": 2})
+    assert (unstable.code, unstable.values["directions"]) == ("unstable", 2)
     assert (left.code, left.values) == ("not_followed", {"stable": 0.0, "unstable": 0.5})

@@ -173,4 +173,4 @@ def test_a_bifurcation_is_passed_where_the_path_goes_straight_on() -> None:
     assert stable.negative_pivots == 0
     assert unstable.negative_pivots == 2
     assert unstable.cutbacks == 0
-    assert unstable.instability[0].values == {"directions": 2}
+    assert unstable.instability[0].values["directions"] == 2
