@@ -142,13 +142,19 @@ class LawRod:
             raise RodError(f"{path.fall} {outside} {self._borne(load, how)}".strip())
         return path
 
+    @property
+    def moments(self) -> tuple[float, float]:
+        """N mm, the smallest and the largest moment for which cells and clamp are known."""
+        law, clamp = self.section.moment, self.clamp.moment
+        return float(max(law[0], clamp[0])), float(min(law[-1], clamp[-1]))
+
     def outside(self, path: Path) -> str:
         """A sentence where the curvature of cells or the moment at the clamp leaves the law; empty elsewhere."""
         law, clamp, found = self.section, self.clamp, path.nodes.found
         if found.outside <= ROUNDING * np.ptp(law.kappa) and found.beyond <= ROUNDING * np.ptp(clamp.moment):
             return ""
         bends = self._model.section.strains(*acting_in_frames(path.nodes))[2]
-        low, high = max(law.moment[0], clamp.moment[0]), min(law.moment[-1], clamp.moment[-1])
+        low, high = self.moments
         worst = int(np.argmax(np.maximum(low - bends, bends - high)))
         return (
             f"At s = {path.nodes.s[worst]:.3g} mm this load bends the cells with {bends[worst]:.4g} N mm; the law at "

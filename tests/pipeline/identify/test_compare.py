@@ -1,19 +1,22 @@
 """The rod compared with known shapes: distances, forces, curvatures, and shapes that cannot be compared."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from fem import Seconds
 from geometry import Centreline
+from pipeline.answers.rods.choice import rod_of_path
 from pipeline.identify.arm_rods import NoSolution, Rods
 from pipeline.identify.compare import compare_rods, curve_of
 from pipeline.simulate.outcome import Record
-from pipeline.values.formats import EXTENSIBLE, FIVE
+from pipeline.values.formats import ARM_LAW, EXTENSIBLE, FIVE
 from pipeline.values.run import RodError, State
-from rod import Extension, FiveParameters, Load, MomentRange, Rod
+from rod import Extension, FiveParameters, LawRod, Load, MomentRange, Rod
 
+HERE = Path(__file__).resolve().parent.parent.parent
 LENGTH, PITCH = 112.0, 10.0
 ROD = Rod(LENGTH, -0.015, FiveParameters(190.0, 400.0, 0.0, 0.0, 6.0), 0.0, (0.0, 1.0))
 S = np.linspace(0.0, LENGTH, 225)
@@ -129,6 +132,16 @@ def test_numbers_of_another_arm_and_loads_without_solution_say_so() -> None:
     assert row.reason.endswith(".")
     assert row.force_error is None
     assert np.isnan(curve_of(beyond, None, PITCH)["rod_x_mm"][0])
+
+
+def test_loads_beyond_the_law_of_the_arm_say_which_moments_it_lacks() -> None:
+    own = rod_of_path(HERE / "data" / "results_coarse", None).at(31.0)
+    assert isinstance(own.law, LawRod)
+    (low, high), s = own.law.moments, np.linspace(0.0, own.length, 113)
+    straight = replace(record("dead", ROD), centreline=Centreline(s, s, 0.0 * s), load=Load((0.0, 2.0 * high / LENGTH)))
+    reason = row_of({ARM_LAW: own}, straight, "dead", rod=ARM_LAW).reason
+    assert "At 24 kPa its loads bend it with" in reason
+    assert f"and its law has {low:.3g} to {high:.3g}; make the arm lighter or stiffer." in reason
 
 
 def test_the_extensible_rod_follows_a_curve_that_stretches() -> None:
