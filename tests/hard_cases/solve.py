@@ -73,6 +73,8 @@ def line_of(case: HardCase) -> Line:
     outcome, states = solved.outcome, [record.state for record in solved.outcome.records]
     failure = outcome.failure
     error, reason = np.nan, render_all(failure.reasons) if failure else ""
+    if case.limit and not reason:
+        reason = "; ".join(record.state.reason for record in outcome.records if record.instability)
     if case.check is not None and not reason:
         error, reason = _error(case.check, solved)
     return Line(
