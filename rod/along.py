@@ -8,7 +8,7 @@ from typing import NamedTuple, TypeAlias, final
 import numpy as np
 
 from geometry.arrays import Array
-from rod.checked import finite
+from rod.checked import Given, finite
 from rod.errors import LoadError, RodError
 
 #: (x, y, z)
@@ -19,10 +19,10 @@ Position = tuple[float | None, float | None, float | None]
 APART = 1e-4
 
 
-def triple(values: object, name: str) -> Triple:
-    """Three finite numbers. Raises `RodError`, naming what they are, for anything else."""
+def triple(values: object, name: str, unit: str = "") -> Triple:
+    """Three finite numbers, given as for `finite`. Raises `RodError`, naming what they are, for anything else."""
     try:
-        x, y, z = (finite(value, name) for value in values)  # type: ignore[attr-defined]
+        x, y, z = (finite(value, name, unit) for value in values)  # type: ignore[attr-defined]
     except (TypeError, ValueError):  # a RodError is a ValueError
         raise RodError(f"{name} has three finite numbers, x, y and z; {values!r} has not.") from None
     return x, y, z
@@ -37,17 +37,20 @@ def scaled(values: Sequence[float], part: float) -> Triple:
 @final
 @dataclass(frozen=True)
 class PointLoad:
-    """A dead load on one section of an arm. Raises `RodError` for what is no finite number."""
+    """A dead load on one section of an arm, in numbers or texts such as "56 mm".
 
-    s: float  #: mm, rest arc length from the clamp
-    force: Sequence[float] = (0.0, 0.0, 0.0)  #: N, (x, y, z), or (x, y) in the plane
-    couple: Triple = (0.0, 0.0, 0.0)  #: N mm; keeps its direction
+    Raises `RodError` for anything else.
+    """
+
+    s: Given  #: mm, rest arc length from the clamp
+    force: Sequence[Given] = (0.0, 0.0, 0.0)  #: N, (x, y, z), or (x, y) in the plane
+    couple: Sequence[Given] = (0.0, 0.0, 0.0)  #: N mm; keeps its direction
     #: mm, where the force acts beside the material curve without load, along and normal to the arm
     beside: tuple[float, float] = (0.0, 0.0)
 
     def __post_init__(self) -> None:
-        finite(self.s, "s")
-        _check(self)
+        object.__setattr__(self, "s", finite(self.s, "s", "mm"))
+        _check(self, "N", "N*mm")
 
     @property
     def breaks(self) -> tuple[float, ...]:
@@ -66,22 +69,27 @@ class PointLoad:
 @final
 @dataclass(frozen=True)
 class LineLoad:
-    """A dead load that is spread evenly over a part of an arm. Raises `RodError` for what is no finite number."""
+    """A dead load that is spread evenly over a part of an arm, in numbers or texts such as "0.5 N/m".
 
-    start: float  #: mm, rest arc length from the clamp
-    end: float  #: mm
-    force: Sequence[float]  #: N/mm, (x, y, z), or (x, y) in the plane
-    couple: Triple = (0.0, 0.0, 0.0)  #: N mm/mm; keeps its direction
+    Raises `RodError` for anything else.
+    """
+
+    start: Given  #: mm, rest arc length from the clamp
+    end: Given  #: mm
+    force: Sequence[Given]  #: N/mm, (x, y, z), or (x, y) in the plane
+    couple: Sequence[Given] = (0.0, 0.0, 0.0)  #: N mm/mm; keeps its direction
     #: mm, where the force acts beside the material curve without load, along and normal to the arm
     beside: tuple[float, float] = (0.0, 0.0)
 
     def __post_init__(self) -> None:
-        start, end = (finite(s, name) for s, name in ((self.start, "start"), (self.end, "end")))
+        start, end = (finite(s, name, "mm") for s, name in ((self.start, "start"), (self.end, "end")))
         if not 0.0 <= start < end:
             raise LoadError(
                 f"A line load goes from 0 mm or more to an end beyond it; {start:g} to {end:g} mm does not."
             )
-        _check(self)
+        object.__setattr__(self, "start", start)
+        object.__setattr__(self, "end", end)
+        _check(self, "N/mm", "N")
 
     @property
     def breaks(self) -> tuple[float, ...]:
@@ -100,21 +108,24 @@ AlongLoad: TypeAlias = PointLoad | LineLoad
 @final
 @dataclass(frozen=True)
 class Support:
-    """Holds an arm in one section. Raises `RodError` for what is no finite number, and where it holds nothing."""
+    """Holds an arm in one section, in numbers or texts such as "5 deg".
 
-    s: float  #: mm, rest arc length from the clamp
-    x: float | None = None  #: mm, where it holds the curve; None: free, and so are the others
-    y: float | None = None  #: mm
-    z: float | None = None  #: mm, across the plane of the arm
-    angle: float | None = None  #: rad, of the cross section's normal, as `theta` of a solution; in the plane alone
+    Raises `RodError` for anything else, and where it holds nothing.
+    """
+
+    s: Given  #: mm, rest arc length from the clamp
+    x: Given = None  #: mm, where it holds the curve; None: free, and so are the others
+    y: Given = None  #: mm
+    z: Given = None  #: mm, across the plane of the arm
+    angle: Given = None  #: rad, of the cross section's normal, as `theta` of a solution; in the plane alone
     #: mm, where it holds the arm beside the material curve without load, along and normal to the arm
     beside: tuple[float, float] = (0.0, 0.0)
 
     def __post_init__(self) -> None:
-        finite(self.s, "s")
+        object.__setattr__(self, "s", finite(self.s, "s", "mm"))
         for name in ("x", "y", "z", "angle"):
-            at = getattr(self, name)
-            object.__setattr__(self, name, None if at is None else finite(at, name))
+            at, unit = getattr(self, name), "rad" if name == "angle" else "mm"
+            object.__setattr__(self, name, None if at is None else finite(at, name, unit))
         _check_beside(self)
         if not self.held:
             raise RodError("A support holds x, y, z or the angle of a section; this one holds none of them.")
@@ -178,11 +189,11 @@ def check_supports(supports: Sequence[Support], begin: float, length: float) -> 
             raise LoadError(f"Two supports stand at s = {s:g} mm; write all that is held there as one.")
 
 
-def _check(load: AlongLoad) -> None:
+def _check(load: AlongLoad, force_unit: str, couple_unit: str) -> None:
     """Give the force three components; raise `RodError` for what is no finite number."""
     force = (*load.force, 0.0) if np.shape(load.force) == (2,) else load.force
-    object.__setattr__(load, "force", triple(force, "force"))
-    object.__setattr__(load, "couple", triple(load.couple, "couple"))
+    object.__setattr__(load, "force", triple(force, "force", force_unit))
+    object.__setattr__(load, "couple", triple(load.couple, "couple", couple_unit))
     _check_beside(load)
 
 

@@ -1,29 +1,40 @@
-"""Numbers that users give in calls: finite."""
+"""Numbers that users give in calls: finite, also as texts with a unit."""
 
 import math
 import reprlib
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 
 from geometry.arrays import Array
 from rod.errors import RodError
+from rod.units import USUAL, with_unit
+
+#: a number in the unit inside, or a text with its unit, such as "20 mm"
+Amount: TypeAlias = float | str
+#: a field for which such an amount is given, and which is the number
+Given: TypeAlias = Any
 
 
-def finite(value: Any, name: str) -> float:
-    """A number as a finite float. Raises `RodError`, naming what it is, for anything else, texts too."""
+def finite(value: Any, name: str, unit: str = "") -> float:
+    """A number as a finite float; with a unit also a text such as "20 mm", as a number in that unit.
+
+    Raises `RodError`, naming what it is, for anything else.
+    """
+    given: Any = with_unit(value, USUAL.get(unit, {})) if isinstance(value, str) and unit else value
     try:
-        number = math.nan if isinstance(value, str | bytes | bool) else float(value)
+        number = math.nan if isinstance(given, str | bytes | bool) else float(given)
     except (TypeError, ValueError, OverflowError):
         number = math.nan
     if not math.isfinite(number):
-        raise RodError(f"{name} must be a finite number, not {reprlib.repr(value)}.")
+        written = f"; write it in {unit}, or with its unit" if unit else ""
+        raise RodError(f"{name} must be a finite number, not {reprlib.repr(value)}{written}.")
     return number
 
 
-def positive(value: Any, name: str) -> float:
-    """A number above zero as a float. Raises `RodError`, naming what it is, for anything else."""
-    number = finite(value, name)
+def positive(value: Any, name: str, unit: str = "") -> float:
+    """A number above zero as a float, given as for `finite`. Raises `RodError` for anything else."""
+    number = finite(value, name, unit)
     if number <= 0.0:
         raise RodError(f"{name} must be positive, not {number:g}.")
     return number

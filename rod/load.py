@@ -8,16 +8,18 @@ import math
 import reprlib
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any, TypeVar
+from typing import Any, TypeAlias, TypeVar
 
 import numpy as np
 
 from rod.along import Along, AlongLoad, Support, leaves_plane, split_along, triple
-from rod.checked import finite, numbers_in
+from rod.checked import Amount, finite
 from rod.errors import LoadError, RodError
 from rod.spatial import SpatialLoad, is_triple
 
 AnyLoad = TypeVar("AnyLoad", "Load", SpatialLoad)
+#: on the end, N: its components, or one amount that acts upwards
+Force: TypeAlias = Amount | Sequence[Amount]
 
 
 @dataclass(frozen=True)
@@ -32,9 +34,9 @@ class Load:
     supports: tuple[Support, ...] = ()  #: that hold sections of the arm, and its end
 
     def __post_init__(self) -> None:
-        for name in ("force", "weight"):
-            object.__setattr__(self, name, pair(getattr(self, name), name))
-        object.__setattr__(self, "couple", finite(self.couple, "The end moment"))
+        for name, unit in (("force", "N"), ("weight", "N/mm")):
+            object.__setattr__(self, name, pair(getattr(self, name), name, unit))
+        object.__setattr__(self, "couple", finite(self.couple, "The end moment", "N*mm"))
         object.__setattr__(self, "weight_height", finite(self.weight_height, "weight_height"))
         along, more = split_along(self.along)
         object.__setattr__(self, "along", along)
@@ -78,17 +80,17 @@ def with_along(load: AnyLoad, more: Sequence[Along], length: float) -> AnyLoad:
     return replace(both, force=joined)
 
 
-def pair(values: Sequence[float | None], name: str) -> tuple[float, float]:
-    """(x, y) as finite floats. Raises `RodError`, naming what they are, for anything else."""
+def pair(values: Sequence[Amount | None], name: str, unit: str = "") -> tuple[float, float]:
+    """(x, y) as finite floats, given as for `finite`. Raises `RodError`, naming what they are, for anything else."""
     try:
-        x, y = (finite(value, name) for value in values)
+        x, y = (finite(value, name, unit) for value in values)
     except (TypeError, ValueError):  # a RodError is a ValueError
         raise RodError(f"{name} is a pair of finite numbers, x and y; {reprlib.repr(values)} is not.") from None
     return x, y
 
 
 def held_end(
-    length: float, force: object, end: Sequence[float | None] | None, end_x: float | None, end_y: float | None
+    length: float, force: object, end: Sequence[Amount | None] | None, end_x: Amount | None, end_y: Amount | None
 ) -> tuple[Support, ...]:
     """What holds the end of an arm (mm) by the arguments of `solve`; nothing where it is free.
 
@@ -99,26 +101,32 @@ def held_end(
     if force is not None and any(value is not None for value in (end, end_x, end_y)):
         raise LoadError("Give either the force on the end or its position, not both: one follows from the other.")
     if end is None:
-        x, y = (None if at is None else finite(at, name) for at, name in ((end_x, "end_x"), (end_y, "end_y")))
+        held = (None if at is None else finite(at, name, "mm") for at, name in ((end_x, "end_x"), (end_y, "end_y")))
+        x, y = held
         return () if x is y is None else (Support(length, x, y),)
-    places = numbers_in(end)
-    if places is None or places.shape not in ((2,), (3,)):
+    if isinstance(end, str) or not np.iterable(end) or len(end) not in (2, 3):
         raise RodError(f"end is x and y, in space also z, None where it is free; {reprlib.repr(end)} is not.")
-    x, y, z = (*end, None)[:3]
-    return (Support(length, x, y, z),)
+    return (Support(length, end[0], end[1], end[2] if len(end) == 3 else None),)
 
 
-def requested(force: Sequence[float] | None, moment: float | Sequence[float]) -> Load:
+def requested(force: Force | None, moment: Amount | Sequence[Amount]) -> Load:
     """The load in the plane that arguments of `solve` name. Raises `RodError` for what is none."""
-    return Load((0.0, 0.0) if force is None else pair(force, "force"), finite(moment, "The end moment"))
+    return Load(pair(_components(force), "force", "N"), finite(moment, "The end moment", "N*mm"))
 
 
-def spatially_requested(force: Sequence[float] | None, moment: float | Sequence[float]) -> SpatialLoad:
+def _components(force: Force | None) -> Sequence[Amount]:
+    """Of the force on the end; one amount acts upwards."""
+    upwards = 0.0 if force is None else force
+    return (0.0, finite(upwards, "force", "N")) if isinstance(upwards, float | int | str) else upwards
+
+
+def spatially_requested(force: Force | None, moment: Amount | Sequence[Amount]) -> SpatialLoad:
     """The load in space that arguments of `solve` name; a moment alone turns about z, and a pair acts in the plane.
 
     Raises `RodError` for what is no three numbers.
     """
-    couple = triple(moment if is_triple(moment) else (0.0, 0.0, moment), "moment")
-    if force is not None and np.shape(force) == (2,):
-        force = (*force, 0.0)
-    return SpatialLoad((0.0, 0.0, 0.0) if force is None else triple(force, "force"), couple)
+    couple = triple(moment if is_triple(moment) else (0.0, 0.0, moment), "moment", "N*mm")
+    components = _components(force)
+    if np.shape(components) == (2,):
+        components = (*components, 0.0)
+    return SpatialLoad(triple(components, "force", "N"), couple)

@@ -10,7 +10,7 @@ from typing import TypeAlias
 import numpy as np
 
 from geometry.arrays import Array
-from rod.checked import finite
+from rod.checked import Amount, finite
 from rod.errors import RodError
 
 #: kPa, of the cavities of an arm in their order; of an arm with one pressure that one alone
@@ -20,10 +20,13 @@ Pressures: TypeAlias = tuple[float, ...]
 SAME = 1e-5
 
 
-def pressures_of(given: float | Sequence[float], cavities: Sequence[str]) -> Pressures:
-    """A pressure for each cavity; a number is a tuple of one. Raises `RodError` for another number of them."""
+def pressures_of(given: Amount | Sequence[Amount], cavities: Sequence[str]) -> Pressures:
+    """A pressure in kPa for each cavity; one alone is a tuple of one, and a text has its unit.
+
+    Raises `RodError` for another number of them.
+    """
     values = (given,) if isinstance(given, str) or not isinstance(given, Sequence | np.ndarray) else given
-    found = tuple(finite(value, "The pressure in kPa") for value in values)
+    found = tuple(finite(value, "The pressure", "kPa") for value in values)
     if len(found) != len(cavities):
         if len(cavities) == 1:
             raise RodError("This rod has one pressure; give it alone, such as 20 kPa.")

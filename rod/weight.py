@@ -1,7 +1,6 @@
 """Weight on an arm: how its mass is spread along it, which way gravity acts, and a mass that hangs on its end."""
 
 import math
-import re
 import reprlib
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
@@ -15,16 +14,13 @@ from rod.checked import finite
 from rod.errors import LoadError, RodError
 from rod.load import AnyLoad, pair
 from rod.spatial import is_triple
+from rod.units import USUAL, with_unit
 
 #: N/g
 WEIGHT_OF_GRAM = 9.81e-3
 #: degrees by which the arm rises from its clamp to its end, at rest
 ORIENTATIONS = {"hanging": -90.0, "lying": 0.0, "standing": 90.0}
-_GRAMS = {"mg": 1e-3, "g": 1.0, "kg": 1e3}
-_LENGTHS = {"mm": 1.0, "cm": 10.0, "m": 1e3}
-_DEGREES = {"deg": 1.0, "°": 1.0, "rad": math.degrees(1.0)}
 NO_DIRECTION = "The direction of gravity must not be zero."
-_NUMBER_AND_UNIT = re.compile(r"\s*([-+]?[\d.]+(?:[eE][-+]?\d+)?)\s*([a-z°]+)\s*")
 #: masses that hang along an arm: where, in mm or as "0.5 l", and how much, in g or as "5 g"
 Hung: TypeAlias = Sequence[tuple[float | str, float | str]]
 
@@ -130,7 +126,7 @@ def gravity_direction(value: Any) -> tuple[float, float]:
     end, as "30 deg"; or a pair x, y of any length. Raises `RodError` for anything else.
     """
     if isinstance(value, str):
-        angle = ORIENTATIONS.get(value) if value in ORIENTATIONS else _with_unit(value, _DEGREES)
+        angle = ORIENTATIONS.get(value) if value in ORIENTATIONS else with_unit(value, USUAL["deg"])
         if angle is None:
             allowed = f"{', '.join(ORIENTATIONS)}, an angle such as 30 deg, or a direction x, y"
             raise RodError(f"{reprlib.repr(value)} is no orientation of an arm; allowed are {allowed}.")
@@ -145,7 +141,7 @@ def gravity_direction(value: Any) -> tuple[float, float]:
 
 def in_grams(value: Any) -> float:
     """g, of a number or of a text such as "20 g". Raises `RodError` for anything else and below zero."""
-    grams = _with_unit(value, _GRAMS) if isinstance(value, str) else finite(value, "tip_mass")
+    grams = with_unit(value, USUAL["g"]) if isinstance(value, str) else finite(value, "tip_mass")
     if grams is None or grams < 0.0:
         raise RodError(f"{reprlib.repr(value)} is no mass; write it in g, or with its unit such as 20 g.")
     return grams
@@ -163,17 +159,7 @@ def position_along(value: float | str, length: float) -> float:
 
     Raises `LoadError` for anything else.
     """
-    s = _with_unit(value, {**_LENGTHS, "l": length}) if isinstance(value, str) else finite(value, "s")
+    s = with_unit(value, {**USUAL["mm"], "l": length}) if isinstance(value, str) else finite(value, "s")
     if s is None:
         raise LoadError(f"{reprlib.repr(value)} is no place along an arm; write it as 56 mm or 0.5 l.")
     return s
-
-
-def _with_unit(text: str, units: dict[str, float]) -> float | None:
-    matched = _NUMBER_AND_UNIT.fullmatch(text)
-    if matched is None or matched[2] not in units:
-        return None
-    try:
-        return float(matched[1]) * units[matched[2]]
-    except ValueError:
-        return None

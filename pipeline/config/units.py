@@ -7,6 +7,7 @@ from functools import cache
 from typing import TYPE_CHECKING, Any
 
 from pipeline.values.errors import LONGEST, quoted
+from rod.units import NUMBER_AND_UNIT, USUAL
 
 if TYPE_CHECKING:
     import pint
@@ -35,25 +36,6 @@ CURVATURE = Dimension("a curvature", "1/mm", "-12 1/m")
 STIFFNESS = Dimension("a stiffness", "N/mm", "5 N/m")
 DENSITY = Dimension("a density", "tonne/mm**3", "1130 kg/m^3")
 
-#: The usual units by the unit of their dimension, which need no pint: its import takes longer than `pneurod rod`.
-#: `tests/pipeline/config/test_units.py` compares the factors with those of pint, which takes Nm for nanometres.
-_USUAL: dict[str, dict[str, float]] = {
-    "mm": {"mm": 1.0, "cm": 10.0, "m": 1000.0},
-    "mm**2": {"mm^2": 1.0, "cm^2": 100.0},
-    "MPa": {"MPa": 1.0, "kPa": 1e-3, "GPa": 1e3},
-    "kPa": {"kPa": 1.0, "MPa": 1e3, "Pa": 1e-3, "bar": 100.0, "mbar": 0.1},
-    "N": {"N": 1.0, "mN": 1e-3},
-    "N*mm": {"N*mm": 1.0, "N*m": 1e3, "N mm": 1.0, "N m": 1e3, "Nmm": 1.0, "Nm": 1e3},
-    "mm/s**2": {"m/s^2": 1e3, "mm/s^2": 1.0},
-    "dimensionless": {"%": 0.01},
-    "deg": {"deg": 1.0},
-    "g": {"g": 1.0, "kg": 1e3, "mg": 1e-3},
-    "1/mm": {"1/mm": 1.0, "1/m": 1e-3, "1/cm": 0.1},
-    "N/mm": {"N/mm": 1.0, "N/m": 1e-3, "mN/mm": 1e-3},
-    "tonne/mm**3": {"kg/m^3": 1e-12, "g/cm^3": 1e-9},
-}
-
-_NUMBER_AND_UNIT = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*?)\s*")
 #: what pint reads as a unit without evaluating other numbers than a power of one digit (9**9**9**9 never ends)
 _NAME = r"[^\W\d]+(?:\s*(?:\^|\*\*)\s*[+-]?\d)?"
 _UNIT = re.compile(rf"(?:{_NAME}|%)(?:\s*[*/ ]\s*{_NAME})*")
@@ -71,7 +53,7 @@ def convert(value: Any, dimension: Dimension) -> float:
 
     if isinstance(value, bool) or not isinstance(value, int | float | str):
         raise refused(f"{quoted(value)} is not {dimension.name}")
-    matched = _NUMBER_AND_UNIT.fullmatch(str(value))
+    matched = NUMBER_AND_UNIT.fullmatch(str(value))
     if isinstance(value, str) and matched is None:
         raise refused(f"{quoted(value)} is not a number followed by a unit")
     if matched is None or not matched[2]:
@@ -89,7 +71,7 @@ def convert(value: Any, dimension: Dimension) -> float:
 
 def number_and_unit(value: Any) -> tuple[float, str] | None:
     """The number and the unit of a text such as '4 mm'; None for anything else."""
-    matched = _NUMBER_AND_UNIT.fullmatch(value) if isinstance(value, str) else None
+    matched = NUMBER_AND_UNIT.fullmatch(value) if isinstance(value, str) else None
     return (float(matched[1]), matched[2]) if matched and matched[2] else None
 
 
@@ -111,7 +93,7 @@ def _pint() -> Any:
 
 def _factor(unit: str, dimension: Dimension) -> float:
     """A unit in that of a dimension. Raises ValueError for no unit, and TypeError for one of another dimension."""
-    usual = _USUAL.get(dimension.unit, {})
+    usual = USUAL.get(dimension.unit, {})
     if unit in usual:
         return usual[unit]
     if not _UNIT.fullmatch(unit) or len(unit) > LONGEST:

@@ -14,7 +14,7 @@ from rod.arm_law.moved import growing, moved_cell, moved_clamp, scaled_curve, sc
 from rod.arm_law.quantities import UNITS, Asked, Rods, jacobian
 from rod.arm_law.rates import LawRate, changed_cells, changed_clamps, onset_rate
 from rod.arm_law.section import clamp_at, section_at, tip_at
-from rod.checked import finite, positive
+from rod.checked import Amount, finite, positive
 from rod.errors import RodError
 from rod.same_pressure import Pressures, pressures_of
 from rod.weight import Mass
@@ -115,16 +115,17 @@ class ArmLaw:
             return self
         return replace(self, cells=tuple(moved_cell(cell, second_order(cell, bend, stretch)) for cell in self.cells))
 
-    def with_changes(self, changes: Mapping[str, float]) -> "ArmLaw":
+    def with_changes(self, changes: Mapping[str, Amount]) -> "ArmLaw":
         """The law of an arm whose parameters differ a little, to first order: `{"geometry.wall": 0.1}`.
 
-        changes: by parameter, in mm, MPa or 1. Mass, tip, volumes, and rigidities other than against bending and twist
-        stay. The derivatives are left out. Raises `RodError` for a parameter without them, and for a change so large
+        changes: by parameter, in mm, MPa or 1, or as "0.1 mm". Mass, tip, volumes, and rigidities other than against
+        bending and twist stay. The derivatives are left out. Raises `RodError` for a parameter without them, and for a change so large
         that no law is left.
         """
         if not changes:
             return replace(self, rates={})
-        amounts = [(self.rate(name), finite(change, f"The change of {name}")) for name, change in changes.items()]
+        found = [(name, self.rate(name), change) for name, change in changes.items()]
+        amounts = [(rate, finite(change, f"The change of {name}", rate.unit)) for name, rate, change in found]
         cells = changed_cells(self.cells, [[one.times(amount) for one in rate.cells] for rate, amount in amounts])
         clamps = changed_clamps(self.clamps, [[one.times(amount) for one in rate.clamps] for rate, amount in amounts])
         lengths = np.array([self.pitch, self.first_middle, self.length])
@@ -178,8 +179,8 @@ class ArmLaw:
             raise RodError(f"The law has no derivatives by {name!r}; {known}.")
         return self.rates[name]
 
-    def at(self, pressure: float | Sequence[float], length: float | None = None) -> "LawRod":
-        """The rod at a pressure in kPa, which may be a tuple of one.
+    def at(self, pressure: Amount | Sequence[Amount], length: Amount | None = None) -> "LawRod":
+        """The rod at a pressure in kPa or as "20 kPa", which may be a tuple of one.
 
         length: mm, of the arm, or another one that is made of the same cells.
 
@@ -194,7 +195,7 @@ class ArmLaw:
             tip_at([tip.placed for tip in self.tips], p, p),
             self.pitch,
             self.first_middle,
-            self.length if length is None else finite(length, "The length in mm"),
+            self.length if length is None else finite(length, "The length", "mm"),
             self.mass,
             self.weight,
         )

@@ -20,8 +20,9 @@ from rod.arm.stability import OUT_OF_PLANE, stability_of
 from rod.arm_law.air import air_along, air_volumes
 from rod.arm_law.curves import ClampCurve, TipCurve, TipState
 from rod.arm_law.section import SectionLaw
+from rod.checked import Amount
 from rod.errors import RodError
-from rod.load import Load, held_end, requested, with_along
+from rod.load import Force, Load, held_end, requested, with_along
 from rod.solution import RodSolution, SpatialSolution, solved_in_space
 from rod.spatial import SpatialLoad, Stability
 from rod.weight import Mass
@@ -70,11 +71,11 @@ class LawRod:
 
     def solve(
         self,
-        force: Sequence[float] | None = None,
+        force: Force | None = None,
         *,
-        end_y: float | None = None,
-        end: Sequence[float] | None = None,
-        moment: float = 0.0,
+        end_y: Amount | None = None,
+        end: Sequence[Amount] | None = None,
+        moment: Amount = 0.0,
     ) -> RodSolution:
         """The equilibrium reached when the loads grow on the inflated arm; with end_y alone both grow together.
 

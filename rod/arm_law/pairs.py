@@ -20,6 +20,7 @@ from rod.arm_law.curves import CellCurve, ClampCurve, Placed, TipCurve
 from rod.arm_law.law import ArmLaw
 from rod.arm_law.law_rod import LawRod
 from rod.arm_law.section import bracket, clamp_at, section_at, tip_at
+from rod.checked import Amount
 from rod.errors import RodError
 from rod.same_pressure import Pressures, as_known, pressures_of
 from rod.weight import Mass
@@ -86,7 +87,7 @@ class PairLaw:
             for pressure in law.pressures
         )
 
-    def at(self, pressures: float | Sequence[float], length: float | None = None) -> LawRod:
+    def at(self, pressures: Amount | Sequence[Amount], length: Amount | None = None) -> LawRod:
         """The rod at the pressures (p_1, p_2) of both cavities in kPa; length as in `ArmLaw.at`.
 
         Its pressure is the larger one. Raises `RodError` for a ratio beyond those of the law, and for pressures beyond

@@ -22,6 +22,7 @@ from geometry.arrays import Array
 from rod.arm.sections import PolynomialSection
 from rod.arm_law.polynomial import Polynomial
 from rod.arm_law.space_rod import SpaceRod
+from rod.checked import Amount
 from rod.errors import RodError
 from rod.same_pressure import Pressures, pressures_of
 from rod.weight import Mass
@@ -75,7 +76,7 @@ class SpaceLaw:
         """Rows of pressures, kPa; the law is known between them and 0 kPa."""
         return tuple(tuple(row) for row in self.pressures.tolist())
 
-    def at(self, pressures: float | Sequence[float]) -> "SpaceRod":
+    def at(self, pressures: Amount | Sequence[Amount]) -> "SpaceRod":
         """The rod at the pressures of all cavities in kPa, in the order of `cavities`.
 
         Raises `RodError` for another number of pressures, and for those that are not between rows of the law and 0 kPa.

@@ -20,12 +20,12 @@ from rod.along import Along, LineLoad, Support, are_heights, leaves_plane, split
 from rod.arm_law.law import ArmLaw
 from rod.arm_law.law_rod import LawRod
 from rod.arm_law.space_rod import SpaceRod
-from rod.checked import finite, positive
+from rod.checked import Amount, Given, finite, positive
 from rod.curves.extension import Extension
 from rod.errors import RodError, RodWarning
 from rod.identification.moment_range import MomentRange
 from rod.law import FiveParameters, TwoSlopes
-from rod.load import AnyLoad, Load, held_end, pair, requested, spatially_requested, with_along
+from rod.load import AnyLoad, Force, Load, held_end, pair, requested, spatially_requested, with_along
 from rod.mechanics.lines import LinesRod
 from rod.mechanics.profile import Profile, sampled
 from rod.solution import RodSolution, SpatialSolution
@@ -41,7 +41,7 @@ Order = Literal["as tested", "together", "pressure first"]
 class _Also(TypedDict, total=False):
     """What `Rod.solve` takes in the plane and in space."""
 
-    moment: float | Sequence[float]
+    moment: Amount | Sequence[Amount]
     weight: bool
     direction: str | Sequence[float] | None
     along: Sequence[Along]
@@ -63,11 +63,11 @@ class Rod:
     kappa_0 that does not fit it, a break d off the rod, and for what a law already has or lacks.
     """
 
-    length: float  #: mm
+    length: Given  #: mm, or a text with its unit; so are other numbers below
     kappa_0: Profile | None = None  #: 1/mm; None with the arm's own law
     law: TwoSlopes | LawRod | SpaceRod = field(default_factory=_no_law)
-    theta0: float = 0.0  #: rad, tangent angle at the clamp
-    start: tuple[float, float] = (0.0, 0.0)  #: mm, x and y of the clamp
+    theta0: Given = 0.0  #: rad, tangent angle at the clamp
+    start: tuple[Given, Given] = (0.0, 0.0)  #: mm, x and y of the clamp
     extension: Extension | None = None  #: stretch of the curve; None: inextensible, or as the arm's own law says
     #: N/mm, x and y of the weight of the arm per rest length, under which it has kappa_0 where nothing else acts
     weight: tuple[float, float] = (0.0, 0.0)
@@ -77,11 +77,11 @@ class Rod:
     notes: tuple[str, ...] = ()  #: what limits the trust in this rod, a sentence each; every shape has them too
 
     def __post_init__(self) -> None:
-        positive(self.length, "The length of a rod")
-        pair(self.start, "start")
-        object.__setattr__(self, "weight", pair(self.weight, "weight"))
-        for name in ("theta0", "weight_height"):
-            object.__setattr__(self, name, finite(getattr(self, name), name))
+        object.__setattr__(self, "length", positive(self.length, "The length of a rod", "mm"))
+        object.__setattr__(self, "start", pair(self.start, "start", "mm"))
+        object.__setattr__(self, "weight", pair(self.weight, "weight", "N/mm"))
+        for name, unit in (("theta0", "rad"), ("weight_height", "mm")):
+            object.__setattr__(self, name, finite(getattr(self, name), name, unit))
         if isinstance(self.law, ArmLaw):
             raise RodError("A rod has the law of an arm at one pressure: law = arm_law.at(pressure in kPa).")
         if isinstance(self.law, LawRod):
@@ -142,22 +142,22 @@ class Rod:
 
     @overload
     def solve(  # type: ignore[overload-overlap]
-        self, force: tuple[float, float, float], *, tip_mass: float | str = ..., **also: Unpack[_Also]
+        self, force: tuple[Amount, Amount, Amount], *, tip_mass: float | str = ..., **also: Unpack[_Also]
     ) -> SpatialSolution: ...
 
     @overload
     def solve(  # type: ignore[overload-overlap]
-        self, force: None = ..., *, end: tuple[float | None, float | None, float | None], **also: Unpack[_Also]
+        self, force: None = ..., *, end: tuple[Amount | None, Amount | None, Amount | None], **also: Unpack[_Also]
     ) -> SpatialSolution: ...
 
     @overload
     def solve(
         self,
-        force: Sequence[float] | None = ...,
+        force: Force | None = ...,
         *,
-        end: Sequence[float | None] | None = ...,
-        end_x: float | None = ...,
-        end_y: float | None = ...,
+        end: Sequence[Amount | None] | None = ...,
+        end_x: Amount | None = ...,
+        end_y: Amount | None = ...,
         order: Order = ...,
         tip_mass: float | str = ...,
         **also: Unpack[_Also],
@@ -165,12 +165,12 @@ class Rod:
 
     def solve(
         self,
-        force: Sequence[float] | None = None,
+        force: Force | None = None,
         *,
-        end: Sequence[float | None] | None = None,
-        end_x: float | None = None,
-        end_y: float | None = None,
-        moment: float | Sequence[float] = 0.0,
+        end: Sequence[Amount | None] | None = None,
+        end_x: Amount | None = None,
+        end_y: Amount | None = None,
+        moment: Amount | Sequence[Amount] = 0.0,
         order: Order = "as tested",
         weight: bool = True,
         direction: str | Sequence[float] | None = None,
@@ -182,7 +182,7 @@ class Rod:
 
         force: dead end force (F_x, F_y) in N; or end = (x, y), end_x or end_y in mm, the prescribed position of the
         end (the other force component is zero: end_y alone is experiment III). Either may be combined with moment, M(l)
-        in N mm. `under` takes a `Load`.
+        in N mm. `under` takes a `Load`. A text has its unit: ("0 N", "50 mN"). One force alone acts upwards: "0.05 N".
 
         along: loads on sections of the arm, `rod.PointLoad` and `rod.LineLoad`, and supports, `rod.Support`; those with
         a part across the plane of the arm give the rod in space. hung: masses along it, such as [("0.5 l", "5 g")], or

@@ -6,10 +6,10 @@ from collections.abc import Callable
 import numpy as np
 
 from geometry.arrays import Array
-from rod.checked import finite, numbers_in
+from rod.checked import Amount, finite, numbers_in
 from rod.errors import RodError
 
-Profile = float | Array | Callable[[Array], Array]
+Profile = Amount | Array | Callable[[Array], Array]
 
 #: intervals along the rod at which a kappa_0 that is a function is sampled
 FUNCTION_SAMPLES = 640
@@ -18,13 +18,15 @@ FUNCTION_SAMPLES = 640
 def sampled(length: float, kappa_0: Profile) -> tuple[Array, Array]:
     """Positions (n,) in mm from 0 to the length, and kappa_0 (n,) in 1/mm there.
 
-    kappa_0: a number; an array (n,) of values at n equally spaced points from s = 0 to s = length; an array (n, 2) of
-    columns s (mm) and kappa_0, s rising from 0 to length; or a function of s that takes and returns (m,) arrays.
+    kappa_0: a number, or a text such as "2 1/m"; an array (n,) of values at n equally spaced points from s = 0 to
+    s = length; an array (n, 2) of columns s (mm) and kappa_0, s rising from 0 to length; or a function of s that takes
+    and returns (m,) arrays.
     Raises `RodError` for anything else.
     """
     if callable(kappa_0):
         s = np.linspace(0.0, length, FUNCTION_SAMPLES + 1)
         return s, _called(kappa_0, s)
+    kappa_0 = finite(kappa_0, "kappa_0", "1/mm") if isinstance(kappa_0, str) else kappa_0
     values = numbers_in(kappa_0)
     if values is None:
         raise RodError(

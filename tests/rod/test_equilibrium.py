@@ -218,7 +218,7 @@ def test_loads_without_solution_say_so(loads, sentence):
         ({"kappa_0": np.array([[0.0, 1.0], [0.0, 1.0], [1.0, 1.0]])}, r"must rise from row to row"),
         ({"kappa_0": lambda s: 1.0}, r"kappa_0 as a function"),
         ({"kappa_0": lambda s: "x"}, r"kappa_0 as a function"),
-        ({"kappa_0": "x"}, r"kappa_0 is a number, an array of numbers or a function of s; 'x' is none of them"),
+        ({"kappa_0": "x"}, r"kappa_0 must be a finite number, not 'x'; write it in 1/mm"),
         ({"kappa_0": [[0.0, 1.0], [1.0]]}, r"kappa_0 is a number, an array of numbers or a function of s"),
         ({"kappa_0": 1j}, r"kappa_0 is a number, an array of numbers or a function of s"),
         ({"kappa_0": True}, r"kappa_0 must be a finite number, not True"),

@@ -87,13 +87,13 @@ def test_solutions_can_be_pickled_and_copied() -> None:
 @pytest.mark.parametrize(
     ("loads", "sentence"),
     [
-        ({"end_y": float("nan")}, "end_y must be a finite number, not nan."),
-        ({"end_y": "3"}, "end_y must be a finite number, not '3'."),
+        ({"end_y": float("nan")}, "end_y must be a finite number, not nan; write it in mm, or with its unit."),
+        ({"end_y": "3"}, "end_y must be a finite number, not '3'; write it in mm, or with its unit."),
         ({"end": (100.0,)}, "end is x and y, in space also z, None where it is free; (100.0,) is not."),
-        ({"force": 0.05}, "force is a pair of finite numbers, x and y; 0.05 is not."),
-        ({"force": ("0 N", "0.05 N")}, "force is a pair of finite numbers, x and y; ('0 N', '0.05 N') is not."),
+        ({"force": "0.05 mm"}, "force must be a finite number, not '0.05 mm'; write it in N, or with its unit."),
+        ({"force": ("0 N", "0.05")}, "force is a pair of finite numbers, x and y; ('0 N', '0.05') is not."),
         ({"force": (0.0, 0.1, 0.0, 0.0)}, "force is a pair of finite numbers, x and y; (0.0, 0.1, 0.0, 0.0) is not."),
-        ({"moment": None}, "The end moment must be a finite number, not None."),
+        ({"moment": None}, "The end moment must be a finite number, not None; write it in N*mm, or with its unit."),
     ],
 )
 def test_loads_that_are_no_numbers_are_refused_by_all_rods(loads: dict[str, Any], sentence: str) -> None:
@@ -117,5 +117,5 @@ def test_a_law_over_all_pressures_is_refused_as_the_law_of_a_rod() -> None:
     five: Any = "five"
     with pytest.raises(RodError, match="The law of a rod is five parameters, two slopes, or"):
         Rod(LENGTH, -0.01, five)
-    with pytest.raises(RodError, match="The pressure in kPa must be a finite number, not '0 kPa'"):
-        law.at("0 kPa")
+    with pytest.raises(RodError, match="The pressure must be a finite number, not '0 mm'"):
+        law.at("0 mm")

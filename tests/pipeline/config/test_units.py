@@ -3,13 +3,14 @@
 import pint
 import pytest
 
-from pipeline.config.units import _USUAL, LENGTH, MOMENT, PRESSURE, convert
+from pipeline.config.units import LENGTH, MOMENT, PRESSURE, convert
+from rod.units import USUAL
 
 
 def test_usual_units_have_the_factors_of_pint() -> None:
     registry = pint.UnitRegistry()
     checked = 0
-    for internal, units in _USUAL.items():
+    for internal, units in USUAL.items():
         for unit, factor in units.items():
             if unit in ("Nm", "Nmm"):  # nanometres
                 continue
