@@ -16,10 +16,11 @@ from rod.arm.stability import ALL, stability_of
 from rod.cubics import hermite
 from rod.errors import RodError
 from rod.spatial import SpatialLoad, Stability
+from rod.told import Told, listed, placed
 
 
 @dataclass(frozen=True)
-class RodSolution:
+class RodSolution(Told):
     """A rod in equilibrium. All arrays are read-only; kappa at the s = d of five parameters is that beyond d.
 
     `curve`, `end`, `end_angle` and `positions` are those of the material curve, which finite elements have as well. x,
@@ -62,6 +63,17 @@ class RodSolution:
         """x and y of the end of the material curve, mm."""
         x, y = self.curve[-1]
         return float(x), float(y)
+
+    @property
+    def told(self) -> dict[str, str]:
+        """Place, turn and force of the end, the moment at the clamp, and the weight."""
+        lines = {
+            "end": f"{placed(self.end)} from the clamped end of the curve",
+            "bends by": f"{round(self.bending_deg, 2) + 0.0:.2f}°",
+            "end force": listed(self.force, "N"),
+            "moment at the clamp": f"{self.clamp_moment:.5g} N mm",
+        }
+        return lines | _weight(self.weight)
 
     def derivative(self, by: Parameter) -> Response:
         """What one more right-hand side gives: how fast the rod and its force on the end change with a parameter.
@@ -136,7 +148,7 @@ class RodSolution:
 
 @final
 @dataclass(frozen=True, eq=False)  # arrays inside
-class SpatialSolution:
+class SpatialSolution(Told):
     """A rod in equilibrium in space. All arrays are read-only; the origin is the clamped end of the material curve.
 
     Columns of a frame are the normal of the cross section, its direction in the plane of symmetry, and that across it.
@@ -156,6 +168,19 @@ class SpatialSolution:
     #: (n, 2) or (n, 3) mm, of the material curve beside the axis, along the first directions of the frames
     beside: Array
     path: SolvedPath = field(repr=False)  #: how it was found
+
+    @property
+    def told(self) -> dict[str, str]:
+        """As `RodSolution.told`, with the stability."""
+        lines = {
+            "end": f"{placed(self.end)} from the clamped end of the curve",
+            "bends by": f"{self.bending_deg:.2f}°",
+            "points along": listed(self.frames[-1, :, 0]),
+            "end force": listed(self.force, "N"),
+            "moment at the clamp": listed(self.moment[0], "N mm"),
+        }
+        left = f"{self.stability.lowest:.3f} of the rigidity without load is left in the softest direction"
+        return lines | _weight(self.weight) | {"stability": left}
 
     @cached_property
     def stability(self) -> Stability:
@@ -181,6 +206,10 @@ class SpatialSolution:
         """x, y and z of the end of the material curve, mm."""
         x, y, z = (float(value) for value in self.curve[-1])
         return x, y, z
+
+
+def _weight(weight: Array) -> dict[str, str]:
+    return {"weight": f"{listed(weight, 'N')}, which the rod carries besides"} if weight.any() else {}
 
 
 def solved_in_space(

@@ -17,6 +17,7 @@ from rod.arm_law.section import clamp_at, section_at, tip_at
 from rod.checked import Amount, finite, positive
 from rod.errors import RodError
 from rod.same_pressure import Pressures, pressures_of
+from rod.told import Told
 from rod.weight import Mass
 
 #: change of the moments of the law in difference quotients, over the largest one, and that of the parameter at most
@@ -24,7 +25,7 @@ STEP, LARGEST_STEP = 1e-4, 1e-2
 
 
 @dataclass(frozen=True, eq=False)  # arrays inside
-class ArmLaw:
+class ArmLaw(Told):
     """The law of an arm with one pressure: a cell, its clamped end and its tip over pressures that rise.
 
     Raises `RodError` where there is no curve, or the pressures of the parts differ.
@@ -52,6 +53,20 @@ class ArmLaw:
     def __repr__(self) -> str:
         low, high = self.pressures[0], self.pressures[-1]
         return f"ArmLaw({len(self.cells)} pressures from {low:g} to {high:g} kPa, cells of {self.pitch:g} mm)"
+
+    @property
+    def told(self) -> dict[str, str]:
+        """Pressures and lengths, the cell at the highest pressure, the mass, and by what the law has derivatives."""
+        low, high, cell = self.pressures[0], self.pressures[-1], self.at(self.pressures[-1]).section
+        rigidity = 1.0 / float(np.interp(0.0, cell.moment, cell.kappa_slope))
+        return {
+            "law": f"of an arm in its plane, measured at {len(self.cells)} pressures from {low:g} to {high:g} kPa",
+            "length": f"{self.length:g} mm, cells of {self.pitch:g} mm",
+            f"at {high:g} kPa": f"unloaded curvature {1e3 * cell.kappa_0:.4g} 1/m, rigidity {rigidity:.4g} N mm²",
+            "moments": f"from {cell.moment[0]:.4g} to {cell.moment[-1]:.4g} N mm at {high:g} kPa",
+            "mass": "not known" if self.mass is None else self.mass.text,
+            "derivatives": f"by {', '.join(self.rates)}" if self.rates else "none",
+        }
 
     @property
     def pressures(self) -> tuple[float, ...]:
@@ -119,8 +134,8 @@ class ArmLaw:
         """The law of an arm whose parameters differ a little, to first order: `{"geometry.wall": 0.1}`.
 
         changes: by parameter, in mm, MPa or 1, or as "0.1 mm". Mass, tip, volumes, and rigidities other than against
-        bending and twist stay. The derivatives are left out. Raises `RodError` for a parameter without them, and for a change so large
-        that no law is left.
+        bending and twist stay. The derivatives are left out. Raises `RodError` for a parameter without them, and for a
+        change so large that no law is left.
         """
         if not changes:
             return replace(self, rates={})

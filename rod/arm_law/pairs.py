@@ -23,6 +23,7 @@ from rod.arm_law.section import bracket, clamp_at, section_at, tip_at
 from rod.checked import Amount
 from rod.errors import RodError
 from rod.same_pressure import Pressures, as_known, pressures_of
+from rod.told import Told
 from rod.weight import Mass
 
 Curve = TypeVar("Curve", CellCurve, ClampCurve, TipCurve)
@@ -44,7 +45,7 @@ def fractions_of(direction: float) -> tuple[float, float]:
 
 
 @dataclass(frozen=True, eq=False)  # arrays inside
-class PairLaw:
+class PairLaw(Told):
     """The law of an arm over the pressures of its two cavities.
 
     Raises `RodError` unless there are rays, their directions rise from 0 to 2, and d = 1 is one where others lie on
@@ -67,6 +68,16 @@ class PairLaw:
 
     def __repr__(self) -> str:
         return f"PairLaw({len(self.laws)} ratios of the pressures of {' and '.join(self.cavities)})"
+
+    @property
+    def told(self) -> dict[str, str]:
+        """Cavities, ratios, the highest pressure, the length and the mass."""
+        return {
+            "law": f"of an arm in its plane over the pressures of {' and '.join(self.cavities)}",
+            "pressures": f"up to {max(law.pressures[-1] for law in self.laws):g} kPa in {len(self.laws)} ratios",
+            "length": f"{self.length:g} mm, cells of {self.laws[0].pitch:g} mm",
+            "mass": "not known" if self.mass is None else self.mass.text,
+        }
 
     @property
     def length(self) -> float:

@@ -25,6 +25,7 @@ from rod.arm_law.space_rod import SpaceRod
 from rod.checked import Amount
 from rod.errors import RodError
 from rod.same_pressure import Pressures, pressures_of
+from rod.told import Told
 from rod.weight import Mass
 
 #: by how much pressures may leave those of the law, over the largest
@@ -33,7 +34,7 @@ ROUNDING = 1e-9
 
 @final
 @dataclass(frozen=True, eq=False)  # arrays inside
-class SpaceLaw:
+class SpaceLaw(Told):
     """The law of an arm over the pressures of its cavities.
 
     Variables of polynomials are curvatures in 1/mm, moments in N mm and, for p, components of the pressures in kPa.
@@ -70,6 +71,17 @@ class SpaceLaw:
 
     def __repr__(self) -> str:
         return f"SpaceLaw({', '.join(self.cavities)}, up to {self.pressures.max():g} kPa, {self.length:g} mm)"
+
+    @property
+    def told(self) -> dict[str, str]:
+        """Cavities, pressures and lengths, the range of curvatures, and the mass."""
+        return {
+            "law": f"of an arm in space over the pressures of {', '.join(self.cavities)}",
+            "pressures": f"between {len(self.pressures)} rows up to {self.pressures.max():g} kPa, and 0 kPa",
+            "length": f"{self.length:g} mm, cells of {self.pitch:g} mm",
+            "curvature": f"up to {1e3 * self.reach:.4g} 1/m from that without load",
+            "mass": "not known" if self.mass is None else self.mass.text,
+        }
 
     @property
     def rows(self) -> tuple[Pressures, ...]:

@@ -30,6 +30,7 @@ from rod.mechanics.lines import LinesRod
 from rod.mechanics.profile import Profile, sampled
 from rod.solution import RodSolution, SpatialSolution
 from rod.spatial import SpatialLoad, is_triple
+from rod.told import Told
 from rod.weight import Hung, Mass, Weighing, weighted
 
 #: N mm, a moment whose own effect is nothing, under which the offsets of the law act
@@ -53,7 +54,7 @@ def _no_law() -> FiveParameters:
 
 
 @dataclass(frozen=True)
-class Rod:
+class Rod(Told):
     """A clamped planar rod with the five-parameter law, two lines of any slope, or the arm's own law at one pressure.
 
     kappa_0 (1/mm) is a number, an array (n,) of values at equally spaced points from 0 to length, an array (n, 2) of
@@ -125,6 +126,13 @@ class Rod:
         beside = (0.0, self.weight_height)
         own = (LineLoad(0.0, self.length, self.weight, beside=beside),) if any(self.weight) else ()
         return LinesRod(self.law, self.length, s, kappa_0, self.theta0, self.extension, own)
+
+    @property
+    def told(self) -> dict[str, str]:
+        """Length, law and mass."""
+        law = self.law.told if isinstance(self.law, TwoSlopes) else {"law": repr(self.law)}
+        mass = {} if self.mass is None else {"mass": self.mass.text}
+        return {"length": f"{self.length:g} mm", **law, **mass}
 
     @property
     def has_own_law(self) -> bool:

@@ -40,5 +40,5 @@ def test_a_law_takes_pressures_and_lengths_with_a_unit() -> None:
 
 @pytest.mark.parametrize("text", ["5", "5 N", "mm", "five mm", "nan mm"])
 def test_texts_without_the_right_unit_are_refused(text: str) -> None:
-    with pytest.raises(RodError, match="must be a finite number, not .*; write it in mm, or with its unit"):
+    with pytest.raises(RodError, match=r"must be a finite number, not .*; write it in mm, or with its unit"):
         Support(text, y=0.0)

@@ -10,7 +10,6 @@ from typing import Any
 
 import numpy as np
 
-from geometry.arrays import Array
 from pipeline.answers.rods.choice import RodOfRun
 from pipeline.config.units import ANGLE, FORCE, LENGTH, MOMENT, STIFFNESS
 from pipeline.results.options import option_pressures, option_value, option_vector
@@ -22,6 +21,7 @@ from rod.along import Along, LineLoad, PointLoad, Reaction, Support
 from rod.errors import LoadError, RodError, RodWarning
 from rod.mechanics.equilibrium import Rod
 from rod.solution import RodSolution, SpatialSolution
+from rod.told import aligned, listed
 from rod.weight import gravity_vector, in_grams, position_along
 
 #: loads along an arm as options have them
@@ -208,48 +208,16 @@ def end_lines(rod: Rod, shape: RodSolution | SpatialSolution, errors: str = "") 
     errors: of the rod against finite elements, where known.
     """
     lines = {"rod": _described(rod), **({"errors": errors} if errors else {})}
-    lines |= _lines_in_space(shape) if isinstance(shape, SpatialSolution) else _lines_in_plane(shape)
+    lines |= shape.told
     at_end = float(shape.s[-1])
     lines |= {f"reaction at {one.s:g} mm": _reaction(one) for one in shape.reactions if one.s < at_end or one.couple}
-    width = max(map(len, lines))
-    return [*(f"{name:<{width}}  {value}" for name, value in lines.items()), *shape.notes]
-
-
-def _lines_in_plane(shape: RodSolution) -> dict[str, str]:
-    x, y = shape.end
-    lines = {
-        "end": f"x = {_rounded(x):.3f} mm, y = {_rounded(y):.3f} mm from the clamped end of the curve",
-        "bends by": f"{_rounded(shape.bending_deg):.2f}°",
-        "end force": _listed(shape.force, "N"),
-        "moment at the clamp": f"{shape.clamp_moment:.5g} N mm",
-    }
-    if shape.weight.any():
-        lines["weight"] = f"{_listed(shape.weight, 'N')}, which the rod carries besides"
-    return lines
-
-
-def _lines_in_space(shape: SpatialSolution) -> dict[str, str]:
-    x, y, z = (_rounded(value) for value in shape.end)
-    return {
-        "end": f"x = {x:.3f} mm, y = {y:.3f} mm, z = {z:.3f} mm from the clamped end of the curve",
-        "bends by": f"{shape.bending_deg:.2f}°",
-        "points along": _listed(shape.frames[-1, :, 0]),
-        "end force": _listed(shape.force, "N"),
-        "moment at the clamp": _listed(shape.moment[0], "N mm"),
-        **({"weight": f"{_listed(shape.weight, 'N')}, which the rod carries besides"} if shape.weight.any() else {}),
-        "stability": f"{shape.stability.lowest:.3f} of the rigidity without load is left in the softest direction",
-    }
+    return [*aligned(lines), *shape.notes]
 
 
 def _reaction(one: Reaction) -> str:
     """Force of a support on the arm, and its couple where it holds the angle."""
-    force = _listed(np.array(one.force if one.force[2] else one.force[:2]), "N")
+    force = listed(np.array(one.force if one.force[2] else one.force[:2]), "N")
     return f"{force}, {one.couple:.5g} N mm" if one.couple else force
-
-
-def _listed(values: Array, unit: str = "") -> str:
-    """Components in brackets."""
-    return f"[{', '.join(f'{value + 0.0:.5g}' for value in values)}] {unit}".rstrip()
 
 
 def _described(rod: Rod) -> str:
@@ -259,11 +227,6 @@ def _described(rod: Rod) -> str:
     if rod.extension is None:
         return f"{FIVE}: five parameters, inextensible"
     return f"{EXTENSIBLE}: five parameters of the key eccentricity, with the stretch of the curve"
-
-
-def _rounded(coordinate: float) -> float:
-    """A coordinate to a thousandth of a millimetre (mm); one that is rounded to zero has no sign."""
-    return round(coordinate, 3) + 0.0
 
 
 def write_shape(shape: RodSolution | SpatialSolution, file: Path) -> None:

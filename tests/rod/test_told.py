@@ -1,0 +1,46 @@
+"""What `print` shows of shapes, rods, parameters and laws: a few plain lines."""
+
+from dataclasses import replace
+
+import pytest
+
+from rod import FiveParameters, Rod
+from rod.arm_law.pairs import PairLaw
+from rod.told import Told
+from rod.weight import Mass
+from tests.rod.arm_law.test_arm_law import law_of, straight_law
+
+LAW = law_of(straight_law(0.0), straight_law(20.0, -0.01))
+FIVE = Rod(100.0, -0.01, FiveParameters(400.0, 500.0, 1.0, 1.0, 30.0), mass=Mass.even(100.0, 12.0))
+SHAPE = Rod(110.0, law=LAW.at(20.0)).solve(force="0.01 N")
+
+
+@pytest.mark.parametrize(
+    "value",
+    [
+        LAW,
+        PairLaw(("left", "right"), (1.0,), (LAW,)),
+        FIVE,
+        FIVE.five,
+        SHAPE,
+        FIVE.solve(),
+    ],
+)
+def test_a_value_is_printed_in_a_few_short_lines(value: Told) -> None:
+    lines = str(value).splitlines()
+    assert 4 <= len(lines) <= 7
+    assert max(map(len, lines)) <= 100
+    assert "array" not in str(value)
+
+
+def test_a_shape_tells_its_end_and_its_notes() -> None:
+    x, y = SHAPE.end
+    lines = str(replace(SHAPE, notes=("Beware.",))).splitlines()
+    assert lines[0] == f"end                  x = {x:.3f} mm, y = {y:.3f} mm from the clamped end of the curve"
+    assert "end force            [0, 0.01] N" in lines
+    assert lines[-1] == "Beware."
+
+
+def test_parameters_have_their_units() -> None:
+    assert str(FIVE.five).splitlines()[-1] == "d       30 mm from the clamp"
+    assert "mass    12 g" in str(FIVE)
