@@ -209,7 +209,11 @@ def budget_page(name: str, budgets: Sequence[Budget]) -> str:
 
 
 def budget_for(
-    folder: Path, pressure: str | None, settings: Sequence[str], out: Path | None = None, ratio: str | None = None
+    folder: Path,
+    pressure: float | str | None,
+    settings: Sequence[str],
+    out: Path | None = None,
+    ratio: str | None = None,
 ) -> tuple[Budget, Path]:
     """The budget of a result folder at a pressure written with its unit, and the page with its picture.
 

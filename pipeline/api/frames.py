@@ -5,8 +5,11 @@ from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pandas as pd
 
+from pipeline.answers.budget import Budget
+from pipeline.answers.rods.pressures import PressureFor
 from pipeline.values.formats import CURVE_COLUMNS
 from pipeline.values.parameters import RestShape
 from pipeline.values.run import Effect, RodError, State
@@ -80,6 +83,38 @@ def profiles(rest: RestShape, pressures: Sequence[float]) -> pd.DataFrame:
     parts = [pd.DataFrame({"pressure_kPa": p, "s_mm": rest.s_mm, "kappa_0_per_mm": kappa}) for p, kappa in rows]
     empty = pd.DataFrame({name: pd.Series(dtype=float) for name in ("pressure_kPa", "s_mm", "kappa_0_per_mm")})
     return pd.concat(parts, ignore_index=True) if parts else empty
+
+
+class Shown(pd.DataFrame):
+    """A frame that prints every column, with four digits."""
+
+    def __repr__(self) -> str:
+        return self.to_string(index=False, float_format="{:.4g}".format, na_rep="-")
+
+
+def pressures_frame(found: Sequence[PressureFor], cavities: Sequence[str]) -> Shown:
+    """One row per pressure, with the end of the arm there; cavities: those of which the pressure is told too."""
+    rows = []
+    for at in found:
+        row = {"pressure_kPa": at.pressure_kPa, "error_kPa": at.error_kPa}
+        row |= {f"pressure_{name}_kPa": value for name, value in zip(cavities, at.pressures_kPa, strict=False)}
+        row |= {f"tip_{axis}_mm": value for axis, value in zip(_AXES, at.tip_mm, strict=False)}
+        row |= {"angle_deg": at.angle_deg} | {f"force_{a}_N": f for a, f in zip(_AXES, at.force_N, strict=False)}
+        rows.append(row | {"away_mm": at.away_mm})
+    return Shown(rows, dtype=float)
+
+
+def budget_frame(found: Budget | None) -> Shown:
+    """One row per tolerance and one for all: changes in %, that of the tip over the length; no rows for None."""
+    if found is None:
+        return Shown()
+    columns: dict[str, Any] = {"tolerance_of": [*(row.parameter for row in found.rows), "all"]}
+    columns["tolerance"] = [*(row.tolerance for row in found.rows), ""]
+    columns |= {
+        f"{name}_percent": 100.0 * np.array([*(row.changes[name] for row in found.rows), found.total(name)])
+        for name in found.numbers
+    }
+    return Shown(columns)
 
 
 def expanded(rows: Sequence[Mapping[str, Any]]) -> pd.DataFrame:

@@ -25,6 +25,8 @@ class Saved(Protocol):
         ...
 
 
+#: a number in mm, N, N mm, kPa or degrees, or a text with its unit
+Amount: TypeAlias = float | str
 #: a folder or file of results, or the value of the function that wrote it
 Given: TypeAlias = Path | str | Saved
 
@@ -35,6 +37,13 @@ class HasLines(Protocol):
     @property
     def lines(self) -> Sequence[str | Table]:
         """Sentences and tables, in their order."""
+
+
+class Lines:
+    """A value that `print` shows as its lines."""
+
+    def __str__(self) -> str:
+        return "\n".join(map(str, self.lines))  # type: ignore[attr-defined]
 
 
 Function = TypeVar("Function", bound=Callable[..., HasLines])
@@ -71,7 +80,7 @@ Orientation = Annotated[
         metavar="O", help="hanging, lying, standing, '30 deg' that it rises, or gravity as '[X, Y]': with its weight."
     ),
 ]
-TipMass = Annotated[str | None, typer.Option(metavar="M", help="A mass that hangs on the end: '20 g'.")]
+TipMass = Annotated[Amount | None, str, typer.Option(metavar="M", help="A mass that hangs on the end: '20 g'.")]
 Rod = Annotated[
     str | None,
     typer.Option(

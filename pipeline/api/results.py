@@ -10,13 +10,21 @@ from typing import TYPE_CHECKING
 
 import pandas as pd
 
-from pipeline.answers.budget import Budget, budget_of
+from pipeline.answers.budget import budget_of
 from pipeline.answers.rods.choice import RodOfRun, check_kind, choose_rod, nothing_identified
 from pipeline.answers.rods.end_loads import Weight
 from pipeline.answers.rods.export import ExportOptions, exported_run
-from pipeline.answers.rods.pressures import PressureFor, Wish, pressures_for
+from pipeline.answers.rods.pressures import Wish, pressures_for
 from pipeline.answers.rods.ratio import run_along
-from pipeline.api.frames import by_pressure, curves_frame, expanded, frame_of, profiles
+from pipeline.api.frames import (
+    budget_frame,
+    by_pressure,
+    curves_frame,
+    expanded,
+    frame_of,
+    pressures_frame,
+    profiles,
+)
 from pipeline.api.given import given_choice, given_path
 from pipeline.api.sensitivities import sensitivities_frame
 from pipeline.config.units import PRESSURE
@@ -26,7 +34,7 @@ from pipeline.results.verdict import Verdict, verdict_of
 from pipeline.values.errors import InputError, ask, quoted
 from pipeline.values.run import Effect, RodError, Run, State
 from rod import PARAMETER_COLUMNS, FiveParameters, Interval, Rod, RodWarning
-from rod.arm_law.kinds import AnyLaw
+from rod.arm_law.kinds import AnyLaw, Ray
 from rod.same_pressure import known_at
 
 if TYPE_CHECKING:
@@ -167,12 +175,14 @@ class Results:
         % a number changes by 1 % of the parameter. No rows where the law has none."""
         return sensitivities_frame(None if self.run.law is None else self.run.law.plane)
 
-    def budget(self, pressure_kPa: float | str | None = None) -> Budget | None:
-        """What the tolerances of the built arm do at a pressure, the highest one unless it is given; None for a law
-        without derivatives. Raises InputError outside its pressures."""
-        return budget_of(
-            self.run, None if pressure_kPa is None else option_value("pressure_kPa", pressure_kPa, PRESSURE)
-        )
+    def budget(self, pressure_kPa: float | str | None = None) -> pd.DataFrame:
+        """What the tolerances of the built arm do at a pressure, the highest one unless it is given, in %.
+
+        One row per tolerance, the largest first, then one for all. No rows where a law has no derivatives. Raises
+        InputError outside its pressures.
+        """
+        pressure = None if pressure_kPa is None else option_value("pressure_kPa", pressure_kPa, PRESSURE)
+        return budget_frame(budget_of(self.run, pressure))
 
     @property
     def curve_start_mm(self) -> tuple[float, float]:
@@ -226,17 +236,20 @@ class Results:
         direction: str | Sequence[float] | None = None,
         tip_mass: float | str = 0.0,
         kind: str | None = None,
-    ) -> tuple[PressureFor, ...]:
+    ) -> pd.DataFrame:
         """Every pressure at which the end of the arm is as it is wanted, with the error that rod and mesh make of it.
 
-        Give one of: tip, x and y (in space z) from the clamped end in mm; angle, by which the arm bends, in degrees;
-        force, upwards on the end in N, that is held at_height, mm. Each may be a text with its unit ("30 mm").
+        One row each, with units in the names of the columns. Give one of: tip, x and y (in space z) from the clamped
+        end in mm; angle, by which the arm bends, in degrees; force, upwards on the end in N, that is held at_height,
+        mm. Each may be a text with its unit ("30 mm").
         direction, tip_mass: as in `Rod.solve`. kind: as in `rod`. Raises InputError for what is out of reach, with the
         nearest that is not, and for a law of several pressures (`along`).
         """
         check_kind(kind, "kind")
         wish = Wish.read(tip, angle, force, at_height, Weight.of(direction, tip_mass))
-        return pressures_for(self._chosen(kind), wish)
+        rods = self._chosen(kind)
+        cavities = rods.source.law.cavities if isinstance(rods.source, Ray) else ()
+        return pressures_frame(pressures_for(rods, wish), cavities)
 
     def export(self, to: str, out: Path | str | None = None, *, force: bool = False) -> tuple[Path, ...]:
         """Write the rod for another program, as `pneurod export` does: the files that were written.

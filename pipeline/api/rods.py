@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from pipeline.api.given import given_choice, given_path
-from pipeline.api.options import Folder, Given, Orientation, Ratio, Rod, TipMass, command
+from pipeline.api.options import Amount, Folder, Given, Lines, Orientation, Ratio, Rod, TipMass, command
 from pipeline.results.options import write_new
 
 __all__ = ["budget", "export", "shape", "solve"]
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class RodShape:
+class RodShape(Lines):
     """A rod and its shape under loads."""
 
     rod: "rods.Rod"
@@ -41,17 +41,29 @@ def shape(
     path: Annotated[
         Given, typer.Argument(metavar="DIR", help="Results of a run; or a parameters.json or law.json alone.")
     ],
-    pressure: Annotated[str, typer.Option(metavar="P", help="With its unit: '31 kPa', or '[20 kPa, 5 kPa]'.")],
+    pressure: Annotated[
+        Amount | Sequence[Amount],
+        str,
+        typer.Option(metavar="P", help="With its unit: '31 kPa', or '[20 kPa, 5 kPa]'."),
+    ],
     *,
     force: Annotated[
-        str | None, typer.Option(metavar="[FX, FY]", help="Dead force: '[0 N, 0.05 N]', in space with FZ.")
+        Amount | Sequence[Amount] | None,
+        str,
+        typer.Option(metavar="[FX, FY]", help="Dead force: '[0 N, 0.05 N]', in space with FZ; one alone: upwards."),
     ] = None,
     moment: Annotated[
-        str, typer.Option(metavar="M", help="Moment on the end: '1 N*mm', in space '[MX, MY, MZ]'.")
+        Amount | Sequence[Amount],
+        str,
+        typer.Option(metavar="M", help="Moment on the end: '1 N*mm', in space '[MX, MY, MZ]'."),
     ] = "0 N*mm",
-    end_y: Annotated[str | None, typer.Option(metavar="Y", help="Height of the end over the clamp: '0 mm'.")] = None,
+    end_y: Annotated[
+        Amount | None, str, typer.Option(metavar="Y", help="Height of the end over the clamp: '0 mm'.")
+    ] = None,
     end: Annotated[
-        str | None, typer.Option(metavar="[X, Y]", help="Position of the end from the clamp, in space with Z.")
+        Amount | Sequence[Amount] | None,
+        str,
+        typer.Option(metavar="[X, Y]", help="Position of the end from the clamp, in space with Z."),
     ] = None,
     force_at: Annotated[
         Sequence[str],
@@ -96,20 +108,33 @@ def shape(
 
 
 @dataclass(frozen=True)
-class Solutions:
+class Solutions(Lines):
     """The pressures at which the end of an arm is as it is wanted."""
 
     solutions: "tuple[PressureFor, ...]"
     notes: tuple[str, ...]  #: what limits the trust in the rod, a sentence each
 
+    @property
+    def lines(self) -> list[str]:
+        """Each pressure with the end of the arm there, and the notes."""
+        return [*(at.text for at in self.solutions), *self.notes]
+
 
 def solve(
     path: Annotated[Given, typer.Argument(metavar="DIR", help="Results of a run; or a law.json alone.")],
     *,
-    tip: Annotated[str | None, typer.Option(metavar="[X, Y]", help="Place of the end: '[30 mm, -40 mm]'.")] = None,
-    angle: Annotated[str | None, typer.Option(metavar="A", help="How far the arm bends: '90 deg'.")] = None,
-    force: Annotated[str | None, typer.Option(metavar="F", help="Force on the held end, upwards: '0.05 N'.")] = None,
-    at_height: Annotated[str | None, typer.Option(metavar="Y", help="Height at which it is held: '0 mm'.")] = None,
+    tip: Annotated[
+        Amount | Sequence[Amount] | None,
+        str,
+        typer.Option(metavar="[X, Y]", help="Place of the end: '[30 mm, -40 mm]'."),
+    ] = None,
+    angle: Annotated[Amount | None, str, typer.Option(metavar="A", help="How far the arm bends: '90 deg'.")] = None,
+    force: Annotated[
+        Amount | None, str, typer.Option(metavar="F", help="Force on the held end, upwards: '0.05 N'.")
+    ] = None,
+    at_height: Annotated[
+        Amount | None, str, typer.Option(metavar="Y", help="Height at which it is held: '0 mm'.")
+    ] = None,
     orientation: Orientation = None,
     tip_mass: TipMass = None,
     rod: Rod = None,
@@ -139,7 +164,7 @@ def budget(
     folder: Folder,
     *,
     pressure: Annotated[
-        str | None, typer.Option(metavar="P", help="Of the table, with its unit (default: the highest one).")
+        Amount | None, str, typer.Option(metavar="P", help="Of the table, with its unit (default: the highest one).")
     ] = None,
     tolerances: Annotated[
         Sequence[str],

@@ -25,7 +25,7 @@ def show_solutions(found: "Solutions", as_json: bool = False) -> None:
     if as_json:
         print_json({"solutions": [asdict(at) for at in found.solutions]})
     else:
-        print_lines(*(at.text for at in found.solutions), *found.notes)
+        print_lines(*found.lines)
 
 
 def show_budget(found: "Budget", folder: Path, out: Path | None) -> None:

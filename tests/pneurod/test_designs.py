@@ -1,5 +1,6 @@
 """Designs described in Python: bodies, materials, and the sentences for what is wrong with them."""
 
+import inspect
 from dataclasses import MISSING, fields
 from pathlib import Path
 from typing import Any
@@ -57,6 +58,14 @@ def test_every_class_has_the_keys_of_its_section() -> None:
         assert set(own) == set(keys) | ({"form"} if name == "ogden" else set()), kind
         required = {field for field, given in own.items() if given.default is MISSING}
         assert required == {field for field, given in keys.items() if given.is_required()}, kind
+
+
+@pytest.mark.parametrize("name", sorted(pneurod.__all__))
+def test_every_public_function_and_constructor_names_its_arguments(name: str) -> None:
+    public = getattr(pneurod, name)
+    if callable(public) and not (isinstance(public, type) and issubclass(public, Exception)):
+        kinds = {parameter.kind for parameter in inspect.signature(public).parameters.values()}
+        assert not kinds & {inspect.Parameter.VAR_KEYWORD, inspect.Parameter.VAR_POSITIONAL}
 
 
 def test_a_misspelt_key_fails_at_the_call() -> None:

@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 
 from pipeline.answers.rods.choice import RodOfRun
-from pipeline.config.units import ANGLE, FORCE, LENGTH, MOMENT, STIFFNESS
-from pipeline.results.options import option_pressures, option_value, option_vector
+from pipeline.config.units import ANGLE, FORCE, LENGTH, MOMENT, STIFFNESS, Dimension
+from pipeline.results.options import option_list, option_pressures, option_value, option_vector
 from pipeline.store.atomic_file import write_atomic
 from pipeline.store.result_folder import open_file
 from pipeline.values.errors import InputError, RunFailed, argument, ask
@@ -77,14 +77,14 @@ class EndLoads:
 
     @staticmethod
     def read(
-        force: str | None,
-        moment: str,
-        end_y: str | None,
-        end: str | None,
+        force: Any,
+        moment: Any,
+        end_y: Any,
+        end: Any,
         weight: "Weight",
         along: tuple[AlongArm, ...] = (),
     ) -> "EndLoads":
-        """From the options of the command line, written with units. Raises InputError, also where they contradict."""
+        """From numbers, or texts with units. Raises InputError, also where they contradict."""
         if sum(given is not None for given in (force, end_y, end)) > 1:
             names = ", ".join(map(argument, ("force", "end_y", "end")))
             raise InputError(f"{names}: give one of them; the others follow from it")
@@ -93,8 +93,8 @@ class EndLoads:
                 f"{argument('end')}, {argument('tip_mass')}: an end that is held carries no mass; leave one of them out"
             )
         return EndLoads(
-            None if force is None else option_vector("force", force, FORCE),
-            (option_vector if "[" in moment else option_value)("moment", moment, MOMENT),
+            None if force is None else _vector_or_number("force", force, FORCE, lambda upwards: (0.0, upwards)),
+            _vector_or_number("moment", moment, MOMENT, lambda about_z: about_z),
             None if end_y is None else option_value("end_y", end_y, LENGTH),
             None if end is None else option_vector("end", end, LENGTH),
             weight,
@@ -131,6 +131,12 @@ class EndLoads:
             raise (InputError if isinstance(failure, LoadError) else RunFailed)(str(failure)) from None
 
 
+def _vector_or_number(name: str, given: Any, dimension: Dimension, one: Callable[[float], Any]) -> Any:
+    """A vector, or what one number stands for. Raises InputError."""
+    values = option_list(name, given, dimension)
+    return one(values[0]) if len(values) == 1 else option_vector(name, given, dimension)
+
+
 @dataclass(frozen=True)
 class Weight:
     """Weight and payload of an arm."""
@@ -140,7 +146,7 @@ class Weight:
     hung: tuple[tuple[str, float], ...] = ()  #: places as they are written, and masses there in g
 
     @staticmethod
-    def read(orientation: str | None, tip_mass: str | None, mass_at: Sequence[str] = ()) -> "Weight":
+    def read(orientation: Any, tip_mass: Any, mass_at: Sequence[str] = ()) -> "Weight":
         """From the options of the command line. Raises InputError."""
         if (tip_mass is not None or mass_at) and orientation is None:
             orientations = f"{argument('orientation')} hanging, lying, standing, '30 deg' or '[0, -1]'"
@@ -187,9 +193,9 @@ def _held(text: str) -> dict[str, float]:
     return found
 
 
-def _pair_of(text: str) -> str | list[str | float]:
-    """The numbers of a text such as [0, -1]; other texts as they are."""
-    if not text.strip().startswith("["):
+def _pair_of(text: Any) -> Any:
+    """The numbers of a text such as [0, -1]; anything else as it is."""
+    if not isinstance(text, str) or not text.strip().startswith("["):
         return text
     parts = text.strip().removeprefix("[").removesuffix("]").split(",")
     with suppress(ValueError):
@@ -197,8 +203,8 @@ def _pair_of(text: str) -> str | list[str | float]:
     return list(parts)
 
 
-def rod_at(rods: RodOfRun, pressure: str) -> Rod:
-    """The rod at a pressure written with its unit, or at two: [20 kPa, 5 kPa]. Raises InputError."""
+def rod_at(rods: RodOfRun, pressure: Any) -> Rod:
+    """The rod at a pressure, a number or a text with its unit, or at two: [20 kPa, 5 kPa]. Raises InputError."""
     return ask(argument("pressure", pressure), rods.at, option_pressures("pressure", pressure))
 
 

@@ -8,7 +8,9 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
+import pneurod
 from pipeline.answers.budget import Budget, budget_of, budget_page, budget_table, make_budgets
+from pipeline.api.frames import budget_frame
 from pipeline.api.sensitivities import sensitivities_frame
 from pipeline.cli import app
 from pipeline.config.load import load_config
@@ -121,8 +123,18 @@ def test_a_free_end_has_no_force() -> None:
     assert "force in III" not in budget_page("arm", [found])
 
 
+def test_the_budget_is_a_table_in_per_cent() -> None:
+    found = budget(Tolerances("cast", {"pressure": Tolerance(0.1, True)}))
+    table = budget_frame(found)
+    assert table.columns.to_list()[:3] == ["tolerance_of", "tolerance", "tip_percent"]
+    assert table.tolerance_of.to_list() == [*(row.parameter for row in found.rows), "all"]
+    assert table.tip_percent.iloc[-1] == pytest.approx(100.0 * found.total("tip"))
+    assert str(table).splitlines()[0].split() == table.columns.to_list()
+
+
 def test_a_law_without_derivatives_has_no_budget() -> None:
     assert budget_of(coarse_run()) is None
+    assert pneurod.read_results(COARSE).budget().empty
     result = CliRunner().invoke(app, ["budget", str(COARSE)])
     assert result.exit_code == 2
     assert "no derivatives" in result.output

@@ -47,7 +47,12 @@ def test_a_rod_of_a_folder_and_the_pressure_for_a_wish() -> None:
     assert found.shape.force[1] == pytest.approx(0.01)
     wished = pneurod.solve(str(COARSE), angle="90 deg", rod="five").solutions
     assert wished[0].angle_deg == pytest.approx(90.0)
-    assert wished == pneurod.read_results(COARSE).pressure_for(angle=90.0, kind="five")
+    table = pneurod.read_results(COARSE).pressure_for(angle=90.0, kind="five")
+    assert table.pressure_kPa.to_list() == [at.pressure_kPa for at in wished]
+    assert str(found).splitlines() == found.lines
+    assert str(pneurod.solve(COARSE, angle=90.0, rod="five")).startswith(wished[0].text)
+    numbers = pneurod.shape(COARSE, 31.0, force=(0.0, 0.01), moment=0.5, rod="five")
+    assert numbers.shape.end == pneurod.shape(COARSE, "31 kPa", force="0.01 N", moment="0.5 N*mm", rod="five").shape.end
 
 
 def test_arguments_are_named_as_they_were_given() -> None:

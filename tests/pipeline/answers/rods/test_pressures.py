@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pandas as pd
 import pytest
 from scipy.optimize import brentq
 from scipy.special import ellipe, ellipk
@@ -163,16 +164,26 @@ def test_nothing_is_overwritten(tmp_path: Path) -> None:
 def test_python_takes_numbers_and_texts() -> None:
     results = pneurod.read_results(COARSE)
     numbers, texts = results.pressure_for(angle=90.0), results.pressure_for(angle="90 deg")
-    assert numbers == texts
-    [held] = results.pressure_for(force="0.03 N", at_height="0 mm")
-    assert held.force_N[1] == pytest.approx(0.03, abs=1e-4)
-    [loaded] = results.pressure_for(angle="60 deg", direction="hanging", tip_mass="1 g")
-    assert loaded.pressure_kPa > results.pressure_for(angle=60.0)[0].pressure_kPa
+    pd.testing.assert_frame_equal(numbers, texts)
+    held = results.pressure_for(force="0.03 N", at_height="0 mm")
+    assert held.force_y_N.to_list() == pytest.approx([0.03], abs=1e-4)
+    loaded = results.pressure_for(angle="60 deg", direction="hanging", tip_mass="1 g")
+    assert loaded.pressure_kPa[0] > results.pressure_for(angle=60.0).pressure_kPa[0]
     wrong: Any = 3
     with pytest.raises(pneurod.InputError, match=r"^tip: 3 is not a pair"):
         results.pressure_for(tip=wrong)
     with pytest.raises(pneurod.InputError, match="give one of a tip, an angle and a force"):
         results.pressure_for()
+
+
+def test_the_pressures_are_a_table_that_prints_every_column() -> None:
+    found = pneurod.read_results(COARSE).pressure_for(tip=("70.87 mm", "-70.87 mm"))
+    columns = ["pressure_kPa", "error_kPa", "tip_x_mm", "tip_y_mm", "angle_deg", "force_x_N", "force_y_N", "away_mm"]
+    assert found.columns.to_list() == columns
+    head, *rows = str(found).splitlines()
+    assert head.split() == columns
+    assert len(rows) == len(found)
+    assert rows[0].split()[0] == f"{found.pressure_kPa[0]:.4g}"
 
 
 def test_a_pressure_takes_milliseconds_once_the_arm_is_known(rods: RodOfRun) -> None:
