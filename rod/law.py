@@ -15,9 +15,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from geometry.arrays import Array
+from geometry.told import Told
 from rod.checked import finite
 from rod.errors import RodError
-from rod.told import Told
 
 #: in the order of the fields of `FiveParameters`
 PARAMETER_NAMES = ("alpha1", "alpha2", "m01", "m02", "d")

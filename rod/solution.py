@@ -9,6 +9,7 @@ import numpy as np
 
 from geometry.arrays import Array, read_only
 from geometry.centreline import END_PART, chord_angle
+from geometry.told import Told, listed, placed
 from rod.along import Reaction, Triple, reactions_of, resultant
 from rod.arm.path import Path
 from rod.arm.response import Parameter, Posed, Response, SolvedPath
@@ -16,7 +17,6 @@ from rod.arm.stability import ALL, stability_of
 from rod.cubics import hermite
 from rod.errors import RodError
 from rod.spatial import SpatialLoad, Stability
-from rod.told import Told, listed, placed
 
 
 @dataclass(frozen=True)

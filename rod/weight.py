@@ -10,11 +10,10 @@ import numpy as np
 
 from geometry.arrays import Array
 from rod.along import PointLoad, Triple, triple
-from rod.checked import finite
+from rod.checked import USUAL, finite, with_unit
 from rod.errors import LoadError, RodError
 from rod.load import AnyLoad, pair
 from rod.spatial import is_triple
-from rod.units import USUAL, with_unit
 
 #: N/g
 WEIGHT_OF_GRAM = 9.81e-3

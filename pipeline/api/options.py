@@ -27,6 +27,7 @@ class Saved(Protocol):
 
 #: a number in mm, N, N mm, kPa or degrees, or a text with its unit
 Amount: TypeAlias = float | str
+Vector: TypeAlias = Amount | Sequence[Amount]
 #: a folder or file of results, or the value of the function that wrote it
 Given: TypeAlias = Path | str | Saved
 
@@ -37,13 +38,6 @@ class HasLines(Protocol):
     @property
     def lines(self) -> Sequence[str | Table]:
         """Sentences and tables, in their order."""
-
-
-class Lines:
-    """A value that `print` shows as its lines."""
-
-    def __str__(self) -> str:
-        return "\n".join(map(str, self.lines))  # type: ignore[attr-defined]
 
 
 Function = TypeVar("Function", bound=Callable[..., HasLines])

@@ -16,15 +16,7 @@ from pipeline.answers.rods.end_loads import Weight
 from pipeline.answers.rods.export import ExportOptions, exported_run
 from pipeline.answers.rods.pressures import Wish, pressures_for
 from pipeline.answers.rods.ratio import run_along
-from pipeline.api.frames import (
-    budget_frame,
-    by_pressure,
-    curves_frame,
-    expanded,
-    frame_of,
-    pressures_frame,
-    profiles,
-)
+from pipeline.api import frames
 from pipeline.api.given import given_choice, given_path
 from pipeline.api.sensitivities import sensitivities_frame
 from pipeline.config.units import PRESSURE
@@ -114,48 +106,48 @@ class Results:
         """One row per pressure: alpha1, alpha2, m01, m02, d with _std and 95 % interval, and how well they fit."""
         rest = self.run.parameters.kappa_0
         more = {"kappa_0_middle_per_mm": rest.middle_per_mm, "theta0_rad": rest.theta0_rad}
-        return by_pressure(asdict(self.run.parameters) | more, self.pressures_kPa)
+        return frames.by_pressure(asdict(self.run.parameters) | more, self.pressures_kPa)
 
     @cached_property
     def extensible(self) -> pd.DataFrame:
         """The parameters of the rod whose curve stretches, with the eccentricity of its neutral axis."""
         content = self.run.parameters.eccentricity
-        return by_pressure(asdict(content), self.pressures_kPa) if content else by_pressure({}, ())
+        return frames.by_pressure(asdict(content), self.pressures_kPa) if content else frames.by_pressure({}, ())
 
     @cached_property
     def kappa_0(self) -> pd.DataFrame:
         """pressure_kPa, s_mm, kappa_0_per_mm: the curvature of the rod without load."""
-        return profiles(self.run.parameters.kappa_0, self.pressures_kPa)
+        return frames.profiles(self.run.parameters.kappa_0, self.pressures_kPa)
 
     @cached_property
     def dimensionless(self) -> pd.DataFrame:
         """M/(m g l) over (kappa - kappa_0) l by pressure."""
-        return expanded([asdict(row) for row in self.run.parameters.dimensionless])
+        return frames.expanded([asdict(row) for row in self.run.parameters.dimensionless])
 
     @cached_property
     def experiments(self) -> pd.DataFrame:
         """One row per experiment (I, II, III) and pressure."""
-        return frame_of(State, self.run.states)
+        return frames.frame_of(State, self.run.states)
 
     @cached_property
     def validation(self) -> pd.DataFrame:
         """Rods against finite elements: one row per load, pressure and rod."""
-        return frame_of(RodError, self.run.rod_errors)
+        return frames.frame_of(RodError, self.run.rod_errors)
 
     @cached_property
     def effects(self) -> pd.DataFrame:
         """Which effects were simulated, and why."""
-        return frame_of(Effect, self.run.effects)
+        return frames.frame_of(Effect, self.run.effects)
 
     @cached_property
     def curves(self) -> pd.DataFrame:
         """Material curve of every experiment and pressure, with the curves of the rods beside it."""
-        return curves_frame(self.directory / "curves.csv")
+        return frames.curves_frame(self.directory / "curves.csv")
 
     @cached_property
     def validation_curves(self) -> pd.DataFrame:
         """Material curves under the loads that nothing was fitted to."""
-        return curves_frame(self.directory / "validation_curves.csv")
+        return frames.curves_frame(self.directory / "validation_curves.csv")
 
     @property
     def arm_law(self) -> AnyLaw | None:
@@ -182,7 +174,7 @@ class Results:
         InputError outside its pressures.
         """
         pressure = None if pressure_kPa is None else option_value("pressure_kPa", pressure_kPa, PRESSURE)
-        return budget_frame(budget_of(self.run, pressure))
+        return frames.budget_frame(budget_of(self.run, pressure))
 
     @property
     def curve_start_mm(self) -> tuple[float, float]:
@@ -249,7 +241,7 @@ class Results:
         wish = Wish.read(tip, angle, force, at_height, Weight.of(direction, tip_mass))
         rods = self._chosen(kind)
         cavities = rods.source.law.cavities if isinstance(rods.source, Ray) else ()
-        return pressures_frame(pressures_for(rods, wish), cavities)
+        return frames.pressures_frame(pressures_for(rods, wish), cavities)
 
     def export(self, to: str, out: Path | str | None = None, *, force: bool = False) -> tuple[Path, ...]:
         """Write the rod for another program, as `pneurod export` does: the files that were written.

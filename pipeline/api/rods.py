@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from geometry.told import Told
 from pipeline.api.given import given_choice, given_path
-from pipeline.api.options import Amount, Folder, Given, Lines, Orientation, Ratio, Rod, TipMass, command
+from pipeline.api.options import Amount, Folder, Given, Orientation, Ratio, Rod, TipMass, Vector, command
 from pipeline.results.options import write_new
 
 __all__ = ["budget", "export", "shape", "solve"]
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class RodShape(Lines):
+class RodShape(Told):
     """A rod and its shape under loads."""
 
     rod: "rods.Rod"
@@ -41,29 +42,17 @@ def shape(
     path: Annotated[
         Given, typer.Argument(metavar="DIR", help="Results of a run; or a parameters.json or law.json alone.")
     ],
-    pressure: Annotated[
-        Amount | Sequence[Amount],
-        str,
-        typer.Option(metavar="P", help="With its unit: '31 kPa', or '[20 kPa, 5 kPa]'."),
-    ],
+    pressure: Annotated[Vector, str, typer.Option(metavar="P", help="With its unit: '31 kPa', or '[20 kPa, 5 kPa]'.")],
     *,
     force: Annotated[
-        Amount | Sequence[Amount] | None,
-        str,
-        typer.Option(metavar="[FX, FY]", help="Dead force: '[0 N, 0.05 N]', in space with FZ; one alone: upwards."),
+        Vector | None, str, typer.Option(metavar="[FX, FY]", help="Dead force: '[0 N, 0.05 N]', '0.05 N', with FZ.")
     ] = None,
     moment: Annotated[
-        Amount | Sequence[Amount],
-        str,
-        typer.Option(metavar="M", help="Moment on the end: '1 N*mm', in space '[MX, MY, MZ]'."),
+        Vector, str, typer.Option(metavar="M", help="Moment on the end: '1 N*mm', in space '[MX, MY, MZ]'.")
     ] = "0 N*mm",
-    end_y: Annotated[
-        Amount | None, str, typer.Option(metavar="Y", help="Height of the end over the clamp: '0 mm'.")
-    ] = None,
+    end_y: Annotated[Amount | None, str, typer.Option(metavar="Y", help="Height of the end from the clamp.")] = None,
     end: Annotated[
-        Amount | Sequence[Amount] | None,
-        str,
-        typer.Option(metavar="[X, Y]", help="Position of the end from the clamp, in space with Z."),
+        Vector | None, str, typer.Option(metavar="[X, Y]", help="Position of the end from the clamp, in space with Z.")
     ] = None,
     force_at: Annotated[
         Sequence[str],
@@ -108,7 +97,7 @@ def shape(
 
 
 @dataclass(frozen=True)
-class Solutions(Lines):
+class Solutions(Told):
     """The pressures at which the end of an arm is as it is wanted."""
 
     solutions: "tuple[PressureFor, ...]"
@@ -123,18 +112,10 @@ class Solutions(Lines):
 def solve(
     path: Annotated[Given, typer.Argument(metavar="DIR", help="Results of a run; or a law.json alone.")],
     *,
-    tip: Annotated[
-        Amount | Sequence[Amount] | None,
-        str,
-        typer.Option(metavar="[X, Y]", help="Place of the end: '[30 mm, -40 mm]'."),
-    ] = None,
+    tip: Annotated[Vector | None, str, typer.Option(metavar="[X, Y]", help="Of the end: '[30 mm, -40 mm]'.")] = None,
     angle: Annotated[Amount | None, str, typer.Option(metavar="A", help="How far the arm bends: '90 deg'.")] = None,
-    force: Annotated[
-        Amount | None, str, typer.Option(metavar="F", help="Force on the held end, upwards: '0.05 N'.")
-    ] = None,
-    at_height: Annotated[
-        Amount | None, str, typer.Option(metavar="Y", help="Height at which it is held: '0 mm'.")
-    ] = None,
+    force: Annotated[Amount | None, str, typer.Option(metavar="F", help="On the held end, upwards: '0.05 N'.")] = None,
+    at_height: Annotated[Amount | None, str, typer.Option(metavar="Y", help="At which it is held: '0 mm'.")] = None,
     orientation: Orientation = None,
     tip_mass: TipMass = None,
     rod: Rod = None,

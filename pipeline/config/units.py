@@ -7,7 +7,7 @@ from functools import cache
 from typing import TYPE_CHECKING, Any
 
 from pipeline.values.errors import LONGEST, quoted
-from rod.units import NUMBER_AND_UNIT, USUAL
+from rod.checked import NUMBER_AND_UNIT, USUAL
 
 if TYPE_CHECKING:
     import pint

@@ -9,6 +9,7 @@ from html import escape
 from math import isinf
 
 from geometry import Reason
+from geometry.told import Told
 from pipeline.results.rod_errors import (
     LARGE_MESH_ERROR,
     POOR,
@@ -66,7 +67,7 @@ class Bending:
 
 
 @dataclass(frozen=True)
-class Verdict:
+class Verdict(Told):
     """What a run has found, and how far it can be relied on."""
 
     design: str
@@ -97,9 +98,6 @@ class Verdict:
         lines += [self.tolerances.text] if self.usable and self.tolerances else []
         lines += [self._holds(), self.command, *self._not_reached()]
         return tuple(filter(None, (*lines, *(f"Warning: {warning.text}" for warning in self.warnings))))
-
-    def __str__(self) -> str:
-        return "\n".join(self.lines)
 
     def _repr_html_(self) -> str:
         """For notebooks."""

@@ -8,16 +8,17 @@ from typing import Annotated, ClassVar
 import numpy as np
 
 from geometry.arrays import Array
+from geometry.told import Told
 from rod.arm_law.curves import ACROSS, CellCurve, ClampCurve, TipCurve
 from rod.arm_law.law_rod import LawRod
 from rod.arm_law.moved import growing, moved_cell, moved_clamp, scaled_curve, scaled_rate, second_order
 from rod.arm_law.quantities import UNITS, Asked, Rods, jacobian
 from rod.arm_law.rates import LawRate, changed_cells, changed_clamps, onset_rate
 from rod.arm_law.section import clamp_at, section_at, tip_at
+from rod.arm_law.told import told_law
 from rod.checked import Amount, finite, positive
 from rod.errors import RodError
 from rod.same_pressure import Pressures, pressures_of
-from rod.told import Told
 from rod.weight import Mass
 
 #: change of the moments of the law in difference quotients, over the largest one, and that of the parameter at most
@@ -56,17 +57,12 @@ class ArmLaw(Told):
 
     @property
     def told(self) -> dict[str, str]:
-        """Pressures and lengths, the cell at the highest pressure, the mass, and by what the law has derivatives."""
-        low, high, cell = self.pressures[0], self.pressures[-1], self.at(self.pressures[-1]).section
-        rigidity = 1.0 / float(np.interp(0.0, cell.moment, cell.kappa_slope))
-        return {
-            "law": f"of an arm in its plane, measured at {len(self.cells)} pressures from {low:g} to {high:g} kPa",
-            "length": f"{self.length:g} mm, cells of {self.pitch:g} mm",
-            f"at {high:g} kPa": f"unloaded curvature {1e3 * cell.kappa_0:.4g} 1/m, rigidity {rigidity:.4g} N mm²",
-            "moments": f"from {cell.moment[0]:.4g} to {cell.moment[-1]:.4g} N mm at {high:g} kPa",
-            "mass": "not known" if self.mass is None else self.mass.text,
-            "derivatives": f"by {', '.join(self.rates)}" if self.rates else "none",
-        }
+        """As of any law, with the cell at the highest pressure, and by what the law has derivatives."""
+        cell = self.at(self.pressures[-1]).section
+        moments = (
+            f"from {cell.moment[0]:.4g} to {cell.moment[-1]:.4g} N mm, unloaded curvature {1e3 * cell.kappa_0:.4g} 1/m"
+        )
+        return told_law(self) | {f"at {cell.pressure:g} kPa": moments, "derivatives": ", ".join(self.rates) or "none"}
 
     @property
     def pressures(self) -> tuple[float, ...]:

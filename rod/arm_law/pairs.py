@@ -15,15 +15,16 @@ from typing import Any, ClassVar, TypeVar, get_args
 import numpy as np
 
 from geometry.arrays import Array
+from geometry.told import Told
 from rod.arm_law.between import interpolate_columns
 from rod.arm_law.curves import CellCurve, ClampCurve, Placed, TipCurve
 from rod.arm_law.law import ArmLaw
 from rod.arm_law.law_rod import LawRod
 from rod.arm_law.section import bracket, clamp_at, section_at, tip_at
+from rod.arm_law.told import told_law
 from rod.checked import Amount
 from rod.errors import RodError
 from rod.same_pressure import Pressures, as_known, pressures_of
-from rod.told import Told
 from rod.weight import Mass
 
 Curve = TypeVar("Curve", CellCurve, ClampCurve, TipCurve)
@@ -71,13 +72,8 @@ class PairLaw(Told):
 
     @property
     def told(self) -> dict[str, str]:
-        """Cavities, ratios, the highest pressure, the length and the mass."""
-        return {
-            "law": f"of an arm in its plane over the pressures of {' and '.join(self.cavities)}",
-            "pressures": f"up to {max(law.pressures[-1] for law in self.laws):g} kPa in {len(self.laws)} ratios",
-            "length": f"{self.length:g} mm, cells of {self.laws[0].pitch:g} mm",
-            "mass": "not known" if self.mass is None else self.mass.text,
-        }
+        """As of any law."""
+        return told_law(self)
 
     @property
     def length(self) -> float:

@@ -19,13 +19,14 @@ from typing import Annotated, ClassVar, final
 import numpy as np
 
 from geometry.arrays import Array
+from geometry.told import Told
 from rod.arm.sections import PolynomialSection
 from rod.arm_law.polynomial import Polynomial
 from rod.arm_law.space_rod import SpaceRod
+from rod.arm_law.told import told_law
 from rod.checked import Amount
 from rod.errors import RodError
 from rod.same_pressure import Pressures, pressures_of
-from rod.told import Told
 from rod.weight import Mass
 
 #: by how much pressures may leave those of the law, over the largest
@@ -74,14 +75,9 @@ class SpaceLaw(Told):
 
     @property
     def told(self) -> dict[str, str]:
-        """Cavities, pressures and lengths, the range of curvatures, and the mass."""
-        return {
-            "law": f"of an arm in space over the pressures of {', '.join(self.cavities)}",
-            "pressures": f"between {len(self.pressures)} rows up to {self.pressures.max():g} kPa, and 0 kPa",
-            "length": f"{self.length:g} mm, cells of {self.pitch:g} mm",
-            "curvature": f"up to {1e3 * self.reach:.4g} 1/m from that without load",
-            "mass": "not known" if self.mass is None else self.mass.text,
-        }
+        """As of any law, and the range of curvatures."""
+        more = {"curvature": f"within {1e3 * self.reach:.4g} 1/m of that without load"}
+        return told_law(self) | more
 
     @property
     def rows(self) -> tuple[Pressures, ...]:

@@ -16,6 +16,7 @@ from functools import cached_property
 from typing import Literal, TypedDict, Unpack, get_args, overload
 
 from geometry.arrays import read_only
+from geometry.told import Told
 from rod.along import Along, LineLoad, Support, are_heights, leaves_plane, split_along
 from rod.arm_law.law import ArmLaw
 from rod.arm_law.law_rod import LawRod
@@ -30,7 +31,6 @@ from rod.mechanics.lines import LinesRod
 from rod.mechanics.profile import Profile, sampled
 from rod.solution import RodSolution, SpatialSolution
 from rod.spatial import SpatialLoad, is_triple
-from rod.told import Told
 from rod.weight import Hung, Mass, Weighing, weighted
 
 #: N mm, a moment whose own effect is nothing, under which the offsets of the law act

@@ -4,9 +4,9 @@ from dataclasses import replace
 
 import pytest
 
+from geometry.told import Told
 from rod import FiveParameters, Rod
 from rod.arm_law.pairs import PairLaw
-from rod.told import Told
 from rod.weight import Mass
 from tests.rod.arm_law.test_arm_law import law_of, straight_law
 

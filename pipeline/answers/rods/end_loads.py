@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from geometry.told import aligned, listed
 from pipeline.answers.rods.choice import RodOfRun
 from pipeline.config.units import ANGLE, FORCE, LENGTH, MOMENT, STIFFNESS, Dimension
 from pipeline.results.options import option_list, option_pressures, option_value, option_vector
@@ -21,7 +22,6 @@ from rod.along import Along, LineLoad, PointLoad, Reaction, Support
 from rod.errors import LoadError, RodError, RodWarning
 from rod.mechanics.equilibrium import Rod
 from rod.solution import RodSolution, SpatialSolution
-from rod.told import aligned, listed
 from rod.weight import gravity_vector, in_grams, position_along
 
 #: loads along an arm as options have them

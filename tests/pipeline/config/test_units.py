@@ -4,7 +4,7 @@ import pint
 import pytest
 
 from pipeline.config.units import LENGTH, MOMENT, PRESSURE, convert
-from rod.units import USUAL
+from rod.checked import USUAL
 
 
 def test_usual_units_have_the_factors_of_pint() -> None:

@@ -1,19 +1,23 @@
 """Values that are printed in a few lines."""
 
-from abc import abstractmethod
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 
 
 class Told:
-    """A value that `print` shows as lines of names and what is told of them, and its notes."""
+    """A value that `print` shows as lines: names and what is told of them, and its notes."""
 
     @property
-    @abstractmethod
-    def told(self) -> Mapping[str, str]:
+    def told(self) -> dict[str, str]:
         """What is told, with units, by its name."""
+        return {}
+
+    @property
+    def lines(self) -> Sequence[object]:
+        """What is printed."""
+        return [*aligned(self.told), *getattr(self, "notes", ())]
 
     def __str__(self) -> str:
-        return "\n".join([*aligned(self.told), *getattr(self, "notes", ())])
+        return "\n".join(map(str, self.lines))
 
 
 def aligned(told: Mapping[str, str]) -> list[str]:
