@@ -67,13 +67,7 @@ class RodSolution(Told):
     @property
     def told(self) -> dict[str, str]:
         """Place, turn and force of the end, the moment at the clamp, and the weight."""
-        lines = {
-            "end": f"{placed(self.end)} from the clamped end of the curve",
-            "bends by": f"{round(self.bending_deg, 2) + 0.0:.2f}°",
-            "end force": listed(self.force, "N"),
-            "moment at the clamp": f"{self.clamp_moment:.5g} N mm",
-        }
-        return lines | _weight(self.weight)
+        return _told(self, {}, f"{self.clamp_moment:.5g} N mm")
 
     def derivative(self, by: Parameter) -> Response:
         """What one more right-hand side gives: how fast the rod and its force on the end change with a parameter.
@@ -172,15 +166,9 @@ class SpatialSolution(Told):
     @property
     def told(self) -> dict[str, str]:
         """As `RodSolution.told`, with the stability."""
-        lines = {
-            "end": f"{placed(self.end)} from the clamped end of the curve",
-            "bends by": f"{self.bending_deg:.2f}°",
-            "points along": listed(self.frames[-1, :, 0]),
-            "end force": listed(self.force, "N"),
-            "moment at the clamp": listed(self.moment[0], "N mm"),
-        }
         left = f"{self.stability.lowest:.3f} of the rigidity without load is left in the softest direction"
-        return lines | _weight(self.weight) | {"stability": left}
+        turn = {"points along": listed(self.frames[-1, :, 0])}
+        return _told(self, turn, listed(self.moment[0], "N mm")) | {"stability": left}
 
     @cached_property
     def stability(self) -> Stability:
@@ -208,8 +196,11 @@ class SpatialSolution(Told):
         return x, y, z
 
 
-def _weight(weight: Array) -> dict[str, str]:
-    return {"weight": f"{listed(weight, 'N')}, which the rod carries besides"} if weight.any() else {}
+def _told(shape: RodSolution | SpatialSolution, turn: dict[str, str], moment: str) -> dict[str, str]:
+    weight = {"weight": f"{listed(shape.weight, 'N')}, which the rod carries besides"} if shape.weight.any() else {}
+    bends = f"{round(shape.bending_deg, 2) + 0.0:.2f}°"
+    at_end = {"end": f"{placed(shape.end)} from the clamped end of the curve", "bends by": bends, **turn}
+    return {**at_end, "end force": listed(shape.force, "N"), "moment at the clamp": moment, **weight}
 
 
 def solved_in_space(

@@ -9,8 +9,9 @@ from typing import Annotated, Any, NamedTuple, TypeAlias
 import numpy as np
 
 from geometry.arrays import Array
+from geometry.units import USUAL, with_unit
 from rod.along import PointLoad, Triple, triple
-from rod.checked import USUAL, finite, with_unit
+from rod.checked import finite
 from rod.errors import LoadError, RodError
 from rod.load import AnyLoad, pair
 from rod.spatial import is_triple

@@ -209,13 +209,9 @@ def budget_page(name: str, budgets: Sequence[Budget]) -> str:
 
 
 def budget_for(
-    folder: Path,
-    pressure: float | str | None,
-    settings: Sequence[str],
-    out: Path | None = None,
-    ratio: str | None = None,
+    folder: Path, pressure: Any, settings: Sequence[str], out: Path | None = None, ratio: str | None = None
 ) -> tuple[Budget, Path]:
-    """The budget of a result folder at a pressure written with its unit, and the page with its picture.
+    """The budget of a result folder at a pressure, a number or a text with its unit, and the page with its picture.
 
     settings: tolerances as KEY=VALUE, in place of those of the configuration. ratio: of the pressures of a law that has
     several. Raises InputError.

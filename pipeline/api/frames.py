@@ -1,6 +1,7 @@
 """The tables of a run as pandas frames; units are in the names of the columns."""
 
-from collections.abc import Mapping, Sequence
+import math
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import fields
 from pathlib import Path
 from typing import Any
@@ -13,7 +14,10 @@ from pipeline.answers.rods.pressures import PressureFor
 from pipeline.values.formats import CURVE_COLUMNS
 from pipeline.values.parameters import RestShape
 from pipeline.values.run import Effect, RodError, State
+from rod import ArmLaw
+from rod.arm_law.quantities import OF_CELLS, UNITS, Asked
 
+SENSITIVITIES = ("parameter", "number", "pressure_kPa", "derivative", "unit", "relative")
 #: columns that hold texts, empty where there is none; all others hold numbers or true and false
 _TEXTS = {"experiment", "load", "rod", "sample", "effect", "state", "status", "reason", "warning"}
 #: endings of the components of a pair or of a position
@@ -120,3 +124,27 @@ def budget_frame(found: Budget | None) -> Shown:
 def expanded(rows: Sequence[Mapping[str, Any]]) -> pd.DataFrame:
     """A frame of rows whose lists, equally long within a row, become one row per entry."""
     return pd.concat([pd.DataFrame(dict(row)) for row in rows] or [pd.DataFrame()], ignore_index=True)
+
+
+def sensitivities_frame(law: ArmLaw | None) -> pd.DataFrame:
+    """One row per parameter, number and pressure above zero.
+
+    relative: by how many % a number changes by 1 % of the parameter; NaN of a number that is zero, or not
+    in the law.
+    """
+    return pd.DataFrame([] if law is None else list(_sensitivities(law)), columns=list(SENSITIVITIES))
+
+
+def _sensitivities(law: ArmLaw) -> Iterator[tuple[object, ...]]:
+    rods = {pressure: law.at(pressure) for pressure in law.pressures if pressure}
+    values = {
+        (name, p): float(Asked(name, p, rod).of(rods.__getitem__)[0]) for name in UNITS for p, rod in rods.items()
+    }
+    for name, parameter in law.rates.items():
+        for number, rates in law.derivative(name).items():
+            unit = (UNITS | OF_CELLS)[number]
+            unit = unit if parameter.unit == "1" else f"{unit} per {parameter.unit}"
+            for pressure, rate in zip(law.pressures, rates.tolist(), strict=True):
+                value = values.get((number, pressure), 0.0)
+                if pressure:
+                    yield name, number, pressure, rate, unit, rate * parameter.value / value if value else math.nan

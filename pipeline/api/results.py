@@ -18,7 +18,6 @@ from pipeline.answers.rods.pressures import Wish, pressures_for
 from pipeline.answers.rods.ratio import run_along
 from pipeline.api import frames
 from pipeline.api.given import given_choice, given_path
-from pipeline.api.sensitivities import sensitivities_frame
 from pipeline.config.units import PRESSURE
 from pipeline.results.files import read_results as read_run
 from pipeline.results.options import option_pressures, option_value
@@ -165,7 +164,7 @@ class Results:
     def sensitivities(self) -> pd.DataFrame:
         """Derivatives of the arm's own law by its dimensions and materials, per unit of each, and relative: by how many
         % a number changes by 1 % of the parameter. No rows where the law has none."""
-        return sensitivities_frame(None if self.run.law is None else self.run.law.plane)
+        return frames.sensitivities_frame(None if self.run.law is None else self.run.law.plane)
 
     def budget(self, pressure_kPa: float | str | None = None) -> pd.DataFrame:
         """What the tolerances of the built arm do at a pressure, the highest one unless it is given, in %.

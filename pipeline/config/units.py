@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from functools import cache
 from typing import TYPE_CHECKING, Any
 
+from geometry.units import NUMBER_AND_UNIT, USUAL
 from pipeline.values.errors import LONGEST, quoted
-from rod.checked import NUMBER_AND_UNIT, USUAL
 
 if TYPE_CHECKING:
     import pint

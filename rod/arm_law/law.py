@@ -15,7 +15,6 @@ from rod.arm_law.moved import growing, moved_cell, moved_clamp, scaled_curve, sc
 from rod.arm_law.quantities import UNITS, Asked, Rods, jacobian
 from rod.arm_law.rates import LawRate, changed_cells, changed_clamps, onset_rate
 from rod.arm_law.section import clamp_at, section_at, tip_at
-from rod.arm_law.told import told_law
 from rod.checked import Amount, finite, positive
 from rod.errors import RodError
 from rod.same_pressure import Pressures, pressures_of
@@ -57,12 +56,15 @@ class ArmLaw(Told):
 
     @property
     def told(self) -> dict[str, str]:
-        """As of any law, with the cell at the highest pressure, and by what the law has derivatives."""
+        """Pressures, the cell at the highest one, mass, and by what the law has derivatives."""
         cell = self.at(self.pressures[-1]).section
-        moments = (
-            f"from {cell.moment[0]:.4g} to {cell.moment[-1]:.4g} N mm, unloaded curvature {1e3 * cell.kappa_0:.4g} 1/m"
-        )
-        return told_law(self) | {f"at {cell.pressure:g} kPa": moments, "derivatives": ", ".join(self.rates) or "none"}
+        return {
+            "law": f"{self!r}",
+            f"at {cell.pressure:g} kPa": f"unloaded curvature {1e3 * cell.kappa_0:.4g} 1/m",
+            "moments": f"from {cell.moment[0]:.4g} to {cell.moment[-1]:.4g} N mm there",
+            "mass": "not known" if self.mass is None else self.mass.text,
+            "derivatives": f"by {', '.join(self.rates)}" if self.rates else "none",
+        }
 
     @property
     def pressures(self) -> tuple[float, ...]:

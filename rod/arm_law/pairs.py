@@ -15,13 +15,11 @@ from typing import Any, ClassVar, TypeVar, get_args
 import numpy as np
 
 from geometry.arrays import Array
-from geometry.told import Told
 from rod.arm_law.between import interpolate_columns
 from rod.arm_law.curves import CellCurve, ClampCurve, Placed, TipCurve
 from rod.arm_law.law import ArmLaw
 from rod.arm_law.law_rod import LawRod
 from rod.arm_law.section import bracket, clamp_at, section_at, tip_at
-from rod.arm_law.told import told_law
 from rod.checked import Amount
 from rod.errors import RodError
 from rod.same_pressure import Pressures, as_known, pressures_of
@@ -46,7 +44,7 @@ def fractions_of(direction: float) -> tuple[float, float]:
 
 
 @dataclass(frozen=True, eq=False)  # arrays inside
-class PairLaw(Told):
+class PairLaw:
     """The law of an arm over the pressures of its two cavities.
 
     Raises `RodError` unless there are rays, their directions rise from 0 to 2, and d = 1 is one where others lie on
@@ -69,11 +67,6 @@ class PairLaw(Told):
 
     def __repr__(self) -> str:
         return f"PairLaw({len(self.laws)} ratios of the pressures of {' and '.join(self.cavities)})"
-
-    @property
-    def told(self) -> dict[str, str]:
-        """As of any law."""
-        return told_law(self)
 
     @property
     def length(self) -> float:

@@ -19,11 +19,9 @@ from typing import Annotated, ClassVar, final
 import numpy as np
 
 from geometry.arrays import Array
-from geometry.told import Told
 from rod.arm.sections import PolynomialSection
 from rod.arm_law.polynomial import Polynomial
 from rod.arm_law.space_rod import SpaceRod
-from rod.arm_law.told import told_law
 from rod.checked import Amount
 from rod.errors import RodError
 from rod.same_pressure import Pressures, pressures_of
@@ -35,7 +33,7 @@ ROUNDING = 1e-9
 
 @final
 @dataclass(frozen=True, eq=False)  # arrays inside
-class SpaceLaw(Told):
+class SpaceLaw:
     """The law of an arm over the pressures of its cavities.
 
     Variables of polynomials are curvatures in 1/mm, moments in N mm and, for p, components of the pressures in kPa.
@@ -72,12 +70,6 @@ class SpaceLaw(Told):
 
     def __repr__(self) -> str:
         return f"SpaceLaw({', '.join(self.cavities)}, up to {self.pressures.max():g} kPa, {self.length:g} mm)"
-
-    @property
-    def told(self) -> dict[str, str]:
-        """As of any law, and the range of curvatures."""
-        more = {"curvature": f"within {1e3 * self.reach:.4g} 1/m of that without load"}
-        return told_law(self) | more
 
     @property
     def rows(self) -> tuple[Pressures, ...]:

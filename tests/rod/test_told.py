@@ -6,7 +6,6 @@ import pytest
 
 from geometry.told import Told
 from rod import FiveParameters, Rod
-from rod.arm_law.pairs import PairLaw
 from rod.weight import Mass
 from tests.rod.arm_law.test_arm_law import law_of, straight_law
 
@@ -19,7 +18,6 @@ SHAPE = Rod(110.0, law=LAW.at(20.0)).solve(force="0.01 N")
     "value",
     [
         LAW,
-        PairLaw(("left", "right"), (1.0,), (LAW,)),
         FIVE,
         FIVE.five,
         SHAPE,

@@ -10,8 +10,7 @@ from typer.testing import CliRunner
 
 import pneurod
 from pipeline.answers.budget import Budget, budget_of, budget_page, budget_table, make_budgets
-from pipeline.api.frames import budget_frame
-from pipeline.api.sensitivities import sensitivities_frame
+from pipeline.api.frames import budget_frame, sensitivities_frame
 from pipeline.cli import app
 from pipeline.config.load import load_config
 from pipeline.config.tolerances import STIFFNESS, Tolerance, Tolerances

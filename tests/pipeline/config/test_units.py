@@ -3,8 +3,8 @@
 import pint
 import pytest
 
+from geometry.units import USUAL
 from pipeline.config.units import LENGTH, MOMENT, PRESSURE, convert
-from rod.checked import USUAL
 
 
 def test_usual_units_have_the_factors_of_pint() -> None:

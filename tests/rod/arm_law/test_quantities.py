@@ -7,7 +7,7 @@ import pytest
 
 from geometry.arrays import Array
 from pipeline.answers.budget import NUMBERS, budget_table, make_budgets
-from pipeline.api.sensitivities import sensitivities_frame
+from pipeline.api.frames import sensitivities_frame
 from pipeline.config.tolerances import Tolerances
 from pipeline.results.laws import law_record
 from pipeline.study.wishes import wish
