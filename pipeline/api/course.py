@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from geometry.errors import Reason
 from pipeline.api.described import Body, Setting
 from pipeline.api.given import document_of, given_choice, given_folder, given_jobs, given_progress
-from pipeline.config.document import Document
 from pipeline.store.progress import Progress
 from pipeline.store.worker import available_cores
 from pipeline.values.errors import RunFailed
@@ -59,17 +58,15 @@ def design_of(
     settings: Mapping[str, Setting] | Sequence[str] | None,
     out: Path | str | None,
     suffix: str = "",
-) -> "tuple[Config, Path]":
-    """The configuration, checked, and the result folder. Raises InputError."""
-    design = checked(document_of(config, arguments, settings))
-    return design, given_folder(out, f"{design.name}{suffix}")
-
-
-def checked(document: Document) -> "Config":
-    """The configuration of a document. Raises InputError."""
+    command: str = "",
+) -> "tuple[Config, Path, tuple[Reason, ...]]":
+    """The configuration for a command, by default that of a run, the result folder, and notes. Raises InputError."""
     from pipeline.config import load
 
-    return load.checked(document)
+    document = document_of(config, arguments, settings)
+    run = f"run with law: {document.content.get('law')}"
+    design, notes = load.for_command(command or run, document, load.checked)
+    return design, given_folder(out, f"{design.name}{suffix}"), notes
 
 
 def load_notes(design: "Config") -> "tuple[Reason, ...]":

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-from pipeline.api.course import MOST_JOBS, checked, course_of, design_of, load_notes, reached
+from pipeline.api.course import MOST_JOBS, course_of, design_of, load_notes, reached
 from pipeline.api.described import Material
 from pipeline.api.given import document_of, given_folder
 from pipeline.api.options import Accuracy, ConfigFile, Fresh, Out, Settings, jobs_option, out_option
@@ -59,10 +59,10 @@ def characterize(
         )
     constants = None if material is None else material.values
     arguments = {"name": name, "material": constants, "pressures": pressures, "accuracy": accuracy}
-    design, folder = design_of(config, arguments, settings, out)
+    design, folder, notes = design_of(config, arguments, settings, out)
     course = course_of(jobs, MOST_JOBS, fresh, progress)
     try:
-        made = course.solve(run, design, folder).results
+        made = course.solve(run, design, folder, notes).results
     except RunFailed as failure:
         failure.directory = folder
         raise
@@ -109,8 +109,8 @@ def mesh(
     """
     from pipeline.simulate.meshed import mesh_alone
 
-    design, folder = design_of(config, {}, settings, out, "_mesh")
-    return course_of(None, 1, False, progress).solve(mesh_alone, design, folder, load_notes(design))
+    design, folder, notes = design_of(config, {}, settings, out, "_mesh", "mesh")
+    return course_of(None, 1, False, progress).solve(mesh_alone, design, folder, (*notes, *load_notes(design)))
 
 
 def cell(
@@ -128,11 +128,14 @@ def cell(
     The law of an arm that leaves its plane is one in space. Raises InputError for a wrong configuration or folder and
     for an arm without such a law, and RunFailed, which has the report as `reached`, where a pressure is not reached.
     """
+    from pipeline.config import load
     from pipeline.law import rows, study
 
-    document = document_of(config, {"accuracy": accuracy}, settings)
-    course, given = course_of(jobs, 1, fresh, progress), rows.read_rows(document)
-    design = checked(document) if given is None else given.config
-    folder = given_folder(out, f"{design.name}_cell")
-    report = course.solve(study.measure_any_law, given or design, folder, () if given else load_notes(design))
+    document, course = document_of(config, {"accuracy": accuracy}, settings), course_of(jobs, 1, fresh, progress)
+    given, notes = load.for_command("cell", document, lambda one: rows.read_rows(one) or load.checked(one))
+    if isinstance(given, rows.RowSpec):
+        folder = given_folder(out, f"{given.config.name}_cell")
+    else:
+        folder, notes = given_folder(out, f"{given.name}_cell"), (*notes, *load_notes(given))
+    report = course.solve(study.measure_any_law, given, folder, notes)
     return reached(report, report.raise_if_failed)

@@ -39,7 +39,7 @@ def effects(
     """
     from pipeline.study.effects.study import compare_effects
 
-    design, folder = design_of(config, {}, settings, out, "_effects")
+    design, folder, _ = design_of(config, {}, settings, out, "_effects")
     table = course_of(jobs, 2, fresh, progress).solve(compare_effects, design, folder, load_notes(design))
     if table.failures:
         missing = sum(bool(row["reason"]) for row in table.rows)
@@ -64,7 +64,7 @@ def accuracy(
     """
     from pipeline.study.accuracy.run import run_study
 
-    design, folder = design_of(config, {}, settings, out, "_accuracy")
+    design, folder, _ = design_of(config, {}, settings, out, "_accuracy")
     return course_of(jobs, 2, fresh, progress).solve(run_study, design, folder, load_notes(design))
 
 

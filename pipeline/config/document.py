@@ -1,9 +1,9 @@
 """A YAML file with overrides applied, and the sentences in which it is refused."""
 
 import re
-from collections.abc import Callable, Hashable, Mapping, Sequence
+from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
 from copy import deepcopy
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -39,6 +39,17 @@ class Document:
         content = deepcopy(dict(self.content))
         keys = tuple(_override(content, key, value, naming) for key, value in values)
         return Document(self.path, content, (*self.overridden, *keys), naming)
+
+    def without(self, keys: Iterable[str]) -> "Document":
+        """The same without what stands at dotted keys."""
+        content = deepcopy(dict(self.content))
+        for names in (key.split(".") for key in keys):
+            inside: Any = content
+            for name in names[:-1]:
+                inside = inside.get(name) if isinstance(inside, dict) else None
+            if isinstance(inside, dict):
+                inside.pop(names[-1], None)
+        return replace(self, content=content)
 
     @property
     def text(self) -> str:

@@ -3,12 +3,28 @@
 A refusal is one sentence for each thing that is wrong: `FILE: key: what is wrong; what is allowed`.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import TypeVar
 
+from geometry import Reason
 from pipeline.config.config import Config
 from pipeline.config.document import Document, read_document
 from pipeline.config.section import read
+from pipeline.values.errors import InputError
+
+Read = TypeVar("Read")
+#: keys whose values a command does not use
+UNUSED = {
+    "mesh": (
+        *("pressures", "experiments", "end", "identification", "added_pressures", "validation"),
+        *("law", "law_in_space", "law_by_cavity", "newton", "accuracy", "tolerances"),
+    ),
+    "cell": ("experiments", "identification", "added_pressures", "validation.pressures", "law"),
+    "design": ("pressures", "experiments", "identification", "added_pressures", "validation", "law"),
+    "run with law: five": ("accuracy", "law_in_space", "law_by_cavity"),
+    "run with law: cell": ("identification",),
+}
 
 
 def load_config(path: Path | str, overrides: Sequence[str] = ()) -> Config:
@@ -23,3 +39,18 @@ def load_config(path: Path | str, overrides: Sequence[str] = ()) -> Config:
 def checked(document: Document) -> Config:
     """The configuration of a document. Raises InputError."""
     return read(Config, document)
+
+
+def for_command(
+    command: str, document: Document, read_one: Callable[[Document], Read]
+) -> tuple[Read, tuple[Reason, ...]]:
+    """What a document says. A wrong value of a key that the command does not use is left out, with a note.
+
+    Raises InputError for what is wrong otherwise.
+    """
+    try:
+        return read_one(document), ()
+    except InputError as refused:
+        found = read_one(document.without(UNUSED.get(command, ())))
+        reasons = (Reason("unused_key", {"complaint": one, "command": command}) for one in refused.sentences)
+        return found, tuple(reasons)

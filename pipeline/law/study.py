@@ -12,15 +12,17 @@ import numpy as np
 from fem.cell.any_plane import moment_beside
 from fem.cell.piece import PieceFailed
 from fem.cell.response import inflated
+from geometry.told import Told
 from pipeline.config.config import Config
 from pipeline.law.build import MeasuredLaw, deliver_law
 from pipeline.law.in_space.measure import MeasuredInSpace, measure_in_space
 from pipeline.law.pieces import ArmPieces, NoArmLaw
 from pipeline.law.rows import RowSpec, rows_of
 from pipeline.law.table import law_page, space_sentences
-from pipeline.results.files import LAW
+from pipeline.results.files import LAW, read_results
 from pipeline.results.laws import law_record
 from pipeline.results.unloaded import delivered_numbers, unloaded_states
+from pipeline.results.verdict import verdict_of
 from pipeline.simulate.meshed import save_body
 from pipeline.simulate.scene import Scene
 from pipeline.simulate.simulate import begin_loading
@@ -45,13 +47,18 @@ NOTHING = 1e-6
 
 
 @dataclass(frozen=True, eq=False)  # arrays inside
-class LawReport(Generic[Measured]):
+class LawReport(Told, Generic[Measured]):
     """The law of an arm as it was measured; the same numbers stand in the files of `directory`."""
 
     directory: Path
     config: Config
     measured: Measured
     seconds: float  #: wall time of this call
+
+    @property
+    def lines(self) -> Sequence[str]:
+        """As the verdict of a run: how far the arm bends, its tip, errors, and how to use the rod."""
+        return verdict_of(read_results(self.directory)).lines
 
     def raise_if_failed(self) -> None:
         """Raise RunFailed where a pressure was not reached."""

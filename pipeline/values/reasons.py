@@ -10,6 +10,7 @@ from pipeline.values.record import Reported
 #: {at} is the place of the reason; a list is written with commas between its entries
 TEMPLATES: Mapping[str, str] = {
     # a configuration
+    "unused_key": "{complaint}; left out, because `pneurod {command}` does not use it",
     "strong_pressure": "{pressure_kPa:g} kPa is {ratio:.2g} times what walls of {modulus_MPa:.3g} MPa usually bear; "
     "check the units, or stay below about {bearable_kPa:g} kPa",
     "weak_pressure": "{pressure_kPa:g} kPa hardly bends walls of {modulus_MPa:.3g} MPa; check the units (rubbers have "

@@ -5,10 +5,10 @@ import re
 from dataclasses import dataclass
 
 from pipeline.config.config import Config
-from pipeline.config.section import read
+from pipeline.config.load import checked, for_command
 from pipeline.simulate.simulate import why_not_free
 from pipeline.study.sweep.axes import Setting, switch_as_word
-from pipeline.study.sweep.spec import Run, Sweep, document_of
+from pipeline.study.sweep.spec import CELL, Run, Sweep, document_of
 from pipeline.values.errors import ConflictError, InputError
 from pipeline.values.reasons import render
 
@@ -60,7 +60,8 @@ def points_of(sweep: Sweep) -> list[Point | RefusedPoint]:
         try:
             document = document_of(sweep, setting)
             try:
-                config = read(Config, document)
+                command = CELL if sweep.run == (CELL,) else f"run with law: {document.content.get('law')}"
+                config, _ = for_command(command, document, checked)
             except InputError as failure:
                 if not isinstance(failure, ConflictError):
                     unchecked[number] = failure

@@ -10,6 +10,7 @@ from geometry import DesignError
 from pipeline.config.config import Config
 from pipeline.config.document import Key, read_document
 from pipeline.config.kinds import Base, Count, Length, Name, in_unit, list_of, not_empty, one_of
+from pipeline.config.load import UNUSED, checked, for_command
 from pipeline.config.section import (
     Error,
     Field,
@@ -18,7 +19,6 @@ from pipeline.config.section import (
     in_sentences,
     not_known,
     raise_all,
-    read,
     read_each,
     read_keys,
     section,
@@ -75,7 +75,9 @@ def read_wishes(path: Path) -> WishFile:
     with in_sentences(document):
         content = read_keys(_File, document.content, document)
         base = content.base.with_values(list(content.set.items()), lambda key: f"{path}: set.{key}")
-        found = WishFile(path, content.name, base, _wishes(content, read(Config, base)))
+        arm, unused = for_command("design", base, checked)
+        kept = base.without(UNUSED["design"] if unused else ["validation.pressures"])
+        found = WishFile(path, content.name, kept, _wishes(content, arm))
         try:
             found.start  # noqa: B018 - read here, or refused
         except (InputError, DesignError) as failure:
