@@ -37,10 +37,7 @@ def scaled(values: Sequence[float], part: float) -> Triple:
 @final
 @dataclass(frozen=True)
 class PointLoad:
-    """A dead load on one section of an arm, in numbers or texts such as "56 mm".
-
-    Raises `RodError` for anything else.
-    """
+    """A dead load on one section, in numbers or texts with units. Raises `RodError` for anything else."""
 
     s: Given  #: mm, rest arc length from the clamp
     force: Sequence[Given] = (0.0, 0.0, 0.0)  #: N, (x, y, z), or (x, y) in the plane
@@ -69,10 +66,7 @@ class PointLoad:
 @final
 @dataclass(frozen=True)
 class LineLoad:
-    """A dead load that is spread evenly over a part of an arm, in numbers or texts such as "0.5 N/m".
-
-    Raises `RodError` for anything else.
-    """
+    """A dead load that is even over a part of an arm, in numbers or texts with units. Raises `RodError`."""
 
     start: Given  #: mm, rest arc length from the clamp
     end: Given  #: mm
@@ -108,10 +102,7 @@ AlongLoad: TypeAlias = PointLoad | LineLoad
 @final
 @dataclass(frozen=True)
 class Support:
-    """Holds an arm in one section, in numbers or texts such as "5 deg".
-
-    Raises `RodError` for anything else, and where it holds nothing.
-    """
+    """Holds an arm in one section; numbers or texts with units. Raises `RodError`, also where it holds nothing."""
 
     s: Given  #: mm, rest arc length from the clamp
     x: Given = None  #: mm, where it holds the curve; None: free, and so are the others

@@ -17,10 +17,7 @@ Given: TypeAlias = Any
 
 
 def finite(value: Any, name: str, unit: str = "") -> float:
-    """A number as a finite float; with a unit also a text such as "20 mm", as a number in that unit.
-
-    Raises `RodError`, naming what it is, for anything else.
-    """
+    """A number, or with a unit a text such as "20 mm", as a finite float. Raises `RodError` for anything else."""
     given: Any = with_unit(value, USUAL.get(unit, {})) if isinstance(value, str) and unit else value
     try:
         number = math.nan if isinstance(given, str | bytes | bool) else float(given)

@@ -21,10 +21,7 @@ SAME = 1e-5
 
 
 def pressures_of(given: Amount | Sequence[Amount], cavities: Sequence[str]) -> Pressures:
-    """A pressure in kPa for each cavity; one alone is a tuple of one, and a text has its unit.
-
-    Raises `RodError` for another number of them.
-    """
+    """A pressure in kPa for each cavity; one alone is a tuple of one. Raises `RodError` for another number of them."""
     values = (given,) if isinstance(given, str) or not isinstance(given, Sequence | np.ndarray) else given
     found = tuple(finite(value, "The pressure", "kPa") for value in values)
     if len(found) != len(cavities):

@@ -52,11 +52,6 @@ class Mass:
         """A mass that is spread evenly along a length, at a height above the material curve, mm."""
         return Mass(*(np.array([0.0, value]) for value in (length, grams, grams * height)))
 
-    @property
-    def text(self) -> str:
-        """The whole mass in words."""
-        return f"{self.grams[-1]:.4g} g"
-
     def within(self, from_end: Array) -> tuple[Array, Array]:
         """`grams` and `heights` at distances (n,) from the end, mm; of a longer arm its mean goes on."""
         beyond = np.maximum(0.0, from_end / self.from_end[-1] - 1.0)

@@ -41,14 +41,12 @@ class Document:
         return Document(self.path, content, (*self.overridden, *keys), naming)
 
     def without(self, keys: Iterable[str]) -> "Document":
-        """The same without what stands at dotted keys."""
+        """The same without what stands at keys, of at most two parts."""
         content = deepcopy(dict(self.content))
-        for names in (key.split(".") for key in keys):
-            inside: Any = content
-            for name in names[:-1]:
-                inside = inside.get(name) if isinstance(inside, dict) else None
+        for *outer, last in (key.split(".") for key in keys):
+            inside: Any = content.get(outer[0]) if outer else content
             if isinstance(inside, dict):
-                inside.pop(names[-1], None)
+                inside.pop(last, None)
         return replace(self, content=content)
 
     @property

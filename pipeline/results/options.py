@@ -30,7 +30,7 @@ def write_new(file: Path, text: str) -> None:
 def option_pressures(name: str, given: Any) -> float | tuple[float, ...]:
     """A pressure, or those of all cavities, kPa. Raises InputError."""
     values = option_list(name, given, PRESSURE)
-    return values if _is_list(given) else values[0]
+    return values if is_list(given) else values[0]
 
 
 def option_list(name: str, given: Any, dimension: Dimension) -> tuple[float, ...]:
@@ -38,7 +38,7 @@ def option_list(name: str, given: Any, dimension: Dimension) -> tuple[float, ...
     if isinstance(given, str):
         values: Sequence[Any] = given.strip().removeprefix("[").removesuffix("]").split(",")
     else:
-        values = plain(given) if _is_list(given) else [given]
+        values = plain(given) if is_list(given) else [given]
     return tuple(option_value(name, value, dimension) for value in values)
 
 
@@ -54,7 +54,7 @@ def option_vector(name: str, given: Any, dimension: Dimension) -> tuple[float, f
     return (x, y, across[0]) if across else (x, y)
 
 
-def _is_list(given: Any) -> bool:
+def is_list(given: Any) -> bool:
     """True for several values, also where they are written in one text."""
     value = plain(given)
     return value.strip().startswith("[") if isinstance(value, str) else isinstance(value, Sequence)

@@ -56,13 +56,12 @@ class ArmLaw(Told):
 
     @property
     def told(self) -> dict[str, str]:
-        """Pressures, the cell at the highest one, mass, and by what the law has derivatives."""
+        """Pressures, the cell at the highest one, and by what the law has derivatives."""
         cell = self.at(self.pressures[-1]).section
         return {
             "law": f"{self!r}",
             f"at {cell.pressure:g} kPa": f"unloaded curvature {1e3 * cell.kappa_0:.4g} 1/m",
             "moments": f"from {cell.moment[0]:.4g} to {cell.moment[-1]:.4g} N mm there",
-            "mass": "not known" if self.mass is None else self.mass.text,
             "derivatives": f"by {', '.join(self.rates)}" if self.rates else "none",
         }
 

@@ -129,10 +129,9 @@ class Rod(Told):
 
     @property
     def told(self) -> dict[str, str]:
-        """Length, law and mass."""
+        """Length and law."""
         law = self.law.told if isinstance(self.law, TwoSlopes) else {"law": repr(self.law)}
-        mass = {} if self.mass is None else {"mass": self.mass.text}
-        return {"length": f"{self.length:g} mm", **law, **mass}
+        return {"length": f"{self.length:g} mm", **law}
 
     @property
     def has_own_law(self) -> bool:

@@ -6,11 +6,10 @@ import pytest
 
 from geometry.told import Told
 from rod import FiveParameters, Rod
-from rod.weight import Mass
 from tests.rod.arm_law.test_arm_law import law_of, straight_law
 
 LAW = law_of(straight_law(0.0), straight_law(20.0, -0.01))
-FIVE = Rod(100.0, -0.01, FiveParameters(400.0, 500.0, 1.0, 1.0, 30.0), mass=Mass.even(100.0, 12.0))
+FIVE = Rod(100.0, -0.01, FiveParameters(400.0, 500.0, 1.0, 1.0, 30.0))
 SHAPE = Rod(110.0, law=LAW.at(20.0)).solve(force="0.01 N")
 
 
@@ -26,7 +25,7 @@ SHAPE = Rod(110.0, law=LAW.at(20.0)).solve(force="0.01 N")
 )
 def test_a_value_is_printed_in_a_few_short_lines(value: Told) -> None:
     lines = str(value).splitlines()
-    assert 4 <= len(lines) <= 7
+    assert 2 <= len(lines) <= 7
     assert max(map(len, lines)) <= 100
     assert "array" not in str(value)
 
@@ -41,4 +40,4 @@ def test_a_shape_tells_its_end_and_its_notes() -> None:
 
 def test_parameters_have_their_units() -> None:
     assert str(FIVE.five).splitlines()[-1] == "d       30 mm from the clamp"
-    assert "mass    12 g" in str(FIVE)
+    assert str(FIVE).startswith("length  100 mm")

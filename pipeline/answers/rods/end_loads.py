@@ -12,8 +12,8 @@ import numpy as np
 
 from geometry.told import aligned, listed
 from pipeline.answers.rods.choice import RodOfRun
-from pipeline.config.units import ANGLE, FORCE, LENGTH, MOMENT, STIFFNESS, Dimension
-from pipeline.results.options import option_list, option_pressures, option_value, option_vector
+from pipeline.config.units import ANGLE, FORCE, LENGTH, MOMENT, STIFFNESS
+from pipeline.results.options import is_list, option_pressures, option_value, option_vector
 from pipeline.store.atomic_file import write_atomic
 from pipeline.store.result_folder import open_file
 from pipeline.values.errors import InputError, RunFailed, argument, ask
@@ -93,8 +93,8 @@ class EndLoads:
                 f"{argument('end')}, {argument('tip_mass')}: an end that is held carries no mass; leave one of them out"
             )
         return EndLoads(
-            None if force is None else _vector_or_number("force", force, FORCE, lambda upwards: (0.0, upwards)),
-            _vector_or_number("moment", moment, MOMENT, lambda about_z: about_z),
+            None if force is None else option_vector("force", force if is_list(force) else ["0 N", force], FORCE),
+            (option_vector if is_list(moment) else option_value)("moment", moment, MOMENT),
             None if end_y is None else option_value("end_y", end_y, LENGTH),
             None if end is None else option_vector("end", end, LENGTH),
             weight,
@@ -129,12 +129,6 @@ class EndLoads:
                 far = f"is {away:g} mm away from the clamped end, but the arm is {rod.length:g} mm long"
                 raise InputError(f"{given}: {far}") from None
             raise (InputError if isinstance(failure, LoadError) else RunFailed)(str(failure)) from None
-
-
-def _vector_or_number(name: str, given: Any, dimension: Dimension, one: Callable[[float], Any]) -> Any:
-    """A vector, or what one number stands for. Raises InputError."""
-    values = option_list(name, given, dimension)
-    return one(values[0]) if len(values) == 1 else option_vector(name, given, dimension)
 
 
 @dataclass(frozen=True)

@@ -47,7 +47,8 @@ def find_design(
             try:
                 found = Search(file, context).run()
             except NotBorne as failure:
-                raise RunFailed(f"no design was found: {failure}; designs that were tried are kept in {out}") from None
+                kept = f"the material may be too soft; designs that were tried are kept in {out}"
+                raise RunFailed(f"no design was found: {failure}; {kept}") from None
         report = report_of(file, found, out)
         _save(store, file, found, report)
         if with_run:
@@ -62,7 +63,8 @@ def raise_if_missed(report: DesignReport) -> None:
         count = len(report.wishes) + len(report.limits)
         missed = f"{report.source}: {len(report.given_up)} of {count} wishes and limits are missed"
         nearest = f"{report.directory / FILES[0]} is the nearest design"
-        raise RunFailed(f"{missed}: {'; '.join(report.given_up)}; {nearest}", directory=report.directory)
+        told = "; ".join((*report.given_up, *report.behind, nearest))
+        raise RunFailed(f"{missed}: {told}", directory=report.directory)
 
 
 def _save(store: Store, file: WishFile, found: Found, report: DesignReport) -> None:

@@ -28,6 +28,7 @@ from pipeline.store.parallel import Pending
 from pipeline.store.state_key import NUMBER_SOURCES, STATE_SOURCES, result_key
 from pipeline.store.store import Store
 from pipeline.study.wishes.numbers import numbers_of, rates_of, with_pressures
+from pipeline.study.wishes.wish import PRESSURE
 from pipeline.study.wishes.wish_file import WishFile
 from pipeline.values.errors import InputError, RunFailed, WorkerLost
 from pipeline.values.pressure import in_MPa, name_of_state
@@ -56,6 +57,7 @@ class Numbers:
 
     values: Array  #: (m,) of all wishes, one after the other
     rates: Array  #: (m, n) by the logarithms of what is free
+    by_stiffness: Array  #: (m,) by the logarithm of all moduli
     stretch: float  #: largest one of a cell without moment at the highest pressure; NaN: not asked for
     stretch_rates: Array  #: (n,) by the logarithms
 
@@ -101,12 +103,21 @@ class MovedMesh:
             by = wishes.dimensions or ("",)
             pieces = ArmPieces(config, self.meshed.dhat, self.meshed.outer, True, by, self.meshed.config)
             context = replace(self.context, store=store_of(self.context.store, config, self.meshed.config, by))
-            law = with_pressures(_NearLaw.begin(self.file, pieces, point, context, ("force",)).law(), values)
+            law = _NearLaw.begin(self.file, pieces, point, context, ("force",)).law()
+            every = values | {f"{PRESSURE}at {pressure!r} kPa": pressure for pressure in law.pressures}
+            law = with_pressures(law, every)
+            rates = rates_of(law, wishes, every) * [
+                *every.values()
+            ]  # an arm of stiffer walls is one at lower pressures
             stretch, by_stretch = np.nan, np.zeros(len(point))
             if wishes.limits.largest_stretch is not None:
                 stretch = ArmTasks(pieces, context).submit(largest_stretch, law.pressures[-1]).result()
                 by_stretch = np.array([float(law.rates[key].cells[-1].largest_stretch) for key in values]) * point
-            return Numbers(numbers_of(law, wishes, values), rates_of(law, wishes, values) * point, stretch, by_stretch)
+            found, (own, by_pressure) = numbers_of(law, wishes, values), np.split(rates, [len(values)], axis=1)
+            # stiffer walls are the same walls at lower pressures, with larger forces
+            is_force = [wish.quantity in ("force", "stiffness") for wish in wishes.wishes for _ in wish.target]
+            by_stiffness = np.where(is_force, found, 0.0) - by_pressure.sum(axis=1)
+            return Numbers(found, own, by_stiffness, stretch, by_stretch)
 
 
 def delivered(file: WishFile, point: Array, context: RunContext) -> tuple[Array, float]:

@@ -7,7 +7,9 @@ from pathlib import Path
 import numpy as np
 
 from geometry.arrays import Array
+from pipeline.study.wishes.behind import behind
 from pipeline.study.wishes.search import OF_LAW, Found, Refusal, Trial
+from pipeline.study.wishes.step import Model
 from pipeline.study.wishes.wish import Wish, Wishes, exact_limits
 from pipeline.study.wishes.wish_file import WishFile
 from pipeline.values.json_values import JsonObject
@@ -57,6 +59,7 @@ class DesignReport:
     objective: float | None  #: what was made small; None where nothing was
     history: tuple[Trial | Refusal, ...]
     run: Path | None  #: the results of its run; None where it was left out
+    behind: tuple[str, ...]  #: what stands in the way where something is missed, and what lies beyond it
 
     @property
     def given_up(self) -> tuple[str, ...]:
@@ -74,22 +77,14 @@ class DesignReport:
 
     def record(self) -> JsonObject:
         """The content of design.json."""
-        wishes: list[JsonObject] = [
-            {
-                "quantity": one.wish.quantity,
-                "pressure_kPa": one.pressure_kPa,
-                "wanted": one.wish.target,
-                "within": one.wish.within,
-                "at_start": one.at_start,
-                "value": one.value,
-                "miss": one.miss,
-                "is_met": one.is_met,
-            }
-            for one in self.wishes
-        ]
+        wishes: list[JsonObject] = []
+        for one in self.wishes:
+            wished: JsonObject = {"wanted": one.wish.target, "within": one.wish.within}
+            more: JsonObject = {name: getattr(one, name) for name in ("at_start", "value", "miss", "is_met")}
+            wishes.append({"quantity": one.wish.quantity, "pressure_kPa": one.pressure_kPa, **wished, **more})
         limits: list[JsonObject] = [dict(vars(one)) for one in self.limits]
         found: JsonObject = {"name": self.name, "start": self.start, "found": self.found, "objective": self.objective}
-        return {**found, "wishes": wishes, "limits": limits, "given_up": self.given_up}
+        return {**found, "wishes": wishes, "limits": limits, "given_up": self.given_up, "behind": self.behind}
 
 
 def report_of(
@@ -107,8 +102,9 @@ def report_of(
     limits = tuple(_limits(file, trial.numbers.stretch, trial.point))
     objective = None if np.isnan(trial.worth.objective) else trial.worth.objective
     start = wishes.values(wishes.start)
+    way = () if trial.worth.is_within(1.0) else behind(Model(file, trial.point, trial.numbers))
     return DesignReport(
-        file.source, directory, file.name, start, values, results, limits, objective, found.history, run
+        file.source, directory, file.name, start, values, results, limits, objective, found.history, run, way
     )
 
 

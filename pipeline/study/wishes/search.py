@@ -117,6 +117,7 @@ class Search:
                 solved,
                 values=values + ratio * (solved.values - before.values),
                 rates=ratio[:, None] * solved.rates,
+                by_stiffness=ratio * solved.by_stiffness,
                 stretch=stretch + solved.stretch - before.stretch,
             )
         worth = Model(self.file, point, numbers).worth(np.log(point))

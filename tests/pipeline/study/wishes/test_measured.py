@@ -59,6 +59,20 @@ def test_derivatives_are_those_of_designs_that_were_measured(tmp_path: Path) -> 
     assert known.stretch_rates[:2] == pytest.approx(np.array(stretches[:2]) * point[:2], rel=0.05)
 
 
+def test_stiffer_moduli_are_derivatives_by_the_material(tmp_path: Path) -> None:
+    """Central differences over 4 % of the modulus, on the same mesh."""
+    text = SMALL.replace("starts", "").replace("accuracy: off}", "accuracy: off, material.E: E MPa}")
+    ends = []
+    for number, modulus in enumerate((1.2 * 0.98, 1.2, 1.2 * 1.02)):
+        (tmp_path / str(number)).mkdir()
+        file = small(tmp_path / str(number), text.replace("E MPa", f"{modulus} MPa"))
+        with open_store(tmp_path / str(number) / "out", file) as store:
+            mesh = MovedMesh.of(file, file.wishes.start, RunContext.alone(store, Silent()), is_fine=False)
+            ends.append(mesh.numbers(file.wishes.start))
+    expected = (ends[2].values - ends[0].values) / 0.04
+    assert ends[1].by_stiffness == pytest.approx(expected, rel=0.02, abs=0.02 * np.abs(expected).max())
+
+
 def test_a_margin_that_the_cell_does_not_bear_is_named(tmp_path: Path) -> None:
     file = small(tmp_path, SMALL.replace("limits: {", "limits: {bears: 40, "))
     with open_store(tmp_path / "out", file) as store:

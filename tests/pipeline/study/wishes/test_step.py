@@ -11,6 +11,7 @@ from pipeline.store.context import RunContext
 from pipeline.store.progress import Silent
 from pipeline.store.store import open_store
 from pipeline.study.wishes import search
+from pipeline.study.wishes.behind import behind
 from pipeline.study.wishes.measured import NotBorne, Numbers
 from pipeline.study.wishes.report import report_of
 from pipeline.study.wishes.search import Found, Search, Trial, starts
@@ -37,7 +38,8 @@ def numbers(point: Array, powers: Array = POWERS) -> Numbers:
     """Of an arm that has what is wished at wall 1.1 mm and base 1.9 mm."""
     values = np.array([-6e-4, 2e-3]) * np.exp(powers @ np.log(point / [1.1, 1.9]))
     stretch = 1.2 / point[0]
-    return Numbers(values, values[:, None] * powers, stretch, np.array([-stretch, 0.0]))
+    by_stiffness = values * [-1.0, 1.0]  # less curvature, and more stiffness
+    return Numbers(values, values[:, None] * powers, by_stiffness, stretch, np.array([-stretch, 0.0]))
 
 
 def model(file: WishFile, point: Array = START) -> Model:
@@ -142,8 +144,36 @@ def test_the_nearest_design_tells_what_was_given_up(tmp_path: Path, monkeypatch:
     ]
     assert found.trial.point[0] == pytest.approx(1.001)
     assert found.trial.worth.merit < 1.05 * min(sums)  # no step is tried that gains less
-    given_up = report_of(file, found, tmp_path).given_up
-    assert given_up[0].startswith("wishes[1], kappa_0 at 20 kPa, is -0.7")
+    report = report_of(file, found, tmp_path)
+    assert report.given_up[0].startswith("wishes[1], kappa_0 at 20 kPa, is -0.7")
+    assert report.behind[0] == "geometry.wall is at its bound, 1.001 mm; at 1.11 mm nothing would be missed"
+    assert report.record()["behind"] == report.behind
+
+
+def test_a_limit_in_the_way_is_named(tmp_path: Path) -> None:
+    """The wished arm has a wall of 1.1 mm; the limit asks for 1.3 mm."""
+    file = small(tmp_path, TWO + "limits: {smallest_wall: 1.3 mm}\n")
+    own = model(file, np.array([1.3, 1.5]))
+    assert "limits.smallest_wall, 1.3 mm, is in the way; at 1.09 mm nothing would be missed" in behind(own)
+
+
+@pytest.mark.parametrize(("factor", "word"), [(0.8, "stiff"), (1.25, "soft")])
+def test_the_material_is_a_reason(tmp_path: Path, factor: float, word: str) -> None:
+    """An arm that would have both wishes with other moduli, which change its curvature and its stiffness alike."""
+    own = model(small(tmp_path, TWO), np.array([1.1, 1.9]))
+    stiff = own.numbers.by_stiffness / own.numbers.values
+    values = own.numbers.values * factor**-stiff
+    changed = replace(own.numbers, values=values, rates=0.0 * own.numbers.rates, by_stiffness=stiff * values)
+    (told,) = behind(replace(own, numbers=changed))
+    assert told.startswith(f"the material is too {word}; with ")
+    assert float(told.split("with ")[1].split(" ")[0]) == pytest.approx(factor, rel=0.05)
+    assert told.endswith("times its moduli nothing would be missed")
+
+
+def test_nothing_is_told_where_no_bound_helps(tmp_path: Path) -> None:
+    own = model(small(tmp_path, TWO), np.array([1.1, 1.9]))
+    off = replace(own.numbers, values=2.0 * own.numbers.values, rates=0.0 * own.numbers.rates)
+    assert behind(replace(own, numbers=replace(off, by_stiffness=0.0 * off.by_stiffness))) == ()
 
 
 def test_a_design_that_is_not_borne_is_left(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
