@@ -7,14 +7,9 @@ class Told:
     """A value that `print` shows as lines: names and what is told of them, and its notes."""
 
     @property
-    def told(self) -> dict[str, str]:
-        """What is told, with units, by its name."""
-        return {}
-
-    @property
     def lines(self) -> Sequence[object]:
         """What is printed."""
-        return [*aligned(self.told), *getattr(self, "notes", ())]
+        return [*aligned(self.told), *getattr(self, "notes", ())]  # type: ignore[attr-defined]
 
     def __str__(self) -> str:
         return "\n".join(map(str, self.lines))

@@ -15,7 +15,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from geometry.arrays import Array
-from geometry.told import Told
 from rod.checked import finite
 from rod.errors import RodError
 
@@ -28,7 +27,7 @@ PARAMETER_COLUMNS = dict(
 
 
 @dataclass(frozen=True)
-class TwoSlopes(Told):
+class TwoSlopes:
     """Two lines between moment and curvature, one before and one beyond d; slopes may be negative.
 
     Some estimators of the paper's kind give negative slopes. Such a slope is no rigidity: the rod bends towards the
@@ -50,12 +49,6 @@ class TwoSlopes(Told):
                 raise RodError(f"{name} is the slope of a line and must not be zero.")
         if self.d <= 0.0:
             raise RodError(f"d is measured from the clamp and must be positive, not {self.d:g} mm.")
-
-    @property
-    def told(self) -> dict[str, str]:
-        """The five numbers with their units."""
-        names = dict(zip(PARAMETER_NAMES, ("N mm²", "N mm²", "N mm", "N mm", "mm from the clamp"), strict=True))
-        return {name: f"{getattr(self, name):.5g} {unit}" for name, unit in names.items()}
 
     def rigidity(self, s: ArrayLike) -> Array:
         """alpha at s (mm), N mm2; s = d belongs to the second piece."""

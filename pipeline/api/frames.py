@@ -6,7 +6,6 @@ from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pandas as pd
 
 from pipeline.answers.budget import Budget
@@ -114,10 +113,10 @@ def budget_frame(found: Budget | None) -> Shown:
         return Shown()
     columns: dict[str, Any] = {"tolerance_of": [*(row.parameter for row in found.rows), "all"]}
     columns["tolerance"] = [*(row.tolerance for row in found.rows), ""]
-    columns |= {
-        f"{name}_percent": 100.0 * np.array([*(row.changes[name] for row in found.rows), found.total(name)])
-        for name in found.numbers
-    }
+    for name in found.numbers:
+        columns[f"{name}_percent"] = [
+            100.0 * change for change in (*(r.changes[name] for r in found.rows), found.total(name))
+        ]
     return Shown(columns)
 
 

@@ -133,9 +133,7 @@ def cell(
 
     document, course = document_of(config, {"accuracy": accuracy}, settings), course_of(jobs, 1, fresh, progress)
     given, notes = load.for_command("cell", document, lambda one: rows.read_rows(one) or load.checked(one))
-    if isinstance(given, rows.RowSpec):
-        folder = given_folder(out, f"{given.config.name}_cell")
-    else:
-        folder, notes = given_folder(out, f"{given.name}_cell"), (*notes, *load_notes(given))
-    report = course.solve(study.measure_any_law, given, folder, notes)
+    design = given.config if isinstance(given, rows.RowSpec) else given
+    notes = notes if isinstance(given, rows.RowSpec) else (*notes, *load_notes(given))
+    report = course.solve(study.measure_any_law, given, given_folder(out, f"{design.name}_cell"), notes)
     return reached(report, report.raise_if_failed)

@@ -135,5 +135,5 @@ def design(
     from pipeline.study.wishes import design, spec
 
     file = spec.read_wishes(given_path(wish, "wish", "wish.yaml"))
-    find = partial(design.find_design, with_run=given_choice(run, "run"))
+    find = partial(design.find_best, with_run=given_choice(run, "run"))
     return course_of(jobs, MOST_JOBS, fresh, progress).solve(find, file, given_folder(out, file.name))

@@ -8,7 +8,6 @@ from typing import Annotated, ClassVar
 import numpy as np
 
 from geometry.arrays import Array
-from geometry.told import Told
 from rod.arm_law.curves import ACROSS, CellCurve, ClampCurve, TipCurve
 from rod.arm_law.law_rod import LawRod
 from rod.arm_law.moved import growing, moved_cell, moved_clamp, scaled_curve, scaled_rate, second_order
@@ -25,7 +24,7 @@ STEP, LARGEST_STEP = 1e-4, 1e-2
 
 
 @dataclass(frozen=True, eq=False)  # arrays inside
-class ArmLaw(Told):
+class ArmLaw:
     """The law of an arm with one pressure: a cell, its clamped end and its tip over pressures that rise.
 
     Raises `RodError` where there is no curve, or the pressures of the parts differ.
@@ -53,17 +52,6 @@ class ArmLaw(Told):
     def __repr__(self) -> str:
         low, high = self.pressures[0], self.pressures[-1]
         return f"ArmLaw({len(self.cells)} pressures from {low:g} to {high:g} kPa, cells of {self.pitch:g} mm)"
-
-    @property
-    def told(self) -> dict[str, str]:
-        """Pressures, the cell at the highest one, and by what the law has derivatives."""
-        cell = self.at(self.pressures[-1]).section
-        return {
-            "law": f"{self!r}",
-            f"at {cell.pressure:g} kPa": f"unloaded curvature {1e3 * cell.kappa_0:.4g} 1/m",
-            "moments": f"from {cell.moment[0]:.4g} to {cell.moment[-1]:.4g} N mm there",
-            "derivatives": f"by {', '.join(self.rates)}" if self.rates else "none",
-        }
 
     @property
     def pressures(self) -> tuple[float, ...]:

@@ -130,8 +130,7 @@ class Rod(Told):
     @property
     def told(self) -> dict[str, str]:
         """Length and law."""
-        law = self.law.told if isinstance(self.law, TwoSlopes) else {"law": repr(self.law)}
-        return {"length": f"{self.length:g} mm", **law}
+        return {"length": f"{self.length:g} mm", "law": repr(self.law)}
 
     @property
     def has_own_law(self) -> bool:

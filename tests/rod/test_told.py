@@ -16,9 +16,7 @@ SHAPE = Rod(110.0, law=LAW.at(20.0)).solve(force="0.01 N")
 @pytest.mark.parametrize(
     "value",
     [
-        LAW,
         FIVE,
-        FIVE.five,
         SHAPE,
         FIVE.solve(),
     ],
@@ -38,6 +36,7 @@ def test_a_shape_tells_its_end_and_its_notes() -> None:
     assert lines[-1] == "Beware."
 
 
-def test_parameters_have_their_units() -> None:
-    assert str(FIVE.five).splitlines()[-1] == "d       30 mm from the clamp"
-    assert str(FIVE).startswith("length  100 mm")
+def test_parameters_and_laws_are_printed_in_one_line() -> None:
+    assert str(FIVE.five) == "FiveParameters(alpha1=400.0, alpha2=500.0, m01=1.0, m02=1.0, d=30.0)"
+    assert str(LAW) == "ArmLaw(2 pressures from 0 to 20 kPa, cells of 10 mm)"
+    assert str(FIVE).splitlines() == ["length  100 mm", f"law     {FIVE.five}"]

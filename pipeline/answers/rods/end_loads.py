@@ -77,12 +77,7 @@ class EndLoads:
 
     @staticmethod
     def read(
-        force: Any,
-        moment: Any,
-        end_y: Any,
-        end: Any,
-        weight: "Weight",
-        along: tuple[AlongArm, ...] = (),
+        force: Any, moment: Any, end_y: Any, end: Any, weight: "Weight", along: tuple[AlongArm, ...] = ()
     ) -> "EndLoads":
         """From numbers, or texts with units. Raises InputError, also where they contradict."""
         if sum(given is not None for given in (force, end_y, end)) > 1:

@@ -10,12 +10,11 @@ from pipeline.store.context import run_context
 from pipeline.store.progress import Progress
 from pipeline.store.provenance import provenance
 from pipeline.store.store import Store, check_owner, clear, open_store
-from pipeline.study.wishes.measured import POINTS, NotBorne, store_of
-from pipeline.study.wishes.numbers import numbers_of
+from pipeline.study.wishes.measured import POINTS, NotBorne, numbers_of, store_of
 from pipeline.study.wishes.report import DesignReport, design_page, history_rows, report_of
 from pipeline.study.wishes.search import Found, Search
 from pipeline.study.wishes.step import check_feasible
-from pipeline.study.wishes.wish_file import WishFile
+from pipeline.study.wishes.wish import WishFile
 from pipeline.values.errors import InputError, RunFailed
 from rod import RodError
 
@@ -55,6 +54,30 @@ def find_design(
             report = _run(file, found, store, jobs, progress)
             _save(store, file, found, report)
     return report
+
+
+def find_best(file: WishFile, out: Path, jobs: int, fresh: bool, progress: Progress, *, with_run: bool) -> DesignReport:
+    """As `find_design`, with the numbers of chambers of the file one by one, each in a folder of its own.
+
+    The first that misses nothing is taken, or the nearest; where something is made small, the best of all.
+    """
+    if not file.counts:
+        return find_design(file, out, jobs, fresh, progress, with_run=with_run)
+    found, failure = list[tuple[DesignReport, WishFile]](), Exception()
+    for count in file.counts:
+        one = file.with_chambers(count)
+        try:
+            found.append((find_design(one, out / f"{count}_chambers", jobs, fresh, progress, with_run=False), one))
+        except (InputError, RunFailed) as refused:
+            progress.remark(f"{count} chambers: {refused}")
+            failure = refused
+            continue
+        if not found[-1][0].given_up and not file.wishes.minimize:
+            break
+    if not found:
+        raise failure
+    best, one = min(found, key=lambda pair: pair[0].worth(pair[1]))
+    return find_design(one, best.directory, jobs, False, progress, with_run=True) if with_run else best
 
 
 def raise_if_missed(report: DesignReport) -> None:

@@ -1,6 +1,6 @@
 """The wanted numbers of a design: on a mesh that moves with it, and as the law has them that a run delivers."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from hashlib import sha256
@@ -27,15 +27,15 @@ from pipeline.store.kept import KeptFile
 from pipeline.store.parallel import Pending
 from pipeline.store.state_key import NUMBER_SOURCES, STATE_SOURCES, result_key
 from pipeline.store.store import Store
-from pipeline.study.wishes.numbers import numbers_of, rates_of, with_pressures
-from pipeline.study.wishes.wish import PRESSURE
-from pipeline.study.wishes.wish_file import WishFile
+from pipeline.study.wishes.wish import PRESSURE, Wishes, WishFile
 from pipeline.values.errors import InputError, RunFailed, WorkerLost
 from pipeline.values.pressure import in_MPa, name_of_state
 from pipeline.values.reasons import render
 from rod import RodError
 from rod.arm_law.curves import CellCurve, ClampCurve, TipCurve
 from rod.arm_law.law import ArmLaw
+from rod.arm_law.quantities import Asked, jacobian
+from rod.arm_law.rates import CellRate, ClampRate, LawRate
 
 #: by how much a cell is bent for its law under no load or a small one, over 1/length of the arm
 NEAR = 0.4
@@ -211,3 +211,46 @@ def store_of(store: Store, config: Config, mesh_of: Config | None = None, by: tu
     identity = config.hash if mesh_of is None else f"{config.hash}|{mesh_of.hash}|{','.join(by)}"
     keys = (result_key(identity, sources) for sources in (STATE_SOURCES, NUMBER_SOURCES))
     return Store(store.directory / POINTS / sha256(identity.encode()).hexdigest()[:16], *keys)
+
+
+def numbers_of(law: ArmLaw, wishes: Wishes, values: Mapping[str, float]) -> Array:
+    """(m,) all numbers of the wishes, one after the other; values: of what is free, by key.
+
+    Raises `RodError` where the arm has no equilibrium.
+    """
+    return np.concatenate([one.of(law.at) for one in _asked(law, wishes, values)])
+
+
+def rates_of(law: ArmLaw, wishes: Wishes, values: Mapping[str, float]) -> Array:
+    """(m, n) derivatives of all numbers by what is free, per mm or kPa. Raises `RodError`.
+
+    law: with derivatives by the free dimensions (`with_pressures` for the pressures).
+    """
+    asked = [one.of for one in _asked(law, wishes, values)]
+    return jacobian(law.rods_after(list(values)), asked, [*map(law.step, values)])
+
+
+def _asked(law: ArmLaw, wishes: Wishes, values: Mapping[str, float]) -> list[Asked]:
+    pairs = [(wish, wish.pressure(values)) for wish in wishes.wishes]
+    return [Asked(wish.quantity, pressure, law.at(pressure), wish.given) for wish, pressure in pairs]
+
+
+def with_pressures(law: ArmLaw, values: Mapping[str, float]) -> ArmLaw:
+    """The law with derivatives by the free pressures as well, which its curves have: of the curve at that pressure
+    alone, which then is that of a higher one. values: of what is free, by key."""
+    rates = dict(law.rates)
+    for key, at in values.items():
+        if key.startswith(PRESSURE):
+            cells = tuple(_by_pressure(cell, float(cell.pressure == at)) for cell in law.cells)
+            clamps = tuple(_turned_by_pressure(clamp, float(clamp.pressure == at)) for clamp in law.clamps)
+            rates[key] = LawRate(at, "kPa", 0.0, 0.0, 0.0, cells, clamps)
+    return replace(law, rates=rates)
+
+
+def _by_pressure(cell: CellCurve, part: float) -> CellRate:
+    ripple = np.zeros((len(cell.moment), 2, 2))
+    return CellRate(part * cell.moment_by_pressure, part * cell.stretch_by_pressure, ripple, np.zeros(()))
+
+
+def _turned_by_pressure(clamp: ClampCurve, part: float) -> ClampRate:
+    return ClampRate(part * clamp.rotation_by_pressure, np.zeros_like(clamp.offset))

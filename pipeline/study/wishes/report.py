@@ -10,8 +10,7 @@ from geometry.arrays import Array
 from pipeline.study.wishes.behind import behind
 from pipeline.study.wishes.search import OF_LAW, Found, Refusal, Trial
 from pipeline.study.wishes.step import Model
-from pipeline.study.wishes.wish import Wish, Wishes, exact_limits
-from pipeline.study.wishes.wish_file import WishFile
+from pipeline.study.wishes.wish import Wish, Wishes, WishFile, exact_limits
 from pipeline.values.json_values import JsonObject
 from pipeline.values.page import figure_page
 from pipeline.values.plots import COLOURS, INK, Line, Panel
@@ -74,6 +73,11 @@ class DesignReport:
             f"limits.{one.name} is {one.value:.4g} instead of {one.limit:.4g}" for one in self.limits if not one.is_kept
         ]
         return (*wishes, *limits)
+
+    def worth(self, file: WishFile) -> tuple[float, ...]:
+        """What is missed, what is made small, and how far wishes are missed."""
+        unit = file.start.mass_tonne if file.wishes.minimize == "mass" else None
+        return len(self.given_up), (unit or 1.0) * (self.objective or 0.0), sum(one.miss**2 for one in self.wishes)
 
     def record(self) -> JsonObject:
         """The content of design.json."""

@@ -11,7 +11,7 @@ from geometry.arrays import Array
 from pipeline.store.context import RunContext
 from pipeline.study.wishes.measured import MovedMesh, NotBorne, Numbers, delivered
 from pipeline.study.wishes.step import Model, Worth, propose
-from pipeline.study.wishes.wish_file import WishFile, rounded
+from pipeline.study.wishes.wish import WishFile, rounded
 
 #: change of the logarithm of a dimension in one step: at first, at most, and where the search ends
 RADIUS, LARGEST, SMALLEST = 0.2, 0.4, 3e-3

@@ -1,6 +1,6 @@
 """The file of a wish: a base configuration, what is free, what is wanted, limits, and what is made small."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -26,9 +26,8 @@ from pipeline.config.section import (
     wrong,
 )
 from pipeline.config.units import LENGTH, PRESSURE, Dimension, convert, number_and_unit
-from pipeline.study.wishes.wish import GEOMETRY, OBJECTIVES, QUANTITIES, Free, Limits, Wish, Wishes
+from pipeline.study.wishes.wish import CHAMBERS, GEOMETRY, OBJECTIVES, QUANTITIES, Free, Limits, Wish, Wishes, WishFile
 from pipeline.study.wishes.wish import PRESSURE as PRESSURE_KEY
-from pipeline.study.wishes.wish_file import WishFile
 from pipeline.values.errors import InputError
 
 
@@ -77,7 +76,7 @@ def read_wishes(path: Path) -> WishFile:
         base = content.base.with_values(list(content.set.items()), lambda key: f"{path}: set.{key}")
         arm, unused = for_command("design", base, checked)
         kept = base.without(UNUSED["design"] if unused else ["validation.pressures"])
-        found = WishFile(path, content.name, kept, _wishes(content, arm))
+        found = WishFile(path, content.name, kept, _wishes(content, arm), _counts(content.free, arm))
         try:
             found.start  # noqa: B018 - read here, or refused
         except (InputError, DesignError) as failure:
@@ -89,12 +88,24 @@ def _wishes(content: _File, arm: Config) -> Wishes:
     """What the file says, for the arm of the base."""
     if reason := arm.effects.why_no_arm_law(arm.design):
         raise_all([wrong(f"this arm has no law of its own, which a design needs: {reason}", ("base",))])
-    free = read_each(content.free, lambda key, given: _free(key, given, arm), ("free",))
+    others = {key: given for key, given in content.free.items() if key != CHAMBERS}
+    free = read_each(others, lambda key, given: _free(key, given, arm), ("free",))
     names = [key.removeprefix(PRESSURE_KEY) for key in free if key.startswith(PRESSURE_KEY)]
     written = dict(enumerate(content.wishes))
     wishes = tuple(read_each(written, lambda _, given: _wish(given, names), ("wishes",)).values())
     raise_all((*_contradictions(wishes), *_needless(content, names, arm)))
     return Wishes(tuple(free.values()), wishes, content.limits, content.minimize, content.starts)
+
+
+def _counts(free: Mapping[str, _Range], arm: Config) -> tuple[int, ...]:
+    """The numbers of chambers that are tried: that of the base, or the start, and those nearest to it first."""
+    if (given := free.get(CHAMBERS)) is None:
+        return ()
+    count: Any = getattr(arm.design, "chambers", None) if given.start is None else given.start
+    if len(free) == 1 or not all(isinstance(n, int) for n in (count, given.low, given.high)) or not given.low > 0:
+        sentence = "needs a family with chambers, another free key, and whole numbers such as {from: 4, to: 8}"
+        raise_all([wrong(sentence, ("free", CHAMBERS))])
+    return tuple(sorted(range(given.low, given.high + 1), key=lambda n: abs(n - count)))
 
 
 def _needless(content: _File, names: list[str], arm: Config) -> Iterator[Error]:

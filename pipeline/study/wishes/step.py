@@ -16,8 +16,7 @@ from scipy.optimize import minimize
 from geometry import DesignError
 from geometry.arrays import Array
 from pipeline.study.wishes.measured import Numbers
-from pipeline.study.wishes.wish import PRESSURE, exact_limits
-from pipeline.study.wishes.wish_file import WishFile
+from pipeline.study.wishes.wish import PRESSURE, WishFile, exact_limits
 from pipeline.values.errors import InputError
 
 #: part of its tolerance within which a wish counts as met in the model, and of a limit

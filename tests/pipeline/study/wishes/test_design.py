@@ -16,8 +16,10 @@ from pipeline.config.load import load_config
 from pipeline.store.context import RunContext
 from pipeline.store.progress import Silent
 from pipeline.store.store import open_store
-from pipeline.study.wishes.design import raise_if_missed
+from pipeline.study.wishes.design import find_best, raise_if_missed
 from pipeline.study.wishes.measured import delivered
+from pipeline.study.wishes.report import DesignReport, WishResult
+from pipeline.study.wishes.wish import WishFile
 from pipeline.values.errors import RunFailed
 from tests.pipeline.study.wishes.test_measured import CONFIGS, small
 
@@ -101,3 +103,33 @@ def test_a_wrong_file_ends_with_its_key(tmp_path: Path) -> None:
     assert ended.exit_code == 2
     assert "wishes[1].kappa_0" in ended.output
     assert not (tmp_path / "out").exists()
+
+
+def test_the_number_of_chambers_is_tried_one_by_one(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """That of the base first, then its neighbours, until nothing is missed; a number that has no law is passed over."""
+    text = WISH.replace("KAPPA", "-1e-3").replace("STIFFNESS", f"{GUESS}")
+    file = small(tmp_path, text.replace("free:", "free:\n  geometry.chambers: {from: 3, to: 6}"))
+    assert file.counts[:1] == (4,)
+    assert sorted(file.counts) == [3, 4, 5, 6]
+    assert file.with_chambers(6).start.design.dimensions == file.start.design.dimensions
+    tried: list[tuple[int, Path, bool]] = []
+
+    def find(one: WishFile, out: Path, *_: object, with_run: bool) -> DesignReport:
+        count = one.start.design.chambers
+        tried.append((count, out, with_run))
+        if count == 3:
+            raise RunFailed("no design was found")
+        miss = {4: 5.0, 5: 2.0, 6: 3.0 - met}[count]
+        wish = WishResult(1, one.wishes.wishes[0], 30.0, (), (-2e-3,), miss)
+        return DesignReport(one.source, out, "tiny", {}, {}, (wish,), (), None, (), None, ())
+
+    monkeypatch.setattr("pipeline.study.wishes.design.find_design", find)
+    met = 0.0
+    report = find_best(file, tmp_path / "out", 1, False, Silent(), with_run=True)
+    assert [count for count, _, _ in tried] == [4, 3, 5, 6, 5]
+    assert report.directory == tmp_path / "out" / "5_chambers"
+    assert [with_run for _, _, with_run in tried] == [False] * 4 + [True]
+    met, tried[:] = 2.5, []
+    report = find_best(file, tmp_path / "out", 1, False, Silent(), with_run=False)
+    assert report.directory.name == "6_chambers"
+    assert not report.given_up

@@ -10,8 +10,7 @@ from pipeline.store.progress import Silent
 from pipeline.store.store import open_store
 from pipeline.study.wishes.measured import MovedMesh, NotBorne, store_of
 from pipeline.study.wishes.spec import read_wishes
-from pipeline.study.wishes.wish import exact_limits
-from pipeline.study.wishes.wish_file import WishFile
+from pipeline.study.wishes.wish import WishFile, exact_limits
 
 CONFIGS = Path(__file__).resolve().parent.parent.parent.parent.parent / "configs"
 SMALL = f"""

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from pipeline.study.wishes.step import check_feasible
-from pipeline.study.wishes.wish_file import rounded
+from pipeline.study.wishes.wish import rounded
 from pipeline.values.errors import InputError
 from tests.pipeline.study.wishes.test_measured import SMALL, small
 
@@ -34,7 +34,8 @@ def test_a_file_is_complete_values(tmp_path: Path) -> None:
     ("old", "new", "words"),
     [
         ("geometry.wall:", "geometry.wal:", r"free.geometry.wal: .*did you mean 'geometry.wall'"),
-        ("geometry.wall:", "geometry.chambers:", r"free.geometry.chambers: is no dimension"),
+        ("geometry.wall:", "geometry.chambers:", r"free.geometry.chambers: needs a family with chambers, another free"),
+        ("free:", "free:\n  geometry.chambers: {from: 4.5, to: 8}", r"free.geometry.chambers: .* whole numbers"),
         ("{from: 0.7 mm, to: 1.6 mm}", "1 mm", r"free.geometry.wall: must hold keys; .*from, to"),
         ("{from: 0.7 mm, to: 1.6 mm}", "{from: 0.7 mm}", r"free.geometry.wall.to: is missing"),
         ("{from: 0.7 mm, to: 1.6 mm}", "{from: 0.7, to: 1.6 mm}", r"free.geometry.wall.from: .*has no unit"),

@@ -16,7 +16,7 @@ from pipeline.study.wishes.measured import NotBorne, Numbers
 from pipeline.study.wishes.report import report_of
 from pipeline.study.wishes.search import Found, Search, Trial, starts
 from pipeline.study.wishes.step import Model, Worth, propose
-from pipeline.study.wishes.wish_file import WishFile
+from pipeline.study.wishes.wish import WishFile
 from tests.pipeline.study.wishes.test_measured import CONFIGS, SMALL, small
 
 TWO = f"""
