@@ -11,13 +11,13 @@ from pipeline.study.wishes.step import Model, propose
 #: changes of logarithms that are tried, and distance from a bound or a limit at which a design stands at it
 STEPS, AT = [0.02 * k for k in range(1, 21)], 0.01
 #: part of the largest miss that is left at most where something is in the way
-LEFT = 0.5
+LEFT = 0.9
 #: limits, the unit in their names, and the direction in which they are lifted
 LIMITS = (("mass", "_g", 1.0), ("largest_stretch", "", 1.0), ("smallest_wall", "_mm", -1.0))
 
 
 def behind(model: Model) -> tuple[str, ...]:
-    """A sentence for each bound and limit, and for the material, without which the design would miss less."""
+    """A sentence for each bound, limit and material without which nothing would be missed, or else less."""
     before, told, met = model.worth(np.log(model.point)).misses.max(), dict[int, str](), set[int]()
     for step in STEPS:
         for number, (wider, words) in enumerate(_wider(model, step)):
@@ -27,7 +27,7 @@ def behind(model: Model) -> tuple[str, ...]:
                 met.add(number)
             elif number not in met and (miss := worth.misses.max()) < LEFT * before and np.all(worth.limits <= 1.0):
                 told[number] = f"{words} the largest miss would be {miss:.2g} instead of {before:.2g} tolerances"
-    return tuple(told.values())
+    return tuple(told[number] for number in sorted(met or told))
 
 
 def _wider(model: Model, step: float) -> Iterator[tuple[Model, str]]:
