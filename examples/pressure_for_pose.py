@@ -26,16 +26,16 @@ results = pneurod.characterize(  # the arm of the recipe on payloads; a finished
 # A wish may have several answers, or none. Without an answer the program says what is nearest.
 
 # %%
-[bent] = results.pressure_for(angle="60 deg")
-print("60 degrees: ", bent.text)
-[placed] = results.pressure_for(tip=("72 mm", "-33.4 mm"))
-print("tip:        ", placed.text)
-[pushing] = results.pressure_for(force="0.02 N", at_height="0 mm")
-print("held at 0:  ", pushing.text)
+bent = results.pressure_for(angle="60 deg")
+print(bent)
+placed = results.pressure_for(tip=("72 mm", "-33.4 mm"))
+print(placed)
+pushing = results.pressure_for(force="0.02 N", at_height="0 mm")
+print(pushing)
 try:
     results.pressure_for(tip=("70 mm", "10 mm"))
 except pneurod.InputError as refused:
-    print("upwards:    ", refused)
+    print(refused)
 
 # %% [markdown]
 # ## The picture
@@ -47,9 +47,11 @@ figure, axes = plt.subplots(layout="constrained")
 tips = np.array([results.rod(float(pressure)).solve().end for pressure in np.linspace(0.0, 20.0, 41)])
 axes.plot(*tips.T, ":", color="grey", label="tip from 0 to 20 kPa")
 for label, found in (("bends by 60°", bent), ("tip at (72, -33.4) mm", placed)):
-    axes.plot(*results.rod(found.pressure_kPa).solve().curve.T, label=f"{found.pressure_kPa:.1f} kPa: {label}")
-held = results.rod(pushing.pressure_kPa).solve(end_y=0.0)
-axes.plot(*held.curve.T, label=f"{pushing.pressure_kPa:.1f} kPa: pushes with 0.02 N at height 0")
+    pressure = found.pressure_kPa[0]
+    axes.plot(*results.rod(pressure).solve().curve.T, label=f"{pressure:.1f} kPa: {label}")
+pressure = pushing.pressure_kPa[0]
+held = results.rod(pressure).solve(end_y="0 mm")
+axes.plot(*held.curve.T, label=f"{pressure:.1f} kPa: pushes with 0.02 N at height 0")
 axes.set(xlabel="x (mm)", ylabel="y (mm)", aspect="equal")
 axes.legend()
 figure.savefig(folder / "pressure_for_pose.png")
