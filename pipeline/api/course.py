@@ -58,14 +58,12 @@ def design_of(
     settings: Mapping[str, Setting] | Sequence[str] | None,
     out: Path | str | None,
     suffix: str = "",
-    command: str = "",
+    command: str = "run",
 ) -> "tuple[Config, Path, tuple[Reason, ...]]":
-    """The configuration for a command, by default that of a run, the result folder, and notes. Raises InputError."""
+    """The configuration for a command, the result folder, and notes. Raises InputError."""
     from pipeline.config import load
 
-    document = document_of(config, arguments, settings)
-    run = f"run with law: {document.content.get('law')}"
-    design, notes = load.for_command(command or run, document, load.checked)
+    design, notes = load.for_command(command, document_of(config, arguments, settings), load.checked)
     return design, given_folder(out, f"{design.name}{suffix}"), notes
 
 

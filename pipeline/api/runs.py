@@ -128,11 +128,10 @@ def cell(
     The law of an arm that leaves its plane is one in space. Raises InputError for a wrong configuration or folder and
     for an arm without such a law, and RunFailed, which has the report as `reached`, where a pressure is not reached.
     """
-    from pipeline.config import load
     from pipeline.law import rows, study
 
     document, course = document_of(config, {"accuracy": accuracy}, settings), course_of(jobs, 1, fresh, progress)
-    given, notes = load.for_command("cell", document, lambda one: rows.read_rows(one) or load.checked(one))
+    given, notes = rows.for_cell(document)
     design = given.config if isinstance(given, rows.RowSpec) else given
     notes = notes if isinstance(given, rows.RowSpec) else (*notes, *load_notes(given))
     report = course.solve(study.measure_any_law, given, given_folder(out, f"{design.name}_cell"), notes)

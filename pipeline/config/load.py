@@ -14,7 +14,7 @@ from pipeline.config.section import read
 from pipeline.values.errors import InputError
 
 Read = TypeVar("Read")
-#: keys whose values a command does not use
+#: keys whose values a command does not use; a run uses all
 UNUSED: dict[str, Sequence[str]] = {
     "mesh": [
         "pressures",
@@ -29,8 +29,6 @@ UNUSED: dict[str, Sequence[str]] = {
     ],
     "cell": ["experiments", "identification", "added_pressures", "validation.pressures", "law"],
     "design": ["pressures", "experiments", "identification", "added_pressures", "validation", "law"],
-    "run with law: five": ["accuracy", "law_in_space", "law_by_cavity"],
-    "run with law: cell": ["identification"],
 }
 
 

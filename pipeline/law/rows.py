@@ -4,8 +4,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from geometry import Reason
 from pipeline.config.config import Config
 from pipeline.config.document import Document
+from pipeline.config.load import checked, for_command
 from pipeline.config.section import in_sentences, read, read_each
 from pipeline.config.units import PRESSURE, convert
 from rod.arm_law.pairs import direction_of, fractions_of
@@ -69,6 +71,11 @@ def read_rows(document: Document) -> RowSpec | None:
             names = ", ".join(cavities)
             raise document.wrong((_KEY, k), f"has {len(row)} pressures; give one for each of the cavities {names}")
     return RowSpec(config, rows)
+
+
+def for_cell(document: Document) -> tuple[RowSpec | Config, tuple[Reason, ...]]:
+    """The rows or the configuration for `pneurod cell`, and notes on keys that it does not use. Raises InputError."""
+    return for_command("cell", document, lambda one: read_rows(one) or checked(one))
 
 
 def rows_of(config: Config) -> RowSpec:

@@ -60,8 +60,7 @@ def points_of(sweep: Sweep) -> list[Point | RefusedPoint]:
         try:
             document = document_of(sweep, setting)
             try:
-                command = CELL if sweep.run == (CELL,) else f"run with law: {document.content.get('law')}"
-                config, _ = for_command(command, document, checked)
+                config, _ = for_command(CELL if sweep.run == (CELL,) else "run", document, checked)
             except InputError as failure:
                 if not isinstance(failure, ConflictError):
                     unchecked[number] = failure

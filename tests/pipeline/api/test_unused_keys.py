@@ -41,8 +41,6 @@ def written(path: Path, more: dict[str, Any]) -> Path:
         ("mesh", {"pressures": [20]}),
         ("mesh", {"law": "seven"}),
         ("design", {"pressures": ["0.05 GPa"]}),
-        ("run with law: five", {"law": "five", "accuracy": "500 %"}),
-        ("run with law: cell", {"law": "cell", "identification": {"d": "900 mm"}}),
     ],
 )
 def test_a_wrong_value_of_an_unused_key_is_a_note(tmp_path: Path, command: str, more: dict[str, Any]) -> None:

@@ -223,7 +223,7 @@ def test_the_command_prints_the_end_and_writes_the_shape(results: Path) -> None:
         (("--pressure", "40 kPa"), 2, "40 kPa lies outside the identified range of 17 to 37 kPa"),
         (("--pressure", "27"), 2, "has no unit"),
         (("--pressure", "27 kPa", "--force", "[0, 1]"), 2, "has no unit"),
-        (("--pressure", "27 kPa", "--force", "0.1 N"), 2, "is not a pair"),
+        (("--pressure", "27 kPa", "--force", "[0.1 N]"), 2, "is not a pair"),
         (("--pressure", "27 kPa", "--end", "[130 mm, 0 mm]"), 2, "--end: is 130 mm away from the clamped end"),
         (("--pressure", "27 kPa", "--end-y", "0 mm", "--force", "[0 N, 1 N]"), 2, "give one of them"),
         (("--pressure", "27 kPa", "--end-y", "-300 mm"), 2, "--end-y: is 300 mm away from the clamped end"),
