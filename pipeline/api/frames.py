@@ -92,7 +92,7 @@ class Shown(pd.DataFrame):
     """A frame that prints every column, with four digits."""
 
     def __repr__(self) -> str:
-        return self.to_string(index=False, float_format="{:.4g}".format, na_rep="-")
+        return self.to_string(index=False, float_format=lambda x: f"{round(x, 9) + 0.0:.4g}", na_rep="-")
 
 
 def pressures_frame(found: Sequence[PressureFor], cavities: Sequence[str]) -> Shown:
