@@ -104,7 +104,10 @@ def pressures_frame(found: Sequence[PressureFor], cavities: Sequence[str]) -> Sh
         row |= {f"tip_{axis}_mm": value for axis, value in zip(_AXES, at.tip_mm, strict=False)}
         row |= {"angle_deg": at.angle_deg} | {f"force_{a}_N": f for a, f in zip(_AXES, at.force_N, strict=False)}
         rows.append(row | {"away_mm": at.away_mm})
-    return Shown(rows, dtype=float)
+    frame = Shown(rows, dtype=float)
+    if any(notes := [at.note for at in found]):
+        frame["note"] = notes
+    return frame
 
 
 def budget_frame(found: Budget | None) -> Shown:
