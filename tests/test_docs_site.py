@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 import yaml
+from playwright.sync_api import sync_playwright
 
 from fem.materials import LAWS
 from pipeline.cli import app
@@ -82,6 +83,28 @@ def test_no_page_loads_anything_from_elsewhere(site: Path) -> None:
         for address in re.findall(r'<(?:script|link|img|iframe)[^>]+(?:src|href)="(http[^"]+)"', page.read_text())
     ]
     assert loaded == []
+
+
+def test_the_search_works_in_a_folder_and_wide_tables_show_that_they_scroll(site: Path) -> None:
+    if (program := shutil.which("chromium")) is None:
+        pytest.skip("no Chromium on this machine (Debian package chromium)")
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=program, args=["--no-sandbox"])
+        page = browser.new_page(viewport={"width": 1280, "height": 800})
+        asked: list[str] = []
+        page.on("request", lambda request: asked.append(request.url))
+        page.goto((site / "how_to" / "robots.html").as_uri())
+        page.click(".md-search__input")
+        page.keyboard.type("tolerances")
+        found = page.wait_for_selector(".md-search-result__link")
+        assert found is not None
+        assert str(found.get_attribute("href")).endswith("how_to/budget.html")
+        page.goto((site / "hard_cases.html").as_uri())
+        wide = "document.querySelector('.md-typeset__scrollwrap')"
+        assert page.evaluate(f"{wide}.scrollWidth > {wide}.clientWidth")
+        assert "linear-gradient" in page.evaluate(f"getComputedStyle({wide}).backgroundImage")
+        assert [address for address in asked if not address.startswith("file:")] == []
+        browser.close()
 
 
 def test_every_example_line_of_a_law_is_accepted(tmp_path: Path) -> None:

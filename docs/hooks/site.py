@@ -11,6 +11,7 @@ from commands import commands_page
 from material_laws import laws_page
 from messages import messages_page
 from mkdocs.config.defaults import MkDocsConfig
+from mkdocs.plugins import event_priority
 from mkdocs.structure.files import File, Files
 from recipes import notebook_of, page_of, recipes
 
@@ -29,3 +30,11 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
     for address, text in pages.items():
         files.append(File.generated(config, address, content=text))
     return files
+
+
+@event_priority(-100)
+def on_post_build(config: MkDocsConfig) -> None:
+    """Write the index of the search as a script too, which a page that is opened from a folder can load."""
+    folder = Path(config.site_dir) / "search"
+    index = (folder / "search_index.json").read_text(encoding="utf-8")
+    (folder / "search_index.js").write_text(f"var __index = {index}", encoding="utf-8")

@@ -105,5 +105,8 @@ def test_a_browser_draws_the_panels_and_its_buttons_show_and_hide_lines(tmp_path
         page.click("summary")
         page.wait_for_function("document.querySelectorAll('.plot[data-ready]').length === 4")
         assert page.evaluate("document.documentElement.scrollWidth") <= width
+        wide = "document.querySelector('.wide')"
+        assert page.evaluate(f"{wide}.scrollWidth > {wide}.clientWidth")
+        assert page.evaluate(f"getComputedStyle({wide}).backgroundImage").count("linear-gradient") == 4
         assert errors == []
         browser.close()
