@@ -25,7 +25,7 @@ from pipeline.store.atomic_file import write_atomic
 from pipeline.store.result_folder import open_file
 from pipeline.values.errors import InputError, argument, ask
 from pipeline.values.page import figure_page
-from pipeline.values.plots import COLOURS, Line, Panel
+from pipeline.values.plots import Line, Panel, ordered_colour
 from pipeline.values.run import Run
 from pipeline.values.table import Table
 from rod.arm_law.curves import ACROSS
@@ -187,20 +187,23 @@ def _cell(value: float) -> str:
 
 
 def budget_panels(budgets: Sequence[Budget]) -> tuple[Panel, ...]:
-    """Bars for each number, one frame per pressure."""
+    """Bars for each number, a colour and a frame for each pressure, by the largest contribution at any of them."""
     panels: list[Panel] = []
-    for (name, title), colour in zip(NUMBERS.items(), COLOURS, strict=False):
-        lines = [_bars(budget, name, title, colour) for budget in budgets if math.isfinite(budget.total(name))]
+    for name, title in NUMBERS.items():
+        shown = [(k, budget) for k, budget in enumerate(budgets) if math.isfinite(budget.total(name))]
+        rows = sorted((row for _, budget in shown for row in budget.rows), key=lambda row: -row.size(name))
+        order = list(dict.fromkeys(row.parameter for row in rows))
+        lines = tuple(_bars(budget, name, order, ordered_colour(k, len(budgets))) for k, budget in shown)
         if lines:
-            panels.append(Panel(title, "", "change (%)", tuple(lines), from_zero=True))
+            panels.append(Panel(title, "", "change (%)", lines, from_zero=True))
     return tuple(panels)
 
 
-def _bars(budget: Budget, name: str, title: str, colour: str) -> Line:
-    rows = sorted(budget.rows, key=lambda row: -row.size(name))
+def _bars(budget: Budget, name: str, order: Sequence[str], colour: str) -> Line:
+    rows = sorted(budget.rows, key=lambda row: order.index(row.parameter))
     words: list[Any] = [f"{row.parameter.split('.', 1)[-1]} ± {row.tolerance}" for row in rows]
-    values = [100.0 * row.size(name) for row in rows]
-    return Line(words, values, title, colour, entry="", frame=f"{budget.pressure_kPa:g} kPa", bars=True)
+    values, pressure = [100.0 * row.size(name) for row in rows], f"{budget.pressure_kPa:g} kPa"
+    return Line(words, values, pressure, colour, entry="", frame=pressure, bars=True)
 
 
 def budget_page(name: str, budgets: Sequence[Budget]) -> str:

@@ -40,7 +40,7 @@ def show_comparison(found: "Comparison", results: Path, measured: Path, out: Pat
     from pipeline.answers.measured.page import comparison_page, comparison_table
 
     picture = out or results / f"compared_{measured.stem}.html"
-    write_new(picture, comparison_page(found.design, found.rows))
+    write_new(picture, comparison_page(found.design, found.rows, found.curves))
     print_lines(comparison_table(found.rows))
     print_sentences(*found.lines)
     print_lines(f"picture: {picture}")

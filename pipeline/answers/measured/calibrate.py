@@ -65,7 +65,7 @@ def calibrate_files(
         measurements = aligned(measurements, LawRods(law))
     found = calibrated(law, run.config, measurements, options.free)
     save_calibration(store, run, file, found, report_reason(found.missed or _remark(run, found)))
-    store.save_text("calibration.html", comparison_page(run.design, found.predictions))
+    store.save_text("calibration.html", comparison_page(run.design, found.predictions, found.curves))
     return CalibrationReport(store.directory, file, found, verdict_of(read_results(store.directory)))
 
 

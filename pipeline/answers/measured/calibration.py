@@ -10,10 +10,10 @@ import numpy as np
 from geometry import Reason
 from geometry.arrays import Array
 from pipeline.answers.measured.doubtful import check_numbers, missed
-from pipeline.answers.measured.fit import Fitted, fit, numbers_of, off_range, usual_scatter
+from pipeline.answers.measured.fit import Fitted, LawRods, fit, numbers_of, off_range, usual_scatter
 from pipeline.answers.measured.gaussian import Posterior
 from pipeline.answers.measured.next_measurement import NextMeasurement, next_measurement
-from pipeline.answers.measured.predicted import Compared, Numbers, Setup
+from pipeline.answers.measured.predicted import Compared, Curves, Numbers, Setup
 from pipeline.answers.measured.rows import Measurements
 from pipeline.answers.measured.unknowns import BuiltArm, unknowns_of
 from pipeline.answers.rods.choice import plane_of, refuse_out_of_plane
@@ -52,6 +52,7 @@ class Calibration:
     setup: Setup  #: offset of the gauge, angle of the clamp
     posterior: Posterior = field(repr=False)
     predictions: tuple[Compared, ...] = field(repr=False)  #: what is allowed holds nine of ten measurements
+    curves: Curves = field(repr=False)  #: of the calibrated rod
     undetermined: tuple[str, ...]  #: what the numbers do not tell, a sentence each
     notes: tuple[str, ...]
     next_measurement: NextMeasurement
@@ -111,6 +112,7 @@ def calibrated(
             numbers.values - fitted.observed.residual,
             posterior.quantile * posterior.deviations(effects, numbers.units),
         ),
+        curves=numbers.curves(LawRods(changed), setup),
         undetermined=tuple(_undetermined(arm, fitted)),
         notes=(*_left_out(measurements, numbers, changed), *off_range(changed, numbers, setup), *_doubts(arm, fitted)),
         next_measurement=next_measurement(arm, fitted, changed),

@@ -1,7 +1,7 @@
 """An arm that was measured beside its rod: how far they differ, and whether that is within what is known."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -10,7 +10,7 @@ from geometry.arrays import Array
 from pipeline.answers.measured.aligned import aligned
 from pipeline.answers.measured.doubtful import check_numbers
 from pipeline.answers.measured.fit import LawRods, effects_on, off_range
-from pipeline.answers.measured.predicted import AS_WRITTEN, Compared, Numbers
+from pipeline.answers.measured.predicted import AS_WRITTEN, Compared, Curves, Numbers
 from pipeline.answers.measured.rows import Measurements
 from pipeline.answers.measured.saved import SavedCalibration, read_calibration
 from pipeline.answers.measured.table import read_measurements
@@ -34,6 +34,7 @@ class Comparison:
         str, float
     ]  #: root mean square of what each part allows over that of all: rod, mesh, tolerances, or calibration
     is_calibrated: bool
+    curves: Curves = field(repr=False)  #: of the rod
     unknown: tuple[str, ...] = ()  #: what is not known and so not counted, a sentence each
 
     def rms(self, unit: str) -> float:
@@ -89,12 +90,14 @@ def compare(run: Run, rods: RodOfRun, measurements: Measurements) -> Comparison:
     low, high = rods.pressures_kPa
     measurements.check_pressures(low, high, f"the rod, which goes from {low:g} to {high:g} kPa")
     law = rods.source if isinstance(rods.source, ArmLaw) else None
-    predicted = numbers.predicted(LawRods(law) if law else rods.at, setup)
+    any_rod = LawRods(law) if law else rods.at
+    predicted = numbers.predicted(any_rod, setup)
     check_numbers(numbers, predicted, run.length_mm)
     bands, unknown = _bands(run, rods, numbers, predicted, saved)
     total = np.sum(list(bands.values()), axis=0) if bands else np.zeros(len(numbers.values))
     rows, unknown = numbers.beside(predicted, total), (*unknown, *(off_range(law, numbers, setup) if law else ()))
-    return Comparison(measurements.file, run.design, run.length_mm, rows, _shares(bands), saved is not None, unknown)
+    curves, shares = numbers.curves(any_rod, setup), _shares(bands)
+    return Comparison(measurements.file, run.design, run.length_mm, rows, shares, saved is not None, curves, unknown)
 
 
 def _shares(bands: dict[str, Array]) -> dict[str, float]:

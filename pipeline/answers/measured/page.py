@@ -4,8 +4,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from pipeline.answers.measured.predicted import Compared
-from pipeline.values.page import figure_page
+from pipeline.answers.measured.predicted import Compared, Curves
+from pipeline.values.page import Section, page
 from pipeline.values.plots import COLOURS, Line, Panel, ordered_colour
 from pipeline.values.table import Table
 
@@ -18,12 +18,11 @@ TITLES = {
 }
 
 
-def comparison_page(design: str, rows: Sequence[Compared]) -> str:
-    """Measured and predicted numbers of an arm, with the band of what is allowed."""
-    panels = [_over_pressure(rows, quantity) for quantity in TITLES if _of(rows, quantity)]
-    if _of(rows, "x_mm") and _of(rows, "y_mm"):
-        panels.append(_along_arm(rows))
-    return figure_page(f"{design}: measured and predicted", panels)
+def comparison_page(design: str, rows: Sequence[Compared], curves: Curves) -> str:
+    """The measured arm and its rod in the plane, and their numbers with the band of what is allowed."""
+    title, over = f"{design}: measured and predicted", [name for name in TITLES if _of(rows, name)]
+    numbers = Section(panels=[_over_pressure(rows, quantity) for quantity in over])
+    return page(title, Section(panels=[_in_plane(rows, curves)]), numbers)
 
 
 def comparison_table(compared: Sequence[Compared]) -> Table:
@@ -63,12 +62,27 @@ def _over_pressure(rows: Sequence[Compared], quantity: str) -> Panel:
     return Panel(TITLES[quantity], "pressure (kPa)", TITLES[quantity], tuple(lines))
 
 
-def _along_arm(rows: Sequence[Compared]) -> Panel:
-    pressures, lines = sorted({row.pressure_kPa for row in rows if row.s_mm is not None}), []
+def _in_plane(rows: Sequence[Compared], curves: Curves) -> Panel:
+    """The rod in every state, and the measured points beside those of the rod; a colour and a frame per pressure."""
+    pressures, lines = sorted({pressure for pressure, _ in curves}), []
     for number, pressure in enumerate(pressures):
-        x, y = ([row for row in _of(rows, name) if row.pressure_kPa == pressure] for name in ("x_mm", "y_mm"))
         colour, name = ordered_colour(number, len(pressures)), f"{pressure:g} kPa"
+        for (_, load), curve in ((key, curve) for key, curve in curves.items() if key[0] == pressure):
+            told = ", ".join(filter(None, ("rod", name, load)))
+            lines.append(Line(curve[:, 0], curve[:, 1], told, colour, entry="rod", frame=name))
+        at = [row for row in rows if row.pressure_kPa == pressure]
         for value, of, marker in (("predicted", "rod", "circle-open"), ("measured", "measured", "x")):
-            along, across = ([getattr(row, value) for row in of_axis] for of_axis in (x, y))
-            lines.append(Line(along, across, f"{of}, {name}", colour, "", marker))
-    return Panel("Points along the arm", "x (mm)", "y (mm)", tuple(lines), lengths=True)
+            x, y = _points(at, value)
+            lines.append(Line(x, y, f"{of}, {name}", colour, "", marker, entry=of, frame=name))
+    return Panel("The arm in its plane", "x (mm)", "y (mm)", tuple(lines), lengths=True)
+
+
+def _points(rows: Sequence[Compared], value: str) -> tuple[list[float], list[float]]:
+    """x and y in mm of the tips and of points along the arm of which both were measured."""
+    known = {(row.line, row.quantity): getattr(row, value) for row in rows}
+    pairs = [
+        (x, known[line, name.replace("x_mm", "y_mm")])
+        for (line, name), x in known.items()
+        if name.endswith("x_mm") and (line, name.replace("x_mm", "y_mm")) in known
+    ]
+    return [x for x, _ in pairs], [y for _, y in pairs]

@@ -2,7 +2,8 @@
 
 import math
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -20,6 +21,10 @@ from rod.weight import gravity_direction
 KINDS = {"tip_x": "mm", "tip_y": "mm", "x": "mm", "y": "mm", "end_angle": "deg", "reaction": "N"}
 #: the rod at a pressure in kPa
 Rods = Callable[[float], Rod]
+#: (n, 2) mm, material curves in the frame of a measurement, by pressure in kPa and load in words
+Curves = Mapping[tuple[float, str], Array]
+#: points of a curve
+POINTS = 61
 
 
 @dataclass(frozen=True)
@@ -110,6 +115,16 @@ class Numbers:
             except RodError as failure:
                 raise InputError(f"{self.measurements.file}: line {row.line}: {failure}") from None
         return np.array(found)
+
+    def curves(self, rods: Rods, setup: Setup = AS_WRITTEN) -> Curves:
+        """The rod in every state; without those that have none."""
+        turn, found = math.radians(setup.clamp_deg), dict[tuple[float, str], Array]()
+        for state in dict.fromkeys(row.state for row in self.rows):
+            with suppress(RodError):
+                shape = shape_of(rods(state.pressure_kPa + setup.gauge_kPa), state, setup)
+                points = shape.positions(np.linspace(0.0, float(shape.s[-1]), POINTS))
+                found[state.pressure_kPa, state.load] = _turned(points, turn)
+        return found
 
     def beside(self, predicted: Array, allowed: Array) -> tuple[Compared, ...]:
         """Every number beside that of a rod, and what is allowed, (n,) each."""

@@ -11,6 +11,7 @@ from pipeline.answers.measured.rows import State
 from pipeline.values.errors import InputError
 from tests.coarse import COARSE
 from tests.measured_arm import LENGTH, arm_law, measured, result_folder
+from tests.pipeline.values.test_plots import panels_of
 
 
 def test_differences_and_what_is_allowed(tmp_path: Path) -> None:
@@ -26,7 +27,15 @@ def test_differences_and_what_is_allowed(tmp_path: Path) -> None:
     assert soft.rms("mm") > 0.1 * LENGTH
     assert soft.within < 0.5
     assert len(comparison_table(soft.rows).rows) == len(soft.rows) == 4
-    assert "plot" in comparison_page(soft.design, soft.rows)
+    (arm,) = panels_of(comparison_page(soft.design, soft.rows, soft.curves))[:1]
+    rods = [trace for trace in arm["data"] if trace["mode"] == "lines"]
+    tips = [trace for trace in arm["data"] if trace["meta"]["entry"] == "measured"]
+    assert [trace["meta"]["frame"] for trace in tips] == ["10 kPa", "20 kPa"]
+    assert [trace["line"]["color"] for trace in rods] == [trace["marker"]["color"] for trace in tips]
+    for rod, tip, pressure in zip(rods, tips, (10.0, 20.0), strict=True):
+        x, y = (row for row in soft.rows if row.pressure_kPa == pressure)
+        assert (rod["x"][-1], rod["y"][-1]) == pytest.approx((x.predicted, y.predicted), rel=1e-5)
+        assert (*tip["x"], *tip["y"]) == pytest.approx((x.measured, y.measured), rel=1e-5)
 
 
 def test_rod_and_mesh_of_a_run_are_counted(tmp_path: Path) -> None:
