@@ -88,13 +88,13 @@ def show_cell(report: LawReport[MeasuredLaw] | LawReport[MeasuredInSpace]) -> No
     if isinstance(measured, MeasuredInSpace):
         print_lines(rows_table(measured.law))
         print_sentences(*space_sentences(measured), *report.lines)
-        print_lines(f"law: {folder / 'law.json'}")
+        print_lines(f"law: {folder / 'law.json'}, report: {folder / 'report.html'}")
         return
     shown = [law_table(measured), space_table(measured.law, measured.mesh_error or LawMeshError())]
     shown += [] if measured.limit is None else [mesh_table(measured.limit)]
     print_lines(*shown)
     print_sentences(*(f"Note: {render(remark)}." for remark in law_remarks(measured)), *report.lines)
-    print_lines(f"law: {folder / 'law.json'}, picture: {folder / 'law.html'}")
+    print_lines(f"law: {folder / 'law.json'}, report: {folder / 'report.html'}")
 
 
 def show_design(report: DesignReport, quiet: bool = False) -> None:

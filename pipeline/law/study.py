@@ -1,4 +1,4 @@
-"""The command that measures the arm's own law: law.json, law.html of one in a plane, and the record of the run."""
+"""The command that measures the arm's own law: law.json, and the record of the run."""
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -18,7 +18,7 @@ from pipeline.law.build import MeasuredLaw, deliver_law
 from pipeline.law.in_space.measure import MeasuredInSpace, measure_in_space
 from pipeline.law.pieces import ArmPieces, NoArmLaw
 from pipeline.law.rows import RowSpec, rows_of
-from pipeline.law.table import law_page, space_sentences
+from pipeline.law.table import space_sentences
 from pipeline.results.files import LAW, read_results
 from pipeline.results.laws import law_record
 from pipeline.results.unloaded import delivered_numbers, unloaded_states
@@ -159,7 +159,6 @@ def _in_plane(pieces: ArmPieces, context: RunContext, begin: float, head: JsonOb
         **({"failure": failure} if failure else {}),
     }
     store.save_json("run.json", record)
-    store.save_text("law.html", law_page(config.name, measured.law))
     return report
 
 

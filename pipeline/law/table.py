@@ -10,8 +10,6 @@ from pipeline.law.in_space.measure import FINER, MeasuredInSpace
 from pipeline.law.mesh_limit import MeshLimit
 from pipeline.values.formatting import percent
 from pipeline.values.law import LawMeshError
-from pipeline.values.page import figure_page
-from pipeline.values.plots import INK, Line, Panel, ordered_colour
 from pipeline.values.table import Table
 from rod.arm_law.curves import IN_SPACE, CellCurve
 from rod.arm_law.law import ArmLaw
@@ -98,36 +96,6 @@ def law_remarks(measured: MeasuredLaw) -> Iterator[Reason]:
     if measured.limit is not None:
         yield from measured.limit.remarks
     yield from measured.limits
-
-
-def law_page(name: str, law: ArmLaw) -> str:
-    """The figure alone on a page that opens offline."""
-    at_rest = Line(law.pressures, [cell.at(0.0)[0] for cell in law.cells], "κ₀", INK, marker="square-open")
-    panels = (
-        Panel("Moment over curvature", "κ (1/mm)", "M (N mm)", (*_curves(law, "moment"), *_touching(law))),
-        Panel("Stretch of the axis", "κ (1/mm)", "λ", _curves(law, "stretch")),
-        Panel("Curvature without moment", "p (kPa)", "κ₀ (1/mm)", (at_rest,)),
-        Panel("Rigidity against bending", "κ (1/mm)", "dM/dκ (N mm²)", _curves(law, "rigidity"), log_y=True),
-    )
-    return figure_page(f"{name}: the arm's own law", panels)
-
-
-def _curves(law: ArmLaw, quantity: str) -> tuple[Line, ...]:
-    """A quantity over the curvature, one line per pressure."""
-    lines = []
-    for number, cell in enumerate(law.cells):
-        colour, name = ordered_colour(number, len(law.cells)), f"{cell.pressure:g} kPa"
-        lines.append(Line(cell.kappa, getattr(cell, quantity), name, colour, entry="", frame=name))
-    return tuple(lines)
-
-
-def _touching(law: ArmLaw) -> tuple[Line, ...]:
-    """The states in which walls touch."""
-    return tuple(
-        Line(cell.kappa[there], cell.moment[there], "walls touch", INK, "", "x", frame=f"{cell.pressure:g} kPa")
-        for cell in law.cells
-        if (there := cell.contact).any()
-    )
 
 
 def space_sentences(measured: MeasuredInSpace) -> tuple[str, ...]:

@@ -53,12 +53,12 @@ def write_fields(path: Path, points: Array, tets: Array, fields: Mapping[str, Ar
     write_atomic(path, writer.GetOutputString().encode())
 
 
-def read_tetrahedra(path: Path) -> Array:
-    """The corners (n, 4, 3) in mm of the tetrahedra of a .vtu file as `write_fields` wrote it."""
+def read_tetrahedra(path: Path) -> tuple[Array, Array]:
+    """Points (n, 3) in mm and the corners (m, 4) of the tetrahedra of a .vtu file as `write_fields` wrote it."""
     grid = pyvista.read(path)
     cells = grid.cells_dict
     tets = cells[pyvista.CellType.TETRA if pyvista.CellType.TETRA in cells else pyvista.CellType.QUADRATIC_TETRA]
-    return np.asarray(grid.points, float)[tets[:, :4]]
+    return np.asarray(grid.points, float), np.asarray(tets[:, :4])
 
 
 def write_series(path: Path, files: Sequence[tuple[float, str]]) -> None:

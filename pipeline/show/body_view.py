@@ -2,17 +2,31 @@
 
 import base64
 from collections.abc import Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, replace
+from itertools import product
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from geometry.arrays import Array, Index, Mask
-from pipeline.values.formats import SURFACES
+from pipeline.results.drawing import read_tetrahedra
+from pipeline.show.pictures import boundary
+from pipeline.values.formats import BODY, SURFACES
+from pipeline.values.law import DeliveredLaw
+from pipeline.values.run import Run
+from rod.arm_law.space_law import SpaceLaw
+from rod.errors import RodError
+from rod.mechanics.equilibrium import Rod
+from rod.spatial import SpatialLoad
 
 #: bytes that the data of the view may have before they are written in base64, which takes a third more
 LIMIT = 2_600_000
+#: largest principal stretch, and von Mises stress
+FIELDS = ("stretch", "von_mises_MPa")
+#: parts of a row of pressures at which a body is swept
+PARTS = (0.25, 0.5, 0.75, 1.0)
 #: four triangles of a face with six nodes
 _QUARTERS = ((0, 3, 5), (3, 1, 4), (5, 4, 2), (3, 4, 5))
 
@@ -28,8 +42,7 @@ class Surfaces:
     experiments: tuple[str, ...]  #: of each state
     pressures_kPa: Array  #: (states,)
     displacement: Array  #: (states, n, 3), mm
-    stretch: Array  #: (states, n), largest principal stretch, mean of the elements at the node
-    von_mises_MPa: Array  #: (states, n), likewise
+    fields: Mapping[str, Array]  #: (states, n), means of the elements at a node by the names of `FIELDS`; or none
 
     @staticmethod
     def read(path: Path) -> "Surfaces":
@@ -37,7 +50,8 @@ class Surfaces:
         with np.load(path, allow_pickle=False) as stored:
             arrays = {name: stored[name] for name in stored.files}
         experiments = tuple(map(str, arrays.pop("experiments")))
-        return Surfaces(half=bool(arrays.pop("half")), experiments=experiments, **arrays)
+        fields = {name: arrays.pop(name) for name in FIELDS}
+        return Surfaces(half=bool(arrays.pop("half")), experiments=experiments, fields=fields, **arrays)
 
     @property
     def size(self) -> int:
@@ -60,8 +74,7 @@ class Surfaces:
             experiments=tuple(name for name, keep in zip(self.experiments, chosen, strict=True) if keep),
             pressures_kPa=self.pressures_kPa[chosen],
             displacement=self.displacement[chosen],
-            stretch=self.stretch[chosen],
-            von_mises_MPa=self.von_mises_MPa[chosen],
+            fields={name: values[chosen] for name, values in self.fields.items()},
         )
 
     def without_middles(self) -> "Surfaces":
@@ -72,18 +85,68 @@ class Surfaces:
             points=self.points[corners],
             faces=numbers.reshape(-1, 3),
             displacement=self.displacement[:, corners],
-            stretch=self.stretch[:, corners],
-            von_mises_MPa=self.von_mises_MPa[:, corners],
+            fields={name: values[:, corners] for name, values in self.fields.items()},
         )
 
 
-def body_view(directory: Path) -> dict[str, Any]:
-    """The data of the view of the body in a result folder; empty where the run has none or they are too large."""
-    path = directory / SURFACES
-    if not path.is_file():
-        return {}
-    fitting = next((surfaces for surfaces in _reduced(Surfaces.read(path)) if surfaces.size <= LIMIT), None)
+def body_view(run: Run) -> dict[str, Any]:
+    """The data of the view of the body of a run; empty where it has none or they are too large."""
+    path = run.directory / SURFACES
+    surfaces = Surfaces.read(path) if path.is_file() else _swept(run)
+    fitting = next((one for one in _reduced(surfaces) if one.size <= LIMIT), None) if surfaces else None
     return {} if fitting is None else _data(fitting)
+
+
+def _swept(run: Run) -> Surfaces | None:
+    """The surface of the body at rest along the rod without a load; None without its mesh or law."""
+    path, states = run.directory / BODY, list(_unloaded(run.law)) if run.law else []
+    if not states or run.mesh is None or not path.is_file():
+        return None
+    points, tets = read_tetrahedra(path)
+    faces, in_plane = boundary(points, tets)
+    shown, numbers = np.unique(faces, return_inverse=True)
+    points, height = points[shown], np.array([0.0, run.mesh.curve_height_mm, 0.0])
+    moved = np.array([along(points - height, *curve) for _, _, *curve in states])
+    return Surfaces(
+        half=bool(points[:, 2].min() >= -1e-6 * np.ptp(points[:, 0])),
+        points=points,
+        faces=numbers.reshape(faces.shape),
+        in_plane=in_plane,
+        experiments=tuple(name for name, *_ in states),
+        pressures_kPa=np.array([pressure for _, pressure, *_ in states]),
+        displacement=moved + height - points,
+        fields={},
+    )
+
+
+def _unloaded(law: DeliveredLaw) -> Iterator[tuple[str, float, Array, Array, Array]]:
+    """The experiment or row, the largest pressure in kPa, and s (n,), curve (n, 3) and frames (n, 3, 3) of `along`."""
+    for state in law.unloaded:
+        shape = Rod(law.law.length, law=law.law.at(state.pressure_kPa)).solve()
+        cosine, sine, nothing = np.cos(shape.theta), np.sin(shape.theta), np.zeros(len(shape.s))
+        rows = [[cosine, -sine, nothing], [sine, cosine, nothing], [nothing, nothing, nothing + 1.0]]
+        curve = np.column_stack([shape.curve, nothing])
+        yield "II", state.pressure_kPa, shape.s, curve, np.moveaxis(np.array(rows), 2, 0)
+    for row, part in product(law.law.rows if isinstance(law.law, SpaceLaw) else (), PARTS):
+        with suppress(RodError):
+            bent = law.law.at(tuple(part * p for p in row)).solve_in_space(SpatialLoad())
+            name = f"{', '.join(f'{pressure:g}' for pressure in row)} kPa"
+            yield name, part * max(row), bent.s, bent.axis, bent.frames
+
+
+def along(points: Array, s: Array, curve: Array, frames: Array) -> Array:
+    """Points (m, 3) of a body whose curve is the x axis, where sections follow a bent curve, (m, 3) mm.
+
+    s (n,) along the curve (n, 3), with the normal of the section and two directions in it as columns of frames
+    (n, 3, 3). Beyond the ends the body goes on straight.
+    """
+    at = np.clip(points[:, 0], s[0], s[-1])
+    place, turn = (
+        np.column_stack([np.interp(at, s, column) for column in values.reshape(len(s), -1).T])
+        for values in (curve, frames)
+    )
+    inside = np.column_stack([points[:, 0] - at, points[:, 1:]])
+    return place + np.einsum("mij,mj->mi", turn.reshape(-1, 3, 3), inside)
 
 
 def experiments_of(view: Mapping[str, Any]) -> list[str]:
@@ -108,10 +171,10 @@ def _data(surfaces: Surfaces) -> dict[str, Any]:
         low[2] = min(low[2], -high[2])
     grid = np.round((positions - low) / (high - low) * 65535.0).astype("<u2")
     triangles, outer = surfaces.triangles()
-    fields = {"stretch": surfaces.stretch, "von_mises_MPa": surfaces.von_mises_MPa}
+    fields = surfaces.fields
     limits = {
-        "stretch": (float(surfaces.stretch.min()), float(surfaces.stretch.max())),
-        "von_mises_MPa": (0.0, float(surfaces.von_mises_MPa.max())),
+        name: (0.0 if name == "von_mises_MPa" else float(values.min()), float(values.max()))
+        for name, values in fields.items()
     }
     states = [
         {

@@ -11,6 +11,9 @@ from pipeline.results.rod_errors import rod_errors, rod_to_take
 from pipeline.values.formats import ARM_LAW, CURVE_PREFIXES, EXTENSIBLE, FIVE
 from pipeline.values.plots import COLOURS, INK, Line, Panel, figure, ordered_colour
 from pipeline.values.run import Curve, RodError, Run, bending_error_deg
+from rod.arm_law.space_law import SpaceLaw
+from rod.errors import RodError as NoRod
+from rod.spatial import SpatialLoad
 
 FINITE_ELEMENTS = "finite elements"
 EXPERIMENTS = {
@@ -20,6 +23,8 @@ EXPERIMENTS = {
 }
 #: lengths of a cell at each end of an arm within which averages over a cell are not those of inner cells
 END_CELLS = 1.5
+#: parts of the rows of pressures at which the tip is drawn, and points from one row to the next
+PARTS, BETWEEN = (0.25, 0.5, 0.75, 0.9, 1.0), 6
 
 
 @dataclass(frozen=True)
@@ -200,6 +205,30 @@ def arm_law(run: Run) -> Panels:
     return (Panel("Moment of a cell over its curvature", "κ (1/mm)", "M (N mm)", tuple(lines)),) if lines else ()
 
 
+def reach(run: Run) -> Panels:
+    """The tips that an arm with several pressures reaches without a load, on the way from each row to the next one."""
+    law = run.law.law if run.law else None
+    if not isinstance(law, SpaceLaw) or len(law.rows) < 3:
+        return ()
+    rows, parts = np.array([*law.rows, law.rows[0]]), np.linspace(0.0, len(law.rows), BETWEEN * len(law.rows) + 1)
+    around = np.column_stack([np.interp(parts, range(len(rows)), column) for column in rows.T])
+    lines = []
+    for k, part in enumerate(PARTS):
+        name, colour, given = f"{part * rows.max():g} kPa", ordered_colour(k, len(PARTS)), part * around
+        x, y, z = np.array([_tip(law, pressures) for pressures in given]).T
+        texts = [f"{', '.join(f'{value:.4g}' for value in pressures)} kPa" for pressures in given]
+        lines.append(Line(x, y, name, colour, marker="circle", marker_size=3, texts=texts, entry="", z=z, frame=name))
+    return (Panel("Where the tip can be, by the largest pressure", "x (mm)", "y (mm)", tuple(lines), z="z (mm)"),)
+
+
+def _tip(law: SpaceLaw, pressures: Array) -> tuple[float, float, float]:
+    """Not finite where the arm has no equilibrium."""
+    try:
+        return law.at(tuple(pressures.tolist())).solve_in_space(SpatialLoad()).end
+    except NoRod:
+        return np.nan, np.nan, np.nan
+
+
 def _inner_cells(run: Run, pair: tuple[Curve, Curve], colour: str, name: str) -> Line:
     """Changes of curvature from II to III, added to κ₀ in the middle, without the ends of the arm."""
     loaded, free = pair
@@ -278,6 +307,7 @@ FIGURES: dict[str, Callable[[Run], Panels]] = {
     "validation": validation_shapes,
     "forces": end_forces,
     "arm_law": arm_law,
+    "reach": reach,
 }
 
 

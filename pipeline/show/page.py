@@ -21,7 +21,7 @@ _RAMP = ("#440154", "#472d7b", "#3b528b", "#2c728e", "#21918c", "#28ae80", "#5ec
 
 def render_page(run: Run) -> str:
     """The page on a run, whose pictures are in its folder."""
-    view, budgets, verdict = body_view(run.directory), budgets_of(run), verdict_of(run)
+    view, budgets, verdict = body_view(run), budgets_of(run), verdict_of(run)
     return render(
         "report.html.j2",
         TEMPLATES,

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from geometry import Body, Mesh
-from geometry.arrays import Array, Index
+from geometry.arrays import Array, Index, Mask
 from geometry.topology import EDGES, OUTWARD, row_keys
 from pipeline.results.drawing import Colour, draw_body, draw_deformed, window_for_pictures, write_fields, write_series
 from pipeline.simulate.outcome import Outcomes
@@ -113,7 +113,7 @@ def save_surfaces(body: Body, outcomes: Outcomes, store: Store) -> None:
     write_atomic(store.path(SURFACES), buffer.getvalue())
 
 
-def boundary(points: Array, nodes: Index) -> tuple[Index, Array]:
+def boundary(points: Array, nodes: Index) -> tuple[Index, Mask]:
     """Boundary faces of tetrahedra, normals outward: nodes (f, 6) or (f, 3), and which lie in the plane z = 0 (f,).
 
     The first three nodes are the corners, the others the middles of the edges behind the first, second, third corner.

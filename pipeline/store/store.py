@@ -32,7 +32,7 @@ _FOLDERS = ("states", "pictures", "fields", "rungs", "law", "law_in_space")
 _FILES = (
     *("parameters.json", "experiments.json", "validation.json", "effects.json", "run.json"),
     *("curves.csv", "validation_curves.csv", "mesh.vtu", "report.html", "I.pvd", "II.pvd", "III.pvd"),
-    *("accuracy.json", "accuracy.html", "law.json", "law_on_mesh_of_arm.json", "law.html", "effects_table.json"),
+    *("accuracy.json", "accuracy.html", "law.json", "law_on_mesh_of_arm.json", "effects_table.json"),
 )
 
 

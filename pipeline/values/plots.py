@@ -60,6 +60,7 @@ class Line:
     texts: Sequence[str] = ()  #: (n,) shown beside the pointer in place of the name
     entry: str | None = None  #: in the legend, where it shows and hides all lines of this entry; None for the name
     bars: bool = False  #: bars from zero in place of a line
+    z: Array | None = None  #: (n,) of a line in a panel in space
     frame: str = ""  #: such as "17 kPa": a figure with several frames lets the reader choose one; "" for all
 
     @property
@@ -85,6 +86,9 @@ class Line:
             "hovertemplate": f"{'%{text}' if self.texts else escape(self.name)}<br>%{{x}}, %{{y}}<extra></extra>",
             "meta": {"entry": self.legend, "frame": self.frame},
         }
+        if self.z is not None:
+            trace |= {"type": "scatter3d", "z": _values(self.z)}
+            trace["hovertemplate"] = trace["hovertemplate"].replace("%{y}", "%{y}, %{z}")
         if self.bars:
             trace = {key: trace[key] for key in ("x", "y", "name", "hovertemplate", "meta")}
             trace |= {"type": "bar", "marker": {"color": self.colour}}
@@ -113,6 +117,7 @@ class Panel:
     x: str  #: title of the axis, with its unit
     y: str
     lines: tuple[Line, ...]
+    z: str = ""  #: of a panel in space, whose axes are lengths to scale
     log_x: bool = False
     log_y: bool = False
     from_zero: bool = False  #: the y axis begins at zero
@@ -147,7 +152,10 @@ class Panel:
         """The panel as an element that `plots.js` draws."""
         x, y = self.axes()
         traces = [trace for line in self.lines for trace in line.traces()]
-        content = {"data": traces, "layout": {"xaxis": x, "yaxis": y}}
+        layout: dict[str, Any] = {"xaxis": x, "yaxis": y}
+        if self.z:
+            layout = {"scene": {**layout, "zaxis": {"title": {"text": self.z}}, "aspectmode": "data"}}
+        content = {"data": traces, "layout": layout}
         drawn = json.dumps(content, ensure_ascii=False, allow_nan=False).replace("</", "<\\/")
         title = f'<div class="plot-title">{escape(self.title)}</div>' if self.title else ""
         return (

@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike
 
 from geometry.arrays import Array
 from rod.arm_law.law_rod import LawRod
+from rod.arm_law.space_rod import SpaceRod
 from rod.cubics import cubic
 from rod.errors import RodError
 from rod.export.in_space import Part, SpaceHinges, space_hinges
@@ -265,6 +266,15 @@ def chain_of_five(rod: Rod, pieces: int, axial: float) -> Chain:
     neutral[0] += rod.theta0
     chain = _linear(edges, rod.length / pieces, neutral, cut.compliance, (axial, axial / 3.0))
     return replace(chain, base=chain.base[0] * np.array([math.cos(rod.theta0), math.sin(rod.theta0)]))
+
+
+def chain_in_space(rod: SpaceRod, pieces: int) -> Chain:
+    """The straight chain of a rod with a law in space, with straight springs of the same rigidity about y and z."""
+    twist, *_ = np.diag(rod.section.compliance)
+    bend, ones = rod.section.rigidity * pieces / rod.length, np.ones(pieces)
+    chain = _linear(np.linspace(0.0, rod.length, pieces + 1), rod.length / pieces, 0.0 * ones, ones / bend, (1.0, 1.0))
+    turn = pieces / (twist * rod.length)
+    return replace(chain, space=SpaceHinges(0.0 * ones, np.zeros((pieces, 2)), turn * ones, bend * ones, 1.0))
 
 
 def _linear(edges: Array, leg: float, neutral: Array, compliance: Array, rigidities: tuple[float, float]) -> Chain:

@@ -35,7 +35,8 @@ def write_mujoco(robot: Robot, path: Path) -> None:
     low, high = section.low + _radius(robot), section.high - _radius(robot)
     of_geoms = 1e-3 * np.array([0.5 * (section.low + section.high), low, low, high, high])
     more = {"geom_heights": of_geoms.tolist(), "centre_height": 1e-3 * section.centre, "no_angle": FAR}
-    write_program("mujoco_arm", {**robot.table, **more}, path.with_suffix(".py"))
+    name = "mujoco_space_arm" if robot.in_space else "mujoco_arm"
+    write_program(name, {**robot.table, **more}, path.with_suffix(".py"))
 
 
 def _bodies(robot: Robot, chain: Chain, damping: float) -> str:

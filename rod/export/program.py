@@ -1,6 +1,7 @@
 """Programs for MuJoCo and PyElastica: files of `rod/export/programs`, with the table of an arm in each."""
 
 import pprint
+import re
 from collections.abc import Mapping
 from importlib.resources import files
 from pathlib import Path
@@ -9,7 +10,7 @@ from typing import Any
 from rod.same_pressure import SAME
 
 #: where a program takes its table from, and an empty table
-_IMPORT, _EMPTY = "from rod.export.programs.table import TABLE, at\n", "TABLE = {}\n"
+_IMPORT, _EMPTY = re.compile(r"from rod\.export\.programs\.table import .*\n"), "TABLE = {}\n"
 
 
 def write_program(name: str, table: Mapping[str, Any], path: Path) -> None:
@@ -22,4 +23,4 @@ def write_program(name: str, table: Mapping[str, Any], path: Path) -> None:
     content = pprint.pformat({**table, "same_pressure": SAME}, width=10**6, compact=True, sort_dicts=False)
     _, comment, below = beginning.partition("#: the arm")
     below = below.replace(_EMPTY, f"TABLE = {content}\n")
-    path.write_text(program.replace(_IMPORT, f"{comment}{below}"), encoding="utf-8")
+    path.write_text(_IMPORT.sub(lambda _: f"{comment}{below}", program), encoding="utf-8")

@@ -9,9 +9,10 @@ import numpy as np
 
 from geometry.arrays import Array
 from rod.arm_law.law import ArmLaw
+from rod.arm_law.space_law import SpaceLaw
 from rod.errors import RodError
 from rod.export.arm import Arm, divide_pressures
-from rod.export.chain import Chain, chain_of_five, chain_of_law, linear_chain_of_law
+from rod.export.chain import Chain, chain_in_space, chain_of_five, chain_of_law, linear_chain_of_law
 from rod.same_pressure import as_known, is_among
 
 #: pieces of a chain behind the clamped end, and of one with straight springs
@@ -84,6 +85,13 @@ class Robot:
     length: float  #: mm
     solid: Solid | None  #: None: without mass, for a table
     description: str  #: which rod it is, and where its numbers come from
+    in_space: SpaceLaw | None = None  #: its law at every pressure; then the chain is that without pressure
+
+    @staticmethod
+    def of_space(law: SpaceLaw, solid: Solid | None) -> "Robot":
+        """With a law in space, and straight springs: those of the arm without load at its pressures."""
+        chain = chain_in_space(law.at((0.0,) * len(law.cavities)), PIECES)
+        return Robot((0.0,), (chain,), (0.0, float(law.pressures.max())), law.length, solid, OF_LAW, law)
 
     @staticmethod
     def of_law(law: ArmLaw, solid: Solid | None, pressures: Sequence[float], *, has_shear: bool = True) -> "Robot":
@@ -166,7 +174,17 @@ class Robot:
 
     @property
     def table(self) -> dict[str, Any]:
-        """The chains over the pressures as lists, units in the names; pieces with equal springs are of one `kind`."""
+        """The chains over the pressures with units in the names, equal springs of one `kind`; or a law in space."""
+        if law := self.in_space:
+            of_law = {
+                "cavities": law.cavities,
+                "rows_kPa": law.rows,
+                "onto": law.onto.tolist(),
+                "length_mm": law.length,
+            }
+            parts = {name: getattr(law, name) for name in ("potential", "stretch", "compliance", "clamp", "tip")}
+            lists = {k: [v.exponents.tolist(), v.scale.tolist(), v.coefficients.tolist()] for k, v in parts.items()}
+            return {**of_law, "pieces": PIECES, "damping_time": float(self.damping_times[0]), **lists}
         columns = {name: scale * np.array([getattr(c, field) for c in self.chains]) for field, name, scale in _COLUMNS}
         springs = np.concatenate([columns["angle_rad"], columns["moment_N_m"]], axis=2)
         _, first, kind = np.unique(springs, axis=1, return_index=True, return_inverse=True)

@@ -21,8 +21,11 @@ from rod.export.formats import EXPORTS, export_robot
 from rod.export.lumped import cut_into_joints
 from rod.export.robot import Robot, Section, Solid
 from rod.export.tables import arm_table, table, write_csv, write_json, write_law_csv, write_law_json
+from rod.spatial import SpatialLoad
 from tests.coarse import COARSE
 from tests.rod.arm_law.test_arm_law import law_of, straight_law
+from tests.rod.arm_law.test_space_law import constant
+from tests.rod.arm_law.test_space_law import law as law_in_space
 
 FIVE = FiveParameters(150.0, 400.0, -0.8, 0.1, 14.0)
 S = np.linspace(0.0, 112.0, 225)
@@ -164,6 +167,37 @@ def test_mujoco_settles_on_the_rod(law: ArmLaw, robot: Robot, mujoco_file: Path,
     assert np.abs(curve - chain.curve(chain.solve(force))).max() < 0.1
     with pytest.raises(ValueError, match="40 kPa lies outside 0 to 37 kPa"):
         program.set_pressure(model, data, 40.0)
+
+
+@pytest.mark.parametrize("pressures", [(0.0, 0.0, 0.0), (4.0, 3.0, 1.0), (0.0, 0.0, 10.0)])
+@pytest.mark.parametrize("force", [(0.0, 0.0, 0.0), (0.0, 0.001, 0.0), (0.0, 0.0, 0.001)])
+def test_mujoco_takes_all_pressures_of_an_arm_in_space(
+    tmp_path: Path, pressures: tuple[float, ...], force: tuple[float, float, float]
+) -> None:
+    """Without a load the tip is that of the rod, and a small force moves it as far along itself.
+
+    Shear is a turn of the first hinge, which is right for a straight arm, and a bent one is off by 1 %.
+    """
+    mujoco = pytest.importorskip("mujoco")
+    law = law_in_space()
+    turned = np.array([0.05, 0.02, -0.03, 1.0, -0.5, 0.3, *[0.0] * 3])  # by the clamp, with the place of the axis there
+    law = replace(law, clamp=constant(turned.tolist(), 5), tip=constant([0.5, 0.2, -0.1, *[0.0] * 3], 3))
+    program = imported(export_robot(Robot.of_space(law, SOLID), "mujoco", tmp_path)[1])
+    model, data = program.load(pressures)
+    model.opt.gravity[:] = 0.0
+    rest, tip = 1e3 * data.site("tip").xpos, model.site("tip")
+    free, moved = (np.array(law.at(pressures).solve_in_space(SpatialLoad(f)).end) for f in ((0.0, 0.0, 0.0), force))
+    assert rest == pytest.approx(free, abs=0.01)
+    model.dof_damping *= 5.0
+    for _ in range(3000 if any(force) else 0):
+        data.qfrc_applied[:] = 0.0
+        point = data.site_xpos[tip.id].copy()
+        mujoco.mj_applyFT(model, data, np.array(force), np.zeros(3), point, tip.bodyid[0], data.qfrc_applied)
+        mujoco.mj_step(model, data)
+    along = np.array(force) * 1e3
+    assert (1e3 * data.site("tip").xpos - rest) @ along == pytest.approx((moved - free) @ along, rel=0.02, abs=1e-9)
+    with pytest.raises(ValueError, match="11 kPa"):
+        program.set_pressure(model, data, (11.0, 0.0, 0.0))
 
 
 def test_the_file_for_mujoco_is_the_module_at_its_lowest_pressure(mujoco_file: Path) -> None:

@@ -79,10 +79,7 @@ def _in_plane(rows: Sequence[Compared], curves: Curves) -> Panel:
 
 def _points(rows: Sequence[Compared], value: str) -> tuple[list[float], list[float]]:
     """x and y in mm of the tips and of points along the arm of which both were measured."""
-    known = {(row.line, row.quantity): getattr(row, value) for row in rows}
-    pairs = [
-        (x, known[line, name.replace("x_mm", "y_mm")])
-        for (line, name), x in known.items()
-        if name.endswith("x_mm") and (line, name.replace("x_mm", "y_mm")) in known
-    ]
-    return [x for x, _ in pairs], [y for _, y in pairs]
+    ends = [f"{axis}_mm" for axis in "xy"]
+    x, y = ({(r.line, r.quantity[:-4]): getattr(r, value) for r in rows if r.quantity.endswith(end)} for end in ends)
+    both = [key for key in x if key in y]
+    return [x[key] for key in both], [y[key] for key in both]

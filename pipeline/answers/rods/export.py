@@ -10,7 +10,7 @@ from pipeline.answers.rods.ratio import run_along
 from pipeline.answers.rods.solid import solid_of
 from pipeline.config.material import LOSS_FACTOR
 from pipeline.config.units import PRESSURE
-from pipeline.results.files import LAW_ON_MESH_OF_ARM, read_plane_law
+from pipeline.results.files import LAW_ON_MESH_OF_ARM, read_plane_law, read_run
 from pipeline.results.options import option_value
 from pipeline.store.result_folder import open_folder
 from pipeline.values.errors import InputError, argument
@@ -18,6 +18,7 @@ from pipeline.values.formats import BODY
 from pipeline.values.parameters import RodParameters
 from pipeline.values.run import Run
 from rod import EXPORTS, Arm, ArmLaw, Robot, RodError, export_robot
+from rod.arm_law.space_law import SpaceLaw
 from rod.export.arm import divide_pressures
 from rod.export.formats import PROGRAMS, export_files, with_beside
 from rod.export.tables import write_csv, write_json, write_law_csv, write_law_json
@@ -62,7 +63,9 @@ def exported(folder: Path, target: str | None, options: ExportOptions) -> Export
     named = _known(target, options)
     if folder.is_file():
         raise InputError(f"{folder}: is a file; give the folder of the run, {folder.parent}")
-    return exported_run(run_along(folder, options.ratio), named, options)
+    run = read_run(folder)
+    is_whole = options.ratio is None and run.law is not None and isinstance(run.law.law, SpaceLaw)
+    return exported_run(run if is_whole else run_along(folder, options.ratio), named, options)
 
 
 def exported_run(run: Run, target: str | None, options: ExportOptions) -> Exported:
@@ -73,6 +76,8 @@ def exported_run(run: Run, target: str | None, options: ExportOptions) -> Export
     """
     target = _known(target, options)
     try:
+        if run.law is not None and isinstance(run.law.law, SpaceLaw) and target == "mujoco":
+            return _in_space(run, run.law.law, options)
         law = None if run.law is None or options.rod == "five" else plane_of(run, argument("to", target))
         if law is not None and not (run.directory / "run.json").is_file():  # a law alone
             return _of_law(law, None, run.directory, target, options)
@@ -128,6 +133,16 @@ def _of_law(law: ArmLaw, run: Run | None, folder: Path, target: str, options: Ex
         on_mesh = _without_weight(read_plane_law(run.directory / LAW_ON_MESH_OF_ARM))
         compared = make(on_mesh, solid, pressures if is_linear or single is not None else on_mesh.pressures)
     return Exported(files, _sentences(compared, target, run, law))
+
+
+def _in_space(run: Run, law: SpaceLaw, options: ExportOptions) -> Exported:
+    """The rod with a law in space for MuJoCo, at all of its pressures."""
+    if options.pressure is not None or options.rod == "five":
+        given = argument("rod", "five") if options.rod == "five" else argument("pressure", options.pressure)
+        raise InputError(f"{given}: the file has the arm's own law at every pressure; leave it out")
+    files = _write(Robot.of_space(law, solid_of(run)), "mujoco", options, {}, (options.out or run.directory) / "rod")
+    taken = f"set_pressure takes those of {', '.join(law.cavities)} in kPa."
+    return Exported(files, (taken, "Springs are straight: those of the rod without a load at the pressures."))
 
 
 def _of_five(run: Run, target: str, options: ExportOptions) -> Exported:

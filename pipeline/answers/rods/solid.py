@@ -51,7 +51,8 @@ def young_modulus(material: Mapping[str, Any]) -> float:
 
 
 def _corners(path: Path) -> Array:
-    return read_tetrahedra(path)
+    points, tets = read_tetrahedra(path)
+    return points[tets]
 
 
 def _volumes(corners: Array) -> Array:

@@ -24,7 +24,8 @@ function start() {
 
   const states = data.states.map((state) => {
     const positions = new Uint16Array(bytes(state.positions).buffer);
-    return { ...state, positions, fields: { stretch: bytes(state.stretch), von_mises_MPa: bytes(state.von_mises_MPa) } };
+    const fields = Object.fromEntries(Object.keys(data.limits).map((name) => [name, bytes(state[name])]));
+    return { ...state, positions, fields };
   });
   const limits = { ...data.limits, displacement: [0, addDisplacements()] };
 

@@ -97,7 +97,7 @@ def _save(store: Store, file: WishFile, found: Found, report: DesignReport) -> N
     store.save_json(FILES[1], {**report.record(), **provenance()})
     columns, rows = history_rows(file.wishes, report.history)
     store.save_rows(FILES[2], columns, rows)
-    store.save_text(FILES[3], design_page(file.wishes, report))
+    store.save_text(FILES[3], design_page(file.wishes, report, found.trial))
 
 
 def _run(file: WishFile, found: Found, store: Store, jobs: int, progress: Progress) -> DesignReport:

@@ -1,7 +1,7 @@
 """The wanted numbers of a design: on a mesh that moves with it, and as the law has them that a run delivers."""
 
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, replace
 from hashlib import sha256
 from typing import Any
@@ -31,7 +31,7 @@ from pipeline.study.wishes.wish import PRESSURE, Wishes, WishFile
 from pipeline.values.errors import InputError, RunFailed, WorkerLost
 from pipeline.values.pressure import in_MPa, name_of_state
 from pipeline.values.reasons import render
-from rod import RodError
+from rod import Rod, RodError
 from rod.arm_law.curves import CellCurve, ClampCurve, TipCurve
 from rod.arm_law.law import ArmLaw
 from rod.arm_law.quantities import Asked, jacobian
@@ -60,6 +60,7 @@ class Numbers:
     by_stiffness: Array  #: (m,) by the logarithm of all moduli
     stretch: float  #: largest one of a cell without moment at the highest pressure; NaN: not asked for
     stretch_rates: Array  #: (n,) by the logarithms
+    curves: Mapping[float, Array]  #: (k, 2) mm, the arm without a load by pressure in kPa
 
 
 @contextmanager
@@ -106,9 +107,7 @@ class MovedMesh:
             law = _NearLaw.begin(self.file, pieces, point, context, ("force",)).law()
             every = values | {f"{PRESSURE}at {pressure!r} kPa": pressure for pressure in law.pressures}
             law = with_pressures(law, every)
-            rates = rates_of(law, wishes, every) * [
-                *every.values()
-            ]  # an arm of stiffer walls is one at lower pressures
+            rates = rates_of(law, wishes, every) * np.array([*every.values()])
             stretch, by_stretch = np.nan, np.zeros(len(point))
             if wishes.limits.largest_stretch is not None:
                 stretch = ArmTasks(pieces, context).submit(largest_stretch, law.pressures[-1]).result()
@@ -117,7 +116,8 @@ class MovedMesh:
             # stiffer walls are the same walls at lower pressures, with larger forces
             is_force = [wish.quantity in ("force", "stiffness") for wish in wishes.wishes for _ in wish.target]
             by_stiffness = np.where(is_force, found, 0.0) - by_pressure.sum(axis=1)
-            return Numbers(found, own, by_stiffness, stretch, by_stretch)
+            curves = _curves(law, wishes.pressures_kPa(point))
+            return Numbers(found, own, by_stiffness, stretch, by_stretch, curves)
 
 
 def delivered(file: WishFile, point: Array, context: RunContext) -> tuple[Array, float]:
@@ -193,6 +193,15 @@ def _measured(pending: Pending[EndCurves[Any]]) -> Measured[Any]:
     if found.failure:
         raise RunFailed(render(found.failure))
     return found.measured[0]
+
+
+def _curves(law: ArmLaw, pressures_kPa: Sequence[float]) -> dict[float, Array]:
+    """Without those that have no equilibrium."""
+    found = dict[float, Array]()
+    for pressure in pressures_kPa:
+        with suppress(RodError):
+            found[pressure] = Rod(law.length, law=law.at(pressure)).solve().curve
+    return found
 
 
 def largest_stretch(curves: PieceCurves, pressure: float) -> float:

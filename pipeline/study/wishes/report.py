@@ -12,8 +12,8 @@ from pipeline.study.wishes.search import OF_LAW, Found, Refusal, Trial
 from pipeline.study.wishes.step import Model
 from pipeline.study.wishes.wish import Wish, Wishes, WishFile, exact_limits
 from pipeline.values.json_values import JsonObject
-from pipeline.values.page import figure_page
-from pipeline.values.plots import COLOURS, INK, Line, Panel
+from pipeline.values.page import Section, page
+from pipeline.values.plots import COLOURS, INK, Line, Panel, ordered_colour
 from pipeline.values.table import Table
 
 
@@ -169,8 +169,8 @@ def history_rows(wishes: Wishes, history: tuple[Trial | Refusal, ...]) -> tuple[
     return columns, rows
 
 
-def design_page(wishes: Wishes, report: DesignReport) -> str:
-    """The search: misses and dimensions by design that was tried."""
+def design_page(wishes: Wishes, report: DesignReport, found: Trial) -> str:
+    """The arm at the start and as it was found, and the search: misses and dimensions by design that was tried."""
     shown = [(number, trial) for number, trial in enumerate(report.history, start=1) if isinstance(trial, Trial)]
     count = [number for number, _ in shown]
 
@@ -191,4 +191,11 @@ def design_page(wishes: Wishes, report: DesignReport) -> str:
         Panel("Distance from the wishes", "design tried", "over the tolerance", tuple(misses), log_y=True),
         Panel("What was free", "design tried", "over its start", tuple(free)),
     )
-    return figure_page(f"{report.name}: a design for a wish", panels)
+    arms = ("start", shown[0][1].numbers.curves, "dot"), ("found", found.numbers.curves, "solid")
+    bent = [
+        Line(x, y, f"{name}, {at}", ordered_colour(k, len(curves)), dash, entry=name, frame=at)
+        for name, curves, dash in arms
+        for k, (at, (x, y)) in enumerate((f"{pressure:g} kPa", curves[pressure].T) for pressure in sorted(curves))
+    ]
+    arm = Panel("The arm without a load", "x (mm)", "y (mm)", tuple(bent), lengths=True)
+    return page(f"{report.name}: a design for a wish", Section(panels=[arm]), Section(panels=panels))

@@ -44,8 +44,11 @@
       /color$/.test(key) && value in colours ? colours[value] : value);
     const axis = { gridcolor: line, linecolor: colours.grey, zeroline: false, automargin: true, ticks: "outside",
       tickcolor: line, hoverformat: ".4~g", exponentformat: "power" };
+    const axes = layout.scene || layout;
+    for (const name of ["xaxis", "yaxis", "zaxis"]) if (axes[name]) axes[name] = { ...axis, ...axes[name] };
+    if (layout.scene) layout.scene.dragmode = "turntable";
     Plotly.react(plot.querySelector(".plot-area"), data, {
-      ...layout, xaxis: { ...axis, ...layout.xaxis }, yaxis: { ...axis, ...layout.yaxis },
+      ...layout,
       font: { family: style.fontFamily, size: 12, color: style.color }, showlegend: false, hovermode: "closest",
       paper_bgcolor: "transparent", plot_bgcolor: "transparent", margin: { l: 52, r: 12, t: 12, b: 44 },
       dragmode: touch ? false : "zoom",

@@ -13,9 +13,12 @@ from pipeline.results.rod_errors import rod_and_mesh, rod_errors
 from pipeline.results.verdict import verdict_of
 from pipeline.show import figures, tables
 from pipeline.show.page import render_page
+from pipeline.values.law import DeliveredLaw
 from pipeline.values.parameters import RodParameters
 from pipeline.values.run import Reported, Run
+from rod.spatial import SpatialLoad
 from tests.coarse import coarse_run
+from tests.rod.arm_law.test_space_law import law as law_of_three_chambers
 
 
 @pytest.fixture(scope="module")
@@ -95,6 +98,24 @@ def test_the_rod_is_averaged_like_the_dots_it_is_compared_with(run: Run) -> None
     near_clamp = np.array(dots["y"], dtype=float) > 10.0
     assert near_clamp.any()
     assert np.abs(y - x)[near_clamp].max() < 0.15 * np.nanmax(x)
+
+
+def test_an_arm_with_several_pressures_shows_where_its_tip_can_be() -> None:
+    """Rings from row to row, the largest pressure as the colour; each tip is that of the rod at its pressures."""
+    law = law_of_three_chambers()
+    [panel] = figures.reach(Run(Path("three"), law=DeliveredLaw(law=law)))
+    assert [line.frame for line in panel.lines] == ["2.5 kPa", "5 kPa", "7.5 kPa", "9 kPa", "10 kPa"]
+    assert len({line.colour for line in panel.lines}) == 5
+    outer = panel.lines[-1]
+    assert outer.z is not None
+    tips = np.column_stack([outer.x, outer.y, outer.z])
+    assert tips[0] == pytest.approx(tips[-1])  # closed
+    assert outer.texts[3] == "5, 5, 0 kPa"
+    assert tips[3] == pytest.approx(law.at((5.0, 5.0, 0.0)).solve_in_space(SpatialLoad()).end)
+    page = render_page(Run(Path("three"), law=DeliveredLaw(law=law, notes=("Twist is small.",))))
+    assert "Where the tip can be" in page
+    assert "Twist is small." in page
+    assert figures.reach(coarse_run()) == ()
 
 
 def test_figures_without_data_are_empty(run: Run) -> None:

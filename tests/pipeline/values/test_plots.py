@@ -60,6 +60,15 @@ def test_axes_are_logarithmic_or_to_scale() -> None:
     assert "scaleanchor" not in wide["layout"]["yaxis"]
 
 
+def test_a_panel_in_space_has_three_axes_to_scale() -> None:
+    line = Line(X, X, "a", z=np.array([1.0, 2.0, np.nan, 4.0, 5.0]))
+    [panel] = panels_of(figure([Panel("tip", "x (mm)", "y (mm)", (line,), z="z (mm)")]))
+    [trace], scene = panel["data"], panel["layout"]["scene"]
+    assert (trace["type"], trace["z"]) == ("scatter3d", [1.0, 2.0, None, 4.0, 5.0])
+    assert [scene[f"{axis}axis"]["title"]["text"] for axis in "xyz"] == ["x (mm)", "y (mm)", "z (mm)"]
+    assert scene["aspectmode"] == "data"
+
+
 def test_text_in_names_cannot_leave_its_place() -> None:
     text = figure([Panel("<b>&", "x", "y", (Line(X, X, "</script><i>"), Line(X, X, "b")))])
     assert "</script><i>" not in text

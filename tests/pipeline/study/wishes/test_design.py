@@ -22,6 +22,7 @@ from pipeline.study.wishes.report import DesignReport, WishResult
 from pipeline.study.wishes.wish import WishFile
 from pipeline.values.errors import RunFailed
 from tests.pipeline.study.wishes.test_measured import CONFIGS, small
+from tests.pipeline.values.test_plots import panels_of
 
 #: wall and base of the arm that is looked for, mm, and about its stiffness, N/mm
 KNOWN, GUESS = np.array([1.0, 2.0]), 0.027
@@ -71,7 +72,12 @@ def test_a_known_arm_is_found_again_and_nothing_is_measured_twice(
     rows = list(csv.DictReader((out / "history.csv").read_text().splitlines()))
     assert [rows[0]["law"], rows[-1]["law"]] == ["coarse", "delivered"]
     assert float(rows[0]["largest_miss"]) > 10.0
-    assert "Distance from the wishes" in (out / "design.html").read_text()
+    arm, misses, _ = panels_of((out / "design.html").read_text(encoding="utf-8"))
+    assert [(trace["name"], trace["line"]["dash"]) for trace in arm["data"]] == [
+        ("start, 30 kPa", "dot"), ("found, 30 kPa", "solid"),
+    ]  # fmt: skip
+    assert arm["data"][0]["y"][-1] != pytest.approx(arm["data"][1]["y"][-1], rel=0.01)
+    assert misses["layout"]["yaxis"]["type"] == "log"
 
     def refuse(*_: object) -> None:
         raise AssertionError("solved again")

@@ -39,7 +39,7 @@ def numbers(point: Array, powers: Array = POWERS) -> Numbers:
     values = np.array([-6e-4, 2e-3]) * np.exp(powers @ np.log(point / [1.1, 1.9]))
     stretch = 1.2 / point[0]
     by_stiffness = values * [-1.0, 1.0]  # less curvature, and more stiffness
-    return Numbers(values, values[:, None] * powers, by_stiffness, stretch, np.array([-stretch, 0.0]))
+    return Numbers(values, values[:, None] * powers, by_stiffness, stretch, np.array([-stretch, 0.0]), {})
 
 
 def model(file: WishFile, point: Array = START) -> Model:
