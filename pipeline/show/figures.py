@@ -217,7 +217,7 @@ def reach(run: Run) -> Panels:
         name, colour, given = f"{part * rows.max():g} kPa", ordered_colour(k, len(PARTS)), part * around
         x, y, z = np.array([_tip(law, pressures) for pressures in given]).T
         texts = [f"{', '.join(f'{value:.4g}' for value in pressures)} kPa" for pressures in given]
-        lines.append(Line(x, y, name, colour, marker="circle", marker_size=3, texts=texts, entry="", z=z, frame=name))
+        lines.append(Line(x, y, name, colour, marker="circle", marker_size=2, texts=texts, entry="", z=z, frame=name))
     return (Panel("Where the tip can be, by the largest pressure", "x (mm)", "y (mm)", tuple(lines), z="z (mm)"),)
 
 

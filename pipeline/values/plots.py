@@ -154,7 +154,9 @@ class Panel:
         traces = [trace for line in self.lines for trace in line.traces()]
         layout: dict[str, Any] = {"xaxis": x, "yaxis": y}
         if self.z:
-            layout = {"scene": {**layout, "zaxis": {"title": {"text": self.z}}, "aspectmode": "data"}}
+            sizes = {axis: _extent([getattr(line, axis) for line in self.lines]) for axis in "xyz"}
+            ratio = {axis: size / max(1e-9, *sizes.values()) for axis, size in sizes.items()}
+            layout = {"scene": {**layout, "zaxis": {"title": {"text": self.z}}, "aspectratio": ratio}}
         content = {"data": traces, "layout": layout}
         drawn = json.dumps(content, ensure_ascii=False, allow_nan=False).replace("</", "<\\/")
         title = f'<div class="plot-title">{escape(self.title)}</div>' if self.title else ""

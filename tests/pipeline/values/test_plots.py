@@ -66,7 +66,7 @@ def test_a_panel_in_space_has_three_axes_to_scale() -> None:
     [trace], scene = panel["data"], panel["layout"]["scene"]
     assert (trace["type"], trace["z"]) == ("scatter3d", [1.0, 2.0, None, 4.0, 5.0])
     assert [scene[f"{axis}axis"]["title"]["text"] for axis in "xyz"] == ["x (mm)", "y (mm)", "z (mm)"]
-    assert scene["aspectmode"] == "data"
+    assert scene["aspectratio"] == {"x": 1.0, "y": 1.0, "z": 0.4}
 
 
 def test_text_in_names_cannot_leave_its_place() -> None:

@@ -2,8 +2,10 @@
 
 import json
 import re
+import runpy
 import shutil
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +20,12 @@ from pipeline.cli import app
 from pipeline.results.drawing import write_fields
 from pipeline.results.files import read_results
 from rod import RodError
+from rod.spatial import SpatialLoad
+from rod.weight import Mass
 from tests.coarse import COARSE, copy_with
+from tests.measured_arm import result_folder, with_body
+from tests.rod.arm_law.test_space_law import LENGTH as LENGTH_IN_SPACE
+from tests.rod.arm_law.test_space_law import law as law_in_space
 
 #: constants of any law
 VALUES: dict[Constant, Any] = {
@@ -219,6 +226,25 @@ def test_the_section_of_a_body_is_that_of_its_mesh(tmp_path: Path) -> None:
     assert section.spread == pytest.approx((100.0 / 12.0, 36.0 / 12.0))
     with pytest.raises(RodError, match="is not a law with its constants"):
         young_modulus({"law": "svk", "E": 1.2})
+
+
+def test_an_arm_with_three_pressures_goes_to_mujoco_and_nowhere_else(tmp_path: Path) -> None:
+    law: Any = replace(law_in_space(), mass=Mass.even(LENGTH_IN_SPACE, 12.0))
+    folder = with_body(result_folder(tmp_path / "three", law))
+    status, out, error = call("export", str(folder), "--to", "mujoco")
+    assert (status, error) == (0, "")
+    assert "set_pressure takes those of a, b, c in kPa" in " ".join(out.split())
+    assert (folder / "rod_mujoco_0_to_10kPa.xml").is_file()
+    module = runpy.run_path(str(folder / "rod_mujoco_0_to_10kPa.py"))
+    model, data = module["load"]((4.0, 3.0, 1.0))
+    assert 1e3 * sum(model.body_mass) == pytest.approx(12.0)
+    assert 1e3 * data.site("tip").xpos == pytest.approx(
+        law.at((4.0, 3.0, 1.0)).solve_in_space(SpatialLoad()).end, abs=0.01
+    )
+    status, _, error = call("export", str(folder), "--to", "pyelastica")
+    assert (status, "takes a law in a plane, and this one is in space" in error) == (2, True)
+    status, _, error = call("export", str(folder), "--to", "mujoco", "--pressure", "5 kPa", "--force")
+    assert (status, "the file has the arm's own law at every pressure" in error) == (2, True)
 
 
 def test_of_a_design_its_run_is_exported(tmp_path: Path) -> None:

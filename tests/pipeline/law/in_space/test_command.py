@@ -1,6 +1,8 @@
 """`pneurod cell` of an arm with three chambers, on a coarse mesh and with few states."""
 
 import json
+import re
+import runpy
 from pathlib import Path
 
 import gmsh
@@ -134,6 +136,19 @@ def test_wrong_rows(changed: str, sentence: str, config: Path) -> None:
     assert sentence in " ".join(result.output.split())
 
 
+def test_the_report_draws_the_bent_body_and_mujoco_takes_the_law(folder: Path, law: SpaceLaw, tmp_path: Path) -> None:
+    report = (folder / "report.html").read_text(encoding="utf-8")
+    assert "up to <select" in report
+    (data,) = re.findall(r'id="body-data">(.*?)</script>', report)
+    assert {state["experiment"] for state in json.loads(data)["states"]} == {"12, 4, 0 kPa"}
+    assert "The law interpolates" in report
+    result = call("export", str(folder), "--to", "mujoco", "--out", str(tmp_path))
+    assert result.exit_code == 0, result.output
+    _, data = runpy.run_path(str(tmp_path / "rod_mujoco_0_to_12kPa.py"))["load"]((12.0, 4.0, 0.0))
+    end = law.at((12.0, 4.0, 0.0)).solve_in_space(SpatialLoad()).end
+    assert 1e3 * data.site("tip").xpos == pytest.approx(end, abs=0.01)
+
+
 def test_other_commands_do_not_take_rows(config: Path, folder: Path) -> None:
     result = call("run", str(config))
     assert result.exit_code == 2
@@ -159,7 +174,7 @@ def test_pressures_for_a_wish_in_the_ratio_of_its_row(folder: Path, law: SpaceLa
 def test_other_commands_say_what_the_law_lacks(folder: Path, tmp_path: Path) -> None:
     (tmp_path / "arm.csv").write_text("pressure_kPa,tip_x_mm,tip_y_mm\n2,40,0.1\n", encoding="utf-8")
     measured = [str(folder), str(tmp_path / "arm.csv")]
-    for command in (["export", str(folder), "--to", "mujoco"], ["budget", str(folder)]):
+    for command in (["export", str(folder), "--to", "pyelastica"], ["budget", str(folder)]):
         result = call(*command)
         assert result.exit_code == 2
         assert "takes a law in a plane, and this one is in space" in " ".join(result.output.split())
