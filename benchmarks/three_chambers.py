@@ -3,9 +3,9 @@
     make space
     python -m benchmarks.three_chambers [--results results/three_chambers]
 
-The law is that of `examples/three_chambers.yaml`, between its rows of pressures. The whole arm has the same mesh and
-pressures that are none of these rows: half and all of 100, 50 and 10 kPa. At the highest ones forces along y, z and x
-act on its end.
+The law is that of `benchmarks/short_three_chambers/arm.yaml`, between its rows of pressures. The whole arm has the same
+mesh and pressures that are none of these rows: half and all of 18, 9 and 1.8 kPa. At the highest ones forces along y, z
+and x act on its end.
 """
 
 import argparse
@@ -35,11 +35,11 @@ from pipeline.values.pressure import in_MPa
 from rod.arm_law.space_law import SpaceLaw
 from rod.spatial import SpatialLoad
 
-CONFIG = Path("examples/three_chambers.yaml")
+CONFIG = Path("benchmarks/short_three_chambers/arm.yaml")
 #: of the pressure, by cavity, in the whole arm, and its pressures in kPa
-FRACTIONS, PRESSURES = {"first": 1.0, "second": 0.5, "third": 0.1}, (50.0, 100.0)
+FRACTIONS, PRESSURES = {"first": 1.0, "second": 0.5, "third": 0.1}, (9.0, 18.0)
 #: N, forces on the end, and the part of each that acts first
-FORCES, PART = ((0.0, 0.006, 0.0), (0.0, 0.0, 0.006), (0.006, 0.0, 0.0)), 0.2
+FORCES, PART = ((0.0, 0.012, 0.0), (0.0, 0.0, 0.012), (0.012, 0.0, 0.0)), 0.2
 
 
 def solved() -> Iterator[dict[str, Any]]:
@@ -123,7 +123,7 @@ def draw(curves: list[tuple[Array, Array]], file: Path) -> None:
         for colour, (own, solid) in enumerate(curves):
             axes.plot(solid[::-3, 0], solid[::-3, row], "o", ms=3, mfc="none", color=f"C{colour}")
             axes.plot(own[:, 0], own[:, row], lw=1, color=f"C{colour}")
-        axes.set(xlabel="x, mm", ylabel=f"{'xyz'[row]}, mm", aspect="equal")
+        axes.set(xlabel="x, mm", ylabel=f"{'xyz'[row]}, mm (enlarged)")
     figure.savefig(file, dpi=110)
 
 

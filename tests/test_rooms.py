@@ -64,7 +64,7 @@ DOORS: dict[str, set[str]] = {
     "jinja2": {"pipeline/values/page.py"},
     "plotly": {"pipeline/values/plots.py"},
     "matplotlib": {"rod/export/programs/pyelastica_arm.py"},
-    "mujoco": {"rod/export/programs/mujoco_arm.py"},
+    "mujoco": {"rod/export/programs/mujoco_arm.py", "rod/export/programs/mujoco_space_arm.py"},
     "elastica": {"rod/export/programs/pyelastica_arm.py"},
     "distributed": {"pipeline/study/sweep/workers.py"},
     "dask": {"pipeline/study/sweep/workers.py"},

@@ -129,14 +129,12 @@ def cell(
     for an arm without such a law, and RunFailed, which has the report as `reached`, where a pressure is not reached.
     """
     from pipeline.law import rows, study
-    from pipeline.results.files import read_results
-    from pipeline.show.page import render_page
-    from pipeline.store.result_folder import ResultFolder
+    from pipeline.show import saved
 
     document, course = document_of(config, {"accuracy": accuracy}, settings), course_of(jobs, 1, fresh, progress)
     given, notes = rows.for_cell(document)
     design = given.config if isinstance(given, rows.RowSpec) else given
     notes = notes if isinstance(given, rows.RowSpec) else (*notes, *load_notes(given))
     report = course.solve(study.measure_any_law, given, given_folder(out, f"{design.name}_cell"), notes)
-    ResultFolder(report.directory).save_text("report.html", render_page(read_results(report.directory)))
+    saved.save_page(report.directory)
     return reached(report, report.raise_if_failed)

@@ -118,11 +118,9 @@ def _listener(options: Mapping[str, Any]) -> Progress:
 
 @wraps(runs.characterize)
 def run(config: Path, **given: Any) -> "Results | PairRuns":
-    from pipeline.law.rows import has_rows
-
     document = document_of(config, {}, given.get("settings"))
     # the pressures of two cavities are pairs
-    return runs.characterize_pairs(config, **given) if has_rows(document) else runs.characterize(config, **given)
+    return runs.characterize_pairs(config, **given) if document.has_rows else runs.characterize(config, **given)
 
 
 @wraps(setup.doctor)

@@ -54,6 +54,12 @@ class Document:
         """What the file would say, in YAML."""
         return str(yaml.safe_dump(dict(self.content), sort_keys=False, allow_unicode=True, width=120))
 
+    @property
+    def has_rows(self) -> bool:
+        """True where an entry of the pressures is a list."""
+        given = self.content.get("pressures")
+        return isinstance(given, list) and any(isinstance(entry, list) for entry in given)
+
     def wrong(self, key: Key, complaint: str) -> InputError:
         """The refusal of one key."""
         return InputError(self.sentence(key, complaint))

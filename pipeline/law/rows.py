@@ -47,18 +47,12 @@ class PairSpec:
         return _config(self.document, pressures_kPa, {_CAVITIES: fractions, "law_by_cavity": True})
 
 
-def has_rows(document: Document) -> bool:
-    """True where an entry of the pressures is a list."""
-    given = document.content.get(_KEY)
-    return isinstance(given, list) and any(isinstance(entry, list) for entry in given)
-
-
 def read_rows(document: Document) -> RowSpec | None:
     """The rows of a configuration whose pressures are lists; None for others. Raises InputError.
 
     Only a body with `geometry.symmetric: false` has rows.
     """
-    if not has_rows(document):
+    if not document.has_rows:
         return None
     rows = _rows(document, "rows")
     config = _config(document, sorted({max(row) for row in rows}))
@@ -87,7 +81,7 @@ def rows_of(config: Config) -> RowSpec:
 
 def read_pairs(document: Document) -> PairSpec | None:
     """The pairs of a configuration; None where its pressures are no pairs. Raises InputError."""
-    if not has_rows(document):
+    if not document.has_rows:
         return None
     rays: dict[float, list[float]] = {}
     for k, row in enumerate(_rows(document, "pairs")):

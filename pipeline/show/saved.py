@@ -8,6 +8,7 @@ from typing import Any
 
 from pipeline.results.files import read_results, save_value
 from pipeline.show.page import TEMPLATES, render_page
+from pipeline.store.result_folder import ResultFolder
 from pipeline.store.state_key import ALL_SOURCES, result_key
 from pipeline.store.store import Store
 from pipeline.values.page import TEMPLATES as OF_ALL_PAGES
@@ -34,6 +35,11 @@ def save_report(store: Store, run: Run) -> Run:
     store.save_text("report.html", render_page(run))
     store.save_json(_KEY, key)
     return run
+
+
+def save_page(directory: Path) -> None:
+    """Write the report on a folder that holds a law alone."""
+    ResultFolder(directory).save_text("report.html", render_page(read_results(directory)))
 
 
 def _digest(store: Store) -> str:

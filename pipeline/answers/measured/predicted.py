@@ -23,8 +23,6 @@ KINDS = {"tip_x": "mm", "tip_y": "mm", "x": "mm", "y": "mm", "end_angle": "deg",
 Rods = Callable[[float], Rod]
 #: (n, 2) mm, material curves in the frame of a measurement, by pressure in kPa and load in words
 Curves = Mapping[tuple[float, str], Array]
-#: points of a curve
-POINTS = 61
 
 
 @dataclass(frozen=True)
@@ -122,8 +120,7 @@ class Numbers:
         for state in dict.fromkeys(row.state for row in self.rows):
             with suppress(RodError):
                 shape = shape_of(rods(state.pressure_kPa + setup.gauge_kPa), state, setup)
-                points = shape.positions(np.linspace(0.0, float(shape.s[-1]), POINTS))
-                found[state.pressure_kPa, state.load] = _turned(points, turn)
+                found[state.pressure_kPa, state.load] = _turned(shape.curve, turn)
         return found
 
     def beside(self, predicted: Array, allowed: Array) -> tuple[Compared, ...]:
