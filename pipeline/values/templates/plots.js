@@ -46,7 +46,7 @@
       tickcolor: line, hoverformat: ".4~g", exponentformat: "power" };
     const axes = layout.scene || layout;
     for (const name of ["xaxis", "yaxis", "zaxis"]) if (axes[name]) axes[name] = { ...axis, ...axes[name] };
-    if (layout.scene) Object.assign(layout.scene, { dragmode: "turntable", camera: { eye: { x: 1.1, y: -0.8, z: 0.6 } } });
+    if (layout.scene) Object.assign(layout.scene, { dragmode: "turntable", camera: { eye: { x: 1.4, y: -1, z: 0.8 } } });
     Plotly.react(plot.querySelector(".plot-area"), data, {
       ...layout,
       font: { family: style.fontFamily, size: 12, color: style.color }, showlegend: false, hovermode: "closest",
