@@ -21,6 +21,8 @@ USUAL: dict[str, dict[str, float]] = {
     "1/mm": {"1/mm": 1.0, "1/m": 1e-3, "1/cm": 0.1},
     "N/mm": {"N/mm": 1.0, "N/m": 1e-3, "mN/mm": 1e-3},
     "tonne/mm**3": {"kg/m^3": 1e-12, "g/cm^3": 1e-9},
+    "s": {"s": 1.0, "ms": 1e-3, "min": 60.0},
+    "Hz": {"Hz": 1.0},
 }
 NUMBER_AND_UNIT = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*?)\s*")
 

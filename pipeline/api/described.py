@@ -61,7 +61,9 @@ class Material(Description):
 
     density: str | None = None  #: "1130 kg/m^3"
     holds_between: Sequence[float] | None = None  #: smallest and largest stretch for which the law holds
-    loss_factor: float | None = None  #: lost over stored energy of a vibration
+    #: lost over stored energy of a vibration: a number, or {"value": 0.12, "from": "1 Hz", "to": "10 Hz"}
+    loss_factor: float | Mapping[str, Any] | None = None
+    relaxation: Sequence[Mapping[str, Any]] | None = None  #: branches such as {"g": 0.08, "tau": "0.9 s"}
 
 
 def given_settings(given: Any, naming: Callable[[str], str] | None = None) -> list[tuple[str, Any]]:

@@ -8,7 +8,7 @@ from typing import Annotated, Any
 
 from pipeline.config.document import Document, read_document
 from pipeline.config.section import Kind, not_known
-from pipeline.config.units import ACCELERATION, DENSITY, FORCE, LENGTH, PRESSURE, STRESS, Dimension, convert
+from pipeline.config.units import ACCELERATION, DENSITY, FORCE, LENGTH, PRESSURE, STRESS, TIME, Dimension, convert
 from pipeline.values.errors import InputError, quoted
 from rod.same_pressure import SAME, is_same
 
@@ -126,6 +126,7 @@ Stress = Annotated[float, Kind("any", STRESS.example, "MPa", in_unit(STRESS))]
 PositiveStress = Annotated[Stress, Kind("above 0", STRESS.example, "MPa", test=above_zero)]
 Density = Annotated[float, Kind("above 0", DENSITY.example, "kg/m³", in_unit(DENSITY), above_zero)]
 PositiveForce = Annotated[float, Kind("above 0", "0.4 N", "N", in_unit(FORCE), above_zero)]
+PositiveTime = Annotated[float, Kind("above 0", TIME.example, "s", in_unit(TIME), above_zero)]
 
 
 def _pressure(value: Any) -> float:

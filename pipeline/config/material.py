@@ -15,23 +15,29 @@ from pipeline.config.kinds import (
     PoissonRatio,
     PositiveNumber,
     PositiveStress,
+    PositiveTime,
     Stress,
     Stretches,
+    in_unit,
     list_of,
+    number,
     one_or_more,
 )
 from pipeline.config.rubbers import BESIDE, INSTEAD, RUBBERS, ogden_terms
 from pipeline.config.section import (
     Error,
     Field,
+    Kind,
     Section,
     chosen,
     conflict,
     raise_all,
     read_keys,
+    section,
     section_of,
     wrong,
 )
+from pipeline.config.units import FREQUENCY
 from pipeline.values.json_values import Json, JsonObject
 from pipeline.values.pressure import in_MPa
 
@@ -58,6 +64,26 @@ RUBBER_POISSON_RATIO = 0.495
 LARGEST_PRESSURE = 3.0
 
 
+_Frequency = Annotated[float, Kind("above 0", FREQUENCY.example, "Hz", in_unit(FREQUENCY), lambda hertz: hertz > 0.0)]
+
+
+@section(frozen=True)
+class Branch(Section):
+    """A part of the stress that a held strain loses, exp(-t / tau) of it left after the time t."""
+
+    g: PositiveNumber = Field(description="over the stress that stays")
+    tau_s: PositiveTime = Field(description="time in which it falls to 37 %")
+
+
+@section(frozen=True)
+class LossBand(Section):
+    """A loss factor that is the same at all frequencies from one to another."""
+
+    value: LossFactor = Field(description="lost over stored energy, over a radian")
+    from_Hz: _Frequency = Field(description="lowest frequency")
+    to_Hz: _Frequency = Field(description="highest frequency")
+
+
 @dataclass(frozen=True)
 class Material:
     """The law of the solid and its constants."""
@@ -68,6 +94,8 @@ class Material:
     holds_between: tuple[float, float] | None = None  #: stretches between which the law describes the solid, if known
     loss_factor: float = LOSS_FACTOR  #: lost over stored energy of a vibration, over a radian
     name: str = ""  #: of the rubber, where it was given instead of its constants
+    loss_between_Hz: tuple[float, float] | None = None  #: frequencies of the loss factor, if they are given
+    relaxation: tuple[Branch, ...] = ()  #: of the moduli over those at long times, which the constants give
 
     def built(self) -> fem.materials.Material:
         """The law with its constants. Raises `fem.materials.MaterialError` where it cannot have them together."""
@@ -84,6 +112,11 @@ class Material:
         known: dict[str, Json] = {} if self.holds_between is None else {"holds_between": list(self.holds_between)}
         if self.loss_factor != LOSS_FACTOR:
             known["loss_factor"] = self.loss_factor
+        if self.loss_between_Hz is not None:
+            known |= {"loss_factor": self.loss_factor, "loss_between_Hz": list(self.loss_between_Hz)}
+        if self.relaxation:
+            known["relaxation_g"] = [branch.g for branch in self.relaxation]
+            known["relaxation_tau_s"] = [branch.tau_s for branch in self.relaxation]
         if self.name:
             known["name"] = self.name
         return {"law": self.law, **constants, "density_tonne_mm3": self.density_tonne_mm3, **known}
@@ -100,7 +133,8 @@ def material_section(law: type[fem.materials.Material]) -> type[Section]:
         keys["nu"] = (PoissonRatio | None, Field(default=None, description=ratio))
     keys["density"] = (Density | None, Field(default=None, description=_DENSITY))
     keys["holds_between"] = (Stretches | None, Field(default=None, description=_HOLDS))
-    keys["loss_factor"] = (LossFactor, Field(default=LOSS_FACTOR, description=_LOSS))
+    keys["loss_factor"] = (Annotated[float | LossBand, _LOSS_KIND], Field(default=LOSS_FACTOR, description=_LOSS))
+    keys["relaxation"] = (Annotated[tuple[Branch, ...], _BRANCHES], Field(default=(), description=_RELAXATION))
     constants = {name: list(other.constants()) for name, other in LAWS.items()}
     hints = next((keys for name, keys in INSTEAD.items() if LAWS[name] is law), {})
     return section_of("Material", {"law": (str, Field()), **keys}, others=constants, hints=hints)
@@ -114,7 +148,28 @@ _HOLDS = (
 
 _LOSS = (
     "lost over stored energy of a vibrating solid, over a radian: the damping of [exported arms]"
-    f"(how_to/robots.md#damping); {LOSS_FACTOR:g} without it"
+    f"(how_to/robots.md#damping) and of [an arm in time](how_to/in_time.md); {LOSS_FACTOR:g} without it"
+)
+_RELAXATION = "what a held strain loses of its stress, over that which stays; for [an arm in time](how_to/in_time.md)"
+_BRANCHES = one_or_more(list_of("branches `{g, tau}`", "[{g: 0.08, tau: 0.9 s}]"))
+
+
+def _loss_factor(value: Any, _: Mapping[str, Any], document: Document) -> float | LossBand:
+    """A number, or a section with the frequencies between which it holds."""
+    if not isinstance(value, Mapping):
+        return number(value)
+    band = read_keys(LossBand, value, document)
+    if not band.from_Hz < band.to_Hz:
+        raise_all([wrong(f"is not above from, {band.from_Hz:g} Hz", ("to",))])
+    return band
+
+
+_LOSS_KIND = Kind(
+    "above 0, at most 2, or `{value, from, to}`",
+    "{value: 0.12, from: 1 Hz, to: 10 Hz}",
+    "1",
+    test=lambda loss: 0.0 < getattr(loss, "value", loss) <= 2.0,
+    complete=_loss_factor,
 )
 
 
@@ -131,8 +186,11 @@ def read_material(value: Any, _: Mapping[str, Any], document: Document) -> Mater
         if kappa is None:
             kappa = LAWS[law].from_uniaxial(constants, RUBBER_POISSON_RATIO if nu is None else nu).kappa  # type: ignore[attr-defined]
         constants[BULK] = kappa
-    given = keys.density, keys.holds_between, keys.loss_factor  # type: ignore[attr-defined]
-    material = Material(law, constants, *given, name)
+    loss, band = keys.loss_factor, None  # type: ignore[attr-defined]
+    if isinstance(loss, LossBand):
+        band, loss = (loss.from_Hz, loss.to_Hz), loss.value
+    given = keys.density, keys.holds_between, loss, name, band, keys.relaxation  # type: ignore[attr-defined]
+    material = Material(law, constants, *given)
     material.built()  # its error is a ValueError, for constants that do not go together
     return material
 

@@ -1,8 +1,8 @@
 """What users look for under a key that does not exist: what to write instead, or that it is not there."""
 
 _FIBRE = "fibres do not exist; a sheet is effects: {strain_limiting_layer: on}, a stiff part a region in materials"
-_DYNAMICS = "nothing moves in time, every state is at rest; pneurod export writes the rod for programs of motion"
-_CREEP = "laws of rubber know neither time nor cycles; fit a law to the loading that your arm sees: pneurod material"
+_DYNAMICS = "a run has states at rest alone; the arm moves by pneurod move, damped by material.loss_factor"
+_CREEP = "write material: {relaxation: [{g: 0.08, tau: 0.9 s}]}, for pneurod move; cycles of rubber are left out"
 _FRICTION = "walls that touch slide without friction; exported rods have that of MuJoCo"
 _TIP_LOAD = "write end: {y: -0.1 N} for a force in experiment III; the rod takes any: pneurod rod --force, --tip-mass"
 _GRAVITY = "write effects: {gravity: hanging}, or lying, standing, 30 deg"

@@ -31,7 +31,7 @@ RUBBERS: dict[str, dict[str, Any]] = {
     "elastosil_m4601": _yeoh(0.11, 0.02, 0.0, 1130, None),
 }
 #: keys that may stand beside a name
-BESIDE = ("nu", "kappa", "density", "holds_between", "loss_factor")
+BESIDE = ("nu", "kappa", "density", "holds_between", "loss_factor", "relaxation")
 #: ways to write the terms of Ogden's law: mu / alpha times the powers, or 2 mu / alpha^2
 FORMS = ("ogden", "abaqus")
 _BULK = {"d1": "write kappa, 2 / d1, or leave it out where d1 is 0"}

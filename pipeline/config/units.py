@@ -35,6 +35,8 @@ STRAIN = Dimension("a strain", "dimensionless", "150 %")
 CURVATURE = Dimension("a curvature", "1/mm", "-12 1/m")
 STIFFNESS = Dimension("a stiffness", "N/mm", "5 N/m")
 DENSITY = Dimension("a density", "tonne/mm**3", "1130 kg/m^3")
+TIME = Dimension("a time", "s", "0.9 s")
+FREQUENCY = Dimension("a frequency", "Hz", "1 Hz")
 
 #: what pint reads as a unit without evaluating other numbers than a power of one digit (9**9**9**9 never ends)
 _NAME = r"[^\W\d]+(?:\s*(?:\^|\*\*)\s*[+-]?\d)?"

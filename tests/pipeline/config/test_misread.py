@@ -43,8 +43,8 @@ def test_a_second_mesh_that_shows_no_convergence_is_refused(written: str) -> Non
     ("key", "answer"),
     [
         ("fibre", "fibres do not exist; a sheet is effects: {strain_limiting_layer: on}"),
-        ("dynamics", "nothing moves in time"),
-        ("creep", "fit a law to the loading that your arm sees"),
+        ("dynamics", "the arm moves by pneurod move"),
+        ("creep", "write material: {relaxation: "),
         ("friction", "slide without friction"),
         ("tip_load", "write end: {y: -0.1 N}"),
         ("gravity", "write effects: {gravity: hanging}"),
