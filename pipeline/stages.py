@@ -9,6 +9,7 @@ from typing import Any, TypeAlias
 
 from geometry import Reason, Values
 from pipeline.answers.budget import make_budgets
+from pipeline.answers.rods.in_time import with_remark
 from pipeline.config.config import Config
 from pipeline.identify.added_pressures import Identified, identify_run
 from pipeline.identify.arm_rods import ArmRods
@@ -269,7 +270,7 @@ def conclude(
         found = (*list_effects(state.scene, outcomes), arm.effect)
         effects = save_value(state.context.store, "effects.json", found)
         record = _record(state, identified, failures, _remarks(state, identified, arm, validated))
-    results = replace(state.written, effects=effects, record=record)
+    results = with_remark(replace(state.written, effects=effects, record=record))
     compared = (*comparisons, *validated.comparisons)
     return SolvedRun(results, state.config, outcomes, parameters, compared, arm)
 

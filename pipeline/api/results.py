@@ -3,10 +3,11 @@
 import math
 import warnings
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import asdict, dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import pandas as pd
 
@@ -14,10 +15,12 @@ from pipeline.answers.budget import budget_of
 from pipeline.answers.rods.choice import RodOfRun, check_kind, choose_rod, nothing_identified
 from pipeline.answers.rods.end_loads import Weight
 from pipeline.answers.rods.export import ExportOptions, exported_run
+from pipeline.answers.rods.in_time import in_time
 from pipeline.answers.rods.pressures import Wish, pressures_for
 from pipeline.answers.rods.ratio import run_along
 from pipeline.api import frames
 from pipeline.api.given import given_choice, given_path
+from pipeline.api.rods import move
 from pipeline.config.units import PRESSURE
 from pipeline.results.files import read_results as read_run
 from pipeline.results.options import option_pressures, option_value
@@ -252,6 +255,25 @@ class Results:
         folder = None if out is None else given_path(out, "out", "results/arm")
         options = ExportOptions(out=folder, force=given_choice(force, "force"))
         return exported_run(self.run, to, options).files
+
+    @cached_property
+    def frequencies(self) -> pd.DataFrame:
+        """One row per pressure: natural frequencies and damping ratios in the plane and across, settling and creep.
+
+        No rows where the run has no rod over one pressure, or no mass.
+        """
+        with suppress(InputError):
+            return pd.DataFrame(ask("", in_time, self.run, self._chosen(None)))
+        return pd.DataFrame()
+
+    def move(self, pressure: float | str | Path, seconds: float = 3.0, **also: Any) -> pd.DataFrame:
+        """The motion of the arm as motion.csv has it, which is written into the folder with a picture.
+
+        also: as `pneurod.move` takes them, such as force="[0 N, 0.02 N]" and release=True. Raises as that does.
+        """
+        law = self.arm_law
+        ratio = ":".join(map(str, law.fractions)) if isinstance(law, Ray) else None
+        return pd.DataFrame(dict(move(self, pressure, seconds=seconds, ratio=ratio, **also).columns))
 
     def _chosen(self, kind: str | None) -> RodOfRun:
         if kind not in self._rods:

@@ -12,12 +12,13 @@ from pipeline.api.given import given_choice, given_path
 from pipeline.api.options import Amount, Folder, Given, Orientation, Ratio, Rod, TipMass, Vector, command
 from pipeline.results.options import write_new
 
-__all__ = ["budget", "export", "shape", "solve"]
+__all__ = ["budget", "export", "move", "shape", "solve"]
 
 if TYPE_CHECKING:
     import rod as rods
     from pipeline.answers.budget import Budget
     from pipeline.answers.rods.export import Exported
+    from pipeline.answers.rods.motion import ArmMotion
     from pipeline.answers.rods.pressures import PressureFor
 
 
@@ -96,6 +97,54 @@ def shape(
     return RodShape(selected, found, chosen.error_text)
 
 
+@command("move")
+def move(
+    path: Annotated[Given, typer.Argument(metavar="DIR", help="Results of a run, of `cell` or of `calibrate`.")],
+    pressure: Annotated[
+        float | str | Path,
+        str,
+        typer.Option(metavar="P|FILE.csv", help="'20 kPa' from 0 s on, or a file t_s, pressure_kPa."),
+    ],
+    *,
+    seconds: Annotated[float, typer.Option(metavar="T", help="How long, in s.")] = 3.0,
+    force: Annotated[
+        str | None, typer.Option(metavar="[FX, FY]", help="Dead force on the end from 0 s on: '[0 N, 0.05 N]'.")
+    ] = None,
+    held_at: Annotated[
+        Sequence[str],
+        list[str],
+        typer.Option(metavar="S: HELD", help="A support along the arm: '1 l: y -3 mm'. Repeatable."),
+    ] = (),
+    orientation: Orientation = None,
+    tip_mass: TipMass = None,
+    release: Annotated[
+        bool, typer.Option("--release", help="Let the arm go at 0 s: of --force, or else of what held it weightless.")
+    ] = False,
+    air: Annotated[
+        str | None,
+        typer.Option(metavar="AIR", help="'flow 1 l/min', 'supply 40 kPa, conductance 20 mm^3/s/kPa' or 'closed'."),
+    ] = None,
+    step: Annotated[str | None, typer.Option(metavar="DT", help="Of time: '5 ms' (default: by its error).")] = None,
+    rod: Rod = None,
+    ratio: Ratio = None,
+    out: Annotated[Path | str | None, typer.Option("--out", metavar="DIR2", help="Folder (default: DIR).")] = None,
+) -> "ArmMotion":
+    """Move the arm in time: motion.csv, and a picture of the shapes.
+
+    Its rubber relaxes as material.relaxation and material.loss_factor say. Raises `pneurod.InputError` for a wrong
+    argument, and `pneurod.RunFailed`, which has the motion up to the last good time as `reached`.
+    """
+    from pipeline.answers.rods import choice, end_loads, motion, ratio as ratios  # noqa: I001  one import is enough
+
+    weight, let_go = end_loads.Weight.read(orientation, tip_mass), given_choice(release, "release")
+    asked = motion.Asked.read(
+        pressure, seconds, weight, release=let_go, force=force, held_at=held_at, air=air, step=step
+    )
+    run = ratios.run_along(given_path(path, "path", "results/arm"), ratio)
+    target = run.directory if out is None else given_path(out, "out", "results/arm")
+    return motion.move_arm(run, choice.choose_rod(run, rod), asked, target)
+
+
 @dataclass(frozen=True)
 class Solutions(Told):
     """The pressures at which the end of an arm is as it is wanted."""
@@ -129,12 +178,11 @@ def solve(
 
     Raises `pneurod.InputError` for a wrong argument and for what is out of reach, with the nearest that is not.
     """
-    from pipeline.answers.rods import choice, end_loads, pressures, tips
-    from pipeline.answers.rods.ratio import run_along
+    from pipeline.answers.rods import choice, end_loads, pressures, ratio as ratios, tips  # noqa: I001  the same
 
     weight = end_loads.Weight.read(orientation, tip_mass)
     wish = pressures.Wish.read(tip, angle, force, at_height, weight)
-    chosen = choice.choose_rod(run_along(given_path(path, "path", "results/arm"), ratio), rod)
+    chosen = choice.choose_rod(ratios.run_along(given_path(path, "path", "results/arm"), ratio), rod)
     found = pressures.pressures_for(chosen, wish)
     if picture is not None:
         write_new(given_path(picture, "picture", "tips.html"), tips.tips_page(chosen, wish, found))

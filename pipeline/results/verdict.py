@@ -31,13 +31,15 @@ from pipeline.values.run import Run
 
 #: size of a finer mesh over that of the run
 FINER = 2 / 3
-#: warnings that the verdict shows
-MOST_WARNINGS = 2
+#: lines of the verdict, and warnings among them
+MOST_LINES, MOST_WARNINGS = 8, 2
 #: code of the remark on an arm that no rod describes
 OUT_OF_PLANE = "out_of_plane"
 #: code of the remark on what the tolerances of the built arm do, which has a line of its own
 TOLERANCES = "tolerances"
-#: code of the remark that takes its place where the arm was calibrated to a measurement
+#: code of the remark on the arm in time, which has one too
+IN_TIME = "in_time"
+#: code of the remark that takes the place of that on tolerances where the arm was calibrated to a measurement
 CALIBRATED = "calibrated"
 #: code of the remark that a fit to a measurement is no calibration
 NOT_CALIBRATED = "not_calibrated"
@@ -81,6 +83,7 @@ class Verdict(Told):
     pressures_kPa: tuple[float, float] | None  #: between which the rod holds
     moments_N_mm: tuple[float, float] | None  #: for which it holds at the highest pressure
     tolerances: Reported | None  #: what the tolerances of the built arm do, or its calibration; None: not known
+    in_time: Reported | None  #: how it vibrates, settles and creeps; None where its material does not say so
     command: str  #: how to use the rod, or what to do instead
     failures: tuple[Reported, ...]
     warnings: tuple[Reported, ...]  #: ranked, at most `MOST_WARNINGS`
@@ -96,8 +99,9 @@ class Verdict(Told):
         """The verdict in words, at most eight lines."""
         lines = [*self._leaves_plane(), self._bends(), self._takes()]
         lines += [self.tolerances.text] if self.usable and self.tolerances else []
+        lines += [self.in_time.text] if self.usable and self.in_time else []
         lines += [self._holds(), self.command, *self._not_reached()]
-        return tuple(filter(None, (*lines, *(f"Warning: {warning.text}" for warning in self.warnings))))
+        return tuple(filter(None, (*lines, *(f"Warning: {warning.text}" for warning in self.warnings))))[:MOST_LINES]
 
     def _repr_html_(self) -> str:
         """For notebooks."""
@@ -145,7 +149,8 @@ class Verdict(Told):
 
     def record(self) -> JsonObject:
         """The verdict as `pneurod run --json` writes it."""
-        content = {name: value for name, value in asdict(self).items() if name != "command"}
+        left_out = {"command"} if self.in_time else {"command", "in_time"}
+        content = {name: value for name, value in asdict(self).items() if name not in left_out}
         return {**content, "usable": self.usable, "lines": self.lines}
 
 
@@ -168,6 +173,7 @@ def verdict_of(run: Run) -> Verdict:
         pressures_kPa=_pressures(run, rod) if rod else None,
         moments_N_mm=_moments(run, rod) if rod else None,
         tolerances=next((remark for remark in run.remarks if remark.code in (TOLERANCES, CALIBRATED)), None),
+        in_time=next((remark for remark in run.remarks if remark.code == IN_TIME), None),
         command=_use(run, rod) if usable else _instead(run, rod, mesh),
         failures=run.failures,
         warnings=_warnings(run, rod, mesh, refusal),
@@ -258,7 +264,7 @@ def _warnings(run: Run, rod: str, mesh: MeshErrors, refusal: Reported | None) ->
         of_rod.append(report_reason(uncertain))
     if rod in (FIVE, EXTENSIBLE):
         of_rod.append(report_reason(Reason("offsets_bend")))
-    said = {TOLERANCES, CALIBRATED} | {reason.code for reason in (*run.failures, *filter(None, [refusal]))}
+    said = {TOLERANCES, CALIBRATED, IN_TIME} | {reason.code for reason in (*run.failures, *filter(None, [refusal]))}
     shown = [remark for remark in run.remarks if remark.code not in said]
     ranked = sorted(shown, key=lambda remark: RANKS.index(remark.code) if remark.code in RANKS else len(RANKS))
     known = [remark for remark in ranked if remark.code in RANKS]

@@ -8,6 +8,7 @@ from typing import Any
 from fem.elements import ELEMENTS
 from pipeline.answers.rods.solid import young_modulus
 from pipeline.results.rod_errors import TITLES, mesh_errors, rod_errors
+from pipeline.results.verdict import IN_TIME
 from pipeline.values.formats import EXTENSIBLE, FIVE
 from pipeline.values.formatting import decimals_beside, decimals_of, duration, interval, number, percent, with_spread
 from pipeline.values.parameters import FiveColumns
@@ -150,6 +151,16 @@ def design(run: Run) -> Table:
     return Table(("key", "value"), tuple(rows))
 
 
+def in_time(run: Run) -> Table:
+    """Vibrations, settling and creep at each pressure; empty where the material does not describe them."""
+    rows: Any = next((remark.values["rows"] for remark in run.remarks if remark.code == IN_TIME), [])
+    names = [name for name in rows[0] if name != "pressure_kPa"] if rows else []
+    columns = tuple(f"{row['pressure_kPa']:g} kPa" for row in rows)
+    return Table(
+        ("", *columns), tuple((name.replace("_", " "), *(number(row[name]) for row in rows)) for name in names)
+    )
+
+
 def _cell(value: Any) -> str:
     if value is None:
         return "-"
@@ -169,4 +180,5 @@ def make_tables(run: Run) -> dict[str, Table]:
         "effects": effects(run),
         "design": design(run),
         "cost": cost(run),
+        "in_time": in_time(run),
     }

@@ -1,0 +1,107 @@
+"""The arm of a result folder in time: its rubber, its mass, its vibrations, and how it settles and creeps."""
+
+import math
+from collections.abc import Callable, Mapping
+from contextlib import suppress
+from dataclasses import replace
+from typing import Any
+
+from geometry import Reason
+from pipeline.answers.rods.choice import RodOfRun, choose_rod
+from pipeline.answers.rods.solid import solid_of
+from pipeline.config.material import LOSS_FACTOR
+from pipeline.results.verdict import IN_TIME
+from pipeline.values.errors import InputError
+from pipeline.values.reasons import report_reason
+from pipeline.values.run import Run
+from rod import Body, Relaxation, RodError, frequencies
+
+#: lowest and highest frequency over that of the first vibration, of a loss factor without frequencies
+BAND = 10.0**-0.5, 10.0**0.5
+#: what a material has of its rubber in time
+KEYS = ("loss_factor", "loss_between_Hz", "relaxation_g", "relaxation_tau_s")
+#: part of a vibration with which the arm has settled, s at a held pressure at which the creep is told
+SETTLED, HELD = 0.02, (1, 10, 100)
+
+
+def material_of(run: Run) -> Mapping[str, Any]:
+    """The material of a run, as files have it."""
+    return run.parameters.material or run.config.get("material") or {}
+
+
+def is_given(material: Mapping[str, Any]) -> bool:
+    """Whether a material describes its rubber in time: by branches, or by a loss factor with its frequencies."""
+    return not {"relaxation_g", "loss_between_Hz"}.isdisjoint(material)
+
+
+def rubber_of(material: Mapping[str, Any], first_Hz: Callable[[], float]) -> tuple[Relaxation, str]:
+    """The rubber of an arm in time, and what it is in a sentence; first_Hz: gives its first vibration.
+
+    Raises `RodError` for a loss factor that no branches have.
+    """
+    slow = Relaxation(material.get("relaxation_g", ()), material.get("relaxation_tau_s", ()))
+    loss, band = float(material.get("loss_factor", LOSS_FACTOR)), material.get("loss_between_Hz")
+    if band is None and slow.shares and "loss_factor" not in material:
+        return slow, "Its rubber has the branches of material.relaxation."
+    low, high = band or (first_Hz() * part for part in BAND)
+    fast = Relaxation.from_loss_factor(loss, low, high)
+    told = f"Its rubber has a loss factor of {loss:g} from {low:.2g} to {high:.2g} Hz"
+    both = Relaxation((*fast.shares, *slow.shares), (*fast.times_s, *slow.times_s))
+    return both, f"{told}, and the branches of material.relaxation." if slow.shares else f"{told}."
+
+
+def highest(rods: RodOfRun) -> Any:
+    """The highest pressure of a rod in kPa, or the last row of several."""
+    return rods.source.rows[-1] if hasattr(rods.source, "rows") else rods.pressures_kPa[1]
+
+
+def body_of(run: Run, rods: RodOfRun) -> tuple[Body, str]:
+    """The arm with its rubber and its mass, and what is taken for its rubber, in a sentence.
+
+    Raises InputError without a mass, and `RodError` for a loss factor that no branches have.
+    """
+    mass = rods.mass or getattr(rods.source, "mass", None)
+    if mass is None:
+        raise InputError(f"{run.directory}: has no mass; give material.density in the configuration and run it again")
+    material, solid = material_of(run), solid_of(run)
+    body = Body(rods.source, mass=mass, spread=solid.section.spread if solid else (0.0, 0.0))
+    rubber, told = rubber_of(material, lambda: frequencies(body, highest(rods), count=1)[0].frequency_hz)
+    regions = (run.parameters.materials or run.config.get("materials") or {}).items()
+    if others := [f"materials.{name}" for name, one in regions if any(one.get(k) != material.get(k) for k in KEYS)]:
+        told += f" That of {', '.join(others)} differs and is left out."
+    return replace(body, relaxation=rubber), told
+
+
+def in_time(run: Run, rods: RodOfRun) -> list[dict[str, float]]:
+    """The arm without loads at each pressure of its run, by names with units.
+
+    Vibrations and damping ratios in the plane, and across it where the law knows that; s until the first is below 2 %;
+    mm that are left of the way of the tip, some time after the pressure has come. Raises as `body_of`.
+    """
+    body, _ = body_of(run, rods)
+    known, found = rods.over_one_pressure, []
+    for pressure in [p for p in run.config.get("pressures_kPa", ()) if known[0] <= p <= known[-1]] or known:
+        modes = frequencies(body, pressure)
+        row = {"pressure_kPa": float(pressure)}
+        for name, in_plane in (("", True), ("across_", False)):
+            for k, mode in enumerate((mode for mode in modes if mode.in_plane is in_plane), start=1):
+                row |= {f"frequency_{name}{k}_Hz": mode.frequency_hz, f"damping_ratio_{name}{k}": mode.damping_ratio}
+        damped = 2.0 * math.pi * row["frequency_1_Hz"] * row["damping_ratio_1"]
+        row["settles_s"] = -math.log(SETTLED) / damped if damped else math.inf
+        rest = rods.at(pressure).solve().end
+        for t in HELD:
+            felt = pressure * float(body.relaxation.creep.compliance(t))
+            row[f"creep_after_{t}_s_mm"] = math.dist(rods.at(felt).solve().end, rest) if felt >= known[0] else math.nan
+        found.append(row)
+    return found
+
+
+def with_remark(run: Run) -> Run:
+    """A run with a remark on its arm in time, where its material describes that."""
+    if not is_given(material_of(run)):
+        return run
+    with suppress(InputError, RodError):
+        rows = in_time(run, choose_rod(run))
+        remark = report_reason(Reason(IN_TIME, {**rows[-1], "rows": rows}))
+        return replace(run, record=replace(run.record, remarks=(*run.remarks, remark)))
+    return run

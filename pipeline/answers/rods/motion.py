@@ -1,0 +1,190 @@
+"""The arm of a result folder in time: its pressure over time, what it does, and its files."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, fields, replace
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from geometry.arrays import Array
+from pipeline.answers.rods.choice import RodOfRun
+from pipeline.answers.rods.end_loads import AlongArm, Weight
+from pipeline.answers.rods.in_time import body_of, highest
+from pipeline.answers.written_table import name_and_unit, number_in, per_unit, read_cells
+from pipeline.config.units import FORCE, PRESSURE, TIME, Dimension, convert
+from pipeline.results.options import option_pressures, option_value, option_vector
+from pipeline.store.result_folder import open_folder
+from pipeline.values.errors import InputError, RunFailed, argument, ask
+from pipeline.values.page import figure_page
+from pipeline.values.plots import COLOURS, GREY, Line, Panel, ordered_colour
+from pipeline.values.run import Run
+from rod import Acting, Air, Body, Motion, RodError, RodSolution, SpatialLoad, Start, Steps, move
+from rod.along import Triple, triple
+from rod.load import with_along
+
+EXAMPLE = "a line of titles names columns with their units, as 't_s, pressure_kPa'"
+#: shapes that are drawn, at equal parts of the way of the tip
+SHAPES = 12
+#: what air may have by its name, as it is read
+OF_AIR: dict[str, Callable[[str], float]] = {
+    "flow": partial(convert, dimension=Dimension("a flow of free air", "mm**3/s", "1 l/min")),
+    "supply": partial(convert, dimension=PRESSURE),
+    "conductance": partial(convert, dimension=Dimension("a conductance", "mm**3/s/kPa", "20 mm^3/s/kPa")),
+    "dead volume": partial(convert, dimension=Dimension("a volume", "mm**3", "5 cm^3")),
+    "exponent": float,
+}
+
+
+@dataclass(frozen=True, eq=False)  # an array inside
+class Asked:
+    """A motion that is asked for."""
+
+    pressure: Any  #: kPa from 0 s on, one for each cavity, or rows (n, 1 + c) of a time in s and pressures
+    seconds: float
+    force: Triple  #: N, dead, on the end
+    weight: Weight
+    held: tuple[AlongArm, ...]
+    release: bool  #: the arm is let go at 0 s: of the force, or without one of what held it weightless
+    air: Air | None  #: that makes the pressure, which begins as it is given; None: it stays so
+    steps: Steps
+
+    @staticmethod
+    def read(
+        pressure: Any, seconds: float, weight: Weight, *, release: bool, force: Any = None, held_at: Sequence[str] = (),
+        air: str | None = None, step: Any = None,
+    ) -> "Asked":  # fmt: skip
+        """From options, as `pneurod.move` takes them. Raises InputError."""
+        is_file = isinstance(pressure, Path) or (isinstance(pressure, str) and pressure.endswith(".csv"))
+        acts = _read_table(Path(pressure)) if is_file else option_pressures("pressure", pressure)
+        if air is not None and np.ndim(acts):
+            raise InputError(f"{argument('air')}: needs one {argument('pressure')}, that at 0 s")
+        x, y, *z = (0.0, 0.0) if force is None else option_vector("force", force, FORCE)
+        steps = Steps(None if step is None else option_value("step", step, TIME))
+        held, blown = AlongArm.all_of((), (), held_at), None if air is None else _read_air(air)
+        return Asked(acts, seconds, triple((x, y, *(z or [0.0])), "force"), weight, held, release, blown, steps)
+
+    def of(self, body: Body) -> Motion:
+        """The motion of an arm. Raises `RodError` where it cannot begin."""
+        length: float = body.law.length
+        supports = tuple(one.on(length) for one in self.held)
+
+        def pulled(force: Triple, weight: Weight) -> Acting:
+            load = with_along(SpatialLoad(force=force), supports, length)
+            return Acting(load, weight.tip_mass_g, weight.direction, weight.hung)
+
+        still = (0.0, 0.0, 0.0)
+        during, before = pulled(self.force, self.weight), pulled(still, self.weight)
+        if self.release:
+            during, before = before, during if any(self.force) else pulled(still, Weight())
+        is_kept = self.release or self.air is not None
+        first = self.pressure if is_kept else (0.0,) * np.size(self.pressure)
+        start = Start(None if np.ndim(self.pressure) == 2 else first, before)
+        return move(body, self.air or self.pressure, self.seconds, during, start, self.steps)
+
+
+@dataclass(frozen=True, eq=False)  # arrays inside
+class ArmMotion:
+    """The motion of an arm, and its files."""
+
+    motion: Motion
+    columns: Mapping[str, Array]  #: of motion.csv, each (n,)
+    notes: tuple[str, ...]  #: what limits the trust in it, a sentence each
+    directory: Path
+
+    @property
+    def lines(self) -> list[str]:
+        """Where the tip goes, what limits the trust in it, and the files."""
+        ends = [f"({', '.join(f'{value + 0.0:.2f}' for value in self.motion.tips[k].tolist())})" for k in (0, -1)]
+        went = f"tip from {ends[0]} to {ends[1]} mm after {self.motion.times_s[-1]:.4g} s"
+        return [went, *self.notes, f"written: {self.directory / 'motion.csv'}, motion.html (picture)"]
+
+
+def move_arm(run: Run, rods: RodOfRun, asked: Asked, out: Path) -> ArmMotion:
+    """Move the arm of a run; motion.csv and motion.html are in `out`.
+
+    Raises InputError for what cannot begin, and RunFailed, which has the motion up to the last good time as `reached`,
+    where the arm cannot be followed.
+    """
+    try:
+        body, damped = body_of(run, rods)
+        if np.ndim(asked.pressure) < 2:
+            rods.at(asked.pressure)
+        moved, free = asked.of(body), rods.at(highest(rods)).solve()
+    except RodError as failure:
+        raise InputError(str(failure)) from None
+    side = -1.0 if isinstance(free, RodSolution) and free.theta[-1] < 0.0 else 1.0  # to which pressure bends it
+    moved = replace(moved, end_angles_deg=side * moved.end_angles_deg)
+    made = ArmMotion(moved, _columns(moved, asked.held), (damped, *rods.notes, *moved.notes), out)
+    folder = open_folder(out)
+    folder.save_rows("motion.csv", tuple(made.columns), np.column_stack(tuple(made.columns.values())).tolist())
+    folder.save_text("motion.html", figure_page("An arm in time", motion_panels(moved)))
+    if moved.reason:
+        raise RunFailed(moved.reason, out).with_reached(made)
+    return made
+
+
+def _columns(moved: Motion, held: Sequence[AlongArm]) -> dict[str, Array]:
+    """The columns of motion.csv; the second of a kind and later ones have their number in the name."""
+    reactions = [f"reaction{{}}_{'N_mm' if name == 'angle' else 'N'}" for one in held for name in one.what]
+    found = {"t_s": moved.times_s}
+
+    def add(names: Sequence[str], values: Array) -> None:
+        known = values if values.shape[1] else np.full((len(values), len(names)), np.nan)
+        found.update({name.format(f"_{k + 1}" if k else ""): known[:, k] for k, name in enumerate(names)})
+
+    add(["pressure{}_kPa"] * moved.pressures_kPa.shape[1], moved.pressures_kPa)
+    add(["volume{}_mm3"] * moved.pressures_kPa.shape[1], moved.volumes_mm3)
+    add([f"tip_{axis}_mm" for axis in "xyz"[: moved.tips.shape[1]]], moved.tips)
+    add(["end_angle_deg"], moved.end_angles_deg[:, None])
+    add(reactions or ["reaction{}_N"], moved.reactions)
+    return found
+
+
+def motion_panels(moved: Motion) -> tuple[Panel, ...]:
+    """Tip, end and pressure over time, and shapes."""
+    t, tips, time = moved.times_s, moved.tips, "time (s)"
+    way = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(tips, axis=0), axis=1)))
+    at = np.unique(np.interp(np.linspace(0.0, way[-1], SHAPES), way, t))
+    shapes = zip(at.tolist(), moved.shapes(at.tolist()), strict=True)
+    drawn = [Line(xy[:, 0], xy[:, 1], f"{s:.3g} s", ordered_colour(k, len(at))) for k, (s, xy) in enumerate(shapes)]
+    places = [Line(t, column, f"tip {'xyz'[k]}", COLOURS[k]) for k, column in enumerate(tips.T)]
+    pressures = [Line(t, column, f"pressure {k + 1}", COLOURS[k]) for k, column in enumerate(moved.pressures_kPa.T)]
+    return (
+        Panel("Tip", time, "position (mm)", tuple(places)),
+        Panel("End", time, "angle (°)", (Line(t, moved.end_angles_deg, "end", COLOURS[3]),)),
+        Panel("Air", time, "pressure (kPa)", tuple(pressures), from_zero=True),
+        Panel("Shapes", "x (mm)", "y (mm)", (*drawn, Line(tips[:, 0], tips[:, 1], "tip", GREY, "dot")), lengths=True),
+    )
+
+
+def _read_air(text: str) -> Air:
+    """From a text such as 'supply 40 kPa, conductance 20 mm^3/s/kPa, exponent 1.2', or 'closed'. Raises InputError."""
+    found: dict[str, float] = {}
+    for part in (part.strip() for part in text.split(",")):
+        name = next((name for name in OF_AIR if part.startswith(f"{name} ")), "")
+        if name:
+            value = part.removeprefix(name).strip()
+            found[name.replace(" ", "_")] = ask(argument("air"), OF_AIR[name], value)
+        elif part != "closed":
+            raise InputError(f"{argument('air')}: '{part}' is not known; allowed: closed, {', '.join(OF_AIR)}")
+    if ("supply" in found) != ("conductance" in found):
+        raise InputError(f"{argument('air')}: a supply needs the conductance of its tube, as '20 mm^3/s/kPa'")
+    return ask(argument("air"), Air, *(found.get(field.name, field.default) for field in fields(Air)))
+
+
+def _read_table(path: Path) -> Array:
+    """(n, 1 + c) of a time in s from 0 on, and pressures in kPa. Raises InputError."""
+    cells = read_cells(path, "pressures over time", EXAMPLE)
+    for row, titles in enumerate(cells):
+        units = [name_and_unit(title, (TIME, PRESSURE))[1] for title in titles]
+        factors = np.array([[per_unit(unit, of) for unit in units] for of in (TIME, PRESSURE)])
+        known = np.isfinite(factors)
+        if known.any(axis=1).all():
+            taken = [int(known[0].argmax()), *np.flatnonzero(known[1]).tolist()]
+            numbers = np.array([[number_in(cell) for cell in line[taken]] for line in cells[row + 1 :] if any(line)])
+            if not np.isfinite(numbers).all():
+                raise InputError(f"{path}: has rows without a time or a pressure; give both in every row")
+            return np.asarray(numbers * np.nansum(factors[:, taken], axis=0))
+    raise InputError(f"{path}: no line names a time and a pressure; {EXAMPLE}")

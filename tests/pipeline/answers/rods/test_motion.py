@@ -1,0 +1,216 @@
+"""The arm of a stored run in time: motion.csv, its refusals, vibrations, and what verdict and report say."""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+from typer.testing import CliRunner
+
+import pneurod
+from pipeline.answers.rods.choice import rod_of_path
+from pipeline.answers.rods.in_time import rubber_of, with_remark
+from pipeline.answers.rods.motion import _read_air
+from pipeline.cli import app
+from pipeline.results.verdict import verdict_of
+from pipeline.show.tables import in_time as in_time_table
+from pipeline.values.errors import InputError, RunFailed
+from rod import Air
+from tests.coarse import COARSE, coarse_run, copy_with
+
+SLOW = {"loss_factor": 0.12, "loss_between_Hz": [0.5, 50.0], "relaxation_g": [0.08], "relaxation_tau_s": [3.0]}
+
+
+def with_rubber(folder: Path, **material: Any) -> Path:
+    """A copy of the stored run whose material has these keys besides."""
+    return copy_with(folder, "parameters.json", lambda content: content["material"].update(material))
+
+
+def call(*arguments: str) -> tuple[int, str, str]:
+    result = CliRunner().invoke(app, ["move", str(COARSE), *arguments], env={"COLUMNS": "200"})
+    return result.exit_code, result.stdout, result.stderr
+
+
+def test_the_command_writes_the_motion_from_rest_to_a_pressure(tmp_path: Path) -> None:
+    status, out, error = call("--pressure", "10 kPa", "--seconds", "0.1", "--out", str(tmp_path))
+    assert (status, error) == (0, "")
+    frame = pd.read_csv(tmp_path / "motion.csv")
+    columns = ["t_s", "pressure_kPa", "volume_mm3", "tip_x_mm", "tip_y_mm", "end_angle_deg", "reaction_N"]
+    assert list(frame.columns) == columns
+    assert (frame.t_s.iloc[0], frame.t_s.iloc[-1]) == (0.0, pytest.approx(0.1))
+    assert frame.pressure_kPa.iloc[1:].tolist() == pytest.approx([10.0] * (len(frame) - 1))
+    straight = rod_of_path(COARSE, None).at(0.0).solve()
+    assert (frame.tip_x_mm.iloc[0], frame.tip_y_mm.iloc[0]) == pytest.approx(straight.end, abs=1e-3 * straight.s[-1])
+    assert frame.tip_y_mm.iloc[-1] < -1.0
+    assert frame.end_angle_deg.iloc[-1] > 1.0  # to the side to which the pressure bends it
+    assert frame.reaction_N.isna().all()
+    assert "Its rubber has a loss factor of 0.1 from" in out
+    assert f"written: {tmp_path / 'motion.csv'}" in out
+    assert "Shapes" in (tmp_path / "motion.html").read_text(encoding="utf-8")
+
+
+def test_an_arm_that_is_released_begins_under_its_force(tmp_path: Path) -> None:
+    frame = pneurod.move(COARSE, "10 kPa", seconds=0.05, force="[0 N, 0.01 N]", release=True, out=tmp_path).motion
+    pulled = rod_of_path(COARSE, None).at(10.0).solve(force=(0.0, 0.01))
+    assert frame.tips[0].tolist() == pytest.approx(pulled.end, abs=1e-3 * pulled.s[-1])
+    assert frame.tips[-1, 1] < frame.tips[0, 1]
+
+
+def test_an_arm_that_is_released_without_a_force_was_held_weightless(tmp_path: Path) -> None:
+    moved = pneurod.move(
+        COARSE, "10 kPa", seconds=0.1, orientation="lying", tip_mass="1 g", release=True, out=tmp_path
+    ).motion
+    free = rod_of_path(COARSE, None).at(10.0).solve()
+    assert moved.tips[0].tolist() == pytest.approx(free.end, abs=1e-3 * free.s[-1])
+    assert moved.tips[-1, 1] < moved.tips[0, 1] - 1.0
+
+
+def test_pressures_of_a_file_are_joined_by_straight_lines(tmp_path: Path) -> None:
+    (tmp_path / "p.csv").write_text("time (ms);pressure (mbar)\n0;50\n40;90\n80;60\n")
+    moved = pneurod.move(COARSE, tmp_path / "p.csv", seconds=0.08, out=tmp_path).motion
+    expected = np.interp(moved.times_s, [0.0, 0.04, 0.08], [5.0, 9.0, 6.0])
+    assert moved.pressures_kPa[:, 0] == pytest.approx(expected)
+
+
+def test_python_has_the_same_columns_as_a_frame(tmp_path: Path) -> None:
+    folder = with_rubber(tmp_path / "arm")
+    frame = pneurod.read_results(folder).move(pressure="5 kPa", seconds=0.03, held_at=["1 l: y -1 mm"])
+    read = pd.read_csv(folder / "motion.csv")
+    pd.testing.assert_frame_equal(frame, read, check_exact=False)
+    assert frame.tip_y_mm.to_numpy() == pytest.approx(np.full(len(frame), -1.0), abs=0.01)
+    assert frame.reaction_N.abs().max() > 1e-4
+
+
+def test_air_is_read_from_a_text() -> None:
+    supply = _read_air("supply 40 kPa, conductance 20 mm^3/s/kPa, dead volume 5 cm^3, exponent 1.2")
+    assert repr(supply) == repr(Air(supply=40.0, conductance=20.0, dead_volume=5000.0, exponent=1.2))
+    assert repr(_read_air("flow 0.6 l/min")) == repr(Air(flow=1e4))
+    assert repr(_read_air("closed")) == repr(Air())
+
+
+def test_air_needs_a_law_with_volumes(tmp_path: Path) -> None:
+    """The stored run has none."""
+    status, _, error = call("--pressure", "0 kPa", "--air", "flow 1 l/min", "--out", str(tmp_path))
+    assert (status, "The law has no volumes of the air" in error) == (2, True)
+
+
+@pytest.mark.parametrize(
+    ("text", "complaint"),
+    [
+        ("wind", "'wind' is not known; allowed: closed, flow, supply"),
+        ("supply 40 kPa", "needs the conductance of its tube"),
+        ("flow 3 kPa", "'3 kPa' is not a flow of free air"),
+        ("closed, exponent 2", "exponent of air is from 1 to 1.4"),
+    ],
+)
+def test_wrong_air_is_refused(text: str, complaint: str) -> None:
+    with pytest.raises(InputError, match=complaint):
+        _read_air(text)
+
+
+@pytest.mark.parametrize(
+    ("options", "complaint"),
+    [
+        (("--pressure", "90 kPa"), "90 kPa"),
+        (("--pressure", "9"), "has no unit"),
+        (("--pressure", "9 kPa", "--seconds", "0"), "must be positive"),
+        (("--pressure", "none.csv"), "none.csv: no such file"),
+        (("--pressure", "9 kPa", "--tip-mass", "2 g"), "needs --orientation"),
+        (("--pressure", "[9 kPa, 3 kPa]"), "This rod has one pressure"),
+        (("--pressure", "9 kPa", "--step", "5"), "has no unit"),
+    ],
+)
+def test_what_cannot_begin_is_wrong_input(tmp_path: Path, options: tuple[str, ...], complaint: str) -> None:
+    status, _, error = call(*options, "--out", str(tmp_path))
+    assert status == 2
+    assert complaint in error
+    assert "Traceback" not in error
+
+
+@pytest.mark.parametrize(
+    ("text", "complaint"),
+    [
+        ("t_s,pressure_kPa\n0,5\n1,9\n0.5,7\n", "its times must rise from row to row"),
+        ("t_s,pressure_kPa\n1,5\n2,9\n", "must rise from row to row, from 0 s on"),
+        ("t_s,x_mm\n0,5\n1,9\n", "no line names a time and a pressure"),
+        ("t_s,pressure_kPa\n0,5\n1,\n", "rows without a time or a pressure"),
+    ],
+)
+def test_wrong_tables_are_refused(tmp_path: Path, text: str, complaint: str) -> None:
+    (tmp_path / "p.csv").write_text(text)
+    with pytest.raises(InputError, match=complaint):
+        pneurod.move(COARSE, tmp_path / "p.csv", seconds=1.0, out=tmp_path)
+
+
+def test_an_arm_without_mass_is_refused(tmp_path: Path) -> None:
+    folder = copy_with(tmp_path / "arm", "law.json", lambda content: content.update(mass=None))
+    with pytest.raises(InputError, match=r"has no mass; give material\.density"):
+        pneurod.move(folder, "5 kPa")
+
+
+def test_what_was_computed_stays_up_to_the_last_good_time(tmp_path: Path) -> None:
+    """The pressure of the table leaves the law."""
+    (tmp_path / "p.csv").write_text("t_s,pressure_kPa\n0,5\n0.05,5\n0.1,90\n")
+    with pytest.raises(RunFailed, match="37 kPa") as caught:
+        pneurod.move(COARSE, tmp_path / "p.csv", seconds=0.2, out=tmp_path)
+    times = pd.read_csv(tmp_path / "motion.csv").t_s
+    assert 0.05 < times.iloc[-1] < 0.1
+    assert getattr(caught.value.reached, "motion", None) is not None
+
+
+def test_a_step_that_does_not_resolve_the_motion_is_named(tmp_path: Path) -> None:
+    with pytest.raises((InputError, RunFailed), match=r"A step of 0\.5 s does not resolve"):
+        pneurod.move(COARSE, "5 kPa", seconds=3.0, step="500 ms", out=tmp_path)
+
+
+def test_the_rubber_of_a_material() -> None:
+    given, told = rubber_of(SLOW, lambda: 9.0)
+    assert given.loss_factor(5.0) == pytest.approx(0.12, rel=0.06)
+    assert given.modulus(1e9) == 1.0
+    assert told == "Its rubber has a loss factor of 0.12 from 0.5 to 50 Hz, and the branches of material.relaxation."
+    branch = {"relaxation_g": [0.3], "relaxation_tau_s": [0.5]}
+    assert rubber_of(branch, lambda: 9.0)[0].shares == (0.3,)
+    assert rubber_of({}, lambda: 9.0)[0].loss_factor(9.0) == pytest.approx(0.1, rel=0.05)
+    assert len(rubber_of(branch | {"loss_factor": 0.2}, lambda: 9.0)[0].shares) > 1
+
+
+def test_vibrations_settling_and_creep(tmp_path: Path) -> None:
+    frame = pneurod.read_results(with_rubber(tmp_path / "arm", **SLOW)).frequencies
+    assert frame.pressure_kPa.tolist() == [17.0, 37.0]
+    for row in frame.to_dict("records"):
+        assert 0.0 < row["frequency_1_Hz"] < row["frequency_2_Hz"] < row["frequency_3_Hz"]
+        assert row["damping_ratio_1"] == pytest.approx(0.06, rel=0.12)  # half of the loss factor, less by the branch
+        expected = np.log(50.0) / (2.0 * np.pi * row["frequency_1_Hz"] * row["damping_ratio_1"])
+        assert row["settles_s"] == pytest.approx(expected)
+        assert row["creep_after_1_s_mm"] > row["creep_after_10_s_mm"] > row["creep_after_100_s_mm"] >= 0.0
+    rods = rod_of_path(COARSE, None)
+    creep = rubber_of(SLOW, lambda: 1.0)[0].creep.compliance(1.0)
+    late = np.subtract(rods.at(37.0 * float(creep)).solve().end, rods.at(37.0).solve().end)
+    assert frame.creep_after_1_s_mm[1] == pytest.approx(np.linalg.norm(late))
+
+
+def test_verdict_and_report_have_a_line_and_a_table_only_where_the_material_asks(tmp_path: Path) -> None:
+    plain = coarse_run(0.02)
+    assert with_remark(plain) is plain
+    assert verdict_of(plain).in_time is None
+    assert not in_time_table(plain)
+    material = {**(plain.parameters.material or {}), **SLOW}
+    run = with_remark(replace(plain, parameters=replace(plain.parameters, material=material)))
+    lines = verdict_of(run).lines
+    assert len(lines) <= 8
+    assert any(line.startswith("In time its first vibration has") for line in lines)
+    table = in_time_table(run)
+    assert table.heads == ("", "17 kPa", "37 kPa")
+    assert table.rows[0][0] == "frequency 1 Hz"
+    assert json.dumps(dict(run.remarks[-1].values))
+
+
+def test_a_region_of_another_rubber_is_named(tmp_path: Path) -> None:
+    folder = copy_with(
+        tmp_path / "arm", "parameters.json", lambda content: content.update(materials={"base": {"loss_factor": 0.3}})
+    )
+    moved = pneurod.move(folder, "5 kPa", seconds=0.01)
+    assert any("That of materials.base differs and is left out." in note for note in moved.notes)
