@@ -168,9 +168,14 @@ class Robot:
     @property
     def damping_times(self) -> Array:
         """(n,) s: damping of the springs over their stiffness, with which the first vibration has the loss factor."""
+        return self.body.loss_factor / self.first_rates
+
+    @property
+    def first_rates(self) -> Array:
+        """(n,) 1/s: of the first vibration."""
         mass_per_length = 1e-6 * self.body.mass / self.length  # tonne/mm
         rigidity = np.array([chain.rigidity for chain in self.chains])
-        return self.body.loss_factor / _FIRST_VIBRATION * self.length**2 * np.sqrt(mass_per_length / rigidity)
+        return np.asarray(_FIRST_VIBRATION / self.length**2 * np.sqrt(rigidity / mass_per_length))
 
     @property
     def table(self) -> dict[str, Any]:

@@ -1,10 +1,12 @@
 """The rod of a result folder in the files of other programs."""
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 from pipeline.answers.rods.choice import choose_rod, plane_of
+from pipeline.answers.rods.in_time import is_given, material_of, rubber_of
 from pipeline.answers.rods.judged import judged
 from pipeline.answers.rods.ratio import run_along
 from pipeline.answers.rods.solid import solid_of
@@ -117,8 +119,8 @@ def _of_law(law: ArmLaw, run: Run | None, folder: Path, target: str, options: Ex
     single = options.pressure_kPa
     pressures = tuple(all_pressures or law.pressures) if single is None else (as_known(law.pressures, single),)
     make = Robot.linear_of_law if is_linear else Robot.of_law
-    robot = make(light, solid, pressures)
-    written = robot
+    robot = _damped(make(light, solid, pressures), run)
+    written, solid = robot, robot.solid
     if target in PROGRAMS and PROGRAMS[target].has_shear:  # of its own, which the hinges must not have as well
         written = Robot.of_law(light, solid, pressures, has_shear=False)
     writers: dict[str, Callable[[Path], None]] = {
@@ -152,7 +154,7 @@ def _of_five(run: Run, target: str, options: ExportOptions) -> Exported:
     if target in PROGRAMS and not PROGRAMS[target].is_linear and len(arm.pressures) > 1:
         more = divide_pressures(arm.pressures)
         finer = Arm(more, tuple(map(parameters.rods().at, more)))
-    robot = Robot.of_five(arm, solid, finer)
+    robot = _damped(Robot.of_five(arm, solid, finer), run)
     writers: dict[str, Callable[[Path], None]] = {
         "csv": lambda path: write_csv(arm, path),
         "json": lambda path: write_json(arm, parameters.mass_g, path),
@@ -176,6 +178,15 @@ def _of_five(run: Run, target: str, options: ExportOptions) -> Exported:
     return Exported(files, tuple(sentences))
 
 
+def _damped(robot: Robot, run: Run | None) -> Robot:
+    """The same with the loss factor of its rubber at the first vibration, where the material describes that."""
+    if run is None or robot.solid is None or not is_given(material_of(run)):
+        return robot
+    first = float(robot.first_rates.mean()) / (2.0 * math.pi)
+    rubber, _ = rubber_of(material_of(run), lambda: first)
+    return replace(robot, solid=replace(robot.solid, loss_factor=float(rubber.loss_factor(first))))
+
+
 def _sentences(robot: Robot, target: str, run: Run | None, law: ArmLaw | None) -> tuple[str, ...]:
     """The error of the files of a robot, and the damping in them."""
     if run is None:
@@ -186,7 +197,12 @@ def _sentences(robot: Robot, target: str, run: Run | None, law: ArmLaw | None) -
     if target in ("mujoco", "pyelastica"):
         loss_factor = robot.body.loss_factor
         default = " (the default of material.loss_factor)" if loss_factor == LOSS_FACTOR else ""
-        sentences.append(f"Damping: loss factor {loss_factor:g}{default} at the first vibration of the arm.")
+        sentences.append(f"Damping: loss factor {loss_factor:.4g}{default} at the first vibration of the arm.")
+        if is_given(material_of(run)):
+            more = "more" if target == "mujoco" else "less"
+            sentences.append(
+                f"Higher vibrations lose {more} there than the rubber; `pneurod move` has it at all of them."
+            )
     return tuple(sentences)
 
 

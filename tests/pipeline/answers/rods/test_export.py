@@ -13,13 +13,14 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
+import pneurod
 from fem.materials import LAWS, Constant
 from pipeline.answers.rods.judged import distance, references
 from pipeline.answers.rods.solid import solid_of, young_modulus
 from pipeline.cli import app
 from pipeline.results.drawing import write_fields
 from pipeline.results.files import read_results
-from rod import RodError
+from rod import Relaxation, RodError
 from rod.spatial import SpatialLoad
 from rod.weight import Mass
 from tests.coarse import COARSE, copy_with
@@ -126,6 +127,21 @@ def test_every_material_law_is_exported(tmp_path: Path, name: str, given: dict[s
         status, out, error = call("export", str(folder), "--to", "pyelastica", *options)
         assert (status, error) == (0, "")
         assert f"loss factor {given.get('loss_factor', 0.1)}" in out
+
+
+@pytest.mark.parametrize(("target", "above"), [("mujoco", "more"), ("pyelastica", "less")])
+def test_relaxing_rubber_damps_an_export_as_at_its_first_vibration(tmp_path: Path, target: str, above: str) -> None:
+    """A branch whose loss factor falls with the frequency; without one nothing is said."""
+    branch = {"relaxation_g": [0.3], "relaxation_tau_s": [0.5]}
+    folder = copy_with(tmp_path / "arm", "parameters.json", lambda content: content["material"].update(branch))
+    status, out, error = call("export", str(folder), "--to", target)
+    assert (status, error) == (0, "")
+    told = re.search(r"Damping: loss factor ([\d.]+) at the first vibration", out)
+    assert told is not None
+    frequency = float(pneurod.read_results(folder).frequencies["frequency_1_Hz"].mean())
+    assert float(told[1]) == pytest.approx(float(Relaxation((0.3,), (0.5,)).loss_factor(frequency)), rel=0.25)
+    assert f"Higher vibrations lose {above} there than the rubber" in out
+    assert "Higher vibrations" not in call("export", str(COARSE), "--to", target, "--out", str(tmp_path))[1]
 
 
 @pytest.mark.slow
