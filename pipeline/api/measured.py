@@ -84,6 +84,10 @@ def material(
     within: Annotated[str, typer.Option(metavar="ERROR", help="Relative error within which a law holds.")] = "10 %",
     nu: Annotated[float, typer.Option(metavar="NU", help="Poisson ratio; it gives rubber its kappa.")] = 0.495,
     density: Annotated[str | None, typer.Option(metavar="RHO", help="For the configuration: '1070 kg/m^3'.")] = None,
+    hold: Annotated[
+        Path | str | None,
+        typer.Option("--hold", metavar="HOLD.csv", help="A specimen that is held: its stress or strain over time."),
+    ] = None,
 ) -> "Material":
     """Fit laws to tensile tests: the law to take, its constants, and the stretches over which it can be used.
 
@@ -94,7 +98,8 @@ def material(
     files = [given_path(test, "tests", "tensile.csv") for test in tests]
     needing = None if run is None else given_path(run, "run", "results/arm")
     texts = {"length": length, "area": area, "start": start, "up_to": up_to, "within": within, "density": density}
-    options = study.FitOptions.read(texts, nu, cycle, needing)
+    held = None if hold is None else given_path(hold, "hold", "hold.csv")
+    options = study.FitOptions.read(texts, nu, cycle, needing, held)
     found = record.fit_material(files, options, given_path(out, "out", "results/material"))
     if not found.judged.usable:
         raise RunFailed(" ".join(found.words)).with_reached(found)

@@ -42,7 +42,8 @@ def _record(paths: Sequence[Path], material: Material) -> JsonObject:
             {"test": t.name, "points": len(t.stretch), "strain": [t.strain[0], t.strain[-1]], "slack": t.slack}
             for t in material.tests
         ],
-        "requested": asdict(options),
+        "requested": {name: str(v) if isinstance(v, Path) else v for name, v in asdict(options).items()},
+        "hold": asdict(material.hold) if material.hold else None,
         "recommended": judged.laws[0].name if judged.usable else None,
         "yaml": material.line if judged.usable else None,
         "sentences": material.words,

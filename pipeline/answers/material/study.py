@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from fem.materials import MaterialError, StVenantKirchhoff
+from pipeline.answers.material.hold import Hold, read_hold
 from pipeline.answers.material.judged import Judged, Need, judge
 from pipeline.answers.material.laws import Points
 from pipeline.answers.material.loading import Selection, TensileTest, read_tensile
@@ -35,9 +36,12 @@ class FitOptions:
     nu: float = 0.495  #: Poisson ratio of the laws that have one; it gives the others their kappa
     density: str | None = None  #: as written, for the configuration; None where it is not given
     within: float = 0.1  #: relative error of the nominal stress up to which a law counts as valid
+    hold: Path | None = None  #: a file of a specimen that is held
 
     @staticmethod
-    def read(texts: dict[str, str | None], nu: float, cycle: int, run: Path | None) -> "FitOptions":
+    def read(
+        texts: dict[str, str | None], nu: float, cycle: int, run: Path | None, hold: Path | None = None
+    ) -> "FitOptions":
         """From texts by the name of the argument. Raises InputError."""
         ask(argument("nu"), StVenantKirchhoff, 1.0, nu)
 
@@ -53,6 +57,7 @@ class FitOptions:
             nu,
             texts.get("density"),
             value("within", STRAIN) or FitOptions.within,
+            hold,
         )
 
 
@@ -65,17 +70,19 @@ class Material:
     points: Points
     judged: Judged
     notes: tuple[str, ...]  #: sentences on what was left out, and what is most likely wrong with the data
+    hold: Hold | None  #: of a specimen that was held
 
     @property
     def words(self) -> list[str]:
         """The recommendation and what else to know."""
         said = recommendation(self.judged, self.points, self.options.need, self.options.within)
-        return [*said, *facts(self.judged, self.points)]
+        return [*said, *facts(self.judged, self.points), *(self.hold.words if self.hold else [])]
 
     @property
     def line(self) -> str:
         """The recommended law for a configuration."""
-        return yaml_line(self.judged.laws[0], self.options.density)
+        line = yaml_line(self.judged.laws[0], self.options.density)
+        return f"{line.removesuffix('}')}, {self.hold.written}}}" if self.hold and self.hold.g else line
 
 
 def need_of(run: Path) -> Need:
@@ -90,6 +97,7 @@ def need_of(run: Path) -> Need:
 
 def fit_tests(paths: Sequence[Path], options: FitOptions) -> Material:
     """Read, fit and judge. Raises InputError, and RunFailed where no law has constants for the tests."""
+    hold = None if options.hold is None else read_hold(options.hold)
     tests = read_tensile(paths, options.specimen, options.selection)
     points = Points.of(tests)
     notes = tuple(doubts(tests, points))
@@ -97,7 +105,7 @@ def fit_tests(paths: Sequence[Path], options: FitOptions) -> Material:
         judged = judge(points, options.need, options.nu, options.within)
     except MaterialError as failure:
         raise RunFailed("; ".join([f"no law can be fitted: {failure}", *notes])) from None
-    return Material(options, tests, points, judged, notes)
+    return Material(options, tests, points, judged, notes, hold)
 
 
 def _positive(option: str, text: str, dimension: Dimension) -> float:

@@ -1,0 +1,116 @@
+"""A specimen that is held: branches of relaxation from its stress over time, or from its strain under a constant load.
+
+Its stress is that at long times with the factor 1 + sum g exp(-t / tau); its strain under a load follows from the same
+branches. Times of branches are evenly spaced in log t, and their parts are not negative, so that noise makes none.
+"""
+
+import re
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from scipy.optimize import nnls
+
+from geometry.arrays import Array
+from pipeline.answers.material.table import KINDS
+from pipeline.answers.written_table import name_and_unit, number_in, per_unit, plain, read_cells
+from pipeline.config.units import TIME
+from pipeline.values.errors import InputError, quoted
+
+EXAMPLE = "a line of titles names a time and what was read, as 'time (s), stress (MPa)' or 'time (s), strain (%)'"
+_TIME = re.compile(r"^t$|\btime|\bzeit|\btemps")
+#: branches in a tenfold time; the shortest time of one over that of the first point, the longest over that of the last
+PER_DECADE, SHORTEST, LONGEST = 2.0, 3.0, 1.0 / 3.0
+#: a part of the stress below which a branch is left out, and fewest points of a hold
+LEAST, MIN_POINTS = 2e-3, 10
+#: largest loss factor of a rubber
+LARGEST_LOSS = 0.5
+
+
+@dataclass(frozen=True)
+class Hold:
+    """Branches of relaxation of a specimen that was held."""
+
+    g: tuple[float, ...]  #: parts over the stress at long times
+    tau_s: tuple[float, ...]  #: s
+    between_s: tuple[float, float]  #: first and last time
+    misfit: float  #: root mean square of the differences over what was read at long times
+
+    @property
+    def written(self) -> str:
+        """As a configuration takes it."""
+        branches = (f"{{g: {g:.3g}, tau: {tau:.3g} s}}" for g, tau in zip(self.g, self.tau_s, strict=True))
+        return f"relaxation: [{', '.join(branches)}]"
+
+    @property
+    def words(self) -> list[str]:
+        """How much of the stress a stretch loses that is held, and a loss factor that no rubber has."""
+        low, high = self.between_s
+        lost = 100.0 * (1.0 - 1.0 / (1.0 + sum(self.g)))
+        said = [
+            f"A stretch that is held loses {lost:.3g} % of its stress from {low:.3g} to {high:.3g} s; branches "
+            f"describe it within {100.0 * self.misfit:.2g} %. The law is taken as that at long times."
+        ]
+        rates = np.geomspace(1.0 / high, 1.0 / low, 60)
+        turns = rates[:, None] * self.tau_s
+        losses = (turns / (1.0 + turns**2)) @ self.g / (1.0 + (turns**2 / (1.0 + turns**2)) @ self.g)
+        if losses.max() > LARGEST_LOSS:
+            at = rates[losses.argmax()] / (2.0 * np.pi)
+            said.append(
+                f"The loss factor is {losses.max():.2g} at {at:.2g} Hz, and rubbers have less than {LARGEST_LOSS:g}: "
+                "is the time 0 where the hold begins, and does the specimen slip?"
+            )
+        return said
+
+
+def read_hold(path: Path) -> Hold:
+    """The branches of a file with a time that is 0 where the hold begins. Raises InputError."""
+    cells = read_cells(path, "a specimen that is held", EXAMPLE)
+    numbers = np.array([[number_in(cell) for cell in row] for row in cells])
+    for row, titles in enumerate(cells):
+        names = [plain(name_and_unit(title, (TIME,))[0]) for title in titles]
+        times = [k for k, name in enumerate(names) if _TIME.search(name)]
+        read = {kind: k for kind, (_, words) in KINDS.items() for k, name in enumerate(names) if re.search(words, name)}
+        if times and read:
+            unit = per_unit(name_and_unit(titles[times[0]], (TIME,))[1], TIME)
+            if not np.isfinite(unit):
+                raise InputError(f"{path}: column {quoted(titles[times[0]])} has no unit; write it as 'time (s)'")
+            kind = next(kind for kind in ("stress", "force", "strain", "extension", "stretch") if kind in read)
+            points = numbers[row + 1 :, [times[0], read[kind]]] * (unit, 1.0) - (0.0, float(kind == "stretch"))
+            return _held(path, points, is_creep=kind not in ("stress", "force"))
+    raise InputError(f"{path}: no line names columns of a time and of a stress, force or strain; {EXAMPLE}")
+
+
+def _held(path: Path, points: Array, *, is_creep: bool) -> Hold:
+    points = points[np.isfinite(points).all(axis=1)]
+    if (falls := np.diff(points[:, 0]) <= 0.0).any():
+        at = points[1:, 0][falls][0]
+        raise InputError(f"{path}: times do not rise at {at:g} s; give every time once, in their order")
+    t, value = points[points[:, 0] > 0.0].T
+    if len(t) < MIN_POINTS or t[-1] < 10.0 * SHORTEST * t[0]:
+        raise InputError(f"{path}: has {len(t)} points after the time 0; give {MIN_POINTS} or more, over a longer time")
+    first, last = SHORTEST * t[0], LONGEST * t[-1]
+    tau = np.geomspace(first, last, max(2, round(PER_DECADE * np.log10(last / first)) + 1))
+    columns = np.column_stack([np.ones(len(t)), (-1.0 if is_creep else 1.0) * np.exp(-t[:, None] / tau)])
+    weight = np.sqrt(np.gradient(np.log(t)))
+    level, *parts = nnls(columns * weight[:, None], np.abs(value) * weight)[0]
+    if not level > 0.0:
+        raise InputError(f"{path}: what was read comes to no rest; give a longer time")
+    g = np.array(parts) / level
+    misfit = float(np.sqrt(np.average((columns @ (1.0, *g) - np.abs(value) / level) ** 2, weights=weight**2)))
+    g, tau = g[g > LEAST], tau[g > LEAST]
+    if is_creep and len(g):
+        g, tau = _relaxing(g, tau)
+    return Hold(tuple(g.tolist()), tuple(tau.tolist()), (float(t[0]), float(t[-1])), misfit)
+
+
+def _relaxing(parts: Array, times: Array) -> tuple[Array, Array]:
+    """Parts and times of the relaxation of a solid whose strain under a load is 1 - sum parts exp(-t / times).
+
+    s J(s) = d + c (s - A)^-1 b with its poles in A; those of its inverse are the eigenvalues of A - b c / d.
+    """
+    at_once = 1.0 - parts.sum()
+    rates, left = np.linalg.eig(np.diag(-1.0 / times) - np.outer(parts / times, np.ones(len(parts))) / at_once)
+    tau, right = -1.0 / rates.real, np.linalg.solve(left, parts / times)
+    order = np.argsort(tau)
+    return (tau * left.sum(axis=0) * right / at_once**2).real[order], tau[order]
