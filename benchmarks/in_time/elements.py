@@ -1,8 +1,9 @@
-"""Finite elements in time, to check rods with: inertia by the midpoint rule, and stress that relaxes.
+"""Finite elements in time, to check rods with: inertia, and stress that relaxes.
 
-The stress of the law relaxes as S + sum q_k with dq_k/dt = g_k dS/dt - q_k / tau_k at every stress point. A step asks
-for the position x_m in its middle, where inertia has the potential 2/dt^2 (x_m - y)^T M (x_m - y) with
-y = x + dt/2 v; it is one more effect beside those of an equilibrium, and Newton's method is that of `fem.path.newton`.
+The stress of the law relaxes as S + sum q_k with dq_k/dt = g_k dS/dt - q_k / tau_k at every stress point. Steps are
+those of J. Chung, G. M. Hulbert, J. Appl. Mech. 60 (1993) 371 (generalised-alpha), asked for the positions x at which
+forces balance within the step. Inertia has the potential (x - y)^T A (x - y) / 2 there with a multiple A of the mass;
+it is one more effect beside those of an equilibrium, which Newton's method of `fem.path.newton` finds.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -19,8 +20,7 @@ from fem import Model
 from fem.discretisation import Discretisation
 from fem.effects.effect import Blocks, Term
 from fem.equations.formulation import DisplacementOnly
-from fem.equations.state import State
-from fem.materials.material import Response
+from fem.materials.material import Material, Response
 from fem.materials.regions import Laws
 from fem.path import newton
 from fem.path.active_set import ActiveSet
@@ -29,12 +29,8 @@ from geometry.arrays import Array
 
 #: degree to which products of two quadratic shape functions are integrated exactly
 DEGREE = 4
-#: when Newton's method stops: 1e-5 of the forces, a thousandth of what a step changes them by
+#: the residual is far from its end for some iterations where inertia is not
 OPTIONS = newton.NewtonOptions(tolerance=1e-5, far=30, limited=30)
-
-
-#: part g of the modulus of the configuration and time tau in s, of each branch
-Branches = Sequence[tuple[float, float]]
 
 
 def mass_matrix(space: Discretisation, density: float) -> sp.csr_matrix:
@@ -51,12 +47,11 @@ def mass_matrix(space: Discretisation, density: float) -> sp.csr_matrix:
 @final
 @dataclass(frozen=True, eq=False)  # arrays inside
 class Inertia(Term):
-    """(x - y)^T A (x - y) / 2 of positions x (n, 3) in mm."""
+    """The potential of inertia in a step."""
 
     effect = "inertia"
 
     matrix: sp.csr_matrix  #: (n, n) A, N/mm
-    upper: sp.coo_matrix  #: its upper triangle
     target: Array  #: (n, 3) y, mm
 
     def energy(self, x: Array, factor: float) -> float:
@@ -70,27 +65,21 @@ class Inertia(Term):
 
     @cached_property
     def _blocks(self) -> Blocks:
-        rows, columns = (numbers.astype(np.int64) for numbers in (self.upper.row, self.upper.col))
-        return Blocks(rows, columns, self.upper.data[:, None, None] * np.eye(3))
+        upper = sp.triu(self.matrix, format="coo")
+        rows, columns = (numbers.astype(np.int64) for numbers in (upper.row, upper.col))
+        return Blocks(rows, columns, upper.data[:, None, None] * np.eye(3))
 
 
 @dataclass(frozen=True, eq=False)  # arrays inside
 class Relaxing(Laws):
-    """Laws whose stress is multiplied, with the stress of branches added."""
+    """Laws whose stress is multiplied, with the stress of branches added; of the element p2p0."""
 
     factor: float
-    carried: Array  #: (e, q, 6) MPa, of the branches
-    split: int  #: number of stress points of the shear part; the others are those of the volumetric part
+    carried: Array  #: (e, q, 6) MPa, of the branches; that of the volumetric part is at the last point
 
-    def shear(self, strain: Array) -> Response:
-        return self._relaxed(super().shear(strain), self.carried[:, : self.split])
-
-    def volumetric(self, strain: Array) -> Response:
-        carried = self.carried[:, self.split :]
-        return self._relaxed(super().volumetric(strain), carried if carried.size else np.zeros(6))
-
-    def _relaxed(self, elastic: Response, carried: Array) -> Response:
-        stress = self.factor * elastic.stress + carried
+    def _response(self, strain: Array, evaluate: Callable[[Material, Array], Response]) -> Response:
+        elastic, points = super()._response(strain, evaluate), strain.shape[1]
+        stress = self.factor * elastic.stress + self.carried[:, slice(points) if points > 1 else slice(-1, None)]
         return Response(self.factor * elastic.energy, stress, self.factor * elastic.tangent)
 
 
@@ -99,136 +88,89 @@ class Moment:
     """A body at a time."""
 
     time: float  #: s
-    displacement: Array  #: (n, 3) mm
-    velocity: Array  #: (n, 3) mm/s
-    acceleration: Array  #: (n, 3) mm/s2
+    displacement: Array  #: (n, 3) mm, and so are velocity and acceleration
+    velocity: Array
+    acceleration: Array
     stress: Array  #: (e, q, 6) MPa, of the law alone
-    branches: Array  #: (k, e, q, 6) MPa, of each branch
-
-
-@dataclass(frozen=True)
-class Steps:
-    """The generalised-alpha method: forces at a part of a step, inertia at another.
-
-    Source: J. Chung, G. M. Hulbert, "A time integration algorithm for structural dynamics with improved numerical
-    dissipation: the generalized-alpha method", J. Appl. Mech. 60 (1993).
-    """
-
-    size: float  #: s
-    high: float = 1.0  #: what a step leaves of a motion of very high frequency; 1 damps nothing
-
-    @property
-    def force_at(self) -> float:
-        """Part of a step after which forces balance."""
-        return 1.0 / (1.0 + self.high)
-
-    @property
-    def inertia_at(self) -> float:
-        """The same of inertia."""
-        return (2.0 - self.high) / (1.0 + self.high)
-
-    @property
-    def gamma(self) -> float:
-        """Weight of the new acceleration in the velocity."""
-        return 0.5 + self.inertia_at - self.force_at
-
-    @property
-    def beta(self) -> float:
-        """Weight of the new acceleration in the displacement."""
-        return 0.25 * (1.0 + self.inertia_at - self.force_at) ** 2
+    branches: Array  #: (k, e, q, 6) MPa
 
 
 @final
 class Motion:
-    """A body that moves from an equilibrium at rest.
+    """A body that moves from an equilibrium at rest; loads grow with a factor, which is a function of time.
 
-    Effects of the model grow with a load factor, which is a function of time. Elements are quadratic and have no
-    pressure unknowns. Raises ValueError for others.
+    density: tonne/mm3. branches: parts of the modulus of the law, and times in s. size: of steps, s. high: what a step
+    leaves of very fast motions; 1 damps nothing. Elements are p2p0.
     """
 
-    def __init__(self, model: Model, density: float, branches: Branches, steps: Steps) -> None:
-        self.system, self.steps = model.system(), steps
-        formulation = self.system.formulation
-        if not isinstance(formulation, DisplacementOnly) or not self.system.space.element.quadratic:
-            raise ValueError("elements in time are p2 or p2p0")
-        self.elastic = formulation
-        self.mass = mass_matrix(self.system.space, density)
-        self.g, self.tau = np.array(branches, dtype=float).reshape(-1, 2).T
-        inertia = steps.inertia_at / (steps.force_at * steps.beta * steps.size**2) * self.mass
-        self._inertia = Inertia(inertia, sp.triu(inertia, format="coo"), np.empty(0))
-        self._active = ActiveSet.of(self.system.terms, self.system.space.points)
+    def __init__(
+        self, model: Model, density: float, branches: Sequence[tuple[float, float]], size: float, high: float = 1.0
+    ) -> None:
+        self.system, self.size = model.system(), size
+        self.space, formulation = self.system.space, self.system.formulation
+        assert isinstance(formulation, DisplacementOnly)
+        self.elastic, self.mass = formulation, mass_matrix(self.space, density)
+        self.g, self.tau = np.array(branches, dtype=float).reshape(-1, 2).T[..., None, None, None]
+        #: parts of a step after which forces and inertia are taken
+        self.part, self.late = 1.0 / (1.0 + high), (2.0 - high) / (1.0 + high)
+        self.beta, self.gamma = 0.25 * (1.0 + self.late - self.part) ** 2, 0.5 + self.late - self.part
+        self.inertia = Inertia(self.late / (self.part * self.beta * size**2) * self.mass, np.empty(0))
+        self.active = ActiveSet.of(self.system.terms, self.space.points)
 
     def begin(self, displacement: Array | None = None) -> Moment:
-        """At rest in a long-held displacement (n, 3), mm; without one the undeformed body."""
-        at = np.zeros_like(self.system.space.points) if displacement is None else displacement
-        self._active = self._active.activated(self.system.space.points + at)
+        """At rest in a displacement (n, 3), mm, to which all has relaxed; without one the undeformed body."""
+        at = np.zeros_like(self.space.points) if displacement is None else displacement
+        self.active = self.active.activated(self.space.points + at)
         stress, still = self._stress(at), np.zeros_like(at)
         return Moment(0.0, at, still, still, stress, np.zeros((len(self.g), *stress.shape)))
 
     def run(self, start: Moment, factor: Callable[[float], float], steps: int) -> Iterator[Moment]:
-        """The moments after each step; factor: of the loads at a time in s. Raises `fem.path.newton.StepFailed`."""
-        now = start
+        """The start, and after each step. Raises `fem.path.newton.StepFailed`."""
+        yield (now := start)
         for _ in range(steps):
-            now = self._after(now, self._balanced(now, factor(now.time + self.steps.force_at * self.steps.size)))
-            yield now
-
-    def energy(self, now: Moment, factor: float) -> float:
-        """N mm: kinetic, of the law and of the loads; that of the branches is not in it."""
-        self.system.replace_body(self.system.space, self.elastic)
-        kinetic = 0.5 * float(np.vdot(now.velocity, self.mass @ now.velocity))
-        return kinetic + self.system.energy(now.displacement, factor, self._active.active)
+            yield (now := self._after(now, self._balanced(now, factor(now.time + self.part * self.size))))
 
     def _stress(self, displacement: Array) -> Array:
-        self.system.replace_body(self.system.space, self.elastic)
+        self.system.replace_body(self.space, self.elastic)
         return self.system.state_at(displacement, 0.0).stress
 
     def _branches(self, now: Moment, part: float) -> tuple[Array, Array]:
         """After a part of a step: (k, 1, 1, 1) of a change of the law's stress, and (k, e, q, 6) MPa that is left."""
-        time = part * self.steps.size
-        left, gained = (np.exp(-each / self.tau)[:, None, None, None] for each in (time, 0.5 * time))
-        gained = self.g[:, None, None, None] * gained
-        return gained, left * now.branches - gained * now.stress
+        time = part * self.size
+        gained = self.g * np.exp(-0.5 * time / self.tau)
+        return gained, np.exp(-time / self.tau) * now.branches - gained * now.stress
 
     def _balanced(self, now: Moment, factor: float) -> Array:
         """(n, 3) mm: the displacement where forces balance."""
-        space, part, size = self.system.space, self.steps.force_at, self.steps.size
-        gained, left = self._branches(now, part)
-        laws, points = self.elastic.laws, space.element.shape.points
-        relaxing = Relaxing(laws.parts, laws.elements, 1.0 + float(gained.sum()), left.sum(axis=0), points)
-        self.system.replace_body(space, DisplacementOnly(space, relaxing))
-        start = self.system.state_at(now.displacement + part * size * now.velocity, factor)
-        curved = size**2 * (0.5 - self.steps.beta / self.steps.inertia_at) * now.acceleration
-        target = space.points + now.displacement + part * (size * now.velocity + curved)
-        inertia = replace(self._inertia, target=target)
-        control = LoadControl.of(self.system).target(factor, 1.0)
-        while True:
-            found = self._solve(start, inertia, control)
-            active = self._active.activated(space.points + found.displacement)
-            if active is self._active:
-                return found.displacement
-            self._active = active
-
-    def _solve(self, start: State, inertia: Inertia, control: LoadControl) -> State:
-        begin = newton.Start(start, (*self._active.active, inertia))
-        return newton.solve(begin, control, OPTIONS, lambda *_: None, self._active.inactive).state
+        gained, left = self._branches(now, self.part)
+        laws = self.elastic.laws
+        relaxing = Relaxing(laws.parts, laws.elements, 1.0 + float(gained.sum()), left.sum(axis=0))
+        self.system.replace_body(self.space, DisplacementOnly(self.space, relaxing))
+        moved = self.part * self.size * now.velocity
+        curved = self.part * self.size**2 * (0.5 - self.beta / self.late) * now.acceleration
+        inertia = replace(self.inertia, target=self.space.points + now.displacement + moved + curved)
+        start = self.system.state_at(now.displacement + moved, factor)
+        control, active = LoadControl.of(self.system).target(factor, 1.0), None
+        while active is not self.active:  # until no more walls meet
+            self.active = active or self.active
+            begin = newton.Start(start, (*self.active.active, inertia))
+            found = newton.solve(begin, control, OPTIONS, lambda *_: None, self.active.inactive).state
+            active = self.active.activated(self.space.points + found.displacement)
+        return found.displacement
 
     def _after(self, now: Moment, balanced: Array) -> Moment:
         """The end of a step, from where its forces balance (n, 3)."""
-        size, beta, gamma = self.steps.size, self.steps.beta, self.steps.gamma
-        moved = (balanced - now.displacement) / self.steps.force_at
+        size, beta = self.size, self.beta
+        moved = (balanced - now.displacement) / self.part
         acceleration = (moved - size * now.velocity) / (beta * size**2) - (0.5 / beta - 1.0) * now.acceleration
-        velocity = now.velocity + size * ((1.0 - gamma) * now.acceleration + gamma * acceleration)
+        velocity = now.velocity + size * ((1.0 - self.gamma) * now.acceleration + self.gamma * acceleration)
         stress = self._stress(now.displacement + moved)
         gained, left = self._branches(now, 1.0)
-        branches = left + gained * stress
-        return Moment(now.time + size, now.displacement + moved, velocity, acceleration, stress, branches)
+        return Moment(now.time + size, now.displacement + moved, velocity, acceleration, stress, left + gained * stress)
 
 
 def frequencies(model: Model, displacement: Array, density: float, count: int) -> Array:
-    """(count,) Hz, rising: of small motions about an equilibrium of displacement (n, 3) in mm at load factor 1.
-
-    Its supports hold displacement components; density in tonne/mm3.
-    """
+    """(count,) Hz, rising: of small motions about an equilibrium of displacement (n, 3) in mm at load factor 1."""
     system = model.system()
     active = ActiveSet.of(system.terms, system.space.points).activated(system.space.points + displacement).active
     state = system.state_at(displacement, 1.0)

@@ -1,6 +1,6 @@
 """Frequency and damping of a motion that rings and creeps."""
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from scipy.optimize import least_squares
@@ -8,45 +8,32 @@ from scipy.signal import find_peaks
 
 from geometry.arrays import Array
 
-#: periods from the first turning point on that are looked at
-PERIODS = 4.0
-#: s, how long a creep beside the ringing lasts at least and at most
-CREEP = (0.3, 5.0)
+#: periods from the first turning point on that are looked at; s, how long a creep beside the ringing lasts
+PERIODS, CREEP = 4.0, (0.3, 5.0)
 
 
-@dataclass(frozen=True)
-class Ringing:
-    """c + b exp(-t/tau) + exp(-damping omega t) (a cos(omega t) + ...), fitted by least squares."""
+class Ringing(NamedTuple):
+    """c + b exp(-t/tau) + exp(-damping omega t) (a cos omega t + d sin omega t), by least squares."""
 
     frequency: float  #: Hz, with its damping
-    damping: float  #: ratio
-
-    @property
-    def decrement(self) -> float:
-        """Logarithm of an amplitude over that one period later."""
-        return 2.0 * np.pi * self.damping
+    damping: float  #: ratio; 2 pi times it is the logarithmic decrement
 
     @classmethod
     def of(cls, time: Array, value: Array) -> "Ringing":
-        """Of values (n,) at times (n,) s after a release; the first turning point is the largest value or smallest."""
-        first, guess = _begin(time, value)
-        known = (time >= time[first]) & (time <= time[first] + PERIODS / guess)
-        t, u = time[known] - time[first], value[known]
-        start, low, high = [guess, 0.05, 1.0], [0.7 * guess, 0.0, CREEP[0]], [1.4 * guess, 0.5, CREEP[1]]
+        """Of values (n,) at times (n,) in s, which begin with a release."""
+        side = np.sign(value[-1] - value[0])
+        tops, _ = find_peaks(side * value, prominence=0.05 * np.ptp(value))
+        guess = 1.0 / float(time[tops[1]] - time[tops[0]])
+        t, u = time[tops[0] :] - time[tops[0]], value[tops[0] :]
+        t, u = t[t <= PERIODS / guess], u[t <= PERIODS / guess]
 
         def missed(unknowns: Array) -> Array:
             frequency, damping, late = unknowns
-            phase, left = 2.0 * np.pi * frequency * t, np.exp(-damping * 2.0 * np.pi * frequency * t)
-            parts = [np.ones_like(t), np.exp(-t / late), left * np.cos(phase), left * np.sin(phase)]
-            basis = np.column_stack(parts)
+            phase = 2.0 * np.pi * frequency * t
+            left = np.exp(-damping * phase)
+            basis = np.column_stack([np.ones_like(t), np.exp(-t / late), left * np.cos(phase), left * np.sin(phase)])
             return np.asarray(basis @ np.linalg.lstsq(basis, u, rcond=None)[0] - u)
 
-        frequency, damping, _ = least_squares(missed, start, bounds=(low, high), x_scale=[guess, 0.05, 1.0]).x
-        return cls(float(frequency), float(damping))
-
-
-def _begin(time: Array, value: Array) -> tuple[int, float]:
-    """The first turning point, and a guess of the frequency (Hz): that of the points on the same side."""
-    sign = np.sign(value[-1] - value[0]) or 1.0
-    tops, _ = find_peaks(sign * value, prominence=0.05 * np.ptp(value))
-    return int(tops[0]), 1.0 / float(time[tops[1]] - time[tops[0]])
+        bounds = [0.7 * guess, 0.0, CREEP[0]], [1.4 * guess, 0.5, CREEP[1]]
+        found = least_squares(missed, [guess, 0.05, 1.0], bounds=bounds, x_scale=[guess, 0.05, 1.0])
+        return cls(float(found.x[0]), float(found.x[1]))

@@ -1,0 +1,61 @@
+"""Arms in time: a released bar and a held segment that others measured, and finite elements in time.
+
+make in-time
+python -m benchmarks.in_time [--only bar | segment | NAME] [--out results/in_time]
+"""
+
+import argparse
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+from benchmarks.exports import drawn_at_random
+from benchmarks.in_time.arms import RUBBERS, MovingArm
+from benchmarks.in_time.measured import Line, ReleasedBar, segment_lines
+from benchmarks.markdown import table
+from pipeline.config.load import load_config
+
+HEADS = ("case", "number", "measured, or finite elements", "rod", "difference", "goal")
+#: kPa, and what is changed of an arm, so that its finite elements take minutes
+ARMS = {
+    "pneunet": (17.0, ["mesh.size=8 mm", "pressures=[17 kPa, 25 kPa]"]),
+    "random_3": (12.2, ["mesh.size=6 mm", "mesh.formulation=p2p0"]),
+}
+
+
+def arm_lines(name: str, out: Path) -> Iterator[Line]:
+    """Finite elements of an arm beside its rod."""
+    pressure, changes = ARMS[name]
+    path = "configs/pneunet_coarse.yaml" if name == "pneunet" else drawn_at_random(out, [3])[name][0]
+    arm = MovingArm(load_config(Path(path), [*changes, "accuracy=off"]), out / name, pressure)
+    for how in ("released", "inflated"):
+        for rubber, law in RUBBERS.items():
+            case = f"{name}, {how}, {rubber}"
+            solid, own, apart = arm.compared(rubber, how == "released")
+            more = [100.0 * (one / other - 1.0) for one, other in zip(own, solid, strict=True)]
+            yield case, "frequency, Hz", f"{solid[0]:.4g}", f"{own[0]:.4g}", f"{more[0]:+.2f} %", "1 %"
+            if law.shares:
+                yield case, "damping", f"{solid[1]:.4f}", f"{own[1]:.4f}", f"{more[1]:+.1f} %", "5 %"
+            yield case, "end", "", "", f"{100.0 * apart:.2f} % of l", "1 %"
+    solid_kPa, own_kPa = arm.closed()
+    shown = f"{100.0 * (own_kPa / solid_kPa - 1.0):+.2f} %"
+    yield f"{name}, closed", "pressure, kPa", f"{solid_kPa:.2f}", f"{own_kPa:.2f}", shown, "1 %"
+
+
+def main() -> None:
+    """Print the table."""
+    parser = argparse.ArgumentParser(description="Arms in time, measured and by finite elements.")
+    parser.add_argument("--only", help="bar, segment, or the name of an arm")
+    parser.add_argument("--out", type=Path, default=Path("results/in_time"))
+    given = parser.parse_args()
+    given.out.mkdir(parents=True, exist_ok=True)
+    rows: list[Line] = []
+    for name in ("bar", "segment", *ARMS):
+        if given.only in (None, name):
+            measured = {"bar": lambda: ReleasedBar().lines(), "segment": segment_lines}.get(name)
+            rows += measured() if measured else arm_lines(name, given.out)
+    sys.stdout.write(table(HEADS, rows) + "\n")
+
+
+if __name__ == "__main__":
+    main()
