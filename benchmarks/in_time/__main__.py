@@ -1,12 +1,15 @@
 """Arms in time: a released bar and a held segment that others measured, and finite elements in time.
 
-make in-time
-python -m benchmarks.in_time [--only bar | segment | NAME] [--out results/in_time]
+    make in-time
+    python -m benchmarks.in_time [--only bar | segment | NAME] [--out results/in_time]
+
+Laws and motions of finite elements are kept in the folder.
 """
 
 import argparse
 import sys
 from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
 
 from benchmarks.exports import drawn_at_random
@@ -26,9 +29,9 @@ ARMS = {
 def arm_lines(name: str, out: Path) -> Iterator[Line]:
     """Finite elements of an arm beside its rod."""
     pressure, changes = ARMS[name]
-    path = "configs/pneunet_coarse.yaml" if name == "pneunet" else drawn_at_random(out, [3])[name][0]
-    arm = MovingArm(load_config(Path(path), [*changes, "accuracy=off"]), out / name, pressure)
-    for how in ("released", "inflated"):
+    path = Path("configs/pneunet_coarse.yaml" if name == "pneunet" else drawn_at_random(out, [3])[name][0])
+    arm = MovingArm(load_config(path, [*changes, "accuracy=off"]), out / name, pressure)
+    for how in ("released", "raised"):
         for rubber, law in RUBBERS.items():
             case = f"{name}, {how}, {rubber}"
             solid, own, apart = arm.compared(rubber, how == "released")
@@ -37,23 +40,21 @@ def arm_lines(name: str, out: Path) -> Iterator[Line]:
             if law.shares:
                 yield case, "damping", f"{solid[1]:.4f}", f"{own[1]:.4f}", f"{more[1]:+.1f} %", "5 %"
             yield case, "end", "", "", f"{100.0 * apart:.2f} % of l", "1 %"
-    solid_kPa, own_kPa = arm.closed()
-    shown = f"{100.0 * (own_kPa / solid_kPa - 1.0):+.2f} %"
-    yield f"{name}, closed", "pressure, kPa", f"{solid_kPa:.2f}", f"{own_kPa:.2f}", shown, "1 %"
+    air, own_air = arm.closed()
+    shown = f"{100.0 * (own_air / air - 1.0):+.2f} %"
+    yield f"{name}, closed", "pressure, kPa", f"{air:.2f}", f"{own_air:.2f}", shown, "1 %"
 
 
 def main() -> None:
     """Print the table."""
-    parser = argparse.ArgumentParser(description="Arms in time, measured and by finite elements.")
+    parser = argparse.ArgumentParser(description="Arms in time.")
     parser.add_argument("--only", help="bar, segment, or the name of an arm")
     parser.add_argument("--out", type=Path, default=Path("results/in_time"))
     given = parser.parse_args()
     given.out.mkdir(parents=True, exist_ok=True)
-    rows: list[Line] = []
-    for name in ("bar", "segment", *ARMS):
-        if given.only in (None, name):
-            measured = {"bar": lambda: ReleasedBar().lines(), "segment": segment_lines}.get(name)
-            rows += measured() if measured else arm_lines(name, given.out)
+    cases = {"bar": lambda: ReleasedBar().lines(), "segment": segment_lines}
+    cases |= {name: partial(arm_lines, name, given.out) for name in ARMS}
+    rows = [line for name, lines in cases.items() if given.only in (None, name) for line in lines()]
     sys.stdout.write(table(HEADS, rows) + "\n")
 
 

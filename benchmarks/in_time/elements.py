@@ -1,20 +1,17 @@
 """Finite elements in time, to check rods with: inertia, and stress that relaxes.
 
 The stress of the law relaxes as S + sum q_k with dq_k/dt = g_k dS/dt - q_k / tau_k at every stress point. Steps are
-those of J. Chung, G. M. Hulbert, J. Appl. Mech. 60 (1993) 371 (generalised-alpha), asked for the positions x at which
-forces balance within the step. Inertia has the potential (x - y)^T A (x - y) / 2 there with a multiple A of the mass;
-it is one more effect beside those of an equilibrium, which Newton's method of `fem.path.newton` finds.
+generalised-alpha (J. Chung, G. M. Hulbert, J. Appl. Mech. 60 (1993) 371). At the positions x at which forces balance
+inertia has the potential (x - y)^T A (x - y) / 2: it is one more effect beside those of an equilibrium.
 """
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
 from typing import final
 
 import numpy as np
 import scipy.sparse as sp
 import skfem
-from scipy.sparse.linalg import LinearOperator, eigsh
 
 from fem import Model
 from fem.discretisation import Discretisation
@@ -27,15 +24,13 @@ from fem.path.active_set import ActiveSet
 from fem.path.control import LoadControl
 from geometry.arrays import Array
 
-#: degree to which products of two quadratic shape functions are integrated exactly
-DEGREE = 4
 #: the residual is far from its end for some iterations where inertia is not
 OPTIONS = newton.NewtonOptions(tolerance=1e-5, far=30, limited=30)
 
 
 def mass_matrix(space: Discretisation, density: float) -> sp.csr_matrix:
     """(n, n) tonne: int rho N_a N_b dX of quadratic elements; density in tonne/mm3."""
-    points, weight = skfem.quadrature.get_quadrature(skfem.refdom.RefTet, DEGREE)
+    points, weight = skfem.quadrature.get_quadrature(skfem.refdom.RefTet, 4)
     shapes = [skfem.ElementTetP2().lbasis(points, a) for a in range(10)]
     shape, gradient = (np.stack([each[k] for each in shapes]) for k in (0, 1))  # (a, q), (a, k, q)
     volume = np.abs(np.linalg.det(np.einsum("akq,eai->eqik", gradient, space.points[space.nodes])))
@@ -52,6 +47,7 @@ class Inertia(Term):
     effect = "inertia"
 
     matrix: sp.csr_matrix  #: (n, n) A, N/mm
+    second: Blocks  #: the same
     target: Array  #: (n, 3) y, mm
 
     def energy(self, x: Array, factor: float) -> float:
@@ -61,13 +57,7 @@ class Inertia(Term):
         out += self.matrix @ (x - self.target)
 
     def blocks(self, x: Array, factor: float, convex: bool) -> Blocks:
-        return self._blocks
-
-    @cached_property
-    def _blocks(self) -> Blocks:
-        upper = sp.triu(self.matrix, format="coo")
-        rows, columns = (numbers.astype(np.int64) for numbers in (upper.row, upper.col))
-        return Blocks(rows, columns, upper.data[:, None, None] * np.eye(3))
+        return self.second
 
 
 @dataclass(frozen=True, eq=False)  # arrays inside
@@ -88,9 +78,9 @@ class Moment:
     """A body at a time."""
 
     time: float  #: s
-    displacement: Array  #: (n, 3) mm, and so are velocity and acceleration
-    velocity: Array
-    acceleration: Array
+    displacement: Array  #: (n, 3) mm
+    velocity: Array  #: (n, 3) mm/s
+    acceleration: Array  #: (n, 3) mm/s2
     stress: Array  #: (e, q, 6) MPa, of the law alone
     branches: Array  #: (k, e, q, 6) MPa
 
@@ -110,16 +100,18 @@ class Motion:
         self.space, formulation = self.system.space, self.system.formulation
         assert isinstance(formulation, DisplacementOnly)
         self.elastic, self.mass = formulation, mass_matrix(self.space, density)
-        self.g, self.tau = np.array(branches, dtype=float).reshape(-1, 2).T[..., None, None, None]
+        self.g, self.tau = np.array(branches).reshape(-1, 2).T[..., None, None, None]
         #: parts of a step after which forces and inertia are taken
         self.part, self.late = 1.0 / (1.0 + high), (2.0 - high) / (1.0 + high)
         self.beta, self.gamma = 0.25 * (1.0 + self.late - self.part) ** 2, 0.5 + self.late - self.part
-        self.inertia = Inertia(self.late / (self.part * self.beta * size**2) * self.mass, np.empty(0))
+        matrix = self.late / (self.part * self.beta * size**2) * self.mass
+        upper = sp.triu(matrix, format="coo")
+        pairs = [upper.row.astype(np.int64), upper.col.astype(np.int64), upper.data[:, None, None] * np.eye(3)]
+        self.inertia = Inertia(matrix, Blocks(*pairs), np.empty(0))
         self.active = ActiveSet.of(self.system.terms, self.space.points)
 
-    def begin(self, displacement: Array | None = None) -> Moment:
-        """At rest in a displacement (n, 3), mm, to which all has relaxed; without one the undeformed body."""
-        at = np.zeros_like(self.space.points) if displacement is None else displacement
+    def begin(self, at: Array) -> Moment:
+        """At rest in a displacement (n, 3), mm, to which all has relaxed."""
         self.active = self.active.activated(self.space.points + at)
         stress, still = self._stress(at), np.zeros_like(at)
         return Moment(0.0, at, still, still, stress, np.zeros((len(self.g), *stress.shape)))
@@ -160,23 +152,9 @@ class Motion:
 
     def _after(self, now: Moment, balanced: Array) -> Moment:
         """The end of a step, from where its forces balance (n, 3)."""
-        size, beta = self.size, self.beta
-        moved = (balanced - now.displacement) / self.part
-        acceleration = (moved - size * now.velocity) / (beta * size**2) - (0.5 / beta - 1.0) * now.acceleration
+        size, moved = self.size, (balanced - now.displacement) / self.part
+        acceleration = (moved / size - now.velocity) / (self.beta * size) - (0.5 / self.beta - 1.0) * now.acceleration
         velocity = now.velocity + size * ((1.0 - self.gamma) * now.acceleration + self.gamma * acceleration)
         stress = self._stress(now.displacement + moved)
         gained, left = self._branches(now, 1.0)
         return Moment(now.time + size, now.displacement + moved, velocity, acceleration, stress, left + gained * stress)
-
-
-def frequencies(model: Model, displacement: Array, density: float, count: int) -> Array:
-    """(count,) Hz, rising: of small motions about an equilibrium of displacement (n, 3) in mm at load factor 1."""
-    system = model.system()
-    active = ActiveSet.of(system.terms, system.space.points).activated(system.space.points + displacement).active
-    state = system.state_at(displacement, 1.0)
-    held, tangent = system.constraints, system.linearise(state, system.assemble(state, active), active)
-    mass = sp.kron(mass_matrix(system.space, density), sp.eye(3))
-    reduced = (held.transformation.T @ mass @ held.transformation).tocsr()
-    inverse = LinearOperator(reduced.shape, lambda x: -held.reduce(tangent.solve(held.expand(x)).displacement))
-    values = eigsh(reduced, count, reduced, sigma=0.0, OPinv=inverse, return_eigenvectors=False)
-    return np.sort(np.sqrt(values)) / (2.0 * np.pi)

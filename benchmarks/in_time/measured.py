@@ -2,35 +2,62 @@
 
 from collections.abc import Iterator
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
 from scipy.interpolate import CubicSpline
 from scipy.optimize import brentq, least_squares
+from scipy.signal import find_peaks
 
 from benchmarks.experiments.bar import GRAVITY, Bar, BendingRod
 from benchmarks.experiments.cases import read_case
 from benchmarks.experiments.fitted_bar import BarNumbers, fit_bar
-from benchmarks.in_time.ringing import Ringing
 from geometry.arrays import Array
 from rod import Acting, Body, FiveParameters, Relaxation, Rod, Start, Steps, move
 from rod.weight import Mass
 
 HERE = Path(__file__).parent
-#: rows of the static calibration of the bar, Hz between which its loss factor holds, s of its slow branch
-STATIC, BAND, SLOW = (1, 2, 3, 4), (3.0, 8.0), 1.0
-#: mm, the marker above the middle of the free face; s, from when on and how long the bar is looked at for its creep
-MARKER, EARLY, LATE, LONG = 21.0, 1.0, 3.5, 0.5
+#: rows of the static calibration of the bar, Hz between which its loss factor holds, s of its slow branch, and s from
+#: when on and how long its creep is looked at
+STATIC, BAND, SLOW, EARLY, LATE, LONG = (1, 2, 3, 4), (3.0, 8.0), 1.0, 1.0, 3.5, 0.5
 #: s, when and how long holds are looked at for creep, and for the curve; kPa at which it is fitted, and lowest one
 BEGUN, HELD, SHORT, CURVE, FITTED, LOWEST = 0.5, 2.7, 0.2, (1.0, 0.5), 40.0, 25.0
+#: periods from the first turning point on that are looked at; s, how long a creep beside the ringing lasts
+PERIODS, CREEP = 4.0, (0.3, 5.0)
 #: a row of the table: case, number, measured, computed, difference, goal
 Line = tuple[str, str, str, str, str, str]
-#: times in s and values in mm (n,)
-Signal = tuple[Array, Array]
 
 
-def mean(signal: Signal, at: float, width: float) -> float:
-    """Of the values from a time on, for some s."""
+class Ringing(NamedTuple):
+    """c + b exp(-t/tau) + exp(-damping omega t) (a cos omega t + d sin omega t), by least squares."""
+
+    frequency: float  #: Hz, with its damping
+    damping: float  #: ratio; 2 pi times it is the logarithmic decrement
+
+    @classmethod
+    def of(cls, time: Array, value: Array) -> "Ringing":
+        """Of values (n,) at times (n,) in s, which begin with a release."""
+        side = np.sign(value[-1] - value[0])
+        tops, _ = find_peaks(side * value, prominence=0.05 * np.ptp(value))
+        guess = 1.0 / float(time[tops[1]] - time[tops[0]])
+        t, u = time[tops[0] :] - time[tops[0]], value[tops[0] :]
+        t, u = t[t <= PERIODS / guess], u[t <= PERIODS / guess]
+
+        def missed(unknowns: Array) -> Array:
+            frequency, damping, late = unknowns
+            phase = 2.0 * np.pi * frequency * t
+            left = np.exp(-damping * phase)
+            basis = np.column_stack([np.ones_like(t), np.exp(-t / late), left * np.cos(phase), left * np.sin(phase)])
+            return np.asarray(basis @ np.linalg.lstsq(basis, u, rcond=None)[0] - u)
+
+        bounds = [0.7 * guess, 0.0, CREEP[0]], [1.4 * guess, 0.5, CREEP[1]]
+        found = least_squares(missed, [guess, 0.05, 1.0], bounds=bounds, x_scale=[guess, 0.05, 1.0])
+        return cls(float(found.x[0]), float(found.x[1]))
+
+
+def mean(signal: Array, at: float, width: float) -> float:
+    """Of the values from a time on, for some s; signal (2, n): times in s, and values."""
     time, value = signal
     return float(value[(time >= at) & (time < at + width)].mean())
 
@@ -42,31 +69,31 @@ class ReleasedBar:
         case = read_case(HERE.parent / "experiments" / "eth_beam")
         assert isinstance(case.body, Bar)
         self.bar = bar = case.body
-        modulus = fit_bar(BarNumbers(case, bar, BendingRod()), STATIC).modulus * bar.law.young_modulus
-        rigidity = modulus * bar.width * bar.height**3 / 12.0
+        rigidity = bar.law.young_modulus * bar.width * bar.height**3 / 12.0
+        rigidity *= fit_bar(BarNumbers(case, bar, BendingRod()), STATIC).modulus
         self.rod = Rod(bar.length, 0.0, FiveParameters(rigidity, rigidity, 0.0, 0.0, 0.1 * bar.length))
         takes = pd.read_csv(HERE / "eth_beam_release.csv", comment="#").groupby(["edge_force_N", "repeat"])
-        self.takes = {key: (take["t_s"].to_numpy(), take["u_up_mm"].to_numpy()) for key, take in takes}
+        self.takes = {key: take[["t_s", "u_up_mm"]].to_numpy().T for key, take in takes}
 
-    def moves(self, force: float, rubber: Relaxation) -> Signal:
-        """Held straight until it is released; a mass on its end stands for a force in N."""
-        bar, hung = self.bar, 1e6 * force / GRAVITY
+    def moves(self, force: float, rubber: Relaxation) -> Array:
+        """(2, n) s and mm: held straight until it is released; a mass on its end stands for a force in N."""
+        bar, hung = self.bar, Acting(tip_mass=1e6 * force / GRAVITY, direction="lying")
         mass = Mass.even(bar.length, 1e6 * bar.density * bar.length * bar.width * bar.height)
         body = Body(self.rod, rubber, mass, (bar.height**2 / 12.0, bar.width**2 / 12.0))
-        motion = move(body, 0.0, 4.2, Acting(tip_mass=hung, direction="lying"), Start(acting=Acting()), Steps(0.005))
-        return motion.times_s, motion.tips[:, 1] - MARKER * (1.0 - np.cos(np.radians(motion.end_angles_deg)))
+        motion = move(body, 0.0, 4.2, hung, Start(acting=Acting()), Steps(0.005))
+        return np.array([motion.times_s, motion.tips[:, 1]])
 
     def fitted(self) -> Relaxation:
         """By damping and creep of the takes without a load; nothing else is fitted."""
 
-        def known(signal: Signal) -> Array:
+        def known(signal: Array) -> Array:
             return np.array([Ringing.of(*signal).damping, mean(signal, LATE, LONG) / mean(signal, EARLY, LONG) - 1.0])
 
         def rubber(loss: float, slow: float) -> Relaxation:
             fast = Relaxation.from_loss_factor(loss, *BAND)
             return Relaxation((*fast.shares, slow), (*fast.times_s, SLOW))
 
-        measured = np.mean([known(take) for (force, _), take in self.takes.items() if not force], axis=0)
+        measured = np.mean([known(take) for key, take in self.takes.items() if key[0] == 0.0], axis=0)
         missed = lambda x: known(self.moves(0.0, rubber(*x))) / measured - 1.0  # noqa: E731
         return rubber(*least_squares(missed, [0.1, 0.05], bounds=(0.005, 0.4), diff_step=0.05, xtol=1e-3).x)
 
@@ -74,7 +101,7 @@ class ReleasedBar:
         """Frequency and damping ratio under each load."""
         rubber = self.fitted()
         for force in sorted({load for load, _ in self.takes}):
-            known = np.mean([Ringing.of(*take) for (load, _), take in self.takes.items() if load == force], axis=0)
+            known = np.mean([Ringing.of(*take) for key, take in self.takes.items() if key[0] == force], axis=0)
             own, name = Ringing.of(*self.moves(force, rubber)), f"bar, {1e6 * force / GRAVITY:.0f} g on its end"
             for k, (what, goal) in enumerate((("frequency, Hz", "3 %"), ("damping", "20 %"))):
                 shown = f"{100.0 * (own[k] / known[k] - 1.0):+.1f} %"
@@ -84,12 +111,10 @@ class ReleasedBar:
 def segment_lines() -> Iterator[Line]:
     """Creep of the segment at held pressures, by its tip over the pressure and one factor fitted at one pressure.
 
-    It is a factor of the modulus, which multiplies the pressure that is felt; or the pressure rises in all holds alike.
+    It multiplies the pressure that is felt, as a modulus does; or the pressure rises in all holds alike.
     """
     table, known = (pd.read_csv(HERE / f"sopra_{name}.csv", comment="#") for name in ("hold", "segment"))
-    holds = {
-        p: (hold["t_s"].to_numpy(), hold["tip_distance_mm"].to_numpy()) for p, hold in table.groupby("pressure_kPa")
-    }
+    holds = {p: hold.to_numpy().T[1:] for p, hold in table.groupby("pressure_kPa")}
     tips = [0.0, *known["tip_distance_mm"], mean(holds[max(holds)], *CURVE)]  # the curve ends below the last hold
     curve = CubicSpline([0.0, *known["pressure_kPa"], max(holds)], tips)
 
@@ -102,5 +127,5 @@ def segment_lines() -> Iterator[Line]:
         begun, measured = felt(p, BEGUN), curve(felt(p, HELD)) / curve(felt(p, BEGUN)) - 1.0
         for what, later in (("modulus", begun * last / first), ("pressure", begun + last - first)):
             own = curve(later) / curve(begun) - 1.0
-            words = f"creep of the {what}", f"{100 * measured:.1f} %", f"{100 * own:.1f} %"
-            yield f"segment, {p:g} kPa", *words, f"{100.0 * (own / measured - 1.0):+.0f} %", "20 %"
+            words = f"segment, {p:g} kPa", f"creep of the {what}", f"{100 * measured:.1f} %", f"{100 * own:.1f} %"
+            yield *words, f"{100.0 * (own / measured - 1.0):+.0f} %", "20 %"
