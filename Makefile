@@ -21,7 +21,7 @@ LAW := both
 LARGER := 1
 
 all_targets := pneunet pneunet-coarse golden semicircular semicircular-single bisected-circle all effects cell budget design material sweep paper-coarse paper accuracy
-.PHONY: help setup $(all_targets) test slow hard fuzz kills unseen exports space experiments virtual-arms foreign portable nightly wheel recipes lint types docs doctor bench-peers bench-run clean
+.PHONY: help setup $(all_targets) test slow hard fuzz kills unseen exports space experiments in-time virtual-arms foreign portable nightly wheel recipes lint types docs doctor bench-peers bench-run clean
 
 help:  ## list the targets
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## (.*)/make \1\t\2/' | expand -t 26
@@ -126,6 +126,9 @@ foreign: $(DEV)  ## bodies as other programs write them, meshed and bent; a tabl
 
 experiments: $(DEV)  ## measured bodies: error before and after a calibration; the table of docs/experiments.md
 	@$(BIN)/python -m benchmarks.experiments
+
+in-time: $(DEV)  ## a released bar, a held segment, and finite elements in time beside rods; the table of docs/experiments.md
+	@$(BIN)/python -m benchmarks.in_time
 
 virtual-arms: $(DEV)  ## twenty arms built otherwise than drawn, predicted after a calibration; a table, and a plot in results/virtual_arms
 	@$(BIN)/python -m benchmarks.virtual_arms

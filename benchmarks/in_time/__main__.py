@@ -34,15 +34,14 @@ def arm_lines(name: str, out: Path) -> Iterator[Line]:
     for how in ("released", "raised"):
         for rubber, law in RUBBERS.items():
             case = f"{name}, {how}, {rubber}"
-            solid, own, apart = arm.compared(rubber, how == "released")
-            more = [100.0 * (one / other - 1.0) for one, other in zip(own, solid, strict=True)]
-            yield case, "frequency, Hz", f"{solid[0]:.4g}", f"{own[0]:.4g}", f"{more[0]:+.2f} %", "1 %"
+            solid, rod, apart = arm.compared(rubber, how == "released")
+            more = [100.0 * (one / other - 1.0) for one, other in zip(rod, solid, strict=True)]
+            yield case, "frequency, Hz", f"{solid[0]:.4g}", f"{rod[0]:.4g}", f"{more[0]:+.2f} %", "1 %"
             if law.shares:
-                yield case, "damping", f"{solid[1]:.4f}", f"{own[1]:.4f}", f"{more[1]:+.1f} %", "5 %"
+                yield case, "damping", f"{solid[1]:.4f}", f"{rod[1]:.4f}", f"{more[1]:+.1f} %", "5 %"
             yield case, "end", "", "", f"{100.0 * apart:.2f} % of l", "1 %"
-    air, own_air = arm.closed()
-    shown = f"{100.0 * (own_air / air - 1.0):+.2f} %"
-    yield f"{name}, closed", "pressure, kPa", f"{air:.2f}", f"{own_air:.2f}", shown, "1 %"
+    air, own = arm.closed()
+    yield f"{name}, closed", "pressure, kPa", f"{air:.2f}", f"{own:.2f}", f"{100.0 * (own / air - 1.0):+.2f} %", "1 %"
 
 
 def main() -> None:

@@ -90,14 +90,10 @@ class MovingArm:
 
     def closed(self) -> list[float]:
         """kPa, of air that is closed in at the pressure, under twice the force: by finite elements, by the rod."""
-        parts, force, amount = np.array([1.0, 1.02, 1.05]), 2.0 * self.force, OUTSIDE + self.pressure
-        steps = [self.still, *(follow(self.model(force, part), [1.0]).steps[0] for part in parts)]
+        parts, load = np.array([1.0, 1.02, 1.05]), Load(force=(0.0, 2.0 * self.force))
+        steps = [self.still, *(follow(self.model(load.force[1], part), [1.0]).steps[0] for part in parts)]
         by_elements = [sum(map(step.cavity_volume, self.half.body.cavities)) for step in steps]
-        loads = [Load(), *[Load(force=(0.0, force))] * 3]
-        rods = [self.law.at(part * self.pressure) for part in (1.0, *parts)]
-        by_rod = [rod.volumes(rod.under(load)).sum() for rod, load in zip(rods, loads, strict=True)]
-        kept = []
-        for begun, *airs in (by_elements, by_rod):
-            air = np.polynomial.Polynomial.fit(parts * self.pressure, (OUTSIDE + parts * self.pressure) * airs, 2)
-            kept.append(float((air - amount * begun).roots().real.max()))
-        return kept
+        rods = [(self.law.at(self.pressure), Load()), *((self.law.at(part * self.pressure), load) for part in parts)]
+        by_rod = [rod.volumes(rod.under(one)).sum() for rod, one in rods]
+        known = OUTSIDE + parts * self.pressure
+        return [float(np.interp(known[0] * a[0], known * a[1:], known)) - OUTSIDE for a in (by_elements, by_rod)]

@@ -45,7 +45,6 @@ class Inertia(Term):
     """The potential of inertia in a step."""
 
     effect = "inertia"
-
     matrix: sp.csr_matrix  #: (n, n) A, N/mm
     second: Blocks  #: the same
     target: Array  #: (n, 3) y, mm

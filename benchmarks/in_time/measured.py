@@ -23,7 +23,7 @@ HERE = Path(__file__).parent
 STATIC, BAND, SLOW, EARLY, LATE, LONG = (1, 2, 3, 4), (3.0, 8.0), 1.0, 1.0, 3.5, 0.5
 #: s, when and how long holds are looked at for creep, and for the curve; kPa at which it is fitted, and lowest one
 BEGUN, HELD, SHORT, CURVE, FITTED, LOWEST = 0.5, 2.7, 0.2, (1.0, 0.5), 40.0, 25.0
-#: periods from the first turning point on that are looked at; s, how long a creep beside the ringing lasts
+#: periods of a ringing that are looked at; s, how long a creep beside it lasts
 PERIODS, CREEP = 4.0, (0.3, 5.0)
 #: a row of the table: case, number, measured, computed, difference, goal
 Line = tuple[str, str, str, str, str, str]

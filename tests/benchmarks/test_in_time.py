@@ -5,6 +5,7 @@ import pytest
 import skfem
 
 from benchmarks.in_time.elements import Motion, mass_matrix
+from benchmarks.in_time.measured import Ringing, segment_lines
 from fem import Fixed, Gravity, Model, Pressure, StVenantKirchhoff, follow
 from fem.discretisation import Discretisation
 from geometry.arrays import Array
@@ -80,3 +81,16 @@ def test_a_bar_that_swings_far_keeps_its_energy() -> None:
         kinetic = 0.5 * float(np.vdot(moment.velocity, motion.mass @ moment.velocity))
         energies.append(kinetic + elastic.energy(moment.displacement, 0.0, ()))
     assert np.ptp(energies) < 1e-2 * energies[0]
+
+
+def test_frequency_and_damping_of_a_motion_that_creeps_come_back() -> None:
+    time, rate, damping = np.arange(0.0, 3.0, 0.01), 2.0 * np.pi * 3.3, 0.06
+    value = 20.0 + 2.0 * np.exp(-time / 0.8) - 15.0 * np.exp(-damping * rate * time) * np.cos(rate * time)
+    found = Ringing.of(time, value)
+    assert found == pytest.approx((3.3, damping), rel=1e-4)
+
+
+def test_holds_of_the_segment_are_foretold_from_one_of_them() -> None:
+    lines = {(case, what): shown for case, what, _, _, shown, _ in segment_lines()}
+    assert len(lines) == 10
+    assert {shown for (case, _), shown in lines.items() if "40" in case} == {"+0 %"}
