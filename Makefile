@@ -127,7 +127,7 @@ foreign: $(DEV)  ## bodies as other programs write them, meshed and bent; a tabl
 experiments: $(DEV)  ## measured bodies: error before and after a calibration; the table of docs/experiments.md
 	@$(BIN)/python -m benchmarks.experiments
 
-in-time: $(DEV)  ## a released bar, a held segment, and finite elements in time beside rods; the table of docs/experiments.md
+in-time: $(DEV)  ## a released bar, a held segment, and finite elements in time beside rods; the table of studies/in_time.md
 	@$(BIN)/python -m benchmarks.in_time
 
 virtual-arms: $(DEV)  ## twenty arms built otherwise than drawn, predicted after a calibration; a table, and a plot in results/virtual_arms
