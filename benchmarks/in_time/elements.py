@@ -25,7 +25,7 @@ from fem.path.control import LoadControl
 from geometry.arrays import Array
 
 #: the residual is far from its end for some iterations where inertia is not
-OPTIONS = newton.NewtonOptions(tolerance=1e-5, far=30, limited=30)
+OPTIONS = newton.NewtonOptions(tolerance=1e-8, far=30, limited=30)
 
 
 def mass_matrix(space: Discretisation, density: float) -> sp.csr_matrix:
