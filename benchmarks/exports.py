@@ -22,7 +22,7 @@ import mujoco
 import numpy as np
 from scipy.io import loadmat
 
-from benchmarks.markdown import table
+from benchmarks.markdown import table, write_made
 from benchmarks.unseen.designs import drawn
 from pipeline.answers.rods.export import ExportOptions, exported
 from pipeline.answers.rods.judged import Reference, distance, references
@@ -258,6 +258,8 @@ def main() -> int:
             rows += errors_of(name, solved(name, config, changes, given.results))
             text = json.dumps(rows, indent=1) + "\n"
             (given.results / "exports.json").write_text(text, encoding="utf-8")
+    if given.only is None:
+        write_made("make exports", summary(rows))
     sys.stdout.write(f"{summary(rows)}\n")
     return int(max(row["error"] for row in rows) > 0.01)
 

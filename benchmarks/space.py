@@ -24,7 +24,7 @@ from matplotlib.figure import Figure
 from scipy.spatial.transform import Rotation
 
 from benchmarks.exports import drawn_at_random, rest
-from benchmarks.markdown import table
+from benchmarks.markdown import table, write_made
 from benchmarks.whole_arm import PlanarState, couple, force_across
 from geometry.arrays import Array
 from pipeline.config.config import Config
@@ -53,6 +53,16 @@ ARMS = ("pneunet", "bisected_circle", "semicircular", "semicircular_single")
 SAME_MESH = {"accuracy": "off", "law_in_space": "true"}
 #: programs in which exported arms are opened
 OPENED = ("mujoco", "pyelastica")
+#: how many designs are drawn at random
+RANDOM = 8
+#: columns of the tables: of the last key, in rows that have all of them; rods, and exported arms
+ROD = {
+    "force: displacement": ("displacement",),
+    "force: turn of the end": ("turn", "displacement"),
+    "couple: turn of the end": ("turn", "inside"),
+    "couple: turn of the last cell": ("inside",),
+}
+EXPORTED = {program: (program,) for program in OPENED}
 #: an arm that buckles sideways: what is changed of pneunet, the direction of the force, and a force (N) beyond
 NARROW = {
     "geometry.width": "7 mm",
@@ -189,15 +199,8 @@ def errors_of(name: str, law: ArmLaw, states: Sequence[Mapping[str, Any]], folde
             yield row
 
 
-def summary(rows: Sequence[Mapping[str, Any]]) -> str:
+def summary(rows: Sequence[Mapping[str, Any]], columns: Mapping[str, tuple[str, ...]]) -> str:
     """A Markdown table: the largest errors of each arm over its pressures, in %."""
-    columns = {
-        "force: displacement": ("displacement",),
-        "force: turn of the end": ("turn", "displacement"),
-        "couple: turn of the end": ("turn", "inside"),
-        "couple: turn of the last cell": ("inside",),
-        **{program: (program,) for program in OPENED},
-    }
     lines = []
     for arm in dict.fromkeys(row["arm"] for row in rows):
         own = [row for row in rows if row["arm"] == arm]
@@ -244,7 +247,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--results", type=Path, default=Path("results/space"))
     parser.add_argument("--only", help="the name of one arm")
-    parser.add_argument("--random", type=int, default=8, help="number of designs drawn at random")
+    parser.add_argument("--random", type=int, default=RANDOM, help="number of designs drawn at random")
     given = parser.parse_args()
     given.results.mkdir(parents=True, exist_ok=True)
     rows: list[dict[str, Any]] = []
@@ -262,7 +265,9 @@ def main() -> int:
             (given.results / "space.json").write_text(json.dumps(rows, indent=1) + "\n", encoding="utf-8")
     file = given.results / f"{given.only or 'space'}.png"
     draw({name: pairs for name, pairs in curves.items() if name in ARMS} or curves, file)
-    sys.stdout.write(f"{summary(rows)}\n{buckling(given.results)}\n")
+    if given.only is None and given.random == RANDOM:
+        write_made("python -m benchmarks.space", summary(rows, ROD))
+    sys.stdout.write(f"{summary(rows, ROD)}\n\n{summary(rows, EXPORTED)}\n{buckling(given.results)}\n")
     worst = (max((row.get(key, 0.0) for row in rows), default=0.0) for key in ("displacement", "inside"))
     return int(any(error > allowed for error, allowed in zip(worst, (0.02, 0.03), strict=True)))
 

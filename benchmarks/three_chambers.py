@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from benchmarks.markdown import table
+from benchmarks.markdown import table, write_made
 from benchmarks.whole_arm import NodalForces, at_full_pressure, reached
 from fem import Experiment, Model
 from fem.solution import Step
@@ -111,6 +111,7 @@ def main() -> int:
         rows.append([f"{state['pressure_kPa']:g}", force, end, f"{size:.3f}", error, missing])
     heads = ["pressure, kPa", "force, N", "end, mm", "rod: error of the end, % of l", "of what the force moves, %"]
     heads.append("of the air, %")
+    write_made("python -m benchmarks.three_chambers", table(heads, rows))
     sys.stdout.write(f"{table(heads, rows)}\n")
     draw(curves, given.results / "three_chambers.png")
     return int(max(float(row[3]) for row in rows) > 0.2)

@@ -13,7 +13,7 @@ from pathlib import Path
 
 from benchmarks.experiments.cases import cases_in
 from benchmarks.experiments.judged import Line, lines_of
-from benchmarks.markdown import table
+from benchmarks.markdown import table, write_made
 from pipeline.values.errors import InputError, RunFailed
 
 HEADS = ("case", "model", "calibrated on rows", "moduli times", "other rows", "error before", "after", "in 90 %")
@@ -41,6 +41,8 @@ def main() -> None:
                 rows += [cells(line) for line in lines_of(case, given.out / case.name, given.jobs)]
     except (InputError, RunFailed) as failure:
         sys.exit(str(failure))
+    if given.only is None and given.cases == Path(__file__).parent:
+        write_made("make experiments", table(HEADS, rows))
     sys.stdout.write(table(HEADS, rows) + "\n")
 
 

@@ -12,6 +12,7 @@ import argparse
 import sys
 from pathlib import Path
 
+from benchmarks.markdown import write_made
 from benchmarks.virtual_arms.designs import arms
 from benchmarks.virtual_arms.measured import measured
 from benchmarks.virtual_arms.predicted import Judged, judged
@@ -43,6 +44,8 @@ def main() -> None:
     given = parser.parse_args()
     results = judge_all(given.seed, given.count, given.out, given.loaded)
     (given.out / "calibration.html").write_text(calibration_page(results), encoding="utf-8")
+    if (given.seed, given.count, given.loaded) == (SEED, COUNT, False):
+        write_made("make virtual-arms", summary(results))
     sys.stdout.write(f"\n{summary(results)}\n\nintervals: {given.out / 'calibration.html'}\n")
 
 

@@ -25,7 +25,7 @@ def summary(arms: Sequence[Judged]) -> str:
     heads = ["predicted", "states", "error before: median, nine of ten", "after: median, nine of ten"]
     text = table([*heads, *(f"in {100 * p:.0f} % intervals" for p in STATED)], rows)
     failed = [f"{one.arm} ({one.family}): {one.failure}" for one in arms if one.failure]
-    return "\n".join([text, *failed])
+    return "\n\n".join([text, *failed])
 
 
 def _kinds() -> list[tuple[str, tuple[str, ...]]]:

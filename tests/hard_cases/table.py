@@ -1,12 +1,10 @@
-"""The table of docs/hard_cases.md, between two marks; the text outside them is not changed."""
+"""The table of docs/hard_cases.md."""
 
 from collections.abc import Sequence
-from pathlib import Path
 
+from benchmarks.markdown import write_made
 from tests.hard_cases.solve import Line
 
-PAGE = Path(__file__).resolve().parent.parent.parent / "docs" / "hard_cases.md"
-BEGIN, END = "<!-- make hard: begin -->", "<!-- make hard: end -->"
 COLUMNS = (
     *("case", "expected", "outcome", "checked against", "difference", "allowed", "load increments", "cutbacks"),
     *("factorizations", "min J", "stretches"),
@@ -31,11 +29,7 @@ def summary(lines: Sequence[Line]) -> str:
 
 def write_table(lines: Sequence[Line]) -> None:
     """Put the table and its summary between the marks of the page."""
-    page = PAGE.read_text(encoding="utf-8")
-    before, _, rest = page.partition(BEGIN)
-    _, mark, after = rest.partition(END)
-    assert mark, f"{PAGE} has lost its marks {BEGIN} and {END}"
-    PAGE.write_text(f"{before}{BEGIN}\n\n{summary(lines)}\n\n{table(lines)}\n{END}{after}", encoding="utf-8")
+    write_made("make hard", f"{summary(lines)}\n\n{table(lines)}")
 
 
 def _row(line: Line) -> list[str]:

@@ -5,9 +5,9 @@
 
 import pytest
 
+from benchmarks.markdown import made
 from tests.hard_cases.cases import read_cases
 from tests.hard_cases.solve import line_of
-from tests.hard_cases.table import BEGIN, END, PAGE
 
 CASES = {case.name: case for case in read_cases()}
 
@@ -21,7 +21,7 @@ def test_the_table_is_a_table() -> None:
 
 
 def test_every_case_stands_in_the_page() -> None:
-    written = PAGE.read_text(encoding="utf-8").partition(BEGIN)[2].partition(END)[0]
+    [written] = [block.text for block in made() if block.command == "make hard"]
     assert [name for name in CASES if f"| {name} |" not in written] == []
     assert "not as expected**" not in written
 
