@@ -1,25 +1,32 @@
 """Laws from tests with warts are close to the truth, in one and in two directions, and unsafe laws are not offered."""
 
+import re
+
 import numpy as np
 import pytest
 
 import fem
+from benchmarks.markdown import made
 from fem.materials import LinearLaw, MaterialError
 from pipeline.answers.material.judged import FACTOR, NEAREST, Judged, Need, parting
 from pipeline.answers.material.laws import FORMS, STATES, Points, is_stable, nominal, stretches
 from pipeline.answers.material.loading import TensileTest
 from tests.laws import LAWS
-from tests.specimens import CONSTANTS, SEED, TOLERANCE, TRUTHS, WARTS, drawn, errors, judged
+from tests.specimens import CONSTANTS, SEED, TOLERANCE, TRUTHS, WARTS, drawn, judged, row_of
 
 
 @pytest.mark.parametrize("wart", WARTS)
-@pytest.mark.parametrize("truth", TRUTHS)
-def test_the_truth_is_recovered(truth: str, wart: str) -> None:
-    """By the law that is recommended: within 5 % in uniaxial and 15 % in equibiaxial tension up to a stretch of 2."""
-    for count in (66, 400):
-        found = errors(truth, wart, count)
-        assert found["uniaxial"] < 0.05
-        assert found["equibiaxial"] < 0.15
+def test_the_truth_is_recovered(wart: str) -> None:
+    """By the law that is recommended, as docs/materials.md says; up to a stretch of 2 by a test to 250 %, within 5 % in
+    uniaxial and 15 % in equibiaxial tension."""
+    uniaxial, _, equibiaxial, *_ = row = row_of(wart)
+    assert uniaxial < 5
+    assert equibiaxial < 15
+    [page] = [block.text for block in made() if block.command == "python -m tests.specimens"]
+    [line] = [line for line in page.splitlines() if line.startswith(f"| {wart} |")]
+    assert [float(cell) for cell in re.findall(r"([\d.]+) % (?=\|)", line.partition("|")[2].partition("|")[2])] == (
+        pytest.approx(row, abs=0.06)
+    )
 
 
 def check_safe(found: Judged) -> None:

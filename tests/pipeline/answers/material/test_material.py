@@ -2,6 +2,7 @@
 
 import json
 import re
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -207,3 +208,22 @@ def test_the_choice_of_the_paper() -> None:
     at, line = np.array([1.2]), 0.65 * 0.2
     assert fem.StVenantKirchhoff(1.2, 0.495).uniaxial(at).nominal[0] / line == pytest.approx(2.437, abs=1e-3)
     assert fem.Hencky(1.2, 0.495).uniaxial(at).nominal[0] / line == pytest.approx(1.402, abs=1e-3)
+
+
+def test_the_stress_of_other_laws_beside_that_of_the_yeoh_law() -> None:
+    """The table of docs/materials.md."""
+    page = (Path(__file__).resolve().parents[4] / "docs" / "materials.md").read_text(encoding="utf-8")
+    head, _, *rows = page.partition("| stretch |")[2].partition("\n\n")[0].splitlines()
+    stretches = np.array([float(cell) for cell in head.strip("| ").split("|")])
+    yeoh = fem.Yeoh(0.11, 0.02, 0.0, 100.0).incompressible(stretches)
+    laws: dict[str, Callable[[float], fem.Material]] = {
+        "svk, E": lambda E: fem.StVenantKirchhoff(E, 0.495),
+        "hencky, E": lambda E: fem.Hencky(E, 0.495),
+        "neo_hooke, μ": lambda mu: fem.NeoHooke(mu, mu * 2 * 1.495 / 0.03),
+    }
+    assert len(rows) == 5
+    for row in rows:
+        name, *cells = row.strip("| ").split("|")
+        law, _, modulus = name.partition(" = ")
+        ratios = laws[law](float(modulus.split()[0])).uniaxial(stretches).nominal / yeoh
+        assert [float(cell) for cell in cells] == pytest.approx(ratios, abs=0.006)
