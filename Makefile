@@ -114,7 +114,7 @@ kills: $(DEV)  ## fifty runs killed at random times and continued, compared with
 unseen: $(DEV)  ## N=40 designs drawn at random with SEED=7, run (JOBS at a time), checked and sorted by their outcome; a table
 	@$(BIN)/python -m benchmarks.unseen --seed $(SEED) --count $(N) --finer $(FINER) $(addprefix --jobs ,$(JOBS)) --law $(LAW) --larger $(LARGER)
 
-exports: $(DEV)  ## eight arms in MuJoCo, PyElastica and other programs against finite elements; the table of docs/how_to/robots.md
+exports: $(DEV)  ## eight arms in MuJoCo, PyElastica and other programs against finite elements; the table of studies/rods.md
 	@$(BIN)/python -m benchmarks.exports
 
 space: $(DEV)  ## arms bent out of their plane, and one with three chambers: rods against finite elements of whole arms; tables

@@ -40,7 +40,7 @@ def test_the_python_block_runs_as_it_stands(tmp_path: Path) -> None:
     command = [sys.executable, "-W", "error", "block.py"]
     ended = subprocess.run(command, capture_output=True, text=True, check=False, cwd=tmp_path, env=environment)
     assert (ended.returncode, ended.stderr) == (0, "")
-    assert re.search(r"^end at \(\d+\.\d, -?\d+\.\d\) mm, turned by -?\d\.\d+ rad$", ended.stdout, flags=re.MULTILINE)
+    assert re.search(r"^end at \(\d+\.\d, -?\d+\.\d\) mm, bent by \d+\.\d°$", ended.stdout, flags=re.MULTILINE)
     assert (tmp_path / "results" / "short_arm" / "report.html").is_file()
 
 
