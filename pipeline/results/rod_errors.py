@@ -173,6 +173,8 @@ class RodAndMesh:
     @property
     def text(self) -> str:
         """The errors of shape and force in words."""
+        if not self.is_compared and self.mesh.largest is None:
+            return "its errors are not known; no whole arm was solved"
         if not self.is_compared:
             moved = f"error of the shape {percent(self.shape)} of the length because of its mesh"
             return f"{moved}; no whole arm was solved"
@@ -208,7 +210,9 @@ def rod_and_mesh(run: Run, errors: RodErrors) -> RodAndMesh:
 
 def _of_mesh_alone(law: DeliveredLaw, mesh: MeshErrors) -> RodAndMesh:
     """Of the arm without a load, as circular arcs."""
-    arcs = [np.linspace(0.0, math.radians(state.bending_deg), 50) for state in law.unloaded]
+    angles = [state.bending_deg for state in law.unloaded]
+    angles += [law.most_bent[1].bending_deg] if law.most_bent else []
+    arcs = [np.linspace(0.0, math.radians(angle), 50) for angle in angles]
     moved = (tip_moves_by(np.linspace(0.0, 1.0, 50), arc, mesh.kappa_0 or 0.0) for arc in arcs)
     return RodAndMesh(max(moved, default=0.0), None, None, mesh, is_compared=False)
 

@@ -8,6 +8,8 @@ from dataclasses import asdict, dataclass
 from html import escape
 from math import isinf
 
+import numpy as np
+
 from geometry import Reason
 from geometry.told import Told
 from pipeline.results.rod_errors import (
@@ -66,6 +68,19 @@ class Bending:
     angle_deg: float  #: rotation of the end section
     tip_x_mm: float
     tip_y_mm: float
+    tip_z_mm: float | None = None  #: of an arm with several pressures
+    row_kPa: tuple[float, ...] = ()  #: its pressures; `pressure_kPa` is the largest
+
+    @property
+    def pressure(self) -> str:
+        """Pressure or pressures in words."""
+        return f"[{', '.join(map('{:g}'.format, self.row_kPa))}]" if self.row_kPa else f"{self.pressure_kPa:g}"
+
+    @property
+    def tip(self) -> str:
+        """Position of the end in words."""
+        tip = (self.tip_x_mm, self.tip_y_mm, self.tip_z_mm)
+        return f"({', '.join(f'{round(value, 1) + 0.0:.1f}' for value in tip if value is not None)})"
 
 
 @dataclass(frozen=True)
@@ -111,14 +126,11 @@ class Verdict(Told):
         return [f"{self.design}: {self.refusal.text}"] if self.refusal and self.refusal.code == OUT_OF_PLANE else []
 
     def _bends(self) -> str:
-        if not self.bending and self.usable:  # a law of several pressures
-            return f"{self.design}, {number(self.length_mm)} mm long."
         if not self.bending:
             return f"{self.design}: the arm without a load was not reached at any pressure."
         named = named_states(self.bending)
         angles = ", ".join(f"{b.angle_deg:.0f}°" for b in named)
-        pressures = ", ".join(f"{b.pressure_kPa:g}" for b in named)
-        tips = ", ".join(f"({b.tip_x_mm:.1f}, {b.tip_y_mm:.1f})" for b in named)
+        pressures, tips = ", ".join(b.pressure for b in named), ", ".join(b.tip for b in named)
         length = number(self.length_mm)
         return f"{self.design}, {length} mm long, bends by {angles} at {pressures} kPa; its tip is at {tips} mm."
 
@@ -185,8 +197,17 @@ def _bending(run: Run, rod: str) -> tuple[Bending, ...]:
     """By the arm's own law where that is the rod to take, because its mesh is finer; else by experiment II."""
     if rod == ARM_LAW and run.law and run.law.unloaded:
         return tuple(Bending(state.pressure_kPa, state.bending_deg, *state.tip_mm) for state in run.law.unloaded)
+    if run.law and run.law.most_bent:
+        row, shape = run.law.most_bent
+        x, y, *z = shape.end
+        return (Bending(max(row), shape.bending_deg, x, y, z[0] if z else None, row),)
     bent = (curve for curve in run.curves_of("II") if not curve.load)
     return tuple(Bending(curve.pressure_kPa, run.bending_deg(curve.pressure_kPa), *curve.tip_mm) for curve in bent)
+
+
+def _has_rows(run: Run) -> bool:
+    """Whether its law has several pressures."""
+    return run.law is not None and run.law.has_rows
 
 
 def _refusal(run: Run, errors: tuple[RodErrors, ...], mesh: MeshErrors) -> Reported | None:
@@ -205,6 +226,9 @@ def _refusal(run: Run, errors: tuple[RodErrors, ...], mesh: MeshErrors) -> Repor
 
 
 def _pressures(run: Run, rod: str) -> tuple[float, float] | None:
+    if rod == ARM_LAW and run.law and _has_rows(run):
+        values = np.array(run.law.law.rows)
+        return float(values.min()), float(values.max())
     known = run.law.pressures_kPa if rod == ARM_LAW and run.law else run.identified_kPa
     highest = max(run.reached_kPa, default=known[-1] if known else 0.0)
     return (known[0], min(known[-1], highest) if rod == ARM_LAW else known[-1]) if known else None
@@ -226,7 +250,7 @@ def _use(run: Run, rod: str) -> str:
     """The command with which the rod is used, under the load of experiment III where that is a height of the end."""
     pressures = _pressures(run, rod)
     pressure = f" --pressure '{round_down(pressures[1], 4):g} kPa'" if pressures else ""
-    if rod == ARM_LAW and run.law and len(run.law.law.cavities) > 1:
+    if rod == ARM_LAW and run.law and _has_rows(run):
         row = max(run.law.law.rows, key=max)
         pressure = f" --pressure '[{', '.join(f'{value:g} kPa' for value in row)}]'"
     return f"For example: pneurod rod {shlex.quote(str(run.directory))}{pressure}{_load(run, pressures)}"
@@ -258,7 +282,7 @@ def _instead(run: Run, rod: str, mesh: MeshErrors) -> str:
 def _warnings(run: Run, rod: str, mesh: MeshErrors, refusal: Reported | None) -> tuple[Reported, ...]:
     """The most important remarks on the run and on its rod."""
     of_rod = []
-    if rod and mesh.largest is None:
+    if rod and mesh.largest is None and not _has_rows(run):
         of_rod.append(report_reason(Reason("mesh_error_unknown")))
     if rod == ARM_LAW and refusal is None and (uncertain := uncertain_forces(run.law)):
         of_rod.append(report_reason(uncertain))

@@ -1,14 +1,20 @@
 """The arm's own law of a run, with its errors and the arm without a load."""
 
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 from pipeline.values.parameters import Column, Numbers
 from rod.arm_law.curves import CellCurve, ClampCurve
 from rod.arm_law.kinds import AnyLaw
 from rod.arm_law.law import ArmLaw
+from rod.arm_law.space_rod import SpaceRod
+from rod.errors import RodError
 from rod.same_pressure import is_same
+from rod.solution import RodSolution, SpatialSolution
+from rod.spatial import SpatialLoad
 
 
 @dataclass(frozen=True)
@@ -66,6 +72,24 @@ class DeliveredLaw(BesideLaw):
     def pressures_kPa(self) -> Numbers:
         """The largest pressures at which it was measured, ascending."""
         return tuple(sorted({max(row) for row in self.law.rows}))
+
+    @property
+    def has_rows(self) -> bool:
+        """Whether it has several pressures."""
+        return len(self.law.cavities) > 1
+
+    @cached_property
+    def most_bent(self) -> tuple[tuple[float, ...], RodSolution | SpatialSolution] | None:
+        """Of a law of several pressures: those at which the arm without a load bends the most, and its shape.
+
+        None where there is no equilibrium.
+        """
+        shapes: list[tuple[tuple[float, ...], RodSolution | SpatialSolution]] = []
+        for row in self.law.rows if self.has_rows else ():
+            arm: Any = self.law.at(row)
+            with suppress(RodError):
+                shapes.append((row, arm.solve_in_space(SpatialLoad()) if isinstance(arm, SpaceRod) else arm.solve()))
+        return max(shapes, key=lambda one: one[1].bending_deg, default=None)
 
     def curves(self, pressure_kPa: float) -> tuple[CellCurve, ClampCurve] | None:
         """The cell and the clamped end at a pressure; None where there are none."""

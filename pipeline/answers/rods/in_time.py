@@ -10,7 +10,6 @@ from geometry import Reason
 from pipeline.answers.rods.choice import RodOfRun, choose_rod
 from pipeline.answers.rods.solid import solid_of
 from pipeline.config.material import LOSS_FACTOR
-from pipeline.results.verdict import IN_TIME
 from pipeline.values.errors import InputError
 from pipeline.values.reasons import report_reason
 from pipeline.values.run import Run
@@ -102,6 +101,6 @@ def with_remark(run: Run) -> Run:
         return run
     with suppress(InputError, RodError):
         rows = in_time(run, choose_rod(run))
-        remark = report_reason(Reason(IN_TIME, {**rows[-1], "rows": rows}))
+        remark = report_reason(Reason("in_time", {**rows[-1], "rows": rows}))
         return replace(run, record=replace(run.record, remarks=(*run.remarks, remark)))
     return run

@@ -3,17 +3,23 @@
 import json
 import shlex
 from dataclasses import replace
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 from typer.testing import CliRunner
 
 from pipeline.cli import app
+from pipeline.results.files import read_results
 from pipeline.results.rod_errors import tip_moves_by
 from pipeline.results.verdict import MOST_WARNINGS, Verdict, verdict_of
 from pipeline.store.result_folder import json_text
 from pipeline.values.run import Reported, Run
+from rod.spatial import SpatialLoad
 from tests.coarse import coarse_run
+from tests.measured_arm import result_folder
+from tests.rod.arm_law.test_space_law import law as law_in_space
 
 MESH_ERROR = 0.02
 
@@ -50,6 +56,20 @@ def test_without_a_law_the_finite_elements_say_how_far_the_arm_bends(run: Run) -
     assert bent.angle_deg == -state.end_rotation_deg == pytest.approx(140.2, abs=0.1)
     assert bent.tip_x_mm == pytest.approx(state.end_x_mm)
     assert bent.tip_y_mm == pytest.approx((state.end_y_mm or 0.0) - curve["y_mm"][0])
+
+
+def test_an_arm_with_three_pressures_says_where_it_bends_the_most(tmp_path: Path) -> None:
+    law: Any = law_in_space()
+    verdict = verdict_of(read_results(result_folder(tmp_path, law)))
+    row = law.rows[0]
+    shape = law.at(row).solve_in_space(SpatialLoad())
+    assert verdict.bending[0].angle_deg == pytest.approx(shape.bending_deg)
+    assert (
+        f"bends by {shape.bending_deg:.0f}° at [10, 0, 0] kPa; its tip is at (78.7, -15.9, 0.0) mm" in verdict.lines[0]
+    )
+    assert "its errors are not known; no whole arm was solved" in verdict.lines[1]
+    assert verdict.lines[2] == "It holds from 0 to 10 kPa."
+    assert verdict.warnings == ()
 
 
 def test_the_error_contains_rod_and_mesh(verdict: Verdict, run: Run) -> None:
