@@ -156,8 +156,8 @@ TEMPLATES: Mapping[str, str] = {
     "shapes hold",
     "tolerances": "a {process} arm's tolerances move its tip by {percent:.2g} % of the length ({pressure_kPa:g} kPa); "
     "measure {parameter} first: {most_percent:.2g} % by ± {tolerance}",
-    "in_time": "it vibrates with {frequency_1_Hz:.2g} Hz at {pressure_kPa:g} kPa (damping ratio {damping_ratio_1:.2g}), "
-    "settles in {settles_s:.2g} s and creeps by {creep_after_1_s_mm:.2g} mm after 1 s",
+    "in_time": "it vibrates with {frequency_1_Hz:.2g} Hz at {pressure_kPa:g} kPa (damping ratio "
+    "{damping_ratio_1:.2g}), settles in {settles_s:.2g} s and creeps by {creep_after_1_s_mm:.2g} mm after 1 s",
     "calibrated": "calibrated to {numbers} numbers: the tip is within {percent:.2g} % of the length in nine of ten "
     "cases; tolerances alone move it by {before:.2g} %",
     "not_calibrated": "do not use this rod: it misses {percent:.0f} % of the measured motion, most in line "
