@@ -70,6 +70,16 @@ class Body:
 
         return lru_cache(256)(at)
 
+    def relaxing(self, arm: Arm) -> float:
+        """The part of the rigidity of an arm, at its shape without load, that is the rubber's, and so relaxes.
+
+        It is the rigidity without pressure over that with it, and 1 where the law does not begin without pressure.
+        """
+        try:
+            return _rigidity(self.at(np.zeros(len(getattr(self.law, "cavities", (0,))))), arm) / _rigidity(arm, arm)
+        except RodError:
+            return 1.0
+
     @property
     def weighed(self) -> Mass:
         """Its mass. Raises `RodError` where it is not known."""
@@ -114,13 +124,23 @@ class Body:
         return mass, first, second
 
 
+def _rigidity(arm: Arm, at: Any) -> float:
+    """N mm2, of an arm where another arm of its law is without load, or as far as its law goes there."""
+    if isinstance(arm, LawRod):
+        return 1.0 / float(np.interp(at.section.kappa_0, arm.section.kappa, arm.section.kappa_slope))
+    if isinstance(arm, LinesRod):
+        return abs(arm.law.alpha1)
+    away = at.kappa_0 - arm.kappa_0
+    away *= min(1.0, arm.section.reach / max(float(np.hypot(*away)), 1e-300))
+    return float(arm.section.plane(arm.kappa_0 + away)[[2, 4]].sum())
+
+
 def _gyration(solver: Solver) -> float:
     """mm2: the rigidity against bending over that against stretch."""
     arrays = solver.arm.section.arrays(solver.s)
     middle = arrays.table[0, arrays.table.shape[1] // 2]
-    return float(
-        solver.arm.section.rigidity / (middle[2] if arrays.kind == TABULATED else arrays.numbers[arrays.kind % 2])
-    )
+    stretched = middle[2] if arrays.kind == TABULATED else arrays.numbers[arrays.kind % 2]
+    return float(solver.arm.section.rigidity / stretched)
 
 
 def _about(mass: Array, lever: Array) -> Array:

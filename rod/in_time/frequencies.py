@@ -44,10 +44,10 @@ def frequencies(
     less, more = (
         _modes(body, acting, *equilibrium(arm, load, load, in_space, fine=fine), count) for fine in (False, True)
     )
-    found = []
+    found, relaxing = [], body.relaxing(arm)
     for (low, *_), (high, elastic, is_flat) in zip(less, more, strict=True):
         stiff = high + (high - low) / 3.0  # at the limit of the elements
-        rate = _decaying(stiff, elastic / high * stiff, body.relaxation)
+        rate = _decaying(stiff, relaxing * elastic / high * stiff, body.relaxation)
         found.append(Mode(abs(rate) / (2.0 * math.pi), max(0.0, -rate.real / abs(rate)), is_flat))
     return tuple(sorted(found))
 

@@ -121,7 +121,7 @@ class _Moved:
         if len(own.load.held) and not np.array_equal(own.load.held, solver.load.held):
             raise LoadError("What holds an arm in motion must hold it from the start.")
         earlier, elastic = (elastic_forces(one, state) for one in (solver, own))
-        forces = np.multiply.outer(np.array(body.relaxation.shares), elastic - earlier)
+        forces = np.multiply.outer(body.relaxing(self.arms[0]) * np.array(body.relaxation.shares), elastic - earlier)
         state = state._replace(reaction=state.reaction if len(own.load.held) else np.zeros(0))
         self.stepper = Stepper(own, body.inertia(self.acting, own), body.relaxation)
         still = np.zeros((len(own.s), 6))
@@ -240,7 +240,7 @@ class _Moved:
             self.arms, high = (arm, arm), low
         self.known = low, high - low
         s = tuple(self.stepper.solver.s.tolist())
-        self.joined = Joined(*(arrays_of(one, self.load, s, self.in_space) for one in self.arms))
+        self.joined = Joined(*((*arrays_of(a, self.load, s, self.in_space), self.body.relaxing(a)) for a in self.arms))
         self.joined.go(self._place(felt)[0])
 
     def _radian(self) -> float:

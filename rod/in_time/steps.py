@@ -31,17 +31,17 @@ ITERATIONS = 25
 
 
 class Joined:
-    """Sections and ends between two pressures, by straight lines; they are views of one buffer."""
+    """Sections, ends and the part that relaxes between two pressures, by straight lines; views of one buffer."""
 
-    def __init__(self, low: tuple[SectionArrays, EndArrays], high: tuple[SectionArrays, EndArrays]) -> None:
-        first, second = ([*section[1:4], *ends[1:]] for section, ends in (low, high))
+    def __init__(self, *both: tuple[SectionArrays, EndArrays, float]) -> None:
+        first, second = ([*section[1:4], *ends[1:], np.array([part])] for section, ends, part in both)
         self.low = np.concatenate([values.ravel() for values in first])
         self.way = np.concatenate([values.ravel() for values in second]) - self.low
         self.buffer, self.part = self.low.copy(), 0.0
         cuts = np.split(self.buffer, np.cumsum([values.size for values in first])[:-1])
         views = [cut.reshape(values.shape) for cut, values in zip(cuts, first, strict=True)]
-        self.section = low[0]._replace(table=views[0], numbers=views[1], local=views[2])
-        self.ends = EndArrays(low[1].is_polynomial, *views[3:])
+        self.section = both[0][0]._replace(table=views[0], numbers=views[1], local=views[2])
+        self.ends, self.relaxing = EndArrays(both[0][1].is_polynomial, *views[3:-1]), views[-1]
 
     def go(self, part: float) -> None:
         """To a part of the way."""
@@ -105,8 +105,8 @@ class Stepper:
         """
         memory, time = now.memory, now.time + WITHIN * dt
         decay, slowed = _branches((time - memory.time) / self.times)
-        scale, slowed = 1.0 + float(self.shares @ slowed), self.shares * slowed
-        section = joined.section
+        section, slowed = joined.section, joined.relaxing * self.shares * slowed
+        scale = 1.0 + float(slowed.sum())
         if len(slowed):
             held = (decay @ memory.forces.reshape(len(decay), -1)).reshape(memory.elastic.shape)
             held -= (scale - 1.0) * memory.elastic

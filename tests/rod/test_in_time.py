@@ -166,12 +166,42 @@ def test_damping_is_half_the_loss_factor_at_every_frequency(grams: float) -> Non
     period = 1.0 / mode.frequency_hz
     bent = Start(acting=Acting(Load(along=mode_loads()), grams))
     motion = move(Body(BAR, rubber), 0.0, 6.0 * period, acting, bent, Steps(fixed=period / 150.0))
-    height = motion.tips[:, 1]
-    swing = np.abs(
-        np.diff(height[[k for k in range(1, 899) if (height[k] - height[k - 1]) * (height[k + 1] - height[k]) < 0]])
-    )
-    lost = math.log(swing[2] / swing[6]) / 2.0
-    assert lost == pytest.approx(2.0 * math.pi * mode.damping_ratio, rel=0.05)
+    assert decrement(motion) == pytest.approx(2.0 * math.pi * mode.damping_ratio, rel=0.05)
+
+
+def decrement(motion: Motion) -> float:
+    """Logarithmic, of the height of the tip."""
+    turns = np.diff(np.sign(np.diff(motion.tips[:, 1])))
+    swing = np.abs(np.diff(motion.tips[np.flatnonzero(turns) + 1, 1]))
+    return math.log(swing[2] / swing[6]) / 2.0
+
+
+def test_what_the_pressure_adds_to_the_rigidity_does_not_relax() -> None:
+    """Moments beside the curvature without load give the rigidity there with and without pressure."""
+    rod, still, h = arm().at(10.0), arm().at(0.0), 2e-4
+    kappa = rod.section.kappa_0 + np.array([-h, h])
+    moments = [np.interp(kappa, one.section.kappa, one.section.moment) for one in (rod, still)]
+    with_it, without = np.diff(moments)[:, 0]
+    body = Body(arm(), Relaxation.from_loss_factor(0.1, 0.5, 50.0))
+    part = body.relaxing(rod)
+    assert part == pytest.approx(without / with_it, rel=0.02)
+    assert part == pytest.approx(0.75, abs=0.02)
+    mode = frequencies(body, 10.0)[0]
+    assert mode.damping_ratio == pytest.approx(0.05 * part, rel=0.1)
+    period = 1.0 / mode.frequency_hz
+    pulled = Start(10.0, Acting(Load((0.0, 2e-3))))
+    motion = move(body, 10.0, 6.0 * period, Acting(), pulled, Steps(fixed=period / 150.0))
+    assert decrement(motion) == pytest.approx(2.0 * math.pi * mode.damping_ratio, rel=0.05)
+
+
+def test_the_rubber_relaxes_wholly_where_pressure_adds_nothing() -> None:
+    """To lines, to a law of chambers whose rigidity stays; and where a law is not known without pressure."""
+    space = test_space_law.law()
+    assert Body(BAR).relaxing(BAR.arm) == 1.0
+    assert Body(space).relaxing(space.at((5.0, 2.0, 0.0))) == pytest.approx(1.0)
+    assert Body(airy()).relaxing(airy().at(20.0)) == pytest.approx(1.0)
+    high = law_of(*map(test_volumes.part, (10.0, 20.0)))
+    assert Body(high).relaxing(high.at(20.0)) == 1.0
 
 
 @pytest.mark.parametrize("exponent", [1.0, 1.4])
