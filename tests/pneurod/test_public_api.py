@@ -89,7 +89,7 @@ def test_import_loads_nothing_heavy() -> None:
 def test_a_rod_is_solved_without_what_is_slow_to_import() -> None:
     """From the command to the answer: numba would double its time, scipy.optimize more than that."""
     load = ("--pressure", "31 kPa", "--force", "[0 N, 0.01 N]")
-    loaded = loaded_by_command("rod", str(COARSE / "parameters.json"), *load, says="end angle")
+    loaded = loaded_by_command("rod", str(COARSE / "parameters.json"), *load, says="bends by")
     assert {"rod", "numpy"} <= loaded
     assert loaded & (HEAVY - {"numpy", "pydantic", "pydantic_core", "pint"}) == set()
 
