@@ -13,7 +13,7 @@ from rod.along import AlongLoad, Position, Support, are_heights, part_of, reacti
 from rod.arm.chain import planar_frames, positions_between
 from rod.arm.end_kernels import EndArrays
 from rod.arm.ends import end_arrays, tip_state
-from rod.arm.path import Path, Way, follow
+from rod.arm.path import NoEquilibrium, Path, Way, follow
 from rod.arm.response import SolvedPath
 from rod.arm.sections import TabulatedSection, acting_in_frames
 from rod.arm.stability import OUT_OF_PLANE, stability_of
@@ -138,7 +138,12 @@ class LawRod:
     def _followed(self, load: SpatialLoad, how: Way) -> Path:
         """The path to a load; raises `RodError` where it ends, and where the curvature leaves the law."""
         model, load = self.posed(load)
-        path = follow(model, load, how)
+        try:
+            path = follow(model, load, how)
+        except NoEquilibrium as ended:
+            low, high = self.moments
+            known = f"The law at {self.section.pressure:g} kPa is known from {low:.4g} to {high:.4g} N mm."
+            raise RodError(f"{ended} {known}") from None
         if outside := self.outside(path):
             raise RodError(f"{path.fall} {outside} {self._borne(load, how)}".strip())
         return path

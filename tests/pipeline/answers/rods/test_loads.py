@@ -11,6 +11,7 @@ from typer.testing import CliRunner
 import pneurod
 from pipeline.answers.rods.choice import rod_of_path
 from pipeline.cli import app
+from rod import RodError
 from tests.coarse import COARSE, copy_with
 
 
@@ -143,3 +144,11 @@ def test_a_run_without_density_has_no_weight(tmp_path: Path) -> None:
         rod = pneurod.read_results(folder).rod(37.0)
     with pytest.raises(pneurod.RodError, match=r"give material\.density"):
         rod.solve(direction="lying")
+
+
+def test_where_no_equilibrium_is_found_the_moments_of_the_law_are_told() -> None:
+    rod = rod_of_path(COARSE, "law").at(17.0)
+    low, high = rod.law.moments
+    known = f"The law at 17 kPa is known from {low:.4g} to {high:.4g} N mm."
+    with pytest.raises(RodError, match=rf"No equilibrium was found beyond [0-9.]+.* {re.escape(known)}"):
+        rod.solve(force=(-0.1, -0.5))
