@@ -74,6 +74,11 @@ Orientation = Annotated[
         metavar="O", help="hanging, lying, standing, '30 deg' that it rises, or gravity as '[X, Y]': with its weight."
     ),
 ]
+HeldAt = Annotated[
+    Sequence[str],
+    list[str],
+    typer.Option(metavar="S: HELD", help="A support along the arm: '0.5 l: y -3 mm, angle 5 deg'. Repeatable."),
+]
 TipMass = Annotated[Amount | None, str, typer.Option(metavar="M", help="A mass that hangs on the end: '20 g'.")]
 Rod = Annotated[
     str | None,

@@ -9,7 +9,7 @@ import typer
 
 from geometry.told import Told
 from pipeline.api.given import given_choice, given_path
-from pipeline.api.options import Amount, Folder, Given, Orientation, Ratio, Rod, TipMass, Vector, command
+from pipeline.api.options import Amount, Folder, Given, HeldAt, Orientation, Ratio, Rod, TipMass, Vector, command
 from pipeline.results.options import write_new
 
 __all__ = ["budget", "export", "move", "shape", "solve"]
@@ -65,11 +65,7 @@ def shape(
         list[str],
         typer.Option(metavar="S to S: [QX, QY]", help="'0.2 l to 0.8 l: [0 N/m, 0.5 N/m]'. Repeatable."),
     ] = (),
-    held_at: Annotated[
-        Sequence[str],
-        list[str],
-        typer.Option(metavar="S: HELD", help="A support along the arm: '0.5 l: y -3 mm, angle 5 deg'. Repeatable."),
-    ] = (),
+    held_at: HeldAt = (),
     orientation: Orientation = None,
     tip_mass: TipMass = None,
     mass_at: Annotated[
@@ -110,11 +106,7 @@ def move(
     force: Annotated[
         str | None, typer.Option(metavar="[FX, FY]", help="Dead force on the end from 0 s on: '[0 N, 0.05 N]'.")
     ] = None,
-    held_at: Annotated[
-        Sequence[str],
-        list[str],
-        typer.Option(metavar="S: HELD", help="A support along the arm: '1 l: y -3 mm'. Repeatable."),
-    ] = (),
+    held_at: HeldAt = (),
     orientation: Orientation = None,
     tip_mass: TipMass = None,
     release: Annotated[

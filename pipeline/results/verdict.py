@@ -205,11 +205,6 @@ def _bending(run: Run, rod: str) -> tuple[Bending, ...]:
     return tuple(Bending(curve.pressure_kPa, run.bending_deg(curve.pressure_kPa), *curve.tip_mm) for curve in bent)
 
 
-def _has_rows(run: Run) -> bool:
-    """Whether its law has several pressures."""
-    return run.law is not None and run.law.has_rows
-
-
 def _refusal(run: Run, errors: tuple[RodErrors, ...], mesh: MeshErrors) -> Reported | None:
     """Why no rod should be used: the arm leaves its plane, no fit meets it, the mesh is coarse, or rods are far off."""
     if told := next((remark for remark in run.remarks if remark.code in (OUT_OF_PLANE, NOT_CALIBRATED)), None):
@@ -226,7 +221,7 @@ def _refusal(run: Run, errors: tuple[RodErrors, ...], mesh: MeshErrors) -> Repor
 
 
 def _pressures(run: Run, rod: str) -> tuple[float, float] | None:
-    if rod == ARM_LAW and run.law and _has_rows(run):
+    if rod == ARM_LAW and run.law and run.law.has_rows:
         values = np.array(run.law.law.rows)
         return float(values.min()), float(values.max())
     known = run.law.pressures_kPa if rod == ARM_LAW and run.law else run.identified_kPa
@@ -250,7 +245,7 @@ def _use(run: Run, rod: str) -> str:
     """The command with which the rod is used, under the load of experiment III where that is a height of the end."""
     pressures = _pressures(run, rod)
     pressure = f" --pressure '{round_down(pressures[1], 4):g} kPa'" if pressures else ""
-    if rod == ARM_LAW and run.law and _has_rows(run):
+    if rod == ARM_LAW and run.law and run.law.has_rows:
         row = max(run.law.law.rows, key=max)
         pressure = f" --pressure '[{', '.join(f'{value:g} kPa' for value in row)}]'"
     return f"For example: pneurod rod {shlex.quote(str(run.directory))}{pressure}{_load(run, pressures)}"
@@ -282,7 +277,7 @@ def _instead(run: Run, rod: str, mesh: MeshErrors) -> str:
 def _warnings(run: Run, rod: str, mesh: MeshErrors, refusal: Reported | None) -> tuple[Reported, ...]:
     """The most important remarks on the run and on its rod."""
     of_rod = []
-    if rod and mesh.largest is None and not _has_rows(run):
+    if rod and mesh.largest is None and not (run.law and run.law.has_rows):
         of_rod.append(report_reason(Reason("mesh_error_unknown")))
     if rod == ARM_LAW and refusal is None and (uncertain := uncertain_forces(run.law)):
         of_rod.append(report_reason(uncertain))

@@ -35,13 +35,19 @@ def lowest(solver: Solver, state: StateArrays, kept: Mask, factor: float = 1.0) 
     return float(value), np.concatenate([np.zeros((1, 6)), vector.reshape(-1, 6)])
 
 
-def _tangent(solver: Solver, load: LoadArrays, state: StateArrays, kept: Mask, *, is_loaded: bool) -> Tangent:
-    """The tangent of a state, with or without its loads; motions that are not kept are left out."""
+def tangent_of(solver: Solver, load: LoadArrays, state: StateArrays, *, is_loaded: bool) -> Tangent:
+    """The tangent of a state, which stays as it is, with or without its loads."""
     chain = solver.chain._replace(is_loaded=is_loaded)
     tangent = room_for(chain, len(load.held))
     copied = StateArrays(*(values.copy() for values in state))
     section = solver.arm.section.arrays(solver.s)
     solve_chain(section, solver.ends, chain, load, copied, float(is_loaded), tangent, 0, NO_SIDE, STATICS)
+    return tangent
+
+
+def _tangent(solver: Solver, load: LoadArrays, state: StateArrays, kept: Mask, *, is_loaded: bool) -> Tangent:
+    """As `tangent_of`, in space; motions that are not kept are left out."""
+    tangent = tangent_of(solver, load, state, is_loaded=is_loaded)
     rows = np.arange(len(tangent.band))[:, None]
     columns = rows + np.arange(-11, 12)
     is_out = ~(kept[rows % 6] & kept[columns % 6])

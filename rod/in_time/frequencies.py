@@ -6,9 +6,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from geometry.arrays import Array
-from rod.arm.assembly import StateArrays
-from rod.arm.chain import NO_SIDE, planar_frames, room_for, solve_chain
-from rod.arm.newton import STATICS
+from rod.arm.assembly import StateArrays, Tangent
+from rod.arm.chain import planar_frames
+from rod.arm.small_motions import tangent_of
 from rod.arm.solver import Solver
 from rod.arm_law.space_rod import SpaceRod
 from rod.in_time.body import Acting, Body, is_spatial
@@ -65,16 +65,17 @@ def _modes(
 ) -> list[tuple[float, float, bool]]:
     """Stiffnesses over masses and their elastic part in 1/s2 of the lowest modes, in the plane and then across."""
     m = 6 if solver.chain.in_space else 3
-    whole, elastic = (_stiffness(solver, state, is_loaded=is_loaded) for is_loaded in (True, False))
+    loaded, free = (tangent_of(solver, solver.load, state, is_loaded=is_loaded) for is_loaded in (True, False))
+    whole, elastic = _matrix(loaded), _matrix(free)
     frames = state.frames if solver.chain.in_space else planar_frames(state.angle)
     root = _roots(*body.inertia(acting, solver), frames, m)
-    free = np.eye(len(whole))
+    kept = np.eye(len(whole))
     if count_held := len(solver.load.held):
         holds = np.zeros((count_held, len(whole)))
-        for row, (node, _), by_motion in zip(holds, solver.load.held, solver.room.by_motion, strict=True):
+        for row, (node, _), by_motion in zip(holds, solver.load.held, loaded.by_motion, strict=True):
             row[m * (node - 1) : m * node] = by_motion[:m]
-        free = np.linalg.svd(holds)[2][count_held:].T
-    soft = free @ np.linalg.solve(free.T @ whole @ free, free.T @ root)
+        kept = np.linalg.svd(holds)[2][count_held:].T
+    soft = kept @ np.linalg.solve(kept.T @ whole @ kept, kept.T @ root)
     values, vectors = np.linalg.eigh(root.T @ soft)
     modes = soft @ vectors[:, ::-1]
     flat = np.isin(np.arange(len(whole)) % m, (0, 1, 5) if m == 6 else (0, 1, 2))
@@ -88,18 +89,12 @@ def _modes(
     return found
 
 
-def _stiffness(solver: Solver, state: StateArrays, *, is_loaded: bool) -> Array:
-    """The symmetric tangent of a state, of the nodes beyond the clamp."""
-    chain = solver.chain._replace(is_loaded=is_loaded)
-    room = room_for(chain, len(solver.load.held))
-    copied = StateArrays(*(values.copy() for values in state))
-    arrays = solver.arm.section.arrays(solver.s), solver.ends, chain, solver.load, copied
-    solve_chain(*arrays, float(is_loaded), room, 0, NO_SIDE, STATICS)
-    solver.room.by_motion[:] = room.by_motion
-    rows, width = room.band.shape
+def _matrix(tangent: Tangent) -> Array:
+    """The symmetric matrix of a tangent, of the nodes beyond the clamp."""
+    rows, width = tangent.band.shape
     wide = np.zeros((rows, rows + width))
     for k in range(rows):
-        wide[k, k : k + width] = room.band[k]
+        wide[k, k : k + width] = tangent.band[k]
     matrix = wide[:, width // 2 : width // 2 + rows]
     return np.asarray(0.5 * (matrix + matrix.T))
 

@@ -16,6 +16,7 @@ from pipeline.answers.material.table import KINDS
 from pipeline.answers.written_table import name_and_unit, number_in, per_unit, plain, read_cells
 from pipeline.config.units import TIME
 from pipeline.values.errors import InputError, quoted
+from rod.in_time.relaxation import Relaxation
 
 EXAMPLE = "a line of titles names a time and what was read, as 'time (s), stress (MPa)' or 'time (s), strain (%)'"
 _TIME = re.compile(r"^t$|\btime|\bzeit|\btemps")
@@ -51,14 +52,12 @@ class Hold:
             f"A stretch that is held loses {lost:.3g} % of its stress from {low:.3g} to {high:.3g} s; branches "
             f"describe it within {100.0 * self.misfit:.2g} %. The law is taken as that at long times."
         ]
-        rates = np.geomspace(1.0 / high, 1.0 / low, 60)
-        turns = rates[:, None] * self.tau_s
-        losses = (turns / (1.0 + turns**2)) @ self.g / (1.0 + (turns**2 / (1.0 + turns**2)) @ self.g)
+        hz = np.geomspace(1.0 / high, 1.0 / low, 60) / (2.0 * np.pi)
+        losses = Relaxation(self.g, self.tau_s).loss_factor(hz)
         if losses.max() > LARGEST_LOSS:
-            at = rates[losses.argmax()] / (2.0 * np.pi)
             said.append(
-                f"The loss factor is {losses.max():.2g} at {at:.2g} Hz, and rubbers have less than {LARGEST_LOSS:g}: "
-                "is the time 0 where the hold begins, and does the specimen slip?"
+                f"The loss factor is {losses.max():.2g} at {hz[losses.argmax()]:.2g} Hz, and rubbers have less than "
+                f"{LARGEST_LOSS:g}: is the time 0 where the hold begins, and does the specimen slip?"
             )
         return said
 
