@@ -102,7 +102,7 @@ test: $(DEV)  ## all tests but the slow ones
 slow: $(DEV)  ## the tests that take longer, and whole runs that repeat what faster tests do
 	@$(BIN)/python -m pytest -m slow
 
-hard: $(DEV)  ## hard cases: each is solved and checked, or its limit is named; the table of docs/hard_cases.md
+hard: $(DEV)  ## hard cases: each is solved and checked, or its limit is named; the table of studies/hard_cases.md
 	@$(BIN)/python -m tests.hard_cases.run_all
 
 fuzz: $(DEV)  ## two thousand valid and invalid configurations: each is meshed or refused in one sentence

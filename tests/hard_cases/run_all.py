@@ -1,4 +1,4 @@
-"""Solve all cases, or those whose names contain the given words; print the table and write it to docs/hard_cases.md.
+"""Solve all cases, or those whose names contain the given words; print the table and write it into the studies.
 
 python -m tests.hard_cases.run_all [--jobs N] [WORDS]
 """

@@ -1,4 +1,4 @@
-"""The table of docs/hard_cases.md."""
+"""The table of studies/hard_cases.md."""
 
 from collections.abc import Sequence
 

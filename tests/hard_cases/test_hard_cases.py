@@ -1,6 +1,6 @@
 """Hard cases end as expected: solved in agreement with their checks, or with a reason that names the limit.
 
-`make hard` solves them all and writes the table of docs/hard_cases.md.
+`make hard` solves them all and writes the table of studies/hard_cases.md.
 """
 
 import pytest
