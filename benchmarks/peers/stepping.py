@@ -65,7 +65,7 @@ class Stepping:
         return state + (aim - last) / (last - before) * (state - old)
 
 
-#: chosen so that the four pressures cost the fewest factorizations; other choices in docs/peers.md
+#: chosen so that the four pressures cost the fewest factorizations; other choices in studies/peers.md
 STEPPING = Stepping(first=8.0, growth=1.5, quick=12, iterations=40, predict=True)
 
 
