@@ -262,42 +262,27 @@ class Design(ABC):
         """How the meshed pieces move with each of the dimensions, or why a small change of it is not possible."""
         return {}
 
-    def half_cell(self, size: float, grading: Grading = OFF) -> Body:
-        """Half a cell between two planes of mirror symmetry, which are its faces `clamp` and `tip`.
+    def half_cell(self, repetition: Repetition) -> Body:
+        """Half a cell of these meshed pieces, between two planes of mirror symmetry: its faces `clamp` and `tip`.
 
-        Raises `DesignError` for a body without an inner cell, and as `body` does.
+        Raises `DesignError` for a body without an inner cell.
         """
-        return self.half_cell_of(self._checked_repetition(size, grading))
-
-    def half_cell_of(self, repetition: Repetition) -> Body:
-        """Half a cell of these meshed pieces. Raises `DesignError` for a body without an inner cell."""
         if not repetition.half_cells:
             raise DesignError(self.key_of_cells, "the body has no inner cell: it needs two cells at least")
         return self._body(repetition.half_cell(), repetition.half_pitch, repetition.half)
 
-    def end_piece(self, half_cells: int, size: float, grading: Grading = OFF) -> Body:
-        """The clamped end of the body with `half_cells` half cells; its face `tip` is a plane of mirror symmetry.
-
-        Raises `DesignError` as `half_cell` does, and ValueError for more half cells than the body has.
+    def end_piece(self, half_cells: int, repetition: Repetition) -> Body:
+        """The clamped end of these meshed pieces with `half_cells` half cells; its face `tip` is a plane of mirror
+        symmetry. Raises ValueError for more half cells than the body has.
         """
-        return self.end_piece_of(half_cells, self._checked_repetition(size, grading))
-
-    def end_piece_of(self, half_cells: int, repetition: Repetition) -> Body:
-        """The same of these meshed pieces. Raises ValueError for more half cells than the body has."""
         _check_room(half_cells, repetition)
         length = repetition.middle + half_cells * repetition.half_pitch
         return self._body(repetition.end_piece(half_cells), length, repetition.half)
 
-    def tip_piece(self, half_cells: int, size: float, grading: Grading = OFF) -> Body:
-        """The other end of the body with an odd number of half cells, as its mirror image: its face `clamp` is the end
-        of the body, its face `tip` a plane of mirror symmetry.
-
-        Raises as `end_piece` does.
+    def tip_piece(self, half_cells: int, repetition: Repetition) -> Body:
+        """The other end with an odd number of half cells, as its mirror image: its face `clamp` is the end of the body,
+        its face `tip` a plane of mirror symmetry. Raises as `end_piece` does.
         """
-        return self.tip_piece_of(half_cells, self._checked_repetition(size, grading))
-
-    def tip_piece_of(self, half_cells: int, repetition: Repetition) -> Body:
-        """The same of these meshed pieces. Raises ValueError for more half cells than the body has."""
         _check_room(half_cells, repetition)
         length = repetition.beyond + half_cells * repetition.half_pitch
         return self._body(repetition.tip_piece(half_cells), length, repetition.half)
@@ -305,10 +290,6 @@ class Design(ABC):
     def of_pieces(self, repetition: Repetition) -> Body:
         """The whole body, put together from its meshed pieces."""
         return self._body(repetition.mesh(), self.length, repetition.half)
-
-    def _checked_repetition(self, size: float, grading: Grading) -> Repetition:
-        self.check_size(size)
-        return self.repetition(size, grading)
 
     def _body(self, mesh: Mesh, length: float, half: bool) -> Body:
         if "base" in self.regions and self.base_top is not None:
@@ -384,7 +365,22 @@ class SymmetricDesign(Design):
 
         Raises `DesignError` on the key `mesh.size` when the size does not suit the body.
         """
-        return self.of_pieces(self._checked_repetition(size, grading))
+        self.check_size(size)
+        return self.of_pieces(self.repetition(size, grading))
+
+
+class OnBasePlate(SymmetricDesign):
+    """An arm on a base plate, in the middle of which the material curve runs. A family has the field `base`."""
+
+    base: float  #: thickness of the plate, mm
+
+    @property
+    def curve_y(self) -> float:
+        return self.base / 2
+
+    @property
+    def base_top(self) -> float:
+        return self.base
 
 
 def usual_cell(length: float) -> float:

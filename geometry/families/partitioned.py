@@ -3,14 +3,14 @@
 from abc import abstractmethod
 from collections.abc import Callable
 
-from geometry.families.design import SymmetricDesign, usual_cell
+from geometry.families.design import OnBasePlate, SymmetricDesign, usual_cell
 from geometry.meshing.mirror import slices
 from geometry.meshing.moving import Drawing
 from geometry.meshing.shapes import Box, Shape
 from geometry.meshing.solid import Solid
 
 
-class PartitionedDesign(SymmetricDesign):
+class PartitionedDesign(OnBasePlate):
     """A bar with a row of equal chambers, one behind the other along x, that an air channel on the base plate joins.
 
     A cell extends from the middle of one partition to the middle of the next; those of a single chamber are nominal. A
@@ -21,7 +21,6 @@ class PartitionedDesign(SymmetricDesign):
     chamber_length: float
     partition: float
     end_wall: float
-    base: float
     channel: float
 
     @abstractmethod
@@ -51,14 +50,6 @@ class PartitionedDesign(SymmetricDesign):
     @property
     def cell_count(self) -> int:
         return self._cells[0]
-
-    @property
-    def curve_y(self) -> float:
-        return self.base / 2
-
-    @property
-    def base_top(self) -> float:
-        return self.base
 
     @property
     def pitch(self) -> float:

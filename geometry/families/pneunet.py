@@ -8,7 +8,7 @@ from typing import Annotated, ClassVar, final
 
 from geometry.body import Body
 from geometry.errors import DesignError
-from geometry.families.design import SymmetricDesign
+from geometry.families.design import OnBasePlate
 from geometry.families.dimensions import check_design, not_less
 from geometry.grading import OFF, Grading
 from geometry.meshing.mirror import Repetition, name_faces
@@ -31,7 +31,7 @@ class _Chamber:
 
 @final
 @dataclass(frozen=True)
-class PneuNet(SymmetricDesign):
+class PneuNet(OnBasePlate):
     """A row of chambers with gaps between them, on a strip, on a base plate; all lengths in mm.
 
     Faces: clamp (x = 0), tip (x = length), sym (z = 0), cavity, gap (the facing walls of neighbouring chambers and the
@@ -153,10 +153,6 @@ class PneuNet(SymmetricDesign):
         return (self.length, self.base + self.strip + max(self._each("chamber_height")), self.width)
 
     @property
-    def curve_y(self) -> float:
-        return self.base / 2
-
-    @property
     def pitch(self) -> float:
         return self._mean("gap") + self._mean("chamber_length")
 
@@ -180,10 +176,6 @@ class PneuNet(SymmetricDesign):
     @property
     def thinnest_wall(self) -> float:
         return min(self.wall, self.side_wall, self.roof, self.base, self.strip)
-
-    @property
-    def base_top(self) -> float:
-        return self.base
 
     @property
     def outer_corners(self) -> bool:

@@ -1,4 +1,4 @@
-"""Semicircular arm with a row of chambers: a half disc on a base plate, solid partitions, smooth outside."""
+"""Half discs on a base plate: what both families of them share, and the one with a row of chambers."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -6,15 +6,43 @@ from math import hypot, pi
 from typing import Annotated, ClassVar, final
 
 from geometry.errors import DesignError
-from geometry.families.design import SymmetricDesign
+from geometry.families.design import OnBasePlate
 from geometry.families.dimensions import check_design, not_less
 from geometry.families.partitioned import PartitionedDesign
 from geometry.meshing.shapes import Box, RoundBar, Shape
 
 
+class HalfDisc(OnBasePlate):
+    """A half disc extruded along x on a base plate of the same width. A family has the fields named here, in mm."""
+
+    radius: float  #: of the outside
+    wall: float  #: thickness of the round wall
+
+    @property
+    def extent(self) -> tuple[float, float, float]:
+        return (self.length, self.base + self.radius, 2 * self.radius)
+
+    @property
+    def solid_volume(self) -> float:
+        section = 2 * self.radius * self.base + pi / 2 * self.radius**2
+        return section * self.length - self.cavity_volume
+
+    def _bar(self, start: float, stop: float) -> list[list[Shape]]:
+        (plate, bottom), disc = self.base_plate(start, stop), self._disc(start, stop, self.radius)
+        whole = bottom == self.base
+        return [*plate, [disc] if whole else [Box((start, bottom, 0), (stop, self.base, self.radius)), disc]]
+
+    def _cavity(self, start: float, stop: float) -> Shape:
+        return self._disc(start, stop, self.radius - self.wall)
+
+    def _disc(self, start: float, stop: float, radius: float) -> RoundBar:
+        """The half z >= 0 of a half disc on the base plate; start <= x <= stop, in mm."""
+        return RoundBar(start, stop, self.base, radius, bottom=self.base)
+
+
 @final
 @dataclass(frozen=True)
-class Semicircular(PartitionedDesign):
+class Semicircular(HalfDisc, PartitionedDesign):
     """A half disc extruded along x on a base plate of the same width, with a row of chambers; all lengths in mm.
 
     Faces: clamp (x = 0), tip (x = length), sym (z = 0), cavity, outer. The paper shows this body without dimensions, so
@@ -44,15 +72,6 @@ class Semicircular(PartitionedDesign):
             yield DesignError(("channel", "radius", "wall"), f"{self.channel:g} mm {allowed}")
 
     @property
-    def extent(self) -> tuple[float, float, float]:
-        return (self.length, self.base + self.radius, 2 * self.radius)
-
-    @property
-    def solid_volume(self) -> float:
-        section = 2 * self.radius * self.base + pi / 2 * self.radius**2
-        return section * self.length - self.cavity_volume
-
-    @property
     def cavity_volumes(self) -> Mapping[str, float]:
         cavities = self.chambers * self.chamber_length * pi / 2 * (self.radius - self.wall) ** 2
         return {"cavity": cavities + self.channel_volume}
@@ -60,21 +79,3 @@ class Semicircular(PartitionedDesign):
     @property
     def thinnest_wall(self) -> float:
         return min(self.wall, self.base, self.partition, self.end_wall)
-
-    def _bar(self, start: float, stop: float) -> list[list[Shape]]:
-        return dome(self, start, stop, self.radius, self.base)
-
-    def _cavity(self, start: float, stop: float) -> Shape:
-        return cavity(start, stop, self.radius - self.wall, self.base)
-
-
-def dome(design: SymmetricDesign, start: float, stop: float, radius: float, base: float) -> list[list[Shape]]:
-    """The half z >= 0 of the base plate of a design, cut at half its thickness, with a half disc on it; start <= x <=
-    stop, in mm."""
-    (plate, bottom), disc = design.base_plate(start, stop), cavity(start, stop, radius, base)
-    return [*plate, [disc] if bottom == base else [Box((start, bottom, 0), (stop, base, radius)), disc]]
-
-
-def cavity(start: float, stop: float, radius: float, base: float) -> RoundBar:
-    """The half z >= 0 of a half disc on the base plate; start <= x <= stop, in mm."""
-    return RoundBar(start, stop, base, radius, bottom=base)

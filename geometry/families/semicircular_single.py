@@ -8,13 +8,13 @@ from typing import Annotated, ClassVar, final
 from geometry.errors import DesignError
 from geometry.families.dimensions import check_design, not_less
 from geometry.families.partitioned import UndividedDesign
-from geometry.families.semicircular import cavity, dome
+from geometry.families.semicircular import HalfDisc
 from geometry.meshing.shapes import Shape
 
 
 @final
 @dataclass(frozen=True)
-class SemicircularSingle(UndividedDesign):
+class SemicircularSingle(HalfDisc, UndividedDesign):
     """A half disc extruded along x on a base plate of the same width, with a single cavity; all lengths in mm.
 
     Faces: clamp (x = 0), tip (x = length), sym (z = 0), cavity, outer. The paper gives no dimensions, so those of the
@@ -37,23 +37,6 @@ class SemicircularSingle(UndividedDesign):
         yield from not_less(self, "end_wall", "length", 0.5, "the two end walls leave no cavity")
 
     @property
-    def extent(self) -> tuple[float, float, float]:
-        return (self.length, self.base + self.radius, 2 * self.radius)
-
-    @property
-    def curve_y(self) -> float:
-        return self.base / 2
-
-    @property
-    def base_top(self) -> float:
-        return self.base
-
-    @property
-    def solid_volume(self) -> float:
-        section = 2 * self.radius * self.base + pi / 2 * self.radius**2
-        return section * self.length - self.cavity_volume
-
-    @property
     def cavity_volumes(self) -> Mapping[str, float]:
         return {"cavity": pi / 2 * (self.radius - self.wall) ** 2 * (self.length - 2 * self.end_wall)}
 
@@ -61,8 +44,5 @@ class SemicircularSingle(UndividedDesign):
     def thinnest_wall(self) -> float:
         return min(self.wall, self.base, self.end_wall)
 
-    def _bar(self, start: float, stop: float) -> list[list[Shape]]:
-        return dome(self, start, stop, self.radius, self.base)
-
     def _cavities(self, start: float, stop: float) -> list[Shape]:
-        return [cavity(start, stop, self.radius - self.wall, self.base)]
+        return [self._cavity(start, stop)]

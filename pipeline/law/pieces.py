@@ -159,9 +159,9 @@ class ArmPieces:
         dhat = self.dhat if self.walls == GAP else None
         try:
             if start == "mirror":
-                body = self.design.half_cell_of(self.repetition)
+                body = self.design.half_cell(self.repetition)
             else:
-                make = self.design.end_piece_of if start == "clamp" else self.design.tip_piece_of
+                make = self.design.end_piece if start == "clamp" else self.design.tip_piece
                 body = make(half_cells, self.repetition)
             body = turned(body, angle) if angle else body
             effects = [*make_layer(body, config), *self._contacts(body)]

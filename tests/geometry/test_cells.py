@@ -8,6 +8,7 @@ import pytest
 
 from geometry import CadFile, CellPlanes, DesignError, MeshError, PneuNet
 from geometry.files.cad import cad_file
+from tests.pieces import end_piece, half_cell, tip_piece
 from tests.step_bodies import box, pneunet_as_step, save
 
 NET = PneuNet(chambers=3)
@@ -31,8 +32,8 @@ def test_pieces_of_a_step_body_are_those_of_the_family(drawn: Path) -> None:
     assert (own.cells.first, own.cells.half_pitch, own.cells.half_cells, own.pitch) == pytest.approx((6, 5, 4, 10))
     assert own.body(5.0).mesh.volume == pytest.approx(NET.solid_volume / 2, rel=1e-9)
     assert own.body(5.0).mesh.enclosed_volume("cavity") == pytest.approx(NET.cavity_volume / 2, rel=1e-9)
-    pieces = [(own.half_cell(5.0), NET.half_cell(5.0))]
-    pieces += [(kind(3, 5.0), NET.end_piece(3, 5.0)) for kind in (own.end_piece, own.tip_piece)]
+    pieces = [(half_cell(own, 5.0), half_cell(NET, 5.0))]
+    pieces += [(kind(own, 3, 5.0), end_piece(NET, 3, 5.0)) for kind in (end_piece, tip_piece)]
     for ours, theirs in pieces:
         assert ours.length == pytest.approx(theirs.length)
         assert ours.mesh.volume == pytest.approx(theirs.mesh.volume, rel=1e-9)
@@ -49,8 +50,8 @@ def test_the_far_end_may_be_another_one(tmp_path: Path) -> None:
     own = design_of(path, tip=net.length)
     assert own.cells is not None
     assert own.cells.half_cells == 4  # the last chamber with the half gap before it belongs to the far end
-    end, far, body = own.end_piece(1, 6.0).mesh, own.tip_piece(1, 6.0).mesh, own.body(6.0).mesh
-    cell = own.half_cell(6.0).mesh
+    end, far, body = end_piece(own, 1, 6.0).mesh, tip_piece(own, 1, 6.0).mesh, own.body(6.0).mesh
+    cell = half_cell(own, 6.0).mesh
     assert len(body.tets) == len(end.tets) + len(far.tets) + 2 * len(cell.tets)
     assert body.volume == pytest.approx((net.solid_volume + 16) / 2, rel=1e-9)
     assert far.volume - end.volume == pytest.approx(8 + 2 * cell.volume, rel=1e-9)
@@ -61,9 +62,9 @@ def test_planes_in_either_order_and_a_body_that_is_meshed_on_both_sides(drawn: P
     own = design_of(drawn, CellPlanes(21, 16), symmetric=False)
     assert own.cells is not None
     assert (own.cells.first, own.cells.half_cells) == pytest.approx((11, 2))
-    piece = own.end_piece(1, 6.0)
+    piece = end_piece(own, 1, 6.0)
     assert not piece.half
-    assert piece.mesh.volume == pytest.approx(2 * NET.end_piece(2, 6.0).mesh.volume, rel=1e-9)
+    assert piece.mesh.volume == pytest.approx(2 * end_piece(NET, 2, 6.0).mesh.volume, rel=1e-9)
 
 
 REFUSED: list[tuple[CellPlanes, str]] = [
@@ -96,7 +97,7 @@ def test_a_cavity_that_does_not_go_through_the_cells_is_refused(tmp_path: Path) 
     path = save(tmp_path / "closed.step", draw)
     air = {f"cavity{k}": (6.0 + 10.0 * k, 4.0, 0.0) for k in range(4)}
     with pytest.raises(DesignError, match="does not go through the cell; equal cells are in the same cavities"):
-        CadFile(str(path), 1, 0, 42, air, cell=PLANES).half_cell(6.0)
+        half_cell(CadFile(str(path), 1, 0, 42, air, cell=PLANES), 6.0)
 
 
 LONG = PneuNet(chambers=5)
@@ -107,7 +108,7 @@ def test_equal_chambers_are_the_cells_unless_a_length_is_given(tmp_path: Path) -
     own = CadFile(path, LONG.curve_y)
     assert own.cells is not None
     assert (own.cells.first, own.cells.half_pitch, own.cells.half_cells) == pytest.approx((6, 5, 8), abs=1e-9)
-    assert own.half_cell(5.0).mesh.volume == pytest.approx(LONG.half_cell(5.0).mesh.volume, rel=1e-9)
+    assert half_cell(own, 5.0).mesh.volume == pytest.approx(half_cell(LONG, 5.0).mesh.volume, rel=1e-9)
     turned = CadFile(path, LONG.curve_y, clamp=LONG.length, tip=0.0)
     assert turned.cells == own.cells
     assert CadFile(path, LONG.curve_y, cell=10.0).cells is None
@@ -186,4 +187,4 @@ def test_a_lane_of_chambers_beside_one_without(tmp_path: Path) -> None:
     assert own.cells is not None
     assert (own.cells.first, own.cells.half_pitch, own.cells.half_cells) == pytest.approx((7, 5, 12), abs=1e-6)
     assert own.pitch == pytest.approx(10.0)
-    assert set(own.half_cell(5.0).mesh.faces) >= {"chambers", "plain"}
+    assert set(half_cell(own, 5.0).mesh.faces) >= {"chambers", "plain"}

@@ -23,6 +23,7 @@ from geometry import (
 )
 from geometry.families.design import SymmetricDesign
 from tests.bodies import cell_boundaries, inside
+from tests.pieces import half_cell, tip_piece
 
 DESIGNS = [
     PneuNet(),
@@ -53,8 +54,8 @@ def test_the_base_is_a_part_of_the_mesh_with_the_volume_of_the_plate(design: Des
     for piece, share in (
         (body, 0.5),
         (body.full(), 1.0),
-        (divided.half_cell(4.0), None),
-        (divided.tip_piece(1, 4.0), None),
+        (half_cell(divided, 4.0), None),
+        (tip_piece(divided, 1, 4.0), None),
     ):
         tets = piece.mesh.regions["base"]
         part = 0.5 * piece.length / length if share is None else share

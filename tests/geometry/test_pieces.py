@@ -5,6 +5,7 @@ import pytest
 
 from geometry import GRADINGS, BisectedCircle, DesignError, PneuNet, Rectangular, Semicircular, SemicircularSingle
 from geometry.families.design import SymmetricDesign
+from tests.pieces import end_piece, half_cell
 
 ONE_CAVITY = Rectangular(1, 28.0, 22.0, 86.0, 2.0, 1.5, 4.0, 1.5, 1.5)
 DESIGNS = (
@@ -19,8 +20,8 @@ DESIGNS = (
 
 @pytest.mark.parametrize("design", DESIGNS, ids=lambda design: f"{design.family}-{design.length:g}mm")
 def test_pieces_add_up_to_the_body(design: SymmetricDesign) -> None:
-    body, cell = design.body(4.0), design.half_cell(4.0)
-    ends = [design.end_piece(count, 4.0) for count in (0, 1, 3)]
+    body, cell = design.body(4.0), half_cell(design, 4.0)
+    ends = [end_piece(design, count, 4.0) for count in (0, 1, 3)]
     inner = round((body.length - 2 * ends[0].length) / cell.length)
     assert cell.length == pytest.approx(design.pitch / 2)
     assert inner * cell.length + 2 * ends[0].length == pytest.approx(body.length)
@@ -34,13 +35,13 @@ def test_pieces_add_up_to_the_body(design: SymmetricDesign) -> None:
 @pytest.mark.parametrize("design", DESIGNS, ids=lambda design: f"{design.family}-{design.length:g}mm")
 def test_every_vertex_of_an_end_piece_is_one_of_the_body(design: SymmetricDesign) -> None:
     rows = {tuple(row) for row in np.round(design.body(4.0).mesh.points, 9) + 0.0}
-    piece = {tuple(row) for row in np.round(design.end_piece(3, 4.0).mesh.points, 9) + 0.0}
+    piece = {tuple(row) for row in np.round(end_piece(design, 3, 4.0).mesh.points, 9) + 0.0}
     assert piece <= rows
 
 
 @pytest.mark.parametrize("design", DESIGNS, ids=lambda design: f"{design.family}-{design.length:g}mm")
 def test_planes_of_a_half_cell_lie_exactly_at_its_ends(design: SymmetricDesign) -> None:
-    cell = design.half_cell(4.0)
+    cell = half_cell(design, 4.0)
     for name, x in (("clamp", 0.0), ("tip", cell.length)):
         nodes = np.unique(cell.mesh.faces[name])
         np.testing.assert_array_equal(cell.mesh.points[nodes, 0], x)
@@ -48,17 +49,17 @@ def test_planes_of_a_half_cell_lie_exactly_at_its_ends(design: SymmetricDesign) 
 
 def test_a_body_without_an_inner_cell_has_no_half_cell() -> None:
     with pytest.raises(DesignError, match="it needs two cells at least"):
-        PneuNet(chambers=1).half_cell(4.0)
+        half_cell(PneuNet(chambers=1), 4.0)
     with pytest.raises(ValueError, match="the body has 2"):
-        PneuNet(chambers=2).end_piece(3, 4.0)
+        end_piece(PneuNet(chambers=2), 3, 4.0)
 
 
 def test_a_flat_element_of_gmsh_does_not_end_the_process() -> None:
     """HXT leaves an element with its corners in one plane in this cell, at which Netgen's optimization crashes."""
     design = Rectangular(8, 14.2, 12.9, 5.71, 2.2, 2.3, 1.89, 1.9, 1.69, 1.19)
-    cell = design.half_cell(1.95, GRADINGS["walls"])
+    cell = half_cell(design, 1.95, GRADINGS["walls"])
     assert cell.mesh.quality.minimum > 0.1
     body = design.body(4.0)
-    ends = 2 * design.end_piece(0, 4.0).mesh.volume
-    half_cells = round((body.length - 2 * design.end_piece(0, 4.0).length) / cell.length)
+    ends = 2 * end_piece(design, 0, 4.0).mesh.volume
+    half_cells = round((body.length - 2 * end_piece(design, 0, 4.0).length) / cell.length)
     assert cell.mesh.volume == pytest.approx((body.mesh.volume - ends) / half_cells, rel=1e-12)

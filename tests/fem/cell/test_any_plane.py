@@ -13,10 +13,11 @@ from fem.cell.piece import BendingPiece, PieceState
 from fem.cell.response import inflated, shear_rigidity, slopes
 from geometry import BisectedCircle
 from geometry.arrays import Array
+from tests.pieces import half_cell
 from tests.quotients import quotient
 
 SOFT = StVenantKirchhoff(E=0.3, nu=0.49)
-HALF = BisectedCircle().half_cell(6.0)
+HALF = half_cell(BisectedCircle(), 6.0)
 WHOLE = HALF.full()
 FIRST, OTHER = WHOLE.cavities
 PRESSURES = {FIRST: 1.0, OTHER: 0.25}

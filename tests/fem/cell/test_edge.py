@@ -9,10 +9,11 @@ from fem.cell.piece import BendingPiece
 from fem.supports import Line, SharedPlane, Support, nodes_at
 from geometry import PneuNet
 from geometry.arrays import Array
+from tests.pieces import end_piece
 from tests.supports import Symmetry
 
 SVK = StVenantKirchhoff(E=1.2, nu=0.495)
-BODY = PneuNet().end_piece(1, 4.0)
+BODY = end_piece(PneuNet(), 1, 4.0)
 EDGE = Line(BODY.edge("clamp"))
 PRESSURE = 0.02
 

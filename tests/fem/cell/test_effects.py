@@ -10,6 +10,7 @@ from fem.discretisation import Discretisation
 from fem.effects.effect import Term
 from fem.effects.loads import enclosed_volume
 from geometry import Mesh, PneuNet, Semicircular
+from tests.pieces import end_piece, half_cell
 
 MATERIAL = StVenantKirchhoff(1.2, 0.4)
 DESIGN = PneuNet()
@@ -17,7 +18,7 @@ DESIGN = PneuNet()
 
 @pytest.fixture(scope="module")
 def cell() -> Discretisation:
-    return Discretisation.of(DESIGN.half_cell(4.0).mesh, "p2p0")
+    return Discretisation.of(half_cell(DESIGN, 4.0).mesh, "p2p0")
 
 
 def moved(space: Discretisation, size: float = 0.05) -> np.ndarray:
@@ -80,7 +81,7 @@ def test_walls_that_face_the_plane_are_paired_with_it(cell: Discretisation) -> N
 
 
 def test_inner_walls_of_an_end_piece_are_left_to_self_contact() -> None:
-    space = Discretisation.of(DESIGN.end_piece(3, 4.0).mesh, "p2p0")
+    space = Discretisation.of(end_piece(DESIGN, 3, 4.0).mesh, "p2p0")
     pairs = plane_pairs(space.surface("gap"), space.surface("tip"), space.points)
     last = DESIGN.gap + 2 * DESIGN.chamber_length + DESIGN.gap
     np.testing.assert_allclose(space.points[pairs.nodes, 0], last)
@@ -89,7 +90,7 @@ def test_inner_walls_of_an_end_piece_are_left_to_self_contact() -> None:
 def test_a_wall_and_its_image_press_as_two_walls_do() -> None:
     """Two half cells with the gap between their chambers closed to 0.02 mm: each wall has the energy per area of a wall
     and its image."""
-    cell = DESIGN.half_cell(4.0).mesh
+    cell = half_cell(DESIGN, 4.0).mesh
     image = cell.points * [-1.0, 1.0, 1.0] + [DESIGN.pitch, 0.0, 0.0]
     count = len(cell.points)
     both = Mesh(

@@ -15,12 +15,13 @@ from geometry.arrays import Array
 from geometry.curved import CurvedEdges
 from geometry.topology import EDGES
 from tests.bodies import box, bricks, named, on_plane
+from tests.pieces import half_cell
 from tests.quotients import quotient
 
 E, NU = 1.2, 0.3
 G = E / 2 / (1 + NU)
 LAW = StVenantKirchhoff(E=E, nu=NU)
-CELL = PneuNet().half_cell(4.0)
+CELL = half_cell(PneuNet(), 4.0)
 SOFT = StVenantKirchhoff(E=E, nu=0.495)
 
 

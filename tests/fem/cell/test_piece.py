@@ -10,6 +10,7 @@ from fem.cell.piece import BendingPiece, PieceFailed
 from fem.cell.response import inflated, shear_rigidity, slopes
 from geometry import BisectedCircle, Body, Mesh, PneuNet, Reason, SemicircularSingle
 from geometry.curved import CurvedEdges
+from tests.pieces import end_piece, half_cell
 from tests.quotients import quotient
 
 SVK = StVenantKirchhoff(E=1.2, nu=0.495)
@@ -41,7 +42,7 @@ def doubled(body: Body) -> Body:
 )
 @pytest.mark.usefixtures("solved_tightly")
 def test_slopes_are_those_of_neighbouring_states(formulation: str, law: Material) -> None:
-    piece = BendingPiece(DESIGN.half_cell(4.0), law, "mirror", formulation, dhat=0.04)
+    piece = BendingPiece(half_cell(DESIGN, 4.0), law, "mirror", formulation, dhat=0.04)
     p, phi, h = 0.02, -0.03, piece.body.length
     at = piece.solve(p, phi, piece.rest())
     assert at.touches
@@ -67,7 +68,7 @@ def test_slopes_are_those_of_neighbouring_states(formulation: str, law: Material
 
 @pytest.mark.parametrize(("pressure", "angle"), [(0.03, -0.08), (0.0, 0.05), (0.0, 0.0)])
 def test_the_state_from_rest_under_the_whole_pressure_is_that_of_small_steps(pressure: float, angle: float) -> None:
-    piece = BendingPiece(DESIGN.half_cell(4.0), SVK, "mirror", dhat=0.04)
+    piece = BendingPiece(half_cell(DESIGN, 4.0), SVK, "mirror", dhat=0.04)
     slow, before = piece.rest(), piece.factorizations
     for part in (0.25, 0.5, 0.75, 1.0):
         slow = piece.solve(part * pressure, part * angle, slow)
@@ -82,7 +83,7 @@ def test_the_state_from_rest_under_the_whole_pressure_is_that_of_small_steps(pre
 
 def test_a_piece_with_a_stiff_layer_is_at_rest_without_pressure_and_bending() -> None:
     """Rounding in the layer makes forces there, with nothing to compare them with."""
-    body = SemicircularSingle(length=110.0, radius=7.3).half_cell(6.0)
+    body = half_cell(SemicircularSingle(length=110.0, radius=7.3), 6.0)
     layer = StrainLimitingLayer(body.mesh.plane(1, body.curve_y), 0.05, 2000.0, 0.2)
     piece = BendingPiece(body, StVenantKirchhoff(E=1.2, nu=0.45), "mirror", "mixed", effects=[layer])
     at_rest = inflated(piece, 0.0, 0.0)
@@ -92,7 +93,7 @@ def test_a_piece_with_a_stiff_layer_is_at_rest_without_pressure_and_bending() ->
 
 
 def test_a_pressure_that_is_not_reached_at_once_is_reached_in_increments_that_grow_again(monkeypatch) -> None:
-    piece = BendingPiece(DESIGN.half_cell(4.0), SVK, "mirror", dhat=0.04)
+    piece = BendingPiece(half_cell(DESIGN, 4.0), SVK, "mirror", dhat=0.04)
     at_once = inflated(piece, 0.03, -0.08)
     solved, tried = BendingPiece.solve_near, []
 
@@ -110,7 +111,7 @@ def test_a_pressure_that_is_not_reached_at_once_is_reached_in_increments_that_gr
 
 
 def test_no_increment_is_tried_twice_and_the_cubic_follows_a_failure(monkeypatch) -> None:
-    piece = BendingPiece(DESIGN.half_cell(4.0), SVK, "mirror")
+    piece = BendingPiece(half_cell(DESIGN, 4.0), SVK, "mirror")
     at_once = inflated(piece, 0.02, -0.08)
     solved, tried, starts = BendingPiece.solve_near, [], []
 
@@ -131,14 +132,14 @@ def test_no_increment_is_tried_twice_and_the_cubic_follows_a_failure(monkeypatch
 
 
 def test_a_pressure_that_is_not_reached_is_named_with_that_of_the_last_attempt() -> None:
-    piece = BendingPiece(DESIGN.half_cell(5.0), SVK, "mirror", dhat=0.04)
+    piece = BendingPiece(half_cell(DESIGN, 5.0), SVK, "mirror", dhat=0.04)
     with pytest.raises(PieceFailed, match=r"half cell at .* kPa and .* on the way to 5000 kPa; ") as failure:
         inflated(piece, 5.0, 0.0)
     assert "at 5000 kPa" not in str(failure.value)
 
 
 def test_attempts_without_equilibrium_count_as_factorizations() -> None:
-    piece = BendingPiece(DESIGN.half_cell(5.0), SVK, "mirror", dhat=0.04)
+    piece = BendingPiece(half_cell(DESIGN, 5.0), SVK, "mirror", dhat=0.04)
     rest = piece.rest()
     with pytest.raises(PieceFailed, match="half cell at 5000 kPa"):
         piece.solve_near(5.0, 0.0, rest.state, rest)
@@ -148,7 +149,7 @@ def test_attempts_without_equilibrium_count_as_factorizations() -> None:
 @pytest.mark.parametrize("design", [PneuNet(), BisectedCircle()], ids=lambda design: design.family)
 def test_two_and_four_half_cells_bend_as_one(design) -> None:
     """Without contact, whose pairs differ between a wall and its image."""
-    body = design.half_cell(4.0)
+    body = half_cell(design, 4.0)
     moments = []
     for piece_body in (body, doubled(body), doubled(doubled(body))):
         piece = BendingPiece(piece_body, SVK, "mirror")
@@ -159,7 +160,7 @@ def test_two_and_four_half_cells_bend_as_one(design) -> None:
 
 
 def test_a_whole_cell_gives_the_law_of_half_of_it() -> None:
-    half = DESIGN.half_cell(4.0)
+    half = half_cell(DESIGN, 4.0)
     values = []
     for body in (half, half.full()):
         piece = BendingPiece(body, SVK, "mirror", dhat=0.04)
@@ -171,7 +172,7 @@ def test_a_whole_cell_gives_the_law_of_half_of_it() -> None:
 
 
 def test_the_axis_runs_halfway_between_the_two_crossings_of_the_material_curve() -> None:
-    piece = BendingPiece(DESIGN.half_cell(4.0), SVK, "mirror", dhat=0.04)
+    piece = BendingPiece(half_cell(DESIGN, 4.0), SVK, "mirror", dhat=0.04)
     at = piece.solve(0.02, -0.03, piece.rest())
     axis = axis_of(piece, at, slopes(piece, at))
     np.testing.assert_allclose(axis.ripple[[0, -1], 0], 0.0, atol=1e-12)
@@ -187,7 +188,7 @@ def test_the_axis_runs_halfway_between_the_two_crossings_of_the_material_curve()
 
 def test_free_and_clamped_ends() -> None:
     """A free end bears no moment; the clamp turns the plane less than a free end by the same pressure."""
-    body = DESIGN.end_piece(1, 4.0)
+    body = end_piece(DESIGN, 1, 4.0)
     free = BendingPiece(body, SVK, "free", dhat=0.04)
     at = free.solve(0.01, 0.0, free.rest())
     assert abs(at.moment) < 1e-6
@@ -197,7 +198,7 @@ def test_free_and_clamped_ends() -> None:
 
 
 def test_a_pressure_no_cell_can_bear_ends_with_a_sentence() -> None:
-    piece = BendingPiece(DESIGN.half_cell(5.0), SVK, "mirror", dhat=0.04)
+    piece = BendingPiece(half_cell(DESIGN, 5.0), SVK, "mirror", dhat=0.04)
     at = r"^no equilibrium of the half cell at [\d.]+ kPa and a mean curvature of 0 1/mm"
     with pytest.raises(PieceFailed, match=rf"{at}, on the way to 5000 kPa; "):
         piece.solve(5.0, 0.0, piece.rest())
@@ -207,7 +208,7 @@ def test_a_pressure_no_cell_can_bear_ends_with_a_sentence() -> None:
 
 def test_a_state_does_not_depend_on_those_that_the_same_piece_had_before() -> None:
     """Bit for bit, so that results are the same whichever process computes what."""
-    body, at = DESIGN.half_cell(4.0), (0.005, -0.005)
+    body, at = half_cell(DESIGN, 4.0), (0.005, -0.005)
     first, second = (BendingPiece(body, SVK, "mirror", dhat=0.04) for _ in range(2))
     assert second.solve(0.02, -0.04, second.rest()).touches
     alone, later = first.solve(*at, first.rest()), second.solve(*at, second.rest())

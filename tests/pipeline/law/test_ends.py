@@ -19,6 +19,7 @@ from pipeline.law.piece.measure_tip import tip_curve, tip_state
 from pipeline.law.piece.point import reached
 from pipeline.law.piece.reach import Reach
 from rod.arm_law.curves import CellCurve
+from tests.pieces import end_piece, half_cell
 
 DESIGN = SemicircularSingle(length=110.0, radius=7.3)
 RUBBER = fem.Hencky(E=1.2, nu=0.45)
@@ -31,15 +32,15 @@ class Pieces:
 
     @cached_property
     def cell(self) -> BendingPiece:
-        return BendingPiece(DESIGN.half_cell(SIZE), RUBBER, "mirror")
+        return BendingPiece(half_cell(DESIGN, SIZE), RUBBER, "mirror")
 
     @cached_property
     def clamp(self) -> BendingPiece:
-        return BendingPiece(DESIGN.end_piece(1, SIZE), RUBBER, "clamp")
+        return BendingPiece(end_piece(DESIGN, 1, SIZE), RUBBER, "clamp")
 
     @cached_property
     def free(self) -> BendingPiece:
-        return BendingPiece(DESIGN.end_piece(1, SIZE), RUBBER, "free")
+        return BendingPiece(end_piece(DESIGN, 1, SIZE), RUBBER, "free")
 
     def curve(self, pressure: float) -> CellCurve:
         """The cell at a pressure in kPa."""

@@ -16,6 +16,7 @@ from pipeline.law.piece.reach import Reach
 from rod import Load, RodSolution
 from rod.arm_law.curves import CellCurve, ClampCurve, TipCurve
 from rod.arm_law.law import ArmLaw
+from tests.pieces import end_piece, half_cell
 from tests.quotients import SOLVED, quotient
 
 #: its flat divider, which carries the edge that is held, gives way along the arm
@@ -26,13 +27,13 @@ RUBBER = fem.StVenantKirchhoff(E=1.2, nu=0.495)
 
 @pytest.fixture(scope="module")
 def cell() -> CellCurve:
-    piece = BendingPiece(DESIGN.half_cell(SIZE), RUBBER, "mirror")
+    piece = BendingPiece(half_cell(DESIGN, SIZE), RUBBER, "mirror")
     return sweep_cell(piece, PRESSURE, Reach(DESIGN.length, 0.3, 0.0, 0.01)).curve(piece.body.length)
 
 
 @pytest.fixture(scope="module")
 def law(cell: CellCurve) -> ArmLaw:
-    clamp, tip = (BendingPiece(DESIGN.end_piece(ENDS, SIZE), RUBBER, start) for start in ("clamp", "free"))
+    clamp, tip = (BendingPiece(end_piece(DESIGN, ENDS, SIZE), RUBBER, start) for start in ("clamp", "free"))
     middle = DESIGN.repetition(SIZE, GRADINGS["off"]).middle
     return ArmLaw(
         DESIGN.pitch,

@@ -28,6 +28,7 @@ from rod.arm_law.curves import ACROSS, IN_SPACE, CellCurve
 from rod.arm_law.law import ArmLaw
 from rod.arm_law.law_rod import LawRod
 from rod.spatial import SpatialLoad
+from tests.pieces import end_piece, half_cell, tip_piece
 
 DESIGN = PneuNet(chambers=5)
 SIZE, DHAT, PRESSURE = 5.0, 0.04, 20.0
@@ -39,7 +40,7 @@ RUBBER = fem.StVenantKirchhoff(E=1.2, nu=0.495)
 
 @pytest.fixture(scope="module")
 def swept() -> tuple[BendingPiece, CellSweep]:
-    piece = BendingPiece(DESIGN.half_cell(SIZE), RUBBER, "mirror", dhat=DHAT)
+    piece = BendingPiece(half_cell(DESIGN, SIZE), RUBBER, "mirror", dhat=DHAT)
     return piece, sweep_cell(piece, PRESSURE, Reach(DESIGN.length, 0.0, 0.0, BEND))
 
 
@@ -53,8 +54,8 @@ def cell(swept: tuple[BendingPiece, CellSweep]) -> CellCurve:
 
 @pytest.fixture(scope="module")
 def law(cell: CellCurve) -> ArmLaw:
-    clamp, _ = clamp_curve(BendingPiece(DESIGN.end_piece(1, SIZE), RUBBER, "clamp", dhat=DHAT), cell)
-    tip, _ = tip_curve(BendingPiece(DESIGN.tip_piece(1, SIZE), RUBBER, "free", dhat=DHAT), cell)
+    clamp, _ = clamp_curve(BendingPiece(end_piece(DESIGN, 1, SIZE), RUBBER, "clamp", dhat=DHAT), cell)
+    tip, _ = tip_curve(BendingPiece(tip_piece(DESIGN, 1, SIZE), RUBBER, "free", dhat=DHAT), cell)
     repetition = DESIGN.repetition(SIZE, GRADINGS["off"])
     parts = (cell,), (clamp.curve,), (tip.curve,)
     return ArmLaw(2.0 * repetition.half_pitch, repetition.middle, DESIGN.length, *parts)

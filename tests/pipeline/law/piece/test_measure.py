@@ -23,6 +23,7 @@ from pipeline.simulate.scene import Scene
 from pipeline.values.pressure import KPA_PER_MPA
 from rod.arm_law.curves import CellCurve, ClampCurve
 from rod.arm_law.law import ArmLaw
+from tests.pieces import end_piece, half_cell
 
 DESIGN = PneuNet(chambers=5)
 SIZE, DHAT, PRESSURE = 5.0, 0.04, 20.0
@@ -40,7 +41,7 @@ class Measured:
 
     @cached_property
     def cell(self) -> CellCurve:
-        piece = BendingPiece(DESIGN.half_cell(SIZE), RUBBER, "mirror", dhat=DHAT)
+        piece = BendingPiece(half_cell(DESIGN, SIZE), RUBBER, "mirror", dhat=DHAT)
         sweep = sweep_cell(piece, self.pressure, Reach(DESIGN.length, self.force, 0.0, BEND))
         assert sweep.limits == ()
         assert sweep.error < TOLERANCE
@@ -64,7 +65,7 @@ class Measured:
         return ArmLaw(DESIGN.pitch, middle, DESIGN.length, (self.cell,), (self.clamp,), (tip,))
 
     def _end(self, start: str) -> BendingPiece:
-        return BendingPiece(DESIGN.end_piece(1, SIZE), RUBBER, start, dhat=DHAT)  # type: ignore[arg-type]
+        return BendingPiece(end_piece(DESIGN, 1, SIZE), RUBBER, start, dhat=DHAT)  # type: ignore[arg-type]
 
 
 @pytest.fixture(scope="module")
@@ -203,7 +204,7 @@ def test_the_air_of_a_cell_has_the_slopes_of_its_potential(measured: Measured) -
 
 
 def test_a_pressure_that_the_cell_does_not_bear_is_named() -> None:
-    piece = BendingPiece(DESIGN.half_cell(SIZE), RUBBER, "mirror", dhat=DHAT)
+    piece = BendingPiece(half_cell(DESIGN, SIZE), RUBBER, "mirror", dhat=DHAT)
     with pytest.raises(PieceFailed, match=r"half cell at .* kPa"):
         sweep_cell(piece, 2000.0, Reach(DESIGN.length, 0.1, 0.0, BEND))
 
