@@ -8,7 +8,7 @@ from typing import final
 import numpy as np
 
 from geometry.arrays import Array, read_only
-from geometry.centreline import END_PART, chord_angle
+from geometry.centreline import END_PART, Centreline, chord_angle
 from geometry.told import Told, listed, placed
 from rod.along import Reaction, Triple, reactions_of, resultant
 from rod.arm.path import Path
@@ -138,6 +138,10 @@ class RodSolution(Told):
             x += along * np.cos(theta) - normal * np.sin(theta)
             y += along * np.sin(theta) + normal * np.cos(theta)
         return np.column_stack([x, y])
+
+    def along(self, curve: Centreline) -> Centreline:
+        """The material curve at the nodes of that of finite elements."""
+        return Centreline(curve.s, *self.positions(curve.s - curve.s[0]).T)
 
 
 @final

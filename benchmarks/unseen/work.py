@@ -230,6 +230,6 @@ def _of_report(solved: SolvedRun) -> Record:
         "why_no_arm_law": "" if solved.arm.law is not None else render_all(solved.arm.reasons),
         "remarks": [remark.text for remark in solved.results.remarks],
         "rod": asdict(errors[0]) if errors else None,
-        "turn_rad": first.kappa_0_middle * config.design.length if first else None,
+        "turn_rad": first.kappa_0.middle * config.design.length if first else None,
         "estimated": dict(first.mesh_errors) if first else {},
     }

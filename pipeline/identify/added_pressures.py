@@ -56,8 +56,8 @@ def quantities_of(parameters: Sequence[Parameters]) -> tuple[list[float], dict[s
     standard deviations."""
     intervals = {name: [p.numbers_without_mesh[name] for p in parameters] for name in ("alpha1", "alpha2")}
     quantities = {name: Quantity([i.value for i in row], [i.std for i in row]) for name, row in intervals.items()}
-    middles = [p.kappa_0_middle for p in parameters]
-    quantities["kappa_0"] = Quantity(middles, [p.kappa_0_middle_std for p in parameters])
+    middles = [p.kappa_0.middle for p in parameters]
+    quantities["kappa_0"] = Quantity(middles, [p.kappa_0.middle_std for p in parameters])
     return [p.pressure_kPa for p in parameters], quantities
 
 

@@ -67,7 +67,7 @@ class Comparison:
 
 def _shape_errors(curve: Centreline, shape: RodSolution) -> dict[str, float]:
     distances = _distances(shape, curve)
-    ends = np.unwrap([curve.end_angle, _on_nodes(shape, curve).end_angle])
+    ends = np.unwrap([curve.end_angle, shape.along(curve).end_angle])
     return {
         "distance_over_length": float(distances.max()) / curve.length,
         "distance_at_s_mm": float(curve.s[distances.argmax()] - curve.s[0]),
@@ -96,15 +96,10 @@ def _force_errors(record: Record, shape: RodSolution) -> dict[str, float]:
     }
 
 
-def _on_nodes(shape: RodSolution, curve: Centreline) -> Centreline:
-    """The material curve of the rod at the nodes of that of the finite elements."""
-    return Centreline(curve.s, *shape.positions(curve.s - curve.s[0]).T)
-
-
 def _curvature_errors(curve: Centreline, shape: RodSolution, pitch: float) -> dict[str, float]:
     """Largest difference of the cell-averaged curvatures over the largest of them, and where (mm)."""
     try:
-        solid, rod = (cell_averaged(shown, pitch) for shown in (curve, _on_nodes(shape, curve)))
+        solid, rod = (cell_averaged(shown, pitch) for shown in (curve, shape.along(curve)))
     except RodError:  # an arm of one or two cells has no cell averages to compare
         return {}
     differences = np.abs(rod.kappa - solid.kappa)

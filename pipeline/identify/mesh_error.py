@@ -4,8 +4,6 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
-import numpy as np
-
 from fem.elements import MOST_ACCURATE
 from geometry import Reason
 from pipeline.config.config import Config
@@ -18,7 +16,7 @@ from pipeline.store.context import RunContext
 from pipeline.store.parallel import TaskContext
 from pipeline.values.errors import InputError
 from pipeline.values.richardson import extrapolate_all
-from rod import PARAMETER_NAMES, Identification, RodError, cell_averaged
+from rod import PARAMETER_NAMES, Identification, Load, RodError, cell_averaged
 
 #: elements whose error does not fall steadily with the size, so that a coarser mesh of them does not show it: p2p0 on
 #: the gapped arm of the paper are off by 4 to 5 % in kappa_0 and F on meshes of 3 and of 2 mm (studies/accuracy.md)
@@ -95,8 +93,13 @@ def _solved(scene: Scene, context: RunContext, name: str, pressures_kPa: tuple[f
 
 def _numbers(parameters: Parameters) -> dict[str, float]:
     """The five numbers, kappa_0(l/2) and F on the mesh of the run."""
-    five = {name: number.value for name, number in parameters.numbers_without_mesh.items()}
-    return five | _measured(parameters.free, parameters.loaded, parameters.kappa.pitch)
+    return numbers_with(parameters, parameters.by_cells, parameters.kappa_0.middle, parameters.loaded.load)
+
+
+def numbers_with(parameters: Parameters, lines: Identification, kappa_0: float, load: Load) -> dict[str, float]:
+    """Five numbers with as many lines as the parameters have, with kappa_0(l/2) in 1/mm and F, the size of a force."""
+    five = {name: number.value for name, number in parameters.numbers_of(lines).items()}
+    return five | {"kappa_0": kappa_0, "force": load.force_size}
 
 
 def _meshed(context: TaskContext, config: Config) -> Scene:
@@ -118,15 +121,6 @@ def with_errors(
         mesh_errors={name: stds[name] / abs(numbers[name]) for name in RELATIVE if name in stds},
         two_lines_on_coarser=two_lines,
     )
-
-
-def _measured(free: Record, loaded: Record, pitch: float) -> dict[str, float]:
-    """kappa_0(l/2) and F, which are measured and not identified."""
-    kappa_0 = cell_averaged(free.centreline, pitch)
-    return {
-        "kappa_0": float(np.interp(kappa_0.length / 2, kappa_0.s, kappa_0.kappa)),
-        "force": loaded.load.force_size,
-    }
 
 
 def mesh_deviations(
@@ -185,16 +179,8 @@ class OnMesh:
 
     def numbers(self, fine: Parameters) -> dict[str, float]:
         """The five numbers, kappa_0(l/2) and F."""
-        return five_numbers(self.lines, fine) | _measured(self.free, self.loaded, fine.kappa.pitch)
-
-
-def five_numbers(lines: Identification, fine: Parameters) -> dict[str, float]:
-    """The five numbers with as many lines as the parameters, because the rigidity of a single line and the second one
-    of two are different numbers."""
-    if fine.two_lines:
-        return {name: getattr(lines.law, name) for name in PARAMETER_NAMES}
-    alpha, m0 = lines.single_line.alpha.value, lines.single_line.m0.value
-    return {"alpha1": alpha, "alpha2": alpha, "m01": m0, "m02": m0, "d": fine.shortest_break}
+        kappa_0 = cell_averaged(self.free.centreline, fine.kappa.pitch)
+        return numbers_with(fine, self.lines, kappa_0.middle, self.loaded.load)
 
 
 def _identify(

@@ -11,8 +11,6 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 
-import numpy as np
-
 from geometry import Centreline, Design, Reason
 from pipeline.simulate.outcome import Outcomes, Record
 from pipeline.store.context import RunContext
@@ -86,16 +84,6 @@ class Parameters:
         return self.given_d is not None or self.one_rigidity or is_clear(self.evidence)
 
     @property
-    def kappa_0_middle(self) -> float:
-        """kappa_0(l/2), 1/mm, interpolated linearly between the cells nearest to the middle."""
-        return float(np.interp(self.kappa_0.length / 2, self.kappa_0.s, self.kappa_0.kappa))
-
-    @property
-    def kappa_0_middle_std(self) -> float:
-        """Standard deviation of kappa_0(l/2), 1/mm."""
-        return float(np.interp(self.kappa_0.length / 2, self.kappa_0.s, self.kappa_0.kappa_std))
-
-    @property
     def shortest_break(self) -> float:
         """The lower end of the range of d, mm; a d there means "at most that"."""
         return shortest_break(self.kappa.length, self.kappa.pitch)
@@ -113,17 +101,18 @@ class Parameters:
     @property
     def numbers_without_mesh(self) -> dict[str, Interval]:
         """The five numbers without the error of the mesh, which all pressures share: no scatter between them."""
-        return self._of_rod(self.by_cells)
+        return self.numbers_of(self.by_cells)
 
     @property
     def extensible_numbers(self) -> dict[str, Interval]:
         """The five numbers of the rod whose curve stretches."""
-        return self._with_mesh(self._of_rod(self.extensible))
+        return self._with_mesh(self.numbers_of(self.extensible))
 
-    def _of_rod(self, identification: Identification) -> dict[str, Interval]:
-        """The numbers of two lines, or those of a single line for both pieces where it suffices.
+    def numbers_of(self, identification: Identification) -> dict[str, Interval]:
+        """The five numbers with as many lines as the rod has: those of a single line for both pieces where it suffices.
 
-        A single line has no change of slope: d is then the lower end of its range.
+        Its rigidity and the second one of two lines are different numbers. It has no change of slope: d is then the
+        lower end of its range.
         """
         line = identification.single_line
         d = Interval(self.shortest_break, 0.0, self.shortest_break, self.shortest_break)
@@ -171,10 +160,12 @@ def takes_two_lines(evidence: float, one_rigidity: bool, d_given: bool) -> bool:
     return d_given or (evidence > 0.0 and not one_rigidity)
 
 
-def decide_together(parameters: Iterable[Parameters]) -> tuple[Parameters, ...]:
-    """The parameters of a run, with a single line or two by the evidence of all pressures."""
-    parameters = tuple(parameters)
-    decisive = sum_evidence([p.by_cells.evidence for p in parameters], [p.one_rigidity for p in parameters])
+def decide_together(
+    parameters: Sequence[Parameters], identified: Iterable[Identification] = ()
+) -> tuple[Parameters, ...]:
+    """The parameters of a run, with a single line or two by the evidence of all pressures, or by that of others."""
+    lines = tuple(identified) or [p.by_cells for p in parameters]
+    decisive = sum_evidence([one.evidence for one in lines], [p.one_rigidity for p in parameters])
     return tuple(replace(p, evidence=evidence) for p, evidence in zip(parameters, decisive, strict=True))
 
 

@@ -7,11 +7,9 @@ finite elements are. Laws on two meshes differ in their prediction as the whole 
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from geometry import Centreline
-from geometry.arrays import Array
-from pipeline.identify.mesh_error import five_numbers, with_errors
+from pipeline.identify.mesh_error import numbers_with, with_errors
 from pipeline.identify.parameters import Parameters, numbers_of_curves
-from rod import ArmLaw, Identification, Load, Rod, RodError, RodSolution
+from rod import ArmLaw, Identification, Load, Rod, RodError
 
 
 @dataclass(frozen=True)
@@ -20,7 +18,7 @@ class Predicted:
 
     lines: Identification
     kappa_0: float  #: 1/mm, of a cell without moment
-    force: float  #: N, size of the end force of III
+    load: Load  #: of III
 
     @staticmethod
     def of(parameters: Parameters, law: ArmLaw) -> "Predicted":
@@ -33,14 +31,14 @@ class Predicted:
         lever = loaded.positions(loaded.s[-1:])[0] - [loaded.x[-1], loaded.y[-1]]
         # about the end of the material curve
         couple = float(loaded.moment[-1]) - lever[0] * force[1] + lever[1] * force[0]
-        curves = _centreline(rod.under(Load()), curve.s), _centreline(loaded, curve.s)
+        curves = rod.under(Load()).along(curve), loaded.along(curve)
         load = Load(force, couple)
         lines = numbers_of_curves(*curves, load, parameters.kappa.pitch, parameters.given_d)
-        return Predicted(lines, at.section.kappa_0, load.force_size)
+        return Predicted(lines, at.section.kappa_0, load)
 
     def numbers(self, parameters: Parameters) -> dict[str, float]:
         """The five numbers, with as many lines as the parameters have, kappa_0 and F."""
-        return five_numbers(self.lines, parameters) | {"kappa_0": self.kappa_0, "force": self.force}
+        return numbers_with(parameters, self.lines, self.kappa_0, self.load)
 
 
 def predictions(parameters: Sequence[Parameters], law: ArmLaw) -> list[Predicted | str]:
@@ -67,8 +65,3 @@ def with_mesh_error_of_laws(
         numbers, own = first.numbers(p), second.numbers(p)
         found.append(with_errors(p, own, {name: abs(numbers[name] - own[name]) for name in own}, None))
     return tuple(found)
-
-
-def _centreline(shape: RodSolution, s: Array) -> Centreline:
-    """The material curve of a rod at the nodes s (n,), mm, of the finite elements."""
-    return Centreline(s, *shape.positions(s - s[0]).T)

@@ -1,14 +1,13 @@
 """The parameters of a run as the value of parameters.json."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from typing import Any
 
 from geometry.arrays import Array
 from pipeline.config.config import Config
 from pipeline.identify.added_pressures import covered_range, quantities_of
 from pipeline.identify.mesh_error import RELATIVE
-from pipeline.identify.parameters import Parameters, sum_evidence
+from pipeline.identify.parameters import Parameters, decide_together
 from pipeline.identify.predicted import Predicted
 from pipeline.values.formats import FORMAT
 from pipeline.values.parameters import (
@@ -170,8 +169,7 @@ def _identified(estimates: Sequence[Identification | str], parameters: Sequence[
     columns = _columns(every) | _bounds([None if numbers is None else numbers["d"] for numbers in every], parameters)
     columns["reason"] = tuple(e if isinstance(e, str) else "" for e in estimates)
     if len(identified) == len(parameters):
-        decisive = sum_evidence([e.evidence for e in identified], [p.one_rigidity for p in parameters])
-        decided = [replace(p, evidence=evidence) for p, evidence in zip(parameters, decisive, strict=True)]
+        decided = decide_together(parameters, identified)
         columns["single_line_suffices"] = tuple(not p.two_lines for p in decided)
         columns["single_line_alpha_N_mm2"] = tuple(e.single_line.alpha.value for e in identified)
         columns["observations"] = tuple(e.observations for e in identified)
@@ -232,7 +230,7 @@ def _dimensionless_numbers(config: Config, parameters: Sequence[Parameters]) -> 
     return {
         "weight_N": newton,
         "weight_of": of,
-        "kappa_0_middle_times_length": [p.kappa_0_middle * length for p in parameters],
+        "kappa_0_middle_times_length": [p.kappa_0.middle * length for p in parameters],
         **{
             f"{name}_{_DIVIDED[name.rstrip('12')]}": [p.numbers[name].value / unit for p in parameters]
             for name, unit in units.items()
@@ -251,5 +249,5 @@ def _rest_shape(parameters: Sequence[Parameters]) -> RestShape:
         kappa_0_per_mm=tuple(_numbers(profile[:, 1]) for _, profile in rows),
         cell_s_mm=_numbers(parameters[0].kappa_0.s),
         cell_averaged_per_mm=tuple(_numbers(p.kappa_0.kappa) for p in parameters),
-        middle_per_mm=tuple(p.kappa_0_middle for p in parameters),
+        middle_per_mm=tuple(p.kappa_0.middle for p in parameters),
     )

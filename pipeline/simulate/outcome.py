@@ -4,8 +4,6 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from math import inf
 
-import numpy as np
-
 import fem
 from geometry import Centreline, Reason, Values
 from geometry.arrays import Array, Index
@@ -84,10 +82,9 @@ class Record:
     def kappa_middle(self, pitch: float) -> float | None:
         """The curvature in the middle, averaged over cells (pitch in mm), 1/mm; None for an arm of one or two cells."""
         try:
-            curvature = cell_averaged(self.centreline, pitch)
+            return cell_averaged(self.centreline, pitch).middle
         except RodError:
             return None
-        return float(np.interp(curvature.length / 2, curvature.s, curvature.kappa))
 
     @property
     def experiment(self) -> str:

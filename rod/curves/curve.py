@@ -53,6 +53,16 @@ class Curvature:
             raise RodError(f"A curvature needs at least 6 points along the curve; there are {len(self.s)}.")
 
     @property
+    def middle(self) -> float:
+        """In the middle of the arm, 1/mm, interpolated linearly between the points nearest to it."""
+        return float(np.interp(self.length / 2, self.s, self.kappa))
+
+    @property
+    def middle_std(self) -> float:
+        """Its standard deviation, 1/mm."""
+        return float(np.interp(self.length / 2, self.s, self.kappa_std))
+
+    @property
     def kappa_std(self) -> Array:
         """(n,) 1/mm, standard deviation of kappa; of white noise that from the roughness within a pitch.
 

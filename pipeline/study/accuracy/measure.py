@@ -125,7 +125,7 @@ def numbers_of(parameters: Parameters) -> RodNumbers:
     numbers, free, loaded = parameters.numbers, parameters.free, parameters.loaded
     return RodNumbers(
         pressure_kPa=parameters.pressure_kPa,
-        kappa_0_per_mm=parameters.kappa_0_middle,
+        kappa_0_per_mm=parameters.kappa_0.middle,
         alpha1_N_mm2=numbers["alpha1"].value,
         alpha2_N_mm2=numbers["alpha2"].value,
         d_mm=numbers["d"].value if parameters.two_lines else None,

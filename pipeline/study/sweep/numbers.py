@@ -85,7 +85,7 @@ def _state(record: Record, pitch: float, side: float) -> Row:
 
 
 def _five(parameters: Parameters) -> Row:
-    row: Row = {"kappa_0_middle_per_mm": parameters.kappa_0_middle}
+    row: Row = {"kappa_0_middle_per_mm": parameters.kappa_0.middle}
     for name, column in PARAMETER_COLUMNS.items():
         number = parameters.numbers[name]
         row |= {column: number.value, f"{column}_std": number.std}
