@@ -7,22 +7,15 @@ read without numpy.
 from types import ModuleType
 from typing import TYPE_CHECKING
 
-from geometry.deferred import named_in
+from geometry.deferred import names_in
 
 if TYPE_CHECKING:
     from geometry.public import *  # noqa: F403  type checkers find the names where they are defined
+else:
 
+    def _public() -> ModuleType:
+        import geometry.public as public
 
-def __dir__() -> list[str]:
-    names: list[str] = _public().__all__
-    return names
+        return public
 
-
-def _public() -> ModuleType:
-    import geometry.public as public
-
-    return public
-
-
-if not TYPE_CHECKING:
-    __getattr__ = named_in(_public, __name__)
+    __getattr__, __dir__ = names_in(_public, __name__)

@@ -5,15 +5,19 @@ from types import ModuleType
 from typing import Any
 
 
-def named_in(load: Callable[[], ModuleType], package: str) -> Callable[[str], Any]:
-    """The `__getattr__` of a package: names are those in `__all__` of the module that `load` imports."""
+def names_in(load: Callable[[], ModuleType], package: str) -> tuple[Callable[[str], Any], Callable[[], list[str]]]:
+    """The `__getattr__` and the `__dir__` of a package whose names are those of the module that `load` imports."""
+
+    def names() -> list[str]:
+        module = load()
+        return getattr(module, "__all__", None) or [name for name in vars(module) if not name.startswith("_")]
 
     def found(name: str) -> Any:
         """The name of that module; raises AttributeError where there is none."""
-        if name == "__all__" or not name.startswith("_"):
-            public = load()
-            if name in (*public.__all__, "__all__"):
-                return getattr(public, name)
+        if name == "__all__":
+            return names()
+        if not name.startswith("_") and name in names():
+            return getattr(load(), name)
         raise AttributeError(f"module {package!r} has no attribute {name!r}")
 
-    return found
+    return found, names

@@ -10,22 +10,51 @@ from geometry.meshing.shapes import Box, Shape
 from geometry.meshing.solid import Solid
 
 
-class PartitionedDesign(OnBasePlate):
+class Bar(SymmetricDesign):
+    """A bar with closed ends. A family is a dataclass with the fields named in its classes, all lengths in mm, and
+    defines the solid bar."""
+
+    end_wall: float
+
+    @abstractmethod
+    def _bar(self, start: float, stop: float) -> list[list[Shape]]:
+        """The half z >= 0 of the solid without cavities, cut at the material curve; start <= x <= stop, in mm."""
+
+    @property
+    @abstractmethod
+    def _cells(self) -> tuple[int, float]:
+        """Number of cells and their length, mm."""
+
+    @property
+    def cell_count(self) -> int:
+        return self._cells[0]
+
+    @property
+    def pitch(self) -> float:
+        return self._cells[1]
+
+    def _undivided(self, cavities: Callable[[float, float], list[Shape]]) -> Drawing:
+        """The end piece and the half cell of a bar whose cavities go from one end wall to the other."""
+        middle = self.end_wall + self.pitch / 2
+        edge = middle + self.pitch / 2
+        material, hollow = {"end": self._bar(0, middle)}, [cavities(self.end_wall, middle)]
+        if self.cell_count > 1:
+            material["cell"] = self._bar(middle, edge)
+            hollow.append(cavities(middle, edge))
+        air = dict(zip(self.cavities, map(list, zip(*hollow, strict=True)), strict=True))
+        return Drawing(Solid(material, air), middle, edge)
+
+
+class PartitionedDesign(Bar, OnBasePlate):
     """A bar with a row of equal chambers, one behind the other along x, that an air channel on the base plate joins.
 
-    A cell extends from the middle of one partition to the middle of the next; those of a single chamber are nominal. A
-    family is a dataclass with the fields named here, all lengths in mm, and defines the solid bar and its cavities.
+    A cell extends from the middle of one partition to the middle of the next; those of a single chamber are nominal.
     """
 
     chambers: int
     chamber_length: float
     partition: float
-    end_wall: float
     channel: float
-
-    @abstractmethod
-    def _bar(self, start: float, stop: float) -> list[list[Shape]]:
-        """The half z >= 0 of the solid without cavities, cut at the material curve; start <= x <= stop, in mm."""
 
     @abstractmethod
     def _cavity(self, start: float, stop: float) -> Shape:
@@ -41,19 +70,10 @@ class PartitionedDesign(OnBasePlate):
 
     @property
     def _cells(self) -> tuple[int, float]:
-        """Number of cells and their length, mm."""
         if self.chambers > 1:
             return self.chambers, self.chamber_length + self.partition
         width = max(self.extent[1:])  # thinner cells than a quarter of it have flat elements
         return slices(self.chamber_length, min(2 / 3 * width, max(width / 4, usual_cell(self.length))))
-
-    @property
-    def cell_count(self) -> int:
-        return self._cells[0]
-
-    @property
-    def pitch(self) -> float:
-        return self._cells[1]
 
     @property
     def channel_volume(self) -> float:
@@ -63,7 +83,7 @@ class PartitionedDesign(OnBasePlate):
     @property
     def drawing(self) -> Drawing:
         if self.chambers == 1:
-            return _undivided(self, lambda start, stop: [self._cavity(start, stop)])
+            return self._undivided(lambda start, stop: [self._cavity(start, stop)])
         near, far = self.end_wall, self.end_wall + self.chamber_length
         middle = self.end_wall + self.chamber_length / 2
         edge = middle + self.pitch / 2
@@ -73,19 +93,11 @@ class PartitionedDesign(OnBasePlate):
         return Drawing(Solid(material, {"cavity": hollow}), middle, edge)
 
 
-class UndividedDesign(SymmetricDesign):
-    """A round bar without partitions, whose cells are nominal: equal parts of its cavities, 2/3 of its width long.
-
-    A family is a dataclass with the fields named here, all lengths in mm, and defines the solid bar and its cavities.
-    """
+class UndividedDesign(Bar):
+    """A round bar without partitions, whose cells are nominal: equal parts of its cavities, 2/3 of its width long."""
 
     length: float
     radius: float
-    end_wall: float
-
-    @abstractmethod
-    def _bar(self, start: float, stop: float) -> list[list[Shape]]:
-        """The half z >= 0 of the solid without cavities, cut at the material curve; start <= x <= stop, in mm."""
 
     @abstractmethod
     def _cavities(self, start: float, stop: float) -> list[Shape]:
@@ -93,29 +105,8 @@ class UndividedDesign(SymmetricDesign):
 
     @property
     def _cells(self) -> tuple[int, float]:
-        """Number of cells and their length, mm."""
         return slices(self.length - 2 * self.end_wall, 4 / 3 * self.radius)
 
     @property
-    def cell_count(self) -> int:
-        return self._cells[0]
-
-    @property
-    def pitch(self) -> float:
-        return self._cells[1]
-
-    @property
     def drawing(self) -> Drawing:
-        return _undivided(self, self._cavities)
-
-
-def _undivided(design: PartitionedDesign | UndividedDesign, cavities: Callable[[float, float], list[Shape]]) -> Drawing:
-    """The end piece and the half cell of a bar whose cavities go from one end wall to the other."""
-    middle = design.end_wall + design.pitch / 2
-    edge = middle + design.pitch / 2
-    material, hollow = {"end": design._bar(0, middle)}, [cavities(design.end_wall, middle)]
-    if design.cell_count > 1:
-        material["cell"] = design._bar(middle, edge)
-        hollow.append(cavities(middle, edge))
-    air = dict(zip(design.cavities, map(list, zip(*hollow, strict=True)), strict=True))
-    return Drawing(Solid(material, air), middle, edge)
+        return self._undivided(self._cavities)
