@@ -22,9 +22,8 @@ from pipeline.law.piece.measure import cell_without_moment
 from pipeline.law.pieces import ArmPieces
 from pipeline.law.tasks import ArmTasks, PieceCurves
 from pipeline.store.context import RunContext
-from pipeline.store.kept import KeptFile
 from pipeline.values.errors import InputError
-from pipeline.values.pressure import in_MPa, name_of_state
+from pipeline.values.pressure import in_MPa
 from pipeline.values.richardson import Limit, extrapolate_all
 from rod.arm_law.curves import ACROSS
 
@@ -190,5 +189,4 @@ def solve_numbers(curves: PieceCurves, pressure: float, bend: float, length: flo
         numbers = dict(zip(PLANE, values, strict=True)) | across
         return SolvedNumbers(numbers, 3 * len(piece.space.points), process_time() - begin)
 
-    file = curves.file(name_of_state("numbers", pressure))
-    return KeptFile[SolvedNumbers].of_run(curves.store, file, SolvedNumbers).read_or_make(solve)
+    return curves.number(SolvedNumbers, "numbers", pressure, solve)

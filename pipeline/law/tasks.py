@@ -15,6 +15,7 @@ from pipeline.store.kept import KeptFile
 from pipeline.store.parallel import Pending, TaskContext
 from pipeline.store.progress import Progress
 from pipeline.store.store import Store
+from pipeline.values.pressure import name_of_state
 from rod.arm_law.curves import ClampCurve, TipCurve
 
 P = ParamSpec("P")
@@ -49,7 +50,7 @@ class PieceCurves:
         measure: Callable[[BendingPiece], Measured[Value]],
     ) -> Measured[Value]:
         """What is measured on a piece, which is made where an earlier run of these sources has kept nothing."""
-        file: KeptFile[Measured[Any]] = KeptFile.of_run(self.store, self.file(name), Measured[Any])
+        file: KeptFile[Measured[Any]] = KeptFile.of_run(self.store, self._file(name), Measured[Any])
         needs_rates = self.pieces.derivatives and name.startswith(WITH_RATES)
         if (kept := file.read()) is not None and (kept.rates or not needs_rates):
             return replace(kept, curve=kept.curve if kind is float else value_of(kind, kept.curve), is_stored=True)
@@ -63,8 +64,12 @@ class PieceCurves:
         file.save(replace(made, curve=made.curve if kind is float else record_of(made.curve)))
         return measured
 
-    def file(self, name: str) -> str:
-        """Where what has this name is kept of these pieces."""
+    def number(self, kind: type[Value], name: str, pressure: float, make: Callable[[], Value]) -> Value:
+        """What is made of states at a pressure in kPa, and kept under a name without the work that it took."""
+        file = self._file(name_of_state(name, pressure))
+        return KeptFile[Value].of_run(self.store, file, kind).read_or_make(make)
+
+    def _file(self, name: str) -> str:
         return f"law/{self.pieces.mesh_name}/{name}.json"
 
 

@@ -15,10 +15,8 @@ from pipeline.law.piece.measure_tip import tip_curve
 from pipeline.law.piece.reach import LARGEST
 from pipeline.law.tasks import ArmTasks, PieceCurves
 from pipeline.results.unloaded import unloaded_state
-from pipeline.store.kept import KeptFile
 from pipeline.store.parallel import Pending
 from pipeline.values.law import Unloaded
-from pipeline.values.pressure import name_of_state
 from rod.arm_law.curves import ClampCurve
 from rod.errors import RodError
 
@@ -55,8 +53,7 @@ def first_state(curves: PieceCurves, pressure: float) -> Unloaded:
         law = pieces.law([cell], [_straight_clamp(clamp, cell.moment)], [tip.curve])
         return unloaded_state(law, pressure)
 
-    file = curves.file(name_of_state("unloaded", pressure))
-    return KeptFile[Unloaded].of_run(curves.store, file, Unloaded).read_or_make(solve)
+    return curves.number(Unloaded, "unloaded", pressure, solve)
 
 
 def _straight_clamp(clamp: ClampCurve, moments: Array) -> ClampCurve:

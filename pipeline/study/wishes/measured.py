@@ -23,13 +23,12 @@ from pipeline.law.pieces import ArmPieces, NoArmLaw
 from pipeline.law.tasks import ArmTasks, PieceCurves
 from pipeline.simulate.scene import Scene
 from pipeline.store.context import RunContext
-from pipeline.store.kept import KeptFile
 from pipeline.store.parallel import Pending
 from pipeline.store.state_key import NUMBER_SOURCES, STATE_SOURCES, result_key
 from pipeline.store.store import Store
 from pipeline.study.wishes.wish import PRESSURE, Wishes, WishFile
 from pipeline.values.errors import InputError, RunFailed, WorkerLost
-from pipeline.values.pressure import in_MPa, name_of_state
+from pipeline.values.pressure import in_MPa
 from pipeline.values.reasons import render
 from rod import Rod, RodError
 from rod.arm_law.curves import CellCurve, ClampCurve, TipCurve
@@ -210,8 +209,7 @@ def largest_stretch(curves: PieceCurves, pressure: float) -> float:
     def measure() -> float:
         return cell_without_moment(curves.pieces.cell, in_MPa(pressure)).state.extremes.max_stretch
 
-    file = curves.file(name_of_state("stretch", pressure))
-    return KeptFile[float].of_run(curves.store, file, float).read_or_make(measure)
+    return curves.number(float, "stretch", pressure, measure)
 
 
 def store_of(store: Store, config: Config, mesh_of: Config | None = None, by: tuple[str, ...] = ()) -> Store:
