@@ -55,7 +55,7 @@ PREDICTED_ITERATIONS = 12
 #: rad, difference of angles of one and the same state
 SAME_ANGLE = 1e-12
 #: Newton's tolerance, finer than that of a load path: slopes of the moment are taken of the states
-OPTIONS = NewtonOptions(tolerance=1e-6)
+OPTIONS = NewtonOptions(tolerance=1e-6, reuses=True)
 
 
 class PieceFailed(FailedForReasons):

@@ -41,6 +41,8 @@ NEAR = 0.1
 CONVEX_ABOVE = 0.1
 #: relative residual above which a state is far from equilibrium
 FAR = 0.5
+#: part of the tolerance below which an equilibrium is taken that the factor of an earlier iteration led to
+SHARPER = 0.001
 
 #: called after every iteration with its number and the relative residual
 Watch = Callable[[int, float], None]
@@ -59,6 +61,7 @@ class NewtonOptions:
     #: largest number of iterations far from equilibrium (`FAR`): where the method wanders longer, it finds nothing, or
     #: an equilibrium to which the path does not lead
     far: int = 8
+    reuses: bool = False  #: whether the last iterations use the factor of the one before again, under a prescribed load
 
 
 @dataclass(frozen=True)
@@ -85,9 +88,9 @@ class Converged:
 
     state: State
     assembly: Assembly
-    iterations: int  #: one factorization each
+    iterations: int  #: those with a factorization of their own
     residual: float  #: relative
-    linearised: Linearised | None  #: the tangent of the last iteration; None where no iteration was needed
+    linearised: Linearised | None  #: the tangent that was factorized last; None where no iteration was needed
 
     @property
     def negative_pivots(self) -> int:
@@ -119,24 +122,30 @@ def solve(
     most = min(options.iterations, start.max_iterations or options.iterations)
     patience = _Patience.of(start, options, most)
     linearised: Linearised | None = None
-    relative, is_limited = np.inf, False
+    again: Linearised | None = None
+    relative, is_limited, reused = np.inf, False, 0
     for iteration in range(most + 1):
         assembly = system.assemble(state, terms)
         correction = system.constraints.correction(state.displacement, control.prescribed)
-        relative = _relative_residual(system, assembly)
+        last, relative = relative, _relative_residual(system, assembly)
         watch(iteration, relative)
         is_at_target = not np.any(correction) and abs(control.residual(state)) < options.tolerance
-        if relative < options.tolerance and is_at_target and (iteration or not start.iterates):
+        is_near = relative < options.tolerance * (SHARPER if again else 1.0)
+        if is_near and is_at_target and (iteration or not start.iterates):
             consistent = system.state_at(state.displacement, state.factor)
             exact = system.assemble(consistent, settled(terms))
             relative = _relative_residual(system, exact)
             if relative < options.tolerance:
-                return Converged(consistent, exact, iteration, relative, linearised)
+                return Converged(consistent, exact, iteration - reused, relative, linearised)
         if relative < NEAR and smallest_gap(inactive, system.space.points + state.displacement) < 0:
-            return Converged(state, assembly, iteration, relative, linearised)
+            return Converged(state, assembly, iteration - reused, relative, linearised)
         patience.check(iteration, relative, linearised, is_limited)
         if iteration < most:
-            before = _Iterate(state, terms, assembly, correction)
+            # two more reductions like the last one lead to the tolerance: a factor is worth about five of them
+            leads = is_at_target and not is_limited and relative**3 < options.tolerance * last**2
+            again = linearised if options.reuses and leads and linearised and not linearised.negative_pivots else None
+            reused += again is not None
+            before = _Iterate(state, terms, assembly, correction, again)
             state, linearised, is_limited = _iterate(before, control, relative > CONVEX_ABOVE, options.strain)
             terms = advanced(terms, before.positions(system), state.displacement - before.state.displacement)
     raise StepFailed(Reason("not_converged", {"iterations": most, "residual": relative}))
@@ -191,6 +200,7 @@ class _Iterate:
     terms: Terms
     assembly: Assembly
     correction: Array  #: (n, 3) what the prescribed displacements still miss, mm
+    again: Linearised | None  #: the tangent of an earlier iteration that is used once more; None: a new one
 
     def positions(self, system: System) -> Array:
         """(n, 3), mm."""
@@ -202,8 +212,11 @@ def _iterate(before: _Iterate, control: Control, convex: bool, max_strain: float
     `max_strain` because the tangent is indefinite. Raises `StepFailed`."""
     system, state, assembly, terms = control.system, before.state, before.assembly, before.terms
     try:
-        linearised = system.linearise(state, assembly, terms, before.correction, convex=convex)
-        change, unstable = control.increment(state, assembly, linearised, before.correction, terms)
+        linearised = before.again or system.linearise(state, assembly, terms, before.correction, convex=convex)
+        if before.again:
+            change, unstable = linearised.solve(assembly.gradient, assembly.pressure_residual), 0
+        else:
+            change, unstable = control.increment(state, assembly, linearised, before.correction, terms)
     except SingularMatrix as error:
         raise StepFailed(Reason("tangent_singular", {"why": str(error)})) from None
     change = replace(change, displacement=change.displacement + before.correction)
