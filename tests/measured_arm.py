@@ -6,8 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from pipeline.answers.measured.fit import LawRods
-from pipeline.answers.measured.predicted import Numbers, Setup
+from pipeline.answers.measured.predicted import LawRods, Numbers, Setup
 from pipeline.answers.measured.rows import Measurements, Row, State
 from pipeline.results.drawing import write_fields
 from pipeline.results.laws import law_record

@@ -10,9 +10,8 @@ from benchmarks.experiments.bar import Bar, BendingRod, Elements, Model
 from benchmarks.experiments.cases import Case
 from benchmarks.experiments.fitted_bar import BarNumbers, fit_bar
 from benchmarks.foretold import foretell
-from pipeline.answers.measured.fit import LawRods
 from pipeline.answers.measured.gaussian import WITHIN
-from pipeline.answers.measured.predicted import Numbers
+from pipeline.answers.measured.predicted import LawRods, Numbers
 from pipeline.answers.measured.rows import Measurements
 from pipeline.config.config import Config
 from pipeline.law.study import measure_law

@@ -6,10 +6,10 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks.in_time.elements import Motion
-from benchmarks.in_time.measured import Ringing
 from fem import Experiment, LineForce, Model, follow
 from fem.supports import nodes_at
 from geometry.arrays import Array
+from pipeline.answers.measured.motions import Ringing
 from pipeline.answers.rods.solid import solid_of
 from pipeline.config.config import Config
 from pipeline.law.study import measure_law

@@ -142,7 +142,7 @@ class LawRod:
             path = follow(model, load, how)
         except NoEquilibrium as ended:
             low, high = self.moments
-            known = f"The law at {self.section.pressure:g} kPa is known from {low:.4g} to {high:.4g} N mm."
+            known = f"The law at {self.section.pressure:.4g} kPa is known from {low:.4g} to {high:.4g} N mm."
             raise RodError(f"{ended} {known}") from None
         if outside := self.outside(path):
             raise RodError(f"{path.fall} {outside} {self._borne(load, how)}".strip())
@@ -164,7 +164,7 @@ class LawRod:
         worst = int(np.argmax(np.maximum(low - bends, bends - high)))
         return (
             f"At s = {path.nodes.s[worst]:.3g} mm this load bends the cells with {bends[worst]:.4g} N mm; the law at "
-            f"{law.pressure:g} kPa is known from {low:.4g} to {high:.4g} N mm."
+            f"{law.pressure:.4g} kPa is known from {low:.4g} to {high:.4g} N mm."
         )
 
     def _borne(self, load: SpatialLoad, how: Way) -> str:

@@ -31,6 +31,12 @@ class Creep(NamedTuple):
         """J at times in s, of their shape."""
         return np.asarray(1.0 - np.exp(-np.asarray(t, float)[..., None] / np.array(self.times_s)) @ self.shares)
 
+    @property
+    def relaxation(self) -> "Relaxation":
+        """To what it belongs. Raises `RodError` for parts that no solid has."""
+        shares, times = _inverse(-np.array(self.shares), np.array(self.times_s))
+        return Relaxation(tuple(-share for share in shares), times)
+
 
 @final
 @dataclass(frozen=True)
@@ -82,11 +88,16 @@ class Relaxation:
     @cached_property
     def creep(self) -> Creep:
         """What belongs to it."""
-        shares, rates = np.array(self.shares), 1.0 / np.array(self.times_s)
-        instant = 1.0 + shares.sum()
-        values, vectors = np.linalg.eig(np.outer(shares, rates) / instant - np.diag(rates))
-        parts = vectors.sum(axis=0) * np.linalg.solve(vectors, shares / instant)
-        return Creep(tuple(parts.real.tolist()), tuple((-1.0 / values.real).tolist()))
+        return Creep(*_inverse(np.array(self.shares), np.array(self.times_s)))
+
+
+def _inverse(shares: Array, times: Array) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    """Shares (k,) and times of K(t) = 1 - sum share exp(-t / time) with K * dF = 1, for F = 1 + sum of such terms."""
+    at_once = 1.0 + shares.sum()
+    values, vectors = np.linalg.eig(np.outer(shares, 1.0 / times) / at_once - np.diag(1.0 / times))
+    found = vectors.sum(axis=0) * np.linalg.solve(vectors, shares / at_once)
+    order = np.argsort(-1.0 / values.real)
+    return tuple(found.real[order].tolist()), tuple((-1.0 / values.real[order]).tolist())
 
 
 #: rubber that does not relax

@@ -5,10 +5,11 @@ import pytest
 import skfem
 
 from benchmarks.in_time.elements import Motion, mass_matrix
-from benchmarks.in_time.measured import Ringing, segment_lines
+from benchmarks.in_time.measured import segment_lines
 from fem import Fixed, Gravity, Model, Pressure, StVenantKirchhoff, follow
 from fem.discretisation import Discretisation
 from geometry.arrays import Array
+from pipeline.answers.measured.motions import Ringing
 from tests.bodies import box
 
 #: tonne/mm3; MPa; part and time (s) of a branch; mm
@@ -87,7 +88,7 @@ def test_frequency_and_damping_of_a_motion_that_creeps_come_back() -> None:
     time, rate, damping = np.arange(0.0, 3.0, 0.01), 2.0 * np.pi * 3.3, 0.06
     value = 20.0 + 2.0 * np.exp(-time / 0.8) - 15.0 * np.exp(-damping * rate * time) * np.cos(rate * time)
     found = Ringing.of(time, value)
-    assert found == pytest.approx((3.3, damping), rel=1e-4)
+    assert found[:2] == pytest.approx((3.3, damping), rel=1e-4)
 
 
 def test_holds_of_the_segment_are_foretold_from_one_of_them() -> None:

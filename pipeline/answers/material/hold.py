@@ -16,7 +16,8 @@ from pipeline.answers.material.table import KINDS
 from pipeline.answers.written_table import name_and_unit, number_in, per_unit, plain, read_cells
 from pipeline.config.units import TIME
 from pipeline.values.errors import InputError, quoted
-from rod.in_time.relaxation import Relaxation
+from rod.errors import RodError
+from rod.in_time.relaxation import Creep, Relaxation
 
 EXAMPLE = "a line of titles names a time and what was read, as 'time (s), stress (MPa)' or 'time (s), strain (%)'"
 _TIME = re.compile(r"^t$|\btime|\bzeit|\btemps")
@@ -98,18 +99,9 @@ def _held(path: Path, points: Array, *, is_creep: bool) -> Hold:
     g = np.array(parts) / level
     misfit = float(np.sqrt(np.average((columns @ (1.0, *g) - np.abs(value) / level) ** 2, weights=weight**2)))
     g, tau = g[g > LEAST], tau[g > LEAST]
-    if is_creep and len(g):
-        g, tau = _relaxing(g, tau)
-    return Hold(tuple(g.tolist()), tuple(tau.tolist()), (float(t[0]), float(t[-1])), misfit)
-
-
-def _relaxing(parts: Array, times: Array) -> tuple[Array, Array]:
-    """Parts and times of the relaxation of a solid whose strain under a load is 1 - sum parts exp(-t / times).
-
-    s J(s) = d + c (s - A)^-1 b with its poles in A; those of its inverse are the eigenvalues of A - b c / d.
-    """
-    at_once = 1.0 - parts.sum()
-    rates, left = np.linalg.eig(np.diag(-1.0 / times) - np.outer(parts / times, np.ones(len(parts))) / at_once)
-    tau, right = -1.0 / rates.real, np.linalg.solve(left, parts / times)
-    order = np.argsort(tau)
-    return (tau * left.sum(axis=0) * right / at_once**2).real[order], tau[order]
+    shares, times = tuple(g.tolist()), tuple(tau.tolist())
+    try:
+        rubber = Creep(shares, times).relaxation if is_creep else Relaxation(shares, times)
+    except RodError:
+        raise InputError(f"{path}: the strain begins near zero; the time 0 is when the whole load acts") from None
+    return Hold(rubber.shares, rubber.times_s, (float(t[0]), float(t[-1])), misfit)

@@ -1,23 +1,34 @@
 """The command that calibrates the rod of a result folder to a measured arm, and writes a folder of its own."""
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from geometry import Reason
 from pipeline.answers.budget import budget_of
 from pipeline.answers.measured.aligned import aligned
 from pipeline.answers.measured.calibration import Calibration, calibrated, law_to_calibrate
-from pipeline.answers.measured.fit import LawRods
 from pipeline.answers.measured.page import comparison_page
-from pipeline.answers.measured.saved import folder_for, save_calibration
+from pipeline.answers.measured.predicted import LawRods
+from pipeline.answers.measured.saved import calibrated_config, folder_for, read_calibration, save_calibration
 from pipeline.answers.measured.table import read_measurements
+from pipeline.answers.measured.unknowns import MODULUS
+from pipeline.answers.rods.in_time import with_remark
 from pipeline.answers.rods.ratio import run_along
 from pipeline.results.files import read_results
 from pipeline.results.verdict import Verdict, verdict_of
 from pipeline.values.errors import RunFailed
 from pipeline.values.reasons import render, report_reason
+from pipeline.values.record import Reported
 from pipeline.values.run import Run
 from pipeline.values.table import Table
+
+#: part by which moduli of two arms of one batch differ at most, and what is said of more
+OF_ONE_BATCH = 0.2
+OTHER_BATCH = (
+    "The moduli are {:.2g} times those of the arm that was calibrated before; arms of one batch differ by less than a "
+    "fifth."
+)
 
 
 @dataclass(frozen=True)
@@ -64,9 +75,21 @@ def calibrate_files(
     if options.align:
         measurements = aligned(measurements, LawRods(law))
     found = calibrated(law, run.config, measurements, options.free)
-    save_calibration(store, run, file, found, report_reason(found.missed or _remark(run, found)))
+    if read_calibration(run.directory) and abs(found[MODULUS].mean - 1.0) > OF_ONE_BATCH:
+        found = replace(found, notes=(*found.notes, OTHER_BATCH.format(found[MODULUS].mean)))
+    remark, timed = report_reason(found.missed or _remark(run, found)), _in_time(run, found)
+    save_calibration(store, run, file, found, (remark, *timed))
     store.save_text("calibration.html", comparison_page(run.design, found.predictions, found.curves))
     return CalibrationReport(store.directory, file, found, verdict_of(read_results(store.directory)))
+
+
+def _in_time(run: Run, found: Calibration) -> Sequence[Reported]:
+    """What the verdict says of the calibrated arm in time, where its rubber was measured so."""
+    if not (found.rubber and run.law):
+        return ()
+    record = replace(run.record, config=calibrated_config(run.config, found), remarks=())
+    parameters, law = replace(run.parameters, material=None), replace(run.law, law=found.law)
+    return with_remark(replace(run, record=record, parameters=parameters, law=law)).remarks
 
 
 def _remark(run: Run, found: Calibration) -> Reason:

@@ -9,14 +9,16 @@ import numpy as np
 
 from geometry import Reason
 from geometry.arrays import Array
+from pipeline.answers.material.hold import LARGEST_LOSS
 from pipeline.answers.measured.doubtful import check_numbers, missed
-from pipeline.answers.measured.fit import Fitted, LawRods, fit, numbers_of, off_range, usual_scatter
+from pipeline.answers.measured.fit import Fitted, fit, numbers_of, off_range, usual_scatter
 from pipeline.answers.measured.gaussian import Posterior
 from pipeline.answers.measured.next_measurement import NextMeasurement, next_measurement
-from pipeline.answers.measured.predicted import Compared, Curves, Numbers, Setup
+from pipeline.answers.measured.predicted import Compared, Curves, LawRods, Numbers, Setup
 from pipeline.answers.measured.rows import Measurements
-from pipeline.answers.measured.unknowns import BuiltArm, unknowns_of
+from pipeline.answers.measured.unknowns import LOSS, BuiltArm, unknowns_in_time, unknowns_of
 from pipeline.answers.rods.choice import plane_of, refuse_out_of_plane
+from pipeline.answers.rods.in_time import KEYS
 from pipeline.values.errors import InputError
 from pipeline.values.run import Run
 from rod.arm_law.law import ArmLaw
@@ -28,6 +30,8 @@ LEFT, TOGETHER = 0.8, 0.9
 DOUBTFUL = 0.15
 #: Poisson ratios of rubbers
 OF_RUBBER = 0.45, 0.5
+#: relative change of a density from which it is not that of the rubber
+DENSER = 0.1
 
 
 @dataclass(frozen=True)
@@ -56,6 +60,7 @@ class Calibration:
     undetermined: tuple[str, ...]  #: what the numbers do not tell, a sentence each
     notes: tuple[str, ...]
     next_measurement: NextMeasurement
+    rubber: Mapping[str, Any]  #: of the material of a configuration; empty where nothing was measured in time
     missed: Reason | None = None  #: why this is no calibration
 
     @property
@@ -83,8 +88,9 @@ def calibrated(
     config: as run.json has it, for its tolerances. free: dimensions; by default those whose tolerances move the tip
     most. Raises InputError, with file, line and column.
     """
+    in_time, material = unknowns_in_time(measurements, config.get("material") or {})
     unknowns = unknowns_of(law, config, free, max(measurements.pressures_kPa) or law.pressures[-1])
-    arm, numbers = BuiltArm(law, unknowns), Numbers.of(measurements)
+    arm, numbers = BuiltArm(law, (*unknowns, *in_time), material=material), Numbers.of(measurements)
     if (count := len(numbers.values)) <= len(free):
         raise InputError(f"{measurements.file}: holds {count} numbers for {1 + len(free)} unknowns; measure more")
     low, high = law.pressures[0], law.pressures[-1]
@@ -103,6 +109,7 @@ def calibrated(
         fitted = fit(arm, numbers)
     changed, setup = arm.changed_law(fitted.changes, with_derivatives=True), arm.changed_setup(fitted.changes)
     posterior, effects = fitted.posterior, fitted.observed.effects
+    rubber = arm.changed_material(fitted.changes) if in_time else {}
     return Calibration(
         estimates=_estimates(arm, fitted),
         law=changed,
@@ -112,10 +119,16 @@ def calibrated(
             numbers.values - fitted.observed.residual,
             posterior.quantile * posterior.deviations(effects, numbers.units),
         ),
-        curves=numbers.curves(LawRods(changed), setup),
+        curves=numbers.curves(LawRods(changed, rubber), setup),
         undetermined=tuple(_undetermined(arm, fitted)),
-        notes=(*_left_out(measurements, numbers, changed), *off_range(changed, numbers, setup), *_doubts(arm, fitted)),
+        notes=(
+            *_left_out(measurements, numbers, changed),
+            *off_range(changed, numbers, setup),
+            *_doubts(arm, fitted),
+            *_doubt_of_density(numbers, fitted.observed.residual),
+        ),
         next_measurement=next_measurement(arm, fitted, changed),
+        rubber={key: value for key, value in rubber.items() if key in KEYS},
         missed=missed(numbers, fitted.observed.residual, usual_scatter(law.length, numbers), law.length),
     )
 
@@ -174,4 +187,21 @@ def _doubts(arm: BuiltArm, fitted: Fitted) -> list[str]:
                 f"{unknown.name} comes out as {unknown.value(change):.3g}, which no rubber has (it has "
                 f"{OF_RUBBER[0]:g} to {OF_RUBBER[1]:g}); free dimensions in its place."
             )
+        if unknown.name == LOSS and unknown.value(change) > LARGEST_LOSS:
+            sentences.append(
+                f"{unknown.name} comes out as {unknown.value(change):.2g}, and rubbers have less than "
+                f"{LARGEST_LOSS:g}; something else damps the arm."
+            )
     return sentences
+
+
+def _doubt_of_density(numbers: Numbers, residual: Array) -> list[str]:
+    """A sentence where the frequencies that were measured would need another density."""
+    is_hz = np.array(numbers.units) == "Hz"
+    denser = float(np.mean((1.0 - residual[is_hz] / numbers.values[is_hz]) ** 2)) if is_hz.any() else 1.0
+    if abs(denser - 1.0) < DENSER:
+        return []
+    return [
+        f"The frequencies would need {denser:.2f} times the density, which is known better: the rubber is not as stiff "
+        "in motion as at rest, or masses are missing."
+    ]

@@ -9,15 +9,17 @@ import numpy as np
 from geometry.arrays import Array
 from pipeline.answers.measured.aligned import aligned
 from pipeline.answers.measured.doubtful import check_numbers
-from pipeline.answers.measured.fit import LawRods, effects_on, off_range
-from pipeline.answers.measured.predicted import AS_WRITTEN, Compared, Curves, Numbers
+from pipeline.answers.measured.fit import effects_on, off_range
+from pipeline.answers.measured.predicted import AS_WRITTEN, Compared, Curves, LawRods, Numbers
 from pipeline.answers.measured.rows import Measurements
 from pipeline.answers.measured.saved import SavedCalibration, read_calibration
 from pipeline.answers.measured.table import read_measurements
 from pipeline.answers.measured.unknowns import BuiltArm, tolerance_unknowns
 from pipeline.answers.rods.choice import KINDS, RodOfRun, choose_rod, plane_of
+from pipeline.answers.rods.in_time import material_of
 from pipeline.answers.rods.ratio import run_along
 from pipeline.results.rod_errors import RodErrors, mesh_errors
+from pipeline.values.errors import InputError
 from pipeline.values.run import Run
 from rod.arm_law.law import ArmLaw
 
@@ -90,7 +92,9 @@ def compare(run: Run, rods: RodOfRun, measurements: Measurements) -> Comparison:
     low, high = rods.pressures_kPa
     measurements.check_pressures(low, high, f"the rod, which goes from {low:g} to {high:g} kPa")
     law = rods.source if isinstance(rods.source, ArmLaw) else None
-    any_rod = LawRods(law) if law else rods.at
+    if measurements.are_in_time and law is None:
+        raise InputError(f"{measurements.file}: a motion is compared with the arm's own law; take rod law")
+    any_rod = LawRods(law, material_of(run)) if law else rods.at
     predicted = numbers.predicted(any_rod, setup)
     check_numbers(numbers, predicted, run.length_mm)
     bands, unknown = _bands(run, rods, numbers, predicted, saved)
@@ -110,7 +114,7 @@ def _bands(
 ) -> tuple[dict[str, Array], tuple[str, ...]]:
     """What each part allows, (n,) in the units of the numbers; and what is not known."""
     if saved is not None and isinstance(rods.source, ArmLaw):
-        effects = effects_on(BuiltArm(rods.source, saved.unknowns, saved.setup), numbers)
+        effects = effects_on(BuiltArm(rods.source, saved.unknowns, saved.setup, material_of(run)), numbers)
         return {"calibration": saved.posterior.quantile * saved.posterior.deviations(effects, numbers.units)}, ()
     name, unknown = KINDS[rods.kind], list[str]()
     bands: dict[str, Array] = {}
@@ -119,7 +123,7 @@ def _bands(
         largest = max((abs(row.force_N) for row in run.rod_errors if row.force_N is not None), default=0.0)
         # an arc whose end moves by a part of the length turns it by twice as many radians
         shape = {"mm": of_rod.shape * run.length_mm, "N": of_rod.force * largest, "deg": math.degrees(2 * of_rod.shape)}
-        bands["rod"] = np.array([shape[unit] for unit in numbers.units])
+        bands["rod"] = np.array([shape.get(unit, 0.0) for unit in numbers.units])
     else:
         unknown.append("The error of the rod is not known, because no whole arm was solved.")
     if of_mesh.kappa_0 is None:
@@ -129,7 +133,7 @@ def _bands(
         bands["mesh"] = relative * np.abs(predicted - numbers.straight(run.length_mm))
     if isinstance(rods.source, ArmLaw) and rods.source.rates:
         unknowns = tolerance_unknowns(rods.source, run.config, float(numbers.pressures.max()))
-        by = effects_on(BuiltArm(rods.source, unknowns), numbers).by_unknown
+        by = effects_on(BuiltArm(rods.source, unknowns, material=material_of(run)), numbers).by_unknown
         bands["tolerances"] = np.sqrt(by**2 @ np.array([unknown.std for unknown in unknowns]) ** 2)
     else:
         unknown.append("Tolerances are not counted, because this rod has no derivatives.")

@@ -16,7 +16,6 @@ from pipeline.values.errors import InputError
 from rod.arm_law.law import ArmLaw
 from rod.arm_law.quantities import jacobian
 from rod.errors import RodError
-from rod.mechanics.equilibrium import Rod
 
 #: rounds of spread and unknowns in turn, and the change over the deviation with which they end
 ROUNDS, SETTLED = 4, 0.05
@@ -28,6 +27,10 @@ OF_STIFFNESS = 2.0
 STARTS = (0.0, 0.25, 0.5, -0.25, 0.75)
 #: scatter that is expected: of positions over the length, of angles in degrees, of reactions over the largest one
 OF_POSITIONS, OF_ANGLES, OF_REACTIONS = 0.003, 0.5, 0.03
+#: the same of frequencies and of damping ratios, over the largest one
+OF_VIBRATIONS = {"Hz": 0.01, "1": 0.1}
+#: part of the highest pressure of a law by which a pressure may leave it by rounding
+ROUNDING = 1e-9
 #: residual of a trial that has no rod, over the scatter
 NO_ROD = 1e3
 
@@ -47,24 +50,12 @@ class Fitted:
         return self.observed.changes
 
 
-@final
-@dataclass(frozen=True, eq=False)
-class LawRods:
-    """The rods of a law; a pressure off its range, where the offset of a gauge leads, is that at its end."""
-
-    law: ArmLaw
-
-    def __call__(self, pressure_kPa: float) -> Rod:
-        low, high = self.law.pressures[0], self.law.pressures[-1]
-        return Rod(self.law.length, law=self.law.at(min(max(pressure_kPa, low), high)))
-
-
 def off_range(law: ArmLaw, numbers: Numbers, setup: Setup) -> tuple[str, ...]:
     """A sentence on the rows whose pressure, with the offset of the gauge, leaves the law; empty where none does."""
     low, high = law.pressures[0], law.pressures[-1]
     pressures = {row.state.pressure_kPa + setup.gauge_kPa for row in numbers.rows}
     farthest = max(pressures, key=lambda pressure: max(low - pressure, pressure - high))
-    if low <= farthest <= high:
+    if low - ROUNDING * high <= farthest <= (1.0 + ROUNDING) * high:
         return ()
     sentence = (
         f"With the offset of the gauge a row is at {farthest:.4g} kPa, but the law goes from {low:.4g} to {high:.4g} "
@@ -79,10 +70,10 @@ def numbers_of(arm: BuiltArm, numbers: Numbers, changes: Array, stiffness: float
     Raises InputError, with the line, where it has none.
     """
     try:
-        law = arm.changed_law(changes)
+        rods = arm.changed_rods(changes)
     except RodError as failure:
         raise InputError(str(failure)) from None
-    return numbers.predicted(LawRods(law), replace(arm.changed_setup(changes), stiffness=stiffness))
+    return numbers.predicted(rods, replace(arm.changed_setup(changes), stiffness=stiffness))
 
 
 def effects_on(arm: BuiltArm, numbers: Numbers, changes: Array | None = None) -> Effects:
@@ -139,10 +130,12 @@ def _observed(arm: BuiltArm, numbers: Numbers, changes: Array, stds: Array) -> O
 
 
 def usual_scatter(length_mm: float, numbers: Numbers) -> dict[str, float]:
-    """Scatter that is expected of numbers, by unit: mm, deg and N."""
-    reactions = [abs(value) for value, unit in zip(numbers.values, numbers.units, strict=True) if unit == "N"]
-    largest = max(reactions, default=1.0) or 1.0
-    return {"mm": OF_POSITIONS * length_mm, "deg": OF_ANGLES, "N": OF_REACTIONS * largest}
+    """Scatter that is expected of numbers, by unit."""
+    usual = {"mm": OF_POSITIONS * length_mm, "deg": OF_ANGLES}
+    for unit, part in {"N": OF_REACTIONS, **OF_VIBRATIONS}.items():
+        pairs = zip(numbers.values.tolist(), numbers.units, strict=True)
+        usual[unit] = part * (max((abs(value) for value, of in pairs if of == unit), default=1.0) or 1.0)
+    return usual
 
 
 def _improved(arm: BuiltArm, numbers: Numbers, observed: Observed, spread: Spread, lowest: Array) -> Array:

@@ -5,22 +5,27 @@ import warnings
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
-from typing import Any
+from functools import cache, cached_property, partial
+from typing import Any, final
 
 import numpy as np
 
 from geometry.arrays import Array
-from pipeline.answers.measured.rows import COLUMNS, Measurements, Row, State
+from pipeline.answers.measured.rows import COLUMNS, VIBRATION, Measurements, Row, State
+from pipeline.answers.rods.in_time import rubber_of
 from pipeline.values.errors import InputError
+from rod import Acting, Body, Mode, Relaxation, frequencies
+from rod.arm_law.law import ArmLaw
 from rod.errors import RodError, RodWarning
 from rod.mechanics.equilibrium import Rod
 from rod.solution import RodSolution
 from rod.weight import gravity_direction
 
 #: kinds of numbers, with what their errors have in common, and units
-KINDS = {"tip_x": "mm", "tip_y": "mm", "x": "mm", "y": "mm", "end_angle": "deg", "reaction": "N"}
-#: the rod at a pressure in kPa
-Rods = Callable[[float], Rod]
+KINDS = {
+    **dict.fromkeys(("tip_x", "tip_y", "tip_distance", "x", "y"), "mm"),
+    "end_angle": "deg", "reaction": "N", **dict(zip(VIBRATION, ("Hz", "1"), strict=True)),
+}  # fmt: skip
 #: (n, 2) mm, material curves in the frame of a measurement, by pressure in kPa and load in words
 Curves = Mapping[tuple[float, str], Array]
 
@@ -41,6 +46,41 @@ class Setup:
 
 
 AS_WRITTEN = Setup()
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class LawRods:
+    """The rods of a law; a pressure off its range, where the offset of a gauge leads, is that at its end."""
+
+    law: ArmLaw
+    material: Mapping[str, Any] = field(default_factory=dict)  #: of its rubber in time, as files have it
+
+    def __call__(self, pressure_kPa: float) -> Rod:
+        return Rod(self.law.length, law=self.law.at(self._within(pressure_kPa)))
+
+    @cached_property
+    def rubber(self) -> Relaxation:
+        """Its rubber in time. Raises `RodError` as `rubber_of` does."""
+        high = self.law.pressures[-1]
+        return rubber_of(self.material, lambda: _first(Body(self.law), high, Acting()).frequency_hz)[0]
+
+    def after(self, t_s: float, pressure_kPa: float, *, is_let_go: bool) -> Rod:
+        """The rod some time after a pressure came; or after its weight came, which is that of softer rubber."""
+        felt = float(self.rubber.creep.compliance(t_s))
+        return LawRods(self.law.scaled(1.0 / felt))(0.0) if is_let_go else self(felt * pressure_kPa)
+
+    def vibration(self, pressure_kPa: float, acting: Acting) -> dict[str, float]:
+        """Frequency and damping ratio of the first vibration in the plane, by their names. Raises `RodError`."""
+        mode = _first(Body(self.law, self.rubber), self._within(pressure_kPa), acting)
+        return dict(zip(VIBRATION, mode[:2], strict=True))
+
+    def _within(self, pressure_kPa: float) -> float:
+        return min(max(pressure_kPa, self.law.pressures[0]), self.law.pressures[-1])
+
+
+#: the rod at a pressure in kPa; that of a law where something was measured in time
+Rods = Callable[[float], Rod] | LawRods
 
 
 @dataclass(frozen=True)
@@ -101,15 +141,17 @@ class Numbers:
 
     def predicted(self, rods: Rods, setup: Setup = AS_WRITTEN) -> Array:
         """(n,) the same numbers by a rod. Raises InputError, with the line, where it has none."""
-        shapes: dict[State, RodSolution] = {}
-        at: dict[float, Rod] = {}
+        state_of, vibration_of = cache(partial(_shape_in, rods, setup)), cache(partial(_vibration_in, rods, setup))
         found = []
         for row, name in zip(self.rows, self.names, strict=True):
-            pressure = row.state.pressure_kPa + setup.gauge_kPa
             try:
-                at[pressure] = at.get(pressure) or rods(pressure)
-                shapes[row.state] = shapes.get(row.state) or shape_of(at[pressure], row.state, setup)
-                found.append(_read(shapes[row.state], setup, name, row.s_mm))
+                if name in VIBRATION:
+                    found.append(vibration_of(row.state)[name])
+                    continue
+                found.append(_read(state_of(row.state), setup, name, row.s_mm))
+                if name == "tip_distance":
+                    rest = state_of(State(0.0, orientation=row.state.orientation))
+                    found[-1] = math.dist(state_of(row.state).end, rest.end)
             except RodError as failure:
                 raise InputError(f"{self.measurements.file}: line {row.line}: {failure}") from None
         return np.array(found)
@@ -119,7 +161,7 @@ class Numbers:
         turn, found = math.radians(setup.clamp_deg), dict[tuple[float, str], Array]()
         for state in dict.fromkeys(row.state for row in self.rows):
             with suppress(RodError):
-                shape = shape_of(rods(state.pressure_kPa + setup.gauge_kPa), state, setup)
+                shape = _shape_in(rods, setup, state)
                 found[state.pressure_kPa, state.load] = _turned(shape.curve, turn)
         return found
 
@@ -131,6 +173,23 @@ class Numbers:
                      row.s_mm if name in ("x", "y") else None)
             for row, name, value, rod, most in columns
         )  # fmt: skip
+
+
+def _shape_in(rods: Rods, setup: Setup, state: State) -> RodSolution:
+    """The shape in a state. Raises `RodError`."""
+    pressure = state.pressure_kPa + setup.gauge_kPa
+    if state.t_s is None:
+        return shape_of(rods(pressure), state, setup)
+    assert isinstance(rods, LawRods)
+    return shape_of(rods.after(state.t_s, pressure, is_let_go=not state.pressure_kPa), state, setup)
+
+
+def _vibration_in(rods: Rods, setup: Setup, state: State) -> dict[str, float]:
+    """The vibration about a state, by the names of its numbers. Raises `RodError`."""
+    assert isinstance(rods, LawRods)
+    turned = _weight(state, math.radians(setup.clamp_deg), 1.0)
+    found = rods.vibration(state.pressure_kPa + setup.gauge_kPa, Acting(**turned))
+    return found | {VIBRATION[0]: found[VIBRATION[0]] * math.sqrt(setup.stiffness)}
 
 
 def shape_of(rod: Rod, state: State, setup: Setup = AS_WRITTEN) -> RodSolution:
@@ -150,6 +209,11 @@ def shape_of(rod: Rod, state: State, setup: Setup = AS_WRITTEN) -> RodSolution:
             shape = rod.solve(end_y=height, **weight)
     shape.path.refuse_fall()
     return shape
+
+
+def _first(body: Body, pressure_kPa: float, acting: Acting) -> Mode:
+    """The first vibration in the plane. Raises `RodError`."""
+    return next(mode for mode in frequencies(body, pressure_kPa, acting, count=1) if mode.in_plane)
 
 
 def _weight(state: State, turn: float, stiffness: float) -> dict[str, Any]:

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
-from pipeline.config.units import ANGLE, FORCE, LENGTH, MASS, PRESSURE, Dimension
+from pipeline.config.units import ANGLE, FORCE, LENGTH, MASS, PRESSURE, TIME, Dimension
 from pipeline.values.errors import InputError
 
 #: columns of numbers by their name without the unit, with what they measure
@@ -11,6 +11,7 @@ NUMBERS: dict[str, Dimension] = {
     "pressure": PRESSURE,
     "tip_x": LENGTH,
     "tip_y": LENGTH,
+    "tip_distance": LENGTH,
     "end_angle": ANGLE,
     "force_x": FORCE,
     "force_y": FORCE,
@@ -20,13 +21,16 @@ NUMBERS: dict[str, Dimension] = {
     "s": LENGTH,
     "x": LENGTH,
     "y": LENGTH,
+    "t": TIME,
 }
 #: columns of texts
 TEXTS = ("repeat", "orientation")
 #: columns that hold what was read; all others say how the arm was loaded, or which point it is
-QUANTITIES = ("tip_x", "tip_y", "end_angle", "reaction", "x", "y")
+QUANTITIES = ("tip_x", "tip_y", "tip_distance", "end_angle", "reaction", "x", "y")
+#: what is told of a vibration
+VIBRATION = "frequency_Hz", "damping_ratio"
 #: how a column is written, by its name
-COLUMNS = {name: f"{name}_{dimension.unit}" for name, dimension in NUMBERS.items()} | {name: name for name in TEXTS}
+COLUMNS = {name: f"{name}_{one.unit}" for name, one in NUMBERS.items()} | {name: name for name in (*TEXTS, *VIBRATION)}
 
 
 @dataclass(frozen=True)
@@ -38,11 +42,13 @@ class State:
     tip_mass_g: float = 0.0  #: that hangs on the end
     held_y_mm: float | None = None  #: height at which the end is held; None: it is free
     orientation: str | None = None  #: of the arm in gravity; None: no weight but that of the run
+    t_s: float | None = None  #: after the pressure came, or without pressure the weight; None: long after
 
     @property
     def is_at_rest(self) -> bool:
         """Whether nothing acts but a weight."""
-        return self.pressure_kPa == 0.0 and not any(self.force_N) and not self.tip_mass_g and self.held_y_mm is None
+        loads = self.pressure_kPa, *self.force_N, self.tip_mass_g
+        return not any(loads) and self.held_y_mm is None and self.t_s is None
 
     @property
     def load(self) -> str:
@@ -50,7 +56,8 @@ class State:
         words = [f"force [{self.force_N[0]:g}, {self.force_N[1]:g}] N"] if any(self.force_N) else []
         words += [f"{self.tip_mass_g:g} g"] if self.tip_mass_g else []
         words += [] if self.held_y_mm is None else [f"held at {self.held_y_mm:g} mm"]
-        return ", ".join([*words, *([self.orientation] if self.orientation else [])])
+        words += [self.orientation] if self.orientation else []
+        return ", ".join([*words, *([] if self.t_s is None else [f"after {self.t_s:.3g} s"])])
 
 
 @dataclass(frozen=True)
@@ -76,6 +83,11 @@ class Measurements:
         """Every pressure once, ascending."""
         return tuple(sorted({row.state.pressure_kPa for row in self.rows}))
 
+    @property
+    def are_in_time(self) -> bool:
+        """Whether any row is of a motion."""
+        return any(row.state.t_s is not None or VIBRATION[0] in row.values for row in self.rows)
+
     def up_to(self, limit_kPa: float) -> "Measurements":
         """The rows at pressures up to a limit."""
         return replace(self, rows=tuple(row for row in self.rows if row.state.pressure_kPa <= limit_kPa))
@@ -88,4 +100,4 @@ class Measurements:
         for row in self.rows:
             if not low <= row.state.pressure_kPa <= high:
                 where = f"{self.file}: line {row.line}"
-                raise InputError(f"{where}: {row.state.pressure_kPa:g} kPa is outside {known}")
+                raise InputError(f"{where}: {row.state.pressure_kPa:.4g} kPa is outside {known}")

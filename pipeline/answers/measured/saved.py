@@ -1,7 +1,7 @@
 """The files of a calibrated arm: calibration.json, its law, its predictions, and a run.json for every other command."""
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -49,8 +49,10 @@ def folder_for(out: Path, source: Path) -> ResultFolder:
     return open_folder(out)
 
 
-def save_calibration(folder: ResultFolder, run: Run, file: Path, found: Calibration, remark: Reported) -> None:
-    """Write everything of a calibrated arm. remark: what the verdict says of it."""
+def save_calibration(
+    folder: ResultFolder, run: Run, file: Path, found: Calibration, remarks: Sequence[Reported]
+) -> None:
+    """Write everything of a calibrated arm. remarks: what the verdict says of it."""
     law = found.law
     low, high = law.pressures[0], law.pressures[-1]
     pressures = [p for p in run.config.get("pressures_kPa", ()) if low <= p <= high] or [high]
@@ -70,7 +72,7 @@ def save_calibration(folder: ResultFolder, run: Run, file: Path, found: Calibrat
     ]  # fmt: skip
     folder.save_rows("predictions.csv", PREDICTION_COLUMNS, rows)
     config = calibrated_config(run.config, found)
-    beside: JsonObject = {"mesh": None if run.mesh is None else asdict(run.mesh), "remarks": [asdict(remark)]}
+    beside: JsonObject = {"mesh": None if run.mesh is None else asdict(run.mesh), "remarks": [*map(asdict, remarks)]}
     folder.save_json("run.json", {"format": FORMAT, "config": config, **provenance(), **beside})
     if (mesh := run.directory / BODY).is_file():
         write_atomic(folder.path(BODY), mesh.read_bytes())
@@ -125,6 +127,8 @@ def calibrated_config(config: Mapping[str, Any], found: Calibration) -> JsonObje
         section, _, key = name.partition(".")
         if isinstance(changed.get(section), dict) and key in changed[section]:
             changed[section][key] = value
+    if found.rubber:
+        changed["material"] = {**(changed.get("material") or {}), **found.rubber}
     return changed
 
 

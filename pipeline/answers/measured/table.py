@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from geometry.arrays import Array
+from pipeline.answers.measured.motions import OF_TIP, told_of_motions
 from pipeline.answers.measured.rows import COLUMNS, NUMBERS, QUANTITIES, TEXTS, Measurements, Row, State
 from pipeline.answers.written_table import is_unit, name_and_unit, number_in, per_unit, plain, read_cells
 from pipeline.values.errors import InputError, ask, quoted
@@ -40,15 +41,16 @@ def read_measurements(path: Path) -> Measurements:
             )
     if not rows:
         raise InputError(f"{path}: has titles and no numbers under them; give a row for each state that was measured")
-    return Measurements(str(path), tuple(rows))
+    return Measurements(str(path), told_of_motions(path, rows))
 
 
 def _columns(path: Path, cells: Array) -> tuple[list[_Column], int]:
     """The columns by the first line that names one, with units there or on the next line; and the first row."""
     filled = [k for k, row in enumerate(cells.tolist()) if any(row)]
     head = next((k for k in filled if any(_name(cell)[0] in NUMBERS for cell in cells[k])), filled[0])
-    titles, below = cells[head].tolist(), cells[head + 1].tolist() if head + 1 < len(cells) else [""]
-    has_units = any(is_unit(cell, _DIMENSIONS) for cell in below)
+    titles, below = cells[head].tolist(), cells[head + 1].tolist() if head + 1 < len(cells) else [""] * len(cells[head])
+    pairs = zip(titles, below, strict=True)
+    has_units = any(is_unit(cell, _DIMENSIONS) for title, cell in pairs if plain(title) not in TEXTS)
     columns: dict[str, _Column] = {}
     for position, title in enumerate(titles):
         unit = below[position] if has_units else ""
@@ -115,6 +117,7 @@ def _row(where: str, line: int, cells: Mapping[str, tuple[_Column, str]]) -> Row
         numbers.get("tip_mass", 0.0),
         numbers.get("held_y"),
         texts["orientation"] or None,
+        numbers.get("t"),
     )
     values = {name: numbers[name] for name in QUANTITIES if name in numbers}
     return Row(line, state, values, numbers.get("s"), texts["repeat"])
@@ -132,6 +135,8 @@ def _check_row(where: str, numbers: Mapping[str, float], orientation: str) -> No
             raise InputError(f"{where}: has no {COLUMNS[missing[0]]}, which {_list(by)} need")
     if "held_y" in numbers and any(name in numbers for name in ("force_x", "force_y", "tip_mass")):
         raise InputError(f"{where}: an end that is held has no force that is given; leave out held_y_mm, or the force")
+    if "t" in numbers and ("held_y" in numbers or not any(name in numbers for name in OF_TIP)):
+        raise InputError(f"{where}: at a time give the tip of a free end: {_list(OF_TIP)}")
     if numbers.get("tip_mass", 0.0) < 0.0:
         raise InputError(f"{where}: tip_mass_g must not be negative")
     if numbers.get("tip_mass") and not orientation:

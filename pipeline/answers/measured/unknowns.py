@@ -2,12 +2,15 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 from geometry.arrays import Array
 from pipeline.answers.budget import make_budgets
-from pipeline.answers.measured.predicted import AS_WRITTEN, Setup
+from pipeline.answers.measured.predicted import AS_WRITTEN, LawRods, Setup
+from pipeline.answers.measured.rows import VIBRATION, Measurements
+from pipeline.answers.rods.in_time import BAND
+from pipeline.config.material import LOSS_FACTOR
 from pipeline.config.section import not_known
 from pipeline.config.tolerances import STIFFNESS, Tolerance, Tolerances
 from pipeline.values.errors import InputError, argument
@@ -17,9 +20,14 @@ from rod.arm_law.law import ArmLaw
 MODULUS, TREND, GAUGE, CLAMP = "modulus_factor", "modulus_trend", "gauge_offset_kPa", "clamp_angle_deg"
 #: bend and stretch of another law of the rubber in the second order of the strain
 BEND, STRETCH = "second_order_bend", "second_order_stretch"
+#: of the rubber in time: a loss factor over the frequencies that were measured, and a slow branch
+LOSS, SHARE, SLOW = "loss_factor", "relaxation_g", "relaxation_tau_s"
 #: standard deviations: of ln(modulus) for constants of a data sheet or of another batch; of how much more it grows up
 #: to the highest pressure of the law; of the clamp, degrees
 OF_DATA_SHEET, OF_TREND, OF_CLAMP = 0.4, 0.2, 1.0
+#: the share of a slow branch before anything is known; standard deviations of the logarithms of what the rubber has in
+#: time
+USUAL_SHARE, OF_RUBBER_IN_TIME = 0.05, 1.0
 #: the same of bend and stretch in the second order, found on four arms of `benchmarks/virtual_arms`
 OF_BEND, OF_STRETCH = 1.5, 0.7
 #: dimensions that are freed by themselves at most
@@ -37,17 +45,22 @@ class Unknown:
     source: str  #: of this deviation
 
     @property
+    def is_factor(self) -> bool:
+        """Whether it changes by a factor, whose logarithm is normally distributed."""
+        return self.name in (MODULUS, LOSS, SHARE, SLOW)
+
+    @property
     def is_of_law(self) -> bool:
         """Whether it is a parameter by which the law has derivatives."""
-        return self.name not in (MODULUS, TREND, BEND, STRETCH, GAUGE, CLAMP)
+        return not self.is_factor and self.name not in (TREND, BEND, STRETCH, GAUGE, CLAMP)
 
     def value(self, change: float) -> float:
-        """The number after a change, of the modulus of its logarithm."""
-        return math.exp(change) if self.name == MODULUS else self.drawn + change
+        """The number after a change, of a factor of its logarithm."""
+        return self.drawn * math.exp(change) if self.is_factor else self.drawn + change
 
     def std_of(self, change: float, std: float) -> float:
         """Standard deviation of the number by that of the change."""
-        return std * math.exp(change) if self.name == MODULUS else std
+        return std * self.value(change) if self.is_factor else std
 
 
 @dataclass(frozen=True, eq=False)  # arrays inside
@@ -57,6 +70,18 @@ class BuiltArm:
     law: ArmLaw
     unknowns: tuple[Unknown, ...]  #: the first one is MODULUS
     setup: Setup = AS_WRITTEN  #: without changes
+    material: Mapping[str, Any] = field(default_factory=dict)  #: without changes, as files have it
+
+    def changed_rods(self, changes: Array) -> LawRods:
+        """The rods of the law after changes (k,). Raises `RodError` where none is left."""
+        return LawRods(self.changed_law(changes), self.changed_material(changes))
+
+    def changed_material(self, changes: Array) -> dict[str, Any]:
+        """The material after changes (k,) of its rubber in time."""
+        pairs = zip(self.unknowns, changes.tolist(), strict=True)
+        values = {unknown.name: unknown.value(change) for unknown, change in pairs}
+        slow = {name: (values[name],) for name in (SHARE, SLOW) if name in values}
+        return {**self.material, **slow, **({LOSS: values[LOSS]} if LOSS in values else {})}
 
     def changed_law(self, changes: Array, *, with_derivatives: bool = False) -> ArmLaw:
         """The law after changes (k,). Raises `RodError` where none is left."""
@@ -106,6 +131,26 @@ def unknowns_of(law: ArmLaw, config: Mapping[str, Any], free: Sequence[str], hig
     named = [_of_law(law, key, tolerances) for key in chosen]
     given = {key: one for key, one in tolerances.items() if not one.is_default}
     return (_modulus(law, given), trend, *named, _gauge(tolerances, highest_kPa), clamp, *second)
+
+
+def unknowns_in_time(
+    measurements: Measurements, material: Mapping[str, Any]
+) -> tuple[tuple[Unknown, ...], Mapping[str, Any]]:
+    """What is freed of the rubber by what was measured in time, and its material with what these stand for.
+
+    A loss factor, the same at all frequencies that were measured and at a tenfold of them at least; and a slow branch
+    in place of those of the material.
+    """
+    found, in_time = [], dict(material)
+    told = f"another rubber: a factor of e^±{OF_RUBBER_IN_TIME:g}"
+    if hz := [row.values[VIBRATION[0]] for row in measurements.rows if VIBRATION[0] in row.values]:
+        middle = math.sqrt(min(hz) * max(hz))
+        in_time["loss_between_Hz"] = min(min(hz), BAND[0] * middle), max(max(hz), BAND[1] * middle)
+        found.append(Unknown(LOSS, "1", material.get(LOSS, LOSS_FACTOR), OF_RUBBER_IN_TIME, told))
+    if times := [row.state.t_s for row in measurements.rows if row.state.t_s is not None]:
+        found.append(Unknown(SHARE, "1", USUAL_SHARE, OF_RUBBER_IN_TIME, told))
+        found.append(Unknown(SLOW, "s", math.sqrt(min(times) * max(times)), OF_RUBBER_IN_TIME, told))
+    return tuple(found), in_time
 
 
 def tolerance_unknowns(law: ArmLaw, config: Mapping[str, Any], highest_kPa: float) -> tuple[Unknown, ...]:

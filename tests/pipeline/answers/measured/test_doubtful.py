@@ -13,8 +13,8 @@ from benchmarks.experiments.cases import cases_in
 from pipeline.answers.measured.calibration import OF_RUBBER, calibrated
 from pipeline.answers.measured.compare import compare_files
 from pipeline.answers.measured.doubtful import MISSED, SCATTERS, check_numbers, missed
-from pipeline.answers.measured.fit import LawRods, usual_scatter
-from pipeline.answers.measured.predicted import Numbers
+from pipeline.answers.measured.fit import usual_scatter
+from pipeline.answers.measured.predicted import LawRods, Numbers
 from pipeline.answers.measured.rows import State
 from pipeline.answers.measured.table import read_measurements
 from pipeline.cli import app
