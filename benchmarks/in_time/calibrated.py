@@ -63,15 +63,15 @@ def segment_law() -> ArmLaw:
     last = table["pressure_kPa"].max()
     at_last = table[(table["pressure_kPa"] == last) & table["t_s"].between(*CURVE)]["tip_distance_mm"].mean()
     pressures = [0.0, *known["pressure_kPa"], last]
-    turns = [0.0, *(brentq(lambda x: _far(x) - tip, 1e-6, 3.0) for tip in [*known["tip_distance_mm"], at_last])]
+    turns = [0.0, *(brentq(_farther, 1e-6, 3.0, tip) for tip in [*known["tip_distance_mm"], at_last])]
     beyond = turns[-1] + (BEYOND - last) * (turns[-1] - turns[-2]) / (last - pressures[-2])
     kappa = {p: -turn / SEGMENT for p, turn in zip([*pressures, BEYOND], [*turns, beyond], strict=True)}
     return closed_law(SEGMENT, kappa, (RIGIDITY, 1e9, 1e9), Mass.even(SEGMENT, 100.0))
 
 
-def _far(turn: float) -> float:
-    """mm, between the tip of an arc with a turn in rad and that of a straight one."""
-    return SEGMENT * float(np.hypot(1.0 - np.sin(turn) / turn, (1.0 - np.cos(turn)) / turn))
+def _farther(turn: float, tip: float) -> float:
+    """mm, by which the tip of an arc with a turn in rad is farther from that of a straight one than a number."""
+    return SEGMENT * float(np.hypot(1.0 - np.sin(turn) / turn, (1.0 - np.cos(turn)) / turn)) - tip
 
 
 def rows_of_bar(file: Path, forces: tuple[float, ...]) -> Measurements:

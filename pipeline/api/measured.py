@@ -88,10 +88,16 @@ def material(
         Path | str | None,
         typer.Option("--hold", metavar="HOLD.csv", help="A specimen that is held: its stress or strain over time."),
     ] = None,
+    rates: Annotated[
+        Sequence[Path | str],
+        list[Path],
+        typer.Option("--rate", metavar="LOADED.csv", help="One loaded at a rate: strain and stress over time. Repeat."),
+    ] = (),
 ) -> "Material":
     """Fit laws to tensile tests: the law to take, its constants, and the stretches over which it can be used.
 
-    Raises `pneurod.InputError` for a wrong file or argument, and `pneurod.RunFailed` where no law can be used.
+    hold, or two files of rates or more, give the branches of relaxation. Raises `pneurod.InputError` for a wrong file
+    or argument, and `pneurod.RunFailed` where no law can be used.
     """
     from pipeline.answers.material import record, study
 
@@ -99,7 +105,8 @@ def material(
     needing = None if run is None else given_path(run, "run", "results/arm")
     texts = {"length": length, "area": area, "start": start, "up_to": up_to, "within": within, "density": density}
     held = None if hold is None else given_path(hold, "hold", "hold.csv")
-    options = study.FitOptions.read(texts, nu, cycle, needing, held)
+    loaded = tuple(given_path(rate, "rates", "loaded.csv") for rate in rates)
+    options = study.FitOptions.read(texts, nu, cycle, needing, held, loaded)
     found = record.fit_material(files, options, given_path(out, "out", "results/material"))
     if not found.judged.usable:
         raise RunFailed(" ".join(found.words)).with_reached(found)

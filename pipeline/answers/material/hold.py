@@ -37,6 +37,7 @@ class Hold:
     tau_s: tuple[float, ...]  #: s
     between_s: tuple[float, float]  #: first and last time
     misfit: float  #: root mean square of the differences over what was read at long times
+    std: tuple[tuple[float, float], ...] = ()  #: of ln g and ln tau of each branch, where these are known
 
     @property
     def written(self) -> str:
@@ -48,11 +49,14 @@ class Hold:
     def words(self) -> list[str]:
         """How much of the stress a stretch loses that is held, and a loss factor that no rubber has."""
         low, high = self.between_s
+        branches = zip(self.g, self.tau_s, self.std, strict=False)
+        known = ", ".join(f"{g:.2g} ± {g * a:.1g} at {tau:.2g} ± {tau * b:.1g} s" for g, tau, (a, b) in branches)
         lost = 100.0 * (1.0 - 1.0 / (1.0 + sum(self.g)))
         said = [
             f"A stretch that is held loses {lost:.3g} % of its stress from {low:.3g} to {high:.3g} s; branches "
             f"describe it within {100.0 * self.misfit:.2g} %. The law is taken as that at long times."
         ]
+        said += [f"Branches: {known}."] if known else []
         hz = np.geomspace(1.0 / high, 1.0 / low, 60) / (2.0 * np.pi)
         losses = Relaxation(self.g, self.tau_s).loss_factor(hz)
         if losses.max() > LARGEST_LOSS:
@@ -65,7 +69,15 @@ class Hold:
 
 def read_hold(path: Path) -> Hold:
     """The branches of a file with a time that is 0 where the hold begins. Raises InputError."""
-    cells = read_cells(path, "a specimen that is held", EXAMPLE)
+    time, read = read_over_time(path)
+    kind = next(kind for kind in ("stress", "force", "strain", "extension", "stretch") if kind in read)
+    points = np.column_stack([time, read[kind]])
+    return _held(path, points[np.isfinite(points).all(axis=1)], is_creep=kind not in ("stress", "force"))
+
+
+def read_over_time(path: Path) -> tuple[Array, dict[str, Array]]:
+    """Times (n,) in s, and what was read then (n,), by kind; NaN where a row has no number. Raises InputError."""
+    cells = read_cells(path, "a specimen over time", EXAMPLE)
     numbers = np.array([[number_in(cell) for cell in row] for row in cells])
     for row, titles in enumerate(cells):
         names = [plain(name_and_unit(title, (TIME,))[0]) for title in titles]
@@ -75,17 +87,21 @@ def read_hold(path: Path) -> Hold:
             unit = per_unit(name_and_unit(titles[times[0]], (TIME,))[1], TIME)
             if not np.isfinite(unit):
                 raise InputError(f"{path}: column {quoted(titles[times[0]])} has no unit; write it as 'time (s)'")
-            kind = next(kind for kind in ("stress", "force", "strain", "extension", "stretch") if kind in read)
-            points = numbers[row + 1 :, [times[0], read[kind]]] * (unit, 1.0) - (0.0, float(kind == "stretch"))
-            return _held(path, points, is_creep=kind not in ("stress", "force"))
+            below = numbers[row + 1 :]
+            found = {kind: below[:, k] - float(kind == "stretch") for kind, k in read.items()}
+            time = unit * below[:, times[0]]
+            _check_rise(path, time[np.isfinite(time)])
+            return time, found
     raise InputError(f"{path}: no line names columns of a time and of a stress, force or strain; {EXAMPLE}")
 
 
+def _check_rise(path: Path, time: Array) -> None:
+    """Raise InputError for times (n,) in s that do not rise."""
+    if (falls := np.diff(time) <= 0.0).any():
+        raise InputError(f"{path}: times do not rise at {time[1:][falls][0]:g} s; give every time once, in their order")
+
+
 def _held(path: Path, points: Array, *, is_creep: bool) -> Hold:
-    points = points[np.isfinite(points).all(axis=1)]
-    if (falls := np.diff(points[:, 0]) <= 0.0).any():
-        at = points[1:, 0][falls][0]
-        raise InputError(f"{path}: times do not rise at {at:g} s; give every time once, in their order")
     t, value = points[points[:, 0] > 0.0].T
     if len(t) < MIN_POINTS or t[-1] < 10.0 * SHORTEST * t[0]:
         raise InputError(f"{path}: has {len(t)} points after the time 0; give {MIN_POINTS} or more, over a longer time")

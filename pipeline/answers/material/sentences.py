@@ -8,9 +8,13 @@ from fem.materials import LAWS, Constant
 from pipeline.answers.material.judged import NEAREST, Judged, LawFit, Need, end_of, parting
 from pipeline.answers.material.laws import Points
 from pipeline.answers.material.loading import TensileTest
+from pipeline.config.units import DENSITY, convert
 
 #: Young's moduli of rubbers and gels from which arms are made, MPa, and the largest strain that they bear
 SOFTEST, STIFFEST, LARGEST_STRAIN = 0.01, 100.0, 15.0
+#: Poisson ratios of rubbers; their densities in g/cm3, with a tenth more on each side; part by which moduli of one
+#: batch differ at most
+OF_RUBBER, LIGHTEST, HEAVIEST, OF_ONE_BATCH = (0.45, 0.5), 0.8, 1.4, 0.2
 #: strain below which a test of rubber is no test, and the largest over which stresses are above those of a rubber
 SMALLEST_STRAIN = 0.02
 #: part of the stretch with the invariant of what is needed in two directions that a test should reach
@@ -113,6 +117,17 @@ def doubts(tests: tuple[TensileTest, ...], points: Points) -> Iterator[str]:
     else:
         yield from _of_modulus(3 * points.modulus)
     yield from (note for test in tests for note in test.notes)
+
+
+def doubts_of_given(nu: float, density: str | None, spread: float) -> Iterator[str]:
+    """What is given, or differs between specimens, and is that of no rubber."""
+    if nu < OF_RUBBER[0]:
+        yield f"a Poisson ratio of {nu:.3g} is given, and rubbers have {OF_RUBBER[0]:g} to {OF_RUBBER[1]:g}"
+    of_water = 1.0 if density is None else 1e9 * convert(density, DENSITY)
+    if not LIGHTEST <= of_water <= HEAVIEST:
+        yield f"a density of {density} is given, and rubbers have {1e3 * LIGHTEST:g} to {1e3 * HEAVIEST:g} kg/m^3"
+    if spread > OF_ONE_BATCH:
+        yield f"the specimens differ by {100 * spread:.2g} %; those of one batch by less than {100 * OF_ONE_BATCH:g} %"
 
 
 def _of_modulus(modulus: float) -> Iterator[str]:

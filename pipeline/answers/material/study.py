@@ -11,7 +11,8 @@ from pipeline.answers.material.hold import Hold, read_hold
 from pipeline.answers.material.judged import Judged, Need, judge
 from pipeline.answers.material.laws import Points
 from pipeline.answers.material.loading import Selection, TensileTest, read_tensile
-from pipeline.answers.material.sentences import doubts, facts, recommendation, yaml_line
+from pipeline.answers.material.rates import read_rates
+from pipeline.answers.material.sentences import doubts, doubts_of_given, facts, recommendation, yaml_line
 from pipeline.answers.material.table import Specimen
 from pipeline.config.units import AREA, DENSITY, LENGTH, STRAIN, Dimension
 from pipeline.results.files import read_results
@@ -37,12 +38,16 @@ class FitOptions:
     density: str | None = None  #: as written, for the configuration; None where it is not given
     within: float = 0.1  #: relative error of the nominal stress up to which a law counts as valid
     hold: Path | None = None  #: a file of a specimen that is held
+    rates: tuple[Path, ...] = ()  #: files of one that is loaded at several rates, in its place
 
     @staticmethod
     def read(
-        texts: dict[str, str | None], nu: float, cycle: int, run: Path | None, hold: Path | None = None
-    ) -> "FitOptions":
+        texts: dict[str, str | None], nu: float, cycle: int, run: Path | None, hold: Path | None = None,
+        rates: tuple[Path, ...] = (),
+    ) -> "FitOptions":  # fmt: skip
         """From texts by the name of the argument. Raises InputError."""
+        if hold and rates:
+            raise InputError(f"{argument('hold', hold)}: branches come from a hold or from rates; leave one out")
         ask(argument("nu"), StVenantKirchhoff, 1.0, nu)
 
         def value(option: str, dimension: Dimension) -> float | None:
@@ -58,6 +63,7 @@ class FitOptions:
             texts.get("density"),
             value("within", STRAIN) or FitOptions.within,
             hold,
+            rates,
         )
 
 
@@ -70,7 +76,7 @@ class Material:
     points: Points
     judged: Judged
     notes: tuple[str, ...]  #: sentences on what was left out, and what is most likely wrong with the data
-    hold: Hold | None  #: of a specimen that was held
+    hold: Hold | None  #: of a specimen that was held, or loaded at several rates
 
     @property
     def words(self) -> list[str]:
@@ -97,10 +103,10 @@ def need_of(run: Path) -> Need:
 
 def fit_tests(paths: Sequence[Path], options: FitOptions) -> Material:
     """Read, fit and judge. Raises InputError, and RunFailed where no law has constants for the tests."""
-    hold = None if options.hold is None else read_hold(options.hold)
+    hold = read_rates(options.rates) if options.rates else read_hold(options.hold) if options.hold else None
     tests = read_tensile(paths, options.specimen, options.selection)
     points = Points.of(tests)
-    notes = tuple(doubts(tests, points))
+    notes = (*doubts(tests, points), *doubts_of_given(options.nu, options.density, points.spread))
     try:
         judged = judge(points, options.need, options.nu, options.within)
     except MaterialError as failure:

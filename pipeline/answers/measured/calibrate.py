@@ -6,6 +6,7 @@ from pathlib import Path
 
 from geometry import Reason
 from pipeline.answers.budget import budget_of
+from pipeline.answers.material.sentences import OF_ONE_BATCH
 from pipeline.answers.measured.aligned import aligned
 from pipeline.answers.measured.calibration import Calibration, calibrated, law_to_calibrate
 from pipeline.answers.measured.page import comparison_page
@@ -23,8 +24,7 @@ from pipeline.values.record import Reported
 from pipeline.values.run import Run
 from pipeline.values.table import Table
 
-#: part by which moduli of two arms of one batch differ at most, and what is said of more
-OF_ONE_BATCH = 0.2
+#: what is said of moduli that differ more than those of one batch
 OTHER_BATCH = (
     "The moduli are {:.2g} times those of the arm that was calibrated before; arms of one batch differ by less than a "
     "fifth."

@@ -10,6 +10,7 @@ import numpy as np
 from geometry import Reason
 from geometry.arrays import Array
 from pipeline.answers.material.hold import LARGEST_LOSS
+from pipeline.answers.material.sentences import OF_RUBBER
 from pipeline.answers.measured.doubtful import check_numbers, missed
 from pipeline.answers.measured.fit import Fitted, fit, numbers_of, off_range, usual_scatter
 from pipeline.answers.measured.gaussian import Posterior
@@ -28,8 +29,6 @@ from rod.arm_law.law import ArmLaw
 LEFT, TOGETHER = 0.8, 0.9
 #: relative change of a dimension beyond which derivatives are doubtful
 DOUBTFUL = 0.15
-#: Poisson ratios of rubbers
-OF_RUBBER = 0.45, 0.5
 #: relative change of a density from which it is not that of the rubber
 DENSER = 0.1
 

@@ -6,7 +6,6 @@ time after that. The means are states of an arm whose rubber creeps.
 
 from collections.abc import Sequence
 from dataclasses import replace
-from itertools import pairwise
 from pathlib import Path
 from typing import NamedTuple
 
@@ -20,12 +19,12 @@ from pipeline.values.errors import InputError
 
 #: what is read of the tip of an arm in motion
 OF_TIP = ("tip_x", "tip_y", "tip_distance")
-#: periods of a vibration that are looked at, after which its means begin; s, how long a creep beside it lasts
-PERIODS, CREEP = 4.0, (0.3, 5.0)
+#: periods of a vibration that are looked at, and after which its means begin; s, how long a creep beside it lasts
+PERIODS, QUIET, CREEP = 4.0, 6.0, (0.3, 5.0)
 #: height of a top over the largest motion, from which it is one; fewest tops of a vibration; fewest rows of a motion
 TOP, TOPS, LEAST = 0.05, 3, 20
-#: means of the tip
-MEANS = 4
+#: means of the tip, and half the part of its time over which each is taken
+MEANS, HALF = 3, 0.2
 
 
 class Ringing(NamedTuple):
@@ -92,14 +91,16 @@ def _told(path: Path, state: State, motion: Sequence[Row]) -> list[Row]:
     if len(tops_of(largest)) >= TOPS:
         ringing = Ringing.of(time, largest)
         period = 1.0 / ringing.frequency
-        begun = ringing.begun + PERIODS * period
+        begun = ringing.begun + QUIET * period
         found.append(Row(motion[0].line, free, dict(zip(VIBRATION, ringing[:2], strict=True))))
     if any(state.force_N):  # what the rubber remembers of it is small
         return found
-    for one, next_one in pairwise(np.geomspace(begun, time[-1], MEANS + 1) if begun < time[-1] else ()):
-        wide = period * round((next_one - one) / period) or period if period else next_one - one
-        chosen = (time >= min(one, time[-1] - wide)) & (time < one + wide)
-        mean = dict(zip(names, values[chosen].mean(axis=0).tolist(), strict=True))
-        line = after[int(chosen.argmax())].line
-        found.append(Row(line, replace(free, t_s=float(time[chosen].mean())), mean))
+    first, last = begun / (1.0 - HALF), float(time[-1]) / (1.0 + HALF)
+    for at in np.geomspace(first, last, MEANS).tolist() if first < last else ():
+        wide = 2.0 * HALF * at
+        wide = period * max(2, round(wide / period)) if period else wide
+        weight = np.cos(np.clip((time - at) / wide, -0.5, 0.5) * np.pi) ** 2  # in which a vibration cancels
+        place, *mean = (weight @ np.column_stack([time, values]) / weight.sum()).tolist()
+        line = after[int(weight.argmax())].line
+        found.append(Row(line, replace(free, t_s=place), dict(zip(names, mean, strict=True))))
     return found

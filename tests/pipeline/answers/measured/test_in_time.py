@@ -1,0 +1,100 @@
+"""Calibration to motions, with noise, of an arm whose modulus and rubber in time are known."""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from pipeline.answers.measured.calibrate import CalibrationReport, calibrate_files
+from pipeline.answers.measured.compare import compare_files
+from pipeline.answers.measured.predicted import LawRods, Numbers
+from pipeline.answers.measured.table import read_measurements
+from pipeline.answers.rods.in_time import rubber_of
+from pipeline.values.errors import InputError
+from rod import Acting, Body, Relaxation, Start, Steps, move
+from tests.measured_arm import arm_law, result_folder
+
+#: stiff, so that the weight of the arm, with which it is let go, does not bend it far
+DRAWN = replace(arm_law().scaled(5.0), rates={})
+SOFTER, LOSS, SLOW, TAU = 0.9, 0.15, 0.08, 1.5
+FAST = Relaxation.from_loss_factor(LOSS, 1.76, 17.6)
+BUILT = Body(DRAWN.scaled(SOFTER), Relaxation((*FAST.shares, SLOW), (*FAST.times_s, TAU)))
+TITLES = "t_s,pressure_kPa,orientation,tip_x_mm,tip_y_mm"
+
+
+def motion(file: Path, pressure: float, orientation: str, noise: float) -> Path:
+    """By steps in time, of the arm that is let go at 0 kPa, or under a pressure that comes; noise: mm."""
+    weight = Acting(direction=orientation or None)
+    moved = move(BUILT, pressure, 6.0, weight, Start(0.0, Acting()), Steps(0.004))
+    times, random = 0.02 * np.arange(1, 300), np.random.default_rng(2)
+    tips = [np.interp(times, moved.times_s, tip) + noise * random.standard_normal(299) for tip in moved.tips.T]
+    rows = [f"{t:.2f},{pressure:g},{orientation},{x:.4f},{y:.4f}" for t, x, y in zip(times, *tips, strict=True)]
+    file.write_text("\n".join([TITLES, *rows]), encoding="utf-8")
+    return file
+
+
+@pytest.mark.parametrize(("pressure", "orientation"), [(0.0, "lying"), (80.0, "")])
+def test_what_a_motion_tells_is_that_of_the_arm(tmp_path: Path, pressure: float, orientation: str) -> None:
+    numbers = Numbers.of(read_measurements(motion(tmp_path / "arm.csv", pressure, orientation, 0.0)))
+    fast = {"loss_factor": LOSS, "loss_between_Hz": (1.76, 17.6)}
+    rods = LawRods(BUILT.law, {**fast, "relaxation_g": (SLOW,), "relaxation_tau_s": (TAU,)})
+    found = numbers.predicted(rods)
+    assert numbers.names[:2] == ("frequency_Hz", "damping_ratio")
+    assert found[0] == pytest.approx(numbers.values[0], rel=0.01)
+    assert found[1] == pytest.approx(numbers.values[1], rel=0.03)
+    assert found[2:] == pytest.approx(numbers.values[2:], abs=0.03)
+
+
+@pytest.fixture(scope="module")
+def report(tmp_path_factory: pytest.TempPathFactory) -> CalibrationReport:
+    folder = tmp_path_factory.mktemp("in_time")
+    file = motion(folder / "arm.csv", 80.0, "", 0.05)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("pipeline.answers.measured.next_measurement.PRESSURES", (1.0,))
+        return calibrate_files(result_folder(folder / "arm", DRAWN), file)
+
+
+def test_modulus_and_branches_are_found_within_their_intervals(report: CalibrationReport) -> None:
+    known = {"modulus_factor": SOFTER, "loss_factor": LOSS, "relaxation_g": SLOW, "relaxation_tau_s": TAU}
+    for name, value in known.items():
+        estimate = report.found[name]
+        assert abs(np.log(estimate.mean / value)) < 2.0 * estimate.std / estimate.mean, name
+    assert report.found["loss_factor"].mean == pytest.approx(LOSS, rel=0.1)
+    assert report.found["modulus_factor"].std < 0.15
+    assert report.found["relaxation_g"].std < 0.5 * report.found["relaxation_g"].mean
+
+
+def test_the_folder_and_its_verdict_have_the_rubber_in_time(report: CalibrationReport) -> None:
+    run = json.loads((report.directory / "run.json").read_text(encoding="utf-8"))
+    rubber, told = rubber_of(run["config"]["material"], lambda: 1.0)
+    assert len(rubber.shares) == 3
+    assert told.endswith("and the branches of material.relaxation.")
+    assert {remark["code"] for remark in run["remarks"]} == {"calibrated", "in_time"}
+    frequency = {row.quantity: row for row in report.found.predictions}["frequency_Hz"]
+    assert frequency.predicted == pytest.approx(frequency.measured, rel=0.01)
+    compared = compare_files(report.directory, Path(report.file))
+    assert compared.is_calibrated
+    assert compared.within == 1.0
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        (f"{TITLES}\n0.1,20,,100,-20\n0.1,20,,100,-20\n", "line 3: t_s does not rise"),
+        (f"{TITLES}\n0.1,0,,100,-20\n", "line 2: nothing moves an arm at 0 kPa; give the orientation"),
+        (f"{TITLES}\n0.1,20,,100,-20\n", "line 2: a motion has 20 rows or more after 0 s"),
+        ("t_s,pressure_kPa,end_angle_deg\n0.1,20,-20\n", "line 2: at a time give the tip of a free end"),
+    ],
+)
+def test_a_motion_that_tells_nothing_is_refused(tmp_path: Path, text: str, words: str) -> None:
+    (tmp_path / "arm.csv").write_text(text, encoding="utf-8")
+    with pytest.raises(InputError, match=words):
+        read_measurements(tmp_path / "arm.csv")
+
+
+def test_an_arm_without_density_is_refused(tmp_path: Path, report: CalibrationReport) -> None:
+    folder = result_folder(tmp_path / "arm", replace(DRAWN, mass=None))
+    with pytest.raises(InputError, match=r"line 2: .*needs material.density"):
+        calibrate_files(folder, report.file)
