@@ -1,7 +1,7 @@
 """Arms in time: a released bar and a held segment that others measured, and finite elements in time.
 
     make in-time
-    python -m benchmarks.in_time [--only bar | segment | NAME] [--out results/in_time]
+    python -m benchmarks.in_time [--only bar | segment | calibrated | NAME] [--out results/in_time]
 
 Laws and motions of finite elements are kept in the folder.
 """
@@ -14,6 +14,7 @@ from pathlib import Path
 
 from benchmarks.exports import drawn_at_random
 from benchmarks.in_time.arms import RUBBERS, MovingArm
+from benchmarks.in_time.calibrated import calibrated_lines
 from benchmarks.in_time.measured import Line, ReleasedBar, segment_lines
 from benchmarks.markdown import table
 from pipeline.config.load import load_config
@@ -47,11 +48,12 @@ def arm_lines(name: str, out: Path) -> Iterator[Line]:
 def main() -> None:
     """Print the table."""
     parser = argparse.ArgumentParser(description="Arms in time.")
-    parser.add_argument("--only", help="bar, segment, or the name of an arm")
+    parser.add_argument("--only", help="bar, segment, calibrated, or the name of an arm")
     parser.add_argument("--out", type=Path, default=Path("results/in_time"))
     given = parser.parse_args()
     given.out.mkdir(parents=True, exist_ok=True)
     cases = {"bar": lambda: ReleasedBar().lines(), "segment": segment_lines}
+    cases["calibrated"] = partial(calibrated_lines, given.out)
     cases |= {name: partial(arm_lines, name, given.out) for name in ARMS}
     rows = [line for name, lines in cases.items() if given.only in (None, name) for line in lines()]
     sys.stdout.write(table(HEADS, rows) + "\n")

@@ -112,7 +112,7 @@ def estimates_table(found: Calibration) -> Table:
         (one.name, one.unit, f"{one.drawn:.4g}", f"{one.mean:.4g}", f"{one.std:.2g}", one.source)
         for one in found.estimates
     )
-    scatter = ", ".join(f"{std:.2g} {unit}" for unit, std in found.posterior.spread.scatter.items())
+    scatter = ", ".join(f"{std:.2g} {unit}".removesuffix(" 1") for unit, std in found.posterior.spread.scatter.items())
     model = 100.0 * found.posterior.spread.model
     caption = f"Scatter of the measurement {scatter}; error of the model {model:.2g} % of the modulus."
     return Table(("unknown", "unit", "before", "mean", "std", "known before by"), rows, caption)

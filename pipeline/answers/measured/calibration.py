@@ -11,7 +11,7 @@ from geometry import Reason
 from geometry.arrays import Array
 from pipeline.answers.material.hold import LARGEST_LOSS
 from pipeline.answers.material.sentences import OF_RUBBER
-from pipeline.answers.measured.doubtful import check_numbers, missed
+from pipeline.answers.measured.doubtful import check_numbers, doubt_of_density, missed
 from pipeline.answers.measured.fit import Fitted, fit, numbers_of, off_range, usual_scatter
 from pipeline.answers.measured.gaussian import Posterior
 from pipeline.answers.measured.next_measurement import NextMeasurement, next_measurement
@@ -29,8 +29,6 @@ from rod.arm_law.law import ArmLaw
 LEFT, TOGETHER = 0.8, 0.9
 #: relative change of a dimension beyond which derivatives are doubtful
 DOUBTFUL = 0.15
-#: relative change of a density from which it is not that of the rubber
-DENSER = 0.1
 
 
 @dataclass(frozen=True)
@@ -124,7 +122,7 @@ def calibrated(
             *_left_out(measurements, numbers, changed),
             *off_range(changed, numbers, setup),
             *_doubts(arm, fitted),
-            *_doubt_of_density(numbers, fitted.observed.residual),
+            *doubt_of_density(numbers, fitted.observed.residual),
         ),
         next_measurement=next_measurement(arm, fitted, changed),
         rubber={key: value for key, value in rubber.items() if key in KEYS},
@@ -192,15 +190,3 @@ def _doubts(arm: BuiltArm, fitted: Fitted) -> list[str]:
                 f"{LARGEST_LOSS:g}; something else damps the arm."
             )
     return sentences
-
-
-def _doubt_of_density(numbers: Numbers, residual: Array) -> list[str]:
-    """A sentence where the frequencies that were measured would need another density."""
-    is_hz = np.array(numbers.units) == "Hz"
-    denser = float(np.mean((1.0 - residual[is_hz] / numbers.values[is_hz]) ** 2)) if is_hz.any() else 1.0
-    if abs(denser - 1.0) < DENSER:
-        return []
-    return [
-        f"The frequencies would need {denser:.2f} times the density, which is known better: the rubber is not as stiff "
-        "in motion as at rest, or masses are missing."
-    ]

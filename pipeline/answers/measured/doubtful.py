@@ -23,6 +23,8 @@ BEYOND = 0.2
 #: part of the motion that a fit may miss: measured bodies leave at most 0.08, one misread row of five 0.5, columns in
 #: pixels or mirrored 1; and over the usual scatter, so that an arm that hardly moves may be read as roughly as others
 MISSED, SCATTERS = 0.3, 3.0
+#: relative change of a density from which it is not that of the rubber
+DENSER = 0.1
 
 
 def check_numbers(numbers: Numbers, predicted: Array, length_mm: float) -> None:
@@ -102,3 +104,18 @@ def missed(numbers: Numbers, residual: Array, usual: Mapping[str, float], length
         "fitted": float(numbers.values[worst] - residual[worst]),
     }
     return Reason("not_calibrated", values)
+
+
+def doubt_of_density(numbers: Numbers, residual: Array) -> list[str]:
+    """Sentences where the frequencies that were measured would need another density.
+
+    residual: (n,) measured less fitted.
+    """
+    is_hz = np.array(numbers.units) == "Hz"
+    denser = float(np.mean((1.0 - residual[is_hz] / numbers.values[is_hz]) ** 2)) if is_hz.any() else 1.0
+    if abs(denser - 1.0) < DENSER:
+        return []
+    return [
+        f"The frequencies would need {denser:.2f} times the density, which is known better: masses are wrong, or the "
+        "modulus in motion is another one."
+    ]

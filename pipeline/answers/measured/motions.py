@@ -4,7 +4,7 @@ A motion is told by the frequency and the damping ratio of its vibration, and by
 time after that. The means are states of an arm whose rubber creeps.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
@@ -85,22 +85,29 @@ def _told(path: Path, state: State, motion: Sequence[Row]) -> list[Row]:
     if len(after) < LEAST or not names:
         raise InputError(f"{where}: a motion has {LEAST} rows or more after 0 s, all with the same of its tip")
     time, values = time[-len(after) :], np.array([[row.values[name] for name in names] for row in after])
-    largest = values[:, np.ptp(values, axis=0).argmax()]
-    free = replace(state, force_N=(0.0, 0.0))
-    begun, period, found = float(time[0]), 0.0, []
+    largest, free = values[:, np.ptp(values, axis=0).argmax()], replace(state, force_N=(0.0, 0.0))
+    begun, period, found = max(float(time[0]), float(time[-1]) / LEAST), 0.0, []
     if len(tops_of(largest)) >= TOPS:
         ringing = Ringing.of(time, largest)
         period = 1.0 / ringing.frequency
         begun = ringing.begun + QUIET * period
         found.append(Row(motion[0].line, free, dict(zip(VIBRATION, ringing[:2], strict=True))))
-    if any(state.force_N):  # what the rubber remembers of it is small
-        return found
+    if not any(state.force_N):  # of which the rubber remembers little
+        for k, (at, *means) in _means(time, values, begun, period):
+            mean = dict(zip(names, means, strict=True))
+            found.append(Row(after[k].line, replace(free, t_s=at), mean))
+    if not found:
+        raise InputError(
+            f"{where}: this motion tells nothing; follow it for a longer time, or until it has swung {TOPS} times"
+        )
+    return found
+
+
+def _means(time: Array, values: Array, begun: float, period: float) -> Iterator[tuple[int, list[float]]]:
+    """Where in time (n,) a mean is, its time in s, and means of values (n, q); of a vibration nothing is left."""
     first, last = begun / (1.0 - HALF), float(time[-1]) / (1.0 + HALF)
     for at in np.geomspace(first, last, MEANS).tolist() if first < last else ():
         wide = 2.0 * HALF * at
         wide = period * max(2, round(wide / period)) if period else wide
-        weight = np.cos(np.clip((time - at) / wide, -0.5, 0.5) * np.pi) ** 2  # in which a vibration cancels
-        place, *mean = (weight @ np.column_stack([time, values]) / weight.sum()).tolist()
-        line = after[int(weight.argmax())].line
-        found.append(Row(line, replace(free, t_s=place), dict(zip(names, mean, strict=True))))
-    return found
+        weight = np.cos(np.clip((time - at) / wide, -0.5, 0.5) * np.pi) ** 2
+        yield int(weight.argmax()), (weight @ np.column_stack([time, values]) / weight.sum()).tolist()

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from pipeline.answers.material.rates import read_rates
+from pipeline.answers.material.sentences import doubts_of_given
 from pipeline.values.errors import InputError
 
 
@@ -49,3 +50,11 @@ def test_one_rate_tells_no_branches(tmp_path: Path) -> None:
     files[0].write_text("time (s),stress (kPa)\n0,0\n1,5\n")
     with pytest.raises(InputError, match="has no strain and stress over time"):
         read_rates(files)
+
+
+def test_what_no_rubber_has_is_named() -> None:
+    assert list(doubts_of_given(0.495, "1070 kg/m^3", 0.1)) == []
+    of_nu, of_density, of_batch = doubts_of_given(0.3, "2000 kg/m^3", 0.3)
+    assert of_nu == "a Poisson ratio of 0.3 is given, and rubbers have 0.45 to 0.5"
+    assert of_density == "a density of 2000 kg/m^3 is given, and rubbers have 800 to 1400 kg/m^3"
+    assert of_batch == "the specimens differ by 30 %; those of one batch by less than 20 %"

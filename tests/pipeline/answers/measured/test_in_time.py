@@ -9,7 +9,9 @@ import pytest
 
 from pipeline.answers.measured.calibrate import CalibrationReport, calibrate_files
 from pipeline.answers.measured.compare import compare_files
+from pipeline.answers.measured.doubtful import doubt_of_density
 from pipeline.answers.measured.predicted import LawRods, Numbers
+from pipeline.answers.measured.rows import Measurements, Row, State
 from pipeline.answers.measured.table import read_measurements
 from pipeline.answers.rods.in_time import rubber_of
 from pipeline.values.errors import InputError
@@ -92,6 +94,29 @@ def test_a_motion_that_tells_nothing_is_refused(tmp_path: Path, text: str, words
     (tmp_path / "arm.csv").write_text(text, encoding="utf-8")
     with pytest.raises(InputError, match=words):
         read_measurements(tmp_path / "arm.csv")
+
+
+def test_a_force_that_lets_go_tells_a_vibration_alone(tmp_path: Path) -> None:
+    time = 0.02 * np.arange(1, 100)
+    tip = 5.0 * np.exp(-0.3 * time) * np.cos(2.0 * np.pi * 2.0 * time)
+    rows = [f"{t:.2f},20,0.01,{y:.4f}" for t, y in zip(time, tip, strict=True)]
+    file = tmp_path / "arm.csv"
+    file.write_text("\n".join(["t_s,pressure_kPa,force_y_N,tip_y_mm", *rows]), encoding="utf-8")
+    (row,) = read_measurements(file).rows
+    assert row.state.force_N == (0.0, 0.0)
+    assert row.values["frequency_Hz"] == pytest.approx(2.0, rel=1e-3)
+    assert row.values["damping_ratio"] == pytest.approx(0.3 / (4.0 * np.pi), rel=0.02)
+    file.write_text("\n".join(["t_s,pressure_kPa,force_y_N,tip_y_mm", *rows[:25]]), encoding="utf-8")
+    with pytest.raises(InputError, match="line 2: this motion tells nothing"):
+        read_measurements(file)
+
+
+def test_frequencies_that_need_another_density_are_named(tmp_path: Path) -> None:
+    row = Row(2, State(20.0), {"frequency_Hz": 5.0, "damping_ratio": 0.05})
+    numbers = Numbers.of(Measurements("", (row,)))
+    assert doubt_of_density(numbers, np.array([0.2, 0.0])) == []
+    (sentence,) = doubt_of_density(numbers, np.array([-0.5, 0.0]))
+    assert sentence.startswith("The frequencies would need 1.21 times the density")
 
 
 def test_an_arm_without_density_is_refused(tmp_path: Path, report: CalibrationReport) -> None:
