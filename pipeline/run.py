@@ -7,6 +7,7 @@ from pipeline import stages
 from pipeline.config.config import Config
 from pipeline.identify.added_pressures import Identified
 from pipeline.identify.validate import Validated
+from pipeline.results.files import replace_draft
 from pipeline.show.pictures import draw_all
 from pipeline.show.saved import save_report
 from pipeline.simulate.design_notes import check_design
@@ -26,6 +27,7 @@ def run(config: Config, out: Path, jobs: int, fresh: bool, progress: Progress) -
     outside).
     """
     with open_store(out, config, fresh=fresh) as store:
+        replace_draft(store, draft=config.draft)
         for reason in check_design(config):
             progress.remark(render(reason))
         with run_context(store, jobs, progress) as context:
@@ -37,7 +39,7 @@ def _solved(config: Config, context: RunContext) -> stages.SolvedRun:
     """The stages of a run. One waits for what it needs; tasks of later ones are done meanwhile."""
     state = stages.mesh(config, context)
     state, arm = stages.deliver_law(state)
-    if config.law == "cell":
+    if config.is_law_alone:
         _draw(state, Outcomes({}))
         return stages.conclude(state, Identified(Outcomes({}), ()), arm, (), Validated())
     state, outcomes, law = stages.solve_experiments(state, arm)

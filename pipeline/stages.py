@@ -56,7 +56,7 @@ _STAGES_OF_LAW = ("mesh", "kernels (compiled once)", _LAW, "pictures", "report")
 
 def stage_names(config: Config) -> tuple[str, ...]:
     """The stages of a run in their order, without a second mesh of the arm that its own law replaces."""
-    if config.law == "cell":
+    if config.is_law_alone:
         return _STAGES_OF_LAW
     is_replaced = config.accuracy is not None and config.law != "five"
     left_out = {_COARSER_MESH} if is_replaced or not config.mesh.coarser else set()

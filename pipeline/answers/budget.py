@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from geometry.arrays import Array
-from pipeline.answers.rods.choice import plane_of
+from pipeline.answers.rods.choice import plane_of, refuse_draft
 from pipeline.answers.rods.ratio import run_along
 from pipeline.config.tolerances import STIFFNESS, Tolerance, Tolerances
 from pipeline.config.units import LENGTH, STRESS, Dimension
@@ -224,6 +224,7 @@ def budget_for(
     found = budget_of(run, None if pressure is None else option_value("pressure", pressure, UNIT), tolerances)
     if found is None:
         if run.law is not None:
+            refuse_draft(run, "a budget")
             plane_of(run, "a budget")  # refuses a law of another kind
         raise InputError(f"{folder}: its law has no derivatives; an arm with cells has them, see docs/cell.md")
     page = open_file(out or folder / "budget.html")

@@ -67,6 +67,11 @@ def design_of(
     return design, given_folder(out, f"{design.name}{suffix}"), notes
 
 
+def draft_of(draft: bool) -> dict[str, bool]:
+    """The key that makes a draft, if one is asked for. Raises InputError."""
+    return {"draft": True} if given_choice(draft, "draft") else {}
+
+
 def load_notes(design: "Config") -> "tuple[Reason, ...]":
     """What is odd about the load of a design, before anything is solved."""
     from pipeline.simulate.design_notes import check_load

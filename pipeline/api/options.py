@@ -67,6 +67,9 @@ Accuracy = Annotated[
     str | None,
     typer.Option("--accuracy", metavar="P%", help="Error that the mesh may make of the arm's own law: 1%, or off."),
 ]
+Draft = Annotated[
+    bool, typer.Option("--draft", help="Only the arm's own law on one mesh, whose error is unknown: seconds.")
+]
 Fresh = Annotated[bool, typer.Option("--fresh", help="Delete earlier results in DIR and begin again.")]
 Orientation = Annotated[
     str | None,

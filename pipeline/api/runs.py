@@ -4,10 +4,10 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-from pipeline.api.course import MOST_JOBS, course_of, design_of, load_notes, reached
+from pipeline.api.course import MOST_JOBS, course_of, design_of, draft_of, load_notes, reached
 from pipeline.api.described import Material
 from pipeline.api.given import document_of, given_folder
-from pipeline.api.options import Accuracy, ConfigFile, Fresh, Out, Settings, jobs_option, out_option
+from pipeline.api.options import Accuracy, ConfigFile, Draft, Fresh, Out, Settings, jobs_option, out_option
 from pipeline.store.progress import Progress
 from pipeline.values.errors import InputError, RunFailed, quoted
 
@@ -31,6 +31,7 @@ def characterize(
     pressures: Sequence[str] | None = None,
     settings: Settings = None,
     accuracy: Accuracy = None,
+    draft: Draft = False,
     jobs: Annotated[int | None, jobs_option("number of cores, at most 3")] = None,
     fresh: Fresh = False,
     progress: "bool | Progress" = False,
@@ -42,7 +43,8 @@ def characterize(
     design, by default its name in the file, or its family. material: such as `pneurod.NeoHooke(mu="0.1 MPa")`; a body
     needs one, and the material of a file is replaced. pressures: ["10 kPa", "20 kPa"]. settings: further values, by
     dotted key and with their unit: {"mesh.size": "6 mm", "geometry.chambers": 8}; they replace those of the file.
-    accuracy: error that the mesh may make of the arm's own law, "1 %" by default, or "off". jobs: number of
+    accuracy: error that the mesh may make of the arm's own law, "1 %" by default, or "off". draft: make only
+    the arm's own law on one mesh, whose error is unknown; a later full run in `out` uses it again. jobs: number of
     worker processes, by default the number of cores, at most 3. fresh: delete what `out` holds first. progress: report
     the stages on the terminal; nothing is printed otherwise.
 
@@ -58,7 +60,7 @@ def characterize(
             f'material: {quoted(material)} is no material; give one such as pneurod.NeoHooke(mu="0.1 MPa")'
         )
     constants = None if material is None else material.values
-    arguments = {"name": name, "material": constants, "pressures": pressures, "accuracy": accuracy}
+    arguments = {"name": name, "material": constants, "pressures": pressures, "accuracy": accuracy, **draft_of(draft)}
     design, folder, notes = design_of(config, arguments, settings, out)
     course = course_of(jobs, MOST_JOBS, fresh, progress)
     try:
@@ -75,6 +77,7 @@ def characterize_pairs(
     *,
     settings: Settings = None,
     accuracy: Accuracy = None,
+    draft: Draft = False,
     jobs: Annotated[int | None, jobs_option("number of cores, at most 3")] = None,
     fresh: Fresh = False,
     progress: "bool | Progress" = False,
@@ -86,7 +89,7 @@ def characterize_pairs(
     from pipeline.law.rows import read_pairs
     from pipeline.study.pairs import run, table
 
-    document = document_of(config, {"accuracy": accuracy}, settings)
+    document = document_of(config, {"accuracy": accuracy, **draft_of(draft)}, settings)
     if (spec := read_pairs(document)) is None:
         raise InputError(
             document.sentence(("pressures",), "are no pairs; for example [[10 kPa, 0 kPa], [20 kPa, 5 kPa]]")
@@ -119,6 +122,7 @@ def cell(
     *,
     settings: Settings = None,
     accuracy: Accuracy = None,
+    draft: Draft = False,
     jobs: Annotated[int | None, jobs_option("1")] = None,
     fresh: Fresh = False,
     progress: "bool | Progress" = False,
@@ -131,7 +135,10 @@ def cell(
     from pipeline.law import rows, study
     from pipeline.show import saved
 
-    document, course = document_of(config, {"accuracy": accuracy}, settings), course_of(jobs, 1, fresh, progress)
+    document, course = (
+        document_of(config, {"accuracy": accuracy, **draft_of(draft)}, settings),
+        course_of(jobs, 1, fresh, progress),
+    )
     given, notes = rows.for_cell(document)
     design = given.config if isinstance(given, rows.RowSpec) else given
     notes = notes if isinstance(given, rows.RowSpec) else (*notes, *load_notes(given))

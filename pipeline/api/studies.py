@@ -1,6 +1,7 @@
 """Many designs: effects on and off, meshes, axes of a sweep, and a design for a wish."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -9,7 +10,7 @@ import typer
 
 from pipeline.api.course import MOST_JOBS, course_of, design_of, load_notes, reached
 from pipeline.api.given import given_choice, given_folder, given_jobs, given_path, given_progress
-from pipeline.api.options import ConfigFile, Fresh, Out, Settings, jobs_option, out_option
+from pipeline.api.options import ConfigFile, Draft, Fresh, Out, Settings, jobs_option, out_option
 from pipeline.store.progress import Progress, Silent
 from pipeline.store.worker import available_cores
 from pipeline.values.errors import InputError, RunFailed, argument
@@ -82,6 +83,7 @@ def sweep(
     scheduler: Annotated[str | None, typer.Option(metavar="ADDRESS", help="Of Dask, instead of own workers.")] = None,
     jobs: Annotated[int | None, typer.Option(min=1, help="Worker processes (default: number of cores).")] = None,
     memory: Annotated[str | None, typer.Option(metavar="SIZE", help="Of each worker (default: equal parts).")] = None,
+    draft: Draft = False,
     fresh: Fresh = False,
     progress: "bool | Progress" = False,
 ) -> "tuple[SweepReport, ...]":
@@ -96,6 +98,7 @@ def sweep(
         own = f"{argument('jobs')} and {argument('memory')}"
         raise InputError(f"{argument('scheduler')}: its workers are started apart; leave out {own}")
     sweeps = [spec.read_sweep(given_path(file, "files", "sweep.yaml")) for file in files]
+    sweeps = [sweep.as_draft() for sweep in sweeps] if given_choice(draft, "draft") else sweeps
     who = scheduler or workers.LocalWorkers.of(given_jobs(jobs) or available_cores(), memory)
     parent = Path("results") if out is None else given_path(out, "out", "results/sweep")
     folders = [parent / sweep.name if out is None or len(sweeps) > 1 else parent for sweep in sweeps]
@@ -119,13 +122,18 @@ def design(
     run: Annotated[
         bool, typer.Option(" /--no-run", show_default=False, help="Leave out the run of the design.")
     ] = True,
+    draft: Annotated[
+        bool,
+        typer.Option("--draft", help="Search with drafts, whose error is unknown; the design found is run in full."),
+    ] = False,
     fresh: Fresh = False,
     progress: "bool | Progress" = False,
 ) -> "DesignReport":
     """Find dimensions and pressures for a wish: curvature, angle, tip, force, stiffness, within limits.
 
     wish: a YAML file with a base, what is free, wishes and limits. out: the result folder, "results/NAME" by default;
-    designs that it holds are not measured again. run: whether the design is run in full. jobs: number of worker
+    designs that it holds are not measured again. run: whether the design is run in full. draft: search
+    with laws on the mesh of the base, whose error is unknown. jobs: number of worker
     processes, by default the number of cores, at most 3. fresh: delete what `out` holds first. progress: report the
     designs that are tried on the terminal; nothing is printed otherwise.
 
@@ -134,6 +142,6 @@ def design(
     """
     from pipeline.study.wishes import design, spec
 
-    file = spec.read_wishes(given_path(wish, "wish", "wish.yaml"))
+    file = replace(spec.read_wishes(given_path(wish, "wish", "wish.yaml")), draft=given_choice(draft, "draft"))
     find = partial(design.find_best, with_run=given_choice(run, "run"))
     return course_of(jobs, MOST_JOBS, fresh, progress).solve(find, file, given_folder(out, file.name))

@@ -110,6 +110,10 @@ def _conflicts(values: Mapping[str, Any]) -> Iterator[Error]:
     if design and identification and (identification.d_mm or 0.0) >= design.length:
         place = f"{identification.d_mm:g} mm is not on the arm; allowed: below its length, {design.length:g} mm"
         yield conflict(place, ("identification", "d"))
+    if values.get("draft") and values.get("law") == "five":
+        yield conflict("five has no draft, which is of the arm's own law; leave one of them out", ("law",), ("draft",))
+    if effects and design and values.get("draft") and (reason := effects.why_no_arm_law(design)):
+        yield conflict(f"is not possible: {reason}", ("draft",))
     if effects and design and values.get("law") == "cell" and (reason := effects.why_no_arm_law(design)):
         yield conflict(f"cell is not possible: {reason}", ("law",))
     if effects and effects.symmetry.on and effects.gravity.breaks_symmetry:
@@ -174,6 +178,11 @@ class Config(Section):
         description="error that the mesh may make of the [arm's own law](cell.md#error-of-the-mesh), or `off`; "
         "also `--accuracy`",
     )
+    draft: kinds.YesNo = Field(
+        default=False,
+        description="whether the arm's own law alone is made, on one mesh whose error is [not known]"
+        "(performance.md#a-draft); also `--draft`",
+    )
     effects: Annotated[Effects, Kind("", "{}", complete=_with_all_cavities, keys=Effects)] = Field(
         default_factory=dict, validate_default=True
     )
@@ -205,7 +214,7 @@ class Config(Section):
         values["tolerances"] = self.tolerances.record() if self.tolerances != Tolerances() else None
         values["materials"] = {name: material.record() for name, material in self.materials.items()}
         names = {"design": "geometry"}
-        left_out = ("materials", "tolerances", "law_in_space", "law_by_cavity")
+        left_out = ("materials", "tolerances", "law_in_space", "law_by_cavity", "draft")
         return {names.get(name, name): value for name, value in values.items() if value or name not in left_out}
 
     @property
@@ -232,9 +241,15 @@ class Config(Section):
         return InputError(*sentences)
 
     @property
+    def is_law_alone(self) -> bool:
+        """Whether nothing but the arm's own law is made."""
+        return self.draft or self.law == "cell"
+
+    @property
     def hash(self) -> str:
-        """sha256 of the record: equal for equal values, however they were written."""
-        canonical = json.dumps(self.record(), sort_keys=True, separators=(",", ":"))
+        """sha256 of the record: equal for equal values, however they were written, and for a draft and its full run."""
+        record = {key: value for key, value in self.record().items() if key != "draft"}
+        canonical = json.dumps(record, sort_keys=True, separators=(",", ":"))
         return hashlib.sha256(canonical.encode()).hexdigest()
 
     @property

@@ -15,7 +15,7 @@ from fem.cell.piece import PieceFailed
 from geometry import Reason
 from pipeline.config.automatic_mesh import MeshSettings, cell_mesh
 from pipeline.law.cells import CellMeasurer, measure_bends
-from pipeline.law.ends import begin_clamps, choose_half_cells, measure_ends
+from pipeline.law.ends import CLAMP, CLAMP_NEAR, HALF_CELLS, begin_clamps, choose_half_cells, measure_ends
 from pipeline.law.mesh_limit import Corrections, MeshLimit, Numbers, corrected
 from pipeline.law.meshes import find_limit, solve_numbers
 from pipeline.law.piece.point import Measured
@@ -69,6 +69,7 @@ def build_law(
     not exceed, as soon as that is known. The cell may be solved above it, the ends of the arm, which cost most, are
     not.
 
+    A draft leaves out pressures between and longer ends, and has the clamped end to first order in the moment.
     Curves that an earlier run has left in the store are not measured again. Raises `NoArmLaw` for an arm or effects
     that such a law does not describe, InputError for pieces that cannot be meshed, and RunFailed where not even the
     lowest pressure is borne.
@@ -79,16 +80,19 @@ def build_law(
     if highest_kPa:
         cells = measurer.end_at(cells, highest_kPa())
     last, length = cells[-1].curve, pieces.design.length
-    clamp = begin_clamps(tasks, last, repetition.half_cells)  # done beside the pressures between
-    cells, error_between = measurer.add_between(cells) if between else (cells, None)
-    half_cells, error_ends, limit = choose_half_cells(clamp, last, repetition.half_cells, length)
-    log.limits.extend(filter(None, [limit]))
-    cells, clamps, tips = measure_ends(tasks, log, cells, half_cells)
+    half_cells, error_ends, error_between, draft = HALF_CELLS, None, None, pieces.config.draft
+    if not draft:
+        clamp = begin_clamps(tasks, last, repetition.half_cells)  # done beside the pressures between
+        cells, error_between = measurer.add_between(cells) if between else (cells, None)
+        half_cells, error_ends, limit = choose_half_cells(clamp, last, repetition.half_cells, length)
+        log.limits.extend(filter(None, [limit]))
+    cells, clamps, tips = measure_ends(tasks, log, cells, half_cells, CLAMP_NEAR if draft else CLAMP)
     law = pieces.law([cell.curve for cell in cells], [end.curve for end in clamps], tips)
     if pieces.derivatives:
         law = replace(law, rates=law_rates(pieces.config, repetition, pieces.movements, cells, clamps))
     return MeasuredLaw(
         law=law,
+        draft=draft,
         half_cells=half_cells,
         added_kPa=tuple(p for p in law.pressures[1:] if p not in pressures_kPa),
         error_along=_error_along(cells),
@@ -116,9 +120,11 @@ def deliver_law(pieces: ArmPieces, context: RunContext) -> MeasuredLaw:
     pieces: those on the mesh of the arm. The law has the relative accuracy of the configuration in kappa_0, the
     rigidity and the moment that straightens the cell; where no mesh reaches it the best law is returned, whose `limit`
     says so. Without an accuracy it is the law on exactly the mesh of the arm, with its error. The limit is found beside
-    the law, from the curvatures of single states. Raises as `build_law`.
+    the law, from the curvatures of single states. A draft has no derivatives and no error. Raises as `build_law`.
     """
     pressures_kPa, accuracy = pieces.config.pressures_kPa, pieces.config.accuracy
+    if pieces.config.draft:
+        return build_law(pieces, pressures_kPa, context)
     first = pieces if accuracy is None else fine_pieces(pieces)
     given = [one.with_derivatives() for one in dict.fromkeys((first, pieces))]
     tell_first(given[0], context)

@@ -2,10 +2,10 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache, partial
 from itertools import zip_longest
-from typing import Generic, TypeVar
+from typing import Any, Generic, TypeVar
 
 import numpy as np
 
@@ -35,6 +35,8 @@ MOST_FAILED = 2
 #: part of the difference of two ends above which two half cells more have not reduced it; on `pneunet` at 31 kPa they
 #: reduce it to 0.3 of it, at 45 and 60 kPa, where it is due to single nodes in contact, not at all
 NOT_NEARER = 0.8
+#: half cells of the ends from which the first numbers and a draft come
+HALF_CELLS = 1
 #: pressures at which an end of the arm is measured by one worker, each from the state at the one before
 IN_TURN = 4
 
@@ -134,17 +136,17 @@ def _without_moment(clamp: ClampCurve, name: str) -> tuple[Array, Array]:
 
 
 def measure_ends(
-    tasks: ArmTasks, log: Log, cells: list[Measured[CellCurve]], half_cells: int
+    tasks: ArmTasks, log: Log, cells: list[Measured[CellCurve]], half_cells: int, clamp_end: "End[ClampCurve]"
 ) -> tuple[list[Measured[CellCurve]], list[Measured[ClampCurve]], list[TipCurve]]:
     """Cells, clamped ends and tips by rising pressure, up to the last one that both ends bear.
 
     Raises RunFailed for fewer than two.
     """
     curves = [cell.curve for cell in cells]
-    for end in (CLAMP, TIP):
+    for end in (clamp_end, TIP):
         tasks.context.progress.experiment(end.name, [curve.pressure for curve in curves])
     groups = [curves[first : first + IN_TURN] for first in range(0, len(curves), IN_TURN)]
-    clamped_ends = [tasks.submit(end_curves, CLAMP, group, half_cells) for group in groups]
+    clamped_ends = [tasks.submit(end_curves, clamp_end, group, half_cells) for group in groups]
     free_ends = [tasks.submit(end_curves, TIP, group, half_cells) for group in groups]
     clamps: list[Measured[ClampCurve]] = []
     tips: list[TipCurve] = []
@@ -176,7 +178,24 @@ class End(Generic[Curve]):
     solve_state: Callable[[BendingPiece, CellCurve, PieceState | None], PieceState]  #: that `measure` gives, alone
 
 
+def _clamp_near(piece: BendingPiece, cell: CellCurve, _: PieceState | None) -> tuple[Measured[ClampCurve], PieceState]:
+    """The clamped end from its state without moment alone; the piece at rest stands for the state."""
+    return Measured(straight_clamp(clamp_without_moment(piece, cell), cell.moment)), piece.rest()
+
+
+def straight_clamp(clamp: ClampCurve, moments: Array) -> ClampCurve:
+    """A clamped end of which one state is known, to first order at moments (k,) in N mm."""
+    change = moments - clamp.moment[0]
+    rows: dict[str, Any] = {"moment": moments, "rotation": clamp.rotation + clamp.rotation_by_moment * change}
+    rows["offset"] = clamp.offset + clamp.offset_by_moment * change[:, None]
+    for name in ("rotation_by_moment", "rotation_by_pressure", "offset_by_moment", "beside", "volume"):
+        rows[name] = np.repeat(getattr(clamp, name), len(moments), axis=0)
+    return replace(clamp, **rows)
+
+
 CLAMP = End(ClampCurve, "clamp", "clamped end", "clamp", clamp_curve, first_state)
+#: the same to first order, as a draft has it
+CLAMP_NEAR = End(ClampCurve, "clamp_near", "clamped end", "clamp", _clamp_near, lambda piece, *_: piece.rest())
 TIP = End(TipCurve, "tip", "tip", "free", tip_curve, tip_state)
 
 

@@ -70,7 +70,7 @@ def law_on_mesh_of_arm(scene: Scene, context: RunContext, highest_kPa: Callable[
 
 
 def _begin(scene: Scene, context: RunContext, build: Callable[[ArmPieces], MeasuredLaw]) -> Pending[LawOfRun]:
-    is_needed = scene.config.law == "cell"
+    is_needed = scene.config.is_law_alone
     if scene.config.law == "five":
         return Pending.done(LawOfRun(None, (Reason("law_not_wanted"),)))
     try:

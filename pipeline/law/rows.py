@@ -105,6 +105,8 @@ def _rows(document: Document, name: str) -> tuple[Pressures, ...]:
     if isinstance(pressure, Mapping) and "cavities" in pressure:
         sentence = f"contradicts {name} of pressures, which say it already; leave it out"
         raise document.wrong(tuple(_CAVITIES.split(".")), sentence)
+    if document.content.get("draft"):
+        raise document.wrong(("draft",), f"is for one pressure in all cavities, not for {name}; leave it out")
 
     def row(_: int, entry: Any) -> Pressures:
         if not isinstance(entry, list) or len(entry) < 2 or (name == "pairs" and len(entry) > 2):

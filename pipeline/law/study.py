@@ -19,7 +19,7 @@ from pipeline.law.in_space.measure import MeasuredInSpace, measure_in_space
 from pipeline.law.pieces import ArmPieces, NoArmLaw
 from pipeline.law.rows import RowSpec, rows_of
 from pipeline.law.table import space_sentences
-from pipeline.results.files import LAW, read_results
+from pipeline.results.files import LAW, read_results, replace_draft
 from pipeline.results.laws import law_record
 from pipeline.results.unloaded import delivered_numbers, unloaded_states
 from pipeline.results.verdict import verdict_of
@@ -128,6 +128,7 @@ def _begun(
     """
     begin = perf_counter()
     with open_store(out, config, fresh=fresh) as store, run_context(store, jobs, progress) as context:
+        replace_draft(store, draft=config.draft)
         loading = begin_loading(context, config)
         progress.stage("mesh")
         try:
@@ -180,7 +181,9 @@ def _in_space(
 
 
 def _refuse_effects(config: Config) -> None:
-    """Raise InputError for effects that the law in space does not have."""
+    """Raise InputError for effects that the law in space does not have, and for a draft."""
+    if config.draft:
+        raise InputError(f"{config.source}: draft: this arm has a law in space, which has no draft; leave it out")
     if config.effects.gravity.on:
         remedy = "leave it out; `pneurod rod` takes --orientation"
         raise InputError(f"{config.source}: effects.gravity: the law in space has no weight in it; {remedy}")

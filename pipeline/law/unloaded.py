@@ -2,13 +2,9 @@
 
 from collections.abc import Sequence
 from contextlib import suppress
-from dataclasses import replace
-from typing import Any
-
-import numpy as np
 
 from fem.cell.piece import PieceFailed
-from geometry.arrays import Array
+from pipeline.law.ends import HALF_CELLS, straight_clamp
 from pipeline.law.piece.measure import straight_curve
 from pipeline.law.piece.measure_clamp import clamp_without_moment
 from pipeline.law.piece.measure_tip import tip_curve
@@ -17,11 +13,7 @@ from pipeline.law.tasks import ArmTasks, PieceCurves
 from pipeline.results.unloaded import unloaded_state
 from pipeline.store.parallel import Pending
 from pipeline.values.law import Unloaded
-from rod.arm_law.curves import ClampCurve
 from rod.errors import RodError
-
-#: half cells of the ends from which the first numbers come
-HALF_CELLS = 1
 
 
 def begin_first_states(tasks: ArmTasks, pressures_kPa: Sequence[float]) -> list[Pending[Unloaded]]:
@@ -50,17 +42,7 @@ def first_state(curves: PieceCurves, pressure: float) -> Unloaded:
         cell = straight_curve(pieces.cell, pressure, turn)
         clamp = clamp_without_moment(pieces.end(HALF_CELLS, "clamp"), cell)
         tip, _ = tip_curve(pieces.end(HALF_CELLS, "free"), cell)
-        law = pieces.law([cell], [_straight_clamp(clamp, cell.moment)], [tip.curve])
+        law = pieces.law([cell], [straight_clamp(clamp, cell.moment)], [tip.curve])
         return unloaded_state(law, pressure)
 
     return curves.number(Unloaded, "unloaded", pressure, solve)
-
-
-def _straight_clamp(clamp: ClampCurve, moments: Array) -> ClampCurve:
-    """A clamped end of which one state is known, to first order at moments (k,) in N mm."""
-    change = moments - clamp.moment[0]
-    rows: dict[str, Any] = {"moment": moments, "rotation": clamp.rotation + clamp.rotation_by_moment * change}
-    rows["offset"] = clamp.offset + clamp.offset_by_moment * change[:, None]
-    for name in ("rotation_by_moment", "rotation_by_pressure", "offset_by_moment", "beside", "volume"):
-        rows[name] = np.repeat(getattr(clamp, name), len(moments), axis=0)
-    return replace(clamp, **rows)

@@ -15,7 +15,7 @@ from pydantic import TypeAdapter, ValidationError
 
 from pipeline.results.laws import law_of_record
 from pipeline.store.result_folder import ResultFolder, json_text
-from pipeline.values.errors import InputError, quoted
+from pipeline.values.errors import InputError, argument, quoted
 from pipeline.values.formats import CURVE_COLUMNS, FORMAT
 from pipeline.values.law import BesideLaw, DeliveredLaw, is_law
 from pipeline.values.parameters import RodParameters
@@ -59,6 +59,16 @@ def save_value(folder: ResultFolder, name: str, value: Value) -> Value:
     text = json_text(adapter.dump_python(value))
     folder.save_text(name, text)
     return adapter.validate_json(text)
+
+
+def replace_draft(folder: ResultFolder, *, draft: bool) -> None:
+    """Remove the law of a draft, unless another draft follows. Raises InputError for a draft of what has a full law."""
+    known = _content(folder.directory / LAW) or {}
+    if draft and known and not known.get("draft"):
+        given, remedy = argument("out", folder.directory), f"give another {argument('out')}"
+        raise InputError(f"{given}: holds a law that is no draft; {remedy}, or {argument('fresh', True)} to replace it")
+    if not draft and known.get("draft"):
+        folder.path(LAW).unlink()
 
 
 def save_curves(folder: ResultFolder, name: str, curves: Sequence[Curve]) -> None:

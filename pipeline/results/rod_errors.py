@@ -10,7 +10,7 @@ from geometry.arrays import Array
 from geometry.errors import Reason, Values
 from pipeline.values.formats import ARM_LAW, EXTENSIBLE, FIVE
 from pipeline.values.formatting import percent
-from pipeline.values.law import DeliveredLaw
+from pipeline.values.law import DRAFT, DeliveredLaw
 from pipeline.values.parameters import Column
 from pipeline.values.run import SMALLEST_TURN, RodError, Run
 
@@ -135,6 +135,11 @@ def law_mesh_errors(law: DeliveredLaw | None) -> MeshErrors:
     )
 
 
+def unknown_mesh_error(run: Run) -> Reason:
+    """Why the error of the mesh is not known."""
+    return Reason("draft", {"draft": DRAFT}) if run.law and run.law.draft else Reason("mesh_error_unknown")
+
+
 def uncertain_forces(law: DeliveredLaw | None) -> Reason | None:
     """Pressures at which the moment that straightens the cells is uncertain by more than a tenth of itself, if any."""
     if law is None or not law.mesh_error:
@@ -169,6 +174,11 @@ class RodAndMesh:
     largest_N: float | None  #: the largest force
     mesh: MeshErrors  #: the part of the mesh
     is_compared: bool = True  #: False without finite elements of the whole arm; the error is then that of the mesh
+
+    @property
+    def is_known(self) -> bool:
+        """Whether the error of the shape is."""
+        return math.isfinite(self.shape) and (self.is_compared or self.mesh.largest is not None)
 
     @property
     def text(self) -> str:

@@ -8,7 +8,7 @@ import numpy as np
 
 from pipeline.results.rod_errors import law_mesh_errors
 from pipeline.values.formatting import percent
-from pipeline.values.law import DeliveredLaw, Unloaded
+from pipeline.values.law import DRAFT, DeliveredLaw, Unloaded
 from rod.arm_law.law import ArmLaw
 from rod.errors import RodError
 from rod.load import Load
@@ -51,7 +51,7 @@ def delivered_numbers(law: DeliveredLaw) -> str:
     """The arm without a load in one sentence, with the error of the mesh where it is known."""
     error = law_mesh_errors(law).largest
     known = "" if error is None else f", known to {percent(error)} for the mesh"
-    return f"numbers of the law{known}: {_numbers(law.unloaded)}"
+    return f"{DRAFT if law.draft else f'numbers of the law{known}'}: {_numbers(law.unloaded)}"
 
 
 def _numbers(states: Sequence[Unloaded]) -> str:

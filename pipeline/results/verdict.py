@@ -22,6 +22,7 @@ from pipeline.results.rod_errors import (
     rod_errors,
     rod_to_take,
     uncertain_forces,
+    unknown_mesh_error,
 )
 from pipeline.results.unloaded import named_states
 from pipeline.values.formats import ARM_LAW, EXTENSIBLE, FIVE
@@ -89,6 +90,7 @@ class Verdict(Told):
 
     design: str
     length_mm: float  #: NaN where the body was not meshed
+    draft: bool  #: whether the law is that of one mesh whose error was not measured
     bending: tuple[Bending, ...]  #: by ascending pressure
     rod: str  #: the rod to take: five, five_extensible or arm_law; empty where none was compared
     refusal: Reported | None  #: why no rod of this run should be used; None where `rod` can be
@@ -131,8 +133,8 @@ class Verdict(Told):
         named = named_states(self.bending)
         angles = ", ".join(f"{b.angle_deg:.0f}°" for b in named)
         pressures, tips = ", ".join(b.pressure for b in named), ", ".join(b.tip for b in named)
-        length = number(self.length_mm)
-        return f"{self.design}, {length} mm long, bends by {angles} at {pressures} kPa; its tip is at {tips} mm."
+        length, draft = number(self.length_mm), " (draft)" if self.draft else ""
+        return f"{self.design}{draft}, {length} mm long, bends by {angles} at {pressures} kPa; its tip is at {tips} mm."
 
     def _takes(self) -> str:
         if self.refusal is not None:
@@ -176,6 +178,7 @@ def verdict_of(run: Run) -> Verdict:
     return Verdict(
         design=run.design,
         length_mm=run.length_mm,
+        draft=bool(run.law and run.law.draft),
         bending=_bending(run, rod),
         rod=rod,
         refusal=refusal,
@@ -278,7 +281,7 @@ def _warnings(run: Run, rod: str, mesh: MeshErrors, refusal: Reported | None) ->
     """The most important remarks on the run and on its rod."""
     of_rod = []
     if rod and mesh.largest is None and not (run.law and run.law.has_rows):
-        of_rod.append(report_reason(Reason("mesh_error_unknown")))
+        of_rod.append(report_reason(unknown_mesh_error(run)))
     if rod == ARM_LAW and refusal is None and (uncertain := uncertain_forces(run.law)):
         of_rod.append(report_reason(uncertain))
     if rod in (FIVE, EXTENSIBLE):

@@ -16,6 +16,9 @@ from rod.same_pressure import is_same
 from rod.solution import RodSolution, SpatialSolution
 from rod.spatial import SpatialLoad
 
+#: what a draft is called beside its numbers
+DRAFT = "draft, error of the mesh unknown, usually 1 to 15 %"
+
 
 @dataclass(frozen=True)
 class LawMeshError:
@@ -55,6 +58,7 @@ class BesideLaw:
     mesh_error: LawMeshError | None = None
     unloaded: tuple[Unloaded, ...] = ()  #: at the pressures of the configuration
     notes: tuple[str, ...] = ()  #: how far the law may be trusted, a sentence each
+    draft: bool = False  #: whether it is of one mesh whose error was not measured
 
 
 @dataclass(frozen=True, eq=False)  # arrays inside

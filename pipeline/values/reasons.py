@@ -162,6 +162,7 @@ TEMPLATES: Mapping[str, str] = {
     "cases; tolerances alone move it by {before:.2g} %",
     "not_calibrated": "do not use this rod: it misses {percent:.0f} % of the measured motion, most in line "
     "{line}: {quantity} is {measured:.4g}, the rod has {fitted:.4g}",
+    "draft": "this is a {draft}; the same command without --draft finds it",
     "mesh_error_unknown": "the error of the mesh is not known; repeat the run with --set mesh.coarser=1.5 to estimate "
     "it",
     "offsets_bend": "under small loads the rod with five parameters is off, because its offsets m₀₁ and m₀₂ bend it "

@@ -18,7 +18,7 @@ from pipeline.answers.measured.next_measurement import NextMeasurement, next_mea
 from pipeline.answers.measured.predicted import Compared, Curves, LawRods, Numbers, Setup
 from pipeline.answers.measured.rows import Measurements
 from pipeline.answers.measured.unknowns import LOSS, BuiltArm, unknowns_in_time, unknowns_of
-from pipeline.answers.rods.choice import plane_of, refuse_out_of_plane
+from pipeline.answers.rods.choice import plane_of, refuse_draft, refuse_out_of_plane
 from pipeline.answers.rods.in_time import KEYS
 from pipeline.values.errors import InputError
 from pipeline.values.run import Run
@@ -74,6 +74,7 @@ def law_to_calibrate(run: Run) -> ArmLaw:
     refuse_out_of_plane(run)
     if run.law is None:
         raise InputError(f"{run.directory}: has no law.json, the arm's own law; measure it with pneurod cell")
+    refuse_draft(run, "a calibration")
     return plane_of(run, "a calibration")
 
 

@@ -6,9 +6,8 @@ from math import isfinite
 from pathlib import Path
 from typing import Any
 
-from geometry import Reason
 from pipeline.results.files import read_run
-from pipeline.results.rod_errors import RodAndMesh, rod_and_mesh, rod_to_take, uncertain_forces
+from pipeline.results.rod_errors import RodAndMesh, rod_and_mesh, rod_to_take, uncertain_forces, unknown_mesh_error
 from pipeline.results.verdict import OUT_OF_PLANE, Verdict, verdict_of
 from pipeline.values.errors import InputError, argument, quoted
 from pipeline.values.formats import ARM_LAW, EXTENSIBLE, FIVE
@@ -113,7 +112,7 @@ def choose_rod(run: Run, kind: str | None = None) -> RodOfRun:
     taken = rod_to_take(run, verdict.errors)
     errors = rod_and_mesh(run, compared) if compared else taken[1] if taken and taken[0] == rod else None
     mass = None if chosen == "law" else _mass(run)
-    notes = _notes(verdict, errors)
+    notes = _notes(run, verdict, errors)
     if chosen == "law" and verdict.refusal is None and (uncertain := uncertain_forces(run.law)):
         notes = (*notes, report_reason(uncertain).text)
     return RodOfRun(chosen, _source(run, chosen), errors, notes, mass)
@@ -123,6 +122,13 @@ def refuse_out_of_plane(run: Run) -> None:
     """Raise InputError for an arm that leaves its plane."""
     if remark := next((remark for remark in run.remarks if remark.code == OUT_OF_PLANE), None):
         raise InputError(f"{run.directory}: {remark.text}")
+
+
+def refuse_draft(run: Run, what: str) -> None:
+    """Raise InputError, with what needs derivatives, for a draft."""
+    if run.law and run.law.draft:
+        remedy = f"run it without {argument('draft', True)}"
+        raise InputError(f"{run.directory}: {what} needs derivatives, which a draft does not have; {remedy}")
 
 
 def plane_of(run: Run, what: str) -> ArmLaw:
@@ -177,13 +183,13 @@ def _why(run: Run) -> str:
     return f" ({reason.rstrip('.')})" if reason else ""
 
 
-def _notes(verdict: Verdict, errors: RodAndMesh | None) -> tuple[str, ...]:
+def _notes(run: Run, verdict: Verdict, errors: RodAndMesh | None) -> tuple[str, ...]:
     """The refusal of the verdict, a large error, or one that is not known."""
     notes = [] if verdict.refusal is None else [verdict.refusal.text]
     if errors is None:
         return tuple(notes)
     if errors.mesh.largest is None:
-        notes.append(report_reason(Reason("mesh_error_unknown")).text)
+        notes.append(report_reason(unknown_mesh_error(run)).text)
     if verdict.refusal is None and errors.shape > NOTED:
         notes.append(f"The errors of this rod are large: {errors.text}.")
     return tuple(notes)

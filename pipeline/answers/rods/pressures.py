@@ -122,7 +122,7 @@ def branches_of(rods: RodOfRun, wish: Wish) -> tuple[Branch, ...]:
 def _for_tip(rods: RodOfRun, wish: Wish, branches: tuple[Branch, ...], tip: Vector) -> tuple[PressureFor, ...]:
     near = [_met(rods, wish, at) for branch in branches for at in branch.nearest(tip)]
     near.sort(key=lambda at: at.away_mm or 0.0)
-    error = MET if rods.errors is None or not math.isfinite(rods.errors.shape) else rods.errors.shape
+    error = MET if rods.errors is None or not rods.errors.is_known else rods.errors.shape
     met = [at for at in near if (at.away_mm or 0.0) <= error * rods.source.length]
     if met:
         return tuple(met)
@@ -159,7 +159,7 @@ def _met(rods: RodOfRun, wish: Wish, at: AtPressure) -> PressureFor:
 def _error(rods: RodOfRun, wish: Wish, at: AtPressure) -> float | None:
     """kPa: the error of the rod and its mesh in what is wanted, over its change by the pressure."""
     errors = rods.errors
-    if errors is None or not math.isfinite(errors.shape):
+    if errors is None or not errors.is_known:
         return None
     moves = errors.shape * rods.source.length
     if wish.force_N is not None:

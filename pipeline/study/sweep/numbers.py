@@ -10,9 +10,11 @@ from pipeline.identify.compare import Comparison
 from pipeline.identify.mesh_error import RELATIVE
 from pipeline.identify.parameters import Parameters
 from pipeline.law.build import MeasuredLaw
+from pipeline.results.unloaded import unloaded_states
 from pipeline.simulate.outcome import Outcomes, Record
 from pipeline.stages import SolvedRun
 from pipeline.study.sweep.record import Row
+from pipeline.values.law import DRAFT
 from rod import PARAMETER_COLUMNS
 from rod.arm_law.curves import CellCurve
 from rod.same_pressure import is_same
@@ -50,12 +52,17 @@ def rows_of_experiments(config: Config, outcomes: Outcomes, remark: str) -> list
 
 
 def rows_of_law(config: Config, measured: MeasuredLaw | None) -> list[Row]:
-    """The cell without moment at the pressures of the configuration; no numbers where there is no law."""
-    cells = {} if measured is None else {cell.pressure: cell for cell in measured.law.cells}
-    return [
-        {**_arm(config), "pressure_kPa": pressure, **(_cell(cells[pressure]) if pressure in cells else {})}
-        for pressure in config.pressures_kPa
-    ]
+    """The cell without moment and the arm without a load at the pressures of the configuration; no numbers where there
+    is no law. A draft says so in `notes`."""
+    rows: dict[float, Row] = {p: {**_arm(config), "pressure_kPa": p} for p in config.pressures_kPa}
+    if measured is not None:
+        for cell in (cell for cell in measured.law.cells if cell.pressure in rows):
+            rows[cell.pressure] |= _cell(cell)
+        for state in unloaded_states(measured.law, config.pressures_kPa):
+            x, y = state.tip_mm
+            rows[state.pressure_kPa] |= {"law_bending_deg": state.bending_deg, "law_tip_x_mm": x, "law_tip_y_mm": y}
+            rows[state.pressure_kPa] |= {"notes": DRAFT} if measured.draft else {}
+    return list(rows.values())
 
 
 def _arm(config: Config) -> Row:

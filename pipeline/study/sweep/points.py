@@ -36,7 +36,9 @@ class Point:
 
     def work_key(self, sources_key: str, run: Run) -> str:
         """sha256 of what decides its result: sources and packages, configuration, and what is run."""
-        return hashlib.sha256("|".join((sources_key, self.config.hash, *run)).encode()).hexdigest()
+        return hashlib.sha256(
+            "|".join((sources_key, self.config.hash, *["draft"] * self.config.draft, *run)).encode()
+        ).hexdigest()
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,7 @@
 
 import hashlib
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
 from json import dumps
 from pathlib import Path
@@ -72,6 +72,10 @@ class Sweep:
     common: Setting  #: values that replace those of the base at every point
     axes: tuple[Axis, ...]
     settings: tuple[Setting, ...]  #: the values of the axes at every point
+
+    def as_draft(self) -> "Sweep":
+        """The same with a draft of the arm's own law at every point."""
+        return replace(self, run=(CELL,), common={**self.common, "draft": True})
 
     @property
     def identity(self) -> JsonObject:

@@ -29,6 +29,7 @@ _OF_RUN = {
     "alpha2_N_mm2": "α₂ (N mm²)", "III_force_y_N": "F in III (N)",
 }  # fmt: skip
 _OF_CELL = {
+    "law_bending_deg": "bending angle (°)",
     "cell_kappa_0_per_mm": "κ₀ of a cell (1/mm)",
     "cell_rigidity_N_mm2": "dM/dκ (N mm²)",
     "cell_axial_rigidity_N": "EA (N)",

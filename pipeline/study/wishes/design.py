@@ -1,6 +1,7 @@
 """The command for a wish: search, files, and a run of the design that was found."""
 
 import shutil
+from dataclasses import replace
 from pathlib import Path
 
 from pipeline.results.files import read_plane_law
@@ -113,7 +114,7 @@ def _run(file: WishFile, found: Found, store: Store, jobs: int, progress: Progre
         clear(folder)
     if known.is_dir():
         shutil.copytree(known, folder / LAW, dirs_exist_ok=True)
-    run(config, folder, jobs, False, progress)
+    run(replace(config, draft=False), folder, jobs, False, progress)
     try:
         law = read_plane_law(folder)
         values = numbers_of(law, file.wishes, file.wishes.values(found.trial.point))

@@ -14,7 +14,7 @@ from geometry.arrays import Array
 from pipeline.config.config import Config
 from pipeline.law.build import correction_of, fine_pieces
 from pipeline.law.cells import bend_of, cell_at, near_cell
-from pipeline.law.ends import CLAMP, TIP, EndCurves, end_curves
+from pipeline.law.ends import CLAMP, HALF_CELLS, TIP, EndCurves, end_curves
 from pipeline.law.mesh_limit import corrected
 from pipeline.law.piece.measure import cell_without_moment
 from pipeline.law.piece.point import Measured
@@ -38,8 +38,6 @@ from rod.arm_law.rates import CellRate, ClampRate, LawRate
 
 #: by how much a cell is bent for its law under no load or a small one, over 1/length of the arm
 NEAR = 0.4
-#: half cells of the ends
-HALF_CELLS = 1
 #: relative change of a dimension beyond which the cell is meshed anew
 FARTHEST = 0.25
 #: the folder of the designs that were tried
@@ -129,12 +127,11 @@ def delivered(file: WishFile, point: Array, context: RunContext) -> tuple[Array,
         config = file.config(point)
         of_run, own = (replace(context, store=store_of(context.store, config, mesh)) for mesh in (None, config))
         pieces = ArmPieces.of(Scene.meshed(config))
-        fine = pieces if config.accuracy is None else fine_pieces(pieces)
+        fine = fine_pieces(pieces) if file.is_fine else pieces
         begun = _NearLaw.begin(file, fine, point, own, ("force", "stiffness"))
-        if config.accuracy is None:
-            law = begun.law()
-        else:
-            law = corrected(begun.law(), correction_of(pieces, [cell.curve for cell in begun.cells], of_run))
+        law = begun.law()
+        if file.is_fine:
+            law = corrected(law, correction_of(pieces, [cell.curve for cell in begun.cells], of_run))
         stretch = np.nan
         if file.wishes.limits.largest_stretch is not None:
             stretch = ArmTasks(fine, own).submit(largest_stretch, law.pressures[-1]).result()

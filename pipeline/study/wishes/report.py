@@ -12,6 +12,7 @@ from pipeline.study.wishes.search import OF_LAW, Found, Refusal, Trial
 from pipeline.study.wishes.step import Model
 from pipeline.study.wishes.wish import Wish, Wishes, WishFile, exact_limits
 from pipeline.values.json_values import JsonObject
+from pipeline.values.law import DRAFT
 from pipeline.values.page import Section, page
 from pipeline.values.plots import COLOURS, INK, Line, Panel, ordered_colour
 from pipeline.values.table import Table
@@ -58,6 +59,7 @@ class DesignReport:
     objective: float | None  #: what was made small; None where nothing was
     history: tuple[Trial | Refusal, ...]
     run: Path | None  #: the results of its run; None where it was left out
+    draft: bool  #: whether its numbers are those of laws whose error is not known
     behind: tuple[str, ...]  #: what stands in the way where something is missed, and what lies beyond it
 
     @property
@@ -88,7 +90,14 @@ class DesignReport:
             wishes.append({"quantity": one.wish.quantity, "pressure_kPa": one.pressure_kPa, **wished, **more})
         limits: list[JsonObject] = [dict(vars(one)) for one in self.limits]
         found: JsonObject = {"name": self.name, "start": self.start, "found": self.found, "objective": self.objective}
-        return {**found, "wishes": wishes, "limits": limits, "given_up": self.given_up, "behind": self.behind}
+        return {
+            **found,
+            "draft": self.draft,
+            "wishes": wishes,
+            "limits": limits,
+            "given_up": self.given_up,
+            "behind": self.behind,
+        }
 
 
 def report_of(
@@ -108,7 +117,9 @@ def report_of(
     start = wishes.values(wishes.start)
     way = () if trial.worth.is_within(1.0) else behind(Model(file, trial.point, trial.numbers))
     return DesignReport(
-        file.source, directory, file.name, start, values, results, limits, objective, found.history, run, way
+        *(file.source, directory, file.name, start, values, results, limits, objective, found.history, run),
+        draft=file.draft and in_run is None,
+        behind=way,
     )
 
 
@@ -138,7 +149,7 @@ def wishes_table(report: DesignReport) -> Table:
         met = "yes" if limit.is_kept else "no"
         rows.append((limit.name, f"{limit.limit:.4g}", "limit", "", f"{limit.value:.4g}", met))
     heads = ("wish", "wanted", "within", "at the start", "found", "met")
-    law = "the law that a run delivers" if report.run is None else "its run"
+    law = DRAFT if report.draft else "the law that a run delivers" if report.run is None else "its run"
     return Table(heads, tuple(rows), f"at the start: of coarse cells; found: of {law}")
 
 

@@ -74,7 +74,7 @@ class Search:
         for number, start in enumerate(starts(self.file), start=1):
             try:
                 mesh, last = self._descended(number, rounded(start), is_fine=False)
-                if self.file.start.accuracy is not None:
+                if self.file.is_fine:
                     mesh, last = self._descended(number, last.point, is_fine=True)
                 if not laws or last.worth.is_within(HOPEFUL):
                     laws += self._delivered(mesh, last)

@@ -179,6 +179,7 @@ class WishFile:
     base: Document  #: with the values of `set`
     wishes: Wishes
     counts: tuple[int, ...] = ()  #: numbers of chambers that are tried, that of the base first; none: as in the base
+    draft: bool = False  #: whether laws of the search keep the error of the mesh of the base, as drafts do
 
     def with_chambers(self, count: int) -> "WishFile":
         """The same for one number of chambers. Raises InputError."""
@@ -216,6 +217,11 @@ class WishFile:
     def start(self) -> Config:
         """The design at the start. Raises InputError."""
         return self.config(self.wishes.start)
+
+    @property
+    def is_fine(self) -> bool:
+        """Whether laws of the search have the accuracy of those that a run delivers."""
+        return not self.draft and self.start.accuracy is not None
 
     def drawn(self, point: Array) -> Config:
         """The design of a point (n,) with the other values of the start, for what follows from its drawing alone.

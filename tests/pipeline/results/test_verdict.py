@@ -210,8 +210,8 @@ def test_a_run_without_any_state_has_a_verdict(run: Run) -> None:
 def test_the_record_is_json_with_these_keys(verdict: Verdict) -> None:
     record = json.loads(json_text(verdict.record()))
     assert set(record) == {
-        *("design", "length_mm", "bending", "rod", "refusal", "shape_error", "force_error", "mesh", "pressures_kPa"),
-        *("moments_N_mm", "tolerances", "failures", "warnings", "errors", "usable", "lines"),
+        *("design", "length_mm", "draft", "bending", "rod", "refusal", "shape_error", "force_error", "mesh"),
+        *("pressures_kPa", "moments_N_mm", "tolerances", "failures", "warnings", "errors", "usable", "lines"),
     }
     assert record["lines"] == list(verdict.lines)
     assert record["errors"][0]["rod"] == "arm_law"
