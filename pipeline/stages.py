@@ -21,6 +21,7 @@ from pipeline.identify.record import parameters_record
 from pipeline.identify.state_notes import Solved, check_states
 from pipeline.identify.validate import Validated, find_loads_beyond_II, keep_reached_loads, solve_validation
 from pipeline.identify.validate import validate as compare_loads
+from pipeline.law.effort import expected_of
 from pipeline.law.of_run import LawOfRun, deliver_law_of_run, law_on_mesh_of_arm
 from pipeline.law.study import save_law
 from pipeline.results.files import CURVES, LAW_ON_MESH_OF_ARM, VALIDATION_CURVES, save_curves, save_value
@@ -139,6 +140,7 @@ def mesh(config: Config, context: RunContext) -> RunState:
     with stages.timed("kernels (compiled once)"):
         for pending in loading:
             pending.result()
+    context.progress.expect(expected_of(config))
     return state
 
 

@@ -15,6 +15,7 @@ from fem.cell.response import inflated
 from geometry.told import Told
 from pipeline.config.config import Config
 from pipeline.law.build import MeasuredLaw, deliver_law
+from pipeline.law.effort import expected_of
 from pipeline.law.in_space.measure import MeasuredInSpace, measure_in_space
 from pipeline.law.pieces import ArmPieces, NoArmLaw
 from pipeline.law.rows import RowSpec, rows_of
@@ -138,6 +139,7 @@ def _begun(
             for pending in loading:
                 pending.result()
             progress.stage("cell and ends")
+            progress.expect(expected_of(replace(config, law="cell")))
             save_body(store, scene.body)
             record = {"format": FORMAT, "config": config.record(), "config_hash": config.hash, **provenance()}
             yield pieces, context, begin, {**record, "mesh": asdict(scene.mesh_record)}
@@ -199,7 +201,8 @@ def save_law(store: Store, measured: MeasuredLaw, pressures_kPa: Sequence[float]
     measured = replace(measured, unloaded=unloaded_states(measured.law, pressures_kPa))
     content = {
         **law_record(measured.law),
-        **{one.name: getattr(measured, one.name) for one in fields(BesideLaw)},
+        **{one.name: getattr(measured, one.name) for one in fields(BesideLaw) if one.name != "draft"},
+        **({"draft": True} if measured.draft else {}),
         "added_pressures_kPa": measured.added_kPa,
         "end_half_cells": measured.half_cells,
         "interpolation_error": {

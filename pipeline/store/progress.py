@@ -5,7 +5,7 @@ every experiment.
 """
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple, final
 
 
@@ -31,6 +31,10 @@ class Progress(ABC):
     def remark(self, sentence: str) -> None:
         """What a user should know before waiting for the result."""
         self.tell(Message("remark", (sentence,)))
+
+    def expect(self, steps: Mapping[str, Sequence[float]]) -> None:
+        """The steps that follow, by the beginning of the names under which they are told, with their efforts in s."""
+        self.tell(Message("expect", (dict(steps),)))
 
     def experiment(self, name: str, pressures: Sequence[float]) -> None:
         """An experiment begins, which will be solved at `pressures`."""

@@ -1,6 +1,5 @@
 """Independent work on many points: what is kept is not done again, and the others are done by an executor."""
 
-import time
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Executor, as_completed
 from dataclasses import dataclass
@@ -8,8 +7,8 @@ from functools import cached_property
 from typing import Generic, TypeVar
 
 from pipeline.store.kept import KeptFile
+from pipeline.store.time_left import TimeLeft
 from pipeline.values.errors import WorkerLost
-from pipeline.values.formatting import duration
 
 Point = TypeVar("Point")
 Result = TypeVar("Result")
@@ -49,7 +48,7 @@ class Study(Generic[Point, Result]):
         say: receives a sentence for each, with the time left; ended: the sentence of a point. without: the result of a
         point whose workers were ended from outside, for one of `lost`; if it is not given, this is raised.
         """
-        begin = time.monotonic()
+        left = TimeLeft({"": [1.0] * len(self.missing)})
         futures = {self.executor.submit(self.task, point): point for point in self.missing}
         try:
             for number, future in enumerate(as_completed(futures), start=1):
@@ -60,9 +59,7 @@ class Study(Generic[Point, Result]):
                     if without is None:
                         raise
                     result = without(point, failure)
-                left = (time.monotonic() - begin) / number * (len(futures) - number)
-                after = f"; about {duration(left)} left" if left else ""
-                say(f"{number} of {len(futures)}: {ended(point, result)}{after}")
+                say(f"{number} of {len(futures)}: {ended(point, result)}{left.end('', 1.0)}")
                 yield point, result
         finally:
             for future in futures:

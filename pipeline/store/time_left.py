@@ -1,0 +1,49 @@
+"""The time that is left of work in steps: what they were expected to take, corrected by what those that ended took."""
+
+import time
+from collections import Counter
+from collections.abc import Mapping, Sequence
+
+from pipeline.values.formatting import duration
+
+
+class TimeLeft:
+    """Steps by their kind, with the expected effort of each in any unit; it begins to count when it is made."""
+
+    def __init__(self, steps: Mapping[str, Sequence[float]]) -> None:
+        self._open = {kind: list(efforts) for kind, efforts in steps.items()}
+        self._begin = time.monotonic()
+        self._spent, self._expected = Counter[str](), Counter[str]()
+
+    def announce(self, name: str, count: int) -> None:
+        """So many steps of this name follow; those that were not expected take as long as the last one that was."""
+        efforts = self._open.get(self._kind(name))
+        if efforts is not None and len(efforts) < count:
+            efforts += [efforts[-1] if efforts else 1.0] * (count - len(efforts))
+
+    def end(self, name: str, spent: float = 0.0) -> str:
+        """The time left after a step, a clause for the end of a line; spent: what it took, 0 where it was kept."""
+        kind = self._kind(name)
+        if efforts := self._open.get(kind):
+            effort = efforts.pop(0)
+            if spent > 0.0:
+                self._spent[kind] += spent
+                self._expected[kind] += effort
+        left = self.seconds
+        return f"; about {duration(left)} left" if left else ""
+
+    @property
+    def seconds(self) -> float:
+        """s; 0 where nothing is left, or nothing is known yet."""
+        spent, expected = self._spent.total(), self._expected.total()
+        if not spent:
+            return 0.0
+        work = sum(
+            sum(efforts) * (self._spent[kind] / self._expected[kind] if self._expected[kind] else spent / expected)
+            for kind, efforts in self._open.items()
+        )
+        return (time.monotonic() - self._begin) * work / spent
+
+    def _kind(self, name: str) -> str:
+        """The longest kind with which a name begins: `cell, mesh` of `cell, mesh 2.7 mm`."""
+        return max((kind for kind in self._open if name.startswith(kind)), key=len, default="")
