@@ -13,6 +13,7 @@ from pipeline.show.saved import save_report
 from pipeline.simulate.design_notes import check_design
 from pipeline.simulate.outcome import Outcomes
 from pipeline.store.context import RunContext, run_context
+from pipeline.store.parallel import Pending
 from pipeline.store.progress import Progress
 from pipeline.store.store import open_store
 from pipeline.values.reasons import render
@@ -38,22 +39,25 @@ def run(config: Config, out: Path, jobs: int, fresh: bool, progress: Progress) -
 def _solved(config: Config, context: RunContext) -> stages.SolvedRun:
     """The stages of a run. One waits for what it needs; tasks of later ones are done meanwhile."""
     state = stages.mesh(config, context)
-    state, arm = stages.deliver_law(state)
     if config.is_law_alone:
-        _draw(state, Outcomes({}))
+        pictures = context.workers.beside(draw_all, state.scene.body, Outcomes({}), context)
+        state, arm = stages.deliver_law(state)
+        _draw(state, pictures)
         return stages.conclude(state, Identified(Outcomes({}), ()), arm, (), Validated())
+    state, arm = stages.deliver_law(state)
     state, outcomes, law = stages.solve_experiments(state, arm)
     state, identified, improved = stages.identify(state, outcomes, arm)
     loads = stages.begin_validation(state, outcomes)
-    _draw(state, identified.outcomes)
+    pictures = context.workers.beside(draw_all, state.scene.body, identified.outcomes, context)
     state, arm, on_mesh = stages.complete_law(state, arm, law)
     state, identified = stages.add_mesh_error(state, identified, improved, arm, on_mesh)
     state, rods, comparisons = stages.compare_rods(state, identified, on_mesh)
     state, validated = stages.validate(state, loads, rods, comparisons)
+    _draw(state, pictures)
     return stages.conclude(state, identified, arm, comparisons, validated)
 
 
-def _draw(state: stages.RunState, outcomes: Outcomes) -> None:
-    """Draw the body and its states."""
+def _draw(state: stages.RunState, pictures: Pending[None]) -> None:
+    """Wait for the pictures of the body and its states."""
     with state.stages.timed("pictures"):
-        draw_all(state.scene.body, outcomes, state.context.store)
+        pictures.result()

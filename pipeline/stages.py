@@ -48,8 +48,8 @@ _COARSER_MESH = "coarser mesh"
 _LAW, _LAW_ON_MESH_OF_ARM = "cell and ends", "cell and ends on the mesh of the arm"
 #: in their order
 _STAGES = (
-    *("mesh", "kernels (compiled once)", _LAW, "experiments", "identification", "pictures", _LAW_ON_MESH_OF_ARM),
-    *(_COARSER_MESH, "rod", "validation", "report"),
+    *("mesh", "kernels (compiled once)", _LAW, "experiments", "identification", _LAW_ON_MESH_OF_ARM),
+    *(_COARSER_MESH, "rod", "validation", "pictures", "report"),
 )
 #: those of a run with the arm's own law alone
 _STAGES_OF_LAW = ("mesh", "kernels (compiled once)", _LAW, "pictures", "report")

@@ -2,7 +2,6 @@
 
 import io
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 
@@ -10,9 +9,11 @@ from geometry import Body, Mesh
 from geometry.arrays import Array, Index, Mask
 from geometry.topology import EDGES, OUTWARD, row_keys
 from pipeline.results.drawing import Colour, draw_body, draw_deformed, window_for_pictures, write_fields, write_series
-from pipeline.simulate.outcome import Outcomes
+from pipeline.simulate.outcome import Outcome, Outcomes
 from pipeline.simulate.simulate import EXPERIMENTS
 from pipeline.store.atomic_file import write_atomic
+from pipeline.store.context import RunContext
+from pipeline.store.parallel import TaskContext
 from pipeline.store.state_key import PICTURE_SOURCES, result_key
 from pipeline.store.store import Store
 from pipeline.values.formats import SURFACES
@@ -22,20 +23,30 @@ from pipeline.values.pressure import name_of_state
 _DRAWN = "pictures/drawn.json"
 
 
-def draw_all(body: Body, outcomes: Outcomes, store: Store) -> None:
+def draw_all(body: Body, outcomes: Outcomes, context: RunContext) -> None:
     """The body, also cut open at z = 0; each state as a picture and as a file for ParaView, a series per experiment.
 
-    Nothing is drawn where the pictures of an earlier run show the same states, drawn by the same sources.
+    Workers draw body and experiments. Nothing is drawn where the pictures of an earlier run show the same states, drawn
+    by the same sources.
     """
+    store = context.store
     titles = [name_of_state(outcome.name, record.pressure_kPa) for outcome in outcomes for record in outcome.records]
     drawn = {"key": result_key(store.key, PICTURE_SOURCES), "states": titles}
     needed = ["mesh.vtu", "pictures/body.png", *(f"pictures/{title}.png" for title in titles)]
     needed += [*(f"fields/{title}.vtu" for title in titles), *([SURFACES] if titles else [])]
     if store.read_json(_DRAWN) == drawn and all((store.directory / name).is_file() for name in needed):
         return
-    with window_for_pictures() as window:
-        _draw(body, outcomes, store, window)
+    stretches = {
+        one.name: at_nodes([record.fields["stretch"] for record in one.records], one.nodes) for one in outcomes
+    }
+    limits = (1.0, max((float(values.max()) for values in stretches.values() if values.size), default=1.1))
+    begun = [context.submit(_draw_body, body, store)]
+    for outcome in outcomes:
+        colours = [Colour(values, "largest principal stretch", limits) for values in stretches[outcome.name]]
+        begun.append(context.submit(_draw_states, outcome, colours, body.half, store))
     save_surfaces(body, outcomes, store)
+    for pending in begun:
+        pending.result()
     store.save_json(_DRAWN, drawn)
 
 
@@ -49,38 +60,30 @@ def region_field(mesh: Mesh) -> dict[str, Array]:
     return {"region": number}
 
 
-def _draw(body: Body, outcomes: Outcomes, store: Store, window: Any) -> None:
+def _draw_body(_: TaskContext, body: Body, store: Store) -> None:
+    """The body at rest; a task."""
     mesh, regions = body.mesh, region_field(body.mesh)
     write_fields(store.path("mesh.vtu"), mesh.points, mesh.tets, regions)
-    colours = regions.get("region")
-    at_rest = {"regions": colours, "window": window}
-    draw_body(store.path("pictures/body.png"), mesh.points, mesh.tets, mirrored=body.half, **at_rest)
-    if body.half:
-        draw_body(store.path("pictures/body_open.png"), mesh.points, mesh.tets, cut_open=True, **at_rest)
-    stretches = {
-        outcome.name: at_nodes([record.fields["stretch"] for record in outcome.records], outcome.nodes)
-        for outcome in outcomes
-        if outcome.records
-    }
-    limits = (1.0, max((float(values.max()) for values in stretches.values()), default=1.1))
-    for outcome in outcomes:
-        series = []
-        for number, record in enumerate(outcome.records):
+    with window_for_pictures() as window:
+        at_rest = {"regions": regions.get("region"), "window": window}
+        draw_body(store.path("pictures/body.png"), mesh.points, mesh.tets, mirrored=body.half, **at_rest)
+        if body.half:
+            draw_body(store.path("pictures/body_open.png"), mesh.points, mesh.tets, cut_open=True, **at_rest)
+
+
+def _draw_states(_: TaskContext, outcome: Outcome, colours: Sequence[Colour], half: bool, store: Store) -> None:
+    """The states of an experiment, each with its colours; a task."""
+    series = []
+    with window_for_pictures() as window:
+        for record, colour in zip(outcome.records, colours, strict=True):
             title = name_of_state(outcome.name, record.pressure_kPa)
-            colour = Colour(stretches[outcome.name][number], "largest principal stretch", limits)
-            draw_deformed(
-                store.path(f"pictures/{title}.png"),
-                outcome.points,
-                outcome.nodes,
-                record.displacement,
-                colour,
-                mirrored=body.half,
-                window=window,
-            )
+            body = outcome.points, outcome.nodes
+            picture = store.path(f"pictures/{title}.png")
+            draw_deformed(picture, *body, record.displacement, colour, mirrored=half, window=window)
             fields = {"displacement": record.displacement, **record.fields}
-            write_fields(store.path(f"fields/{title}.vtu"), outcome.points, outcome.nodes, fields)
+            write_fields(store.path(f"fields/{title}.vtu"), *body, fields)
             series.append((record.pressure_kPa, f"fields/{title}.vtu"))
-        write_series(store.path(f"{outcome.name}.pvd"), series)
+    write_series(store.path(f"{outcome.name}.pvd"), series)
 
 
 def save_surfaces(body: Body, outcomes: Outcomes, store: Store) -> None:
@@ -137,8 +140,8 @@ def von_mises(stress: Array) -> Array:
 
 
 def at_nodes(states: Sequence[Array], nodes: Index) -> Array:
-    """Means over the elements around every node, (states, n), of values per element (states, e)."""
+    """Means over the elements around every node, (states, n), of values per element (states, e); (0, n) of none."""
     count = nodes.max() + 1
     elements = np.bincount(nodes.ravel(), minlength=count)
     sums = [np.bincount(nodes.ravel(), np.repeat(v, nodes.shape[1]), minlength=count) for v in states]
-    return (np.array(sums) / np.maximum(elements, 1)).astype(np.float32)
+    return (np.reshape(sums, (len(states), count)) / np.maximum(elements, 1)).astype(np.float32)

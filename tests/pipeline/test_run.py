@@ -76,7 +76,7 @@ def test_a_second_mesh_is_a_stage_where_there_is_one(
         with stages.timed(name):
             pass
     count = 5 if config.law == "cell" else 9 if counted else 8  # law: five
-    of_second = [f"coarser mesh (6 of {count})"] if counted else []
+    of_second = [f"coarser mesh (5 of {count})"] if counted else []
     assert [call.args[0] for call in listener.stage.mock_calls] == [
         f"mesh (1 of {count})",
         *of_second,
@@ -93,7 +93,7 @@ def test_a_second_mesh_is_counted_from_when_it_is_needed(config_file: Path) -> N
     for name in ("coarser mesh", "rod"):
         with stages.timed(name):
             pass
-    assert [call.args[0] for call in listener.stage.mock_calls] == ["coarser mesh (8 of 11)", "rod (9 of 11)"]
+    assert [call.args[0] for call in listener.stage.mock_calls] == ["coarser mesh (7 of 11)", "rod (8 of 11)"]
 
 
 def test_parameters_are_those_of_a_rod(results: Path) -> None:
