@@ -179,8 +179,12 @@ class End(Generic[Curve]):
 
 
 def _clamp_near(piece: BendingPiece, cell: CellCurve, _: PieceState | None) -> tuple[Measured[ClampCurve], PieceState]:
-    """The clamped end from its state without moment alone; the piece at rest stands for the state."""
+    """The clamped end from its state without moment alone, which needs no state at a lower pressure."""
     return Measured(straight_clamp(clamp_without_moment(piece, cell), cell.moment)), piece.rest()
+
+
+def _rest(piece: BendingPiece, *_: object) -> PieceState:
+    return piece.rest()
 
 
 def straight_clamp(clamp: ClampCurve, moments: Array) -> ClampCurve:
@@ -195,7 +199,7 @@ def straight_clamp(clamp: ClampCurve, moments: Array) -> ClampCurve:
 
 CLAMP = End(ClampCurve, "clamp", "clamped end", "clamp", clamp_curve, first_state)
 #: the same to first order, as a draft has it
-CLAMP_NEAR = End(ClampCurve, "clamp_near", "clamped end", "clamp", _clamp_near, lambda piece, *_: piece.rest())
+CLAMP_NEAR = End(ClampCurve, "clamp_near", "clamped end", "clamp", _clamp_near, _rest)
 TIP = End(TipCurve, "tip", "tip", "free", tip_curve, tip_state)
 
 

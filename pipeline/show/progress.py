@@ -12,6 +12,8 @@ from pipeline.values.formatting import duration
 
 #: characters of the name of an experiment in the table
 LONGEST_NAME = 20
+#: part of the expected effort after which the time left of a run is told
+TOLD_FROM = 0.05
 
 
 @final
@@ -28,7 +30,7 @@ class Lines(Progress):
         """Print a line."""
         match message:
             case ("expect", (steps,)):
-                self._left = TimeLeft(steps)
+                self._left = TimeLeft(steps, TOLD_FROM)
             case ("stage", (name,)):
                 self._print(f"stage: {name}")
             case ("experiment", (name, pressures)):
@@ -80,7 +82,7 @@ class Terminal(Progress):
         _print_sentence(self._bars.console, message)
         match message:
             case ("expect", (steps,)):
-                self._left = TimeLeft(steps)
+                self._left = TimeLeft(steps, TOLD_FROM)
             case ("stage", (name,)):
                 self._bars.start()  # a second start changes nothing
                 self._end_stage()

@@ -8,10 +8,15 @@ from pipeline.values.formatting import duration
 
 
 class TimeLeft:
-    """Steps by their kind, with the expected effort of each in any unit; it begins to count when it is made."""
+    """Steps by their kind, with the expected effort of each in any unit.
 
-    def __init__(self, steps: Mapping[str, Sequence[float]]) -> None:
+    Time counts from when it is made, or from what is announced before the first step has ended.
+    """
+
+    def __init__(self, steps: Mapping[str, Sequence[float]], part: float = 0.0) -> None:
+        """part: of all efforts, which has to have ended before anything is told."""
         self._open = {kind: list(efforts) for kind, efforts in steps.items()}
+        self._least = part * sum(map(sum, self._open.values()))
         self._begin = time.monotonic()
         self._spent, self._expected = Counter[str](), Counter[str]()
 
@@ -20,6 +25,8 @@ class TimeLeft:
         efforts = self._open.get(self._kind(name))
         if efforts is not None and len(efforts) < count:
             efforts += [efforts[-1] if efforts else 1.0] * (count - len(efforts))
+        if not self._spent:
+            self._begin = time.monotonic()
 
     def end(self, name: str, spent: float = 0.0) -> str:
         """The time left after a step, a clause for the end of a line; spent: what it took, 0 where it was kept."""
@@ -36,7 +43,7 @@ class TimeLeft:
     def seconds(self) -> float:
         """s; 0 where nothing is left, or nothing is known yet."""
         spent, expected = self._spent.total(), self._expected.total()
-        if not spent:
+        if not spent or expected < self._least:
             return 0.0
         work = sum(
             sum(efforts) * (self._spent[kind] / self._expected[kind] if self._expected[kind] else spent / expected)

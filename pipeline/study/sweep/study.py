@@ -24,6 +24,7 @@ from pipeline.study.sweep.workers import LOST, Workers, connected, solve
 from pipeline.values.errors import InputError, RunFailed, argument
 from pipeline.values.formatting import duration
 from pipeline.values.json_values import JsonObject
+from pipeline.values.law import DRAFT
 
 #: the folder of the points, and the file that says what the folder is
 POINTS, RECORD = "points", "sweep.json"
@@ -176,7 +177,8 @@ def _save_sweep(sweep: Sweep, folder: ResultFolder, points: Sequence[SolvedPoint
     rows = table_rows(columns, points)
     save_table(folder, rows)
     if is_complete:
-        folder.save_text(PAGE, sweep_page(sweep.name, sweep.run, sweep.axes, columns, rows))
+        name = f"{sweep.name} ({DRAFT})" if sweep.common.get("draft") else sweep.name
+        folder.save_text(PAGE, sweep_page(name, sweep.run, sweep.axes, columns, rows))
 
 
 def solve_points(sets: Sequence[PointSet], course: Course) -> list[tuple[SolvedPoint, ...]]:

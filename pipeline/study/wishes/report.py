@@ -59,8 +59,8 @@ class DesignReport:
     objective: float | None  #: what was made small; None where nothing was
     history: tuple[Trial | Refusal, ...]
     run: Path | None  #: the results of its run; None where it was left out
-    draft: bool  #: whether its numbers are those of laws whose error is not known
     behind: tuple[str, ...]  #: what stands in the way where something is missed, and what lies beyond it
+    draft: bool = False  #: whether its numbers are of laws whose error is not known
 
     @property
     def given_up(self) -> tuple[str, ...]:
@@ -117,9 +117,8 @@ def report_of(
     start = wishes.values(wishes.start)
     way = () if trial.worth.is_within(1.0) else behind(Model(file, trial.point, trial.numbers))
     return DesignReport(
-        *(file.source, directory, file.name, start, values, results, limits, objective, found.history, run),
+        *(file.source, directory, file.name, start, values, results, limits, objective, found.history, run, way),
         draft=file.draft and in_run is None,
-        behind=way,
     )
 
 
@@ -149,7 +148,7 @@ def wishes_table(report: DesignReport) -> Table:
         met = "yes" if limit.is_kept else "no"
         rows.append((limit.name, f"{limit.limit:.4g}", "limit", "", f"{limit.value:.4g}", met))
     heads = ("wish", "wanted", "within", "at the start", "found", "met")
-    law = DRAFT if report.draft else "the law that a run delivers" if report.run is None else "its run"
+    law = f"a {DRAFT}" if report.draft else "the law that a run delivers" if report.run is None else "its run"
     return Table(heads, tuple(rows), f"at the start: of coarse cells; found: of {law}")
 
 

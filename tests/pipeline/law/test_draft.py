@@ -1,6 +1,7 @@
 """A draft: the arm's own law on one mesh, what says that it is one, and what it lacks."""
 
 import json
+import pickle
 from pathlib import Path
 
 import pytest
@@ -8,6 +9,7 @@ import pytest
 import pneurod
 from pipeline.config.document import Document, read_document
 from pipeline.config.load import checked
+from pipeline.law.ends import CLAMP_NEAR
 from pipeline.law.rows import read_pairs
 from pipeline.results.files import LAW, read_results, replace_draft
 from pipeline.results.verdict import verdict_of
@@ -59,6 +61,10 @@ def test_every_answer_says_that_it_is_a_draft(draft: Path) -> None:
     with pytest.warns(pneurod.RodWarning, match=DRAFT):
         pneurod.read_results(draft).rod(20.0)
     assert pneurod.solve(draft, angle="2 deg").solutions[0].error_kPa is None
+
+
+def test_workers_measure_it() -> None:
+    assert pickle.loads(pickle.dumps(CLAMP_NEAR)).file == "clamp_near"
 
 
 def test_a_draft_has_no_budget(draft: Path) -> None:

@@ -53,6 +53,14 @@ def test_kept_steps_say_nothing_about_the_others(clock: list[float]) -> None:
     assert left.seconds == pytest.approx(2.0)
 
 
+def test_nothing_is_told_before_enough_has_ended(clock: list[float]) -> None:
+    left = TimeLeft({"cell": [1.0] * 10}, part=0.2)
+    left.announce("cell", 10)
+    clock[0] = 5.0
+    assert left.end("cell", 1.0) == ""
+    assert left.end("cell", 1.0) == "; about 20 s left"
+
+
 def test_steps_that_are_announced_later_count(clock: list[float]) -> None:
     left = TimeLeft({"cell": [2.0]})
     clock[0] = 1.0
