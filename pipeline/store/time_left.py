@@ -1,7 +1,7 @@
 """The time that is left of work in steps: what they were expected to take, corrected by what those that ended took."""
 
 import time
-from collections import Counter
+from collections import defaultdict
 from collections.abc import Mapping, Sequence
 
 from pipeline.values.formatting import duration
@@ -18,7 +18,7 @@ class TimeLeft:
         self._open = {kind: list(efforts) for kind, efforts in steps.items()}
         self._least = part * sum(map(sum, self._open.values()))
         self._begin = time.monotonic()
-        self._spent, self._expected = Counter[str](), Counter[str]()
+        self._spent, self._expected = defaultdict[str, float](float), defaultdict[str, float](float)
 
     def announce(self, name: str, count: int) -> None:
         """So many steps of this name follow; those that were not expected take as long as the last one that was."""
@@ -42,7 +42,7 @@ class TimeLeft:
     @property
     def seconds(self) -> float:
         """s; 0 where nothing is left, or nothing is known yet."""
-        spent, expected = self._spent.total(), self._expected.total()
+        spent, expected = sum(self._spent.values()), sum(self._expected.values())
         if not spent or expected < self._least:
             return 0.0
         work = sum(
