@@ -57,7 +57,9 @@ def test_every_answer_says_that_it_is_a_draft(draft: Path) -> None:
     assert verdict.draft
     assert verdict.lines[0].startswith("small (draft), ")
     assert any(DRAFT in line for line in verdict.lines)
-    assert DRAFT in (draft / "report.html").read_text()
+    page = (draft / "report.html").read_text()
+    assert DRAFT in page
+    assert "A run without --draft does that" in page
     with pytest.warns(pneurod.RodWarning, match=DRAFT):
         pneurod.read_results(draft).rod(20.0)
     assert pneurod.solve(draft, angle="2 deg").solutions[0].error_kPa is None
