@@ -5,8 +5,9 @@ from fem.discretisation import Discretisation
 from fem.effects.barrier import OVERLAP
 from fem.effects.contact import ACTIVATION, ContactError, SelfContact
 from fem.effects.effect import Effect
+from fem.effects.hoops import Hoops, faces_along
 from fem.effects.loads import Gravity, LineForce, Pressure
-from fem.effects.membrane import LayerError, StrainLimitingLayer
+from fem.effects.membrane import LayerError, Membrane, StrainLimitingLayer
 from fem.equations.pardiso import available_solver
 from fem.experiments import Experiment
 from fem.materials import Hencky, Material, MaterialError, MooneyRivlin, NeoHooke, Ogden, StVenantKirchhoff, Yeoh

@@ -20,7 +20,7 @@ def compile_kernels(formulation: str = "p2p0", material: Solid | None = None, la
 
     The kernels serve all formulations. "mixed" has one more, which is compiled with that formulation. Laws that are not
     linear in the strain have kernels of their own, compiled if `material` is such a law, or has one in a region, and so
-    has a strain-limiting layer, compiled with `layer`. Raises ValueError for a formulation that does not exist.
+    have a layer and hoops, compiled with `layer`. Raises ValueError for a formulation that does not exist.
     """
     points = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
     faces = {"clamp": np.array([[0, 1, 2]]), "cavity": np.array([[1, 2, 3]])}

@@ -196,7 +196,7 @@ def _moved_term(term: Term, before: Array, variant: Variant) -> Term:
     if isinstance(term, FacingTerm):
         return replace(term, pairs=variant.pairs(term.pairs, before), stiffness=variant.stiffness * term.stiffness)
     if isinstance(term, LayerTerm | MirroredLayerTerm) and after is not before:
-        return term.moved(before, after)
+        return term.changed(term.sheet, after)
     return term
 
 

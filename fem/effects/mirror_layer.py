@@ -19,7 +19,7 @@ import numpy as np
 from fem.discretisation import Discretisation
 from fem.effects.effect import Blocks, Effect, Term
 from fem.effects.layer_bending import mirror_form
-from fem.effects.membrane import LayerTerm, StrainLimitingLayer
+from fem.effects.membrane import LayerTerm, Membrane, StrainLimitingLayer
 from fem.materials.material import Material
 from geometry.arrays import Array, Index
 
@@ -61,7 +61,7 @@ class MirroredLayerTerm(Term):
         """Of a bound layer; points (n, 3) at rest, mm."""
         mirror = np.zeros(points.shape[0], dtype=bool)
         mirror[plane] = True
-        form = mirror_form(points, layer.arrays.nodes, layer.rigidity, layer.nu, mirror)
+        form = mirror_form(points, layer.arrays.nodes, *layer.sheet.bending, mirror)
         nodes = np.union1d(form.tocoo().row, ends).astype(np.int64)
         matrix = form[nodes][:, nodes].toarray()
         is_end = np.isin(nodes, ends)
@@ -69,9 +69,14 @@ class MirroredLayerTerm(Term):
         first, second = np.nonzero(np.triu(together))
         return MirroredLayerTerm(layer, plane, ends, nodes, matrix, (first, second), nodes[first], nodes[second])
 
-    def moved(self, before: Array, after: Array) -> "MirroredLayerTerm":
-        """The same in a body whose nodes at rest (n, 3) lie elsewhere."""
-        return self.of(self.layer.moved(before, after), self.plane, self.ends, after)
+    @property
+    def sheet(self) -> Membrane:
+        """What bends."""
+        return self.layer.sheet
+
+    def changed(self, sheet: Membrane, points: Array) -> "MirroredLayerTerm":
+        """Another sheet on the same faces, whose nodes at rest (n, 3) may lie elsewhere."""
+        return self.of(self.layer.changed(sheet, points), self.plane, self.ends, points)
 
     def energy(self, x: Array, factor: float) -> float:
         y = x[self.nodes] @ self._frame(x)[0]

@@ -20,6 +20,7 @@ class MembraneArrays(NamedTuple):
     nodes: Index  #: (f, a)
     gradients: Array  #: (f, q, a, 2) of the shape functions in an orthonormal frame of each triangle, 1/mm
     weight: Array  #: (f, q) fractions of the membrane's volume, mm3
+    law: Array  #: (f, q, v, v) elasticity in the plane, MPa
 
 
 @njit(cache=True, inline="always")
@@ -80,12 +81,12 @@ def membrane_force(membrane: MembraneArrays, x: Array, stress: Array, force: Arr
 
 
 @njit(cache=True)
-def membrane_tangent(membrane: MembraneArrays, x: Array, stress: Array, law: Array, values: Array) -> None:
+def membrane_tangent(membrane: MembraneArrays, x: Array, stress: Array, values: Array) -> None:
     """sum_q w (B^T C B + G(S)) as blocks values (f, pair, 3, 3), pair running over a <= b.
 
-    stress (f, q, v) is the one of the geometric term, law (v, v) the plane-stress tangent, MPa.
+    stress (f, q, v) is the one of the geometric term, MPa.
     """
-    nodes, gradients, weight = membrane.nodes, membrane.gradients, membrane.weight
+    nodes, gradients, weight, law = membrane.nodes, membrane.gradients, membrane.weight, membrane.law
     n = nodes.shape[1]
     t = np.empty((3, 2))
     b = np.empty((3, 3 * n))
@@ -99,7 +100,7 @@ def membrane_tangent(membrane: MembraneArrays, x: Array, stress: Array, law: Arr
                     b[0, 3 * a + i] = t[i, 0] * g[a, 0]
                     b[1, 3 * a + i] = t[i, 1] * g[a, 1]
                     b[2, 3 * a + i] = t[i, 0] * g[a, 1] + t[i, 1] * g[a, 0]
-            cb = np.dot(law, b)
+            cb = np.dot(law[f, q], b)
             pair = 0
             for a in range(n):
                 along = s[0] * g[a, 0] + s[2] * g[a, 1]

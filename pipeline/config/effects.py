@@ -9,7 +9,7 @@ from typing import Annotated, Any, Literal, final
 from geometry import Design
 from pipeline.config import kinds
 from pipeline.config.section import Field, Kind, Section, section
-from pipeline.config.units import PRESSURE, convert
+from pipeline.config.units import ANGLE, PRESSURE, convert
 from pipeline.values.errors import quoted
 from rod.weight import gravity_direction
 
@@ -40,7 +40,7 @@ class Effect(Switched):
 
     @property
     def on(self) -> bool:
-        """Whether it is switched on; gravity and the layer act only then."""
+        """Whether it is switched on; gravity, layer and hoops act only then."""
         return self.state == "on"
 
     @property
@@ -73,6 +73,17 @@ def _cavity_pressure(value: Any) -> CavityPressure:
         raise ValueError(f"{quoted(value)} is not allowed; allowed: {allowed}") from None
 
 
+def _helix(value: Any) -> float:
+    """Degrees from 0 to below 90."""
+    if isinstance(value, list) or (angle := convert(value, ANGLE)) < 0.0:
+        twists = "one family of helices alone twists the arm, which then has no plane of symmetry"
+        raise ValueError(f"{twists}; give one angle from 0 deg on, which winds both families")
+    if angle >= 90.0:
+        raise ValueError(f"{angle:g} deg does not wind about the arm; give an angle to its sections below 90 deg")
+    return angle
+
+
+_Named = Annotated[str, Kind("a name of faces", "outer", read=kinds.text("outer"))]
 _CAVITIES = Kind("a number or a pressure for each", "{cavity: 1}", "1 or kPa")
 _FACES = kinds.one_or_more(kinds.list_of("names of faces", "[gap, cavity]"))
 
@@ -163,6 +174,11 @@ class StrainLimitingLayer(RequestedEffect):
     thickness_mm: kinds.PositiveLength = Field(default=0.1, description="thickness of the layer")
     E_MPa: kinds.PositiveStress = Field(default=6500.0, description="Young's modulus of the layer")
     nu: kinds.PoissonRatio = Field(default=0.2, description="Poisson's ratio of the layer")
+    faces: _Named | None = Field(
+        default=None,
+        examples=["outer"],
+        description="faces to lie on, as those of `hoops`; default: the plane of the material curve",
+    )
 
     @property
     def reason(self) -> str:
@@ -170,7 +186,59 @@ class StrainLimitingLayer(RequestedEffect):
         if not self.on:
             return "not requested"
         constants = f"E = {self.E_MPa:g} MPa, nu = {self.nu:g}"
-        return f"{self.thickness_mm:g} mm thick, {constants}, in the plane of the material curve"
+        where = f"on the faces {self.faces}" if self.faces else "in the plane of the material curve"
+        return f"{self.thickness_mm:g} mm thick, {constants}, {where}"
+
+
+@final
+@section(frozen=True)
+class Threads(Section):
+    """A thread and how it is wound."""
+
+    EA_N: kinds.PositiveForce = Field(description="axial rigidity of a thread")
+    pitch_mm: kinds.PositiveLength = Field(description="distance of its windings, across them")
+
+
+@final
+@section(frozen=True)
+class Hoops(RequestedEffect):
+    """Threads wound about the arm, as a layer of faces that is stiff along them alone."""
+
+    faces: _Named = Field(
+        default="outer", description="faces to lie on: `outer`, `inner` (the walls of all cavities) or another name"
+    )
+    thickness_mm: kinds.PositiveLength = Field(default=0.1, description="thickness of the layer of threads")
+    E_MPa: kinds.PositiveStress = Field(default=1000.0, description="modulus of this layer along the threads")
+    threads: Annotated[Threads | None, Kind("`EA` and `pitch`", "{EA: 40 N, pitch: 2 mm}", "N, mm")] = Field(
+        default=None, description="in place of `thickness` and `E`: axial rigidity of a thread over its pitch"
+    )
+    angle_deg: Annotated[float, Kind("0 to below 90", "30 deg", "deg", _helix)] = Field(
+        default=0.0, description="of the threads to the sections; above 0 both families of helices are wound"
+    )
+
+    @classmethod
+    def mapping(cls, value: Any) -> Any:
+        if isinstance(value, Mapping) and "threads" in value and (both := {"thickness", "E"} & value.keys()):
+            raise ValueError(f"threads stand in place of thickness and E; leave {' and '.join(sorted(both))} out")
+        return super().mapping(value)
+
+    @property
+    def modulus_MPa(self) -> float:
+        """E of a layer of this thickness that is as stiff as the threads."""
+        threads = self.threads
+        return self.E_MPa if threads is None else threads.EA_N / threads.pitch_mm / self.thickness_mm
+
+    @property
+    def reason(self) -> str:
+        """What is wound, where and how."""
+        if not self.on:
+            return "not requested"
+        threads = self.threads
+        what = f"{self.thickness_mm:g} mm thick, E = {self.E_MPa:g} MPa"
+        if threads is not None:
+            what = f"threads of {threads.EA_N:g} N every {threads.pitch_mm:g} mm"
+        how = f"helices at ±{self.angle_deg:g} degrees to the sections" if self.angle_deg else "loops"
+        return f"{what}, {how}, on the faces {self.faces}"
 
 
 @section(frozen=True)
@@ -183,6 +251,7 @@ class Effects(Section):
     incompressibility: Effect = Effect()  #: whether the element does something against locking
     gravity: Gravity = Gravity()
     strain_limiting_layer: StrainLimitingLayer = StrainLimitingLayer()
+    hoops: Hoops = Hoops()
 
     @property
     def straight_without_pressure(self) -> bool:

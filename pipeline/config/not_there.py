@@ -1,6 +1,6 @@
 """What users look for under a key that does not exist: what to write instead, or that it is not there."""
 
-_FIBRE = "fibres do not exist; a sheet is effects: {strain_limiting_layer: on}, a stiff part a region in materials"
+_FIBRE = "write effects: {hoops: {threads: {EA: 40 N, pitch: 2 mm}}}; a sheet is effects: {strain_limiting_layer: on}"
 _DYNAMICS = "a run has states at rest alone; the arm moves by pneurod move, damped by material.loss_factor"
 _CREEP = "write material: {relaxation: [{g: 0.08, tau: 0.9 s}]}, for pneurod move; cycles of rubber are left out"
 _FRICTION = "walls that touch slide without friction; exported rods have that of MuJoCo"

@@ -31,7 +31,7 @@ from pipeline.values.errors import ConflictError, InputError, quoted
 __all__ = ["Error", "Field", "FieldInfo", "section", "to_jsonable_python"]
 
 #: units at the end of the names of fields; keys have none
-UNITS = ("_mm_s2", "_tonne_mm3", "_mm", "_kPa", "_MPa", "_N", "_Hz", "_s")
+UNITS = ("_mm_s2", "_tonne_mm3", "_mm", "_kPa", "_MPa", "_N", "_Hz", "_s", "_deg")
 #: pydantic's names for a key that a section does not have
 UNKNOWN = ("unexpected_keyword_argument", "invalid_key")
 

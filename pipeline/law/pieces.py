@@ -17,7 +17,7 @@ from geometry.meshing.moving import Movement, moved
 from pipeline.config.config import Config, MeshSettings
 from pipeline.law.piece.rates import changes_of
 from pipeline.simulate.mass import mass_along, weight_per_length
-from pipeline.simulate.scene import GAP, Scene, make_layer, material_of
+from pipeline.simulate.scene import GAP, Scene, make_layers, material_of
 from rod.arm_law.curves import CellCurve, ClampCurve, TipCurve
 from rod.arm_law.law import ArmLaw
 
@@ -164,7 +164,7 @@ class ArmPieces:
                 make = self.design.end_piece if start == "clamp" else self.design.tip_piece
                 body = make(half_cells, self.repetition)
             body = turned(body, angle) if angle else body
-            effects = [*make_layer(body, config), *self._contacts(body)]
+            effects = [*make_layers(body, config), *self._contacts(body)]
             material, formulation = material_of(config), config.mesh.formulation
             return BendingPiece(body, material, start, formulation, fractions, dhat, effects=effects)
         except (DesignError, MeshError) as failure:

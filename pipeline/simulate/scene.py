@@ -5,12 +5,15 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import cached_property
-from math import inf
+from math import inf, radians
 from time import perf_counter
+
+import numpy as np
 
 import fem
 from fem.elements import ELEMENTS, Volumetric
 from geometry import GRADINGS, Body, DesignError, MeshError, position_text
+from geometry.arrays import Index
 from pipeline.config.config import Config, Material
 from pipeline.simulate.mass import GRAMS, element_masses
 from pipeline.store.progress import Progress
@@ -22,6 +25,10 @@ from rod import Load
 #: The name of outer faces that can meet, where the user names no others, and that of all outer faces of a body from a
 #: file, of which it is not known which ones they are.
 GAP, OUTER = "gap", "outer"
+#: the walls of all cavities, as the faces of a layer
+INNER = "inner"
+#: effects that lie on faces
+LAYER, HOOPS = "strain_limiting_layer", "hoops"
 #: seconds between two remarks while the body is meshed
 EVERY = 20.0
 #: faces that cannot touch others, and why
@@ -142,7 +149,7 @@ class Scene:
         if gravity.on:
             density, regions = self._densities
             effects.append(fem.Gravity(density, gravity.acceleration_mm_s2, ramp=False, regions=regions))
-        return [*effects, *make_layer(self.body, self.config)]
+        return [*effects, *make_layers(self.body, self.config)]
 
     @property
     def _densities(self) -> tuple[float, Mapping[str, float]]:
@@ -199,23 +206,41 @@ def _check_boundary(config: Config, body: Body) -> None:
         )
 
 
-def make_layer(body: Body, config: Config) -> list[fem.Effect]:
-    """The strain-limiting layer in a body or a piece of it; empty where it is not switched on."""
-    layer = config.effects.strain_limiting_layer
-    if not layer.on:
-        return []
-    return [fem.StrainLimitingLayer(body.mesh.plane(1, body.curve_y), layer.thickness_mm, layer.E_MPa, layer.nu)]
+def make_layers(body: Body, config: Config) -> list[fem.Membrane]:
+    """The strain-limiting layer and the hoops of a body or a piece of it, those that are switched on and lie on it."""
+    layer, hoops = config.effects.strain_limiting_layer, config.effects.hoops
+    layers: list[fem.Membrane] = []
+    if layer.on and len(on := faces_of(body, config, LAYER)):
+        layers.append(fem.StrainLimitingLayer(on, layer.thickness_mm, layer.E_MPa, layer.nu))
+    if hoops.on and len(on := faces_of(body, config, HOOPS)):
+        layers.append(fem.Hoops(on, hoops.thickness_mm, hoops.modulus_MPa, radians(hoops.angle_deg)))
+    return layers
+
+
+def faces_of(body: Body, config: Config, effect: str) -> Index:
+    """Triangles (f, 3) of the strain-limiting layer or of the hoops; none where the body has none for them."""
+    name = getattr(config.effects, effect).faces
+    if name is None:
+        return body.mesh.plane(1, body.curve_y)
+    faces = _possible_faces(body)
+    parts = [faces[part] for part in (body.cavities if name == INNER else (name,)) if part in faces]
+    triangles = np.concatenate([np.empty((0, 3), np.int64), *parts])
+    return fem.faces_along(body.mesh.points, triangles) if effect == HOOPS else triangles
+
+
+def _possible_faces(body: Body) -> dict[str, Index]:
+    """The faces on which a layer may lie, by their names."""
+    ends = (*_NEVER_MEET, "tip")
+    return {name: triangles for name, triangles in body.mesh.faces.items() if name not in ends}
 
 
 def _check_faces(config: Config, body: Body) -> None:
     """Refuse a body that lacks what an effect needs."""
     if config.effects.symmetry.on and not body.half:
         raise InputError(f"{config.source}: effects.symmetry: on, but this body is no half; write auto or off")
-    if config.effects.strain_limiting_layer.on and len(body.mesh.plane(1, body.curve_y)) == 0:
-        raise InputError(
-            f"{config.source}: effects.strain_limiting_layer: the mesh has no faces in the plane "
-            f"y = {body.curve_y:g} mm of the material curve; cut the body there before meshing it"
-        )
+    for effect in (LAYER, HOOPS):
+        if config.effects.requested[effect].on and not len(faces_of(body, config, effect)):
+            raise _without_faces(config, body, effect)
     allowed = [name for name in body.mesh.faces if name not in _NEVER_MEET]
     for faces in config.effects.self_contact.faces or ():
         if faces not in allowed:
@@ -223,6 +248,18 @@ def _check_faces(config: Config, body: Body) -> None:
             raise InputError(
                 f"{config.source}: effects.self_contact.faces: '{faces}' {reason}; this body has {', '.join(allowed)}"
             )
+
+
+def _without_faces(config: Config, body: Body, effect: str) -> InputError:
+    """The refusal of a layer or of hoops for which a body has no faces."""
+    name, possible = getattr(config.effects, effect).faces, (INNER, *_possible_faces(body))
+    if name is None:
+        return InputError(
+            f"{config.source}: effects.{effect}: the mesh has no faces in the plane "
+            f"y = {body.curve_y:g} mm of the material curve; cut the body there before meshing it"
+        )
+    why = "does not run along the arm" if name in possible else f"is not possible; this body has {', '.join(possible)}"
+    return InputError(f"{config.source}: effects.{effect}.faces: '{name}' {why}")
 
 
 def material_of(config: Config) -> fem.Solid:

@@ -142,7 +142,7 @@ def load_kernels(context: TaskContext, config: Config) -> None:
 
     Raises InputError as `material_of`.
     """
-    layer = config.effects.strain_limiting_layer.on
+    layer = config.effects.strain_limiting_layer.on or config.effects.hoops.on
     key = ("kernels", config.mesh.formulation, repr((config.material, config.materials)), layer)
     context.kept(key, lambda: fem.compile_kernels(config.mesh.formulation, material_of(config), layer))
 

@@ -134,7 +134,7 @@ def test_a_two_layer_strip_in_bending(formulation: str) -> None:
 @pytest.mark.parametrize("formulation", ["p2", "p1"])
 def test_impossible_layers_are_refused(formulation: str) -> None:
     mesh = strip((2, 1, 1))
-    with pytest.raises(LayerError, match="no face in the plane"):
+    with pytest.raises(LayerError, match="no face for it"):
         StrainLimitingLayer(mesh.plane(1, 0.3), THICKNESS, STIFF, 0.2)
     with pytest.raises(LayerError, match="thickness must be positive"):
         StrainLimitingLayer(mesh.plane(1, 0.0), 0.0, STIFF, 0.2)

@@ -7,7 +7,7 @@ from pathlib import Path
 from fem.elements import ELEMENTS
 from pipeline.config.config import Config
 from pipeline.config.effects import EFFECTS, State
-from pipeline.simulate.scene import GAP, Scene
+from pipeline.simulate.scene import GAP, HOOPS, LAYER, Scene, faces_of
 from pipeline.simulate.too_short import why_too_short
 from pipeline.store.progress import Progress
 from pipeline.store.result_folder import ResultFolder
@@ -83,8 +83,8 @@ def variants(scene: Scene) -> list[Point]:
     """The configuration, and those that differ from it in one effect.
 
     Pressure is not varied: without it the arm does not bend. Contact is left out where no faces can meet, the half body
-    where the body is whole, the layer where the mesh has no faces for it, gravity where a density is missing. Linear
-    elements cannot treat incompressibility and are replaced by quadratic ones.
+    where the body is whole, layer and hoops where the mesh has no faces for them, gravity where a density is missing.
+    Linear elements cannot treat incompressibility and are replaced by quadratic ones.
     """
     config, body, effects = scene.config, scene.body, scene.config.effects
     flipped: dict[str, State] = {
@@ -95,8 +95,9 @@ def variants(scene: Scene) -> list[Point]:
         flipped["self_contact"] = "auto" if effects.self_contact.off else "off"
     if body.half or effects.symmetry.off:
         flipped["symmetry"] = "off" if body.half else "auto"
-    if not len(body.mesh.plane(1, body.curve_y)):
-        del flipped["strain_limiting_layer"]
+    for name in (LAYER, HOOPS):
+        if not len(faces_of(body, config, name)):
+            del flipped[name]
     if _without_density(config):
         del flipped["gravity"]
     points = [Point(1, {"effect": BASE, "state": ""}, config)]
