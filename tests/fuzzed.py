@@ -260,6 +260,15 @@ def extras() -> dict[str, st.SearchStrategy[Any]]:
         "self_contact": st.fixed_dictionaries({}, optional={"dhat": quantity(0.2, "mm"), "faces": st.just("gap")}),
         "gravity": st.fixed_dictionaries({"acceleration": st.lists(quantity(9.81, "m/s^2"), min_size=3, max_size=3)}),
         "strain_limiting_layer": st.fixed_dictionaries({}, optional={"thickness": quantity(0.1, "mm")}),
+        "hoops": st.fixed_dictionaries(
+            {},
+            optional={
+                "faces": st.sampled_from(["inner", "outer", "gap", "sym", "bottom"]),
+                "threads": st.fixed_dictionaries({"EA": quantity(40.0, "N"), "pitch": quantity(2.0, "mm")}),
+                "angle": quantity(20.0, "deg"),
+                "E": quantity(100.0, "MPa"),
+            },
+        ),
         "pressure": st.fixed_dictionaries(
             {"cavities": st.dictionaries(st.sampled_from(["cavity", "cavity_lower", "x"]), quantity(10.0, "kPa"))}
         ),

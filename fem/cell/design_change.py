@@ -1,4 +1,4 @@
-"""Derivatives of a piece in equilibrium by its design: by a dimension, or by a constant of its material.
+"""Derivatives of a piece in equilibrium by its design: by a dimension, or a constant of its material or of a layer.
 
 In equilibrium the derivative of the least potential by a parameter d is the partial one, and the moment is whole times
 dP/dphi with P the least potential at the angle phi. With V the velocity of the nodes at rest, w a displacement that
@@ -24,7 +24,7 @@ from fem.discretisation import Discretisation
 from fem.effects.barrier import FacingTerm
 from fem.effects.effect import Term, Terms
 from fem.effects.facing_pairs import FacingPairs
-from fem.effects.membrane import LayerTerm
+from fem.effects.membrane import LayerTerm, Membrane
 from fem.effects.mirror_layer import MirroredLayerTerm
 from fem.equations.formulation import Formulation, formulation_of
 from fem.equations.state import Change
@@ -45,6 +45,7 @@ class Variant:
     space: Discretisation
     formulation: Formulation
     stiffness: float  #: of contact, over that of the piece: both follow the shear modulus
+    layer: Membrane | None = None  #: in place of that of the same name
     _walls: dict[int, tuple[FacingPairs, FacingPairs]] = field(default_factory=dict, repr=False)
 
     @staticmethod
@@ -54,6 +55,11 @@ class Variant:
         solid = piece.material if material is None else material
         moduli = (laws_of(law)[""].shear_modulus for law in (solid, piece.material))
         return Variant(space, formulation_of(space, solid), next(moduli) / next(moduli))
+
+    def on(self, term: LayerTerm | MirroredLayerTerm) -> Term:
+        """A layer of the piece in this one."""
+        layer = self.layer if self.layer and self.layer.name == term.effect else term.sheet
+        return term.changed(layer, self.space.points)
 
     def pairs(self, known: FacingPairs, before: Array) -> FacingPairs:
         """The facing pairs of walls with their areas in this piece; before: (n, 3) its nodes in the piece itself."""
@@ -87,6 +93,13 @@ class DesignChange:
     def of_material(piece: BendingPiece, less: Solid, more: Solid, step: float) -> "DesignChange":
         """The materials with a constant smaller and larger by half a step."""
         first, second = (Variant.of(piece, None, solid) for solid in (less, more))
+        return DesignChange(first, second, step, np.zeros_like(piece.space.points), 0.0)
+
+    @staticmethod
+    def of_layer(piece: BendingPiece, less: Membrane, more: Membrane, step: float) -> "DesignChange":
+        """A layer on the same faces with a constant smaller and larger by half a step."""
+        same = Variant.of(piece, None, None)
+        first, second = (replace(same, layer=layer) for layer in (less, more))
         return DesignChange(first, second, step, np.zeros_like(piece.space.points), 0.0)
 
 
@@ -195,8 +208,8 @@ def _moved_term(term: Term, before: Array, variant: Variant) -> Term:
     after = variant.space.points
     if isinstance(term, FacingTerm):
         return replace(term, pairs=variant.pairs(term.pairs, before), stiffness=variant.stiffness * term.stiffness)
-    if isinstance(term, LayerTerm | MirroredLayerTerm) and after is not before:
-        return term.changed(term.sheet, after)
+    if isinstance(term, LayerTerm | MirroredLayerTerm) and (variant.layer or after is not before):
+        return variant.on(term)
     return term
 
 

@@ -16,8 +16,9 @@ from geometry.arrays import Array, Index
 
 #: sine of the angle between the length of the arm and the normal of a face below which no thread runs on it
 ALONG = 0.5
-#: stress points for loops: one strain at three points is half as many conditions as a triangle has displacements. With
-#: one point a soft wall would bulge between them
+#: stress points for loops: one strain at three of them is half as many conditions as a triangle has displacements. At
+#: one point alone a thick tube with stiff loops widens by 1 % between them on a coarse mesh (tests/verification).
+#: Helices of two families have two strains, and keep the one point of a sheet
 POINTS = np.array([[2 / 3, 1 / 6, 1 / 6], [1 / 6, 2 / 3, 1 / 6], [1 / 6, 1 / 6, 2 / 3]])
 
 

@@ -18,7 +18,7 @@ from geometry.arrays import Array
 from pipeline.answers.rods.choice import plane_of, refuse_draft
 from pipeline.answers.rods.ratio import run_along
 from pipeline.config.tolerances import STIFFNESS, Tolerance, Tolerances
-from pipeline.config.units import LENGTH, STRESS, Dimension
+from pipeline.config.units import FORCE, LENGTH, STRESS, Dimension
 from pipeline.config.units import PRESSURE as UNIT
 from pipeline.results.options import option_value
 from pipeline.store.atomic_file import write_atomic
@@ -127,7 +127,7 @@ def make_budgets(
 
     held_mm: height of the end in experiment III; None where it is not held so. Raises `RodError`.
     """
-    chosen = tolerances.all({name: rate.value for name, rate in law.rates.items() if rate.unit == "mm"})
+    chosen = tolerances.all(law.dimensions)
     most = {name: by for key, one in chosen.items() for name, by in _moves(law, key, one).items() if name != PRESSURE}
     names = [name for name in NUMBERS if name != "force" or held_mm is not None]
     here, after, parts = cache(law.at), law.rods_after(list(most)), len(pressures_kPa)
@@ -157,8 +157,7 @@ def _moves(law: ArmLaw, key: str, tolerance: Tolerance, pressure: float = 0.0) -
     if key == PRESSURE:
         return {PRESSURE: tolerance.of(pressure) / pressure if pressure else 0.0}
     if key == STIFFNESS:
-        moduli = {name: rate.value for name, rate in law.rates.items() if rate.unit == "MPa"}
-        return {name: tolerance.amount * value for name, value in moduli.items() if value}
+        return {name: tolerance.amount * value for name, value in law.moduli.items() if value}
     return {key: tolerance.of(law.rates[key].value)} if key in law.rates else {}
 
 
@@ -249,5 +248,5 @@ def _with_settings(run: Run, settings: Sequence[str]) -> Tolerances:
 
 def _units(law: ArmLaw) -> dict[str, Dimension | None]:
     """What each tolerance measures."""
-    measured = {"mm": LENGTH, "MPa": STRESS}
+    measured = {"mm": LENGTH, "MPa": STRESS, "N": FORCE}
     return {PRESSURE: UNIT, STIFFNESS: None, **{name: measured.get(rate.unit) for name, rate in law.rates.items()}}

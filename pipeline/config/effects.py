@@ -2,14 +2,14 @@
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from math import isfinite
 from typing import Annotated, Any, Literal, final
 
 from geometry import Design
 from pipeline.config import kinds
-from pipeline.config.section import Field, Kind, Section, section
-from pipeline.config.units import ANGLE, PRESSURE, convert
+from pipeline.config.section import Field, Kind, Section, key_of, section
+from pipeline.config.units import ANGLE, FORCE, LENGTH, PRESSURE, STRESS, Dimension, convert
 from pipeline.values.errors import quoted
 from rod.weight import gravity_direction
 
@@ -19,6 +19,8 @@ STATES_OF_EFFECT = ("auto", "on", "off")
 STATES = kinds.one_of(STATES_OF_EFFECT)
 #: m/s2
 STANDARD = 9.81
+#: fields of layers by which the arm's own law has derivatives, and what they measure
+CONSTANTS = {"thickness_mm": LENGTH, "E_MPa": STRESS, "EA_N": FORCE, "pitch_mm": LENGTH}
 
 
 @section(frozen=True)
@@ -176,8 +178,8 @@ class StrainLimitingLayer(RequestedEffect):
     nu: kinds.PoissonRatio = Field(default=0.2, description="Poisson's ratio of the layer")
     faces: _Named | None = Field(
         default=None,
-        examples=["outer"],
-        description="faces to lie on, as those of `hoops`; default: the plane of the material curve",
+        examples=["bottom"],
+        description="faces to lie on: `bottom`, or as those of `hoops`; default: the plane of the material curve",
     )
 
     @property
@@ -273,6 +275,26 @@ class Effects(Section):
         if not self.self_contact.off and (len(faces) > 1 or any(face in cavities for face in faces)):
             return "the arm's own law has contact on one outer face alone, not on all those the user names"
         return ""
+
+    @property
+    def constants(self) -> dict[str, tuple[float, Dimension]]:
+        """Those of the layer and the hoops that act, with what they measure, by key: effects.hoops.threads.EA."""
+        found = {}
+        for name in ("strain_limiting_layer", "hoops"):
+            layer = getattr(self, name)
+            threads = getattr(layer, "threads", None)
+            for field, measured in CONSTANTS.items() if layer.on else ():
+                if (value := getattr(threads or layer, field, None)) is not None:
+                    found[f"effects.{name}.{'threads.' * bool(threads)}{key_of(field)}"] = value, measured
+        return found
+
+    def with_constant(self, key: str, value: float) -> "Effects":
+        """The same with one of the constants changed."""
+        _, name, *inside, last = key.split(".")
+        layer = getattr(self, name)
+        (field,) = (field for field in CONSTANTS if key_of(field) == last)
+        changed = {"threads": replace(layer.threads, **{field: value})} if inside else {field: value}
+        return replace(self, **{name: replace(layer, **changed)})
 
     @property
     def requested(self) -> dict[str, RequestedEffect]:

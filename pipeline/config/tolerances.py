@@ -93,6 +93,9 @@ def read_tolerances(value: Any, values: Mapping[str, Any], _: Document) -> Toler
     if not isinstance(value, Mapping):
         raise ValueError("must hold keys, for example {geometry.wall: 0.1 mm, material.stiffness: 10 %}")
     units = _units(design, {"material": material, **{f"materials.{name}": m for name, m in materials.items()}})
+    units |= (
+        {key: measured for key, (_, measured) in values["effects"].constants.items()} if "effects" in values else {}
+    )
     given: dict[str, Any] = read_each(dict(_flat(value)), lambda key, written: _known(key, written, units))
     return Tolerances(given.pop("process", PROCESSES[0]), given)
 

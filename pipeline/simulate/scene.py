@@ -25,8 +25,8 @@ from rod import Load
 #: The name of outer faces that can meet, where the user names no others, and that of all outer faces of a body from a
 #: file, of which it is not known which ones they are.
 GAP, OUTER = "gap", "outer"
-#: the walls of all cavities, as the faces of a layer
-INNER = "inner"
+#: the walls of all cavities, and the lowest plane of the body, as the faces of a layer
+INNER, BOTTOM = "inner", "bottom"
 #: effects that lie on faces
 LAYER, HOOPS = "strain_limiting_layer", "hoops"
 #: seconds between two remarks while the body is meshed
@@ -219,9 +219,9 @@ def make_layers(body: Body, config: Config) -> list[fem.Membrane]:
 
 def faces_of(body: Body, config: Config, effect: str) -> Index:
     """Triangles (f, 3) of the strain-limiting layer or of the hoops; none where the body has none for them."""
-    name = getattr(config.effects, effect).faces
-    if name is None:
-        return body.mesh.plane(1, body.curve_y)
+    name, height = getattr(config.effects, effect).faces, body.mesh.points[:, 1].min()
+    if effect == LAYER and name in (None, BOTTOM):
+        return body.mesh.plane(1, height if name else body.curve_y)
     faces = _possible_faces(body)
     parts = [faces[part] for part in (body.cavities if name == INNER else (name,)) if part in faces]
     triangles = np.concatenate([np.empty((0, 3), np.int64), *parts])
@@ -252,7 +252,8 @@ def _check_faces(config: Config, body: Body) -> None:
 
 def _without_faces(config: Config, body: Body, effect: str) -> InputError:
     """The refusal of a layer or of hoops for which a body has no faces."""
-    name, possible = getattr(config.effects, effect).faces, (INNER, *_possible_faces(body))
+    name = getattr(config.effects, effect).faces
+    possible = [INNER, *[BOTTOM] * (effect == LAYER), *_possible_faces(body)]
     if name is None:
         return InputError(
             f"{config.source}: effects.{effect}: the mesh has no faces in the plane "

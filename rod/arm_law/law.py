@@ -21,6 +21,8 @@ from rod.weight import Mass
 
 #: change of the moments of the law in difference quotients, over the largest one, and that of the parameter at most
 STEP, LARGEST_STEP = 1e-4, 1e-2
+#: how the names of parameters of a layer or of hoops begin
+OF_LAYERS = "effects."
 
 
 @dataclass(frozen=True, eq=False)  # arrays inside
@@ -67,6 +69,16 @@ class ArmLaw:
     def is_in_space(self) -> bool:
         """Whether cells have rigidities out of the plane, at one pressure at least."""
         return any(cell.is_in_space for cell in self.cells)
+
+    @property
+    def dimensions(self) -> dict[str, float]:
+        """Those of the body by which it has derivatives, mm."""
+        return {name: r.value for name, r in self.rates.items() if r.unit == "mm" and not name.startswith(OF_LAYERS)}
+
+    @property
+    def moduli(self) -> dict[str, float]:
+        """Those of the materials by which it has derivatives, MPa."""
+        return {name: r.value for name, r in self.rates.items() if r.unit == "MPa" and not name.startswith(OF_LAYERS)}
 
     def scaled(self, factor: float) -> "ArmLaw":
         """The law of an arm whose moduli are all multiplied by a factor, with the same Poisson ratios; exact.

@@ -122,7 +122,7 @@ def calibrated_config(config: Mapping[str, Any], found: Calibration) -> JsonObje
     """The configuration of the drawing, with dimensions and moduli of the calibrated arm."""
     changed: dict[str, Any] = json.loads(json.dumps(config, default=dict))
     values = {estimate.name: estimate.mean for estimate in found.estimates}
-    values |= {name: rate.value for name, rate in found.law.rates.items() if rate.unit == "MPa"}
+    values |= found.law.moduli
     for name, value in values.items():
         section, _, key = name.partition(".")
         if isinstance(changed.get(section), dict) and key in changed[section]:

@@ -161,20 +161,19 @@ def tolerance_unknowns(law: ArmLaw, config: Mapping[str, Any], highest_kPa: floa
 
 
 def _tolerances(law: ArmLaw, config: Mapping[str, Any]) -> dict[str, Tolerance]:
-    dimensions = {name: rate.value for name, rate in law.rates.items() if rate.unit == "mm"}
-    return Tolerances.from_record(config.get("tolerances")).all(dimensions)
+    return Tolerances.from_record(config.get("tolerances")).all(law.dimensions)
 
 
 def _dimensions(law: ArmLaw) -> list[str]:
-    return [name for name, rate in law.rates.items() if rate.unit != "MPa"]
+    return [name for name in law.rates if name not in law.moduli]
 
 
 def _modulus(law: ArmLaw, tolerances: Mapping[str, Tolerance]) -> Unknown:
     """Known as well as these tolerances say, as after a tensile test of one's own batch; else as of a data sheet."""
     parts = [tolerances[STIFFNESS].amount] if STIFFNESS in tolerances else []
-    for name, rate in law.rates.items():
-        if rate.unit == "MPa" and rate.value and name in tolerances:
-            parts.append(tolerances[name].of(rate.value) / abs(rate.value))
+    for name, value in law.moduli.items():
+        if value and name in tolerances:
+            parts.append(tolerances[name].of(value) / abs(value))
     if not parts:
         return Unknown(MODULUS, "1", 1.0, OF_DATA_SHEET, f"another batch: a factor of e^±{OF_DATA_SHEET:g}")
     return Unknown(MODULUS, "1", 1.0, math.log1p(max(parts)), f"tolerance ± {100.0 * max(parts):g} %")

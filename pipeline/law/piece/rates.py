@@ -21,6 +21,7 @@ from geometry.meshing.moving import Movement
 from pipeline.config.config import Config
 from pipeline.config.material import Material
 from pipeline.law.piece.point import Measured, PiecePoint, stable
+from pipeline.simulate.scene import make_layers
 from rod.arm_law.curves import ACROSS, CellCurve, ClampCurve
 from rod.arm_law.rates import CellRate, ClampRate, LawRate, slopes_of
 from rod.cubics import cubic, parabola_slopes
@@ -49,6 +50,9 @@ def changes_of(
     for name, step in material_steps(config).items():
         if not by or name in by:
             changes[name] = DesignChange.of_material(piece, step.less, step.more, step.step)
+    for name, (value, _) in config.effects.constants.items():
+        if (not by or name in by) and (change := _layer_change(piece, config, name, value)):
+            changes[name] = change
     if config.design.is_from_file:
         for axis, name in enumerate(SCALES):
             velocity = np.zeros_like(piece.space.points)
@@ -64,6 +68,16 @@ def changes_of(
             length = float(velocity[piece.plane[0], 0])
             changes[f"geometry.{name}"] = DesignChange.of_dimension(piece, velocity, length)
     return changes
+
+
+def _layer_change(piece: BendingPiece, config: Config, key: str, value: float) -> DesignChange | None:
+    """By a constant of the layer or of the hoops; None where the piece has none of them."""
+    half = STEP_OF_CONSTANT * value
+    configs = (replace(config, effects=config.effects.with_constant(key, value + by)) for by in (-half, half))
+    changed = ([one for one in make_layers(piece.body, c) if one.name == key.split(".")[1]] for c in configs)
+    for less, more in zip(*changed, strict=True):
+        return DesignChange.of_layer(piece, less, more, 2.0 * half)
+    return None
 
 
 def cell_rates(piece: BendingPiece, points: Sequence[Any], curve: CellCurve | None = None) -> Rates:
@@ -146,6 +160,7 @@ def law_rates(
 ) -> dict[str, LawRate]:
     """The derivatives of a law by parameter."""
     values = {name: (step.value, step.unit) for name, step in material_steps(config).items()}
+    values |= {name: (value, measured.unit) for name, (value, measured) in config.effects.constants.items()}
     values |= {f"geometry.{name}": (value, "mm") for name, value in config.design.dimensions.items()}
     values |= dict.fromkeys(SCALES, (1.0, "1"))
     rates = {}

@@ -42,7 +42,7 @@ def test_a_second_mesh_that_shows_no_convergence_is_refused(written: str) -> Non
 @pytest.mark.parametrize(
     ("key", "answer"),
     [
-        ("fibre", "fibres do not exist; a sheet is effects: {strain_limiting_layer: on}"),
+        ("fibre", "write effects: {hoops: {threads: {EA: 40 N, pitch: 2 mm}}}; a sheet is"),
         ("dynamics", "the arm moves by pneurod move"),
         ("creep", "write material: {relaxation: "),
         ("friction", "slide without friction"),
