@@ -11,14 +11,14 @@ from typing import final
 
 import numpy as np
 
-from fem.effects.membrane import CENTROID, LayerError, Membrane
+from fem.effects.membrane import LayerError, Membrane
 from geometry.arrays import Array, Index
 
 #: sine of the angle between the length of the arm and the normal of a face below which no thread runs on it
 ALONG = 0.5
-#: stress points for loops: one strain at three of them is half as many conditions as a triangle has displacements. At
-#: one point alone a thick tube with stiff loops widens by 1 % between them on a coarse mesh (tests/verification).
-#: Helices of two families have two strains, and keep the one point of a sheet
+#: barycentric coordinates (q, 3) of the stress points of a triangle: one strain at three of them is half as many
+#: conditions as a triangle has displacements. At one point alone a soft wall bulges between the points of a coarse
+#: mesh: a thick tube with stiff loops widened by 3 %
 POINTS = np.array([[2 / 3, 1 / 6, 1 / 6], [1 / 6, 2 / 3, 1 / 6], [1 / 6, 1 / 6, 2 / 3]])
 
 
@@ -42,7 +42,7 @@ class Hoops(Membrane):
 
     @property
     def stress_points(self) -> Array:
-        return CENTROID if self.angle else POINTS
+        return POINTS
 
     def law(self, frame: Array) -> Array:
         normal = np.cross(frame[:, :, 0], frame[:, :, 1])

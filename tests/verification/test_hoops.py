@@ -24,7 +24,7 @@ from geometry.grading import OFF
 from tests.verification.wound_tube import bent, tube
 
 MU = 0.1
-LAW = fem.NeoHooke(mu=MU, kappa=2000 * MU)
+LAW = fem.NeoHooke(mu=MU, kappa=2e4 * MU)
 PLANES = [fem.Fixed("sym", "z"), fem.Fixed("floor", "y"), fem.Fixed("clamp", "x"), fem.Fixed("tip", "x")]
 
 
@@ -104,24 +104,26 @@ def test_a_closed_thin_tube_with_helices(degrees: float, stiffness: float) -> No
 
 
 def test_loops_as_a_layer_and_as_rings_in_the_mesh() -> None:
-    """Half a cell of a thin tube with rings 0.2 mm wide every 0.8 mm, 0.1 mm thick and a thousand times as stiff."""
-    ring, half_width, half_pitch = 0.1, 0.1, 0.4
-    radii = np.array([4.0, 4.5, 5.0, 5.0 + ring])
-    filled = np.ones((3, 8, 3), dtype=bool)
+    """Half a cell with rings 0.2 mm wide every 0.8 mm, 0.1 mm thick and a thousand times as stiff: 2.3 % between them,
+    of which 2 % are the radius of their middle. The layer does not know the bulges of the wall between rings."""
+    ring, half_width, half_pitch, pressure = 0.1, 0.1, 0.4, 0.015
+    filled = np.ones((3, 16, 3), dtype=bool)
     filled[2, :, 1:] = False
-    meshed = bent(filled, [radii, np.linspace(0, 1, 9), np.array([0.0, half_width, 0.25, half_pitch])])
-    in_ring = np.hypot(*meshed.points[meshed.tets, 1:].mean(axis=1).T) > 5.0
-    stiff = fem.NeoHooke(mu=1000 * MU, kappa=2000 * 1000 * MU)
-    rings = Mesh(meshed.points, meshed.tets, dict(meshed.faces), meshed.curved, {"ring": np.flatnonzero(in_ring)})
-    first = inflated(rings, 0.03, law=fem.ByRegion(LAW, {"ring": stiff}))
+    along = np.array([0.0, half_width, 0.25, half_pitch])
+    meshed = bent(filled, [np.array([4.0, 4.5, 5.0, 5.0 + ring]), np.linspace(0, 1, 17), along])
+    of_ring = np.flatnonzero(np.hypot(*meshed.points[meshed.tets, 1:].mean(axis=1).T) > 5.0)
+    rings = Mesh(meshed.points, meshed.tets, dict(meshed.faces), meshed.curved, {"ring": of_ring})
+    stiff = fem.NeoHooke(mu=1000 * MU, kappa=2e6 * MU)
+    first = inflated(rings, pressure, law=fem.ByRegion(LAW, {"ring": stiff}))
     plain = tube(4.0, 5.0, half_pitch, (2, 8, 2))
-    # a ring about incompressible rubber that does not lengthen along x is in uniaxial stress, E = 3 mu
-    second = inflated(plain, 0.03, hoops(plain, "outside", 3 * 1000 * MU * ring * half_width / half_pitch))
-    bare = inflated(plain, 0.03)
-    for radius in (4.0, 5.0):
-        a, b, c = (float(widened(step, radius).mean()) for step in (first, second, bare))
-        print(radius, a, b, c)
-        assert b == pytest.approx(a, abs=0.02 * c)
+    # a ring is under tension alone, E = 3 mu
+    second = inflated(plain, pressure, hoops(plain, "outside", 3000 * MU * ring * half_width / half_pitch))
+    x = first.space.points
+    rest = np.hypot(x[:, 1], x[:, 2])
+    under = (np.abs(rest - 5.0) < 1e-9) & (x[:, 0] < half_width + 1e-9)
+    moved = np.hypot(first.positions[under, 1], first.positions[under, 2]) - rest[under]
+    assert widened(second, 5.0).mean() == pytest.approx(moved.mean(), rel=0.03)
+    assert widened(inflated(plain, pressure), 5.0).mean() > 20 * moved.mean()
 
 
 def finger(wall: float, base: float, faces: str, stiffness: float, size: float) -> BendingPiece:
@@ -166,12 +168,17 @@ def test_the_moment_that_keeps_a_wound_finger_straight(stiffness: float, error: 
     assert state.moment == pytest.approx(1e-3 * first_moment(2.0), rel=error)
 
 
-def test_a_thin_wound_finger_bends_as_polygerinos_says() -> None:
-    """Walls of 0.5 mm, in which the circumference keeps its length throughout, as the model takes it."""
-    for faces in ("cavity", "outer"):
-        piece = finger(0.5, 0.5, faces, 1e3, 2.0)
-        state = piece.solve(1e-4, 0.0, piece.rest())
-        known = slopes(piece, state)
-        curvature = 1e-6
-        EI = moment_of(curvature, 0.5, 0.5) / curvature
-        print(faces, known.moment_by_angle * piece.body.length / EI, known.moment_by_pressure / first_moment(0.5))
+@pytest.mark.parametrize(("wall", "part"), [(0.5, 0.98), (2.0, 0.907)])
+def test_a_wound_finger_bends_as_polygerinos_says(wall: float, part: float) -> None:
+    """P = 6 M / (4 a^3 + 3 pi a^2 b) within 5 % where the wall is thin, at a small angle.
+
+    The model takes the circumference as kept throughout the wall. Beyond loops at its inside it follows the strain e
+    along it by -e (R^2 - a^2) / (2 R^2), which makes a wall of 2 mm softer: 0.907 times the moment of the model.
+    """
+    piece = finger(wall, 2.0, "cavity", 1e3, 3.0)
+    known, curvature = slopes(piece, piece.solve(1e-4, 0.0, piece.rest())), 1e-6
+    rigidity = known.moment_by_angle * piece.body.length / (moment_of(curvature, wall, 2.0) / curvature)
+    moment = known.moment_by_pressure / first_moment(2.0)
+    assert rigidity == pytest.approx(part, rel=0.02)
+    assert moment == pytest.approx(1.0, rel=0.03)
+    assert wall > 1.0 or rigidity / moment == pytest.approx(1.0, rel=0.05)

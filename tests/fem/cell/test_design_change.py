@@ -5,13 +5,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fem import Hencky, StVenantKirchhoff
+from fem import Hencky, Hoops, StrainLimitingLayer, StVenantKirchhoff, faces_along
 from fem.cell.axis import axis_of, length_of
 from fem.cell.design_change import DesignChange, design_rates
 from fem.cell.lateral import lateral_rigidities
 from fem.cell.lateral_change import lateral_rates
 from fem.cell.piece import BendingPiece
 from fem.cell.response import inflated, slopes
+from fem.effects.membrane import LayerTerm
 from fem.materials.regions import Solid
 from geometry.families import BisectedCircle, PneuNet, Semicircular, SemicircularSingle
 from geometry.families.design import SymmetricDesign
@@ -141,7 +142,6 @@ def test_rigidities_out_of_the_plane_scale_with_the_modulus_at_pressures_that_sc
 
 def test_a_layer_follows_the_body() -> None:
     """A membrane of paper in a wider body is a wider membrane."""
-    from fem import StrainLimitingLayer
 
     def made(design: PneuNet, pieces: Repetition) -> BendingPiece:
         body = design._body(pieces.half_cell(), pieces.half_pitch, pieces.half)
@@ -162,6 +162,44 @@ def test_a_layer_follows_the_body() -> None:
     found = _rate(piece, 0.017, -0.02, change)
     assert found[:2] == quotient(more[:2], less[:2], 2.0 * STEP).within(rel=1e-5, abs=2e-6)
     assert found[2:] == quotient(more[2:], less[2:], 2.0 * STEP, KNOWN_ACROSS).within(rel=1e-4, abs=3e-4)
+
+
+@pytest.mark.parametrize("name", ["radius", "E", "thickness"])
+def test_a_wound_body(name: str) -> None:
+    """Hoops and a glued sheet follow round walls; their constants change a state as another dimension does."""
+    design = Semicircular()
+
+    def made(design: Semicircular, pieces: Repetition, **changed: float) -> BendingPiece:
+        body = design._body(pieces.half_cell(), pieces.half_pitch, pieces.half)
+        bottom = body.mesh.plane(1, float(body.mesh.points[:, 1].min()))
+        around = Hoops(faces_along(body.mesh.points, body.mesh.faces["outer"]), 0.1, 20.0, 0.1)
+        sheet = StrainLimitingLayer(bottom, 0.2, 100.0, 0.2)
+        layers = [
+            replace(layer, **{key: getattr(layer, key) + by for key, by in changed.items()})
+            for layer in (around, sheet)
+        ]
+        return BendingPiece(body, SVK, "mirror", "p2p0", effects=layers)
+
+    def steps(piece: BendingPiece, by: float) -> list[DesignChange]:
+        """Of both layers."""
+        layers = [term.sheet for term in piece.terms if isinstance(term, LayerTerm)]
+        pairs = [[replace(one, **{name: getattr(one, name) + sign * by}) for sign in (-1, 1)] for one in layers]
+        return [DesignChange.of_layer(piece, less, more, 2.0 * by) for less, more in pairs]
+
+    pieces = design.repetition(6.0, OFF)
+    piece, movement, step = made(design, pieces), design.movements(pieces)["radius"], {"E": 0.1}.get(name, STEP)
+    assert isinstance(movement, Movement)
+    if name == "radius":
+        velocity = piece.space.positions_on(movement.moved(pieces, STEP).half_cell()) - piece.space.points
+        changes = [DesignChange.of_dimension(piece, velocity / STEP, 0.0)]
+        ends = [made(design.with_dimension(name, 7.5 + by), movement.moved(pieces, by)) for by in (-step, step)]
+    else:
+        changes = steps(piece, 1e-3 * step)
+        ends = [made(design, pieces, **{name: by}) for by in (-step, step)]
+    less, more = (_solved(end, 0.017, -0.02) for end in ends)
+    found = np.sum([_rate(piece, 0.017, -0.02, change) for change in changes], axis=0)
+    assert found[:2] == quotient(more[:2], less[:2], 2.0 * step).within(rel=1e-4, abs=2e-6)
+    assert found[2:] == quotient(more[2:], less[2:], 2.0 * step, KNOWN_ACROSS).within(rel=2e-3, abs=3e-4)
 
 
 @pytest.mark.parametrize("name", ["wall", "chamber_length"])
