@@ -26,7 +26,7 @@ def characterize(out: str, **more: str | dict[str, str]) -> pneurod.Results:
 # %% [markdown]
 # ## What is not there
 #
-# Fibres, motion in time, creep and friction have no key. The answer says what there is instead.
+# Fibres, motion in time, creep and friction have no key of that name. The answer says what there is instead.
 
 # %%
 for key in ("effects.fibre", "dynamics", "effects.creep", "effects.friction"):
