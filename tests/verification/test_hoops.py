@@ -129,7 +129,7 @@ def test_loops_as_a_layer_and_as_rings_in_the_mesh() -> None:
 def finger(wall: float, base: float, faces: str, stiffness: float, size: float) -> BendingPiece:
     """A slice of the actuator with a hardly extensible sheet glued under it."""
     design = SemicircularSingle(length=160.0, radius=A + wall, base=base, wall=wall)
-    body: Body = design.half_cell_of(design.repetition(size, OFF))
+    body: Body = design.half_cell(design.repetition(size, OFF))
     bottom = body.mesh.plane(1, float(body.mesh.points[:, 1].min()))
     effects = [hoops(body.mesh, faces, stiffness), fem.StrainLimitingLayer(bottom, 0.1, 1e4, 0.2)]
     law = fem.NeoHooke(mu=STIFF, kappa=2000 * STIFF)

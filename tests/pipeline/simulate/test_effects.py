@@ -196,7 +196,7 @@ def test_table_of_effects(tmp_path: Path) -> None:
         HERE / "configs/semicircular_coarse.yaml", ["geometry.chambers=8", "mesh.size=6 mm", "pressures=[20 kPa]"]
     )
     assert [variant_name(point.setting) for point in variants(Scene.meshed(config))] == [
-        *(BASE, "symmetry off", "incompressibility off", "gravity on", "strain_limiting_layer on")
+        *(BASE, "symmetry off", "incompressibility off", "gravity on", "strain_limiting_layer on", "hoops on")
     ]
     table = compare_effects(config, tmp_path / "table", 1, False, Silent())
     rows = table.rows
@@ -208,6 +208,7 @@ def test_table_of_effects(tmp_path: Path) -> None:
     assert changes[BASE]["alpha1_N_mm2"] == 0.0
     assert abs(changes["symmetry off"]["end_force_N"]) < 1e-4
     assert changes["strain_limiting_layer on"]["kappa_0_middle_per_mm"] > 0.3
+    assert changes["hoops on"]["kappa_0_middle_per_mm"] > 0.3
     assert all(row["cpu_seconds"] > 0.0 and row["factorizations"] > 0 and not row["other_states"] for row in rows)
     assert changes[BASE]["cpu_seconds"] == 0.0
     console = Console(record=True, width=80, file=io.StringIO())
