@@ -182,12 +182,14 @@ def _clamp(
     felt: Array,
     decides: float,
     scale: float,
+    is_moving: bool,
 ) -> float:
     """Eliminate the first node: start (m, 1 + m) becomes its motion, and what it adds by that of the second node.
 
     felt: (2 m,), the gradient of the elastic forces. decides: N mm, the elastic bending moment that decides on rotation
     and offset. It changes as that at the end of the first element does, less the change of the force there on the way
-    between both nodes; scale: of the Hessian over that of the elastic forces.
+    between both nodes; scale: of the Hessian over that of the elastic forces. is_moving: whether the residual is
+    complete but for the first element; the moment then changes by what it has of it, too.
     """
     m = 6 if chain.in_space else 3
     missed, by_start, by_end = np.zeros(m), np.zeros((m, m)), np.zeros((m, m))
@@ -213,6 +215,10 @@ def _clamp(
         beyond = clamp_in_plane(ends, at_end, place, by_end, np.empty((4, 3)))
         missed[0], missed[1] = place[0] - state.place[0, 0], place[1] - state.place[0, 1]
         missed[2] = place[2] - state.angle[0]
+    if is_moving:
+        left = _left(chain, state, residual, gradient) / scale
+        for i in range(m):
+            missed[i] += by_end[i, m - 1] * left
     for i in range(m):
         by_end[i, 0] += by_end[i, m - 1] * (state.place[chain.decides, 1] - state.place[1, 1])
         by_end[i, 1] -= by_end[i, m - 1] * (state.place[chain.decides, 0] - state.place[1, 0])
@@ -239,6 +245,22 @@ def _clamp(
                 value += hessian[m + i, k] * start[k, 1 + j]
             band[i, 2 * m - 1 + j - i] += value
     return beyond
+
+
+def _left(chain: Chain, state: StateArrays, residual: Array, gradient: Array) -> float:
+    """N mm: by how much the moment at the end of the first element, with its force, misses that which decides.
+
+    residual: without the first element; gradient: of that.
+    """
+    m, d, left = len(gradient) // 2, chain.decides, 0.0
+    for node in range(1, d):
+        row, first, part = m * (node - 1), 1.0 if node == 1 else 0.0, chain.beyond / chain.h[d - 1]
+        x, y = state.place[d, 0] - state.place[node, 0], state.place[d, 1] - state.place[node, 1]
+        x += part * (state.place[d, 0] - state.place[d - 1, 0])
+        y += part * (state.place[d, 1] - state.place[d - 1, 1])
+        left += residual[row + m - 1] + first * gradient[2 * m - 1]
+        left += y * (residual[row] + first * gradient[m]) - x * (residual[row + 1] + first * gradient[m + 1])
+    return left
 
 
 def _frame(chain: Chain, state: StateArrays, i: int, out: Array) -> None:
@@ -450,8 +472,9 @@ def assemble(
     state: StateArrays,
     factor: float,
     tangent: Tangent,
+    is_moving: bool,
 ) -> tuple[float, float]:
-    """The tangent of a state under a part of the loads.
+    """The tangent of a state under a part of the loads; is_moving: in a step of time.
 
     Returns by how much curvature and moment leave what is known.
     """
@@ -476,14 +499,21 @@ def assemble(
     if len(section.memory):
         _element(rubber, chain, state, 0, work, felt, hessian, kept, columns)
         _element(section, chain, state, 0, work, gradient, hessian, kept, columns)
-    start = tangent.start
-    beyond = _clamp(ends, chain, state, gradient, hessian, band, residual, start, felt, decides, section.scale)
+    start, beyond = tangent.start, 0.0
+    at_clamp, of_clamp = gradient.copy(), hessian.copy()
+    if not is_moving:
+        beyond = _clamp(
+            ends, chain, state, gradient, hessian, band, residual, start, felt, decides, section.scale, False
+        )
     for e in range(1, len(chain.h)):
         outside = max(outside, _element(section, chain, state, e, work, gradient, hessian, kept, columns))
         _add(band, residual, m * (e - 1), gradient, hessian, half)
     _nodal(load, chain, state, band, residual, work[0])
     _hold(load, chain, state, tangent, work[0])
     _tip(ends, load, chain, state, tangent, residual)
+    if is_moving:
+        parts = at_clamp, of_clamp, band, residual, start, felt, decides, section.scale, True
+        beyond = _clamp(ends, chain, state, *parts)
     return outside, beyond
 
 
@@ -492,6 +522,6 @@ CALLS = (
     *section_kernels.CALLS,
     *elements.CALLS,
     *end_kernels.CALLS,
-    *(solve_small, acting, _element, _add, _clamp, _frame, _couple, _nodal, _moved_frame),
+    *(solve_small, acting, _element, _add, _left, _clamp, _frame, _couple, _nodal, _moved_frame),
     *(_hold, _tip, predict, move, assemble),
 )

@@ -20,6 +20,8 @@ from rod.arm.section_kernels import SectionArrays
 TOLERANCE, IN_TIME, ITERATIONS = 1e-8, 1e-6, 25
 #: iteration of a step of time from which on half of each correction is made: at a kink of a law whole ones may cycle
 CYCLING = 8
+#: rad, largest turn of a node in an iteration of a step of time
+LARGEST = 0.05
 
 
 class Inertia(NamedTuple):
@@ -191,7 +193,7 @@ def _newton(
     tolerance = IN_TIME if len(inertia.mass) else TOLERANCE
     outside = beyond = math.inf
     for iteration in range(max(iterations, 2)):
-        outside, beyond = assemble(section, ends, chain, load, state, factor, tangent)
+        outside, beyond = assemble(section, ends, chain, load, state, factor, tangent, len(inertia.mass) > 0)
         if len(inertia.mass):
             add_inertia(inertia, chain, state, tangent)
         if iterations == 0:
@@ -223,8 +225,11 @@ def _newton(
             continue
         for a in range(count):
             state.reaction[a] += right[a, 0]
-        if len(inertia.mass) and iteration >= CYCLING:
-            motion *= 0.5
+        if len(inertia.mass):
+            turn = 0.0
+            for node in range(nodes):
+                turn = max(turn, abs(motion[node, m - 1]))
+            motion *= 0.5 if iteration >= CYCLING else min(1.0, LARGEST / max(turn, LARGEST))
         predict(chain, state, kept, motion)
         largest = move(chain, state, motion, work)
         if not largest < 30.0:

@@ -27,10 +27,10 @@ from rod.weight import Hung, Mass, Weighing, in_grams, position_along, weighted
 Arm: TypeAlias = LinesRod | LawRod | SpaceRod
 #: tonne
 GRAM = 1e-6
-#: moments of a clamp between two pressures
-CLAMP_ROWS = 65
 #: pieces of stretch and rigidities over the curvature
 SMOOTH = 8
+#: pieces of rotation and offset of a clamp over its moments; kinks of these are hinges as well
+CLAMP = 20
 
 
 @final
@@ -158,10 +158,12 @@ def arrays_of(arm: Arm, load: SpatialLoad, s: tuple[float, ...], in_space: bool)
         section = _smooth(section, section.table.shape[2] if in_space else 4)
     low, high = ends.moment[[0, -1]]
     # a clamp whose slope ended at its last moment would have a kink there
-    moment = np.concatenate([[2.0 * low - high], np.linspace(low, high, CLAMP_ROWS), [2.0 * high - low]])
-    known, inside = (ends.moment, ends.clamped, ends.clamped_slope), np.clip(moment, low, high)
-    slope = cubic_slope(*known, inside)
-    clamped = cubic(*known, inside) + (moment - inside)[:, None] * slope
+    inside = np.linspace(low, high, CLAMP + 1)
+    clamped = cubic(ends.moment, ends.clamped, ends.clamped_slope, inside)
+    slope = parabola_slopes(inside, clamped)[[0, *range(CLAMP + 1), -1]]
+    beyond = (high - low) * slope[[0, -1]]
+    moment = np.concatenate([[2.0 * low - high], inside, [2.0 * high - low]])
+    clamped = np.concatenate([clamped[:1] - beyond[:1], clamped, clamped[-1:] + beyond[1:]])
     return section, ends._replace(moment=moment, clamped=clamped, clamped_slope=slope)
 
 

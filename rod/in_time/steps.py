@@ -118,15 +118,18 @@ class Stepper:
         carried[:, 6:] = (v + WITHIN * (dt * (1.0 - GAMMA) * a - GAMMA * by * dt * known))[:, 3:]
         rates = np.array([(1.0 - LAST) * by / WITHIN, GAMMA * by * dt])
         inertia = Inertia(*self.bodies, now.state.place, now.state.angle, now.state.frames, carried, rates)
-        state = self._moved(now.state, WITHIN * dt * (v + 0.5 * WITHIN * dt * a))
-        solver = self.solver
-        arrays = section, joined.ends, solver.chain, solver.load, state
-        found = solve_chain(*arrays, 1.0, solver.room, ITERATIONS, NO_SIDE, inertia)
-        if not found.converged:
+        since, solver = np.where(self.has_mass, WITHIN * dt, time - memory.time), self.solver
+        for guess in (since, self.has_mass * since):  # without mass a node may have moved to where it does not stay
+            state = self._moved(now.state, guess * (v + 0.5 * WITHIN * dt * a))
+            arrays = section, joined.ends, solver.chain, solver.load, state
+            found = solve_chain(*arrays, 1.0, solver.room, ITERATIONS, NO_SIDE, inertia)
+            if found.converged:
+                break
+        else:
             return None
         motion = self._motion(now.state, state)
         later = self.has_mass * by * (motion / WITHIN - known)
-        speed = self.has_mass * (v + dt * ((1.0 - GAMMA) * a + GAMMA * later))
+        speed = np.where(self.has_mass, v + dt * ((1.0 - GAMMA) * a + GAMMA * later), motion / since)
         error = ERROR * dt * dt * float(np.abs(self.means @ (later - a)[:, :3]).max()) / solver.chain.length
         forces = solver.room.kept[:, self.first : self.first + memory.elastic.shape[1]]
         if len(slowed):

@@ -135,6 +135,12 @@ def test_steps_by_their_error_keep_it() -> None:
         assert tip_at(path, time) == pytest.approx(tip_at(fine, time), abs=2e-3 * arm().length)
 
 
+def test_an_arm_without_loss_is_followed_by_short_steps() -> None:
+    """Its clamped end has no mass, and its moment and force come and go with every wave along the arm."""
+    motion = move(Body(arm()), 20.0, 0.05, steps=Steps(fixed=5e-4))
+    assert motion.reason == ""
+
+
 def test_a_free_inflated_arm_creeps_as_if_its_pressure_grew() -> None:
     """kappa_0(p J): moment and pressure scale with the modulus."""
     rubber = Relaxation((0.8, 0.1), (0.08, 10.0))
