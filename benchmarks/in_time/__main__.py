@@ -1,7 +1,7 @@
-"""Arms in time: a released bar and a held segment that others measured, and finite elements in time.
+"""Arms in time: a released bar and a held segment that others measured, finite elements in time, and exported arms.
 
     make in-time
-    python -m benchmarks.in_time [--only bar | segment | calibrated | NAME] [--out results/in_time]
+    python -m benchmarks.in_time [--only bar | segment | calibrated | exports | NAME] [--out results/in_time]
 
 Laws and motions of finite elements are kept in the folder.
 """
@@ -15,11 +15,12 @@ from pathlib import Path
 from benchmarks.exports import drawn_at_random
 from benchmarks.in_time.arms import RUBBERS, MovingArm
 from benchmarks.in_time.calibrated import calibrated_lines
+from benchmarks.in_time.exported import Exported
 from benchmarks.in_time.measured import Line, ReleasedBar, segment_lines
 from benchmarks.markdown import table
 from pipeline.config.load import load_config
 
-HEADS = ("case", "number", "measured, or finite elements", "rod", "difference", "goal")
+HEADS = ("case", "number", "measured, finite elements or program", "rod", "difference", "goal")
 #: kPa, and what is changed of an arm, so that its finite elements take minutes
 ARMS = {
     "pneunet": (17.0, ["mesh.size=8 mm", "pressures=[17 kPa, 25 kPa]"]),
@@ -45,16 +46,25 @@ def arm_lines(name: str, out: Path) -> Iterator[Line]:
     yield f"{name}, closed", "pressure, kPa", f"{air:.2f}", f"{own:.2f}", f"{100.0 * (own / air - 1.0):+.2f} %", "1 %"
 
 
+def exported_lines(out: Path) -> Iterator[Line]:
+    """The first arm in other programs, beside its rod."""
+    pressure, changes = ARMS["pneunet"]
+    config = load_config(Path("configs/pneunet_coarse.yaml"), [*changes, "accuracy=off"])
+    arm = MovingArm(config, out / "pneunet", pressure)
+    yield from Exported(arm, out / "pneunet" / "exports").lines("pneunet")
+
+
 def main() -> None:
     """Print the table."""
     parser = argparse.ArgumentParser(description="Arms in time.")
-    parser.add_argument("--only", help="bar, segment, calibrated, or the name of an arm")
+    parser.add_argument("--only", help="bar, segment, calibrated, exports, or the name of an arm")
     parser.add_argument("--out", type=Path, default=Path("results/in_time"))
     given = parser.parse_args()
     given.out.mkdir(parents=True, exist_ok=True)
     cases = {"bar": lambda: ReleasedBar().lines(), "segment": segment_lines}
     cases["calibrated"] = partial(calibrated_lines, given.out)
     cases |= {name: partial(arm_lines, name, given.out) for name in ARMS}
+    cases["exports"] = partial(exported_lines, given.out)
     rows = [line for name, lines in cases.items() if given.only in (None, name) for line in lines()]
     sys.stdout.write(table(HEADS, rows) + "\n")
 

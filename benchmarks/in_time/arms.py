@@ -21,6 +21,8 @@ from rod import Acting, Body, Load, Relaxation, Start, Steps, frequencies, move
 
 #: without loss; and with a slow branch and two near the period of the arms
 RUBBERS = {"no loss": Relaxation((), ()), "loss": Relaxation((0.08, 0.06, 0.06), (0.9, 0.08, 0.02))}
+#: with loss: a base of another material
+BASE = Relaxation((0.3, 0.3), (0.2, 0.04))
 #: steps in a period, periods that are followed, and what a step of finite elements leaves of very fast motions
 PARTS, PERIODS, HIGH = 60, 5.5, 0.5
 #: part of the pressure from which it rises, in a part of a period; part of the length by which a force moves the end
@@ -61,7 +63,7 @@ class MovingArm:
         file = self.folder / f"{'released' if released else 'raised'}_{rubber.replace(' ', '_')}.csv"
         if not file.exists():
             law, model = RUBBERS[rubber], self.model()
-            branches = list(zip(law.shares, law.times_s, strict=True))
+            branches = [law, *[BASE if law.shares else law] * len(self.config.materials)]
             motion = Motion(model, self.density, branches, 1.0 / (PARTS * self.natural), HIGH)
             begun = follow(self.model(self.force if released else 0.0), [1.0 if released else FROM]).steps[0]
             begin = motion.begin(begun.displacement)

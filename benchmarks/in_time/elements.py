@@ -23,6 +23,7 @@ from fem.path import newton
 from fem.path.active_set import ActiveSet
 from fem.path.control import LoadControl
 from geometry.arrays import Array
+from rod import Relaxation
 
 #: the residual is far from its end for some iterations where inertia is not
 OPTIONS = newton.NewtonOptions(tolerance=1e-8, far=30, limited=30)
@@ -63,13 +64,13 @@ class Inertia(Term):
 class Relaxing(Laws):
     """Laws whose stress is multiplied, with the stress of branches added; of the element p2p0."""
 
-    factor: float
+    factor: Array  #: (e, 1, 1)
     carried: Array  #: (e, q, 6) MPa, of the branches; that of the volumetric part is at the last point
 
     def _response(self, strain: Array, evaluate: Callable[[Material, Array], Response]) -> Response:
         elastic, points = super()._response(strain, evaluate), strain.shape[1]
         stress = self.factor * elastic.stress + self.carried[:, slice(points) if points > 1 else slice(-1, None)]
-        return Response(self.factor * elastic.energy, stress, self.factor * elastic.tangent)
+        return Response(self.factor[..., 0] * elastic.energy, stress, self.factor[..., None] * elastic.tangent)
 
 
 @dataclass(frozen=True, eq=False)  # arrays inside
@@ -88,18 +89,21 @@ class Moment:
 class Motion:
     """A body that moves from an equilibrium at rest; loads grow with a factor, which is a function of time.
 
-    density: tonne/mm3. branches: parts of the modulus of the law, and times in s. size: of steps, s. high: what a step
-    leaves of very fast motions; 1 damps nothing. Elements are p2p0.
+    density: tonne/mm3. branches: for each of the laws of the body parts of its modulus, and times in s. size: of steps,
+    s. high: what a step leaves of very fast motions; 1 damps nothing. Elements are p2p0.
     """
 
     def __init__(
-        self, model: Model, density: float, branches: Sequence[tuple[float, float]], size: float, high: float = 1.0
+        self, model: Model, density: float, branches: Sequence[Relaxation], size: float, high: float = 1.0
     ) -> None:
         self.system, self.size = model.system(), size
         self.space, formulation = self.system.space, self.system.formulation
         assert isinstance(formulation, DisplacementOnly)
         self.elastic, self.mass = formulation, mass_matrix(self.space, density)
-        self.g, self.tau = np.array(branches).reshape(-1, 2).T[..., None, None, None]
+        of = formulation.laws.part_of_element
+        parts = [np.multiply.outer(one.shares, of == number) for number, one in enumerate(branches)]
+        self.g = np.concatenate(parts)[..., None, None]  # (k, e, 1, 1)
+        self.tau = np.concatenate([one.times_s for one in branches]).reshape(-1, 1, 1, 1)
         #: parts of a step after which forces and inertia are taken
         self.part, self.late = 1.0 / (1.0 + high), (2.0 - high) / (1.0 + high)
         self.beta, self.gamma = 0.25 * (1.0 + self.late - self.part) ** 2, 0.5 + self.late - self.part
@@ -126,7 +130,7 @@ class Motion:
         return self.system.state_at(displacement, 0.0).stress
 
     def _branches(self, now: Moment, part: float) -> tuple[Array, Array]:
-        """After a part of a step: (k, 1, 1, 1) of a change of the law's stress, and (k, e, q, 6) MPa that is left."""
+        """After a part of a step: (k, e, 1, 1) of a change of the law's stress, and (k, e, q, 6) MPa that is left."""
         time = part * self.size
         gained = self.g * np.exp(-0.5 * time / self.tau)
         return gained, np.exp(-time / self.tau) * now.branches - gained * now.stress
@@ -135,7 +139,7 @@ class Motion:
         """(n, 3) mm: the displacement where forces balance."""
         gained, left = self._branches(now, self.part)
         laws = self.elastic.laws
-        relaxing = Relaxing(laws.parts, laws.elements, 1.0 + float(gained.sum()), left.sum(axis=0))
+        relaxing = Relaxing(laws.parts, laws.elements, 1.0 + gained.sum(axis=0), left.sum(axis=0))
         self.system.replace_body(self.space, DisplacementOnly(self.space, relaxing))
         moved = self.part * self.size * now.velocity
         curved = self.part * self.size**2 * (0.5 - self.beta / self.late) * now.acceleration
