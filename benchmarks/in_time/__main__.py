@@ -21,9 +21,12 @@ from benchmarks.markdown import table
 from pipeline.config.load import load_config
 
 HEADS = ("case", "number", "measured, finite elements or program", "rod", "difference", "goal")
+#: of the same density
+BASE_OF_ANOTHER = [f"materials.base.{one}" for one in ("law=svk", "E=2.4 MPa", "nu=0.495", "density=1130 kg/m^3")]
 #: kPa, and what is changed of an arm, so that its finite elements take minutes
 ARMS = {
     "pneunet": (17.0, ["mesh.size=8 mm", "pressures=[17 kPa, 25 kPa]"]),
+    "two_rubbers": (17.0, ["mesh.size=8 mm", "pressures=[17 kPa, 25 kPa]", *BASE_OF_ANOTHER]),
     "random_3": (12.2, ["mesh.size=6 mm", "mesh.formulation=p2p0"]),
 }
 
@@ -31,7 +34,7 @@ ARMS = {
 def arm_lines(name: str, out: Path) -> Iterator[Line]:
     """Finite elements of an arm beside its rod."""
     pressure, changes = ARMS[name]
-    path = Path("configs/pneunet_coarse.yaml" if name == "pneunet" else drawn_at_random(out, [3])[name][0])
+    path = Path(drawn_at_random(out, [3])[name][0] if name.startswith("random") else "configs/pneunet_coarse.yaml")
     arm = MovingArm(load_config(path, [*changes, "accuracy=off"]), out / name, pressure)
     for how in ("released", "raised"):
         for rubber, law in RUBBERS.items():

@@ -18,6 +18,7 @@ from pipeline.simulate.scene import Scene
 from pipeline.store.progress import Silent
 from pipeline.values.pressure import in_MPa
 from rod import Acting, Body, Load, Relaxation, Start, Steps, frequencies, move
+from rod.in_time.regions import Share, mixed, shares_of
 
 #: without loss; and with a slow branch and two near the period of the arms
 RUBBERS = {"no loss": Relaxation((), ()), "loss": Relaxation((0.08, 0.06, 0.06), (0.9, 0.08, 0.02))}
@@ -74,6 +75,14 @@ class MovingArm:
             np.savetxt(file, rows, delimiter=",", header="t_s,tip_x_mm,tip_y_mm", comments="")
         return np.loadtxt(file, delimiter=",", skiprows=1)
 
+    def with_rubber(self, rubber: Relaxation) -> Body:
+        """The rod, whose base has another rubber where it is of another material."""
+        if not (self.config.materials and rubber.shares):
+            return replace(self.body, relaxation=rubber)
+        parts = shares_of(self.law, (("material",), ("materials.base",)), self.pressure)
+        forces, felt = (mixed((rubber, BASE), [getattr(part, name) for part in parts]) for name in Share._fields)
+        return replace(self.body, relaxation=forces, felt=felt)
+
     def compared(self, rubber: str, released: bool) -> tuple[Ringing, Ringing, float]:
         """How elements and rod ring, and how far their ends are apart at most, over the length."""
         rows = self.by_elements(rubber, released)
@@ -82,7 +91,7 @@ class MovingArm:
         pressure = self.pressure if released else [*rises, [last, self.pressure]]
         before = Acting(Load(force=(0.0, self.force if released else 0.0)))
         start = Start(self.pressure * (1.0 if released else FROM), before)
-        body = replace(self.body, relaxation=RUBBERS[rubber])
+        body = self.with_rubber(RUBBERS[rubber])
         motion = move(body, pressure, last, Acting(), start, Steps(float(times[1])))
         if motion.reason:
             raise ValueError(motion.reason)

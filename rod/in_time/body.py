@@ -16,7 +16,7 @@ from rod.arm_law.law_rod import LawRod
 from rod.arm_law.space_rod import SpaceRod
 from rod.cubics import cubic, cubic_coefficients, cubic_slope, parabola_slopes
 from rod.errors import RodError
-from rod.in_time.relaxation import ELASTIC, Relaxation
+from rod.in_time.relaxation import ELASTIC, Creep, Relaxation
 from rod.load import Load
 from rod.mechanics.equilibrium import Rod
 from rod.mechanics.lines import LinesRod
@@ -50,7 +50,8 @@ class Body:
     """An arm with all that decides on its motion."""
 
     law: Any  #: one with `at(pressures)`, such as `ArmLaw` or `PressurisedRod`; or a `Rod`, whose pressure stays
-    relaxation: Relaxation = ELASTIC
+    relaxation: Relaxation = ELASTIC  #: of the forces of its sections
+    felt: Relaxation | None = None  #: of the pressure that is felt; None: the same
     mass: Mass | None = None  #: None: that of the law
     #: mm2, mean squares of its distance from its centre, along y and z; None: its rigidities over that against stretch
     spread: tuple[float, float] | None = None
@@ -76,9 +77,16 @@ class Body:
         It is the rigidity without pressure over that with it, and 1 where the law does not begin without pressure.
         """
         try:
-            return _rigidity(self.at(np.zeros(len(getattr(self.law, "cavities", (0,))))), arm) / _rigidity(arm, arm)
+            return rigidity_where(self.at(np.zeros(len(getattr(self.law, "cavities", (0,))))), arm) / rigidity_where(
+                arm, arm
+            )
         except RodError:
             return 1.0
+
+    @property
+    def creep(self) -> Creep:
+        """Of the pressure that is felt."""
+        return (self.felt or self.relaxation).creep
 
     @property
     def weighed(self) -> Mass:
@@ -124,8 +132,8 @@ class Body:
         return mass, first, second
 
 
-def _rigidity(arm: Arm, at: Any) -> float:
-    """N mm2, of an arm where another arm of its law is without load, or as far as its law goes there."""
+def rigidity_where(arm: Arm, at: Any) -> float:
+    """The rigidity in N mm2 of an arm where another arm of its law is without load, or as far as its law goes there."""
     if isinstance(arm, LawRod):
         return 1.0 / float(np.interp(at.section.kappa_0, arm.section.kappa, arm.section.kappa_slope))
     if isinstance(arm, LinesRod):

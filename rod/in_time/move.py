@@ -112,7 +112,7 @@ class _Moved:
         old, self.load = (body.loaded(one, then) for one in (was, self.acting))
         self.in_space = self.steps.in_space or isinstance(then, SpaceRod) or is_spatial(old) or is_spatial(self.load)
         solver, state = equilibrium(then, old, self.load, self.in_space)
-        creep = np.array(body.relaxation.creep.shares)
+        creep = np.array(body.creep.shares)
         late = np.multiply.outer(creep, first - before)
         felt = first - late.sum(axis=0)
         self.arms = (body.at(felt),) * 2
@@ -123,7 +123,7 @@ class _Moved:
         earlier, elastic = (elastic_forces(one, state) for one in (solver, own))
         forces = np.multiply.outer(body.relaxing(self.arms[0]) * np.array(body.relaxation.shares), elastic - earlier)
         state = state._replace(reaction=state.reaction if len(own.load.held) else np.zeros(0))
-        self.stepper = Stepper(own, body.inertia(self.acting, own), body.relaxation)
+        self.stepper = Stepper(own, body.inertia(self.acting, own), body.relaxation, body.creep)
         still = np.zeros((len(own.s), 6))
         memory = Memory(0.0, first, late, elastic, forces)
         self.now = Moment(0.0, state, still, still, memory, before)

@@ -17,7 +17,7 @@ from rod.arm.end_kernels import EndArrays
 from rod.arm.newton import Inertia
 from rod.arm.section_kernels import SectionArrays
 from rod.arm.solver import Solver
-from rod.in_time.relaxation import Relaxation
+from rod.in_time.relaxation import Creep, Relaxation
 
 #: part of a motion that no step resolves which is left after a step
 RHO = 0.6
@@ -79,9 +79,11 @@ class Moment:
 class Stepper:
     """Makes steps of a chain of elements."""
 
-    def __init__(self, solver: Solver, bodies: tuple[Array, Array, Array], relaxation: Relaxation) -> None:
+    def __init__(
+        self, solver: Solver, bodies: tuple[Array, Array, Array], relaxation: Relaxation, creep: Creep
+    ) -> None:
         """bodies: mass (N,), first (N, 3) and second (N, 3, 3) moments of the nodes."""
-        self.solver, self.bodies, self.relaxation = solver, bodies, relaxation
+        self.solver, self.bodies = solver, bodies
         solve_chain.compile_next()
         self.in_space = solver.chain.in_space
         self.has_mass = (bodies[0] > 0.0)[:, None]
@@ -89,7 +91,7 @@ class Stepper:
         self.means = means / means.sum(axis=1)[:, None]
         self.first = FORCES_IN_SPACE if self.in_space else FORCES
         self.shares, self.times = np.array(relaxation.shares), np.array(relaxation.times_s)
-        self.creep = np.array(relaxation.creep.shares), np.array(relaxation.creep.times_s)
+        self.creep = np.array(creep.shares), np.array(creep.times_s)
 
     def felt(self, memory: Memory, time: float, pressure: Array) -> tuple[Array, Array]:
         """Pressures (c,) that are felt at a time, and what of them is late (K, c)."""

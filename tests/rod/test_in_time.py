@@ -29,6 +29,8 @@ from rod import (
     frequencies,
     move,
 )
+from rod.arm_law.rates import CellRate, ClampRate, LawRate
+from rod.in_time.regions import mixed, shares_of
 from rod.weight import Mass
 from tests.coarse import COARSE
 from tests.rod.arm_law import test_space_law, test_volumes
@@ -149,6 +151,28 @@ def test_a_free_inflated_arm_creeps_as_if_its_pressure_grew() -> None:
         felt = 20.0 * float(rubber.creep.compliance(time))
         assert tip_at(motion, time) == pytest.approx(arm().at(felt).solve().end, abs=2e-3 * arm().length)
     assert motion.pressures_kPa[-1] == pytest.approx([20.0])
+
+
+def with_base(part: float) -> ArmLaw:
+    """The coarse arm, with derivatives by the moduli of its body and of a base that has a part of them."""
+    cells, clamps = arm().cells, arm().clamps
+    moments = [c.moment - c.pressure * c.moment_by_pressure for c in cells]  # moduli and pressure scale the moment
+    still = [np.zeros_like(c.moment) for c in cells], [np.zeros((len(c.moment), 2, 2)) for c in cells]
+    rows = tuple(CellRate(*parts, np.array(0.0)) for parts in zip(moments, *still, strict=True))
+    ends = tuple(ClampRate(np.zeros_like(c.rotation), np.zeros_like(c.offset)) for c in clamps)
+    whole = LawRate(1.0, "MPa", 0.0, 0.0, 0.0, rows, ends)
+    return replace(arm(), rates={"material.E": whole.times(1.0 - part), "materials.base.E": whole.times(part)})
+
+
+def test_regions_share_what_an_arm_carries_by_the_derivatives_of_its_law() -> None:
+    parts = shares_of(with_base(0.3), (("material",), ("materials.base",)), 17.0)
+    for part, share in zip(parts, (0.7, 0.3), strict=True):
+        assert part == pytest.approx((share, share), rel=1e-2)
+    both = mixed((RUBBER, Relaxation((0.2,), RUBBER.times_s[:1])), (0.7, 0.3))
+    assert both.times_s == RUBBER.times_s
+    assert both.shares == pytest.approx((0.7 * RUBBER.shares[0] + 0.06, *(0.7 * g for g in RUBBER.shares[1:])))
+    with pytest.raises(RodError, match="no derivatives by the moduli of materials"):
+        shares_of(arm(), (("materials.base",),), 17.0)
 
 
 def test_a_loaded_bar_creeps_and_a_held_one_relaxes() -> None:

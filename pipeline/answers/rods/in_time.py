@@ -1,9 +1,10 @@
 """The arm of a result folder in time: its rubber, its mass, its vibrations, and how it settles and creeps."""
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
+from functools import cache
 from typing import Any
 
 from geometry import Reason
@@ -13,7 +14,8 @@ from pipeline.config.material import LOSS_FACTOR
 from pipeline.values.errors import InputError
 from pipeline.values.reasons import report_reason
 from pipeline.values.run import Run
-from rod import Body, Relaxation, RodError, frequencies
+from rod import ArmLaw, Body, Relaxation, RodError, frequencies
+from rod.in_time.regions import Share, mixed, shares_of
 
 #: lowest and highest frequency over that of the first vibration, of a loss factor without frequencies
 BAND = 10.0**-0.5, 10.0**0.5
@@ -64,11 +66,37 @@ def body_of(run: Run, rods: RodOfRun) -> tuple[Body, str]:
         raise InputError(f"{run.directory}: has no mass; give material.density in the configuration and run it again")
     material, solid = material_of(run), solid_of(run)
     body = Body(rods.source, mass=mass, spread=solid.section.spread if solid else (0.0, 0.0))
-    rubber, told = rubber_of(material, lambda: frequencies(body, highest(rods), count=1)[0].frequency_hz)
-    regions = (run.parameters.materials or run.config.get("materials") or {}).items()
-    if others := [f"materials.{name}" for name, one in regions if any(one.get(k) != material.get(k) for k in KEYS)]:
-        told += f" That of {', '.join(others)} differs and is left out."
-    return replace(body, relaxation=rubber), told
+    first = cache(lambda: frequencies(body, highest(rods), count=1)[0].frequency_hz)
+    rubber, told = rubber_of(material, first)
+    of_run = run.parameters.materials or run.config.get("materials") or {}
+    regions = {f"materials.{name}": one for name, one in of_run.items()}
+    others = {name: one for name, one in regions.items() if any(one.get(k) != material.get(k) for k in KEYS)}
+    body = replace(body, relaxation=rubber)
+    if not others:
+        return body, told
+    own = ("material", *(name for name in regions if name not in others))
+    try:
+        return _of_several(body, told, own, {name: rubber_of(one, first) for name, one in others.items()})
+    except RodError as failure:
+        return body, f"{told} That of {', '.join(others)} differs and is left out. {failure}"
+
+
+def _of_several(
+    body: Body, told: str, same: Sequence[str], others: Mapping[str, tuple[Relaxation, str]]
+) -> tuple[Body, str]:
+    """The arm with the rubbers of other regions as well, by the names of their materials; same: those that it has.
+
+    Raises `RodError` for a law that does not know their shares.
+    """
+    if not isinstance(body.law, ArmLaw):
+        raise RodError("Its share is known to a law of one pressure in a plane alone.")
+    known = body.law.pressures
+    parts = shares_of(body.law, (same, *((name,) for name in others)), known[len(known) // 2])
+    rubbers = (body.relaxation, *(rubber for rubber, _ in others.values()))
+    for part, (name, (_, own)) in zip(parts[1:], others.items(), strict=True):
+        told += f" {own.replace('Its rubber', f'That of {name}, {100.0 * part.rigidity:.0f} % of the rigidity,')}"
+    forces, felt = (mixed(rubbers, [getattr(part, name) for part in parts]) for name in Share._fields)
+    return replace(body, relaxation=forces, felt=felt), told
 
 
 def in_time(run: Run, rods: RodOfRun) -> list[dict[str, float]]:
@@ -89,7 +117,7 @@ def in_time(run: Run, rods: RodOfRun) -> list[dict[str, float]]:
         row["settles_s"] = -math.log(SETTLED) / damped if damped else math.inf
         rest = rods.at(pressure).solve().end
         for t in HELD:
-            felt = pressure * float(body.relaxation.creep.compliance(t))
+            felt = pressure * float(body.creep.compliance(t))
             row[f"creep_after_{t}_s_mm"] = math.dist(rods.at(felt).solve().end, rest) if felt >= known[0] else math.nan
         found.append(row)
     return found

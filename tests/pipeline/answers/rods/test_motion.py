@@ -12,7 +12,7 @@ from typer.testing import CliRunner
 
 import pneurod
 from pipeline.answers.rods.choice import rod_of_path
-from pipeline.answers.rods.in_time import rubber_of, with_remark
+from pipeline.answers.rods.in_time import body_of, rubber_of, with_remark
 from pipeline.answers.rods.motion import _read_air
 from pipeline.cli import app
 from pipeline.results.verdict import verdict_of
@@ -20,6 +20,7 @@ from pipeline.show.tables import in_time as in_time_table
 from pipeline.values.errors import InputError, RunFailed
 from rod import Air, Body
 from tests.coarse import COARSE, coarse_run, copy_with
+from tests.rod.test_in_time import with_base
 
 SLOW = {"loss_factor": 0.12, "loss_between_Hz": [0.5, 50.0], "relaxation_g": [0.08], "relaxation_tau_s": [3.0]}
 
@@ -211,7 +212,17 @@ def test_verdict_and_report_have_a_line_and_a_table_only_where_the_material_asks
     assert json.dumps(dict(run.remarks[-1].values))
 
 
-def test_a_region_of_another_rubber_is_named(tmp_path: Path) -> None:
+def test_a_region_of_another_rubber_relaxes_by_its_share() -> None:
+    plain = coarse_run()
+    run = replace(plain, parameters=replace(plain.parameters, materials={"base": {"loss_factor": 0.3}}))
+    body, told = body_of(run, replace(rod_of_path(COARSE, None), source=with_base(0.5)))
+    assert "That of materials.base, 50 % of the rigidity, has a loss factor of 0.3" in told
+    alone, _ = body_of(plain, rod_of_path(COARSE, None))
+    assert sum(body.relaxation.shares) > 1.5 * sum(alone.relaxation.shares)
+    assert body.felt is not None
+
+
+def test_a_region_of_another_rubber_without_a_share_is_named(tmp_path: Path) -> None:
     folder = copy_with(
         tmp_path / "arm", "parameters.json", lambda content: content.update(materials={"base": {"loss_factor": 0.3}})
     )
