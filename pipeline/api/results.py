@@ -7,7 +7,7 @@ from contextlib import suppress
 from dataclasses import asdict, dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import pandas as pd
 
@@ -266,14 +266,32 @@ class Results:
             return pd.DataFrame(ask("", in_time, self.run, self._chosen(None)))
         return pd.DataFrame()
 
-    def move(self, pressure: float | str | Path, seconds: float = 3.0, **also: Any) -> pd.DataFrame:
+    def move(
+        self,
+        pressure: float | str | Path,
+        seconds: float = 3.0,
+        *,
+        force: str | None = None,
+        held_at: Sequence[str] = (),
+        orientation: str | None = None,
+        tip_mass: float | str | None = None,
+        release: bool = False,
+        air: str | None = None,
+        step: str | None = None,
+        rod: str | None = None,
+        out: Path | str | None = None,
+    ) -> pd.DataFrame:
         """The motion of the arm as motion.csv has it, which is written into the folder with a picture.
 
-        also: as `pneurod.move` takes them, such as force="[0 N, 0.02 N]" and release=True. Raises as that does.
+        All is as `pneurod.move` takes it, such as force="[0 N, 0.02 N]" and release=True. Raises as that does.
         """
         law = self.arm_law
         ratio = ":".join(map(str, law.fractions)) if isinstance(law, Ray) else None
-        return pd.DataFrame(dict(move(self, pressure, seconds=seconds, ratio=ratio, **also).columns))
+        moved = move(
+            self, pressure, seconds=seconds, force=force, held_at=held_at, orientation=orientation, tip_mass=tip_mass,
+            release=release, air=air, step=step, rod=rod, ratio=ratio, out=out,
+        )  # fmt: skip
+        return pd.DataFrame(dict(moved.columns))
 
     def _chosen(self, kind: str | None) -> RodOfRun:
         if kind not in self._rods:

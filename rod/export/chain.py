@@ -107,7 +107,7 @@ class Chain:
         """(m,) rad: the angles of the hinges under a dead force in N on the end of the material curve.
 
         weight: x and y in N/mm, along the pieces at a height in mm above the material curve. Raises `RodError` where
-        Newton's method does not find them.
+        Newton's method does not find them, or where the chain would leave them.
         """
         turn = self.neutral.copy()
         lengths = np.append(self.legs[:, 0], self.points[-1, 0])
@@ -128,6 +128,8 @@ class Chain:
             largest = np.abs(step).max()
             turn = turn + step * min(1.0, LARGEST_TURN / max(largest, 1e-300))
             if largest < SETTLED:
+                if np.linalg.eigvalsh(np.diag(slope) - change)[0] < 0.0:
+                    raise RodError("The equilibrium of the chain under this load is unstable.")
                 return turn
         raise RodError("The chain has no equilibrium under this load.")
 

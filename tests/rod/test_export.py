@@ -119,6 +119,15 @@ def test_a_chain_turns_and_stretches_as_a_beam_off_whose_axis_the_neutral_line_l
     assert abs(turn.sum()) == pytest.approx(force * 1.5 * 110.0 / 400.0, rel=0.01)
 
 
+def test_a_chain_that_would_leave_its_equilibrium_is_refused() -> None:
+    """A straight column holds 0.9 times the force of Euler, and not 1.1 times that."""
+    chain = chain_of_five(Rod(100.0, 0.0, FiveParameters(2000.0, 2000.0, 0.0, 0.0, 50.0)), 60, 1e6)
+    euler = 2000.0 * (0.5 * np.pi / 100.0) ** 2
+    assert chain.solve((-0.9 * euler, 0.0)) == pytest.approx(0.0, abs=1e-12)
+    with pytest.raises(RodError, match="is unstable"):
+        chain.solve((-1.1 * euler, 0.0))
+
+
 def test_springs_rise_through_states_of_the_law_and_are_interpolated_between_pressures(robot: Robot) -> None:
     for chain in robot.chains:
         assert np.all(np.diff(chain.angle) > 0.0)

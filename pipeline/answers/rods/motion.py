@@ -150,7 +150,9 @@ def motion_panels(moved: Motion) -> tuple[Panel, ...]:
     shapes = zip(at.tolist(), moved.shapes(at.tolist()), strict=True)
     drawn = [Line(xy[:, 0], xy[:, 1], f"{s:.3g} s", ordered_colour(k, len(at))) for k, (s, xy) in enumerate(shapes)]
     places = [Line(t, column, f"tip {'xyz'[k]}", COLOURS[k]) for k, column in enumerate(tips.T)]
-    pressures = [Line(t, column, f"pressure {k + 1}", COLOURS[k]) for k, column in enumerate(moved.pressures_kPa.T)]
+    names = [f"pressure {k + 1}" for k in range(moved.pressures_kPa.shape[1])]
+    names = names if len(names) > 1 else ["pressure"]
+    pressures = [Line(t, moved.pressures_kPa[:, k], name, COLOURS[k]) for k, name in enumerate(names)]
     return (
         Panel("Tip", time, "position (mm)", tuple(places)),
         Panel("End", time, "angle (°)", (Line(t, moved.end_angles_deg, "end", COLOURS[3]),)),

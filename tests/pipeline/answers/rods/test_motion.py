@@ -50,7 +50,9 @@ def test_the_command_writes_the_motion_from_rest_to_a_pressure(tmp_path: Path) -
     assert frame.reaction_N.isna().all()
     assert "Its rubber has a loss factor of 0.1 from" in out
     assert f"written: {tmp_path / 'motion.csv'}" in out
-    assert "Shapes" in (tmp_path / "motion.html").read_text(encoding="utf-8")
+    page = (tmp_path / "motion.html").read_text(encoding="utf-8")
+    assert "Shapes" in page
+    assert "pressure 1" not in page  # an arm with one pressure
 
 
 def test_an_arm_that_is_released_begins_under_its_force(tmp_path: Path) -> None:
