@@ -126,6 +126,8 @@ foreign: $(DEV)  ## bodies as other programs write them, meshed and bent; a tabl
 
 experiments: $(DEV)  ## measured bodies: error before and after a calibration; the table of docs/experiments.md
 	@$(BIN)/python -m benchmarks.experiments
+	@$(BIN)/python -m benchmarks.experiments.segment
+	@$(BIN)/python -m benchmarks.experiments.wound_chambers
 
 in-time: $(DEV)  ## a released bar, a held segment, and finite elements in time beside rods; the table of studies/in_time.md
 	@$(BIN)/python -m benchmarks.in_time

@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 import yaml
 
@@ -9,10 +10,13 @@ from benchmarks.experiments.bar import FACTORS, Bar, BendingRod, Elements, Respo
 from benchmarks.experiments.cases import CASE, MEASURED, cases_in, read_case
 from benchmarks.experiments.fitted_bar import BarNumbers, fit_bar
 from benchmarks.experiments.judged import lines_of
+from benchmarks.experiments.segment import GIVEN, curve, read_measured, threads
 from fem import NeoHooke
 from pipeline.values.errors import InputError
 
 SHIPPED = Path("benchmarks/experiments")
+#: mm, the point of the end of the segment that is followed, from the middle
+OFF_AXIS = 8.3
 #: N on the edge -> mm, height of the middle of the free face by COMSOL with E = 263.8 kPa: the mean of the published
 #: heights of two points on its sides (srl-ethz/diffPD_sim2real, python/realbeam_experiments, utils.py)
 COMSOL = {0.0: -6.7215, -0.51012: -16.5615, -1.00062: -25.687}
@@ -20,7 +24,7 @@ COMSOL = {0.0: -6.7215, -0.51012: -16.5615, -1.00062: -25.687}
 
 def test_every_shipped_case_is_read() -> None:
     cases = {case.name: case for case in cases_in(SHIPPED)}
-    assert set(cases) == {"eth_beam", "seed_pneunet"}
+    assert set(cases) == {"eth_beam", "eth_segment", "seed_pneunet"}
     bar = cases["eth_beam"]
     assert isinstance(bar.body, Bar)
     assert bar.length == 100.0
@@ -33,6 +37,25 @@ def test_the_list_of_wanted_curves_says_what_is_missing() -> None:
     entries = [entry for entries in content.values() for entry in entries]
     assert entries
     assert all(set(entry) == {"source", "gives", "missing"} for entry in entries)
+
+
+def test_the_rows_of_the_segment_are_the_motion_of_its_end() -> None:
+    case = read_case(SHIPPED / "eth_segment")
+    lines = (SHIPPED / "eth_segment" / MEASURED).read_text(encoding="utf-8").splitlines()
+    told = [values for line in lines if line.startswith("#   ") and (values := line[1:].split())[0] != "kPa"]
+    assert len(told) == len(case.measured.rows) == len(read_measured()) == 15
+    for row, (pressure, distance, turn, aside) in zip(case.measured.rows, np.array(told, float), strict=True):
+        assert row.state.pressure_kPa == pressure
+        x = row.values["tip_x"] - 100.0 + OFF_AXIS * np.sin(np.radians(turn))
+        y = row.values["tip_y"] + OFF_AXIS * (1.0 - np.cos(np.radians(turn)))
+        assert float(np.linalg.norm([x, y, aside])) == pytest.approx(distance, abs=0.015)  # two digits are kept
+
+
+def test_a_wound_segment_bears_pressures_at_which_one_without_loops_balloons() -> None:
+    wound, bare = curve(threads(GIVEN)), curve("effects.hoops=off")
+    assert (wound.highest, bare.highest) == (40.0, 14.0)
+    assert "16 kPa" in bare.why
+    assert wound.distance(20.0) == pytest.approx(14.0, abs=0.05)
 
 
 @pytest.mark.parametrize(
