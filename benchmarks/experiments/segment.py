@@ -29,33 +29,13 @@ from pipeline.law.pieces import ArmPieces
 from pipeline.values.pressure import in_MPa
 
 #: kPa at which a cell is solved
-PRESSURES = (
-    2.0,
-    4.0,
-    6.0,
-    8.0,
-    10.0,
-    12.0,
-    14.0,
-    16.0,
-    18.0,
-    20.0,
-    22.0,
-    24.0,
-    27.0,
-    30.0,
-    33.5,
-    37.0,
-    40.0,
-    43.0,
-    46.0,
-)
+PRESSURES = (*(2.0 * k for k in range(1, 13)), 27.0, 30.0, 33.5, 37.0, 40.0, 43.0, 46.0)
 #: N/mm, EA over the pitch: that of the configuration, those that threads may have, and softer ones
 GIVEN, POSSIBLE, SOFTER = 20.0, (10.0, 400.0), (0.3, 0.45, 0.7, 1.0, 1.5, 2.5, 5.0)
 #: kPa of both calibrations, and those of the first table
 CALIBRATED, SHOWN = (15.0, 35.0), (5.0, 10.0, 20.0, 30.0, 40.0)
 #: the variant that was found after a look at the readings
-THICK = f"- outer wall {2.0 * OUTER_WALL} mm "
+THICK = f"- the same, outer wall {2.0 * OUTER_WALL} mm"
 COMMAND = "python -m benchmarks.experiments.segment"
 
 
