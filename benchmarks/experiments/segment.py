@@ -65,15 +65,15 @@ def threads(stiffness: float, faces: str = "inner") -> str:
 def curve(*settings: str) -> Curve:
     """Of the cell of the segment with other settings."""
     cell = ArmPieces(load_config(HERE / "segment.yaml", list(settings)), None).cell
-    pressures, kappas, why = [0.0], [0.0], ""
+    pressures, kappas, why, state = [0.0], [0.0], "", cell.rest()
     for pressure in PRESSURES:
         try:
-            angle = cell_without_moment(cell, in_MPa(pressure)).state.angle
+            state = cell_without_moment(cell, in_MPa(pressure), state).state
         except PieceFailed as failure:
             why = str(failure)
             break
         pressures.append(pressure)
-        kappas.append(angle / cell.body.length)
+        kappas.append(state.angle / cell.body.length)
     return Curve(CubicSpline(pressures, kappas), pressures[-1], why)
 
 
