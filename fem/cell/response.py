@@ -128,20 +128,22 @@ def _end_forces(piece: BendingPiece, angle: float) -> Iterator[Array]:
         yield load
 
 
-def inflated(piece: BendingPiece, pressure: float, angle: float, start: PieceState | None = None) -> PieceState:
+def inflated(
+    piece: BendingPiece, pressure: float, angle: float, start: PieceState | None = None, failures: int = MAX_FAILURES
+) -> PieceState:
     """Equilibrium at a pressure in MPa and an angle in rad, from another state, or from the piece at rest.
 
     Both change together, at once where that converges: an increment that fails is halved, and one that converges is
     doubled. Newton's method starts a small step along the slopes of the last state, but under the whole pressure of the
     increment and the stress that goes with it to first order, as on a load path (`fem.path.predictor`). Where this has
-    failed beyond the first state, it starts on the cubic through the last two states with their slopes. Raises
-    `PieceFailed`.
+    failed beyond the first state, it starts on the cubic through the last two states with their slopes. failures: how
+    often an increment may fail. Raises `PieceFailed`.
     """
     first = piece.rest() if start is None else start
     way = pressure - first.pressure, angle - first.angle
     if way == (0.0, 0.0):  # at rest there is nothing to balance but rounding, of a stiff layer too
         return replace(first, factorizations=0)
-    last, increment, failures, spent = first, 1.0, 0, 0
+    last, increment, failed, spent = first, 1.0, 0, 0
     extrapolates = False  #: whether Newton's method starts on the cubic
     points = [_inflation_point(piece, last, 0.0, way)]
     while (fraction := points[-1].value) < 1.0:
@@ -152,8 +154,8 @@ def inflated(piece: BendingPiece, pressure: float, angle: float, start: PieceSta
         try:
             last = piece.solve_near(next_pressure, next_angle, predicted, last, gives_up, pressure)
         except PieceFailed:
-            failures, increment, extrapolates = failures + 1, (target - fraction) / 2.0, fraction > 0.0
-            if failures > MAX_FAILURES or increment < SMALLEST_INCREMENT:
+            failed, increment, extrapolates = failed + 1, (target - fraction) / 2.0, fraction > 0.0
+            if failed > failures or increment < SMALLEST_INCREMENT:
                 raise
             continue
         increment, spent = 2.0 * increment, spent + last.factorizations

@@ -5,18 +5,22 @@ bend it a little, and what to straighten it. They are solved on finer meshes, un
 enough. Limits are beside those of much finer meshes in studies/cell.md.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from math import hypot, inf, sqrt
 from time import process_time
 
+import numpy as np
+
 from fem.cell.lateral import lateral_rigidities
-from fem.cell.piece import PieceFailed
-from fem.cell.response import inflated
+from fem.cell.mapped import fields_of, mapped, moved
+from fem.cell.piece import BendingPiece, PieceFailed, PieceState
+from fem.cell.response import MAX_FAILURES, inflated
 from fem.elements import MOST_ACCURATE
 from fem.equations.linear import SingularMatrix
 from geometry import Reason
+from geometry.arrays import Array
 from pipeline.law.mesh_limit import PLANE, CellMesh, Limits, MeshLimit, Numbers, change_for, scales_of
 from pipeline.law.piece.measure import cell_without_moment
 from pipeline.law.pieces import ArmPieces
@@ -36,6 +40,8 @@ INFLATED, LEAST_STD = 1.3, 0.0015
 SOFT = "p2p0"
 #: displacement components of a cell beyond which no finer one is tried
 MOST_UNKNOWNS = 30_000
+#: how often an increment to a pressure may fail on a mesh that does not bear the state of the one before
+FEW_FAILURES = 4
 
 
 @dataclass(frozen=True)
@@ -63,10 +69,11 @@ class _Ladder:
         """Find the numbers on a mesh at the pressures that coarser ones bear."""
         self.sizes.append(size)
         tasks, length = ArmTasks(self.pieces.with_mesh_size(size), self.context), self.pieces.design.length
+        coarser = self.mesh_name(-2) if len(self.sizes) > 1 else ""
         borne = [pressure for pressure in self.bends if pressure not in self.failures]
         name, progress = f"cell, mesh {size:.3g} mm", self.context.progress
         progress.experiment(name, borne)
-        pending = [(p, tasks.submit(solve_numbers, p, self.bends[p], length)) for p in borne]
+        pending = [(p, tasks.submit(solve_numbers, p, self.bends[p], length, coarser)) for p in borne]
         for pressure, numbers in pending:
             try:
                 known = self.solved.setdefault(pressure, {})[size] = numbers.result()
@@ -75,6 +82,10 @@ class _Ladder:
                 progress.stopped(name, [pressure], self.failures[pressure][1])
                 continue
             progress.step_done(name, pressure, known.seconds)
+
+    def mesh_name(self, number: int) -> str:
+        """Of the mesh of that number."""
+        return self.pieces.with_mesh_size(self.sizes[number]).mesh_name
 
     def limits(self) -> dict[float, Limits]:
         """The limits of the numbers by the pressures at which two meshes have some."""
@@ -85,7 +96,8 @@ class _Ladder:
         """What SOFT elements give on the finest mesh, at the pressures that they bear."""
         mesh = replace(self.pieces.config.mesh, formulation=SOFT, size_mm=self.sizes[-1])
         tasks, length = ArmTasks(self.pieces.with_mesh(mesh), self.context), self.pieces.design.length
-        pending = {p: tasks.submit(solve_numbers, p, self.bends[p], length) for p in limits if p not in self.failures}
+        borne, same = [p for p in limits if p not in self.failures], self.mesh_name(-1)
+        pending = {p: tasks.submit(solve_numbers, p, self.bends[p], length, same) for p in borne}
         solved = {}
         for pressure, numbers in pending.items():
             with suppress(PieceFailed):
@@ -165,28 +177,75 @@ def halfway(limit: Limit, soft: float) -> Limit:
     return Limit(0.5 * (limit.value + soft), hypot(limit.std, (limit.value - soft) / sqrt(12.0)))
 
 
-def solve_numbers(curves: PieceCurves, pressure: float, bend: float, length: float) -> SolvedNumbers:
+def solve_numbers(curves: PieceCurves, pressure: float, bend: float, length: float, coarser: str = "") -> SolvedNumbers:
     """The numbers of a cell at a pressure in kPa; a task. Raises `PieceFailed`.
 
-    bend: about the curvature without moment, 1/mm; length: mm, of the arm.
+    bend: about the curvature without moment, 1/mm; length: mm, of the arm. coarser: name of a mesh whose states are
+    mapped to this one, where Newton's method then starts.
     """
 
     def solve() -> SolvedNumbers:
         begin, piece = process_time(), curves.pieces.cell
-        h = piece.body.length
-        near = inflated(piece, in_MPa(pressure), bend * h)
-        point = cell_without_moment(piece, near.pressure, near)
-        at, across = point.state, dict[str, float]()
+        h, known = piece.body.length, _Mapped.of(curves, coarser, pressure)
+        at = cell_without_moment(piece, in_MPa(pressure), known.first(bend * h)).state
+        across = dict[str, float]()
         if curves.pieces.config.law_in_space and piece.body.half:
             with suppress(SingularMatrix):
                 found = lateral_rigidities(piece, at)
                 across = dict(zip(ACROSS, (found.bending, found.torsion), strict=True))
         kappa_0 = at.angle / h
         change = change_for(kappa_0, length)
-        bent = piece.solve(at.pressure, at.angle + change * h, at)
-        straight = piece.solve(at.pressure, 0.0, bent if abs(kappa_0) > 1.0 / length else at)
+        bent = known.bent(1, at.angle + change * h, at, at)
+        straight = known.bent(2, 0.0, at, bent if abs(kappa_0) > 1.0 / length else at)
         values = kappa_0, (bent.moment - at.moment) / change, straight.moment - at.moment
         numbers = dict(zip(PLANE, values, strict=True)) | across
+        if curves.pieces.config.mesh.formulation != SOFT:
+            _Mapped.save(curves, pressure, (at, bent, straight))
         return SolvedNumbers(numbers, 3 * len(piece.space.points), process_time() - begin)
 
     return curves.number(SolvedNumbers, "numbers", pressure, solve)
+
+
+@dataclass(frozen=True, eq=False)  # arrays inside
+class _Mapped:
+    """The three states of a cell at one pressure as a coarser mesh has them: where Newton's method starts."""
+
+    piece: BendingPiece
+    pressure: float  #: MPa
+    angles: Array  #: (3,) rad, without moment, bent and straight; (0,) where no coarser mesh is known
+    fields: Array  #: (3, n, 10) of them at the nodes of the piece (`fem.cell.mapped.fields_of`)
+
+    @staticmethod
+    def of(curves: PieceCurves, coarser: str, pressure: float) -> "_Mapped":
+        """Nothing where the states on the mesh of that name are not known."""
+        piece, known = curves.pieces.cell, curves.store.load_state(coarser, pressure) if coarser else None
+        if known is None:
+            return _Mapped(piece, in_MPa(pressure), np.empty(0), np.empty((0, 0, 10)))
+        fields = mapped(known["points"], known["nodes"], known["fields"], piece.space.points)
+        return _Mapped(piece, in_MPa(pressure), known["angles"], np.stack(np.split(fields, 3, axis=1)))
+
+    @staticmethod
+    def save(curves: PieceCurves, pressure: float, states: Sequence[PieceState]) -> None:
+        """Keep the three states for a finer mesh."""
+        space, angles = curves.pieces.cell.space, [one.angle for one in states]
+        fields = np.hstack([fields_of(space, one.state) for one in states])
+        name, save = curves.pieces.mesh_name, curves.store.save_state
+        save(name, pressure, points=space.points, nodes=space.nodes, fields=fields, angles=angles)
+
+    def first(self, angle: float) -> PieceState:
+        """A state near that without moment; angle: rad, at which it is solved from rest where nothing is mapped."""
+        piece, rest, failures = self.piece, self.piece.rest(), MAX_FAILURES
+        if len(self.angles) and self.pressure:
+            with suppress(PieceFailed):
+                predicted = moved(piece.system, rest.state, self.fields[0], self.pressure)
+                return piece.solve_near(self.pressure, float(self.angles[0]), predicted, rest)
+            failures = FEW_FAILURES
+        return inflated(piece, self.pressure, angle, failures=failures)
+
+    def bent(self, number: int, angle: float, at: PieceState, start: PieceState) -> PieceState:
+        """The state of that number at an angle in rad, by the mapped way, else from `start`."""
+        if not len(self.angles) or self.angles[number] == self.angles[0]:
+            return self.piece.solve(self.pressure, angle, start)
+        part = (angle - at.angle) / float(self.angles[number] - self.angles[0])
+        change = part * (self.fields[number] - self.fields[0])
+        return self.piece.solve(self.pressure, angle, start, moved(self.piece.system, at.state, change, self.pressure))

@@ -38,7 +38,7 @@ RANDOM_SOFT, RANDOM_LIMIT = (18225, -1.5192, 8.1580), (-1.4875e-3, 8.24)
 def test_arms_with_gaps_lie_between_two_kinds_of_elements(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """The limit of `mixed` elements alone is more than three stated deviations off."""
 
-    def known(curves: PieceCurves, pressure: float, bend: float, length: float) -> SolvedNumbers:
+    def known(curves: PieceCurves, pressure: float, *_: object) -> SolvedNumbers:
         mesh = curves.pieces.config.mesh
         kinds.append(mesh.formulation)
         if mesh.formulation == "p2p0":

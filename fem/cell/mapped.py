@@ -1,0 +1,65 @@
+"""What is known on one mesh of a body, at the nodes of another mesh of it."""
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from fem.discretisation import Discretisation
+from fem.equations.state import State
+from fem.equations.system import System
+from geometry.arrays import Array, Index
+from geometry.topology import EDGES
+
+#: elements with the nearest centroids among which that around a position is sought
+CANDIDATES = 24
+
+
+def mapped(points: Array, nodes: Index, values: Array, positions: Array) -> Array:
+    """Values (m, k) at positions (m, 3), mm, from those at nodes (n, k), by the shape functions of the elements.
+
+    points: (n, 3) mm; nodes: (e, a) of the elements, a = 10 or 4. A position outside of the elements, as behind a round
+    wall, takes the polynomial of that one whose barycentric coordinates are least negative there.
+    """
+    corners = points[nodes[:, :4]]
+    inverse = np.linalg.inv(corners[:, 1:] - corners[:, :1])
+    near = cKDTree(corners.mean(axis=1)).query(positions, min(CANDIDATES, len(nodes)))[1].reshape(len(positions), -1)
+    inner = np.einsum("mci,mcij->mcj", positions[:, None] - corners[near, 0], inverse[near])
+    shares = np.concatenate([1.0 - inner.sum(axis=2, keepdims=True), inner], axis=2)
+    best = np.arange(len(positions)), np.argmax(shares.min(axis=2), axis=1)
+    share = shape = shares[best]
+    if nodes.shape[1] > 4:
+        first, second = np.transpose(EDGES)
+        shape = np.concatenate([share * (2.0 * share - 1.0), 4.0 * share[:, first] * share[:, second]], axis=1)
+    return np.asarray(np.einsum("ma,mak->mk", shape, values[nodes[near[best]]]))
+
+
+def fields_of(space: Discretisation, state: State) -> Array:
+    """(n, 10) displacement, mm, smooth strain and pressure of a state at the nodes.
+
+    The strain is the mean around each vertex; strain and pressure of an edge are the mean of its ends.
+    """
+    count, vertices = len(space.points), space.vertices.ravel()
+    strain = state.strain[:, space.shear_points].mean(axis=1) * space.volume[:, None]
+    weights = np.repeat(np.column_stack([strain, space.volume]), 4, axis=0).T
+    *sums, volume = (np.bincount(vertices, weight, count) for weight in weights)
+    fields = np.zeros((count, 7))
+    fields[:, :6] = np.divide(sums, volume, where=volume > 0.0, out=np.zeros((6, count))).T
+    known = min(count, len(state.pressure))
+    fields[:known, 6] = state.pressure[:known]
+    if space.element.quadratic:
+        fields[space.nodes[:, 4:]] = fields[space.nodes[:, EDGES]].mean(axis=2)
+    return np.hstack([state.displacement, fields])
+
+
+def moved(system: System, base: State, change: Array, factor: float) -> State:
+    """A state with the displacement of `base` and a change of its fields (n, 10), and with the stress that they give.
+
+    Newton's method may start there: the stress need not be that of the displacement, whose kinks at the edges of other
+    elements would make the tangent indefinite.
+    """
+    space = system.space
+    strain = base.strain + np.einsum("qa,eac->eqc", space.vertex_shape, change[space.vertices, 3:9])
+    pressure = system.formulation.pressure_of(strain)
+    if len(pressure) == int(space.vertices.max()) + 1:
+        pressure = base.pressure + change[: len(pressure), 9]
+    stress = system.formulation.evaluate(strain, pressure).stress
+    return State(factor, base.displacement + change[:, :3], pressure, strain, stress)
