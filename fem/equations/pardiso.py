@@ -4,12 +4,11 @@ import ctypes
 import importlib.util
 import os
 import weakref
-from contextlib import suppress
 from functools import cache
 from importlib import metadata
 from pathlib import Path
 from time import perf_counter
-from typing import Any, NamedTuple, final
+from typing import Any, final
 
 import numpy as np
 import scipy.sparse as sp
@@ -44,31 +43,15 @@ PIVOTING = 21
 REFINED_RESIDUAL = 1e-9
 REFINEMENTS = 8
 RESTART = 40
-#: phases of PARDISO; the last one gives the factor back and keeps the analysis
-ANALYSE, FACTORIZE, SOLVE, RELEASE_FACTOR = 11, 22, 33, 0
-#: analyses that no solver uses are kept for later matrices of the same pattern: so many, of fewer unknowns than LARGE.
-#: Each holds about 1.5 kB per unknown
-KEPT = 2
-
-
-class _Analysis(NamedTuple):
-    """A pattern, and the pypardiso solver that has analysed it and holds no factor."""
-
-    indptr: NDArray[Any]  #: (d + 1,)
-    indices: NDArray[Any]  #: (nnz,)
-    solver: Any
-
-
-#: analyses that no solver of this process uses, the latest at the end
-_unused: list[_Analysis] = []
+#: phases of PARDISO
+ANALYSE, FACTORIZE, SOLVE = 11, 22, 33
 
 
 @final
 class Pardiso(LinearSolver):
     """PARDISO of the MKL for real symmetric indefinite matrices (mtype -2), phases 11, 22 and 33 apart.
 
-    The ordering follows from the number of unknowns and the entries of the factor (LARGE, FILLED). The analysis of a
-    solver that was closed serves the next one with a matrix of the same pattern.
+    The ordering follows from the number of unknowns and the entries of the factor (LARGE, FILLED).
 
     A factor that would not fit into `memory` (bytes; by default what the machine has to spare when the matrix is
     analysed) is made in single precision, half as large; solutions then come from GMRES in double precision with that
@@ -77,17 +60,13 @@ class Pardiso(LinearSolver):
 
     def __init__(self, memory: float | None = None, large: int = LARGE) -> None:
         """large: number of unknowns from which on nested dissection and two levels are taken."""
-        self._own(_new_solver())
+        self._solver = _new_solver()
+        weakref.finalize(self, _release, self._solver)
         self._memory, self._large = memory, large
         self._matrix = sp.csr_matrix((0, 0))
         self._data = np.empty(0)
-        self._failed = False  #: whether PARDISO has reported an error since the last analysis began
         self.times = LinearTimes()
         self.generation = 0
-
-    def _own(self, solver: Any) -> None:
-        """Take a pypardiso solver, whose memory is given back when this object is deleted."""
-        self._solver, self._finalizer = solver, weakref.finalize(self, _release, solver)
 
     def _call(self, phase: int, right: Array) -> Array:
         """One phase on the present matrix. pypardiso's own call would copy row starts and columns twice each time."""
@@ -100,10 +79,6 @@ class Pardiso(LinearSolver):
         pardiso = solver._mkl_pardiso
         arguments = zip((*values, right, solution, error), pardiso.argtypes, strict=True)
         pardiso(*(_pointer(value, kind) for value, kind in arguments))
-        if error[0] == -2 and _unused:
-            forget_unused_analyses()
-            return self._call(phase, right)
-        self._failed |= bool(error[0])
         if error[0] == -2:
             raise MemoryError("PARDISO: the factor does not fit into memory; choose a coarser mesh")
         if error[0]:
@@ -123,13 +98,12 @@ class Pardiso(LinearSolver):
     def analyse(self, indptr: NDArray[Any], indices: NDArray[Any]) -> None:
         start = perf_counter()
         self.close()
-        spare = self._spare
-        is_large, self._failed = indptr.shape[0] - 1 >= self._large, False
-        if is_large or not self._take(indptr, indices, spare):
-            self._order(NESTED_DISSECTION if is_large else MINIMUM_DEGREE, indptr, indices, spare)
-            if not is_large and self._solver.get_iparm(ENTRIES) > FILLED * indices.shape[0]:
-                _release(self._solver)
-                self._order(NESTED_DISSECTION, indptr, indices, spare)
+        spare = spare_memory() if self._memory is None else self._memory
+        is_large = indptr.shape[0] - 1 >= self._large
+        self._order(NESTED_DISSECTION if is_large else MINIMUM_DEGREE, indptr, indices, spare)
+        if not is_large and self._solver.get_iparm(ENTRIES) > FILLED * indices.shape[0]:
+            _release(self._solver)
+            self._order(NESTED_DISSECTION, indptr, indices, spare)
         self.times.analysis += perf_counter() - start
         self.times.analyses += 1
 
@@ -142,35 +116,9 @@ class Pardiso(LinearSolver):
             self._solver.set_iparm(ENTRIES, -1)
             self._matrix = _ones(indptr, indices, kind)
             self._call(ANALYSE, np.zeros(indptr.shape[0] - 1))
-            if self.single or self._fits(spare):
+            if self.single or self.factor_bytes < spare:
                 break
             _release(self._solver)
-
-    @property
-    def _spare(self) -> float:
-        """Bytes for the factor."""
-        return spare_memory() if self._memory is None else self._memory
-
-    def _fits(self, spare: float) -> bool:
-        """Whether the factor fits into `spare` bytes, or into what there is without the analyses nobody uses."""
-        if self.factor_bytes >= spare and _unused:
-            forget_unused_analyses()
-            spare = self._spare
-        return self.factor_bytes < spare
-
-    def _take(self, indptr: NDArray[Any], indices: NDArray[Any], spare: float) -> bool:
-        """Use an unused analysis of this pattern, of a factor that fits into `spare` bytes; whether there is one."""
-        for position, kept in enumerate(_unused):
-            if np.array_equal(kept.indptr, indptr) and np.array_equal(kept.indices, indices):
-                del _unused[position]
-                self._finalizer.detach()
-                self._own(kept.solver)
-                self._matrix = _ones(indptr, indices, np.float64)
-                if self._fits(spare):
-                    return True
-                _release(self._solver)
-                break
-        return False
 
     def factorize(self, data: Array) -> None:
         self.generation += 1
@@ -226,39 +174,13 @@ class Pardiso(LinearSolver):
 
     def close(self) -> None:
         self.generation += 1
-        if self._serves_others and self._without_factor():
-            kept = _Analysis(self._matrix.indptr, self._matrix.indices, self._solver)
-            self._finalizer.detach()
-            self._own(_new_solver())
-            _unused.append(kept)
-            if len(_unused) > KEPT:
-                _release(_unused.pop(0).solver)
-        else:
-            _release(self._solver)
+        _release(self._solver)
         self._matrix, self._data = sp.csr_matrix((0, 0)), np.empty(0)
-
-    @property
-    def _serves_others(self) -> bool:
-        """Whether the analysis is worth keeping: there is one, of a matrix that is not large, in double precision."""
-        is_sound = self._solver.pt.any() and not self._failed
-        return bool(is_sound and not self.single and self._matrix.shape[0] < self._large)
-
-    def _without_factor(self) -> bool:
-        """Give the factor back and keep the analysis; whether that worked."""
-        with suppress(SingularMatrix, MemoryError):
-            self._call(RELEASE_FACTOR, np.zeros(self._matrix.shape[0]))
-        return not self._failed
 
 
 def available_solver() -> type[LinearSolver]:
     """PARDISO where its package is installed, SuperLU elsewhere (ARM has no MKL wheel)."""
     return Pardiso if importlib.util.find_spec("pypardiso") else SuperLU
-
-
-def forget_unused_analyses() -> None:
-    """Give the memory of all analyses back that no solver uses."""
-    while _unused:
-        _release(_unused.pop().solver)
 
 
 def _ones(indptr: NDArray[Any], indices: NDArray[Any], kind: type[np.floating[Any]]) -> sp.csr_matrix:

@@ -156,9 +156,7 @@ def mkl_bytes() -> int:
 
 
 @WITH_PARDISO
-def test_a_closed_solver_has_released_its_memory(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Its factor always; its analysis where none is kept."""
-    monkeypatch.setattr(pardiso, "_unused", [])
+def test_a_closed_solver_has_released_its_memory() -> None:
     chain = 2 * np.eye(40) - np.eye(40, k=1) - np.eye(40, k=-1)
     matrix = np.kron(chain, np.eye(40)) + np.kron(np.eye(40), chain)
     before = mkl_bytes()
@@ -169,85 +167,7 @@ def test_a_closed_solver_has_released_its_memory(monkeypatch: pytest.MonkeyPatch
         solver.close()
         assert not solver._solver.pt.any()
         assert mkl_bytes() < held
-    assert mkl_bytes() > before, "one analysis is kept"
-    pardiso.forget_unused_analyses()
     assert mkl_bytes() == before
-
-
-@WITH_PARDISO
-def test_the_analysis_of_a_closed_solver_serves_the_next_one_of_its_pattern(monkeypatch: pytest.MonkeyPatch) -> None:
-    phases: list[int] = []
-    call = Pardiso._call
-    monkeypatch.setattr(Pardiso, "_call", lambda self, phase, right: phases.append(phase) or call(self, phase, right))
-    monkeypatch.setattr(pardiso, "_unused", [])
-    matrix, right = indefinite(200, 3, seed=11), np.linspace(1.0, 2.0, 200)
-
-    def solution(factor: float) -> Array:
-        solver = factorized(Pardiso, factor * matrix)
-        try:
-            return solver.solve(right)
-        finally:
-            assert solver.negative_pivots == 3
-            solver.close()
-
-    first, double, again = solution(1.0), solution(2.0), solution(1.0)
-    assert phases.count(pardiso.ANALYSE) == 1
-    np.testing.assert_array_equal(first, again)
-    np.testing.assert_allclose(double, 0.5 * first, rtol=1e-9)
-    both = [factorized(Pardiso, matrix) for _ in range(2)]  # an analysis in use is not shared
-    assert phases.count(pardiso.ANALYSE) == 2
-    np.testing.assert_array_equal(both[0].solve(right), first)
-    np.testing.assert_array_equal(both[1].solve(right), first)
-
-
-@WITH_PARDISO
-def test_few_analyses_are_kept_and_none_that_is_large_or_single_or_failed(monkeypatch: pytest.MonkeyPatch) -> None:
-    analyses: list[pardiso._Analysis] = []
-    monkeypatch.setattr(pardiso, "_unused", analyses)
-    single = factorized(in_single_precision, np.eye(9))
-    for size in range(20, 20 + 2 * pardiso.KEPT):
-        factorized(Pardiso, indefinite(size, 1, seed=size)).close()
-    sizes = [analysis.indptr.shape[0] - 1 for analysis in analyses]
-    assert sizes == list(range(20 + pardiso.KEPT, 20 + 2 * pardiso.KEPT))
-    failed = factorized(Pardiso, indefinite(10, 0, seed=1))
-    failed._failed = True
-    for solver in (failed, single, factorized(of_large_matrices, np.eye(8))):
-        solver.close()
-        assert not solver._solver.pt.any()
-    assert [analysis.indptr.shape[0] - 1 for analysis in analyses] == sizes
-
-
-@WITH_PARDISO
-def test_an_error_while_a_factor_is_given_back_is_not_raised(monkeypatch: pytest.MonkeyPatch) -> None:
-    """It would hide why the path ended."""
-    analyses: list[pardiso._Analysis] = []
-    monkeypatch.setattr(pardiso, "_unused", analyses)
-    solver, call = factorized(Pardiso, indefinite(30, 2, seed=1)), Pardiso._call
-
-    def failing(self: Pardiso, phase: int, right: Array) -> Array:
-        if phase == pardiso.RELEASE_FACTOR:
-            self._failed = True
-            raise SingularMatrix("PARDISO stopped with error -1")
-        return call(self, phase, right)
-
-    monkeypatch.setattr(Pardiso, "_call", failing)
-    solver.close()
-    assert not solver._solver.pt.any()
-    assert not analyses
-
-
-@WITH_PARDISO
-def test_unused_analyses_make_room_before_single_precision_is_taken(monkeypatch: pytest.MonkeyPatch) -> None:
-    """What was solved before must not decide about the precision."""
-    monkeypatch.setattr(pardiso, "_unused", [])
-    factorized(Pardiso, indefinite(30, 2, seed=1)).close()
-    spare = iter([0.0, 1e9])
-    monkeypatch.setattr(pardiso, "spare_memory", lambda: next(spare))
-    solver = Pardiso()
-    triangle = upper(indefinite(40, 2, seed=2))
-    solver.analyse(triangle.indptr, triangle.indices)
-    assert not solver.single
-    assert not pardiso._unused
 
 
 @WITH_PARDISO
