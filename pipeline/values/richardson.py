@@ -80,8 +80,7 @@ def extrapolate(
     candidates = np.linspace(low, high, _ORDERS if low < high else 1)
     if not np.ptp(v) > 0.0:
         return Extrapolated(finest, finest, 0.0, float(candidates.mean()), float(candidates.std()))
-    fits = np.array([_fit(h / h.min(), v, order) for order in candidates])
-    limits, variances, squares = fits.T
+    limits, variances, squares = _fits(h / h.min(), v, candidates)
     weights = _weights(squares, len(h))
     limit, order = float(weights @ limits), float(weights @ candidates)
     spread = float(weights @ ((limits - limit) ** 2 + variances))
@@ -100,14 +99,15 @@ def extrapolate_all(by_size: Mapping[float, Mapping[str, float]]) -> dict[str, E
     return found
 
 
-def _fit(h: Array, v: Array, order: float) -> tuple[float, float, float]:
-    """v_0 at one order, its variance due to the scatter, and the sum of squares of the scatter, prior included."""
-    rows = np.column_stack([np.ones(len(h)), h**order])
-    inverse = np.linalg.inv(rows.T @ rows)
-    fitted = inverse @ (rows.T @ v)
-    squares = float(np.sum((v - rows @ fitted) ** 2)) + PRIOR_OBSERVATIONS * (SCATTER * float(np.ptp(v))) ** 2
+def _fits(h: Array, v: Array, orders: Array) -> tuple[Array, Array, Array]:
+    """v_0 at each order, its variance due to the scatter, and the sum of squares of the scatter, prior included."""
+    columns = np.stack([np.ones((len(orders), len(h))), h ** orders[:, None]], axis=1)
+    rows = columns.transpose(0, 2, 1)
+    inverse = np.linalg.inv(columns @ rows)
+    fitted = inverse @ (columns @ v)[..., None]
+    squares = np.sum((v - (rows @ fitted)[..., 0]) ** 2, axis=1) + PRIOR_OBSERVATIONS * (SCATTER * np.ptp(v)) ** 2
     # so few observations follow Student's distribution, whose variance has two degrees of freedom less
-    return float(fitted[0]), float(inverse[0, 0]) * squares / (len(h) - 4 + PRIOR_OBSERVATIONS), squares
+    return fitted[:, 0, 0], inverse[:, 0, 0] * squares / (len(h) - 4 + PRIOR_OBSERVATIONS), squares
 
 
 def _weights(squares: Array, count: int) -> Array:
