@@ -1,6 +1,7 @@
 """What is known on one mesh of a body, at the nodes of another mesh of it."""
 
 import numpy as np
+import scipy.sparse as sp
 from scipy.spatial import cKDTree
 
 from fem.discretisation import Discretisation
@@ -37,17 +38,17 @@ def fields_of(space: Discretisation, state: State) -> Array:
 
     The strain is the mean around each vertex; strain and pressure of an edge are the mean of its ends.
     """
-    count, vertices = len(space.points), space.vertices.ravel()
-    strain = state.strain[:, space.shear_points].mean(axis=1) * space.volume[:, None]
-    weights = np.repeat(np.column_stack([strain, space.volume]), 4, axis=0).T
-    *sums, volume = (np.bincount(vertices, weight, count) for weight in weights)
-    fields = np.zeros((count, 7))
-    fields[:, :6] = np.divide(sums, volume, where=volume > 0.0, out=np.zeros((6, count))).T
-    known = min(count, len(state.pressure))
-    fields[:known, 6] = state.pressure[:known]
+    count, (elements, corners) = len(space.points), space.vertices.shape
+    belongs = space.vertices.ravel(), np.repeat(np.arange(elements), corners)
+    incidence = sp.csr_array((np.ones(elements * corners), belongs), (count, elements))
+    sums = incidence @ state.strain[:, space.shear_points].mean(axis=1)
+    fields = np.hstack(
+        [state.displacement, sums / np.maximum(incidence.sum(axis=1), 1.0)[:, None], np.zeros((count, 1))]
+    )
+    fields[: len(state.pressure), 9] = state.pressure[:count]
     if space.element.quadratic:
-        fields[space.nodes[:, 4:]] = fields[space.nodes[:, EDGES]].mean(axis=2)
-    return np.hstack([state.displacement, fields])
+        fields[space.nodes[:, 4:], 3:] = fields[space.nodes[:, EDGES], 3:].mean(axis=2)
+    return np.asarray(fields)
 
 
 def moved(system: System, base: State, change: Array, factor: float) -> State:
