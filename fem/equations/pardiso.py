@@ -109,13 +109,14 @@ class Pardiso(LinearSolver):
 
     def _order(self, ordering: int, indptr: NDArray[Any], indices: NDArray[Any], spare: float) -> None:
         """Analyse a pattern with an ordering, in single precision if its factor does not fit into `spare` bytes."""
+        size = indptr.shape[0] - 1
         self._solver.set_iparm(2, ordering)
         self._solver.set_iparm(TWO_LEVEL, int(ordering == NESTED_DISSECTION))
         for kind, precision in ((np.float64, 0), (np.float32, 1)):
             self._solver.set_iparm(28, precision)
             self._solver.set_iparm(ENTRIES, -1)
-            self._matrix = _ones(indptr, indices, kind)
-            self._call(ANALYSE, np.zeros(indptr.shape[0] - 1))
+            self._matrix = sp.csr_matrix((np.ones(indices.shape[0], kind), indices, indptr), shape=(size, size))
+            self._call(ANALYSE, np.zeros(size))
             if self.single or self.factor_bytes < spare:
                 break
             _release(self._solver)
@@ -129,17 +130,13 @@ class Pardiso(LinearSolver):
         for pairs in (0, 1):
             self._solver.set_iparm(PIVOTING, pairs)
             self._call(FACTORIZE, np.zeros(self._matrix.shape[0]))
-            if not self._replaced_pivots:
+            replaced = int(self._solver.get_iparm(14))  # pivots that were too small: PARDISO goes on with others
+            if not replaced:
                 break
         self.times.factorization += perf_counter() - start
         self.times.factorizations += 1
-        if self._replaced_pivots:
+        if replaced:
             raise SingularMatrix(SINGULAR)
-
-    @property
-    def _replaced_pivots(self) -> bool:
-        """Whether pivots were too small: PARDISO replaces them and goes on."""
-        return int(self._solver.get_iparm(14)) > 0
 
     def solve(self, right: Array) -> Array:
         start = perf_counter()
@@ -181,12 +178,6 @@ class Pardiso(LinearSolver):
 def available_solver() -> type[LinearSolver]:
     """PARDISO where its package is installed, SuperLU elsewhere (ARM has no MKL wheel)."""
     return Pardiso if importlib.util.find_spec("pypardiso") else SuperLU
-
-
-def _ones(indptr: NDArray[Any], indices: NDArray[Any], kind: type[np.floating[Any]]) -> sp.csr_matrix:
-    """The matrix of a pattern before its values are known."""
-    size = indptr.shape[0] - 1
-    return sp.csr_matrix((np.ones(indices.shape[0], kind), indices, indptr), shape=(size, size))
 
 
 def _new_solver() -> Any:

@@ -5,7 +5,7 @@ bend it a little, and what to straighten it. They are solved on finer meshes, un
 enough. Limits are beside those of much finer meshes in studies/cell.md.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from math import hypot, inf, sqrt
@@ -14,11 +14,11 @@ from time import process_time
 import numpy as np
 
 from fem.cell.lateral import lateral_rigidities
-from fem.cell.mapped import fields_of, mapped, moved
 from fem.cell.piece import BendingPiece, PieceFailed, PieceState
 from fem.cell.response import MAX_FAILURES, inflated
 from fem.elements import MOST_ACCURATE
 from fem.equations.linear import SingularMatrix
+from fem.post.mapped import fields_of, mapped, moved
 from geometry import Reason
 from geometry.arrays import Array
 from pipeline.law.mesh_limit import PLANE, CellMesh, Limits, MeshLimit, Numbers, change_for, scales_of
@@ -200,7 +200,10 @@ def solve_numbers(curves: PieceCurves, pressure: float, bend: float, length: flo
         values = kappa_0, (bent.moment - at.moment) / change, straight.moment - at.moment
         numbers = dict(zip(PLANE, values, strict=True)) | across
         if curves.pieces.config.mesh.formulation != SOFT:
-            _Mapped.save(curves, pressure, (at, bent, straight))
+            fields = np.hstack([fields_of(piece.space, one.state) for one in (at, bent, straight)])
+            mesh = {"points": piece.space.points, "nodes": piece.space.nodes, "fields": fields}
+            angles = np.array([at.angle, bent.angle, straight.angle])
+            curves.store.save_state(curves.pieces.mesh_name, pressure, angles=angles, **mesh)
         return SolvedNumbers(numbers, 3 * len(piece.space.points), process_time() - begin)
 
     return curves.number(SolvedNumbers, "numbers", pressure, solve)
@@ -213,7 +216,7 @@ class _Mapped:
     piece: BendingPiece
     pressure: float  #: MPa
     angles: Array  #: (3,) rad, without moment, bent and straight; (0,) where no coarser mesh is known
-    fields: Array  #: (3, n, 10) of them at the nodes of the piece (`fem.cell.mapped.fields_of`)
+    fields: Array  #: (3, n, 10) of them at the nodes of the piece (`fem.post.mapped.fields_of`)
 
     @staticmethod
     def of(curves: PieceCurves, coarser: str, pressure: float) -> "_Mapped":
@@ -224,23 +227,14 @@ class _Mapped:
         fields = mapped(known["points"], known["nodes"], known["fields"], piece.space.points)
         return _Mapped(piece, in_MPa(pressure), known["angles"], np.stack(np.split(fields, 3, axis=1)))
 
-    @staticmethod
-    def save(curves: PieceCurves, pressure: float, states: Sequence[PieceState]) -> None:
-        """Keep the three states for a finer mesh."""
-        space, angles = curves.pieces.cell.space, [one.angle for one in states]
-        fields = np.hstack([fields_of(space, one.state) for one in states])
-        name, save = curves.pieces.mesh_name, curves.store.save_state
-        save(name, pressure, points=space.points, nodes=space.nodes, fields=fields, angles=angles)
-
     def first(self, angle: float) -> PieceState:
         """A state near that without moment; angle: rad, at which it is solved from rest where nothing is mapped."""
-        piece, rest, failures = self.piece, self.piece.rest(), MAX_FAILURES
-        if len(self.angles) and self.pressure:
-            with suppress(PieceFailed):
+        piece, rest, is_known = self.piece, self.piece.rest(), len(self.angles) > 0
+        with suppress(PieceFailed):
+            if is_known and self.pressure:
                 predicted = moved(piece.system, rest.state, self.fields[0], self.pressure)
                 return piece.solve_near(self.pressure, float(self.angles[0]), predicted, rest)
-            failures = FEW_FAILURES
-        return inflated(piece, self.pressure, angle, failures=failures)
+        return inflated(piece, self.pressure, angle, failures=FEW_FAILURES if is_known else MAX_FAILURES)
 
     def bent(self, number: int, angle: float, at: PieceState, start: PieceState) -> PieceState:
         """The state of that number at an angle in rad, by the mapped way, else from `start`."""
