@@ -1,0 +1,50 @@
+"""States of a piece on one mesh, at the nodes of another one; and the factor of an earlier iteration, used again."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from fem import StVenantKirchhoff
+from fem.cell import piece as pieces
+from fem.cell.piece import BendingPiece
+from fem.cell.response import inflated
+from fem.discretisation import Discretisation
+from fem.post.mapped import fields_of, mapped, moved
+from geometry import PneuNet, SemicircularSingle
+from tests.pieces import half_cell
+
+SVK = StVenantKirchhoff(E=1.2, nu=0.495)
+DESIGN = SemicircularSingle()
+
+
+@pytest.mark.parametrize(("formulation", "degree"), [("mixed", 2), ("p1", 1)])
+def test_fields_of_the_degree_of_the_elements_are_mapped_exactly(formulation: str, degree: int) -> None:
+    first, second = (Discretisation.of(half_cell(PneuNet(), size).mesh, formulation) for size in (5.0, 4.0))
+
+    def field(points: np.ndarray) -> np.ndarray:
+        x, y, z = points.T
+        return np.stack([1.0 + x - 2.0 * y, z + (x * y if degree == 2 else 0.0)], axis=1)
+
+    values = mapped(first.points, first.nodes, field(first.points), second.points)
+    np.testing.assert_allclose(values, field(second.points), atol=1e-9)
+
+
+def test_a_mapped_state_is_near_the_equilibrium_of_a_finer_mesh() -> None:
+    coarse, fine = (BendingPiece(half_cell(DESIGN, size), SVK, "mirror", "mixed") for size in (6.0, 4.0))
+    known = inflated(coarse, 0.02, -0.02)
+    fields = mapped(coarse.space.points, coarse.space.nodes, fields_of(coarse.space, known.state), fine.space.points)
+    near = fine.solve_near(0.02, -0.02, moved(fine.system, fine.rest().state, fields, 0.02), fine.rest())
+    from_rest = inflated(BendingPiece(fine.body, SVK, "mirror", "mixed"), 0.02, -0.02)
+    assert near.moment == pytest.approx(from_rest.moment, rel=1e-6)
+    assert near.factorizations <= from_rest.factorizations
+
+
+def test_a_factor_that_is_used_again_gives_the_same_equilibrium(monkeypatch: pytest.MonkeyPatch) -> None:
+    body, found = half_cell(DESIGN, 5.0), []
+    for reuses in (True, False):
+        monkeypatch.setattr(pieces, "OPTIONS", replace(pieces.OPTIONS, reuses=reuses))
+        found.append(inflated(BendingPiece(body, SVK, "mirror", "mixed"), 0.02, -0.02))
+    again, anew = found
+    assert again.factorizations < anew.factorizations
+    assert again.moment == pytest.approx(anew.moment, rel=1e-6)
