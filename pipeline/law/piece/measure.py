@@ -22,7 +22,7 @@ from rod.arm_law.curves import CellCurve
 from rod.cubics import cubic, cubic_slope
 
 #: intervals of the first sweep to either side, and how often one is divided where its cubic is not good enough
-INTERVALS, DIVISIONS = 3, 6
+INTERVALS, DIVISIONS = 2, 6
 #: smallest part into which an interval is divided
 NEAREST = 0.15
 #: the last step goes this many times as far as the law needs; smallest part of a step
@@ -285,9 +285,15 @@ def _keep_rising(sweep: CellSweep, middle: CellPoint, half_pitch: float) -> None
 
 def _largest_error(first: CellPoint, second: CellPoint) -> float:
     """How far the cubic between two points misses at most if a kink between straight lines lies between them, rad: in
-    the middle, by an eighth of the interval times the change of the slope."""
-    step = second.moment - first.moment
-    return abs(step * (1.0 / first.slopes.moment_by_angle - 1.0 / second.slopes.moment_by_angle)) / 8.0
+    the middle, by an eighth of the interval times the change of the slope.
+
+    A quarter of that where no walls touch, or of what the mean slope leaves of the angle: no kink is there.
+    """
+    step, slopes = second.moment - first.moment, [1.0 / p.slopes.moment_by_angle for p in (first, second)]
+    kink = abs(step * (slopes[1] - slopes[0])) / 8.0
+    if first.state.touches or second.state.touches:
+        return kink
+    return max(kink, abs(second.state.angle - first.state.angle - 0.5 * step * sum(slopes))) / 4.0
 
 
 def _cubic_error(first: CellPoint, second: CellPoint, middle: CellPoint) -> float:
