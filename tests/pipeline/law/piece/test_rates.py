@@ -16,7 +16,7 @@ from pipeline.config.load import load_config
 from pipeline.law.cells import cell_at
 from pipeline.law.ends import CLAMP, TIP, end_curves
 from pipeline.law.mesh_limit import Corrections, across_on, corrected
-from pipeline.law.piece import in_space
+from pipeline.law.piece import in_space, measure
 from pipeline.law.piece.rates import law_rates, material_steps
 from pipeline.law.pieces import ArmPieces
 from pipeline.law.tasks import PieceCurves
@@ -31,6 +31,8 @@ CONFIGS = Path(__file__).resolve().parent.parent.parent.parent.parent / "configs
 PRESSURE, BEND = 20.0, -0.012
 #: mm
 CHANGE = 0.01
+#: error of the curves of laws whose difference is a small one
+FINE = 3e-4
 
 
 def config(*settings: str) -> Config:
@@ -100,7 +102,10 @@ def test_moduli_times_a_factor_need_no_finite_elements() -> None:
 
 
 @pytest.mark.parametrize("name", ["wall", "chamber_length"])
-def test_by_a_dimension_as_laws_of_moved_meshes_differ(name: str) -> None:
+def test_by_a_dimension_as_laws_of_moved_meshes_differ(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(measure, "TOLERANCE", FINE)  # what laws miss between their states is not the same in all three
+    here = law_at_one_pressure(pieces())
+
     def moved(change: float) -> ArmLaw:
         design, movement = pieces().design, pieces().movements[name]
         assert isinstance(movement, Movement)
@@ -112,7 +117,7 @@ def test_by_a_dimension_as_laws_of_moved_meshes_differ(name: str) -> None:
 
     less, more = moved(-CHANGE), moved(CHANGE)
     key = f"geometry.{name}"
-    ours = [law().with_changes({key: sign * CHANGE}) for sign in (-1.0, 1.0)]
+    ours = [here.with_changes({key: sign * CHANGE}) for sign in (-1.0, 1.0)]
     for number in (
         lambda one: one.at(PRESSURE).section.kappa_0,
         lambda one: float(one.cells[0].at(0.0)[1]),
@@ -121,7 +126,7 @@ def test_by_a_dimension_as_laws_of_moved_meshes_differ(name: str) -> None:
     ):
         expected = number(more) - number(less)
         assert number(ours[1]) - number(ours[0]) == pytest.approx(expected, rel=0.01)
-    own, low, high, *changed = (np.array(list(across_on(one.cells[0]).values())) for one in (law(), less, more, *ours))
+    own, low, high, *changed = (np.array(list(across_on(one.cells[0]).values())) for one in (here, less, more, *ours))
     # the wall hardly changes B_2; curves between two states leave 3e-4 of it per mm
     assert (changed[1] - changed[0]) / own == pytest.approx((high - low) / own, rel=0.01, abs=4e-4 * 2.0 * CHANGE)
     rate = law().rates[key]
