@@ -175,7 +175,9 @@ class CellMeasurer:
             with suppress(RodError):  # the task says so
                 differs = float(measure_disagreement(lower.placed, upper.placed)[1].max())
             is_known = differs <= allowed or LEAST_ERROR * differs > allowed
-            begun.append((one, Pending.done(Measured(differs)) if is_known else self.tasks.submit(miss_between, lower, upper)))
+            begun.append(
+                (one, Pending.done(Measured(differs)) if is_known else self.tasks.submit(miss_between, lower, upper))
+            )
         for one, pending in begun:
             try:
                 deviation = pending.result()

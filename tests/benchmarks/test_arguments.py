@@ -12,6 +12,7 @@ WRONG = {
     "exports": (["x"],),
     "foreign": (["x"],),
     "kills": (["x"],),
+    "law_work": ([],),
     "loads_along": (["x"],),
     "run": ([],),
     "space": (["x"],),
