@@ -93,9 +93,9 @@ def _told(path: Path, state: State, motion: Sequence[Row]) -> list[Row]:
         begun = ringing.begun + QUIET * period
         found.append(Row(motion[0].line, free, dict(zip(VIBRATION, ringing[:2], strict=True))))
     if not any(state.force_N):  # of which the rubber remembers little
-        for k, (at, *means) in _means(time, values, begun, period):
+        for k, (place, *means) in _means(time, values, begun, period):
             mean = dict(zip(names, means, strict=True))
-            found.append(Row(after[k].line, replace(free, t_s=at), mean))
+            found.append(Row(after[k].line, replace(free, t_s=place), mean))
     if not found:
         raise InputError(
             f"{where}: this motion tells nothing; follow it for a longer time, or until it has swung {TOPS} times"
