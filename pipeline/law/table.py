@@ -92,7 +92,8 @@ def _contact(cell: CellCurve) -> str:
 def law_remarks(measured: MeasuredLaw) -> Iterator[Reason]:
     """How the law was interpolated, which mesh was taken, and where it ends."""
     values = {"half_cells": measured.half_cells, "along_percent": 100.0 * measured.error_along}
-    yield Reason("law_interpolated", values | {"between_percent": 100.0 * (measured.error_between or 0.0)})
+    if not measured.draft:  # which says nothing about what lies between
+        yield Reason("law_interpolated", values | {"between_percent": 100.0 * (measured.error_between or 0.0)})
     if measured.limit is not None:
         yield from measured.limit.remarks
     yield from measured.limits
