@@ -46,7 +46,7 @@ def rubber_of(material: Mapping[str, Any], first_Hz: Callable[[], float]) -> tup
         return slow, "Its rubber has the branches of material.relaxation."
     low, high = band or (first_Hz() * part for part in BAND)
     fast = Relaxation.from_loss_factor(loss, low, high)
-    told = f"Its rubber has a loss factor of {loss:g} from {low:.2g} to {high:.2g} Hz"
+    told = f"Its rubber has a loss factor of {loss:.3g} from {low:.2g} to {high:.2g} Hz"
     both = Relaxation((*fast.shares, *slow.shares), (*fast.times_s, *slow.times_s))
     return both, f"{told}, and the branches of material.relaxation." if slow.shares else f"{told}."
 
