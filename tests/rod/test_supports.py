@@ -171,7 +171,7 @@ def test_what_holds_an_arm_has_an_exact_tangent(held: dict[str, Any]) -> None:
 
     def parts(moved: StateArrays) -> tuple[Array, Array, assembly.Tangent]:
         room = room_for(made.chain, len(state.reaction))
-        assembly.assemble(section, made.ends, made.chain, made.load, moved, 1.0, room)
+        assembly.assemble(section, made.ends, made.chain, made.load, moved, 1.0, room, False)
         return room.residual, room.missed, room
 
     def difference(name: str, place: int) -> tuple[Array, Array]:
