@@ -51,10 +51,10 @@ class Body:
 
     law: Any  #: one with `at(pressures)`, such as `ArmLaw` or `PressurisedRod`; or a `Rod`, whose pressure stays
     relaxation: Relaxation = ELASTIC  #: of the forces of its sections
-    felt: Relaxation | None = None  #: of the pressure that is felt; None: the same
     mass: Mass | None = None  #: None: that of the law
     #: mm2, mean squares of its distance from its centre, along y and z; None: its rigidities over that against stretch
     spread: tuple[float, float] | None = None
+    felt: Relaxation | None = None  #: of the pressure that is felt; None: the same
 
     def at(self, pressures: Array) -> Arm:
         """The arm at pressures (c,) in kPa. Raises `RodError` as the law does."""
