@@ -1,7 +1,7 @@
 # %% [markdown]
 # # The swing of an arm in PyElastica
 #
-# The pressure is let out at once. How long does the arm swing? `pneurod` itself knows no motion; PyElastica does.
+# The pressure is let out at once. How long does the arm swing? PyElastica tells, as `pneurod move` does.
 
 # %%
 import runpy

@@ -42,8 +42,8 @@ OUT_OF_PLANE = "out_of_plane"
 TOLERANCES = "tolerances"
 #: code of the remark on the arm in time, which has one too
 IN_TIME = "in_time"
-#: code of the remark that takes the place of that on tolerances where the arm was calibrated to a measurement
-CALIBRATED = "calibrated"
+#: codes of the remark that takes the place of that on tolerances where the arm was calibrated to a measurement
+CALIBRATED = ("calibrated", "calibrated_alone")
 #: code of the remark that a fit to a measurement is no calibration
 NOT_CALIBRATED = "not_calibrated"
 #: codes of remarks by rank; others follow in the order in which they were found
@@ -187,7 +187,7 @@ def verdict_of(run: Run) -> Verdict:
         mesh=mesh,
         pressures_kPa=_pressures(run, rod) if rod else None,
         moments_N_mm=_moments(run, rod) if rod else None,
-        tolerances=next((remark for remark in run.remarks if remark.code in (TOLERANCES, CALIBRATED)), None),
+        tolerances=next((remark for remark in run.remarks if remark.code in (TOLERANCES, *CALIBRATED)), None),
         in_time=next((remark for remark in run.remarks if remark.code == IN_TIME), None),
         command=_use(run, rod) if usable else _instead(run, rod, mesh),
         failures=run.failures,
@@ -286,7 +286,7 @@ def _warnings(run: Run, rod: str, mesh: MeshErrors, refusal: Reported | None) ->
         of_rod.append(report_reason(uncertain))
     if rod in (FIVE, EXTENSIBLE):
         of_rod.append(report_reason(Reason("offsets_bend")))
-    said = {TOLERANCES, CALIBRATED, IN_TIME} | {reason.code for reason in (*run.failures, *filter(None, [refusal]))}
+    said = {TOLERANCES, *CALIBRATED, IN_TIME} | {reason.code for reason in (*run.failures, *filter(None, [refusal]))}
     shown = [remark for remark in run.remarks if remark.code not in said]
     ranked = sorted(shown, key=lambda remark: RANKS.index(remark.code) if remark.code in RANKS else len(RANKS))
     known = [remark for remark in ranked if remark.code in RANKS]

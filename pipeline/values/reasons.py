@@ -160,6 +160,8 @@ TEMPLATES: Mapping[str, str] = {
     "{damping_ratio_1:.2g}), settles in {settles_s:.2g} s and creeps by {creep_after_1_s_mm:.2g} mm after 1 s",
     "calibrated": "calibrated to {numbers} numbers: the tip is within {percent:.2g} % of the length in nine of ten "
     "cases; tolerances alone move it by {before:.2g} %",
+    "calibrated_alone": "calibrated to {numbers} numbers: the tip is within {percent:.2g} % of the length in nine of "
+    "ten cases",
     "not_calibrated": "do not use this rod: it misses {percent:.0f} % of the measured motion, most in line "
     "{line}: {quantity} is {measured:.4g}, the rod has {fitted:.4g}",
     "draft": "this is a {draft}; the same command without --draft finds it",

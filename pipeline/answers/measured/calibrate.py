@@ -94,16 +94,11 @@ def _in_time(run: Run, found: Calibration) -> Sequence[Reported]:
 
 def _remark(run: Run, found: Calibration) -> Reason:
     """What the calibration makes of the tip, for the verdict."""
-    length, deviations = found.law.length, found.next_measurement.tip_std_mm
-    before = budget_of(run)
-    return Reason(
-        "calibrated",
-        {
-            "numbers": len(found.predictions),
-            "percent": 100.0 * found.posterior.quantile * deviations / length,
-            "before": 100.0 * before.total("tip") if before else float("nan"),
-        },
-    )
+    percent = 100.0 * found.posterior.quantile * found.next_measurement.tip_std_mm / found.law.length
+    values = {"numbers": len(found.predictions), "percent": percent}
+    if before := budget_of(run):
+        return Reason("calibrated", {**values, "before": 100.0 * before.total("tip")})
+    return Reason("calibrated_alone", values)
 
 
 def estimates_table(found: Calibration) -> Table:
