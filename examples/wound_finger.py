@@ -16,7 +16,8 @@ folder = Path("results/recipes")
 # %% [markdown]
 # ## Three fingers
 #
-# `threads` has the axial rigidity of a thread and the distance of its windings. The sheet lies on the bottom.
+# `threads` has the axial rigidity of a thread and the distance of its windings. The sheet lies on the bottom. On this
+# coarse mesh the small curvature of the bare finger is known to 28 % alone, of which a warning tells.
 
 # %%
 thread = {"threads": {"EA": "40 N", "pitch": "2 mm"}}
@@ -27,11 +28,11 @@ kinds = {
 }
 runs = {
     kind: pneurod.characterize(
-        pneurod.Semicircular(chambers=6, wall="2 mm"),
+        pneurod.Semicircular(chambers=5, wall="2 mm"),
         folder / f"finger_{kind.replace(', with a ', '_')}",
         material=pneurod.NamedRubber("dragon_skin_10"),
-        pressures=["8 kPa", "16 kPa"],
-        settings={"law": "cell", "accuracy": "off", **effects},
+        pressures=["4 kPa", "8 kPa"],
+        settings={"law": "cell", "accuracy": "off", "mesh.size": "4 mm", "mesh.coarser": "off", **effects},
     )
     for kind, effects in kinds.items()
 }
@@ -43,7 +44,7 @@ runs = {
 figure, axes = plt.subplots(layout="constrained")
 print("finger                pressure (kPa)   bends by (degrees)   longer by (%)   force (N)")
 for kind, results in runs.items():
-    for pressure in (8.0, 16.0):
+    for pressure in (4.0, 8.0):
         rod = results.rod(pressure)
         shape = rod.solve()
         longer = 100.0 * (shape.stretch.mean() - 1.0)
@@ -51,7 +52,7 @@ for kind, results in runs.items():
         print(f"{kind:21s} {pressure:14.0f} {shape.bending_deg:20.1f} {longer:15.1f} {force:11.4f}")
     axes.plot(*shape.curve.T, label=f"{kind}, {pressure:g} kPa")
 axes.set(xlabel="x (mm)", ylabel="y (mm)", aspect="equal")
-axes.legend()
+figure.legend(loc="outside upper center", ncols=3)
 figure.savefig(folder / "wound_finger.png")
 
 # %% [markdown]
