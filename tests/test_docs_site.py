@@ -99,7 +99,7 @@ def test_the_search_works_in_a_folder_and_wide_tables_show_that_they_scroll(site
         found = page.wait_for_selector(".md-search-result__link")
         assert found is not None
         assert str(found.get_attribute("href")).endswith("how_to/budget.html")
-        page.goto((site / "hard_cases.html").as_uri())
+        page.goto((site / "peers.html").as_uri())
         wide = "document.querySelector('.md-typeset__scrollwrap')"
         assert page.evaluate(f"{wide}.scrollWidth > {wide}.clientWidth")
         assert "linear-gradient" in page.evaluate(f"getComputedStyle({wide}).backgroundImage")
