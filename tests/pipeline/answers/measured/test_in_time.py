@@ -73,7 +73,7 @@ def test_the_folder_and_its_verdict_have_the_rubber_in_time(report: CalibrationR
     rubber, told = rubber_of(run["config"]["material"], lambda: 1.0)
     assert len(rubber.shares) == 3
     assert told.endswith("and the branches of material.relaxation.")
-    assert {remark["code"] for remark in run["remarks"]} == {"calibrated", "in_time"}
+    assert {remark["code"] for remark in run["remarks"]} == {"calibrated_alone", "in_time"}
     frequency = {row.quantity: row for row in report.found.predictions}["frequency_Hz"]
     assert frequency.predicted == pytest.approx(frequency.measured, rel=0.01)
     compared = compare_files(report.directory, Path(report.file))
