@@ -13,8 +13,11 @@ from pipeline.values.table import Table
 TITLES = {
     "tip_x_mm": "Tip along x (mm)",
     "tip_y_mm": "Tip along y (mm)",
+    "tip_distance_mm": "Distance of the tip (mm)",
     "end_angle_deg": "End angle (°)",
     "reaction_N": "Reaction (N)",
+    "frequency_Hz": "Frequency (Hz)",
+    "damping_ratio": "Damping ratio",
 }
 
 
