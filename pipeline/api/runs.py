@@ -135,10 +135,8 @@ def cell(
     from pipeline.law import rows, study
     from pipeline.show import saved
 
-    document, course = (
-        document_of(config, {"accuracy": accuracy, **draft_of(draft)}, settings),
-        course_of(jobs, 1, fresh, progress),
-    )
+    document = document_of(config, {"accuracy": accuracy, **draft_of(draft)}, settings)
+    course = course_of(jobs, 1, fresh, progress)
     given, notes = rows.for_cell(document)
     design = given.config if isinstance(given, rows.RowSpec) else given
     notes = notes if isinstance(given, rows.RowSpec) else (*notes, *load_notes(given))

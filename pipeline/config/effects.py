@@ -19,6 +19,8 @@ STATES_OF_EFFECT = ("auto", "on", "off")
 STATES = kinds.one_of(STATES_OF_EFFECT)
 #: m/s2
 STANDARD = 9.81
+#: effects that lie on faces
+LAYER, HOOPS = "strain_limiting_layer", "hoops"
 #: fields of layers by which the arm's own law has derivatives, and what they measure
 CONSTANTS = {"thickness_mm": LENGTH, "E_MPa": STRESS, "EA_N": FORCE, "pitch_mm": LENGTH}
 
@@ -280,7 +282,7 @@ class Effects(Section):
     def constants(self) -> dict[str, tuple[float, Dimension]]:
         """Those of the layer and the hoops that act, with what they measure, by key: effects.hoops.threads.EA."""
         found = {}
-        for name in ("strain_limiting_layer", "hoops"):
+        for name in (LAYER, HOOPS):
             layer = getattr(self, name)
             threads = getattr(layer, "threads", None)
             for field, measured in CONSTANTS.items() if layer.on else ():

@@ -15,6 +15,7 @@ from fem.elements import ELEMENTS, Volumetric
 from geometry import GRADINGS, Body, DesignError, MeshError, position_text
 from geometry.arrays import Index
 from pipeline.config.config import Config, Material
+from pipeline.config.effects import HOOPS, LAYER
 from pipeline.simulate.mass import GRAMS, element_masses
 from pipeline.store.progress import Progress
 from pipeline.values.errors import InputError
@@ -27,8 +28,6 @@ from rod import Load
 GAP, OUTER = "gap", "outer"
 #: the walls of all cavities, and the lowest plane of the body, as the faces of a layer
 INNER, BOTTOM = "inner", "bottom"
-#: effects that lie on faces
-LAYER, HOOPS = "strain_limiting_layer", "hoops"
 #: seconds between two remarks while the body is meshed
 EVERY = 20.0
 #: faces that cannot touch others, and why

@@ -30,10 +30,12 @@ def shares_of(law: ArmLaw, regions: Sequence[Sequence[str]], pressure: float) ->
     arm, found = law.at(pressure), []
     for materials in regions:
         starts = tuple(f"{name}." for name in materials)
-        moduli = {n: r.value for n, r in law.rates.items() if n.startswith(starts) and r.unit == "MPa"}
+        moduli = {name: value for name, value in law.moduli.items() if name.startswith(starts)}
         if not moduli:
             raise RodError(f"The law has no derivatives by the moduli of {materials[0]}; `pneurod cell` measures them.")
-        less, more = (law.with_changes({n: part * v for n, v in moduli.items()}) for part in (-STEP, STEP))
+        less, more = (
+            law.with_changes({name: part * value for name, value in moduli.items()}) for part in (-STEP, STEP)
+        )
         stiffer = rigidity_where(more.at(0.0), arm) - rigidity_where(less.at(0.0), arm)
         found.append((stiffer, less.at(pressure).section.kappa_0 - more.at(pressure).section.kappa_0))
     parts = np.array(found)

@@ -9,8 +9,7 @@ from fem.effects.hoops import Hoops, faces_along
 from fem.effects.membrane import LayerError, LayerTerm
 from geometry import Mesh
 from geometry.arrays import Array
-from tests.bodies import difference
-from tests.fem.test_membrane import HEIGHT, LENGTH, SOFT, WIDTH, strip, times
+from tests.fem.test_membrane import HEIGHT, LENGTH, SOFT, WIDTH, check_derivatives, strip
 from tests.verification.wound_tube import tube
 
 LAW = fem.StVenantKirchhoff(E=SOFT, nu=0.3)
@@ -32,18 +31,7 @@ def bound(request: pytest.FixtureRequest) -> tuple[LayerTerm, Array]:
 
 
 def test_force_and_tangent_are_the_derivatives_of_the_energy(bound: tuple[LayerTerm, Array]) -> None:
-    term, x = bound
-    force = np.zeros_like(x)
-    term.gradient(x, 1.0, force)
-    for seed in range(3):
-        direction = np.random.default_rng(seed).normal(size=x.shape)
-        slope = difference(lambda y: np.float64(term.energy(y, 1.0)), x, direction, 1e-4)
-        assert np.vdot(force, direction) == pytest.approx(slope, rel=1e-6)
-        ahead, behind = np.zeros_like(x), np.zeros_like(x)
-        term.gradient(x + 1e-5 * direction, 1.0, ahead)
-        term.gradient(x - 1e-5 * direction, 1.0, behind)
-        product = (ahead - behind) / 2e-5
-        np.testing.assert_allclose(times(term, x, direction), product, atol=1e-6 * np.abs(product).max())
+    check_derivatives(*bound)
 
 
 @pytest.mark.parametrize("degrees", [0.0, 30.0])

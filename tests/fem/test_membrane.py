@@ -5,6 +5,7 @@ import pytest
 
 import fem
 from fem.discretisation import Discretisation
+from fem.effects.effect import Term
 from fem.effects.membrane import LayerError, LayerTerm, StrainLimitingLayer
 from fem.elements import ELEMENTS
 from geometry import Mesh
@@ -55,7 +56,7 @@ def test_force_is_the_derivative_of_the_energy(bound: tuple[LayerTerm, Array]) -
         assert np.vdot(force, direction) == pytest.approx(slope, rel=1e-7)
 
 
-def times(term: LayerTerm, x: Array, direction: Array) -> Array:
+def times(term: Term, x: Array, direction: Array) -> Array:
     blocks, product = term.blocks(x, 1.0, convex=False), np.zeros_like(x)
     assert (blocks.rows <= blocks.columns).all()
     for row, column, value in zip(blocks.rows, blocks.columns, blocks.values, strict=True):
@@ -63,6 +64,21 @@ def times(term: LayerTerm, x: Array, direction: Array) -> Array:
         if row != column:
             product[column] += value.T @ direction[row]
     return product
+
+
+def check_derivatives(term: Term, x: Array) -> None:
+    """Force and tangent against differences of energy and force."""
+    force = np.zeros_like(x)
+    term.gradient(x, 1.0, force)
+    for seed in range(3):
+        direction = np.random.default_rng(seed).normal(size=x.shape)
+        slope = difference(lambda y: np.float64(term.energy(y, 1.0)), x, direction, 1e-4)
+        assert np.vdot(force, direction) == pytest.approx(slope, rel=1e-6)
+        ahead, behind = np.zeros_like(x), np.zeros_like(x)
+        term.gradient(x + 1e-5 * direction, 1.0, ahead)
+        term.gradient(x - 1e-5 * direction, 1.0, behind)
+        product = (ahead - behind) / 2e-5
+        np.testing.assert_allclose(times(term, x, direction), product, atol=1e-6 * np.abs(product).max())
 
 
 def test_tangent_is_the_derivative_of_the_force(bound: tuple[LayerTerm, Array]) -> None:

@@ -10,8 +10,7 @@ from fem.discretisation import Discretisation
 from fem.effects.mirror_layer import MirroredLayer, MirroredLayerTerm
 from geometry import Body, Mesh
 from geometry.arrays import Array
-from tests.bodies import difference
-from tests.fem.test_membrane import HEIGHT, LENGTH, strip, times
+from tests.fem.test_membrane import HEIGHT, LENGTH, check_derivatives, strip
 from tests.quotients import quotient
 
 LAW = NeoHooke(mu=0.02, kappa=1.0)
@@ -29,18 +28,7 @@ def bound(request: pytest.FixtureRequest) -> tuple[MirroredLayerTerm, Array]:
 
 
 def test_the_derivatives_are_those_of_the_energy(bound: tuple[MirroredLayerTerm, Array]) -> None:
-    term, x = bound
-    force = np.zeros_like(x)
-    term.gradient(x, 1.0, force)
-    for seed in range(3):
-        direction = np.random.default_rng(seed).normal(size=x.shape)
-        slope = difference(lambda y: np.float64(term.energy(y, 1.0)), x, direction, 1e-4)
-        assert np.vdot(force, direction) == pytest.approx(slope, rel=1e-6)
-        ahead, behind = np.zeros_like(x), np.zeros_like(x)
-        term.gradient(x + 1e-5 * direction, 1.0, ahead)
-        term.gradient(x - 1e-5 * direction, 1.0, behind)
-        product = (ahead - behind) / 2e-5
-        np.testing.assert_allclose(times(term, x, direction), product, atol=1e-6 * np.abs(product).max())
+    check_derivatives(*bound)
 
 
 def test_a_plane_that_turns_with_the_layer_costs_nothing(bound: tuple[MirroredLayerTerm, Array]) -> None:

@@ -6,8 +6,8 @@ from pathlib import Path
 
 from fem.elements import ELEMENTS
 from pipeline.config.config import Config
-from pipeline.config.effects import EFFECTS, State
-from pipeline.simulate.scene import GAP, HOOPS, LAYER, Scene, faces_of
+from pipeline.config.effects import EFFECTS, HOOPS, LAYER, State
+from pipeline.simulate.scene import GAP, Scene, faces_of
 from pipeline.simulate.too_short import why_too_short
 from pipeline.store.progress import Progress
 from pipeline.store.result_folder import ResultFolder

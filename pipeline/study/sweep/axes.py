@@ -7,6 +7,7 @@ from math import isfinite, prod
 from typing import Any, TypeAlias
 
 import numpy as np
+from scipy.stats import qmc
 
 from geometry.arrays import Array
 from pipeline.config.section import read_each
@@ -70,22 +71,11 @@ def axis_of(content: Mapping[str, Value]) -> Axis:
     return Axis.of(columns)
 
 
-def spread(points: int, axes: int, seed: int) -> Array:
-    """(points, axes) between 0 and 1, one of each axis in each of as many equal parts as there are points.
-
-    The numbers of `scipy.stats.qmc.LatinHypercube`, whose import takes as long as the mesh of a cell.
-    """
-    random = np.random.default_rng(seed).spawn(1)[0]
-    places, parts = random.random((points, axes)), np.tile(np.arange(1, points + 1), (axes, 1))
-    for row in parts:
-        random.shuffle(row)
-    return np.asarray((parts.T - places) / points)
-
-
 def latin_hypercube(points: int, seed: int, ranges: Mapping[str, Value]) -> Axis:
     """Values of all keys drawn together: each range is divided into as many equal parts as there are points, and each
     part has one value. Raises ValueError, for each key that is wrong."""
-    columns = dict(zip(ranges, spread(points, len(ranges), seed).T, strict=True))
+    fractions = qmc.LatinHypercube(len(ranges), rng=np.random.default_rng(seed)).random(points)
+    columns = dict(zip(ranges, fractions.T, strict=True))
 
     def drawn(key: str, entry: Value) -> list[Value]:
         if not isinstance(entry, Mapping) or set(entry) != {"from", "to"}:

@@ -5,10 +5,10 @@ from contextlib import suppress
 from dataclasses import dataclass, field, replace
 
 import numpy as np
+from scipy.stats import qmc
 
 from geometry.arrays import Array
 from pipeline.store.context import RunContext
-from pipeline.study.sweep.axes import spread
 from pipeline.study.wishes.measured import MovedMesh, NotBorne, Numbers, delivered
 from pipeline.study.wishes.step import Model, Worth, propose
 from pipeline.study.wishes.wish import WishFile, rounded
@@ -190,6 +190,6 @@ def starts(file: WishFile) -> Iterator[Array]:
     wishes = file.wishes
     yield wishes.start
     if wishes.starts > 1:
-        fractions = spread(wishes.starts - 1, len(wishes.free), SEED)
+        fractions = qmc.LatinHypercube(len(wishes.free), rng=np.random.default_rng(SEED)).random(wishes.starts - 1)
         low, high = np.log(wishes.bounds).T
         yield from np.exp(low + fractions * (high - low))
