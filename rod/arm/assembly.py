@@ -499,22 +499,15 @@ def assemble(
     if len(section.memory):
         _element(rubber, chain, state, 0, work, felt, hessian, kept, columns)
         _element(section, chain, state, 0, work, gradient, hessian, kept, columns)
-    start, beyond = tangent.start, 0.0
     at_clamp, of_clamp = gradient.copy(), hessian.copy()
-    if not is_moving:
-        beyond = _clamp(
-            ends, chain, state, gradient, hessian, band, residual, start, felt, decides, section.scale, False
-        )
     for e in range(1, len(chain.h)):
         outside = max(outside, _element(section, chain, state, e, work, gradient, hessian, kept, columns))
         _add(band, residual, m * (e - 1), gradient, hessian, half)
     _nodal(load, chain, state, band, residual, work[0])
     _hold(load, chain, state, tangent, work[0])
     _tip(ends, load, chain, state, tangent, residual)
-    if is_moving:
-        parts = at_clamp, of_clamp, band, residual, start, felt, decides, section.scale, True
-        beyond = _clamp(ends, chain, state, *parts)
-    return outside, beyond
+    parts = at_clamp, of_clamp, band, residual, tangent.start, felt, decides, section.scale, is_moving
+    return outside, _clamp(ends, chain, state, *parts)
 
 
 #: in the order in which they call each other, innermost first
