@@ -209,10 +209,6 @@ class Config(Section):
         """Everything that decides the results, ready for JSON, with the keys of the YAML and their units."""
         values = to_jsonable_python(self, by_alias=False)
         del values["source"], values["mesh"]["chosen"]
-        if not self.effects.hoops.on:
-            del values["effects"]["hoops"]
-        if self.effects.strain_limiting_layer.faces is None:
-            del values["effects"]["strain_limiting_layer"]["faces"]
         values["design"] = {"family": self.family, **_dimensions(self.design)}
         values["material"] = self.material.record()
         values["tolerances"] = self.tolerances.record() if self.tolerances != Tolerances() else None

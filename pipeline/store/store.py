@@ -128,7 +128,7 @@ def check_owner(folder: Path, config: Configuration, remedy: str) -> None:
     except (OSError, ValueError):
         owner = {}
     if owner.get("config_hash") != config.hash:
-        raise InputError(f"{argument('out', folder)}: holds the results of another configuration; {remedy}")
+        raise InputError(f"{argument('out', folder)}: holds the results of another configuration or version; {remedy}")
 
 
 def check_no_run(folder: Path) -> None:

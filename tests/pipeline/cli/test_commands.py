@@ -257,7 +257,7 @@ def test_mesh_does_not_replace_the_body_of_another_configuration(
         pass
     monkeypatch.setattr("pipeline.simulate.scene.Scene.meshed", lambda config: pytest.fail("it is meshed"))
     message = sentence(call("mesh", coarse, "--out", str(tmp_path), "--set", "geometry.chambers=2"), 2)
-    assert message.endswith("holds the results of another configuration; give another --out")
+    assert message.endswith("holds the results of another configuration or version; give another --out")
     assert not (tmp_path / "mesh.vtu").exists()
 
 

@@ -67,7 +67,7 @@ def test_the_record_has_the_keys_of_the_yaml_with_their_units(configs: Path) -> 
     assert record["mesh"] == {"size_mm": 4.0, "formulation": "p2p0", "coarser": None, "grading": "off"}
     effects = record["effects"]
     assert isinstance(effects, dict)
-    assert list(effects) == [name for name in EFFECTS if name != "hoops"]  # they are off
+    assert list(effects) == list(EFFECTS)
     assert effects["self_contact"] == {"state": "on", "dhat_mm": 0.1, "faces": None}
     assert effects["gravity"] == {"state": "auto", "acceleration_mm_s2": [0.0, -9810.0, 0.0]}
     assert effects["pressure"] == {"state": "auto", "cavities": {"cavity": {"fraction": 1.0, "constant_kPa": 0.0}}}
