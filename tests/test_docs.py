@@ -10,7 +10,7 @@ import yaml
 
 from fem.elements import ELEMENTS
 from fem.materials import LAWS
-from pipeline.study.effects.rows import COLUMNS, COST, NUMBERS, compared
+from pipeline.study.effects.rows import EffectRow
 from pipeline.values.parameters import RodParameters
 from pipeline.values.run import RodError, State
 
@@ -131,10 +131,8 @@ def test_every_key_of_a_result_file_is_documented(file: str, row: type) -> None:
 
 
 def test_every_key_of_effects_table_json_is_documented() -> None:
-    of_pressure = {"pressure_kPa": 17.0, **dict.fromkeys((*NUMBERS, *COST)), "reason": "a reason"}
-    [row] = compared([("gravity", "on", [of_pressure])])
     section = text_of(HERE / "docs" / "results.md").partition("### effects_table.json")[2].partition("\n## ")[0]
-    keys = [*row, *COLUMNS]
+    keys = [field.name for field in fields(EffectRow)]
     assert len(keys) > 20
     assert [key for key in keys if f"`{key}`" not in section] == []
 

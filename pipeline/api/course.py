@@ -3,14 +3,15 @@
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 from geometry.errors import Reason
-from pipeline.api.described import Body, Setting
+from pipeline.api.described import Body
 from pipeline.api.given import document_of, given_choice, given_folder, given_jobs, given_progress
 from pipeline.store.progress import Progress
 from pipeline.store.worker import available_cores
 from pipeline.values.errors import RunFailed
+from pipeline.values.json_values import Written
 from pipeline.values.reasons import render
 
 if TYPE_CHECKING:
@@ -54,8 +55,8 @@ def course_of(jobs: int | None, most: int, fresh: bool, progress: bool | Progres
 
 def design_of(
     config: Path | str | Body,
-    arguments: Mapping[str, Any],
-    settings: Mapping[str, Setting] | Sequence[str] | None,
+    arguments: Mapping[str, Written],
+    settings: Mapping[str, Written] | Sequence[str] | None,
     out: Path | str | None,
     suffix: str = "",
     command: str = "run",

@@ -6,10 +6,8 @@ from types import MappingProxyType
 from typing import Any, ClassVar, dataclass_transform
 
 from pipeline.values.errors import InputError, quoted
-from pipeline.values.json_values import plain
+from pipeline.values.json_values import Written, plain
 
-#: numbers with their unit and words as texts, plain numbers, and lists of them
-Setting = str | float | bool | Sequence[Any] | Mapping[str, Any]
 _SETTING = 'a text such as "6 mm", a plain number, true or false, or a list of these'
 
 
@@ -33,12 +31,12 @@ class Description:
         object.__setattr__(self, "_given", MappingProxyType(dict(given_settings(given, str))))
 
     @property
-    def given(self) -> Mapping[str, Any]:
+    def given(self) -> Mapping[str, Written]:
         """The values that are given, by key."""
         return self._given  # type: ignore[attr-defined]
 
     @property
-    def values(self) -> Mapping[str, Any]:
+    def values(self) -> Mapping[str, Written]:
         """The section: what is described, and the values that are given."""
         return {**dict([self.choice] if self.choice else []), **self.given}
 
@@ -62,11 +60,11 @@ class Material(Description):
     density: str | None = None  #: "1130 kg/m^3"
     holds_between: Sequence[float] | None = None  #: smallest and largest stretch for which the law holds
     #: lost over stored energy of a vibration: a number, or {"value": 0.12, "from": "1 Hz", "to": "10 Hz"}
-    loss_factor: float | Mapping[str, Any] | None = None
-    relaxation: Sequence[Mapping[str, Any]] | None = None  #: branches such as {"g": 0.08, "tau": "0.9 s"}
+    loss_factor: float | Mapping[str, Written] | None = None
+    relaxation: Sequence[Mapping[str, Written]] | None = None  #: branches such as {"g": 0.08, "tau": "0.9 s"}
 
 
-def given_settings(given: Any, naming: Callable[[str], str] | None = None) -> list[tuple[str, Any]]:
+def given_settings(given: Any, naming: Callable[[str], str] | None = None) -> list[tuple[str, Written]]:
     """The keys and values of `settings`, arrays as lists. Raises InputError, naming the key, for what is none."""
     if given is None:
         return []

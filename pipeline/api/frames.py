@@ -11,7 +11,7 @@ import pandas as pd
 from pipeline.answers.budget import Budget
 from pipeline.answers.rods.pressures import PressureFor
 from pipeline.values.formats import CURVE_COLUMNS
-from pipeline.values.parameters import RestShape
+from pipeline.values.parameters import Dimensionless, RestShape
 from pipeline.values.run import Effect, RodError, State
 from rod import ArmLaw
 from rod.arm_law.quantities import OF_CELLS, UNITS, Asked
@@ -58,10 +58,10 @@ def curves_frame(path: Path) -> pd.DataFrame:
     return frame.fillna({"load": ""}) if "load" in frame else frame
 
 
-def by_pressure(content: Mapping[str, Any], pressures: Sequence[float]) -> pd.DataFrame:
+def by_pressure(content: Mapping[str, object], pressures: Sequence[float]) -> pd.DataFrame:
     """One row per pressure: every key of the content that has one number, or one pair, for each of them."""
     count = len(pressures)
-    columns: dict[str, Any] = {"pressure_kPa": pd.Series(list(pressures), dtype=float)}
+    columns: dict[str, pd.Series] = {"pressure_kPa": pd.Series(list(pressures), dtype=float)}
     for key, values in content.items():
         if key == "pressures_kPa" or not isinstance(values, tuple) or len(values) != count:
             continue
@@ -114,7 +114,7 @@ def budget_frame(found: Budget | None) -> Shown:
     """One row per tolerance and one for all: changes in %, that of the tip over the length; no rows for None."""
     if found is None:
         return Shown()
-    columns: dict[str, Any] = {"tolerance_of": [*(row.parameter for row in found.rows), "all"]}
+    columns: dict[str, list[str] | list[float]] = {"tolerance_of": [*(row.parameter for row in found.rows), "all"]}
     columns["tolerance"] = [*(row.tolerance for row in found.rows), ""]
     for name in found.numbers:
         columns[f"{name}_percent"] = [
@@ -123,9 +123,9 @@ def budget_frame(found: Budget | None) -> Shown:
     return Shown(columns)
 
 
-def expanded(rows: Sequence[Mapping[str, Any]]) -> pd.DataFrame:
+def expanded(rows: Sequence[Dimensionless]) -> pd.DataFrame:
     """A frame of rows whose lists, equally long within a row, become one row per entry."""
-    return pd.concat([pd.DataFrame(dict(row)) for row in rows] or [pd.DataFrame()], ignore_index=True)
+    return pd.concat([pd.DataFrame(vars(row)) for row in rows] or [pd.DataFrame()], ignore_index=True)
 
 
 def sensitivities_frame(law: ArmLaw | None) -> pd.DataFrame:

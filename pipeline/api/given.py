@@ -5,12 +5,12 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from pipeline.api.described import Body, Setting, given_settings, setting_name
+from pipeline.api.described import Body, given_settings, setting_name
 from pipeline.config.document import Document, key_and_value, on_command_line, read_document
 from pipeline.show.progress import progress_for
 from pipeline.store.progress import Progress, Silent
 from pipeline.values.errors import InputError, argument, quoted
-from pipeline.values.json_values import plain
+from pipeline.values.json_values import Written, plain
 
 
 def given_path(value: Any, name: str, example: str) -> Path:
@@ -43,7 +43,7 @@ def given_jobs(value: Any) -> int | None:
 
 
 def document_of(
-    config: Path | str | Body, arguments: Mapping[str, Any], settings: Mapping[str, Setting] | Sequence[str] | None
+    config: Path | str | Body, arguments: Mapping[str, Written], settings: Mapping[str, Written] | Sequence[str] | None
 ) -> Document:
     """The configuration in a file or of a body, with other values: those of arguments by their names, then settings.
 
@@ -58,7 +58,7 @@ def document_of(
     else:
         values += given_settings(settings)
     if isinstance(config, Body):
-        keys = [("name", str(config.values["family"])), ("geometry", config.values)]
+        keys: list[tuple[str, Written]] = [("name", str(config.values["family"])), ("geometry", config.values)]
         made = Document(Path(type(config).__name__), {}, ()).with_values(keys, str)
         document = Document(made.path, made.content, ())
     else:

@@ -13,7 +13,8 @@ import typer
 from pipeline.values.table import Table
 
 if TYPE_CHECKING:
-    from pipeline.api.described import Body, Setting
+    from pipeline.api.described import Body
+    from pipeline.values.json_values import Written
 
 
 class Saved(Protocol):
@@ -59,7 +60,7 @@ ConfigFile = Annotated[
     "Path | str | Body", Path, typer.Argument(metavar="CONFIG", help="A design in YAML, such as configs/pneunet.yaml.")
 ]
 Settings = Annotated[
-    "Mapping[str, Setting] | Sequence[str] | None",
+    "Mapping[str, Written] | Sequence[str] | None",
     list[str],
     typer.Option("--set", metavar="KEY=VALUE", help="Replace a value: --set mesh.size='4 mm'. May be repeated."),
 ]

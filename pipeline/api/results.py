@@ -124,7 +124,7 @@ class Results:
     @cached_property
     def dimensionless(self) -> pd.DataFrame:
         """M/(m g l) over (kappa - kappa_0) l by pressure."""
-        return frames.expanded([asdict(row) for row in self.run.parameters.dimensionless])
+        return frames.expanded(self.run.parameters.dimensionless)
 
     @cached_property
     def experiments(self) -> pd.DataFrame:

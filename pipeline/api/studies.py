@@ -43,7 +43,7 @@ def effects(
     design, folder, _ = design_of(config, {}, settings, out, "_effects")
     table = course_of(jobs, 2, fresh, progress).solve(compare_effects, design, folder, load_notes(design))
     if table.failures:
-        missing = sum(bool(row["reason"]) for row in table.rows)
+        missing = sum(bool(row.reason) for row in table.rows)
         lacking = f"{missing} of {len(table.rows)} rows lack numbers"
         brief = f"{lacking}, for the reasons above"
         raise RunFailed(f"{lacking}: {'; '.join(table.failures)}", folder, brief).with_reached(table)

@@ -70,7 +70,7 @@ def add(
         options = {key: written.pop(key) for key in more}
         given = {key: value for key, value in written.items() if value is not None}
         if takes_progress:
-            given["progress"] = _listener(options)
+            given["progress"] = _listener(**options)
         with on_command_line():
             try:
                 value = function(**given)
@@ -90,7 +90,7 @@ def add(
     app.command(name or function.__name__, cls=cls, help=text.partition("\n\n")[0])(with_sentences(command))
 
 
-def _show(value: Any, show: Callable[..., None], written: Mapping[str, Any]) -> None:
+def _show(value: Any, show: Callable[..., None], written: Mapping[str, object]) -> None:
     """Show a value with those options that its function takes."""
     taken = list(inspect.signature(show).parameters)[1:]
     show(value, **{key: written[key] for key in taken if key in written})
@@ -109,11 +109,11 @@ def _options(function: Callable[..., Any]) -> dict[str, inspect.Parameter]:
     return found
 
 
-def _listener(options: Mapping[str, Any]) -> Progress:
+def _listener(quiet: bool = False, verbose: bool = False, as_json: bool = False, **_: object) -> Progress:
     """The listener to the progress, by the options -q, -v and --json of a command that has them."""
-    if options.get("quiet"):
+    if quiet:
         return Silent()
-    return progress_for(Console(stderr=options.get("as_json", False)), verbose=options.get("verbose", False))
+    return progress_for(Console(stderr=as_json), verbose=verbose)
 
 
 @wraps(runs.characterize)

@@ -12,9 +12,8 @@ from fem.elements import ELEMENTS, MOST_ACCURATE, NEARLY_INCOMPRESSIBLE
 from geometry import GRADINGS, Design, DesignError, MeshFile, SurfaceFile
 from geometry.families.design import expected_tets
 from pipeline.config.body import design_conflicts
-from pipeline.config.document import Document
 from pipeline.config.kinds import number, one_of
-from pipeline.config.section import Field, Kind, Section, conflict, known, raise_all, section, wrong
+from pipeline.config.section import Beside, Field, Kind, Section, conflict, raise_all, section, wrong
 from pipeline.config.units import LENGTH, convert
 from pipeline.values.formatting import round_down
 
@@ -90,21 +89,19 @@ class MeshSettings:
     chosen: Mapping[str, str] = field(default_factory=dict)
 
 
-def read_mesh(given: GivenMesh, fields: Mapping[str, Any], document: Document) -> MeshSettings:
+def read_mesh(given: GivenMesh, beside: Beside) -> MeshSettings:
     """The mesh as given, and as the program chooses it where it is not."""
-    (effects,) = known(fields, "effects")
+    (effects,) = beside.known("effects")
     against_locking, formulation = effects.incompressibility.decided, given.formulation
     if formulation != "auto" and against_locking == ELEMENTS[formulation].fully_integrated:
         sentence = f"incompressibility {effects.incompressibility.state} and formulation {formulation} contradict each"
         keys = ("effects", "incompressibility"), ("mesh", "formulation")
         raise_all([conflict(f"{sentence} other; leave one of them out", *keys)])
-    design, material, materials = known(fields, "design", "material", "materials")
+    design, material, materials = beside.known("design", "material", "materials")
     allowed = [key for key in GivenMesh.key_fields() if key not in NO_KEYS.get(type(design), ())]
-    raise_all(
-        wrong(f"unknown key; allowed here: {', '.join(allowed)}", (key,))
-        for key in document.content.get("mesh", {})
-        if key not in allowed
-    )
+    written = beside.document.content.get("mesh")
+    unknown = [key for key in written if key not in allowed] if isinstance(written, Mapping) else []
+    raise_all(wrong(f"unknown key; allowed here: {', '.join(allowed)}", (key,)) for key in unknown)
     is_ready, coarser = not design.is_resizable, given.coarser
     nu = max(solid.built().poisson_ratio for solid in (material, *materials.values()))
     try:

@@ -1,6 +1,6 @@
 """The body of a configuration: the keys of its family, or of the file that holds it."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping, Set
 from dataclasses import MISSING, fields
 from functools import cache
 from pathlib import Path
@@ -22,7 +22,7 @@ from geometry import (
 )
 from pipeline.config.document import Document, Key
 from pipeline.config.kinds import Count, Length, PositiveLength, Text, YesNo, above_zero, list_of, number
-from pipeline.config.section import Error, Field, Kind, Section, chosen, conflict, raise_all, read_keys, section_of
+from pipeline.config.section import Beside, Error, Field, Kind, Section, chosen, conflict, raise_all, section_of
 from pipeline.config.units import LENGTH, convert
 from pipeline.values.errors import quoted
 
@@ -31,7 +31,7 @@ OWN = "own"
 #: all families
 BODIES = (*FAMILIES, OWN)
 #: the classes of designs by what the reference calls them
-DESIGNS: dict[str, Any] = {**FAMILIES, "own_cad": CadFile, "own_mesh": MeshFile, "own_surface": SurfaceFile}
+DESIGNS: dict[str, type[Design]] = {**FAMILIES, "own_cad": CadFile, "own_mesh": MeshFile, "own_surface": SurfaceFile}
 #: what the file of `pneurod init` has at keys without a default
 _EXAMPLES = {
     "file": "finger.step",
@@ -141,18 +141,19 @@ def geometry_section(design: Any) -> type[Section]:
         default = {key: v for key in ("default", "default_factory") if (v := getattr(field, key)) is not MISSING}
         examples = [_EXAMPLES[field.name]] if field.name in _EXAMPLES else None
         keys[field.name] = (kind, Field(**default, examples=examples, description=meaning))
-    return section_of("Geometry", keys, others={name: [f.name for f in fields(own)] for name, own in DESIGNS.items()})
+    others = {name: [one.name for one in fields(own)] for name, own in DESIGNS.items()}  # type: ignore[arg-type]
+    return section_of("Geometry", keys, others=others)
 
 
-def read_design(value: Any, _: Mapping[str, Any], document: Document) -> Design:
+def read_design(value: Any, beside: Beside) -> Design:
     """The design that a section describes."""
-    family = chosen(value, "family", BODIES)
+    family, document = chosen(value, "family", BODIES), beside.document
     kind = design_class(family, str(value.get("file", "")))
-    keys = read_keys(geometry_section(kind), value, document)
+    keys = beside.read(geometry_section(kind), value)
     dimensions = {field.name: getattr(keys, field.name) for field in fields(kind)}  # type: ignore[arg-type]
     if family == OWN:
         dimensions["file"] = str(document.path.parent / dimensions["file"])
-    raise_all(_doubled(value, kind.lists, document))
+    raise_all(_doubled(value.keys(), kind.lists, document))
     regions = document.content.get("materials", {})
     names = [name for name in regions if isinstance(name, str)] if isinstance(regions, Mapping) else []
     try:
@@ -162,21 +163,21 @@ def read_design(value: Any, _: Mapping[str, Any], document: Document) -> Design:
         raise
 
 
-def _doubled(value: Mapping[str, Any], lists: Mapping[str, str], document: Document) -> Iterator[Error]:
+def _doubled(given: Set[str], lists: Mapping[str, str], document: Document) -> Iterator[Error]:
     """Refuses a dimension beside the list that is given instead of it; an override with the list replaces it."""
     for several, usual in lists.items():
         keys = (("geometry", usual), ("geometry", several))
-        if {several, usual} <= value.keys() and (keys[0] in document.overridden or keys[1] not in document.overridden):
+        if {several, usual} <= given and (keys[0] in document.overridden or keys[1] not in document.overridden):
             yield conflict(f"{usual} and {several} exclude each other; give one of them", *keys)
 
 
-def design_conflicts(refused: DesignError, dimensions: Mapping[str, Any]) -> Iterator[Error]:
+def design_conflicts(refused: DesignError, dimensions: Collection[str]) -> Iterator[Error]:
     """An error for each thing that is wrong about a design."""
     for error in (refused, *refused.others):
         yield conflict(error.sentence, *(design_key(key, dimensions) for key in error.keys))
 
 
-def design_key(key: str, dimensions: Mapping[str, Any]) -> Key:
+def design_key(key: str, dimensions: Collection[str]) -> Key:
     """The key of a configuration that a `DesignError` names."""
     parts = tuple(key.split("."))
     return ("geometry", *parts) if parts[0] in dimensions else parts

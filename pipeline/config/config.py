@@ -6,7 +6,7 @@ one from a file.
 
 import hashlib
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any, Literal, get_args
@@ -16,10 +16,11 @@ from geometry import CellPlanes, Design, DesignError, MeshError
 from pipeline.config import kinds
 from pipeline.config.automatic_mesh import GivenMesh, MeshSettings, read_mesh
 from pipeline.config.body import OWN, design_key, read_design
-from pipeline.config.document import Document, Key, dotted
+from pipeline.config.document import Key, dotted
 from pipeline.config.effects import CavityPressure, Effects, State
 from pipeline.config.material import Material, read_material, stiffness_conflicts
 from pipeline.config.section import (
+    Beside,
     Error,
     Field,
     Kind,
@@ -76,10 +77,10 @@ class Newton(Section):
     ] = Field(default=USUAL_TOLERANCE, description="largest relative residual of an equilibrium")
 
 
-def _with_all_cavities(given: Effects, values: Mapping[str, Any], _: Document) -> Effects:
+def _with_all_cavities(given: Effects, beside: Beside) -> Effects:
     """The effects with the pressure of every cavity; where none is named, the first one follows the pressure of the
     run."""
-    design = values.get("design")
+    design = beside.fields.get("design")
     if design is None:  # it is refused, and the effects can be compared with the other sections all the same
         return given
     cavities = given.pressure.cavities or {design.cavities[0]: CavityPressure(1.0, 0.0)}
@@ -92,16 +93,17 @@ def _with_all_cavities(given: Effects, values: Mapping[str, Any], _: Document) -
     return replace(given, pressure=replace(given.pressure, cavities=every))
 
 
-def _check_together(unknown: Any, values: Mapping[str, Any], document: Document) -> str:
+def _check_together(unknown: Any, beside: Beside) -> str:
     """The file of a document whose sections go together, as far as they are known."""
     if unknown:
         raise ValueError("unknown key; a key has a name")
-    raise_all(_conflicts(values))
-    return str(document.path)
+    raise_all(_conflicts(beside))
+    return str(beside.document.path)
 
 
-def _conflicts(values: Mapping[str, Any]) -> Iterator[Error]:
+def _conflicts(beside: Beside) -> Iterator[Error]:
     """Refuses sections that do not go together, of those that are not refused by themselves."""
+    values = beside.fields
     if {"material", "pressures_kPa"} <= values.keys():
         yield from stiffness_conflicts(values["material"], values["pressures_kPa"])
     design, effects, identification = (values.get(name) for name in ("design", "effects", "identification"))
@@ -211,7 +213,7 @@ class Config(Section):
         del values["source"], values["mesh"]["chosen"]
         values["design"] = {"family": self.family, **_dimensions(self.design)}
         values["material"] = self.material.record()
-        values["tolerances"] = self.tolerances.record() if self.tolerances != Tolerances() else None
+        values["tolerances"] = None if self.tolerances == Tolerances() else values["tolerances"]
         values["materials"] = {name: material.record() for name, material in self.materials.items()}
         names = {"design": "geometry"}
         left_out = ("materials", "tolerances", "law_in_space", "law_by_cavity", "draft")

@@ -10,6 +10,7 @@ from typing import Any
 import yaml
 
 from pipeline.values.errors import InputError, shortened
+from pipeline.values.json_values import Written
 
 Key = tuple[str | int, ...]
 #: the dotted key of an override, as messages name it: --set mesh.size
@@ -26,11 +27,11 @@ class Document:
     """What a file says after the overrides."""
 
     path: Path
-    content: Mapping[str, Any]
+    content: Mapping[str, Written]
     overridden: tuple[Key, ...]  #: the keys that overrides gave
     naming: Naming = on_command_line
 
-    def with_values(self, values: Sequence[tuple[str, Any]], naming: Naming) -> "Document":
+    def with_values(self, values: Sequence[tuple[str, Written]], naming: Naming) -> "Document":
         """The same with values put in at dotted keys; texts are parsed as YAML, also those in lists and mappings.
 
         naming: of the keys in messages. Raises InputError for a key without a name or below a value, and for a text

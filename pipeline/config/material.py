@@ -7,7 +7,6 @@ from typing import Annotated, Any
 
 import fem.materials
 from fem.materials import LAWS, Constant
-from pipeline.config.document import Document
 from pipeline.config.kinds import (
     Density,
     LossFactor,
@@ -25,6 +24,7 @@ from pipeline.config.kinds import (
 )
 from pipeline.config.rubbers import BESIDE, INSTEAD, RUBBERS, ogden_terms
 from pipeline.config.section import (
+    Beside,
     Error,
     Field,
     Kind,
@@ -32,7 +32,6 @@ from pipeline.config.section import (
     chosen,
     conflict,
     raise_all,
-    read_keys,
     section,
     section_of,
     wrong,
@@ -154,11 +153,11 @@ _RELAXATION = "what a held strain loses of its stress, over that which stays; fo
 _BRANCHES = one_or_more(list_of("branches `{g, tau}`", "[{g: 0.08, tau: 0.9 s}]"))
 
 
-def _loss_factor(value: Any, _: Mapping[str, Any], document: Document) -> float | LossBand:
+def _loss_factor(value: Any, beside: Beside) -> float | LossBand:
     """A number, or a section with the frequencies between which it holds."""
     if not isinstance(value, Mapping):
         return number(value)
-    band = read_keys(LossBand, value, document)
+    band = beside.read(LossBand, value)
     if not band.from_Hz < band.to_Hz:
         raise_all([wrong(f"is not above from, {band.from_Hz:g} Hz", ("to",))])
     return band
@@ -173,11 +172,11 @@ _LOSS_KIND = Kind(
 )
 
 
-def read_material(value: Any, _: Mapping[str, Any], document: Document) -> Material:
+def read_material(value: Any, beside: Beside) -> Material:
     """The material that a section describes, with all constants: kappa from nu where nu is given."""
     value, name = _by_name(value)
     law = chosen(value, "law", tuple(LAWS))
-    keys = read_keys(material_section(LAWS[law]), ogden_terms(value) if law == "ogden" else value, document)
+    keys = beside.read(material_section(LAWS[law]), ogden_terms(value) if law == "ogden" else value)
     constants = {name: getattr(keys, name) for name in LAWS[law].constants()}
     if BULK in constants:
         nu, kappa = keys.nu, constants.pop(BULK)  # type: ignore[attr-defined]

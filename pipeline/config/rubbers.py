@@ -7,21 +7,21 @@ Elastosil M4601 as the Soft Robotics Toolkit has it, without a range.
 """
 
 from collections.abc import Mapping
-from typing import Any
 
 from pipeline.config.kinds import number
 from pipeline.config.section import not_known, raise_all, wrong
 from pipeline.config.units import STRESS, convert
+from pipeline.values.json_values import Written
 
 
-def _yeoh(c10: float, c20: float, c30: float, density: int, holds: list[float] | None) -> dict[str, Any]:
-    constants = {"c10": f"{c10} MPa", "c20": f"{c20} MPa", "c30": f"{c30} MPa"}
+def _yeoh(c10: float, c20: float, c30: float, density: int, holds: list[float] | None) -> dict[str, Written]:
+    constants: dict[str, Written] = {"c10": f"{c10} MPa", "c20": f"{c20} MPa", "c30": f"{c30} MPa"}
     written = {"law": "yeoh", **constants, "density": f"{density} kg/m^3"}
     return written if holds is None else written | {"holds_between": holds}
 
 
 #: the section `material` of a configuration by name, with texts as a user may write them
-RUBBERS: dict[str, dict[str, Any]] = {
+RUBBERS: dict[str, dict[str, Written]] = {
     "dragon_skin_10": _yeoh(0.02349, 0.002701, -7.615e-05, 1070, [0.12, 2.95]),
     "dragon_skin_20": _yeoh(0.06148, 0.009699, -0.0006031, 1080, [0.22, 2.17]),
     "dragon_skin_30": _yeoh(0.09182, 0.01025, -0.0005306, 1080, [0.19, 2.35]),
@@ -45,7 +45,7 @@ INSTEAD: dict[str, dict[str, str]] = {
 }
 
 
-def ogden_terms(section: Mapping[str, Any]) -> Mapping[str, Any]:
+def ogden_terms(section: Mapping[str, Written]) -> Mapping[str, Written]:
     """The section of Ogden's law without `form`, in which terms are written as mu / alpha.
 
     Raises ValueError for a form that does not exist, and where terms are most likely those of Abaqus and none is given.
@@ -54,11 +54,13 @@ def ogden_terms(section: Mapping[str, Any]) -> Mapping[str, Any]:
     if section.get("form", FORMS[0]) not in FORMS:
         raise_all([wrong(not_known(section["form"], FORMS), ("form",))])
     form, rest = section.get("form"), {key: value for key, value in section.items() if key != "form"}
+    stresses, exponents = section.get("mu"), section.get("alpha")
+    if not (isinstance(stresses, list) and isinstance(exponents, list)):
+        return rest
     try:
-        mu = [convert(value, STRESS) for value in section["mu"]]
-        alpha = [number(value) for value in section["alpha"]]
+        mu, alpha = [convert(value, STRESS) for value in stresses], [number(value) for value in exponents]
         modulus = sum(m * a for m, a in zip(mu, alpha, strict=True)) / 2
-    except (KeyError, TypeError, ValueError):
+    except ValueError:
         return rest
     if form is None and any(m > 0 > a for m, a in zip(mu, alpha, strict=True)):
         raise ValueError(

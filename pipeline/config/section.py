@@ -28,7 +28,7 @@ from pipeline.config.document import Document, Key
 from pipeline.config.not_there import NOT_THERE
 from pipeline.values.errors import ConflictError, InputError, quoted
 
-__all__ = ["Error", "Field", "FieldInfo", "section", "to_jsonable_python"]
+__all__ = ["Error", "Field", "FieldInfo", "TypeAdapter", "section", "to_jsonable_python"]
 
 #: units at the end of the names of fields; keys have none
 UNITS = ("_mm_s2", "_tonne_mm3", "_mm", "_kPa", "_MPa", "_N", "_Hz", "_s", "_deg")
@@ -56,6 +56,24 @@ CONFIG = ConfigDict(
 
 
 @dataclass(frozen=True)
+class Beside:
+    """What stands beside a value: the fields of its section that were read before it, and the whole document."""
+
+    fields: Mapping[str, Any]  #: without refused ones
+    document: Document
+
+    def known(self, *names: str) -> list[Any]:
+        """The values of these fields; where one of them is refused, an error without words is raised."""
+        if not set(names) <= self.fields.keys():
+            raise_all([wrong("")])
+        return [self.fields[name] for name in names]
+
+    def read(self, keys: type[S], value: Any) -> S:
+        """The section that is written in `value`, as `read_keys` reads it."""
+        return read_keys(keys, value, self.document)
+
+
+@dataclass(frozen=True)
 class Kind:
     """How a kind of value is written, for sentences and the reference, and how the value inside is made from it."""
 
@@ -64,8 +82,8 @@ class Kind:
     unit: str = ""
     read: Callable[[Any], Any] = lambda value: value  #: of what is written; raises ValueError with the complaint
     test: Callable[[Any], bool] | None = None  #: whether a value is allowed; may raise ValueError with the complaint
-    #: instead of `read`, of what is written, the fields before and the document, for what follows from several of them
-    complete: Callable[[Any, Mapping[str, Any], Document], Any] | None = None
+    #: instead of `read`, of what is written and what stands beside it, for what follows from several values
+    complete: Callable[[Any, Beside], Any] | None = None
     keys: "type[Section] | None" = None  #: as which it is written; None for a value, or keys that depend on one of them
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
@@ -76,7 +94,7 @@ class Kind:
         if info.context is None:
             return value
         written = value if self.keys is None else read_keys(self.keys, value, info.context)
-        return self.complete(written, info.data, info.context) if self.complete else self.read(written)
+        return self.complete(written, Beside(info.data, info.context)) if self.complete else self.read(written)
 
     def _check(self, value: Any, info: ValidationInfo) -> Any:
         if info.context is None or self.test is None or self.test(value):
@@ -84,13 +102,6 @@ class Kind:
         allowed = self.allowed.replace("`", "")
         number = f"{value:g}" if isinstance(value, float) else quoted(value)
         raise ValueError(f"{number} is not allowed; allowed: {allowed}; for example {self.example}")
-
-
-def known(fields: Mapping[str, Any], *names: str) -> list[Any]:
-    """The values of these fields; where one of them is refused, an error without words is raised."""
-    if not set(names) <= fields.keys():
-        raise_all([wrong("")])
-    return [fields[name] for name in names]
 
 
 def wrong(complaint: str, loc: Key = (), keys: Iterable[Key] = ()) -> Error:

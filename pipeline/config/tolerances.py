@@ -7,14 +7,13 @@ FDM. 10 % of the stiffness, from batch to batch, and 2 % of the pressure are cho
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Annotated, Any
 
 from geometry import Design
-from pipeline.config.document import Document
 from pipeline.config.material import Material
-from pipeline.config.section import known, not_known, read_each
+from pipeline.config.section import Beside, Field, TypeAdapter, not_known, read_each
 from pipeline.config.units import LENGTH, PRESSURE, STRESS, Dimension, convert
-from pipeline.values.json_values import JsonObject
+from pipeline.values.json_values import Json, Written
 
 #: how an arm is made, which decides about the tolerances that are not given
 PROCESSES = ("cast", "printed")
@@ -34,7 +33,7 @@ class Tolerance:
 
     amount: float  #: in mm, MPa or kPa, or a fraction of the value
     is_relative: bool
-    is_default: bool = False  #: it was not given
+    is_default: Annotated[bool, Field(exclude=True)] = False  #: it was not given
 
     def of(self, value: float) -> float:
         """The tolerance of a value, in its unit."""
@@ -52,18 +51,10 @@ class Tolerances:
     process: str = PROCESSES[0]
     given: Mapping[str, Tolerance] = field(default_factory=dict)
 
-    def record(self) -> JsonObject:
-        """Ready for JSON."""
-        values = {key: {"amount": one.amount, "is_relative": one.is_relative} for key, one in self.given.items()}
-        return {"process": self.process, "given": values}
-
     @staticmethod
-    def from_record(record: Mapping[str, Any] | None) -> "Tolerances":
-        """What `record` gave; the defaults of None."""
-        if record is None:
-            return Tolerances()
-        given = {key: Tolerance(row["amount"], row["is_relative"]) for key, row in record["given"].items()}
-        return Tolerances(record["process"], given)
+    def from_record(record: Json) -> "Tolerances":
+        """Those of the record of a configuration; the defaults of None."""
+        return Tolerances() if record is None else TypeAdapter(Tolerances).validate_python(record)
 
     def with_setting(self, key: str, written: str, units: Mapping[str, Dimension | None]) -> "Tolerances":
         """With another tolerance, or process; units: what each key measures. Raises ValueError."""
@@ -87,20 +78,22 @@ class Tolerances:
         return Tolerance(BEYOND_M2, True, True) if row is None else Tolerance(row, False, True)
 
 
-def read_tolerances(value: Any, values: Mapping[str, Any], _: Document) -> Tolerances:
+def read_tolerances(value: Any, beside: Beside) -> Tolerances:
     """The tolerances that a section describes."""
-    design, material, materials = known(values, "design", "material", "materials")
+    design, material, materials = beside.known("design", "material", "materials")
     if not isinstance(value, Mapping):
         raise ValueError("must hold keys, for example {geometry.wall: 0.1 mm, material.stiffness: 10 %}")
     units = _units(design, {"material": material, **{f"materials.{name}": m for name, m in materials.items()}})
-    units |= (
-        {key: measured for key, (_, measured) in values["effects"].constants.items()} if "effects" in values else {}
+    if effects := beside.fields.get("effects"):
+        units |= {key: measured for key, (_, measured) in effects.constants.items()}
+    read = read_each(dict(_flat(value)), lambda key, written: _known(key, written, units))
+    return Tolerances(
+        next((entry for entry in read.values() if isinstance(entry, str)), PROCESSES[0]),
+        {key: entry for key, entry in read.items() if isinstance(entry, Tolerance)},
     )
-    given: dict[str, Any] = read_each(dict(_flat(value)), lambda key, written: _known(key, written, units))
-    return Tolerances(given.pop("process", PROCESSES[0]), given)
 
 
-def _flat(value: Mapping[Any, Any]) -> Iterator[tuple[str, Any]]:
+def _flat(value: Mapping[str, Written]) -> Iterator[tuple[str, Written]]:
     """Keys such as geometry.wall, also from sections within the section."""
     for key, entry in value.items():
         if isinstance(entry, Mapping):

@@ -77,7 +77,7 @@ def number_and_unit(value: Any) -> tuple[float, str] | None:
     return (float(matched[1]), matched[2]) if matched and matched[2] else None
 
 
-def in_unit_of(value: str, unit: str) -> float:
+def in_unit_of(value: Any, unit: str) -> float:
     """The number behind `value` in another unit of the same dimension. Raises ValueError."""
     return convert(value, Dimension("a value in this unit", unit, f"1 {unit}"))
 

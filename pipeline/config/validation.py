@@ -1,14 +1,13 @@
 """The loads of a configuration at which the rod is compared with the finite elements, and the end of the arm."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Annotated, Any
 
-from pipeline.config.document import Document
 from pipeline.config.effects import STATES, State, Switched
 from pipeline.config.kinds import Length, Pressures, distinct, in_unit, list_of
-from pipeline.config.section import Error, Field, Kind, Section, conflict, known, raise_all, section
+from pipeline.config.section import Beside, Error, Field, Kind, Section, conflict, raise_all, section
 from pipeline.config.units import FORCE, LENGTH, convert
 from rod.same_pressure import as_known
 
@@ -133,13 +132,13 @@ class GivenValidation(Switched):
     )
 
 
-def read_validation(given: GivenValidation, fields: Mapping[str, Any], _: Document) -> Validation:
+def read_validation(given: GivenValidation, beside: Beside) -> Validation:
     """The loads not used for the fit; where there are some and no pressures, all pressures of the run.
 
     Where none are given the program chooses: the middle of the widest interval of pressures, with the end above that
     of III, and later with small forces on the end, which need the rigidity of the arm.
     """
-    design, of_run, end = known(fields, "design", "pressures_kPa", "end")
+    design, of_run, end = beside.known("design", "pressures_kPa", "end")
     if given.state == "off":
         return Validation()
     if not (given.pressures_kPa or given.end_y_mm or given.forces_N):

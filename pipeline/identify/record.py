@@ -1,6 +1,7 @@
 """The parameters of a run as the value of parameters.json."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 from geometry.arrays import Array
@@ -10,9 +11,12 @@ from pipeline.identify.mesh_error import RELATIVE
 from pipeline.identify.parameters import Parameters, decide_together
 from pipeline.identify.predicted import Predicted
 from pipeline.values.formats import FORMAT
+from pipeline.values.json_values import ReadObject
 from pipeline.values.parameters import (
     BreakProfile,
     Dimensionless,
+    DimensionlessNumbers,
+    FiveColumns,
     MeshErrorOfFive,
     RestShape,
     RodParameters,
@@ -32,8 +36,6 @@ from rod import (
 )
 
 ESTIMATOR = "cell_averaged"
-#: what the dimensionless parameters are divided by, in the key
-_DIVIDED = {"alpha": "over_m_g_length2", "m0": "over_m_g_length", "d": "over_length"}
 
 
 def parameters_record(
@@ -48,10 +50,11 @@ def parameters_record(
     predicted: by the arm's own law; None where it was not made. coarser: size of a second mesh of the whole arm over
     that of the first one, where it tells the error of the mesh.
     """
-    drawn: Mapping[str, Any] = config.record()
+    drawn: ReadObject = config.record()
     mass = config.mass_tonne
     load = parameters[0].free.load if parameters else Load()
-    return RodParameters(
+    by_law = [p if isinstance(p, str) else p.lines for p in predicted or ()]
+    found = RodParameters(
         format=FORMAT,
         design=drawn["geometry"],
         material=drawn.get("material"),
@@ -63,18 +66,14 @@ def parameters_record(
         straight_without_pressure=config.effects.straight_without_pressure,
         weight_N_per_mm=load.weight,
         weight_height_mm=load.weight_height,
-        estimator=ESTIMATOR,
-        **_columns([p.numbers for p in parameters]),
+        **vars(_columns([p.numbers for p in parameters], parameters)),
         d_given_mm=config.identification.d_mm,
-        **_bounds([p.numbers["d"] for p in parameters], parameters),
-        **_linear(parameters),
-        **_choice(parameters),
         mesh_error=_mesh_error(config, parameters, coarser),
         mesh_error_reason=mesh_error_reason,
         moment_range_N_mm=_ranges([p.moment_range for p in parameters]),
         eccentricity=_stretching(parameters),
         estimators={ESTIMATOR: _identified([p.by_cells for p in parameters], parameters)},
-        predicted_by_arm_law=None if predicted is None else _identified(_lines(predicted), parameters),
+        predicted_by_arm_law=None if predicted is None else _identified(by_law, parameters),
         kappa_0=_rest_shape(parameters),
         dimensionless=_dimensionless(config, parameters),
         dimensionless_numbers=_dimensionless_numbers(config, parameters),
@@ -83,57 +82,59 @@ def parameters_record(
             for p in parameters
         ),
     )
+    return _with_single_lines(_with_straight_lines(found, parameters), parameters)
 
 
-def _choice(parameters: Sequence[Parameters]) -> dict[str, Any]:
-    """The single line beside two, and what speaks for either."""
+def _with_single_lines(found: RodParameters, parameters: Sequence[Parameters]) -> RodParameters:
+    """With the single line beside two, and what speaks for either."""
     single_lines = [p.by_cells.single_line for p in parameters]
-    return {
-        "single_line_alpha_N_mm2": tuple(line.alpha.value for line in single_lines),
-        "single_line_alpha_N_mm2_std": tuple(line.alpha.std for line in single_lines),
-        "single_line_m0_N_mm": tuple(line.m0.value for line in single_lines),
-        "single_line_suffices": tuple(not p.two_lines for p in parameters),
-        "evidence_for_two_lines": tuple(p.by_cells.evidence for p in parameters),
-        "evidence_of_choice": tuple(p.evidence for p in parameters),
-        "two_lines_on_coarser_mesh": tuple(p.two_lines_on_coarser for p in parameters),
-        "r2_two_lines": tuple(p.by_cells.r2 for p in parameters),
-        "r2_single_line": tuple(line.r2 for line in single_lines),
-        "observations": tuple(p.by_cells.observations for p in parameters),
-    }
+    return replace(
+        found,
+        single_line_alpha_N_mm2=tuple(line.alpha.value for line in single_lines),
+        single_line_alpha_N_mm2_std=tuple(line.alpha.std for line in single_lines),
+        single_line_m0_N_mm=tuple(line.m0.value for line in single_lines),
+        single_line_suffices=tuple(not p.two_lines for p in parameters),
+        evidence_for_two_lines=tuple(p.by_cells.evidence for p in parameters),
+        evidence_of_choice=tuple(p.evidence for p in parameters),
+        two_lines_on_coarser_mesh=tuple(p.two_lines_on_coarser for p in parameters),
+        r2_two_lines=tuple(p.by_cells.r2 for p in parameters),
+        r2_single_line=tuple(line.r2 for line in single_lines),
+        observations=tuple(p.by_cells.observations for p in parameters),
+    )
 
 
-def _columns(numbers: Sequence[Mapping[str, Interval] | None]) -> dict[str, Any]:
-    """The five parameters over the pressures; None where there is no number."""
-    columns: dict[str, Any] = {}
+def _columns(
+    numbers: Sequence[Mapping[str, Interval] | None], parameters: Sequence[Parameters] | None = None
+) -> FiveColumns:
+    """The five parameters over the pressures; None where there is no number.
+
+    parameters: those that tell whether a d lies at an end of the range in which it was sought.
+    """
+    columns: dict[str, tuple[Any, ...]] = {}
     for name, column in PARAMETER_COLUMNS.items():
         intervals = [None if of_pressure is None else of_pressure[name] for of_pressure in numbers]
         columns[column] = tuple(i and i.value for i in intervals)
         columns[f"{column}_std"] = tuple(i and i.std for i in intervals)
         columns[f"{column}_95"] = tuple(i and (i.low, i.high) for i in intervals)
-    return columns
-
-
-def _bounds(d: Sequence[Interval | None], parameters: Sequence[Parameters]) -> dict[str, Any]:
-    """Whether a d lies at an end of the range in which it was sought; null where there is none."""
-    pairs = list(zip(d, parameters, strict=True))
-    return {
-        "d_is_at_most": tuple(i and p.given_d is None and bool(i.value <= 1.001 * p.shortest_break) for i, p in pairs),
-        "d_is_at_least": tuple(i and p.given_d is None and bool(i.value >= 0.999 * p.longest_break) for i, p in pairs),
-    }
+    if parameters is not None:
+        pairs = [(i and i["d"], p) for i, p in zip(numbers, parameters, strict=True)]
+        at_most = (d and p.given_d is None and bool(d.value <= 1.001 * p.shortest_break) for d, p in pairs)
+        at_least = (d and p.given_d is None and bool(d.value >= 0.999 * p.longest_break) for d, p in pairs)
+        columns |= {"d_is_at_most": tuple(at_most), "d_is_at_least": tuple(at_least)}
+    return FiveColumns(**columns)
 
 
 def _mesh_error(config: Config, parameters: Sequence[Parameters], coarser: float | None) -> MeshErrorOfFive | None:
     """What the mesh contributes to the deviations of the rod's numbers, None where nothing tells."""
     if not any(p.mesh_std for p in parameters):
         return None
-    columns: dict[str, Any] = {
-        f"{name}_relative": tuple(p.mesh_errors.get(name) for p in parameters) for name in RELATIVE
-    }
-    columns |= {
-        f"{column}_std": tuple(p.mesh_std.get(n) for p in parameters) for n, column in PARAMETER_COLUMNS.items()
-    }
     sizes = (config.mesh.size_mm, *([] if coarser is None else [coarser * config.mesh.size_mm]))
-    return MeshErrorOfFive(sizes, parameters[0].mixed_at_kPa, **columns)
+    return MeshErrorOfFive(
+        sizes,
+        parameters[0].mixed_at_kPa,
+        *(tuple(p.mesh_std.get(name) for p in parameters) for name in PARAMETER_COLUMNS),
+        *(tuple(p.mesh_errors.get(name) for p in parameters) for name in RELATIVE),
+    )
 
 
 def _stretching(parameters: Sequence[Parameters]) -> StretchingRod | None:
@@ -141,7 +142,7 @@ def _stretching(parameters: Sequence[Parameters]) -> StretchingRod | None:
     if not parameters:
         return None
     return StretchingRod(
-        **_columns([p.extensible_numbers for p in parameters]),
+        **vars(_columns([p.extensible_numbers for p in parameters])),
         eccentricity_mm=tuple(p.extension.eccentricity for p in parameters),
         eccentricity_mm_std=tuple(p.extension.eccentricity_std for p in parameters),
         moment_range_N_mm=_ranges([p.extensible_moment_range for p in parameters]),
@@ -157,49 +158,46 @@ def _ranges(ranges: Sequence[MomentRange]) -> tuple[tuple[float, float], ...]:
     return tuple((moments.low, moments.high) for moments in ranges)
 
 
-def _lines(predicted: Sequence[Predicted | str]) -> list[Identification | str]:
-    """They tell which part comes from the cells and their ends, which is all that the law contains."""
-    return [p if isinstance(p, str) else p.lines for p in predicted]
-
-
 def _identified(estimates: Sequence[Identification | str], parameters: Sequence[Parameters]) -> TwoLines:
     """Two lines at every pressure, or why there are none, and whether a single one suffices."""
     identified = [e for e in estimates if not isinstance(e, str)]
     every = [None if isinstance(e, str) else {name: getattr(e, name) for name in PARAMETER_NAMES} for e in estimates]
-    columns = _columns(every) | _bounds([None if numbers is None else numbers["d"] for numbers in every], parameters)
-    columns["reason"] = tuple(e if isinstance(e, str) else "" for e in estimates)
-    if len(identified) == len(parameters):
-        decided = decide_together(parameters, identified)
-        columns["single_line_suffices"] = tuple(not p.two_lines for p in decided)
-        columns["single_line_alpha_N_mm2"] = tuple(e.single_line.alpha.value for e in identified)
-        columns["observations"] = tuple(e.observations for e in identified)
-    return TwoLines(**columns)
+    reasons = tuple(e if isinstance(e, str) else "" for e in estimates)
+    found = TwoLines(**vars(_columns(every, parameters)), reason=reasons)
+    if len(identified) < len(parameters):
+        return found
+    return replace(
+        found,
+        single_line_suffices=tuple(not p.two_lines for p in decide_together(parameters, identified)),
+        single_line_alpha_N_mm2=tuple(e.single_line.alpha.value for e in identified),
+        observations=tuple(e.observations for e in identified),
+    )
 
 
-def _linear(parameters: Sequence[Parameters]) -> dict[str, Any]:
-    """beta1, beta2 over the linear range (over all pressures where there is none), and how straight everything is."""
+def _with_straight_lines(found: RodParameters, parameters: Sequence[Parameters]) -> RodParameters:
+    """With beta1, beta2 over the linear range, over all pressures where there is none, and how straight all is."""
     covered = covered_range(parameters)
     pressures, quantities = quantities_of(parameters)
     lines = covered.lines if covered else {}
     if covered is None and len(parameters) > 1:
         lines = LinearRange.over(pressures, quantities).lines
-    betas: dict[str, float | None] = {}
-    for number in ("1", "2"):
-        line = lines.get(f"alpha{number}")
-        betas[f"beta{number}_N_mm2_per_kPa"] = line and line.slope
-        betas[f"beta{number}_N_mm2_per_kPa_std"] = line and line.slope_std
     straightness = []
     for name, line in lines.items():
         values = tuple(quantities[name].values)
         on_line = (line.slope * p + line.intercept for p in pressures)
         off = tuple(value / on - 1.0 for value, on in zip(values, on_line, strict=True))
         straightness.append(Straightness(name, line.slope, line.intercept, values, off))
-    return {
-        "linear_range_kPa": covered and (covered.low, covered.high),
-        "linear_range_tested": covered is not None and covered.tested,
-        "straightness": tuple(straightness),
-        **betas,
-    }
+    first, second = lines.get("alpha1"), lines.get("alpha2")
+    return replace(
+        found,
+        linear_range_kPa=covered and (covered.low, covered.high),
+        linear_range_tested=covered is not None and covered.tested,
+        straightness=tuple(straightness),
+        beta1_N_mm2_per_kPa=first and first.slope,
+        beta1_N_mm2_per_kPa_std=first and first.slope_std,
+        beta2_N_mm2_per_kPa=second and second.slope,
+        beta2_N_mm2_per_kPa_std=second and second.slope_std,
+    )
 
 
 def _dimensionless(config: Config, parameters: Sequence[Parameters]) -> tuple[Dimensionless, ...]:
@@ -219,23 +217,16 @@ def _dimensionless(config: Config, parameters: Sequence[Parameters]) -> tuple[Di
     )
 
 
-def _dimensionless_numbers(config: Config, parameters: Sequence[Parameters]) -> dict[str, Any] | None:
-    """The five parameters and kappa_0(l/2) without unit, lists over the pressures; None without a weight."""
+def _dimensionless_numbers(config: Config, parameters: Sequence[Parameters]) -> DimensionlessNumbers | None:
+    """None without a weight."""
     weight, length = config.reference_weight, config.design.length
     if weight is None:
         return None
-    newton, of = weight
-    moment = newton * length
+    moment = weight[0] * length
     units = {"alpha1": moment * length, "alpha2": moment * length, "m01": moment, "m02": moment, "d": length}
-    return {
-        "weight_N": newton,
-        "weight_of": of,
-        "kappa_0_middle_times_length": [p.kappa_0.middle * length for p in parameters],
-        **{
-            f"{name}_{_DIVIDED[name.rstrip('12')]}": [p.numbers[name].value / unit for p in parameters]
-            for name, unit in units.items()
-        },
-    }
+    middles = tuple(p.kappa_0.middle * length for p in parameters)
+    columns = (tuple(p.numbers[name].value / unit for p in parameters) for name, unit in units.items())
+    return DimensionlessNumbers(*weight, middles, *columns)
 
 
 def _rest_shape(parameters: Sequence[Parameters]) -> RestShape:

@@ -5,7 +5,7 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cache, partial
 from itertools import zip_longest
-from typing import Any, Generic, TypeVar
+from typing import Generic, TypeVar
 
 import numpy as np
 
@@ -190,11 +190,10 @@ def _rest(piece: BendingPiece, *_: object) -> PieceState:
 def straight_clamp(clamp: ClampCurve, moments: Array) -> ClampCurve:
     """A clamped end of which one state is known, to first order at moments (k,) in N mm."""
     change = moments - clamp.moment[0]
-    rows: dict[str, Any] = {"moment": moments, "rotation": clamp.rotation + clamp.rotation_by_moment * change}
-    rows["offset"] = clamp.offset + clamp.offset_by_moment * change[:, None]
-    for name in ("rotation_by_moment", "rotation_by_pressure", "offset_by_moment", "beside", "volume"):
-        rows[name] = np.repeat(getattr(clamp, name), len(moments), axis=0)
-    return replace(clamp, **rows)
+    rotation, offset = clamp.rotation_by_moment * change, clamp.offset_by_moment * change[:, None]
+    alike = ("rotation_by_moment", "rotation_by_pressure", "offset_by_moment", "beside", "volume")
+    rows = {name: getattr(clamp, name).repeat(len(moments), axis=0) for name in alike}
+    return replace(clamp, moment=moments, rotation=clamp.rotation + rotation, offset=clamp.offset + offset, **rows)
 
 
 CLAMP = End(ClampCurve, "clamp", "clamped end", "clamp", clamp_curve, first_state)

@@ -8,7 +8,6 @@ other moments and curvatures. What a state has besides, such as stretch, ripple 
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from math import copysign, hypot
-from typing import Any
 
 import numpy as np
 
@@ -16,6 +15,7 @@ from geometry import Reason
 from geometry.arrays import Array
 from pipeline.values.json_values import JsonObject
 from pipeline.values.law import LawMeshError
+from pipeline.values.parameters import Column
 from pipeline.values.richardson import Limit
 from pipeline.values.run import SMALLEST_TURN
 from rod.arm_law.curves import ACROSS, CellCurve, ClampCurve
@@ -84,7 +84,7 @@ class MeshLimit:
             limits = self.limits[cell.pressure]
             own = numbers_on(cell, length, limits)
             rows.append({name: (own[name], hypot(own[name] - limits[name].value, limits[name].std)) for name in own})
-        columns: dict[str, Any] = {}
+        columns: dict[str, Column] = {}
         for name in dict.fromkeys(name for row in rows for name in row):
             pairs = [row.get(name, (None, None)) for row in rows]
             columns |= zip((key_in_files(name), f"{key_in_files(name)}_std"), zip(*pairs, strict=True), strict=True)

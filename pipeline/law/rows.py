@@ -10,6 +10,7 @@ from pipeline.config.document import Document
 from pipeline.config.load import checked, for_command
 from pipeline.config.section import in_sentences, read, read_each
 from pipeline.config.units import PRESSURE, convert
+from pipeline.values.json_values import Written
 from rod.arm_law.pairs import direction_of, fractions_of
 from rod.same_pressure import Pressures, as_known, is_among
 
@@ -118,11 +119,12 @@ def _rows(document: Document, name: str) -> tuple[Pressures, ...]:
             raise ValueError("is a body at rest; give one of both pressures above 0 kPa")
         return values
 
+    given = document.content[_KEY]
     with in_sentences(document):
-        return tuple(read_each(dict(enumerate(document.content[_KEY])), row, (_KEY,)).values())
+        return tuple(read_each(dict(enumerate(given if isinstance(given, list) else ())), row, (_KEY,)).values())
 
 
-def _config(document: Document, pressures_kPa: Sequence[float], values: Mapping[str, Any] | None = None) -> Config:
+def _config(document: Document, pressures_kPa: Sequence[float], values: Mapping[str, Written] | None = None) -> Config:
     """The configuration at these pressures instead of the rows, with other values by their keys.
 
     Messages name the file, and what the user has set. Raises InputError.

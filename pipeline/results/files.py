@@ -17,6 +17,7 @@ from pipeline.results.laws import law_of_record
 from pipeline.store.result_folder import ResultFolder, json_text
 from pipeline.values.errors import InputError, argument, quoted
 from pipeline.values.formats import CURVE_COLUMNS, FORMAT
+from pipeline.values.json_values import JsonObject
 from pipeline.values.law import BesideLaw, DeliveredLaw, is_law
 from pipeline.values.parameters import RodParameters
 from pipeline.values.record import RunRecord
@@ -26,14 +27,14 @@ from rod.arm_law.pairs import fractions_of
 from rod.errors import RodError as NoRod
 
 Value = TypeVar("Value")
-#: file -> the type of its content
-TYPES: dict[str, Any] = {
-    "experiments.json": tuple[State, ...],
-    "validation.json": tuple[RodError, ...],
-    "effects.json": tuple[Effect, ...],
-    "parameters.json": RodParameters,
-    "law.json": BesideLaw,
-    "run.json": RunRecord,
+#: file -> its content, as pydantic reads and writes it
+TYPES: dict[str, TypeAdapter[Any]] = {
+    "experiments.json": TypeAdapter(tuple[State, ...]),
+    "validation.json": TypeAdapter(tuple[RodError, ...]),
+    "effects.json": TypeAdapter(tuple[Effect, ...]),
+    "parameters.json": TypeAdapter(RodParameters),
+    "law.json": TypeAdapter(BesideLaw),
+    "run.json": TypeAdapter(RunRecord),
 }
 #: the arm's own law
 LAW = "law.json"
@@ -55,10 +56,9 @@ _WRONG = {
 
 def save_value(folder: ResultFolder, name: str, value: Value) -> Value:
     """Write the content of one of the files in `TYPES`, and return it as it is read: NaN and infinity become null."""
-    adapter: TypeAdapter[Value] = TypeAdapter(TYPES[name])
-    text = json_text(adapter.dump_python(value))
+    text = json_text(TYPES[name].dump_python(value))
     folder.save_text(name, text)
-    return adapter.validate_json(text)
+    return TYPES[name].validate_json(text)
 
 
 def replace_draft(folder: ResultFolder, *, draft: bool) -> None:
@@ -98,7 +98,7 @@ def _read_rod(file: Path) -> Run:
         return Run(file.parent, law=_law(file, content))
     if not isinstance(content, Mapping) or "pressures_kPa" not in content:
         raise InputError(f"{file}: has no rod; give the folder of a run, its parameters.json or its law.json")
-    return Run(file.parent, _typed(beside, RunRecord, _content(beside) or {}), _parameters(file, content))
+    return Run(file.parent, _typed(beside, "run.json", _content(beside) or {}), _parameters(file, content))
 
 
 def read_law(path: Path) -> DeliveredLaw:
@@ -115,9 +115,9 @@ def read_plane_law(path: Path) -> ArmLaw:
     return law.plane
 
 
-def json_schema() -> dict[str, Any]:
+def json_schema() -> JsonObject:
     """The JSON schemas of the result files by name; that of law.json has what stands beside the law."""
-    return {name: TypeAdapter(kind).json_schema() for name, kind in TYPES.items()}
+    return {name: adapter.json_schema() for name, adapter in TYPES.items()}
 
 
 def read_results(directory: Path) -> Run:
@@ -134,7 +134,7 @@ def read_results(directory: Path) -> Run:
         contents["run.json"] = _content(directory / _IDENTITY) or {}
     parameters = _parameters(directory / "parameters.json", contents.pop("parameters.json", {}))
     typed = [name for name in TYPES if name in contents and name != LAW]
-    values = {name: _typed(directory / name, TYPES[name], contents[name]) for name in typed}
+    values = {name: _typed(directory / name, name, contents[name]) for name in typed}
     return Run(
         directory=directory,
         record=values["run.json"],
@@ -148,7 +148,7 @@ def read_results(directory: Path) -> Run:
     )
 
 
-def _check_there(directory: Path, contents: Mapping[str, Any]) -> None:
+def _check_there(directory: Path, contents: Mapping[str, object]) -> None:
     if any(contents.get(name) for name in ("experiments.json", "parameters.json", "law.json", "run.json")):
         return
     if not directory.is_dir():
@@ -171,18 +171,18 @@ def _content(path: Path) -> Any:
         raise _unreadable(path, failure) from None
 
 
-def _typed(path: Path, kind: Any, content: Any) -> Any:
+def _typed(path: Path, name: str, content: Any) -> Any:
     found = content.get("format", FORMAT) if isinstance(content, dict) else FORMAT
     if found != FORMAT:
         raise InputError(f"{path}: has format {quoted(found)}, and this version reads {FORMAT}; repeat the run")
     try:
-        return TypeAdapter(kind).validate_python(content)
+        return TYPES[name].validate_python(content)
     except ValidationError as failure:
         raise _unreadable(path, failure) from None
 
 
 def _parameters(path: Path, content: Any) -> RodParameters:
-    parameters: RodParameters = _typed(path, RodParameters, content)
+    parameters: RodParameters = _typed(path, "parameters.json", content)
     try:
         for extensible in {False, parameters.eccentricity is not None} if parameters.pressures_kPa else ():
             parameters.rods(extensible)
@@ -196,7 +196,7 @@ def _law(path: Path, content: Any) -> DeliveredLaw:
         missing = "cannot be read (No such file or directory)"
         raise InputError(f"{path}: {missing if content is None else 'is not the law of an arm'}; give that of a run")
     try:
-        return DeliveredLaw(**vars(TypeAdapter(BesideLaw).validate_python(content)), law=law_of_record(content))
+        return DeliveredLaw(**vars(TYPES[LAW].validate_python(content)), law=law_of_record(content))
     except ValueError as failure:
         raise _unreadable(path, failure) from None
 

@@ -17,7 +17,7 @@ from pydantic_core import CoreSchema, SchemaValidator
 from pydantic_core import core_schema as schema
 
 from geometry.arrays import Array
-from pipeline.values.json_values import JsonObject
+from pipeline.values.json_values import Json, JsonObject, ReadObject
 from rod.arm_law.curves import key_of
 from rod.arm_law.kinds import Saved
 from rod.arm_law.law import ArmLaw
@@ -67,14 +67,17 @@ def _plane_record(law: ArmLaw) -> JsonObject:
     return {**lengths, "pressures_kPa": [*law.pressures], **record, "derivatives": derivatives}
 
 
-def record_of(value: Any) -> dict[str, Any]:
+def record_of(value: Any) -> dict[str, Json]:
     """The fields of a value that have a key, arrays as lists."""
-    record: dict[str, Any] = {}
+    record: dict[str, Json] = {}
+    tables: dict[str, dict[str, Json]] = {"": record}
     for field, key in _keyed(type(value)):
         held = getattr(value, field.name)
         if field.default_factory is MISSING or np.size(held) or isinstance(held, Mapping):
             table, _, last = key.rpartition(".")
-            (record.setdefault(table, {}) if table else record)[last] = _plain(held)
+            if table not in tables:
+                record[table] = tables[table] = {}
+            tables[table][last] = _plain(held)
     return record
 
 
@@ -88,7 +91,7 @@ def _plain(value: Any) -> Any:
     return value.tolist() if isinstance(value, np.ndarray) else value
 
 
-def law_of_record(record: Mapping[str, Any]) -> Saved:
+def law_of_record(record: ReadObject) -> Saved:
     """The law that `law_record` wrote. Raises ValueError, with the key, for anything else."""
     kinds: dict[Any, type[Any]] = {law.kind: law for law in get_args(Saved)} | {PairLaw.kind: _Rays}
     if record.get("format") != FORMAT or record.get("kind") not in kinds:
@@ -118,8 +121,7 @@ def _check_positive(law: ArmLaw) -> None:
 def value_of(kind: type[Value], record: Any) -> Value:
     """A value from what `record_of` made of it. Raises ValueError, with the key, for anything else."""
     known: Any = kind
-    value: Value = _validator(known).validate_python(record)
-    return value
+    return _validator(known).validate_python(record)
 
 
 @lru_cache

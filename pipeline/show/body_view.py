@@ -6,7 +6,6 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from itertools import product
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -14,6 +13,7 @@ from geometry.arrays import Array, Index, Mask
 from pipeline.results.drawing import read_tetrahedra
 from pipeline.show.pictures import boundary
 from pipeline.values.formats import BODY, SURFACES
+from pipeline.values.json_values import JsonObject
 from pipeline.values.law import DeliveredLaw
 from pipeline.values.run import Run
 from rod.arm_law.space_law import SpaceLaw
@@ -89,7 +89,7 @@ class Surfaces:
         )
 
 
-def body_view(run: Run) -> dict[str, Any]:
+def body_view(run: Run) -> JsonObject:
     """The data of the view of the body of a run; empty where it has none or they are too large."""
     path = run.directory / SURFACES
     surfaces = Surfaces.read(path) if path.is_file() else _swept(run)
@@ -149,11 +149,6 @@ def along(points: Array, s: Array, curve: Array, frames: Array) -> Array:
     return place + np.einsum("mij,mj->mi", turn.reshape(-1, 3, 3), inside)
 
 
-def experiments_of(view: Mapping[str, Any]) -> list[str]:
-    """The experiments that the view shows."""
-    return sorted({state["experiment"] for state in view.get("states", ())})
-
-
 def _reduced(surfaces: Surfaces) -> Iterator[Surfaces]:
     """The surfaces in less and less detail: all, straight edges, without I, and then the highest pressure alone."""
     yield surfaces
@@ -164,7 +159,7 @@ def _reduced(surfaces: Surfaces) -> Iterator[Surfaces]:
     yield coarse.of_states(loaded & (surfaces.pressures_kPa == surfaces.pressures_kPa.max()))
 
 
-def _data(surfaces: Surfaces) -> dict[str, Any]:
+def _data(surfaces: Surfaces) -> JsonObject:
     positions = np.concatenate([surfaces.points[None], surfaces.points + surfaces.displacement])
     low, high = positions.min(axis=(0, 1)), positions.max(axis=(0, 1))
     if surfaces.half:
@@ -176,14 +171,15 @@ def _data(surfaces: Surfaces) -> dict[str, Any]:
         name: (0.0 if name == "von_mises_MPa" else float(values.min()), float(values.max()))
         for name, values in fields.items()
     }
-    states = [
+    at = zip(surfaces.experiments, map(float, surfaces.pressures_kPa), strict=True)
+    states: list[JsonObject] = [
         {
             "experiment": experiment,
-            "pressure_kPa": float(surfaces.pressures_kPa[k]),
+            "pressure_kPa": pressure,
             "positions": _text(grid[k + 1]),
             **{name: _text(_bytes(values[k], limits[name])) for name, values in fields.items()},
         }
-        for k, experiment in enumerate(surfaces.experiments)
+        for (experiment, pressure), k in sorted((state, k) for k, state in enumerate(at))
     ]
     return {
         "half": surfaces.half,
@@ -194,7 +190,8 @@ def _data(surfaces: Surfaces) -> dict[str, Any]:
         "wide": len(surfaces.points) >= 65536,
         "outer": outer,
         "limits": limits,
-        "states": sorted(states, key=lambda state: (str(state["experiment"]), state["pressure_kPa"])),
+        "states": states,
+        "experiments": sorted(set(surfaces.experiments)),
     }
 
 

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
@@ -311,7 +310,7 @@ FIGURES: dict[str, Callable[[Run], Panels]] = {
 }
 
 
-def make_figures(run: Run) -> dict[str, Any]:
+def make_figures(run: Run) -> dict[str, str | dict[str, str]]:
     """All figures of the report by their names; empty texts for those without data."""
     experiments = {title: figure(of_experiment(run, name)) for name, title in EXPERIMENTS.items()}
     return {

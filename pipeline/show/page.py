@@ -7,7 +7,7 @@ from pathlib import Path
 from pipeline.answers.budget import budget_panels, budget_table, budgets_of
 from pipeline.results.verdict import verdict_of
 from pipeline.show import figures, tables
-from pipeline.show.body_view import body_view, experiments_of
+from pipeline.show.body_view import body_view
 from pipeline.values.page import render
 from pipeline.values.plots import figure
 from pipeline.values.pressure import name_of_state
@@ -35,7 +35,6 @@ def render_page(run: Run) -> str:
         budget=budget_table(budgets[-1]) if budgets else None,
         budget_figure=figure(budget_panels(budgets)),
         view=view,
-        view_experiments=experiments_of(view),
         ramp=[[int(colour[k : k + 2], 16) / 255 for k in (1, 3, 5)] for colour in _RAMP],
         gradient=", ".join(_RAMP),
         config=json.dumps(run.config, indent=1, ensure_ascii=False),

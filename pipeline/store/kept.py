@@ -32,10 +32,9 @@ class KeptFile(Generic[Value]):
             content = self.folder.read_json(self.name)
             if not isinstance(content, Mapping) or content.get("key") != self.key:
                 return None
-            value: Value = TypeAdapter(self.kind).validate_python(content.get("value"))
+            return TypeAdapter(self.kind).validate_python(content.get("value"))
         except (OSError, ValueError):
             return None
-        return value
 
     def save(self, value: Value) -> None:
         """Keep a value. Raises OSError."""

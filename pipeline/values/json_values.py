@@ -1,4 +1,4 @@
-"""What a result file in JSON may be made of: the types of everything that is handed to `Store.save_json`."""
+"""What a result file in JSON, and a configuration in YAML, may be made of."""
 
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, TypeAlias
@@ -11,10 +11,14 @@ if TYPE_CHECKING:
     Json: TypeAlias = (
         bool | int | float | str | np.generic | NDArray[Any] | Sequence["Json"] | Mapping[str, "Json"] | None
     )
-else:  # `--help` does not wait for numpy
-    Json = Any
+    #: a value of a configuration as it is written: a text with its unit, a number, a word, several of them
+    Written: TypeAlias = bool | int | float | str | Sequence["Written"] | Mapping[str, "Written"] | None
+else:  # `--help` does not wait for numpy, and pydantic leaves such values as they are
+    Json = Written = Any
 #: an object of a result file, or one row of a table
 JsonObject: TypeAlias = Mapping[str, Json]
+#: an object that was read from a file in JSON; who uses it checks what it finds
+ReadObject: TypeAlias = Mapping[str, Any]
 
 
 def plain(value: Any) -> Any:

@@ -37,7 +37,6 @@ class LawMeshError:
     lateral_rigidity_N_mm2_std: Column = ()
     torsional_rigidity_N_mm2: Column = ()
     torsional_rigidity_N_mm2_std: Column = ()
-    reason: str = ""
 
 
 @dataclass(frozen=True)

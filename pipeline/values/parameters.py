@@ -12,6 +12,7 @@ from typing import Annotated, Any, get_args
 import numpy as np
 from pydantic import BeforeValidator, Field, WithJsonSchema
 
+from pipeline.values.json_values import ReadObject
 from rod.checked import finite, positive
 from rod.curves.extension import Extension
 from rod.identification.moment_range import MomentRange
@@ -142,13 +143,27 @@ class BreakProfile:
 
 
 @dataclass(frozen=True)
+class DimensionlessNumbers:
+    """The parameters and kappa_0 l in the middle without unit, over the pressures."""
+
+    weight_N: float  #: m g
+    weight_of: str
+    kappa_0_middle_times_length: Numbers
+    alpha1_over_m_g_length2: Numbers
+    alpha2_over_m_g_length2: Numbers
+    m01_over_m_g_length: Numbers
+    m02_over_m_g_length: Numbers
+    d_over_length: Numbers
+
+
+@dataclass(frozen=True)
 class RodParameters(FiveColumns):
     """Everything in parameters.json. Raises ValueError, with the key, for lists whose lengths differ."""
 
     format: int = 0
-    design: Mapping[str, Any] = field(default_factory=dict)  #: the section geometry of the configuration
-    material: Mapping[str, Any] | None = None  #: law, constants (MPa), density (tonne/mm3)
-    materials: Mapping[str, Any] | None = None  #: of the regions with another material
+    design: ReadObject = field(default_factory=dict)  #: the section geometry of the configuration
+    material: ReadObject | None = None  #: law, constants (MPa), density (tonne/mm3)
+    materials: ReadObject | None = None  #: of the regions with another material
     solid_volume_mm3: Positive | None = None
     length_mm: Positive | None = None
     mass_g: Positive | None = None
@@ -183,7 +198,7 @@ class RodParameters(FiveColumns):
     predicted_by_arm_law: TwoLines | None = None
     kappa_0: RestShape = RestShape()
     dimensionless: tuple[Dimensionless, ...] = ()
-    dimensionless_numbers: Mapping[str, Any] | None = None
+    dimensionless_numbers: DimensionlessNumbers | None = None
     profile_over_d: tuple[BreakProfile, ...] = ()
 
     def __post_init__(self) -> None:

@@ -18,6 +18,7 @@ from plotly.offline import get_plotlyjs
 from plotly.subplots import make_subplots
 
 from geometry.arrays import Array
+from pipeline.values.json_values import Json, JsonObject
 
 if TYPE_CHECKING:
     from plotly.graph_objects import Figure
@@ -68,37 +69,38 @@ class Line:
         """The entry in the legend; "" for none."""
         return self.name if self.entry is None else self.entry
 
-    def traces(self) -> list[dict[str, Any]]:
+    def traces(self) -> list[JsonObject]:
         """The traces of plotly: the band, if any, and the line."""
         return [*([self._band()] if self.spread is not None and self.dash else []), self._trace()]
 
-    def _trace(self) -> dict[str, Any]:
+    def _trace(self) -> JsonObject:
         mode = "+".join(word for word, has in (("lines", self.dash), ("markers", self.marker)) if has)
-        trace: dict[str, Any] = {
-            "type": "scattergl" if len(self.x) > _MANY_POINTS else "scatter",
-            "mode": mode,
+        place = "%{x}, %{y}" if self.z is None else "%{x}, %{y}, %{z}"
+        shared: dict[str, Json] = {
             "x": _values(self.x),
             "y": _values(self.y),
             "name": self.name,
+            "hovertemplate": f"{'%{text}' if self.texts else escape(self.name)}<br>{place}<extra></extra>",
+            "meta": {"entry": self.legend, "frame": self.frame},
+        }
+        if self.texts:
+            shared["text"] = list(self.texts)
+        if self.spread is not None and not self.dash:
+            shared["error_y"] = {"array": _values(self.spread), "color": self.colour, "thickness": 1.2}
+        if self.bars:
+            return {**shared, "type": "bar", "marker": {"color": self.colour}}
+        if self.z is not None:
+            shared["z"] = _values(self.z)
+        return {
+            **shared,
+            "type": "scatter3d" if self.z is not None else "scattergl" if len(self.x) > _MANY_POINTS else "scatter",
+            "mode": mode,
             "opacity": self.opacity,
             "line": {"color": self.colour, "dash": self.dash or "solid", "width": self.width},
             "marker": {"color": self.colour, "symbol": self.marker or "circle", "size": self.marker_size},
-            "hovertemplate": f"{'%{text}' if self.texts else escape(self.name)}<br>%{{x}}, %{{y}}<extra></extra>",
-            "meta": {"entry": self.legend, "frame": self.frame},
         }
-        if self.z is not None:
-            trace |= {"type": "scatter3d", "z": _values(self.z)}
-            trace["hovertemplate"] = trace["hovertemplate"].replace("%{y}", "%{y}, %{z}")
-        if self.bars:
-            trace = {key: trace[key] for key in ("x", "y", "name", "hovertemplate", "meta")}
-            trace |= {"type": "bar", "marker": {"color": self.colour}}
-        if self.texts:
-            trace["text"] = list(self.texts)
-        if self.spread is not None and not self.dash:
-            trace["error_y"] = {"array": _values(self.spread), "color": self.colour, "thickness": 1.2}
-        return trace
 
-    def _band(self) -> dict[str, Any]:
+    def _band(self) -> JsonObject:
         x, y, half = np.asarray(self.x), np.asarray(self.y), np.nan_to_num(np.asarray(self.spread))
         there = np.isfinite(y)
         x, low, high = x[there], (y - half)[there], (y + half)[there]
@@ -133,10 +135,11 @@ class Panel:
             [line.x for line in self.lines]
         )
 
-    def axes(self) -> tuple[dict[str, Any], dict[str, Any]]:
+    def axes(self) -> tuple[JsonObject, JsonObject]:
         """The axes x and y of plotly."""
+        unlike = ", not to scale" if self.lengths and not self.is_to_scale else ""
         x = {"title": {"text": self.x}, **_axis(self.x_range, self.log_x)}
-        y = {"title": {"text": self.y}, **_axis(self.y_range, self.log_y)}
+        y = {"title": {"text": f"{self.y}{unlike}"}, **_axis(self.y_range, self.log_y)}
         if self.percent_x:
             x["tickformat"] = ".0%"
         if self.from_zero:
@@ -144,15 +147,13 @@ class Panel:
         if self.is_to_scale:
             y |= {"scaleanchor": "x", "constrain": "domain"}
             x["constrain"] = "domain"
-        elif self.lengths:
-            y["title"]["text"] += ", not to scale"
         return x, y
 
     def html(self) -> str:
         """The panel as an element that `plots.js` draws."""
         x, y = self.axes()
         traces = [trace for line in self.lines for trace in line.traces()]
-        layout: dict[str, Any] = {"xaxis": x, "yaxis": y}
+        layout: JsonObject = {"xaxis": x, "yaxis": y}
         if self.z:
             sizes = {axis: _extent([getattr(line, axis) for line in self.lines]) for axis in "xyz"}
             ratio = {axis: size / max(1e-9, *sizes.values()) for axis, size in sizes.items()}
@@ -196,11 +197,11 @@ def plotly_figure(panels: Sequence[Panel]) -> "Figure":
             shown = bool(line.legend) and line.name not in names
             names.add(line.name)
             for part in bands:
-                drawn.add_trace(part | {"showlegend": False, "legendgroup": line.name}, row=1, col=column)
-            drawn.add_trace(trace | {"showlegend": shown, "legendgroup": line.name}, row=1, col=column)
+                drawn.add_trace({**part, "showlegend": False, "legendgroup": line.name}, row=1, col=column)
+            drawn.add_trace({**trace, "showlegend": shown, "legendgroup": line.name}, row=1, col=column)
         x, y = panel.axes()
         drawn.update_xaxes(x, row=1, col=column)
-        drawn.update_yaxes(y | ({"scaleanchor": f"x{column}"} if "scaleanchor" in y else {}), row=1, col=column)
+        drawn.update_yaxes({**y, **({"scaleanchor": f"x{column}"} if "scaleanchor" in y else {})}, row=1, col=column)
     return drawn.update_layout(template="plotly_white")
 
 
@@ -210,8 +211,8 @@ def packed_plotly() -> str:
     return base64.b64encode(gzip.compress(get_plotlyjs().encode(), 9, mtime=0)).decode()
 
 
-def _axis(ends: tuple[float, float] | None, log: bool) -> dict[str, Any]:
-    axis: dict[str, Any] = {"type": "log", "dtick": "D2", "exponentformat": "none"} if log else {}
+def _axis(ends: tuple[float, float] | None, log: bool) -> dict[str, Json]:
+    axis: dict[str, Json] = {"type": "log", "dtick": "D2", "exponentformat": "none"} if log else {}
     if ends is not None:
         axis["range"] = [float(np.log10(end)) if log else float(end) for end in ends]
     return axis

@@ -2,10 +2,10 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any
 
-from geometry.errors import position_text
+from geometry.errors import Values, position_text
 from pipeline.values.formats import FORMAT
+from pipeline.values.json_values import ReadObject
 
 Position = tuple[float, float, float]
 
@@ -15,7 +15,7 @@ class Reported:
     """A reason as run.json holds it: code, values, and the sentence that was made of them."""
 
     code: str
-    values: Mapping[str, Any] = field(default_factory=dict)
+    values: Values = field(default_factory=dict)
     where: Position | None = None  #: mm
     text: str = ""
 
@@ -59,13 +59,13 @@ class RunRecord:
     """Everything in run.json; empty where the run did not come to its report."""
 
     format: int = FORMAT
-    config: Mapping[str, Any] = field(default_factory=dict)  #: in mm, MPa, tonne/mm3 and kPa
+    config: ReadObject = field(default_factory=dict)  #: in mm, MPa, tonne/mm3 and kPa
     config_hash: str = ""
     pneurod: str = ""  #: version; empty where the run did not come to its report
     commit: str | None = None
     python: str = ""
     packages: Mapping[str, str | None] = field(default_factory=dict)
-    machine: Mapping[str, Any] = field(default_factory=dict)
+    machine: Mapping[str, str | int | float | None] = field(default_factory=dict)
     mesh: MeshRecord | None = None
     seconds: Mapping[str, float] = field(default_factory=dict)  #: wall time by stage
     solver_seconds: Mapping[str, float] = field(default_factory=dict)

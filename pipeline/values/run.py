@@ -8,13 +8,13 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from geometry.arrays import Array
 from pipeline.values.errors import RunFailed
 from pipeline.values.formats import CONVERGED, FIVE
+from pipeline.values.json_values import ReadObject
 from pipeline.values.law import DeliveredLaw
 from pipeline.values.parameters import Number, Numbers, RodParameters
 from pipeline.values.record import MeshRecord, Position, Reported, RunRecord
@@ -160,7 +160,7 @@ class Run:
     law: DeliveredLaw | None = field(default=None, repr=False)  #: None where the arm's own law was not made
 
     @property
-    def config(self) -> Mapping[str, Any]:
+    def config(self) -> ReadObject:
         """The configuration in mm, MPa, tonne/mm3 and kPa."""
         return self.record.config
 

@@ -25,7 +25,7 @@ then decides how far they bend.
 
 import math
 from dataclasses import dataclass, fields, replace
-from typing import Any, TypeVar, final
+from typing import TypeVar, final
 
 import numpy as np
 
@@ -99,11 +99,8 @@ def power_of_modulus(key: str) -> int:
 
 def scaled_curve(curve: Curve, factor: float) -> Curve:
     """The curve of a cell or an end whose moduli are all multiplied by a factor, at its pressure times that factor."""
-    changed: dict[str, Any] = {}
-    for field in fields(curve):
-        if power := power_of_modulus(key_of(field)):
-            changed[field.name] = getattr(curve, field.name) * factor**power
-    return replace(curve, **changed)
+    powers = {field.name: power_of_modulus(key_of(field)) for field in fields(curve)}
+    return replace(curve, **{name: getattr(curve, name) * factor**power for name, power in powers.items() if power})
 
 
 def scaled_rate(rate: LawRate, factor: float) -> LawRate:

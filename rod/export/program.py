@@ -5,7 +5,6 @@ import re
 from collections.abc import Mapping
 from importlib.resources import files
 from pathlib import Path
-from typing import Any
 
 from rod.same_pressure import SAME
 
@@ -13,7 +12,7 @@ from rod.same_pressure import SAME
 _IMPORT, _EMPTY = re.compile(r"from rod\.export\.programs\.table import .*\n"), "TABLE = {}\n"
 
 
-def write_program(name: str, table: Mapping[str, Any], path: Path) -> None:
+def write_program(name: str, table: Mapping[str, object], path: Path) -> None:
     """Write a program of the folder that needs no other file: the table and `at` stand in it.
 
     table: numbers in SI units; those over the pressures have names that end in _m, _N, _s or _rad.

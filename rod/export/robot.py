@@ -178,7 +178,7 @@ class Robot:
         return np.asarray(_FIRST_VIBRATION / self.length**2 * np.sqrt(rigidity / mass_per_length))
 
     @property
-    def table(self) -> dict[str, Any]:
+    def table(self) -> dict[str, object]:
         """The chains over the pressures with units in the names, equal springs of one `kind`; or a law in space."""
         if law := self.in_space:
             of_law = {

@@ -3,7 +3,6 @@
 import json
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -77,7 +76,7 @@ def write_json(arm: Arm, mass: float | None, path: Path) -> None:
     """The five parameters with their standard deviations, the clamp and the curves over the pressures; mass: g."""
     s = positions(arm.rods)
     tables = [table(rod, s) for rod in arm.rods]
-    content: dict[str, Any] = {
+    content = {
         "length_mm": arm.length,
         "mass_g": mass,
         "pressures_kPa": list(arm.pressures),
@@ -85,9 +84,8 @@ def write_json(arm: Arm, mass: float | None, path: Path) -> None:
         "theta0_rad": [rod.theta0 for rod in arm.rods],
         **arm.columns,
         "s_mm": s.tolist(),
+        **{name: [part[name].tolist() for part in tables] for name in ("kappa_0_per_mm", "kappa_rest_per_mm")},
     }
-    for name in ("kappa_0_per_mm", "kappa_rest_per_mm"):
-        content[name] = [columns[name].tolist() for columns in tables]
     path.write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")
 
 
@@ -148,7 +146,7 @@ def write_sorosim(robot: Robot, path: Path) -> None:
         if chain.space:
             for name, stiffness in (("GJ", chain.space.twist), ("EI_y", chain.space.bend)):
                 in_space.setdefault(name, []).append(np.repeat(1e-6 * h * stiffness, 2))
-    content: dict[str, Any] = {
+    content = {
         "pressures_kPa": np.array(robot.pressures),
         "L": 1e-3 * robot.length,
         "mass": 1e-3 * body.mass,

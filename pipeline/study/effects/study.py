@@ -1,17 +1,18 @@
 """Study of effects, a sweep over `effects.*`: what each one changes in the numbers of the rod, and what it costs."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from fem.elements import ELEMENTS
 from pipeline.config.config import Config
 from pipeline.config.effects import EFFECTS, HOOPS, LAYER, State
+from pipeline.config.section import TypeAdapter
 from pipeline.simulate.scene import GAP, Scene, faces_of
 from pipeline.simulate.too_short import why_too_short
 from pipeline.store.progress import Progress
 from pipeline.store.result_folder import ResultFolder
-from pipeline.study.effects.rows import BASE, COST, EFFECTS_RUN, NUMBERS, EffectRow, compared
+from pipeline.study.effects.rows import BASE, EFFECTS_RUN, EffectRow, VariantRow, compared
 from pipeline.study.sweep.points import Point
 from pipeline.study.sweep.study import Course, PointSet, solve_points
 from pipeline.study.sweep.table import SolvedPoint
@@ -31,13 +32,8 @@ class EffectsTable:
     @property
     def failures(self) -> list[str]:
         """A sentence for every reason why numbers are missing."""
-        sentences = (f"{variant_name(row)}: {row['reason']}" for row in self.rows if row["reason"])
+        sentences = (f"{row.variant}: {row.reason}" for row in self.rows if row.reason)
         return list(dict.fromkeys(sentences))
-
-
-def variant_name(row: EffectRow) -> str:
-    """self_contact off"""
-    return f"{row['effect']} {row['state']}".strip()
 
 
 def compare_effects(config: Config, out: Path, jobs: int, fresh: bool, progress: Progress) -> EffectsTable:
@@ -54,11 +50,11 @@ def compare_effects(config: Config, out: Path, jobs: int, fresh: bool, progress:
         progress.remark(f"gravity is not varied: no density is given; {example}")
 
     def rows(solved: Sequence[SolvedPoint]) -> list[EffectRow]:
-        ended = [(point.values["effect"], point.values["state"], _rows(config, point)) for point in solved]
-        return list(compared(ended))
+        named = [(str(one.values["effect"]), str(one.values["state"]), _rows(config, one)) for one in solved]
+        return compared(named)
 
     def save(folder: ResultFolder, solved: Sequence[SolvedPoint], _: bool) -> None:
-        folder.save_json(TABLE, rows([point for point in solved if point.rows or point.reason]))
+        folder.save_json(TABLE, [asdict(row) for row in rows([one for one in solved if one.rows or one.reason])])
 
     identity = {"name": f"effects of {config.name}", "config_hash": config.hash}
     own = PointSet(out, identity, EFFECTS_RUN, points, (TABLE,), save)
@@ -66,10 +62,10 @@ def compare_effects(config: Config, out: Path, jobs: int, fresh: bool, progress:
     return EffectsTable(out, rows(solve_points([own], course)[0]))
 
 
-def _rows(config: Config, point: SolvedPoint) -> Sequence[EffectRow]:
+def _rows(config: Config, point: SolvedPoint) -> Sequence[VariantRow]:
     """The rows of a variant; without numbers where it could not be solved."""
-    missing = {**dict.fromkeys((*NUMBERS, *COST)), "reason": point.reason}
-    return point.rows or [{"pressure_kPa": pressure, **missing} for pressure in config.pressures_kPa]
+    known = TypeAdapter(tuple[VariantRow, ...]).validate_python(point.rows)
+    return known or [VariantRow(pressure, reason=point.reason) for pressure in config.pressures_kPa]
 
 
 def _without_density(config: Config) -> list[str]:

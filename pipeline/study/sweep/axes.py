@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
 from math import isfinite, prod
-from typing import Any, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 from scipy.stats import qmc
@@ -13,11 +13,10 @@ from geometry.arrays import Array
 from pipeline.config.section import read_each
 from pipeline.config.units import in_unit_of, number_and_unit
 from pipeline.values.errors import quoted
+from pipeline.values.json_values import Written
 
-#: a value as it stands in YAML: a text with its unit, a number, a word, a list
-Value: TypeAlias = Any
 #: the values of some keys at one point, by dotted key
-Setting: TypeAlias = Mapping[str, Value]
+Setting: TypeAlias = Mapping[str, Written]
 
 #: more points than this are refused: a mistyped range is more likely than so many designs
 MOST_POINTS = 100_000
@@ -33,7 +32,7 @@ class Axis:
     is_drawn: bool = False  #: whether its values are drawn at random
 
     @staticmethod
-    def of(columns: Mapping[str, Sequence[Value]], *, is_drawn: bool = False) -> "Axis":
+    def of(columns: Mapping[str, Sequence[Written]], *, is_drawn: bool = False) -> "Axis":
         """From equally many values of each key."""
         rows = zip(*columns.values(), strict=True)
         return Axis(tuple(dict(zip(columns, row, strict=True)) for row in rows), is_drawn)
@@ -44,12 +43,12 @@ class Axis:
         return tuple(self.settings[0])
 
 
-def switch_as_word(value: Value) -> Value:
+def switch_as_word(value: Written) -> Written:
     """on or off for a switch, as it is written in a file, which YAML reads as true or false; else the value itself."""
     return {True: "on", False: "off"}[value] if isinstance(value, bool) else value
 
 
-def check_value(value: Value) -> None:
+def check_value(value: Written) -> None:
     """Raise ValueError for what no configuration can hold: a date or a set, and a number that is not finite."""
     if isinstance(value, float) and not isfinite(value):
         raise ValueError(f"{quoted(value)} is not a finite number; give one, with its unit")
@@ -59,7 +58,7 @@ def check_value(value: Value) -> None:
         check_value(entry)
 
 
-def axis_of(content: Mapping[str, Value]) -> Axis:
+def axis_of(content: Mapping[str, Written]) -> Axis:
     """One entry of `axes`: the keys in it change together. Raises ValueError, for each key that is wrong."""
     if not content:
         raise ValueError("holds no key; for example 'geometry.wall: [1 mm, 1.5 mm]'")
@@ -71,13 +70,13 @@ def axis_of(content: Mapping[str, Value]) -> Axis:
     return Axis.of(columns)
 
 
-def latin_hypercube(points: int, seed: int, ranges: Mapping[str, Value]) -> Axis:
+def latin_hypercube(points: int, seed: int, ranges: Mapping[str, Written]) -> Axis:
     """Values of all keys drawn together: each range is divided into as many equal parts as there are points, and each
     part has one value. Raises ValueError, for each key that is wrong."""
     fractions = qmc.LatinHypercube(len(ranges), rng=np.random.default_rng(seed)).random(points)
     columns = dict(zip(ranges, fractions.T, strict=True))
 
-    def drawn(key: str, entry: Value) -> list[Value]:
+    def drawn(key: str, entry: Written) -> list[Written]:
         if not isinstance(entry, Mapping) or set(entry) != {"from", "to"}:
             raise ValueError(f"{quoted(entry)} is not a range; for example {{from: 8 mm, to: 16 mm}}")
         return _between(entry, columns[key], is_drawn=True)
@@ -85,7 +84,7 @@ def latin_hypercube(points: int, seed: int, ranges: Mapping[str, Value]) -> Axis
     return Axis.of(read_each(ranges, drawn, ("axes",)), is_drawn=True)
 
 
-def _values(entry: Value) -> list[Value]:
+def _values(entry: Written) -> list[Written]:
     """The values of a list or of a range {from, to, number}."""
     if isinstance(entry, list):
         if not entry:
@@ -101,26 +100,31 @@ def _values(entry: Value) -> list[Value]:
     return _between(entry, np.linspace(0.0, 1.0, number))
 
 
-def _between(entry: Mapping[str, Value], fractions: Array, *, is_drawn: bool = False) -> list[Value]:
+def _between(entry: Mapping[str, Written], fractions: Array, *, is_drawn: bool = False) -> list[Written]:
     """The values at fractions (n,) of a range, in the unit of its first end, as they stand in YAML.
 
     Drawn whole numbers between two whole ends are equally probable.
     """
-    low, high = entry["from"], entry["to"]
-    check_value([low, high])
-    if measured := number_and_unit(low):
+    ends = [entry["from"], entry["to"]]
+    check_value(ends)
+    if measured := number_and_unit(ends[0]):
         unit = measured[1]
-        first, last = in_unit_of(low, unit), in_unit_of(high, unit)
+        first, last = (in_unit_of(end, unit) for end in ends)
         return [f"{value:.{DIGITS}g} {unit}" for value in first + fractions * (last - first)]
-    for end in (low, high):
-        if isinstance(end, bool) or not isinstance(end, int | float):
-            raise ValueError(f"{quoted(end)} is no end of a range; for example {{from: 8 mm, to: 16 mm}}")
+    low, high = map(_number, ends)
     is_whole = isinstance(low, int) and isinstance(high, int)
     if is_whole and is_drawn:
         low, high = sorted((low, high))
         return [min(high, low + int(fraction * (high - low + 1))) for fraction in fractions]
     numbers = [float(f"{value:.{DIGITS}g}") for value in low + fractions * (high - low)]
     return [int(number) if is_whole and number.is_integer() else number for number in numbers]
+
+
+def _number(end: Written) -> int | float:
+    """An end of a range without unit. Raises ValueError."""
+    if isinstance(end, bool) or not isinstance(end, int | float):
+        raise ValueError(f"{quoted(end)} is no end of a range; for example {{from: 8 mm, to: 16 mm}}")
+    return end
 
 
 def combined(axes: Sequence[Axis]) -> list[Setting]:

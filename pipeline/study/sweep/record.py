@@ -5,7 +5,6 @@ Small, for a worker reads it before the numerical libraries are loaded.
 
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
 
 from pipeline.config.config import Config
 from pipeline.store.kept import KeptFile
@@ -44,5 +43,5 @@ class PointRecord:
 
     status: str  #: one of the words above
     reason: str  #: why not everything was reached, one sentence; empty where it was
-    rows: tuple[dict[str, Any], ...] = field(default=(), repr=False)  #: `Row`, one per pressure
+    rows: tuple[Row, ...] = field(default=(), repr=False)  #: one per pressure
     seconds: float = 0.0  #: wall time on its worker

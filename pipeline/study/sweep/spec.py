@@ -24,7 +24,7 @@ from pipeline.config.section import (
 )
 from pipeline.study.sweep.axes import Axis, Setting, axis_of, check_value, combined, latin_hypercube
 from pipeline.values.errors import quoted
-from pipeline.values.json_values import JsonObject
+from pipeline.values.json_values import JsonObject, Written
 
 #: what may be run on a point: the whole run, the arm's own law, or some of the experiments
 WHOLE, CELL = "whole", "cell"
@@ -47,7 +47,7 @@ def _run(value: Any) -> Run:
 class _Hypercube(Section):
     points: Annotated[Count, Kind("above 0", "60", test=above_zero)]
     seed: CountFromZero = Field(examples=["1"])
-    axes: Annotated[dict[str, Any], not_empty("{geometry.wall: {from: 0.8 mm, to: 1.6 mm}}")]
+    axes: Annotated[dict[str, Written], not_empty("{geometry.wall: {from: 0.8 mm, to: 1.6 mm}}")]
 
 
 @section(frozen=True)
@@ -55,8 +55,8 @@ class _File(Section):
     name: Name
     base: Base
     run: Annotated[Run, Kind("", WHOLE, read=_run)] = (WHOLE,)
-    set: dict[str, Any] = Field(default_factory=dict)
-    axes: Annotated[tuple[dict[str, Any], ...], list_of("", "[geometry.wall: [1 mm, 1.5 mm]]")] = ()
+    set: dict[str, Written] = Field(default_factory=dict)
+    axes: Annotated[tuple[dict[str, Written], ...], list_of("", "[geometry.wall: [1 mm, 1.5 mm]]")] = ()
     latin_hypercube: _Hypercube | None = None
 
 

@@ -116,9 +116,9 @@ class PointSet:
 
     def _solved(self, point: Point | RefusedPoint) -> SolvedPoint:
         if isinstance(point, RefusedPoint):
-            return SolvedPoint.of(point.number, "", point.setting, PointRecord(REFUSED, point.reason))
-        record = self.records.get(point.name, PointRecord(WAITING, ""))
-        return SolvedPoint.of(point.number, f"{POINTS}/{point.name}", point.setting, record)
+            return SolvedPoint(REFUSED, point.reason, number=point.number, folder="", values=point.setting)
+        record, folder = self.records.get(point.name, PointRecord(WAITING, "")), f"{POINTS}/{point.name}"
+        return SolvedPoint(**vars(record), number=point.number, folder=folder, values=point.setting)
 
     def save(self, *, now: bool = False) -> None:
         """Write what is known, unless it was written a moment ago and points are missing. Raises OSError."""
@@ -127,7 +127,8 @@ class PointSet:
             return
         solved = self.solved
         self.write(self.folder, solved, self.is_complete)
-        self.folder.save_json(RECORD, {**self.identity, **provenance(), "points": [p.summary() for p in solved]})
+        points = [{key: value for key, value in vars(one).items() if key != "rows"} for one in solved]
+        self.folder.save_json(RECORD, {**self.identity, **provenance(), "points": points})
         end = time.monotonic()
         self._next_save = end + max(PAUSE, PAUSE_OVER_WRITING * (end - begin))
 

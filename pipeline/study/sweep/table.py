@@ -36,26 +36,13 @@ _OF_CELL = {
 }
 
 
-@dataclass(frozen=True)
-class SolvedPoint:
-    """A point with what is known of it, as in sweep.json; its last fields are those of `PointRecord`."""
+@dataclass(frozen=True, kw_only=True)
+class SolvedPoint(PointRecord):
+    """A point and how the work on it ended, as in sweep.json."""
 
     number: int
     folder: str  #: relative to that of the sweep; empty for a refused point
     values: Setting
-    status: str
-    reason: str
-    rows: tuple[Row, ...]
-    seconds: float
-
-    @staticmethod
-    def of(number: int, folder: str, values: Setting, record: PointRecord) -> "SolvedPoint":
-        """A point and how the work on it ended."""
-        return SolvedPoint(number, folder, values, **vars(record))
-
-    def summary(self) -> Row:
-        """All but its rows, for sweep.json."""
-        return {name: value for name, value in vars(self).items() if name != "rows"}
 
 
 @dataclass(frozen=True)

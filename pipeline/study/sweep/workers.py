@@ -108,5 +108,4 @@ class _InOrder(ClientExecutor):
 
     def submit(self, fn: Callable[..., Value], *args: Any, **kwargs: Any) -> "Future[Value]":
         """A task after all earlier ones."""
-        future: Future[Value] = super().submit(fn, *args, **kwargs, priority=-next(self._numbers))
-        return future
+        return super().submit(fn, *args, **kwargs, priority=-next(self._numbers))

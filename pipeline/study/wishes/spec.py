@@ -29,6 +29,7 @@ from pipeline.config.units import LENGTH, PRESSURE, Dimension, convert, number_a
 from pipeline.study.wishes.wish import CHAMBERS, GEOMETRY, OBJECTIVES, QUANTITIES, Free, Limits, Wish, Wishes, WishFile
 from pipeline.study.wishes.wish import PRESSURE as PRESSURE_KEY
 from pipeline.values.errors import InputError
+from pipeline.values.json_values import Written
 
 
 @section(frozen=True)
@@ -63,7 +64,7 @@ class _File(Section):
     wishes: Annotated[list[_Wish], not_empty("[{angle: 90 deg, at: 20 kPa, within: 2 deg}]")]  # type: ignore[valid-type]
     limits: Limits = Limits()
     minimize: Annotated[str, one_of(OBJECTIVES)] = ""
-    set: dict[str, Any] = Field(default_factory=dict)
+    set: dict[str, Written] = Field(default_factory=dict)
     starts: Count = 3
 
 

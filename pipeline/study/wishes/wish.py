@@ -16,7 +16,7 @@ from pipeline.config.document import Document
 from pipeline.config.kinds import PositiveLength, above_zero, in_unit, number
 from pipeline.config.section import Field, Kind, Section, read, section
 from pipeline.config.units import ANGLE, CURVATURE, FORCE, LENGTH, MASS, STIFFNESS, Dimension
-from pipeline.values.json_values import JsonObject
+from pipeline.values.json_values import JsonObject, Written
 from rod.arm_law.quantities import QUANTITIES as ASKED
 
 _BY_UNIT = {one.unit: one for one in (LENGTH, CURVATURE, FORCE, ANGLE, STIFFNESS)}
@@ -198,7 +198,7 @@ class WishFile:
     def document(self, point: Array) -> Document:
         """The base with the dimensions and pressures of a point (n,), and how the end is held."""
         values = self.wishes.values(point)
-        found: dict[str, Any] = {"name": self.name}
+        found: dict[str, Written] = {"name": self.name}
         found |= {key: f"{values[key]:.{DIGITS}g} mm" for key in self.wishes.dimensions}
         found["pressures"] = [f"{pressure:.{DIGITS}g} kPa" for pressure in self.wishes.pressures_kPa(point)]
         forces = [wish for wish in self.wishes.wishes if wish.quantity == "force"]
@@ -231,8 +231,7 @@ class WishFile:
         values, known = self.wishes.values(point), self.start.design
         changes = {key.removeprefix(GEOMETRY): values[key] for key in self.wishes.dimensions}
         design: Any = replace(known, **changes)  # type: ignore[type-var]
-        changed: Mapping[str, Any] = {"design": design.with_regions(known.regions)}
-        return replace(self.start, **changed)
+        return replace(self.start, design=design.with_regions(known.regions))  # type: ignore[call-arg]
 
 
 def rounded(point: Array) -> Array:

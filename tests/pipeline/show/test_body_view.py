@@ -11,7 +11,7 @@ import pytest
 from pipeline.results.drawing import write_fields
 from pipeline.results.unloaded import unloaded_states
 from pipeline.show import body_view as module
-from pipeline.show.body_view import Surfaces, along, body_view, experiments_of
+from pipeline.show.body_view import Surfaces, along, body_view
 from pipeline.show.pictures import at_nodes, boundary, von_mises
 from pipeline.values.formats import BODY, SURFACES
 from pipeline.values.law import DeliveredLaw
@@ -120,7 +120,7 @@ def test_without_finite_elements_of_the_arm_its_body_stands_on_the_rod(tmp_path:
     data: Any = body_view(Run(tmp_path, record=record, law=delivered))
     assert data["limits"] == {}
     states, rows = data["states"], ["0, 0, 10 kPa", "0, 10, 0 kPa", "10, 0, 0 kPa"]
-    assert experiments_of(data) == (rows if in_space else ["II"])
+    assert data["experiments"] == (rows if in_space else ["II"])
     x, y, z = (*law.at(37.0).solve().curve[-1], 0.0)
     if in_space:
         x, y, z = law_of_three_chambers().at((10.0, 0.0, 0.0)).solve_in_space(SpatialLoad()).end

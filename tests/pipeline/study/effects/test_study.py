@@ -24,8 +24,8 @@ from pipeline.store.progress import Silent
 from pipeline.store.store import open_store
 from pipeline.study.effects import rows as effects_rows
 from pipeline.study.effects import study as effects_study
-from pipeline.study.effects.rows import BASE, COST, NUMBERS, EffectRow, compared, effects_table, variant_rows
-from pipeline.study.effects.study import EffectsTable, compare_effects, variant_name, variants
+from pipeline.study.effects.rows import BASE, EffectRow, VariantRow, compared, effects_table, variant_rows
+from pipeline.study.effects.study import EffectsTable, compare_effects, variants
 from pipeline.study.sweep import study
 from pipeline.study.sweep.record import PointRecord, PointTask
 from pipeline.values.errors import InputError, RunFailed
@@ -99,18 +99,18 @@ def test_an_arm_without_five_parameters_has_its_other_numbers(file: Path, two: N
     table, said = run_of(load_config(file), file.parent / "out")
     assert "note: five parameters need an arm of" in said
     assert "; curvature, force and end are compared without them" in said
-    assert [variant_name(row) for row in table.rows] == [BASE, "self_contact off"]
+    assert [row.variant for row in table.rows] == [BASE, "self_contact off"]
     for row in table.rows:
-        assert row["kappa_0_middle_per_mm"] < 0.0
-        assert row["end_force_N"] > 0.0
-        assert row["end_y_II_mm"] == pytest.approx(0.2, abs=0.01)
-        assert row["alpha1_N_mm2"] is None
-        assert row["reason"].startswith("no five parameters at 2 kPa: ")
-    assert abs(table.rows[1]["relative_change"]["end_force_N"]) < 1e-6
+        assert row.kappa_0_middle_per_mm < 0.0
+        assert row.end_force_N > 0.0
+        assert row.end_y_II_mm == pytest.approx(0.2, abs=0.01)
+        assert row.alpha1_N_mm2 is None
+        assert row.reason.startswith("no five parameters at 2 kPa: ")
+    assert abs(table.rows[1].relative_change["end_force_N"]) < 1e-6
     written = json.loads((file.parent / "out" / "effects_table.json").read_text())
     assert [row["alpha1_N_mm2"] for row in written] == [None, None]
-    assert written[1]["reason"] == table.rows[1]["reason"]
-    assert table.failures == [f"{variant_name(row)}: {row['reason']}" for row in table.rows]
+    assert written[1]["reason"] == table.rows[1].reason
+    assert table.failures == [f"{row.variant}: {row.reason}" for row in table.rows]
 
 
 def test_a_variant_that_fails_is_a_row_and_the_others_go_on(
@@ -124,9 +124,9 @@ def test_a_variant_that_fails_is_a_row_and_the_others_go_on(
     monkeypatch.setattr(effects_rows, "simulate", only_without_contact)
     table, _ = run_of(load_config(file), file.parent / "out")
     failed, solved = table.rows
-    assert (failed["reason"], failed["cpu_seconds"], failed["end_force_N"]) == ("the faces touch at rest", None, None)
-    assert solved["factorizations"] > 0
-    assert solved["relative_change"]["cpu_seconds"] is None
+    assert (failed.reason, failed.cpu_seconds, failed.end_force_N) == ("the faces touch at rest", None, None)
+    assert solved.factorizations > 0
+    assert solved.relative_change["cpu_seconds"] is None
     assert table.failures[0] == "as configured: the faces touch at rest"
     assert "as configured" in printed(table.rows)
 
@@ -184,26 +184,26 @@ def test_the_cost_contains_what_failed_attempts_took(file: Path) -> None:
     failed = sum(outcome.failure.factorizations for outcome in outcomes)
     [reached, missed] = variant_rows(Scene.meshed(config), outcomes)
     assert failed > 0
-    assert reached["factorizations"] == outcomes.factorizations + failed
-    assert reached["cpu_seconds"] > 2.0 * sum(record.cpu_seconds for record in outcomes.records)
-    assert reached["states"] == 2
-    assert {name: missed[name] for name in COST} == {name: reached[name] for name in COST}
-    assert missed["end_force_N"] is None
-    assert missed["reason"].startswith("experiment II stopped before 1000 kPa")
+    assert reached.factorizations == outcomes.factorizations + failed
+    assert reached.cpu_seconds > 2.0 * sum(record.cpu_seconds for record in outcomes.records)
+    assert reached.states == 2
+    assert (missed.cpu_seconds, missed.states) == (reached.cpu_seconds, reached.states)
+    assert missed.end_force_N is None
+    assert missed.reason.startswith("experiment II stopped before 1000 kPa")
 
 
 def test_costs_have_two_digits_and_a_mark_where_other_pressures_were_reached() -> None:
-    def variant(effect: str, state: str, *cost: float) -> tuple[str, str, list[EffectRow]]:
-        numbers = {**dict.fromkeys(NUMBERS), "kappa_0_middle_per_mm": -0.001}
-        row = {"pressure_kPa": 2.0, **numbers, **dict(zip(COST, cost, strict=True)), "reason": ""}
-        return effect, state, [row]
+    def variant(effect: str, state: str, seconds: float, *cost: int) -> tuple[str, str, list[VariantRow]]:
+        names = ("factorizations", "degrees_of_freedom", "states")
+        costs = dict(zip(names, cost, strict=True))
+        return effect, state, [VariantRow(2.0, kappa_0_middle_per_mm=-0.001, cpu_seconds=seconds, **costs)]
 
     rows = compared([
         variant(BASE, "", 0.567, 17, 3000, 2),
         variant("gravity", "on", 1.134, 20, 3000, 2),
         variant("symmetry", "off", 123.4, 9, 3000, 1),
     ])  # fmt: skip
-    assert [row["other_states"] for row in rows] == [False, False, True]
-    assert rows[1]["relative_change"]["cpu_seconds"] == pytest.approx(1.0)
+    assert [row.other_states for row in rows] == [False, False, True]
+    assert rows[1].relative_change["cpu_seconds"] == pytest.approx(1.0)
     assert all(text in printed(rows) for text in ("0.57", "1.1", "+100 %", "120*", "9*", "* reached more or fewer"))
     assert "*" not in printed(rows[:2])
