@@ -20,8 +20,8 @@ folder = Path("results/recipes")
 # coarse mesh the small curvature of the bare finger is known to 28 % alone, of which a warning tells.
 
 # %%
-thread: dict[str, object] = {"threads": {"EA": "40 N", "pitch": "2 mm"}}
-kinds: dict[str, dict[str, dict[str, object]]] = {
+thread: dict[str, str | dict[str, str]] = {"threads": {"EA": "40 N", "pitch": "2 mm"}}
+kinds: dict[str, dict[str, dict[str, str | dict[str, str]]]] = {
     "bare": {},
     "wound": {"effects.hoops": thread},
     "wound, with a sheet": {"effects.hoops": thread, "effects.strain_limiting_layer": {"faces": "bottom"}},
