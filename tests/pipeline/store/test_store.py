@@ -178,7 +178,7 @@ def test_results_of_another_configuration_are_refused(tmp_path: Path, config: Co
         store.save_json("parameters.json", {})
         store.save_state("II", 17.0, u=np.zeros(3))
     with (
-        pytest.raises(InputError, match="another configuration; give another out, or fresh=True"),
+        pytest.raises(InputError, match="another configuration or version; give another out, or fresh=True"),
         open_store(tmp_path, other),
     ):
         pass
