@@ -41,7 +41,8 @@ NEAR = 0.1
 CONVEX_ABOVE = 0.1
 #: relative residual above which a state is far from equilibrium
 FAR = 0.5
-#: part of the tolerance below which an equilibrium is taken that the factor of an earlier iteration led to
+#: part of the tolerance below which an equilibrium is taken that the factor of an earlier iteration led to, before the
+#: last iteration
 SHARPER = 0.001
 
 #: called after every iteration with its number and the relative residual
@@ -130,7 +131,7 @@ def solve(
         last, relative = relative, _relative_residual(system, assembly)
         watch(iteration, relative)
         is_at_target = not np.any(correction) and abs(control.residual(state)) < options.tolerance
-        is_near = relative < options.tolerance * (SHARPER if again else 1.0)
+        is_near = relative < options.tolerance * (SHARPER if again and iteration < most else 1.0)
         if is_near and is_at_target and (iteration or not start.iterates):
             consistent = system.state_at(state.displacement, state.factor)
             exact = system.assemble(consistent, settled(terms))
