@@ -12,6 +12,7 @@ from pipeline.answers.measured.calibration import Calibration
 from pipeline.answers.measured.gaussian import Effects, Posterior, Spread
 from pipeline.answers.measured.predicted import Setup
 from pipeline.answers.measured.unknowns import CLAMP, GAUGE, MODULUS, Unknown
+from pipeline.config.section import key_of
 from pipeline.results.laws import law_record
 from pipeline.results.unloaded import unloaded_states
 from pipeline.store.atomic_file import write_atomic
@@ -124,12 +125,21 @@ def calibrated_config(config: Mapping[str, Any], found: Calibration) -> JsonObje
     values = {estimate.name: estimate.mean for estimate in found.estimates}
     values |= found.law.moduli
     for name, value in values.items():
-        section, _, key = name.partition(".")
-        if isinstance(changed.get(section), dict) and key in changed[section]:
-            changed[section][key] = value
+        _write(changed, name, value)
     if found.rubber:
         changed["material"] = {**(changed.get("material") or {}), **found.rubber}
     return changed
+
+
+def _write(part: Any, name: str, value: float) -> None:
+    """Change a value of a part of a configuration, such as effects.hoops.threads.EA or mu.2, if it stands there."""
+    first, _, rest = name.partition(".")
+    keys = range(len(part)) if isinstance(part, list) else part or ()
+    for key in [key for key in keys if first == (key_of(key) if isinstance(key, str) else str(key + 1))]:
+        if rest:
+            _write(part[key], rest, value)
+        else:
+            part[key] = value
 
 
 def read_calibration(directory: Path) -> SavedCalibration | None:

@@ -4,6 +4,7 @@ import csv
 import json
 import shutil
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -17,6 +18,7 @@ from pipeline.answers.measured.fit import effects_on, fit, numbers_of, off_range
 from pipeline.answers.measured.gaussian import Effects, Observed, Posterior, Spread
 from pipeline.answers.measured.predicted import Numbers, Setup
 from pipeline.answers.measured.rows import State
+from pipeline.answers.measured.saved import calibrated_config
 from pipeline.answers.measured.table import read_measurements
 from pipeline.answers.measured.unknowns import BuiltArm, unknowns_of
 from pipeline.answers.rods.choice import choose_rod
@@ -74,6 +76,18 @@ def test_sampling_agrees_with_the_linear_approximation(tmp_path: Path) -> None:
     assert 1.0 / np.sum(weights**2) > 0.2 * len(points)
     deviations = np.sqrt(np.diag(fitted.posterior.covariance))
     assert np.all(np.abs(weights @ points - fitted.changes) < 0.5 * deviations)
+
+
+def test_fitted_threads_and_the_second_of_a_list_are_written_where_they_stand(report: CalibrationReport) -> None:
+    fitted = {"effects.hoops.threads.EA": 55.0, "effects.hoops.threads.pitch": 2.5, "material.mu.2": 0.3}
+    one = report.found["geometry.wall"]
+    found = replace(report.found, estimates=tuple(replace(one, name=name, mean=mean) for name, mean in fitted.items()))
+    threads = {"EA_N": 40.0, "pitch_mm": 2.0}
+    drawn = {"effects": {"hoops": {"faces": "inner", "threads": threads}}, "material": {"mu": [0.1, 0.2]}}
+    changed = calibrated_config(drawn, found)
+    assert changed["effects"]["hoops"] == {"faces": "inner", "threads": {"EA_N": 55.0, "pitch_mm": 2.5}}
+    assert changed["material"]["mu"] == [0.1, 0.3]
+    assert threads["EA_N"] == 40.0
 
 
 def test_every_other_command_takes_the_calibrated_folder(report: CalibrationReport, tmp_path: Path) -> None:
