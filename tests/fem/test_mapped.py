@@ -10,7 +10,8 @@ from fem.cell import piece as pieces
 from fem.cell.piece import BendingPiece
 from fem.cell.response import inflated
 from fem.discretisation import Discretisation
-from fem.path.newton import SHARPER
+from fem.path.control import Control
+from fem.path.newton import SHARPER, Converged, NewtonOptions, Start, Watch
 from fem.post.mapped import fields_of, mapped, moved
 from geometry import PneuNet, SemicircularSingle
 from tests.pieces import half_cell
@@ -54,7 +55,11 @@ def test_a_factor_that_is_used_again_gives_the_same_equilibrium(monkeypatch: pyt
 def test_an_equilibrium_within_the_tolerance_is_taken_at_the_last_iteration(monkeypatch: pytest.MonkeyPatch) -> None:
     """An earlier factor has led to it, so that one more iteration would be asked for if there was one left."""
     piece, residuals, newton = BendingPiece(half_cell(DESIGN, 5.0), SVK, "mirror", "mixed"), list[float](), pieces.solve
-    monkeypatch.setattr(pieces, "solve", lambda *of: newton(*of[:-1], lambda _, relative: residuals.append(relative)))
+
+    def watched(start: Start, control: Control, options: NewtonOptions, _: Watch) -> Converged:
+        return newton(start, control, options, lambda _, relative: residuals.append(relative))
+
+    monkeypatch.setattr(pieces, "solve", watched)
 
     def attempt() -> float:
         return piece.solve_near(0.03, -0.03, piece.rest().state, piece.rest()).moment

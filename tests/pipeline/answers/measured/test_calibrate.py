@@ -6,6 +6,7 @@ import shutil
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -84,7 +85,7 @@ def test_fitted_threads_and_the_second_of_a_list_are_written_where_they_stand(re
     found = replace(report.found, estimates=tuple(replace(one, name=name, mean=mean) for name, mean in fitted.items()))
     threads = {"EA_N": 40.0, "pitch_mm": 2.0}
     drawn = {"effects": {"hoops": {"faces": "inner", "threads": threads}}, "material": {"mu": [0.1, 0.2]}}
-    changed = calibrated_config(drawn, found)
+    changed: dict[str, Any] = dict(calibrated_config(drawn, found))
     assert changed["effects"]["hoops"] == {"faces": "inner", "threads": {"EA_N": 55.0, "pitch_mm": 2.5}}
     assert changed["material"]["mu"] == [0.1, 0.3]
     assert threads["EA_N"] == 40.0
