@@ -43,7 +43,6 @@ from rod.arm_law.law_rod import LawRod
 from rod.export.formats import PROGRAMS, export_robot
 from rod.export.robot import Robot, Section
 from rod.solution import SpatialSolution
-from rod.spatial import SpatialLoad
 
 #: parts of the length by which forces across the arm move its end, and the angle (rad) by which a couple twists it
 LIFTS, TWIST = (0.02, 0.1), 0.1
@@ -162,7 +161,7 @@ def rod_under(rod: LawRod, solid: Mapping[str, Any]) -> SpatialSolution:
     """The rod under the load of a solid."""
     fx, fy, fz = (float(part) if abs(part) > ROUND else 0.0 for part in solid["force_N"])
     mx, my, mz = (0.0 if fz else float(part) for part in solid["moment_about_end_N_mm"])
-    return rod.solve_in_space(SpatialLoad((fx, fy, fz), (mx, my, mz)))
+    return rod.solve_in_space(Load((fx, fy, fz), (mx, my, mz)))
 
 
 def turned(planar: SpatialSolution, found: SpatialSolution, s: float) -> Array:
@@ -181,7 +180,7 @@ def errors_of(name: str, law: ArmLaw, states: Sequence[Mapping[str, Any]], folde
     for state in states:
         pressure, torque = state["pressure_kPa"], state["by_torque"]
         rod, section = law.at(pressure), torque["section_mm"]
-        planar = rod.solve_in_space(SpatialLoad())
+        planar = rod.solve_in_space(Load())
         for k, solid in enumerate((*state["forces"], *state["couples"])):
             found = rod_under(rod, solid)
             row = {"arm": name, "pressure_kPa": pressure, "moved_mm": float(np.linalg.norm(solid["moved_mm"]))}
@@ -191,7 +190,7 @@ def errors_of(name: str, law: ArmLaw, states: Sequence[Mapping[str, Any]], folde
                 row["displacement"] = apart(np.subtract(found.end, planar.end), solid["moved_mm"])
             else:
                 mx, my, mz = (SLIGHT * float(row[0]) for row in state["frame"])
-                slight = rod.solve_in_space(SpatialLoad(couple=(mx, my, mz)))
+                slight = rod.solve_in_space(Load(couple=(mx, my, mz)))
                 row["inside"] = apart(turned(planar, slight, section) / SLIGHT, torque["turn_of_section_rad"])
             if k == 0:
                 lifts = exported(law, pressure, folder, solid["force_N"][2])

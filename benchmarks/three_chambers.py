@@ -33,7 +33,7 @@ from pipeline.simulate.scene import Scene
 from pipeline.store.progress import Silent
 from pipeline.values.pressure import in_MPa
 from rod.arm_law.space_law import SpaceLaw
-from rod.spatial import SpatialLoad
+from rod.load import Load
 
 CONFIG = Path("benchmarks/short_three_chambers/arm.yaml")
 #: of the pressure, by cavity, in the whole arm, and its pressures in kPa
@@ -79,7 +79,7 @@ def rod_of(law: SpaceLaw, state: Mapping[str, Any]) -> tuple[Array, Array]:
     """(n, 3) mm and (3,) mm3: the curve of the rod under the same loads, and its air."""
     rod = law.at([state["pressure_kPa"] * part for part in FRACTIONS.values()])
     fx, fy, fz = state["force_N"]
-    shape = rod.solve_in_space(SpatialLoad((fx, fy, fz)))
+    shape = rod.solve_in_space(Load((fx, fy, fz)))
     return shape.curve, rod.volumes(shape)
 
 

@@ -1,5 +1,6 @@
 """Dead loads on sections of an arm, and supports that hold them."""
 
+import reprlib
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
@@ -19,12 +20,18 @@ Position = tuple[float | None, float | None, float | None]
 APART = 1e-4
 
 
+def is_triple(value: object) -> bool:
+    """Whether it has three parts, and is no text."""
+    return isinstance(value, Sequence | np.ndarray) and not isinstance(value, str) and np.shape(value)[:1] == (3,)
+
+
 def triple(values: object, name: str, unit: str = "") -> Triple:
-    """Three finite numbers, given as for `finite`. Raises `RodError`, naming what they are, for anything else."""
+    """x, y and z, given as for `finite`; z is 0 where it is left out. Raises `RodError` for anything else."""
     try:
-        x, y, z = (finite(value, name, unit) for value in values)  # type: ignore[attr-defined]
+        x, y, *rest = (finite(value, name, unit) for value in values)  # type: ignore[attr-defined]
+        (z,) = rest or [0.0]
     except (TypeError, ValueError):  # a RodError is a ValueError
-        raise RodError(f"{name} has three finite numbers, x, y and z; {values!r} has not.") from None
+        raise RodError(f"{name} has finite numbers x and y, in space also z; {reprlib.repr(values)} has not.") from None
     return x, y, z
 
 
@@ -182,8 +189,7 @@ def check_supports(supports: Sequence[Support], begin: float, length: float) -> 
 
 def _check(load: AlongLoad, force_unit: str, couple_unit: str) -> None:
     """Give the force three components; raise `RodError` for what is no finite number."""
-    force = (*load.force, 0.0) if np.shape(load.force) == (2,) else load.force
-    object.__setattr__(load, "force", triple(force, "force", force_unit))
+    object.__setattr__(load, "force", triple(load.force, "force", force_unit))
     object.__setattr__(load, "couple", triple(load.couple, "couple", couple_unit))
     _check_beside(load)
 

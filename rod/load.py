@@ -8,41 +8,53 @@ import math
 import reprlib
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any, TypeAlias, TypeVar
+from typing import TypeAlias, final
 
 import numpy as np
 
-from rod.along import Along, AlongLoad, Support, leaves_plane, split_along, triple
-from rod.checked import Amount, finite
+from rod.along import (
+    APART,
+    Along,
+    AlongLoad,
+    Position,
+    Support,
+    is_triple,
+    leaves_plane,
+    part_of,
+    scaled,
+    split_along,
+    triple,
+)
+from rod.checked import Amount, Given, finite
 from rod.errors import LoadError, RodError
-from rod.spatial import SpatialLoad, is_triple
 
-AnyLoad = TypeVar("AnyLoad", "Load", SpatialLoad)
 #: on the end, N: its components, or one amount that acts upwards
 Force: TypeAlias = Amount | Sequence[Amount]
 
 
+@final
 @dataclass(frozen=True)
 class Load:
-    """A dead load on a clamped arm (the full body, both halves). Raises `RodError` for numbers that are not finite."""
+    """A dead load on a clamped arm (the full body, both halves), kept as x, y and z; z may be left out.
 
-    force: tuple[float, float] = (0.0, 0.0)  #: N, F_x and F_y on the end s = l
-    couple: float = 0.0  #: N mm, on the end
-    weight: tuple[float, float] = (0.0, 0.0)  #: N/mm, q_x and q_y per rest length, all along the arm
+    Raises `RodError` for numbers that are not finite.
+    """
+
+    force: Given = (0.0, 0.0, 0.0)  #: N, on the end s = l
+    couple: Given = (0.0, 0.0, 0.0)  #: N mm, on the end; keeps its direction; a number alone acts about z
+    weight: Given = (0.0, 0.0, 0.0)  #: N/mm, per rest length, all along the arm
     weight_height: float = 0.0  #: mm, of the mass above the material curve, along the normal of the curve
-    along: tuple[AlongLoad, ...] = ()  #: on sections of the arm, in its plane
+    along: tuple[AlongLoad, ...] = ()  #: on sections of the arm
     supports: tuple[Support, ...] = ()  #: that hold sections of the arm, and its end
 
     def __post_init__(self) -> None:
-        for name, unit in (("force", "N"), ("weight", "N/mm")):
-            object.__setattr__(self, name, pair(getattr(self, name), name, unit))
-        object.__setattr__(self, "couple", finite(self.couple, "The end moment", "N*mm"))
+        couple = self.couple if is_triple(self.couple) else (0.0, 0.0, finite(self.couple, "The end moment", "N*mm"))
+        for name, value, unit in (("force", self.force, "N"), ("couple", couple, "N*mm"), ("weight", self.weight, "")):
+            object.__setattr__(self, name, triple(value, name, unit))
         object.__setattr__(self, "weight_height", finite(self.weight_height, "weight_height"))
         along, more = split_along(self.along)
         object.__setattr__(self, "along", along)
         object.__setattr__(self, "supports", (*self.supports, *more))
-        if any(map(leaves_plane, (*self.along, *self.supports))):
-            raise LoadError("A load across the plane of the arm is none of a rod in its plane; solve the rod in space.")
 
     @property
     def own_weight(self) -> "Load":
@@ -50,34 +62,45 @@ class Load:
         return Load(weight=self.weight, weight_height=self.weight_height)
 
     @property
-    def in_space(self) -> SpatialLoad:
-        """The same load with three components."""
-        couple, weight = (0.0, 0.0, self.couple), (*self.weight, 0.0)
-        return SpatialLoad((*self.force, 0.0), couple, weight, self.weight_height, self.along, self.supports)
-
-    @property
     def force_size(self) -> float:
         """N, |F|."""
         return math.hypot(*self.force)
 
+    @property
+    def leaves_plane(self) -> bool:
+        """Whether it moves an arm out of its plane, or holds it there."""
+        across = any((self.force[2], *self.couple[:2], self.weight[2]))
+        return across or any(map(leaves_plane, (*self.along, *self.supports)))
 
-def with_along(load: AnyLoad, more: Sequence[Along], length: float) -> AnyLoad:
+    def refuse_out_of_plane(self) -> None:
+        """Raise `LoadError` where it leaves the plane of the arm."""
+        if self.leaves_plane:
+            raise LoadError("A load across the plane of the arm is none of a rod in its plane; solve the rod in space.")
+
+    def plus(self, other: "Load", part: float) -> "Load":
+        """Together with a part of another one; supports are those of this one, and so is the height of its weight."""
+        mine, others = ((one.force, one.couple, one.weight) for one in (self, other))
+        force, couple, weight = (np.add(a, scaled(b, part)) for a, b in zip(mine, others, strict=True))
+        height = self.weight_height if any(self.weight) else other.weight_height
+        return Load(force, couple, weight, height, (*self.along, *part_of(other.along, part)), self.supports)
+
+    def end_at(self, length: float) -> Position:
+        """x, y and z where the end of an arm of a length (mm) is held."""
+        at_end = (one.position for one in self.supports if one.s > (1.0 - APART) * length)
+        return next(at_end, (None, None, None))
+
+
+def with_along(load: Load, more: Sequence[Along], length: float) -> Load:
     """The load with more along the arm, mm; forces on its end join the force there, unless a support bears them."""
-    along: list[AlongLoad] = []
-    loads: tuple[AlongLoad, ...]
-    supports: tuple[Support, ...]
-    one: AlongLoad
     loads, supports = split_along(more)
-    force = np.array(load.force)
+    along, force = list[AlongLoad](), np.array(load.force)
     for one in (*load.along, *loads):
         if one.breaks == (length,) and not any((*one.couple, *one.beside)):
-            force += one.force[: len(force)]
+            force += one.force
         else:
             along.append(one)
     both = replace(load, along=tuple(along), supports=(*load.supports, *supports))
-    held = SpatialLoad(supports=both.supports).end_at(length)
-    joined: Any = tuple(0.0 if at is not None else float(f) for f, at in zip(force, held, strict=False))
-    return replace(both, force=joined)
+    return replace(both, force=np.where([at is None for at in both.end_at(length)], force, 0.0))
 
 
 def pair(values: Sequence[Amount | None], name: str, unit: str = "") -> tuple[float, float]:
@@ -110,23 +133,6 @@ def held_end(
 
 
 def requested(force: Force | None, moment: Amount | Sequence[Amount]) -> Load:
-    """The load in the plane that arguments of `solve` name. Raises `RodError` for what is none."""
-    return Load(pair(_components(force), "force", "N"), finite(moment, "The end moment", "N*mm"))
-
-
-def _components(force: Force | None) -> Sequence[Amount]:
-    """Of the force on the end; one amount acts upwards."""
+    """The load that arguments of `solve` name; one amount of force acts upwards. Raises `RodError` for what is none."""
     upwards = 0.0 if force is None else force
-    return (0.0, finite(upwards, "force", "N")) if isinstance(upwards, float | int | str) else upwards
-
-
-def spatially_requested(force: Force | None, moment: Amount | Sequence[Amount]) -> SpatialLoad:
-    """The load in space that arguments of `solve` name; a moment alone turns about z, and a pair acts in the plane.
-
-    Raises `RodError` for what is no three numbers.
-    """
-    couple = triple(moment if is_triple(moment) else (0.0, 0.0, moment), "moment", "N*mm")
-    components = _components(force)
-    if np.shape(components) == (2,):
-        components = (*components, 0.0)
-    return SpatialLoad(triple(components, "force", "N"), couple)
+    return Load((0.0, finite(upwards, "force", "N")) if isinstance(upwards, float | int | str) else upwards, moment)

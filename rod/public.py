@@ -1,6 +1,7 @@
 """The names that users and the other rooms write as `rod.NAME`."""
 
 from rod.along import LineLoad, PointLoad, Reaction, Support
+from rod.arm.stability import Stability
 from rod.arm_law.law import ArmLaw
 from rod.arm_law.law_rod import LawRod
 from rod.curves.cell_average import cell_averaged, shortest_pitch
@@ -29,7 +30,6 @@ from rod.mechanics.equilibrium import Rod
 from rod.pressures import LinearRange, Quantity, Straightness, linear_range, next_pressure, straightness
 from rod.pressurised_rod import PressurisedRod
 from rod.solution import RodSolution, SpatialSolution
-from rod.spatial import SpatialLoad, Stability
 from rod.warm_up import compile_kernels
 
 __all__ = [
@@ -68,7 +68,6 @@ __all__ = [
     "RodSolution",
     "RodWarning",
     "Solid",
-    "SpatialLoad",
     "SpatialSolution",
     "Stability",
     "Start",

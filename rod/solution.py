@@ -13,10 +13,10 @@ from geometry.told import Told, listed, placed
 from rod.along import Reaction, Triple, reactions_of, resultant
 from rod.arm.path import Path
 from rod.arm.response import Parameter, Posed, Response, SolvedPath
-from rod.arm.stability import ALL, stability_of
+from rod.arm.stability import ALL, Stability, stability_of
 from rod.cubics import hermite
 from rod.errors import RodError
-from rod.spatial import SpatialLoad, Stability
+from rod.load import Load
 
 
 @dataclass(frozen=True)
@@ -207,9 +207,7 @@ def _told(shape: RodSolution | SpatialSolution, turn: dict[str, str], moment: st
     return {**at_end, "end force": listed(shape.force, "N"), "moment at the clamp": moment, **weight}
 
 
-def solved_in_space(
-    rod: Posed, path: Path, load: SpatialLoad, strains: tuple[Array, ...], beside: Array
-) -> SpatialSolution:
+def solved_in_space(rod: Posed, path: Path, load: Load, strains: tuple[Array, ...], beside: Array) -> SpatialSolution:
     """An arm in space from the end of its path.
 
     With curvatures and with stretch and shears (N, 3) at the nodes; beside: (N, 2 or 3) mm, the material curve.

@@ -10,11 +10,10 @@ import numpy as np
 
 from geometry.arrays import Array
 from geometry.units import USUAL, with_unit
-from rod.along import PointLoad, Triple, triple
+from rod.along import PointLoad, Triple, is_triple, triple
 from rod.checked import finite
 from rod.errors import LoadError, RodError
-from rod.load import AnyLoad, pair
-from rod.spatial import is_triple
+from rod.load import Load, pair
 
 #: N/g
 WEIGHT_OF_GRAM = 9.81e-3
@@ -68,13 +67,13 @@ class Weighing(NamedTuple):
 
 
 def weighted(
-    load: AnyLoad,
+    load: Load,
     of: Weighing,
     weight: bool,
     direction: str | Sequence[float] | None,
     tip_mass: float | str,
     hung: Hung = (),
-) -> AnyLoad:
+) -> Load:
     """A load with the weight of an arm in a direction, unless weight is False, and with masses on its end and along it.
 
     The weight that always acts does not act then. Raises `LoadError` without a direction, and for the weight of an arm
@@ -82,14 +81,12 @@ def weighted(
     """
     if direction is None:
         raise LoadError("A weight needs the direction of gravity: hanging, lying, standing, an angle, or x and y.")
-    down = np.zeros(len(load.force))
-    along = gravity_vector(direction)
-    down[: len(along)] = WEIGHT_OF_GRAM * np.array(along)
-    force: Any = np.array(load.force) + in_grams(tip_mass) * down
+    down = WEIGHT_OF_GRAM * np.array(triple(gravity_vector(direction), "direction"))
+    force = np.array(load.force) + in_grams(tip_mass) * down
     masses: list[PointLoad] = [
         PointLoad(position_along(s, of.length), (grams * down).tolist()) for s, grams in _checked_hung(hung)
     ]
-    load = replace(load, force=tuple(force), along=(*load.along, *masses))
+    load = replace(load, force=force, along=(*load.along, *masses))
     if of.is_identified:
         if weight:
             raise LoadError(
@@ -97,15 +94,14 @@ def weighted(
                 "gravity is possible."
             )
         return load
-    without: Any = np.zeros(len(down))
-    without[:2] = -np.array(of.carried)
+    without = -np.array(triple(of.carried, "weight"))
     if not weight:
-        return replace(load, weight=tuple(without))
+        return replace(load, weight=without)
     if of.mass is None:
         raise LoadError("The mass of the arm is not known: give material.density in its configuration and run it.")
     (own,), (height,) = of.mass.within(np.array([of.length]))
     without += own / of.length * down
-    return replace(load, weight=tuple(without), weight_height=height / own)
+    return replace(load, weight=without, weight_height=height / own)
 
 
 def gravity_vector(value: Any) -> tuple[float, float] | Triple:

@@ -82,7 +82,7 @@ def _force_errors(record: Record, shape: RodSolution) -> dict[str, float]:
     Relative error: of the component with its sign, of both the size of the difference. Empty where the load prescribes
     the force, and where there is none.
     """
-    force, rod_force = (np.array(both)[list(record.held)] for both in (record.load.force, shape.force))
+    force, rod_force = (np.array(both)[list(record.held)] for both in (record.load.force[:2], shape.force))
     if not force.any():
         return {}
     if len(force) == 2:

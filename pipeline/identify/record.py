@@ -64,7 +64,7 @@ def parameters_record(
         mass_g=None if mass is None else mass * 1e6,
         pressures_kPa=tuple(p.pressure_kPa for p in parameters),
         straight_without_pressure=config.effects.straight_without_pressure,
-        weight_N_per_mm=load.weight,
+        weight_N_per_mm=load.weight[:2],
         weight_height_mm=load.weight_height,
         **vars(_columns([p.numbers for p in parameters], parameters)),
         d_given_mm=config.identification.d_mm,

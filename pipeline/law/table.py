@@ -14,7 +14,7 @@ from pipeline.values.table import Table
 from rod.arm_law.curves import IN_SPACE, CellCurve
 from rod.arm_law.law import ArmLaw
 from rod.arm_law.space_law import SpaceLaw, SpaceRod
-from rod.spatial import SpatialLoad
+from rod.load import Load
 
 
 def law_table(measured: MeasuredLaw) -> Table:
@@ -124,7 +124,7 @@ def rows_table(law: SpaceLaw) -> Table:
 
 
 def _row(rod: SpaceRod) -> tuple[str, ...]:
-    shape = rod.solve_in_space(SpatialLoad())
+    shape = rod.solve_in_space(Load())
     least, most = rod.section.rigidities
     return (
         ", ".join(f"{pressure:g}" for pressure in rod.pressures),

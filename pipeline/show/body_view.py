@@ -18,8 +18,8 @@ from pipeline.values.law import DeliveredLaw
 from pipeline.values.run import Run
 from rod.arm_law.space_law import SpaceLaw
 from rod.errors import RodError
+from rod.load import Load
 from rod.mechanics.equilibrium import Rod
-from rod.spatial import SpatialLoad
 
 #: bytes that the data of the view may have before they are written in base64, which takes a third more
 LIMIT = 2_600_000
@@ -129,7 +129,7 @@ def _unloaded(law: DeliveredLaw) -> Iterator[tuple[str, float, Array, Array, Arr
         yield "II", state.pressure_kPa, shape.s, curve, np.moveaxis(np.array(rows), 2, 0)
     for row, part in product(law.law.rows if isinstance(law.law, SpaceLaw) else (), PARTS):
         with suppress(RodError):
-            bent = law.law.at(tuple(part * p for p in row)).solve_in_space(SpatialLoad())
+            bent = law.law.at(tuple(part * p for p in row)).solve_in_space(Load())
             name = f"{', '.join(f'{pressure:g}' for pressure in row)} kPa"
             yield name, part * max(row), bent.s, bent.axis, bent.frames
 

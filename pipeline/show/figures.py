@@ -12,7 +12,7 @@ from pipeline.values.plots import COLOURS, INK, Line, Panel, figure, ordered_col
 from pipeline.values.run import Curve, RodError, Run, bending_error_deg
 from rod.arm_law.space_law import SpaceLaw
 from rod.errors import RodError as NoRod
-from rod.spatial import SpatialLoad
+from rod.load import Load
 
 FINITE_ELEMENTS = "finite elements"
 EXPERIMENTS = {
@@ -223,7 +223,7 @@ def reach(run: Run) -> Panels:
 def _tip(law: SpaceLaw, pressures: Array) -> tuple[float, float, float]:
     """Not finite where the arm has no equilibrium."""
     try:
-        return law.at(tuple(pressures.tolist())).solve_in_space(SpatialLoad()).end
+        return law.at(tuple(pressures.tolist())).solve_in_space(Load()).end
     except NoRod:
         return np.nan, np.nan, np.nan
 

@@ -12,9 +12,9 @@ from rod.arm_law.kinds import AnyLaw
 from rod.arm_law.law import ArmLaw
 from rod.arm_law.space_rod import SpaceRod
 from rod.errors import RodError
+from rod.load import Load
 from rod.same_pressure import is_same
 from rod.solution import RodSolution, SpatialSolution
-from rod.spatial import SpatialLoad
 
 #: what a draft is called beside its numbers
 DRAFT = "draft, error of the mesh unknown, usually 1 to 15 %"
@@ -91,7 +91,7 @@ class DeliveredLaw(BesideLaw):
         for row in self.law.rows if self.has_rows else ():
             arm: Any = self.law.at(row)
             with suppress(RodError):
-                shapes.append((row, arm.solve_in_space(SpatialLoad()) if isinstance(arm, SpaceRod) else arm.solve()))
+                shapes.append((row, arm.solve_in_space(Load()) if isinstance(arm, SpaceRod) else arm.solve()))
         return max(shapes, key=lambda one: one[1].bending_deg, default=None)
 
     def curves(self, pressure_kPa: float) -> tuple[CellCurve, ClampCurve] | None:

@@ -14,7 +14,7 @@ from rod.arm.assembly import KEPT, Chain, LoadArrays, StateArrays, Tangent, acti
 from rod.arm.end_kernels import TIP_COLUMNS, EndArrays, tip_levers
 from rod.arm.newton import Found
 from rod.compiled import CompiledLater
-from rod.spatial import SpatialLoad
+from rod.load import Load
 from rod.weight import Mass
 
 #: two positions nearer than this part of an element are one node
@@ -78,7 +78,7 @@ class Nodes(NamedTuple):
 solve_chain = CompiledLater(newton._newton, newton.CALLS, 20)
 
 
-def load_arrays(load: SpatialLoad, mass: Mass | None, s: Array) -> LoadArrays:
+def load_arrays(load: Load, mass: Mass | None, s: Array) -> LoadArrays:
     """Loads and supports on the nodes at positions (N,) mm; the weight is spread as the mass is (None: evenly)."""
     n = len(s)
     forces, couples, beside = np.zeros((n, 3)), np.zeros((n, 3)), np.zeros((n, 2, 3))

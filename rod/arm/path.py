@@ -21,7 +21,7 @@ from rod.arm.chain import Nodes, extrapolated, halved, planar_frames, rotation, 
 from rod.arm.newton import Found
 from rod.arm.solver import ArmModel, Solver
 from rod.errors import LoadError, RodError
-from rod.spatial import SpatialLoad
+from rod.load import Load
 
 #: smallest part of the load in one step
 SMALLEST_STEP = 1e-5
@@ -79,7 +79,7 @@ COARSEST, MOST_HALVINGS = 1e-3, 3
 NOT_SOLVED = Found(True, 0.0, 0.0, (0, 0), 0)
 
 
-def follow(arm: ArmModel, load: SpatialLoad, how: Way) -> Path:
+def follow(arm: ArmModel, load: Load, how: Way) -> Path:
     """The equilibrium on the path from the inflated arm to the full load.
 
     Raises `RodError` where the path ends or becomes unstable, and for a load or a support off the arm.
@@ -102,7 +102,7 @@ def follow(arm: ArmModel, load: SpatialLoad, how: Way) -> Path:
     raise RodError("The load bends the rod within less than a two-hundredth of its length; this solver ends there.")
 
 
-def positions_under(arm: ArmModel, load: SpatialLoad) -> Array:
+def positions_under(arm: ArmModel, load: Load) -> Array:
     """(N,) mm: the nodes of an arm under a load. Raises `LoadError` for a load or a support off the arm."""
     length = float(arm.positions(())[-1])
     for one in load.along:
@@ -112,7 +112,7 @@ def positions_under(arm: ArmModel, load: SpatialLoad) -> Array:
     return arm.positions(tuple(breaks))
 
 
-def beside(arm: ArmModel, load: SpatialLoad, near: tuple[Nodes, Nodes], *, in_space: bool) -> Path:
+def beside(arm: ArmModel, load: Load, near: tuple[Nodes, Nodes], *, in_space: bool) -> Path:
     """The equilibrium beside another one, with as many unstable directions. Raises `RodError` where there is none."""
     s, chains = positions_under(arm, load), []
     while 1.5 * len(s) < len(near[0].s):
@@ -128,7 +128,7 @@ def beside(arm: ArmModel, load: SpatialLoad, near: tuple[Nodes, Nodes], *, in_sp
     return Path(extrapolated(coarse, fine, in_space=in_space), (coarse, fine), 0)
 
 
-def _fallen(solver: Solver, load: SpatialLoad, together: bool) -> tuple[StateArrays, Found, int, str]:
+def _fallen(solver: Solver, load: Load, together: bool) -> tuple[StateArrays, Found, int, str]:
     """As `_followed`; where the arm buckles on the way the state to which it falls, and the sentence on it."""
     pushed, told = solver, ""
     for _ in range(1 + PUSHES):
@@ -148,7 +148,7 @@ def _fallen(solver: Solver, load: SpatialLoad, together: bool) -> tuple[StateArr
     raise RodError(f"{told} No stable shape was found beyond.")
 
 
-def _followed(solver: Solver, load: SpatialLoad, together: bool) -> tuple[StateArrays, Found, int]:
+def _followed(solver: Solver, load: Load, together: bool) -> tuple[StateArrays, Found, int]:
     """The state at the end of the path, how it was found, and the number of steps."""
     grown, in_space = (0.0 if together else 1.0), solver.chain.in_space
     here = _inflated(solver, load, grown)
@@ -211,13 +211,13 @@ def _softest(solver: Solver, state: StateArrays, part: float, grown: float) -> t
     return told, side * PUSH * length / at_rest * before, abs(largest) / at_rest
 
 
-def _inflated(solver: Solver, load: SpatialLoad, grown: float) -> StateArrays:
+def _inflated(solver: Solver, load: Load, grown: float) -> StateArrays:
     """The arm without loads. In space one whose heights alone are held is first held as in experiment III."""
     has_plane = solver.chain.in_space and not solver.ends.is_polynomial
     if not (has_plane and are_heights(load.supports)):
         return solver.rest(grown)
     heights = tuple(replace(one, z=None) for one in load.supports if one.y is not None)
-    planar = SpatialLoad(supports=heights)
+    planar = Load(supports=heights)
     state, _, _ = _followed(Solver(solver.arm, solver.s, planar, in_space=False), planar, together=True)
     reaction = np.zeros(len(solver.load.held))
     reaction[solver.load.held[:, 1] == 1] = state.reaction

@@ -9,7 +9,7 @@ from typing import NamedTuple, Protocol, TypeAlias
 import numpy as np
 
 from geometry.arrays import Array, read_only
-from rod.along import check_inside, leaves_plane
+from rod.along import check_inside
 from rod.arm.assembly import StateArrays
 from rod.arm.chain import Nodes
 from rod.arm.path import Path, beside
@@ -17,7 +17,6 @@ from rod.arm.small_motions import OF_CLAMP
 from rod.arm.solver import ArmModel, Solver
 from rod.errors import RodError
 from rod.load import Load
-from rod.spatial import SpatialLoad
 
 #: solutions with one tangent, which leaves out how the place of the moment that decides on a clamp moves; and the
 #: motion (rad, and mm over the length) by which that is found
@@ -27,7 +26,7 @@ PASSES, MOVED = 4, 1e-5
 class Posed(Protocol):
     """An arm at one pressure, as it is solved."""
 
-    def posed(self, load: SpatialLoad) -> tuple[ArmModel, SpatialLoad]:
+    def posed(self, load: Load) -> tuple[ArmModel, Load]:
         """The arm, and all that acts on it and holds it."""
 
     @property
@@ -39,9 +38,9 @@ class Posed(Protocol):
 
 
 #: an arm, and what acts on it
-Case: TypeAlias = tuple[Posed, SpatialLoad]
+Case: TypeAlias = tuple[Posed, Load]
 #: a load, or two arms
-Parameter: TypeAlias = Load | SpatialLoad | tuple[Posed, Posed]
+Parameter: TypeAlias = Load | tuple[Posed, Posed]
 
 
 class Response(NamedTuple):
@@ -57,7 +56,7 @@ class SolvedPath(NamedTuple):
     """How a state was found."""
 
     rod: Posed
-    load: SpatialLoad  #: what acts on the rod besides what always does, and holds it
+    load: Load  #: what acts on the rod besides what always does, and holds it
     chains: tuple[Nodes, Nodes]  #: both chains of elements in equilibrium
     in_space: bool = False
     fall: str = ""  #: how the arm buckled on the way, a sentence
@@ -85,16 +84,13 @@ class SolvedPath(NamedTuple):
         """As `rod.solution.RodSolution.derivative`; the first pass is right to half a percent."""
         if isinstance(by, tuple):
             return self._change((by[0], self.load), (by[1], self.load), passes)
-        added = by.in_space if isinstance(by, Load) else by
-        if added.supports:
+        if by.supports:
             raise RodError("A rod has derivatives by loads and by its law; a support is neither.")
-        for one in added.along:
+        for one in by.along:
             check_inside(one, float(self.chains[0].s[-1]))
-        if not self.in_space and (
-            any((added.force[2], *added.couple[:2], added.weight[2])) or any(map(leaves_plane, added.along))
-        ):
+        if by.leaves_plane and not self.in_space:
             raise RodError("A load across the plane moves an arm in space; solve the rod there.")
-        less, more = ((self.rod, self.load.plus(added, part)) for part in (-0.5, 0.5))
+        less, more = ((self.rod, self.load.plus(by, part)) for part in (-0.5, 0.5))
         return self._change(less, more, passes)
 
     def at(self, rod: Posed) -> "SolvedPath":
@@ -155,7 +151,7 @@ class SolvedPath(NamedTuple):
             total = side + (ahead - behind) / (2.0 * part)
         return motion, total[-6:-3], total[-3:]
 
-    def _solver(self, nodes: Nodes, rod: Posed, load: SpatialLoad) -> Solver:
+    def _solver(self, nodes: Nodes, rod: Posed, load: Load) -> Solver:
         arm, posed = rod.posed(load)
         return Solver(arm, nodes.s, posed, in_space=self.in_space)
 

@@ -12,7 +12,7 @@ from rod.arm.chain import NO_SIDE, Nodes, load_arrays, nodes_of, planar_frames, 
 from rod.arm.end_kernels import TIP_COLUMNS, EndArrays, tip_levers
 from rod.arm.newton import ITERATIONS, STATICS, Found
 from rod.arm.sections import Section
-from rod.spatial import SpatialLoad
+from rod.load import Load
 from rod.weight import Mass
 
 
@@ -48,7 +48,7 @@ class ArmModel(Protocol):
 class Solver:
     """A chain of an arm under loads, between its supports."""
 
-    def __init__(self, arm: ArmModel, s: Array, load: SpatialLoad, *, in_space: bool) -> None:
+    def __init__(self, arm: ArmModel, s: Array, load: Load, *, in_space: bool) -> None:
         self.arm, self.s = arm, s
         self.ends = arm.ends(load.end_at(float(s[-1])))
         free = min(max(int(np.searchsorted(s, arm.clamp_reach - 1e-9)), 1), len(s) - 1)

@@ -1,5 +1,8 @@
 """Stability of an arm in equilibrium, against all small motions or those out of its plane."""
 
+from dataclasses import dataclass
+from typing import final
+
 import numpy as np
 
 from geometry.arrays import Array, read_only
@@ -7,10 +10,24 @@ from rod.arm.chain import Nodes
 from rod.arm.response import SolvedPath
 from rod.arm.small_motions import lowest
 from rod.arm.solver import ArmModel, Solver
-from rod.spatial import SpatialLoad, Stability
+from rod.load import Load
 
 #: the three motions and three turns of a section, and those of them out of the plane
 ALL, OUT_OF_PLANE = (0, 1, 2, 3, 4, 5), (2, 3, 4)
+
+
+@final
+@dataclass(frozen=True, eq=False)  # arrays inside
+class Stability:
+    """Of a rod in equilibrium: the lowest eigenvalue of the second variation of its energy over the elastic part."""
+
+    lowest: float  #: 1 without loads, 0 where the rod buckles, below 0 beyond
+    motion: Array  #: (n, 3) of the axis that belongs to it, of largest component 1
+
+    @property
+    def is_stable(self) -> bool:
+        """Whether the rod returns from small motions."""
+        return self.lowest > 0.0
 
 
 def stability_of(path: SolvedPath, motions: tuple[int, ...]) -> Stability:
@@ -26,5 +43,5 @@ def stability_of(path: SolvedPath, motions: tuple[int, ...]) -> Stability:
     return Stability(fine + (fine - coarse) / 3.0, read_only(moved / largest if largest else moved))
 
 
-def _lowest(arm: ArmModel, nodes: Nodes, load: SpatialLoad, motions: tuple[int, ...]) -> tuple[float, Array]:
+def _lowest(arm: ArmModel, nodes: Nodes, load: Load, motions: tuple[int, ...]) -> tuple[float, Array]:
     return lowest(Solver(arm, nodes.s, load, in_space=True), nodes.state, np.isin(np.arange(6), motions))

@@ -9,14 +9,14 @@ from typing import TypeVar
 import numpy as np
 
 from geometry.arrays import Array, read_only
-from rod.along import AlongLoad, Position, Support, are_heights, part_of, reactions_of
+from rod.along import AlongLoad, Position, Support, are_heights, part_of, reactions_of, scaled
 from rod.arm.chain import planar_frames, positions_between
 from rod.arm.end_kernels import EndArrays
 from rod.arm.ends import end_arrays, tip_state
 from rod.arm.path import NoEquilibrium, Path, Way, follow
 from rod.arm.response import SolvedPath
 from rod.arm.sections import TabulatedSection, acting_in_frames
-from rod.arm.stability import OUT_OF_PLANE, stability_of
+from rod.arm.stability import OUT_OF_PLANE, Stability, stability_of
 from rod.arm_law.air import air_along, air_volumes
 from rod.arm_law.curves import ClampCurve, TipCurve, TipState
 from rod.arm_law.section import SectionLaw
@@ -24,7 +24,6 @@ from rod.checked import Amount
 from rod.errors import RodError
 from rod.load import Force, Load, held_end, requested, with_along
 from rod.solution import RodSolution, SpatialSolution, solved_in_space
-from rod.spatial import SpatialLoad, Stability
 from rod.weight import Mass
 
 #: longest element over the pitch; length of the first one, which is never halved
@@ -99,10 +98,11 @@ class LawRod:
 
     def in_plane(self, load: Load, *, together: bool | None = None) -> RodSolution:
         """The weight of the load is spread as the mass of the arm is, where that is known."""
+        load.refuse_out_of_plane()
         how = Way(are_heights(load.supports) if together is None else together, in_space=False)
-        return self._planar_solution(self._followed(load.in_space, how), load.in_space)
+        return self._planar_solution(self._followed(load, how), load)
 
-    def solve_in_space(self, load: SpatialLoad) -> SpatialSolution:
+    def solve_in_space(self, load: Load) -> SpatialSolution:
         """The equilibrium in space under a load, which grows on the inflated arm.
 
         Raises `RodError` as `solve` does, and for a law without rigidities out of the plane.
@@ -118,10 +118,10 @@ class LawRod:
         strains = self._model.section.strains(*acting_in_frames(nodes))
         return solved_in_space(self, path, load, strains, beside)
 
-    def _tip_state(self, load: SpatialLoad) -> TipState:
+    def _tip_state(self, load: Load) -> TipState:
         return tip_state(self.tip, load.end_at(self.length))
 
-    def posed(self, load: SpatialLoad) -> tuple["_Model", SpatialLoad]:
+    def posed(self, load: Load) -> tuple["_Model", Load]:
         """The load with the weight that always acts, where the material curve is without load along the arm."""
         x, y, z = load.weight
 
@@ -135,7 +135,7 @@ class LawRod:
         weight = self.weight[0] + x, self.weight[1] + y, z
         return self._model, replace(load, weight=weight, along=along, supports=supports)
 
-    def _followed(self, load: SpatialLoad, how: Way) -> Path:
+    def _followed(self, load: Load, how: Way) -> Path:
         """The path to a load; raises `RodError` where it ends, and where the curvature leaves the law."""
         model, load = self.posed(load)
         try:
@@ -167,7 +167,7 @@ class LawRod:
             f"{law.pressure:.4g} kPa is known from {low:.4g} to {high:.4g} N mm."
         )
 
-    def _borne(self, load: SpatialLoad, how: Way) -> str:
+    def _borne(self, load: Load, how: Way) -> str:
         """How much of a load the law bears, and what to do."""
         remedy = "Put this load into the configuration and measure the law again."
         if load.supports:
@@ -176,13 +176,13 @@ class LawRod:
         for _ in range(PARTS):
             part = 0.5 * (low + high)
             try:
-                is_inside = not self.outside(follow(self._model, SpatialLoad().plus(load, part), how))
+                is_inside = not self.outside(follow(self._model, Load().plus(load, part), how))
             except RodError:
                 is_inside = False
             low, high = (part, high) if is_inside else (low, part)
         return f"It bears {100 * low:.2g} % of this load. {remedy}" if low else remedy
 
-    def _planar_solution(self, path: Path, load: SpatialLoad) -> RodSolution:
+    def _planar_solution(self, path: Path, load: Load) -> RodSolution:
         nodes = path.nodes
         curvature, stretch, _ = self._model.section.strains(*acting_in_frames(nodes))
         turn = float(nodes.angle[-1])
@@ -236,8 +236,8 @@ class LawRod:
             return None
         while high - low > 1e-3:
             part = 0.5 * (low + high)
-            x, y = (part * value for value in load.force)
-            reduced = replace(load, force=(x, y), couple=part * load.couple, along=part_of(load.along, part))
+            force, couple = (scaled(values, part) for values in (load.force, load.couple))
+            reduced = replace(load, force=force, couple=couple, along=part_of(load.along, part))
             low, high = (part, high) if self.stability(self.under(reduced)).is_stable else (low, part)
         return high
 

@@ -16,7 +16,6 @@ from rod.arm_law.polynomial import Plane
 from rod.errors import RodError
 from rod.load import Load
 from rod.solution import RodSolution, SpatialSolution, solved_in_space
-from rod.spatial import SpatialLoad
 from rod.weight import Mass
 
 #: longest element over the pitch, and over the length; length of the first one, which is never halved, over these
@@ -43,7 +42,7 @@ class SpaceRod:
     pressures: tuple[float, ...]  #: kPa
     is_in_space: ClassVar[bool] = True
 
-    def solve_in_space(self, load: SpatialLoad) -> SpatialSolution:
+    def solve_in_space(self, load: Load) -> SpatialSolution:
         """The equilibrium under a load, which grows on the inflated arm.
 
         Raises `RodError` where the path ends or becomes unstable, and where the curvature leaves the law.
@@ -56,7 +55,7 @@ class SpaceRod:
         beside[-1] = self.tip[:3]
         return solved_in_space(self, path, load, self.section.strains(*acting_in_frames(nodes)), beside)
 
-    def posed(self, load: SpatialLoad) -> tuple["SpaceRod", SpatialLoad]:
+    def posed(self, load: Load) -> tuple["SpaceRod", Load]:
         """The same."""
         return self, load
 

@@ -93,13 +93,13 @@ def moment_from_load(centreline: Centreline, load: Load) -> Moment:
     the rod. The integral is by the trapezoidal rule.
     """
     s, x, y = centreline.s - centreline.s[0], centreline.x, centreline.y
-    (fx, fy), (qx, qy) = load.force, load.weight
+    (fx, fy, _), (qx, qy, _) = load.force, load.weight
     moment = (x[-1] - x) * fy - (y[-1] - y) * fx
     moment += _lever_integral(s, x) * qy - _lever_integral(s, y) * qx
     angle = centreline.angle
     couples = -load.weight_height * np.diff(s) * (qy * np.sin(angle) + qx * np.cos(angle))
     moment += np.append(np.cumsum(couples[::-1])[::-1], 0.0)
-    return Moment(s, moment + load.couple)
+    return Moment(s, moment + load.couple[2])
 
 
 def moment_between(free: Centreline, loaded: Centreline, load: Load) -> Moment:

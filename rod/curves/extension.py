@@ -101,5 +101,5 @@ def moment_about_neutral_axis(free: Centreline, loaded: Centreline, load: Load, 
 def _axial_force(curve: Centreline, load: Load) -> Array:
     """(n,) N, of the load on the curve beyond every node."""
     angle = np.interp(curve.s, 0.5 * (curve.s[1:] + curve.s[:-1]), curve.angle)
-    x, y = (force + weight * (curve.s[-1] - curve.s) for force, weight in zip(load.force, load.weight, strict=True))
+    x, y, _ = (force + weight * (curve.s[-1] - curve.s) for force, weight in zip(load.force, load.weight, strict=True))
     return x * np.cos(angle) + y * np.sin(angle)

@@ -8,7 +8,6 @@ from typing import Any, TypeAlias, final
 import numpy as np
 
 from geometry.arrays import Array
-from rod.along import leaves_plane
 from rod.arm.end_kernels import EndArrays
 from rod.arm.section_kernels import TABULATED, SectionArrays
 from rod.arm.solver import Solver
@@ -20,7 +19,6 @@ from rod.in_time.relaxation import ELASTIC, Creep, Relaxation
 from rod.load import Load
 from rod.mechanics.equilibrium import Rod
 from rod.mechanics.lines import LinesRod
-from rod.spatial import SpatialLoad
 from rod.weight import Hung, Mass, Weighing, in_grams, position_along, weighted
 
 #: an arm at one pressure
@@ -38,7 +36,7 @@ CLAMP = 20
 class Acting:
     """What acts on an arm besides its pressure; masses have their inertia, and with a direction of gravity a weight."""
 
-    load: Load | SpatialLoad = field(default_factory=Load)
+    load: Load = field(default_factory=Load)
     tip_mass: float | str = 0.0  #: g, or with its unit, on the end
     direction: str | Sequence[float] | None = None  #: of gravity, as `Rod.solve` takes it; None: no weight
     hung: Hung = ()  #: masses along the arm, as `Rod.solve` takes them
@@ -96,13 +94,12 @@ class Body:
             raise RodError("The mass of the arm is not known; a motion needs material.density in the configuration.")
         return mass
 
-    def loaded(self, acting: Acting, arm: Arm) -> SpatialLoad:
+    def loaded(self, acting: Acting, arm: Arm) -> Load:
         """What acts, as a load in space. Raises `LoadError` as `weighted` does."""
-        load = acting.load if isinstance(acting.load, SpatialLoad) else acting.load.in_space
         if acting.direction is None:
-            return load
+            return acting.load
         of = Weighing(self.weighed, arm.length, getattr(arm, "weight", (0.0, 0.0)), is_identified=False)
-        return weighted(load, of, True, acting.direction, acting.tip_mass, acting.hung)
+        return weighted(acting.load, of, True, acting.direction, acting.tip_mass, acting.hung)
 
     def inertia(self, acting: Acting, solver: Solver) -> tuple[Array, Array, Array]:
         """Mass (N,), its place in the frame (N, 3) and moments of inertia (N, 3, 3) of the nodes; tonne and mm."""
@@ -158,7 +155,7 @@ def _about(mass: Array, lever: Array) -> Array:
 
 
 @lru_cache(256)
-def arrays_of(arm: Arm, load: SpatialLoad, s: tuple[float, ...], in_space: bool) -> tuple[SectionArrays, EndArrays]:
+def arrays_of(arm: Arm, load: Load, s: tuple[float, ...], in_space: bool) -> tuple[SectionArrays, EndArrays]:
     """Sections and ends of an arm under a load, of one size at all pressures; s: (N,) mm, of the nodes."""
     model, _ = arm.posed(load)
     section, ends = model.section.arrays(np.array(s)), model.ends(load.end_at(s[-1]))
@@ -193,9 +190,3 @@ def _smooth(section: SectionArrays, columns: int) -> SectionArrays:
     values[:, 1:], slopes[:, 1:] = cubic(*knots, kappa)[:, 1:], cubic_slope(*knots, kappa)[:, 1:]
     table = np.ascontiguousarray(cubic_coefficients(kappa, values, slopes))
     return section._replace(table=table, numbers=np.array([first + kappa[0], step]))
-
-
-def is_spatial(load: SpatialLoad) -> bool:
-    """Whether a load moves an arm out of its plane."""
-    across = any((load.force[2], *load.couple[:2], load.weight[2]))
-    return across or any(map(leaves_plane, (*load.along, *load.supports)))

@@ -10,12 +10,10 @@ from rod.arm.path import Way, follow, positions_under
 from rod.arm.solver import Solver
 from rod.errors import RodError
 from rod.in_time.body import Arm
-from rod.spatial import SpatialLoad
+from rod.load import Load
 
 
-def equilibrium(
-    arm: Arm, load: SpatialLoad, later: SpatialLoad, in_space: bool, *, fine: bool = False
-) -> tuple[Solver, StateArrays]:
+def equilibrium(arm: Arm, load: Load, later: Load, in_space: bool, *, fine: bool = False) -> tuple[Solver, StateArrays]:
     """Under a load, on nodes where this and a later load have breaks; fine: on elements of half the length.
 
     Raises `RodError` where there is none that the law knows.
@@ -24,7 +22,7 @@ def equilibrium(
     path = follow(model, posed, Way(not in_space and are_heights(posed.supports), in_space))
     if outside := arm.outside(path):
         raise RodError(outside)
-    s = positions_under(model, SpatialLoad(along=(*posed.along, *other.along), supports=posed.supports))
+    s = positions_under(model, Load(along=(*posed.along, *other.along), supports=posed.supports))
     solver = Solver(model, halved(s) if fine else s, posed, in_space=in_space)
     state = path.chains[0].on(solver.s)
     if not solver.converge(state, 1.0, solver.load.target).converged:

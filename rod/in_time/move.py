@@ -18,7 +18,7 @@ from rod.arm_law.space_rod import SpaceRod
 from rod.checked import positive
 from rod.errors import LoadError, RodError
 from rod.in_time.air import Air, over_time
-from rod.in_time.body import Acting, Arm, Body, arrays_of, is_spatial
+from rod.in_time.body import Acting, Arm, Body, arrays_of
 from rod.in_time.equilibrium import elastic_forces, equilibrium
 from rod.in_time.motion import Motion
 from rod.in_time.steps import LAST, WITHIN, Joined, Memory, Moment, Stepper
@@ -110,7 +110,7 @@ class _Moved:
         body = self.body
         then = body.at(before)
         old, self.load = (body.loaded(one, then) for one in (was, self.acting))
-        self.in_space = self.steps.in_space or isinstance(then, SpaceRod) or is_spatial(old) or is_spatial(self.load)
+        self.in_space = self.steps.in_space or isinstance(then, SpaceRod) or old.leaves_plane or self.load.leaves_plane
         solver, state = equilibrium(then, old, self.load, self.in_space)
         creep = np.array(body.creep.shares)
         late = np.multiply.outer(creep, first - before)

@@ -17,7 +17,7 @@ from typing import Literal, TypedDict, Unpack, get_args, overload
 
 from geometry.arrays import read_only
 from geometry.told import Told
-from rod.along import Along, LineLoad, Support, are_heights, leaves_plane, split_along
+from rod.along import Along, LineLoad, Support, are_heights, is_triple, leaves_plane, split_along
 from rod.arm_law.law import ArmLaw
 from rod.arm_law.law_rod import LawRod
 from rod.arm_law.space_rod import SpaceRod
@@ -26,11 +26,10 @@ from rod.curves.extension import Extension
 from rod.errors import RodError, RodWarning
 from rod.identification.moment_range import MomentRange
 from rod.law import FiveParameters, TwoSlopes
-from rod.load import AnyLoad, Force, Load, held_end, pair, requested, spatially_requested, with_along
+from rod.load import Force, Load, held_end, pair, requested, with_along
 from rod.mechanics.lines import LinesRod
 from rod.mechanics.profile import Profile, sampled
 from rod.solution import RodSolution, SpatialSolution
-from rod.spatial import SpatialLoad, is_triple
 from rod.weight import Hung, Mass, Weighing, weighted
 
 #: N mm, a moment whose own effect is nothing, under which the offsets of the law act
@@ -214,19 +213,16 @@ class Rod(Told):
         is_weighed = direction is not None or tip_mass != 0.0 or len(hung) > 0
         carried = self.weight if self.has_own_law else (0.0, 0.0)
         weighing = Weighing(self.mass, self.length, carried, any(self.weight) and not self.has_own_law)
-        is_spatial = any(is_triple(value) for value in (force, end, moment, direction))
-        if isinstance(self.law, SpaceRod) or is_spatial or any(map(leaves_plane, along)):
-            if order != "as tested":
-                raise RodError(f"In space the loads grow on the inflated arm; order = {order!r} is not possible.")
-            spatial = spatially_requested(force, moment)
-            if is_weighed:
-                spatial = weighted(spatial, weighing, weight, direction, tip_mass, hung)
-            return self._in_space(with_along(spatial, along, self.length))
         load = requested(force, moment)
         if is_weighed:
             load = weighted(load, weighing, weight, direction, tip_mass, hung)
         load = with_along(load, along, self.length)
-        loaded = force is not None or load.couple != 0.0 or is_weighed or len(along) > 0
+        is_spatial = any(is_triple(value) for value in (force, end, moment, direction))
+        if isinstance(self.law, SpaceRod) or is_spatial or any(map(leaves_plane, along)):
+            if order != "as tested":
+                raise RodError(f"In space the loads grow on the inflated arm; order = {order!r} is not possible.")
+            return self._in_space(load)
+        loaded = force is not None or any(load.couple) or is_weighed or len(along) > 0
         solution = self._in_plane(load, together=_grow_together(order, load.supports, loaded=loaded))
         notes = *solution.notes, *filter(None, [self._outside(solution), solution.path.sideways])
         for note in notes:
@@ -240,14 +236,14 @@ class Rod(Told):
             return solution
         return replace(solution, x=read_only(solution.x + self.start[0]), y=read_only(solution.y + self.start[1]))
 
-    def _in_space(self, load: SpatialLoad) -> SpatialSolution:
+    def _in_space(self, load: Load) -> SpatialSolution:
         """The equilibrium in space, whose clamp is at the start of this rod."""
         solution, start = self.arm.solve_in_space(self._from_start(load)), (*self.start, 0.0)
         for note in solution.notes:
             warnings.warn(note, RodWarning, stacklevel=3)
         return replace(solution, axis=read_only(solution.axis + start), notes=(*self.notes, *solution.notes))
 
-    def _from_start(self, load: AnyLoad) -> AnyLoad:
+    def _from_start(self, load: Load) -> Load:
         """The load where the clamp is the origin."""
         return replace(load, supports=tuple(one.seen_from((*self.start, 0.0)) for one in load.supports))
 

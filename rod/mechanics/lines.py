@@ -20,7 +20,6 @@ from rod.errors import LoadError, RodError
 from rod.law import TwoSlopes
 from rod.load import Load
 from rod.solution import RodSolution, SpatialSolution
-from rod.spatial import SpatialLoad
 
 #: length of the first element, which is never halved, over that of the rod
 FIRST = 1e-3
@@ -46,7 +45,7 @@ class LinesRod:
     own: tuple[LineLoad, ...]  #: its weight, under which it has kappa_0 where nothing else acts
     is_in_space: ClassVar[bool] = False
 
-    def solve_in_space(self, load: SpatialLoad) -> SpatialSolution:
+    def solve_in_space(self, load: Load) -> SpatialSolution:
         """Refused: its law is that of the plane."""
         raise RodError("A rod with five parameters stays in its plane; in space a rod has the arm's own law.")
 
@@ -55,13 +54,13 @@ class LinesRod:
 
         Raises `RodError` where the path ends, and for a place beyond the reach of an inextensible rod.
         """
+        load.refuse_out_of_plane()
         together = are_heights(load.supports) if together is None else together
-        asked = load.in_space
-        is_loaded = not self._is_idle(asked) or together
+        is_loaded = not self._is_idle(load) or together
         if self.extension is None:
             self._check_reach(load)
         model = _Model(self, self._section(is_loaded=is_loaded))
-        path = follow(model, self._all(asked), Way(together))
+        path = follow(model, self._all(load), Way(together))
         nodes = path.nodes
         if outside := self.outside(path):
             raise RodError(f"{path.fall} {outside}".strip())
@@ -80,19 +79,19 @@ class LinesRod:
             stretch=read_only(stretch),
             force=_column(nodes.force[:2]),
             reactions=reactions_of(load.supports, nodes.reaction),
-            weight=read_only(np.array(load.weight) * self.length + resultant(self.own, nodes.s)[:2]),
+            weight=read_only(np.array(load.weight[:2]) * self.length + resultant(self.own, nodes.s)[:2]),
             load_steps=path.steps if is_loaded else 0,
             bending_moment=read_only(bending),
-            path=SolvedPath(self, asked, path.chains, fall=path.fall),
+            path=SolvedPath(self, load, path.chains, fall=path.fall),
             notes=path.notes,
         )
 
-    def posed(self, load: SpatialLoad) -> tuple["_Model", SpatialLoad]:
+    def posed(self, load: Load) -> tuple["_Model", Load]:
         """The rod, with the offsets of its law where something acts, and its weight."""
         is_loaded = not self._is_idle(load) or are_heights(load.supports)
         return _Model(self, self._section(is_loaded=is_loaded)), self._all(load)
 
-    def _all(self, load: SpatialLoad) -> SpatialLoad:
+    def _all(self, load: Load) -> Load:
         return replace(load, along=(*load.along, *self.own))
 
     def air_along(self, h: Array, kappa: Array) -> Array:
@@ -112,7 +111,7 @@ class LinesRod:
                 told = f"the rod of {self.length:g} mm is inextensible."
                 raise LoadError(f"The {which} cannot be {reach:g} mm from the clamp: {told}")
 
-    def _is_idle(self, load: SpatialLoad) -> bool:
+    def _is_idle(self, load: Load) -> bool:
         """Whether nothing acts on the rod; what is held is then where the unloaded rod has it."""
         if any((*load.force, *load.weight, *load.couple, *load.along)):
             return False
@@ -137,7 +136,7 @@ class LinesRod:
         """The moment of its weight about the neutral axis, in the shape of kappa_0."""
         model = _Model(self, section)
         s = positions_between([0.0, self.length], self.length / (8 * ELEMENTS))
-        solver = Solver(model, s, SpatialLoad(along=self.own), in_space=False)
+        solver = Solver(model, s, Load(along=self.own), in_space=False)
         nodes = solver.nodes(solver.rest(), NOT_SOLVED)
         inner = nodes.inner[:, 0] * np.cos(nodes.angle) + nodes.inner[:, 1] * np.sin(nodes.angle)
         own = nodes.moment[:, 2] + section.eccentricity * inner

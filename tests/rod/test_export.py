@@ -21,7 +21,7 @@ from rod.export.formats import EXPORTS, export_robot
 from rod.export.lumped import cut_into_joints
 from rod.export.robot import Robot, Section, Solid
 from rod.export.tables import arm_table, table, write_csv, write_json, write_law_csv, write_law_json
-from rod.spatial import SpatialLoad
+from rod.load import Load
 from tests.coarse import COARSE
 from tests.rod.arm_law.test_arm_law import law_of, straight_law
 from tests.rod.arm_law.test_space_law import constant
@@ -195,7 +195,7 @@ def test_mujoco_takes_all_pressures_of_an_arm_in_space(
     model, data = program.load(pressures)
     model.opt.gravity[:] = 0.0
     rest, tip = 1e3 * data.site("tip").xpos, model.site("tip")
-    free, moved = (np.array(law.at(pressures).solve_in_space(SpatialLoad(f)).end) for f in ((0.0, 0.0, 0.0), force))
+    free, moved = (np.array(law.at(pressures).solve_in_space(Load(f)).end) for f in ((0.0, 0.0, 0.0), force))
     assert rest == pytest.approx(free, abs=0.01)
     model.dof_damping *= 5.0
     for _ in range(3000 if any(force) else 0):

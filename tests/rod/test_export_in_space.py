@@ -17,7 +17,7 @@ from rod.export.chain import chain_of_law
 from rod.export.formats import export_robot
 from rod.export.in_space import Part
 from rod.export.robot import Robot
-from rod.spatial import SpatialLoad
+from rod.load import Load
 from tests.coarse import COARSE
 from tests.rod.arm_law.test_arm_law import law_of, straight_law
 from tests.rod.test_export import SOLID
@@ -108,7 +108,7 @@ def turn_of(first: np.ndarray, second: np.ndarray) -> np.ndarray:
 def test_an_arm_in_mujoco_moves_out_of_its_plane_as_the_rod(spatial: ArmLaw, tmp_path: Path, pressure: float) -> None:
     _, module = export_robot(Robot.of_law(spatial, SOLID, spatial.pressures), "mujoco", tmp_path)
     rod = spatial.at(pressure)
-    planar, found = (rod.solve_in_space(SpatialLoad((0.0, 0.0, force))) for force in (0.0, FORCE))
+    planar, found = (rod.solve_in_space(Load((0.0, 0.0, force))) for force in (0.0, FORCE))
     end, turn = pushed(module, pressure, FORCE)
     assert found.end[2] > 0.4
     assert end[2] == pytest.approx(found.end[2], rel=0.02)
@@ -146,7 +146,7 @@ def test_an_arm_in_pyelastica_moves_out_of_its_plane_as_the_rod(spatial: ArmLaw,
     pytest.importorskip("elastica")
     program, rod = program_of(spatial, tmp_path), spatial.at(17.0)
     end = 1e3 * program["curve"](program["simulate"](17.0, (0.0, 0.0, FORCE)), 17.0)[-1]
-    found = rod.solve_in_space(SpatialLoad((0.0, 0.0, FORCE)))
+    found = rod.solve_in_space(Load((0.0, 0.0, FORCE)))
     assert end == pytest.approx(found.end, abs=0.03 * found.end[2])
 
 

@@ -21,7 +21,6 @@ from rod import (
     Relaxation,
     Rod,
     RodError,
-    SpatialLoad,
     Start,
     Steps,
     Support,
@@ -266,7 +265,7 @@ def test_an_arm_swings_across_its_plane_and_in_it_as_in_the_plane() -> None:
     assert (flat.in_plane, across.in_plane) == (True, False)
     assert flat.frequency_hz / across.frequency_hz == pytest.approx(math.sqrt(2000.0 / 1500.0), rel=0.02)
     fixed = Steps(fixed=0.002)
-    swung = Start(10.0, Acting(SpatialLoad((0.0, 0.0, 1e-3))))
+    swung = Start(10.0, Acting(Load((0.0, 0.0, 1e-3))))
     motion = move(body, 10.0, 0.6, Acting(), swung, fixed)
     z = motion.tips[:, 2]
     k = np.flatnonzero(np.diff(np.sign(z)))
@@ -283,7 +282,7 @@ def test_a_law_of_two_curvatures_moves_to_its_equilibrium() -> None:
     law = replace(test_space_law.law(), mass=Mass.even(test_space_law.LENGTH, 15.0))
     pressures = (5.0, 2.0, 0.0)
     motion = move(Body(law, Relaxation.from_loss_factor(0.4, 1.0, 10.0)), pressures, 2.0, steps=Steps(fixed=0.01))
-    assert motion.tips[-1] == pytest.approx(law.at(pressures).solve_in_space(SpatialLoad()).end, abs=0.05)
+    assert motion.tips[-1] == pytest.approx(law.at(pressures).solve_in_space(Load()).end, abs=0.05)
     assert motion.pressures_kPa.shape[1] == motion.volumes_mm3.shape[1] == 3
 
 

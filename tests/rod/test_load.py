@@ -65,8 +65,8 @@ def test_the_end_held_where_a_force_put_it_needs_that_force() -> None:
 @pytest.mark.parametrize(
     ("values", "sentence"),
     [
-        ({"force": (1.0,)}, "force is a pair of finite numbers"),
-        ({"weight": (0.0, math.nan)}, "weight is a pair of finite numbers"),
+        ({"force": (1.0,)}, "force has finite numbers x and y"),
+        ({"weight": (0.0, math.nan)}, "weight has finite numbers x and y"),
         ({"couple": math.inf}, "The end moment must be a finite number"),
     ],
 )

@@ -151,7 +151,7 @@ def test_the_stability_of_a_rod_knows_loads_along_it() -> None:
         (lambda: LAW.solve(along=[LineLoad(10.0, 130.0, (0, 1))]), "s = 130 mm is outside"),
         (lambda: LineLoad(10.0, 5.0, (0, 1)), "to an end beyond it; 10 to 5 mm does not"),
         (lambda: PointLoad(float("nan"), (0, 1)), "s"),
-        (lambda: PointLoad(5.0, (0, "a")), "force has three finite numbers"),
+        (lambda: PointLoad(5.0, (0, "a")), "force has finite numbers x and y"),
         (lambda: PointLoad(5.0, (0, 1), beside=3), "beside is a pair of finite numbers"),
         (lambda: LAW.solve(along=PointLoad(5.0, (0, 1))), r"along is a list of rod\.PointLoad, rod\.LineLoad"),
         (lambda: LAW.solve(along=[(5.0, (0, 1))]), r"along is a list of rod\.PointLoad, rod\.LineLoad"),

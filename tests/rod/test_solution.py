@@ -91,8 +91,11 @@ def test_solutions_can_be_pickled_and_copied() -> None:
         ({"end_y": "3"}, "end_y must be a finite number, not '3'; write it in mm, or with its unit."),
         ({"end": (100.0,)}, "end is x and y, in space also z, None where it is free; (100.0,) is not."),
         ({"force": "0.05 mm"}, "force must be a finite number, not '0.05 mm'; write it in N, or with its unit."),
-        ({"force": ("0 N", "0.05")}, "force is a pair of finite numbers, x and y; ('0 N', '0.05') is not."),
-        ({"force": (0.0, 0.1, 0.0, 0.0)}, "force is a pair of finite numbers, x and y; (0.0, 0.1, 0.0, 0.0) is not."),
+        ({"force": ("0 N", "0.05")}, "force has finite numbers x and y, in space also z; ('0 N', '0.05') has not."),
+        (
+            {"force": (0.0, 0.1, 0.0, 0.0)},
+            "force has finite numbers x and y, in space also z; (0.0, 0.1, 0.0, 0.0) has not.",
+        ),
         ({"moment": None}, "The end moment must be a finite number, not None; write it in N*mm, or with its unit."),
     ],
 )

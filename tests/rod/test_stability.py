@@ -14,11 +14,10 @@ import pytest
 from scipy.optimize import brentq
 from scipy.special import ellipe, ellipk
 
-from rod import FiveParameters, Load, Rod, RodError, RodSolution, RodWarning, SpatialLoad, SpatialSolution
+from rod import FiveParameters, Load, Rod, RodError, RodSolution, RodWarning, SpatialSolution
 from rod.arm.chain import rotation
 from rod.arm_law import law_rod
 from rod.inverse import Branch
-from rod.spatial import triple
 from rod.weight import WEIGHT_OF_GRAM, Mass
 from tests.hard_cases.rods import COLUMN, EI, EULER, GREENHILL, LATERAL, LENGTH, arch, standing
 from tests.hard_cases.rods import column as pushed
@@ -31,7 +30,7 @@ BEYOND = [1.01, 1.1, 2.0, 8.0, 9.5, 15.0, 24.0, 26.0, 60.0, 150.0]
 
 
 def deep(part: float) -> SpatialSolution:
-    return straight().solve_in_space(SpatialLoad((0.0, part * LATERAL, 0.0)))
+    return straight().solve_in_space(Load((0.0, part * LATERAL, 0.0)))
 
 
 def said(solve: Any, *given: Any, **more: Any) -> tuple[Any, str]:
@@ -123,8 +122,8 @@ def is_stable(shape: RodSolution, rod: Rod = COLUMN) -> bool:
 def is_stable_in_space(shape: SpatialSolution, monkeypatch: pytest.MonkeyPatch) -> bool:
     """Whether it is stable on shorter elements, and so is the shape beside it under a force that is turned a little."""
     rod: Any = shape.path.rod
-    turned = triple(rotation(TURN) @ np.array(shape.path.load.force), "force")
-    shapes = [said(rod.solve_in_space, SpatialLoad(turned))[0]]
+    turned = rotation(TURN) @ shape.path.load.force
+    shapes = [said(rod.solve_in_space, Load(turned))[0]]
     with monkeypatch.context() as patch:
         patch.setattr(law_rod, "ELEMENT", 0.7 * law_rod.ELEMENT)
         shapes.append(said(rod.solve_in_space, shape.path.load)[0])
@@ -150,11 +149,11 @@ def planar_case(random: np.random.Generator) -> tuple[Rod, dict[str, Any]]:
     return rod, {"direction": gravity, "tip_mass": float(random.choice([0.0, 0.3])) * grams}
 
 
-def deep_case(random: np.random.Generator) -> SpatialLoad:
+def deep_case(random: np.random.Generator) -> Load:
     """A force on a deep strip in its plane, or nearly, of 0.5 to 150 times its limit."""
     part, turn = 0.5 * 300.0 ** random.uniform(), random.uniform(-0.5, 0.5)
     across = random.choice([0.0, 0.0, 1e-5, 0.02])
-    return SpatialLoad((part * LATERAL * math.sin(turn), part * LATERAL * math.cos(turn), part * LATERAL * across))
+    return Load((part * LATERAL * math.sin(turn), part * LATERAL * math.cos(turn), part * LATERAL * across))
 
 
 def test_of_sixty_random_rods_none_is_unstable_without_a_word(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -206,7 +205,7 @@ def test_what_cannot_say_that_an_arm_falls_refuses_it() -> None:
     with pytest.raises(RodError, match=r"The rod buckles at 50 % of the load: its tip moves along y\."):
         COLUMN.under(load)
     with pytest.raises(RodError, match="its tip moves along y"):
-        Branch.all_of(lambda _: COLUMN, lambda rod: said(rod.solve, force=load.force)[0], [0.0, 1.0])
+        Branch.all_of(lambda _: COLUMN, lambda rod: said(rod.solve, force=load.force[:2])[0], [0.0, 1.0])
     rod, beyond = straight(planar=B, lateral=1e3 * B), -2.0 * math.pi**2 * B / (4.0 * DEEP**2)
     assert "its tip moves along y" in said(rod.solve, (beyond, 0.0))[1]
     with pytest.raises(RodError, match=r"The rod buckles at 50 % of the load: its tip moves along y\."):

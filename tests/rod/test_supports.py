@@ -16,7 +16,6 @@ from rod.arm import assembly, solver
 from rod.arm.assembly import StateArrays
 from rod.arm.chain import room_for
 from rod.mechanics import lines
-from rod.spatial import SpatialLoad
 from tests.coarse import COARSE
 from tests.rod.arm_law.test_arm_law import EI, law_of, straight_law
 from tests.rod.arm_law.test_arm_law import LENGTH as L
@@ -135,10 +134,10 @@ def braced(length: float) -> float:
 def test_columns_that_are_held_sideways(supports: tuple[Support, ...], load: float) -> None:
     """Clamped columns with a free end, a hinged end, and a hinge in the middle below a free end."""
     rod = straight(planar=10.0 * B)
-    shape = rod.solve_in_space(SpatialLoad((-0.9 * load * B, 0.0, 0.0), supports=supports))
+    shape = rod.solve_in_space(Load((-0.9 * load * B, 0.0, 0.0), supports=supports))
     assert shape.stability.lowest == pytest.approx(0.1, abs=0.005)
     try:
-        (told,) = rod.solve_in_space(SpatialLoad((-1.05 * load * B, 0.0, 0.0), supports=supports)).notes
+        (told,) = rod.solve_in_space(Load((-1.05 * load * B, 0.0, 0.0), supports=supports)).notes
     except RodError as refused:  # a hinged column has no stable shape near by: its bow twists out of the way
         told = str(refused)
     assert re.search(r"buckles out of its plane at 95\.\d %", told)
@@ -163,7 +162,7 @@ def test_an_arm_with_three_chambers_is_held_along_its_length() -> None:
 def test_what_holds_an_arm_has_an_exact_tangent(held: dict[str, Any]) -> None:
     """Places and angles by motions, and forces on the nodes by reactions, against differences."""
     law: Any = rod_of_path(COARSE, "law").at(37.0).law
-    arm, load = law.posed(SpatialLoad(supports=(Support(56.0, **held), Support(law.length, **held))))
+    arm, load = law.posed(Load(supports=(Support(56.0, **held), Support(law.length, **held))))
     made = solver.Solver(arm, arm.positions((56.0,)), load, in_space=False)
     state = made.rest()
     state.reaction[:] = 0.1 + 0.01 * np.arange(len(state.reaction))

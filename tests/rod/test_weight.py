@@ -88,7 +88,7 @@ def test_a_longer_arm_of_the_same_cells_has_more_mass() -> None:
             "identified under its weight, which it carries",
         ),
         (lambda: Mass(np.array([0.0, 1.0]), np.array([0.0, -1.0]), np.zeros(2)), "given from its end on"),
-        (lambda: by_law().under(Load(weight=(float("nan"), 0.0))), "weight is a pair of finite numbers"),
+        (lambda: by_law().under(Load(weight=(float("nan"), 0.0))), "weight has finite numbers x and y"),
     ],
 )
 def test_weights_that_are_none_are_refused(call: Any, sentence: str) -> None:

@@ -20,7 +20,7 @@ from pipeline.values.errors import InputError, RunFailed, argument, ask
 from pipeline.values.page import figure_page
 from pipeline.values.plots import COLOURS, GREY, Line, Panel, ordered_colour
 from pipeline.values.run import Run
-from rod import Acting, Air, Body, Motion, RodError, RodSolution, SpatialLoad, Start, Steps, move
+from rod import Acting, Air, Body, Load, Motion, RodError, RodSolution, Start, Steps, move
 from rod.along import Triple, triple
 from rod.load import with_along
 
@@ -71,7 +71,7 @@ class Asked:
         supports = tuple(one.on(length) for one in self.held)
 
         def pulled(force: Triple, weight: Weight) -> Acting:
-            load = with_along(SpatialLoad(force=force), supports, length)
+            load = with_along(Load(force=force), supports, length)
             return Acting(load, weight.tip_mass_g, weight.direction, weight.hung)
 
         still = (0.0, 0.0, 0.0)

@@ -16,7 +16,7 @@ from pipeline.results.rod_errors import tip_moves_by
 from pipeline.results.verdict import MOST_WARNINGS, Verdict, verdict_of
 from pipeline.store.result_folder import json_text
 from pipeline.values.run import Reported, Run
-from rod.spatial import SpatialLoad
+from rod.load import Load
 from tests.coarse import coarse_run
 from tests.measured_arm import result_folder
 from tests.rod.arm_law.test_space_law import law as law_in_space
@@ -62,7 +62,7 @@ def test_an_arm_with_three_pressures_says_where_it_bends_the_most(tmp_path: Path
     law: Any = law_in_space()
     verdict = verdict_of(read_results(result_folder(tmp_path, law)))
     row = law.rows[0]
-    shape = law.at(row).solve_in_space(SpatialLoad())
+    shape = law.at(row).solve_in_space(Load())
     assert verdict.bending[0].angle_deg == pytest.approx(shape.bending_deg)
     assert (
         f"bends by {shape.bending_deg:.0f}° at [10, 0, 0] kPa; its tip is at (78.7, -15.9, 0.0) mm" in verdict.lines[0]

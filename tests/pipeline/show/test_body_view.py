@@ -16,7 +16,7 @@ from pipeline.show.pictures import at_nodes, boundary, von_mises
 from pipeline.values.formats import BODY, SURFACES
 from pipeline.values.law import DeliveredLaw
 from pipeline.values.run import Run
-from rod.spatial import SpatialLoad
+from rod.load import Load
 from tests.bar import bar, write_surfaces
 from tests.coarse import coarse_run
 from tests.rod.arm_law.test_space_law import LENGTH
@@ -123,7 +123,7 @@ def test_without_finite_elements_of_the_arm_its_body_stands_on_the_rod(tmp_path:
     assert data["experiments"] == (rows if in_space else ["II"])
     x, y, z = (*law.at(37.0).solve().curve[-1], 0.0)
     if in_space:
-        x, y, z = law_of_three_chambers().at((10.0, 0.0, 0.0)).solve_in_space(SpatialLoad()).end
+        x, y, z = law_of_three_chambers().at((10.0, 0.0, 0.0)).solve_in_space(Load()).end
     low, size = np.array(data["low_mm"]), np.array(data["high_mm"]) - data["low_mm"]
     rest, bent = (
         decoded(text, "<u2").reshape(-1, 3) / 65535 * size + low for text in (data["rest"], states[-1]["positions"])

@@ -16,7 +16,7 @@ from pipeline.show.page import render_page
 from pipeline.values.law import DeliveredLaw
 from pipeline.values.parameters import RodParameters
 from pipeline.values.run import Reported, Run
-from rod.spatial import SpatialLoad
+from rod.load import Load
 from tests.coarse import coarse_run
 from tests.rod.arm_law.test_space_law import law as law_of_three_chambers
 
@@ -111,7 +111,7 @@ def test_an_arm_with_several_pressures_shows_where_its_tip_can_be() -> None:
     tips = np.column_stack([outer.x, outer.y, outer.z])
     assert tips[0] == pytest.approx(tips[-1])  # closed
     assert outer.texts[3] == "5, 5, 0 kPa"
-    assert tips[3] == pytest.approx(law.at((5.0, 5.0, 0.0)).solve_in_space(SpatialLoad()).end)
+    assert tips[3] == pytest.approx(law.at((5.0, 5.0, 0.0)).solve_in_space(Load()).end)
     page = render_page(Run(Path("three"), law=DeliveredLaw(law=law, notes=("Twist is small.",))))
     assert "Where the tip can be" in page
     assert "Twist is small." in page

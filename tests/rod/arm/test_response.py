@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from rod import FiveParameters, Load, PointLoad, Rod, RodError, Support
-from rod.spatial import SpatialLoad
 from tests.coarse import coarse_run
 from tests.quotients import SOLVED, quotient
 from tests.rod.arm_law.test_space_law import law as space_law
@@ -66,7 +65,7 @@ def test_forces_payloads_and_loads_along_the_arm_as_small_ones() -> None:
     shape = rod.solve(force=(0.0, 0.01))
     middle = PointLoad(0.5 * rod.length, (0.0, 1.0))
     for load in (Load((1.0, 0.0)), Load(along=(middle,))):
-        (x, y), along = load.force, load.along
+        (x, y, _), along = load.force, load.along
         ends = []
         for sign in (-0.5, 0.5):
             moved = [PointLoad(one.s, (0.0, sign * NARROW)) for one in along]
@@ -95,19 +94,18 @@ def test_of_an_arm_that_a_support_holds_in_its_middle() -> None:
 
 
 def test_of_an_arm_in_space_and_of_one_whose_end_is_held() -> None:
-    arm, load = space_law(stretch_slope=0.3, cubic=2.0, turn=0.1).at((5.0, 3.0, 0.0)), SpatialLoad((0.0, 0.01, 0.02))
+    arm, load = space_law(stretch_slope=0.3, cubic=2.0, turn=0.1).at((5.0, 3.0, 0.0)), Load((0.0, 0.01, 0.02))
     shape = arm.solve_in_space(load)
-    given, width = shape.derivative(SpatialLoad((0.0, 0.0, 1.0), (0.5, 0.0, 0.0))), 2e-4
+    given, width = shape.derivative(Load((0.0, 0.0, 1.0), (0.5, 0.0, 0.0))), 2e-4
     less, more = (
-        arm.solve_in_space(load.plus(SpatialLoad((0.0, 0.0, 1.0), (0.5, 0.0, 0.0)), part * width))
-        for part in (-0.5, 0.5)
+        arm.solve_in_space(load.plus(Load((0.0, 0.0, 1.0), (0.5, 0.0, 0.0)), part * width)) for part in (-0.5, 0.5)
     )
     assert given.end == quotient(more.end, less.end, width, SOLVED).within(rel=1e-4, abs=1e-4 * np.abs(given.end).max())
     supports = (Support(arm.length, *map(float, np.add(shape.end, [-1.0, 1.0, 0.0]))),)
-    held = arm.solve_in_space(SpatialLoad(supports=supports))
-    by_couple = held.derivative(SpatialLoad(couple=(0.0, 0.0, 1.0)))
+    held = arm.solve_in_space(Load(supports=supports))
+    by_couple = held.derivative(Load(couple=(0.0, 0.0, 1.0)))
     couples = ((0.0, 0.0, sign) for sign in (-0.01, 0.01))
-    less, more = (arm.solve_in_space(SpatialLoad(couple=couple, supports=supports)) for couple in couples)
+    less, more = (arm.solve_in_space(Load(couple=couple, supports=supports)) for couple in couples)
     assert by_couple.end == pytest.approx(np.zeros(3), abs=1e-7)
     assert by_couple.force == quotient(more.force, less.force, 0.02, SOLVED).within(
         rel=1e-3, abs=1e-3 * np.abs(by_couple.force).max()
@@ -119,4 +117,4 @@ def test_loads_off_the_rod_and_across_its_plane_are_refused() -> None:
     with pytest.raises(RodError, match="s = 200 mm is outside"):
         shape.derivative(Load(along=(PointLoad(200.0, (0.0, 1.0)),)))
     with pytest.raises(RodError, match="across the plane moves an arm in space"):
-        shape.derivative(SpatialLoad((0.0, 0.0, 1.0)))
+        shape.derivative(Load((0.0, 0.0, 1.0)))

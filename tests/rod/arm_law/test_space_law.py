@@ -19,8 +19,8 @@ from rod.arm_law import kinds, space_rod
 from rod.arm_law.kinds import along
 from rod.arm_law.polynomial import Basis, Polynomial, exponents_up_to
 from rod.arm_law.space_law import SpaceLaw
+from rod.load import Load
 from rod.same_pressure import Pressures, pressures_of
-from rod.spatial import SpatialLoad
 from rod.weight import Mass
 from tests.quotients import SOLVED, quotient
 
@@ -80,7 +80,7 @@ def test_without_load_it_is_an_arc_about_the_direction_of_its_curvature() -> Non
     across = np.array([kappa[1], -kappa[0]]) / size  # (0, k_y, k_z) x e_x
     angle = size * LENGTH
     expected = stretch / size * np.array([np.sin(angle), *((1 - np.cos(angle)) * across)])
-    found = rod.solve_in_space(SpatialLoad())
+    found = rod.solve_in_space(Load())
     assert np.array(found.end) == pytest.approx(expected, abs=1e-6)
     assert found.bending_deg == pytest.approx(np.degrees(angle), abs=1e-5)
     assert found.stability.lowest == pytest.approx(1.0, abs=1e-6)
@@ -90,7 +90,7 @@ def test_a_small_force_bends_it_as_a_beam_of_timoshenko() -> None:
     rod, force = law().at((0.0, 0.0, 0.0)), 1e-5
     soft = np.linalg.inv(RIGIDITY)
     for fy, fz in ((force, 0.0), (0.0, force)):
-        _, y, z = rod.solve_in_space(SpatialLoad((0.0, fy, fz))).end
+        _, y, z = rod.solve_in_space(Load((0.0, fy, fz))).end
         # M_z = F_y (l - s) bends towards y, M_y = -F_z (l - s) towards -z
         about_y, about_z = soft @ [-fz, fy]
         expected = LENGTH**3 / 3 * np.array([about_z, -about_y]) + LENGTH / GA * np.array([fy, fz])
@@ -100,8 +100,8 @@ def test_a_small_force_bends_it_as_a_beam_of_timoshenko() -> None:
 def test_a_turned_law_gives_the_turned_shape() -> None:
     load, turn, pressures = np.array([-0.01, 0.02, 0.03]), 0.8, (5.0, 2.0, 0.0)
     onto = rotation(np.array([turn, 0.0, 0.0]))
-    own = law().at(pressures).solve_in_space(SpatialLoad(tuple(load))).end
-    turned = law(turn=turn).at(pressures).solve_in_space(SpatialLoad(tuple(onto @ load))).end
+    own = law().at(pressures).solve_in_space(Load(tuple(load))).end
+    turned = law(turn=turn).at(pressures).solve_in_space(Load(tuple(onto @ load))).end
     assert turned == pytest.approx(onto @ own, abs=1e-6)
 
 
@@ -109,9 +109,7 @@ def test_forces_have_a_potential_where_the_stretch_follows_the_curvature() -> No
     rod = law(stretch_slope=3.0, cubic=2000.0).at((5.0, 2.0, 0.0))
     base, step = np.array([0.02, 0.01, -0.02]), 1e-4
 
-    more, less = (
-        [rod.solve_in_space(SpatialLoad(tuple(base + s * step * one))).end for one in np.eye(3)] for s in (1, -1)
-    )
+    more, less = ([rod.solve_in_space(Load(tuple(base + s * step * one))).end for one in np.eye(3)] for s in (1, -1))
     compliance = quotient(more, less, 2 * step, SOLVED)
     largest = float(np.abs(compliance.value).max())
     assert compliance.within(abs=1e-4 * largest) == compliance.value.T
@@ -123,7 +121,7 @@ def test_the_limit_of_the_elements_converges_with_the_fourth_power(monkeypatch: 
     monkeypatch.setattr(space_rod, "LONGEST", 1.0)
     for element in (0.8, 0.4, 0.2, 0.1):
         monkeypatch.setattr(space_rod, "ELEMENT", element)
-        ends.append(law(0.3, 2e3, 0.4).at((4.0, 3.0, 1.0)).solve_in_space(SpatialLoad((0.0, 0.02, 0.02))).end)
+        ends.append(law(0.3, 2e3, 0.4).at((4.0, 3.0, 1.0)).solve_in_space(Load((0.0, 0.02, 0.02))).end)
     differences = np.abs(np.diff(np.array(ends), axis=0)).max(axis=1)
     assert np.log2(differences[:-1] / differences[1:]) == pytest.approx(4.0, abs=0.3)
 
@@ -136,22 +134,22 @@ def test_the_air_is_minus_the_derivative_of_the_potential_by_the_pressures() -> 
     clamp, tip = constant([0.0] * 6 + [1.0, 2.0, 3.0], 5), constant([0.0] * 3 + [10.0, 20.0, 30.0], 3)
     volume = basis.times(-1e3 * by_pressure)
     rod = replace(made, volume=volume, clamp=clamp, tip=tip).at((5.0, 2.0, 0.0))
-    state = rod.solve_in_space(SpatialLoad((0.0, 0.02, 0.03)))
+    state = rod.solve_in_space(Load((0.0, 0.02, 0.03)))
     along = np.trapezoid(1e3 * state.curvature[:, 1:] @ RIGIDITY @ BENDS.T, state.s, axis=0)
     assert rod.volumes(state) == pytest.approx(along + np.array([11.0, 22.0, 33.0]), rel=1e-9)
 
 
 def test_an_end_that_is_held_gives_the_force_that_brings_it_there() -> None:
     rod, force = law().at((5.0, 2.0, 0.0)), (0.01, 0.02, -0.01)
-    end = rod.solve_in_space(SpatialLoad(force)).end
-    held = SpatialLoad(supports=(Support(rod.length, *end),))
+    end = rod.solve_in_space(Load(force)).end
+    held = Load(supports=(Support(rod.length, *end),))
     assert rod.solve_in_space(held).force == pytest.approx(force, rel=1e-5)
 
 
 def test_the_file_gives_the_same_rod() -> None:
     made = law(stretch_slope=2.0)
     again = law_of_record(law_record(made))
-    load = SpatialLoad((0.01, 0.02, 0.03))
+    load = Load((0.01, 0.02, 0.03))
     assert again.at((5, 2, 0)).solve_in_space(load).end == made.at((5, 2, 0)).solve_in_space(load).end
     record = law_record(made)
     with pytest.raises(ValueError, match="must have the air of each cavity"):
@@ -184,7 +182,7 @@ def test_a_kind_of_law_that_is_added_is_read_and_bends(tmp_path: Path, monkeypat
     record = law_record(Alone(LENGTH, 5.0))  # type: ignore[arg-type]
     (tmp_path / "law.json").write_text(json.dumps(record), encoding="utf-8")
     found = pneurod.shape(tmp_path / "law.json", "4 kPa").shape
-    assert found.end == law().at((4.0, 0.0, 0.0)).solve_in_space(SpatialLoad()).end
+    assert found.end == law().at((4.0, 0.0, 0.0)).solve_in_space(Load()).end
     tip = [f"{value} mm" for value in found.end]
     (pressure,) = pneurod.solve(tmp_path / "law.json", tip=f"[{', '.join(tip)}]").solutions
     assert pressure.pressure_kPa == pytest.approx(4.0, rel=1e-6)
@@ -204,7 +202,7 @@ def test_pressures_between_the_rows_alone() -> None:
 
 def test_a_load_beyond_the_law_is_refused() -> None:
     with pytest.raises(RodError, match="It is not extrapolated"):
-        law().at((0.0, 0.0, 0.0)).solve_in_space(SpatialLoad((0.0, 0.2, 0.0)))
+        law().at((0.0, 0.0, 0.0)).solve_in_space(Load((0.0, 0.2, 0.0)))
 
 
 def test_its_weight_bends_it_as_an_even_load() -> None:

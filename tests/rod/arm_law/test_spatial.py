@@ -9,13 +9,13 @@ import pytest
 
 from geometry.arrays import Array
 from rod import Load, Rod, RodError, RodSolution, SpatialSolution, Support
+from rod.along import triple
 from rod.arm.chain import rotation
 from rod.arm.sections import TabulatedSection
 from rod.arm.unloaded import arc_compliance
 from rod.arm_law.curves import CellCurve, ClampCurve, TipCurve
 from rod.arm_law.law import ArmLaw
 from rod.arm_law.law_rod import LawRod
-from rod.spatial import SpatialLoad, triple
 from rod.weight import Mass
 from tests.quotients import SOLVED, quotient
 
@@ -105,7 +105,7 @@ def law_of_straight(
 )
 def test_a_force_across_the_plane_makes_the_elastica(number: float, lift: float, shortening: float) -> None:
     """K. E. Bisshopp and D. C. Drucker, Quart. Appl. Math. 3 (1945), with numbers of the closed form."""
-    found = straight(planar=300.0, lateral=160.0).solve_in_space(SpatialLoad((0.0, 0.0, number * 160.0 / LENGTH**2)))
+    found = straight(planar=300.0, lateral=160.0).solve_in_space(Load((0.0, 0.0, number * 160.0 / LENGTH**2)))
     assert found.end[2] / LENGTH == pytest.approx(lift, abs=2e-7)
     assert 1.0 - found.end[0] / LENGTH == pytest.approx(shortening, abs=2e-7)
 
@@ -114,8 +114,8 @@ def test_a_round_bar_bends_alike_in_all_directions() -> None:
     rod = straight(kappa_0=0.0, planar=300.0, lateral=300.0, torsional=200.0)
     turn = rotation(np.array([0.7, 0.0, 0.0]))
     in_plane, about = np.array([-0.02, 0.1, 0.0]), np.array([10.0, 0.0, 8.0])
-    first = rod.solve_in_space(SpatialLoad(triple(in_plane, "force"), triple(about, "couple")))
-    second = rod.solve_in_space(SpatialLoad(triple(turn @ in_plane, "force"), triple(turn @ about, "couple")))
+    first = rod.solve_in_space(Load(triple(in_plane, "force"), triple(about, "couple")))
+    second = rod.solve_in_space(Load(triple(turn @ in_plane, "force"), triple(turn @ about, "couple")))
     np.testing.assert_allclose(second.end, turn @ first.end, atol=1e-6)
     assert second.stability.lowest == pytest.approx(first.stability.lowest, abs=1e-6)
 
@@ -131,14 +131,13 @@ def test_a_round_bar_bends_alike_in_all_directions() -> None:
 def test_in_the_plane_it_is_the_planar_rod(loads: Load) -> None:
     rod = straight(kappa_0=-0.01, planar=160.0, axial=50.0, in_plane_shear=20.0, edge=2.0, clamp=1e-3, position=3.0)
     planar = rod.under(loads)
-    across = SpatialLoad((*loads.force, 0.0), (0.0, 0.0, loads.couple), (*loads.weight, 0.0), loads.weight_height)
-    _is_planar(rod.solve_in_space(across), planar)
+    _is_planar(rod.solve_in_space(loads), planar)
 
 
 @pytest.mark.parametrize("held", [(None, -20.0), (75.0, -45.0)])
 def test_with_a_held_end_in_the_plane_it_is_the_planar_rod(held: tuple[float | None, float]) -> None:
     rod = straight(kappa_0=-0.01, planar=160.0, axial=50.0, in_plane_shear=20.0)
-    load = SpatialLoad(supports=(Support(LENGTH, *held),))
+    load = Load(supports=(Support(LENGTH, *held),))
     _is_planar(rod.solve_in_space(load), rod.under(Load(), held[1], held[0]))
 
 
@@ -154,7 +153,7 @@ def test_the_clamp_turns_by_the_moment_at_its_position(position: float) -> None:
     rod, force, soft = straight(planar=160.0, clamp=1e-3, position=position), 1e-5, 1e-3
     expected = force * (LENGTH**3 / (3.0 * 160.0) + soft * (LENGTH - position) ** 2)
     assert rod.under(Load((0.0, force))).end[1] == pytest.approx(expected, rel=1e-6)
-    assert rod.solve_in_space(SpatialLoad((0.0, force, 0.0))).end[1] == pytest.approx(expected, rel=1e-6)
+    assert rod.solve_in_space(Load((0.0, force, 0.0))).end[1] == pytest.approx(expected, rel=1e-6)
 
 
 def test_an_end_is_pulled_back_by_the_force_that_moved_it() -> None:
@@ -171,7 +170,7 @@ def test_an_end_is_pulled_back_by_the_force_that_moved_it() -> None:
 
 def test_a_force_beside_the_axis_of_twist() -> None:
     force, edge, height, shear = 1e-4, 2.0, 0.5, 12.0
-    found = straight(height=height, edge=edge, shear=shear).solve_in_space(SpatialLoad((0.0, 0.0, force)))
+    found = straight(height=height, edge=edge, shear=shear).solve_in_space(Load((0.0, 0.0, force)))
     turn = (edge - height) * LENGTH / GJ
     assert found.frames[-1, 2, 1] / force == pytest.approx(turn, rel=1e-5)
     axis = LENGTH**3 / (3.0 * B) + LENGTH / shear - height * turn
@@ -180,7 +179,7 @@ def test_a_force_beside_the_axis_of_twist() -> None:
 
 def test_a_quarter_circle_under_a_force_across_its_plane() -> None:
     radius = 2.0 * LENGTH / np.pi
-    found = straight(kappa_0=-1.0 / radius).solve_in_space(SpatialLoad((0.0, 0.0, 1e-5)))
+    found = straight(kappa_0=-1.0 / radius).solve_in_space(Load((0.0, 0.0, 1e-5)))
     exact = radius**3 * (np.pi / 4 / B + (3 * np.pi / 4 - 2) / GJ)
     assert found.end[2] / 1e-5 == pytest.approx(exact, rel=1e-4)
     given = {"lateral_rigidity": B, "torsional_rigidity": GJ, "lateral_shear_rigidity": RIGID, "twist_axis": 0.0}
@@ -191,7 +190,7 @@ def test_a_quarter_circle_under_a_force_across_its_plane() -> None:
 
 
 def test_a_couple_about_the_axis_turns_the_end() -> None:
-    found = straight().solve_in_space(SpatialLoad(couple=(7.0, 0.0, 0.0)))
+    found = straight().solve_in_space(Load(couple=(7.0, 0.0, 0.0)))
     turn = 7.0 * LENGTH / GJ
     assert math.atan2(found.frames[-1, 2, 1], found.frames[-1, 1, 1]) == pytest.approx(turn, rel=1e-9)
 
@@ -203,7 +202,7 @@ def test_rigidities_that_depend_on_the_moment_make_a_potential() -> None:
 
     def end(acting: Array) -> Array:
         # of the point in which the force acts: 2 mm above the axis
-        found = rod.solve_in_space(SpatialLoad(triple(acting, "force")))
+        found = rod.solve_in_space(Load(triple(acting, "force")))
         return np.asarray(found.axis[-1] + 2.0 * found.frames[-1, :, 1])
 
     more, less = ([end(force + sign * step * one) for one in np.eye(3)] for sign in (1.0, -1.0))
@@ -235,9 +234,9 @@ def test_a_column_buckles_across_its_plane_at_the_force_of_euler() -> None:
     critical = np.pi**2 * 100.0 / (2.0 * LENGTH) ** 2
     for part in (0.5, 0.99, 1.01):
         assert rod.stability(rod.under(Load((-part * critical, 0.0)))).lowest == pytest.approx(1.0 - part, abs=1e-5)
-    (told,) = rod.solve_in_space(SpatialLoad((-1.5 * critical, 0.0, 0.0))).notes
+    (told,) = rod.solve_in_space(Load((-1.5 * critical, 0.0, 0.0))).notes
     assert re.search(r"buckles out of its plane at 66\.[67] %", told)
-    bent = rod.solve_in_space(SpatialLoad((-1.1 * critical, 0.0, 1e-3 * critical)))
+    bent = rod.solve_in_space(Load((-1.1 * critical, 0.0, 1e-3 * critical)))
     assert bent.end[2] > 40.0
     assert bent.stability.is_stable
 
@@ -255,9 +254,9 @@ def test_weight_across_the_plane_is_that_of_its_mass_and_acts_above_the_axis() -
 @pytest.mark.parametrize(
     ("arguments", "sentence"),
     [
-        ({"force": (0.0, 1.0, math.nan)}, "force has three finite numbers"),
+        ({"force": (0.0, 1.0, math.nan)}, "force has finite numbers x and y"),
         ({"force": (0.0, 0.0, 0.1), "end": (1.0, 2.0, 3.0)}, "Give either the force on the end or its position"),
-        ({"force": (0.0, 0.1, 0.0, 0.0), "direction": (0.0, 0.0, 1.0)}, "force has three finite numbers"),
+        ({"force": (0.0, 0.1, 0.0, 0.0), "direction": (0.0, 0.0, 1.0)}, "force has finite numbers x and y"),
         ({"end": (50.0,), "moment": (1.0, 0.0, 0.0)}, "end is x and y, in space also z"),
         ({"force": (0.0, 0.0, 0.1), "order": "together"}, "In space the loads grow on the inflated arm"),
     ],

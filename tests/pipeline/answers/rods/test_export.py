@@ -21,7 +21,7 @@ from pipeline.cli import app
 from pipeline.results.drawing import write_fields
 from pipeline.results.files import read_results
 from rod import Relaxation, RodError
-from rod.spatial import SpatialLoad
+from rod.load import Load
 from rod.weight import Mass
 from tests.coarse import COARSE, copy_with
 from tests.measured_arm import result_folder, with_body
@@ -254,9 +254,7 @@ def test_an_arm_with_three_pressures_goes_to_mujoco_and_nowhere_else(tmp_path: P
     module = runpy.run_path(str(folder / "rod_mujoco_0_to_10kPa.py"))
     model, data = module["load"]((4.0, 3.0, 1.0))
     assert 1e3 * sum(model.body_mass) == pytest.approx(12.0)
-    assert 1e3 * data.site("tip").xpos == pytest.approx(
-        law.at((4.0, 3.0, 1.0)).solve_in_space(SpatialLoad()).end, abs=0.01
-    )
+    assert 1e3 * data.site("tip").xpos == pytest.approx(law.at((4.0, 3.0, 1.0)).solve_in_space(Load()).end, abs=0.01)
     status, _, error = call("export", str(folder), "--to", "pyelastica")
     assert (status, "takes a law in a plane, and this one is in space" in error) == (2, True)
     status, _, error = call("export", str(folder), "--to", "mujoco", "--pressure", "5 kPa", "--force")

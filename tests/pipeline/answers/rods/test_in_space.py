@@ -9,7 +9,7 @@ from typer.testing import CliRunner
 
 from pipeline.cli import app
 from pipeline.results.laws import law_record
-from rod.spatial import SpatialLoad
+from rod.load import Load
 from tests.coarse import COARSE
 from tests.rod.arm_law.test_spatial import law_of_straight, straight
 
@@ -30,7 +30,7 @@ def test_three_components_give_the_rod_in_space(file: Path, tmp_path: Path) -> N
     csv = tmp_path / "shape.csv"
     code, out, error = call(file, "10 kPa", "--force", "[0 N, 0 N, 0.1 N]", "--out", str(csv))
     assert code == 0, error
-    end = straight(axial=50.0).solve_in_space(SpatialLoad((0.0, 0.0, 0.1))).end
+    end = straight(axial=50.0).solve_in_space(Load((0.0, 0.0, 0.1))).end
     assert f"z = {end[2]:.3f} mm" in out
     rows = np.genfromtxt(csv, delimiter=",", names=True)
     assert [rows[name][-1] for name in ("x_mm", "y_mm", "z_mm")] == pytest.approx(end)

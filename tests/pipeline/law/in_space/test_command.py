@@ -22,7 +22,7 @@ from pipeline.store.store import open_store
 from pipeline.values.pressure import in_MPa
 from rod.arm_law.space_law import SpaceLaw
 from rod.errors import RodError
-from rod.spatial import SpatialLoad
+from rod.load import Load
 
 LENGTH, SIDE, BORE, AWAY, END = 40.0, 12.0, 3.0, 3.4, 4.0
 ANGLES = np.pi * np.array([1 / 2, 7 / 6, 11 / 6])  # from y to z
@@ -84,7 +84,7 @@ def law(folder: Path) -> SpaceLaw:
 
 
 def test_the_arm_bends_away_from_the_pressure(law: SpaceLaw) -> None:
-    end = np.array(law.at((12.0, 4.0, 0.0)).solve_in_space(SpatialLoad()).end)[1:]
+    end = np.array(law.at((12.0, 4.0, 0.0)).solve_in_space(Load()).end)[1:]
     towards = 3 * np.array([np.cos(ANGLES[0]), np.sin(ANGLES[0])]) + [np.cos(ANGLES[1]), np.sin(ANGLES[1])]
     turned = np.arccos(-end @ towards / np.linalg.norm(end) / np.linalg.norm(towards))
     assert turned < 0.3  # the curvature grows faster than the pressure
@@ -108,7 +108,7 @@ def test_the_air_is_that_of_finite_elements_of_the_whole_arm(law: SpaceLaw, conf
     step = follow(Model(scene.body.mesh, scene.material, supports, effects, "p2p0"), [1.0]).steps[-1]
     solid = np.array([step.cavity_volume(name) for name in law.cavities])
     rod = law.at((pressure, pressure / 3.0, 0.0))
-    assert rod.volumes(rod.solve_in_space(SpatialLoad())) == pytest.approx(solid, rel=1e-3)
+    assert rod.volumes(rod.solve_in_space(Load())) == pytest.approx(solid, rel=1e-3)
     assert solid[0] > 1.03 * BORE**2 * (LENGTH - 2.0 * END)
 
 
@@ -145,7 +145,7 @@ def test_the_report_draws_the_bent_body_and_mujoco_takes_the_law(folder: Path, l
     result = call("export", str(folder), "--to", "mujoco", "--out", str(tmp_path))
     assert result.exit_code == 0, result.output
     _, data = runpy.run_path(str(tmp_path / "rod_mujoco_0_to_12kPa.py"))["load"]((12.0, 4.0, 0.0))
-    end = law.at((12.0, 4.0, 0.0)).solve_in_space(SpatialLoad()).end
+    end = law.at((12.0, 4.0, 0.0)).solve_in_space(Load()).end
     assert 1e3 * data.site("tip").xpos == pytest.approx(end, abs=0.01)
 
 
@@ -161,7 +161,7 @@ def test_pressures_for_a_wish_in_the_ratio_of_its_row(folder: Path, law: SpaceLa
     (found,) = json.loads(result.output)["solutions"]
     assert found["angle_deg"] == pytest.approx(0.2, abs=1e-3)
     assert found["pressures_kPa"] == pytest.approx([found["pressure_kPa"], found["pressure_kPa"] / 3.0, 0.0])
-    end = law.at(found["pressures_kPa"]).solve_in_space(SpatialLoad()).end
+    end = law.at(found["pressures_kPa"]).solve_in_space(Load()).end
     assert found["tip_mm"] == pytest.approx(end, abs=1e-4)
     place = ", ".join(f"{value} mm" for value in end)
     again = call("solve", str(folder), "--tip", f"[{place}]", "--ratio", "3:1:0", "--json")

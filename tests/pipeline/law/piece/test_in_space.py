@@ -27,7 +27,7 @@ from rod import RodError
 from rod.arm_law.curves import ACROSS, IN_SPACE, CellCurve
 from rod.arm_law.law import ArmLaw
 from rod.arm_law.law_rod import LawRod
-from rod.spatial import SpatialLoad
+from rod.load import Load
 from tests.pieces import end_piece, half_cell, tip_piece
 
 DESIGN = PneuNet(chambers=5)
@@ -81,7 +81,7 @@ def test_an_arm_gives_way_across_its_plane_as_finite_elements_of_the_whole_arm_d
 
 def _lift(rod: LawRod) -> float:
     """mm/N, of the end by a small force across the plane."""
-    return rod.solve_in_space(SpatialLoad((0.0, 0.0, SLIGHT))).end[2] / SLIGHT
+    return rod.solve_in_space(Load((0.0, 0.0, SLIGHT))).end[2] / SLIGHT
 
 
 def test_the_law_in_the_plane_stays_as_it_is(swept: tuple[BendingPiece, CellSweep], cell: CellCurve) -> None:
@@ -115,7 +115,7 @@ def test_a_law_of_the_plane_alone_says_nothing_of_space(law: ArmLaw) -> None:
     assert not space_table(planar, LawMeshError())
     rod = planar.at(PRESSURE)
     with pytest.raises(RodError, match="law_in_space"):
-        rod.solve_in_space(SpatialLoad())
+        rod.solve_in_space(Load())
 
 
 def test_in_the_limit_of_the_mesh_rigidities_without_moment_are_those_of_the_limit(law: ArmLaw) -> None:
