@@ -15,6 +15,8 @@ from geometry.grading import OFF, Grading
 
 #: True if a point (3,) lies in the material.
 Inside: TypeAlias = Callable[[Array], bool]
+#: Gmsh's name for curves or for faces, and their tags.
+Graded: TypeAlias = tuple[str, Sequence[int]]
 
 #: Number of points around an edge that are tested for material.
 AROUND = 8
@@ -33,19 +35,13 @@ AWAY_FROM_FINER = 0.7
 
 
 def set_size_field(
-    gmsh: Any,
-    size: float,
-    grading: Grading,
-    half: bool = True,
-    mirrored: bool = True,
-    finer: Mapping[int, float] = MappingProxyType({}),
+    gmsh: Any, size: float, grading: Grading, graded: Graded, finer: Mapping[int, float] = MappingProxyType({})
 ) -> None:
     """Give the solid in the session a field of element sizes, `size` (mm) being the largest.
 
-    half: the body continues beyond z = 0 as its mirror image; mirrored: also beyond its largest x; finer: sizes (mm) at
-    some faces by their tags, whatever the grading.
+    graded: what `find_graded` says; finer: sizes (mm) at some faces by their tags, whatever the grading.
     """
-    fields = _graded(gmsh, size, grading, half, mirrored)
+    fields = [_field(gmsh, *graded, grading.fraction * size, grading.growth)] if graded[1] else []
     for face, smallest in finer.items():
         fields.append(_field(gmsh, "SurfacesList", [face], smallest, AWAY_FROM_FINER))
     if fields:
@@ -54,17 +50,19 @@ def set_size_field(
         gmsh.model.mesh.field.setAsBackgroundMesh(lowest)
 
 
-def _graded(gmsh: Any, size: float, grading: Grading, half: bool, mirrored: bool) -> list[int]:
-    """The field of a grading, or none."""
+def find_graded(gmsh: Any, grading: Grading, half: bool = True, mirrored: bool = True) -> Graded:
+    """The curves or faces of the solid in the session at which a grading has smaller elements; none without a grading.
+
+    half: the body continues beyond z = 0 as its mirror image; mirrored: also beyond its largest x.
+    """
     if grading == OFF:
-        return []
+        return "", ()
     model = gmsh.model
     inside, near = _material_test(model, half, mirrored)
     if grading.at == "edges":
-        kind, tags = "CurvesList", [tag for _, tag in model.getEntities(1) if _is_reentrant(model, tag, inside, near)]
-    else:
-        kind, tags = "SurfacesList", _thin_walls(model, inside, near)
-    return [_field(gmsh, kind, tags, grading.fraction * size, grading.growth)] if tags else []
+        curves = (tag for _, tag in model.getEntities(1))
+        return "CurvesList", [tag for tag in curves if _is_reentrant(model, tag, inside, near)]
+    return "SurfacesList", _thin_walls(model, inside, near)
 
 
 def _field(gmsh: Any, kind: str, tags: Sequence[int], smallest: float, growth: float) -> int:

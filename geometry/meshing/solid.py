@@ -7,6 +7,7 @@ import threading
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -17,7 +18,7 @@ from geometry.errors import MeshError
 from geometry.grading import OFF, Grading
 from geometry.meshing.round_walls import divide_round_walls
 from geometry.meshing.shapes import Shape, Volume, drawn
-from geometry.meshing.size_field import set_size_field
+from geometry.meshing.size_field import Graded, find_graded, set_size_field
 
 #: A graded mesh with a tetrahedron of a smaller radius ratio than this is optimized once more.
 POOR = 0.1
@@ -142,11 +143,20 @@ def mesh_solid(solid: Solid, size: float, grading: Grading = OFF) -> SolidMesh:
         gmsh.option.setNumber("Mesh.MeshSizeMax", size)
         gmsh.model.mesh.setSize(gmsh.model.getEntities(0), size)  # without it Gmsh refines to a tenth of the body
         rounded = divide_round_walls(gmsh, size, grading)
-        set_size_field(gmsh, size, grading, finer=rounded)
+        known = _graded_of(repr(solid))
+        if grading not in known:
+            known[grading] = find_graded(gmsh, grading)
+        set_size_field(gmsh, size, grading, known[grading], rounded)
         with told("Gmsh could not mesh the body", SMALLER):
             gmsh.model.mesh.generate(3)
         optimize(gmsh, 0.0 if grading == OFF else POOR)
         return collect_mesh(gmsh, material, walls, list(solid.material), list(solid.air))
+
+
+@lru_cache(maxsize=4)
+def _graded_of(solid: str) -> dict[Grading, Graded]:
+    """What is graded of a solid with that representation, for its meshes of other sizes; who finds it adds it."""
+    return {}
 
 
 def generate(gmsh: Any, several: bool = False) -> None:

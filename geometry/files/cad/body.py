@@ -26,7 +26,7 @@ from geometry.grading import Grading
 from geometry.mesh import Mesh
 from geometry.meshing.mirror import name_faces
 from geometry.meshing.shapes import Volume
-from geometry.meshing.size_field import set_size_field, thinnest_wall
+from geometry.meshing.size_field import find_graded, set_size_field, thinnest_wall
 from geometry.meshing.solid import SolidMesh, collect_mesh, generate, optimize, session, walls_between
 
 #: A mesh with a tetrahedron of a smaller radius ratio than this is optimized once more.
@@ -114,7 +114,7 @@ def mesh_session(gmsh: Any, size: float, grading: Grading, half: bool, several: 
     gmsh.option.setNumber("Mesh.MeshSizeMax", size)
     gmsh.option.setNumber("Mesh.MeshSizeFromCurvature", 16)  # chords of at most pi/8
     gmsh.model.mesh.setSize(gmsh.model.getEntities(0), size)
-    set_size_field(gmsh, size, grading, half=half, mirrored=False)
+    set_size_field(gmsh, size, grading, find_graded(gmsh, grading, half, mirrored=False))
     generate(gmsh, several)
     optimize(gmsh, FLAT)
 
