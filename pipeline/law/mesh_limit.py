@@ -7,7 +7,7 @@ other moments and curvatures. What a state has besides, such as stretch, ripple 
 
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
-from math import copysign, hypot
+from math import copysign, hypot, sqrt
 
 import numpy as np
 
@@ -16,7 +16,7 @@ from geometry.arrays import Array
 from pipeline.values.json_values import JsonObject
 from pipeline.values.law import LawMeshError
 from pipeline.values.parameters import Column
-from pipeline.values.richardson import Limit
+from pipeline.values.richardson import Limit, extrapolate_all
 from pipeline.values.run import SMALLEST_TURN
 from rod.arm_law.curves import ACROSS, CellCurve, ClampCurve
 from rod.arm_law.law import ArmLaw
@@ -28,6 +28,9 @@ from rod.cubics import cubic, cubic_slope, monotone_slopes
 #: curvature by one over the length of the arm, towards straight, because where walls touch the slope at a point says
 #: more about a node than about the mesh; and the moment that straightens the cell
 PLANE = ("kappa_0", "rigidity", "moment")
+#: stated standard deviation over that of the extrapolation, and the least one, relative: meshes that are not nested
+#: scatter. With these nine of ten true errors are below 1.65 stated ones (docs/cell.md)
+INFLATED, LEAST_STD = 1.3, 0.0015
 #: these, and where they are measured the rigidities out of the plane of a cell without moment
 Numbers = Mapping[str, float]
 Limits = Mapping[str, Limit]
@@ -38,6 +41,19 @@ def scales_of(limits: Limits, length: float) -> dict[str, float]:
     turning = SMALLEST_TURN / length
     least = {"kappa_0": turning, "moment": turning * abs(limits["rigidity"].value)}
     return {name: max(abs(one.value), least.get(name, 0.0)) for name, one in limits.items()}
+
+
+def limits_of(by_size: Mapping[float, Numbers], length: float) -> dict[str, Limit]:
+    """Of the numbers that two meshes have at least, by size in mm; with stated deviations. length: mm, of the arm."""
+    found = extrapolate_all(by_size)
+    limits = {name: Limit(one.limit, INFLATED * one.limit_std) for name, one in found.items()}
+    least = {name: LEAST_STD * scale for name, scale in scales_of(limits, length).items()}
+    return {name: Limit(one.value, hypot(one.std, least[name])) for name, one in limits.items()}
+
+
+def halfway(limit: Limit, soft: float) -> Limit:
+    """Between a limit and another number, everywhere with the same probability."""
+    return Limit(0.5 * (limit.value + soft), hypot(limit.std, (limit.value - soft) / sqrt(12.0)))
 
 
 @dataclass(frozen=True)

@@ -20,8 +20,8 @@ from pipeline.config.load import load_config
 from pipeline.law import cells, meshes
 from pipeline.law.build import MeasuredLaw, tell_first
 from pipeline.law.cells import BETWEEN, is_not_reduced
+from pipeline.law.mesh_limit import PLANE
 from pipeline.law.meshes import find_limit
-from pipeline.law.piece.measure import CellPoint
 from pipeline.law.pieces import ArmPieces, NoArmLaw
 from pipeline.law.study import LawReport, measure_law
 from pipeline.law.tasks import ArmTasks
@@ -148,7 +148,9 @@ def test_finer_meshes_are_tried_until_the_limit_is_certain_enough(
         before_last = limit.meshes[-2].degrees_of_freedom
         monkeypatch.setattr(meshes, "MOST_UNKNOWNS", before_last * meshes.RATIO**2)
         limited = find_limit(pieces, {0.0: 0.0, 9.0: -0.006}, 1e-6, context)  # the same meshes, from the folder
-        assert limited.meshes == limit.meshes
+        at_rest, highest = zip(*(mesh.kappa_0_per_mm for mesh in limit.meshes), strict=True)
+        assert at_rest == (0.0, 0.0, 0.0, None)  # no finer mesh than it needs
+        assert [mesh.kappa_0_per_mm[1] for mesh in limited.meshes] == list(highest)
         assert not limited.is_reached
         assert [remark.code for remark in limited.remarks] == ["cell_accuracy", "cell_accuracy_missed"]
 
@@ -159,7 +161,7 @@ def test_the_delivered_law_is_that_of_the_limit(tmp_path: Path) -> None:
     measured = measure_law(config, tmp_path, 1, False, Silent()).measured
     assert measured.limit is not None
     assert measured.mesh_error is not None
-    kappa_0, rigidity, moment = measured.limit.limits[-1]
+    kappa_0, rigidity, moment = (measured.limit.limits[20.0][name].value for name in PLANE)
     cell, change = measured.law.cells[-1], -np.copysign(1.0 / config.design.length, kappa_0)
     assert cell.at(0.0)[0] == pytest.approx(kappa_0, rel=1e-6)
     assert cell.at(rigidity * change)[0] - kappa_0 == pytest.approx(change, rel=1e-2)
@@ -169,16 +171,16 @@ def test_the_delivered_law_is_that_of_the_limit(tmp_path: Path) -> None:
 
 
 def test_a_pressure_that_a_finer_mesh_does_not_bear_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    config, solved = arm(*ARM), meshes.cell_without_moment
+    config, solved = arm(*ARM), meshes._Mapped.without_moment
     pieces = ArmPieces(config, 0.04)
     coarse = len(pieces.cell.space.points)
 
-    def failing(piece: BendingPiece, pressure_MPa: float, start: PieceState) -> CellPoint:
-        if pressure_MPa == 0.009 and len(piece.space.points) > coarse:
+    def failing(known: meshes._Mapped, angle: float, close: float) -> tuple[PieceState, float]:
+        if known.pressure == 0.009 and len(known.piece.space.points) > coarse:
             raise PieceFailed(Reason("tangent_indefinite"))
-        return solved(piece, pressure_MPa, start)
+        return solved(known, angle, close)
 
-    monkeypatch.setattr(meshes, "cell_without_moment", failing)
+    monkeypatch.setattr(meshes._Mapped, "without_moment", failing)
     with open_store(tmp_path, config, fresh=False) as store:
         limit = find_limit(pieces, {0.0: 0.0, 6.0: -0.004, 9.0: -0.006}, 1.0, RunContext.alone(store, Silent()))
     assert tuple(limit.limits) == (0.0, 6.0)
