@@ -22,31 +22,27 @@ import pneurod
 import rod
 from pipeline.store.store import locked
 from tests.coarse import COARSE
+from tests.shared import SharedFolders
+from tests.short_arm import short_run, write_short
 from tests.test_rooms import HEAVY, loaded_after, loaded_by_command
 
 HERE = Path(__file__).resolve().parent.parent.parent
 
-DESIGN = """
-name: short
-geometry: {family: pneunet, chambers: 7}
-material: {law: svk, E: 1.2 MPa, nu: 0.495, density: 1130 kg/m^3}
-pressures: [8 kPa, 16 kPa]
-law: five
-validation: off
-mesh: {size: 8 mm, formulation: p2p0, grading: off, coarser: off}
-"""
-
 
 @pytest.fixture(scope="module")
 def design(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    path = tmp_path_factory.mktemp("design") / "short.yaml"
-    path.write_text(DESIGN, encoding="utf-8")
-    return path
+    return write_short(tmp_path_factory.mktemp("design"))
 
 
 @pytest.fixture(scope="module")
-def results(design: Path, tmp_path_factory: pytest.TempPathFactory) -> pneurod.Results:
-    return pneurod.characterize(design, out=tmp_path_factory.mktemp("results"), jobs=1)
+def results(design: Path, shared: SharedFolders) -> pneurod.Results:
+    return pneurod.read_results(short_run(shared, design))
+
+
+@pytest.fixture
+def own(results: pneurod.Results, tmp_path: Path) -> Path:
+    """A copy of the folder, in which a test may run the arm again."""
+    return Path(shutil.copytree(results.directory, tmp_path / "own"))
 
 
 def quiet(results: pneurod.Results, pressure: float, kind: str = "five", **options: bool) -> pneurod.Rod:
@@ -94,8 +90,8 @@ def test_a_rod_is_solved_without_what_is_slow_to_import() -> None:
     assert loaded & (HEAVY - {"numpy", "pydantic", "pydantic_core", "pint"}) == set()
 
 
-def test_a_run_gives_what_its_folder_gives(results: pneurod.Results) -> None:
-    again = pneurod.read_results(results.directory)
+def test_a_run_gives_what_its_folder_gives(design: Path, own: Path) -> None:
+    results, again = pneurod.characterize(design, out=own, jobs=1), pneurod.read_results(own)
     names = [name for name, _ in frames(results)]
     assert len(names) > 8
     for name in names:
@@ -209,24 +205,24 @@ def test_wrong_names_and_pressures_are_refused(results: pneurod.Results) -> None
 
 @pytest.mark.slow
 def test_a_run_is_silent_unless_progress_is_requested(
-    design: Path, results: pneurod.Results, capfd: pytest.CaptureFixture[str]
+    design: Path, own: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    pneurod.characterize(design, out=results.directory, jobs=1)
+    pneurod.characterize(design, out=own, jobs=1)
     assert capfd.readouterr() == ("", "")
-    pneurod.characterize(design, out=results.directory, jobs=1, progress=True)
+    pneurod.characterize(design, out=own, jobs=1, progress=True)
     out, err = capfd.readouterr()
     assert "III: 16 kPa (" in out
     assert err == ""
 
 
 @pytest.mark.slow
-def test_a_program_without_a_guard_may_use_several_processes(design: Path, results: pneurod.Results) -> None:
+def test_a_program_without_a_guard_may_use_several_processes(design: Path, own: Path) -> None:
     """The workers must not run the program once more."""
     program = design.parent / "program.py"
     program.write_text(
         "import pneurod\n"
         "print('program')\n"
-        f"results = pneurod.characterize({str(design)!r}, out={str(results.directory)!r}, jobs=2)\n"
+        f"results = pneurod.characterize({str(design)!r}, out={str(own)!r}, jobs=2)\n"
         "print(len(results.parameters))\n"
     )
     command = [sys.executable, str(program)]
@@ -258,10 +254,10 @@ def test_a_wrong_setting_is_named_as_it_was_given(design: Path, tmp_path: Path, 
     assert "--" not in str(refusal.value)
 
 
-def test_numbers_of_numpy_are_settings(design: Path, results: pneurod.Results) -> None:
+def test_numbers_of_numpy_are_settings(design: Path, own: Path, results: pneurod.Results) -> None:
     same: Any = {"geometry.chambers": np.int64(7), "pressures": np.array(["8 kPa", "16 kPa"])}
     same["material.nu"] = np.float64(0.495)
-    again = pneurod.characterize(design, out=results.directory, settings=same, jobs=1)
+    again = pneurod.characterize(design, out=own, settings=same, jobs=1)
     assert again.run.record.config_hash == results.run.record.config_hash
 
 
@@ -272,10 +268,8 @@ def test_a_wrong_accuracy_is_named_as_it_was_given(design: Path) -> None:
         pneurod.characterize(design, settings={"accuracy": "x"})
 
 
-def test_a_folder_that_cannot_be_used_is_named_as_it_was_given(
-    design: Path, results: pneurod.Results, tmp_path: Path
-) -> None:
-    out = results.directory
+def test_a_folder_that_cannot_be_used_is_named_as_it_was_given(design: Path, own: Path, tmp_path: Path) -> None:
+    out = own
     with pytest.raises(pneurod.InputError) as refusal:
         pneurod.characterize(design, out=out, settings={"mesh.size": "7 mm"})
     assert str(refusal.value) == (
