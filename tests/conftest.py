@@ -2,6 +2,7 @@
 
 import os
 from collections.abc import Iterator
+from contextlib import nullcontext
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -12,6 +13,7 @@ from fem.cell import piece
 from geometry import Body, PneuNet
 from pipeline.law import build
 from pipeline.law.meshes import find_limit
+from pipeline.show import pictures
 from pipeline.store.worker import THREADS
 from tests.quotients import TIGHT
 from tests.shared import SharedFolders
@@ -47,6 +49,21 @@ def coarse_limit() -> Iterator[None]:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(build, "fine_mesh", lambda pieces: pieces.config.mesh)
         patch.setattr(build, "find_limit", partial(find_limit, fewest=2))
+        yield
+
+
+@pytest.fixture(scope="module")
+def undrawn() -> Iterator[None]:
+    """Pictures of runs are empty files; each takes half a second. `tests/pipeline/test_run.py` has drawn ones."""
+
+    def left_empty(path: Path, *_: object, **__: object) -> None:
+        path.parent.mkdir(exist_ok=True)
+        path.touch()
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(pictures, "window_for_pictures", nullcontext)
+        for name in ("draw_body", "draw_deformed"):
+            patch.setattr(pictures, name, left_empty)
         yield
 
 

@@ -78,7 +78,8 @@ def body_of(run: Run, rods: RodOfRun) -> tuple[Body, str]:
     try:
         return _of_several(body, told, own, {name: rubber_of(one, first) for name, one in others.items()})
     except RodError as failure:
-        return body, f"{told} That of {', '.join(others)} differs and is left out. {failure}"
+        also = f"Loss and relaxation of {', '.join(others)} differ; those of the arm are taken there too."
+        return body, f"{told} {also} {failure}"
 
 
 def _of_several(

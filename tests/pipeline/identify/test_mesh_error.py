@@ -28,7 +28,7 @@ material: {law: svk, E: 1.2 MPa, nu: 0.495, density: 1130 kg/m^3}
 pressures: [8 kPa]
 law: five
 validation: off
-mesh: {size: 6 mm, formulation: p2p0, grading: off, coarser: 1.5}
+mesh: {size: 8 mm, formulation: p2p0, grading: off, coarser: 1.5}
 """
 
 
@@ -76,13 +76,14 @@ def test_a_further_error_widens_an_interval_to_both_sides() -> None:
     assert Interval(10.0, 3.0, 4.0, 18.0).widened(0.0) == Interval(10.0, 3.0, 4.0, 18.0)
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_the_files_of_a_run_say_what_the_mesh_contributes(tmp_path: Path) -> None:
     path = tmp_path / "seven.yaml"
     path.write_text(SHORT, encoding="utf-8")
     run(load_config(path), tmp_path / "out", 1, False, Silent())
     record = json.loads((tmp_path / "out" / "parameters.json").read_text(encoding="utf-8"))
     contribution = record["mesh_error"]
-    assert contribution["sizes_mm"] == [6.0, 9.0]
+    assert contribution["sizes_mm"] == [8.0, 12.0]
     assert contribution["mixed_at_kPa"] == 8.0
     for key in ("alpha1_N_mm2_std", "alpha2_N_mm2_std", "m02_N_mm_std"):
         assert all(0.0 < of_mesh <= whole for of_mesh, whole in zip(contribution[key], record[key], strict=True)), key

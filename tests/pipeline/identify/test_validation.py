@@ -36,7 +36,7 @@ pressures: [6 kPa, 12 kPa, 24 kPa]
 added_pressures: 1
 law: five
 validation: {pressures: [12 kPa, 15 kPa], end_y: [3 mm], forces: [[0 N, 0.01 N]]}
-mesh: {size: 6 mm, formulation: p2p0, grading: off, coarser: off}
+mesh: {size: 8 mm, formulation: p2p0, grading: off, coarser: off}
 """
 
 
@@ -48,7 +48,7 @@ def config(tmp_path_factory: pytest.TempPathFactory) -> Config:
 
 
 @pytest.fixture(scope="module")
-def results(config: Config, shared: SharedFolders) -> Path:
+def results(config: Config, shared: SharedFolders, undrawn: None) -> Path:
     return shared.folder("seven", lambda out: run(config, out, 1, False, Silent()))
 
 

@@ -37,7 +37,7 @@ def arm(tmp_path: Path) -> Path:
 
 
 @pytest.fixture
-def draft(shared: SharedFolders, tmp_path: Path) -> Path:
+def draft(shared: SharedFolders, tmp_path: Path, undrawn: None) -> Path:
     return shared.folder("draft", lambda out: pneurod.characterize(arm(tmp_path), out, draft=True, jobs=1))
 
 

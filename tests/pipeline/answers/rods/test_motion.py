@@ -229,4 +229,6 @@ def test_a_region_of_another_rubber_without_a_share_is_named(tmp_path: Path) -> 
         tmp_path / "arm", "parameters.json", lambda content: content.update(materials={"base": {"loss_factor": 0.3}})
     )
     moved = pneurod.move(folder, "5 kPa", seconds=0.01)
-    assert any("That of materials.base differs and is left out." in note for note in moved.notes)
+    assert any(
+        "Loss and relaxation of materials.base differ; those of the arm are taken" in note for note in moved.notes
+    )

@@ -16,6 +16,8 @@ from pipeline.study.sweep.points import Point
 from pipeline.study.sweep.record import PointTask
 from pipeline.study.sweep.work import work_on
 
+pytestmark = pytest.mark.usefixtures("undrawn", "coarse_limit")
+
 BASE = """
 name: short
 geometry: {family: pneunet, chambers: 7}
