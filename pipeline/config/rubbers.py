@@ -6,7 +6,7 @@ of their maker, Smooth-On.
 Elastosil M4601 as the Soft Robotics Toolkit has it, without a range.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 from pipeline.config.kinds import number
 from pipeline.config.section import not_known, raise_all, wrong
@@ -55,7 +55,7 @@ def ogden_terms(section: Mapping[str, Written]) -> Mapping[str, Written]:
         raise_all([wrong(not_known(section["form"], FORMS), ("form",))])
     form, rest = section.get("form"), {key: value for key, value in section.items() if key != "form"}
     stresses, exponents = section.get("mu"), section.get("alpha")
-    if not (isinstance(stresses, list) and isinstance(exponents, list)):
+    if not (isinstance(stresses, Sequence) and isinstance(exponents, Sequence)):
         return rest
     try:
         mu, alpha = [convert(value, STRESS) for value in stresses], [number(value) for value in exponents]
