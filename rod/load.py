@@ -49,7 +49,8 @@ class Load:
 
     def __post_init__(self) -> None:
         couple = self.couple if is_triple(self.couple) else (0.0, 0.0, finite(self.couple, "The end moment", "N*mm"))
-        for name, value, unit in (("force", self.force, "N"), ("couple", couple, "N*mm"), ("weight", self.weight, "")):
+        given = {"force": (self.force, "N"), "couple": (couple, "N*mm"), "weight": (self.weight, "N/mm")}
+        for name, (value, unit) in given.items():
             object.__setattr__(self, name, triple(value, name, unit))
         object.__setattr__(self, "weight_height", finite(self.weight_height, "weight_height"))
         along, more = split_along(self.along)

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from rod import FiveParameters, LineLoad, PointLoad, Rod, RodError, Support
+from rod import FiveParameters, LineLoad, Load, PointLoad, Rod, RodError, Support
 from tests.rod.arm_law.test_arm_law import law_of, straight_law
 
 FIVE = Rod(100.0, -0.01, FiveParameters(400.0, 500.0, 1.0, 1.0, 30.0))
@@ -31,6 +31,11 @@ def test_a_force_in_space_and_a_rod_take_texts() -> None:
     rod = Rod("10 cm", "-10 1/m", FIVE.five, theta0="3 deg", start=("1 mm", "0 mm"))
     assert (rod.length, rod.theta0, rod.start) == (100.0, pytest.approx(np.radians(3.0)), (1.0, 0.0))
     assert rod.solve().end == Rod(100.0, -0.01, FIVE.five, np.radians(3.0), (1.0, 0.0)).solve().end
+
+
+def test_a_load_takes_texts() -> None:
+    texts = Load(("1 mN", "0 N"), "0.002 Nm", ("0 N/m", "-0.5 N/m"))
+    assert (texts.force, texts.couple, texts.weight) == ((0.001, 0.0, 0.0), (0.0, 0.0, 2.0), (0.0, -0.0005, 0.0))
 
 
 def test_a_law_takes_pressures_and_lengths_with_a_unit() -> None:
