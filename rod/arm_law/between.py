@@ -13,8 +13,7 @@ the cell,
     dM/dp along the line = dM/dp + (dM/dkappa) (kappa_2 - kappa_1) / (p_2 - p_1),
 
 and so is the stretch. Of both sets of lines that one is taken for which the moments in the middle that follow from the
-slopes of the first and of the second curve differ less. Where one curve ends before the other, lines lead from its end
-to the further states of the other.
+slopes of the first and of the second curve differ less.
 """
 
 from dataclasses import dataclass
@@ -28,11 +27,8 @@ from rod.arm_law.curves import CellCurve, Placed
 from rod.cubics import cubic, cubic_slope, hermite
 from rod.errors import RodError
 
-#: curvatures of two states that are joined, 1/mm
-Pair = tuple[float, float]
-
-#: pairs of states, and those beyond the curvatures that both curves have
-PAIRS, BEYOND = 257, 33
+#: pairs of states
+PAIRS = 257
 #: for the moment at a curvature: parts of an interval in the table of first guesses, iterations, and the smallest slope
 #: dkappa/dM in them, over that where the cell is most rigid
 PARTS, ITERATIONS, SMALLEST = 8, 4, 0.1
@@ -65,19 +61,16 @@ def measure_disagreement(first: Placed[CellCurve], second: Placed[CellCurve]) ->
     """Curvatures (PAIRS,) at the place halfway between two curves, and by how much what the slopes of either curve
     predict there differs, (PAIRS,), both in 1/mm."""
     lines = _best(first, second)
-    return ((lines.low.kappa + lines.high.kappa) / 2.0)[:PAIRS], lines.differences
+    return (lines.low.kappa + lines.high.kappa) / 2.0, lines.differences
 
 
-def join_states(
-    first: Placed[CellCurve], second: Placed[CellCurve], place: float, ends: tuple[Pair, Pair] | None = None
-) -> Joined:
+def join_states(first: Placed[CellCurve], second: Placed[CellCurve], place: float) -> Joined:
     """The states at a place between those of two curves.
 
-    ends: the first and the last pair of curvatures that are joined; those at which both curves end unless given. States
-    whose moment does not exceed that of all states of smaller curvature are left out: where two kinks nearly
+    States whose moment does not exceed that of all states of smaller curvature are left out: where two kinks nearly
     meet, the cubics of neighbouring lines may cross. Raises `RodError` for curves without a curvature in common.
     """
-    lines = _best(first, second, ends)
+    lines = _best(first, second)
     low, high = lines.low, lines.high
     t = (place - first.place) / (second.place - first.place)
     moment = hermite(t, low.moment, high.moment, low.moment_slope, high.moment_slope)
@@ -97,7 +90,7 @@ def interpolate_columns(at: Array, nodes: Array, values: Array) -> Array:
 
 @dataclass(frozen=True, eq=False)  # arrays inside
 class _States:
-    """States of a curve at the ends of the lines, all (PAIRS + BEYOND,); slopes along the lines, for the whole step."""
+    """States of one curve at the ends of the lines, all (PAIRS,); slopes along the lines, for the whole step."""
 
     kappa: Array  #: 1/mm
     moment: Array  #: N mm
@@ -114,48 +107,44 @@ class _Lines:
 
     @cached_property
     def differences(self) -> Array:
-        """(PAIRS,) in the middle, between what the slopes of both ends predict, over the rigidity, 1/mm."""
+        """In the middle, between what the slopes of both ends predict, over the rigidity, 1/mm."""
         low, high = self.low, self.high
         difference = low.moment + 0.5 * low.moment_slope - (high.moment - 0.5 * high.moment_slope)
-        return np.asarray(2.0 * np.abs(difference) / (low.rigidity + high.rigidity))[:PAIRS]
+        return np.asarray(2.0 * np.abs(difference) / (low.rigidity + high.rigidity))
 
 
 @lru_cache(maxsize=64)  # places are compared by identity; a law has a dozen neighbours
-def _best(first: Placed[CellCurve], second: Placed[CellCurve], ends: tuple[Pair, Pair] | None = None) -> _Lines:
+def _best(first: Placed[CellCurve], second: Placed[CellCurve]) -> _Lines:
     """The lines whose ends agree best on what is between them."""
-    lowest, last = ends or ((first.curve.kappa[k], second.curve.kappa[k]) for k in (0, -1))
-    return min(_lines(first, second, lowest, last), key=lambda lines: float(lines.differences.mean()))
+    return min(_lines(first, second), key=lambda lines: float(lines.differences.mean()))
 
 
-def _lines(first_place: Placed[CellCurve], second_place: Placed[CellCurve], lowest: Pair, last: Pair) -> list[_Lines]:
+def _lines(first_place: Placed[CellCurve], second_place: Placed[CellCurve]) -> list[_Lines]:
     """Lines of equal curvatures, and those of states equally far from the onset of contact where both curves have one.
 
-    Beyond the curvatures that both curves have, lines lead from the end of one curve to states of the other, so that
-    the end of the law moves evenly. Raises `RodError` for curves without a curvature in common.
+    Raises `RodError` for curves without a curvature in common.
     """
     first, second = first_place.curve, second_place.curve
-    common = min(last)
-    ways = [[_halfway(max(lowest), common)]]
+    lowest, last = (first.kappa[0], second.kappa[0]), min(first.kappa[-1], second.kappa[-1])
+    ways = [[_halfway(max(lowest), last)]]
     if first.onset is not None and second.onset is not None:
         onsets = first.onset, second.onset
-        ways.append([onsets, _halfway(max(onsets), common)])
+        ways.append([onsets, _halfway(max(onsets), last)])
     step = second_place.place - first_place.place
     lines = []
     for way in ways:
-        ends = np.array([lowest, *way, (common, common)])
+        ends = np.array([lowest, *way, (last, last)])
         if np.any(np.diff(ends, axis=0) <= 0.0):
             continue
         means = ends.mean(axis=1)
-        pairs = [np.interp(np.linspace(means[0], means[-1], PAIRS), means, column) for column in ends.T]
-        beyond = np.linspace(ends[-1], last, BEYOND + 1)[1:].T
-        a, b = np.concatenate([pairs, beyond], axis=1)
+        a, b = (np.interp(np.linspace(means[0], means[-1], PAIRS), means, ends[:, k]) for k in range(2))
         lines.append(_Lines(_states(first_place, a, b - a, step), _states(second_place, b, b - a, step)))
     if not lines:
         raise RodError(f"The curves of {first.pressure:g} and {second.pressure:g} kPa have no curvature in common.")
     return lines
 
 
-def _halfway(low: float, high: float) -> Pair:
+def _halfway(low: float, high: float) -> tuple[float, float]:
     """Equal curvatures from which on the curves are joined at equal curvatures."""
     return (0.5 * (low + high),) * 2
 

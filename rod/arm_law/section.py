@@ -12,7 +12,7 @@ from typing import TypeVar
 import numpy as np
 
 from geometry.arrays import Array
-from rod.arm_law.between import Pair, interpolate_columns, join_states
+from rod.arm_law.between import interpolate_columns, join_states
 from rod.arm_law.curves import IN_SPACE, CellCurve, ClampCurve, Placed, TipCurve
 from rod.cubics import cubic, cubic_slope, hermite, monotone_cubic, monotone_slopes, parabola_slopes
 from rod.errors import RodError
@@ -182,9 +182,14 @@ def clamp_at(
     first, second = path[lower].curve, path[upper].curve
     if lower == upper:
         return first
-    (a, c), (b, d) = (_curvatures_of(path[k].curve, cells[k].curve) for k in (lower, upper))
-    pairs = join_states(cells[lower], cells[upper], place, ((a, b), (c, d)))
-    moment = np.linspace(pairs.moment[0], pairs.moment[-1], CLAMP_POINTS)
+    pairs = join_states(cells[lower], cells[upper], place)
+    nodes = first.moment, second.moment
+    known = (pairs.first >= nodes[0][0]) & (pairs.first <= nodes[0][-1])
+    known &= (pairs.second >= nodes[1][0]) & (pairs.second <= nodes[1][-1])
+    if known.sum() < 2:
+        raise RodError(f"The ends at {first.pressure:g} and {second.pressure:g} kPa have no state in common.")
+    range_known = pairs.moment[known]
+    moment = np.linspace(range_known[0], range_known[-1], CLAMP_POINTS)
     around = _around(path, lower, upper)
 
     def between(low: Array, high: Array) -> Array:
@@ -226,12 +231,6 @@ def clamp_at(
         lateral_compliance=_straight_compliance(first, second, pairs.t),
         volume=volume,
     )
-
-
-def _curvatures_of(clamp: ClampCurve, cell: CellCurve) -> Pair:
-    """1/mm, of a cell at the first and the last moment of the clamped end."""
-    low, high = cell.on(np.clip(clamp.moment[[0, -1]], cell.moment[0], cell.moment[-1]))[0]
-    return float(low), float(high)
 
 
 def _straight_compliance(first: ClampCurve, second: ClampCurve, t: float) -> Array:
