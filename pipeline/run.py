@@ -1,6 +1,7 @@
 """A run from beginning to end: configuration, body, experiments, five parameters, rod, report."""
 
 from dataclasses import replace
+from functools import cache, partial
 from pathlib import Path
 
 from pipeline import stages
@@ -12,6 +13,7 @@ from pipeline.show.pictures import draw_all
 from pipeline.show.saved import save_report
 from pipeline.simulate.design_notes import check_design
 from pipeline.simulate.outcome import Outcomes
+from pipeline.simulate.simulate import begin_II
 from pipeline.store.context import RunContext, run_context
 from pipeline.store.parallel import Pending
 from pipeline.store.progress import Progress
@@ -44,8 +46,9 @@ def _solved(config: Config, context: RunContext) -> stages.SolvedRun:
         state, arm = stages.deliver_law(state)
         _draw(state, pictures)
         return stages.conclude(state, Identified(Outcomes({}), ()), arm, (), Validated())
-    state, arm = stages.deliver_law(state)
-    state, outcomes, law = stages.solve_experiments(state, arm)
+    begin_second = cache(partial(begin_II, state.scene, context))
+    state, arm = stages.deliver_law(state, begin_second)
+    state, outcomes, law = stages.solve_experiments(state, arm, begin_second())
     state, identified, improved = stages.identify(state, outcomes, arm)
     loads = stages.begin_validation(state, outcomes)
     pictures = context.workers.beside(draw_all, state.scene.body, identified.outcomes, context)

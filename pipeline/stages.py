@@ -1,6 +1,6 @@
 """The stages of a run, each a function of the state of the run and of what earlier stages have found."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, replace
 from math import isfinite
@@ -30,9 +30,9 @@ from pipeline.results.unloaded import delivered_numbers
 from pipeline.simulate.design_notes import check_design
 from pipeline.simulate.effects_record import list_effects
 from pipeline.simulate.mesh_notes import check_body
-from pipeline.simulate.outcome import Outcomes
+from pipeline.simulate.outcome import Outcome, Outcomes
 from pipeline.simulate.scene import Scene, mesh_with_progress
-from pipeline.simulate.simulate import begin_II, begin_loading, complete_experiments, find_highest_pressure
+from pipeline.simulate.simulate import begin_loading, complete_experiments, find_highest_pressure
 from pipeline.store.context import RunContext
 from pipeline.store.parallel import Pending
 from pipeline.store.progress import Progress
@@ -144,10 +144,13 @@ def mesh(config: Config, context: RunContext) -> RunState:
     return state
 
 
-def deliver_law(state: RunState) -> tuple[RunState, LawOfRun]:
-    """Measure the arm's own law, write law.json and tell the arm without a load."""
+def deliver_law(state: RunState, begin_others: Callable[[], object] = lambda: None) -> tuple[RunState, LawOfRun]:
+    """Measure the arm's own law, write law.json and tell the arm without a load.
+
+    begin_others: called when the first numbers are told, unless the arm has no law.
+    """
     with state.stages.timed(_LAW):
-        arm = deliver_law_of_run(state.scene, state.context)
+        arm = deliver_law_of_run(state.scene, state.context, begin_others)
     return _with_law(state, arm), arm
 
 
@@ -160,11 +163,12 @@ def _with_law(state: RunState, arm: LawOfRun) -> RunState:
     return state.with_results(law=law)
 
 
-def solve_experiments(state: RunState, arm: LawOfRun) -> tuple[RunState, Outcomes, Pending[LawOfRun]]:
-    """Solve experiments I, II and III, and begin to measure the arm's own law on their mesh."""
+def solve_experiments(
+    state: RunState, arm: LawOfRun, second: Pending[Outcome] | None
+) -> tuple[RunState, Outcomes, Pending[LawOfRun]]:
+    """Solve experiments I, II, which is begun, and III, and begin to measure the arm's own law on their mesh."""
     scene, context = state.scene, state.context
     with state.stages.timed("experiments"):
-        second = begin_II(scene, context)
         complete = context.workers.beside(complete_experiments, scene, context, second)
         is_same_law = scene.config.accuracy is None and arm.law is not None
         law = (

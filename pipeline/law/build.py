@@ -114,13 +114,17 @@ def _error_along(cells: Sequence[Measured[CellCurve]]) -> float:
     return max(cell.error * own for cell, own in zip(cells, largest, strict=True)) / max(largest)
 
 
-def deliver_law(pieces: ArmPieces, context: RunContext) -> MeasuredLaw:
+def deliver_law(
+    pieces: ArmPieces, context: RunContext, begin_others: Callable[[], object] = lambda: None
+) -> MeasuredLaw:
     """The law of an arm at the pressures of its configuration, with its derivatives and the error of its mesh.
 
-    pieces: those on the mesh of the arm. The law has the relative accuracy of the configuration in kappa_0, the
-    rigidity and the moment that straightens the cell; where no mesh reaches it the best law is returned, whose `limit`
-    says so. Without an accuracy it is the law on exactly the mesh of the arm, with its error. The limit is found beside
-    the law, from the curvatures of single states. A draft has no derivatives and no error. Raises as `build_law`.
+    pieces: those on the mesh of the arm. begin_others: called when the first numbers are told.
+
+    The law has the relative accuracy of the configuration in kappa_0, the rigidity and the moment that straightens the
+    cell; where no mesh reaches it the best law is returned, whose `limit` says so. Without an accuracy it is the law on
+    exactly the mesh of the arm, with its error. The limit is found beside the law, from the curvatures of single
+    states. A draft has no derivatives and no error. Raises as `build_law`.
     """
     pressures_kPa, accuracy = pieces.config.pressures_kPa, pieces.config.accuracy
     if pieces.config.draft:
@@ -128,6 +132,7 @@ def deliver_law(pieces: ArmPieces, context: RunContext) -> MeasuredLaw:
     first = pieces if accuracy is None else fine_pieces(pieces)
     given = [one.with_derivatives() for one in dict.fromkeys((first, pieces))]
     tell_first(given[0], context)
+    begin_others()
     meshes, bends = _by_pressures(given, pressures_kPa, context)
     search = _Search(pieces, pressures_kPa, inf if accuracy is None else accuracy, context)
     begun = context.workers.beside(search.limit, bends)

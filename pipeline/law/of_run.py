@@ -49,12 +49,14 @@ class LawOfRun:
         return Effect("arm_law", "off" if self.measured is None else "on", render_all(self.reasons), None)
 
 
-def deliver_law_of_run(scene: Scene, context: RunContext) -> LawOfRun:
+def deliver_law_of_run(
+    scene: Scene, context: RunContext, begin_others: Callable[[], object] = lambda: None
+) -> LawOfRun:
     """The law that the configuration requests, on the mesh that its accuracy needs; waits until it is measured.
 
-    With `law: both` an arm without one keeps its five parameters.
+    With `law: both` an arm without one keeps its five parameters. begin_others: as for `deliver_law`.
     """
-    return _begin(scene, context, lambda pieces: deliver_law(pieces, context)).result()
+    return _begin(scene, context, lambda pieces: deliver_law(pieces, context, begin_others)).result()
 
 
 def law_on_mesh_of_arm(scene: Scene, context: RunContext, highest_kPa: Callable[[], float]) -> Pending[LawOfRun]:

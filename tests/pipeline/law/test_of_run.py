@@ -6,6 +6,7 @@ from math import inf
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
+from unittest.mock import Mock
 
 import pytest
 
@@ -112,6 +113,17 @@ def test_a_run_with_the_law_alone_solves_no_whole_arm(tmp_path: Path, results: P
     assert verdict.bending == verdict_of(both).bending
     assert alone.law is not None
     assert alone.law.pressures_kPa[-1] == 12.0
+
+
+def test_others_begin_after_the_first_numbers_and_before_the_cells(tmp_path: Path) -> None:
+    class Begun(Exception):
+        pass
+
+    progress, given = Mock(), config(tmp_path, "validation=off")
+    with open_store(tmp_path / "out", given) as store, pytest.raises(Begun):
+        deliver_law_of_run(Scene.meshed(given), RunContext.alone(store, progress), Mock(side_effect=Begun))
+    assert "first numbers" in progress.remark.call_args.args[0]
+    progress.experiment.assert_not_called()
 
 
 def test_an_arm_without_a_law_keeps_its_five_parameters_and_says_why(tmp_path: Path) -> None:
