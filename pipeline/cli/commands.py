@@ -4,6 +4,8 @@ Exit status 0 done, 1 failed, 2 wrong input, 130 interrupted. The functions impo
 so that `pneurod --help` answers at once.
 """
 
+import atexit
+import gc
 import inspect
 import os
 import signal
@@ -28,6 +30,7 @@ from pipeline.doctor import Finding
 from pipeline.show.progress import progress_for
 from pipeline.store.progress import Progress, Silent
 from pipeline.store.provenance import installed
+from pipeline.store.worker import CYCLES_AFTER
 from pipeline.values.errors import RunFailed, on_command_line
 
 if TYPE_CHECKING:
@@ -191,6 +194,8 @@ add(doctor, lambda: shown.show_findings)
 
 def main() -> None:
     """The console script. A request to end, by a scheduler or a closed terminal, counts as Ctrl-C."""
+    gc.set_threshold(CYCLES_AFTER)
+    atexit.register(gc.freeze)  # else Python looks for cycles among all objects of the libraries before it ends
     for name in ("SIGTERM", "SIGHUP"):
         request = getattr(signal, name, None)  # Windows has no SIGHUP
         if request and signal.getsignal(request) is not signal.SIG_IGN:  # as under nohup

@@ -4,6 +4,7 @@ It ends with the main process, killed or not; else it would write into a folder 
 print goes to the standard error. Nothing heavy is loaded here: libraries come with the first task that needs them.
 """
 
+import gc
 import os
 import pickle
 import signal
@@ -24,6 +25,9 @@ KEPT_MEMORY = {
     "MALLOC_MMAP_THRESHOLD_": str(1 << 25),
     "MALLOC_ARENA_MAX": "1",
 }
+#: objects that are made before Python looks for unused cycles among them; at its default of 700 this is a fifth of the
+#: time in which libraries are loaded
+CYCLES_AFTER = 10_000
 #: seconds between two looks of a worker at its memory and at its main process
 PAUSE = 0.2
 #: where replies go from this process if it is a worker
@@ -51,6 +55,7 @@ def serve(main: int, memory: int) -> None:
     for name in ("SIGINT", "SIGHUP"):  # Ctrl-C and a closed terminal, which reach all processes, are for the main one
         if hasattr(signal, name):  # Windows has no SIGHUP
             signal.signal(getattr(signal, name), signal.SIG_IGN)
+    gc.set_threshold(CYCLES_AFTER)
     global _replies
     _replies = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)
