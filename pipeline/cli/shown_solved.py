@@ -5,6 +5,7 @@ The first parameter is the value. Others are options of the command, or argument
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from pipeline.api.results import Results
 from pipeline.cli.ending import print_json, print_lines, print_sentences
@@ -18,16 +19,18 @@ from pipeline.simulate.meshed import MeshedArm
 from pipeline.study.accuracy.study import ConvergenceStudy
 from pipeline.study.accuracy.table import orders_table, references_table, study_table
 from pipeline.study.effects.rows import effects_table
-from pipeline.study.effects.study import EffectsTable
 from pipeline.study.pairs.run import PairRuns, record
 from pipeline.study.pairs.table import pairs_table
-from pipeline.study.sweep.study import SweepReport
 from pipeline.study.wishes.design import raise_if_missed
 from pipeline.study.wishes.report import DesignReport, dimensions_table, wishes_table
 from pipeline.values.law import LawMeshError
 from pipeline.values.reasons import render
 from pipeline.values.run import Run
 from pipeline.values.table import Table
+
+if TYPE_CHECKING:  # Dask comes with it
+    from pipeline.study.effects.study import EffectsTable
+    from pipeline.study.sweep.study import SweepReport
 
 
 def show_results(made: Results | PairRuns, quiet: bool = False, verbose: bool = False, as_json: bool = False) -> None:
@@ -68,7 +71,7 @@ def show_mesh(meshed: MeshedArm) -> None:
     print_sentences(*(f"Note: {render(reason)}." for reason in meshed.notes))
 
 
-def show_effects(table: EffectsTable) -> None:
+def show_effects(table: "EffectsTable") -> None:
     """Print the changes and the costs of each effect."""
     print_lines(effects_table(table.rows))
     print_lines(f"table: {table.directory / 'effects_table.json'}")
@@ -107,7 +110,7 @@ def show_design(report: DesignReport, quiet: bool = False) -> None:
     raise_if_missed(report)
 
 
-def show_sweep(reports: Sequence[SweepReport]) -> None:
+def show_sweep(reports: "Sequence[SweepReport]") -> None:
     """Print how the points of each sweep ended."""
     for report in reports:
         folder = report.directory
