@@ -194,6 +194,7 @@ add(doctor, lambda: shown.show_findings)
 
 def main() -> None:
     """The console script. A request to end, by a scheduler or a closed terminal, counts as Ctrl-C."""
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # on its small matrices threads only keep workers from cores
     gc.set_threshold(CYCLES_AFTER)
     atexit.register(gc.freeze)  # else Python looks for cycles among all objects of the libraries before it ends
     for name in ("SIGTERM", "SIGHUP"):
