@@ -7,7 +7,6 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from pipeline.api.results import Results
 from pipeline.cli.ending import print_json, print_lines, print_sentences
 from pipeline.law.build import MeasuredLaw
 from pipeline.law.in_space.measure import MeasuredInSpace
@@ -21,21 +20,21 @@ from pipeline.study.accuracy.table import orders_table, references_table, study_
 from pipeline.study.effects.rows import effects_table
 from pipeline.study.pairs.run import PairRuns, record
 from pipeline.study.pairs.table import pairs_table
-from pipeline.study.wishes.design import raise_if_missed
-from pipeline.study.wishes.report import DesignReport, dimensions_table, wishes_table
 from pipeline.values.law import LawMeshError
 from pipeline.values.reasons import render
 from pipeline.values.run import Run
 from pipeline.values.table import Table
 
-if TYPE_CHECKING:  # Dask comes with it
+if TYPE_CHECKING:  # Dask and pandas come with these
+    from pipeline.api.results import Results
     from pipeline.study.effects.study import EffectsTable
     from pipeline.study.sweep.study import SweepReport
+    from pipeline.study.wishes.report import DesignReport
 
 
-def show_results(made: Results | PairRuns, quiet: bool = False, verbose: bool = False, as_json: bool = False) -> None:
+def show_results(made: "Results | PairRuns", quiet: bool = False, verbose: bool = False, as_json: bool = False) -> None:
     """Print the verdict of a run and its tables."""
-    if not isinstance(made, Results):
+    if isinstance(made, PairRuns):
         _show_pairs(made, as_json)
         return
     results = made.run
@@ -100,14 +99,14 @@ def show_cell(report: LawReport[MeasuredLaw] | LawReport[MeasuredInSpace]) -> No
     print_lines(f"law: {folder / 'law.json'}, report: {folder / 'report.html'}")
 
 
-def show_design(report: DesignReport, quiet: bool = False) -> None:
+def show_design(report: "DesignReport", quiet: bool = False) -> None:
     """Print the dimensions that were found, and the wishes. Raises RunFailed where one is missed."""
     folder = report.directory
-    print_lines(dimensions_table(report), wishes_table(report))
+    print_lines(*report.tables)
     print_lines(f"configuration: {folder / 'design.yaml'}, picture: {folder / 'design.html'}")
     if report.run is not None:
         print_lines(f"report of its run: {report.run / 'report.html'}")
-    raise_if_missed(report)
+    report.raise_if_missed()
 
 
 def show_sweep(reports: "Sequence[SweepReport]") -> None:

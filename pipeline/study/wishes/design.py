@@ -12,15 +12,14 @@ from pipeline.store.progress import Progress
 from pipeline.store.provenance import provenance
 from pipeline.store.store import Store, check_owner, clear, open_store
 from pipeline.study.wishes.measured import POINTS, NotBorne, numbers_of, store_of
-from pipeline.study.wishes.report import DesignReport, design_page, history_rows, report_of
+from pipeline.study.wishes.report import FILES, DesignReport, design_page, history_rows, report_of
 from pipeline.study.wishes.search import Found, Search
 from pipeline.study.wishes.step import check_feasible
 from pipeline.study.wishes.wish import WishFile
 from pipeline.values.errors import InputError, RunFailed
 from rod import RodError
 
-#: the files of a design, and the folder of its run
-FILES = ("design.yaml", "design.json", "history.csv", "design.html")
+#: the folder of the run of a design
 RUN = "run"
 #: the folder of the curves of a law
 LAW = "law"
@@ -34,7 +33,7 @@ def find_design(
     with_run: whether the design that was found is run in full.
 
     Raises InputError for limits that no design keeps and a folder that cannot be used, and RunFailed where no design
-    has a law. Where wishes are missed the report says so (`raise_if_missed`).
+    has a law. Where wishes are missed the report says so (`DesignReport.raise_if_missed`).
     """
     check_feasible(file)
     with open_store(out, file, fresh=fresh) as store:
@@ -79,16 +78,6 @@ def find_best(file: WishFile, out: Path, jobs: int, fresh: bool, progress: Progr
         raise failure
     best, one = min(found, key=lambda pair: pair[0].worth(pair[1]))
     return find_design(one, best.directory, jobs, False, progress, with_run=True) if with_run else best
-
-
-def raise_if_missed(report: DesignReport) -> None:
-    """Raise RunFailed where a wish is missed, or a limit."""
-    if report.given_up:
-        count = len(report.wishes) + len(report.limits)
-        missed = f"{report.source}: {len(report.given_up)} of {count} wishes and limits are missed"
-        nearest = f"{report.directory / FILES[0]} is the nearest design"
-        told = "; ".join((*report.given_up, *report.behind, nearest))
-        raise RunFailed(f"{missed}: {told}", directory=report.directory)
 
 
 def _save(store: Store, file: WishFile, found: Found, report: DesignReport) -> None:

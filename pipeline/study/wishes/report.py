@@ -11,11 +11,15 @@ from pipeline.study.wishes.behind import behind
 from pipeline.study.wishes.search import OF_LAW, Found, Refusal, Trial
 from pipeline.study.wishes.step import Model
 from pipeline.study.wishes.wish import Wish, Wishes, WishFile, exact_limits
+from pipeline.values.errors import RunFailed
 from pipeline.values.json_values import JsonObject
 from pipeline.values.law import DRAFT
 from pipeline.values.page import Section, page
 from pipeline.values.plots import COLOURS, INK, Line, Panel, ordered_colour
 from pipeline.values.table import Table
+
+#: the files of a design: configuration, numbers, search, picture
+FILES = ("design.yaml", "design.json", "history.csv", "design.html")
 
 
 @dataclass(frozen=True)
@@ -80,6 +84,20 @@ class DesignReport:
         """What is missed, what is made small, and how far wishes are missed."""
         unit = file.start.mass_tonne if file.wishes.minimize == "mass" else None
         return len(self.given_up), (unit or 1.0) * (self.objective or 0.0), sum(one.miss**2 for one in self.wishes)
+
+    @property
+    def tables(self) -> tuple[Table, Table]:
+        """What was free, and the wishes."""
+        return dimensions_table(self), wishes_table(self)
+
+    def raise_if_missed(self) -> None:
+        """Raise RunFailed where a wish is missed, or a limit."""
+        if self.given_up:
+            count = len(self.wishes) + len(self.limits)
+            missed = f"{self.source}: {len(self.given_up)} of {count} wishes and limits are missed"
+            nearest = f"{self.directory / FILES[0]} is the nearest design"
+            told = "; ".join((*self.given_up, *self.behind, nearest))
+            raise RunFailed(f"{missed}: {told}", directory=self.directory)
 
     def record(self) -> JsonObject:
         """The content of design.json."""

@@ -16,7 +16,7 @@ from pipeline.config.load import load_config
 from pipeline.store.context import RunContext
 from pipeline.store.progress import Silent
 from pipeline.store.store import open_store
-from pipeline.study.wishes.design import find_best, raise_if_missed
+from pipeline.study.wishes.design import find_best
 from pipeline.study.wishes.measured import delivered
 from pipeline.study.wishes.report import DesignReport, WishResult
 from pipeline.study.wishes.wish import WishFile
@@ -98,8 +98,8 @@ def test_a_known_arm_is_found_again_and_nothing_is_measured_twice(
     with pytest.raises(
         RunFailed, match=r"wish.yaml: 1 of 3 wishes .* missed: wishes\[1\], kappa_0 at 30 kPa, is .* instead of "
     ):
-        raise_if_missed(missed)
-    raise_if_missed(report)
+        missed.raise_if_missed()
+    report.raise_if_missed()
 
 
 def test_a_wrong_file_ends_with_its_key(tmp_path: Path) -> None:
