@@ -35,8 +35,13 @@ class ActiveSet:
 
     @classmethod
     def of_step(cls, model: Terms, step: Step) -> Self:
-        """The terms that were active in a finished step, as they stood there, and those that its positions activate."""
-        return cls.resumed(model, step.active, step.positions).with_tightenings(step.contacts)
+        """The terms that were active in a finished step, as they stood there, and those that its positions activate.
+
+        The last terms, which the model of the step may lack, are loads: active.
+        """
+        lacking = len(model) - len(step.active)
+        resumed = cls.resumed(model, (*step.active, *[True] * lacking), step.positions)
+        return resumed.with_tightenings((*step.contacts, *[None] * lacking))
 
     @property
     def active(self) -> Terms:

@@ -29,9 +29,10 @@ def follow(
     """Equilibrium at the given load factors, in their order.
 
     `resume` are steps of the first factors, finished earlier: the path goes on from the last of them. `begin` has for
-    each factor an equilibrium near that, of a model that differs in the displacements that its supports prescribe, or
-    None. The way from there is tried first, in one increment in which load factor and supports move together. Limit
-    points on it are not seen: the same model should bear both load factors with the other displacements.
+    each factor an equilibrium near that, of a model that lacks the last loads or differs in the displacements that its
+    supports prescribe, or None. The way from there is tried first, in one increment in which load factor, supports and
+    those loads change together. Limit points on it are not seen: the model of that equilibrium should bear both load
+    factors.
 
     Raises `NotConverged`, which carries the reason and the steps reached so far, and ValueError for a load factor that
     is not finite.

@@ -82,12 +82,12 @@ class CasePath:
         return steps
 
     def _begin(self, finished: int) -> list[fem.Step | None]:
-        """For each pressure the state of III where the way to it begins; None for the finished ones, and for rest."""
+        """For each pressure the near state where the way to it begins; None for the finished ones, and for rest."""
         steps: dict[float | None, fem.Step | None] = {None: None}
         near = [self.case.begin_kPa(pressure) for pressure in self.case.schedule.pressures_kPa[finished:]]
         for pressure in near:
             if pressure is not None and pressure not in steps:
-                arrays = self.store.load_state(self.case.experiment, pressure)
+                arrays = self.store.load_state(self.case.near, pressure)
                 steps[pressure] = None if arrays is None else fem.step_from_arrays(self.model.space, arrays)
         return [None] * finished + [steps[pressure] for pressure in near]
 

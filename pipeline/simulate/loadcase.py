@@ -44,13 +44,18 @@ class LoadCase:
     experiment: str  #: I, II, III or dead
     schedule: PressureSchedule
     end: End  #: displacements of the end and forces on it in III; the force alone in dead
-    #: kPa, pressures at which III of the run is stored with another height of its end, from which the way is short
+    #: kPa, pressures at which the run has stored `near`, from which the way is short
     near_kPa: tuple[float, ...] = ()
 
-    def begin_kPa(self, pressure_kPa: float) -> float | None:
-        """The pressure of III at which the way to a pressure begins: that pressure or the next lower one.
+    @property
+    def near(self) -> str:
+        """The experiment of the run that differs in the height of its end, or in the force on it, alone."""
+        return "II" if self.experiment == "dead" else self.experiment
 
-        None where III has no state at a pressure as high: it may have ended at a limit in between.
+    def begin_kPa(self, pressure_kPa: float) -> float | None:
+        """The pressure of `near` at which the way to a pressure begins: that pressure or the next lower one.
+
+        None where it has no state at a pressure as high: it may have ended at a limit in between.
         """
         lower = [near for near in self.near_kPa if near <= pressure_kPa]
         return max(lower) if lower and max(self.near_kPa) >= pressure_kPa else None
@@ -107,14 +112,17 @@ def validation_cases(config: Config, reached_kPa: tuple[float, ...] | None = Non
     of the run II and III are loads of the validation as well, unless only the default load is solved.
     """
     validation, of_run = config.validation, config.pressures_kPa
-    near = reached_kPa if reached_kPa and has_height_alone(config.end) else ()
+    between = [pressure for pressure in validation.pressures_kPa if not is_among(of_run, pressure)]
+    between = between if validation.with_experiments else []
+    of_II = (*reached_kPa, *between) if reached_kPa else ()
+    of_III = reached_kPa if reached_kPa and has_height_alone(config.end) else ()
     pressures = schedule(config, validation.pressures_kPa)
+    dead = ((f"dead_{x:g}_{y:g}N", End(None, None, (x, y))) for x, y in validation.forces_N)
     cases = [
-        *(LoadCase(f"dead_{x:g}_{y:g}N", "dead", pressures, End(None, None, (x, y))) for x, y in validation.forces_N),
-        *(LoadCase(f"III_end_{y:g}mm", "III", pressures, End(y_mm=y), near) for y in validation.end_y_mm),
+        *(LoadCase(name, "dead", pressures, end, of_II) for name, end in dead),
+        *(LoadCase(f"III_end_{y:g}mm", "III", pressures, End(y_mm=y), of_III) for y in validation.end_y_mm),
     ]
-    between = tuple(pressure for pressure in validation.pressures_kPa if not is_among(of_run, pressure))
-    if between and validation.with_experiments:
+    if between:
         reached = of_run if reached_kPa is None else reached_kPa
         path = tuple(pressure for pressure in sorted({*reached, *between}) if pressure <= between[-1])
         cases += [LoadCase(name, name, schedule(config, path), config.end) for name in ("III", "II")]

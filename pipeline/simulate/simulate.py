@@ -69,9 +69,9 @@ def simulate(
 ) -> Outcomes:
     """Solve the load cases, by default `experiments_of`; one that fails does not stop others.
 
-    A name stands for that experiment at the pressures of the run. Cases that the end of II concerns are begun when II,
-    if it is among them, has ended. second: II, where it was submitted before. Raises RunFailed where the faces that are
-    to touch cannot.
+    A name stands for that experiment at the pressures of the run. Cases that the end of II concerns, or that begin at
+    states of II, are begun when II, if it is among them, has ended. second: II, where it was submitted before. Raises
+    RunFailed where the faces that are to touch cannot.
     """
     requested = experiments_of(scene.config) if experiments is None else experiments
     cases = [c if isinstance(c, LoadCase) else identification_case(scene.config, c) for c in requested]
@@ -80,13 +80,15 @@ def simulate(
     for case in new:
         context.progress.experiment(case.name, case.schedule.pressures_kPa)
     has_II = any(case.name == FIRST for case in cases)
-    later = [case for case in cases if has_II and waits_for_II(case)]
+    later = [case for case in cases if has_II and (case.experiment == "dead" or waits_for_II(case))]
     for case in sorted((case for case in new if case not in later), key=lambda case: case.name != FIRST):
         pending[case.name] = context.submit(_solve, case, scene, context.store, None)
     try:
         if later:
             end = EndOfII.of(pending[FIRST].result())
-            pending |= {case.name: context.submit(_solve, case, scene, context.store, end) for case in later}
+            for case in later:
+                told = end if waits_for_II(case) else None
+                pending[case.name] = context.submit(_solve, case, scene, context.store, told)
         return Outcomes({name: pending[name].result() for name in sorted(pending)})
     except fem.ContactError as failure:
         raise RunFailed(str(failure)) from None

@@ -1,13 +1,17 @@
-"""The way from one equilibrium to another load factor and another displacement of the supports."""
+"""The way from one equilibrium to another load factor, another displacement of the supports and more loads."""
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from fem import (
+    Effect,
     Experiment,
     Fixed,
+    Gravity,
+    LineForce,
     Model,
     NewtonOptions,
     NotConverged,
@@ -23,10 +27,13 @@ from fem import (
     step_from_arrays,
     step_to_arrays,
 )
+from fem.effects.effect import at_constant_fraction
+from fem.equations.state import State
 from fem.path import newton
 from fem.path.follower import PathFollower
 from fem.path.move import MoveControl
 from fem.path.newton import Converged, Start
+from fem.supports import Line
 from geometry import Body, Reason
 from tests.bodies import box, hollow_box
 
@@ -41,13 +48,22 @@ def held(height: float, formulation: str = "p2p0") -> Model:
     return Model(hollow_box(half=True), LAW, supports, [Pressure("cavity", 0.05)], formulation)
 
 
+def pulled(force: float, formulation: str = "p2p0", density: float = 1e-6) -> Model:
+    """The box under pressure and its weight; a force in N pulls the edge, if it is not zero."""
+    effects: list[Effect] = [Pressure("cavity", 0.05), Gravity(density, ramp=False)]
+    effects += [LineForce(Line(EDGE), (0.0, force, 0.0), ramp=False)] if force else []
+    return Model(hollow_box(half=True), LAW, [Fixed("clamp"), Fixed("sym", "z")], effects, formulation)
+
+
 @pytest.mark.parametrize("formulation", ["p2", "p2p0", "mixed"])
 @pytest.mark.parametrize(("first", "last"), [(0.5, 0.5), (0.5, 1.0), (1.0, 0.5)])
+@pytest.mark.parametrize("build", [held, pulled])
 def test_the_way_from_another_equilibrium_ends_in_that_from_rest(
-    formulation: str, first: float, last: float, monkeypatch: pytest.MonkeyPatch
+    build: Callable[[float, str], Model], formulation: str, first: float, last: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    near = follow(held(0.1, formulation), [first]).steps[0]
-    model = held(0.3, formulation)
+    """The end is moved further, or a force pulls it that was not there."""
+    near = follow(build(0.1 if build is held else 0.0, formulation), [first]).steps[0]
+    model = build(0.3 if build is held else 0.02, formulation)
     (direct,) = follow(model, [last]).steps
     with monkeypatch.context() as without_the_usual_path:
         without_the_usual_path.setattr(PathFollower, "advance", None)
@@ -82,6 +98,24 @@ def test_the_way_passes_through_states_between_and_its_rate_is_their_derivative(
     begin = control.rate_at_begin(state, system.terms)
     difference = (at(0.001, None).state.displacement - state.displacement) / 0.001
     np.testing.assert_allclose(begin.displacement, difference, atol=0.01 * np.abs(difference).max())
+
+
+def test_a_load_that_the_equilibrium_lacks_grows_from_zero_on_the_way() -> None:
+    tight = PathOptions(NewtonOptions(tolerance=1e-10))
+    near = follow(pulled(0.0, density=0.0), [0.5], tight).steps[0]
+    system = pulled(0.02, density=0.0).system()
+    state, control = system.state_at(near.displacement, near.factor), MoveControl.of(system, near, 1.0)
+
+    def at(part: float) -> State:
+        begin = Start(state, at_constant_fraction(system.terms, part))
+        return newton.solve(begin, control.target(part, 1.0), tight.newton, lambda iteration, residual: None).state
+
+    direct = follow(pulled(0.005, density=0.0), [0.625], tight).steps[0]
+    np.testing.assert_allclose(at(0.25).displacement, direct.displacement, atol=1e-8)
+    begin = control.rate_at_begin(state, at_constant_fraction(system.terms, 1.0))
+    difference = (at(0.001).displacement - state.displacement) / 0.001
+    np.testing.assert_allclose(begin.displacement, difference, atol=0.01 * np.abs(difference).max())
+    assert np.abs(difference).max() > 0.01
 
 
 def test_walls_in_contact_stay_in_contact_on_the_way(short: Body) -> None:

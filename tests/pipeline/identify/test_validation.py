@@ -134,11 +134,25 @@ def test_the_report_shows_the_loads_of_the_validation(results: Path) -> None:
         assert text in html
 
 
-def test_a_load_begins_at_the_third_experiment_of_the_run(
-    config: Config, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize(
+    ("name", "near", "others", "begins"),
+    [
+        ("III_end_3mm", "III", (), [[None] * 3, [0.5, 0.5], [None] * 2]),
+        ("dead_0_0.01N", "II", ("II",), [[None] * 3, [None] * 3, [0.5, 0.625], [None] * 2]),
+    ],
+)
+def test_a_load_begins_at_an_experiment_of_the_run(
+    name: str,
+    near: str,
+    others: tuple[str, ...],
+    begins: list[list[float | None]],
+    config: Config,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    """Both pressures, 12 and 15 kPa, from 12 kPa; the states are those of the path from rest."""
-    case = next(case for case in validation_cases(config, config.pressures_kPa) if case.name == "III_end_3mm")
+    """12 and 15 kPa from III at 12 kPa, or from II, which is solved at 15 kPa before; states as on the path from
+    rest."""
+    cases = {case.name: case for case in validation_cases(config, config.pressures_kPa)}
     scene, followed, begun = Scene.meshed(config), fem.follow, []
 
     def follow(*given: Any, begin: Sequence[fem.Step | None], **named: Any) -> fem.Solution:
@@ -148,23 +162,24 @@ def test_a_load_begins_at_the_third_experiment_of_the_run(
     monkeypatch.setattr(fem, "follow", follow)
     with open_store(tmp_path / "near", config) as store:
         context = RunContext.alone(store, Silent())
-        simulate(scene, context, ["III"])
-        (near,) = simulate(scene, context, [case])
+        simulate(scene, context, [near])
+        moved = simulate(scene, context, [cases[case] for case in (name, *others)])[name]
     with open_store(tmp_path / "rest", config) as store:
-        (rest,) = simulate(scene, RunContext.alone(store, Silent()), [case])
-    assert begun == [[None] * 3, [0.5, 0.5], [None, None]]
-    for first, other in zip(near.records, rest.records, strict=True):
+        (rest,) = simulate(scene, RunContext.alone(store, Silent()), [cases[name]])
+    assert begun == begins
+    for first, other in zip(moved.records, rest.records, strict=True):
         np.testing.assert_allclose(first.displacement, other.displacement, atol=1e-5)
 
 
 def test_a_load_begins_at_the_next_lower_state_below_the_highest_one(config: Config) -> None:
-    """Above it III may have ended at a limit."""
-    (case,) = (case for case in validation_cases(config, (6.0, 12.0)) if case.name == "III_end_3mm")
-    begins = [case.begin_kPa(pressure) for pressure in (3.0, 6.0, 9.0, 12.0, 15.0)]
-    assert begins == [None, 6.0, 6.0, 12.0, None]
-    held = replace(config, end=End(x_mm=1.0, y_mm=0.0))
-    for other in (validation_cases(held, (6.0, 12.0)), validation_cases(config)):
-        assert not any(case.near_kPa for case in other)
+    """Above it III may have ended at a limit. II is solved at 15 kPa too."""
+    cases = {case.name: case for case in validation_cases(config, (6.0, 12.0))}
+    begins = {name: [case.begin_kPa(p) for p in (3.0, 6.0, 9.0, 12.0, 15.0)] for name, case in cases.items()}
+    assert begins["III_end_3mm"] == [None, 6.0, 6.0, 12.0, None]
+    assert begins["dead_0_0.01N"] == [None, 6.0, 6.0, 12.0, 15.0]
+    held = validation_cases(replace(config, end=End(x_mm=1.0, y_mm=0.0)), (6.0, 12.0))
+    assert [case.name for case in held if case.near_kPa] == ["dead_0_0.01N"]
+    assert not any(case.near_kPa for case in validation_cases(config))
 
 
 @pytest.mark.parametrize(("rise", "height"), [(0.002, -7.2), (-0.002, 7.2)])
