@@ -36,10 +36,7 @@ class MoveControl(Control):
 
     @classmethod
     def of(cls, system: System, begin: Step, factor: float) -> "MoveControl":
-        """From a finished step of a model with equal supports, but for the displacements that they prescribe.
-
-        That model may lack the last loads of this one.
-        """
+        """From a finished step of a model whose supports may prescribe other displacements, without the last loads."""
         last = system.constraints.prescribed(factor, 1.0)
         motion = system.constraints.correction(begin.displacement, last)
         state, terms = system.state_at(begin.displacement, begin.factor), ActiveSet.of_step(system.terms, begin).active

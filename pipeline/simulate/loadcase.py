@@ -95,9 +95,19 @@ def identification_case(config: Config, experiment: str) -> LoadCase:
 
 
 def case_up_to(config: Config, experiment: str, pressure_kPa: float) -> LoadCase:
-    """I, II or III at one more pressure and those of the run below it, from which the path goes on."""
-    below = tuple(pressure for pressure in config.pressures_kPa if pressure < pressure_kPa)
-    return LoadCase(experiment, experiment, schedule(config, (*below, pressure_kPa)), config.end)
+    """I, II or III at one more pressure and those of the run from which the path goes on."""
+    path = _path_to((pressure_kPa,), config.pressures_kPa)
+    return LoadCase(experiment, experiment, schedule(config, path), config.end)
+
+
+def _path_to(pressures_kPa: tuple[float, ...], stored_kPa: tuple[float, ...]) -> tuple[float, ...]:
+    """The stored pressures from which the way to others is short, then these; both ascend.
+
+    The next higher one comes first: with the next lower one it tells where the states between them are.
+    """
+    below = tuple(pressure for pressure in stored_kPa if pressure < pressures_kPa[0])
+    above = tuple(pressure for pressure in stored_kPa if pressure > pressures_kPa[0])
+    return (*((above[0], below[-1]) if above and below else below), *pressures_kPa)
 
 
 def has_height_alone(end: End) -> bool:
@@ -112,8 +122,7 @@ def validation_cases(config: Config, reached_kPa: tuple[float, ...] | None = Non
     of the run II and III are loads of the validation as well, unless only the default load is solved.
     """
     validation, of_run = config.validation, config.pressures_kPa
-    between = [pressure for pressure in validation.pressures_kPa if not is_among(of_run, pressure)]
-    between = between if validation.with_experiments else []
+    between = tuple(p for p in validation.pressures_kPa if validation.with_experiments and not is_among(of_run, p))
     of_II = (*reached_kPa, *between) if reached_kPa else ()
     of_III = reached_kPa if reached_kPa and has_height_alone(config.end) else ()
     pressures = schedule(config, validation.pressures_kPa)
@@ -123,7 +132,6 @@ def validation_cases(config: Config, reached_kPa: tuple[float, ...] | None = Non
         *(LoadCase(f"III_end_{y:g}mm", "III", pressures, End(y_mm=y), of_III) for y in validation.end_y_mm),
     ]
     if between:
-        reached = of_run if reached_kPa is None else reached_kPa
-        path = tuple(pressure for pressure in sorted({*reached, *between}) if pressure <= between[-1])
+        path = _path_to(between, of_run if reached_kPa is None else reached_kPa)
         cases += [LoadCase(name, name, schedule(config, path), config.end) for name in ("III", "II")]
     return tuple(cases)

@@ -62,13 +62,15 @@ def test_cases_are_named_by_their_load_and_go_on_from_the_run(config: Config) ->
     assert cases["III_end_3mm"].load == "end at +3 mm"
     assert cases["dead_0_0.01N"].load == "dead force 0, 0.01 N"
     assert cases["II"].load == ""
-    assert cases["II"].schedule.pressures_kPa == (6.0, 12.0, 15.0)
+    assert cases["II"].schedule.pressures_kPa == (24.0, 12.0, 15.0)  # between two states
     reached = {case.name: case for case in validation_cases(config, (6.0,))}
     assert list(reached) == list(cases)
     assert reached["II"].schedule.pressures_kPa == (6.0, 15.0)  # nothing is solved at a pressure that was not reached
     assert case_up_to(config, "III", 18.0) == LoadCase(
-        "III", "III", PressureSchedule((6.0, 12.0, 18.0), 24.0), config.end
+        "III", "III", PressureSchedule((24.0, 12.0, 18.0), 24.0), config.end
     )
+    assert case_up_to(config, "III", 30.0).schedule.pressures_kPa == (6.0, 12.0, 24.0, 30.0)
+    assert case_up_to(config, "III", 3.0).schedule.pressures_kPa == (3.0,)
 
 
 def test_a_requested_load_beyond_the_end_of_II_is_named(config: Config) -> None:
