@@ -27,12 +27,15 @@ def cubic_slope(x: Array, y: Array, slopes: Array, at: Array | float) -> Array:
 def _coefficients(x: Array, y: Array, slopes: Array, at: Array | float) -> tuple[Array, tuple[Array, ...]]:
     """Distance of every point from the beginning of its interval, and the four coefficients of its cubic."""
     x, y, slopes, point = (np.asarray(values, float) for values in (x, y, slopes, at))
-    i = np.clip(np.searchsorted(x, point, side="right") - 1, 0, len(x) - 2)
-    across = (*np.shape(i), *(1,) * (y.ndim - 1))
-    step, inside = (np.reshape(values, across) for values in (x[i + 1] - x[i], point - x[i]))
-    secant = (y[i + 1] - y[i]) / step
-    third = (slopes[i] + slopes[i + 1] - 2.0 * secant) / step
-    return inside, (y[i], slopes[i], (secant - slopes[i]) / step - third, third / step)
+    i = np.searchsorted(x[1:-1], point, side="right")
+    first, slope, ahead = y[i], slopes[i], i + 1
+    step, inside = x[ahead] - x[i], point - x[i]
+    if y.ndim > 1:
+        across = (*np.shape(i), *(1,) * (y.ndim - 1))
+        step, inside = np.reshape(step, across), np.reshape(inside, across)
+    secant = (y[ahead] - first) / step
+    third = (slope + slopes[ahead] - 2.0 * secant) / step
+    return inside, (first, slope, (secant - slope) / step - third, third / step)
 
 
 def cubic_coefficients(x: Array, y: Array, slopes: Array) -> Array:
