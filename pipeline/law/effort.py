@@ -10,9 +10,9 @@ from pipeline.simulate.loadcase import identification_case, validation_cases
 from pipeline.simulate.simulate import experiments_of
 
 #: s for a pressure of the coarse arm with gaps, by what is told of it
-LAW = {"cell": 2.0, "clamped end": 2.0, "tip": 0.5}
+LAW = {"cell": 2.0, "clamped end": 3.0, "tip": 0.2}
 EXPERIMENT = 5.0
-#: s on the first of the finer meshes of the cell, and how many times as long each of the next ones takes
+#: s on the first of the finer meshes of the cell, times as long on each of the next; the last has the highest pressure
 FINER, GROWTH = 0.5, 1.7
 #: s of what is not told in steps, above all the pictures
 REST = 8.0
@@ -33,5 +33,5 @@ def expected_of(config: Config) -> Mapping[str, Sequence[float]]:
         for name, effort in LAW.items():
             steps[name] += [effort] * len(one)
     for rung in range(MESHES) if pressures and not config.draft else ():
-        steps["cell, mesh"] += [FINER * GROWTH**rung] * (min(len(given), PRESSURES - 1) + 1)
+        steps["cell, mesh"] += [FINER * GROWTH**rung] * (1 + min(len(given), PRESSURES) * (rung < MESHES - 1))
     return steps
