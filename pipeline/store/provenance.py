@@ -3,6 +3,7 @@
 import os
 import platform
 import subprocess
+from functools import cache
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -36,6 +37,7 @@ def provenance() -> dict[str, Any]:
     }
 
 
+@cache
 def installed(name: str) -> str | None:
     """The version of a distribution on this machine, or None."""
     try:
