@@ -50,6 +50,8 @@ class LawValues:
 class Formulation(ABC):
     """A law on a discretisation."""
 
+    laws: Laws
+
     @property
     @abstractmethod
     def unknowns(self) -> int:

@@ -55,10 +55,17 @@ def moved(system: System, base: State, change: Array, factor: float) -> State:
     """A state with the displacement of `base` and a change of its fields (n, 10), and with the stress that they give.
 
     Newton's method may start there: the stress need not be that of the displacement, whose kinks at the edges of other
-    elements would make the tangent indefinite.
+    elements would make the tangent indefinite. In a body of one material the strain takes the volume change, to first
+    order, that goes with the pressure, where there is one.
     """
     space = system.space
     strain = base.strain + np.einsum("qa,eac->eqc", space.vertex_shape, change[space.vertices, 3:9])
+    if len((laws := system.formulation.laws).parts) == 1 and change[:, 9].any():
+        by_pressure = laws.first.shear_modulus / laws.first.volumetric_modulus
+        wanted = laws.dilatation(base.strain).value + by_pressure * change[space.vertices, 9] @ space.vertex_shape.T
+        known = laws.dilatation(strain)
+        missing = (wanted - known.value) / (known.gradient**2).sum(axis=-1)
+        strain = strain + missing[..., None] * known.gradient
     pressure = system.formulation.pressure_of(strain)
     if len(pressure) == int(space.vertices.max()) + 1:
         pressure = base.pressure + change[: len(pressure), 9]
