@@ -37,7 +37,7 @@ PURPOSES = {
     "bend_of": "cells",
     "cell_at": "cells",
     "miss_between": "checks between",
-    "clamp_alone": "length of the ends",
+    "half_cells_of": "length of the ends",
     "solve_numbers": "finer meshes",
 }
 #: functions whose seconds stand in a column of their own: where they are called, and their names

@@ -24,6 +24,7 @@ from math import nan
 from typing import Any, final
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from fem.cell.air import AirPressure
 from fem.cell.mirror_contact import is_with_images
@@ -36,11 +37,14 @@ from fem.equations.state import Change, State
 from fem.equations.system import System
 from fem.materials.regions import laws_of
 from fem.path.predictor import PathPoint, extrapolate, small_step_under_load, weighted_sum
+from fem.post.mapped import fields_of, moved
 from fem.supports import Fixed, Prescribed, SharedPlane, Support
 from geometry.arrays import Array, Index
 
 #: largest displacement of a difference of forces, over the size of the piece: the best for central differences
 STEP = 1e-6
+#: of position, strain and pressure, the shear strains along the axis, whose sign a mirror image changes
+SHEARED = (6, 8)
 #: how often an increment to a pressure may fail, and the smallest one, as a part of the pressure
 MAX_FAILURES, SMALLEST_INCREMENT = 12, 1 / 64
 
@@ -128,10 +132,8 @@ def _end_forces(piece: BendingPiece, angle: float) -> Iterator[Array]:
         yield load
 
 
-def inflated(
-    piece: BendingPiece, pressure: float, angle: float, start: PieceState | None = None, failures: int = MAX_FAILURES
-) -> PieceState:
-    """Equilibrium at a pressure in MPa and an angle in rad, from another state, or from the piece at rest.
+def inflated(piece: BendingPiece, pressure: float, angle: float, failures: int = MAX_FAILURES) -> PieceState:
+    """Equilibrium at a pressure in MPa and an angle in rad, from the piece at rest.
 
     Both change together, at once where that converges: an increment that fails is halved, and one that converges is
     doubled. Newton's method starts a small step along the slopes of the last state, but under the whole pressure of the
@@ -139,20 +141,17 @@ def inflated(
     failed beyond the first state, it starts on the cubic through the last two states with their slopes. failures: how
     often an increment may fail. Raises `PieceFailed`.
     """
-    first = piece.rest() if start is None else start
-    way = pressure - first.pressure, angle - first.angle
+    last, way = piece.rest(), (pressure, angle)
     if way == (0.0, 0.0):  # at rest there is nothing to balance but rounding, of a stiff layer too
-        return replace(first, factorizations=0)
-    last, increment, failed, spent = first, 1.0, 0, 0
+        return last
+    increment, failed, spent = 1.0, 0, 0
     extrapolates = False  #: whether Newton's method starts on the cubic
     points = [_inflation_point(piece, last, 0.0, way)]
     while (fraction := points[-1].value) < 1.0:
         target = min(1.0, fraction + increment)
         predicted = _inflation_start(points, target, extrapolates)
-        next_pressure, next_angle = first.pressure + target * way[0], first.angle + target * way[1]
-        gives_up = start is not None or fraction > 0.0
         try:
-            last = piece.solve_near(next_pressure, next_angle, predicted, last, gives_up, pressure)
+            last = piece.solve_near(target * pressure, target * angle, predicted, last, fraction > 0.0, pressure)
         except PieceFailed:
             failed, increment, extrapolates = failed + 1, (target - fraction) / 2.0, fraction > 0.0
             if failed > failures or increment < SMALLEST_INCREMENT:
@@ -161,6 +160,40 @@ def inflated(
         increment, spent = 2.0 * increment, spent + last.factorizations
         points = [points[-1], _inflation_point(piece, last, target, way)]
     return replace(last, factorizations=spent)
+
+
+def continued(piece: BendingPiece, shorter: BendingPiece, at: PieceState, cell: BendingPiece, of: PieceState) -> State:
+    """About the state of an end with two half cells more than a shorter one, which go on as those of a cell.
+
+    at, of: states of the shorter end and of the cell at the same pressure. The plane of the shorter end mirrors the
+    cell; behind the middle of this image comes the cell once more.
+    """
+    x, beyond = piece.space.points, piece.space.points[:, 0] - shorter.body.length
+    folded = np.column_stack([np.abs(cell.body.length - np.abs(beyond)), x[:, 1:]])
+    begun, frame, height = _fields_at(shorter, at, x)
+    further, of_cell, height_of_cell = _fields_at(cell, of, folded)
+    behind = beyond > cell.body.length
+    further[behind, 0] *= -1.0
+    further[:, SHEARED] *= np.where((beyond > 0.0) & ~behind, -1.0, 1.0)[:, None]
+    further[:, :3] = further[:, :3] @ of_cell
+    further[:, 0] = at.distance + np.sign(beyond) * (of.distance - further[:, 0])
+    further[:, 1] += height - height_of_cell
+    further[:, :3] = further[:, :3] @ frame.T
+    part = np.clip(1.0 + beyond / cell.body.length, 0.0, 1.0)[:, None]
+    fields = begun + part * (further - begun) - np.pad(x, ((0, 0), (0, 7)))
+    if not piece.system.formulation.unknowns:
+        return piece.system.state_at(fields[:, :3], at.pressure)
+    return moved(piece.system, piece.rest().state, fields, at.pressure)
+
+
+def _fields_at(piece: BendingPiece, at: PieceState, points: Array) -> tuple[Array, Array, float]:
+    """Position, strain and pressure (m, 10) in a state at the nodes nearest to points (m, 3) at rest, the directions of
+    the plane in columns (3, 3), its normal first, and the mean height of its nodes along the second, mm."""
+    x, cosine, sine = piece.space.points + at.state.displacement, np.cos(at.angle), np.sin(at.angle)
+    frame = np.array([[cosine, -sine, 0.0], [sine, cosine, 0.0], [0.0, 0.0, 1.0]])
+    height = float((x[piece.plane] @ frame[:, 1]).mean())
+    fields = np.hstack([x, fields_of(piece.space, at.state)[:, 3:]])
+    return fields[cKDTree(piece.space.points).query(points)[1]], frame, height
 
 
 def _inflation_start(points: Sequence[PathPoint], target: float, extrapolates: bool) -> State:

@@ -15,7 +15,7 @@ from fem.cell.piece import PieceFailed
 from geometry import Reason
 from pipeline.config.automatic_mesh import MeshSettings, cell_mesh
 from pipeline.law.cells import CellMeasurer, measure_bends
-from pipeline.law.ends import CLAMP, CLAMP_NEAR, HALF_CELLS, begin_clamps, choose_half_cells, measure_ends
+from pipeline.law.ends import CLAMP, CLAMP_NEAR, HALF_CELLS, half_cells_of, measure_ends
 from pipeline.law.mesh_limit import Corrections, MeshLimit, Numbers, corrected
 from pipeline.law.meshes import find_limit, solve_numbers
 from pipeline.law.piece.point import Measured
@@ -79,12 +79,11 @@ def build_law(
     cells = measurer.measure_up_to_failure(sorted({0.0, *measurer.bends}))
     if highest_kPa:
         cells = measurer.end_at(cells, highest_kPa())
-    last, length = cells[-1].curve, pieces.design.length
     half_cells, error_ends, error_between, draft = HALF_CELLS, None, None, pieces.config.draft
     if not draft:
-        clamp = begin_clamps(tasks, last, repetition.half_cells)  # done beside the pressures between
+        chosen = tasks.submit(half_cells_of, cells[-1].curve)  # done beside the pressures between
         cells, error_between = measurer.add_between(cells) if between else (cells, None)
-        half_cells, error_ends, limit = choose_half_cells(clamp, last, repetition.half_cells, length)
+        half_cells, error_ends, limit = chosen.result()
         log.limits.extend(filter(None, [limit]))
     cells, clamps, tips = measure_ends(tasks, log, cells, half_cells, CLAMP_NEAR if draft else CLAMP)
     law = pieces.law([cell.curve for cell in cells], [end.curve for end in clamps], tips)

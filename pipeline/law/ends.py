@@ -3,24 +3,24 @@
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from functools import cache, partial
-from itertools import zip_longest
+from functools import partial
 from typing import Generic, TypeVar
 
 import numpy as np
 
 from fem.cell.boundary import Boundary
 from fem.cell.piece import BendingPiece, PieceFailed, PieceState
+from fem.cell.response import continued, inflated
 from geometry import Reason
 from geometry.arrays import Array
 from pipeline.law.cells import check_two
-from pipeline.law.piece.measure_clamp import clamp_curve, clamp_without_moment, first_state
-from pipeline.law.piece.measure_tip import tip_curve, tip_state
+from pipeline.law.piece.measure import cell_without_moment
+from pipeline.law.piece.measure_clamp import Begin, clamp_curve, clamp_without_moment, straight_point
+from pipeline.law.piece.measure_tip import tip_curve
 from pipeline.law.piece.point import Measured, failure_of
-from pipeline.law.pieces import NoArmLaw
+from pipeline.law.pieces import ArmPieces, NoArmLaw
 from pipeline.law.tasks import ArmTasks, Log, PieceCurves
-from pipeline.store.parallel import Pending
-from pipeline.values.pressure import name_of_state
+from pipeline.values.pressure import in_MPa, name_of_state
 from rod import RodError
 from rod.arm_law.curves import CellCurve, ClampCurve, TipCurve
 
@@ -37,36 +37,26 @@ MOST_FAILED = 2
 NOT_NEARER = 0.8
 #: half cells of the ends from which the first numbers and a draft come
 HALF_CELLS = 1
-#: pressures at which an end of the arm is measured by one worker, each from the state at the one before
-IN_TURN = 4
 
 
-def begin_clamps(tasks: ArmTasks, cell: CellCurve, available: int) -> Callable[[int], Pending[Measured[ClampCurve]]]:
-    """Gives the clamped end with so many half cells, without moment; the first two of them are begun at once.
-
-    available: half cells of the arm.
-    """
-
-    @cache
-    def clamp(half_cells: int) -> Pending[Measured[ClampCurve]]:
-        return tasks.submit(clamp_alone, cell, half_cells)
-
-    for half_cells in (1, 3) if available >= 3 else ():
-        clamp(half_cells)
-    return clamp
+def half_cells_of(curves: PieceCurves, cell: CellCurve) -> tuple[int, float | None, Reason | None]:
+    """`choose_half_cells` for the clamped ends of an arm without moment; a task."""
+    pieces = curves.pieces
+    available, length = pieces.repetition.half_cells, pieces.design.length
+    return choose_half_cells(partial(clamp_alone, curves, cell), cell, available, length)
 
 
 def choose_half_cells(
-    clamp: Callable[[int], Pending[Measured[ClampCurve]]], cell: CellCurve, available: int, length: float
+    clamp: Callable[[int], ClampCurve], cell: CellCurve, available: int, length: float
 ) -> tuple[int, float | None, Reason | None]:
     """So many half cells of an end piece that two more change the arm's end by less than DECAY.
 
     Longer ones are not tried where that is of no use: after MOST_FAILED lengths without an equilibrium, and where two
     more half cells have not reduced the change. Where walls touch, the slope at a moment depends on which nodes do.
 
-    clamp, available: as in `begin_clamps`; length: mm, of the arm. Returns also the error of the arm's end by cells
-    that the end still disturbs, over the length, and a reason where it is not known or has not decayed. Raises
-    `NoArmLaw`.
+    clamp: gives that with so many half cells; available: half cells of the arm; length: mm, of the arm. Returns also
+    the error of the arm's end by cells that the end still disturbs, over the length, and a reason where it is not known
+    or has not decayed. Raises `NoArmLaw`.
     """
     if available < 3:
         return 1, None, Reason("ends_short")
@@ -76,7 +66,7 @@ def choose_half_cells(
     why = "the arm has no room"
     for half_cells in range(1, available // 2 + 3, 2):
         try:
-            borne[half_cells] = clamp(half_cells).result().curve
+            borne[half_cells] = clamp(half_cells)
         except PieceFailed as failure:
             failed[half_cells] = str(failure).rstrip(".")
             if len(failed) == MOST_FAILED:
@@ -145,46 +135,41 @@ def measure_ends(
     curves = [cell.curve for cell in cells]
     for end in (clamp_end, TIP):
         tasks.context.progress.experiment(end.name, [curve.pressure for curve in curves])
-    groups = [curves[first : first + IN_TURN] for first in range(0, len(curves), IN_TURN)]
-    clamped_ends = [tasks.submit(end_curves, clamp_end, group, half_cells) for group in groups]
-    free_ends = [tasks.submit(end_curves, TIP, group, half_cells) for group in groups]
-    clamps: list[Measured[ClampCurve]] = []
-    tips: list[TipCurve] = []
-    for clamped_end, free_end in zip(clamped_ends, free_ends, strict=True):
-        clamped, free = clamped_end.result(), free_end.result()
-        for clamp, tip in zip_longest(clamped.measured, free.measured):
-            log.count("ends", clamp, tip)
-            if clamp and tip:  # one of them may go further
-                log.limits.extend((*cells[len(clamps)].limits, *clamp.limits, *tip.limits))
-                clamps.append(clamp)
-                tips.append(tip.curve)
-        if clamped.failure or free.failure:
-            clamp_fails = clamped.failure and len(clamped.measured) <= len(free.measured)
-            log.failures.extend(filter(None, [clamped.failure if clamp_fails else free.failure]))
+    clamped = [tasks.submit(end_at, clamp_end, curve, half_cells) for curve in curves]
+    free = [tasks.submit(end_at, TIP, curve, half_cells) for curve in curves]
+    clamps, tips = list[Measured[ClampCurve]](), list[TipCurve]()
+    for cell, clamped_end, free_end in zip(cells, clamped, free, strict=True):
+        try:
+            clamp, tip = clamped_end.result(), free_end.result()
+        except (PieceFailed, RodError) as failed:
+            log.failures.append(failure_of(failed))
             break
+        log.count("ends", clamp, tip)
+        log.limits.extend((*cell.limits, *clamp.limits, *tip.limits))
+        clamps.append(clamp)
+        tips.append(tip.curve)
     check_two(clamps, log)
     return cells[: len(clamps)], clamps, tips
 
 
 @dataclass(frozen=True)
 class End(Generic[Curve]):
-    """One of the two ends of an arm, and how it is measured beside a cell, from the state at a lower pressure."""
+    """One of the two ends of an arm, and how it is measured beside a cell."""
 
     curve: type[Curve]
     file: str  #: how the names of its files begin
     name: str  #: in the progress
     start: Boundary  #: what holds the piece
-    measure: Callable[[BendingPiece, CellCurve, PieceState | None], tuple[Measured[Curve], PieceState]]
-    solve_state: Callable[[BendingPiece, CellCurve, PieceState | None], PieceState]  #: that `measure` gives, alone
+    measure: Callable[[BendingPiece, CellCurve, Begin | None], Measured[Curve]]
 
 
-def _clamp_near(piece: BendingPiece, cell: CellCurve, _: PieceState | None) -> tuple[Measured[ClampCurve], PieceState]:
-    """The clamped end from its state without moment alone, which needs no state at a lower pressure."""
-    return Measured(straight_clamp(clamp_without_moment(piece, cell), cell.moment)), piece.rest()
+def _clamp_near(piece: BendingPiece, cell: CellCurve, begin: Begin | None) -> Measured[ClampCurve]:
+    """The clamped end from its state without moment alone."""
+    return Measured(straight_clamp(clamp_without_moment(piece, cell, begin), cell.moment))
 
 
-def _rest(piece: BendingPiece, *_: object) -> PieceState:
-    return piece.rest()
+def _tip(piece: BendingPiece, cell: CellCurve, _: object) -> Measured[TipCurve]:
+    return tip_curve(piece, cell)
 
 
 def straight_clamp(clamp: ClampCurve, moments: Array) -> ClampCurve:
@@ -196,63 +181,50 @@ def straight_clamp(clamp: ClampCurve, moments: Array) -> ClampCurve:
     return replace(clamp, moment=moments, rotation=clamp.rotation + rotation, offset=clamp.offset + offset, **rows)
 
 
-CLAMP = End(ClampCurve, "clamp", "clamped end", "clamp", clamp_curve, first_state)
+CLAMP = End(ClampCurve, "clamp", "clamped end", "clamp", clamp_curve)
 #: the same to first order, as a draft has it
-CLAMP_NEAR = End(ClampCurve, "clamp_near", "clamped end", "clamp", _clamp_near, _rest)
-TIP = End(TipCurve, "tip", "tip", "free", tip_curve, tip_state)
+CLAMP_NEAR = End(ClampCurve, "clamp_near", "clamped end", "clamp", _clamp_near)
+TIP = End(TipCurve, "tip", "tip", "free", _tip)
 
 
-@dataclass(frozen=True)
-class EndCurves(Generic[Curve]):
-    """An end of the arm by rising pressure."""
-
-    measured: tuple[Measured[Curve], ...]
-    failure: Reason | None  #: why it goes no further; None where all pressures are borne
-
-
-def clamp_alone(curves: PieceCurves, cell: CellCurve, half_cells: int) -> Measured[ClampCurve]:
-    """The clamped end with that many half cells without moment alone; a task. Raises `PieceFailed`."""
+def clamp_alone(curves: PieceCurves, cell: CellCurve, half_cells: int) -> ClampCurve:
+    """The clamped end with that many half cells without moment alone. Raises `PieceFailed`."""
     name, pieces = name_of_state(f"decay_{half_cells}", cell.pressure), curves.pieces
 
     def measure(piece: BendingPiece) -> Measured[ClampCurve]:
-        return Measured(clamp_without_moment(piece, cell))
+        return Measured(clamp_without_moment(piece, cell, _begin(pieces, cell, half_cells)))
 
-    return curves.of_piece(ClampCurve, name, lambda: pieces.end(half_cells, "clamp"), measure)
+    return curves.of_piece(ClampCurve, name, lambda: pieces.end(half_cells, "clamp"), measure).curve
 
 
-def end_curves(curves: PieceCurves, end: End[Curve], cells: Sequence[CellCurve], half_cells: int) -> EndCurves[Curve]:
-    """One end with that many half cells beside cells at rising pressures, up to the last one that it bears; a task.
+def _begin(pieces: ArmPieces, cell: CellCurve, half_cells: int) -> Begin | None:
+    """From the state of a shorter clamped end and that of the cell, or from rest; None for the shortest one."""
+    if half_cells <= HALF_CELLS:
+        return None
+    pressure, counts = in_MPa(cell.pressure), (half_cells, half_cells - 2)
 
-    Each begins with the state at the pressure before. Curves of an earlier run have left no states. If one is needed it
-    is solved again, so that a run that was interrupted has the same curves.
-    """
-    state: PieceState | None = None
-    without_state: list[CellCurve] = []
-    measured: list[Measured[Curve]] = []
+    def near(angle: float) -> PieceState:
+        piece, shorter = (pieces.end(count, "clamp") for count in counts)
+        with suppress(PieceFailed):
+            at = straight_point(shorter, cell, _begin(pieces, cell, counts[1])).state
+            of = cell_without_moment(pieces.cell, pressure).state
+            start = continued(piece, shorter, at, pieces.cell, of)
+            return piece.solve_near(pressure, at.angle + 2.0 * of.angle, start, piece.rest())
+        return inflated(piece, pressure, angle)
 
-    def piece() -> BendingPiece:
-        nonlocal state
-        made = curves.pieces.end(half_cells, end.start)
-        for earlier in without_state:
-            with suppress(PieceFailed):
-                state = end.solve_state(made, earlier, state)
-        without_state.clear()
-        return made
+    return near
 
-    def measure(cell: CellCurve, made: BendingPiece) -> Measured[Curve]:
-        nonlocal state
-        curve, state = end.measure(made, cell, state)
-        return curve
 
-    for cell in cells:
-        name = name_of_state(f"{end.file}_{half_cells}", cell.pressure)
-        try:
-            curve = curves.of_piece(end.curve, name, piece, partial(measure, cell))
-        except (PieceFailed, RodError) as failed:
-            curves.progress.stopped(end.name, [cell.pressure], str(failed).rstrip("."))
-            return EndCurves(tuple(measured), failure_of(failed))
-        if curve.is_stored:
-            without_state.append(cell)
-        curves.progress.step_done(end.name, cell.pressure, 0.0 if curve.is_stored else curve.seconds)
-        measured.append(curve)
-    return EndCurves(tuple(measured), None)
+def end_at(curves: PieceCurves, end: End[Curve], cell: CellCurve, half_cells: int) -> Measured[Curve]:
+    """One end with that many half cells beside a cell; a task. Raises `PieceFailed` and `RodError`."""
+    name, pieces = name_of_state(f"{end.file}_{half_cells}", cell.pressure), curves.pieces
+    begin = _begin(pieces, cell, half_cells)
+    try:
+        curve = curves.of_piece(
+            end.curve, name, lambda: pieces.end(half_cells, end.start), lambda piece: end.measure(piece, cell, begin)
+        )
+    except (PieceFailed, RodError) as failed:
+        curves.progress.stopped(end.name, [cell.pressure], str(failed).rstrip("."))
+        raise
+    curves.progress.step_done(end.name, cell.pressure, 0.0 if curve.is_stored else curve.seconds)
+    return curve

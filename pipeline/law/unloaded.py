@@ -41,7 +41,7 @@ def first_state(curves: PieceCurves, pressure: float) -> Unloaded:
         turn = LARGEST / pieces.design.length * pieces.cell.body.length
         cell = straight_curve(pieces.cell, pressure, turn)
         clamp = clamp_without_moment(pieces.end(HALF_CELLS, "clamp"), cell)
-        tip, _ = tip_curve(pieces.end(HALF_CELLS, "free"), cell)
+        tip = tip_curve(pieces.end(HALF_CELLS, "free"), cell)
         law = pieces.law([cell], [straight_clamp(clamp, cell.moment)], [tip.curve])
         return unloaded_state(law, pressure)
 

@@ -114,13 +114,13 @@ class CellSweep:
         )
 
 
-def sweep_cell(piece: BendingPiece, pressure_kPa: float, reach: Reach, start: PieceState | None = None) -> CellSweep:
+def sweep_cell(piece: BendingPiece, pressure_kPa: float, reach: Reach) -> CellSweep:
     """Follow a half cell at one pressure over the moments and curvatures that an arm meets.
 
-    start: a state at another pressure. Raises `PieceFailed` where the unloaded cell is not reached.
+    Raises `PieceFailed` where the unloaded cell is not reached.
     """
     h = piece.body.length
-    middle = cell_without_moment(piece, in_MPa(pressure_kPa), start)
+    middle = cell_without_moment(piece, in_MPa(pressure_kPa))
     sweep = CellSweep(pressure_kPa, [middle], shear=[(middle.moment, shear_at(piece, middle))])
     softest = SOFTENED * slopes(piece, piece.rest()).moment_by_angle
     kappa, rigidity = middle.state.angle / h, middle.slopes.moment_by_angle * h

@@ -1,6 +1,6 @@
 """The clamped end of the arm at one pressure, beside cells continued to it, from finite elements."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
@@ -17,11 +17,14 @@ from geometry import Reason
 from geometry.arrays import Array
 from pipeline.law.adaptive import divided
 from pipeline.law.piece.in_space import clamp_in_space
-from pipeline.law.piece.point import Measured, PiecePoint, reached, reason_of, without_moment
+from pipeline.law.piece.point import Measured, PiecePoint, reason_of, without_moment
 from pipeline.law.piece.rates import clamp_rates
 from pipeline.values.pressure import KPA_PER_MPA, in_MPa
 from rod.arm_law.curves import CellCurve, ClampCurve
 from rod.cubics import cubic
+
+#: a state of the clamped end near that without moment, by the angle of this in rad
+Begin = Callable[[float], PieceState]
 
 #: where the clamped end is solved first, as a part of the moments of the cell, and in how many steps it is followed
 #: over them: smooth curves of cells whose walls do not touch (three steps: rotations right to 1e-4 rad and the material
@@ -40,23 +43,22 @@ TOLERANCE, DIVISIONS = 1e-3, 4
 CLOSEST = 0.2
 #: rad, error of the angle of a clamped end that counts as one without moment; what depends on its square is left
 NEARLY_STRAIGHT = 3e-3
+#: of an angle at which it is solved first, in rad
+DIGITS = 6
 #: change of the moment in difference quotients, over the range of the law
 DIFFERENCE = 1e-5
 
 
-def clamp_curve(
-    piece: BendingPiece, cell: CellCurve, start: PieceState | None = None
-) -> tuple[Measured[ClampCurve], PieceState]:
-    """The clamped end over the moments of a cell at the same pressure, and the state that was solved first.
+def clamp_curve(piece: BendingPiece, cell: CellCurve, begin: Begin | None = None) -> Measured[ClampCurve]:
+    """The clamped end over the moments of a cell at the same pressure.
 
-    start: a state of the piece at a lower pressure to begin with, the piece at rest unless it is given.
-
-    It is followed from moments without contact on; an interval is then divided where the cubic through its ends may
-    miss by more than TOLERANCE. Raises `PieceFailed` where no state is reached.
+    begin: as in `straight_point`. The clamped end is followed from moments without contact on; an interval is then
+    divided where the cubic through its ends may miss by more than TOLERANCE. Raises `PieceFailed` where no state is
+    reached.
     """
     lowest, last = float(cell.moment[0]), float(cell.moment[-1])
     steps = _steps(cell)[1]
-    first = _first(piece, cell, start)
+    first = _first(piece, cell, begin)
     limits: list[PieceFailed] = []
     behind, ahead = (_followed(piece, cell, first, moment, steps, limits) for moment in (lowest, last))
     points = [*reversed(behind), first, *ahead]
@@ -65,19 +67,20 @@ def clamp_curve(
     error = _refine(piece, cell, points)
     why, rates = tuple(map(reason_of, limits)), clamp_rates(piece, points)
     curve, unstable = clamp_in_space(piece, cell, _curve(piece, cell, points), points)
-    return Measured(curve, (*why, *unstable), error, rates=rates), first.state
+    return Measured(curve, (*why, *unstable), error, rates=rates)
 
 
-def first_state(piece: BendingPiece, cell: CellCurve, start: PieceState | None) -> PieceState:
-    """The state with which `clamp_curve` begins; raises `PieceFailed`."""
-    return _first(piece, cell, start).state
-
-
-def _first(piece: BendingPiece, cell: CellCurve, start: PieceState | None) -> "_ClampPoint":
+def _first(piece: BendingPiece, cell: CellCurve, begin: Begin | None) -> "_ClampPoint":
+    """From that without moment where walls touch or that is near a known one, else or where that fails from rest."""
     part, (lowest, last) = _steps(cell)[0], cell.moment[[0, -1]]
     part = 1.0 - part if cell.contact[0] and not cell.contact[-1] else part
     angle = cell.at(float(lowest + part * (last - lowest)))[0] * piece.body.length
-    return reached(piece, in_MPa(cell.pressure), angle, start, partial(_ClampPoint.on, piece, cell))
+    with suppress(PieceFailed):
+        if begin or cell.contact.any():
+            near = straight_point(piece, cell, begin)
+            predicted = extrapolate(None, near.path_point, angle)
+            return _ClampPoint.on(piece, cell, piece.solve(near.state.pressure, angle, near.state, predicted))
+    return _ClampPoint.on(piece, cell, inflated(piece, in_MPa(cell.pressure), angle))
 
 
 def _steps(cell: CellCurve) -> tuple[float, int]:
@@ -85,14 +88,23 @@ def _steps(cell: CellCurve) -> tuple[float, int]:
     return TOUCHING if cell.contact.any() else SMOOTH
 
 
-def clamp_without_moment(piece: BendingPiece, cell: CellCurve) -> ClampCurve:
-    """The clamped end without moment alone, or with so little that first order leads to none.
+def clamp_without_moment(piece: BendingPiece, cell: CellCurve, begin: Begin | None = None) -> ClampCurve:
+    """The clamped end without moment alone; as `straight_point`."""
+    return _curve(piece, cell, [_ClampPoint.at(piece, cell, straight_point(piece, cell, begin))])
 
-    Raises `PieceFailed` where it is not reached.
+
+def straight_point(piece: BendingPiece, cell: CellCurve, begin: Begin | None = None) -> PiecePoint:
+    """The state without moment, or with so little that first order leads to none; kept by the piece.
+
+    begin: gives one near it; None: from rest. Raises `PieceFailed` where none is reached.
     """
-    angle = cell.at(0.0)[0] * piece.body.length
-    point = without_moment(piece, inflated(piece, in_MPa(cell.pressure), angle), PiecePoint.of, NEARLY_STRAIGHT)
-    return _curve(piece, cell, [_ClampPoint.on(piece, cell, point.state)])
+    pressure, angle = in_MPa(cell.pressure), round(cell.at(0.0)[0] * piece.body.length, DIGITS)
+
+    def solve() -> PiecePoint:
+        start = begin(angle) if begin else inflated(piece, pressure, angle)
+        return without_moment(piece, start, PiecePoint.of, NEARLY_STRAIGHT)
+
+    return piece.kept(("without moment", pressure, angle), solve)
 
 
 def _curve(piece: BendingPiece, cell: CellCurve, points: Sequence["_ClampPoint"]) -> ClampCurve:
@@ -128,8 +140,12 @@ class _ClampPoint(PiecePoint):
     @classmethod
     def on(cls, piece: BendingPiece, cell: CellCurve, state: PieceState) -> "_ClampPoint":
         """One factorization. Raises `PieceFailed` where the piece is not stable."""
-        point = PiecePoint.of(piece, state)
-        known = point.slopes
+        return cls.at(piece, cell, PiecePoint.of(piece, state))
+
+    @classmethod
+    def at(cls, piece: BendingPiece, cell: CellCurve, point: PiecePoint) -> "_ClampPoint":
+        """Raises `PieceFailed` where the moment falls with the angle."""
+        state, known = point.state, point.slopes
         if known.moment_by_angle <= 0.0:
             values = {"pressure_kPa": cell.pressure, "moment_N_mm": state.moment}
             raise PieceFailed(Reason("clamp_moment_falls", values))

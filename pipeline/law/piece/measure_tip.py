@@ -7,8 +7,9 @@ from fem.cell.air import air_volumes
 from fem.cell.axis import circle, components
 from fem.cell.edge import FreeEdge, free_edge
 from fem.cell.piece import BendingPiece, PieceState
+from fem.cell.response import inflated
 from geometry.arrays import Array
-from pipeline.law.piece.point import Measured, reached, stable
+from pipeline.law.piece.point import Measured, stable
 from pipeline.values.pressure import in_MPa
 from rod.arm_law.curves import CellCurve, TipCurve
 
@@ -21,15 +22,18 @@ MIRROR = np.array([-1.0, 1.0])
 PULL_POINTS = 201
 
 
-def tip_curve(
-    piece: BendingPiece, cell: CellCurve, start: PieceState | None = None
-) -> tuple[Measured[TipCurve], PieceState]:
-    """The end of the arm without moment, and the state that its curve is made of; raises `PieceFailed`.
+def tip_curve(piece: BendingPiece, cell: CellCurve) -> Measured[TipCurve]:
+    """The end of the arm without moment, from a state that the piece keeps; raises `PieceFailed`.
 
-    start: a state of the piece at a lower pressure to begin with, the piece at rest unless it is given. The piece is
-    the mirror image of the tip: its face `clamp` is the end of the arm, its face `tip` the plane.
+    The piece is the mirror image of the tip: its face `clamp` is the end of the arm, its face `tip` the plane.
     """
-    state, edge = _with_edge(piece, cell, start)
+
+    def solve() -> tuple[PieceState, FreeEdge]:
+        state = inflated(piece, in_MPa(cell.pressure), 0.0)
+        with stable(piece, state):
+            return state, free_edge(piece, state)
+
+    state, edge = piece.kept(("edge", cell.pressure), solve)
     kappa, stretch, ripple = cell.at(0.0)
     length = piece.body.length
     s = length - piece.space.points[piece.curve, 0]
@@ -63,20 +67,7 @@ def tip_curve(
         pinned_by_pull=components(by_pull, angle)[::-1],
         volume=air_volumes(piece.body, piece.space, state.state.displacement),
     )
-    return Measured(curve), state
-
-
-def tip_state(piece: BendingPiece, cell: CellCurve, start: PieceState | None) -> PieceState:
-    """The state of which `tip_curve` is made; raises `PieceFailed`."""
-    return _with_edge(piece, cell, start)[0]
-
-
-def _with_edge(piece: BendingPiece, cell: CellCurve, start: PieceState | None) -> tuple[PieceState, FreeEdge]:
-    def with_edge(state: PieceState) -> tuple[PieceState, FreeEdge]:
-        with stable(piece, state):
-            return state, free_edge(piece, state)
-
-    return reached(piece, in_MPa(cell.pressure), 0.0, start, with_edge)
+    return Measured(curve)
 
 
 def axis_by_pull(cell: CellCurve, s: Array, beside_end: Array) -> Array:

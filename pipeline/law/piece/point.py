@@ -1,7 +1,7 @@
 """States of a piece with their slopes, and the one without moment."""
 
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import Any, Generic, TypeVar
 
@@ -9,7 +9,7 @@ import numpy as np
 
 from fem.cell.air import air_volumes
 from fem.cell.piece import BendingPiece, PieceFailed, PieceState
-from fem.cell.response import Slopes, inflated, slopes
+from fem.cell.response import Slopes, slopes
 from fem.equations.linear import SingularMatrix
 from fem.path.predictor import PathPoint, extrapolate
 from geometry import Reason, Values
@@ -100,24 +100,6 @@ def without_moment(
         state = piece.solve(state.pressure, angle, state, extrapolate(None, point.path_point, angle))
     values: Values = {"piece": piece.name, "pressure_kPa": in_kPa(state.pressure)}
     raise PieceFailed(Reason("no_piece_without_moment", values))
-
-
-def reached(
-    piece: BendingPiece,
-    pressure: float,
-    angle: float,
-    start: PieceState | None,
-    made_of: Callable[[PieceState], Value],
-) -> Value:
-    """What is made of the state at a pressure in MPa and an angle in rad.
-
-    It is solved from the state `start`, and from the piece at rest where there is none or that fails. Raises
-    `PieceFailed`.
-    """
-    if start is not None:
-        with suppress(PieceFailed):
-            return made_of(inflated(piece, pressure, angle, start))
-    return made_of(inflated(piece, pressure, angle))
 
 
 @contextmanager

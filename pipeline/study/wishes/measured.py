@@ -4,7 +4,6 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, replace
 from hashlib import sha256
-from typing import Any
 
 import numpy as np
 
@@ -14,7 +13,7 @@ from geometry.arrays import Array
 from pipeline.config.config import Config
 from pipeline.law.build import correction_of, fine_pieces
 from pipeline.law.cells import bend_of, cell_at, near_cell
-from pipeline.law.ends import CLAMP, HALF_CELLS, TIP, EndCurves, end_curves
+from pipeline.law.ends import CLAMP, HALF_CELLS, TIP, end_at
 from pipeline.law.mesh_limit import corrected
 from pipeline.law.piece.measure import cell_without_moment
 from pipeline.law.piece.point import Measured
@@ -29,7 +28,6 @@ from pipeline.store.store import Store
 from pipeline.study.wishes.wish import PRESSURE, Wishes, WishFile
 from pipeline.values.errors import InputError, RunFailed, WorkerLost
 from pipeline.values.pressure import in_MPa
-from pipeline.values.reasons import render
 from rod import Rod, RodError
 from rod.arm_law.curves import CellCurve, ClampCurve, TipCurve
 from rod.arm_law.law import ArmLaw
@@ -144,8 +142,8 @@ class _NearLaw:
 
     pieces: ArmPieces
     cells: list[Measured[CellCurve]]
-    clamps: list[Pending[EndCurves[ClampCurve]]]  #: which are being measured, as the tips
-    tips: list[Pending[EndCurves[TipCurve]]]
+    clamps: list[Pending[Measured[ClampCurve]]]  #: which are being measured, as the tips
+    tips: list[Pending[Measured[TipCurve]]]
 
     @staticmethod
     def begin(
@@ -162,14 +160,14 @@ class _NearLaw:
         if wishes.limits.bears is not None:
             tasks.submit(bend_of, wishes.limits.bears * pressures[-1]).result()
         cells = [one.result() for one in begun]
-        clamps = [tasks.submit(end_curves, CLAMP, [cell.curve], HALF_CELLS) for cell in cells]
-        tips = [tasks.submit(end_curves, TIP, [cell.curve], HALF_CELLS) for cell in cells]
+        clamps = [tasks.submit(end_at, CLAMP, cell.curve, HALF_CELLS) for cell in cells]
+        tips = [tasks.submit(end_at, TIP, cell.curve, HALF_CELLS) for cell in cells]
         return _NearLaw(pieces, cells, clamps, tips)
 
     def law(self) -> ArmLaw:
         """With derivatives where the pieces have some. Raises RunFailed where an end does not bear a pressure."""
-        pieces, clamps = self.pieces, [_measured(end) for end in self.clamps]
-        tips = [_measured(end).curve for end in self.tips]
+        pieces, clamps = self.pieces, [end.result() for end in self.clamps]
+        tips = [end.result().curve for end in self.tips]
         law = pieces.law([cell.curve for cell in self.cells], [clamp.curve for clamp in clamps], tips)
         if pieces.derivatives:
             rates = law_rates(pieces.config, pieces.repetition, pieces.movements, self.cells, clamps)
@@ -182,13 +180,6 @@ def _cell(curves: PieceCurves, pressure: float, is_whole: bool) -> Measured[Cell
     if is_whole:
         return cell_at(curves, pressure, bend_of(curves, pressure).curve)
     return near_cell(curves, pressure, NEAR / curves.pieces.design.length)
-
-
-def _measured(pending: Pending[EndCurves[Any]]) -> Measured[Any]:
-    found = pending.result()
-    if found.failure:
-        raise RunFailed(render(found.failure))
-    return found.measured[0]
 
 
 def _curves(law: ArmLaw, pressures_kPa: Sequence[float]) -> dict[float, Array]:

@@ -2,21 +2,26 @@
 walls of its cells do not touch."""
 
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 import pytest
 
 import fem
 from fem.cell.piece import BendingPiece, PieceFailed, PieceState
-from fem.cell.response import inflated
+from fem.cell.response import continued, inflated
 from geometry import Reason, SemicircularSingle
 from pipeline.law.ends import displacement
 from pipeline.law.piece import measure_clamp
-from pipeline.law.piece.measure import sweep_cell
-from pipeline.law.piece.measure_clamp import SMOOTH, TOLERANCE, clamp_curve, clamp_without_moment, first_state
-from pipeline.law.piece.measure_tip import tip_curve, tip_state
-from pipeline.law.piece.point import reached
+from pipeline.law.piece.measure import cell_without_moment, sweep_cell
+from pipeline.law.piece.measure_clamp import (
+    SMOOTH,
+    TOLERANCE,
+    clamp_curve,
+    clamp_without_moment,
+    straight_point,
+)
+from pipeline.law.piece.measure_tip import tip_curve
 from pipeline.law.piece.reach import Reach
 from rod.arm_law.curves import CellCurve
 from tests.pieces import end_piece, half_cell
@@ -57,46 +62,40 @@ def cells(pieces: Pieces) -> list[CellCurve]:
     return [pieces.curve(pressure) for pressure in (20.0, 40.0)]
 
 
-def test_an_end_from_the_state_at_a_lower_pressure_is_that_from_rest_in_fewer_factorizations(
-    pieces: Pieces, cells: list[CellCurve]
-) -> None:
-    lower, upper = cells
-    start = first_state(pieces.clamp, lower, None)
-    spent = pieces.clamp.factorizations
-    from_lower, _ = clamp_curve(pieces.clamp, upper, start)
-    between = pieces.clamp.factorizations
-    from_rest, _ = clamp_curve(pieces.clamp, upper)
-    assert between - spent < pieces.clamp.factorizations - between
+def test_states_without_moment_are_kept(pieces: Pieces, cells: list[CellCurve]) -> None:
+    """Curves that begin with them do not depend on what was measured before."""
+    first, again = Pieces(), Pieces()
+    point = straight_point(first.clamp, cells[1])
+    assert straight_point(first.clamp, cells[1]) is point
+    ours, theirs = (
+        clamp_curve(one.clamp, cells[1], partial(inflated, one.clamp, 0.04)).curve for one in (first, again)
+    )
+    assert first.clamp.factorizations > again.clamp.factorizations  # those of kept states count each time
     for name in ("moment", "rotation", "offset", "beside"):
-        ours, theirs = getattr(from_lower.curve, name), getattr(from_rest.curve, name)
-        assert ours == pytest.approx(theirs, rel=1e-5, abs=1e-7), name
-    tips = [tip_curve(pieces.free, upper, start)[0] for start in (tip_state(pieces.free, lower, None), None)]
-    assert tips[0].curve.beside == pytest.approx(tips[1].curve.beside, abs=1e-7)
-    assert tips[0].curve.couple == pytest.approx(tips[1].curve.couple, rel=1e-5, abs=1e-7)
+        assert np.array_equal(getattr(ours, name), getattr(theirs, name)), name
+    tips = [tip_curve(first.free, cells[1]).curve for _ in range(2)]
+    assert np.array_equal(tips[0].beside, tips[1].beside)
 
 
-def test_where_the_way_from_the_lower_pressure_fails_the_end_is_solved_from_rest(
-    pieces: Pieces, monkeypatch: pytest.MonkeyPatch
+def test_where_the_way_from_the_state_without_moment_fails_the_end_is_solved_from_rest(
+    cells: list[CellCurve], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    start = inflated(pieces.clamp, 0.01, 0.0)
-    solved = BendingPiece.solve_near
+    piece, cell = Pieces().clamp, cells[0]
+    begin = partial(inflated, piece, 0.02)
+    expected = measure_clamp._first(piece, cell, begin).state
+    monkeypatch.setattr(BendingPiece, "solve", lambda *_: raised())
 
-    def failing(piece: BendingPiece, *arguments: object, **options: object) -> PieceState:
-        if arguments[3].pressure >= 0.01:  # type: ignore[attr-defined]
-            raise PieceFailed(Reason("tangent_indefinite"))
-        return solved(piece, *arguments, **options)  # type: ignore[arg-type]
+    def raised() -> PieceState:
+        raise PieceFailed(Reason("tangent_indefinite"))
 
-    expected = inflated(pieces.clamp, 0.02, 0.0)
-    monkeypatch.setattr(BendingPiece, "solve_near", failing)
-    with pytest.raises(PieceFailed, match="the tangent is indefinite"):
-        inflated(pieces.clamp, 0.02, 0.0, start)
-    assert reached(pieces.clamp, 0.02, 0.0, start, lambda state: state.moment) == pytest.approx(expected.moment)
+    state = measure_clamp._first(piece, cell, begin).state
+    assert (state.angle, state.moment) == (expected.angle, pytest.approx(expected.moment, rel=1e-5))
 
 
 def test_without_contact_few_states_describe_the_clamped_end(pieces: Pieces, cells: list[CellCurve]) -> None:
     """Between its states, against states that are solved there."""
     cell, piece = cells[1], pieces.clamp
-    clamp = clamp_curve(piece, cell)[0].curve
+    clamp = clamp_curve(piece, cell).curve
     assert len(clamp.moment) == SMOOTH[1] + 1
     length = piece.body.length
     for moment in 0.5 * (clamp.moment[1:] + clamp.moment[:-1]):
@@ -113,7 +112,7 @@ def test_without_contact_few_states_describe_the_clamped_end(pieces: Pieces, cel
 def test_states_that_are_not_on_one_path_are_noticed(pieces: Pieces, cells: list[CellCurve]) -> None:
     """A kink makes no more of the change of the rotation than of its slope; a jump does."""
     cell, piece = cells[0], pieces.clamp
-    first = measure_clamp._ClampPoint.on(piece, cell, first_state(piece, cell, None))
+    first = measure_clamp._first(piece, cell, None)
     moments, slopes = (0.0, 1.0), (0.2, 0.3)
 
     def miss(rotation: float) -> float:
@@ -128,13 +127,23 @@ def test_states_that_are_not_on_one_path_are_noticed(pieces: Pieces, cells: list
     assert miss(0.25 + 0.4) == pytest.approx(0.1)
 
 
+def test_a_longer_end_begins_as_a_shorter_one_and_goes_on_as_cells_do(pieces: Pieces, cells: list[CellCurve]) -> None:
+    shorter, longer = (BendingPiece(end_piece(DESIGN, count, SIZE), RUBBER, "clamp") for count in (3, 5))
+    at, of = straight_point(shorter, cells[1]).state, cell_without_moment(pieces.cell, 0.04).state
+    angle, start = at.angle + 2.0 * of.angle, continued(longer, shorter, at, pieces.cell, of)
+    near = longer.solve_near(0.04, angle, start, longer.rest())
+    rest = inflated(longer, 0.04, angle)
+    assert near.factorizations <= 2 < rest.factorizations
+    assert near.state.displacement == pytest.approx(rest.state.displacement, abs=1e-5)
+    assert start.displacement == pytest.approx(rest.state.displacement, abs=0.02)
+
+
 def test_a_clamped_end_with_little_moment_is_one_without_to_first_order(
     pieces: Pieces, cells: list[CellCurve], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    cell = cells[1]
-    nearly, spent = clamp_without_moment(pieces.clamp, cell), pieces.clamp.factorizations
+    cell, again = cells[1], Pieces().clamp
+    nearly = clamp_without_moment(pieces.clamp, cell)
     monkeypatch.setattr(measure_clamp, "NEARLY_STRAIGHT", 1e-9)
-    exact = clamp_without_moment(pieces.clamp, cell)
-    assert pieces.clamp.factorizations > spent
+    exact = clamp_without_moment(again, cell)
     assert abs(exact.moment[0]) < 1e-3 * abs(nearly.moment[0])
     assert displacement(nearly, exact, cell, DESIGN.length) < 2e-5

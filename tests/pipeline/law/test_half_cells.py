@@ -1,7 +1,6 @@
 """How many half cells an end piece has: pieces without an equilibrium say nothing of how far the end disturbs."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from types import SimpleNamespace
 from typing import Any
 
@@ -27,21 +26,14 @@ def clamp(rotation: float) -> ClampCurve:
     return ClampCurve(1.0, one, one + rotation, one, one, two, two, s, np.zeros((1, 2, 2)))
 
 
-@dataclass
-class Answer:
-    """What a worker returns."""
-
-    rotation: float | None
-
-    def result(self) -> Any:
-        if self.rotation is None:
-            raise PieceFailed(Reason("tangent_indefinite"))
-        return SimpleNamespace(curve=clamp(self.rotation))
-
-
 def chosen(rotations: Mapping[int, float | None], available: int) -> tuple[int, float | None, Reason | None]:
     """With these rotations (rad) by half cells of the end piece; None for a piece without an equilibrium."""
-    answer: Any = lambda half_cells: Answer(rotations[half_cells])  # noqa: E731
+
+    def answer(half_cells: int) -> ClampCurve:
+        if (rotation := rotations[half_cells]) is None:
+            raise PieceFailed(Reason("tangent_indefinite"))
+        return clamp(rotation)
+
     return choose_half_cells(answer, CELL, available, LENGTH)
 
 

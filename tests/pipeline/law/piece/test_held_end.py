@@ -40,8 +40,8 @@ def law(cell: CellCurve) -> ArmLaw:
         middle,
         DESIGN.length,
         (cell,),
-        (clamp_curve(clamp, cell)[0].curve,),
-        (tip_curve(tip, cell)[0].curve,),
+        (clamp_curve(clamp, cell).curve,),
+        (tip_curve(tip, cell).curve,),
     )
 
 

@@ -54,8 +54,8 @@ def cell(swept: tuple[BendingPiece, CellSweep]) -> CellCurve:
 
 @pytest.fixture(scope="module")
 def law(cell: CellCurve) -> ArmLaw:
-    clamp, _ = clamp_curve(BendingPiece(end_piece(DESIGN, 1, SIZE), RUBBER, "clamp", dhat=DHAT), cell)
-    tip, _ = tip_curve(BendingPiece(tip_piece(DESIGN, 1, SIZE), RUBBER, "free", dhat=DHAT), cell)
+    clamp = clamp_curve(BendingPiece(end_piece(DESIGN, 1, SIZE), RUBBER, "clamp", dhat=DHAT), cell)
+    tip = tip_curve(BendingPiece(tip_piece(DESIGN, 1, SIZE), RUBBER, "free", dhat=DHAT), cell)
     repetition = DESIGN.repetition(SIZE, GRADINGS["off"])
     parts = (cell,), (clamp.curve,), (tip.curve,)
     return ArmLaw(2.0 * repetition.half_pitch, repetition.middle, DESIGN.length, *parts)

@@ -49,7 +49,7 @@ class Measured:
 
     @cached_property
     def clamp(self) -> ClampCurve:
-        clamp, _ = clamp_curve(self._end("clamp"), self.cell)
+        clamp = clamp_curve(self._end("clamp"), self.cell)
         assert clamp.limits == ()
         assert clamp.error <= CLAMP_TOLERANCE
         return clamp.curve
@@ -60,7 +60,7 @@ class Measured:
 
     @cached_property
     def law(self) -> ArmLaw:
-        tip = tip_curve(self._end("free"), self.cell)[0].curve
+        tip = tip_curve(self._end("free"), self.cell).curve
         middle = DESIGN.repetition(SIZE, GRADINGS["off"]).middle
         return ArmLaw(DESIGN.pitch, middle, DESIGN.length, (self.cell,), (self.clamp,), (tip,))
 
@@ -158,7 +158,7 @@ def test_a_clamped_end_that_bears_no_larger_moment_is_named(
         return state
 
     monkeypatch.setattr(BendingPiece, "solve_near", limited)
-    clamp, _ = clamp_curve(piece, measured.cell)
+    clamp = clamp_curve(piece, measured.cell)
     assert clamp.limits == (Reason("piece_fails", {"why": "the tangent is indefinite"}),)
     assert 0.6 * largest < clamp.curve.moment[-1] <= largest
     assert len(angles) < 30
@@ -177,7 +177,7 @@ def test_where_the_moment_of_the_clamped_end_does_not_grow_its_law_ends(
         return replace(point, slopes=replace(point.slopes, moment_by_angle=slope))
 
     monkeypatch.setattr(PiecePoint, "of", falling)
-    (limit,) = clamp_curve(piece, measured.cell)[0].limits
+    (limit,) = clamp_curve(piece, measured.cell).limits
     assert str(limit.values["why"]).startswith("at 20 kPa the clamped end is not described from a moment of ")
 
 

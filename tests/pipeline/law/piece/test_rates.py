@@ -14,7 +14,7 @@ from geometry.meshing.moving import Movement
 from pipeline.config.config import Config
 from pipeline.config.load import load_config
 from pipeline.law.cells import cell_at
-from pipeline.law.ends import CLAMP, TIP, end_curves
+from pipeline.law.ends import CLAMP, TIP, end_at
 from pipeline.law.mesh_limit import Corrections, across_on, corrected
 from pipeline.law.piece import in_space, measure
 from pipeline.law.piece.rates import law_rates, material_steps
@@ -54,7 +54,7 @@ def law_at_one_pressure(arm: ArmPieces, pressure: float = PRESSURE) -> ArmLaw:
         patch.setattr(in_space, "STATES", 99)  # rigidities of all states, none between others
         curves = PieceCurves(arm, store, Silent())
         cell = cell_at(curves, pressure, BEND)
-        ((clamp,), (tip,)) = (end_curves(curves, end, [cell.curve], 1).measured for end in (CLAMP, TIP))
+        clamp, tip = (end_at(curves, end, cell.curve, 1) for end in (CLAMP, TIP))
     made = arm.repetition
     law = ArmLaw(2.0 * made.half_pitch, made.middle, arm.design.length, (cell.curve,), (clamp.curve,), (tip.curve,))
     return replace(law, rates=law_rates(arm.config, made, arm.movements, [cell], [clamp]))
