@@ -17,7 +17,7 @@ from geometry import Reason
 from geometry.arrays import Array
 from pipeline.law.adaptive import divided
 from pipeline.law.piece.in_space import clamp_in_space
-from pipeline.law.piece.point import Measured, PiecePoint, reason_of, without_moment
+from pipeline.law.piece.point import Measured, PiecePoint, reached, reason_of, without_moment
 from pipeline.law.piece.rates import clamp_rates
 from pipeline.values.pressure import KPA_PER_MPA, in_MPa
 from rod.arm_law.curves import CellCurve, ClampCurve
@@ -80,7 +80,7 @@ def _first(piece: BendingPiece, cell: CellCurve, begin: Begin | None) -> "_Clamp
             near = straight_point(piece, cell, begin)
             predicted = extrapolate(None, near.path_point, angle)
             return _ClampPoint.on(piece, cell, piece.solve(near.state.pressure, angle, near.state, predicted))
-    return _ClampPoint.on(piece, cell, inflated(piece, in_MPa(cell.pressure), angle))
+    return reached(piece, in_MPa(cell.pressure), angle, partial(_ClampPoint.on, piece, cell))
 
 
 def _steps(cell: CellCurve) -> tuple[float, int]:

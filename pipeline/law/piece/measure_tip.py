@@ -1,5 +1,7 @@
 """The free end of the arm at one pressure, beside cells continued to it, from finite elements."""
 
+from functools import partial
+
 import numpy as np
 from scipy.integrate import cumulative_trapezoid
 
@@ -7,9 +9,8 @@ from fem.cell.air import air_volumes
 from fem.cell.axis import circle, components
 from fem.cell.edge import FreeEdge, free_edge
 from fem.cell.piece import BendingPiece, PieceState
-from fem.cell.response import inflated
 from geometry.arrays import Array
-from pipeline.law.piece.point import Measured, stable
+from pipeline.law.piece.point import Measured, reached, stable
 from pipeline.values.pressure import in_MPa
 from rod.arm_law.curves import CellCurve, TipCurve
 
@@ -28,11 +29,7 @@ def tip_curve(piece: BendingPiece, cell: CellCurve) -> Measured[TipCurve]:
     The piece is the mirror image of the tip: its face `clamp` is the end of the arm, its face `tip` the plane.
     """
 
-    def solve() -> tuple[PieceState, FreeEdge]:
-        state = inflated(piece, in_MPa(cell.pressure), 0.0)
-        with stable(piece, state):
-            return state, free_edge(piece, state)
-
+    solve = partial(reached, piece, in_MPa(cell.pressure), 0.0, partial(_with_edge, piece))
     state, edge = piece.kept(("edge", cell.pressure), solve)
     kappa, stretch, ripple = cell.at(0.0)
     length = piece.body.length
@@ -68,6 +65,11 @@ def tip_curve(piece: BendingPiece, cell: CellCurve) -> Measured[TipCurve]:
         volume=air_volumes(piece.body, piece.space, state.state.displacement),
     )
     return Measured(curve)
+
+
+def _with_edge(piece: BendingPiece, state: PieceState) -> tuple[PieceState, FreeEdge]:
+    with stable(piece, state):
+        return state, free_edge(piece, state)
 
 
 def axis_by_pull(cell: CellCurve, s: Array, beside_end: Array) -> Array:

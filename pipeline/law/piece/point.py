@@ -1,7 +1,7 @@
 """States of a piece with their slopes, and the one without moment."""
 
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from typing import Any, Generic, TypeVar
 
@@ -9,7 +9,7 @@ import numpy as np
 
 from fem.cell.air import air_volumes
 from fem.cell.piece import BendingPiece, PieceFailed, PieceState
-from fem.cell.response import Slopes, slopes
+from fem.cell.response import Slopes, inflated, slopes
 from fem.equations.linear import SingularMatrix
 from fem.path.predictor import PathPoint, extrapolate
 from geometry import Reason, Values
@@ -100,6 +100,18 @@ def without_moment(
         state = piece.solve(state.pressure, angle, state, extrapolate(None, point.path_point, angle))
     values: Values = {"piece": piece.name, "pressure_kPa": in_kPa(state.pressure)}
     raise PieceFailed(Reason("no_piece_without_moment", values))
+
+
+def reached(piece: BendingPiece, pressure: float, angle: float, made_of: Callable[[PieceState], Value]) -> Value:
+    """What is made of the state at a pressure in MPa and an angle in rad.
+
+    It is solved from rest, and from half the pressure and the angle where that leads to no stable state. Raises
+    `PieceFailed`.
+    """
+    with suppress(PieceFailed):
+        return made_of(inflated(piece, pressure, angle))
+    half = inflated(piece, 0.5 * pressure, 0.5 * angle)
+    return made_of(piece.solve(pressure, angle, half))
 
 
 @contextmanager

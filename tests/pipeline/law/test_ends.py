@@ -22,6 +22,7 @@ from pipeline.law.piece.measure_clamp import (
     straight_point,
 )
 from pipeline.law.piece.measure_tip import tip_curve
+from pipeline.law.piece.point import reached
 from pipeline.law.piece.reach import Reach
 from rod.arm_law.curves import CellCurve
 from tests.pieces import end_piece, half_cell
@@ -90,6 +91,20 @@ def test_where_the_way_from_the_state_without_moment_fails_the_end_is_solved_fro
 
     state = measure_clamp._first(piece, cell, begin).state
     assert (state.angle, state.moment) == (expected.angle, pytest.approx(expected.moment, rel=1e-5))
+
+
+def test_an_end_that_is_not_stable_when_inflated_at_once_is_solved_from_half_the_pressure(pieces: Pieces) -> None:
+    states: list[PieceState] = []
+
+    def second(state: PieceState) -> PieceState:
+        states.append(state)
+        if len(states) == 1:
+            raise PieceFailed(Reason("tangent_indefinite"))
+        return state
+
+    state = reached(pieces.clamp, 0.02, -0.01, second)
+    assert (state.pressure, state.angle) == (0.02, -0.01)
+    assert state.moment == pytest.approx(states[0].moment, rel=1e-5)
 
 
 def test_without_contact_few_states_describe_the_clamped_end(pieces: Pieces, cells: list[CellCurve]) -> None:
