@@ -165,7 +165,7 @@ class _NearLaw:
         return _NearLaw(pieces, cells, clamps, tips)
 
     def law(self) -> ArmLaw:
-        """With derivatives where the pieces have some. Raises RunFailed where an end does not bear a pressure."""
+        """With derivatives where the pieces have some. Raises `PieceFailed` where an end does not bear a pressure."""
         pieces, clamps = self.pieces, [end.result() for end in self.clamps]
         tips = [end.result().curve for end in self.tips]
         law = pieces.law([cell.curve for cell in self.cells], [clamp.curve for clamp in clamps], tips)
