@@ -62,7 +62,6 @@ def example() -> str:
 NEED = Need(0.7, 2.0)
 #: the largest strains of the tests
 TOPS = (2.5, 1.0)
-TOLERANCE = 0.1
 TRUTHS = {
     "neo_hooke": fem.NeoHooke(0.024, 100.0),
     "yeoh": fem.Yeoh(0.06, 0.004, 0.0, 100.0),
@@ -104,7 +103,7 @@ WARTS: dict[str, Wart] = {
 def judged(strain: Array, stress: Array, need: Need = NEED) -> Judged:
     series = Series("", strain, stress, np.arange(len(strain)), ())
     test = first_loading("pull.csv", "pull", series, Selection())
-    return judge(Points.of((test,)), need, 0.4999, TOLERANCE)
+    return judge(Points.of((test,)), need, 0.4999)
 
 
 def errors(truth: str, wart: str, count: int, top: float = 2.5) -> dict[str, float]:

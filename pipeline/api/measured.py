@@ -80,33 +80,25 @@ def material(
     area: Annotated[str | None, typer.Option(metavar="A", help="At rest, for forces: '16 mm^2'.")] = None,
     cycle: Annotated[int, typer.Option(metavar="N", min=0, help="A later loading than the first one.")] = 0,
     start: Annotated[str | None, typer.Option("--from", metavar="STRAIN", help="Leave out smaller strains.")] = None,
-    up_to: Annotated[str | None, typer.Option(metavar="STRAIN", help="Leave out larger strains: '50 %'.")] = None,
-    within: Annotated[str, typer.Option(metavar="ERROR", help="Relative error within which a law holds.")] = "10 %",
     nu: Annotated[float, typer.Option(metavar="NU", help="Poisson ratio; it gives rubber its kappa.")] = 0.495,
     density: Annotated[str | None, typer.Option(metavar="RHO", help="For the configuration: '1070 kg/m^3'.")] = None,
     hold: Annotated[
         Path | str | None,
         typer.Option("--hold", metavar="HOLD.csv", help="A specimen that is held: its stress or strain over time."),
     ] = None,
-    rates: Annotated[
-        Sequence[Path | str],
-        list[Path],
-        typer.Option("--rate", metavar="LOADED.csv", help="One loaded at a rate: strain and stress over time. Repeat."),
-    ] = (),
 ) -> "Material":
     """Fit laws to tensile tests: the law to take, its constants, and the stretches over which it can be used.
 
-    hold, or two files of rates or more, give the branches of relaxation. Raises `pneurod.InputError` for a wrong file
-    or argument, and `pneurod.RunFailed` where no law can be used.
+    hold gives the branches of relaxation. Raises `pneurod.InputError` for a wrong file or argument, and
+    `pneurod.RunFailed` where no law can be used.
     """
     from pipeline.answers.material import record, study
 
     files = [given_path(test, "tests", "tensile.csv") for test in tests]
     needing = None if run is None else given_path(run, "run", "results/arm")
-    texts = {"length": length, "area": area, "start": start, "up_to": up_to, "within": within, "density": density}
+    texts = {"length": length, "area": area, "start": start, "density": density}
     held = None if hold is None else given_path(hold, "hold", "hold.csv")
-    loaded = tuple(given_path(rate, "rates", "loaded.csv") for rate in rates)
-    options = study.FitOptions.read(texts, nu, cycle, needing, held, loaded)
+    options = study.FitOptions.read(texts, nu, cycle, needing, held)
     found = record.fit_material(files, options, given_path(out, "out", "results/material"))
     if not found.judged.usable:
         raise RunFailed(" ".join(found.words)).with_reached(found)

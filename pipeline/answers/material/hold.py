@@ -37,7 +37,6 @@ class Hold:
     tau_s: tuple[float, ...]  #: s
     between_s: tuple[float, float]  #: first and last time
     misfit: float  #: root mean square of the differences over what was read at long times
-    std: tuple[tuple[float, float], ...] = ()  #: of ln g and ln tau of each branch, where these are known
 
     @property
     def written(self) -> str:
@@ -49,14 +48,11 @@ class Hold:
     def words(self) -> list[str]:
         """How much of the stress a stretch loses that is held, and a loss factor that no rubber has."""
         low, high = self.between_s
-        branches = zip(self.g, self.tau_s, self.std, strict=False)
-        known = ", ".join(f"{g:.2g} ± {g * a:.1g} at {tau:.2g} ± {tau * b:.1g} s" for g, tau, (a, b) in branches)
         lost = 100.0 * (1.0 - 1.0 / (1.0 + sum(self.g)))
         said = [
             f"A stretch that is held loses {lost:.3g} % of its stress from {low:.3g} to {high:.3g} s; branches "
             f"describe it within {100.0 * self.misfit:.2g} %. The law is taken as that at long times."
         ]
-        said += [f"Branches: {known}."] if known else []
         hz = np.geomspace(1.0 / high, 1.0 / low, 60) / (2.0 * np.pi)
         losses = Relaxation(self.g, self.tau_s).loss_factor(hz)
         if losses.max() > LARGEST_LOSS:
@@ -69,13 +65,13 @@ class Hold:
 
 def read_hold(path: Path) -> Hold:
     """The branches of a file with a time that is 0 where the hold begins. Raises InputError."""
-    time, read = read_over_time(path)
+    time, read = _read_over_time(path)
     kind = next(kind for kind in ("stress", "force", "strain", "extension", "stretch") if kind in read)
     points = np.column_stack([time, read[kind]])
     return _held(path, points[np.isfinite(points).all(axis=1)], is_creep=kind not in ("stress", "force"))
 
 
-def read_over_time(path: Path) -> tuple[Array, dict[str, Array]]:
+def _read_over_time(path: Path) -> tuple[Array, dict[str, Array]]:
     """Times (n,) in s, and what was read then (n,), by kind; NaN where a row has no number. Raises InputError."""
     cells = read_cells(path, "a specimen over time", EXAMPLE)
     numbers = np.array([[number_in(cell) for cell in row] for row in cells])

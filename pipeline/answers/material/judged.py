@@ -9,6 +9,8 @@ from fem.materials import Material, MaterialError
 from geometry.arrays import Array, Mask
 from pipeline.answers.material.laws import FORMS, PER_LOG, STATES, Form, Points, is_stable, nominal, stretches
 
+#: relative error of the nominal stress up to which a law counts as valid
+WITHIN = 0.1
 #: largest ratio of the stresses of two laws, in any state, up to which both can be used
 FACTOR = 1.5
 #: strain from which the misfit of a law is judged relative to the stress; below, relative to the stress there
@@ -80,18 +82,18 @@ class Judged:
         return tuple(fit for fit in self.laws if fit.holds)
 
 
-def judge(points: Points, need: Need, nu: float, within: float) -> Judged:
+def judge(points: Points, need: Need, nu: float) -> Judged:
     """Every law fitted and judged. Raises `MaterialError` where no law has constants for these points."""
     fits, refused = [], {}
     for form in FORMS.values():
         try:
-            fits.append(_widest(form, points, need, nu, within))
+            fits.append(_widest(form, points, need, nu))
         except MaterialError as failure:
             refused[form.name] = str(failure)
     if not fits:
         raise MaterialError("; ".join(dict.fromkeys(refused.values())))
     end = min(need.high, end_of(points))
-    fits.sort(key=lambda fit: _rank(fit, end, within))
+    fits.sort(key=lambda fit: _rank(fit, end))
     taken: list[LawFit] = []
     for fit in fits:
         taken.append(_where_they_agree(fit, [other for other in taken if other.holds]))
@@ -108,15 +110,15 @@ def end_of(points: Points) -> float:
     return max(float(points.stretch[-1]), float(points.stretch[0]) ** -0.5)
 
 
-def _rank(fit: LawFit, end: float, within: float) -> tuple[bool, bool, float, int]:
+def _rank(fit: LawFit, end: float) -> tuple[bool, bool, float, int]:
     """Those first that hold as far as needed, the law of one constant if it is close; else those that hold further."""
     covers = fit.holds is not None and fit.holds[1] >= 0.98 * end
-    simple = covers and fit.form.constants == ("mu",) and fit.largest <= SIMPLE * within
+    simple = covers and fit.form.constants == ("mu",) and fit.largest <= SIMPLE * WITHIN
     far = 0.0 if covers else -(fit.holds[1] if fit.holds else 0.0)
     return not covers, not simple, far, ORDER.index(fit.name) if fit.name in ORDER else len(ORDER)
 
 
-def _widest(form: Form, points: Points, need: Need, nu: float, within: float) -> LawFit:
+def _widest(form: Form, points: Points, need: Need, nu: float) -> LawFit:
     """The law fitted to the stretches that are needed, or else to the widest range of them that it describes."""
     ends = [need.high**SHORTER**k for k in range(40)]
     if len(form.constants) > 1:
@@ -131,7 +133,7 @@ def _widest(form: Form, points: Points, need: Need, nu: float, within: float) ->
         except MaterialError as failure:
             refused = failure
             continue
-        fit = _with_range(_with_misfit(fit, points), points, within)
+        fit = _with_range(_with_misfit(fit, points), points)
         first = first or fit
         if fit.holds and fit.holds[1] >= min(end, need.high, end_of(chosen)) * 0.99:
             return fit
@@ -156,10 +158,10 @@ def _with_misfit(fit: LawFit, points: Points) -> LawFit:
     return replace(fit, misfit=float(np.sqrt(np.mean(judged**2))), largest=float(judged.max()))
 
 
-def _with_range(fit: LawFit, points: Points, within: float) -> LawFit:
+def _with_range(fit: LawFit, points: Points) -> LawFit:
     """The same with the stretches from rest on over which it is stable in all states and close to the tests."""
     floor = points.modulus * ((1 + JUDGED_FROM) - (1 + JUDGED_FROM) ** -2)
-    allowed = within * np.maximum(np.abs(points.stress), floor) + ALLOWED_ERRORS * points.error
+    allowed = WITHIN * np.maximum(np.abs(points.stress), floor) + ALLOWED_ERRORS * points.error
     close = np.abs(fit.law.uniaxial(points.stretch).nominal - points.stress) <= allowed
     up, down = points.stretch > 1, points.stretch < 1
     pulled, pressed = _last(points.stretch[up], close[up]), _last(points.stretch[down][::-1], close[down][::-1])

@@ -60,7 +60,6 @@ class Selection:
 
     cycle: int = 0  #: number of a loading; 0 for the first one and what later ones add beyond it
     start: float | None = None  #: least strain; None for the steepest part
-    stop: float = np.inf  #: largest strain
 
 
 def read_tensile(paths: Sequence[Path], specimen: Specimen, selection: Selection) -> tuple[TensileTest, ...]:
@@ -91,7 +90,6 @@ def first_loading(where: str, name: str, series: Series, selection: Selection) -
         notes.append(f"{where}: the stress drops after a strain of {100 * strain[order[count - 1]]:.4g} %, a break: "
                      "later points are left out")  # fmt: skip
         order = order[:count]
-    order = order[(np.abs(strain[order]) <= selection.stop * (1 + 1e-9))]
     _enough(where, len(order))
     begin, slack, offset = _slack(strain[order], stress[order], selection.start)
     if slack:

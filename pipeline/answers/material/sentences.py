@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from fem.materials import LAWS, Constant
-from pipeline.answers.material.judged import NEAREST, Judged, LawFit, Need, end_of, parting
+from pipeline.answers.material.judged import NEAREST, WITHIN, Judged, LawFit, Need, end_of, parting
 from pipeline.answers.material.laws import Points
 from pipeline.answers.material.loading import TensileTest
 from pipeline.config.units import DENSITY, convert
@@ -51,7 +51,7 @@ def stretches(fit: LawFit) -> str:
     return "-" if fit.holds is None else f"{fit.holds[0]:.2f} to {fit.holds[1]:.2f}"
 
 
-def recommendation(judged: Judged, points: Points, need: Need, within: float) -> list[str]:
+def recommendation(judged: Judged, points: Points, need: Need) -> list[str]:
     """Which law to take, in words."""
     best = judged.laws[0]
     if best.holds is None:
@@ -59,8 +59,8 @@ def recommendation(judged: Judged, points: Points, need: Need, within: float) ->
     misfit = f"on average {100 * best.misfit:.2g} % off the tests, at most {100 * best.largest:.2g} %"
     end = f"up to a stretch of {best.holds[1]:.3g}"
     sentences = [f"Take {best.name}: {end} it can be used, and is {misfit}."]
-    if best.why == NEAREST and best.largest > within:
-        none = f"No law is within {100 * within:g} % of the tests."
+    if best.why == NEAREST and best.largest > WITHIN:
+        none = f"No law is within {100 * WITHIN:g} % of the tests."
         sentences = [f"{none} {best.name} comes closest: {end} it is {misfit}."]
     if best.holds[1] < 0.98 * need.high:
         ends = f"ends at a stretch of {best.holds[1]:.3g}"

@@ -11,7 +11,6 @@ from pipeline.answers.material.hold import Hold, read_hold
 from pipeline.answers.material.judged import Judged, Need, judge
 from pipeline.answers.material.laws import Points
 from pipeline.answers.material.loading import Selection, TensileTest, read_tensile
-from pipeline.answers.material.rates import read_rates
 from pipeline.answers.material.sentences import doubts, doubts_of_given, facts, recommendation, yaml_line
 from pipeline.answers.material.table import Specimen
 from pipeline.config.units import AREA, DENSITY, LENGTH, STRAIN, Dimension
@@ -36,18 +35,13 @@ class FitOptions:
     need: Need = USUAL
     nu: float = 0.495  #: Poisson ratio of the laws that have one; it gives the others their kappa
     density: str | None = None  #: as written, for the configuration; None where it is not given
-    within: float = 0.1  #: relative error of the nominal stress up to which a law counts as valid
     hold: Path | None = None  #: a file of a specimen that is held
-    rates: tuple[Path, ...] = ()  #: files of one that is loaded at several rates, in its place
 
     @staticmethod
     def read(
-        texts: dict[str, str | None], nu: float, cycle: int, run: Path | None, hold: Path | None = None,
-        rates: tuple[Path, ...] = (),
-    ) -> "FitOptions":  # fmt: skip
+        texts: dict[str, str | None], nu: float, cycle: int, run: Path | None, hold: Path | None = None
+    ) -> "FitOptions":
         """From texts by the name of the argument. Raises InputError."""
-        if hold and rates:
-            raise InputError(f"{argument('hold', hold)}: branches come from a hold or from rates; leave one out")
         ask(argument("nu"), StVenantKirchhoff, 1.0, nu)
 
         def value(option: str, dimension: Dimension) -> float | None:
@@ -57,13 +51,11 @@ class FitOptions:
         value("density", DENSITY)
         return FitOptions(
             Specimen(value("length", LENGTH), value("area", AREA)),
-            Selection(cycle, value("start", STRAIN), value("up_to", STRAIN) or np.inf),
+            Selection(cycle, value("start", STRAIN)),
             USUAL if run is None else need_of(run),
             nu,
             texts.get("density"),
-            value("within", STRAIN) or FitOptions.within,
             hold,
-            rates,
         )
 
 
@@ -76,12 +68,12 @@ class Material:
     points: Points
     judged: Judged
     notes: tuple[str, ...]  #: sentences on what was left out, and what is most likely wrong with the data
-    hold: Hold | None  #: of a specimen that was held, or loaded at several rates
+    hold: Hold | None  #: of a specimen that was held
 
     @property
     def words(self) -> list[str]:
         """The recommendation and what else to know."""
-        said = recommendation(self.judged, self.points, self.options.need, self.options.within)
+        said = recommendation(self.judged, self.points, self.options.need)
         return [*said, *facts(self.judged, self.points), *(self.hold.words if self.hold else [])]
 
     @property
@@ -103,12 +95,12 @@ def need_of(run: Path) -> Need:
 
 def fit_tests(paths: Sequence[Path], options: FitOptions) -> Material:
     """Read, fit and judge. Raises InputError, and RunFailed where no law has constants for the tests."""
-    hold = read_rates(options.rates) if options.rates else read_hold(options.hold) if options.hold else None
+    hold = read_hold(options.hold) if options.hold else None
     tests = read_tensile(paths, options.specimen, options.selection)
     points = Points.of(tests)
     notes = (*doubts(tests, points), *doubts_of_given(options.nu, options.density, points.spread))
     try:
-        judged = judge(points, options.need, options.nu, options.within)
+        judged = judge(points, options.need, options.nu)
     except MaterialError as failure:
         raise RunFailed("; ".join([f"no law can be fitted: {failure}", *notes])) from None
     return Material(options, tests, points, judged, notes, hold)

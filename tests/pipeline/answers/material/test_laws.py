@@ -8,11 +8,11 @@ import pytest
 import fem
 from benchmarks.markdown import made
 from fem.materials import LinearLaw, MaterialError
-from pipeline.answers.material.judged import FACTOR, NEAREST, Judged, Need, parting
+from pipeline.answers.material.judged import FACTOR, NEAREST, WITHIN, Judged, Need, parting
 from pipeline.answers.material.laws import FORMS, STATES, Points, is_stable, nominal, stretches
 from pipeline.answers.material.loading import TensileTest
 from tests.laws import LAWS
-from tests.specimens import CONSTANTS, SEED, TOLERANCE, TRUTHS, WARTS, drawn, judged, row_of
+from tests.specimens import CONSTANTS, SEED, TRUTHS, WARTS, drawn, judged, row_of
 
 
 @pytest.mark.parametrize("wart", WARTS)
@@ -88,7 +88,7 @@ def test_no_law_within_the_tolerance_is_the_best_one_with_its_misfit() -> None:
     strain = np.linspace(0.0, 1.5, 61)
     found = judged(strain, 0.3 * strain + 0.06 * np.sin(25 * strain))
     [first, *others] = found.usable
-    assert first.largest > TOLERANCE
+    assert first.largest > WITHIN
     assert first.why == NEAREST
     assert not others or min(fit.holds[1] for fit in found.usable if fit.holds) > 1.0
 

@@ -15,7 +15,7 @@ from pipeline.answers.material.laws import Points
 from pipeline.answers.material.loading import TensileTest
 from pipeline.answers.material.page import law_table
 from pipeline.answers.material.record import fit_material
-from pipeline.answers.material.sentences import doubts, yaml_line
+from pipeline.answers.material.sentences import doubts, doubts_of_given, yaml_line
 from pipeline.answers.material.study import FitOptions, fit_tests
 from pipeline.cli import app
 from pipeline.config.load import load_config
@@ -181,8 +181,8 @@ def test_strains_that_are_stretches_are_asked_about() -> None:
     ("options", "complaint"),
     [
         (["--nu", "0.5"], "--nu: nu = 0.5: Poisson's ratio must lie between -1 and 0.5 (0.5 itself excluded)"),
-        (["--up-to", "150"], "--up-to: '150' has no unit; write a strain with its unit, for example '150 %'"),
-        (["--within", "0 %"], "--within: 0 % is not allowed; allowed: above zero, for example '150 %'"),
+        (["--from", "150"], "--from: '150' has no unit; write a strain with its unit, for example '150 %'"),
+        (["--length", "0 mm"], "--length: 0 mm is not allowed; allowed: above zero, for example"),
         (["--density", "3 kg"], "--density: '3 kg' is not a density; write a density with its unit"),
         (["--length", "3 kg"], "--length: '3 kg' is not a length; write a length with its unit"),
         (["--area", "3 mm"], "--area: '3 mm' is not an area; write an area with its unit"),
@@ -227,3 +227,11 @@ def test_the_stress_of_other_laws_beside_that_of_the_yeoh_law() -> None:
         law, _, modulus = name.partition(" = ")
         ratios = laws[law](float(modulus.split()[0])).uniaxial(stretches).nominal / yeoh
         assert [float(cell) for cell in cells] == pytest.approx(ratios, abs=0.006)
+
+
+def test_what_no_rubber_has_is_named() -> None:
+    assert list(doubts_of_given(0.495, "1070 kg/m^3", 0.1)) == []
+    of_nu, of_density, of_batch = doubts_of_given(0.3, "2000 kg/m^3", 0.3)
+    assert of_nu == "a Poisson ratio of 0.3 is given, and rubbers have 0.45 to 0.5"
+    assert of_density == "a density of 2000 kg/m^3 is given, and rubbers have 800 to 1400 kg/m^3"
+    assert of_batch == "the specimens differ by 30 %; those of one batch by less than 20 %"
