@@ -82,7 +82,6 @@ def sweep(
     *,
     scheduler: Annotated[str | None, typer.Option(metavar="ADDRESS", help="Of Dask, instead of own workers.")] = None,
     jobs: Annotated[int | None, typer.Option(min=1, help="Worker processes (default: number of cores).")] = None,
-    memory: Annotated[str | None, typer.Option(metavar="SIZE", help="Of each worker (default: equal parts).")] = None,
     draft: Draft = False,
     fresh: Fresh = False,
     progress: "bool | Progress" = False,
@@ -94,12 +93,11 @@ def sweep(
     """
     from pipeline.study.sweep import spec, study, workers
 
-    if scheduler is not None and (jobs is not None or memory is not None):
-        own = f"{argument('jobs')} and {argument('memory')}"
-        raise InputError(f"{argument('scheduler')}: its workers are started apart; leave out {own}")
+    if scheduler is not None and jobs is not None:
+        raise InputError(f"{argument('scheduler')}: its workers are started apart; leave out {argument('jobs')}")
     sweeps = [spec.read_sweep(given_path(file, "files", "sweep.yaml")) for file in files]
     sweeps = [sweep.as_draft() for sweep in sweeps] if given_choice(draft, "draft") else sweeps
-    who = scheduler or workers.LocalWorkers.of(given_jobs(jobs) or available_cores(), memory)
+    who = scheduler or workers.LocalWorkers.of(given_jobs(jobs) or available_cores())
     parent = Path("results") if out is None else given_path(out, "out", "results/sweep")
     folders = [parent / sweep.name if out is None or len(sweeps) > 1 else parent for sweep in sweeps]
     say = _ignore if isinstance(given_progress(progress), Silent) else typer.echo

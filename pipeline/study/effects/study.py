@@ -58,7 +58,7 @@ def compare_effects(config: Config, out: Path, jobs: int, fresh: bool, progress:
 
     identity = {"name": f"effects of {config.name}", "config_hash": config.hash}
     own = PointSet(out, identity, EFFECTS_RUN, points, (TABLE,), save)
-    course = Course(LocalWorkers.of(jobs, None), fresh, progress.stage)
+    course = Course(LocalWorkers.of(jobs), fresh, progress.stage)
     return EffectsTable(out, rows(solve_points([own], course)[0]))
 
 

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from itertools import count
 from typing import Any, TypeAlias, TypeVar
 
-from dask.utils import parse_bytes
 from distributed import Client, KilledWorker
 from distributed.cfexecutor import ClientExecutor
 from distributed.comm import CommClosedError
@@ -38,19 +37,13 @@ class LocalWorkers:
     memory: int  #: bytes that each may use before it is ended
 
     @staticmethod
-    def of(jobs: int, memory: str | None) -> "LocalWorkers":
-        """memory: of each worker with its unit, or None for equal parts of that of the machine. Raises InputError."""
-        share = MEMORY_LIMIT // jobs
-        try:
-            each = share if memory is None else parse_bytes(memory)
-        except ValueError:
-            raise InputError(f"{argument('memory', memory)}: is no amount of memory; for example '4 GB'") from None
-        if (memory is not None or jobs > 1) and not LEAST_MEMORY <= each <= share:
-            given = argument("jobs", jobs) if memory is None else argument("memory", memory)
-            most = max(1, MEMORY_LIMIT // max(each, LEAST_MEMORY))
-            allowed = f"from {_gigabytes(LEAST_MEMORY)} to its part of the {_gigabytes(MEMORY_LIMIT)} of this machine"
-            remedy = f"give at most {argument('jobs', most)}, or {argument('memory')} with its unit, for example '4 GB'"
-            raise InputError(f"{given}: each of {jobs} workers needs {allowed}; {remedy}")
+    def of(jobs: int) -> "LocalWorkers":
+        """Workers with equal parts of the memory of the machine. Raises InputError where these are too small."""
+        each = MEMORY_LIMIT // jobs
+        if jobs > 1 and each < LEAST_MEMORY:
+            needs = f"needs {_gigabytes(LEAST_MEMORY)} of the {_gigabytes(MEMORY_LIMIT)} of this machine"
+            most = argument("jobs", max(1, MEMORY_LIMIT // LEAST_MEMORY))
+            raise InputError(f"{argument('jobs', jobs)}: each worker {needs}; give at most {most}")
         return LocalWorkers(jobs, each)
 
 
