@@ -13,6 +13,7 @@ from pipeline.values.errors import InputError, argument
 APART = 5.0
 #: what together is a place
 PLACES = (("tip_x", "tip_y"), ("x", "y"))
+ANGLES = "end_angle", "tip_direction"
 
 
 def aligned(measurements: Measurements, rods: Rods) -> Measurements:
@@ -43,7 +44,8 @@ def aligned(measurements: Measurements, rods: Rods) -> Measurements:
 
 def _places(row: Row) -> Row:
     """With the places alone that were read at rest."""
-    names = [name for pair in PLACES for name in pair if row.state.is_at_rest and name in row.values]
+    is_place = row.state.is_at_rest and row.zero_kPa is None
+    names = [name for pair in PLACES for name in pair if is_place and name in row.values]
     return replace(row, values={name: row.values[name] for name in names})
 
 
@@ -51,8 +53,9 @@ def _moved(row: Row, matrix: Array, shift: Array, turn: float) -> Row:
     values = dict(row.values)
     for pair in PLACES:
         if pair[0] in values:
-            moved = matrix @ np.array([values[name] for name in pair]) + shift
+            moved = matrix @ np.array([values[name] for name in pair]) + (shift if row.zero_kPa is None else 0.0)
             values |= dict(zip(pair, moved.tolist(), strict=True))
-    if "end_angle" in values:
-        values["end_angle"] += float(np.degrees(turn))
+    for name in ANGLES:
+        if name in values and row.zero_kPa is None:
+            values[name] += float(np.degrees(turn))
     return replace(row, values=values)

@@ -7,7 +7,7 @@ import numpy as np
 
 from geometry import Reason
 from geometry.arrays import Array
-from pipeline.answers.measured.aligned import PLACES
+from pipeline.answers.measured.aligned import ANGLES, PLACES
 from pipeline.answers.measured.predicted import Numbers
 from pipeline.answers.measured.rows import COLUMNS
 from pipeline.values.errors import InputError
@@ -38,21 +38,21 @@ def check_numbers(numbers: Numbers, predicted: Array, length_mm: float) -> None:
 
 
 def _check_degrees(numbers: Numbers, predicted: Array) -> None:
-    angles = [k for k, name in enumerate(numbers.names) if name == "end_angle" and abs(predicted[k]) > LARGE]
+    angles = [k for k, name in enumerate(numbers.names) if name in ANGLES and abs(predicted[k]) > LARGE]
     if angles and np.median([abs(numbers.values[k] / predicted[k]) for k in angles]) < IN_RADIANS:
-        first = angles[0]
+        first, name = angles[0], numbers.names[angles[0]]
         raise InputError(
-            f"{numbers.measurements.file}: line {numbers.rows[first].line}: end_angle_deg is "
+            f"{numbers.measurements.file}: line {numbers.rows[first].line}: {name}_deg is "
             f"{numbers.values[first]:.3g}, where the rod has {predicted[first]:.3g}°; if it is in radians, name the "
-            "column end_angle_rad"
+            f"column {name}_rad"
         )
 
 
 def _check_signs(numbers: Numbers, predicted: Array, length_mm: float) -> None:
     """Columns all of whose numbers without load have the other sign than the rod, and about its size."""
     sentences = []
-    for name in ("tip_x", "tip_y", "x", "y", "end_angle"):
-        clear = CLEAR_DEG if name == "end_angle" else CLEAR * length_mm
+    for name in ("tip_x", "tip_y", "x", "y", *ANGLES):
+        clear = CLEAR_DEG if name in ANGLES else CLEAR * length_mm
         kinds = zip(numbers.rows, numbers.names, predicted, strict=True)
         at = [k for k, (row, kind, by) in enumerate(kinds) if kind == name and not row.state.load and abs(by) > clear]
         read, rod = numbers.values[at], predicted[at]
@@ -62,7 +62,7 @@ def _check_signs(numbers: Numbers, predicted: Array, length_mm: float) -> None:
             sentences.append(
                 f"{numbers.measurements.file}: line {numbers.rows[at[0]].line}: {COLUMNS[name]} is {read[0]:.3g}, with "
                 f"the sign of the mirrored arm; this one bends towards {sign}{'x' if name.endswith('x') else 'y'}: "
-                f"write the column with {written}"
+                f"write the column with {written}, or its title as -{COLUMNS[name]}"
             )
     if sentences:
         raise InputError(*sentences)

@@ -14,11 +14,9 @@ from scipy.optimize import least_squares
 from scipy.signal import find_peaks
 
 from geometry.arrays import Array, Index
-from pipeline.answers.measured.rows import VIBRATION, Row, State
+from pipeline.answers.measured.rows import OF_TIP, VIBRATION, Row, State
 from pipeline.values.errors import InputError
 
-#: what is read of the tip of an arm in motion
-OF_TIP = ("tip_x", "tip_y", "tip_distance")
 #: periods of a vibration that are looked at, and after which its means begin; s, how long a creep beside it lasts
 PERIODS, QUIET, CREEP = 4.0, 6.0, (0.3, 5.0)
 #: height of a top over the largest motion, from which it is one; fewest tops of a vibration; fewest rows of a motion

@@ -15,6 +15,7 @@ TITLES = {
     "tip_y_mm": "Tip along y (mm)",
     "tip_distance_mm": "Distance of the tip (mm)",
     "end_angle_deg": "End angle (°)",
+    "tip_direction_deg": "Direction of the tip (°)",
     "reaction_N": "Reaction (N)",
     "frequency_Hz": "Frequency (Hz)",
     "damping_ratio": "Damping ratio",
@@ -83,6 +84,9 @@ def _in_plane(rows: Sequence[Compared], curves: Curves) -> Panel:
 def _points(rows: Sequence[Compared], value: str) -> tuple[list[float], list[float]]:
     """x and y in mm of the tips and of points along the arm of which both were measured."""
     ends = [f"{axis}_mm" for axis in "xy"]
-    x, y = ({(r.line, r.quantity[:-4]): getattr(r, value) for r in rows if r.quantity.endswith(end)} for end in ends)
+    x, y = (
+        {(r.line, r.quantity[:-4]): getattr(r, value) for r in rows if r.zero_kPa is None and r.quantity.endswith(end)}
+        for end in ends
+    )
     both = [key for key in x if key in y]
     return [x[key] for key in both], [y[key] for key in both]

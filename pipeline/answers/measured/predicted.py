@@ -4,14 +4,15 @@ import math
 import warnings
 from collections.abc import Callable, Mapping
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cache, cached_property, partial
 from typing import Any, final
 
 import numpy as np
 
 from geometry.arrays import Array
-from pipeline.answers.measured.rows import COLUMNS, VIBRATION, Measurements, Row, State
+from geometry.centreline import chord_angle
+from pipeline.answers.measured.rows import COLUMNS, OF_TIP, VIBRATION, Measurements, Row, State
 from pipeline.answers.rods.in_time import rubber_of
 from pipeline.values.errors import InputError
 from rod import Acting, Body, Mode, Relaxation, frequencies
@@ -24,7 +25,7 @@ from rod.weight import gravity_direction
 #: kinds of numbers, with what their errors have in common, and units
 KINDS = {
     **dict.fromkeys(("tip_x", "tip_y", "tip_distance", "x", "y"), "mm"),
-    "end_angle": "deg", "reaction": "N", **dict(zip(VIBRATION, ("Hz", "1"), strict=True)),
+    "end_angle": "deg", "tip_direction": "deg", "reaction": "N", **dict(zip(VIBRATION, ("Hz", "1"), strict=True)),
 }  # fmt: skip
 #: (n, 2) mm, material curves in the frame of a measurement, by pressure in kPa and load in words
 Curves = Mapping[tuple[float, str], Array]
@@ -95,6 +96,7 @@ class Compared:
     predicted: float
     allowed: float  #: by what is known of rod, mesh, and tolerances or calibration
     s_mm: float | None = None  #: of a point along the arm
+    zero_kPa: float | None = None  #: as of `Row`
 
     @property
     def difference(self) -> float:
@@ -135,9 +137,13 @@ class Numbers:
 
     def straight(self, length_mm: float) -> Array:
         """(n,) the numbers of the straight arm, of which displacements and angles are multiples of the curvature."""
-        places = {"tip_x": length_mm}
-        pairs = zip(self.rows, self.names, strict=True)
-        return np.array([row.s_mm or 0.0 if name == "x" else places.get(name, 0.0) for row, name in pairs])
+
+        def number(row: Row, name: str) -> float:
+            end = {"tip_x": length_mm, "tip_y": row.at_y_mm, "x": row.s_mm or 0.0}
+            end["tip_direction"] = math.degrees(math.atan2(row.at_y_mm, length_mm))
+            return end.get(name, 0.0) if row.zero_kPa is None else 0.0
+
+        return np.array([number(row, name) for row, name in zip(self.rows, self.names, strict=True)])
 
     def predicted(self, rods: Rods, setup: Setup = AS_WRITTEN) -> Array:
         """(n,) the same numbers by a rod. Raises InputError, with the line, where it has none."""
@@ -148,10 +154,7 @@ class Numbers:
                 if name in VIBRATION:
                     found.append(vibration_of(row.state)[name])
                     continue
-                found.append(_read(state_of(row.state), setup, name, row.s_mm))
-                if name == "tip_distance":
-                    rest = state_of(State(0.0, orientation=row.state.orientation))
-                    found[-1] = math.dist(state_of(row.state).end, rest.end)
+                found.append(_read(state_of, setup, row, name))
             except RodError as failure:
                 raise InputError(f"{self.measurements.file}: line {row.line}: {failure}") from None
         return np.array(found)
@@ -169,8 +172,8 @@ class Numbers:
         """Every number beside that of a rod, and what is allowed, (n,) each."""
         columns = zip(self.rows, self.names, self.values.tolist(), predicted.tolist(), allowed.tolist(), strict=True)
         return tuple(
-            Compared(row.line, row.state.pressure_kPa, row.state.load, COLUMNS[name], value, rod, most,
-                     row.s_mm if name in ("x", "y") else None)
+            Compared(row.line, row.state.pressure_kPa, row.told, COLUMNS[name], value, rod, most,
+                     row.s_mm if name in ("x", "y") else None, row.zero_kPa)
             for row, name, value, rod, most in columns
         )  # fmt: skip
 
@@ -229,13 +232,34 @@ def _turned(vectors: Array, angle: float) -> Array:
     return vectors @ np.array([[cosine, sine], [-sine, cosine]])
 
 
-def _read(shape: RodSolution, setup: Setup, name: str, s_mm: float | None) -> float:
-    """What is read of a shape, in mm, degrees or N. Raises `RodError` for a point off the rod."""
+def _read(state_of: Callable[[State], RodSolution], setup: Setup, row: Row, name: str) -> float:
+    """What a row reads, in mm, degrees or N, less what it reads at its zero. Raises `RodError`."""
+    here = state_of(row.state)
+    if name == "tip_distance":
+        rest = state_of(State(row.zero_kPa or 0.0, orientation=row.state.orientation))
+        return math.dist(_tip(here, row), _tip(rest, row))
+    value = _reading(here, setup, row, name)
+    if row.zero_kPa is None:
+        return value
+    return value - _reading(state_of(replace(row.state, pressure_kPa=row.zero_kPa)), setup, row, name)
+
+
+def _reading(shape: RodSolution, setup: Setup, row: Row, name: str) -> float:
+    """Of one shape. Raises `RodError` for a point off the rod."""
     turn = math.radians(setup.clamp_deg)
     if name == "end_angle":
         return math.degrees(shape.end_angle) + setup.clamp_deg
     if name == "reaction":
         return float(_turned(shape.force, turn)[1]) * setup.stiffness
-    is_tip = s_mm is None or name.startswith("tip")
-    place = np.array(shape.end if is_tip else shape.positions(np.array([s_mm]))[0])
+    is_tip = row.s_mm is None or name in OF_TIP
+    place = _tip(shape, row) if is_tip else shape.positions(np.array([row.s_mm]))[0]
+    if name == "tip_direction":
+        x, y = place.tolist()
+        return math.degrees(chord_angle(x, y, 0.5 * float(shape.theta[-1]))) + setup.clamp_deg
     return float(_turned(place, turn)[0 if name.endswith("x") else 1])
+
+
+def _tip(shape: RodSolution, row: Row) -> Array:
+    """(2,) mm, the point of the tip that a row reads: the end of the material curve, or one beside it."""
+    turn = float(shape.theta[-1])
+    return np.array(shape.end) + row.at_y_mm * np.array([-math.sin(turn), math.cos(turn)])

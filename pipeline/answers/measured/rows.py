@@ -13,20 +13,25 @@ NUMBERS: dict[str, Dimension] = {
     "tip_y": LENGTH,
     "tip_distance": LENGTH,
     "end_angle": ANGLE,
+    "tip_direction": ANGLE,
     "force_x": FORCE,
     "force_y": FORCE,
     "tip_mass": MASS,
     "held_y": LENGTH,
     "reaction": FORCE,
+    "reaction_zero": FORCE,
     "s": LENGTH,
     "x": LENGTH,
     "y": LENGTH,
     "t": TIME,
+    "zero": PRESSURE,
+    "at_y": LENGTH,
 }
 #: columns of texts
 TEXTS = ("repeat", "orientation")
-#: columns that hold what was read; all others say how the arm was loaded, or which point it is
-QUANTITIES = ("tip_x", "tip_y", "tip_distance", "end_angle", "reaction", "x", "y")
+#: columns that hold what was read, of the tip and in all; all others say how the arm was loaded, or which point it is
+OF_TIP = ("tip_x", "tip_y", "tip_distance", "tip_direction")
+QUANTITIES = (*OF_TIP, "end_angle", "reaction", "x", "y")
 #: what is told of a vibration
 VIBRATION = "frequency_Hz", "damping_ratio"
 #: how a column is written, by its name
@@ -69,6 +74,14 @@ class Row:
     values: Mapping[str, float]
     s_mm: float | None = None  #: of the point x, y: rest arc length from the clamp
     repeat: str = ""  #: name of the repetition
+    zero_kPa: float | None = None  #: values are less those of the same state at this pressure; None: they are not
+    at_y_mm: float = 0.0  #: height of the point of the tip that was read, over the material curve of the straight arm
+
+    @property
+    def told(self) -> str:
+        """Its load and its zero, in words; empty for nothing."""
+        zero = [] if self.zero_kPa is None else [f"less that at {self.zero_kPa:g} kPa"]
+        return ", ".join(filter(None, [self.state.load, *zero]))
 
 
 @dataclass(frozen=True)
@@ -98,6 +111,6 @@ class Measurements:
         known: what is known of the arm, with its range.
         """
         for row in self.rows:
-            if not low <= row.state.pressure_kPa <= high:
-                where = f"{self.file}: line {row.line}"
-                raise InputError(f"{where}: {row.state.pressure_kPa:.4g} kPa is outside {known}")
+            for pressure in (row.state.pressure_kPa, row.zero_kPa):
+                if pressure is not None and not low <= pressure <= high:
+                    raise InputError(f"{self.file}: line {row.line}: {pressure:.4g} kPa is outside {known}")

@@ -9,13 +9,17 @@ from pathlib import Path
 import numpy as np
 
 from geometry.arrays import Array
-from pipeline.answers.measured.motions import OF_TIP, told_of_motions
-from pipeline.answers.measured.rows import COLUMNS, NUMBERS, QUANTITIES, TEXTS, Measurements, Row, State
+from pipeline.answers.measured.motions import told_of_motions
+from pipeline.answers.measured.rows import COLUMNS, NUMBERS, OF_TIP, QUANTITIES, TEXTS, Measurements, Row, State
 from pipeline.answers.written_table import is_unit, name_and_unit, number_in, per_unit, plain, read_cells
 from pipeline.values.errors import InputError, ask, quoted
 from rod.weight import gravity_direction
 
 EXAMPLE = "a line of titles names columns with their units, for example 'pressure_kPa, tip_x_mm, tip_y_mm'"
+#: columns that some columns need
+NEEDED = (("s", "x", "y"), ("s", "x", "y")), (("held_y",), ("reaction",)), (("reaction",), ("reaction_zero",))
+#: signs before the title of a column whose numbers have the other sign
+MINUS = "-−"
 #: units of pictures, which pint takes as those of a screen
 PIXELS = {"px", "pixel", "pixels"}
 _DIMENSIONS = tuple(dict.fromkeys(NUMBERS.values()))
@@ -65,8 +69,8 @@ def _columns(path: Path, cells: Array) -> tuple[list[_Column], int]:
 
 
 def _name(title: str) -> tuple[str, str]:
-    """The name of a column as in NUMBERS, if it is one, and the unit in its title."""
-    written, unit = name_and_unit(title, _DIMENSIONS)
+    """The name of a column as in NUMBERS, if it is one, and the unit in its title, without a minus sign before it."""
+    written, unit = name_and_unit(title.lstrip(MINUS), _DIMENSIONS)
     return plain(written).replace(" ", "_"), unit
 
 
@@ -90,7 +94,7 @@ def _column(path: Path, position: int, title: str, unit: str) -> _Column:
             f"{path}: column {quoted(title)} has the unit {quoted(unit)}, which is not that of {dimension.name}; write "
             f"it as '{COLUMNS[name]}'"
         )
-    return _Column(name, position, title, value)
+    return _Column(name, position, title, -value if title[0] in MINUS else value)
 
 
 def _check(path: Path, columns: Mapping[str, _Column]) -> None:
@@ -120,7 +124,9 @@ def _row(where: str, line: int, cells: Mapping[str, tuple[_Column, str]]) -> Row
         numbers.get("t"),
     )
     values = {name: numbers[name] for name in QUANTITIES if name in numbers}
-    return Row(line, state, values, numbers.get("s"), texts["repeat"])
+    if "reaction_zero" in numbers:
+        values["reaction"] -= numbers["reaction_zero"]
+    return Row(line, state, values, numbers.get("s"), texts["repeat"], numbers.get("zero"), numbers.get("at_y", 0.0))
 
 
 def _check_row(where: str, numbers: Mapping[str, float], orientation: str) -> None:
@@ -129,12 +135,16 @@ def _check_row(where: str, numbers: Mapping[str, float], orientation: str) -> No
         raise InputError(f"{where}: has no pressure")
     if not any(name in numbers for name in QUANTITIES):
         raise InputError(f"{where}: has no measured number; leave the line out, or give one of {_list(QUANTITIES)}")
-    for needed, by in ((("s", "x", "y"), ("s", "x", "y")), (("held_y",), ("reaction",))):
+    for needed, by in NEEDED:
         missing = [name for name in needed if name not in numbers]
         if missing and any(name in numbers for name in by):
             raise InputError(f"{where}: has no {COLUMNS[missing[0]]}, which {_list(by)} need")
     if "held_y" in numbers and any(name in numbers for name in ("force_x", "force_y", "tip_mass")):
         raise InputError(f"{where}: an end that is held has no force that is given; leave out held_y_mm, or the force")
+    if numbers.get("at_y") and not any(name in numbers for name in OF_TIP):
+        raise InputError(f"{where}: at_y_mm is a point of the tip; give {_list(OF_TIP)}, or leave it out")
+    if "t" in numbers and any(name in numbers for name in ("zero", "at_y")):
+        raise InputError(f"{where}: at a time give places of the end itself; leave out zero_kPa and at_y_mm")
     if "t" in numbers and ("held_y" in numbers or not any(name in numbers for name in OF_TIP)):
         raise InputError(f"{where}: at a time give the tip of a free end: {_list(OF_TIP)}")
     if numbers.get("tip_mass", 0.0) < 0.0:

@@ -7,10 +7,12 @@ import pytest
 
 from pipeline.answers.measured.compare import compare_files
 from pipeline.answers.measured.page import comparison_page, comparison_table
+from pipeline.answers.measured.predicted import LawRods, Numbers, Setup
 from pipeline.answers.measured.rows import State
+from pipeline.answers.measured.table import read_measurements
 from pipeline.values.errors import InputError
 from tests.coarse import COARSE
-from tests.measured_arm import LENGTH, arm_law, measured, result_folder
+from tests.measured_arm import BENDING, LENGTH, arm_law, measured, result_folder
 from tests.pipeline.values.test_plots import panels_of
 
 
@@ -63,12 +65,74 @@ def test_a_frame_that_is_turned_and_shifted_is_found_from_rows_at_rest(tmp_path:
     assert compare_files(folder, tmp_path / "arm.csv", align=True).rms("mm") < 1e-3
 
 
+def tip(pressure: float, beside: float = 0.0) -> complex:
+    """Of an arc, and of a point beside its end: x + iy in mm."""
+    kappa = BENDING * pressure
+    end = 1j * (1.0 - np.exp(1j * kappa * LENGTH)) / kappa if kappa else LENGTH
+    return complex(end + 1j * beside * np.exp(1j * kappa * LENGTH))
+
+
+def test_columns_of_arcs(tmp_path: Path) -> None:
+    """Directions of the tip, what is counted from another pressure, and points beside the end of the curve."""
+    (tmp_path / "arm.csv").write_text(
+        "pressure_kPa,tip_direction_deg,zero_kPa,at_y_mm,tip_x_mm,tip_y_mm,tip_distance_mm,end_angle_deg,s_mm,x_mm,y_mm\n"
+        "20,-1,,,,,,,,,\n40,-1,,-6,1,1,,,,,\n20,-1,5,-6,1,1,1,-1,55,1,1\n0,-1,,-6,,,,,,,\n20,,,8,,,1,,,,\n110,-1,,,,,,,,,\n",
+        "utf-8",
+    )
+    turn = np.degrees(BENDING * LENGTH)  # per kPa
+    moved, middle = (
+        tip(20.0, -6.0) - tip(5.0, -6.0),
+        (tip(10.0) - tip(2.5)) / 2.0,
+    )  # half an arm is one at half the turn
+    angle = {p: np.degrees(np.angle(tip(p, -6.0))) for p in (40.0, 20.0, 5.0, 0.0)}
+    expected = {
+        (2, "tip_direction"): 10.0 * turn,
+        (3, "tip_x"): tip(40.0, -6.0).real,
+        (3, "tip_y"): tip(40.0, -6.0).imag,
+        (3, "tip_direction"): angle[40.0],
+        (4, "tip_x"): moved.real,
+        (4, "tip_y"): moved.imag,
+        (4, "tip_distance"): abs(moved),
+        (4, "tip_direction"): angle[20.0] - angle[5.0],
+        (4, "end_angle"): 15.0 * 0.99 * turn,  # of a chord over the last 2 %
+        (4, "x"): middle.real,
+        (4, "y"): middle.imag,
+        (5, "tip_direction"): angle[0.0],
+        (6, "tip_distance"): abs(tip(20.0, 8.0) - tip(0.0, 8.0)),
+        (7, "tip_direction"): 55.0 * turn,  # nearly a whole circle
+    }
+    numbers = Numbers.of(read_measurements(tmp_path / "arm.csv"))
+    found = numbers.predicted(LawRods(arm_law(120.0))).tolist()
+    keys = [(row.line, name) for row, name in zip(numbers.rows, numbers.names, strict=True)]
+    assert dict(zip(keys, found, strict=True)) == pytest.approx(expected, rel=1e-6)
+
+
+def test_a_held_force_counted_from_another_pressure(tmp_path: Path) -> None:
+    text = "pressure_kPa,held_y_mm,reaction_N,zero_kPa\n20,0,1,\n8,0,1,\n20,0,1,8\n"
+    (tmp_path / "arm.csv").write_text(text, encoding="utf-8")
+    numbers = Numbers.of(read_measurements(tmp_path / "arm.csv"))
+    there, before, less = numbers.predicted(LawRods(arm_law()))
+    assert there > 1.5 * before > 0.0
+    assert less == pytest.approx(there - before, rel=1e-9)
+
+
+def test_a_clamp_that_is_turned_turns_the_direction_and_no_difference_of_directions(tmp_path: Path) -> None:
+    text = "pressure_kPa,tip_direction_deg,zero_kPa,at_y_mm\n20,-1,,-6\n20,-1,10,-6\n"
+    (tmp_path / "arm.csv").write_text(text, encoding="utf-8")
+    numbers, rods = Numbers.of(read_measurements(tmp_path / "arm.csv")), LawRods(arm_law())
+    turned = numbers.predicted(rods, Setup(clamp_deg=2.0)) - numbers.predicted(rods)
+    assert turned == pytest.approx([2.0, 0.0], abs=1e-9)
+
+
 @pytest.mark.parametrize(
     ("text", "align", "words"),
     [
         ("pressure_kPa,tip_x_mm\n8,100\n55,50\n", False, ("line 3", "55 kPa", "40 kPa")),
         ("pressure_kPa,tip_x_mm,tip_y_mm\n0,100,3\n", True, ("align=True",)),
+        ("pressure_kPa,tip_x_mm,zero_kPa\n8,-1,50\n", False, ("line 2", "50 kPa", "40 kPa")),
         ("pressure_kPa,end_angle_deg\n20,-1.1\n", False, ("line 2", "end_angle_rad")),
+        ("pressure_kPa,tip_direction_deg\n20,-0.55\n", False, ("line 2", "tip_direction_rad")),
+        ("pressure_kPa,tip_direction_deg,zero_kPa\n20,25,5\n", False, ("line 2", "title as -tip_direction_deg")),
         ("pressure_kPa,s_mm,x_mm,y_mm\n20,150,90,-3\n", False, ("line 2", "150")),
     ],
 )

@@ -45,6 +45,20 @@ def test_points_held_ends_units_and_decimal_commas(tmp_path: Path) -> None:
     assert row.values == pytest.approx({"reaction": 0.045, "end_angle": -28.6478897565})
 
 
+def test_zeros_a_point_of_the_tip_and_titles_with_a_minus_sign(tmp_path: Path) -> None:
+    """Angles counted downwards from 10 kPa, and a load cell that shows 60 mN when nothing touches it."""
+    angles = "pressure_kPa,-tip_direction_deg,zero_kPa,at_y_mm\n12,1.1,10,-5\n14,-1.41,10,\n"
+    (tmp_path / "angles.csv").write_text(angles, encoding="utf-8")
+    rows = read_measurements(tmp_path / "angles.csv").rows
+    assert [row.values for row in rows] == [{"tip_direction": -1.1}, {"tip_direction": 1.41}]
+    assert [(row.zero_kPa, row.at_y_mm) for row in rows] == [(10.0, -5.0), (10.0, 0.0)]
+    (tmp_path / "force.csv").write_text(
+        "pressure_kPa,held_y_mm,reaction_N,reaction zero (mN)\n10,0,0.0725,60.4\n", "utf-8"
+    )
+    (row,) = read_measurements(tmp_path / "force.csv").rows
+    assert row.values == pytest.approx({"reaction": 0.0121})
+
+
 @pytest.mark.parametrize(
     ("text", "words"),
     [
@@ -64,6 +78,9 @@ def test_points_held_ends_units_and_decimal_commas(tmp_path: Path) -> None:
         ("pressure_kPa,tip_x_mm,tip_mass_g\n12,100,3\n", ("orientation",)),
         ("pressure_kPa,tip_x_mm,tip_mass_g,orientation\n12,100,3,sideways\n", ("line 2", "sideways", "hanging")),
         ("pressure_kPa,tip_x_mm,tip_mass_g,orientation\n12,100,-3,lying\n", ("line 2", "tip_mass_g")),
+        ("pressure_kPa,held_y_mm,tip_x_mm,reaction_zero_N\n12,0,90,0.1\n", ("line 2", "reaction_N")),
+        ("pressure_kPa,held_y_mm,reaction_N,at_y_mm\n12,0,0.1,-5\n", ("line 2", "at_y_mm", "tip_direction_deg")),
+        ("t_s,pressure_kPa,tip_x_mm,zero_kPa\n1,12,90,0\n", ("line 2", "zero_kPa")),
         ("pressure_kPa,tip_x_mm\n", ("arm.csv",)),
         ("pressure_kPa,tip_x_px\n12,100\n", ("tip_x_px", "mm per px")),
         ("pressure_kPa,tip_x [pixel],tip_y [pixel]\n12,100,3\n", ("tip_x [pixel]", "mm per px")),
