@@ -25,7 +25,7 @@ BENDING, THICKER = -5e-4, -0.8
 def arm_law(highest: float = 40.0) -> ArmLaw:
     """Curvatures in proportion to the pressure, one rigidity, and derivatives by a wall of 1 mm."""
     pressures = np.linspace(0.0, highest, 5)
-    parts = [_parts(float(pressure)) for pressure in pressures]
+    parts = [parts_of(float(pressure), BENDING * float(pressure), BENDING) for pressure in pressures]
     cells, clamps, tips = zip(*parts, strict=True)
     rates = LawRate(
         1.0, "mm", 0.0, 0.0, 0.0,
@@ -36,10 +36,11 @@ def arm_law(highest: float = 40.0) -> ArmLaw:
     return ArmLaw(PITCH, 5.0, LENGTH, cells, clamps, tips, Mass.even(LENGTH, 20.0), rates={"geometry.wall": rates})
 
 
-def _parts(pressure: float) -> tuple[CellCurve, ClampCurve, TipCurve]:
+def parts_of(pressure: float, kappa_0: float, slope: float) -> tuple[CellCurve, ClampCurve, TipCurve]:
+    """A cell with M = EI (kappa - kappa_0), and ends that are cells too; slope: of kappa_0 by the pressure."""
     moment, ones = np.linspace(-40.0, 40.0, 9), np.ones(9)
     cell = CellCurve(
-        pressure, moment, BENDING * pressure + moment / EI, EI * ones, -EI * BENDING * ones, ones, 0 * ones, 0 * ones,
+        pressure, moment, kappa_0 + moment / EI, EI * ones, -EI * slope * ones, ones, 0 * ones, 0 * ones,
         1e9 * ones, 1e9 * ones, np.zeros(9, bool), ones, np.array([0.0, 2.5, 5.0]), np.zeros((9, 3, 2)),
     )  # fmt: skip
     still, pair = np.zeros((9, 2)), np.zeros((2, 2))

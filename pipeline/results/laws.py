@@ -3,12 +3,13 @@
     kappa: Annotated[Array, "kappa_per_mm", "k"]
 
 has the key kappa_per_mm and one axis; a letter is the same number in all fields of a row. A key such as clamp.curves
-stands in a table of its own. Arrays that are empty by default may be missing. pydantic checks what is read.
+stands in a table of its own. Rows with `"form": "after_snap"` are those of the law after a limit of the pressure.
+Arrays that are empty by default may be missing. pydantic checks what is read.
 """
 
 from collections import Counter
-from collections.abc import Iterator, Mapping
-from dataclasses import MISSING, Field, dataclass, fields, is_dataclass
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import MISSING, Field, dataclass, fields, is_dataclass, replace
 from functools import lru_cache
 from typing import Annotated, Any, TypeVar, get_args, get_origin
 
@@ -25,7 +26,9 @@ from rod.arm_law.pairs import PairLaw, fractions_of
 from rod.arm_law.quantities import key_in_files
 
 #: of the file; raised when a key changes its meaning
-FORMAT = 4
+FORMAT = 5
+READ = (4, FORMAT)  #: in format 4 no law has two forms
+AFTER_SNAP = "after_snap"  #: the form of a row of the swollen arm; other rows have none
 
 Value = TypeVar("Value")
 
@@ -62,9 +65,42 @@ def _plane_record(law: ArmLaw) -> JsonObject:
     for name, rate in law.rates.items():
         numbers = {key_in_files(number): row.tolist() for number, row in law.derivative(name).items()}
         derivatives[name] = {**numbers, "unit": rate.unit, **record_of(rate)}
-    record = record_of(law)
+    record: JsonObject = {**record_of(law), "derivatives": derivatives}
+    if law.swollen:
+        record = _joined(record, record_of(law.swollen))
     lengths = {key: record[key] for key in ("pitch_mm", "first_middle_mm", "length_mm")}
-    return {**lengths, "pressures_kPa": [*law.pressures], **record, "derivatives": derivatives}
+    return {**lengths, "pressures_kPa": [*law.pressures], **record}
+
+
+def _joined(first: Any, after: Any) -> Any:
+    """A record with the rows of the swollen form at the end of each of its tables."""
+    if isinstance(first, Mapping):
+        return {key: _joined(held, after.get(key)) if after else held for key, held in first.items()}
+    rows = [{"form": AFTER_SNAP, **row} for row in after or ()] if _is_table(first) else []
+    return [*first, *rows] if rows else first
+
+
+def _of_form(content: Any, form: str) -> Any:
+    """A record with those rows of its tables that belong to a form."""
+    if isinstance(content, Mapping):
+        return {key: _of_form(held, form) for key, held in content.items()}
+    if _is_table(content):
+        return [row for row in content if not isinstance(row, Mapping) or row.get("form", "") == form]
+    return content
+
+
+def _is_table(content: Any) -> bool:
+    return isinstance(content, list) and bool(content) and isinstance(content[0], Mapping)
+
+
+def _both_forms(record: Any, read: Callable[[Any], ArmLaw]) -> ArmLaw:
+    """The law of the form from rest with that after the snap, where a record has rows of it."""
+    law, swollen = read(_of_form(record, "")), _of_form(record, AFTER_SNAP)
+    if not (isinstance(record, Mapping) and swollen.get("curves")):
+        return law
+    form = read(swollen)
+    rates = {name: rate for name, rate in form.rates.items() if rate.cells}
+    return replace(law, swollen=replace(form, rates=rates, limit=None, back=None))
 
 
 def record_of(value: Any) -> dict[str, Json]:
@@ -94,7 +130,7 @@ def _plain(value: Any) -> Any:
 def law_of_record(record: ReadObject) -> Saved:
     """The law that `law_record` wrote. Raises ValueError, with the key, for anything else."""
     kinds: dict[Any, type[Any]] = {law.kind: law for law in get_args(Saved)} | {PairLaw.kind: _Rays}
-    if record.get("format") != FORMAT or record.get("kind") not in kinds:
+    if record.get("format") not in READ or record.get("kind") not in kinds:
         raise ValueError(f"it is no law of an arm in format {FORMAT}")
     law: Saved | _Rays = value_of(kinds[record["kind"]], record)
     if isinstance(law, _Rays):
@@ -149,7 +185,8 @@ def _row(kind: type[Any]) -> CoreSchema:
     made = schema.dataclass_schema(
         kind, arguments, [field.name for field in fields(kind)], post_init=hasattr(kind, "__post_init__")
     )
-    return schema.no_info_after_validator_function(_agreeing, made)
+    whole = schema.no_info_after_validator_function(_agreeing, made)
+    return schema.no_info_wrap_validator_function(_both_forms, whole) if kind is ArmLaw else whole
 
 
 def _content(kind: Any) -> CoreSchema:

@@ -10,6 +10,7 @@ import numpy as np
 from geometry.arrays import Array
 from rod.arm_law.curves import ACROSS, CellCurve, ClampCurve, TipCurve
 from rod.arm_law.law_rod import LawRod
+from rod.arm_law.limit import PressureLimit
 from rod.arm_law.moved import growing, moved_cell, moved_clamp, scaled_curve, scaled_rate, second_order
 from rod.arm_law.quantities import UNITS, Asked, Rods, jacobian
 from rod.arm_law.rates import LawRate, changed_cells, changed_clamps, onset_rate
@@ -29,7 +30,10 @@ OF_LAYERS = "effects."
 class ArmLaw:
     """The law of an arm with one pressure: a cell, its clamped end and its tip over pressures that rise.
 
-    Raises `RodError` where there is no curve, or the pressures of the parts differ.
+    Where its chambers swell at a limit of the pressure, these are the pressures below it, and the form after the snap
+    has a law of its own. Nothing is interpolated between both forms.
+
+    Raises `RodError` where there is no curve, the pressures of the parts differ, or a swollen form has no limits.
     """
 
     kind: ClassVar[str] = "plane"
@@ -45,11 +49,16 @@ class ArmLaw:
     weight: Annotated[tuple[float, float], "weight_N_per_mm"] = (0.0, 0.0)
     #: derivatives by parameter of the design
     rates: Annotated[Mapping[str, LawRate], "derivatives"] = field(default_factory=dict, repr=False)
+    limit: Annotated[PressureLimit | None, "limit_kPa"] = None  #: at which its chambers swell at once; None: not found
+    back: Annotated[PressureLimit | None, "return_kPa"] = None  #: below which the swollen form is lost
+    swollen: "ArmLaw | None" = field(default=None, repr=False)  #: the form after the snap; None: not found
 
     def __post_init__(self) -> None:
         parts = [[curve.pressure for curve in curves] for curves in (self.cells, self.clamps, self.tips)]
         if not parts[0] or any(part != parts[0] for part in parts) or np.any(np.diff(parts[0]) <= 0.0):
             raise RodError("A law must have a cell, a clamped end and a tip at each pressure, in ascending order.")
+        if self.swollen and not (self.limit and self.back and self.swollen.limit is None):
+            raise RodError("A law with a form after the snap has a limit pressure, and one below which it snaps back.")
 
     def __repr__(self) -> str:
         low, high = self.pressures[0], self.pressures[-1]
@@ -87,8 +96,9 @@ class ArmLaw:
         unless the factor is above zero.
         """
         factor = positive(factor, "The factor of all moduli")
+        units = {name: rate.unit for name, rate in self.rates.items()}
         return replace(
-            self,
+            self._forms(lambda law: law.scaled(factor), lambda limit: limit.scaled(factor, units)),
             cells=tuple(scaled_curve(cell, factor) for cell in self.cells),
             clamps=tuple(scaled_curve(clamp, factor) for clamp in self.clamps),
             tips=tuple(scaled_curve(tip, factor) for tip in self.tips),
@@ -104,11 +114,13 @@ class ArmLaw:
         """
         if finite(trend, "The trend of the moduli") <= -1.0:
             raise RodError(f"The trend of the moduli must be above -1, not {trend:g}: pressures would not rise.")
-        rate = trend / self.pressures[-1]
+        return self._growing(trend / self.pressures[-1])
+
+    def _growing(self, rate: float) -> "ArmLaw":
         factors, moves = zip(*(growing(pressure, rate) for pressure in self.pressures), strict=True)
         cells, clamps = zip(self.cells, moves, factors, strict=True), zip(self.clamps, moves, factors, strict=True)
         return replace(
-            self,
+            self._forms(lambda law: law._growing(rate), lambda limit: limit.growing(rate)),
             cells=tuple(scaled_curve(moved_cell(cell, move), factor) for cell, move, factor in cells),
             clamps=tuple(scaled_curve(moved_clamp(clamp, move), factor) for clamp, move, factor in clamps),
             tips=tuple(scaled_curve(tip, factor) for tip, factor in zip(self.tips, factors, strict=True)),
@@ -125,7 +137,8 @@ class ArmLaw:
         bend, stretch = finite(bend, "The bend of second order"), finite(stretch, "The stretch of second order")
         if bend == stretch == 0.0:
             return self
-        return replace(self, cells=tuple(moved_cell(cell, second_order(cell, bend, stretch)) for cell in self.cells))
+        cells = tuple(moved_cell(cell, second_order(cell, bend, stretch)) for cell in self.cells)
+        return replace(self._forms(lambda law: law.with_second_order(bend, stretch), lambda limit: limit), cells=cells)
 
     def with_changes(self, changes: Mapping[str, Amount]) -> "ArmLaw":
         """The law of an arm whose parameters differ a little, to first order: `{"geometry.wall": 0.1}`.
@@ -135,23 +148,30 @@ class ArmLaw:
         change so large that no law is left.
         """
         if not changes:
-            return replace(self, rates={})
-        found = [(name, self.rate(name), change) for name, change in changes.items()]
-        amounts = [(rate, finite(change, f"The change of {name}", rate.unit)) for name, rate, change in found]
-        cells = changed_cells(self.cells, [[one.times(amount) for one in rate.cells] for rate, amount in amounts])
-        clamps = changed_clamps(self.clamps, [[one.times(amount) for one in rate.clamps] for rate, amount in amounts])
+            return replace(self._forms(lambda law: law.with_changes({}), lambda limit: limit), rates={})
+        amounts = {
+            name: finite(change, f"The change of {name}", self.rate(name).unit) for name, change in changes.items()
+        }
+        found = [(self.rates[name], amount) for name, amount in amounts.items()]
+        cells = changed_cells(self.cells, [[one.times(amount) for one in rate.cells] for rate, amount in found])
+        clamps = changed_clamps(self.clamps, [[one.times(amount) for one in rate.clamps] for rate, amount in found])
         lengths = np.array([self.pitch, self.first_middle, self.length])
-        for rate, amount in amounts:
+        for rate, amount in found:
             lengths = lengths + amount * np.array([rate.pitch, rate.first_middle, rate.length])
         pitch, first_middle, length = (float(value) for value in lengths)
-        changed = replace(self, cells=cells, clamps=clamps, rates={})
+        forms = self._forms(lambda law: law._after(amounts), lambda limit: limit.changed(amounts))
+        changed = replace(forms, cells=cells, clamps=clamps, rates={})
         return replace(changed, pitch=pitch, first_middle=first_middle, length=length)
+
+    def _after(self, amounts: Mapping[str, float]) -> "ArmLaw | None":
+        """Of a swollen form; None where it has no derivatives by one of the parameters."""
+        return self.with_changes(amounts) if amounts.keys() <= self.rates.keys() else None
 
     def carried(self, changes: Mapping[str, float]) -> "ArmLaw":
         """As `with_changes`, with derivatives that are at each curvature those of this law."""
-        law = self.with_changes(changes)
-        rates = self.rates.items()
-        return replace(law, rates={name: r.carried(self.cells, law.cells, changes.get(name, 0.0)) for name, r in rates})
+        law, rates = self.with_changes(changes), self.rates.items()
+        new = {name: r.carried(self.cells, law.cells, changes.get(name, 0.0)) for name, r in rates}
+        return replace(law, swollen=law.swollen and self.swollen and self.swollen.carried(changes), rates=new)
 
     def derivative(self, name: str) -> dict[str, Array]:
         """By a parameter, per mm, MPa or 1 of it, at the pressures of the law (n,); NaN where there is no such number.
@@ -191,23 +211,61 @@ class ArmLaw:
             raise RodError(f"The law has no derivatives by {name!r}; {known}.")
         return self.rates[name]
 
-    def at(self, pressure: Amount | Sequence[Amount], length: Amount | None = None) -> "LawRod":
+    def _forms(
+        self, law: Callable[["ArmLaw"], "ArmLaw | None"], limit: Callable[[PressureLimit], PressureLimit]
+    ) -> "ArmLaw":
+        """With both limits of the pressure, and the law after the snap, changed."""
+        return replace(
+            self,
+            limit=self.limit and limit(self.limit),
+            back=self.back and limit(self.back),
+            swollen=self.swollen and law(self.swollen),
+        )
+
+    def form_at(self, pressure: float, *, after_snap: bool = False) -> "ArmLaw":
+        """The law of the form that inflation from rest reaches at a pressure in kPa, or of that after the snap.
+
+        Raises `RodError` for a form that the law does not have there.
+        """
+        is_beyond = self.limit is not None and pressure > self.limit.value
+        if self.limit is None or self.swollen is None:
+            if after_snap:
+                raise RodError("The law has no form after a snap.")
+            if is_beyond:
+                raise RodError(f"{self.snap} No form is known beyond, so none at {pressure:.4g} kPa.")
+            return self
+        return self.swollen if after_snap or is_beyond else self
+
+    @property
+    def snap(self) -> str:
+        """What happens at the limit of the pressure, a sentence; empty without one."""
+        return "" if self.limit is None else f"At {self.limit.value:.4g} kPa the chambers swell at once."
+
+    def at(
+        self, pressure: Amount | Sequence[Amount], length: Amount | None = None, *, after_snap: bool = False
+    ) -> "LawRod":
         """The rod at a pressure in kPa or as "20 kPa", which may be a tuple of one.
 
-        length: mm, of the arm, or another one that is made of the same cells.
+        length: mm, of the arm, or another one that is made of the same cells. after_snap: of a pressure at which the
+        law has two forms, the swollen one; else the one that inflation from rest reaches.
 
         A body with cells has lengths that differ from the arm's by whole cells; that is not checked here.
         Raises `RodError` for a pressure outside those of the law and a length without room for both ends.
         """
         (p,) = pressures_of(pressure, self.cavities)
-        cells = [cell.placed for cell in self.cells]
+        form = self.form_at(p, after_snap=after_snap)
+        cells = [cell.placed for cell in form.cells]
+        try:
+            section = section_at(cells, p, p)
+        except RodError as outside:
+            raise RodError(" ".join(filter(None, [str(outside), self.snap]))) from None
         return LawRod(
-            section_at(cells, p, p),
-            clamp_at([clamp.placed for clamp in self.clamps], cells, p, p),
-            tip_at([tip.placed for tip in self.tips], p, p),
-            self.pitch,
-            self.first_middle,
-            self.length if length is None else finite(length, "The length", "mm"),
-            self.mass,
-            self.weight,
+            section,
+            clamp_at([clamp.placed for clamp in form.clamps], cells, p, p),
+            tip_at([tip.placed for tip in form.tips], p, p),
+            form.pitch,
+            form.first_middle,
+            form.length if length is None else finite(length, "The length", "mm"),
+            form.mass,
+            form.weight,
         )

@@ -387,7 +387,7 @@ def test_the_record_comes_back() -> None:
     again = law_of_record(record)
     assert law_record(again) == record
     assert again.at(12.0).solve(end_y=3.0).force[1] == law.at(12.0).solve(end_y=3.0).force[1]
-    with pytest.raises(ValueError, match="it is no law of an arm in format 4"):
+    with pytest.raises(ValueError, match="it is no law of an arm in format 5"):
         law_of_record({})
     with pytest.raises(ValueError, match="tip"):
         law_of_record({key: value for key, value in record.items() if key != "tip"})

@@ -95,5 +95,5 @@ def test_the_rod_is_read_from_the_folder(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="takes a law at a measured ratio"):
         results.export("json")
     (tmp_path / "law.json").write_text('{"kind": "pairs"}', encoding="utf-8")
-    with pytest.raises(InputError, match=r"law\.json: .* it is no law of an arm in format 4"):
+    with pytest.raises(InputError, match=r"law\.json: .* it is no law of an arm in format 5"):
         read_results(tmp_path)
