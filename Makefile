@@ -21,7 +21,7 @@ LAW := both
 LARGER := 1
 
 all_targets := pneunet pneunet-coarse golden semicircular semicircular-single bisected-circle all effects cell budget design material sweep paper-coarse paper accuracy
-.PHONY: help setup $(all_targets) test slow hard fuzz kills unseen exports space experiments in-time virtual-arms foreign portable nightly wheel recipes lint types docs doctor bench-peers bench-run clean
+.PHONY: help setup $(all_targets) test slow hard fuzz kills unseen exports space experiments in-time virtual-arms foreign portable nightly wheel recipes lint reading types docs doctor bench-peers bench-run clean
 
 help:  ## list the targets
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## (.*)/make \1\t\2/' | expand -t 26
@@ -169,6 +169,9 @@ recipes: $(DEV)  ## the programs in examples/ again, with text and pictures for 
 lint: $(DEV)  ## style: ruff
 	@$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
+
+reading: $(DEV)  ## what a file asks its reader to know: names and files that it imports, circles of folders, ceilings
+	@$(BIN)/python -m tests.reading
 
 types: $(DEV)  ## types: mypy
 	@$(BIN)/mypy

@@ -1,16 +1,25 @@
 """Imports point one way, lazy ones included, and every heavy library is imported by the listed modules only."""
 
-import ast
 import subprocess
 import sys
 from collections import Counter
-from collections.abc import Iterator
 from graphlib import CycleError, TopologicalSorter
-from pathlib import Path
+from itertools import starmap
 
 import pytest
 
-HERE = Path(__file__).resolve().parent.parent
+from tests.reading import (
+    HERE,
+    File,
+    circles,
+    complaints,
+    file_imports,
+    imported,
+    measure,
+    read_ceilings,
+    read_sources,
+    taken,
+)
 
 #: room -> the rooms it may import
 BELOW: dict[str, set[str]] = {
@@ -29,7 +38,7 @@ LIBRARIES: dict[str, set[str]] = {
     "pipeline": {
         *("numpy", "scipy", "numba", "packaging", "yaml", "pydantic", "pydantic_core", "pint"),
         *("pyvista", "typer", "rich", "jinja2", "plotly", "pandas"),
-        *("distributed", "dask", "psutil", "pyarrow", "filelock"),
+        *("distributed", "psutil", "pyarrow", "filelock"),
     },
     "pneurod": set(),
 }
@@ -67,7 +76,6 @@ DOORS: dict[str, set[str]] = {
     "mujoco": {"rod/export/programs/mujoco_arm.py", "rod/export/programs/mujoco_space_arm.py"},
     "elastica": {"rod/export/programs/pyelastica_arm.py"},
     "distributed": {"pipeline/study/sweep/workers.py"},
-    "dask": {"pipeline/study/sweep/workers.py"},
     "pyarrow": {"pipeline/study/sweep/table.py"},
     "pandas": {
         *("pipeline/api/frames.py", "pipeline/api/results.py"),
@@ -82,26 +90,11 @@ HEAVY = {"numpy", "scipy", "gmsh", "meshio", "trimesh", "skfem", "numba", "ipctk
 }
 
 
-def imported(source: str, module: str) -> Iterator[str]:
-    """The full name of every module that the text of `module` imports, at its top or inside its functions."""
-    folders = module.split("/")[:-1]
-    for node in ast.walk(ast.parse(source)):
-        if isinstance(node, ast.Import):
-            yield from (alias.name for alias in node.names)
-        elif isinstance(node, ast.ImportFrom):
-            package = ".".join(folders[: len(folders) + 1 - node.level]) if node.level else ""
-            yield ".".join(filter(None, (package, node.module)))
-        elif isinstance(node, ast.Name | ast.Attribute):
-            name = node.id if isinstance(node, ast.Name) else node.attr
-            if name in ("import_module", "__import__"):
-                yield f"a name computed while running ({name})"
-
-
-def refusals(module: str, source: str) -> list[str]:
-    """Why the imports of `module` ("fem/equations/linear.py") are not allowed, one sentence each."""
-    room = module.partition("/")[0]
+def refusals(file: File) -> list[str]:
+    """Why the imports of a file are not allowed, one sentence each."""
+    module, room = file.path, file.path.partition("/")[0]
     sentences = []
-    for name in imported(source, module):
+    for name in file.imported:
         library = name.partition(".")[0]
         if library == room or library in sys.stdlib_module_names:
             continue
@@ -115,18 +108,12 @@ def refusals(module: str, source: str) -> list[str]:
     return sentences
 
 
-def modules() -> list[str]:
-    return sorted(str(path.relative_to(HERE)) for room in BELOW for path in (HERE / room).rglob("*.py"))
-
-
 def test_imports_look_down_through_one_door() -> None:
-    paths = modules()
-    assert len(paths) > 30
-    assert {module.partition("/")[0] for module in paths} == set(BELOW)
-    sources = {module: (HERE / module).read_text(encoding="utf-8") for module in paths}
-    assert [refusal for module, source in sources.items() for refusal in refusals(module, source)] == []
-    count = sum(len(list(imported(source, module))) for module, source in sources.items())
-    assert count > 100
+    files = read_sources()
+    assert len(files) > 30
+    assert {file.path.partition("/")[0] for file in files} == set(BELOW)
+    assert [refusal for file in files for refusal in refusals(file)] == []
+    assert sum(len(file.imported) for file in files) > 100
 
 
 def circle_among(imports: dict[str, set[str]]) -> tuple[str, ...]:
@@ -138,28 +125,8 @@ def circle_among(imports: dict[str, set[str]]) -> tuple[str, ...]:
     return ()
 
 
-def file_imports(sources: dict[str, str]) -> dict[str, set[str]]:
-    """File -> the other files that it imports, lazy imports included; `sources` are texts by file."""
-    return {module: set(_files_imported(source, module, sources)) - {module} for module, source in sources.items()}
-
-
-def _files_imported(source: str, module: str, sources: dict[str, str]) -> Iterator[str]:
-    names = {f"{name}.{alias.name}" for name, node in _from_imports(source, module) for alias in node.names}
-    for name in {*imported(source, module), *names}:
-        path = name.replace(".", "/")
-        yield from (file for file in (f"{path}.py", f"{path}/__init__.py") if file in sources)
-
-
-def _from_imports(source: str, module: str) -> Iterator[tuple[str, ast.ImportFrom]]:
-    folders = module.split("/")[:-1]
-    for node in ast.walk(ast.parse(source)):
-        if isinstance(node, ast.ImportFrom):
-            package = ".".join(folders[: len(folders) + 1 - node.level]) if node.level else ""
-            yield ".".join(filter(None, (package, node.module))), node
-
-
 def test_no_files_import_each_other_in_a_circle() -> None:
-    imports = file_imports({module: (HERE / module).read_text(encoding="utf-8") for module in modules()})
+    imports = file_imports(read_sources())
     assert sum(map(len, imports.values())) > 500
     assert circle_among(imports) == ()
 
@@ -171,8 +138,8 @@ def test_the_guard_finds_a_circle_of_lazy_imports() -> None:
         "fem/c.py": "def f():\n    import fem.a",
         "fem/d.py": "from fem import a",
     }
-    assert set(circle_among(file_imports(sources))) == {"fem/a.py", "fem/b.py", "fem/c.py"}
-    assert circle_among(file_imports({**sources, "fem/c.py": ""})) == ()
+    assert set(circle_among(file_imports(starmap(File, sources.items())))) == {"fem/a.py", "fem/b.py", "fem/c.py"}
+    assert circle_among(file_imports(starmap(File, {**sources, "fem/c.py": ""}.items()))) == ()
 
 
 def unit_of(module: str) -> str:
@@ -199,7 +166,7 @@ def floors_of(imports: dict[str, set[str]]) -> dict[str, int]:
 
 
 def test_folders_of_the_pipeline_stand_on_nine_floors() -> None:
-    units = unit_imports(file_imports({module: (HERE / module).read_text(encoding="utf-8") for module in modules()}))
+    units = unit_imports(file_imports(read_sources()))
     assert circle_among(units) == ()
     floors = floors_of(
         {unit: below for unit, below in units.items() if unit != "__main__.py"}
@@ -220,7 +187,7 @@ def test_the_guard_finds_a_circle_of_folders_whose_files_form_none() -> None:
 
 
 def test_a_folder_has_17_files_at_most() -> None:
-    counts = Counter(module.rpartition("/")[0] for module in modules())
+    counts = Counter(file.path.rpartition("/")[0] for file in read_sources())
     assert {folder: count for folder, count in counts.items() if count > 17} == {}
 
 
@@ -256,7 +223,7 @@ def test_every_door_is_used(library: str) -> None:
     ],
 )
 def test_the_guard_bites(module: str, source: str, because: str) -> None:
-    assert [refusal for refusal in refusals(module, source) if because in refusal], because
+    assert [refusal for refusal in refusals(File(module, source)) if because in refusal], because
 
 
 @pytest.mark.parametrize(
@@ -271,7 +238,7 @@ def test_the_guard_bites(module: str, source: str, because: str) -> None:
     ],
 )
 def test_the_guard_lets_pass(module: str, source: str) -> None:
-    assert refusals(module, source) == []
+    assert refusals(File(module, source)) == []
 
 
 def loaded_after(statement: str) -> set[str]:
@@ -316,13 +283,45 @@ def test_the_rod_of_a_run_is_solved_without_the_machines() -> None:
     assert loaded & (HEAVY - {"numpy", "pydantic", "pydantic_core"}) == set()
 
 
-def test_few_imports_stand_inside_functions() -> None:
-    inside = {
-        f"{file}:{node.lineno}"
-        for file in modules()
-        for function in ast.walk(ast.parse((HERE / file).read_text()))
-        if isinstance(function, ast.FunctionDef)
-        for node in ast.walk(function)
-        if isinstance(node, ast.Import | ast.ImportFrom)
-    }
-    assert 30 < len(inside) <= 60
+def test_a_file_asks_no_more_of_its_reader() -> None:
+    files = read_sources()
+    assert sum(file.names for file in files) > 3000
+    assert complaints(read_ceilings(), measure(files)) == []
+
+
+#: file -> its text, of a house of three folders that form a circle
+HOUSE = {
+    "rod/a/one.py": "from rod.b.two import X, BarLaw\nfrom rod.law import Law\n",
+    "rod/b/two.py": (
+        '"""Two."""\n\nfrom rod.c import three\n\nX = 1\n\n\nclass BarLaw:\n    """A law."""\n\n    a: int\n\n\n'
+        "def f(value, *, b):\n    from rod.c.three import g\n\n    if isinstance(value, BarLaw | int):\n"
+        "        return g(b)\n    raise ValueError('that is no law')\n"
+    ),
+    "rod/c/three.py": "def g(b):\n    # nothing else\n    import rod.a.one\n    return isinstance(b, int)\n",
+    "fem/law.py": "def f(law):\n    return isinstance(law, RubberLaw)\n",
+    "rod/law.py": "class Law:\n    pass\n",
+}
+
+
+def test_the_figures_of_a_small_house() -> None:
+    files = {path: File(path, source) for path, source in HOUSE.items()}
+    two = files["rod/b/two.py"]
+    assert (two.names, two.modules, two.inside, two.kinds) == (2, 2, 1, 1)
+    assert (two.code, two.code - two.frame) == ({3, 5, 8, 11, 14, 15, 17, 18, 19}, {17, 18})
+    assert circles(file_imports(files.values())) == [["rod/a", "rod/b", "rod/c"]]
+    assert taken(files.values()) == {"rod/b": 2, "rod/c": 2}
+    figures = measure(list(files.values()))
+    assert figures["rod: names that a file imports, nine tenths"] == 3
+    assert figures["isinstance on kinds of law, rod and shape"] == 1
+    assert figures["imports inside functions"] == 2
+    assert figures["most parameters outside pipeline/api"] == 2
+    assert figures["lines of the longest function"] == 6
+
+
+def test_the_guard_refuses_what_rises_and_ceilings_that_are_too_high() -> None:
+    assert complaints({"names": 20, "circles": 4}, {"names": 20, "circles": 4}) == []
+    assert complaints({"names": 20}, {"names": 19}) == []
+    assert complaints({"names": 20}, {"names": 21}) == ["names: 21, and 20 are allowed"]
+    (high,) = complaints({"circles": 4}, {"circles": 3})
+    assert high.startswith("circles: 3, and 4 are allowed; `python -m tests.reading --lower`")
+    assert complaints({}, {"circles": 3}) == ["circles: has no ceiling or no figure"]

@@ -1,6 +1,6 @@
 """The folders of geometry import downwards only: meshes, then meshing, families, and bodies from files."""
 
-from tests.test_rooms import HERE, imported
+from tests.reading import HERE, imported
 
 LAYERS = ("", "meshing", "families", "files")
 
