@@ -1,5 +1,6 @@
 """What is wrong with a mesh or a design, and where; reasons as values."""
 
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, TypeAlias
@@ -8,13 +9,34 @@ from typing import Any, TypeAlias
 Values: TypeAlias = Mapping[str, float | int | str | list[Any]]
 
 
+class Word(str):
+    """A word that stands where a sentence may expect a number: no format changes it."""
+
+    def __format__(self, spec: str) -> str:
+        return str(self)
+
+
+def with_words(value: Any) -> Any:
+    """A value whose numbers are all finite: the words "unknown" and "infinite" stand for those that are not."""
+    if isinstance(value, Mapping):
+        return {name: with_words(one) for name, one in value.items()}
+    if isinstance(value, list | tuple):
+        return [with_words(one) for one in value]
+    if isinstance(value, float) and not math.isfinite(value):
+        return Word("unknown" if math.isnan(value) else "infinite")
+    return Word(value) if isinstance(value, str) else value
+
+
 @dataclass(frozen=True)
 class Reason:
-    """A code and the numbers that belong to it; `pipeline.values.reasons.render` makes the sentence."""
+    """A code and the numbers that belong to it, all finite; `pipeline.values.reasons.render` makes the sentence."""
 
     code: str
     values: Values = field(default_factory=dict, hash=False)
     where: tuple[float, float, float] | None = None  #: mm, in the reference configuration
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "values", with_words(self.values))
 
 
 class PneurodError(Exception):

@@ -319,6 +319,8 @@ def _tolerances(config: Config, law: ArmLaw | None) -> Iterator[Reason]:
     with suppress(RodError):
         held = config.end.y_mm if config.end.x_mm is None else None
         (budget,) = make_budgets(law, config.tolerances, [pressure], held)
+        if not isfinite(budget.total("tip")):  # the arm has no equilibrium without a load
+            return
         most = budget.largest()
         values: Values = {
             "process": budget.process,

@@ -93,12 +93,11 @@ def _law_for(smallest: float, largest: float) -> str:
 
 
 def _range_of(material: Material) -> dict[str, float]:
-    """The stretches up to which a law describes the solid, as its configuration says or as is known of rubber, and
-    those at which it is no longer stable."""
+    """The stretches up to which a law describes the solid: as its configuration says, or as is known of rubber and of
+    the stability of the law."""
     low, high = material.holds_between or HOLDS.get(material.law, (0.0, inf))
     least, most = material.built().stretch_limits
-    holds = {"holds_from": max(low, least), "holds_to": min(high, most)}
-    return {**holds, "unstable_below": least, "unstable_above": most}
+    return {"holds_from": max(low, least), "holds_to": min(high, most)}
 
 
 def _rows_outside(solved: Solved) -> Index:

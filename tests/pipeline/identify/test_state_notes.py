@@ -1,5 +1,6 @@
 """What limits the use of states and parameters."""
 
+import json
 from dataclasses import replace
 from math import inf
 from pathlib import Path
@@ -89,6 +90,7 @@ def only(run: Solved) -> Reason:
     """The only reason, which can be written."""
     (reason,) = check_states(run)
     assert render(reason)
+    json.dumps(reason.values, allow_nan=False)
     return reason
 
 
@@ -101,6 +103,7 @@ def only(run: Solved) -> Reason:
         (("mesh.formulation=mixed", "material={law: svk, E: 1.2 MPa, nu: 0.49}"), {"min_J": 0.48}, "volume_lost"),
         ((), {"stretches": (0.95, 1.3)}, "beyond_law"),
         ((), {"stretches": (0.8, 1.05)}, "beyond_law"),
+        (("material={law: neo_hooke, mu: 0.1 MPa, nu: 0.49}",), {"stretches": (0.8, 1.7)}, "beyond_law"),
         ((), {"deflection_mm": -1.0}, "hardly_bent"),
         ((), {"curve_z_mm": 1.12}, "out_of_plane"),
         (("effects.pressure=off",), {"curve_z_mm": 0.02, "deflection_mm": 0.012}, "out_of_plane"),
@@ -199,7 +202,6 @@ def test_stretches_beyond_those_for_which_a_law_holds(
     assert (values["part"], values["law"]) == ("the walls", run.config.material.law)
     assert (values["smallest"], values["largest"], values["pressure_kPa"]) == (*stretches, 20.0)
     assert (values["holds_from"], values["holds_to"]) == pytest.approx(holds, abs=0.005)
-    assert values["unstable_below"] <= values["holds_from"] < values["holds_to"] <= values["unstable_above"]
 
 
 def test_the_law_of_a_region_is_compared_with_the_stretches_in_it() -> None:
@@ -208,7 +210,6 @@ def test_the_law_of_a_region_is_compared_with_the_stretches_in_it() -> None:
     run.outcomes.records[0].fields = {"smallest_stretch": low, "stretch": high, "J": np.ones(3)}
     values = only(replace(run, regions={"base": np.array([1, 2])})).values
     assert (values["part"], values["smallest"], values["largest"]) == ("the part base", 0.57, 1.08)
-    assert values["unstable_below"] == pytest.approx(1 / np.sqrt(3))
     assert check_states(replace(run, regions={"base": np.array([1])})) == ()
 
 

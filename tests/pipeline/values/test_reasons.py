@@ -67,5 +67,5 @@ def test_a_list_is_written_with_commas() -> None:
     reason = Reason("load_left_out", {"load": "dead", "pressures_kPa": [5.0, 7.25], "end_kPa": float("inf")})
     assert "dead at 5, 7.25 kPa" in (text := render(reason))
     written = json.loads(json_text(asdict(report_reason(reason))))
-    assert written["values"] == {"load": "dead", "pressures_kPa": [5.0, 7.25], "end_kPa": None}
+    assert written["values"] == {"load": "dead", "pressures_kPa": [5.0, 7.25], "end_kPa": "infinite"}
     assert (written["code"], written["where"], written["text"]) == ("load_left_out", None, f"V{text[1:]}.")
