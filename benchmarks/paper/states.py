@@ -11,9 +11,11 @@ import numpy as np
 
 from benchmarks.paper.free_lines import TestedCurves
 from geometry import Centreline
-from pipeline.config.config import STANDARD_GRAVITY
 from pipeline.results.files import read_plane_law
 from rod import ArmLaw, Curvature, Load, cell_averaged
+
+#: mm/s2, of the weight m g that makes moments dimensionless
+STANDARD_GRAVITY = 9810.0
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ import pandas as pd
 from pipeline.answers.budget import Budget
 from pipeline.answers.rods.pressures import PressureFor
 from pipeline.values.formats import CURVE_COLUMNS
-from pipeline.values.parameters import Dimensionless, RestShape
+from pipeline.values.parameters import RestShape
 from pipeline.values.run import Effect, RodError, State
 from rod import ArmLaw
 from rod.arm_law.quantities import OF_CELLS, UNITS, Asked
@@ -121,11 +121,6 @@ def budget_frame(found: Budget | None) -> Shown:
             100.0 * change for change in (*(r.changes[name] for r in found.rows), found.total(name))
         ]
     return Shown(columns)
-
-
-def expanded(rows: Sequence[Dimensionless]) -> pd.DataFrame:
-    """A frame of rows whose lists, equally long within a row, become one row per entry."""
-    return pd.concat([pd.DataFrame(vars(row)) for row in rows] or [pd.DataFrame()], ignore_index=True)
 
 
 def sensitivities_frame(law: ArmLaw | None) -> pd.DataFrame:

@@ -122,11 +122,6 @@ class Results:
         return frames.profiles(self.run.parameters.kappa_0, self.pressures_kPa)
 
     @cached_property
-    def dimensionless(self) -> pd.DataFrame:
-        """M/(m g l) over (kappa - kappa_0) l by pressure."""
-        return frames.expanded(self.run.parameters.dimensionless)
-
-    @cached_property
     def experiments(self) -> pd.DataFrame:
         """One row per experiment (I, II, III) and pressure."""
         return frames.frame_of(State, self.run.states)

@@ -40,8 +40,6 @@ __all__ = ["Config", "End", "Material", "MeshSettings", "Validation"]
 #: the laws of the rod: five parameters and the law from one cell, or one of them
 Laws = Literal["both", "five", "cell"]
 LAW_CHOICES: tuple[Laws, ...] = get_args(Laws)
-#: mm/s2, of the weight m g in dimensionless numbers
-STANDARD_GRAVITY = 9810.0
 #: Newton's tolerance where none is given
 USUAL_TOLERANCE = 1e-6
 _MATERIAL = Kind("a section", "{law: svk, ...}", complete=read_material)
@@ -57,15 +55,11 @@ def _experiments(value: Any) -> tuple[str, ...]:
 
 @section(frozen=True)
 class IdentificationSettings(Section):
-    """How the five parameters are identified, and with which weight they are made dimensionless."""
+    """How the five parameters are identified."""
 
     d_mm: kinds.PositiveLength | None = Field(
         default=None, description="break of the two lines, [given](identification.md#a-given-d) instead of sought"
     )
-    weight_N: kinds.PositiveForce | None = Field(
-        default=None, description="weight of the arm for M/(m g l) in [results](results.md); default: its own"
-    )
-    weight_of: kinds.Text = Field(default="", description="name of this weight beside dimensionless results")
 
 
 @section(frozen=True)
@@ -107,8 +101,6 @@ def _conflicts(beside: Beside) -> Iterator[Error]:
     if {"material", "pressures_kPa"} <= values.keys():
         yield from stiffness_conflicts(values["material"], values["pressures_kPa"])
     design, effects, identification = (values.get(name) for name in ("design", "effects", "identification"))
-    if identification and identification.weight_of and identification.weight_N is None:
-        yield conflict("names a weight that is missing; give weight as well", ("identification", "weight_of"))
     if design and identification and (identification.d_mm or 0.0) >= design.length:
         place = f"{identification.d_mm:g} mm is not on the arm; allowed: below its length, {design.length:g} mm"
         yield conflict(place, ("identification", "d"))
@@ -223,14 +215,6 @@ class Config(Section):
     def family(self) -> str:
         """The family of the body, as it is written."""
         return OWN if self.design.is_from_file else self.design.family
-
-    @property
-    def reference_weight(self) -> tuple[float, str] | None:
-        """The weight m g (N) with which moments are made dimensionless, and whose it is; None where none is known."""
-        given, mass = self.identification.weight_N, self.mass_tonne
-        if given is not None:
-            return given, self.identification.weight_of or "a reference arm"
-        return None if mass is None else (mass * STANDARD_GRAVITY, "this arm")
 
     def unmeshable(self, failure: DesignError | MeshError) -> InputError:
         """The refusal of a body that cannot be meshed, with the keys of the configuration."""

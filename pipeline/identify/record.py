@@ -13,14 +13,10 @@ from pipeline.identify.predicted import Predicted
 from pipeline.values.formats import FORMAT
 from pipeline.values.json_values import ReadObject
 from pipeline.values.parameters import (
-    BreakProfile,
-    Dimensionless,
-    DimensionlessNumbers,
     FiveColumns,
     MeshErrorOfFive,
     RestShape,
     RodParameters,
-    Straightness,
     StretchingRod,
     TwoLines,
 )
@@ -75,12 +71,6 @@ def parameters_record(
         estimators={ESTIMATOR: _identified([p.by_cells for p in parameters], parameters)},
         predicted_by_arm_law=None if predicted is None else _identified(by_law, parameters),
         kappa_0=_rest_shape(parameters),
-        dimensionless=_dimensionless(config, parameters),
-        dimensionless_numbers=_dimensionless_numbers(config, parameters),
-        profile_over_d=tuple(
-            BreakProfile(p.pressure_kPa, _numbers(p.by_cells.profile[:, 0]), _numbers(p.by_cells.profile[:, 1]))
-            for p in parameters
-        ),
     )
     return _with_single_lines(_with_straight_lines(found, parameters), parameters)
 
@@ -175,58 +165,22 @@ def _identified(estimates: Sequence[Identification | str], parameters: Sequence[
 
 
 def _with_straight_lines(found: RodParameters, parameters: Sequence[Parameters]) -> RodParameters:
-    """With beta1, beta2 over the linear range, over all pressures where there is none, and how straight all is."""
+    """With beta1, beta2 over the linear range, over all pressures where there is none."""
     covered = covered_range(parameters)
     pressures, quantities = quantities_of(parameters)
     lines = covered.lines if covered else {}
     if covered is None and len(parameters) > 1:
         lines = LinearRange.over(pressures, quantities).lines
-    straightness = []
-    for name, line in lines.items():
-        values = tuple(quantities[name].values)
-        on_line = (line.slope * p + line.intercept for p in pressures)
-        off = tuple(value / on - 1.0 for value, on in zip(values, on_line, strict=True))
-        straightness.append(Straightness(name, line.slope, line.intercept, values, off))
     first, second = lines.get("alpha1"), lines.get("alpha2")
     return replace(
         found,
         linear_range_kPa=covered and (covered.low, covered.high),
         linear_range_tested=covered is not None and covered.tested,
-        straightness=tuple(straightness),
         beta1_N_mm2_per_kPa=first and first.slope,
         beta1_N_mm2_per_kPa_std=first and first.slope_std,
         beta2_N_mm2_per_kPa=second and second.slope,
         beta2_N_mm2_per_kPa_std=second and second.slope_std,
     )
-
-
-def _dimensionless(config: Config, parameters: Sequence[Parameters]) -> tuple[Dimensionless, ...]:
-    """M/(m g l) over (kappa - kappa_0) l with the reference weight; no rows where there is none."""
-    weight, length = config.reference_weight, config.design.length
-    if weight is None:
-        return ()
-    points = [(p.pressure_kPa, p.by_cells.points) for p in parameters]
-    return tuple(
-        Dimensionless(
-            pressure,
-            _numbers(at[:, 0] / length),
-            _numbers(at[:, 1] * length),
-            _numbers(at[:, 3] / (weight[0] * length)),
-        )
-        for pressure, at in points
-    )
-
-
-def _dimensionless_numbers(config: Config, parameters: Sequence[Parameters]) -> DimensionlessNumbers | None:
-    """None without a weight."""
-    weight, length = config.reference_weight, config.design.length
-    if weight is None:
-        return None
-    moment = weight[0] * length
-    units = {"alpha1": moment * length, "alpha2": moment * length, "m01": moment, "m02": moment, "d": length}
-    middles = tuple(p.kappa_0.middle * length for p in parameters)
-    columns = (tuple(p.numbers[name].value / unit for p in parameters) for name, unit in units.items())
-    return DimensionlessNumbers(*weight, middles, *columns)
 
 
 def _rest_shape(parameters: Sequence[Parameters]) -> RestShape:

@@ -19,4 +19,4 @@ SURFACES = "pictures/surfaces.npz"
 #: the page of a run at pairs of pressures
 PAIRS_PAGE = "pairs.html"
 #: number of the present set of keys, written as `format` to the files
-FORMAT = 5
+FORMAT = 6

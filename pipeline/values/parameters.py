@@ -113,50 +113,6 @@ class MeshErrorOfFive:
 
 
 @dataclass(frozen=True)
-class Straightness:
-    """A quantity over the pressure beside its straight line."""
-
-    quantity: str
-    slope_per_kPa: float
-    at_0_kPa: float
-    values: Numbers
-    off_the_line: Column  #: relative
-
-
-@dataclass(frozen=True)
-class Dimensionless:
-    """M/(m g l) over (kappa - kappa_0) l at one pressure."""
-
-    pressure_kPa: float
-    s_over_length: Numbers
-    delta_kappa_times_length: Numbers
-    moment_over_m_g_length: Numbers
-
-
-@dataclass(frozen=True)
-class BreakProfile:
-    """Residual of the change of curvature over the position d of the break, at one pressure."""
-
-    pressure_kPa: float
-    d_mm: Numbers
-    rms_per_mm: Numbers
-
-
-@dataclass(frozen=True)
-class DimensionlessNumbers:
-    """The parameters and kappa_0 l in the middle without unit, over the pressures."""
-
-    weight_N: float  #: m g
-    weight_of: str
-    kappa_0_middle_times_length: Numbers
-    alpha1_over_m_g_length2: Numbers
-    alpha2_over_m_g_length2: Numbers
-    m01_over_m_g_length: Numbers
-    m02_over_m_g_length: Numbers
-    d_over_length: Numbers
-
-
-@dataclass(frozen=True)
 class RodParameters(FiveColumns):
     """Everything in parameters.json. Raises ValueError, with the key, for lists whose lengths differ."""
 
@@ -175,7 +131,6 @@ class RodParameters(FiveColumns):
     d_given_mm: float | None = None
     linear_range_kPa: tuple[float, float] | None = None
     linear_range_tested: bool = False
-    straightness: tuple[Straightness, ...] = ()
     beta1_N_mm2_per_kPa: float | None = None
     beta1_N_mm2_per_kPa_std: float | None = None
     beta2_N_mm2_per_kPa: float | None = None
@@ -197,9 +152,6 @@ class RodParameters(FiveColumns):
     estimators: Mapping[str, TwoLines] = field(default_factory=dict)
     predicted_by_arm_law: TwoLines | None = None
     kappa_0: RestShape = RestShape()
-    dimensionless: tuple[Dimensionless, ...] = ()
-    dimensionless_numbers: DimensionlessNumbers | None = None
-    profile_over_d: tuple[BreakProfile, ...] = ()
 
     def __post_init__(self) -> None:
         sizes = {"n": len(self.pressures_kPa), "m": len(self.kappa_0.s_mm), "c": len(self.kappa_0.cell_s_mm)}

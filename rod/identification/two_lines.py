@@ -5,7 +5,7 @@ Delta = kappa - kappa_0 at equal pressure and s, M(s) by equation (7). Two lines
     Delta(s) = a_i M(s) - b_i,    a_i = 1/alpha_i,    b_i = m0_i/alpha_i,    i = 1 for s < d, 2 beyond
 
 are fitted by least squares (`regression`), in Delta, because curvature is what carries the errors. d minimises the
-squares over a stated range; the profile over d is kept.
+squares over a stated range.
 
 Errors: the covariance of both curvatures, and the misfit. Where the residual is larger than the covariance explains
 (the law is not exact), the excess is added as an error that is correlated within a cell. The intervals come from a
@@ -34,8 +34,8 @@ BREAKS = (0.05, 0.35)
 #: lower end of that range over the pitch: nowhere below half a pitch, and on long arms, where BREAKS begins beyond the
 #: first cell, 0.6 of it
 MIN_BREAK, FIRST_CELL = 0.5, 0.6
-#: breaks on the grid of the profile
-PROFILE_POINTS = 65
+#: breaks of the grid on which d is sought first
+GRID_POINTS = 65
 #: relative error of Delta at which a simpler law is as good as a richer one
 NEGLIGIBLE_MISFIT = 0.02
 #: difference of the criteria from which on they speak clearly for one of the two ("strong", Kass and Raftery 1995)
@@ -57,8 +57,6 @@ class Identification:
     observations: float  #: effective number of independent observations
     criterion_two_lines: float  #: Bayesian information criterion; the smaller one wins
     criterion_single_line: float
-    profile: Array  #: (n, 2) columns d (mm) and root-mean-square residual of Delta (1/mm)
-    points: Array  #: (m, 4) columns s (mm), Delta (1/mm), fitted Delta (1/mm), M (N mm) as the estimate resolves it
     d_given: bool = False  #: whether d was given and not sought; two lines are then wanted
 
     @property
@@ -116,8 +114,6 @@ def identify(
         criterion_two_lines=_criterion(observed, best, 5 if d is None else 4, observations),
         # the criterion compares two lines with one of the same weights, not with the one that is reported
         criterion_single_line=_criterion(observed, regression.solve(), 2, observations),
-        profile=np.column_stack([grid, [observed.rms(fit.fitted) for fit in profile]]),
-        points=np.column_stack([observed.s, observed.delta, best.fitted, observed.moment]),
         d_given=d is not None,
     )
 
@@ -138,7 +134,7 @@ def default_breaks(length: float, pitch: float) -> tuple[float, float]:
 
 
 def _break_grid(observed: Observed, breaks: tuple[float, float] | None) -> Array:
-    """(PROFILE_POINTS,) breaks, mm."""
+    """(GRID_POINTS,) breaks, mm."""
     low, high = breaks or default_breaks(observed.length, observed.pitch)
     if not 0.0 < low < high < 1.0:
         raise RodError(
@@ -147,7 +143,7 @@ def _break_grid(observed: Observed, breaks: tuple[float, float] | None) -> Array
     low = max(low, MIN_BREAK * observed.pitch / observed.length)
     if low >= high:
         raise RodError(f"No d below {high:g} of the length can be identified with cells of {observed.pitch:g} mm.")
-    return np.linspace(low, high, PROFILE_POINTS) * observed.length
+    return np.linspace(low, high, GRID_POINTS) * observed.length
 
 
 def _given(observed: Observed, d: float) -> Array:

@@ -556,15 +556,11 @@ def test_the_end_has_a_displacement_or_a_force_along_each_axis(configs: Path, wr
     assert load_config(configs / "pneunet_coarse.yaml", [f"end={written_end}"]).end == end
 
 
-def test_a_given_d_and_a_reference_weight_are_read(configs: Path) -> None:
+def test_a_given_d_is_read(configs: Path) -> None:
     coarse = configs / "pneunet_coarse.yaml"
-    own = load_config(coarse)
-    assert own.identification == IdentificationSettings()
-    assert own.mass_tonne is not None
-    assert own.reference_weight == (pytest.approx(9810.0 * own.mass_tonne), "this arm")
-    given = load_config(coarse, ["identification={d: 1.4 cm, weight: 0.42 N, weight_of: arm of 11 chambers}"])
+    assert load_config(coarse).identification == IdentificationSettings()
+    given = load_config(coarse, ["identification={d: 1.4 cm}"])
     assert given.identification.d_mm == pytest.approx(14.0)
-    assert given.reference_weight == (0.42, "arm of 11 chambers")
 
 
 @pytest.mark.parametrize(
@@ -577,7 +573,7 @@ def test_a_given_d_and_a_reference_weight_are_read(configs: Path) -> None:
         ("end.y=1 kPa", "or a force, for example '0.05 N'"),
         ("identification.d=112 mm", "112 mm is not on the arm; allowed: below its length, 112 mm"),
         ("identification.d=0 mm", "allowed: above 0"),
-        ("identification.weight_of=another arm", "names a weight"),
+        ("identification.weight=0.42 N", "identification.weight: unknown key"),
     ],
 )
 def test_an_end_or_an_identification_that_makes_no_sense_is_refused(configs: Path, override: str, reason: str) -> None:

@@ -124,7 +124,6 @@ def test_parameters_have_intervals(results: Path) -> None:
         assert len(columns["d_is_at_most"]) == count
         assert columns["reason"] == [""] * count
     assert len(parameters["observations"]) == count
-    assert [row["quantity"] for row in parameters["straightness"]] == ["alpha1", "alpha2", "kappa_0"]
     for index, suffices in enumerate(parameters["single_line_suffices"]):
         if suffices:
             assert parameters["alpha1_N_mm2"][index] == parameters["alpha2_N_mm2"][index]

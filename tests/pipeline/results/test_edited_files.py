@@ -26,7 +26,7 @@ def parameters() -> dict[str, Any]:
         "d_mm": [10.0, 10.0],
     }
     return {
-        "format": 5,
+        "format": 6,
         "length_mm": LENGTH,
         "mass_g": 16.5,
         "solid_volume_mm3": 14600.0,
