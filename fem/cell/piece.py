@@ -25,6 +25,7 @@ from fem.cell.mirror_contact import MirrorContact, gap_and_touch, tightened
 from fem.discretisation import Discretisation
 from fem.effects.contact import SelfContact
 from fem.effects.effect import Effect, Terms
+from fem.effects.loads import PressureTerm
 from fem.effects.membrane import StrainLimitingLayer
 from fem.effects.mirror_layer import MirroredLayer
 from fem.equations.constraints import Constraints
@@ -35,13 +36,13 @@ from fem.equations.pardiso import available_solver
 from fem.equations.state import Assembly, State
 from fem.equations.system import System
 from fem.materials.regions import Solid, laws_of
-from fem.path.control import LoadControl
+from fem.path.control import Control, LoadControl, VolumeControl
 from fem.path.newton import NewtonOptions, Start, StepFailed, solve
 from fem.post.extremes import extremes_of, strain_at_stress_points
 from fem.reasons import FailedForReasons
 from fem.solution import Extremes
 from fem.supports import Line, Support, nodes_at
-from geometry import Body, Reason
+from geometry import Body, Reason, Values
 from geometry.arrays import Array, Index
 
 Value = TypeVar("Value")
@@ -75,7 +76,7 @@ class PieceState:
     touches: bool  #: whether walls are within the activation distance
     extremes: Extremes
     factorizations: int  #: spent on the way to this state
-    negative_pivots: int  #: number of unstable directions at a prescribed angle
+    negative_pivots: int  #: number of unstable directions at this angle under this pressure
     state: State = field(repr=False)
     terms: Terms = field(repr=False)
 
@@ -169,6 +170,16 @@ class BendingPiece:
         return 2.0 if self.body.half else 1.0
 
     @cached_property
+    def air(self) -> VolumeControl:
+        """The air of the meshed part at rest, each cavity times its part of the pressure: -dPi/dp."""
+        loads = tuple(term for term in self.terms if isinstance(term, PressureTerm))
+        return VolumeControl.behind(self._system, loads)
+
+    def volume(self, state: State) -> float:
+        """That air of the whole body in a state, mm3."""
+        return self.whole * self.air.volume(self.space.points + state.displacement)
+
+    @cached_property
     def plane(self) -> Index:
         """Nodes (k,) of the plane at the end."""
         return self.space.surface("tip").unique_nodes
@@ -216,7 +227,7 @@ class BendingPiece:
             p = start.pressure + target * (pressure - start.pressure)
             phi = start.angle + target * (angle - start.angle)
             try:
-                reached = self._solve_directly(p, phi, Start(reached.state, reached.terms))
+                reached = self._solve_directly(self._under(p), phi, Start(reached.state, reached.terms))
             except StepFailed as failure:
                 halvings += 1
                 if halvings > MAX_HALVINGS:
@@ -244,10 +255,27 @@ class BendingPiece:
         """
         iterations = PREDICTED_ITERATIONS if gives_up else None
         try:
-            return self._solve_directly(pressure, angle, Start(predicted, start.terms, iterations, gives_up))
+            at = Start(predicted, start.terms, iterations, gives_up)
+            return self._solve_directly(self._under(pressure), angle, at)
         except StepFailed as failure:
             target = pressure if final is None else final
             raise PieceFailed(self._where(pressure, angle, target), *failure.reasons) from None
+
+    def solve_at_volume(self, volume: float, angle: float, predicted: State, start: PieceState) -> PieceState:
+        """Equilibrium at a `volume` of the air in mm3 and an angle in rad near a predicted state, stable or not.
+
+        start: as in `solve_near`. Raises `PieceFailed`.
+        """
+        try:
+            at = Start(predicted, start.terms, PREDICTED_ITERATIONS)
+            return self._solve_directly(self.air.target(volume / self.whole, 1.0), angle, at)
+        except StepFailed as failure:
+            times = volume / self.volume(self.rest().state)
+            values: Values = {"piece": self.name, "times": times, "kappa_per_mm": angle / self.body.length}
+            raise PieceFailed(Reason("no_piece_at_volume", values), *failure.reasons) from None
+
+    def _under(self, pressure: float) -> LoadControl:
+        return LoadControl.of(self._system).target(pressure, 1.0)
 
     def constraints(self, angle: float) -> Constraints:
         """The supports with the plane at an angle in rad, resolved to u = T q + g."""
@@ -300,10 +328,9 @@ class BendingPiece:
         if constraints is not self._system.constraints:
             self._system.replace_constraints(constraints)
 
-    def _solve_directly(self, pressure: float, angle: float, start: Start) -> PieceState:
+    def _solve_directly(self, control: Control, angle: float, start: Start) -> PieceState:
         """By Newton's method, and again with stiffer contact where walls overlap."""
         self._constrain(angle)
-        control = LoadControl.of(self._system).target(pressure, 1.0)
         spent = 0
         while True:
             converged = solve(start, control, OPTIONS, lambda iteration, residual: None)
@@ -315,7 +342,7 @@ class BendingPiece:
             start = replace(start, state=converged.state, terms=stiffer)
         gradient, self._latest = converged.assembly.gradient, (converged.state, converged.assembly)
         return PieceState(
-            pressure,
+            converged.state.factor,
             angle,
             self.whole * float(np.vdot(gradient, self.rotation(x))),
             float(x[self.plane[0]] @ (np.cos(angle), np.sin(angle), 0.0)),
@@ -326,6 +353,10 @@ class BendingPiece:
             converged.state,
             start.terms,
         )
+
+    def where(self, at: PieceState) -> Reason:
+        """Where a state is, as one that is no equilibrium or has no slopes."""
+        return self._where(at.pressure, at.angle, at.pressure)
 
     def _where(self, pressure: float, angle: float, target: float) -> Reason:
         """Where there is no equilibrium; target: MPa, the pressure to which the way led."""

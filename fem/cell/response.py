@@ -56,7 +56,8 @@ class Slopes:
 
     moment: float  #: N mm, of the whole body
     moment_by_angle: float  #: N mm
-    moment_by_pressure: float  #: mm3
+    moment_by_pressure: float  #: mm3; minus the change of the air by the angle
+    volume_by_pressure: float  #: mm3/MPa, change of the air (`BendingPiece.volume`)
     by_angle: Array  #: (n, 3) displacement, mm
     by_pressure: Array  #: (n, 3) mm/MPa
     angle_rate: State = field(repr=False)  #: change of the state by the angle, per rad
@@ -68,6 +69,22 @@ class Slopes:
     #: by the pressure of the cavity `other` of the piece alone, mm3 and (n, 3) mm/MPa; none without it
     moment_by_other: float = nan
     by_other: Array = field(default_factory=lambda: np.empty((0, 3)))
+
+    @property
+    def energy_hessian(self) -> Array:
+        """(2, 2) second derivatives of the energy of volume (mm3) and angle (rad), whose first are pressure and moment.
+
+        The tangent bordered by the volume, from its factor: nothing is singular where the pressure has a maximum.
+        """
+        by_volume, coupled = 1.0 / self.volume_by_pressure, self.moment_by_pressure / self.volume_by_pressure
+        by_angle = self.moment_by_angle + self.moment_by_pressure * coupled
+        return np.array([[by_volume, coupled], [coupled, by_angle]])
+
+    @property
+    def rates_at_volume(self) -> tuple[State, State]:
+        """Change of the state by the volume, per mm3 at the angle, and by the angle, per rad at the volume."""
+        by_volume = weighted_sum([(1.0 / self.volume_by_pressure, self.pressure_rate)])
+        return by_volume, weighted_sum([(1.0, self.angle_rate), (self.moment_by_pressure, by_volume)])
 
 
 def slopes(piece: BendingPiece, at: PieceState) -> Slopes:
@@ -113,6 +130,7 @@ def _slopes(piece: BendingPiece, at: PieceState) -> Slopes:
         moment=at.moment,
         moment_by_angle=moment_change(by_angle, angle_change, float(np.vdot(coupling.displacement, turned))),
         moment_by_pressure=moment_change(by_pressure, by_pressure.displacement, float(np.vdot(load, turned))),
+        volume_by_pressure=-piece.whole * float(np.vdot(load, by_pressure.displacement)),
         by_angle=angle_change,
         by_pressure=by_pressure.displacement,
         angle_rate=piece.system.rate(at.state, assembly, replace(by_angle, displacement=angle_change)),

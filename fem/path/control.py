@@ -14,9 +14,8 @@ from typing import ClassVar, Self, final
 
 import numpy as np
 
-from fem.discretisation import Faces
 from fem.effects.effect import Terms, at_constant_fraction
-from fem.effects.loads import enclosed_volume, volume_gradient
+from fem.effects.loads import PressureTerm
 from fem.equations.linear import SingularMatrix
 from fem.equations.linearised import Linearised
 from fem.equations.state import Assembly, Change, State
@@ -163,9 +162,13 @@ class LoadControl(Control):
 @final
 @dataclass(frozen=True, eq=False)
 class VolumeControl(Control):
-    """The volume behind `faces` is prescribed, mm3; the load factor is the unknown that brings it about."""
+    """The volume behind the faces of `pressures` is prescribed, mm3; the load factor that brings it about is unknown.
 
-    faces: Faces = field(repr=False)
+    The volume of each term counts times its pressure at load factor 1: what the load factor works on, if they are all
+    the pressures of the body.
+    """
+
+    pressures: tuple[PressureTerm, ...] = field(repr=False)
 
     name = "volume in mm3"
     gives_load = False
@@ -178,13 +181,30 @@ class VolumeControl(Control):
         """
         if system.constraints.ramped.any():
             raise ValueError("with a prescribed volume no displacement can grow with the load factor; set ramp=False")
-        faces, x = system.space.surface(where), system.space.points
+        return cls.behind(system, (PressureTerm(system.space.surface(where), 1.0),))
+
+    @classmethod
+    def behind(cls, system: System, pressures: tuple[PressureTerm, ...]) -> "VolumeControl":
+        """The body at rest, with the volume that is enclosed by the faces of these terms, by their flux."""
+        rest = cls(system, 1.0, 0.0, 0.0, pressures)
+        x = system.space.points
         # a volume of the size that the faces could enclose: their area to the power 3/2
-        scale = float(np.linalg.norm(volume_gradient(faces, x), axis=1).sum() ** 1.5)
-        return cls(system, scale, enclosed_volume(faces, x), constant_fraction=0.0, faces=faces)
+        scale = float(np.linalg.norm(rest.gradient(x), axis=1).sum() ** 1.5)
+        return replace(rest, scale=scale, value=rest.volume(x))
+
+    def volume(self, x: Array) -> float:
+        """At positions x (n, 3), mm3."""
+        return -sum(term.energy(x, 1.0) for term in self.pressures)
+
+    def gradient(self, x: Array) -> Array:
+        """Derivative (n, 3) of the volume by the positions x (n, 3), mm2."""
+        minus = np.zeros_like(x)
+        for term in self.pressures:
+            term.gradient(x, 1.0, minus)
+        return -minus
 
     def _value_at(self, factor: float, x: Array) -> float:
-        return enclosed_volume(self.faces, x)
+        return self.volume(x)
 
     def start(self, state: State) -> State:
         return state
@@ -192,7 +212,7 @@ class VolumeControl(Control):
     def increment(
         self, state: State, assembly: Assembly, linearised: Linearised, prescribed_increment: Array, terms: Terms
     ) -> tuple[Change, int]:
-        area = volume_gradient(self.faces, self.system.space.points + state.displacement)
+        area = self.gradient(self.system.space.points + state.displacement)
         unloaded = to_equilibrium(assembly, linearised)
         loaded = _load_rate(self.system, state, linearised, terms)
         compliance = float(np.vdot(area, loaded.displacement))
@@ -206,7 +226,7 @@ class VolumeControl(Control):
         return unloaded + replace(loaded.scaled(factor), factor=factor), unstable
 
     def rate(self, state: State, assembly: Assembly, linearised: Linearised, terms: Terms) -> State | None:
-        area = volume_gradient(self.faces, self.system.space.points + state.displacement)
+        area = self.gradient(self.system.space.points + state.displacement)
         loaded = _load_rate(self.system, state, linearised, terms)
         compliance = float(np.vdot(area, loaded.displacement))
         if not compliance:

@@ -214,10 +214,10 @@ def _iterate(before: _Iterate, control: Control, convex: bool, max_strain: float
     system, state, assembly, terms = control.system, before.state, before.assembly, before.terms
     try:
         linearised = before.again or system.linearise(state, assembly, terms, before.correction, convex=convex)
-        if before.again:
-            change, unstable = linearised.solve(assembly.gradient, assembly.pressure_residual), 0
-        else:
-            change, unstable = control.increment(state, assembly, linearised, before.correction, terms)
+        if before.again:  # nothing is left of the increment that it was coupled with
+            nothing = linearised.coupling.scaled(0.0)
+            linearised = replace(linearised, coupling=nothing)
+        change, unstable = control.increment(state, assembly, linearised, before.correction, terms)
     except SingularMatrix as error:
         raise StepFailed(Reason("tangent_singular", {"why": str(error)})) from None
     change = replace(change, displacement=change.displacement + before.correction)

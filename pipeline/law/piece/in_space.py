@@ -6,8 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from fem.cell.lateral import LateralRigidities, lateral_rigidities
-from fem.cell.lateral_end import clamped_compliance
+from fem.cell.lateral import LateralRigidities, clamped_compliance, lateral_rigidities
 from fem.cell.piece import BendingPiece, PieceState
 from fem.equations.linear import SingularMatrix
 from geometry import Reason, Values

@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from fem import Effect, Model, NewtonOptions, PathOptions, SharedPlane, StrainLimitingLayer, StVenantKirchhoff, follow
-from fem.cell.lateral import LateralRigidities, lateral_rigidities
-from fem.cell.lateral_end import clamped_compliance
+from fem.cell.lateral import LateralRigidities, clamped_compliance, lateral_rigidities
 from fem.cell.piece import BendingPiece
 from fem.cell.sideways import Bent, Place, Twisted
 from fem.cell.sliding_walls import SlidingWalls

@@ -1,0 +1,139 @@
+"""Pieces driven by the volume of their air: states, slopes, work along a closed way, and the limit of the pressure.
+
+Tube in plane strain, incompressible: p = int W'(s) / (s^2 - 1) ds over the hoop stretch from the outer to the inner
+wall (A. E. Green, W. Zerna, "Theoretical elasticity", 2nd ed. 1968).
+"""
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from scipy.integrate import quad
+from scipy.optimize import minimize_scalar
+
+from fem import Fixed, Ogden
+from fem.cell.inflation import FreePoint, extremum, followed
+from fem.cell.piece import BendingPiece, PieceState
+from fem.cell.response import slopes
+from geometry import Body, Mesh, PneuNet, Rectangular
+from tests.bodies import box
+from tests.pieces import half_cell
+from tests.quotients import quotient
+
+#: its pressure has a maximum: neither tubes nor balls of it stiffen
+SOFT = Ogden((0.1,), (1.4,), 100.0)
+INNER, OUTER = 1.0, 2.0
+THICK = Rectangular(
+    chambers=5, width=22.0, height=15.5, chamber_length=2.0, partition=7.0, base=0.5, side_wall=7.0, roof=7.0
+)
+
+
+def tube() -> Body:
+    """A slice of half a tube."""
+    mesh = box((3, 16, 1), (OUTER - INNER, np.pi, 0.4))
+    radius, angle = INNER + mesh.points[:, 0], mesh.points[:, 1]
+    points = np.column_stack([mesh.points[:, 2], radius * np.cos(angle), radius * np.sin(angle)])
+    faces = mesh.faces
+    sym = np.vstack([faces["bottom"], faces["top"]])
+    named = {
+        "cavity": faces["left"],
+        "outer": faces["right"],
+        "clamp": faces["back"],
+        "tip": faces["front"],
+        "sym": sym,
+    }
+    return Body(Mesh(points, mesh.tets, named), "tube", 0.4, 0.8, -OUTER)
+
+
+def top(points) -> tuple[FreePoint, FreePoint]:
+    """Two neighbouring states on both sides of the largest pressure."""
+    return next(pair for pair in pairwise(points) if pair[0].rise > 0.0 > pair[1].rise)
+
+
+def test_the_limit_pressure_of_a_tube_in_plane_strain() -> None:
+    """Measured: 0.04 %."""
+
+    def pressure(s: float) -> float:
+        far = np.sqrt(1 + (s**2 - 1) * (INNER / OUTER) ** 2)
+        slope = lambda t: 0.1 * (t**0.4 - t**-2.4)  # noqa: E731
+        return quad(lambda t: slope(t) / (t**2 - 1), far, s)[0]
+
+    largest = minimize_scalar(lambda s: -pressure(s), bounds=(1.2, 6.0), method="bounded")
+    piece = BendingPiece(tube(), SOFT, "free", "mixed", supports=[Fixed("clamp", "x")])
+    found = extremum(piece, *top(followed(piece)))
+    assert found.pressure == pytest.approx(-largest.fun, rel=3e-3)
+    stretch = np.sqrt(np.exp(found.air) / piece.volume(piece.rest().state))
+    assert stretch == pytest.approx(largest.x, rel=0.03)
+
+
+@pytest.fixture(scope="module")
+def soft_cell() -> BendingPiece:
+    return BendingPiece(half_cell(THICK, 6.0), SOFT, "mirror", "mixed")
+
+
+@pytest.fixture(scope="module")
+def soft_path(soft_cell: BendingPiece) -> list[FreePoint]:
+    """To beyond the largest pressure."""
+    points = []
+    for point in followed(soft_cell):
+        points.append(point)
+        if point.rise < 0.0:
+            return points
+    raise AssertionError("no maximum")
+
+
+def state_at(cell: BendingPiece, volume: float, angle: float, near: PieceState) -> PieceState:
+    return cell.solve_at_volume(volume, angle, near.state, near)
+
+
+def test_pressure_and_moment_along_a_closed_way_do_no_work(soft_cell: BendingPiece, soft_path: list[FreePoint]) -> None:
+    """Around the largest pressure, in volume and angle; and the work of each side is the change of the energy."""
+    before, beyond = soft_path[-2:]
+    volumes, angles = np.exp([before.air, beyond.air]), (before.state.angle, 1.3 * beyond.state.angle)
+    nodes, weights = np.polynomial.legendre.leggauss(4)
+    corners = [(0, 0), (1, 0), (1, 1), (0, 1), (0, 0)]
+    state, works = before.state, []
+    for start, end in pairwise(corners):
+        way = [np.array([volumes[i], angles[j]]) for i, j in (start, end)]
+        work = 0.0
+        for t, weight in zip((nodes + 1) / 2, weights / 2, strict=True):
+            volume, angle = way[0] + t * (way[1] - way[0])
+            state = state_at(soft_cell, volume, angle, state)
+            work += weight * float(np.dot([state.pressure, state.moment], way[1] - way[0]))
+        works.append(work)
+    assert sum(works) == pytest.approx(0.0, abs=1e-4 * max(map(abs, works)))
+    energies = []
+    for i, j in corners[:4]:
+        at = state_at(soft_cell, volumes[i], angles[j], state).state
+        energies.append(soft_cell.whole * soft_cell.system.energy(at.displacement, at.factor, ()))
+    np.testing.assert_allclose(works[:3], np.diff(energies), atol=1e-4 * max(map(abs, works)))
+
+
+def test_states_by_volume_and_by_pressure_are_the_same(soft_cell: BendingPiece, soft_path: list[FreePoint]) -> None:
+    for point in soft_path[1:-1]:
+        assert point.is_stable
+        by_pressure = soft_cell.solve(point.state.pressure, point.state.angle, point.state, point.state.state)
+        again = soft_cell.solve(point.state.pressure, point.state.angle, soft_path[0].state)
+        for other in (by_pressure, again):
+            apart = np.abs(other.state.displacement - point.state.state.displacement).max()
+            assert apart < 1e-4 * np.abs(point.state.state.displacement).max()
+            assert other.moment == pytest.approx(point.state.moment, abs=1e-4)
+
+
+@pytest.mark.usefixtures("solved_tightly")
+@pytest.mark.parametrize("touching", [True, False])
+def test_slopes_by_volume_and_angle_are_those_of_neighbouring_states(touching: bool, soft_cell: BendingPiece) -> None:
+    """Of pressure and moment, and of the state; beyond the largest pressure too."""
+    piece = BendingPiece(half_cell(PneuNet(), 5.0), SOFT, "mirror", dhat=0.04) if touching else soft_cell
+    at = next(point for point in followed(piece) if point.state.touches or point.rise < 0.0).state
+    volume = piece.volume(at.state)
+    assert at.touches == touching
+    known = slopes(piece, at)
+    for column, (swollen, turned) in enumerate(((1e-4 * volume, 0.0), (0.0, 1e-4))):
+        more, less = (state_at(piece, volume + k * swollen, at.angle + k * turned, at) for k in (1, -1))
+        width = 2.0 * (swollen + turned)
+        for row, (first, second) in enumerate(((more.pressure, less.pressure), (more.moment, less.moment))):
+            assert known.energy_hessian[row, column] == quotient(first, second, width).within(rel=1e-3)
+        rate = known.rates_at_volume[column].displacement
+        apart = rate - (more.state.displacement - less.state.displacement) / width
+        assert np.abs(apart).max() < 1e-3 * np.abs(rate).max()
