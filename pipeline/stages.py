@@ -11,9 +11,9 @@ from geometry import Reason, Values
 from pipeline.answers.budget import make_budgets
 from pipeline.answers.rods.in_time import with_remark
 from pipeline.config.config import Config
-from pipeline.identify.added_pressures import Identified, identify_run
 from pipeline.identify.arm_rods import ArmRods
 from pipeline.identify.compare import Comparison, compare, curves_of
+from pipeline.identify.identified import Identified, identify_run
 from pipeline.identify.mesh_error import with_mesh_error
 from pipeline.identify.parameters import Parameters
 from pipeline.identify.predicted import predictions, with_mesh_error_of_laws

@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 from typing import NamedTuple, final
 
 import numpy as np
@@ -91,18 +90,3 @@ def linear_range(pressures: Sequence[float], quantities: Mapping[str, Quantity])
         if all(line.straight for line in candidate.lines.values()):
             return candidate
     return None
-
-
-def next_pressure(pressures: Sequence[float], covered: LinearRange | None, smallest: float = 1.0) -> float | None:
-    """The pressure (kPa) with the most information on where linearity ends: the middle of the wider interval beside it.
-
-    Without a range the middle of the widest interval. None where everything is covered and tested, and where no
-    interval is wider than twice `smallest`; two pressures are left alone, as in the paper's recipe.
-    """
-    intervals = list(pairwise(pressures))
-    if len(pressures) < 3:
-        return None
-    if covered is not None:
-        intervals = [(a, b) for a, b in intervals if b == covered.low or a == covered.high]
-    widest = max(intervals, key=lambda interval: interval[1] - interval[0], default=(0.0, 0.0))
-    return 0.5 * (widest[0] + widest[1]) if widest[1] - widest[0] > 2.0 * smallest else None

@@ -27,7 +27,7 @@ from rod.in_time.relaxation import Relaxation
 from rod.law import PARAMETER_COLUMNS, PARAMETER_NAMES, FiveParameters, TwoSlopes
 from rod.load import Load
 from rod.mechanics.equilibrium import Rod
-from rod.pressures import LinearRange, Quantity, Straightness, linear_range, next_pressure, straightness
+from rod.pressures import LinearRange, Quantity, Straightness, linear_range, straightness
 from rod.pressurised_rod import PressurisedRod
 from rod.solution import RodSolution, SpatialSolution
 from rod.warm_up import compile_kernels
@@ -89,7 +89,6 @@ __all__ = [
     "moment_between",
     "moment_from_load",
     "move",
-    "next_pressure",
     "rest_curvature",
     "shortest_break",
     "shortest_pitch",

@@ -278,7 +278,6 @@ def extras() -> dict[str, st.SearchStrategy[Any]]:
         "pressures": pressures.map(lambda values: [f"{value:.4g} kPa" for value in sorted(values)]),
         "materials": st.just({}) | seldom(3).flatmap(lambda given: of_regions() if given else st.just({})),
         "end": st.fixed_dictionaries({}, optional={"y": quantity(5.0, "mm")}),
-        "added_pressures": st.integers(-1, 5),
         "validation": st.fixed_dictionaries({}, optional={"end_y": st.lists(quantity(5.0, "mm"), max_size=2)}),
         "effects": st.fixed_dictionaries(
             {}, optional={name: states | more.get(name, st.fixed_dictionaries({"state": states})) for name in EFFECTS}

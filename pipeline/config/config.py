@@ -147,7 +147,6 @@ class Config(Section):
     )
     end: Annotated[End, Kind("", "{}", complete=read_end, keys=GivenEnd)] = End()
     identification: IdentificationSettings = IdentificationSettings()
-    added_pressures: kinds.CountFromZero = Field(default=0, description="how many pressures the program may add")
     validation: Annotated[Validation, Kind("", "{}", complete=read_validation, keys=GivenValidation)] = Field(
         default_factory=dict, validate_default=True
     )

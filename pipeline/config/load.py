@@ -21,14 +21,13 @@ UNUSED: dict[str, Sequence[str]] = {
         "experiments",
         "end",
         "identification",
-        "added_pressures",
         "validation",
         "law",
         "newton",
         "accuracy",
     ],
-    "cell": ["experiments", "identification", "added_pressures", "validation.pressures", "law"],
-    "design": ["pressures", "experiments", "identification", "added_pressures", "validation", "law"],
+    "cell": ["experiments", "identification", "validation.pressures", "law"],
+    "design": ["pressures", "experiments", "identification", "validation", "law"],
 }
 
 

@@ -6,7 +6,6 @@ from typing import Any
 
 from geometry.arrays import Array
 from pipeline.config.config import Config
-from pipeline.identify.added_pressures import covered_range, quantities_of
 from pipeline.identify.mesh_error import RELATIVE
 from pipeline.identify.parameters import Parameters, decide_together
 from pipeline.identify.predicted import Predicted
@@ -28,6 +27,8 @@ from rod import (
     LinearRange,
     Load,
     MomentRange,
+    Quantity,
+    linear_range,
     rest_curvature,
 )
 
@@ -166,8 +167,8 @@ def _identified(estimates: Sequence[Identification | str], parameters: Sequence[
 
 def _with_straight_lines(found: RodParameters, parameters: Sequence[Parameters]) -> RodParameters:
     """With beta1, beta2 over the linear range, over all pressures where there is none."""
-    covered = covered_range(parameters)
-    pressures, quantities = quantities_of(parameters)
+    pressures, quantities = _quantities_of(parameters)
+    covered = linear_range(pressures, quantities)
     lines = covered.lines if covered else {}
     if covered is None and len(parameters) > 1:
         lines = LinearRange.over(pressures, quantities).lines
@@ -181,6 +182,16 @@ def _with_straight_lines(found: RodParameters, parameters: Sequence[Parameters])
         beta2_N_mm2_per_kPa=second and second.slope,
         beta2_N_mm2_per_kPa_std=second and second.slope_std,
     )
+
+
+def _quantities_of(parameters: Sequence[Parameters]) -> tuple[list[float], dict[str, Quantity]]:
+    """Pressures (kPa) and what is tested for linearity: alpha1, alpha2 (N mm2) and kappa_0(l/2) (1/mm) with their
+    standard deviations."""
+    intervals = {name: [p.numbers_without_mesh[name] for p in parameters] for name in ("alpha1", "alpha2")}
+    quantities = {name: Quantity([i.value for i in row], [i.std for i in row]) for name, row in intervals.items()}
+    middles = [p.kappa_0.middle for p in parameters]
+    quantities["kappa_0"] = Quantity(middles, [p.kappa_0.middle_std for p in parameters])
+    return [p.pressure_kPa for p in parameters], quantities
 
 
 def _rest_shape(parameters: Sequence[Parameters]) -> RestShape:

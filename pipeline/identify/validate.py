@@ -116,7 +116,7 @@ def _comparisons(
             if not load and not is_among(scene.config.validation.pressures_kPa, record.pressure_kPa):
                 continue  # on the path to a pressure between
             if not load and is_among(rods.identified_kPa, record.pressure_kPa):
-                continue  # added by bisection: in sample
+                continue  # in sample
             at_pressure = rods.at(record.pressure_kPa)
             comparisons.append(compare_rods(at_pressure, record, scene.body.pitch, load, in_sample=False))
     return tuple(sorted(comparisons, key=lambda c: (c.record.pressure_kPa, c.load)))

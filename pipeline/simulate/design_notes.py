@@ -49,7 +49,7 @@ def _pressure(config: Config) -> Reason | None:
 
 
 def _unused_pressure(config: Config) -> Reason | None:
-    pressure, count = config.effects.pressure, len(config.pressures_kPa) + config.added_pressures
+    pressure, count = config.effects.pressure, len(config.pressures_kPa)
     unused = not pressure.acts and (count > 1 or not pressure.off)
     return Reason("pressure_unused", {"count": count}) if unused else None
 
@@ -94,6 +94,6 @@ def _unequal_cells(config: Config) -> Reason | None:
 
 
 def _few_pressures(config: Config) -> Reason | None:
-    count = len(config.pressures_kPa) + config.added_pressures
+    count = len(config.pressures_kPa)
     few = count < SEVERAL and config.effects.pressure.acts
     return Reason("few_pressures", {"count": count}) if few else None

@@ -94,12 +94,6 @@ def identification_case(config: Config, experiment: str) -> LoadCase:
     return LoadCase(experiment, experiment, schedule(config), config.end)
 
 
-def case_up_to(config: Config, experiment: str, pressure_kPa: float) -> LoadCase:
-    """I, II or III at one more pressure and those of the run from which the path goes on."""
-    path = _path_to((pressure_kPa,), config.pressures_kPa)
-    return LoadCase(experiment, experiment, schedule(config, path), config.end)
-
-
 def _path_to(pressures_kPa: tuple[float, ...], stored_kPa: tuple[float, ...]) -> tuple[float, ...]:
     """The stored pressures from which the way to others is short, then these; both ascend.
 

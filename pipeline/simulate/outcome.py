@@ -257,12 +257,6 @@ class Outcomes:
         return Outcomes({name: outcome.merged(more[name]) for name, outcome in self.by_name.items()})
 
     @property
-    def newest(self) -> "Outcomes":
-        """The last state of each load case alone."""
-        last = {name: replace(outcome, records=outcome.records[-1:]) for name, outcome in self.by_name.items()}
-        return Outcomes(last)
-
-    @property
     def states(self) -> tuple[State, ...]:
         """The rows of experiments.json: every state, and behind those of an experiment the pressure it failed at."""
         states: list[State] = []

@@ -110,7 +110,6 @@ TEMPLATES: Mapping[str, str] = {
     "load_left_out": "validation {load} at {pressures_kPa:g} kPa was not solved, because experiment II ended at "
     "{end_kPa:.4g} kPa; give lower pressures",
     "not_identified": "no five parameters at {pressure_kPa:g} kPa: {why}",
-    "pressure_not_added": "no pressure was added at {pressure_kPa:g} kPa: {why}",
     "no_arm_law": "the arm's own law was not made: {why}; set law: five to take five parameters",
     "law_incomplete": "the arm's own law is incomplete: {why}",
     # the arm's own law

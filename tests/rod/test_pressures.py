@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from rod import Extension, FiveParameters, RodError
-from rod.pressures import Quantity, linear_range, next_pressure, straightness
+from rod.pressures import Quantity, linear_range, straightness
 from rod.pressurised_rod import PressurisedRod
 
 S = np.linspace(0.0, 112.0, 57)
@@ -177,19 +177,3 @@ def test_two_pressures_are_a_range_that_was_not_tested() -> None:
     assert linear_range([17.0], bent([17.0])) is None
     zigzag = [10.0, 20.0, 30.0, 40.0]
     assert linear_range(zigzag, {"zigzag": Quantity([1.0, 2.0, 1.0, 2.0], [0.01] * 4)}) is None
-
-
-def test_bisection_adds_pressures_beside_the_range_and_ends() -> None:
-    p = [5.0, 17.0, 31.0, 45.0]
-    linear = linear_range(p, bent(p))
-    assert next_pressure(p, linear) == 11.0
-    straight = linear_range(p, {"straight": bent(p)["straight"]})
-    assert next_pressure(p, straight) is None
-    assert next_pressure([17.0, 37.0], None) is None
-    assert next_pressure([5.0, 17.0, 45.0], None) == 31.0
-    while (more := next_pressure(p, linear_range(p, bent(p)))) is not None:
-        p = sorted({*p, more})
-        assert len(p) < 12
-    covered = linear_range(p, bent(p))
-    assert covered is not None
-    assert 15.0 <= covered.low <= 17.0

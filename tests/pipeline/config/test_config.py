@@ -62,7 +62,7 @@ def test_values_arrive_in_mm_N_MPa(configs: Path) -> None:
 def test_the_record_has_the_keys_of_the_yaml_with_their_units(configs: Path) -> None:
     record = load_config(configs / "pneunet_coarse.yaml", ["effects.self_contact={dhat: 0.1 mm}"]).record()
     keys = ["name", "geometry", "material", "pressures_kPa", "experiments", "end", "identification"]
-    assert list(record) == [*keys, "added_pressures", "validation", "law", "newton", "accuracy", "effects", "mesh"]
+    assert list(record) == [*keys, "validation", "law", "newton", "accuracy", "effects", "mesh"]
     assert record["end"] == {"x_mm": None, "y_mm": 0.0, "force_N": [0.0, 0.0]}
     assert record["mesh"] == {"size_mm": 4.0, "formulation": "p2p0", "coarser": None, "grading": "off"}
     effects = record["effects"]
@@ -593,11 +593,8 @@ def test_a_run_makes_both_laws_unless_the_configuration_names_one(configs: Path)
 
 def test_validation_loads_are_read(configs: Path) -> None:
     coarse = configs / "pneunet_coarse.yaml"
-    plain = load_config(coarse)
-    assert plain.added_pressures == 0
-    config = load_config(coarse, ["validation={end_y: [1 cm, -10 mm], forces: [[0 N, 0.05 N]]}", "added_pressures=2"])
+    config = load_config(coarse, ["validation={end_y: [1 cm, -10 mm], forces: [[0 N, 0.05 N]]}"])
     assert config.validation == Validation((17.0, 37.0), (10.0, -10.0), ((0.0, 0.05),))
-    assert config.added_pressures == 2
     assert load_config(coarse, ["validation.pressures=[24 kPa]"]).validation == Validation((24.0,), (), ())
 
 
@@ -613,7 +610,6 @@ def test_validation_loads_are_read(configs: Path) -> None:
         ("validation.forces=[[0 N, 0.05 N], [0 N, 0.05 N]]", "has an entry twice"),
         ("validation.forces=[[0.05 N]]", "has 1 entries instead of 2"),
         ("validation.loads=[1 N]", "unknown key"),
-        ("added_pressures=-1", "allowed: 0 or more"),
     ],
 )
 def test_validation_loads_that_make_no_sense_are_refused(configs: Path, override: str, reason: str) -> None:

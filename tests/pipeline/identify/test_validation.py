@@ -17,7 +17,7 @@ from pipeline.config.load import load_config
 from pipeline.config.validation import Validation
 from pipeline.identify.validate import find_loads_beyond_II, keep_reached_loads
 from pipeline.run import run
-from pipeline.simulate.loadcase import LoadCase, PressureSchedule, case_up_to, validation_cases
+from pipeline.simulate.loadcase import validation_cases
 from pipeline.simulate.outcome import Failure, Outcomes
 from pipeline.simulate.scene import Scene
 from pipeline.simulate.simulate import simulate
@@ -33,7 +33,6 @@ name: seven
 geometry: {family: pneunet, chambers: 7}
 material: {law: svk, E: 1.2 MPa, nu: 0.495, density: 1130 kg/m^3}
 pressures: [6 kPa, 12 kPa, 24 kPa]
-added_pressures: 1
 law: five
 validation: {pressures: [12 kPa, 15 kPa], end_y: [3 mm], forces: [[0 N, 0.01 N]]}
 mesh: {size: 8 mm, formulation: p2p0, grading: off, coarser: off}
@@ -66,11 +65,6 @@ def test_cases_are_named_by_their_load_and_go_on_from_the_run(config: Config) ->
     reached = {case.name: case for case in validation_cases(config, (6.0,))}
     assert list(reached) == list(cases)
     assert reached["II"].schedule.pressures_kPa == (6.0, 15.0)  # nothing is solved at a pressure that was not reached
-    assert case_up_to(config, "III", 18.0) == LoadCase(
-        "III", "III", PressureSchedule((24.0, 12.0, 18.0), 24.0), config.end
-    )
-    assert case_up_to(config, "III", 30.0).schedule.pressures_kPa == (6.0, 12.0, 24.0, 30.0)
-    assert case_up_to(config, "III", 3.0).schedule.pressures_kPa == (3.0,)
 
 
 def test_a_requested_load_beyond_the_end_of_II_is_named(config: Config) -> None:

@@ -10,8 +10,8 @@ import pytest
 
 from geometry import Reason
 from pipeline.config.load import load_config
-from pipeline.identify import added_pressures
-from pipeline.identify.added_pressures import identify_run
+from pipeline.identify import identified as module
+from pipeline.identify.identified import identify_run
 from pipeline.simulate.outcome import Outcomes
 from pipeline.simulate.scene import Scene
 from pipeline.simulate.too_short import too_short
@@ -38,7 +38,7 @@ def test_a_pressure_without_parameters_fails_a_run_only_where_it_leaves_no_rod(
     monkeypatch: pytest.MonkeyPatch, arm: Scene, identified: tuple[str, ...], other_rod: bool, fails: bool
 ) -> None:
     reason = Reason("not_identified", {"pressure_kPa": 10.0, "why": "the rod carries no moment"})
-    monkeypatch.setattr(added_pressures, "identify_all", lambda *given, **options: (identified, (reason,)))
+    monkeypatch.setattr(module, "identify_all", lambda *given, **options: (identified, (reason,)))
     made = identify_run(arm, CONTEXT, NONE)
     assert (made.failures(other_rod), made.remarks(other_rod)) == (((reason,), ()) if fails else ((), (reason,)))
     assert made.parameters == identified

@@ -41,7 +41,6 @@ def test_the_shipped_designs_are_usual(name: str) -> None:
     [
         ((PRESSURES,), set()),
         ((PRESSURES, "geometry.chambers=6", "law=cell"), set()),
-        (("pressures=[10 kPa, 20 kPa]", "added_pressures=1"), set()),
         (("pressures=[10 kPa, 20 kPa]",), {"few_pressures"}),
         (("pressures=[0.1 MPa, 0.2 MPa, 0.4 MPa]",), {"strong_pressure"}),
         (("pressures=[10 Pa, 20 Pa, 30 Pa]",), {"weak_pressure"}),

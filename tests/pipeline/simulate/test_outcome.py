@@ -116,13 +116,6 @@ def test_seconds_by_stage_add_up_to_the_total() -> None:
     assert stages["assembly"] == 3.75
 
 
-def test_the_newest_states_stand_alone() -> None:
-    outcomes = Outcomes({"II": outcome("II", record(10.0), record(20.0))})
-    last = outcomes.newest
-    assert [state.pressure_kPa for state in last.records] == [20.0]
-    assert replace(outcomes["II"], records=last["II"].records) == last["II"]
-
-
 @pytest.mark.parametrize(
     ("gaps", "reason"),
     [
