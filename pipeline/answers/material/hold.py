@@ -4,7 +4,6 @@ Its stress is that at long times with the factor 1 + sum g exp(-t / tau); its st
 branches. Times of branches are evenly spaced in log t, and their parts are not negative, so that noise makes none.
 """
 
-import re
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -12,15 +11,21 @@ import numpy as np
 from scipy.optimize import nnls
 
 from geometry.arrays import Array
+from pipeline.answers.columns import Column, Form, read
 from pipeline.answers.material.table import KINDS
-from pipeline.answers.written_table import name_and_unit, number_in, per_unit, plain, read_cells
 from pipeline.config.units import TIME
-from pipeline.values.errors import InputError, quoted
+from pipeline.values.errors import InputError
 from rod.errors import RodError
 from rod.in_time.relaxation import Creep, Relaxation
 
-EXAMPLE = "a line of titles names a time and what was read, as 'time (s), stress (MPa)' or 'time (s), strain (%)'"
-_TIME = re.compile(r"^t$|\btime|\bzeit|\btemps")
+HELD = Form(
+    "a specimen over time",
+    {"time": Column(TIME, r"^t$|\btime|zeit|\btemps"), **KINDS},
+    (("time",), tuple(KINDS)),
+    "columns of a time and of a stress, force or strain",
+    "a line of titles names a time and what was read, as 'time (s), stress (MPa)' or 'time (s), strain (%)'",
+    title_lines=2,
+)
 #: branches in a tenfold time; the shortest time of one over that of the first point, the longest over that of the last
 PER_DECADE, SHORTEST, LONGEST = 2.0, 3.0, 1.0 / 3.0
 #: a part of the stress below which a branch is left out, and fewest points of a hold
@@ -65,30 +70,15 @@ class Hold:
 
 def read_hold(path: Path) -> Hold:
     """The branches of a file with a time that is 0 where the hold begins. Raises InputError."""
-    time, read = _read_over_time(path)
-    kind = next(kind for kind in ("stress", "force", "strain", "extension", "stretch") if kind in read)
-    points = np.column_stack([time, read[kind]])
-    return _held(path, points[np.isfinite(points).all(axis=1)], is_creep=kind not in ("stress", "force"))
-
-
-def _read_over_time(path: Path) -> tuple[Array, dict[str, Array]]:
-    """Times (n,) in s, and what was read then (n,), by kind; NaN where a row has no number. Raises InputError."""
-    cells = read_cells(path, "a specimen over time", EXAMPLE)
-    numbers = np.array([[number_in(cell) for cell in row] for row in cells])
-    for row, titles in enumerate(cells):
-        names = [plain(name_and_unit(title, (TIME,))[0]) for title in titles]
-        times = [k for k, name in enumerate(names) if _TIME.search(name)]
-        read = {kind: k for kind, (_, words) in KINDS.items() for k, name in enumerate(names) if re.search(words, name)}
-        if times and read:
-            unit = per_unit(name_and_unit(titles[times[0]], (TIME,))[1], TIME)
-            if not np.isfinite(unit):
-                raise InputError(f"{path}: column {quoted(titles[times[0]])} has no unit; write it as 'time (s)'")
-            below = numbers[row + 1 :]
-            found = {kind: below[:, k] - float(kind == "stretch") for kind, k in read.items()}
-            time = unit * below[:, times[0]]
-            _check_rise(path, time[np.isfinite(time)])
-            return time, found
-    raise InputError(f"{path}: no line names columns of a time and of a stress, force or strain; {EXAMPLE}")
+    columns = read(path, HELD)
+    time = columns.all("time")[0]
+    value = next(
+        found[0] for kind in ("stress", "force", "strain", "extension", "stretch") if (found := columns.all(kind))
+    )
+    columns.check(time)
+    _check_rise(path, time.numbers[np.isfinite(time.numbers)])
+    points = np.column_stack([time.numbers, value.numbers - float(value.name == "stretch")])
+    return _held(path, points[np.isfinite(points).all(axis=1)], is_creep=value.name not in ("stress", "force"))
 
 
 def _check_rise(path: Path, time: Array) -> None:

@@ -1,17 +1,12 @@
 """The file of an arm that was measured: columns with their units, in any order, as spreadsheets write them."""
 
-import math
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
-
-from geometry.arrays import Array
+from pipeline.answers.columns import Column, Columns, Form, Values, read
 from pipeline.answers.measured.motions import told_of_motions
 from pipeline.answers.measured.rows import COLUMNS, NUMBERS, OF_TIP, QUANTITIES, TEXTS, Measurements, Row, State
-from pipeline.answers.written_table import is_unit, name_and_unit, number_in, per_unit, plain, read_cells
 from pipeline.values.errors import InputError, ask, quoted
 from rod.weight import gravity_direction
 
@@ -22,82 +17,54 @@ NEEDED = (("s", "x", "y"), ("s", "x", "y")), (("held_y",), ("reaction",)), (("re
 MINUS = "-−"
 #: units of pictures, which pint takes as those of a screen
 PIXELS = {"px", "pixel", "pixels"}
-_DIMENSIONS = tuple(dict.fromkeys(NUMBERS.values()))
-
-
-@dataclass(frozen=True)
-class _Column:
-    name: str  #: of NUMBERS or TEXTS
-    position: int
-    title: str
-    unit: float  #: one unit in that of the name; 1 of a text
+MEASURED = Form(
+    "a measured arm",
+    {
+        name: Column(NUMBERS.get(name), f"^[{MINUS}]?{name.replace('_', ' ')}$", written=COLUMNS[name])
+        for name in (*TEXTS, *NUMBERS)
+    },
+    (tuple(NUMBERS),),
+    "what was measured on an arm",
+    EXAMPLE,
+)
 
 
 def read_measurements(path: Path) -> Measurements:
     """The rows of a file. Raises InputError, with the line and the column of what is wrong."""
-    cells = read_cells(path, "a measured arm", EXAMPLE)
-    columns, first = _columns(path, cells)
-    rows = []
-    for line, row in enumerate(cells[first:].tolist(), start=first + 1):
-        if any(row):
-            rows.append(
-                _row(f"{path}: line {line}", line, {column.name: (column, row[column.position]) for column in columns})
-            )
+    table = read(path, MEASURED)
+    columns = _checked(table)
+    rows = [_row(f"{path}: line {line}", line, columns, k) for k, line in enumerate(table.lines.tolist())]
     if not rows:
         raise InputError(f"{path}: has titles and no numbers under them; give a row for each state that was measured")
     return Measurements(str(path), told_of_motions(path, rows))
 
 
-def _columns(path: Path, cells: Array) -> tuple[list[_Column], int]:
-    """The columns by the first line that names one, with units there or on the next line; and the first row."""
-    filled = [k for k, row in enumerate(cells.tolist()) if any(row)]
-    head = next((k for k in filled if any(_name(cell)[0] in NUMBERS for cell in cells[k])), filled[0])
-    titles, below = cells[head].tolist(), cells[head + 1].tolist() if head + 1 < len(cells) else [""] * len(cells[head])
-    pairs = zip(titles, below, strict=True)
-    has_units = any(is_unit(cell, _DIMENSIONS) for title, cell in pairs if plain(title) not in TEXTS)
-    columns: dict[str, _Column] = {}
-    for position, title in enumerate(titles):
-        unit = below[position] if has_units else ""
-        if not title and not any(cells[head + 1 :, position]):
-            continue
-        column = _column(path, position, title, unit)
+def _checked(table: Columns) -> dict[str, Values]:
+    """The columns by name."""
+    for title in (*table.others, *(f"{column.title} {column.unit}" for column in table.known)):
+        if PIXELS & set(re.split(r"[\W_]+", title.lower())):
+            raise InputError(
+                f"{table.path}: column {quoted(title.strip())} is in pixels; give mm per px: multiply it by those of "
+                "the photograph, and name its unit mm"
+            )
+    for title in table.others:
+        raise InputError(
+            f"{table.path}: column {quoted(title)} is not known; allowed are {', '.join(COLUMNS.values())}"
+        )
+    columns: dict[str, Values] = {}
+    for column in table.known:
         if column.name in columns:
-            raise InputError(f"{path}: columns {quoted(columns[column.name].title)} and {quoted(title)} hold the same")
+            both = f"{quoted(columns[column.name].title)} and {quoted(column.title)}"
+            raise InputError(f"{table.path}: columns {both} hold the same")
         columns[column.name] = column
-    _check(path, columns)
-    return list(columns.values()), head + 1 + has_units
+    _check(table.path, columns)
+    for name in NUMBERS:
+        if name in columns:
+            table.check_numbers(columns[name])
+    return columns
 
 
-def _name(title: str) -> tuple[str, str]:
-    """The name of a column as in NUMBERS, if it is one, and the unit in its title, without a minus sign before it."""
-    written, unit = name_and_unit(title.lstrip(MINUS), _DIMENSIONS)
-    return plain(written).replace(" ", "_"), unit
-
-
-def _column(path: Path, position: int, title: str, unit: str) -> _Column:
-    if plain(title) in TEXTS:
-        return _Column(plain(title), position, title, 1.0)
-    if PIXELS & set(re.split(r"[\W_]+", f"{title} {unit}".lower())):
-        raise InputError(
-            f"{path}: column {quoted(title)} is in pixels; give mm per px: multiply it by those of the photograph, and "
-            "name its unit mm"
-        )
-    name, of_title = _name(title)
-    if name not in NUMBERS:
-        raise InputError(f"{path}: column {quoted(title)} is not known; allowed are {', '.join(COLUMNS.values())}")
-    dimension, unit = NUMBERS[name], unit or of_title
-    if not unit:
-        raise InputError(f"{path}: column {quoted(title)} has no unit; write it as '{COLUMNS[name]}'")
-    value = per_unit(unit, dimension)
-    if not np.isfinite(value):
-        raise InputError(
-            f"{path}: column {quoted(title)} has the unit {quoted(unit)}, which is not that of {dimension.name}; write "
-            f"it as '{COLUMNS[name]}'"
-        )
-    return _Column(name, position, title, -value if title[0] in MINUS else value)
-
-
-def _check(path: Path, columns: Mapping[str, _Column]) -> None:
+def _check(path: Path, columns: Mapping[str, Values]) -> None:
     """Raise InputError for columns that need others."""
     if "pressure" not in columns:
         raise InputError(f"{path}: has no column 'pressure_kPa'; {EXAMPLE}")
@@ -105,15 +72,14 @@ def _check(path: Path, columns: Mapping[str, _Column]) -> None:
         raise InputError(f"{path}: no column holds what was measured; give one of {_list(QUANTITIES)}")
 
 
-def _row(where: str, line: int, cells: Mapping[str, tuple[_Column, str]]) -> Row:
-    numbers: dict[str, float] = {}
-    for name, (column, cell) in cells.items():
-        if name in NUMBERS and cell:
-            value = number_in(cell)
-            if not math.isfinite(value):
-                raise InputError(f"{where}: {quoted(cell)} in column {quoted(column.title)} is no number")
-            numbers[name] = float(f"{column.unit * value:.12g}")
-    texts = {name: cells[name][1] if name in cells else "" for name in TEXTS}
+def _row(where: str, line: int, columns: Mapping[str, Values], k: int) -> Row:
+    """The row k of the columns."""
+    numbers = {
+        name: float(f"{columns[name].numbers[k]:.12g}") * (-1.0 if columns[name].title[0] in MINUS else 1.0)
+        for name in NUMBERS
+        if name in columns and columns[name].cells[k]
+    }
+    texts = {name: columns[name].cells[k] if name in columns else "" for name in TEXTS}
     _check_row(where, numbers, texts["orientation"])
     state = State(
         numbers["pressure"],

@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 
 from geometry.arrays import Array
+from pipeline.answers.columns import Column, Form, read
 from pipeline.answers.rods.choice import RodOfRun
 from pipeline.answers.rods.end_loads import AlongArm, Weight
 from pipeline.answers.rods.in_time import body_of, highest
-from pipeline.answers.written_table import name_and_unit, number_in, per_unit, read_cells
 from pipeline.config.units import FORCE, PRESSURE, TIME, Dimension, convert
 from pipeline.results.options import option_pressures, option_value, option_vector
 from pipeline.store.result_folder import open_folder
@@ -24,7 +24,13 @@ from rod import Acting, Air, Body, Load, Motion, RodError, RodSolution, Start, S
 from rod.along import Triple, triple
 from rod.load import with_along
 
-EXAMPLE = "a line of titles names columns with their units, as 't_s, pressure_kPa'"
+PRESSURES = Form(
+    "pressures over time",
+    {"time": Column(TIME), "pressure": Column(PRESSURE)},
+    (("time",), ("pressure",)),
+    "a time and a pressure",
+    "a line of titles names columns with their units, as 't_s, pressure_kPa'",
+)
 #: shapes that are drawn, at equal parts of the way of the tip
 SHAPES = 12
 #: what air may have by its name, as it is read
@@ -178,15 +184,9 @@ def _read_air(text: str) -> Air:
 
 def _read_table(path: Path) -> Array:
     """(n, 1 + c) of a time in s from 0 on, and pressures in kPa. Raises InputError."""
-    cells = read_cells(path, "pressures over time", EXAMPLE)
-    for row, titles in enumerate(cells):
-        units = [name_and_unit(title, (TIME, PRESSURE))[1] for title in titles]
-        factors = np.array([[per_unit(unit, of) for unit in units] for of in (TIME, PRESSURE)])
-        known = np.isfinite(factors)
-        if known.any(axis=1).all():
-            taken = [int(known[0].argmax()), *np.flatnonzero(known[1]).tolist()]
-            numbers = np.array([[number_in(cell) for cell in line[taken]] for line in cells[row + 1 :] if any(line)])
-            if not np.isfinite(numbers).all():
-                raise InputError(f"{path}: has rows without a time or a pressure; give both in every row")
-            return np.asarray(numbers * np.nansum(factors[:, taken], axis=0))
-    raise InputError(f"{path}: no line names a time and a pressure; {EXAMPLE}")
+    columns = read(path, PRESSURES)
+    taken = [columns.all("time")[0], *columns.all("pressure")]
+    numbers = np.column_stack([column.numbers for column in taken])
+    if not np.isfinite(numbers).all():
+        raise InputError(f"{path}: has rows without a time or a pressure; give both in every row")
+    return numbers

@@ -199,7 +199,7 @@ def test_a_column_of_tests_names_compression(tmp_path: Path) -> None:
             table("strain (%),stress (N)", GOOD),
             r"column 'stress \(N\)' has the unit 'N', which is not that of a stress",
         ),
-        (table("strain (%),stress", GOOD), r"column 'stress' has no unit; write it as in 'stress \(MPa\)'"),
+        (table("strain (%),stress", GOOD), r"column 'stress' has no unit; write it as 'stress \(MPa\)'"),
         (table("true strain (%),stress (MPa)", GOOD), r"column 'true strain \(%\)' is not nominal; give"),
         (table("Dehnung (%),wahre Spannung (MPa)", GOOD), "is not nominal"),
         (table("shear strain (%),shear stress (MPa)", GOOD), "'shear' is no test along one axis; give uniaxial"),

@@ -1,0 +1,157 @@
+"""Columns of tables in text files, found by the words of their titles and by their units.
+
+Titles stand in one line or two, below whatever a program writes above them, with units in them or in the next line.
+"""
+
+import re
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from geometry.arrays import Array, Index
+from pipeline.answers.written_table import is_unit, name_and_unit, number_in, per_unit, plain, read_cells
+from pipeline.config.units import Dimension
+from pipeline.values.errors import InputError, quoted
+
+#: words in the middle of a title that are units too
+_WORDS = {"a", "as", "at", "h", "in", "t"}
+
+
+@dataclass(frozen=True)
+class Column:
+    """What a column may hold."""
+
+    dimension: Dimension | None  #: None for texts
+    words: str = ""  #: expression that is sought in its title, in small letters without accents; empty: its unit tells
+    unless: str = r"(?!)"  #: expression that its title does not have
+    written: str = ""  #: its title, for example 'time (s)'
+    without: float = np.nan  #: one unit of a column without a unit; NaN: it needs one
+
+    def per_unit(self, unit: str) -> float:
+        """What one unit is in that of the dimension; NaN where it is none of it."""
+        return per_unit(unit, self.dimension) if self.dimension else 1.0
+
+
+@dataclass(frozen=True)
+class Form:
+    """A kind of file."""
+
+    of: str  #: what it holds
+    columns: Mapping[str, Column]  #: by name; of several that a title fits, the first whose unit fits is taken
+    needed: tuple[Collection[str], ...]  #: titles name one of each
+    names: str  #: what these are, in words
+    example: str  #: what a file without them is told
+    title_lines: int = 1  #: the most of them
+
+    def column(self, title: str, unit: str) -> "tuple[str, float, str] | None":
+        """The name of a column, what one of its units is, and this unit; None if it is not known.
+
+        unit: in the line below.
+        """
+        written, last = name_and_unit(title, [one.dimension for one in self.columns.values() if one.dimension])
+        name, stated = plain(written), unit or last
+        units = [stated] if stated else [word for word in re.split(r"[\s_]+", title) if word.lower() not in _WORDS]
+        fits = []
+        for key, one in self.columns.items():
+            if re.search(one.words, name) and not re.search(one.unless, name):
+                value = next((of for text in units if np.isfinite(of := one.per_unit(text))), np.nan)
+                value = one.without if np.isnan(value) and not stated else value
+                fits += [(key, value, stated)] if one.words or np.isfinite(value) else []
+        return next((fit for fit in fits if np.isfinite(fit[1])), fits[0] if fits else None)
+
+
+@dataclass(frozen=True, eq=False)  # arrays inside
+class Values:
+    """A column."""
+
+    name: str  #: of `Form.columns`
+    title: str
+    unit: str  #: as written; empty where there is none
+    cells: Array  #: (n,) texts
+    numbers: Array  #: (n,) in the unit of the dimension; NaN where a cell is no number
+    problem: str  #: why it has no numbers; empty where it has
+
+
+@dataclass(frozen=True, eq=False)  # arrays inside
+class Columns:
+    """What stands below a line of titles."""
+
+    path: Path
+    lines: Index  #: (n,) numbers of the lines that are not empty, from 1
+    known: tuple[Values, ...]  #: in the order of the file
+    others: tuple[str, ...]  #: titles of columns that are not known, with their units
+
+    def all(self, *names: str) -> list[Values]:
+        """The columns of some names."""
+        return [column for column in self.known if column.name in names]
+
+    def check(self, *columns: Values) -> None:
+        """Raise InputError for columns that have no unit, or a wrong one."""
+        for column in columns:
+            if column.problem:
+                raise InputError(f"{self.path}: column {quoted(column.title)} {column.problem}")
+
+    def check_numbers(self, column: Values) -> None:
+        """Raise InputError for a text in a column of numbers."""
+        self.check(column)
+        for k in np.flatnonzero(~np.isfinite(column.numbers) & (column.cells != "")):
+            where = f"{self.path}: line {self.lines[k]}"
+            raise InputError(f"{where}: {quoted(column.cells[k])} in column {quoted(column.title)} is no number")
+
+
+def read(path: Path, form: Form) -> Columns:
+    """The first table of a file. Raises InputError."""
+    return read_all(path, form)[0]
+
+
+def read_all(path: Path, form: Form) -> list[Columns]:
+    """The tables of a file, by their lines of titles. Raises InputError where there is none."""
+    cells = read_cells(path, form.of, form.example)
+    heads = list(_heads(cells, form))
+    if not heads:
+        raise InputError(f"{path}: no line names {form.names}; {form.example}")
+    ends = [row for row, *_ in heads[1:]] + [len(cells)]
+    return [
+        _below(path, form, titles, units, first + np.flatnonzero((cells[first:end] != "").any(axis=1)), cells)
+        for (_, first, titles, units), end in zip(heads, ends, strict=True)
+    ]
+
+
+def _heads(cells: Array, form: Form) -> Iterator[tuple[int, int, Sequence[str], Sequence[str]]]:
+    """Of each table the line of its titles and of its first row, from 0, its titles, and the units below them."""
+    is_number = np.array([[np.isfinite(number_in(cell)) for cell in row] for row in cells])
+    dimensions = [column.dimension for column in form.columns.values() if column.dimension]
+    free = 0
+    for row in range(len(cells)):
+        for depth in range(1, form.title_lines + 1):
+            first = row + depth
+            if row < free or first >= len(cells) or is_number[row:first].any():
+                continue
+            titles = [" ".join(filter(None, above)) for above in cells[row:first].T]
+            has_units = not is_number[first].any() and any(is_unit(unit, dimensions) for unit in cells[first])
+            units = cells[first].tolist() if has_units else [""] * len(titles)
+            found = {of[0] for of in map(form.column, titles, units) if of}
+            if all(found & set(names) for names in form.needed):
+                free = first + has_units
+                yield row, free, titles, units
+
+
+def _below(path: Path, form: Form, titles: Sequence[str], units: Sequence[str], rows: Index, cells: Array) -> Columns:
+    """The columns of a table with its rows (n,), counted from 0."""
+    known, others = [], []
+    for title, unit, texts in zip(titles, units, cells[rows].T, strict=True):
+        found = form.column(title, unit)
+        if found is None:
+            others += [f"{title} {unit}".strip()] if title or (texts != "").any() else []
+            continue
+        name, value, stated = found
+        problem, of = "", form.columns[name]
+        if of.dimension and np.isnan(value):
+            wrong = f"has the unit {quoted(stated)}, which is not that of {of.dimension.name}"
+            written = of.written or f"{name} ({of.dimension.example.split()[-1]})"
+            problem = f"{wrong if stated else 'has no unit'}; write it as '{written}'"
+        numbers = value * np.array([number_in(cell) for cell in texts]) if of.dimension else np.full(len(rows), np.nan)
+        known.append(Values(name, title, stated, texts, numbers, problem))
+    return Columns(path, rows + 1, tuple(known), tuple(others))
