@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from math import inf, radians
 from time import perf_counter
+from typing import Any
 
 import numpy as np
 
@@ -103,7 +104,11 @@ class Scene:
         space = self._space
         return min((contact.activation_distance(space) for contact in self._intended_contacts), default=None)
 
-    @property
+    def __getstate__(self) -> dict[str, Any]:
+        """Without its elements, which a process that gets a scene makes itself where it needs them."""
+        return {name: value for name, value in vars(self).items() if name != "_space"}
+
+    @cached_property
     def _space(self) -> fem.Discretisation:
         return fem.Discretisation.of(self.body.mesh, self.config.mesh.formulation)
 

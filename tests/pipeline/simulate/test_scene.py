@@ -1,12 +1,13 @@
 """The effects that a configuration switches on, and the part of the body that is meshed for them."""
 
+import pickle
 from pathlib import Path
 
 import pytest
 
 import fem
 from fem.cell.response import slopes
-from geometry import Body, PneuNet
+from geometry import Body, Mesh, PneuNet
 from pipeline.config.config import Config
 from pipeline.config.effects import CavityPressure, StrainLimitingLayer
 from pipeline.config.load import load_config
@@ -58,6 +59,24 @@ def test_cavities_may_carry_different_pressures(arm: Path, half: Body) -> None:
         fem.Pressure("cavity_lower", 0.01, ramp=False),
     ]
     assert loads(load_config(arm, [*BISECTED, "effects.pressure=off"]), half, 0.04) == []
+
+
+def test_the_elements_of_the_scene_are_made_once(configs: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Both for the check of a given distance and for the distance that is told; a process makes its own."""
+    made: list[str] = []
+    of = fem.Discretisation.of
+
+    def counted(mesh: Mesh, formulation: str) -> fem.Discretisation:
+        made.append(formulation)
+        return of(mesh, formulation)
+
+    monkeypatch.setattr(fem.Discretisation, "of", counted)
+    short = ["geometry.chambers=2", "mesh.size=6 mm", "effects.self_contact={dhat: 0.5 mm}"]
+    scene = Scene.meshed(load_config(configs / "pneunet_coarse.yaml", short))
+    assert (scene.activation_distance, scene.activation_distance, len(made)) == (0.5, 0.5, 1)
+    sent = pickle.dumps(scene)
+    assert len(sent) < 1.01 * len(pickle.dumps(Scene(scene.config, scene.body)))
+    assert (pickle.loads(sent).activation_distance, len(made)) == (0.5, 2)
 
 
 @pytest.mark.parametrize(
