@@ -12,13 +12,14 @@ whose slopes are those of parabolas through three neighbours, and have one more 
 pressure, unless something else than the pressure of the run bends the arm. With two values a cubic is a straight line.
 """
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
 from geometry.arrays import Array
-from rod.checked import finite
+from rod.checked import Amount, finite
 from rod.cubics import cubic, monotone_slopes
 from rod.curves.extension import Extension
 from rod.errors import RodError
@@ -26,7 +27,8 @@ from rod.identification.moment_range import MomentRange
 from rod.law import PARAMETER_NAMES, FiveParameters
 from rod.mechanics.equilibrium import Rod
 from rod.mechanics.profile import sampled
-from rod.same_pressure import as_known, known_at
+from rod.same_pressure import Pressures, as_known, known_at, pressures_of
+from rod.weight import Mass
 
 #: where the numbers at an identified pressure come from
 IDENTIFIED = "identified"
@@ -53,6 +55,11 @@ class PressurisedRod:
     straight_without_pressure: bool = True
     weight: tuple[float, float] = (0.0, 0.0)  #: N/mm, see `Rod`
     weight_height: float = 0.0  #: mm
+    mass: Mass | None = None  #: of the arm; None: not known
+    cavities: ClassVar[tuple[str, ...]] = ("the arm",)
+    fractions: ClassVar[Mapping[str, float]] = {"the arm": 1.0}
+    has_plane: ClassVar[bool] = True
+    plane: ClassVar[None] = None
 
     def __post_init__(self) -> None:
         if len(self.pressures) < 1 or np.any(np.diff(self.pressures) <= 0.0) or self.pressures[0] < 0.0:
@@ -64,8 +71,17 @@ class PressurisedRod:
             raise RodError("Where extensions or ranges of moments are given, every pressure needs its own.")
         sampled(self.length, np.column_stack([self.s, self.kappa_0[0]]))  # refuses an s that does not rise to it
 
-    def at(self, pressure: float) -> Rod:
-        """The rod at a pressure (kPa) in the identified range. Raises `RodError` outside it."""
+    @property
+    def rows(self) -> tuple[Pressures, ...]:
+        """The pressures, kPa."""
+        return tuple((float(pressure),) for pressure in self.pressures)
+
+    def at(self, pressure: Amount | Sequence[Amount]) -> Rod:
+        """The rod at a pressure (kPa) in the identified range, which may be a tuple of one.
+
+        Raises `RodError` outside the range, and for another number of pressures.
+        """
+        (pressure,) = pressures_of(pressure, self.cavities)
         origin = self.origin_at(pressure)  # refuses what is outside
         law = FiveParameters(*(self._at([getattr(law, n) for law in self.laws], pressure) for n in PARAMETER_NAMES))
         extension = None
@@ -85,6 +101,7 @@ class PressurisedRod:
             extension=extension,
             weight=self.weight,
             weight_height=self.weight_height,
+            mass=self.mass,
             moment_range=self.moment_range_at(pressure),
             notes=() if origin == IDENTIFIED else (f"The parameters at {pressure:g} kPa are {origin}.",),
         )

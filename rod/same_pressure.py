@@ -32,6 +32,12 @@ def pressures_of(given: Amount | Sequence[Amount], cavities: Sequence[str]) -> P
     return found
 
 
+def ratios_of(rows: Iterable[Pressures]) -> tuple[Pressures, ...]:
+    """The ratios of rows of pressures, each as parts of the largest pressure; without the row of an arm at rest."""
+    highest = [row for row in rows if max(row) > 0.0]
+    return tuple(dict.fromkeys(tuple(float(f"{p / max(row):.9g}") for p in row) for row in highest))
+
+
 def is_same(pressure: float, other: float) -> bool:
     """Whether two pressures (kPa) are the same."""
     return abs(pressure - other) <= SAME * max(abs(pressure), abs(other))

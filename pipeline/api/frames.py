@@ -96,11 +96,11 @@ class Shown(pd.DataFrame):
 
 
 def pressures_frame(found: Sequence[PressureFor], cavities: Sequence[str]) -> Shown:
-    """One row per pressure, with the end of the arm there; cavities: those of which the pressure is told too."""
-    rows = []
+    """One row per pressure, with the end of the arm there; cavities: if several, of each its pressure."""
+    rows, several = [], len(cavities) > 1
     for at in found:
         row = {"pressure_kPa": at.pressure_kPa, "error_kPa": at.error_kPa}
-        row |= {f"pressure_{name}_kPa": value for name, value in zip(cavities, at.pressures_kPa, strict=False)}
+        row |= {f"pressure_{name}_kPa": p for name, p in zip(cavities, at.pressures_kPa, strict=True) if several}
         row |= {f"tip_{axis}_mm": value for axis, value in zip(_AXES, at.tip_mm, strict=False)}
         row |= {"angle_deg": at.angle_deg} | {f"force_{a}_N": f for a, f in zip(_AXES, at.force_N, strict=False)}
         rows.append(row | {"away_mm": at.away_mm})

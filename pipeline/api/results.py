@@ -12,12 +12,13 @@ from typing import TYPE_CHECKING
 import pandas as pd
 
 from pipeline.answers.budget import budget_of
-from pipeline.answers.rods.choice import RodOfRun, check_kind, choose_rod, nothing_identified
+from pipeline.answers.rods.choice import check_kind, choose_rod, nothing_identified
 from pipeline.answers.rods.end_loads import Weight
 from pipeline.answers.rods.export import ExportOptions, exported_run
 from pipeline.answers.rods.in_time import in_time
 from pipeline.answers.rods.pressures import Wish, pressures_for
 from pipeline.answers.rods.ratio import run_along
+from pipeline.answers.rods.rods import Rods
 from pipeline.api import frames
 from pipeline.api.given import given_choice, given_path
 from pipeline.api.rods import move
@@ -28,7 +29,7 @@ from pipeline.results.verdict import Verdict, verdict_of
 from pipeline.values.errors import InputError, ask, quoted
 from pipeline.values.run import Effect, RodError, Run, State
 from rod import PARAMETER_COLUMNS, FiveParameters, Interval, Rod, RodWarning
-from rod.arm_law.kinds import AnyLaw, Ray
+from rod.arm_law.kinds import Law
 from rod.same_pressure import known_at
 
 if TYPE_CHECKING:
@@ -44,7 +45,7 @@ class Results:
     """
 
     run: Run = field(repr=False)  #: configuration, states, errors, effects and curves as frozen values
-    _rods: dict[str | None, RodOfRun] = field(default_factory=dict, init=False, repr=False, compare=False)
+    _rods: dict[str | None, Rods] = field(default_factory=dict, init=False, repr=False, compare=False)
 
     @property
     def directory(self) -> Path:
@@ -147,7 +148,7 @@ class Results:
         return frames.curves_frame(self.directory / "validation_curves.csv")
 
     @property
-    def arm_law(self) -> AnyLaw | None:
+    def arm_law(self) -> Law | None:
         """The arm's own law, of one pressure, two, or more; None where the folder has no law.json."""
         return None if self.run.law is None else self.run.law.law
 
@@ -237,8 +238,7 @@ class Results:
         check_kind(kind, "kind")
         wish = Wish.read(tip, angle, force, at_height, Weight.of(direction, tip_mass))
         rods = self._chosen(kind)
-        cavities = rods.source.law.cavities if isinstance(rods.source, Ray) else ()
-        return frames.pressures_frame(pressures_for(rods, wish), cavities)
+        return frames.pressures_frame(pressures_for(rods, wish), tuple(rods.law.fractions))
 
     def export(self, to: str, out: Path | str | None = None, *, force: bool = False) -> tuple[Path, ...]:
         """Write the rod for another program, as `pneurod export` does: the files that were written.
@@ -280,15 +280,15 @@ class Results:
 
         All is as `pneurod.move` takes it, such as force="[0 N, 0.02 N]" and release=True. Raises as that does.
         """
-        law = self.arm_law
-        ratio = ":".join(map(str, law.fractions)) if isinstance(law, Ray) else None
+        parts = [] if self.arm_law is None else self.arm_law.fractions.values()
+        ratio = ":".join(map(str, parts)) if len(parts) > 1 else None
         moved = move(
             self, pressure, seconds=seconds, force=force, held_at=held_at, orientation=orientation, tip_mass=tip_mass,
             release=release, air=air, step=step, rod=rod, ratio=ratio, out=out,
         )  # fmt: skip
         return pd.DataFrame(dict(moved.columns))
 
-    def _chosen(self, kind: str | None) -> RodOfRun:
+    def _chosen(self, kind: str | None) -> Rods:
         if kind not in self._rods:
             self._rods[kind] = choose_rod(self.run, kind)
         return self._rods[kind]

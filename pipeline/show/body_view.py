@@ -16,7 +16,6 @@ from pipeline.values.formats import BODY, SURFACES
 from pipeline.values.json_values import JsonObject
 from pipeline.values.law import DeliveredLaw
 from pipeline.values.run import Run
-from rod.arm_law.space_law import SpaceLaw
 from rod.errors import RodError
 from rod.load import Load
 from rod.mechanics.equilibrium import Rod
@@ -127,7 +126,7 @@ def _unloaded(law: DeliveredLaw) -> Iterator[tuple[str, float, Array, Array, Arr
         rows = [[cosine, -sine, nothing], [sine, cosine, nothing], [nothing, nothing, nothing + 1.0]]
         curve = np.column_stack([shape.curve, nothing])
         yield "II", state.pressure_kPa, shape.s, curve, np.moveaxis(np.array(rows), 2, 0)
-    for row, part in product(law.law.rows if isinstance(law.law, SpaceLaw) else (), PARTS):
+    for row, part in product(law.law.rows if not law.law.has_plane else (), PARTS):
         with suppress(RodError):
             bent = law.law.at(tuple(part * p for p in row)).solve_in_space(Load())
             name = f"{', '.join(f'{pressure:g}' for pressure in row)} kPa"

@@ -10,7 +10,7 @@ from pipeline.results.rod_errors import rod_errors, rod_to_take
 from pipeline.values.formats import ARM_LAW, CURVE_PREFIXES, EXTENSIBLE, FIVE
 from pipeline.values.plots import COLOURS, INK, Line, Panel, figure, ordered_colour
 from pipeline.values.run import Curve, RodError, Run, bending_error_deg
-from rod.arm_law.space_law import SpaceLaw
+from rod.arm_law.kinds import Law
 from rod.errors import RodError as NoRod
 from rod.load import Load
 
@@ -207,7 +207,7 @@ def arm_law(run: Run) -> Panels:
 def reach(run: Run) -> Panels:
     """The tips that an arm with several pressures reaches without a load, on the way from each row to the next one."""
     law = run.law.law if run.law else None
-    if not isinstance(law, SpaceLaw) or len(law.rows) < 3:
+    if law is None or law.has_plane or len(law.rows) < 3:
         return ()
     rows, parts = np.array([*law.rows, law.rows[0]]), np.linspace(0.0, len(law.rows), BETWEEN * len(law.rows) + 1)
     around = np.column_stack([np.interp(parts, range(len(rows)), column) for column in rows.T])
@@ -220,7 +220,7 @@ def reach(run: Run) -> Panels:
     return (Panel("Where the tip can be, by the largest pressure", "x (mm)", "y (mm)", tuple(lines), z="z (mm)"),)
 
 
-def _tip(law: SpaceLaw, pressures: Array) -> tuple[float, float, float]:
+def _tip(law: Law, pressures: Array) -> tuple[float, float, float]:
     """Not finite where the arm has no equilibrium."""
     try:
         return law.at(tuple(pressures.tolist())).solve_in_space(Load()).end

@@ -8,9 +8,8 @@ from typing import Any
 
 from pipeline.values.parameters import Column, Numbers
 from rod.arm_law.curves import CellCurve, ClampCurve
-from rod.arm_law.kinds import AnyLaw
+from rod.arm_law.kinds import Law
 from rod.arm_law.law import ArmLaw
-from rod.arm_law.space_rod import SpaceRod
 from rod.errors import RodError
 from rod.load import Load
 from rod.same_pressure import is_same
@@ -64,12 +63,12 @@ class BesideLaw:
 class DeliveredLaw(BesideLaw):
     """The arm's own law as law.json has it."""
 
-    law: AnyLaw = field(kw_only=True)
+    law: Law = field(kw_only=True)
 
     @property
     def plane(self) -> ArmLaw | None:
         """The law where it has one pressure; None for one of several pressures."""
-        return self.law if isinstance(self.law, ArmLaw) else None
+        return self.law.plane
 
     @property
     def pressures_kPa(self) -> Numbers:
@@ -89,9 +88,9 @@ class DeliveredLaw(BesideLaw):
         """
         shapes: list[tuple[tuple[float, ...], RodSolution | SpatialSolution]] = []
         for row in self.law.rows if self.has_rows else ():
-            arm: Any = self.law.at(row)
+            arm = self.law.at(row)
             with suppress(RodError):
-                shapes.append((row, arm.solve_in_space(Load()) if isinstance(arm, SpaceRod) else arm.solve()))
+                shapes.append((row, arm.in_plane(Load()) if arm.has_plane else arm.solve_in_space(Load())))
         return max(shapes, key=lambda one: one[1].bending_deg, default=None)
 
     def curves(self, pressure_kPa: float) -> tuple[CellCurve, ClampCurve] | None:

@@ -1,6 +1,6 @@
 """Every kind of law of an arm: over one pressure, over two, or in space over any; one file, and one way to a rod."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import ClassVar, Protocol, TypeAlias, final
 
@@ -24,8 +24,24 @@ class Law(Protocol):
         """Of which it has the pressures; one name for an arm with one pressure."""
 
     @property
+    def fractions(self) -> Mapping[str, float]:
+        """Of a law over one pressure: the pressure of each cavity over it; of several pressures none."""
+
+    @property
+    def ratios(self) -> tuple[Pressures, ...]:
+        """Those in which a law of several pressures was measured, each as parts of the largest pressure."""
+
+    @property
     def rows(self) -> tuple[Pressures, ...]:
         """Pressures at which it was measured, kPa."""
+
+    @property
+    def has_plane(self) -> bool:
+        """Whether the arm bends in its plane under its pressures; else in space."""
+
+    @property
+    def plane(self) -> ArmLaw | None:
+        """The law over one pressure of an arm in its plane; None: it is none."""
 
     @property
     def length(self) -> float:
@@ -34,6 +50,10 @@ class Law(Protocol):
     @property
     def mass(self) -> Mass | None:
         """None: not known."""
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What limits the trust in it, a sentence each."""
 
     def at(self, pressures: float | Sequence[float]) -> LawRod | SpaceRod:
         """The rod at pressures in kPa. Raises `RodError` where the law is not known."""
@@ -45,19 +65,30 @@ class Ray:
     """A law of several pressures in one ratio of them, over the largest."""
 
     law: PairLaw | SpaceLaw
-    fractions: Pressures  #: of the largest pressure
+    parts: Pressures  #: of the largest pressure
     kind: ClassVar[str] = "ray"
     cavities: ClassVar[tuple[str, ...]] = ("the largest",)
+    plane: ClassVar[None] = None
 
     @property
-    def pressures(self) -> tuple[float, ...]:
-        """The largest, kPa, rising."""
-        return self.law.pressures_along(self.fractions)
+    def fractions(self) -> Mapping[str, float]:
+        """As of any law."""
+        return dict(zip(self.law.cavities, self.parts, strict=True))
+
+    @property
+    def ratios(self) -> tuple[Pressures, ...]:
+        """Those of the law."""
+        return self.law.ratios
 
     @property
     def rows(self) -> tuple[Pressures, ...]:
-        """As of any law."""
-        return tuple((pressure,) for pressure in self.pressures)
+        """The largest pressures, rising."""
+        return tuple((pressure,) for pressure in self.law.pressures_along(self.parts))
+
+    @property
+    def has_plane(self) -> bool:
+        """As the law, and so are the others."""
+        return self.law.has_plane
 
     @property
     def length(self) -> float:
@@ -69,18 +100,22 @@ class Ray:
         """None: not known."""
         return self.law.mass
 
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """A sentence each."""
+        return self.law.notes
+
     def at(self, pressures: float | Sequence[float]) -> LawRod | SpaceRod:
         """The rod where the largest pressure is so high, kPa. Raises `RodError` as the law does."""
         (largest,) = pressures_of(pressures, self.cavities)
-        return self.law.at(tuple(part * largest for part in self.fractions))
+        return self.law.at(tuple(part * largest for part in self.parts))
 
 
 #: those that law.json may hold
 Saved: TypeAlias = ArmLaw | PairLaw | SpaceLaw
-AnyLaw: TypeAlias = Saved | Ray  #: the same, and a law along a ratio
 
 
-def along(law: AnyLaw, ratio: Sequence[float]) -> ArmLaw | Ray:
+def along(law: Law, ratio: Sequence[float]) -> ArmLaw | Ray:
     """A law of several pressures in one ratio of them. Raises `RodError` for a ratio that it does not have."""
     if not isinstance(law, PairLaw | SpaceLaw):
         raise RodError("This law has one pressure and no ratio.")
@@ -88,13 +123,7 @@ def along(law: AnyLaw, ratio: Sequence[float]) -> ArmLaw | Ray:
     if min(parts) < 0.0 or not max(parts):
         raise RodError("A ratio of pressures has no part below 0, and one above.")
     ray = Ray(law, tuple(part / max(parts) for part in parts))
-    known = law.ray(ray.fractions) if isinstance(law, PairLaw) else None
-    if known is None and len(ray.pressures) < 2:
+    known = law.ray(ray.parts)
+    if known is None and len(ray.rows) < 2:
         raise RodError("The law has no pressures in this ratio.")
     return known or ray
-
-
-def ratios_of(law: AnyLaw) -> tuple[Pressures, ...]:
-    """The ratios in which a law of several pressures was measured, each as parts of the largest pressure."""
-    highest = [row for row in law.rows if max(row) > 0.0]
-    return tuple(dict.fromkeys(tuple(float(f"{p / max(row):.9g}") for p in row) for row in highest))

@@ -37,7 +37,11 @@ class ArmLaw:
     """
 
     kind: ClassVar[str] = "plane"
+    has_plane: ClassVar[bool] = True
     cavities: ClassVar[tuple[str, ...]] = ("the arm",)
+    fractions: ClassVar[Mapping[str, float]] = {"the arm": 1.0}
+    ratios: ClassVar[tuple[Pressures, ...]] = ()
+    notes: ClassVar[tuple[str, ...]] = ()
     pitch: Annotated[float, "pitch_mm"]  #: mm
     first_middle: Annotated[float, "first_middle_mm"]  #: mm, from the clamp to the middle of the first cell
     length: Annotated[float, "length_mm"]  #: mm, of the arm whose pieces were solved
@@ -68,6 +72,11 @@ class ArmLaw:
     def pressures(self) -> tuple[float, ...]:
         """kPa"""
         return tuple(curve.pressure for curve in self.cells)
+
+    @property
+    def plane(self) -> "ArmLaw":
+        """Itself."""
+        return self
 
     @property
     def rows(self) -> tuple[Pressures, ...]:

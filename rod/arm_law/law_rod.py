@@ -4,7 +4,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TypeVar
+from typing import ClassVar, TypeVar
 
 import numpy as np
 
@@ -52,6 +52,7 @@ class LawRod:
     length: float  #: mm
     mass: Mass | None = None  #: how a weight is spread along the arm; None: evenly
     weight: tuple[float, float] = (0.0, 0.0)  #: N/mm, x and y per rest length, that always acts
+    has_plane: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
         ends = float(self.clamp.s[-1] - self.tip.s[0])
@@ -63,6 +64,15 @@ class LawRod:
 
     def __repr__(self) -> str:
         return f"LawRod(at {self.section.pressure:g} kPa, length {self.length:g} mm, cells of {self.pitch:g} mm)"
+
+    @property
+    def arm(self) -> "LawRod":
+        """Itself."""
+        return self
+
+    def of(self, length: float, mass: Mass | None) -> "LawRod":
+        """That of an arm of another length (mm) and mass; None: its own mass."""
+        return replace(self, length=length, mass=mass or self.mass)
 
     @cached_property
     def _model(self) -> "_Model":
@@ -206,6 +216,20 @@ class LawRod:
             path=SolvedPath(self, load, path.chains, fall=path.fall),
             notes=path.notes,
         )
+
+    @property
+    def kappa_0(self) -> Array:
+        """(2,) 1/mm: the curvatures about y and z without moment."""
+        return np.array([0.0, self.section.kappa_0])
+
+    def rigidity_at(self, kappa: Array) -> float:
+        """N mm2, of cells at curvatures (2,) about y and z, or as far as the law goes there."""
+        return 1.0 / float(np.interp(kappa[1], self.section.kappa, self.section.kappa_slope))
+
+    def leaves_by(self, kappa: Array) -> float:
+        """1/mm, by which curvatures (..., 3) leave the law; below zero inside."""
+        known, bent = self.section.kappa, kappa[..., 2]
+        return max(float(known[0] - bent.min()), float(bent.max() - known[-1]))
 
     def volumes(self, state: RodSolution) -> Array:
         """(c,) mm3: air in each cavity of the arm in a state of this rod, as finite elements of the arm have it.

@@ -8,7 +8,7 @@ The direction d of a ray is p_2/p_1 up to equal pressures, d = 1, and 2 - p_1/p_
 has d = 0 and the second one alone d = 2. The slopes jump at d = 1, which is therefore always a ray between others.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from typing import Any, ClassVar, TypeVar, get_args
 
@@ -22,7 +22,7 @@ from rod.arm_law.law_rod import LawRod
 from rod.arm_law.section import bracket, clamp_at, section_at, tip_at
 from rod.checked import Amount
 from rod.errors import RodError
-from rod.same_pressure import Pressures, as_known, pressures_of
+from rod.same_pressure import Pressures, as_known, pressures_of, ratios_of
 from rod.weight import Mass
 
 Curve = TypeVar("Curve", CellCurve, ClampCurve, TipCurve)
@@ -52,6 +52,9 @@ class PairLaw:
     """
 
     kind: ClassVar[str] = "pairs"
+    has_plane: ClassVar[bool] = True
+    plane: ClassVar[None] = None
+    fractions: ClassVar[Mapping[str, float]] = {}
     cavities: tuple[str, ...]  #: two
     directions: tuple[float, ...]  #: of the rays, rising
     laws: tuple[ArmLaw, ...]  #: by ray, over the larger pressure
@@ -86,6 +89,17 @@ class PairLaw:
             for direction, law in zip(self.directions, self.laws, strict=True)
             for pressure in law.pressures
         )
+
+    @property
+    def ratios(self) -> tuple[Pressures, ...]:
+        """Those of its rays."""
+        return ratios_of(self.rows)
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """An error between the rays that is not known."""
+        doubt = self.error_between is None and len(self.laws) > 1
+        return ("The error of this law between its ratios is not known.",) if doubt else ()
 
     def at(self, pressures: Amount | Sequence[Amount], length: Amount | None = None) -> LawRod:
         """The rod at the pressures (p_1, p_2) of both cavities in kPa; length as in `ArmLaw.at`.

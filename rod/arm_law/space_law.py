@@ -12,7 +12,7 @@ The clamped end turns the rod and shifts it, as functions of the moments there a
 lies beside that of the axis. Both ends have other air than cells.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Annotated, ClassVar, final
 
@@ -24,7 +24,7 @@ from rod.arm_law.polynomial import Polynomial
 from rod.arm_law.space_rod import SpaceRod
 from rod.checked import Amount
 from rod.errors import RodError
-from rod.same_pressure import Pressures, pressures_of
+from rod.same_pressure import Pressures, pressures_of, ratios_of
 from rod.weight import Mass
 
 #: by how much pressures may leave those of the law, over the largest
@@ -40,6 +40,10 @@ class SpaceLaw:
     """
 
     kind: ClassVar[str] = "space"
+    has_plane: ClassVar[bool] = False
+    plane: ClassVar[None] = None
+    fractions: ClassVar[Mapping[str, float]] = {}
+    notes: ClassVar[tuple[str, ...]] = ()
     cavities: Annotated[tuple[str, ...], "cavities"]
     #: kPa, rows of pressures; the law is known between them and 0 kPa
     pressures: Annotated[Array, "pressures_kPa", "r", "m"]
@@ -76,6 +80,11 @@ class SpaceLaw:
         """Rows of pressures, kPa; the law is known between them and 0 kPa."""
         return tuple(tuple(row) for row in self.pressures.tolist())
 
+    @property
+    def ratios(self) -> tuple[Pressures, ...]:
+        """Those of its rows."""
+        return ratios_of(self.rows)
+
     def at(self, pressures: Amount | Sequence[Amount]) -> "SpaceRod":
         """The rod at the pressures of all cavities in kPa, in the order of `cavities`.
 
@@ -96,6 +105,9 @@ class SpaceLaw:
         # parts of the rows that make up the pressures; what is left of one in all belongs to 0 kPa
         rows = np.column_stack([matrix, [*np.zeros(len(given)), 1.0]])
         return float(nnls(rows, np.append(np.array(given) / largest, 1.0))[1])
+
+    def ray(self, fractions: Pressures) -> None:
+        """None: it has no plane in any ratio."""
 
     def pressures_along(self, fractions: Pressures) -> tuple[float, ...]:
         """0 kPa and the largest pressure up to which the law is known in a ratio, to a thousandth; 0 kPa for no other.

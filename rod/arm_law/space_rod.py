@@ -1,6 +1,7 @@
 """A clamped arm without a plane of symmetry, with its law at given pressures."""
 
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, replace
 from typing import ClassVar, final
 
 import numpy as np
@@ -41,6 +42,19 @@ class SpaceRod:
     mass: Mass | None  #: None: not known
     pressures: tuple[float, ...]  #: kPa
     is_in_space: ClassVar[bool] = True
+    has_plane: ClassVar[bool] = False
+    weight: ClassVar[tuple[float, float]] = (0.0, 0.0)  #: N/mm, that always acts
+
+    @property
+    def arm(self) -> "SpaceRod":
+        """Itself."""
+        return self
+
+    def of(self, length: float, mass: Mass | None) -> "SpaceRod":
+        """That of an arm of another mass; None: its own. Raises `RodError` for another length (mm)."""
+        if not math.isclose(length, self.length):
+            raise RodError(f"The law in space is that of an arm of {self.length:g} mm; give law.length.")
+        return replace(self, mass=mass or self.mass)
 
     def solve_in_space(self, load: Load) -> SpatialSolution:
         """The equilibrium under a load, which grows on the inflated arm.
@@ -72,6 +86,16 @@ class SpaceRod:
     def kappa_0(self) -> Array:
         """(2,) 1/mm: the curvatures about y and z without moment."""
         return self.section.origin
+
+    def rigidity_at(self, kappa: Array) -> float:
+        """N mm2, about y and z together, at curvatures (2,), or as far as the law goes there."""
+        away = kappa - self.kappa_0
+        away *= min(1.0, self.section.reach / max(float(np.hypot(*away)), 1e-300))
+        return float(self.section.plane(self.kappa_0 + away)[[2, 4]].sum())
+
+    def leaves_by(self, kappa: Array) -> float:
+        """0: its solver tells by how much it leaves the law (`Found.outside`)."""
+        return 0.0
 
     def positions(self, breaks: tuple[float, ...]) -> Array:
         """As `rod.arm.solver.ArmModel` says, and so are the others."""

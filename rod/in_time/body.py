@@ -3,7 +3,7 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
-from typing import Any, TypeAlias, final
+from typing import TypeAlias, final
 
 import numpy as np
 
@@ -11,6 +11,7 @@ from geometry.arrays import Array
 from rod.arm.end_kernels import EndArrays
 from rod.arm.section_kernels import TABULATED, SectionArrays
 from rod.arm.solver import Solver
+from rod.arm_law.kinds import Law
 from rod.arm_law.law_rod import LawRod
 from rod.arm_law.space_rod import SpaceRod
 from rod.cubics import cubic, cubic_coefficients, cubic_slope, parabola_slopes
@@ -19,6 +20,7 @@ from rod.in_time.relaxation import ELASTIC, Creep, Relaxation
 from rod.load import Load
 from rod.mechanics.equilibrium import Rod
 from rod.mechanics.lines import LinesRod
+from rod.pressurised_rod import PressurisedRod
 from rod.weight import Hung, Mass, Weighing, in_grams, position_along, weighted
 
 #: an arm at one pressure
@@ -47,7 +49,7 @@ class Acting:
 class Body:
     """An arm with all that decides on its motion."""
 
-    law: Any  #: one with `at(pressures)`, such as `ArmLaw` or `PressurisedRod`; or a `Rod`, whose pressure stays
+    law: Law | PressurisedRod | Rod  #: a `Rod` stays as it is at any pressure
     relaxation: Relaxation = ELASTIC  #: of the forces of its sections
     mass: Mass | None = None  #: None: that of the law
     #: mm2, mean squares of its distance from its centre, along y and z; None: its rigidities over that against stretch
@@ -63,9 +65,7 @@ class Body:
         """Arms, which take longer than a step."""
 
         def at(pressures: tuple[float, ...]) -> Arm:
-            law = self.law
-            rod = law if isinstance(law, Rod) else law.at(pressures if len(pressures) > 1 else pressures[0])
-            return rod.arm if isinstance(rod, Rod) else rod
+            return self.law.at(pressures).arm
 
         return lru_cache(256)(at)
 
@@ -75,9 +75,8 @@ class Body:
         It is the rigidity without pressure over that with it, and 1 where the law does not begin without pressure.
         """
         try:
-            return rigidity_where(self.at(np.zeros(len(getattr(self.law, "cavities", (0,))))), arm) / rigidity_where(
-                arm, arm
-            )
+            at_rest = self.at(np.zeros(len(self.law.cavities)))
+            return at_rest.rigidity_at(arm.kappa_0) / arm.rigidity_at(arm.kappa_0)
         except RodError:
             return 1.0
 
@@ -89,7 +88,7 @@ class Body:
     @property
     def weighed(self) -> Mass:
         """Its mass. Raises `RodError` where it is not known."""
-        mass: Mass | None = self.mass or getattr(self.law, "mass", None)
+        mass = self.mass or self.law.mass
         if mass is None:
             raise RodError("The mass of the arm is not known; a motion needs material.density in the configuration.")
         return mass
@@ -98,7 +97,7 @@ class Body:
         """What acts, as a load in space. Raises `LoadError` as `weighted` does."""
         if acting.direction is None:
             return acting.load
-        of = Weighing(self.weighed, arm.length, getattr(arm, "weight", (0.0, 0.0)), is_identified=False)
+        of = Weighing(self.weighed, arm.length, arm.weight, is_identified=False)
         return weighted(acting.load, of, True, acting.direction, acting.tip_mass, acting.hung)
 
     def inertia(self, acting: Acting, solver: Solver) -> tuple[Array, Array, Array]:
@@ -127,17 +126,6 @@ class Body:
         for values in (mass, first, second):
             values[: solver.chain.free] = 0.0
         return mass, first, second
-
-
-def rigidity_where(arm: Arm, at: Any) -> float:
-    """The rigidity in N mm2 of an arm where another arm of its law is without load, or as far as its law goes there."""
-    if isinstance(arm, LawRod):
-        return 1.0 / float(np.interp(at.section.kappa_0, arm.section.kappa, arm.section.kappa_slope))
-    if isinstance(arm, LinesRod):
-        return abs(arm.law.alpha1)
-    away = at.kappa_0 - arm.kappa_0
-    away *= min(1.0, arm.section.reach / max(float(np.hypot(*away)), 1e-300))
-    return float(arm.section.plane(arm.kappa_0 + away)[[2, 4]].sum())
 
 
 def _gyration(solver: Solver) -> float:

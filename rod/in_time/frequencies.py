@@ -10,7 +10,6 @@ from rod.arm.assembly import StateArrays, Tangent
 from rod.arm.chain import planar_frames
 from rod.arm.small_motions import tangent_of
 from rod.arm.solver import Solver
-from rod.arm_law.space_rod import SpaceRod
 from rod.in_time.body import Acting, Body
 from rod.in_time.equilibrium import equilibrium
 from rod.in_time.relaxation import Relaxation
@@ -40,7 +39,7 @@ def frequencies(
     """
     arm = body.at(np.atleast_1d(np.asarray(pressure, float)))
     load = body.loaded(acting, arm)
-    in_space = isinstance(arm, SpaceRod) or load.leaves_plane or getattr(arm, "is_in_space", False)
+    in_space = load.leaves_plane or arm.is_in_space
     less, more = (
         _modes(body, acting, *equilibrium(arm, load, load, in_space, fine=fine), count) for fine in (False, True)
     )

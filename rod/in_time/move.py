@@ -10,11 +10,8 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 
 from geometry.arrays import Array
-from rod.arm.assembly import StateArrays
 from rod.arm.chain import planar_frames, turn_of
 from rod.arm.solver import Solver
-from rod.arm_law.law_rod import LawRod
-from rod.arm_law.space_rod import SpaceRod
 from rod.checked import positive
 from rod.errors import LoadError, RodError
 from rod.in_time.air import Air, over_time
@@ -77,7 +74,7 @@ def move(
     seconds = positive(seconds, "The time of a motion in s")
     for value, told in ((steps.fixed, "A step in s"), (steps.tolerance, "The tolerance of a second")):
         positive(1.0 if value is None else value, told)
-    cavities = len(getattr(body.law, "cavities", ("the arm",)))
+    cavities = len(body.law.cavities)
     is_air = isinstance(pressure, Air)
     rows = over_time(0.0 if is_air else pressure, 1 if is_air else cavities, "The pressure of a motion", "kPa")
     first = rows[0, 1:] if np.ndim(pressure) == 2 else np.zeros(cavities)
@@ -96,8 +93,7 @@ class _Moved:
 
     def __init__(self, body: Body, acting: Acting, steps: Steps) -> None:
         self.body, self.acting, self.steps = body, acting, steps
-        rows = getattr(body.law, "rows", None)
-        known = getattr(body.law, "pressures", (0.0, 1.0)) if rows is None else [max(row) for row in rows]
+        known = [max(row) for row in body.law.rows]
         self.range = float(np.min(known)), float(np.max(known))
         self.rows: list[tuple[tuple[Arm, Arm], float, tuple[Any, ...]]] = []
         self.outside = 0.0
@@ -110,7 +106,7 @@ class _Moved:
         body = self.body
         then = body.at(before)
         old, self.load = (body.loaded(one, then) for one in (was, self.acting))
-        self.in_space = self.steps.in_space or isinstance(then, SpaceRod) or old.leaves_plane or self.load.leaves_plane
+        self.in_space = self.steps.in_space or not then.has_plane or old.leaves_plane or self.load.leaves_plane
         solver, state = equilibrium(then, old, self.load, self.in_space)
         creep = np.array(body.creep.shares)
         late = np.multiply.outer(creep, first - before)
@@ -128,7 +124,7 @@ class _Moved:
         memory = Memory(0.0, first, late, elastic, forces)
         self.now = Moment(0.0, state, still, still, memory, before)
         self._know(before, before)
-        self.now = replace(self.now, volume=float(self._air(state).sum()))
+        self.now = replace(self.now, volume=float(self._air(self.now).sum()))
         self._write()
         self._know(felt, felt)
 
@@ -189,7 +185,7 @@ class _Moved:
             trial = self.step(dt, np.array([[now.time, before], [now.time + dt, pressure]]))
             if trial is None:
                 return None
-            volume = float(self._air(trial.state)[0])
+            volume = float(self._air(trial)[0])
             more = 0.5 * dt * (growth + air.growth(trial.time, pressure, volume))
             missed = air.amount(pressure, volume) - amount - more
             if abs(missed) < MISSED:
@@ -199,8 +195,9 @@ class _Moved:
             last, pressure = (pressure, missed), pressure - missed / slope
         return None
 
-    def _air(self, state: StateArrays) -> Array:
-        """(c,) mm3 in a state."""
+    def _air(self, now: Moment) -> Array:
+        """(c,) mm3."""
+        state = now.state
         kappa = self._curvatures(state.angle[None], state.frames[None])
         h = np.diff(self.stepper.solver.s)
         low, high = (arm.air_along(h, kappa)[0] for arm in self.arms)
@@ -271,9 +268,7 @@ class _Moved:
             rows = list(group)
             low, high = (arm.air_along(h, kappa[rows]) for arm in arms)
             airs.append(low + parts[rows, None] * (high - low))
-            if isinstance(arms[0], LawRod):
-                known, bent = arms[0].section.kappa, kappa[rows, :, 2]
-                outside = max(outside, float(known[0] - bent.min()), float(bent.max() - known[-1]))
+            outside = max(outside, arms[0].leaves_by(kappa[rows]))
         notes = (BEYOND.format(outside),) if outside > 0.0 else ()
         air, tips, angles = np.concatenate(airs), (place[:, -1] + beside)[:, :d], np.degrees(np.unwrap(turns))
         s = self.stepper.solver.s.copy()

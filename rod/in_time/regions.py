@@ -7,7 +7,6 @@ import numpy as np
 
 from rod.arm_law.law import ArmLaw
 from rod.errors import RodError
-from rod.in_time.body import rigidity_where
 from rod.in_time.relaxation import Relaxation
 
 #: change of the moduli of a region for its share
@@ -36,7 +35,7 @@ def shares_of(law: ArmLaw, regions: Sequence[Sequence[str]], pressure: float) ->
         less, more = (
             law.with_changes({name: part * value for name, value in moduli.items()}) for part in (-STEP, STEP)
         )
-        stiffer = rigidity_where(more.at(0.0), arm) - rigidity_where(less.at(0.0), arm)
+        stiffer = more.at(0.0).rigidity_at(arm.kappa_0) - less.at(0.0).rigidity_at(arm.kappa_0)
         found.append((stiffer, less.at(pressure).section.kappa_0 - more.at(pressure).section.kappa_0))
     parts = np.array(found)
     return tuple(Share(*row) for row in (parts / parts.sum(axis=0)).tolist())

@@ -13,12 +13,11 @@ import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Literal, TypedDict, Unpack, get_args, overload
+from typing import ClassVar, Literal, TypedDict, Unpack, get_args, overload
 
 from geometry.arrays import read_only
 from geometry.told import Told
 from rod.along import Along, LineLoad, Support, are_heights, is_triple, leaves_plane, split_along
-from rod.arm_law.law import ArmLaw
 from rod.arm_law.law_rod import LawRod
 from rod.arm_law.space_rod import SpaceRod
 from rod.checked import Amount, Given, finite, positive
@@ -29,6 +28,7 @@ from rod.law import FiveParameters, TwoSlopes
 from rod.load import Force, Load, held_end, pair, requested, with_along
 from rod.mechanics.lines import LinesRod
 from rod.mechanics.profile import Profile, sampled
+from rod.same_pressure import Pressures
 from rod.solution import RodSolution, SpatialSolution
 from rod.weight import Hung, Mass, Weighing, weighted
 
@@ -76,28 +76,25 @@ class Rod(Told):
     moment_range: MomentRange | None = None  #: of the identification of the five parameters
     notes: tuple[str, ...] = ()  #: what limits the trust in this rod, a sentence each; every shape has them too
 
+    #: as of a law over pressures: that of a rod stays as it is, whichever one acts
+    cavities: ClassVar[tuple[str, ...]] = ("the arm",)
+    rows: ClassVar[tuple[Pressures, ...]] = ((0.0,), (1.0,))
+
     def __post_init__(self) -> None:
         object.__setattr__(self, "length", positive(self.length, "The length of a rod", "mm"))
         object.__setattr__(self, "start", pair(self.start, "start", "mm"))
         object.__setattr__(self, "weight", pair(self.weight, "weight", "N/mm"))
         for name, unit in (("theta0", "rad"), ("weight_height", "mm")):
             object.__setattr__(self, name, finite(getattr(self, name), name, unit))
-        if isinstance(self.law, ArmLaw):
-            raise RodError("A rod has the law of an arm at one pressure: law = arm_law.at(pressure in kPa).")
-        if isinstance(self.law, LawRod):
+        if isinstance(self.law, LawRod | SpaceRod):
             self._check_nothing_twice(self.law.weight)
-            object.__setattr__(self, "mass", self.mass or self.law.mass)
+            object.__setattr__(self, "law", self.law.of(float(self.length), self.mass))
+            object.__setattr__(self, "mass", self.law.mass)
             object.__setattr__(self, "weight", self.law.weight)
-            object.__setattr__(self, "law", replace(self.law, length=float(self.length), mass=self.mass))
-            return
-        if isinstance(self.law, SpaceRod):
-            self._check_nothing_twice((0.0, 0.0))
-            if not math.isclose(self.length, self.law.length):
-                raise RodError(f"The law in space is that of an arm of {self.law.length:g} mm; give law.length.")
-            object.__setattr__(self, "mass", self.mass or self.law.mass)
             return
         if not isinstance(self.law, TwoSlopes):
-            raise RodError("The law of a rod is five parameters, two slopes, or the arm's own law at a pressure.")
+            own = "the arm's own law at one pressure: law = arm_law.at(pressure in kPa)"
+            raise RodError(f"The law of a rod is five parameters, two slopes, or {own}.")
         if not 0.0 < self.law.d < self.length:
             raise RodError(f"The break d = {self.law.d:g} mm lies off the rod of {self.length:g} mm.")
         if not isinstance(self.extension, Extension | None):
@@ -125,6 +122,10 @@ class Rod(Told):
         beside = (0.0, self.weight_height)
         own = (LineLoad(0.0, self.length, self.weight, beside=beside),) if any(self.weight) else ()
         return LinesRod(self.law, self.length, s, kappa_0, self.theta0, self.extension, own)
+
+    def at(self, pressures: Amount | Sequence[Amount]) -> "Rod":
+        """Itself, at any pressure."""
+        return self
 
     @property
     def told(self) -> dict[str, str]:
@@ -211,14 +212,13 @@ class Rod(Told):
         supports = held_end(self.length, force, end, end_x, end_y)
         along = (*sum(split_along(along), ()), *supports)
         is_weighed = direction is not None or tip_mass != 0.0 or len(hung) > 0
-        carried = self.weight if self.has_own_law else (0.0, 0.0)
-        weighing = Weighing(self.mass, self.length, carried, any(self.weight) and not self.has_own_law)
+        weighing = Weighing(self.mass, self.length, self.arm.weight, any(self.weight) and not self.has_own_law)
         load = requested(force, moment)
         if is_weighed:
             load = weighted(load, weighing, weight, direction, tip_mass, hung)
         load = with_along(load, along, self.length)
         is_spatial = any(is_triple(value) for value in (force, end, moment, direction))
-        if isinstance(self.law, SpaceRod) or is_spatial or any(map(leaves_plane, along)):
+        if is_spatial or not self.arm.has_plane or any(map(leaves_plane, along)):
             if order != "as tested":
                 raise RodError(f"In space the loads grow on the inflated arm; order = {order!r} is not possible.")
             return self._in_space(load)

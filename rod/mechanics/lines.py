@@ -39,11 +39,13 @@ class LinesRod:
     law: TwoSlopes
     length: float  #: mm
     s: Array  #: (n,) mm, of kappa_0, joined by straight lines
-    kappa_0: Array  #: (n,) 1/mm
+    rest: Array  #: (n,) 1/mm, the curvature without load
     theta0: float  #: rad
     extension: Extension | None
     own: tuple[LineLoad, ...]  #: its weight, under which it has kappa_0 where nothing else acts
     is_in_space: ClassVar[bool] = False
+    has_plane: ClassVar[bool] = True
+    weight: ClassVar[tuple[float, float]] = (0.0, 0.0)  #: N/mm, that always acts on it as a part of the load
 
     def solve_in_space(self, load: Load) -> SpatialSolution:
         """Refused: its law is that of the plane."""
@@ -98,6 +100,19 @@ class LinesRod:
         """(t, 0): its law has no volumes."""
         return np.empty((len(kappa), 0))
 
+    @property
+    def kappa_0(self) -> Array:
+        """(2,) 1/mm: about y and z, the mean of its curvature without load."""
+        return np.array([0.0, np.trapezoid(self.rest, self.s) / self.length])
+
+    def rigidity_at(self, kappa: Array) -> float:
+        """N mm2, of the part at the clamp; the same at all curvatures."""
+        return abs(self.law.alpha1)
+
+    def leaves_by(self, kappa: Array) -> float:
+        """0: its lines have no end."""
+        return 0.0
+
     def outside(self, path: Path) -> str:
         """A sentence where what holds the rod stretches it; empty elsewhere."""
         stretches = np.hypot(*path.nodes.inner[:, :2].T).max() > STRETCHED * self._section(is_loaded=True).rigid
@@ -126,7 +141,7 @@ class LinesRod:
         s = self.s if extension is None else np.union1d(self.s, extension.s)
         s = s[(s >= 0.0) & (s <= self.length)]
         stretch = np.ones(len(s)) if extension is None else extension.at(s)
-        kappa_0 = np.interp(s, self.s, self.kappa_0)
+        kappa_0 = np.interp(s, self.s, self.rest)
         eccentricity = 0.0 if extension is None else extension.eccentricity
         none = np.zeros(len(s))
         section = LinesSection(self.law, self.length, s, kappa_0, stretch, s, none, eccentricity, is_loaded)
@@ -147,7 +162,7 @@ class LinesRod:
         section = model.section
         axial = inner[:, 0] * np.cos(angle) + inner[:, 1] * np.sin(angle)
         own = np.interp(s, section.own_s, section.own_moment)
-        return moment + section.eccentricity * axial - own, np.interp(s, self.s, self.kappa_0)
+        return moment + section.eccentricity * axial - own, np.interp(s, self.s, self.rest)
 
 
 def _column(values: Array) -> Array:

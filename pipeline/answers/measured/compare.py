@@ -15,13 +15,13 @@ from pipeline.answers.measured.rows import Measurements
 from pipeline.answers.measured.saved import SavedCalibration, read_calibration
 from pipeline.answers.measured.table import read_measurements
 from pipeline.answers.measured.unknowns import BuiltArm, tolerance_unknowns
-from pipeline.answers.rods.choice import KINDS, RodOfRun, choose_rod, plane_of
+from pipeline.answers.rods.choice import KINDS, choose_rod, plane_of
 from pipeline.answers.rods.in_time import material_of
 from pipeline.answers.rods.ratio import run_along
+from pipeline.answers.rods.rods import Rods
 from pipeline.results.rod_errors import RodErrors, mesh_errors
 from pipeline.values.errors import InputError
 from pipeline.values.run import Run
-from rod.arm_law.law import ArmLaw
 
 
 @dataclass(frozen=True)
@@ -80,18 +80,18 @@ def compare_files(
     """
     run, measurements = run_along(folder, ratio), read_measurements(file)
     rods = choose_rod(run, kind)
-    if rods.is_in_space:
+    if not rods.law.has_plane:
         plane_of(run, "a comparison")  # refuses it
     return compare(run, rods, aligned(measurements, rods.at) if align else measurements)
 
 
-def compare(run: Run, rods: RodOfRun, measurements: Measurements) -> Comparison:
+def compare(run: Run, rods: Rods, measurements: Measurements) -> Comparison:
     """Measurements beside one of the rods of a run. Raises InputError, with file and line."""
     numbers, saved = Numbers.of(measurements), read_calibration(run.directory)
     setup = AS_WRITTEN if saved is None else saved.setup
     low, high = rods.pressures_kPa
     measurements.check_pressures(low, high, f"the rod, which goes from {low:g} to {high:g} kPa")
-    law = rods.source if isinstance(rods.source, ArmLaw) else None
+    law = rods.law.plane
     if measurements.are_in_time and law is None:
         raise InputError(f"{measurements.file}: a motion is compared with the arm's own law; take rod law")
     any_rod = LawRods(law, material_of(run)) if law else rods.at
@@ -110,11 +110,12 @@ def _shares(bands: dict[str, Array]) -> dict[str, float]:
 
 
 def _bands(
-    run: Run, rods: RodOfRun, numbers: Numbers, predicted: Array, saved: SavedCalibration | None
+    run: Run, rods: Rods, numbers: Numbers, predicted: Array, saved: SavedCalibration | None
 ) -> tuple[dict[str, Array], tuple[str, ...]]:
     """What each part allows, (n,) in the units of the numbers; and what is not known."""
-    if saved is not None and isinstance(rods.source, ArmLaw):
-        effects = effects_on(BuiltArm(rods.source, saved.unknowns, saved.setup, material_of(run)), numbers)
+    law = rods.law.plane
+    if saved is not None and law is not None:
+        effects = effects_on(BuiltArm(law, saved.unknowns, saved.setup, material_of(run)), numbers)
         return {"calibration": saved.posterior.quantile * saved.posterior.deviations(effects, numbers.units)}, ()
     name, unknown = KINDS[rods.kind], list[str]()
     bands: dict[str, Array] = {}
@@ -131,9 +132,9 @@ def _bands(
     else:
         relative = np.array([of_mesh.force or 0.0 if unit == "N" else of_mesh.kappa_0 for unit in numbers.units])
         bands["mesh"] = relative * np.abs(predicted - numbers.straight(run.length_mm))
-    if isinstance(rods.source, ArmLaw) and rods.source.rates:
-        unknowns = tolerance_unknowns(rods.source, run.config, float(numbers.pressures.max()))
-        by = effects_on(BuiltArm(rods.source, unknowns, material=material_of(run)), numbers).by_unknown
+    if law is not None and law.rates:
+        unknowns = tolerance_unknowns(law, run.config, float(numbers.pressures.max()))
+        by = effects_on(BuiltArm(law, unknowns, material=material_of(run)), numbers).by_unknown
         bands["tolerances"] = np.sqrt(by**2 @ np.array([unknown.std for unknown in unknowns]) ** 2)
     else:
         unknown.append("Tolerances are not counted, because this rod has no derivatives.")

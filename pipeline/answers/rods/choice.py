@@ -1,11 +1,10 @@
-"""The rods of a result folder over the pressure, and which of them to take: the one that the verdict recommends."""
+"""Which of the rods of a result folder to take: the one that the verdict recommends."""
 
-from collections.abc import Hashable, Sequence
-from dataclasses import dataclass, field, replace
-from math import isfinite
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from pipeline.answers.rods.rods import Rods
 from pipeline.results.files import read_run
 from pipeline.results.rod_errors import RodAndMesh, rod_and_mesh, rod_to_take, uncertain_forces, unknown_mesh_error
 from pipeline.results.verdict import OUT_OF_PLANE, Verdict, verdict_of
@@ -13,14 +12,9 @@ from pipeline.values.errors import InputError, argument, quoted
 from pipeline.values.formats import ARM_LAW, EXTENSIBLE, FIVE
 from pipeline.values.reasons import NO_PARAMETERS, report_reason
 from pipeline.values.run import Run
-from rod.arm_law.kinds import AnyLaw, Ray, ratios_of
+from rod.arm_law.kinds import Law
 from rod.arm_law.law import ArmLaw
-from rod.arm_law.pairs import PairLaw
-from rod.arm_law.space_rod import SpaceRod
-from rod.inverse import Branch
-from rod.mechanics.equilibrium import Rod
 from rod.pressurised_rod import PressurisedRod
-from rod.same_pressure import Pressures, pressures_of
 from rod.weight import Mass
 
 #: the rods by the names that a user gives them: the arm's own law, five parameters, and those of a curve that stretches
@@ -29,56 +23,7 @@ KINDS = {"law": ARM_LAW, "five": FIVE, "five_extensible": EXTENSIBLE}
 NOTED = 0.05
 
 
-@dataclass(frozen=True, eq=False)  # arrays inside
-class RodOfRun:
-    """One of the rods of a run over the pressure."""
-
-    kind: str  #: one of KINDS
-    source: AnyLaw | PressurisedRod
-    errors: RodAndMesh | None = None  #: None where it was not compared with finite elements
-    notes: tuple[str, ...] = ()  #: what limits the trust in it, a sentence each
-    mass: Mass | None = None  #: of an arm with five parameters; None: not known
-    branches: dict[Hashable, tuple[Branch, ...]] = field(default_factory=dict, repr=False)  #: by load, once made
-
-    @property
-    def error_text(self) -> str:
-        """Its errors against finite elements in words; empty where it was not compared."""
-        return "" if self.errors is None or not isfinite(self.errors.shape) else self.errors.text
-
-    @property
-    def pressures_kPa(self) -> tuple[float, float]:
-        """The lowest and the highest pressure."""
-        known = self.over_one_pressure
-        return float(known[0]), float(known[-1])
-
-    @property
-    def over_one_pressure(self) -> Sequence[float]:
-        """The pressures of a rod that has one, kPa, rising. Raises InputError for a law of several pressures."""
-        if isinstance(self.source, PressurisedRod):
-            return tuple(map(float, self.source.pressures))
-        if len(self.source.cavities) > 1:
-            raise InputError(f"its law has the pressures of {', '.join(self.source.cavities)}; give their ratio")
-        return tuple(float(pressure) for (pressure,) in self.source.rows)
-
-    @property
-    def is_in_space(self) -> bool:
-        """Whether a rod over one pressure has no plane. Raises InputError as `over_one_pressure` does."""
-        return isinstance(self.at(self.pressures_kPa[1]).law, SpaceRod)
-
-    def at(self, pressures_kPa: float | Pressures) -> Rod:
-        """The rod at the pressures of all cavities; its origin is the clamped end of the material curve.
-
-        Raises `RodError` outside its pressures, and for another number of them.
-        """
-        if isinstance(self.source, PressurisedRod):
-            (pressure,) = pressures_of(pressures_kPa, ("the arm",))
-            rod = replace(self.source.at(pressure), mass=self.mass)
-        else:
-            rod = Rod(self.source.length, law=self.source.at(pressures_kPa))
-        return replace(rod, notes=(*self.notes, *rod.notes))
-
-
-def rod_of_path(path: Path, kind: str | None) -> RodOfRun:
+def rod_of_path(path: Path, kind: str | None) -> Rods:
     """The rod of a result folder, of a parameters.json or of a law.json alone. Raises InputError."""
     return choose_rod(read_run(path), kind)
 
@@ -90,7 +35,7 @@ def check_kind(kind: Any, name: str) -> None:
         raise InputError(f"{given}: allowed are {', '.join(KINDS)}")
 
 
-def choose_rod(run: Run, kind: str | None = None) -> RodOfRun:
+def choose_rod(run: Run, kind: str | None = None) -> Rods:
     """The rod that the verdict recommends, or the one of a kind.
 
     Where nothing was compared with finite elements it is the one with the arm's own law, if there is one. Raises
@@ -101,9 +46,7 @@ def choose_rod(run: Run, kind: str | None = None) -> RodOfRun:
     if run.law is not None and run.law.plane is None:
         if kind not in (None, "law"):
             raise InputError(f"{argument('rod', kind)}: a law of several pressures is that of rod law; leave it out")
-        law = run.law.law.law if isinstance(run.law.law, Ray) else run.law.law
-        doubt = isinstance(law, PairLaw) and law.error_between is None and len(law.laws) > 1
-        return RodOfRun("law", run.law.law, notes=("The error of this law between its ratios is not known.",) * doubt)
+        return Rods(run.law.law, "law", notes=run.law.law.notes)
     verdict = verdict_of(run)
     names = {name: kind for kind, name in KINDS.items()}
     chosen = kind or names.get(verdict.rod, "law" if run.law else "five")
@@ -111,11 +54,10 @@ def choose_rod(run: Run, kind: str | None = None) -> RodOfRun:
     compared = next((errors for errors in verdict.errors if errors.rod == rod), None)
     taken = rod_to_take(run, verdict.errors)
     errors = rod_and_mesh(run, compared) if compared else taken[1] if taken and taken[0] == rod else None
-    mass = None if chosen == "law" else _mass(run)
     notes = _notes(run, verdict, errors)
     if chosen == "law" and verdict.refusal is None and (uncertain := uncertain_forces(run.law)):
         notes = (*notes, report_reason(uncertain).text)
-    return RodOfRun(chosen, _source(run, chosen), errors, notes, mass)
+    return Rods(_source(run, chosen), chosen, errors, notes)
 
 
 def refuse_out_of_plane(run: Run) -> None:
@@ -136,19 +78,18 @@ def plane_of(run: Run, what: str) -> ArmLaw:
     assert run.law is not None
     if run.law.plane is not None:
         return run.law.plane
-    law = run.law.law.law if isinstance(run.law.law, Ray) else run.law.law
-    if isinstance(law, PairLaw):
-        measured = f"a law at a measured ratio of its pressures, one of {told_ratios(law)}"
+    if run.law.law.has_plane:
+        measured = f"a law at a measured ratio of its pressures, one of {told_ratios(run.law.law)}"
         raise InputError(f"{run.directory}: {what} takes {measured}")
     raise InputError(f"{run.directory}: {what} takes a law in a plane, and this one is in space")
 
 
-def told_ratios(law: AnyLaw) -> str:
+def told_ratios(law: Law) -> str:
     """The ratios in which a law of several pressures was measured, as they are written for --ratio."""
-    return ", ".join(":".join(f"{part:.6g}" for part in ratio) for ratio in ratios_of(law))
+    return ", ".join(":".join(f"{part:.6g}" for part in ratio) for ratio in law.ratios)
 
 
-def _source(run: Run, kind: str) -> AnyLaw | PressurisedRod:
+def _source(run: Run, kind: str) -> Law | PressurisedRod:
     if kind == "law":
         if run.law is None:
             raise InputError(f"{run.directory}: has no law.json, the arm's own law{_why(run)}; take rod five")
@@ -158,7 +99,7 @@ def _source(run: Run, kind: str) -> AnyLaw | PressurisedRod:
     extensible = kind == "five_extensible"
     if extensible and run.parameters.eccentricity is None:
         raise InputError(f"{run.directory}: has no parameters of a rod that stretches; take rod five")
-    return run.parameters.rods(extensible)
+    return replace(run.parameters.rods(extensible), mass=_mass(run))
 
 
 def _mass(run: Run) -> Mass | None:

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from geometry.told import aligned, listed
-from pipeline.answers.rods.choice import RodOfRun
+from pipeline.answers.rods.rods import Rods
 from pipeline.config.units import ANGLE, FORCE, LENGTH, MOMENT, STIFFNESS
 from pipeline.results.options import is_list, option_pressures, option_value, option_vector
 from pipeline.store.atomic_file import write_atomic
@@ -192,7 +192,7 @@ def _pair_of(text: Any) -> Any:
     return list(parts)
 
 
-def rod_at(rods: RodOfRun, pressure: Any) -> Rod:
+def rod_at(rods: Rods, pressure: Any) -> Rod:
     """The rod at a pressure, a number or a text with its unit, or at two: [20 kPa, 5 kPa]. Raises InputError."""
     return ask(argument("pressure", pressure), rods.at, option_pressures("pressure", pressure))
 

@@ -66,7 +66,7 @@ def exported(folder: Path, target: str | None, options: ExportOptions) -> Export
     if folder.is_file():
         raise InputError(f"{folder}: is a file; give the folder of the run, {folder.parent}")
     run = read_run(folder)
-    is_whole = options.ratio is None and run.law is not None and isinstance(run.law.law, SpaceLaw)
+    is_whole = options.ratio is None and run.law is not None and not run.law.law.has_plane
     return exported_run(run if is_whole else run_along(folder, options.ratio), named, options)
 
 
@@ -84,8 +84,8 @@ def exported_run(run: Run, target: str | None, options: ExportOptions) -> Export
         if law is not None and not (run.directory / "run.json").is_file():  # a law alone
             return _of_law(law, None, run.directory, target, options)
         chosen = choose_rod(run, options.rod)
-        if isinstance(chosen.source, ArmLaw):
-            done = _of_law(chosen.source, run, run.directory, target, options)
+        if chosen.law.plane is not None:
+            done = _of_law(chosen.law.plane, run, run.directory, target, options)
         else:
             done = _of_five(run, target, options)
         return replace(done, sentences=(*done.sentences, *chosen.notes))

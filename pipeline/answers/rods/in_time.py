@@ -8,7 +8,8 @@ from functools import cache
 from typing import Any
 
 from geometry import Reason
-from pipeline.answers.rods.choice import RodOfRun, choose_rod
+from pipeline.answers.rods.choice import choose_rod
+from pipeline.answers.rods.rods import Rods
 from pipeline.answers.rods.solid import solid_of
 from pipeline.config.material import LOSS_FACTOR
 from pipeline.values.errors import InputError
@@ -51,22 +52,16 @@ def rubber_of(material: Mapping[str, Any], first_Hz: Callable[[], float]) -> tup
     return both, f"{told}, and the branches of material.relaxation." if slow.shares else f"{told}."
 
 
-def highest(rods: RodOfRun) -> Any:
-    """The highest pressure of a rod in kPa, or the last row of several."""
-    return rods.source.rows[-1] if hasattr(rods.source, "rows") else rods.pressures_kPa[1]
-
-
-def body_of(run: Run, rods: RodOfRun) -> tuple[Body, str]:
+def body_of(run: Run, rods: Rods) -> tuple[Body, str]:
     """The arm with its rubber and its mass, and what is taken for its rubber, in a sentence.
 
     Raises InputError without a mass, and `RodError` for a loss factor that no branches have.
     """
-    mass = rods.mass or getattr(rods.source, "mass", None)
-    if mass is None:
+    if rods.law.mass is None:
         raise InputError(f"{run.directory}: has no mass; give material.density in the configuration and run it again")
     material, solid = material_of(run), solid_of(run)
-    body = Body(rods.source, mass=mass, spread=solid.section.spread if solid else (0.0, 0.0))
-    first = cache(lambda: frequencies(body, highest(rods), count=1)[0].frequency_hz)
+    body = Body(rods.law, spread=solid.section.spread if solid else (0.0, 0.0))
+    first = cache(lambda: frequencies(body, rods.law.rows[-1], count=1)[0].frequency_hz)
     rubber, told = rubber_of(material, first)
     of_run = run.parameters.materials or run.config.get("materials") or {}
     regions = {f"materials.{name}": one for name, one in of_run.items()}
@@ -76,23 +71,24 @@ def body_of(run: Run, rods: RodOfRun) -> tuple[Body, str]:
         return body, told
     own = ("material", *(name for name in regions if name not in others))
     try:
-        return _of_several(body, told, own, {name: rubber_of(one, first) for name, one in others.items()})
+        rubbers = {name: rubber_of(one, first) for name, one in others.items()}
+        return _of_several(body, rods.law.plane, told, own, rubbers)
     except RodError as failure:
         also = f"Loss and relaxation of {', '.join(others)} differ; those of the arm are taken there too."
         return body, f"{told} {also} {failure}"
 
 
 def _of_several(
-    body: Body, told: str, same: Sequence[str], others: Mapping[str, tuple[Relaxation, str]]
+    body: Body, law: ArmLaw | None, told: str, same: Sequence[str], others: Mapping[str, tuple[Relaxation, str]]
 ) -> tuple[Body, str]:
     """The arm with the rubbers of other regions as well, by the names of their materials; same: those that it has.
 
     Raises `RodError` for a law that does not know their shares.
     """
-    if not isinstance(body.law, ArmLaw):
+    if law is None:
         raise RodError("Its share is known to a law of one pressure in a plane alone.")
-    known = body.law.pressures
-    parts = shares_of(body.law, (same, *((name,) for name in others)), known[len(known) // 2])
+    known = law.pressures
+    parts = shares_of(law, (same, *((name,) for name in others)), known[len(known) // 2])
     rubbers = (body.relaxation, *(rubber for rubber, _ in others.values()))
     for part, (name, (_, own)) in zip(parts[1:], others.items(), strict=True):
         told += f" {own.replace('Its rubber', f'That of {name}, {100.0 * part.rigidity:.0f} % of the rigidity,')}"
@@ -100,7 +96,7 @@ def _of_several(
     return replace(body, relaxation=forces, felt=felt), told
 
 
-def in_time(run: Run, rods: RodOfRun) -> list[dict[str, float]]:
+def in_time(run: Run, rods: Rods) -> list[dict[str, float]]:
     """The arm without loads at each pressure of its run, by names with units.
 
     Vibrations and damping ratios in the plane, and across it where the law knows that; s until the first is below 2 %;

@@ -10,9 +10,9 @@ import numpy as np
 
 from geometry.arrays import Array
 from pipeline.answers.columns import Column, Form, read
-from pipeline.answers.rods.choice import RodOfRun
 from pipeline.answers.rods.end_loads import AlongArm, Weight
-from pipeline.answers.rods.in_time import body_of, highest
+from pipeline.answers.rods.in_time import body_of
+from pipeline.answers.rods.rods import Rods
 from pipeline.config.units import FORCE, PRESSURE, TIME, Dimension, convert
 from pipeline.results.options import option_pressures, option_value, option_vector
 from pipeline.store.result_folder import open_folder
@@ -107,7 +107,7 @@ class ArmMotion:
         return [went, *self.notes, f"written: {self.directory / 'motion.csv'}, motion.html (picture)"]
 
 
-def move_arm(run: Run, rods: RodOfRun, asked: Asked, out: Path) -> ArmMotion:
+def move_arm(run: Run, rods: Rods, asked: Asked, out: Path) -> ArmMotion:
     """Move the arm of a run; motion.csv and motion.html are in `out`.
 
     Raises InputError for what cannot begin, and RunFailed, which has the motion up to the last good time as `reached`,
@@ -117,7 +117,7 @@ def move_arm(run: Run, rods: RodOfRun, asked: Asked, out: Path) -> ArmMotion:
         body, damped = body_of(run, rods)
         if np.ndim(asked.pressure) < 2:
             rods.at(asked.pressure)
-        moved, free = asked.of(body), rods.at(highest(rods)).solve()
+        moved, free = asked.of(body), rods.at(rods.law.rows[-1]).solve()
     except RodError as failure:
         raise InputError(str(failure)) from None
     side = -1.0 if isinstance(free, RodSolution) and free.theta[-1] < 0.0 else 1.0  # to which pressure bends it

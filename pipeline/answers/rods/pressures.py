@@ -8,14 +8,13 @@ from typing import Any
 import numpy as np
 
 from geometry.arrays import Array
-from pipeline.answers.rods.choice import RodOfRun
 from pipeline.answers.rods.end_loads import EndLoads, Vector, Weight
+from pipeline.answers.rods.rods import Rods
 from pipeline.config.units import ANGLE, FORCE, LENGTH
 from pipeline.results.options import option_value, option_vector
 from pipeline.values.errors import InputError, RunFailed
 from pipeline.values.formatting import number
 from pipeline.values.run import bending_error_deg
-from rod.arm_law.kinds import Ray
 from rod.errors import LoadError, RodError
 from rod.inverse import AtPressure, Branch, Quantity
 
@@ -81,7 +80,7 @@ def _listed(values: Sequence[float], form: str) -> str:
     return ", ".join(format(value, form) for value in values)
 
 
-def pressures_for(rods: RodOfRun, wish: Wish) -> tuple[PressureFor, ...]:
+def pressures_for(rods: Rods, wish: Wish) -> tuple[PressureFor, ...]:
     """All pressures at which a wish is met, by rising pressure; for a tip the nearest one first.
 
     Raises InputError for a wish that is out of reach, with what is nearest to it, and RunFailed where the arm has no
@@ -98,10 +97,10 @@ def pressures_for(rods: RodOfRun, wish: Wish) -> tuple[PressureFor, ...]:
     return tuple(_met(rods, wish, at) for at in found)
 
 
-def branches_of(rods: RodOfRun, wish: Wish) -> tuple[Branch, ...]:
+def branches_of(rods: Rods, wish: Wish) -> tuple[Branch, ...]:
     """The arm under the load of a wish over its pressure, kept with the rods. Raises InputError for several ones."""
     known = rods.over_one_pressure
-    is_in_space = rods.is_in_space
+    is_in_space = not rods.law.has_plane
     if not is_in_space and len(wish.weight.direction or ()) == 3:
         raise InputError("pressures are found for arms in their plane; give gravity as x and y")
     if wish.tip_mm is not None and len(wish.tip_mm) != (3 if is_in_space else 2):
@@ -119,11 +118,11 @@ def branches_of(rods: RodOfRun, wish: Wish) -> tuple[Branch, ...]:
     return rods.branches[key]
 
 
-def _for_tip(rods: RodOfRun, wish: Wish, branches: tuple[Branch, ...], tip: Vector) -> tuple[PressureFor, ...]:
+def _for_tip(rods: Rods, wish: Wish, branches: tuple[Branch, ...], tip: Vector) -> tuple[PressureFor, ...]:
     near = [_met(rods, wish, at) for branch in branches for at in branch.nearest(tip)]
     near.sort(key=lambda at: at.away_mm or 0.0)
     error = MET if rods.errors is None or not rods.errors.is_known else rods.errors.shape
-    met = [at for at in near if (at.away_mm or 0.0) <= error * rods.source.length]
+    met = [at for at in near if (at.away_mm or 0.0) <= error * rods.law.length]
     if met:
         return tuple(met)
     raise InputError(
@@ -131,37 +130,36 @@ def _for_tip(rods: RodOfRun, wish: Wish, branches: tuple[Branch, ...], tip: Vect
     )
 
 
-def _out_of_reach(rods: RodOfRun, wish: Wish, branches: tuple[Branch, ...], quantity: Quantity, target: float) -> str:
+def _out_of_reach(rods: Rods, wish: Wish, branches: tuple[Branch, ...], quantity: Quantity, target: float) -> str:
     ends = [at for branch in branches for at in branch.extremes(quantity)]
     nearest = min(ends, key=lambda at: abs(float(at.of(quantity)[0]) - target))
     what = f"bends the arm by {target:g}°" if wish.angle_deg is not None else f"gives the end a force of {target:g} N"
     return f"no pressure{_range(rods, branches)} {what}; nearest: {_met(rods, wish, nearest).text}"
 
 
-def _range(rods: RodOfRun, branches: tuple[Branch, ...]) -> str:
+def _range(rods: Rods, branches: tuple[Branch, ...]) -> str:
     """The pressures that were searched; at others the load leaves the range of the rod."""
     known = [(float(branch.pressures[0]), float(branch.pressures[-1])) for branch in branches]
     text = f" from {' and from '.join(f'{number(low)} to {number(high)}' for low, high in known)} kPa"
     return text if known == [rods.pressures_kPa] else f"{text}, where the rod is known under this load,"
 
 
-def _met(rods: RodOfRun, wish: Wish, at: AtPressure) -> PressureFor:
-    axes = 3 if rods.is_in_space else 2
+def _met(rods: Rods, wish: Wish, at: AtPressure) -> PressureFor:
+    axes = 2 if rods.law.has_plane else 3
     tip, force = (tuple(at.state[first : first + axes].tolist()) for first in (0, 3))
     away = None if wish.tip_mm is None else math.dist(tip, wish.tip_mm)
     angle = float(_angle(rods, wish)(at.state[None])[0])
     held = force if wish.force_N is not None else (0.0,) * len(force)
-    fractions = rods.source.fractions if isinstance(rods.source, Ray) else (1.0,)
-    pressures = tuple(part * at.pressure for part in fractions)
+    pressures = tuple(part * at.pressure for part in rods.law.fractions.values())
     return PressureFor(at.pressure, _error(rods, wish, at), tip, angle, held, away, pressures, at.path.sideways)
 
 
-def _error(rods: RodOfRun, wish: Wish, at: AtPressure) -> float | None:
+def _error(rods: Rods, wish: Wish, at: AtPressure) -> float | None:
     """kPa: the error of the rod and its mesh in what is wanted, over its change by the pressure."""
     errors = rods.errors
     if errors is None or not errors.is_known:
         return None
-    moves = errors.shape * rods.source.length
+    moves = errors.shape * rods.law.length
     if wish.force_N is not None:
         if errors.force is None or errors.largest_N is None:
             return None
@@ -175,7 +173,7 @@ def _over(error: float, slope: float) -> float | None:
     return abs(error / slope) if slope else None
 
 
-def _angle(rods: RodOfRun, wish: Wish) -> Quantity:
+def _angle(rods: Rods, wish: Wish) -> Quantity:
     """Degrees; in the plane positive to the side to which the arm bends without load at the highest pressure."""
     return branches_of(rods, wish)[-1].paths[-1].bending_deg
 

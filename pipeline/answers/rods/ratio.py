@@ -7,9 +7,8 @@ from pipeline.answers.rods.choice import told_ratios
 from pipeline.results.files import LAW, folder_of, read_results, read_run
 from pipeline.values.errors import InputError, argument, ask
 from pipeline.values.run import Run
-from rod.arm_law.kinds import along, ratios_of
-from rod.arm_law.pairs import PairLaw, direction_of
-from rod.arm_law.space_law import SpaceLaw
+from rod.arm_law.kinds import Law, along
+from rod.arm_law.pairs import direction_of
 from rod.same_pressure import Pressures
 
 
@@ -19,20 +18,20 @@ def run_along(path: Path, ratio: str | None) -> Run:
     ratio: as 1:0.5; None where there is one pressure, or one ratio.
     """
     run = read_run(path)
-    if run.law is None or not isinstance(run.law.law, PairLaw | SpaceLaw):
+    if run.law is None or not run.law.has_rows:
         if ratio is not None:
             raise InputError(f"{argument('ratio', ratio)}: the rod of {path} has one pressure; leave it out")
         return run
     law, fractions = run.law.law, _fractions(path, run.law.law, ratio)
     one = ask(argument("ratio", ratio), along, law, fractions)
-    if isinstance(law, PairLaw) and ((own := path / folder_of(direction_of(fractions)[1])) / LAW).is_file():
+    if law.has_plane and ((own := path / folder_of(direction_of(fractions)[1])) / LAW).is_file():
         return read_results(own)
     return replace(run, law=replace(run.law, law=one))
 
 
-def _fractions(path: Path, law: PairLaw | SpaceLaw, ratio: str | None) -> Pressures:
+def _fractions(path: Path, law: Law, ratio: str | None) -> Pressures:
     """The parts of the pressures in a ratio as it was written, or in the only one of a law."""
-    measured, names = ratios_of(law), ", ".join(law.cavities)
+    measured, names = law.ratios, ", ".join(law.cavities)
     if ratio is None:
         if len(measured) == 1:
             return measured[0]

@@ -3,8 +3,8 @@
 from collections.abc import Sequence
 from dataclasses import replace
 
-from pipeline.answers.rods.choice import RodOfRun
 from pipeline.answers.rods.pressures import PressureFor, Wish, branches_of
+from pipeline.answers.rods.rods import Rods
 from pipeline.values.page import figure_page
 from pipeline.values.plots import Line, Panel, ordered_colour
 
@@ -12,7 +12,7 @@ from pipeline.values.plots import Line, Panel, ordered_colour
 PAYLOADS = 5
 
 
-def tips_page(rods: RodOfRun, wish: Wish, found: Sequence[PressureFor]) -> str:
+def tips_page(rods: Rods, wish: Wish, found: Sequence[PressureFor]) -> str:
     """A page with the tips that the arm reaches over its pressures, with a payload from none to that of the wish."""
     mass = wish.weight.tip_mass_g
     loads = [replace(wish.weight, tip_mass_g=part * mass / PAYLOADS) for part in range(PAYLOADS + 1)] if mass else []

@@ -8,7 +8,7 @@ import pytest
 
 from pipeline.results.laws import law_of_record, law_record
 from rod import RodError
-from rod.arm_law.kinds import along, ratios_of
+from rod.arm_law.kinds import along
 from rod.arm_law.law import ArmLaw
 from rod.arm_law.pairs import PairLaw, direction_of, fractions_of
 from tests.pair_laws import KAPPA, moment, ray, rotation
@@ -108,10 +108,13 @@ def test_the_record_is_the_law() -> None:
 
 def test_along_a_ratio_it_is_a_law_of_one_pressure() -> None:
     law = fan(0.0, 1.0, 2.0)
-    assert ratios_of(law) == ((1.0, 0.0), (1.0, 1.0), (0.0, 1.0))
-    assert along(law, (2.0, 2.0)) is law.laws[1]
+    assert law.ratios == ((1.0, 0.0), (1.0, 1.0), (0.0, 1.0))
+    assert along(law, (2.0, 2.0)) is law.laws[1] is law.laws[1].plane
+    assert (law.plane, law.has_plane, law.fractions) == (None, True, {})
+    assert law.notes == ("The error of this law between its ratios is not known.",)
+    assert replace(law, error_between=0.01).notes == law.laws[0].notes == ()
     between = along(law, (1.0, 0.5))
-    assert between.pressures[-1] == 30.0
+    assert between.rows[-1] == (30.0,)
     assert between.at(20.0).section.kappa_0 == law.at((20.0, 10.0)).section.kappa_0
     with pytest.raises(RodError, match="has one pressure and no ratio"):
         along(law.laws[0], (1.0,))

@@ -164,7 +164,12 @@ class Alone:
     """A kind of law that is added: the same arm over the pressure of its first cavity."""
 
     kind: ClassVar[str] = "alone"
+    has_plane: ClassVar[bool] = False
+    plane: ClassVar[None] = None
     cavities: ClassVar[tuple[str, ...]] = ("the arm",)
+    fractions: ClassVar[dict[str, float]] = {"the arm": 1.0}
+    ratios: ClassVar[tuple[Pressures, ...]] = ()
+    notes: ClassVar[tuple[str, ...]] = ()
     length: Annotated[float, "length_mm"]
     highest: Annotated[float, "highest_kPa"]
     mass: Annotated[Mass | None, "mass"] = None
@@ -230,8 +235,10 @@ def test_as_a_rod() -> None:
 def test_along_a_ratio_it_goes_as_far_as_its_rows() -> None:
     made = law()
     whole = along(made, made.rows[0])
-    assert whole.pressures == (0.0, max(made.rows[0]))
+    assert whole.rows == ((0.0,), (max(made.rows[0]),))
+    assert (whole.fractions, whole.ratios) == (dict(zip(made.cavities, made.ratios[0], strict=True)), made.ratios)
     mixed = along(made, (1.0, 1.0, 0.0))
-    assert mixed.at(mixed.pressures[-1]).pressures == (mixed.pressures[-1], mixed.pressures[-1], 0.0)
+    ((highest,),) = mixed.rows[-1:]
+    assert mixed.at(highest).pressures == (highest, highest, 0.0)
     with pytest.raises(RodError, match="are not between rows of the law"):
-        mixed.at(1.01 * mixed.pressures[-1])
+        mixed.at(1.01 * highest)

@@ -184,7 +184,7 @@ def test_vibrations_settling_and_creep(tmp_path: Path) -> None:
     frame = pneurod.read_results(with_rubber(tmp_path / "arm", **SLOW)).frequencies
     assert frame.pressure_kPa.tolist() == [17.0, 37.0]
     rods = rod_of_path(COARSE, None)
-    body = Body(rods.source)
+    body = Body(rods.law)
     for row in frame.to_dict("records"):
         assert 0.0 < row["frequency_1_Hz"] < row["frequency_2_Hz"] < row["frequency_3_Hz"]
         rubber = body.relaxing(body.at(np.array([row["pressure_kPa"]])))
@@ -217,7 +217,7 @@ def test_verdict_and_report_have_a_line_and_a_table_only_where_the_material_asks
 def test_a_region_of_another_rubber_relaxes_by_its_share() -> None:
     plain = coarse_run()
     run = replace(plain, parameters=replace(plain.parameters, materials={"base": {"loss_factor": 0.3}}))
-    body, told = body_of(run, replace(rod_of_path(COARSE, None), source=with_base(0.5)))
+    body, told = body_of(run, replace(rod_of_path(COARSE, None), law=with_base(0.5)))
     assert "That of materials.base, 50 % of the rigidity, has a loss factor of 0.3" in told
     alone, _ = body_of(plain, rod_of_path(COARSE, None))
     assert sum(body.relaxation.shares) > 1.5 * sum(alone.relaxation.shares)

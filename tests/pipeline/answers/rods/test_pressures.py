@@ -13,9 +13,10 @@ from scipy.special import ellipe, ellipk
 from typer.testing import CliRunner
 
 import pneurod
-from pipeline.answers.rods.choice import RodOfRun, choose_rod
+from pipeline.answers.rods.choice import choose_rod
 from pipeline.answers.rods.end_loads import Weight
 from pipeline.answers.rods.pressures import Wish, pressures_for
+from pipeline.answers.rods.rods import Rods
 from pipeline.answers.rods.tips import tips_page
 from pipeline.cli import app
 from pipeline.values.errors import InputError
@@ -27,7 +28,7 @@ HANGING = Weight((1.0, 0.0), 1.0)
 
 
 @pytest.fixture(scope="module")
-def rods() -> RodOfRun:
+def rods() -> Rods:
     return choose_rod(coarse_run(0.001))
 
 
@@ -37,7 +38,7 @@ def solve(*options: str) -> tuple[int, str, str]:
 
 
 @pytest.mark.parametrize("pressure", [3.0, 17.0, 24.5, 36.0])
-def test_the_pressure_comes_back_from_what_the_rod_does(rods: RodOfRun, pressure: float) -> None:
+def test_the_pressure_comes_back_from_what_the_rod_does(rods: Rods, pressure: float) -> None:
     rod = rods.at(pressure)
     free, held, loaded = rod.solve(), rod.solve(end_y=-5.0), rod.solve(direction="hanging", tip_mass=1.0)
     wishes = {
@@ -57,7 +58,7 @@ def test_the_pressure_comes_back_from_what_the_rod_does(rods: RodOfRun, pressure
         assert 0.0 < nearest.error_kPa < 2.0
 
 
-def test_the_angle_of_a_held_end_is_that_of_its_section(rods: RodOfRun) -> None:
+def test_the_angle_of_a_held_end_is_that_of_its_section(rods: Rods) -> None:
     """Its chord does not turn, its section turns by tens of degrees; the slope is that of neighbouring pressures."""
     [branch] = Branch.all_of(rods.at, lambda rod: rod.solve(end_y=0.0), rods.over_one_pressure)
     bends = branch.paths[-1].bending_deg
@@ -120,7 +121,7 @@ def test_an_upright_arm_that_its_load_has_bent_over_is_followed_to_no_pressure()
     assert at.slope[:2] == pytest.approx((np.array(more) - less) / 0.02, rel=0.01)
 
 
-def test_what_is_out_of_reach_is_told_with_the_nearest(rods: RodOfRun) -> None:
+def test_what_is_out_of_reach_is_told_with_the_nearest(rods: Rods) -> None:
     with pytest.raises(
         InputError, match=r"^no pressure from 0 to 37 kPa brings the tip to \(30, 40\) mm; nearest: 0\.00"
     ):
@@ -185,7 +186,7 @@ def test_the_pressures_are_a_table_that_prints_every_column() -> None:
     assert rows[0].split()[0] == f"{found.pressure_kPa[0]:.4g}"
 
 
-def test_the_picture_has_a_path_for_each_payload(rods: RodOfRun) -> None:
+def test_the_picture_has_a_path_for_each_payload(rods: Rods) -> None:
     page = tips_page(
         rods, Wish(angle_deg=60.0, weight=HANGING), pressures_for(rods, Wish(angle_deg=60.0, weight=HANGING))
     )

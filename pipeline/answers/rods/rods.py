@@ -1,0 +1,51 @@
+"""The rods of an arm over its pressures."""
+
+from collections.abc import Hashable, Sequence
+from dataclasses import dataclass, field, replace
+from math import isfinite
+
+from pipeline.results.rod_errors import RodAndMesh
+from pipeline.values.errors import InputError
+from rod.arm_law.kinds import Law
+from rod.inverse import Branch
+from rod.mechanics.equilibrium import Rod
+from rod.pressurised_rod import PressurisedRod
+from rod.same_pressure import Pressures
+
+
+@dataclass(frozen=True, eq=False)  # arrays inside
+class Rods:
+    """The rods of an arm over its pressures, by its own law or by five parameters."""
+
+    law: Law | PressurisedRod
+    kind: str  #: one of the KINDS of `choice`
+    errors: RodAndMesh | None = None  #: None where it was not compared with finite elements
+    notes: tuple[str, ...] = ()  #: what limits the trust in it, a sentence each
+    branches: dict[Hashable, tuple[Branch, ...]] = field(default_factory=dict, repr=False)  #: by load, once made
+
+    @property
+    def error_text(self) -> str:
+        """Its errors against finite elements in words; empty where it was not compared."""
+        return "" if self.errors is None or not isfinite(self.errors.shape) else self.errors.text
+
+    @property
+    def pressures_kPa(self) -> tuple[float, float]:
+        """The lowest and the highest pressure."""
+        known = self.over_one_pressure
+        return known[0], known[-1]
+
+    @property
+    def over_one_pressure(self) -> Sequence[float]:
+        """The pressures of a rod that has one, kPa, rising. Raises InputError for a law of several pressures."""
+        if len(self.law.cavities) > 1:
+            raise InputError(f"its law has the pressures of {', '.join(self.law.cavities)}; give their ratio")
+        return tuple(float(pressure) for (pressure,) in self.law.rows)
+
+    def at(self, pressures_kPa: float | Pressures) -> Rod:
+        """The rod at the pressures of all cavities; its origin is the clamped end of the material curve.
+
+        Raises `RodError` outside its pressures, and for another number of them.
+        """
+        found = self.law.at(pressures_kPa)
+        rod = found if isinstance(found, Rod) else Rod(self.law.length, law=found)
+        return replace(rod, notes=(*self.notes, *rod.notes))
