@@ -48,6 +48,7 @@ class AtPressure(NamedTuple):
     state: Array  #: (9,) as `SolvedPath.state`
     slope: Array  #: (9,) its change per kPa
     path: SolvedPath  #: an equilibrium there or near by
+    after_snap: bool = False  #: as of its branch
 
     def of(self, quantity: Quantity) -> tuple[Array, Array]:
         """A quantity, and its change per kPa."""
@@ -64,6 +65,7 @@ class Branch:
     paths: tuple[SolvedPath, ...]
     pressures: Array  #: (n,) kPa
     states: Array  #: (n, 9) of the paths
+    after_snap: bool = False  #: whether they are those of the swollen form of an arm that has two
 
     @staticmethod
     def all_of(
@@ -133,7 +135,7 @@ class Branch:
         return parabola_slopes(self.pressures, self.states)
 
     def _sample(self, k: int) -> AtPressure:
-        return AtPressure(float(self.pressures[k]), self.states[k], self._slopes[k], self.paths[k])
+        return AtPressure(float(self.pressures[k]), self.states[k], self._slopes[k], self.paths[k], self.after_snap)
 
     def _zeros(self, function: Callable[[Array, Array], Array]) -> Iterator[tuple[float, bool]]:
         """Pressures where a function of the states (n, 9) and their slopes changes its sign, and whether it rises."""
@@ -154,7 +156,7 @@ class Branch:
             (before, other), path = (there, path), path.at(self.at(pressure).arm)
             response = path.derivative((other.rod, path.rod), passes=1)
             slope = path.change_of_state(response) / (pressure - before)
-            at = AtPressure(pressure, path.state, slope, path)
+            at = AtPressure(pressure, path.state, slope, path, self.after_snap)
             left, change = at.of(missed)
             there, square = pressure, float(np.sum(change * change))
             step = -float(np.sum(left * change)) / square if square else 0.0

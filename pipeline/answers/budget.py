@@ -33,7 +33,8 @@ from rod.arm_law.law import ArmLaw
 from rod.arm_law.quantities import QUANTITIES, Asked, Rods, jacobian
 
 #: titles of the quantities of the table, by name; the tip comes first
-NUMBERS = {one.name: one.title for one in QUANTITIES.values() if one.title}
+LIMIT = "limit"
+NUMBERS = {one.name: one.title for one in QUANTITIES.values() if one.title} | {LIMIT: "limit pressure"}
 PRESSURE = "pressure"
 #: part of a tolerance in difference quotients at most, and of a pressure
 LARGEST_PART, PART_OF_PRESSURE = 0.05, 1e-3
@@ -74,8 +75,8 @@ class Budget:
 
     @property
     def numbers(self) -> dict[str, str]:
-        """Those of the table with their titles; out of the plane where the law has them."""
-        shown = [name for name in NUMBERS if name not in ACROSS or math.isfinite(self.total(name))]
+        """Those of the table with their titles; out of the plane, and a limit pressure, where the law has them."""
+        shown = [name for name in NUMBERS if name not in (*ACROSS, LIMIT) or math.isfinite(self.total(name))]
         return {name: NUMBERS[name] for name in shown}
 
     def largest(self, number: str = "tip") -> Row:
@@ -129,7 +130,7 @@ def make_budgets(
     """
     chosen = tolerances.all(law.dimensions)
     most = {name: by for key, one in chosen.items() for name, by in _moves(law, key, one).items() if name != PRESSURE}
-    names = [name for name in NUMBERS if name != "force" or held_mm is not None]
+    names = [name for name in QUANTITIES if name in NUMBERS and (name != "force" or held_mm is not None)]
     here, after, parts = cache(law.at), law.rods_after(list(most)), len(pressures_kPa)
     asked = [Asked(name, p, here(p), held_mm or 0.0).or_nan for p in pressures_kPa for name in names]
 
@@ -147,7 +148,8 @@ def make_budgets(
             if moves := _moves(law, key, tolerance, pressure):
                 change = np.sum([by[name] * amount for name, amount in moves.items()], axis=0)
                 text = tolerance.text("kPa" if key == PRESSURE else law.rate(next(iter(moves))).unit)
-                rows.append(Row(key, text, tolerance.is_default, _changes(names, change, value, law.length)))
+                changes = _changes(names, change, value, law.length) | {LIMIT: _of_limit(law, moves)}
+                rows.append(Row(key, text, tolerance.is_default, changes))
         budgets.append(Budget(pressure, tolerances.process, tuple(sorted(rows, key=lambda row: -row.size("tip")))))
     return tuple(budgets)
 
@@ -159,6 +161,13 @@ def _moves(law: ArmLaw, key: str, tolerance: Tolerance, pressure: float = 0.0) -
     if key == STIFFNESS:
         return {name: tolerance.amount * value for name, value in law.moduli.items() if value}
     return {key: tolerance.of(law.rates[key].value)} if key in law.rates else {}
+
+
+def _of_limit(law: ArmLaw, moves: Mapping[str, float]) -> float:
+    """Change of the limit pressure over it; NaN without a limit, and where its derivatives are not known."""
+    if law.limit is None or not moves.keys() <= law.limit.rates.keys():
+        return math.nan
+    return abs(sum(law.limit.rates[name] * amount for name, amount in moves.items())) / law.limit.value
 
 
 def _changes(names: Sequence[str], change: Array, value: Array, length: float) -> dict[str, float]:

@@ -197,13 +197,16 @@ class Results:
         row, column = self._row(pressure_kPa), PARAMETER_COLUMNS[name]
         return Interval(*(float(row[f"{column}{ending}"]) for ending in ("", "_std", "_95_low", "_95_high")))
 
-    def rod(self, pressure_kPa: float | str | Sequence[float | str], kind: str | None = None) -> Rod:
+    def rod(
+        self, pressure_kPa: float | str | Sequence[float | str], kind: str | None = None, *, after_snap: bool = False
+    ) -> Rod:
         """The rod at a pressure, in kPa or written with its unit ("12 kPa"): the one that the verdict recommends.
 
         Of a law of several pressures give those of all cavities, (20.0, 5.0).
 
         kind: "law" for the arm's own law, "five" for the five parameters of the paper, "five_extensible" for those of
-        the rod whose curve stretches. Its origin is the clamped end of the material curve.
+        the rod whose curve stretches. Its origin is the clamped end of the material curve. after_snap: the swollen form
+        of an arm that has two at this pressure.
 
         Warns with `RodWarning` where the rod is less certain than usual; its `notes`, and those of its shapes, say the
         same. Raises InputError outside its pressures, where the run has no such rod, and for an arm that leaves its
@@ -211,7 +214,8 @@ class Results:
         """
         check_kind(kind, "kind")
         pressure = option_pressures("pressure_kPa", pressure_kPa)
-        rod = ask("", self._chosen(kind).at, pressure)
+        chosen = self._chosen(kind).wanted(after_snap=given_choice(after_snap, "after_snap"))
+        rod = ask("", chosen.at, pressure)
         for note in rod.notes:
             warnings.warn(note, RodWarning, stacklevel=2)
         return rod

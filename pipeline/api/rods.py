@@ -74,6 +74,9 @@ def shape(
         typer.Option(metavar="S: M", help="A mass that hangs along the arm: '0.5 l: 5 g', '56 mm: 5 g'. Repeatable."),
     ] = (),
     rod: Rod = None,
+    after_snap: Annotated[
+        bool, typer.Option("--after-snap", help="The swollen form, where the arm has two at this pressure.")
+    ] = False,
     out: Annotated[Path | str | None, typer.Option("--out", metavar="FILE", help="Write the shape as CSV.")] = None,
 ) -> RodShape:
     """Solve the rod alone, in milliseconds: its shape under loads.
@@ -86,6 +89,7 @@ def shape(
     along = end_loads.AlongArm.all_of(force_at, line_load, held_at)
     loads = end_loads.EndLoads.read(force, moment, end_y, end, weight, along)
     chosen = choice.rod_of_path(given_path(path, "path", "results/arm"), rod)
+    chosen = chosen.wanted(after_snap=given_choice(after_snap, "after_snap"))
     selected = end_loads.rod_at(chosen, pressure)
     found = loads.shape(selected)
     if out is not None:

@@ -6,6 +6,7 @@ from typing import TypeVar
 
 import numpy as np
 
+from geometry import Reason, Values
 from pipeline.results.rod_errors import law_mesh_errors
 from pipeline.values.formatting import percent
 from pipeline.values.law import DRAFT, DeliveredLaw, Unloaded
@@ -18,12 +19,16 @@ State = TypeVar("State")
 
 #: pressures that are named; of more the lowest, the middle and the highest one
 MOST_NAMED = 3
+#: degrees by 1 % of the pressure from which on an arm is steep, if they are this many times what its angle has of 1 %
+STEEP_DEG, STEEPER = 2.0, 4.0
+#: degrees within which the angle of such an arm is to be known
+KNOWN_DEG = 5.0
 
 
 def unloaded_states(law: ArmLaw, pressures_kPa: Sequence[float]) -> tuple[Unloaded, ...]:
     """The clamped arm without a load at those of the pressures that the law has; without one that has no rod."""
     states: list[Unloaded] = []
-    for pressure in (p for p in pressures_kPa if law.pressures[0] <= p <= law.pressures[-1]):
+    for pressure in pressures_kPa:
         with suppress(RodError):
             states.append(unloaded_state(law, pressure))
     return tuple(states)
@@ -35,6 +40,43 @@ def unloaded_state(law: ArmLaw, pressure: float) -> Unloaded:
     shape = Rod(law.length, law=at).under(Load())
     rigidity = 1.0 / float(np.interp(0.0, at.section.moment, at.section.kappa_slope))
     return Unloaded(pressure, at.section.kappa_0, rigidity, abs(shape.bending_deg), shape.end)
+
+
+def limit_of(law: DeliveredLaw) -> Reason | None:
+    """What a limit of the pressure does to the arm, or a range of pressures in which little pressure bends it much."""
+    plane = law.plane
+    if plane is None:
+        return None
+    if plane.limit is None:
+        return _steep(plane)
+    error = "" if plane.limit.std is None else f" ± {plane.limit.std:.1g}"
+    values: Values = {"limit_kPa": plane.limit.value, "limit": f"{plane.limit.value:.3g}{error}"}
+    if plane.swollen is None or plane.back is None:
+        return Reason("no_form_beyond", values)
+    rising, swollen = law.angles["rising"][-1:], law.angles["swollen"]
+    ends = {
+        "from_deg": float(law.angles.get("unstable", rising)[0, 1]),
+        "to_deg": float(np.interp(plane.limit.value, *swollen.T)),
+    }
+    known = {"return_kPa": plane.back.value, "highest_kPa": plane.swollen.pressures[-1]}
+    return Reason("snaps", {**values, **ends, **known})
+
+
+def _steep(law: ArmLaw) -> Reason | None:
+    """The pressures at which 1 % of the modulus or the pressure changes the angle by degrees, and by far more of it."""
+    pressures, kappa = np.array([(cell.pressure, cell.at(0.0)[0]) for cell in law.cells]).T
+    middle, slopes = (
+        0.5 * (pressures[1:] + pressures[:-1]),
+        np.diff(np.degrees(kappa * law.length)) / np.diff(pressures),
+    )
+    by_part, angle = np.abs(slopes * middle), np.abs(np.degrees(0.5 * (kappa[1:] + kappa[:-1]) * law.length))
+    steep = (by_part > STEEP_DEG * 100.0) & (by_part > STEEPER * angle)
+    if not steep.any():
+        return None
+    low, high = float(pressures[:-1][steep].min()), float(pressures[1:][steep].max())
+    change = abs(unloaded_state(law, high).bending_deg - unloaded_state(law, low).bending_deg) / (high - low)
+    percent = 100.0 * KNOWN_DEG / (change * 0.5 * (low + high))
+    return Reason("steep", {"low_kPa": low, "high_kPa": high, "deg_per_kPa": change, "percent": percent})
 
 
 def named_states(states: Sequence[State]) -> tuple[State, ...]:

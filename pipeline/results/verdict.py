@@ -24,7 +24,7 @@ from pipeline.results.rod_errors import (
     uncertain_forces,
     unknown_mesh_error,
 )
-from pipeline.results.unloaded import named_states
+from pipeline.results.unloaded import limit_of, named_states
 from pipeline.values.formats import ARM_LAW, EXTENSIBLE, FIVE
 from pipeline.values.formatting import number, round_down
 from pipeline.values.json_values import JsonObject
@@ -46,6 +46,8 @@ IN_TIME = "in_time"
 CALIBRATED = ("calibrated", "calibrated_alone")
 #: code of the remark that a fit to a measurement is no calibration
 NOT_CALIBRATED = "not_calibrated"
+#: fields that `Verdict.record` has only where they say something
+MAY_BE_LEFT_OUT = ("in_time", "limit")
 #: codes of remarks by rank; others follow in the order in which they were found
 RANKS = (
     *(
@@ -101,6 +103,7 @@ class Verdict(Told):
     moments_N_mm: tuple[float, float] | None  #: for which it holds at the highest pressure
     tolerances: Reported | None  #: what the tolerances of the built arm do, or its calibration; None: not known
     in_time: Reported | None  #: how it vibrates, settles and creeps; None where its material does not say so
+    limit: Reported | None  #: a limit of the pressure, or where the angle rises steeply with it; None: neither is known
     command: str  #: how to use the rod, or what to do instead
     failures: tuple[Reported, ...]
     warnings: tuple[Reported, ...]  #: ranked, at most `MOST_WARNINGS`
@@ -114,7 +117,7 @@ class Verdict(Told):
     @property
     def lines(self) -> tuple[str, ...]:
         """The verdict in words, at most eight lines."""
-        lines = [*self._leaves_plane(), self._bends(), self._takes()]
+        lines = [*self._leaves_plane(), self._bends(), self.limit.text if self.limit else "", self._takes()]
         lines += [self.tolerances.text] if self.usable and self.tolerances else []
         lines += [self.in_time.text] if self.usable and self.in_time else []
         lines += [self._holds(), self.command, *self._not_reached()]
@@ -163,7 +166,7 @@ class Verdict(Told):
 
     def record(self) -> JsonObject:
         """The verdict as `pneurod run --json` writes it."""
-        left_out = {"command"} if self.in_time else {"command", "in_time"}
+        left_out = {"command", *(name for name in MAY_BE_LEFT_OUT if getattr(self, name) is None)}
         content = {name: value for name, value in asdict(self).items() if name not in left_out}
         return {**content, "usable": self.usable, "lines": self.lines}
 
@@ -175,6 +178,7 @@ def verdict_of(run: Run) -> Verdict:
     mesh = MeshErrors(None, None, None) if both is None else both.mesh
     refusal = _refusal(run, errors, mesh)
     usable = bool(rod) and refusal is None
+    limit = limit_of(run.law) if rod == ARM_LAW and run.law else None
     return Verdict(
         design=run.design,
         length_mm=run.length_mm,
@@ -189,6 +193,7 @@ def verdict_of(run: Run) -> Verdict:
         moments_N_mm=_moments(run, rod) if rod else None,
         tolerances=next((remark for remark in run.remarks if remark.code in (TOLERANCES, *CALIBRATED)), None),
         in_time=next((remark for remark in run.remarks if remark.code == IN_TIME), None),
+        limit=report_reason(limit) if limit else None,
         command=_use(run, rod) if usable else _instead(run, rod, mesh),
         failures=run.failures,
         warnings=_warnings(run, rod, mesh, refusal),

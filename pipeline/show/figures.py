@@ -8,7 +8,7 @@ import numpy as np
 from geometry.arrays import Array
 from pipeline.results.rod_errors import rod_errors, rod_to_take
 from pipeline.values.formats import ARM_LAW, CURVE_PREFIXES, EXTENSIBLE, FIVE
-from pipeline.values.plots import COLOURS, INK, Line, Panel, figure, ordered_colour
+from pipeline.values.plots import COLOURS, GREY, INK, Line, Panel, figure, ordered_colour
 from pipeline.values.run import Curve, RodError, Run, bending_error_deg
 from rod.arm_law.kinds import Law
 from rod.errors import RodError as NoRod
@@ -19,6 +19,12 @@ EXPERIMENTS = {
     "I": "Experiment I: free under pressure",
     "II": "Experiment II: clamped, under pressure",
     "III": "Experiment III: clamped, with the end held",
+}
+#: forms of an arm with a limit of the pressure
+FORMS = {
+    "rising": "inflated from rest",
+    "unstable": "unstable, along the volume of its air",
+    "swollen": "after the snap",
 }
 #: lengths of a cell at each end of an arm within which averages over a cell are not those of inner cells
 END_CELLS = 1.5
@@ -82,12 +88,20 @@ def bending(run: Run) -> Panels:
         turned = np.array([bending_error_deg(error, tip) for tip in rod_tips])
         entry = drawn.entry + (" on a finer mesh" if rod[0] == ARM_LAW and run.config.get("accuracy") else "")
         turns = Line(reached, angles, entry, INK, "", drawn.marker, marker_size=12, spread=turned)
-        angle.append(turns)
+        angle += [*_forms(run), turns]
         path.append(replace(turns, x=rod_tips[:, 0], y=rod_tips[:, 1], spread=np.full(len(at), error)))
     return (
         Panel("Bending angle over pressure", "p (kPa)", "bending angle (°)", tuple(angle)),
         Panel("Path of the tip", "x (mm)", "y (mm)", tuple(path), lengths=True),
     )
+
+
+def _forms(run: Run) -> tuple[Line, ...]:
+    """The angle over the pressure of an arm whose chambers swell at a limit of it: both forms, and what is between."""
+    law = run.law if run.law and run.law.plane and run.law.plane.limit else None
+    drawn = {"rising": (COLOURS[1], "solid"), "unstable": (GREY, "dash"), "swollen": (COLOURS[2], "solid")}
+    angles = {name: law.angles[name] for name in drawn if name in law.angles} if law else {}
+    return tuple(Line(rows[:, 0], rows[:, 1], FORMS[name], *drawn[name]) for name, rows in angles.items())
 
 
 def _rod_tips(run: Run, rod: str, curves: Sequence[Curve]) -> list[tuple[float, float, tuple[float, float]]]:

@@ -1,11 +1,15 @@
 """The arm's own law of a run, with its errors and the arm without a load."""
 
+import math
 from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
+import numpy as np
+
+from geometry.arrays import Array
 from pipeline.values.parameters import Column, Numbers
 from rod.arm_law.curves import CellCurve, ClampCurve
 from rod.arm_law.kinds import Law
@@ -93,10 +97,37 @@ class DeliveredLaw(BesideLaw):
                 shapes.append((row, arm.in_plane(Load()) if arm.has_plane else arm.solve_in_space(Load())))
         return max(shapes, key=lambda one: one[1].bending_deg, default=None)
 
+    @cached_property
+    def angles(self) -> dict[str, Array]:
+        """By form, (n, 2): pressures in kPa, and how far the arm without a load bends, in degrees.
+
+        "rising" as it is inflated from rest, "unstable" along the volume of the air beyond a limit of the pressure, and
+        "swollen" after the snap; empty for a law of several pressures.
+        """
+        law = self.plane
+        if law is None:
+            return {}
+        forms = {"rising": law.before_snap} | ({"swollen": law.swollen} if law.swollen else {})
+        rows = {name: np.array([_bent(form, p) for p in form.pressures]) for name, form in forms.items()}
+        if law.limit and len(law.limit.kappas):
+            _, angle, kappa = np.array([row for one in rows.values() for row in one if row[1] * abs(row[2]) > 0.0]).T
+            order, way = np.argsort(np.abs(kappa)), np.abs(law.limit.kappas)
+            ratio = np.interp(way, np.abs(kappa)[order], (angle / np.abs(kappa))[order])
+            rows["unstable"] = np.column_stack([law.limit.pressures, ratio * way])
+        return {name: columns[:, :2] for name, columns in rows.items()}
+
     def curves(self, pressure_kPa: float) -> tuple[CellCurve, ClampCurve] | None:
         """The cell and the clamped end at a pressure; None where there are none."""
         pairs = zip(self.plane.cells, self.plane.clamps, strict=True) if self.plane else ()
         return next((pair for pair in pairs if is_same(pair[0].pressure, pressure_kPa)), None)
+
+
+def _bent(law: ArmLaw, pressure: float) -> tuple[float, float, float]:
+    """The pressure in kPa, the angle in degrees, not finite where the arm has no equilibrium, and the curvature."""
+    rod, angle = law.at(pressure), math.nan
+    with suppress(RodError):
+        angle = abs(rod.under(Load()).bending_deg)
+    return pressure, angle, rod.section.kappa_0
 
 
 def is_law(content: Any) -> bool:

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cache
+from functools import cache, cached_property
 from typing import Annotated, ClassVar
 
 import numpy as np
@@ -22,6 +22,8 @@ from rod.weight import Mass
 
 #: change of the moments of the law in difference quotients, over the largest one, and that of the parameter at most
 STEP, LARGEST_STEP = 1e-4, 1e-2
+#: of a limit of the pressure, over it: there the limit is named where the law does not bear a moment
+NEAR = 0.1
 #: how the names of parameters of a layer or of hoops begin
 OF_LAYERS = "effects."
 
@@ -202,9 +204,13 @@ class ArmLaw:
 
     def rods_after(self, names: Sequence[str]) -> Callable[[Array], Rods]:
         """The rods by pressure after changes (k,) of parameters, as `jacobian` takes them."""
-        return lambda changes: cache(
-            self.with_changes({name: float(x) for name, x in zip(names, changes, strict=True) if x}).at
-        )
+
+        def rods(changes: Array) -> Rods:
+            amounts = {name: float(x) for name, x in zip(names, changes, strict=True) if x}
+            changed = cache(lambda form: form.with_changes(amounts))
+            return cache(lambda pressure: changed(self.form_at(pressure)).at(pressure))
+
+        return rods
 
     def step(self, name: str) -> float:
         """A change of a parameter for difference quotients. Raises `RodError` for one without derivatives."""
@@ -231,24 +237,36 @@ class ArmLaw:
             swollen=self.swollen and law(self.swollen),
         )
 
+    @cached_property
+    def before_snap(self) -> "ArmLaw":
+        """Without the swollen form: beyond the limit of the pressure it has no rod."""
+        return replace(self, swollen=None) if self.swollen else self
+
     def form_at(self, pressure: float, *, after_snap: bool = False) -> "ArmLaw":
-        """The law of the form that inflation from rest reaches at a pressure in kPa, or of that after the snap.
+        """The law of one form: that which inflation from rest reaches at a pressure in kPa, or the swollen one.
 
         Raises `RodError` for a form that the law does not have there.
         """
-        is_beyond = self.limit is not None and pressure > self.limit.value
-        if self.limit is None or self.swollen is None:
-            if after_snap:
-                raise RodError("The law has no form after a snap.")
-            if is_beyond:
-                raise RodError(f"{self.snap} No form is known beyond, so none at {pressure:.4g} kPa.")
-            return self
-        return self.swollen if after_snap or is_beyond else self
+        if after_snap and self.swollen is None:
+            raise RodError("The law has no form after a snap.")
+        if self.limit is None or (pressure <= self.limit.value and not after_snap):
+            return self.before_snap
+        if self.swollen is None:
+            raise RodError(f"{self.snap} This form of the arm ends there, below {pressure:.4g} kPa.")
+        return self.swollen
 
     @property
     def snap(self) -> str:
         """What happens at the limit of the pressure, a sentence; empty without one."""
-        return "" if self.limit is None else f"At {self.limit.value:.4g} kPa the chambers swell at once."
+        return "" if self.limit is None else f"At {self.limit.value:.4g} kPa its chambers swell at once."
+
+    def told_at(self, pressure: float, *, after_snap: bool = False) -> str:
+        """Which of two forms that at a pressure in kPa is, in sentences; empty where there is one form."""
+        if self.limit is None or self.back is None or self.swollen is None or pressure < self.back.value:
+            return ""
+        if after_snap or pressure > self.limit.value:
+            return f"{self.snap} This is the swollen form, which is lost below {self.back.value:.4g} kPa."
+        return f"{self.snap} At {pressure:.4g} kPa this is the form before that; there is a swollen one, too."
 
     def at(
         self, pressure: Amount | Sequence[Amount], length: Amount | None = None, *, after_snap: bool = False
@@ -263,6 +281,7 @@ class ArmLaw:
         """
         (p,) = pressures_of(pressure, self.cavities)
         form = self.form_at(p, after_snap=after_snap)
+        lost = self.back if form is self.swollen else self.limit
         cells = [cell.placed for cell in form.cells]
         try:
             section = section_at(cells, p, p)
@@ -277,4 +296,5 @@ class ArmLaw:
             form.length if length is None else finite(length, "The length", "mm"),
             form.mass,
             form.weight,
+            lost.value if lost and abs(p - lost.value) <= NEAR * lost.value else None,
         )

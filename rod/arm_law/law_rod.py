@@ -52,6 +52,7 @@ class LawRod:
     length: float  #: mm
     mass: Mass | None = None  #: how a weight is spread along the arm; None: evenly
     weight: tuple[float, float] = (0.0, 0.0)  #: N/mm, x and y per rest length, that always acts
+    near: float | None = None  #: kPa, a limit of the pressure near by, where the form of the arm is lost
     has_plane: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
@@ -175,6 +176,7 @@ class LawRod:
         return (
             f"At s = {path.nodes.s[worst]:.3g} mm this load bends the cells with {bends[worst]:.4g} N mm; the law at "
             f"{law.pressure:.4g} kPa is known from {low:.4g} to {high:.4g} N mm."
+            + ("" if self.near is None else f" That is near a limit of the pressure, {self.near:.4g} kPa.")
         )
 
     def _borne(self, load: Load, how: Way) -> str:

@@ -1,8 +1,7 @@
 """Limits of the pressure: where a form of an arm is lost, and its chambers swell or shrink at once.
 
-Without a moment a cell has the energy W(kappa, V) over its curvature and the volume V of its air, and p = dW/dV. Under
-a given pressure it is stable while p rises with V. Where p has a maximum over V, at the limit pressure, the cell jumps
-to a larger volume at the same pressure, if there is one. On the way back it holds that volume down to the minimum of p.
+With the energy W(kappa, V) over curvature and volume V of its air, p = dW/dV; under a given pressure a cell is stable
+while p rises with V. Beyond a maximum it jumps to a larger volume, which it holds down to the next minimum.
 """
 
 import math

@@ -137,7 +137,7 @@ def _left_out(measurements: Measurements, numbers: Numbers, law: ArmLaw) -> list
         return []
     return [
         f"{left} rows above {law.pressures[-1]:.4g} kPa are left out: the law of an arm as soft as this one ends "
-        "there; measure the law at higher pressures."
+        f"there; measure the law at higher pressures. {law.snap}".strip()
     ]
 
 

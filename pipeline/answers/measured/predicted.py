@@ -52,13 +52,13 @@ AS_WRITTEN = Setup()
 @final
 @dataclass(frozen=True, eq=False)
 class LawRods:
-    """The rods of a law; a pressure off its range, where the offset of a gauge leads, is that at its end."""
+    """The rods of a law before any snap; a pressure off its range, where a gauge's offset leads, is that at its end."""
 
     law: ArmLaw
     material: Mapping[str, Any] = field(default_factory=dict)  #: of its rubber in time, as files have it
 
     def __call__(self, pressure_kPa: float) -> Rod:
-        return Rod(self.law.length, law=self.law.at(self._within(pressure_kPa)))
+        return Rod(self.law.length, law=self.law.before_snap.at(self._within(pressure_kPa)))
 
     @cached_property
     def rubber(self) -> Relaxation:

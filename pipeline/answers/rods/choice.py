@@ -57,7 +57,9 @@ def choose_rod(run: Run, kind: str | None = None) -> Rods:
     notes = _notes(run, verdict, errors)
     if chosen == "law" and verdict.refusal is None and (uncertain := uncertain_forces(run.law)):
         notes = (*notes, report_reason(uncertain).text)
-    return Rods(_source(run, chosen), chosen, errors, notes)
+    law = _source(run, chosen)
+    forms = law.plane if law.plane and law.plane.limit else None
+    return Rods(forms.before_snap if forms else law, chosen, errors, notes, forms=forms)
 
 
 def refuse_out_of_plane(run: Run) -> None:

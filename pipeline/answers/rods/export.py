@@ -85,7 +85,7 @@ def exported_run(run: Run, target: str | None, options: ExportOptions) -> Export
             return _of_law(law, None, run.directory, target, options)
         chosen = choose_rod(run, options.rod)
         if chosen.law.plane is not None:
-            done = _of_law(chosen.law.plane, run, run.directory, target, options)
+            done = _of_law(chosen.forms or chosen.law.plane, run, run.directory, target, options)
         else:
             done = _of_five(run, target, options)
         return replace(done, sentences=(*done.sentences, *chosen.notes))
@@ -119,7 +119,7 @@ def _of_law(law: ArmLaw, run: Run | None, folder: Path, target: str, options: Ex
     single = options.pressure_kPa
     pressures = tuple(all_pressures or law.pressures) if single is None else (as_known(law.pressures, single),)
     make = Robot.linear_of_law if is_linear else Robot.of_law
-    robot = _damped(make(light, solid, pressures), run)
+    robot, told = _damped(make(light, solid, pressures), run), filter(None, [law.told_at(pressures[-1])])
     written, solid = robot, robot.solid
     if target in PROGRAMS and PROGRAMS[target].has_shear:  # of its own, which the hinges must not have as well
         written = Robot.of_law(light, solid, pressures, has_shear=False)
@@ -129,12 +129,12 @@ def _of_law(law: ArmLaw, run: Run | None, folder: Path, target: str, options: Ex
     }
     files = _write(written, target, options, writers, (options.out or folder) / f"law_{robot.label}.{target}")
     if target == "csv":
-        return Exported(files, ("The table has the law of the cells; json has both ends of the arm, too.",))
+        return Exported(files, ("The table has the law of the cells; json has both ends of the arm, too.", *told))
     compared = robot
     if run is not None and (run.directory / LAW_ON_MESH_OF_ARM).is_file():  # as the finite elements of the run
         on_mesh = _without_weight(read_plane_law(run.directory / LAW_ON_MESH_OF_ARM))
         compared = make(on_mesh, solid, pressures if is_linear or single is not None else on_mesh.pressures)
-    return Exported(files, _sentences(compared, target, run, law))
+    return Exported(files, (*told, *_sentences(compared, target, run, law)))
 
 
 def _in_space(run: Run, law: SpaceLaw, options: ExportOptions) -> Exported:

@@ -31,6 +31,10 @@ PRESSURES = Form(
     "a time and a pressure",
     "a line of titles names columns with their units, as 't_s, pressure_kPa'",
 )
+#: of an arm with a limit of the pressure that shares a given amount of air
+ONE_BY_ONE = (
+    "Near {:.4g} kPa chambers that share a given amount of air may swell one after another; that is not solved."
+)
 #: shapes that are drawn, at equal parts of the way of the tip
 SHAPES = 12
 #: what air may have by its name, as it is read
@@ -122,7 +126,9 @@ def move_arm(run: Run, rods: Rods, asked: Asked, out: Path) -> ArmMotion:
         raise InputError(str(failure)) from None
     side = -1.0 if isinstance(free, RodSolution) and free.theta[-1] < 0.0 else 1.0  # to which pressure bends it
     moved = replace(moved, end_angles_deg=side * moved.end_angles_deg)
-    made = ArmMotion(moved, _columns(moved, asked.held), (damped, *rods.notes, *moved.notes), out)
+    limit = rods.forms.limit if rods.forms and asked.air else None
+    shared = [ONE_BY_ONE.format(limit.value)] if limit else []
+    made = ArmMotion(moved, _columns(moved, asked.held), (damped, *rods.notes, *shared, *moved.notes), out)
     folder = open_folder(out)
     folder.save_rows("motion.csv", tuple(made.columns), np.column_stack(tuple(made.columns.values())).tolist())
     folder.save_text("motion.html", figure_page("An arm in time", motion_panels(moved)))

@@ -2,7 +2,8 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from contextlib import suppress
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -63,7 +64,7 @@ class PressureFor:
     force_N: tuple[float, ...]
     away_mm: float | None  #: of the tip from the wanted one; None where another quantity was wanted
     pressures_kPa: tuple[float, ...] = ()  #: of all cavities; of an arm with one pressure that one
-    note: str = ""  #: a sentence on an arm in its plane that is unstable out of it
+    note: str = ""  #: sentences: which of two forms it is, and on an arm in its plane that is unstable out of it
 
     @property
     def text(self) -> str:
@@ -108,13 +109,18 @@ def branches_of(rods: Rods, wish: Wish) -> tuple[Branch, ...]:
         raise InputError(f"this arm bends {where}; give the place of its tip as {axes}")
     key = (wish.height_mm, wish.weight)
     if key not in rods.branches:
-        loads = EndLoads(None, 0.0, wish.height_mm, None, wish.weight)
+        solve = EndLoads(None, 0.0, wish.height_mm, None, wish.weight).solve
         try:
-            rods.branches[key] = Branch.all_of(rods.at, loads.solve, known)
+            branches = Branch.all_of(rods.at, solve, known)
         except LoadError as failure:
             raise InputError(str(failure)) from None
         except RodError as failure:
             raise RunFailed(str(failure)) from None
+        if swollen := rods.swollen:
+            with suppress(RodError):
+                after = Branch.all_of(swollen.at, solve, swollen.over_one_pressure)
+                branches += tuple(replace(branch, after_snap=True) for branch in after)
+        rods.branches[key] = branches
     return rods.branches[key]
 
 
@@ -151,7 +157,9 @@ def _met(rods: Rods, wish: Wish, at: AtPressure) -> PressureFor:
     angle = float(_angle(rods, wish)(at.state[None])[0])
     held = force if wish.force_N is not None else (0.0,) * len(force)
     pressures = tuple(part * at.pressure for part in rods.law.fractions.values())
-    return PressureFor(at.pressure, _error(rods, wish, at), tip, angle, held, away, pressures, at.path.sideways)
+    told = rods.forms.told_at(at.pressure, after_snap=at.after_snap) if rods.forms else ""
+    note = " ".join(filter(None, [told, at.path.sideways]))
+    return PressureFor(at.pressure, _error(rods, wish, at), tip, angle, held, away, pressures, note)
 
 
 def _error(rods: Rods, wish: Wish, at: AtPressure) -> float | None:

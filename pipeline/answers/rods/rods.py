@@ -5,12 +5,13 @@ from dataclasses import dataclass, field, replace
 from math import isfinite
 
 from pipeline.results.rod_errors import RodAndMesh
-from pipeline.values.errors import InputError
+from pipeline.values.errors import InputError, argument
 from rod.arm_law.kinds import Law
+from rod.arm_law.law import ArmLaw
 from rod.inverse import Branch
 from rod.mechanics.equilibrium import Rod
 from rod.pressurised_rod import PressurisedRod
-from rod.same_pressure import Pressures
+from rod.same_pressure import Pressures, pressures_of
 
 
 @dataclass(frozen=True, eq=False)  # arrays inside
@@ -22,6 +23,8 @@ class Rods:
     errors: RodAndMesh | None = None  #: None where it was not compared with finite elements
     notes: tuple[str, ...] = ()  #: what limits the trust in it, a sentence each
     branches: dict[Hashable, tuple[Branch, ...]] = field(default_factory=dict, repr=False)  #: by load, once made
+    forms: ArmLaw | None = None  #: the law of an arm with a limit of the pressure; `law` is that of one form
+    after_snap: bool = False  #: whether that is the swollen one
 
     @property
     def error_text(self) -> str:
@@ -46,6 +49,24 @@ class Rods:
 
         Raises `RodError` outside its pressures, and for another number of them.
         """
-        found = self.law.at(pressures_kPa)
-        rod = found if isinstance(found, Rod) else Rod(self.law.length, law=found)
-        return replace(rod, notes=(*self.notes, *rod.notes))
+        if self.forms is None:
+            found = self.law.at(pressures_kPa)
+            rod, told = found if isinstance(found, Rod) else Rod(self.law.length, law=found), ""
+        else:
+            (pressure,) = pressures_of(pressures_kPa, self.forms.cavities)
+            rod = Rod(self.forms.length, law=self.forms.at(pressure, after_snap=self.after_snap))
+            told = self.forms.told_at(pressure, after_snap=self.after_snap)
+        return replace(rod, notes=(*self.notes, *filter(None, [told]), *rod.notes))
+
+    @property
+    def swollen(self) -> "Rods | None":
+        """The same arm after the snap; None where it has no such form, and of that form itself."""
+        law = self.forms.swollen if self.forms and not self.after_snap else None
+        return None if law is None else replace(self, law=law, after_snap=True, branches={})
+
+    def wanted(self, *, after_snap: bool) -> "Rods":
+        """This arm, or the same after the snap. Raises InputError where it has no such form."""
+        found = self.swollen if after_snap else self
+        if found is None:
+            raise InputError(f"{argument('after_snap', True)}: this arm has no form after a snap; leave it out")
+        return found

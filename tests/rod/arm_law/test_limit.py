@@ -34,8 +34,8 @@ def test_beyond_the_limit_inflation_from_rest_has_snapped() -> None:
 @pytest.mark.parametrize(
     ("pressure", "after_snap", "said"),
     [
-        (26.9, False, r"goes from 0 to 26\.6 kPa; 26\.9 kPa is outside.* At 27 kPa the chambers swell at once\."),
-        (33.0, False, r"goes from 22\.1 to 32 kPa; 33 kPa is outside.* At 27 kPa the chambers swell at once\."),
+        (26.9, False, r"goes from 0 to 26\.6 kPa; 26\.9 kPa is outside.* At 27 kPa its chambers swell at once\."),
+        (33.0, False, r"goes from 22\.1 to 32 kPa; 33 kPa is outside.* At 27 kPa its chambers swell at once\."),
         (20.0, True, r"goes from 22\.1 to 32 kPa; 20 kPa is outside"),
     ],
 )
@@ -47,7 +47,7 @@ def test_between_the_forms_nothing_is_known(pressure: float, after_snap: bool, s
 def test_a_limit_without_a_form_beyond_is_told() -> None:
     law = snapping_law(swells=False)
     with pytest.raises(
-        RodError, match=r"At 27 kPa the chambers swell at once\. No form is known beyond, so none at 28"
+        RodError, match=r"At 27 kPa its chambers swell at once\. This form of the arm ends there, below 28 kPa\."
     ):
         law.at(28.0)
     with pytest.raises(RodError, match="no form after a snap"):
@@ -100,7 +100,7 @@ def test_a_form_without_derivatives_by_what_changes_is_left_out() -> None:
     assert LAW.swollen
     law = replace(LAW, swollen=replace(LAW.swollen, rates={})).with_changes({"geometry.wall": 0.01})
     assert law.swollen is None
-    with pytest.raises(RodError, match="No form is known beyond"):
+    with pytest.raises(RodError, match="This form of the arm ends there"):
         law.at(30.0)
 
 
