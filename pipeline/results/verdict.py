@@ -46,8 +46,6 @@ IN_TIME = "in_time"
 CALIBRATED = ("calibrated", "calibrated_alone")
 #: code of the remark that a fit to a measurement is no calibration
 NOT_CALIBRATED = "not_calibrated"
-#: fields that `Verdict.record` has only where they say something
-MAY_BE_LEFT_OUT = ("in_time", "limit")
 #: codes of remarks by rank; others follow in the order in which they were found
 RANKS = (
     *(
@@ -166,7 +164,7 @@ class Verdict(Told):
 
     def record(self) -> JsonObject:
         """The verdict as `pneurod run --json` writes it."""
-        left_out = {"command", *(name for name in MAY_BE_LEFT_OUT if getattr(self, name) is None)}
+        left_out = {"command", *(name for name in ("in_time", "limit") if getattr(self, name) is None)}
         content = {name: value for name, value in asdict(self).items() if name not in left_out}
         return {**content, "usable": self.usable, "lines": self.lines}
 

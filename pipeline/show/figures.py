@@ -20,11 +20,11 @@ EXPERIMENTS = {
     "II": "Experiment II: clamped, under pressure",
     "III": "Experiment III: clamped, with the end held",
 }
-#: forms of an arm with a limit of the pressure
+#: forms of an arm with a limit of the pressure: name, colour and dash of their angles
 FORMS = {
-    "rising": "inflated from rest",
-    "unstable": "unstable, along the volume of its air",
-    "swollen": "after the snap",
+    "rising": ("inflated from rest", COLOURS[1], "solid"),
+    "unstable": ("unstable, along the volume of its air", GREY, "dash"),
+    "swollen": ("after the snap", COLOURS[2], "solid"),
 }
 #: lengths of a cell at each end of an arm within which averages over a cell are not those of inner cells
 END_CELLS = 1.5
@@ -99,9 +99,10 @@ def bending(run: Run) -> Panels:
 def _forms(run: Run) -> tuple[Line, ...]:
     """The angle over the pressure of an arm whose chambers swell at a limit of it: both forms, and what is between."""
     law = run.law if run.law and run.law.plane and run.law.plane.limit else None
-    drawn = {"rising": (COLOURS[1], "solid"), "unstable": (GREY, "dash"), "swollen": (COLOURS[2], "solid")}
-    angles = {name: law.angles[name] for name in drawn if name in law.angles} if law else {}
-    return tuple(Line(rows[:, 0], rows[:, 1], FORMS[name], *drawn[name]) for name, rows in angles.items())
+    angles = law.angles if law else {}
+    return tuple(
+        Line(angles[form][:, 0], angles[form][:, 1], *drawn) for form, drawn in FORMS.items() if form in angles
+    )
 
 
 def _rod_tips(run: Run, rod: str, curves: Sequence[Curve]) -> list[tuple[float, float, tuple[float, float]]]:

@@ -117,8 +117,9 @@ class DeliveredLaw(BesideLaw):
         return {name: columns[:, :2] for name, columns in rows.items()}
 
     def curves(self, pressure_kPa: float) -> tuple[CellCurve, ClampCurve] | None:
-        """The cell and the clamped end at a pressure; None where there are none."""
-        pairs = zip(self.plane.cells, self.plane.clamps, strict=True) if self.plane else ()
+        """The cell and the clamped end at a pressure, before a snap where it has both; None where there are none."""
+        forms = filter(None, [self.plane, self.plane and self.plane.swollen])
+        pairs = (pair for form in forms for pair in zip(form.cells, form.clamps, strict=True))
         return next((pair for pair in pairs if is_same(pair[0].pressure, pressure_kPa)), None)
 
 

@@ -160,9 +160,7 @@ class ArmLaw:
         """
         if not changes:
             return replace(self._forms(lambda law: law.with_changes({}), lambda limit: limit), rates={})
-        amounts = {
-            name: finite(change, f"The change of {name}", self.rate(name).unit) for name, change in changes.items()
-        }
+        amounts = {name: finite(by, f"The change of {name}", self.rate(name).unit) for name, by in changes.items()}
         found = [(self.rates[name], amount) for name, amount in amounts.items()]
         cells = changed_cells(self.cells, [[one.times(amount) for one in rate.cells] for rate, amount in found])
         clamps = changed_clamps(self.clamps, [[one.times(amount) for one in rate.clamps] for rate, amount in found])
@@ -170,13 +168,13 @@ class ArmLaw:
         for rate, amount in found:
             lengths = lengths + amount * np.array([rate.pitch, rate.first_middle, rate.length])
         pitch, first_middle, length = (float(value) for value in lengths)
-        forms = self._forms(lambda law: law._after(amounts), lambda limit: limit.changed(amounts))
+        # a swollen form without derivatives by one of the parameters is left out
+        forms = self._forms(
+            lambda law: law.with_changes(amounts) if amounts.keys() <= law.rates.keys() else None,
+            lambda limit: limit.changed(amounts),
+        )
         changed = replace(forms, cells=cells, clamps=clamps, rates={})
         return replace(changed, pitch=pitch, first_middle=first_middle, length=length)
-
-    def _after(self, amounts: Mapping[str, float]) -> "ArmLaw | None":
-        """Of a swollen form; None where it has no derivatives by one of the parameters."""
-        return self.with_changes(amounts) if amounts.keys() <= self.rates.keys() else None
 
     def carried(self, changes: Mapping[str, float]) -> "ArmLaw":
         """As `with_changes`, with derivatives that are at each curvature those of this law."""
@@ -230,12 +228,8 @@ class ArmLaw:
         self, law: Callable[["ArmLaw"], "ArmLaw | None"], limit: Callable[[PressureLimit], PressureLimit]
     ) -> "ArmLaw":
         """With both limits of the pressure, and the law after the snap, changed."""
-        return replace(
-            self,
-            limit=self.limit and limit(self.limit),
-            back=self.back and limit(self.back),
-            swollen=self.swollen and law(self.swollen),
-        )
+        limits = self.limit and limit(self.limit), self.back and limit(self.back)
+        return replace(self, limit=limits[0], back=limits[1], swollen=self.swollen and law(self.swollen))
 
     @cached_property
     def before_snap(self) -> "ArmLaw":
@@ -261,9 +255,10 @@ class ArmLaw:
         return "" if self.limit is None else f"At {self.limit.value:.4g} kPa its chambers swell at once."
 
     def told_at(self, pressure: float, *, after_snap: bool = False) -> str:
-        """Which of two forms that at a pressure in kPa is, in sentences; empty where there is one form."""
+        """Which of two forms that at a pressure in kPa is, in sentences; empty where there is one, far from a limit."""
         if self.limit is None or self.back is None or self.swollen is None or pressure < self.back.value:
-            return ""
+            is_near = self.limit is not None and self.swollen is None and pressure >= (1.0 - NEAR) * self.limit.value
+            return self.snap if is_near else ""
         if after_snap or pressure > self.limit.value:
             return f"{self.snap} This is the swollen form, which is lost below {self.back.value:.4g} kPa."
         return f"{self.snap} At {pressure:.4g} kPa this is the form before that; there is a swollen one, too."

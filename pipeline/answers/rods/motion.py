@@ -32,9 +32,7 @@ PRESSURES = Form(
     "a line of titles names columns with their units, as 't_s, pressure_kPa'",
 )
 #: of an arm with a limit of the pressure that shares a given amount of air
-ONE_BY_ONE = (
-    "Near {:.4g} kPa chambers that share a given amount of air may swell one after another; that is not solved."
-)
+ONE_BY_ONE = "Near {:.4g} kPa chambers that share a given amount of air may swell one by one; that is not solved."
 #: shapes that are drawn, at equal parts of the way of the tip
 SHAPES = 12
 #: what air may have by its name, as it is read

@@ -11,6 +11,7 @@ import pneurod
 from pipeline.answers.measured.rows import State
 from pipeline.results.laws import law_record
 from pipeline.results.unloaded import unloaded_states
+from pipeline.show.figures import bending
 from pneurod import InputError, RodWarning, RunFailed
 from rod import ArmLaw
 from rod.arm_law.curves import CellCurve
@@ -18,6 +19,7 @@ from tests.measured_arm import LENGTH, measured, parts_of, result_folder, with_b
 from tests.snapping_arm import BY_WALL, CURVED, LIMIT, kappa_0, snapping_law
 
 BEFORE = "At 27 kPa its chambers swell at once. At 24 kPa this is the form before that; there is a swollen one, too."
+WAY = "unstable, along the volume of its air"
 AFTER = "At 27 kPa its chambers swell at once. This is the swollen form, which is lost below 22 kPa."
 
 
@@ -82,6 +84,28 @@ def test_an_arm_without_a_swollen_form_has_none(tmp_path: Path) -> None:
         pneurod.shape(folder, "30 kPa")
 
 
+def test_near_a_limit_without_a_form_beyond_it_is_noted(tmp_path: Path) -> None:
+    folder = folder_of(tmp_path, snapping_law(swells=False))
+    assert pneurod.shape(folder, "25 kPa").lines[-1] == "At 27 kPa its chambers swell at once."
+    assert "At 27 kPa its chambers swell at once." in pneurod.export(folder, "json", out=tmp_path).sentences
+    assert not any("swell" in line for line in pneurod.shape(folder, "20 kPa").lines)
+
+
+def test_the_report_draws_both_forms_and_the_unstable_part(folder: Path) -> None:
+    run = pneurod.read_results(folder).run
+    angle_over_pressure, _ = bending(run)
+    lines = {line.name: line for line in angle_over_pressure.lines}
+    rising, unstable, swollen = (lines[name] for name in ("inflated from rest", WAY, "after the snap"))
+    assert unstable.dash == "dash"
+    assert np.allclose(np.array(unstable.x)[[0, -1]], [27.0, 22.0])
+    assert np.allclose(unstable.y, np.degrees(LENGTH * abs(CURVED)) * np.linspace(1.0, 3.0, 21), rtol=1e-3)
+    assert (rising.y[-1], swollen.y[0]) == pytest.approx([angle(26.6, after_snap=False), angle(22.1, after_snap=True)])
+    law = run.law
+    assert law
+    assert law.curves(30.0) is None
+    assert (law.curves(32.0) or law.curves(0.0))[0].pressure == 32.0  # type: ignore[index]
+
+
 def test_a_moment_that_leaves_the_law_near_the_limit_names_it(folder: Path) -> None:
     with pytest.raises(
         RunFailed, match=r"is known from -40 to 40 N mm\. That is near a limit of the pressure, 27 kPa\."
@@ -144,8 +168,7 @@ def test_air_that_chambers_share_is_doubted(tmp_path: Path) -> None:
     folder = folder_of(tmp_path, aired(snapping_law(swells=False)))
     moved = pneurod.move(folder, "10 kPa", seconds=0.02, air="closed")
     assert (
-        "Near 27 kPa chambers that share a given amount of air may swell one after another; that is not solved."
-        in moved.notes
+        "Near 27 kPa chambers that share a given amount of air may swell one by one; that is not solved." in moved.notes
     )
 
 
