@@ -37,7 +37,7 @@ class IsochoricLaw(RubberLaw):
 
     @final
     def incompressible(self, stretch: Array, across: Array | None = None) -> Array:
-        derivative = self.first_invariant_energy(_invariant(stretch, across) + 3)[1]
+        derivative = self.first_invariant_energy(first_invariant(stretch, across) + 3)[1]
         second = self.second_invariant_modulus * _square_across(stretch, across)
         return np.asarray(_linear_term(stretch, across) * (derivative + second))
 
@@ -76,7 +76,7 @@ def _linear_term(stretch: Array, across: Array | None) -> Array:
     return np.asarray(2 * (stretch - (stretch * across) ** -2.0 / stretch))
 
 
-def _invariant(stretch: Array, across: Array | None) -> Array:
+def first_invariant(stretch: Array, across: Array | None) -> Array:
     """I1 - 3 (n,) of the incompressible body."""
     if across is None:
         return stretch**2 + 2 / stretch - 3
@@ -165,7 +165,7 @@ class Yeoh(IsochoricLaw, LinearLaw):
 
     @classmethod
     def uniaxial_terms(cls, stretch: Array, across: Array | None = None) -> dict[str, Array]:
-        linear, invariant = _linear_term(stretch, across), _invariant(stretch, across)
+        linear, invariant = _linear_term(stretch, across), first_invariant(stretch, across)
         return {"c10": linear, "c20": 2 * linear * invariant, "c30": 3 * linear * invariant**2}
 
     def first_invariant_energy(self, invariant: Array) -> tuple[Array, Array, Array]:

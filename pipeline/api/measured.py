@@ -74,8 +74,17 @@ def material(
     *,
     run: Annotated[
         Path | str | None,
-        typer.Option("--for", metavar="DIR", help="Results of a run: the stretches that its arm needs."),
+        typer.Option(
+            "--for", metavar="DIR", help="Results: stretches that an arm needs. Configuration: its law beside."
+        ),
     ] = None,
+    kind: Annotated[
+        Sequence[str],
+        list[str],
+        typer.Option(
+            "--kind", metavar="KIND", help="uniaxial, planar or equibiaxial, of all files or each. Repeatable."
+        ),
+    ] = (),
     length: Annotated[str | None, typer.Option(metavar="L", help="At rest, for extensions: '33 mm'.")] = None,
     area: Annotated[str | None, typer.Option(metavar="A", help="At rest, for forces: '16 mm^2'.")] = None,
     cycle: Annotated[int, typer.Option(metavar="N", min=0, help="A later loading than the first one.")] = 0,
@@ -98,7 +107,7 @@ def material(
     needing = None if run is None else given_path(run, "run", "results/arm")
     texts = {"length": length, "area": area, "start": start, "density": density}
     held = None if hold is None else given_path(hold, "hold", "hold.csv")
-    options = study.FitOptions.read(texts, nu, cycle, needing, held)
+    options = study.FitOptions.read(texts, nu, cycle, needing, held, kind)
     found = record.fit_material(files, options, given_path(out, "out", "results/material"))
     if not found.judged.usable:
         raise RunFailed(" ".join(found.words)).with_reached(found)

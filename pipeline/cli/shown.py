@@ -62,7 +62,11 @@ def show_material(found: "Material", out: Path) -> None:
     print_sentences(*(f"Note: {note}" for note in found.notes))
     if not found.judged.usable:
         return
-    print_lines("", *found.words, "", found.line, "", law_table(found))
+    print_lines("", *found.words, "", *found.lines)
+    for judged in found.kinds.taken.values():
+        print_lines("", law_table(judged, found.options.need))
+    if found.kinds.table:
+        print_lines("", found.kinds.table)
     print_lines(f"\nwritten: {out / 'material.html'} (picture), material.json (all laws as lines), material_curves.csv")
 
 

@@ -7,7 +7,17 @@ import numpy as np
 
 from fem.materials import Material, MaterialError
 from geometry.arrays import Array, Mask
-from pipeline.answers.material.laws import FORMS, PER_LOG, STATES, Form, Points, is_stable, nominal, stretches
+from pipeline.answers.material.laws import (
+    FORMS,
+    PER_LOG,
+    STATES,
+    Form,
+    Points,
+    is_stable,
+    nominal,
+    predicted,
+    stretches,
+)
 
 #: relative error of the nominal stress up to which a law counts as valid
 WITHIN = 0.1
@@ -20,8 +30,8 @@ LEAST_STRESS = 1e-3
 #: standard errors of a measured stress by which a law may miss it beyond the tolerance
 ALLOWED_ERRORS = 2.0
 #: the largest stretch that is tried as the end of a range, over that before in ln(stretch); the smallest one, from
-#: which on a law is offered
-SHORTER, SHORTEST = 0.85, 1.05
+#: which on a law is offered; how many are tried
+SHORTER, SHORTEST, NARROWED = 0.85, 1.05, 40
 #: stretch below which a law may not part from those before
 UNSAFE = 1.3
 #: part of the tolerance within which the law of one constant is preferred
@@ -51,6 +61,11 @@ class LawFit:
     def name(self) -> str:
         """As in a table: yeoh, ogden 2."""
         return self.form.name
+
+    @property
+    def high(self) -> float:
+        """The largest principal stretch at which it can be used; 0 for none."""
+        return self.holds[1] if self.holds else 0.0
 
 
 @dataclass(frozen=True)
@@ -82,12 +97,15 @@ class Judged:
         return tuple(fit for fit in self.laws if fit.holds)
 
 
-def judge(points: Points, need: Need, nu: float) -> Judged:
-    """Every law fitted and judged. Raises `MaterialError` where no law has constants for these points."""
+def judge(points: Points, need: Need, nu: float, *, is_narrowed: bool = True) -> Judged:
+    """Every law fitted and judged. Raises `MaterialError` where no law has constants for these points.
+
+    is_narrowed: a law that does not describe all stretches that are needed is fitted to fewer of them.
+    """
     fits, refused = [], {}
     for form in FORMS.values():
         try:
-            fits.append(_widest(form, points, need, nu))
+            fits.append(_widest(form, points, need, nu, NARROWED if is_narrowed else 1))
         except MaterialError as failure:
             refused[form.name] = str(failure)
     if not fits:
@@ -112,19 +130,19 @@ def end_of(points: Points) -> float:
 
 def _rank(fit: LawFit, end: float) -> tuple[bool, bool, float, int]:
     """Those first that hold as far as needed, the law of one constant if it is close; else those that hold further."""
-    covers = fit.holds is not None and fit.holds[1] >= 0.98 * end
+    covers = fit.high >= 0.98 * end
     simple = covers and fit.form.constants == ("mu",) and fit.largest <= SIMPLE * WITHIN
-    far = 0.0 if covers else -(fit.holds[1] if fit.holds else 0.0)
+    far = 0.0 if covers else -fit.high
     return not covers, not simple, far, ORDER.index(fit.name) if fit.name in ORDER else len(ORDER)
 
 
-def _widest(form: Form, points: Points, need: Need, nu: float) -> LawFit:
+def _widest(form: Form, points: Points, need: Need, nu: float, tries: int) -> LawFit:
     """The law fitted to the stretches that are needed, or else to the widest range of them that it describes."""
-    ends = [need.high**SHORTER**k for k in range(40)]
+    ends = [need.high**SHORTER**k for k in range(NARROWED)]
     if len(form.constants) > 1:
         ends.insert(0, need.reach)
     first, refused = None, None
-    for end in (end for end in ends if end > SHORTEST):
+    for end in (end for end in ends[:tries] if end > SHORTEST):
         chosen = points.within(max(need.low, 1 / end) if end < need.high else need.low, end)
         if len(chosen.stretch) <= len(form.constants):
             break
@@ -135,7 +153,7 @@ def _widest(form: Form, points: Points, need: Need, nu: float) -> LawFit:
             continue
         fit = _with_range(_with_misfit(fit, points), points)
         first = first or fit
-        if fit.holds and fit.holds[1] >= min(end, need.high, end_of(chosen)) * 0.99:
+        if fit.high >= min(end, need.high, end_of(chosen)) * 0.99:
             return fit
     if first is None:
         raise refused or MaterialError(
@@ -153,7 +171,7 @@ def _with_misfit(fit: LawFit, points: Points) -> LawFit:
     """The same with its differences from the points of its range."""
     chosen = points.within(*(fit.holds or fit.fitted))
     far = np.abs(chosen.stretch - 1) >= min(JUDGED_FROM, 0.5 * float(np.abs(chosen.stretch - 1).max()))
-    off = np.abs(fit.law.uniaxial(chosen.stretch[far]).nominal - chosen.stress[far])
+    off = np.abs(predicted(fit.law, chosen) - chosen.stress)[far]
     judged = np.nan_to_num(off, nan=np.inf) / np.maximum(np.abs(chosen.stress[far]), LEAST_STRESS * points.modulus)
     return replace(fit, misfit=float(np.sqrt(np.mean(judged**2))), largest=float(judged.max()))
 
@@ -162,7 +180,7 @@ def _with_range(fit: LawFit, points: Points) -> LawFit:
     """The same with the stretches from rest on over which it is stable in all states and close to the tests."""
     floor = points.modulus * ((1 + JUDGED_FROM) - (1 + JUDGED_FROM) ** -2)
     allowed = WITHIN * np.maximum(np.abs(points.stress), floor) + ALLOWED_ERRORS * points.error
-    close = np.abs(fit.law.uniaxial(points.stretch).nominal - points.stress) <= allowed
+    close = np.abs(predicted(fit.law, points) - points.stress) <= allowed
     up, down = points.stretch > 1, points.stretch < 1
     pulled, pressed = _last(points.stretch[up], close[up]), _last(points.stretch[down][::-1], close[down][::-1])
     high = max(pulled, pressed**-0.5)

@@ -6,6 +6,7 @@ tests determine badly are held near those of neo-Hooke's law unless the points s
 """
 
 from abc import ABC, abstractmethod
+from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import product
@@ -14,8 +15,9 @@ from typing import final
 import numpy as np
 from scipy.optimize import LinearConstraint, least_squares, minimize
 
-from fem.materials import LAWS, LinearLaw, Material, MaterialError, Ogden
+from fem.materials import LAWS, LinearLaw, Material, MaterialError, NeoHooke, Ogden
 from fem.materials.material import TwoModuli
+from fem.materials.rubber import first_invariant
 from fem.materials.rubber_law import RubberLaw
 from geometry.arrays import Array, Mask
 from pipeline.answers.material.loading import TensileTest, scatter
@@ -50,31 +52,43 @@ class Points:
     stress: Array  #: (n,) MPa, mean of the tests
     error: Array  #: (n,) MPa, standard error of the mean from scatter alone
     spread: float  #: standard deviation between tests over the stress; NaN for one test
+    state: Array  #: (n,) name of `STATES`
 
     @staticmethod
     def of(tests: tuple[TensileTest, ...]) -> "Points":
-        """The mean over tests of the means of each test in each bin."""
-        bins: dict[int, list[tuple[float, float, float]]] = {}
+        """The mean over tests of the means of each test in each bin, apart for each state."""
+        bins: dict[tuple[int, str], list[tuple[float, float, float]]] = {}
         for test in tests:
             noise = scatter(test.stretch, test.stress)
             number = np.round(np.log(test.stretch) / BIN).astype(int)
             for k in np.unique(number):
                 inside = number == k
                 mean = float(test.stretch[inside].mean()), float(test.stress[inside].mean())
-                bins.setdefault(int(k), []).append((*mean, noise / np.sqrt(inside.sum())))
-        if len(tests) > 1:  # elsewhere the mean would jump where a test ends
-            bins = {k: of for k, of in bins.items() if len(of) > len(tests) / 2} or bins
+                bins.setdefault((int(k), test.state), []).append((*mean, noise / np.sqrt(inside.sum())))
+        count = Counter(test.state for test in tests)  # where a test ends the mean would jump
+        bins = {key: of for key, of in bins.items() if 2 * len(of) > count[key[1]]} or bins
         rows = np.array([(*np.mean(of, axis=0)[:2], np.sqrt(np.mean(np.square(of), axis=0)[2] / len(of)))
-                         for _, of in sorted(bins.items())])  # fmt: skip
-        together = np.array([[p for _, p, _ in of] for of in bins.values() if len(of) == len(tests) > 1])
-        apart = [np.std(stresses, ddof=1) / abs(np.mean(stresses)) for stresses in together if np.mean(stresses)]
-        stretch, stress, error = rows[np.argsort(rows[:, 0])].T
-        return Points(stretch, stress, error, float(np.median(apart)) if apart else np.nan)
+                         for of in bins.values()])  # fmt: skip
+        whole = [np.array(of)[:, 1] for key, of in bins.items() if len(of) == count[key[1]] > 1]
+        apart = [np.std(stresses, ddof=1) / abs(np.mean(stresses)) for stresses in whole if np.mean(stresses)]
+        order = np.argsort(rows[:, 0], kind="stable")
+        stretch, stress, error = rows[order].T
+        spread = float(np.median(apart)) if apart else np.nan
+        return Points(stretch, stress, error, spread, np.array([state for _, state in bins])[order])
 
     def within(self, low: float, high: float) -> "Points":
         """Those at stretches between two others."""
         inside = (self.stretch >= low * (1 - 1e-9)) & (self.stretch <= high * (1 + 1e-9))
-        return Points(self.stretch[inside], self.stress[inside], self.error[inside], self.spread)
+        stretch, stress, error, state = (of[inside] for of in (self.stretch, self.stress, self.error, self.state))
+        return Points(stretch, stress, error, self.spread, state)
+
+    def by_state(self, of: Callable[[Array, Array | None], Array]) -> Array:
+        """(n, ...) a function of the stretches along and across, which are None for bars with free sides."""
+        found = {
+            state: of(self.stretch, None if state == "uniaxial" else STATES[state](self.stretch))
+            for state in dict.fromkeys(self.state.tolist())
+        }
+        return np.array([found[state][k] for k, state in enumerate(self.state.tolist())])
 
     @property
     def weight(self) -> Array:
@@ -85,7 +99,7 @@ class Points:
     @property
     def modulus(self) -> float:
         """Shear modulus of the neo-Hookean law that fits best, MPa."""
-        pull, weight = self.stretch - self.stretch**-2, self.weight
+        pull, weight = self.by_state(lambda s, across: NeoHooke.uniaxial_terms(s, across)["mu"]), self.weight
         return float(np.sum(weight**2 * pull * self.stress) / np.sum((weight * pull) ** 2))
 
 
@@ -112,6 +126,15 @@ def nominal(law: Material, stretch: Array, across: Array) -> Array:
         return np.asarray(law.E * law.uniaxial_terms(stretch, across)["E"])
     assert isinstance(law, RubberLaw)
     return law.incompressible(stretch, across)
+
+
+def predicted(law: Material, points: Points) -> Array:
+    """Nominal stress (n,) in MPa at points: of the solver's law for bars, else of the incompressible body."""
+
+    def of(stretch: Array, across: Array | None) -> Array:
+        return law.uniaxial(stretch).nominal if across is None else nominal(law, stretch, across)
+
+    return points.by_state(of)
 
 
 def stretches(low: float, high: float) -> Array:
@@ -148,10 +171,10 @@ class LinearForm(Form):
     kind: type[LinearLaw]
 
     def fitted(self, points: Points, reach: float) -> Array:
-        half, invariant = points.modulus / 2, float(np.max(points.stretch**2 + 2 / points.stretch)) - 3
+        half, invariant = points.modulus / 2, float(points.by_state(first_invariant).max())
         if half <= 0:
             raise MaterialError(f"{self.kind.title}: the stress falls")
-        rows = self._terms(points.stretch, None) * half * points.weight[:, None]
+        rows = points.by_state(self._terms) * half * points.weight[:, None]
         spreads = [SPREADS.get(name, (np.inf, 0, True)) for name in self.constants]
         prior = np.diag([invariant**power / spread for spread, power, _ in spreads])
         matrix = np.vstack([rows, prior])
@@ -189,6 +212,10 @@ class LinearForm(Form):
         return self.kind.from_uniaxial(dict(zip(self.constants, constants.tolist(), strict=True)), nu)
 
 
+def _third(stretch: Array, across: Array | None) -> Array:
+    return np.asarray(stretch**-0.5 if across is None else 1 / (stretch * across))
+
+
 @final
 @dataclass(frozen=True)
 class OgdenForm(Form):
@@ -196,13 +223,13 @@ class OgdenForm(Form):
 
     def fitted(self, points: Points, reach: float) -> Array:
         modulus, terms, weight = points.modulus, len(self.constants) // 2, points.weight
+        s, third = points.stretch[:, None], points.by_state(_third)[:, None]
         if modulus <= 0:
             raise MaterialError("Ogden: the stress falls")
 
         def residuals(x: Array) -> Array:  # shares of the modulus, and exponents
             share, alpha = x[:terms], x[terms:]
-            s = points.stretch[:, None]
-            stress = (s ** (alpha - 1) - s ** (-alpha / 2 - 1)) @ (2 * modulus * share / alpha)
+            stress = (s**alpha - third**alpha) / s @ (2 * modulus * share / alpha)
             return np.concatenate([weight * (stress - points.stress), (alpha - EXPONENT[0]) / EXPONENT[1]])
 
         starts = product(STARTS, *[SECOND] * (terms - 1))

@@ -30,6 +30,8 @@ LEAST_SLACK, CERTAIN, LARGEST_SLACK = 0.003, 2.0, 0.2
 START, LEAST_START, LEAST_BEND = 0.3, 0.15, 1.0
 #: strain of a preload from which it is told
 LEAST_PRELOAD = 0.02
+#: power of the stretch in the nominal stress mu (s - s^-power) of a neo-Hookean body, by state
+POWERS = {"uniaxial": 2, "planar": 3, "equibiaxial": 5}
 #: standard deviations of the slack, and of the two numbers by which rubber departs from neo-Hooke's law
 SPREADS = (0.03, 0.25, 0.15)
 #: smallest error of a stress over the largest one in the window; numbers of different stresses over that of points
@@ -47,6 +49,7 @@ class TensileTest:
     slack: float = 0.0  #: strain that was taken away
     left_out: tuple[Array, Array] = (np.empty(0), np.empty(0))  #: stretches and stresses of points that are not used
     notes: tuple[str, ...] = ()  #: what was left out and changed, and what is most likely wrong
+    state: str = "uniaxial"  #: of `laws.STATES`
 
     @property
     def strain(self) -> Array:
@@ -62,14 +65,16 @@ class Selection:
     start: float | None = None  #: least strain; None for the steepest part
 
 
-def read_tensile(paths: Sequence[Path], specimen: Specimen, selection: Selection) -> tuple[TensileTest, ...]:
+def read_tensile(
+    paths: Sequence[Path], specimen: Specimen, selection: Selection, kinds: Sequence[str] = ()
+) -> tuple[TensileTest, ...]:
     """All tests of all files. A file without a column of tests is one test with the name of the file.
 
-    Raises InputError.
+    kinds: states of `laws.STATES`, one for each file; without any, as the files say. Raises InputError.
     """
     tests: dict[str, TensileTest] = {}
-    for path in paths:
-        for series in read_table(path, specimen):
+    for path, kind in zip(paths, kinds or [""] * len(paths), strict=True):
+        for series in read_table(path, specimen, kind):
             name = series.name if len(paths) == 1 and series.name else f"{path.stem} {series.name}".strip()
             if name in tests:
                 raise InputError(f"{path}: test '{name}' was read already; give every test once")
@@ -91,24 +96,25 @@ def first_loading(where: str, name: str, series: Series, selection: Selection) -
                      "later points are left out")  # fmt: skip
         order = order[:count]
     _enough(where, len(order))
-    begin, slack, offset = _slack(strain[order], stress[order], selection.start)
+    begin, slack, offset = _slack(strain[order], stress[order], selection.start, POWERS[series.state])
     if slack:
         at = f"the steepest part, from {100 * begin:.2g} % on," if np.isfinite(begin) else "the start"
         notes.append(f"{where}: {100 * slack:.2g} % of strain are taken away as slack: the tangent at {at} meets zero "
                      "stress there (--from)")  # fmt: skip
     if offset:
+        stress = stress - offset
         notes.append(
-            f"{where}: the stress at rest is {offset:.2g} MPa instead of zero: subtract the offset of the load cell or "
-            "count strains from before the preload"
+            f"{where}: {offset:.2g} MPa are taken away from every stress, the offset of the load cell at zero strain; "
+            "if it was a preload, count strains from before it"
         )
     used = order[strain[order] >= begin]
     _enough(where, len(used))
-    if not PULLED.search(series.kind):
+    if series.state == "uniaxial" and not PULLED.search(series.kind):
         _check_tension(where, strain[used], stress[used], slack)
     rest = np.setdiff1d(np.arange(len(strain)), used)
     stretch = 1 + strain - slack
     out = stretch[rest], stress[rest]
-    return TensileTest(name, stretch[used], stress[used], slack, out, tuple(notes))
+    return TensileTest(name, stretch[used], stress[used], slack, out, tuple(notes), series.state)
 
 
 def _check(where: str, strain: Array, stress: Array) -> None:
@@ -206,13 +212,13 @@ def _before_break(strain: Array, stress: Array) -> int:
     return last + 1 if sharp and stress[last] - stress[fallen] > 2 * falls.max(initial=0.0) else len(stress)
 
 
-def _slack(strain: Array, stress: Array, start: float | None) -> tuple[float, float, float]:
+def _slack(strain: Array, stress: Array, start: float | None, power: int) -> tuple[float, float, float]:
     """The strain at which the steepest part begins, the slack before it, and a stress at rest above zero; strain (n,)
     ascending, stress (n,) MPa.
 
     The tangent at the steepest part of the start, where a straight bar takes over from slack, is continued to zero
     stress (toe compensation: ASTM D638, annex A1). Here it has the curvature of rubber. `start` replaces the steepest
-    part; 0.0 without slack.
+    part; 0.0 without slack. power: of `POWERS`.
     """
     pulled = strain >= (0 if start is None else start)
     if strain[0] < -LAST_START:  # it is pressed too
@@ -223,7 +229,7 @@ def _slack(strain: Array, stress: Array, start: float | None) -> tuple[float, fl
         return begin, 0.0, 0.0
     last = min(LAST_START, PART * float(strain[-1])) if start is None else float(strain[0])
     noise = max(scatter(strain, stress), LEAST_NOISE * float(np.abs(stress[strain <= strain[0] + WINDOW]).max()))
-    windows = [_tangent(strain[k:], stress[k:], noise) for k in np.flatnonzero(strain[:-MIN_POINTS] <= last)]
+    windows = [_tangent(strain[k:], stress[k:], noise, power) for k in np.flatnonzero(strain[:-MIN_POINTS] <= last)]
     if not windows:
         return begin, 0.0, 0.0
     slopes, errors = (np.array([getattr(window, name) for window in windows]) for name in ("slope", "slope_error"))
@@ -232,7 +238,7 @@ def _slack(strain: Array, stress: Array, start: float | None) -> tuple[float, fl
     if abs(found.slack) <= max(LEAST_SLACK, CERTAIN * found.slack_error):
         return begin, 0.0, 0.0
     if found.slack < 0:
-        return begin, 0.0, -found.slack * found.slope if found.slack < -LEAST_PRELOAD else 0.0
+        return begin, 0.0, found.at_rest if found.slack < -LEAST_PRELOAD else 0.0
     return (float(strain[first]) if first and start is None else begin), found.slack, 0.0
 
 
@@ -242,19 +248,22 @@ class _Tangent:
     slope_error: float
     slack: float
     slack_error: float
+    at_rest: float  #: stress at zero strain, MPa
 
 
-def _tangent(strain: Array, stress: Array, noise: float) -> _Tangent:
-    """From the window that begins with the first point: P = a (s - s^-2) (1 + b (s - 1) + c (I1 - 3)), s counted from
-    the slack on, linear in a, a b, a c and a times a small slack; b, c and the slack are small."""
+def _tangent(strain: Array, stress: Array, noise: float, power: int) -> _Tangent:
+    """From the window that begins with the first point: P = a (s - s^-power) (1 + b (s - 1) + c (s^2 + 2 / s - 3)), s
+    counted from the slack on, linear in a, a b, a c and a times a small slack; b, c and the slack are small."""
     inside = strain <= strain[0] + WINDOW
     inside[:MIN_POINTS] = True
     strain, stress, slack = strain[inside], stress[inside], 0.0
-    stiffness = float(stress[-1] / (3 * strain[-1])) or noise
+    stiffness = float(stress[-1] / ((1 + power) * strain[-1])) or noise
     for _ in range(5):
         s = 1 + strain - slack
-        pull = s - s**-2
-        matrix = np.column_stack([pull, -(1 + 2 * s**-3), pull * (s - 1), pull * (s**2 + 2 / s - 3)]) / noise
+        pull = s - s**-power
+        matrix = (
+            np.column_stack([pull, -(1 + power * s ** -(power + 1)), pull * (s - 1), pull * (s**2 + 2 / s - 3)]) / noise
+        )
         prior = np.diag([0, *(1 / np.array(SPREADS))]) / abs(stiffness)
         target = np.concatenate([stress / noise, [0, slack * -prior[1, 1] * stiffness, 0, 0]])
         rows = np.vstack([matrix, prior])
@@ -262,7 +271,9 @@ def _tangent(strain: Array, stress: Array, noise: float) -> _Tangent:
         stiffness = float(max(found[0], 0.1 * abs(stiffness)))
         slack = float(np.clip(slack + found[1] / stiffness, -LARGEST_SLACK, LARGEST_SLACK))
     errors = np.sqrt(np.diag(np.linalg.inv(rows.T @ rows)))
-    return _Tangent(3 * stiffness, 3 * float(errors[0]), slack, float(errors[1]) / stiffness)
+    slope, rest = 1 + power, 1 - slack
+    at_rest = found @ [(rest - rest**-power) * of for of in (1, 0, rest - 1, rest**2 + 2 / rest - 3)]
+    return _Tangent(slope * stiffness, slope * float(errors[0]), slack, float(errors[1]) / stiffness, float(at_rest))
 
 
 def scatter(strain: Array, stress: Array) -> float:

@@ -1,10 +1,12 @@
-"""The page of tensile tests: which law to take, tests and laws in a picture, all laws in a table."""
+"""The page of tests: which law to take, tests and laws in a picture, all laws in tables."""
 
 from collections.abc import Iterator
 
 import numpy as np
 
-from pipeline.answers.material.laws import STATES, nominal
+from pipeline.answers.material.judged import Judged, LawFit, Need
+from pipeline.answers.material.kinds import of_kind
+from pipeline.answers.material.laws import STATES, Points, nominal
 from pipeline.answers.material.sentences import constants, stretches, yaml_line
 from pipeline.answers.material.study import Material
 from pipeline.values.page import Section, page
@@ -21,21 +23,28 @@ STRETCH, STRESS = "stretch", "nominal stress (MPa)"
 
 
 def material_page(material: Material) -> str:
-    """An HTML page: the recommendation, the picture, the table."""
-    usable = material.judged.usable
-    others = "\n".join(yaml_line(fit, material.options.density) for fit in usable[1:])
+    """An HTML page: the recommendation, the picture, the tables."""
+    taken, options = material.kinds.taken, material.options
+    lines = [yaml_line(fit, options.density) for judged in taken.values() for fit in judged.usable[1:]]
+    kinds = material.kinds.table
     return page(
-        "Tensile tests and laws",
-        Section(sentences=material.words, code=material.line if usable else "", panels=_panels(material)),
-        Section("All laws", table=law_table(material)),
-        *([Section("Other laws", code=others)] if others else []),
+        "Tests and laws",
+        Section(sentences=material.words, code="\n".join(material.lines), panels=_panels(material)),
+        *(
+            Section(
+                "All laws" if len(taken) == 1 else f"Laws of the {kind} test", table=law_table(judged, options.need)
+            )
+            for kind, judged in taken.items()
+        ),
+        *([Section("Kinds of tests", table=kinds)] if kinds else []),
+        *([Section("Other laws", code="\n".join(lines))] if lines else []),
         *([Section("Notes", notes=material.notes)] if material.notes else []),
     )
 
 
-def law_table(material: Material) -> Table:
+def law_table(judged: Judged, need: Need) -> Table:
     """All laws, the one to take first."""
-    at = min([material.options.need.high, *(fit.holds[1] for fit in material.judged.usable[:1] if fit.holds)])
+    at = min([need.high, *(fit.high for fit in judged.usable[:1])])
     s = np.array([at])
     rows = [
         (
@@ -46,32 +55,43 @@ def law_table(material: Material) -> Table:
             f"{nominal(fit.law, s, s)[0]:.3g}",
             fit.why,
         )
-        for fit in material.judged.laws
+        for fit in judged.laws
     ]
-    rows += [(name, "", "", "-", "", why) for name, why in material.judged.refused.items()]
+    rows += [(name, "", "", "-", "", why) for name, why in judged.refused.items()]
     heads = ("law", "constants (MPa)", "misfit", "stretches", f"biaxial at {at:.3g} (MPa)", "ends by")
     return Table(heads, tuple(rows))
 
 
 def _panels(material: Material) -> tuple[Panel, ...]:
-    """The start of the tests with the tangent of the slack, all strains, and two directions."""
-    points, best = material.points, material.judged.laws[0]
-    high = max(2.0, float(points.stretch[-1]))
-    drawn = (*_tests(material), *_laws(material, "uniaxial", min(points.stretch[0], 1.0), high))
-    far = max(FAR * material.options.need.reach, *(fit.holds[1] for fit in material.judged.laws if fit.holds), 1.0)
-    ends = float(points.stretch[0]), min(float(points.stretch[-1]), far)
-    wide = min(high, material.options.need.high)
-    top = float(nominal(best.law, np.array([wide]), np.array([wide]))[0])
-    biaxial = tuple(_laws(material, "equibiaxial", 1.0, wide))
-    return (
-        _limited(material, "Start of the tests", drawn, (1 - 0.1 * START, 1 + START)),
-        _limited(material, "All strains", drawn, ends),
-        Panel("Pulled in two directions: not measured", STRETCH, STRESS, biaxial, y_range=(0.0, 2 * top)),
-    )
+    """The start of the tests with the tangent of the slack, all strains of each kind, and two directions."""
+    best, need = material.judged.laws[0], material.options.need
+    found: list[Panel] = []
+    for state in dict.fromkeys(test.state for test in material.tests):
+        points = Points.of(of_kind(material.tests, state))
+        low, high = min(float(points.stretch[0]), 1.0), max(2.0, float(points.stretch[-1]))
+        drawn = (*_tests(material, state), *_laws(material, state, low, high))
+        far = max(FAR * need.reach, *(fit.high for _, fit in _fits(material)), 1.0)
+        ends = float(points.stretch[0]), min(float(points.stretch[-1]), far)
+        found += [] if found else [_limited(points, "Start of the tests", drawn, (1 - 0.1 * START, 1 + START))]
+        found.append(_limited(points, "All strains" if state == "uniaxial" else f"All strains, {state}", drawn, ends))
+    if not any(test.state == "equibiaxial" for test in material.tests):
+        wide = min(max(2.0, float(material.points.stretch[-1])), need.high)
+        top = float(nominal(best.law, np.array([wide]), np.array([wide]))[0])
+        biaxial = tuple(_laws(material, "equibiaxial", 1.0, wide))
+        title = "Pulled in two directions: not measured"
+        found.append(Panel(title, STRETCH, STRESS, biaxial, y_range=(0.0, 2 * top)))
+    return tuple(found)
 
 
-def _tests(material: Material) -> Iterator[Line]:
-    for test in material.tests:
+def _fits(material: Material) -> list[tuple[str, LawFit]]:
+    """The laws that are drawn with their names: all, or the first one of each kind of test."""
+    if not material.kinds.words:
+        return [(fit.name, fit) for fit in material.judged.laws]
+    return [(f"{judged.laws[0].name}, {kind}", judged.laws[0]) for kind, judged in material.kinds.taken.items()]
+
+
+def _tests(material: Material, state: str) -> Iterator[Line]:
+    for test in of_kind(material.tests, state):
         for (s, stress), name, marker in (
             ((test.stretch, test.stress), "tests", "circle"),
             (test.left_out, "left out", "x"),
@@ -79,7 +99,7 @@ def _tests(material: Material) -> Iterator[Line]:
             if len(s):
                 thin = slice(None, None, len(s) // MOST_POINTS + 1)
                 yield Line(s[thin], stress[thin], name, GREY, "", marker, marker_size=4.0)
-        if test.slack:
+        if test.slack and state == "uniaxial":
             tangent = material.judged.laws[0].law.young_modulus * np.array([0.0, 0.15])
             yield Line([1.0, 1.15], tangent, "tangent after the slack", INK, "dash", width=1.2)
             yield Line([1 - test.slack] * 2, [0.0, float(test.stress.max())], "start of the test", GREY, width=1.0)
@@ -88,18 +108,18 @@ def _tests(material: Material) -> Iterator[Line]:
 def _laws(material: Material, state: str, low: float, high: float) -> Iterator[Line]:
     """Solid within the range of a law, dotted outside."""
     s = np.geomspace(low, high, POINTS_OF_A_LINE)
-    for number, fit in enumerate(material.judged.laws):
+    for number, (name, fit) in enumerate(_fits(material)):
         stress = fit.law.uniaxial(s).nominal if state == "uniaxial" else nominal(fit.law, s, STATES[state](s))
         least, most = fit.holds or (1.0, 1.0)
         inside = (s >= least) & (s <= most)
         colour, width = COLOURS[number % len(COLOURS)], 1.4 if number else 2.6
-        yield Line(s, np.where(inside, stress, np.nan), fit.name, colour, width=width)
-        yield Line(s, np.where(inside, np.nan, stress), fit.name, colour, "dot", width=1.0)
+        yield Line(s, np.where(inside, stress, np.nan), name, colour, width=width)
+        yield Line(s, np.where(inside, np.nan, stress), name, colour, "dot", width=1.0)
 
 
-def _limited(material: Material, title: str, lines: tuple[Line, ...], ends: tuple[float, float]) -> Panel:
+def _limited(points: Points, title: str, lines: tuple[Line, ...], ends: tuple[float, float]) -> Panel:
     """Axes that end where measured points end, though laws go on."""
-    points, (low, high) = material.points, ends
+    low, high = ends
     shown = points.stress[(points.stretch >= low) & (points.stretch <= high)]
     top, bottom = max(0.0, *shown.tolist()), min(0.0, *shown.tolist())
     margin = 0.05 * (top - bottom)

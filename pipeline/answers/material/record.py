@@ -39,16 +39,27 @@ def _record(paths: Sequence[Path], material: Material) -> JsonObject:
         "format": FORMAT,
         "files": [str(path) for path in paths],
         "tests": [
-            {"test": t.name, "points": len(t.stretch), "strain": [t.strain[0], t.strain[-1]], "slack": t.slack}
+            {
+                "test": t.name,
+                "kind": t.state,
+                "points": len(t.stretch),
+                "strain": [t.strain[0], t.strain[-1]],
+                "slack": t.slack,
+            }
             for t in material.tests
         ],
         "requested": {name: str(v) if isinstance(v, Path) else v for name, v in asdict(options).items()},
         "hold": asdict(material.hold) if material.hold else None,
-        "recommended": judged.laws[0].name if judged.usable else None,
-        "yaml": material.line if judged.usable else None,
+        "recommended": judged.laws[0].name if judged.usable and not material.kinds.words else None,
+        "yaml": material.lines[0] if judged.usable and not material.kinds.words else None,
+        "lines": material.lines,
         "sentences": material.words,
         "notes": list(material.notes),
-        "laws": [_law_record(fit, options.density) for fit in judged.laws],
+        "laws": [_law_record(fit, options.density) for fit in material.kinds.together.laws],
+        "laws_of_one_kind": {
+            kind: [_law_record(fit, options.density) for fit in alone.laws]
+            for kind, alone in material.kinds.alone.items()
+        },
         "refused": judged.refused,
         **provenance(),
     }

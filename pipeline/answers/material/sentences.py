@@ -6,10 +6,11 @@ import numpy as np
 
 from fem.materials import LAWS, Constant
 from pipeline.answers.material.judged import NEAREST, WITHIN, Judged, LawFit, Need, end_of, parting
-from pipeline.answers.material.laws import Points
+from pipeline.answers.material.laws import Points, nominal
 from pipeline.answers.material.loading import TensileTest
 from pipeline.config.units import DENSITY, convert
 
+NOT_IN_LAWS = "Creep, rate and the softening of later cycles are in none of these laws."
 #: Young's moduli of rubbers and gels from which arms are made, MPa, and the largest strain that they bear
 SOFTEST, STIFFEST, LARGEST_STRAIN = 0.01, 100.0, 15.0
 #: Poisson ratios of rubbers; their densities in g/cm3, with a tenth more on each side; part by which moduli of one
@@ -19,6 +20,8 @@ OF_RUBBER, LIGHTEST, HEAVIEST, OF_ONE_BATCH = (0.45, 0.5), 0.8, 1.4, 0.2
 SMALLEST_STRAIN = 0.02
 #: part of the stretch with the invariant of what is needed in two directions that a test should reach
 ENOUGH = 0.95
+#: factor from which one stretch or slope is larger than another; stretch before which a law stiffens, or does not
+FURTHER, FAR = 1.02, 4.0
 #: the least stretch of a column of strains that has stretches, and the stress there over the largest one
 STRETCH_AT_REST, STRESS_AT_REST = (1.95, 2.05), 0.1
 
@@ -68,19 +71,49 @@ def recommendation(judged: Judged, points: Points, need: Need) -> list[str]:
         sentences.append(f"An arm may need {need.low:.3g} to {need.high:.3g}, but {end}.")
     if beside := _beside(judged, min(need.high, best.holds[1])):
         sentences.append(beside)
-    if end_of(points) < ENOUGH * need.reach:
+    if end_of(points) < ENOUGH * need.reach and set(points.state) == {"uniaxial"}:
         sentences.append(f"A test up to a stretch of {need.reach:.2g} would tell more about two directions.")
-    return sentences
+    return [*sentences, *_beyond(judged, points)]
+
+
+def beyond(judged: Judged) -> LawFit | None:
+    """The law beside that to take where walls stretch further: the one that goes further, or else another one that
+    stiffens where it does not; None where there is none."""
+    best, *others = [fit for fit in judged.usable if fit.high >= 0.98 * judged.usable[0].high] or judged.laws[:1]
+    found = max(others, key=lambda fit: fit.high, default=best)
+    if found.high > FURTHER * best.high:
+        return found
+    return next((fit for fit in others if _stiffens(fit) is not _stiffens(best)), None)
+
+
+def _beyond(judged: Judged, points: Points) -> Iterator[str]:
+    """What the tests leave open where walls stretch further."""
+    best, other = judged.laws[0], beyond(judged)
+    if other is None:
+        return
+    if other.high > FURTHER * best.high:
+        yield f"Where walls stretch further take {other.name}, which can be used up to {other.high:.3g}."
+    if _stiffens(best) is not _stiffens(other):
+        stiff, soft = (best, other) if _stiffens(best) else (other, best)
+        yield (
+            f"The tests decide up to a stretch of {min(other.high, end_of(points)):.3g}. Beyond it {stiff.name} "
+            f"stiffens and {soft.name} does not, which decides whether an arm has a limit pressure: run both."
+        )
+
+
+def _stiffens(fit: LawFit) -> bool:
+    """Whether the slope of the nominal stress of a bar grows again before a stretch of `FAR`."""
+    stretch = np.linspace(1.0, FAR, 61)
+    slope = np.diff(nominal(fit.law, stretch, stretch**-0.5))
+    return bool(slope[-1] > FURTHER * slope.min())
 
 
 def _beside(judged: Judged, high: float) -> str:
     """How far the usable laws part where walls are pulled in two directions."""
     best, *others = judged.usable
-    ratios = [
-        parting(other.law, best.law, high)[2] for other in others if other.holds and other.holds[1] >= 0.98 * high
-    ]
+    ratios = [parting(other.law, best.law, high)[2] for other in others if other.high >= 0.98 * high]
     if not ratios:
-        ends = [other.holds[1] for other in others if other.holds]
+        ends = [other.high for other in others if other.holds]
         agree = f"No other law agrees with it in two directions beyond a stretch of {max(ends, default=1.0):.3g}"
         return f"{agree}; a tensile test does not pull in two, as pressure pulls a wall." if ends else ""
     least, most = min(ratios), max(ratios)
@@ -92,13 +125,12 @@ def _beside(judged: Judged, high: float) -> str:
 
 
 def facts(judged: Judged, points: Points) -> list[str]:
-    """Numbers to compare with a data sheet, and what no law of this program contains."""
+    """Numbers to compare with a data sheet."""
     modulus = judged.laws[0].law.young_modulus
     doubled = f", stress at 100 % strain {np.interp(2.0, points.stretch, points.stress):.3g} MPa"
     spread = f", the specimens differ by {100 * points.spread:.2g} %" if np.isfinite(points.spread) else ""
     return [
         f"Young's modulus at rest {modulus:.3g} MPa{doubled if points.stretch[-1] >= 2 else ''}{spread}.",
-        "Creep, rate and the softening of later cycles are in none of these laws.",
     ]
 
 

@@ -23,10 +23,15 @@ _OTHERS = (
     r"|yield|strecksp|streckgr|width|breite|largeur|later|transv|quer|time|zeit|temps|max|peak|\bat\b|\bbei\b"
 )
 _TRUE = r"\b(true|cauchy|wahr\w*|vrai\w*|log\w*|hencky)\b"
-#: words of columns and tests of tension, of those in which compression is positive, and of those along several axes
+#: words of columns and tests of tension, and of those in which compression is positive
 PULLED = re.compile(r"\btens|\bzug|traction")
 PRESSED = re.compile(r"compress|stauch|(?<!3d[- ])\bdruck")
-ACROSS = re.compile(r"\S*(?:bi-?ax|zweiachs|\bplanar|shear|\bscher|\bschub|cisaill|volumetr|hydrostat)\S*")
+#: words of tests in which two sides are held or pulled, and of those to which no law is fitted
+STATES = {
+    "planar": re.compile(r"\S*(?:\bplanar|pure[- ]shear|reine[rn]? s(?:cher|chub)|cisaillement pur)\S*"),
+    "equibiaxial": re.compile(r"\S*(?:bi-?ax|zweiachs)\S*"),
+}
+NO_TEST = re.compile(r"\S*(?:shear|\bscher|\bschub|cisaill|volumetr|hydrostat)\S*")
 NOMINAL = re.compile(r"\beng(\b|ineering)|nominal|technisch|ingenieur")
 #: columns of a curve by what they hold
 KINDS = {
@@ -40,11 +45,18 @@ KINDS = {
                               r"|dehnung|verformung|stauchung|weg\b|deplacement|allongement|^dl$|^δl$"),
     )
 }  # fmt: skip
-_TEST = r"^(test|specimen|sample|probe|prufling|probekorper|eprouvette|essai)( (name|no\.?|id|nr\.?))?$"
+_TEST = (
+    r"^(file|datei|fichier|test|specimen|sample|probe|prufling|probekorper|eprouvette|essai)( (name|no\.?|id|nr\.?))?$"
+)
 _TRUE_CURVE = Column(None, f"(?=.*{_TRUE})(?=.*(?:{'|'.join(column.words for column in KINDS.values())}))", _OTHERS)
 TENSILE = Form(
     "tensile tests",
-    {"test": Column(None, _TEST), "true": _TRUE_CURVE, **KINDS},
+    {
+        "test": Column(None, _TEST),
+        "loading": Column(None, r"^(loading )?(branch|cycle|zyklus)$"),
+        "true": _TRUE_CURVE,
+        **KINDS,
+    },
     (("stretch", "strain", "extension", "true"), ("stress", "force", "true")),
     "columns of strain and stress, or of extension and force",
     "a line of titles names columns with their units, for example 'strain (%), stress (MPa)'",
@@ -74,12 +86,13 @@ class Series:
     lines: Array  #: (n,) numbers of their lines
     notes: tuple[str, ...]
     kind: str = ""  #: name and titles in small letters
+    state: str = "uniaxial"  #: of `laws.STATES`; empty for a test to which no law is fitted
 
 
-def read_table(path: Path, specimen: Specimen) -> list[Series]:
-    """The tests of a file along one axis: by line of titles, pair of columns and name in a column of tests.
+def read_table(path: Path, specimen: Specimen, state: str = "") -> list[Series]:
+    """The tests of a file: by line of titles, pair of columns and name in a column of tests.
 
-    Raises InputError.
+    state: of all of them; empty: as names and titles say. Raises InputError.
     """
     tables = _of_curves(path)
     most = max(map(_points, tables))
@@ -89,15 +102,18 @@ def read_table(path: Path, specimen: Specimen) -> list[Series]:
         for number, (table, *pair, notes) in enumerate(pairs, start=1)
         for series in _series(table, pair, specimen, str(number) if len(pairs) > 1 else "", notes)
     ]
-    words = dict.fromkeys(match.group() for series in found if (match := ACROSS.search(series.kind)))
-    if not words:
-        return found
-    named, uniaxial = ", ".join(words), [series for series in found if not ACROSS.search(series.kind)]
-    if not uniaxial:
-        raise InputError(f"{path}: {quoted(named)} is no test along one axis; give uniaxial tension or compression")
-    note = f"{path}: {quoted(named)} is left out: laws are fitted to tension and compression along one axis"
+    if state:
+        return [replace(series, state=state) for series in found]
+    others = [NO_TEST.search(series.kind) for series in found if not series.state]
+    words = ", ".join(dict.fromkeys(match[0] for match in others if match))
+    kept = [series for series in found if series.state]
+    if not kept:
+        allowed = "give tension or compression, uniaxial, planar (pure shear) or equibiaxial, or --kind"
+        raise InputError(f"{path}: {quoted(words)} is no test to which laws are fitted; {allowed}")
     notes = tuple(dict.fromkeys(text for series in found for text in series.notes))
-    return [replace(series, notes=() if number else (*notes, note)) for number, series in enumerate(uniaxial)]
+    if words:
+        notes += (f"{path}: {quoted(words)} is left out: laws are fitted to tension, planar or equibiaxial too",)
+    return [replace(series, notes=() if number else notes) for number, series in enumerate(kept)]
 
 
 def _of_curves(path: Path) -> list[Columns]:
@@ -125,8 +141,11 @@ def _pairs(table: Columns) -> list[tuple[Values, Values, tuple[str, ...]]]:
     stresses = _chosen(table, ("stress",), "force")
     if len(strains) == len(stresses):
         return [(strain, stress, ()) for strain, stress in zip(strains, stresses, strict=True)]
+    states = [_state(plain(column.title)) for column in stresses]
+    if len(strains) == 1 and len(set(states)) == len(states):
+        return [(strains[0], stress, ()) for stress in stresses]
     strains, stresses = (
-        [column for column in columns if not ACROSS.search(plain(column.title))] or columns
+        [column for column in columns if _state(plain(column.title)) == "uniaxial"] or columns
         for columns in (strains, stresses)
     )
     taken = f"'{strains[0].title}' and '{stresses[0].title}'"
@@ -151,16 +170,28 @@ def _series(
         column = tests[0].cells
         last = np.maximum.accumulate(np.where(column != "", np.arange(len(column)), 0))  # the last that is not empty
         names = np.array([f"{name} {number}".strip() for name in column[last][known]])
+    first = np.ones(len(lines), dtype=bool)
+    if loadings := [column.cells[known] for column in table.all("loading")]:
+        first = np.array([loadings[0][k] == loadings[0][names == name][0] for k, name in enumerate(names)])
+        if not first.all():
+            other = ", ".join(dict.fromkeys(loadings[0][~first].tolist()))
+            notes += (f"{table.path}: loading {quoted(other)} is left out; the first one of each test is used",)
     for name in dict.fromkeys(names.tolist()):
-        kind, of_test = plain(" ".join([name, *(column.title for column in pair)])), names == name
+        kind, of_test = plain(" ".join([name, *(column.title for column in pair)])), first & (names == name)
         strain, stress = (column[known][of_test] for column, _ in values)
         if PRESSED.search(kind):
             strain, stress = (-column if np.median(column) > 0 else column for column in (strain, stress))
         if (impossible := strain <= -1).any():
             line, value = lines[of_test][impossible][0], 100 * strain[impossible][0]
             raise InputError(f"{table.path}: line {line}: {value:g} % is no possible strain; allowed: above -100 %")
-        yield Series(name, strain, stress, lines[of_test], notes, kind)
+        yield Series(name, strain, stress, lines[of_test], notes, kind, _state(kind))
         notes = ()
+
+
+def _state(kind: str) -> str:
+    """The state that words in small letters name; empty for one to which no law is fitted."""
+    named = next((state for state, words in STATES.items() if words.search(kind)), "uniaxial")
+    return "" if named == "uniaxial" and NO_TEST.search(kind) else named
 
 
 def _values(table: Columns, column: Values, specimen: Specimen) -> tuple[Array, str]:

@@ -5,7 +5,7 @@ import pytest
 
 import fem
 from geometry.arrays import Array
-from pipeline.answers.material.loading import Selection, TensileTest, first_loading, scatter
+from pipeline.answers.material.loading import POWERS, Selection, TensileTest, first_loading, scatter
 from pipeline.answers.material.table import Series
 from pipeline.values.errors import InputError
 
@@ -103,11 +103,19 @@ def test_slack_is_taken_away(law: fem.Material) -> None:
         assert rounded.slack == pytest.approx(0.02, abs=0.004)
 
 
-def test_a_preload_is_named_and_not_taken_away() -> None:
+def test_an_offset_of_the_load_cell_is_named_and_taken_away() -> None:
     test = read(UP, stress_of(UP) + 0.05)
     assert test.slack == 0.0
+    np.testing.assert_allclose(test.stress, stress_of(UP), atol=1.5e-3)
     [note] = test.notes
-    assert "the stress at rest is 0.05" in note or "the stress at rest is 0.04" in note
+    assert "MPa are taken away from every stress, the offset of the load cell at zero strain; if it was a pre" in note
+
+
+def test_the_slack_of_a_planar_test_follows_from_the_curve_of_a_planar_test() -> None:
+    strain, planar = UP[1:], POWERS["planar"]
+    stretch = 1 + np.maximum(strain - 0.02, 0.0)
+    series = Series("", strain, 0.3 * (stretch - stretch**-planar), np.arange(60), (), state="planar")
+    assert first_loading("pull.csv", "pull", series, FIRST).slack == pytest.approx(0.02, abs=0.003)
 
 
 @pytest.mark.parametrize("law", LAWS.values(), ids=LAWS)

@@ -158,20 +158,31 @@ def test_rows_without_numbers_and_columns_that_repeat_are_left_out_and_named(tmp
 
 
 @pytest.mark.parametrize(
-    ("header", "form"),
+    ("header", "form", "states"),
     [
-        ("test,strain (1),stress (MPa)", "pure shear,{strain},9\npull 1,{strain},{MPa}"),
-        ("biaxial strain (1),biaxial stress (MPa),strain (1),stress (MPa)", "{strain},9,{strain},{MPa}"),
-        ("strain (1),planar stress (MPa),uniaxial stress (MPa)", "{strain},9,{MPa}"),
-        ("Scherdehnung (1);Schubspannung (MPa);Dehnung (1);Zugspannung (MPa)", "{strain};9;{strain};{MPa}"),
+        ("test,strain (1),stress (MPa)", "pure shear,{strain},9\npull 1,{strain},{MPa}", "planar uniaxial"),
+        (
+            "biaxial strain (1),biaxial stress (MPa),strain (1),stress (MPa)",
+            "{strain},9,{strain},{MPa}",
+            "equibiaxial uniaxial",
+        ),
+        ("strain (1),planar stress (MPa),uniaxial stress (MPa)", "{strain},9,{MPa}", "planar uniaxial"),
+        (
+            "Scherdehnung (1);Schubspannung (MPa);Dehnung (1);Zugspannung (MPa)",
+            "{strain};9;{strain};{MPa}",
+            "uniaxial",
+        ),
+        ("file,loading_branch,strain (1),stress_MPa_raw", "a,first,{strain},{MPa}\na,last,{strain},9", "uniaxial"),
     ],
 )
-def test_tests_along_several_axes_are_left_out_and_named(header: str, form: str, tmp_path: Path) -> None:
-    [test] = read(written(tmp_path, table(header, points(form))))
-    np.testing.assert_allclose(test.stress, STRESSES)
-    assert "is left out: laws are fitted to tension and compression along one axis" in test.notes[0] or (
-        "'uniaxial stress (MPa)' are taken" in test.notes[0]
-    )
+def test_kinds_of_tests(header: str, form: str, states: str, tmp_path: Path) -> None:
+    """By column and by title; tests of another kind and later loadings are left out and named."""
+    found = read(written(tmp_path, table(header, points(form))))
+    assert " ".join(series.state for series in found) == states
+    np.testing.assert_allclose(found[-1].stress, STRESSES)
+    assert [" is left out" in note for series in found for note in series.notes] == [True] * (states == "uniaxial")
+    planar = read_table(written(tmp_path, table(HEADER, GOOD)), Specimen(), "planar")
+    assert [series.state for series in planar] == ["planar"]
 
 
 def test_a_column_of_tests_names_compression(tmp_path: Path) -> None:
@@ -202,7 +213,10 @@ def test_a_column_of_tests_names_compression(tmp_path: Path) -> None:
         (table("strain (%),stress", GOOD), r"column 'stress' has no unit; write it as 'stress \(MPa\)'"),
         (table("true strain (%),stress (MPa)", GOOD), r"column 'true strain \(%\)' is not nominal; give"),
         (table("Dehnung (%),wahre Spannung (MPa)", GOOD), "is not nominal"),
-        (table("shear strain (%),shear stress (MPa)", GOOD), "'shear' is no test along one axis; give uniaxial"),
+        (
+            table("shear strain (%),shear stress (MPa)", GOOD),
+            "'shear' is no test to which laws are fitted; give tension",
+        ),
         (table(HEADER, ["-100,-9", *GOOD]), "line 2: -100 % is no possible strain"),
         (
             table("strain (%),force (N)", GOOD),
