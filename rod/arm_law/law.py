@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache, cached_property
-from typing import Annotated, ClassVar
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 
@@ -224,12 +224,10 @@ class ArmLaw:
             raise RodError(f"The law has no derivatives by {name!r}; {known}.")
         return self.rates[name]
 
-    def _forms(
-        self, law: Callable[["ArmLaw"], "ArmLaw | None"], limit: Callable[[PressureLimit], PressureLimit]
-    ) -> "ArmLaw":
+    def _forms(self, form: Callable[["ArmLaw"], Any], limit: Callable[[PressureLimit], Any]) -> "ArmLaw":
         """With both limits of the pressure, and the law after the snap, changed."""
         limits = self.limit and limit(self.limit), self.back and limit(self.back)
-        return replace(self, limit=limits[0], back=limits[1], swollen=self.swollen and law(self.swollen))
+        return replace(self, limit=limits[0], back=limits[1], swollen=self.swollen and form(self.swollen))
 
     @cached_property
     def before_snap(self) -> "ArmLaw":
