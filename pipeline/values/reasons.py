@@ -126,7 +126,7 @@ TEMPLATES: Mapping[str, str] = {
     "{return_kPa:.3g} kPa; known to {highest_kPa:.3g} kPa",
     "no_form_beyond": "no form beyond {limit} kPa with this law: a law that stiffens (yeoh, ogden) may have one",
     "steep": "from {low_kPa:.3g} to {high_kPa:.3g} kPa 1 kPa changes the angle by {deg_per_kPa:.2g}°: here modulus and "
-    "pressure must be known to {percent:.1g} % to know it within 5°",
+    "pressure must be known to {percent:.1g} % for 5°",
     "no_law_in_space": "the body is not symmetric about z = 0, so the law has no rigidities out of the plane",
     "cell_falls": "at {pressure_kPa:g} kPa the law of the cell ends at a curvature of {kappa_per_mm:.4g} 1/mm, because "
     "its moment does not grow beyond",

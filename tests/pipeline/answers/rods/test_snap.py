@@ -249,8 +249,7 @@ def test_the_verdict_tells_where_little_pressure_bends_it_much(tmp_path: Path) -
     law = cells_of({0.0: 0.0, 20.0: 8.0, 30.0: 20.0, 35.0: 32.0, 37.0: 56.0, 39.0: 80.0, 45.0: 110.0})
     verdict = pneurod.read_results(folder_of(tmp_path, law)).verdict
     assert verdict.lines[1] == (
-        "From 35 to 39 kPa 1 kPa changes the angle by 12°: here modulus and pressure must be known to 1 % to know it "
-        "within 5°."
+        "From 35 to 39 kPa 1 kPa changes the angle by 12°: here modulus and pressure must be known to 1 % for 5°."
     )
 
 
