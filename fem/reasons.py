@@ -55,6 +55,9 @@ SENTENCES: Mapping[str, str] = {
     "{kappa_per_mm:.4g} 1/mm, on the way to {target_kPa:.4g} kPa",
     "no_piece_at_volume": "no equilibrium of the {piece} at {times:.4g} times its air at rest and a mean curvature of "
     "{kappa_per_mm:.4g} 1/mm",
+    "beyond_limit_pressure": "the {piece} has no form at {pressure_kPa:.4g} kPa: beyond its limit pressure of "
+    "{limit_kPa:.4g} kPa its chambers swell, and the pressure falls",
+    "beyond_air": "the {piece} has no state at {pressure_kPa:.4g} kPa up to the largest air that is tried",
     "piece_unstable": "the {piece} is not stable at {pressure_kPa:.4g} kPa and {kappa_per_mm:.4g} 1/mm",
     "no_piece_without_moment": "the {piece} at {pressure_kPa:.4g} kPa has no state without moment near the last one",
     "cell_moment_falls": "the moment of the cell falls at {pressure_kPa:.4g} kPa",

@@ -1,4 +1,4 @@
-"""How a piece comes to a pressure along the volume of its air, where increments of the pressure do not lead on.
+"""How a piece comes to a pressure: in increments, and along the volume of its air where these do not lead on.
 
 The energy W(V, phi) of a piece by the volume V of its air and the angle phi of its plane has the pressure and the
 moment as its derivatives. Without moment the piece is stable under a given pressure while the Hessian of W is positive.
@@ -7,122 +7,326 @@ minimum from which on the piece is stable again: between both it snaps from one 
 regular points of this way, with the volume prescribed. Its parameter is ln V.
 """
 
-from collections.abc import Iterator
-from dataclasses import dataclass
-from math import exp, log
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, field, replace
+from itertools import count, pairwise
+from math import exp, inf, log
 from typing import final
 
 import numpy as np
 
 from fem.cell.piece import BendingPiece, PieceFailed, PieceState
-from fem.cell.response import Slopes, slopes
+from fem.cell.response import slopes
 from fem.equations.linear import SingularMatrix
+from fem.equations.state import State
 from fem.path.limit import difference
-from fem.path.predictor import PathPoint, extrapolate, weighted_sum
-from geometry import Reason
+from fem.path.predictor import PathPoint, extrapolate, small_step_under_load, weighted_sum
+from geometry import Reason, Values
 
+#: how often an increment to a pressure may fail, and the smallest one, as a part of the pressure
+MAX_FAILURES, SMALLEST_INCREMENT = 12, 1 / 64
+#: growth of the air over that to first order from which on a pressure is reached along the air after a failure
+SWELLS = 1.5
 #: first step of ln V, the smallest and the largest one
 FIRST, SMALLEST, LARGEST = 0.15, 0.01, 0.5
-#: difference of a state from the predicted one, relative, for which steps are made
-ERROR = 4e-3
-#: change of the step after an error, least and most
+#: difference of a state from the predicted one, relative, and iterations for which steps are made
+ERROR, ITERATIONS = 4e-3, 7
+#: change of the step after a state, least and most
 SHRINKS, GROWS = 0.4, 2.0
-#: largest error of an extreme pressure to first order, relative, and how many states are solved for one at the most
-EXACT, MOST_STATES = 1e-6, 12
 #: air over that at rest beyond which no piece is followed
-MOST_AIR = 300.0
+MOST_AIR = 150.0
+#: largest error of a pressure on the way, relative: where the last iterations are made under it, and of an extreme one
+NEAR, EXACT = 1e-3, 1e-6
+#: states that are solved for one of these at the most
+MOST_STATES = 12
+#: change of ln V in a first step to another angle, and the smallest one
+BENT, LEAST_BENT = 0.15, 0.015
+
+
+def inflated(piece: BendingPiece, pressure: float, angle: float, failures: int = MAX_FAILURES) -> PieceState:
+    """Equilibrium at a pressure in MPa and an angle in rad, from the piece at rest, as `unloaded`.
+
+    Raises `PieceFailed`.
+    """
+    reached = unloaded(piece, pressure, angle, failures)
+    if reached.angle == angle:
+        return reached
+    turned = piece.solve(pressure, angle, reached)
+    return replace(turned, factorizations=reached.factorizations + turned.factorizations)
+
+
+def unloaded(piece: BendingPiece, pressure: float, angle: float, failures: int = MAX_FAILURES) -> PieceState:
+    """Equilibrium at a pressure in MPa, from the piece at rest: at an angle in rad, or about without moment.
+
+    Pressure and angle change together, at once where that converges: an increment that fails is halved, and one that
+    converges is doubled. Newton's method starts a small step along the slopes of the last state, but under the whole
+    pressure of the increment and the stress that goes with it to first order, as on a load path
+    (`fem.path.predictor`). Where this has failed beyond the first state, it starts on the cubic through the last two
+    states with their slopes. failures: how often an increment may fail. Where one fails and the piece swells, or it is
+    wanted after the snap, the pressure is reached along the air, without moment. Raises `PieceFailed`.
+    """
+    last, way = piece.rest(), (pressure, angle)
+    if way == (0.0, 0.0):  # at rest there is nothing to balance but rounding, of a stiff layer too
+        return last
+    if piece.after_snap:
+        return along_air(piece, pressure)
+    increment, failed, spent = 1.0, 0, 0
+    extrapolates = False  #: whether Newton's method starts on the cubic
+    points = [_inflation_point(piece, last, 0.0, way)]
+    while (fraction := points[-1].value) < 1.0:
+        target = min(1.0, fraction + increment)
+        predicted = _inflation_start(points, target, extrapolates)
+        try:
+            last = piece.solve_near(target * pressure, target * angle, predicted, last, fraction > 0.0, pressure)
+        except PieceFailed:
+            if swells(piece, last):
+                return along_air(piece, pressure)
+            failed, increment, extrapolates = failed + 1, (target - fraction) / 2.0, fraction > 0.0
+            if failed > failures or increment < SMALLEST_INCREMENT:
+                raise
+            continue
+        increment, spent = 2.0 * increment, spent + last.factorizations
+        points = [points[-1], _inflation_point(piece, last, target, way)]
+    return replace(last, factorizations=spent)
+
+
+def swells(piece: BendingPiece, at: PieceState) -> bool:
+    """Whether the air of a piece has grown far more than to first order."""
+    known = slopes(piece, piece.rest())
+    grown = piece.volume(at.state) - piece.volume(piece.rest().state)
+    linear = known.volume_by_pressure * at.pressure + abs(known.moment_by_pressure * at.angle)
+    return at.pressure > 0.0 and grown > SWELLS * linear
+
+
+def bent(
+    piece: BendingPiece, angle: float, start: PieceState, before: PathPoint | None, last: PathPoint | None
+) -> PieceState:
+    """The piece at another angle in rad under the pressure of a state, as `BendingPiece.solve`.
+
+    before, last: on the path of the angle, which is extrapolated to where Newton's method starts. A swollen piece is
+    bent in steps that change its air little. Raises `PieceFailed`.
+    """
+    predicted = None if last is None else extrapolate(before, last, angle)
+    if last is None or predicted is None or not piece.is_swollen(start.state):
+        return piece.solve(start.pressure, angle, start, predicted)
+    at, allowed, spent = start, BENT, 0
+    while at.angle != angle:
+        part = _part_of_air(piece, at, predicted, allowed)
+        target = angle if part == 1.0 else at.angle + part * (angle - at.angle)
+        near = extrapolate(before, last, target) or predicted
+        try:
+            reached = piece.solve_near(start.pressure, target, near, at)
+        except PieceFailed:
+            allowed = SHRINKS * min(allowed, abs(log(piece.volume(near) / piece.volume(at.state))))
+            if allowed < LEAST_BENT:
+                raise
+            continue
+        allowed *= float(np.clip(ITERATIONS / max(2 * reached.factorizations, 1), SHRINKS, GROWS))
+        at, spent = reached, spent + reached.factorizations
+        if at.angle != angle:
+            before, last = last, _bent_point(piece, at)
+            predicted = extrapolate(before, last, angle) or at.state
+    return replace(at, factorizations=spent)
+
+
+def _part_of_air(piece: BendingPiece, at: PieceState, predicted: State, allowed: float) -> float:
+    """The part of the way to a predicted state on which ln V changes by no more than is allowed."""
+    least = exp(-10.0) * piece.volume(at.state)
+    change = abs(log(max(piece.volume(predicted), least) / piece.volume(at.state)))
+    return 1.0 if change <= allowed else allowed / change
+
+
+def _bent_point(piece: BendingPiece, at: PieceState) -> PathPoint:
+    try:
+        return PathPoint(at.angle, 1.0, at.state, at.touches, slopes(piece, at).angle_rate)
+    except SingularMatrix as failure:
+        raise PieceFailed(piece.where(at), Reason("tangent_singular", {"why": str(failure)})) from None
 
 
 @final
 @dataclass(frozen=True, eq=False)  # arrays inside
 class FreePoint:
-    """A state of a piece on the way along its air, about without moment, with its slopes."""
+    """A state of a piece on the way along its air, about without moment, and how that goes on, to first order."""
 
     state: PieceState
-    slopes: Slopes
     air: float  #: ln of the volume in mm3
-    turns: bool  #: whether the angle of its plane follows from the moment
+    lack: float  #: rad, from its angle to that without moment at this volume
+    pressure: float  #: MPa, without moment at this volume
+    turn: float  #: rad, change of the angle without moment by ln V
+    rise: float  #: MPa, change of the pressure without moment by ln V
+    rate: State = field(repr=False)  #: change of the state without moment by ln V
+    factorizations: int = 0  #: spent on it
 
     @classmethod
     def of(cls, piece: BendingPiece, state: PieceState) -> "FreePoint":
         """One factorization. Raises `PieceFailed` where the tangent is singular."""
         try:
-            return cls(state, slopes(piece, state), log(piece.volume(state.state)), piece.start != "free")
+            known, volume = slopes(piece, state), piece.volume(state.state)
         except SingularMatrix as failure:
-            why = Reason("tangent_singular", {"why": str(failure)})
-            raise PieceFailed(piece.where(state), why) from None
-
-    @property
-    def lack(self) -> float:
-        """rad, from the angle to the one without moment at this volume, to first order."""
-        return -self.state.moment / self.slopes.energy_hessian[1, 1] if self.turns else 0.0
-
-    @property
-    def pressure(self) -> float:
-        """MPa, without moment at this volume, to first order."""
-        return self.state.pressure + self.slopes.energy_hessian[0, 1] * self.lack
-
-    @property
-    def turn(self) -> float:
-        """rad, change of the angle without moment by ln V."""
-        hessian = self.slopes.energy_hessian
-        return -hessian[0, 1] / hessian[1, 1] * exp(self.air) if self.turns else 0.0
-
-    @property
-    def rise(self) -> float:
-        """MPa, change of the pressure without moment by ln V; positive where the piece is stable under a pressure."""
-        hessian = self.slopes.energy_hessian
-        return hessian[0, 0] * exp(self.air) + hessian[0, 1] * self.turn
+            raise PieceFailed(piece.where(state), Reason("tangent_singular", {"why": str(failure)})) from None
+        (by_volume, coupled), (_, by_angle) = known.energy_hessian.tolist()
+        turns = piece.start != "free"  # whose plane never bears a moment
+        lack, turn = (-state.moment / by_angle, -coupled / by_angle * volume) if turns else (0.0, 0.0)
+        rise, rates = by_volume * volume + coupled * turn, known.rates_at_volume
+        rate = weighted_sum([(volume, rates[0]), (turn, rates[1])])
+        return cls(state, log(volume), lack, state.pressure + coupled * lack, turn, rise, rate)
 
     @property
     def is_stable(self) -> bool:
-        """Whether it is stable under a given pressure."""
+        """Whether the piece is stable here under a given pressure."""
         return self.rise > 0.0 and not self.state.negative_pivots
 
     @property
     def path_point(self) -> PathPoint:
-        by_volume, by_angle = self.slopes.rates_at_volume
-        rate = weighted_sum([(exp(self.air), by_volume), (self.turn, by_angle)])
-        return PathPoint(self.air, 1.0, self.state.state, self.state.touches, rate)
+        """On the way along the air."""
+        return PathPoint(self.air, 1.0, self.state.state, self.state.touches, self.rate)
 
 
 def free_at(piece: BendingPiece, air: float, before: FreePoint | None, last: FreePoint) -> tuple[FreePoint, float]:
-    """The piece at another volume, ln V, about without moment, and how far it is from the predicted state."""
+    """The piece at another volume, ln V, about without moment, and how far it is from the predicted state.
+
+    Raises `PieceFailed`.
+    """
     step = air - last.air
     bend = 0.0 if before is None else (last.turn - before.turn) / (last.air - before.air)
     angle = last.state.angle + last.lack + step * (last.turn + 0.5 * step * bend)
-    predicted = extrapolate(None if before is None else before.path_point, last.path_point, air)
-    assert predicted is not None
+    predicted = extrapolate(None if before is None else before.path_point, last.path_point, air) or last.state.state
     state = piece.solve_at_volume(exp(air), angle, predicted, last.state)
     return FreePoint.of(piece, state), difference(state.state, predicted)
 
 
-def followed(piece: BendingPiece) -> Iterator[FreePoint]:
+def _followed(piece: BendingPiece) -> Iterator[FreePoint]:
     """States by growing volume, from rest on. Raises `PieceFailed` where no state follows."""
-    before, last = None, FreePoint.of(piece, piece.rest())
-    yield last
+    spent, before, last = piece.factorizations, None, FreePoint.of(piece, piece.rest())
     most, step = last.air + log(MOST_AIR), FIRST
-    while last.air < most:
+    while True:
+        yield replace(last, factorizations=piece.factorizations - spent)
+        spent, reached = piece.factorizations, last
+        while last is reached:
+            try:
+                point, error = free_at(piece, last.air + step, before, last)
+            except PieceFailed:
+                step *= SHRINKS
+                if step < SMALLEST:
+                    raise
+                continue
+            before, last = last, point
+            easy = min((ERROR / error) ** 0.25, ITERATIONS / max(point.state.factorizations, 1))
+            step = min(LARGEST, step * float(np.clip(easy, SHRINKS, GROWS)))
+        if last.air > most:
+            return
+
+
+class AirPath:
+    """The way of a piece along its air, as far as it was asked for. It depends on the piece alone."""
+
+    def __init__(self, piece: BendingPiece) -> None:
+        self._piece, self._ahead = piece, _followed(piece)
+        self._points: list[FreePoint] = []
+        self._failure: PieceFailed | None = None
+
+    @classmethod
+    def of(cls, piece: BendingPiece) -> "AirPath":
+        """That which the piece keeps."""
+        return piece.kept("along the air", lambda: cls(piece))
+
+    def points(self) -> Iterator[FreePoint]:
+        """From rest on. Raises `PieceFailed` where no state follows."""
+        for k in count():
+            if k < len(self._points):
+                self._piece.count_again(self._points[k].factorizations)
+            elif not self._advanced():
+                return
+            yield self._points[k]
+
+    def _advanced(self) -> bool:
+        """Whether there is one more point."""
+        if self._failure:
+            raise self._failure
         try:
-            point, error = free_at(piece, last.air + step, before, last)
-        except PieceFailed:
-            step *= SHRINKS
-            if step < SMALLEST:
-                raise
-            continue
-        before, last = last, point
-        step = min(LARGEST, step * float(np.clip((ERROR / error) ** 0.25, SHRINKS, GROWS)))
-        yield last
+            self._points.extend(point := [next(self._ahead)])
+        except PieceFailed as failure:
+            self._failure = failure
+            raise
+        except StopIteration:
+            return False
+        return bool(point)
+
+
+def along_air(piece: BendingPiece, pressure: float) -> PieceState:
+    """The first stable state about without moment at a pressure in MPa; after a snap if the piece is wanted there.
+
+    Raises `PieceFailed`, which names the limit pressure where the pressure is beyond it and all further states.
+    """
+    fallen, top = False, -inf
+    try:
+        for before, last in pairwise(AirPath.of(piece).points()):
+            fallen, top = fallen or before.rise <= 0.0, max(top, last.pressure)
+            if fallen or not piece.after_snap:
+                for air in _risings(before, last, pressure):
+                    with suppress(PieceFailed):
+                        return _under_pressure(piece, pressure, air, before, last)
+    except PieceFailed:
+        if not fallen:
+            raise
+    values: Values = {"piece": piece.name, "pressure_kPa": 1e3 * pressure, "limit_kPa": 1e3 * top}
+    raise PieceFailed(Reason("beyond_limit_pressure" if fallen else "beyond_air", values))
+
+
+def _risings(before: FreePoint, last: FreePoint, pressure: float) -> list[float]:
+    """ln V at which the cubic of the pressure between two points passes a pressure in MPa upwards."""
+    step = last.air - before.air
+    first, second = step * before.rise, step * last.rise
+    change = last.pressure - before.pressure
+    cubic = np.array([first + second - 2.0 * change, 3.0 * change - 2.0 * first - second, first, before.pressure])
+    cubic[3] -= pressure
+    roots = [float(root.real) for root in np.roots(cubic) if abs(root.imag) < 1e-12 and 0.0 <= root.real <= 1.0]
+    return [before.air + root * step for root in sorted(roots) if np.polyval(np.polyder(cubic), root) > 0.0]
+
+
+def _under_pressure(piece: BendingPiece, pressure: float, air: float, before: FreePoint, last: FreePoint) -> PieceState:
+    """The state at a pressure in MPa near a volume between two points, ln V. Raises `PieceFailed`."""
+    for _ in range(MOST_STATES):
+        point, _ = free_at(piece, air, before, last)
+        step = (pressure - point.pressure) / point.rise
+        if abs(pressure - point.pressure) < NEAR * pressure:
+            break
+        air = float(np.clip(air + step, before.air, last.air))
+    predicted = extrapolate(None, point.path_point, point.air + step)
+    angle = point.state.angle + point.lack + step * point.turn
+    return piece.solve_near(pressure, angle, predicted or point.state.state, point.state)
 
 
 def extremum(piece: BendingPiece, before: FreePoint, last: FreePoint) -> FreePoint:
-    """Where the pressure without moment has a maximum or a minimum between two states. Raises `PieceFailed`."""
+    """Where the pressure without moment has a maximum or a minimum between two points. Raises `PieceFailed`."""
     ends = [before, last]
     for _ in range(MOST_STATES):
         part = ends[0].rise / (ends[0].rise - ends[1].rise)
-        air = ends[0].air + part * (ends[1].air - ends[0].air)
-        point, _ = free_at(piece, air, *ends)
+        point, _ = free_at(piece, ends[0].air + part * (ends[1].air - ends[0].air), *ends)
         if abs(point.rise * (ends[1].air - ends[0].air)) < EXACT * point.pressure:
             break
         ends[int((point.rise > 0.0) == (ends[1].rise > 0.0))] = point
     return point
+
+
+def _inflation_start(points: Sequence[PathPoint], target: float, extrapolates: bool) -> State:
+    """Where Newton's method starts; points: the last two, or the one at rest. Walls that touch make kinks."""
+    before, last = points[0], points[-1]
+    is_smooth = extrapolates and not last.touching and last.rate is not None
+    cubic = extrapolate(before, last, target) if is_smooth else None
+    return cubic or small_step_under_load(last, target) or last.state
+
+
+def _inflation_point(piece: BendingPiece, at: PieceState, part: float, way: tuple[float, float]) -> PathPoint:
+    """A state at a part of the way, with its change per part of it; one factorization.
+
+    way: changes of the pressure in MPa and of the angle in rad. Without this change where the tangent is singular, and
+    at the end of the way, where it is not needed.
+    """
+    rate: State | None = None
+    if part < 1.0:
+        with suppress(SingularMatrix):
+            known = slopes(piece, at)
+            rate = weighted_sum([(way[0], known.pressure_rate), (way[1], known.angle_rate)])
+    return PathPoint(part, 1.0, at.state, at.touches, rate)

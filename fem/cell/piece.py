@@ -53,6 +53,8 @@ KEPT = 12
 MAX_HALVINGS = 6
 #: iterations after which a predicted state is given up: where walls meet on the way, it takes up to eleven
 PREDICTED_ITERATIONS = 12
+#: air over that at rest of a swollen piece
+SWOLLEN = 2.5
 #: rad, difference of angles of one and the same state
 SAME_ANGLE = 1e-12
 #: Newton's tolerance, finer than that of a load path: slopes of the moment are taken of the states
@@ -121,6 +123,7 @@ class BendingPiece:
         self._other_systems: dict[str, System] = {}  #: by what they are for
         self._formulation = self._system.formulation
         self.changes: Mapping[str, Any] = {}  #: `DesignChange` by parameter of which its states give derivatives
+        self.after_snap = False  #: whether its form after the snap is wanted where it has two (`fem.cell.inflation`)
         self.other = ""  #: the cavity by whose own pressure its states give derivatives as well; empty: none
         #: the last equilibrium and its assembly, which its slopes need again
         self._latest: tuple[State, Assembly] | None = None
@@ -148,8 +151,8 @@ class BendingPiece:
     def kept(self, key: Hashable, make: Callable[[], Value]) -> Value:
         """What was made of this piece under this key before, or what is made now; the latest results are kept."""
         if key in self._kept:
-            value, spent = self._kept[key]
-            self._repeated += spent
+            value, spent = self._kept[key] = self._kept.pop(key)
+            self.count_again(spent)
         else:
             before = self.factorizations
             value = make()
@@ -158,6 +161,10 @@ class BendingPiece:
                 del self._kept[next(iter(self._kept))]
         result: Value = value
         return result
+
+    def count_again(self, factorizations: int) -> None:
+        """Those of a result that is used again."""
+        self._repeated += factorizations
 
     @property
     def name(self) -> str:
@@ -178,6 +185,10 @@ class BendingPiece:
     def volume(self, state: State) -> float:
         """That air of the whole body in a state, mm3."""
         return self.whole * self.air.volume(self.space.points + state.displacement)
+
+    def is_swollen(self, state: State) -> bool:
+        """Whether its walls stretch far more than they turn."""
+        return self.air.value > 0.0 and self.volume(state) > SWOLLEN * self.whole * self.air.value
 
     @cached_property
     def plane(self) -> Index:
@@ -331,9 +342,9 @@ class BendingPiece:
     def _solve_directly(self, control: Control, angle: float, start: Start) -> PieceState:
         """By Newton's method, and again with stiffer contact where walls overlap."""
         self._constrain(angle)
-        spent = 0
+        spent, options = 0, replace(OPTIONS, carries=not self.is_swollen(start.state))
         while True:
-            converged = solve(start, control, OPTIONS, lambda iteration, residual: None)
+            converged = solve(start, control, options, lambda iteration, residual: None)
             spent += converged.iterations
             x = self.space.points + converged.state.displacement
             stiffer = tuple(tightened(term, x) for term in start.terms)

@@ -17,8 +17,7 @@ only the normal displacement is free. The energy of one pitch P = 2 h then gives
     U = P^3 / (24 EI) + P / (2 GA)        for Q = 1.
 """
 
-from collections.abc import Iterator, Sequence
-from contextlib import suppress
+from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from math import nan
 from typing import Any, final
@@ -28,7 +27,7 @@ from scipy.spatial import cKDTree
 
 from fem.cell.air import AirPressure
 from fem.cell.mirror_contact import is_with_images
-from fem.cell.piece import BendingPiece, PieceFailed, PieceState, turn
+from fem.cell.piece import BendingPiece, PieceState, turn
 from fem.effects.effect import LoadTerm, Terms
 from fem.equations.constraints import Constraints
 from fem.equations.linear import SingularMatrix
@@ -36,7 +35,7 @@ from fem.equations.linearised import Linearised
 from fem.equations.state import Change, State
 from fem.equations.system import System
 from fem.materials.regions import laws_of
-from fem.path.predictor import PathPoint, extrapolate, small_step_under_load, weighted_sum
+from fem.path.predictor import weighted_sum
 from fem.post.mapped import fields_of, moved
 from fem.supports import Fixed, Prescribed, SharedPlane, Support
 from geometry.arrays import Array, Index
@@ -45,8 +44,6 @@ from geometry.arrays import Array, Index
 STEP = 1e-6
 #: of position, strain and pressure, the shear strains along the axis, whose sign a mirror image changes
 SHEARED = (6, 8)
-#: how often an increment to a pressure may fail, and the smallest one, as a part of the pressure
-MAX_FAILURES, SMALLEST_INCREMENT = 12, 1 / 64
 
 
 @final
@@ -150,36 +147,6 @@ def _end_forces(piece: BendingPiece, angle: float) -> Iterator[Array]:
         yield load
 
 
-def inflated(piece: BendingPiece, pressure: float, angle: float, failures: int = MAX_FAILURES) -> PieceState:
-    """Equilibrium at a pressure in MPa and an angle in rad, from the piece at rest.
-
-    Both change together, at once where that converges: an increment that fails is halved, and one that converges is
-    doubled. Newton's method starts a small step along the slopes of the last state, but under the whole pressure of the
-    increment and the stress that goes with it to first order, as on a load path (`fem.path.predictor`). Where this has
-    failed beyond the first state, it starts on the cubic through the last two states with their slopes. failures: how
-    often an increment may fail. Raises `PieceFailed`.
-    """
-    last, way = piece.rest(), (pressure, angle)
-    if way == (0.0, 0.0):  # at rest there is nothing to balance but rounding, of a stiff layer too
-        return last
-    increment, failed, spent = 1.0, 0, 0
-    extrapolates = False  #: whether Newton's method starts on the cubic
-    points = [_inflation_point(piece, last, 0.0, way)]
-    while (fraction := points[-1].value) < 1.0:
-        target = min(1.0, fraction + increment)
-        predicted = _inflation_start(points, target, extrapolates)
-        try:
-            last = piece.solve_near(target * pressure, target * angle, predicted, last, fraction > 0.0, pressure)
-        except PieceFailed:
-            failed, increment, extrapolates = failed + 1, (target - fraction) / 2.0, fraction > 0.0
-            if failed > failures or increment < SMALLEST_INCREMENT:
-                raise
-            continue
-        increment, spent = 2.0 * increment, spent + last.factorizations
-        points = [points[-1], _inflation_point(piece, last, target, way)]
-    return replace(last, factorizations=spent)
-
-
 def continued(piece: BendingPiece, shorter: BendingPiece, at: PieceState, cell: BendingPiece, of: PieceState) -> State:
     """About the state of an end with two half cells more than a shorter one, which go on as those of a cell.
 
@@ -212,28 +179,6 @@ def _fields_at(piece: BendingPiece, at: PieceState, points: Array) -> tuple[Arra
     height = float((x[piece.plane] @ frame[:, 1]).mean())
     fields = np.hstack([x, fields_of(piece.space, at.state)[:, 3:]])
     return fields[cKDTree(piece.space.points).query(points)[1]], frame, height
-
-
-def _inflation_start(points: Sequence[PathPoint], target: float, extrapolates: bool) -> State:
-    """Where Newton's method starts; points: the last two, or the one at rest. Walls that touch make kinks."""
-    before, last = points[0], points[-1]
-    is_smooth = extrapolates and not last.touching and last.rate is not None
-    cubic = extrapolate(before, last, target) if is_smooth else None
-    return cubic or small_step_under_load(last, target) or last.state
-
-
-def _inflation_point(piece: BendingPiece, at: PieceState, part: float, way: tuple[float, float]) -> PathPoint:
-    """A state at a part of the way, with its change per part of it; one factorization.
-
-    way: changes of the pressure in MPa and of the angle in rad. Without this change where the tangent is singular, and
-    at the end of the way, where it is not needed.
-    """
-    rate: State | None = None
-    if part < 1.0:
-        with suppress(SingularMatrix):
-            known = slopes(piece, at)
-            rate = weighted_sum([(way[0], known.pressure_rate), (way[1], known.angle_rate)])
-    return PathPoint(part, 1.0, at.state, at.touches, rate)
 
 
 def shear_rigidity(piece: BendingPiece, at: PieceState, known: Slopes) -> float:

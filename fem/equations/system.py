@@ -3,6 +3,7 @@
 from collections import defaultdict
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from time import perf_counter
 from typing import final
 
@@ -108,6 +109,11 @@ class System:
         strain, _ = self._strain(displacement)
         pressure = self.formulation.pressure_of(strain)
         return State(factor, displacement, pressure, strain, self.formulation.evaluate(strain, pressure).stress)
+
+    def evaluated(self, state: State) -> State:
+        """The state with the strain of its displacement and the stress of that, at its pressures."""
+        strain, _ = self._strain(state.displacement)
+        return replace(state, strain=strain, stress=self.formulation.evaluate(strain, state.pressure).stress)
 
     def assemble(self, state: State, terms: Terms) -> Assembly:
         """Gradient of the potential with the given terms at `state`.

@@ -62,6 +62,8 @@ class NewtonOptions:
     #: largest number of iterations far from equilibrium (`FAR`): where the method wanders longer, it finds nothing, or
     #: an equilibrium to which the path does not lead
     far: int = 8
+    #: whether the strain is an unknown of its own; without, a body that stretches far more than it turns takes less
+    carries: bool = True
     reuses: bool = False  #: whether the last iterations use the factor of the one before again, under a prescribed load
 
 
@@ -149,6 +151,7 @@ def solve(
             before = _Iterate(state, terms, assembly, correction, again)
             state, linearised, is_limited = _iterate(before, control, relative > CONVEX_ABOVE, options.strain)
             terms = advanced(terms, before.positions(system), state.displacement - before.state.displacement)
+            state = state if options.carries else system.evaluated(state)
     raise StepFailed(Reason("not_converged", {"iterations": most, "residual": relative}))
 
 

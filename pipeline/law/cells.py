@@ -9,8 +9,8 @@ from math import nan
 
 import numpy as np
 
+from fem.cell.inflation import inflated
 from fem.cell.piece import BendingPiece, PieceFailed
-from fem.cell.response import inflated
 from geometry import Reason
 from geometry.arrays import Index
 from pipeline.law.adaptive import AdaptiveCurve, Interval

@@ -8,9 +8,11 @@ from typing import Generic, TypeVar
 
 import numpy as np
 
+from fem.cell.air import air_volumes
 from fem.cell.boundary import Boundary
-from fem.cell.piece import BendingPiece, PieceFailed, PieceState
-from fem.cell.response import continued, inflated
+from fem.cell.inflation import along_air, unloaded
+from fem.cell.piece import SWOLLEN, BendingPiece, PieceFailed, PieceState
+from fem.cell.response import continued
 from geometry import Reason
 from geometry.arrays import Array
 from pipeline.law.cells import check_two
@@ -168,10 +170,6 @@ def _clamp_near(piece: BendingPiece, cell: CellCurve, begin: Begin | None) -> Me
     return Measured(straight_clamp(clamp_without_moment(piece, cell, begin), cell.moment))
 
 
-def _tip(piece: BendingPiece, cell: CellCurve, _: object) -> Measured[TipCurve]:
-    return tip_curve(piece, cell)
-
-
 def straight_clamp(clamp: ClampCurve, moments: Array) -> ClampCurve:
     """A clamped end of which one state is known, to first order at moments (k,) in N mm."""
     change = moments - clamp.moment[0]
@@ -184,7 +182,7 @@ def straight_clamp(clamp: ClampCurve, moments: Array) -> ClampCurve:
 CLAMP = End(ClampCurve, "clamp", "clamped end", "clamp", clamp_curve)
 #: the same to first order, as a draft has it
 CLAMP_NEAR = End(ClampCurve, "clamp_near", "clamped end", "clamp", _clamp_near)
-TIP = End(TipCurve, "tip", "tip", "free", _tip)
+TIP = End(TipCurve, "tip", "tip", "free", tip_curve)
 
 
 def clamp_alone(curves: PieceCurves, cell: CellCurve, half_cells: int) -> ClampCurve:
@@ -192,33 +190,43 @@ def clamp_alone(curves: PieceCurves, cell: CellCurve, half_cells: int) -> ClampC
     name, pieces = name_of_state(f"decay_{half_cells}", cell.pressure), curves.pieces
 
     def measure(piece: BendingPiece) -> Measured[ClampCurve]:
-        return Measured(clamp_without_moment(piece, cell, _begin(pieces, cell, half_cells)))
+        return Measured(clamp_without_moment(piece, cell, _begin(pieces, cell, half_cells, "clamp")))
 
     return curves.of_piece(ClampCurve, name, lambda: pieces.end(half_cells, "clamp"), measure).curve
 
 
-def _begin(pieces: ArmPieces, cell: CellCurve, half_cells: int) -> Begin | None:
-    """From the state of a shorter clamped end and that of the cell, or from rest; None for the shortest one."""
-    if half_cells <= HALF_CELLS:
-        return None
+def _begin(pieces: ArmPieces, cell: CellCurve, half_cells: int, start: Boundary) -> Begin | None:
+    """From the state of a shorter clamped end and that of the cell, or from rest; None for the shortest one and tips.
+
+    Along the air for those of swollen cells.
+    """
     pressure, counts = in_MPa(cell.pressure), (half_cells, half_cells - 2)
+    if half_cells <= HALF_CELLS or start == "free":
+        return (lambda _: along_air(pieces.end(half_cells, start), pressure)) if _is_swollen(pieces, cell) else None
 
     def near(angle: float) -> PieceState:
         piece, shorter = (pieces.end(count, "clamp") for count in counts)
         with suppress(PieceFailed):
-            at = straight_point(shorter, cell, _begin(pieces, cell, counts[1])).state
+            at = straight_point(shorter, cell, _begin(pieces, cell, counts[1], "clamp")).state
             of = cell_without_moment(pieces.cell, pressure).state
             start = continued(piece, shorter, at, pieces.cell, of)
             return piece.solve_near(pressure, at.angle + 2.0 * of.angle, start, piece.rest())
-        return inflated(piece, pressure, angle)
+        return unloaded(piece, pressure, angle)
 
     return near
+
+
+def _is_swollen(pieces: ArmPieces, cell: CellCurve) -> bool:
+    """Whether the air of a cell without moment has grown far more than by first order."""
+    air = float(np.interp(0.0, cell.moment, cell.volume.sum(axis=1))) * pieces.cell.body.length
+    body, space = pieces.cell.body, pieces.cell.space
+    return air > SWOLLEN * float(air_volumes(body, space, np.zeros_like(space.points)).sum())
 
 
 def end_at(curves: PieceCurves, end: End[Curve], cell: CellCurve, half_cells: int) -> Measured[Curve]:
     """One end with that many half cells beside a cell; a task. Raises `PieceFailed` and `RodError`."""
     name, pieces = name_of_state(f"{end.file}_{half_cells}", cell.pressure), curves.pieces
-    begin = _begin(pieces, cell, half_cells)
+    begin = _begin(pieces, cell, half_cells, end.start)
     try:
         curve = curves.of_piece(
             end.curve, name, lambda: pieces.end(half_cells, end.start), lambda piece: end.measure(piece, cell, begin)

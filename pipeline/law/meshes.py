@@ -13,9 +13,9 @@ from time import process_time
 
 import numpy as np
 
+from fem.cell.inflation import MAX_FAILURES, unloaded
 from fem.cell.lateral import lateral_rigidities
 from fem.cell.piece import BendingPiece, PieceFailed, PieceState
-from fem.cell.response import MAX_FAILURES, inflated
 from fem.elements import MOST_ACCURATE
 from fem.equations.linear import SingularMatrix
 from fem.post.mapped import fields_of, mapped, moved
@@ -287,7 +287,7 @@ class _Mapped:
                         return at, slope
                 point = without_moment(piece, at, CellPoint.of, close)
                 return point.state, point.slopes.moment_by_angle
-        at = inflated(piece, self.pressure, angle, failures=failures)
+        at = unloaded(piece, self.pressure, angle, failures=failures)
         point = cell_without_moment(piece, self.pressure, at)
         return point.state, point.slopes.moment_by_angle
 

@@ -10,8 +10,8 @@ from typing import Generic, TypeVar
 import numpy as np
 
 from fem.cell.any_plane import moment_beside
+from fem.cell.inflation import inflated
 from fem.cell.piece import PieceFailed
-from fem.cell.response import inflated
 from geometry.told import Told
 from pipeline.config.config import Config
 from pipeline.law.build import MeasuredLaw, deliver_law

@@ -7,8 +7,8 @@ import pytest
 
 from fem import NeoHooke, StVenantKirchhoff
 from fem.cell import piece as pieces
+from fem.cell.inflation import inflated
 from fem.cell.piece import BendingPiece
-from fem.cell.response import inflated
 from fem.discretisation import Discretisation
 from fem.path.control import Control
 from fem.path.newton import SHARPER, Converged, NewtonOptions, Start, Watch

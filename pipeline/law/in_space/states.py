@@ -13,8 +13,9 @@ from fem.cell.across import QUARTER, Straight, twist_and_shear
 from fem.cell.air import air_volumes
 from fem.cell.any_plane import bent_state, frame_of, moment_beside
 from fem.cell.boundary import Boundary, spread
+from fem.cell.inflation import inflated
 from fem.cell.piece import BendingPiece, PieceState
-from fem.cell.response import inflated, slopes
+from fem.cell.response import slopes
 from geometry.arrays import Array
 from pipeline.law.piece.point import stable
 from pipeline.law.pieces import ArmPieces

@@ -8,10 +8,9 @@ from typing import final
 import numpy as np
 
 from fem.cell.axis import Axis, axis_of
+from fem.cell.inflation import bent, unloaded
 from fem.cell.piece import BendingPiece, PieceFailed, PieceState
-from fem.cell.response import inflated, shear_rigidity, slopes
-from fem.equations.state import State
-from fem.path.predictor import extrapolate
+from fem.cell.response import shear_rigidity, slopes
 from geometry import Reason
 from geometry.arrays import Array
 from pipeline.law.adaptive import divided
@@ -27,6 +26,8 @@ INTERVALS, DIVISIONS = 2, 6
 NEAREST = 0.15
 #: the last step goes this many times as far as the law needs; smallest part of a step
 LAST, SHORTEST = 1.05, 0.25
+#: largest change of ln V in a step of a swollen cell
+SWELLING = 0.3
 #: a sweep ends where the rigidity of the cell falls below this part of that at rest: near the largest moment that
 #: the cell bears its curvature depends on the pressure too strongly to be interpolated
 SOFTENED = 0.3
@@ -149,7 +150,7 @@ def cell_without_moment(piece: BendingPiece, pressure: float, start: PieceState 
     if start is None:
 
         def from_rest() -> CellPoint:
-            return without_moment(piece, inflated(piece, pressure, 0.0), CellPoint.of)
+            return without_moment(piece, unloaded(piece, pressure, 0.0), CellPoint.of)
 
         return piece.kept(("without moment", pressure), from_rest)
     state = start if start.pressure == pressure else piece.solve(pressure, start.angle, start)
@@ -165,16 +166,15 @@ def cell_near(piece: BendingPiece, pressure_kPa: float, bend: float) -> CellSwee
 
     def side(sign: float) -> CellPoint:
         angle = middle.state.angle + sign * bend * piece.body.length
-        predicted = predicted_at(None, middle, angle)
-        return CellPoint.of(piece, piece.solve(middle.state.pressure, angle, middle.state, predicted))
+        return point_at(piece, None, middle, angle)
 
     points = [side(-1.0), middle, side(1.0)]
     return CellSweep(pressure_kPa, points, shear=[(middle.moment, shear_at(piece, middle))])
 
 
-def predicted_at(before: CellPoint | None, last: CellPoint, angle: float) -> State | None:
-    """Where Newton's method starts at an angle on the path through one or two points."""
-    return extrapolate(None if before is None else before.path_point, last.path_point, angle)
+def point_at(piece: BendingPiece, before: CellPoint | None, last: CellPoint, angle: float) -> CellPoint:
+    """The cell at another angle, in rad, on the path through one or two points. Raises `PieceFailed`."""
+    return CellPoint.of(piece, bent(piece, angle, last.state, before and before.path_point, last.path_point))
 
 
 def _sweep_to(piece: BendingPiece, sweep: CellSweep, until: Range, softest: float) -> None:
@@ -220,9 +220,11 @@ def _next_point(piece: BendingPiece, sweep: CellSweep, change: float) -> CellPoi
     if len(sweep.points) > 1:
         before = sweep.points[-2 if outward > 0 else 1]
     angle = last.state.angle + change / last.slopes.moment_by_angle
+    if piece.is_swollen(last.state.state):
+        most = SWELLING * piece.volume(last.state.state) / abs(last.slopes.moment_by_pressure)
+        angle = float(np.clip(angle, last.state.angle - most, last.state.angle + most))
     for _ in range(MAX_RETRIES):
-        predicted = predicted_at(before, last, angle)
-        point = CellPoint.of(piece, piece.solve(last.state.pressure, angle, last.state, predicted))
+        point = point_at(piece, before, last, angle)
         if abs(point.moment - last.moment) <= FARTHEST * abs(change) or outward * (point.moment - last.moment) <= 0.0:
             break
         # walls met on the way: along the tangent of the last state to where it meets that of this one, and on
@@ -248,9 +250,8 @@ def _refine(piece: BendingPiece, sweep: CellSweep) -> None:
 
     def between(first: CellPoint, second: CellPoint) -> CellPoint | None:
         angle = first.state.angle + _division(first, second) * (second.state.angle - first.state.angle)
-        predicted = predicted_at(first, second, angle)
         try:
-            return CellPoint.of(piece, piece.solve(first.state.pressure, angle, first.state, predicted))
+            return CellPoint.of(piece, bent(piece, angle, first.state, first.path_point, second.path_point))
         except PieceFailed as failure:  # keep the states on that side of the interval where there is no moment
             position, keeps_first = sweep.points.index(second), first.moment + second.moment > 0.0
             sweep.ends[1 if keeps_first else -1] = reason_of(failure)

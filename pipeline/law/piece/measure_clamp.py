@@ -10,8 +10,8 @@ from typing import final
 import numpy as np
 
 from fem.cell.axis import circle, components
+from fem.cell.inflation import unloaded
 from fem.cell.piece import BendingPiece, PieceFailed, PieceState
-from fem.cell.response import inflated
 from fem.path.predictor import extrapolate
 from geometry import Reason
 from geometry.arrays import Array
@@ -101,7 +101,7 @@ def straight_point(piece: BendingPiece, cell: CellCurve, begin: Begin | None = N
     pressure, angle = in_MPa(cell.pressure), round(cell.at(0.0)[0] * piece.body.length, DIGITS)
 
     def solve() -> PiecePoint:
-        start = begin(angle) if begin else inflated(piece, pressure, angle)
+        start = begin(angle) if begin else unloaded(piece, pressure, angle)
         return without_moment(piece, start, PiecePoint.of, NEARLY_STRAIGHT)
 
     return piece.kept(("without moment", pressure, angle), solve)

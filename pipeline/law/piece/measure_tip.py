@@ -10,6 +10,7 @@ from fem.cell.axis import circle, components
 from fem.cell.edge import FreeEdge, free_edge
 from fem.cell.piece import BendingPiece, PieceState
 from geometry.arrays import Array
+from pipeline.law.piece.measure_clamp import Begin
 from pipeline.law.piece.point import Measured, reached, stable
 from pipeline.values.pressure import in_MPa
 from rod.arm_law.curves import CellCurve, TipCurve
@@ -23,13 +24,19 @@ MIRROR = np.array([-1.0, 1.0])
 PULL_POINTS = 201
 
 
-def tip_curve(piece: BendingPiece, cell: CellCurve) -> Measured[TipCurve]:
+def tip_curve(piece: BendingPiece, cell: CellCurve, begin: Begin | None = None) -> Measured[TipCurve]:
     """The end of the arm without moment, from a state that the piece keeps; raises `PieceFailed`.
+
+    begin: gives the state without moment; None: from rest.
 
     The piece is the mirror image of the tip: its face `clamp` is the end of the arm, its face `tip` the plane.
     """
 
-    solve = partial(reached, piece, in_MPa(cell.pressure), 0.0, partial(_with_edge, piece))
+    def solve() -> tuple[PieceState, FreeEdge]:
+        if begin:
+            return _with_edge(piece, begin(0.0))
+        return reached(piece, in_MPa(cell.pressure), 0.0, partial(_with_edge, piece))
+
     state, edge = piece.kept(("edge", cell.pressure), solve)
     kappa, stretch, ripple = cell.at(0.0)
     length = piece.body.length

@@ -8,10 +8,11 @@ from typing import Any, Generic, TypeVar
 import numpy as np
 
 from fem.cell.air import air_volumes
+from fem.cell.inflation import bent, inflated
 from fem.cell.piece import BendingPiece, PieceFailed, PieceState
-from fem.cell.response import Slopes, inflated, slopes
+from fem.cell.response import Slopes, slopes
 from fem.equations.linear import SingularMatrix
-from fem.path.predictor import PathPoint, extrapolate
+from fem.path.predictor import PathPoint
 from geometry import Reason, Values
 from geometry.arrays import Array
 from pipeline.values.pressure import in_kPa
@@ -97,7 +98,7 @@ def without_moment(
         if abs(correction) < tolerance:
             return point
         angle = state.angle + float(np.clip(correction, -LARGEST_TURN, LARGEST_TURN))
-        state = piece.solve(state.pressure, angle, state, extrapolate(None, point.path_point, angle))
+        state = bent(piece, angle, state, None, point.path_point)
     values: Values = {"piece": piece.name, "pressure_kPa": in_kPa(state.pressure)}
     raise PieceFailed(Reason("no_piece_without_moment", values))
 

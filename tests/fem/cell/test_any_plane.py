@@ -8,9 +8,10 @@ from fem.cell.across import QUARTER, Straight, twist_and_shear
 from fem.cell.air import air_volumes
 from fem.cell.any_plane import BentState, bent_state, frame_of, turned
 from fem.cell.axis import axis_of
+from fem.cell.inflation import inflated
 from fem.cell.lateral import lateral_rigidities
 from fem.cell.piece import BendingPiece, PieceState
-from fem.cell.response import inflated, shear_rigidity, slopes
+from fem.cell.response import shear_rigidity, slopes
 from geometry import BisectedCircle
 from geometry.arrays import Array
 from tests.pieces import half_cell

@@ -12,8 +12,8 @@ from scipy.integrate import quad
 from scipy.optimize import minimize_scalar
 
 from fem import Fixed, Ogden
-from fem.cell.inflation import FreePoint, extremum, followed
-from fem.cell.piece import BendingPiece, PieceState
+from fem.cell.inflation import AirPath, FreePoint, along_air, bent, extremum, inflated
+from fem.cell.piece import BendingPiece, PieceFailed, PieceState
 from fem.cell.response import slopes
 from geometry import Body, Mesh, PneuNet, Rectangular
 from tests.bodies import box
@@ -60,7 +60,7 @@ def test_the_limit_pressure_of_a_tube_in_plane_strain() -> None:
 
     largest = minimize_scalar(lambda s: -pressure(s), bounds=(1.2, 6.0), method="bounded")
     piece = BendingPiece(tube(), SOFT, "free", "mixed", supports=[Fixed("clamp", "x")])
-    found = extremum(piece, *top(followed(piece)))
+    found = extremum(piece, *top(AirPath.of(piece).points()))
     assert found.pressure == pytest.approx(-largest.fun, rel=3e-3)
     stretch = np.sqrt(np.exp(found.air) / piece.volume(piece.rest().state))
     assert stretch == pytest.approx(largest.x, rel=0.03)
@@ -75,7 +75,7 @@ def soft_cell() -> BendingPiece:
 def soft_path(soft_cell: BendingPiece) -> list[FreePoint]:
     """To beyond the largest pressure."""
     points = []
-    for point in followed(soft_cell):
+    for point in AirPath.of(soft_cell).points():
         points.append(point)
         if point.rise < 0.0:
             return points
@@ -125,7 +125,7 @@ def test_states_by_volume_and_by_pressure_are_the_same(soft_cell: BendingPiece, 
 def test_slopes_by_volume_and_angle_are_those_of_neighbouring_states(touching: bool, soft_cell: BendingPiece) -> None:
     """Of pressure and moment, and of the state; beyond the largest pressure too."""
     piece = BendingPiece(half_cell(PneuNet(), 5.0), SOFT, "mirror", dhat=0.04) if touching else soft_cell
-    at = next(point for point in followed(piece) if point.state.touches or point.rise < 0.0).state
+    at = next(point for point in AirPath.of(piece).points() if point.state.touches or point.rise < 0.0).state
     volume = piece.volume(at.state)
     assert at.touches == touching
     known = slopes(piece, at)
@@ -137,3 +137,42 @@ def test_slopes_by_volume_and_angle_are_those_of_neighbouring_states(touching: b
         rate = known.rates_at_volume[column].displacement
         apart = rate - (more.state.displacement - less.state.displacement) / width
         assert np.abs(apart).max() < 1e-3 * np.abs(rate).max()
+
+
+def test_a_pressure_that_is_reached_along_the_air_is_that_of_increments(soft_cell: BendingPiece) -> None:
+    at = along_air(soft_cell, 0.022)
+    assert (at.pressure, at.negative_pivots) == (0.022, 0)
+    by_pressure = inflated(soft_cell, 0.022, at.angle)
+    assert by_pressure.distance == pytest.approx(at.distance, rel=1e-6)
+    turned = bent(soft_cell, 0.5 * at.angle, at, None, None)
+    assert turned.moment == pytest.approx(inflated(soft_cell, 0.022, 0.5 * at.angle).moment, rel=1e-4)
+
+
+def test_a_pressure_beyond_the_last_form_is_named_with_its_limit(soft_cell: BendingPiece) -> None:
+    with pytest.raises(PieceFailed) as failure:
+        inflated(soft_cell, 0.03, 0.0)
+    (reason,) = failure.value.reasons
+    assert reason.code == "beyond_limit_pressure"
+    assert reason.values["limit_kPa"] == pytest.approx(24.1, abs=0.1)
+
+
+def test_a_tube_that_stiffens_snaps_to_its_swollen_form_and_back() -> None:
+    """Between the minimum and the maximum of its pressure it has two forms."""
+
+    def made(after_snap: bool) -> BendingPiece:
+        law = Ogden((0.1, 5e-4), (1.4, 4.0), 100.0)
+        piece = BendingPiece(tube(), law, "free", "mixed", supports=[Fixed("clamp", "x")])
+        piece.after_snap = after_snap
+        return piece
+
+    rising, swollen = made(False), made(True)
+    pairs = pairwise(AirPath.of(rising).points())
+    limit = extremum(rising, *next(pair for pair in pairs if pair[0].rise > 0.0 > pair[1].rise))
+    back = extremum(rising, *next(pair for pair in pairs if pair[0].rise < 0.0 < pair[1].rise))
+    assert back.pressure < limit.pressure
+    assert back.air > limit.air
+    between, beyond = 0.5 * (back.pressure + limit.pressure), 1.02 * limit.pressure
+    first, second = along_air(rising, between), along_air(swollen, between)
+    assert rising.volume(first.state) < np.exp(limit.air)
+    assert rising.volume(second.state) > np.exp(back.air)
+    assert inflated(rising, beyond, 0.0).distance == pytest.approx(inflated(swollen, beyond, 0.0).distance)

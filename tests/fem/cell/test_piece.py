@@ -6,8 +6,9 @@ import pytest
 from fem import Hencky, Material, StrainLimitingLayer, StVenantKirchhoff
 from fem.cell.air import air_volumes
 from fem.cell.axis import axis_of, circle
+from fem.cell.inflation import inflated
 from fem.cell.piece import BendingPiece, PieceFailed
-from fem.cell.response import inflated, shear_rigidity, slopes
+from fem.cell.response import shear_rigidity, slopes
 from geometry import BisectedCircle, Body, Mesh, PneuNet, Reason, SemicircularSingle
 from geometry.curved import CurvedEdges
 from tests.pieces import end_piece, half_cell

@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 import fem
+from fem.cell.inflation import inflated
 from fem.cell.piece import BendingPiece, PieceFailed, PieceState
-from fem.cell.response import continued, inflated
+from fem.cell.response import continued
 from geometry import Reason, SemicircularSingle
 from pipeline.law.ends import displacement
 from pipeline.law.piece import measure_clamp

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 import fem
+from fem.cell.inflation import inflated
 from fem.cell.piece import BendingPiece, PieceFailed, PieceState
-from fem.cell.response import inflated
 from geometry import GRADINGS, PneuNet, Reason
 from pipeline.config.load import load_config
 from pipeline.law.piece.measure import TOLERANCE, cell_without_moment, sweep_cell
