@@ -23,7 +23,7 @@ from pipeline.law.tasks import ArmTasks, Log, PieceCurves
 from pipeline.store.parallel import Pending
 from pipeline.values.errors import RunFailed
 from pipeline.values.pressure import in_MPa, name_of_state
-from pipeline.values.reasons import render, render_all
+from pipeline.values.reasons import render
 from rod import RodError
 from rod.arm_law.between import measure_disagreement
 from rod.arm_law.curves import CellCurve
@@ -112,7 +112,7 @@ class CellMeasurer:
                 self.log.failures.append(failure_of(cell))
                 break
             cells.append(cell)
-        check_two(cells, self.log)
+        self.log.check_two(cells)
         return cells
 
     def measure_also(self, pressures: Sequence[float]) -> Cells:
@@ -188,12 +188,6 @@ class CellMeasurer:
                 continue
             self.log.count("between", deviation)
             yield deviation.curve
-
-
-def check_two(cells: Sequence[object], log: Log) -> None:
-    """Raise RunFailed for fewer than two pressures."""
-    if len(cells) < 2:
-        raise RunFailed(f"the arm's own law has fewer than two pressures: {render_all(log.failures)}")
 
 
 def is_not_reduced(errors: Sequence[float], allowed: float) -> bool:

@@ -8,14 +8,12 @@ from typing import Generic, TypeVar
 
 import numpy as np
 
-from fem.cell.air import air_volumes
 from fem.cell.boundary import Boundary
 from fem.cell.inflation import along_air, unloaded
 from fem.cell.piece import SWOLLEN, BendingPiece, PieceFailed, PieceState
 from fem.cell.response import continued
 from geometry import Reason
 from geometry.arrays import Array
-from pipeline.law.cells import check_two
 from pipeline.law.piece.measure import cell_without_moment
 from pipeline.law.piece.measure_clamp import Begin, clamp_curve, clamp_without_moment, straight_point
 from pipeline.law.piece.measure_tip import tip_curve
@@ -150,7 +148,7 @@ def measure_ends(
         log.limits.extend((*cell.limits, *clamp.limits, *tip.limits))
         clamps.append(clamp)
         tips.append(tip.curve)
-    check_two(clamps, log)
+    log.check_two(clamps)
     return cells[: len(clamps)], clamps, tips
 
 
@@ -219,8 +217,7 @@ def _begin(pieces: ArmPieces, cell: CellCurve, half_cells: int, start: Boundary)
 def _is_swollen(pieces: ArmPieces, cell: CellCurve) -> bool:
     """Whether the air of a cell without moment has grown far more than by first order."""
     air = float(np.interp(0.0, cell.moment, cell.volume.sum(axis=1))) * pieces.cell.body.length
-    body, space = pieces.cell.body, pieces.cell.space
-    return air > SWOLLEN * float(air_volumes(body, space, np.zeros_like(space.points)).sum())
+    return air > SWOLLEN * pieces.cell.volume(pieces.cell.rest().state)
 
 
 def end_at(curves: PieceCurves, end: End[Curve], cell: CellCurve, half_cells: int) -> Measured[Curve]:

@@ -1,6 +1,6 @@
 """Tasks of workers on the pieces of an arm: what they measure is kept in the result folder, and measured once."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from time import perf_counter
 from typing import Any, Concatenate, ParamSpec, TypeVar
@@ -15,7 +15,9 @@ from pipeline.store.kept import KeptFile
 from pipeline.store.parallel import Pending, TaskContext
 from pipeline.store.progress import Progress
 from pipeline.store.store import Store
+from pipeline.values.errors import RunFailed
 from pipeline.values.pressure import name_of_state
+from pipeline.values.reasons import render_all
 from rod.arm_law.curves import ClampCurve, TipCurve
 
 P = ParamSpec("P")
@@ -81,6 +83,11 @@ class Log:
     failures: list[Reason] = field(default_factory=list)  #: pressures that the pieces do not bear
     factorizations: dict[str, int] = field(default_factory=lambda: dict.fromkeys(PARTS, 0))
     seconds: dict[str, float] = field(default_factory=lambda: dict.fromkeys(PARTS, 0.0))
+
+    def check_two(self, cells: Sequence[object]) -> None:
+        """Raise RunFailed for fewer than two pressures."""
+        if len(cells) < 2:
+            raise RunFailed(f"the arm's own law has fewer than two pressures: {render_all(self.failures)}")
 
     def count(self, part: str, *measured: Measured[Any] | None) -> None:
         """Add the work for what was measured."""
