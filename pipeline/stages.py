@@ -323,7 +323,7 @@ def _tolerances(config: Config, law: ArmLaw | None) -> Iterator[Reason]:
             return
         most = budget.largest()
         values: Values = {
-            "process": budget.process,
+            "process": budget.making,
             "percent": 100.0 * budget.total("tip"),
             "pressure_kPa": pressure,
             "parameter": most.parameter,

@@ -187,8 +187,8 @@ def _refuse_effects(config: Config) -> None:
     if config.draft:
         raise InputError(f"{config.source}: draft: this arm has a law in space, which has no draft; leave it out")
     if config.effects.gravity.on:
-        remedy = "leave it out; `pneurod rod` takes --orientation"
-        raise InputError(f"{config.source}: effects.gravity: the law in space has no weight in it; {remedy}")
+        remedy = "add it with `pneurod rod --orientation`"
+        raise InputError(f"{config.source}: effects.gravity must be off: the law in space excludes weight; {remedy}")
     if config.effects.strain_limiting_layer.on:
         raise InputError(f"{config.source}: effects.strain_limiting_layer: the law in space has no layer; leave it out")
 

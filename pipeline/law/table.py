@@ -105,7 +105,7 @@ def space_sentences(measured: MeasuredInSpace) -> tuple[str, ...]:
     lines = [
         f"The law interpolates {measured.states} states of a half cell; its moments are right to "
         f"{percent(law.error)} of the largest.",
-        f"It is known within {1e3 * law.reach:.3g} 1/m of the curvature without load.",
+        f"Valid up to {1e3 * law.reach:.3g} 1/m from the unloaded curvature.",
     ]
     if measured.changes is not None:
         curvature, rigidity = map(percent, measured.changes)

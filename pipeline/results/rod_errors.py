@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -11,7 +11,7 @@ from geometry.errors import Reason, Values
 from pipeline.values.formats import ARM_LAW, EXTENSIBLE, FIVE
 from pipeline.values.formatting import percent
 from pipeline.values.law import DRAFT, DeliveredLaw
-from pipeline.values.parameters import Column
+from pipeline.values.parameters import Column, Numbers
 from pipeline.values.run import SMALLEST_TURN, RodError, Run
 
 #: the rods in words
@@ -20,10 +20,12 @@ TITLES = {
     EXTENSIBLE: "five parameters and stretch",
     ARM_LAW: "the arm's own law",
 }
-#: distance over the length beyond which no rod is recommended
-POOR = 0.10
-#: relative error of the mesh above which a number should not be used
-LARGE_MESH_ERROR = 0.10
+#: errors up to which a rod is recommended, of rod and mesh together: of the shape over the length, and of the force
+#: over the largest one
+LARGEST_SHAPE, LARGEST_FORCE = 0.05, 0.10
+#: relative error of a moment or a rigidity above which forces at its pressure are noted; part of the largest moment
+#: below which a moment is too small to be noted
+NOTED, SMALL = 0.10, 0.10
 #: errors of shape and of force below which one rod is as good as another
 EQUAL = 1e-3
 
@@ -77,60 +79,68 @@ def _largest(values: Iterable[float | None]) -> float | None:
 def rod_errors(run: Run) -> tuple[RodErrors, ...]:
     """The errors of every rod, the rod to take first.
 
-    A rod without a solution under some load comes behind those that have one, and a rod farther than `POOR` last. Of
-    two others that is first which is nearer by the larger factor, in shape or in force.
+    A rod that `RodAndMesh.is_good` comes before the others, then one that bears at least half of its loads. Of two such
+    that is first which is nearer by the larger factor, in shape or in force. All is of rod and mesh together; a mesh
+    whose error is not known for a rod has that of the other rods here.
     """
+    found = [RodErrors.of(run, rod) for rod in run.rods]
+    parts = [(_shape_by_mesh(run, errors.rod), mesh_errors(run, errors.rod).force or 0.0) for errors in found]
+    others = [max(part) for part in zip(*parts, strict=True)]
 
-    def rank(errors: RodErrors) -> tuple[bool, int, float]:
-        both = max(errors.shape, EQUAL) * max(errors.force, EQUAL)
-        return errors.shape > POOR, errors.loads_without_solution, both
+    def rank(errors: RodErrors) -> tuple[bool, bool, float]:
+        both, part = rod_and_mesh(run, errors), [0.0, 0.0] if mesh_errors(run, errors.rod).is_known else others
+        both = replace(both, shape=both.shape + part[0], force=(both.force or 0.0) + part[1])
+        loads = errors.loads_in_sample + errors.loads_out_of_sample
+        product = max(both.shape, EQUAL) * max(both.force or 0.0, EQUAL)
+        return not both.is_good, errors.loads_without_solution > loads, product
 
-    return tuple(sorted((RodErrors.of(run, rod) for rod in run.rods), key=rank))
+    return tuple(sorted(found, key=rank))
 
 
 @dataclass(frozen=True)
 class MeshErrors:
-    """Relative errors of a rod's numbers because of the mesh, one standard deviation; None where not estimated."""
+    """Errors of a rod's numbers because of the mesh, one standard deviation each; None where not estimated."""
 
-    kappa_0: float | None
-    rigidity: float | None
-    force: float | None  #: the moment that bends a cell, or the force in experiment III
+    kappa_0: float | None = None  #: over the largest curvature without load, or over one that bends the arm little
+    rigidity: float | None = None  #: relative, at the worst pressure
+    force: float | None = None  #: over the largest one: of the moments that bend a cell, or of the forces in III
+
+    @property
+    def is_known(self) -> bool:
+        """Whether one of them is."""
+        return self.largest is not None
 
     @property
     def largest(self) -> float | None:
-        """The largest of those that are known."""
+        """The largest of the relative ones that are known."""
         return _largest([self.kappa_0, self.rigidity, self.force])
-
-    @property
-    def worst(self) -> tuple[str, float]:
-        """The quantity with the largest error in words, and the error."""
-        errors = {"curvature without load": self.kappa_0, "bending rigidity": self.rigidity, "moment": self.force}
-        return max(((name, error or 0.0) for name, error in errors.items()), key=lambda pair: pair[1])
 
 
 def mesh_errors(run: Run, rod: str) -> MeshErrors:
-    """The errors of the mesh in the numbers of a rod, at the worst pressure."""
+    """The errors of the mesh in the numbers of a rod."""
     if rod == ARM_LAW:
         return law_mesh_errors(run.law)
-    known = run.parameters.mesh_error
+    five, known = run.parameters, run.parameters.mesh_error
     if known is None:
-        return MeshErrors(None, None, None)
-    return MeshErrors(*map(_largest, (known.kappa_0_relative, known.alpha2_relative, known.force_relative)))
+        return MeshErrors()
+    held = {s.pressure_kPa: math.hypot(*s.reaction_N) for s in run.states if s.experiment == "III" and s.reached}
+    forces = tuple(held.get(pressure) for pressure in five.pressures_kPa)
+    return MeshErrors(
+        _over_largest(five.kappa_0.middle_per_mm, _kappa_0_errors(run, rod)[1], SMALLEST_TURN / run.length_mm),
+        _largest(known.alpha2_relative),
+        _over_largest(forces, _products(forces, known.force_relative), 0.0),
+    )
 
 
 def law_mesh_errors(law: DeliveredLaw | None) -> MeshErrors:
-    """The errors of the mesh in the numbers of an arm's own law: of curvature and moment over their largest values.
-
-    Both may pass through zero at a pressure, where the shape is as certain as elsewhere; see `uncertain_forces`.
-    """
+    """The errors of the mesh in the numbers of an arm's own law."""
     if law is None or not law.mesh_error:
-        return MeshErrors(None, None, None)
+        return MeshErrors()
     error, turning = law.mesh_error, SMALLEST_TURN / law.law.length
     stiffest = _largest(error.rigidity_N_mm2) or 0.0
-    rigidity = _relative(error.rigidity_N_mm2, error.rigidity_N_mm2_std)
     return MeshErrors(
         _over_largest(error.kappa_0_per_mm, error.kappa_0_per_mm_std, turning),
-        _largest(relative for relative in rigidity if relative is not None),
+        _largest(_relative(error.rigidity_N_mm2, error.rigidity_N_mm2_std)),
         _over_largest(error.moment_N_mm, error.moment_N_mm_std, 0.5 * turning * stiffest),
     )
 
@@ -140,29 +150,41 @@ def unknown_mesh_error(run: Run) -> Reason:
     return Reason("draft", {"draft": DRAFT}) if run.law and run.law.draft else Reason("mesh_error_unknown")
 
 
-def uncertain_forces(law: DeliveredLaw | None) -> Reason | None:
-    """Pressures at which the moment that straightens the cells is uncertain by more than a tenth of itself, if any."""
-    if law is None or not law.mesh_error:
-        return None
-    error = law.mesh_error
-    relative = _relative(error.moment_N_mm, error.moment_N_mm_std)
-    found = {p: one for p, one in zip(error.pressures_kPa, relative, strict=False) if p and one}
-    wide = {pressure: one for pressure, one in found.items() if one > LARGE_MESH_ERROR}
-    values: Values = {"pressures_kPa": list(wide), "percent": 100.0 * max(wide.values(), default=0.0)}
-    return Reason("forces_uncertain", values) if wide else None
+def uncertain_forces(run: Run, rod: str) -> Reason | None:
+    """Pressures at which a rigidity, or a moment that is not small, is uncertain by more than a tenth of itself."""
+    law, five = run.law and run.law.mesh_error, run.parameters.mesh_error
+    if rod == ARM_LAW and law:
+        moments = _relative(law.moment_N_mm, law.moment_N_mm_std, SMALL * (_largest(law.moment_N_mm) or 0.0))
+        found = [
+            (law.pressures_kPa, moments),
+            (law.pressures_kPa, _relative(law.rigidity_N_mm2, law.rigidity_N_mm2_std)),
+        ]
+    else:
+        found = [(run.parameters.pressures_kPa, five.alpha2_relative)] if five and rod != ARM_LAW else []
+    rows = [(p, one) for at, column in found for p, one in zip(at, column, strict=False) if one and one > NOTED]
+    values: Values = {
+        "pressures_kPa": sorted({p for p, _ in rows}),
+        "percent": 100.0 * max((e for _, e in rows), default=0.0),
+    }
+    return Reason("forces_uncertain", values) if rows else None
 
 
-def _relative(values: Column, deviations: Column) -> list[float | None]:
-    """Deviations over their values; None where one of them is not known, or the value is zero."""
-    return [
-        None if not value or std is None else std / abs(value) for value, std in zip(values, deviations, strict=False)
-    ]
+def _relative(values: Column, deviations: Column, least: float = 0.0) -> Column:
+    """Deviations over their values; None where one of them is not known, or the value is not above the least one."""
+    return tuple(
+        None if value is None or std is None or abs(value) <= least else std / abs(value)
+        for value, std in zip(values, deviations, strict=False)
+    )
+
+
+def _products(values: Column, parts: Column) -> Column:
+    return tuple(a * b if a is not None and b is not None else None for a, b in zip(values, parts, strict=False))
 
 
 def _over_largest(values: Column, deviations: Column, least: float) -> float | None:
     """The largest deviation over the largest value, or over the least value that counts."""
-    largest = _largest(deviations)
-    return None if largest is None else largest / max(_largest(values) or 0.0, least)
+    largest, over = _largest(deviations), max(_largest(values) or 0.0, least)
+    return None if largest is None or not over else largest / over
 
 
 @dataclass(frozen=True)
@@ -178,19 +200,23 @@ class RodAndMesh:
     @property
     def is_known(self) -> bool:
         """Whether the error of the shape is."""
-        return math.isfinite(self.shape) and (self.is_compared or self.mesh.largest is not None)
+        return math.isfinite(self.shape) and (self.is_compared or self.mesh.is_known)
+
+    @property
+    def is_good(self) -> bool:
+        """Whether the rod is recommended."""
+        return self.shape <= LARGEST_SHAPE and (self.force or 0.0) <= LARGEST_FORCE
 
     @property
     def text(self) -> str:
         """The errors of shape and force in words."""
-        if not self.is_compared and self.mesh.largest is None:
+        if not self.is_compared and not self.mesh.is_known:
             return "its errors are not known; no whole arm was solved"
-        if not self.is_compared:
-            moved = f"error of the shape {percent(self.shape)} of the length because of its mesh"
-            return f"{moved}; no whole arm was solved"
         force = "" if self.force is None else f", of the force {percent(self.force)}"
-        mesh = "rod and mesh added" if self.mesh.largest is not None else "without the error of the mesh"
-        return f"error of the shape {percent(self.shape)} of the length{force} ({mesh})"
+        errors = f"error of the shape {percent(self.shape)} of the length{force}"
+        if not self.is_compared:
+            return f"{errors} because of its mesh; no whole arm was solved"
+        return f"{errors} ({'rod and mesh added' if self.mesh.is_known else 'without the error of the mesh'})"
 
 
 def rod_to_take(run: Run, errors: Sequence[RodErrors] | None = None) -> tuple[str, RodAndMesh] | None:
@@ -201,39 +227,54 @@ def rod_to_take(run: Run, errors: Sequence[RodErrors] | None = None) -> tuple[st
     ranked = rod_errors(run) if errors is None else errors
     if ranked:
         return ranked[0].rod, rod_and_mesh(run, ranked[0])
-    return (ARM_LAW, _of_mesh_alone(run.law, mesh_errors(run, ARM_LAW))) if run.law else None
+    if run.law is None:
+        return None
+    mesh = law_mesh_errors(run.law)
+    return ARM_LAW, RodAndMesh(_shape_by_mesh(run, ARM_LAW), mesh.force, None, mesh, is_compared=False)
 
 
 def rod_and_mesh(run: Run, errors: RodErrors) -> RodAndMesh:
     """The errors of a rod together with those of its mesh."""
-    mesh = mesh_errors(run, errors.rod)
-    bent = [curve for curve in run.curves_of("II") if not curve.load]
-    largest = _largest(row.force_N for row in run.rod_errors)
-    moved = (tip_moves_by(curve["s_mm"], curve["theta_rad"], mesh.kappa_0 or 0.0) for curve in bent)
+    mesh, largest = mesh_errors(run, errors.rod), _largest(row.force_N for row in run.rod_errors)
     return RodAndMesh(
-        shape=errors.shape + max(moved, default=0.0),
+        shape=errors.shape + _shape_by_mesh(run, errors.rod),
         force=None if largest is None else errors.force + (mesh.force or 0.0),
         largest_N=largest,
         mesh=mesh,
     )
 
 
-def _of_mesh_alone(law: DeliveredLaw, mesh: MeshErrors) -> RodAndMesh:
-    """Of the arm without a load, as circular arcs."""
-    angles = [state.bending_deg for state in law.unloaded]
-    angles += [law.most_bent[1].bending_deg] if law.most_bent else []
-    arcs = [np.linspace(0.0, math.radians(angle), 50) for angle in angles]
-    moved = (tip_moves_by(np.linspace(0.0, 1.0, 50), arc, mesh.kappa_0 or 0.0) for arc in arcs)
-    return RodAndMesh(max(moved, default=0.0), None, None, mesh, is_compared=False)
+def _shape_by_mesh(run: Run, rod: str) -> float:
+    """How far the mesh moves the arm without a load, over the length; 0 where that is not known.
 
-
-def tip_moves_by(s: Array, theta: Array, relative: float) -> float:
-    """Largest distance over the length that a curve moves by where all of its curvature is larger by a fraction.
-
-    s, theta: (n,) rest arc lengths and angles in rad.
+    Without finite elements of the arm it is an arc.
     """
-    more = theta[0] + (1.0 + relative) * (theta - theta[0])
-    apart = _positions(s, more) - _positions(s, theta)
+    bent = [(one.pressure_kPa, one["s_mm"], one["theta_rad"]) for one in run.curves_of("II") if not one.load]
+    if run.law and not bent:
+        s = np.linspace(0.0, run.law.law.length, 50)
+        bent = [(u.pressure_kPa, s, math.radians(u.bending_deg) * s / s[-1]) for u in run.law.unloaded]
+    known = {p: error for p, error in zip(*_kappa_0_errors(run, rod), strict=False) if error is not None}
+    if not known:
+        return 0.0
+    more = [float(np.interp(p, list(known), list(known.values()))) for p, _, _ in bent]
+    return max((tip_moves_by(s, theta, by) for by, (_, s, theta) in zip(more, bent, strict=True)), default=0.0)
+
+
+def _kappa_0_errors(run: Run, rod: str) -> tuple[Numbers, Column]:
+    """Pressures, and deviations of the curvature without load because of the mesh in 1/mm; empty where not known."""
+    if rod == ARM_LAW:
+        error = run.law.mesh_error if run.law else None
+        return (error.pressures_kPa, error.kappa_0_per_mm_std) if error else ((), ())
+    five, known = run.parameters, run.parameters.mesh_error
+    return five.pressures_kPa, _products(five.kappa_0.middle_per_mm, known.kappa_0_relative) if known else ()
+
+
+def tip_moves_by(s: Array, theta: Array, more: float) -> float:
+    """Largest distance over the length that a curve moves by where it is bent by a curvature more, 1/mm.
+
+    s, theta: (n,) rest arc lengths in mm and angles in rad.
+    """
+    apart = _positions(s, theta + more * (s - s[0])) - _positions(s, theta)
     return float(np.hypot(*apart).max() / (s[-1] - s[0]))
 
 

@@ -14,6 +14,7 @@ from rod.arm_law.law import ArmLaw
 from rod.errors import RodError
 from rod.load import Load
 from rod.mechanics.equilibrium import Rod
+from rod.weight import Weighing, weighted
 
 State = TypeVar("State")
 
@@ -77,6 +78,16 @@ def _steep(law: ArmLaw) -> Reason | None:
     change = abs(unloaded_state(law, high).bending_deg - unloaded_state(law, low).bending_deg) / (high - low)
     percent = 100.0 * KNOWN_DEG / (change * 0.5 * (low + high))
     return Reason("steep", {"low_kPa": low, "high_kPa": high, "deg_per_kPa": change, "percent": percent})
+
+
+def weight_not_borne(law: ArmLaw) -> Reason | None:
+    """That a law without gravity does not bear the weight of its arm lying, at its lowest pressure, where it lies
+    straightest; None where it does, and without a mass."""
+    if law.mass is None or any(law.weight):
+        return None
+    pressure, lying = law.pressures[0], Weighing(law.mass, law.length, (0.0, 0.0), is_identified=False)
+    borne = law.at(pressure).part_borne(weighted(Load(), lying, True, "lying", 0.0))
+    return Reason("weight_not_borne", {"pressure_kPa": pressure, "percent": 100.0 * borne}) if borne < 1.0 else None
 
 
 def named_states(states: Sequence[State]) -> tuple[State, ...]:

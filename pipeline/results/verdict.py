@@ -4,17 +4,19 @@ The verdict is one value. The terminal, the report, `pneurod run --json` and `pn
 """
 
 import shlex
-from dataclasses import asdict, dataclass
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass, replace
 from html import escape
-from math import isinf
+from math import inf, isinf
+from typing import Any
 
 import numpy as np
 
-from geometry import Reason
+from geometry import Reason, Values
 from geometry.told import Told
 from pipeline.results.rod_errors import (
-    LARGE_MESH_ERROR,
-    POOR,
+    LARGEST_FORCE,
+    LARGEST_SHAPE,
     TITLES,
     MeshErrors,
     RodAndMesh,
@@ -24,11 +26,11 @@ from pipeline.results.rod_errors import (
     uncertain_forces,
     unknown_mesh_error,
 )
-from pipeline.results.unloaded import limit_of, named_states
+from pipeline.results.unloaded import limit_of, named_states, weight_not_borne
 from pipeline.values.formats import ARM_LAW, EXTENSIBLE, FIVE
 from pipeline.values.formatting import number, round_down
 from pipeline.values.json_values import JsonObject
-from pipeline.values.reasons import report_reason, shorten
+from pipeline.values.reasons import NO_PARAMETERS, report_reason, shorten
 from pipeline.values.record import Reported
 from pipeline.values.run import Run
 
@@ -58,6 +60,11 @@ RANKS = (
         "hardly_bent",
     ),
     *("rigidity_open", "one_rigidity_poor"),
+)
+#: codes of remarks on the five parameters alone
+OF_FIVE = frozenset(
+    {"rigidity_open", "one_rigidity_poor", "one_line_or_two", "long_cells", "unequal_cells", "few_pressures"}
+    | {"few_reached", *NO_PARAMETERS}
 )
 
 
@@ -94,6 +101,8 @@ class Verdict(Told):
     bending: tuple[Bending, ...]  #: by ascending pressure
     rod: str  #: the rod to take: five, five_extensible or arm_law; empty where none was compared
     refusal: Reported | None  #: why no rod of this run should be used; None where `rod` can be
+    falls: Reported | None  #: that the arm without a load falls over, and from which pressure on
+    not_borne: tuple[Reported, ...]  #: what the rod to take does not bear: loads of the run, its own weight
     shape_error: float | None  #: of the rod to take over the length, rod and mesh together
     force_error: float | None  #: over the largest force, rod and mesh together
     mesh: MeshErrors  #: the part of the mesh in them
@@ -115,7 +124,7 @@ class Verdict(Told):
     @property
     def lines(self) -> tuple[str, ...]:
         """The verdict in words, at most eight lines."""
-        lines = [*self._leaves_plane(), self._bends(), self.limit.text if self.limit else "", self._takes()]
+        lines = [*self._leaves_plane(), *self._bends(), self.limit.text if self.limit else "", self._takes()]
         lines += [self.tolerances.text] if self.usable and self.tolerances else []
         lines += [self.in_time.text] if self.usable and self.in_time else []
         lines += [self._holds(), self.command, *self._not_reached()]
@@ -128,14 +137,16 @@ class Verdict(Told):
     def _leaves_plane(self) -> list[str]:
         return [f"{self.design}: {self.refusal.text}"] if self.refusal and self.refusal.code == OUT_OF_PLANE else []
 
-    def _bends(self) -> str:
+    def _bends(self) -> list[str]:
+        length, draft = number(self.length_mm), " (draft)" if self.draft else ""
+        falls = [f"{self.design}, {length} mm long: {self.falls.text}"] if self.falls else []
         if not self.bending:
-            return f"{self.design}: the arm without a load was not reached at any pressure."
+            return falls or [f"{self.design}: the arm without a load was not reached at any pressure."]
         named = named_states(self.bending)
         angles = ", ".join(f"{b.angle_deg:.0f}°" for b in named)
         pressures, tips = ", ".join(b.pressure for b in named), ", ".join(b.tip for b in named)
-        length, draft = number(self.length_mm), " (draft)" if self.draft else ""
-        return f"{self.design}{draft}, {length} mm long, bends by {angles} at {pressures} kPa; its tip is at {tips} mm."
+        arm = f"{self.design}{draft}, {length} mm long,"
+        return [*falls, f"{arm} bends by {angles} at {pressures} kPa; its tip is at {tips} mm."]
 
     def _takes(self) -> str:
         if self.refusal is not None:
@@ -151,16 +162,17 @@ class Verdict(Told):
         low, high = self.pressures_kPa
         moments = ""
         if self.moments_N_mm is not None:
-            moments = (
-                f"; at {high:.4g} kPa for moments from {self.moments_N_mm[0]:.3g} to {self.moments_N_mm[1]:.3g} N mm"
-            )
-        return f"It holds from {low:.4g} to {high:.4g} kPa{moments}."
+            least, most = self.moments_N_mm
+            moments = f"; at {high:.4g} kPa for bending moments of {least:.3g} to {most:.3g} N mm"
+        not_borne = [one.text for one in self.not_borne]
+        return " ".join([f"Valid from {low:.4g} to {high:.4g} kPa{moments}.", *not_borne])
 
     def _not_reached(self) -> list[str]:
-        if not self.failures:
+        failures = [one for one in self.failures if not (self.falls and one.code in NO_PARAMETERS)]
+        if not failures:
             return []
-        more = f" ({len(self.failures) - 1} more in the report)" if len(self.failures) > 1 else ""
-        return [f"Not reached: {shorten(self.failures[0])}{more}"]
+        more = f" ({len(failures) - 1} more in the report)" if len(failures) > 1 else ""
+        return [f"Not reached: {shorten(failures[0])}{more}"]
 
     def record(self) -> JsonObject:
         """The verdict as `pneurod run --json` writes it."""
@@ -173,28 +185,30 @@ def verdict_of(run: Run) -> Verdict:
     """The verdict on the results of a run."""
     errors = rod_errors(run)
     rod, both = rod_to_take(run, errors) or ("", None)
-    mesh = MeshErrors(None, None, None) if both is None else both.mesh
-    refusal = _refusal(run, errors, mesh)
+    refusal = _refusal(run, errors, both)
     usable = bool(rod) and refusal is None
     limit = limit_of(run.law) if rod == ARM_LAW and run.law else None
+    stands_to: Any = run.falls.values["pressure_kPa"] if run.falls else inf
     return Verdict(
         design=run.design,
         length_mm=run.length_mm,
         draft=bool(run.law and run.law.draft),
-        bending=_bending(run, rod),
+        bending=tuple(state for state in _bending(run, rod) if state.pressure_kPa < stands_to),
         rod=rod,
         refusal=refusal,
+        falls=run.falls,
+        not_borne=tuple(map(report_reason, _not_borne(run, rod, errors))) if usable else (),
         shape_error=both.shape if both and usable else None,
         force_error=both.force if both and usable else None,
-        mesh=mesh,
+        mesh=MeshErrors() if both is None else both.mesh,
         pressures_kPa=_pressures(run, rod) if rod else None,
         moments_N_mm=_moments(run, rod) if rod else None,
         tolerances=next((remark for remark in run.remarks if remark.code in (TOLERANCES, *CALIBRATED)), None),
         in_time=next((remark for remark in run.remarks if remark.code == IN_TIME), None),
         limit=report_reason(limit) if limit else None,
-        command=_use(run, rod) if usable else _instead(run, rod, mesh),
+        command=_use(run, rod) if usable else _instead(run, rod, errors, both),
         failures=run.failures,
-        warnings=_warnings(run, rod, mesh, refusal),
+        warnings=_warnings(run, rod, both, refusal),
         errors=errors,
     )
 
@@ -211,19 +225,28 @@ def _bending(run: Run, rod: str) -> tuple[Bending, ...]:
     return tuple(Bending(curve.pressure_kPa, run.bending_deg(curve.pressure_kPa), *curve.tip_mm) for curve in bent)
 
 
-def _refusal(run: Run, errors: tuple[RodErrors, ...], mesh: MeshErrors) -> Reported | None:
-    """Why no rod should be used: the arm leaves its plane, no fit meets it, the mesh is coarse, or rods are far off."""
+def _refusal(run: Run, errors: tuple[RodErrors, ...], both: RodAndMesh | None) -> Reported | None:
+    """Why no rod should be used: the arm leaves its plane, no fit meets it, or shape or force are too far off."""
     if told := next((remark for remark in run.remarks if remark.code in (OUT_OF_PLANE, NOT_CALIBRATED)), None):
         return told
-    if errors and isinf(errors[0].shape):
+    if both is None or both.is_good:
+        return None
+    if isinf(both.shape):
         why = next((row.reason for row in run.errors_of(errors[0].rod) if row.reason), "")
         return report_reason(Reason("no_rod_bends", {"why": why.rstrip(".") or "it was compared under no load"}))
-    if errors and errors[0].shape > POOR:
-        return report_reason(Reason("no_rod_is_near", {"percent": 100.0 * errors[0].shape}))
-    if (mesh.largest or 0.0) > LARGE_MESH_ERROR:
-        quantity, error = mesh.worst
-        return report_reason(Reason("mesh_too_coarse", {"percent": 100.0 * error, "quantity": quantity}))
-    return None
+    values: Values = {"shape_percent": 100.0 * both.shape, "force_percent": 100.0 * (both.force or 0.0)}
+    limits = {"most_shape_percent": 100.0 * LARGEST_SHAPE, "most_force_percent": 100.0 * LARGEST_FORCE}
+    return report_reason(Reason("no_rod_is_near", {"errors": both.text, **values, **limits}))
+
+
+def _not_borne(run: Run, rod: str, errors: tuple[RodErrors, ...]) -> Iterator[Reason]:
+    """What a rod does not bear: loads that it was compared under, and its own weight."""
+    if errors and errors[0].loads_without_solution:
+        rows = run.errors_of(rod)
+        lost = [row.location for row in rows if row.reason]
+        yield Reason("loads_not_borne", {"count": len(lost), "loads": len(rows), "load": lost[0]})
+    if rod == ARM_LAW and run.law and run.law.plane and (weight := weight_not_borne(run.law.plane)):
+        yield weight
 
 
 def _pressures(run: Run, rod: str) -> tuple[float, float] | None:
@@ -266,31 +289,35 @@ def _load(run: Run, pressures: tuple[float, float] | None) -> str:
     return f" --end-y '{round(held.tip_mm[1], 6) + 0.0:g} mm'"
 
 
-def _instead(run: Run, rod: str, mesh: MeshErrors) -> str:
+def _instead(run: Run, rod: str, errors: tuple[RodErrors, ...], both: RodAndMesh | None) -> str:
     """What to do where no rod can be used."""
-    if (mesh.largest or 0.0) > LARGE_MESH_ERROR:
+    alone = [replace(both, shape=one.shape, force=one.force) for one in errors[:1] if both]
+    if both and not both.is_good and all(one.is_good for one in alone):
         if rod == ARM_LAW:
             return "" if run.config.get("accuracy") else "Next: repeat the run with --accuracy 1% and another --out."
         if run.mesh is None or run.mesh.from_file:
             return "Next: run the body with a finer mesh."
         finer = f"--set mesh.size='{FINER * run.mesh.size_mm:.2g} mm'"
         return f"Next: mesh.size was {run.mesh.size_mm:g} mm; repeat the run with {finer} and another --out."
-    if run.failures:
+    if run.failures and not run.falls:
         return "Next: give lower pressures, or change walls or material, in another --out."
     return ""
 
 
-def _warnings(run: Run, rod: str, mesh: MeshErrors, refusal: Reported | None) -> tuple[Reported, ...]:
-    """The most important remarks on the run and on its rod."""
+def _warnings(run: Run, rod: str, both: RodAndMesh | None, refusal: Reported | None) -> tuple[Reported, ...]:
+    """The most important remarks on the run and on its rod; none on five parameters where another rod is taken."""
     of_rod = []
-    if rod and mesh.largest is None and not (run.law and run.law.has_rows):
-        of_rod.append(report_reason(unknown_mesh_error(run)))
-    if rod == ARM_LAW and refusal is None and (uncertain := uncertain_forces(run.law)):
-        of_rod.append(report_reason(uncertain))
+    if both and not both.mesh.is_known and not (run.law and run.law.has_rows):
+        of_rod.append(unknown_mesh_error(run))
+    if rod and refusal is None:
+        of_rod += filter(None, [uncertain_forces(run, rod)])
     if rod in (FIVE, EXTENSIBLE):
-        of_rod.append(report_reason(Reason("offsets_bend")))
-    said = {TOLERANCES, *CALIBRATED, IN_TIME} | {reason.code for reason in (*run.failures, *filter(None, [refusal]))}
+        of_rod.append(Reason("offsets_bend"))
+    said = {TOLERANCES, *CALIBRATED, IN_TIME} | {
+        one.code for one in (*run.failures, *filter(None, [refusal, run.falls]))
+    }
+    said |= (OF_FIVE if rod == ARM_LAW else set()) | ({"hardly_bent"} if run.falls else set())
     shown = [remark for remark in run.remarks if remark.code not in said]
     ranked = sorted(shown, key=lambda remark: RANKS.index(remark.code) if remark.code in RANKS else len(RANKS))
     known = [remark for remark in ranked if remark.code in RANKS]
-    return tuple([*known, *of_rod, *ranked[len(known) :]][:MOST_WARNINGS])
+    return tuple([*known, *map(report_reason, of_rod), *ranked[len(known) :]][:MOST_WARNINGS])

@@ -55,8 +55,8 @@ TEMPLATES: Mapping[str, str] = {
     # states
     "unstable_states": "the arm falls over {way}: its equilibrium at {pressure_kPa:g} kPa ({experiment}) is unstable "
     "in {directions} direction(s); hold the end, or make it shorter or stiffer",
-    "beyond_law": "{percent:.2g} % of the volume of {part} has stretches for which law {law} does not hold "
-    "({holds_from:.2f} to {holds_to:.2f}; {experiment}, {pressure_kPa:g} kPa); set material.law: {instead}",
+    "beyond_law": "in {percent:.2g} % of the volume of {part} stretches leave the range of {law}, {holds_from:.2f} to "
+    "{holds_to:.2f} (experiment {experiment}, {pressure_kPa:g} kPa); set material.law: {instead}",
     "out_of_plane": "the arm leaves its plane by {distance_mm:.3g} mm and moves by "
     "{deflection_mm:.3g} mm in it ({experiment}, {pressure_kPa:g} kPa); `pneurod cell` gives its law in space",
     "volume_lost": "{share:g} % of the material loses {percent:.0f} % of its volume or more, most at {at} "
@@ -67,12 +67,12 @@ TEMPLATES: Mapping[str, str] = {
     "higher pressures, thinner walls or another end.y",
     "few_reached": "{count} of {given} pressures have five parameters, too few to show how these change; give more "
     "and lower pressures",
-    "rigidity_open": "the rigidity {rigidity} is between {low:.3g} and {high:.3g} N mm² at {pressure_kPa:g} kPa; give "
-    "higher pressures, or use the arm's own law",
-    "one_rigidity_poor": "R² is {r2:.2f} at {pressure_kPa:g} kPa: one rigidity does not describe this arm; use the "
-    "arm's own law",
+    "rigidity_open": "the rigidity {rigidity} is between {low:.3g} and {high:.3g} N mm² at {pressure_kPa:g} kPa; "
+    "higher pressures tell it better",
+    "one_rigidity_poor": "R² is {r2:.2f} at {pressure_kPa:g} kPa: parts of this arm differ in rigidity, and α₂ is "
+    "their mean",
     "one_line_or_two": "at {pressures_kPa:g} kPa one line (α₂ {single_N_mm2:.3g} N mm²) or two ({two_N_mm2:.3g}) are "
-    "nearly as good; add pressures or use the arm's own law",
+    "nearly as good; added pressures tell which",
     "approximate_contact": "sliding contact changes the end by about {end_mm:.2g} mm and {end_N:.2g} N "
     "({experiment}, {pressure_kPa:g} kPa); compare with a smaller mesh.size",
     "contact_not_compared": "sliding contact in {states} is approximate by an unknown amount; compare with a smaller "
@@ -151,15 +151,16 @@ TEMPLATES: Mapping[str, str] = {
     "on_coarser_mesh": "on the mesh {factor:g} times as coarse: {why}",
     "not_compared_with_mixed": "p2p0 elements could not be compared with mixed ones: {why}",
     # the rods
-    "no_rod_is_near": "do not use a rod of this run, because the nearest one is {percent:.2g} % of the length off the "
-    "finite elements",
-    "no_rod_bends": "no rod of this run has an equilibrium under its loads: {why}",
-    "mesh_too_coarse": "do not use a rod of this run, because the mesh makes an error of about {percent:.2g} % in its "
-    "{quantity}",
+    "no_rod_is_near": "do not use a rod of this run: {errors}; allowed are {most_shape_percent:g} and "
+    "{most_force_percent:g} %",
+    "no_rod_bends": "no rod of this run bears its loads: {why}",
+    "loads_not_borne": "it does not bear {count} of {loads} loads, such as {load}",
+    "weight_not_borne": "at {pressure_kPa:g} kPa it bears {percent:.2g} % of its own weight lying; `--set "
+    "effects.gravity=on` measures it with its weight",
     "forces_uncertain": "forces are uncertain by up to {percent:.2g} % at {pressures_kPa:g} kPa because of the mesh; "
     "shapes hold",
-    "tolerances": "a {process} arm's tolerances move its tip by {percent:.2g} % of the length ({pressure_kPa:g} kPa); "
-    "measure {parameter} first: {most_percent:.2g} % by ± {tolerance}",
+    "tolerances": "at {pressure_kPa:g} kPa {process} tolerances move the tip by ±{percent:.2g} % of the length; "
+    "measure {parameter} first: ±{tolerance} of it alone give {most_percent:.2g} %",
     "in_time": "it vibrates with {frequency_1_Hz:.2g} Hz at {pressure_kPa:g} kPa (damping ratio "
     "{damping_ratio_1:.2g}), settles in {settles_s:.2g} s and creeps by {creep_after_1_s_mm:.2g} mm after 1 s",
     "calibrated": "calibrated to {numbers} numbers: the tip is within {percent:.2g} % of the length in nine of ten "

@@ -185,6 +185,12 @@ class Run:
         return self.record.remarks
 
     @property
+    def falls(self) -> Reported | None:
+        """The remark that the arm without a load falls over, and from which pressure on; None where it stands."""
+        unstable = (one for one in self.remarks if one.code == "unstable_states" and one.values["experiment"] == "II")
+        return next(unstable, None)
+
+    @property
     def failure(self) -> str:
         """What was not reached, in one text; empty where everything was."""
         return " ".join(failure.text for failure in self.failures)
@@ -193,7 +199,7 @@ class Run:
         """Raise RunFailed with the failures and the directory where anything was not reached."""
         if self.failures:
             there = f"What was reached is in {self.directory}."
-            brief = f"{self.failures[0].text} {there}"
+            brief = f"{(self.falls or self.failures[0]).text} {there}"
             raise RunFailed(f"{self.failure} {there}", directory=self.directory, brief=brief)
 
     @property

@@ -57,6 +57,10 @@ class Path(NamedTuple):
 class NoEquilibrium(RodError):
     """The end of a path beyond which there is no equilibrium, for another reason than that the arm buckles."""
 
+    def __init__(self, part: float) -> None:
+        super().__init__(f"No equilibrium was found beyond {100 * part:.3g} % of the load.")
+        self.part = part
+
 
 class Buckles(RodError):
     """The end of a path at which an arm becomes unstable."""
@@ -184,7 +188,7 @@ def _ended(solver: Solver, state: StateArrays, part: float, grown: float, *, is_
     if is_there or softness > SOFT:
         reached = f"at {100 * part:.3g} % of the load" if part > ONCE else "at once"
         return Buckles(f"The rod buckles {'out of its plane ' * ('along z' in motion)}{reached}: {motion}.", force)
-    return NoEquilibrium(f"No equilibrium was found beyond {100 * part:.3g} % of the load.")
+    return NoEquilibrium(part)
 
 
 def _softest(solver: Solver, state: StateArrays, part: float, grown: float) -> tuple[str, Array, float]:

@@ -148,15 +148,19 @@ class LawRod:
 
     def _followed(self, load: Load, how: Way) -> Path:
         """The path to a load; raises `RodError` where it ends, and where the curvature leaves the law."""
-        model, load = self.posed(load)
+        model, posed = self.posed(load)
         try:
-            path = follow(model, load, how)
+            path = follow(model, posed, how)
         except NoEquilibrium as ended:
-            low, high = self.moments
-            known = f"The law at {self.section.pressure:.4g} kPa is known from {low:.4g} to {high:.4g} N mm."
+            (low, high), pressure = self.moments, self.section.pressure
+            known = f"The law at {pressure:.4g} kPa is known from {low:.4g} to {high:.4g} N mm."
+            borne = 1.0 if load.supports else self.part_borne(load, how)
+            if borne + 2.0 * 0.5**PARTS < ended.part:
+                raise RodError(f"The law ends before the load does. {known} {_remedy(borne)}") from None
             raise RodError(f"{ended} {known}") from None
         if outside := self.outside(path):
-            raise RodError(f"{path.fall} {outside} {self._borne(load, how)}".strip())
+            told = _remedy(0.0 if load.supports else self.part_borne(load, how))
+            raise RodError(f"{path.fall} {outside} {told}".strip())
         return path
 
     @property
@@ -170,7 +174,8 @@ class LawRod:
         law, clamp, found = self.section, self.clamp, path.nodes.found
         if found.outside <= ROUNDING * np.ptp(law.kappa) and found.beyond <= ROUNDING * np.ptp(clamp.moment):
             return ""
-        bends = self._model.section.strains(*acting_in_frames(path.nodes))[2]
+        bends = np.array(self._model.section.strains(*acting_in_frames(path.nodes))[2])
+        bends[0] = max(bends[0], path.nodes.moment[0, 2], key=abs)  # that of cells, and that at the clamp
         low, high = self.moments
         worst = int(np.argmax(np.maximum(low - bends, bends - high)))
         return (
@@ -179,20 +184,18 @@ class LawRod:
             + ("" if self.near is None else f" That is near a limit of the pressure, {self.near:.4g} kPa.")
         )
 
-    def _borne(self, load: Load, how: Way) -> str:
-        """How much of a load the law bears, and what to do."""
-        remedy = "Put this load into the configuration and measure the law again."
-        if load.supports:
-            return remedy
-        low, high = 0.0, 1.0
-        for _ in range(PARTS):
-            part = 0.5 * (low + high)
+    def part_borne(self, load: Load, how: Way | None = None) -> float:
+        """The part of a load up to which moments and curvatures stay within the law, to a hundredth of the load."""
+        model, load = self.posed(load)
+        low, high, part = 0.0, 1.0, 1.0
+        for _ in range(PARTS + 1):
             try:
-                is_inside = not self.outside(follow(self._model, Load().plus(load, part), how))
+                is_inside = not self.outside(follow(model, Load().plus(load, part), how or Way()))
             except RodError:
                 is_inside = False
             low, high = (part, high) if is_inside else (low, part)
-        return f"It bears {100 * low:.2g} % of this load. {remedy}" if low else remedy
+            part = 0.5 * (low + high)
+        return low
 
     def _planar_solution(self, path: Path, load: Load) -> RodSolution:
         nodes = path.nodes
@@ -275,6 +278,12 @@ class LawRod:
     def _check_in_space(self) -> None:
         if not self.is_in_space:
             raise RodError("The law has no rigidities out of the plane; measure it with law_in_space: true.")
+
+
+def _remedy(borne: float) -> str:
+    """What to do where a law bears a part of a load."""
+    part = f"It bears {100 * borne:.2g} % of this load. " if borne else ""
+    return f"{part}Put this load into the configuration and measure the law again."
 
 
 class _Model:

@@ -253,10 +253,7 @@ class Rod(Told):
         if not outside:
             return ""
         jump = math.dist(self.under(Load()).end, self.under(Load(couple=NEXT_TO_NOTHING)).end)
-        return (
-            f"{outside} Under any load, however small, the offsets m0 bend this rod as well: its end is then "
-            f"{jump:.3g} mm from its place without load."
-        )
+        return f"{outside} The offsets m0 act under any load: the tip jumps by {jump:.3g} mm as soon as one acts."
 
     def under(self, load: Load, end_y: float | None = None, end_x: float | None = None) -> RodSolution:
         """The equilibrium under a load, grown "as tested".

@@ -114,8 +114,8 @@ def _beside(judged: Judged, high: float) -> str:
     ratios = [parting(other.law, best.law, high)[2] for other in others if other.high >= 0.98 * high]
     if not ratios:
         ends = [other.high for other in others if other.holds]
-        agree = f"No other law agrees with it in two directions beyond a stretch of {max(ends, default=1.0):.3g}"
-        return f"{agree}; a tensile test does not pull in two, as pressure pulls a wall." if ends else ""
+        beyond = f"Beyond a stretch of {max(ends, default=1.0):.3g} the fitted laws disagree in biaxial tension"
+        return f"{beyond}, which these tests do not measure." if ends else ""
     least, most = min(ratios), max(ratios)
     between = f"{least:.2g} to {most:.2g}" if f"{least:.2g}" != f"{most:.2g}" else f"{least:.2g}"
     return (

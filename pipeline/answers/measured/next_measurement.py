@@ -28,9 +28,10 @@ class NextMeasurement:
     @property
     def text(self) -> str:
         """In words."""
-        load = f" under {self.force_y_N:.3g} N in y" if self.force_y_N else " without load"
+        at = f"tip at {self.pressure_kPa:.3g} kPa"
+        tip = f"{at} under {self.force_y_N:.3g} N in y" if self.force_y_N else f"unloaded {at}"
         return (
-            f"Most would help: the tip at {self.pressure_kPa:.3g} kPa{load}; its deviation falls from "
+            f"Best next measurement: the {tip}. It lowers the tip's standard deviation from "
             f"{self.tip_std_mm:.2g} to {self.tip_std_then_mm:.2g} mm."
         )
 

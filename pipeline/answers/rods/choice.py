@@ -19,8 +19,6 @@ from rod.weight import Mass
 
 #: the rods by the names that a user gives them: the arm's own law, five parameters, and those of a curve that stretches
 KINDS = {"law": ARM_LAW, "five": FIVE, "five_extensible": EXTENSIBLE}
-#: error of the shape over the length, of rod and mesh together, from which on every shape of the rod has a note
-NOTED = 0.05
 
 
 def rod_of_path(path: Path, kind: str | None) -> Rods:
@@ -55,7 +53,7 @@ def choose_rod(run: Run, kind: str | None = None) -> Rods:
     taken = rod_to_take(run, verdict.errors)
     errors = rod_and_mesh(run, compared) if compared else taken[1] if taken and taken[0] == rod else None
     notes = _notes(run, verdict, errors)
-    if chosen == "law" and verdict.refusal is None and (uncertain := uncertain_forces(run.law)):
+    if verdict.refusal is None and (uncertain := uncertain_forces(run, rod)):
         notes = (*notes, report_reason(uncertain).text)
     law = _source(run, chosen)
     forms = law.plane if law.plane and law.plane.limit else None
@@ -131,8 +129,8 @@ def _notes(run: Run, verdict: Verdict, errors: RodAndMesh | None) -> tuple[str, 
     notes = [] if verdict.refusal is None else [verdict.refusal.text]
     if errors is None:
         return tuple(notes)
-    if errors.mesh.largest is None:
+    if not errors.mesh.is_known:
         notes.append(report_reason(unknown_mesh_error(run)).text)
-    if verdict.refusal is None and errors.shape > NOTED:
+    if verdict.refusal is None and not errors.is_good:
         notes.append(f"The errors of this rod are large: {errors.text}.")
     return tuple(notes)

@@ -102,6 +102,6 @@ def _against_rod(robot: Robot, law: ArmLaw) -> str:
             apart = chain.curve(turn) - rod.under(Load(force)).positions(chain.s)
             worst = max(worst, float(np.hypot(*apart.T).max()) / robot.length)
     return (
-        "The run has no dead forces at these pressures; under EI/l^2 / 50 and EI/l^2 / 10 across the end the file is "
-        f"{100 * worst:.2g} % of the length at most from the rod that it was made of."
+        "The run has no dead forces at these pressures. Under small tip forces (EI/50l², EI/10l²) the file deviates "
+        f"from its rod by at most {100 * worst:.2g} % of the length."
     )

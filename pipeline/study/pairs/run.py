@@ -117,7 +117,7 @@ def joined(
     try:
         intervals = AdaptiveCurve(fan.errors, fan.solve, BETWEEN, MOST_ADDED).refine(sorted(laws))
     except (InputError, RunFailed):
-        return None, (*fan.notes, "There is no law over both pressures without one at equal pressures.")
+        return None, (*fan.notes, "The law over both pressures needs the run at equal pressures, which failed.")
     left = [one.error for one in intervals if one.error is not None and one not in fan.failed]
     if max(left, default=0.0) > BETWEEN:
         added = len(laws) - len(spec.rays)

@@ -36,6 +36,14 @@ def test_the_rod_to_take_is_first() -> None:
     assert rod_errors(replace(coarse_run(), rod_errors=far))[0].rod == "five_extensible"
 
 
+def test_a_load_that_a_rod_does_not_bear_does_not_make_the_other_rods_better() -> None:
+    lost = row("arm_law", 0.0, reason="beyond the law")
+    rows = (row("five", 0.02), row("five", 0.02), row("arm_law", 0.001), lost)
+    assert rod_errors(replace(coarse_run(0.01), rod_errors=rows))[0].rod == "arm_law"
+    most = (*rows, row("five", 0.02), lost)  # of three loads it bears one
+    assert rod_errors(replace(coarse_run(0.01), rod_errors=most))[0].rod == "five"
+
+
 def test_a_rod_that_is_far_nearer_in_shape_is_not_behind_one_that_is_little_nearer_in_force() -> None:
     five, law = row("five", 0.06, 0.02, 1.0), row("arm_law", 0.001, 0.07, 1.0)
     assert [errors.rod for errors in rod_errors(replace(coarse_run(), rod_errors=(five, law)))] == ["arm_law", "five"]
@@ -68,4 +76,4 @@ def test_the_tip_of_an_arc_moves_as_its_closed_form_says(relative: float) -> Non
 
     curve = Curve("II", 10.0, {"s_mm": s, "theta_rad": kappa * s})
     expected = np.linalg.norm(tip(kappa * (1.0 + relative)) - tip(kappa)) / length
-    assert tip_moves_by(curve["s_mm"], curve["theta_rad"], relative) == pytest.approx(expected, rel=1e-3)
+    assert tip_moves_by(curve["s_mm"], curve["theta_rad"], kappa * relative) == pytest.approx(expected, rel=1e-3)

@@ -68,7 +68,7 @@ def test_an_arm_with_three_pressures_says_where_it_bends_the_most(tmp_path: Path
         f"bends by {shape.bending_deg:.0f}° at [10, 0, 0] kPa; its tip is at (78.7, -15.9, 0.0) mm" in verdict.lines[0]
     )
     assert "its errors are not known; no whole arm was solved" in verdict.lines[1]
-    assert verdict.lines[2] == "It holds from 0 to 10 kPa."
+    assert verdict.lines[2] == "Valid from 0 to 10 kPa."
     assert verdict.warnings == ()
 
 
@@ -77,7 +77,11 @@ def test_the_error_contains_rod_and_mesh(verdict: Verdict, run: Run) -> None:
     assert verdict.rod == "arm_law"
     curve = run.curve("II", 37.0)
     assert curve is not None
-    rod, mesh = verdict.errors[0].shape, tip_moves_by(curve["s_mm"], curve["theta_rad"], MESH_ERROR)
+    assert run.law is not None
+    assert run.law.mesh_error is not None
+    more = run.law.mesh_error.kappa_0_per_mm_std[-1]
+    assert more == pytest.approx(MESH_ERROR * 0.0221, rel=0.01)
+    rod, mesh = verdict.errors[0].shape, tip_moves_by(curve["s_mm"], curve["theta_rad"], more or 0.0)
     assert mesh > 10.0 * rod  # on this mesh nearly all of it is the mesh
     assert verdict.shape_error == pytest.approx(rod + mesh)
     assert verdict.force_error == pytest.approx(verdict.errors[0].force + MESH_ERROR)
@@ -135,9 +139,9 @@ def test_a_coarse_mesh_is_a_reason_not_to_use_the_rod() -> None:
     refused = verdict_of(coarse_run())
     assert not refused.usable
     assert refused.refusal is not None
-    assert refused.refusal.code == "mesh_too_coarse"
-    assert refused.refusal.values["percent"] == pytest.approx(12.1, abs=0.1)
-    assert refused.refusal.values["quantity"] == "bending rigidity"
+    assert refused.refusal.code == "no_rod_is_near"
+    assert refused.refusal.values["force_percent"] == pytest.approx(11.0, abs=0.5)
+    assert "of the force 11 % (rod and mesh added); allowed are 5 and 10 %." in refused.refusal.text
     assert refused.shape_error is None
     assert "--accuracy 1%" in refused.command
     assert_short(refused)
@@ -211,7 +215,18 @@ def test_the_record_is_json_with_these_keys(verdict: Verdict) -> None:
     record = json.loads(json_text(verdict.record()))
     assert set(record) == {
         *("design", "length_mm", "draft", "bending", "rod", "refusal", "shape_error", "force_error", "mesh"),
-        *("pressures_kPa", "moments_N_mm", "tolerances", "failures", "warnings", "errors", "usable", "lines"),
+        *(
+            "falls",
+            "not_borne",
+            "pressures_kPa",
+            "moments_N_mm",
+            "tolerances",
+            "failures",
+            "warnings",
+            "errors",
+            "usable",
+            "lines",
+        ),
     }
     assert record["lines"] == list(verdict.lines)
     assert record["errors"][0]["rod"] == "arm_law"
