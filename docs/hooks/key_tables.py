@@ -38,8 +38,11 @@ def _material_table() -> str:
     lines.append(f"| `law` | | {_listed(list(LAWS))} | all | law of the solid ([materials](materials.md)) |")
     named = "a [rubber with known constants](materials.md#rubbers-by-name), instead of `law` and its constants"
     lines.append(f"| `name` | | {_listed(list(RUBBERS))} | all | {named} |")
-    form = "whether a term has μ/α (`ogden`, as here) or 2 μ/α² (`abaqus`) before its powers"
-    lines.append(f"| `form` | | {_listed(list(FORMS))} | `ogden` | {form} |")
+    form = (
+        "whose constants these are: before the powers of Ogden's law μ/α (`ogden`, `ansys`), 2 μ/α² (`abaqus`) or μ/α² "
+        "(`febio`); `g` of `relaxation` are parts of the modulus at once with `abaqus` and `ansys`"
+    )
+    lines.append(f"| `form` | | {_listed(list(FORMS))} | all | {form} |")
     for (key, unit, allowed, meaning), laws in rows.items():
         names = "all" if len(laws) == len(LAWS) else _listed(laws)
         lines.append(f"| `{key}` | {unit} | {allowed} | {names} | {meaning} |")

@@ -71,7 +71,7 @@ class Values:
     unit: str  #: as written; empty where there is none
     cells: Array  #: (n,) texts
     numbers: Array  #: (n,) in the unit of the dimension; NaN where a cell is no number
-    problem: str  #: why it has no numbers; empty where it has
+    problem: str  #: what is wrong with its unit: numbers are as written; empty for nothing
 
 
 @dataclass(frozen=True, eq=False)  # arrays inside
@@ -152,6 +152,6 @@ def _below(path: Path, form: Form, titles: Sequence[str], units: Sequence[str], 
             wrong = f"has the unit {quoted(stated)}, which is not that of {of.dimension.name}"
             written = of.written or f"{name} ({of.dimension.example.split()[-1]})"
             problem = f"{wrong if stated else 'has no unit'}; write it as '{written}'"
-        numbers = value * np.array([number_in(cell) for cell in texts]) if of.dimension else np.full(len(rows), np.nan)
-        known.append(Values(name, title, stated, texts, numbers, problem))
+        numbers = np.array([number_in(cell) if of.dimension else np.nan for cell in texts], dtype=float)
+        known.append(Values(name, title, stated, texts, numbers * (1.0 if problem else value), problem))
     return Columns(path, rows + 1, tuple(known), tuple(others))

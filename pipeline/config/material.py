@@ -22,7 +22,7 @@ from pipeline.config.kinds import (
     number,
     one_or_more,
 )
-from pipeline.config.rubbers import BESIDE, INSTEAD, RUBBERS, ogden_terms
+from pipeline.config.rubbers import BESIDE, INSTEAD, OF_MODULUS_AT_ONCE, RUBBERS, form_of, ogden_terms
 from pipeline.config.section import (
     Beside,
     Error,
@@ -101,6 +101,13 @@ class Material:
         return LAWS[self.law](**self.constants)
 
     @property
+    def told(self) -> str:
+        """Its modulus at rest, and how much of its stress a held stretch keeps."""
+        kept = 100 / (1 + sum(branch.g for branch in self.relaxation))
+        keeps = f"; a held stretch keeps {kept:.3g} % of its stress" if self.relaxation else ""
+        return f"Young's modulus {self.built().young_modulus:.3g} MPa at rest{keeps}"
+
+    @property
     def kinds(self) -> Mapping[str, Constant]:
         """The kind of each constant."""
         return LAWS[self.law].constants()
@@ -176,7 +183,8 @@ def read_material(value: Any, beside: Beside) -> Material:
     """The material that a section describes, with all constants: kappa from nu where nu is given."""
     value, name = _by_name(value)
     law = chosen(value, "law", tuple(LAWS))
-    keys = beside.read(material_section(LAWS[law]), ogden_terms(value) if law == "ogden" else value)
+    form, value = form_of(value)
+    keys = beside.read(material_section(LAWS[law]), ogden_terms(value, form) if law == "ogden" else value)
     constants = {name: getattr(keys, name) for name in LAWS[law].constants()}
     if BULK in constants:
         nu, kappa = keys.nu, constants.pop(BULK)  # type: ignore[attr-defined]
@@ -188,10 +196,21 @@ def read_material(value: Any, beside: Beside) -> Material:
     loss, band = keys.loss_factor, None  # type: ignore[attr-defined]
     if isinstance(loss, LossBand):
         band, loss = (loss.from_Hz, loss.to_Hz), loss.value
-    given = keys.density, keys.holds_between, loss, name, band, keys.relaxation  # type: ignore[attr-defined]
+    branches = _at_long_times(keys.relaxation) if form in OF_MODULUS_AT_ONCE else keys.relaxation  # type: ignore[attr-defined]
+    given = keys.density, keys.holds_between, loss, name, band, branches  # type: ignore[attr-defined]
     material = Material(law, constants, *given)
     material.built()  # its error is a ValueError, for constants that do not go together
     return material
+
+
+def _at_long_times(branches: tuple[Branch, ...]) -> tuple[Branch, ...]:
+    """Branches that are parts of the modulus at once, as parts of that at long times."""
+    stays = 1.0 - sum(branch.g for branch in branches)
+    if stays <= 0.0:
+        raise_all(
+            [wrong(f"the parts g of the modulus at once add up to {1 - stays:.3g}; allowed: below 1", ("relaxation",))]
+        )
+    return tuple(Branch(g=branch.g / stays, tau_s=branch.tau_s) for branch in branches)
 
 
 def _by_name(value: Any) -> tuple[Any, str]:

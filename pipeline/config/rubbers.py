@@ -6,7 +6,7 @@ of their maker, Smooth-On.
 Elastosil M4601 as the Soft Robotics Toolkit has it, without a range.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 from pipeline.config.kinds import number
 from pipeline.config.section import not_known, raise_all, wrong
@@ -31,9 +31,16 @@ RUBBERS: dict[str, dict[str, Written]] = {
     "elastosil_m4601": _yeoh(0.11, 0.02, 0.0, 1130, None),
 }
 #: keys that may stand beside a name
-BESIDE = ("nu", "kappa", "density", "holds_between", "loss_factor", "relaxation")
-#: ways to write the terms of Ogden's law: mu / alpha times the powers, or 2 mu / alpha^2
-FORMS = ("ogden", "abaqus")
+BESIDE = ("nu", "kappa", "density", "holds_between", "loss_factor", "relaxation", "form")
+#: ways to write Ogden's terms, of which the first one is meant here: by what mu is multiplied at an exponent
+FORMS: dict[str, Callable[[float], float]] = {
+    "ogden": lambda alpha: 1.0,
+    "abaqus": lambda alpha: 2 / alpha,
+    "ansys": lambda alpha: 1.0,
+    "febio": lambda alpha: 1 / alpha,
+}
+#: those in which branches are parts of the modulus at once, not of that at long times
+OF_MODULUS_AT_ONCE = ("abaqus", "ansys")
 _BULK = {"d1": "write kappa, 2 / d1, or leave it out where d1 is 0"}
 _NEO_HOOKE = {"c10": "write mu, 2 c10", "c1": "write mu, 2 c1", "g": "write mu"}
 #: what to write instead of the constants of other programs, in small letters
@@ -45,16 +52,21 @@ INSTEAD: dict[str, dict[str, str]] = {
 }
 
 
-def ogden_terms(section: Mapping[str, Written]) -> Mapping[str, Written]:
-    """The section of Ogden's law without `form`, in which terms are written as mu / alpha.
+def form_of(section: Mapping[str, Written]) -> tuple[str | None, Mapping[str, Written]]:
+    """The form in which constants are given, and the section without it. Raises ValueError for another one."""
+    form = section.get("form")
+    if form is not None and form not in FORMS:
+        raise_all([wrong(not_known(form, tuple(FORMS)), ("form",))])
+    return None if form is None else str(form), {key: value for key, value in section.items() if key != "form"}
 
-    Raises ValueError for a form that does not exist, and where terms are most likely those of Abaqus and none is given.
-    Values that are no lists of numbers are left to the checks of the section.
+
+def ogden_terms(rest: Mapping[str, Written], form: str | None) -> Mapping[str, Written]:
+    """The section of Ogden's law in which terms are written as mu / alpha.
+
+    Raises ValueError where terms are most likely those of Abaqus and no form is given. Values that are no lists of
+    numbers are left to the checks of the section.
     """
-    if section.get("form", FORMS[0]) not in FORMS:
-        raise_all([wrong(not_known(section["form"], FORMS), ("form",))])
-    form, rest = section.get("form"), {key: value for key, value in section.items() if key != "form"}
-    stresses, exponents = section.get("mu"), section.get("alpha")
+    stresses, exponents = rest.get("mu"), rest.get("alpha")
     if not (isinstance(stresses, Sequence) and isinstance(exponents, Sequence)):
         return rest
     try:
@@ -67,6 +79,6 @@ def ogden_terms(section: Mapping[str, Written]) -> Mapping[str, Written]:
             "an entry of mu is above zero where alpha is below; write form: abaqus if the energy has 2 mu / alpha^2 "
             f"(shear modulus {sum(mu):.4g} MPa), or form: ogden if it has mu / alpha as here ({modulus:.4g} MPa)"
         )
-    if form != "abaqus":
+    if form is None or 0.0 in alpha:
         return rest
-    return rest | {"mu": [f"{2 * m / a!r} MPa" for m, a in zip(mu, alpha, strict=True)]}
+    return {**rest, "mu": [f"{m * FORMS[form](a)!r} MPa" for m, a in zip(mu, alpha, strict=True)]}

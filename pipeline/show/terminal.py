@@ -20,8 +20,7 @@ def body_table(file: Path, config: Config, body: Body) -> Table:
         meshed, drawn = halves * float(body.mesh.volumes[tets].sum()), design.region_volumes[name]
         rows.append((f"of it {name}", f"{meshed:.7g} mm3; from the drawing {drawn:.7g}"))
     materials = {"material": config.material, **{f"materials.{name}": law for name, law in config.materials.items()}}
-    at_rest = {key: f"{law.built().young_modulus:.3g} MPa at rest" for key, law in materials.items()}
-    rows += [(key, f"{law.law}, Young's modulus {at_rest[key]}") for key, law in materials.items()]
+    rows += [(key, f"{law.law}, {law.told}") for key, law in materials.items()]
     for name, drawn in design.cavity_volumes.items():
         air = halves * body.mesh.enclosed_volume(name)
         rows.append((name, f"{air:.7g} mm3 in the full body; from the drawing {drawn:.7g}"))

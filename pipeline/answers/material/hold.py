@@ -1,37 +1,54 @@
-"""A specimen that is held: branches of relaxation from its stress over time, or from its strain under a constant load.
+"""A specimen that is held or vibrates: branches of relaxation from its stress over time, from its strain under a
+constant load, or from storage and loss modulus over frequency.
 
 Its stress is that at long times with the factor 1 + sum g exp(-t / tau); its strain under a load follows from the same
-branches. Times of branches are evenly spaced in log t, and their parts are not negative, so that noise makes none.
+branches. Times of branches are evenly spaced in log t, and their parts are not negative, so that noise makes none. The
+ramp before a hold counts: with increments dh of what is held, over its value at the end of the ramp, a branch has
+
+    S = sum dh tau / (v - u) (exp(-(t1 - v) / tau) - exp(-(t1 - u) / tau))
+
+of its part there, u and v the times around an increment and t1 the end. In tension the stress stands for what is held.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 from scipy.optimize import nnls
 
 from geometry.arrays import Array
-from pipeline.answers.columns import Column, Form, read
+from pipeline.answers.columns import Column, Columns, Form, Values, read
 from pipeline.answers.material.table import KINDS
-from pipeline.config.units import TIME
+from pipeline.config.units import FREQUENCY, STRESS, TIME
 from pipeline.values.errors import InputError
 from rod.errors import RodError
 from rod.in_time.relaxation import Creep, Relaxation
 
 HELD = Form(
     "a specimen over time",
-    {"time": Column(TIME, r"^t$|\btime|zeit|\btemps"), **KINDS},
-    (("time",), tuple(KINDS)),
+    {
+        "time": Column(TIME, r"^t$|\btime|zeit|\btemps"),
+        "frequency": Column(FREQUENCY, r"^f$|freq|^ω$|omega"),
+        "storage": Column(STRESS, r"stor|speicher|conserv|^[eg]['′]$"),
+        "loss": Column(STRESS, r"loss|verlust|perte|^[eg](''|″)$", r"factor|faktor|facteur|tan|angle|winkel"),
+        **KINDS,
+    },
+    (("time", "frequency"), (*KINDS, "storage")),
     "columns of a time and of a stress, force or strain",
-    "a line of titles names a time and what was read, as 'time (s), stress (MPa)' or 'time (s), strain (%)'",
+    "a line of titles names a time and what was read, as 'time (s), stress (MPa)' or 'time (s), strain (%)', or as "
+    "'frequency (Hz), storage modulus (MPa), loss modulus (MPa)'",
     title_lines=2,
 )
-#: branches in a tenfold time; the shortest time of one over that of the first point, the longest over that of the last
-PER_DECADE, SHORTEST, LONGEST = 2.0, 3.0, 1.0 / 3.0
-#: a part of the stress below which a branch is left out, and fewest points of a hold
-LEAST, MIN_POINTS = 2e-3, 10
-#: largest loss factor of a rubber
-LARGEST_LOSS = 0.5
+#: branches in a tenfold time of a hold, and of a frequency; the shortest time of one over that of the first point and over that of the ramp, the
+#: longest over that of the last point
+PER_DECADE, OF_HZ, SHORTEST, OF_RAMP, LONGEST = 2.0, 4.0, 3.0, 0.2, 1.0 / 3.0
+#: a part of the stress below which a branch is left out, fewest points of a hold, and largest misfit
+LEAST, MIN_POINTS, LARGEST_MISFIT = 2e-3, 5, 0.05
+#: what is held, over its value: in rest, at the end of its ramp, and by how much it may change later; scatters below
+#: the largest stress at which the ramp ends
+REST, REACHED, CHANGE, SCATTERS = 0.02, 0.999, 0.05, 3.0
+#: largest loss factor of a rubber, and frequencies at which arms vibrate, Hz
+LARGEST_LOSS, OF_ARMS = 0.5, (0.1, 10.0)
 
 
 @dataclass(frozen=True)
@@ -40,8 +57,9 @@ class Hold:
 
     g: tuple[float, ...]  #: parts over the stress at long times
     tau_s: tuple[float, ...]  #: s
-    between_s: tuple[float, float]  #: first and last time
+    between_s: tuple[float, float]  #: first and last time; of vibrations 1 / (2 pi f)
     misfit: float  #: root mean square of the differences over what was read at long times
+    loss: tuple[float, float, float, float] | None = None  #: least and largest measured loss factor between two Hz
 
     @property
     def written(self) -> str:
@@ -51,13 +69,16 @@ class Hold:
 
     @property
     def words(self) -> list[str]:
-        """How much of the stress a stretch loses that is held, and a loss factor that no rubber has."""
+        """How much of the stress a stretch loses that is held, its loss factor, and one that no rubber has."""
         low, high = self.between_s
         lost = 100.0 * (1.0 - 1.0 / (1.0 + sum(self.g)))
         said = [
-            f"A stretch that is held loses {lost:.3g} % of its stress from {low:.3g} to {high:.3g} s; branches "
+            f"A stretch that is held loses {lost:#.3g} % of its stress from {low:.3g} to {high:.3g} s; branches "
             f"describe it within {100.0 * self.misfit:.2g} %. The law is taken as that at long times."
         ]
+        if self.loss:
+            least, most, start, end = self.loss
+            said.append(f"The loss factor is {least:.2g} to {most:.2g} from {start:.3g} to {end:.3g} Hz.")
         hz = np.geomspace(1.0 / high, 1.0 / low, 60) / (2.0 * np.pi)
         losses = Relaxation(self.g, self.tau_s).loss_factor(hz)
         if losses.max() > LARGEST_LOSS:
@@ -69,41 +90,110 @@ class Hold:
 
 
 def read_hold(path: Path) -> Hold:
-    """The branches of a file with a time that is 0 where the hold begins. Raises InputError."""
+    """The branches of a file of a hold with its ramp, or of vibrations. Raises InputError."""
     columns = read(path, HELD)
+    if columns.all("frequency") and columns.all("storage"):
+        return _vibrating(columns)
+    if not columns.all("time"):
+        raise InputError(f"{path}: has no time; {HELD.example}")
     time = columns.all("time")[0]
-    value = next(
-        found[0] for kind in ("stress", "force", "strain", "extension", "stretch") if (found := columns.all(kind))
-    )
     columns.check(time)
-    _check_rise(path, time.numbers[np.isfinite(time.numbers)])
-    points = np.column_stack([time.numbers, value.numbers - float(value.name == "stretch")])
-    return _held(path, points[np.isfinite(points).all(axis=1)], is_creep=value.name not in ("stress", "force"))
+    found = [columns.all(*kinds) for kinds in (("stress", "force"), ("stretch", "strain", "extension"))]
+    read_values = [time.numbers, *(of[0].numbers - float(of[0].name == "stretch") for of in found if of)]
+    points = np.column_stack(read_values)
+    t, *values = points[np.isfinite(points).all(axis=1)].T
+    if (falls := np.diff(t) <= 0.0).any():
+        raise InputError(f"{path}: times do not rise at {t[1:][falls][0]:g} s; give every time once, in their order")
+    if len(t) < MIN_POINTS:
+        raise InputError(f"{path}: has {len(t)} points; give {MIN_POINTS} or more, over a longer time")
+    if len(values) == 1:
+        return _held(path, t, np.abs(values[0]), None, is_creep=not found[0])
+    changes = [float(np.ptp(of[len(t) // 2 :]) / np.abs(np.median(of[len(t) // 2 :]))) for of in values]
+    is_creep = changes[0] < changes[1]
+    stress, strain = (np.abs(of) for of in values)
+    return _held(path, t, *((strain, stress) if is_creep else (stress, strain)), is_creep=is_creep)
 
 
-def _check_rise(path: Path, time: Array) -> None:
-    """Raise InputError for times (n,) in s that do not rise."""
-    if (falls := np.diff(time) <= 0.0).any():
-        raise InputError(f"{path}: times do not rise at {time[1:][falls][0]:g} s; give every time once, in their order")
-
-
-def _held(path: Path, points: Array, *, is_creep: bool) -> Hold:
-    t, value = points[points[:, 0] > 0.0].T
-    if len(t) < MIN_POINTS or t[-1] < 10.0 * SHORTEST * t[0]:
-        raise InputError(f"{path}: has {len(t)} points after the time 0; give {MIN_POINTS} or more, over a longer time")
-    first, last = SHORTEST * t[0], LONGEST * t[-1]
+def _held(path: Path, t: Array, value: Array, held: Array | None, *, is_creep: bool) -> Hold:
+    """From times (n,) in s, what changes and what is held, (n,) at them; None where the latter was not read."""
+    end = _end_of_ramp(path, t, value if held is None else held, held is not None, is_creep=is_creep and held is None)
+    ramp = held[: end + 1] if held is not None and is_creep else value[: end + 1]
+    rests = np.flatnonzero(ramp <= REST * ramp[-1])
+    begin = int(rests[-1]) if len(rests) and not (is_creep and held is None) else end
+    t, value, before = t[end:] - t[end], value[end:], t[begin : end + 1] - t[end]
+    if len(t) < MIN_POINTS or t[-1] < 10.0 * SHORTEST * t[1]:
+        raise InputError(f"{path}: has {len(t)} points of a hold; give {MIN_POINTS} or more, over a longer time")
+    first, last = max(SHORTEST * t[1], -OF_RAMP * before[0]), LONGEST * t[-1]
     tau = np.geomspace(first, last, max(2, round(PER_DECADE * np.log10(last / first)) + 1))
-    columns = np.column_stack([np.ones(len(t)), (-1.0 if is_creep else 1.0) * np.exp(-t[:, None] / tau)])
-    weight = np.sqrt(np.gradient(np.log(t)))
-    level, *parts = nnls(columns * weight[:, None], np.abs(value) * weight)[0]
+    left = np.ones(len(tau))
+    if begin < end:
+        rise = np.diff(ramp[begin:]) / np.diff(before) / (ramp[-1] - ramp[begin])
+        left = tau * (rise @ np.diff(np.exp(before[:, None] / tau), axis=0))
+    columns = np.column_stack([np.ones(len(t)), (-left if is_creep else left) * np.exp(-t[:, None] / tau)])
+    weight = np.sqrt(np.gradient(np.log(np.maximum(t, 0.5 * t[1]))))
+    level, *parts = nnls(columns * weight[:, None], value * weight)[0]
     if not level > 0.0:
         raise InputError(f"{path}: what was read comes to no rest; give a longer time")
     g = np.array(parts) / level
-    misfit = float(np.sqrt(np.average((columns @ (1.0, *g) - np.abs(value) / level) ** 2, weights=weight**2)))
-    g, tau = g[g > LEAST], tau[g > LEAST]
-    shares, times = tuple(g.tolist()), tuple(tau.tolist())
+    misfit = float(np.sqrt(np.average((columns @ (1.0, *g) - value / level) ** 2, weights=weight**2)))
+    return _of_branches(path, g, tau, (float(t[1]), float(t[-1])), misfit, is_creep=is_creep)
+
+
+def _end_of_ramp(path: Path, t: Array, held: Array, is_known: bool, *, is_creep: bool) -> int:
+    """The point at which a hold begins: not before the time 0, and for a strain alone there."""
+    zero, late = int(np.argmax(t >= 0.0)), held[len(t) // 2 :]
+    if is_creep:
+        return zero
+    noise = SCATTERS * float(np.median(np.abs(np.diff(late))))
+    if not is_known:
+        return max(zero, int(np.argmax(held >= held.max() - noise)))
+    level = float(np.median(late))
+    end = max(zero, int(np.argmax(held >= REACHED * level - noise)))
+    if np.ptp(held[end:]) > CHANGE * level:
+        raise InputError(f"{path}: neither stress nor strain is held to the end; leave out what follows the hold")
+    return end
+
+
+def _vibrating(columns: Columns) -> Hold:
+    """From storage and loss modulus over frequency."""
+    taken: list[Values] = [of[0] for name in ("frequency", "storage", "loss") if (of := columns.all(name))]
+    columns.check(*taken)
+    if len(taken) < 3:
+        raise InputError(f"{columns.path}: has no loss modulus; {HELD.example}")
+    points = np.column_stack([column.numbers for column in taken])
+    hz, storage, loss = points[np.isfinite(points).all(axis=1) & (points > 0.0).all(axis=1)].T
+    hz = hz / (2.0 * np.pi) if "rad" in taken[0].unit else hz
+    if len(hz) < MIN_POINTS:
+        raise InputError(f"{columns.path}: has {len(hz)} frequencies; give {MIN_POINTS} or more")
+    times = 1.0 / (2.0 * np.pi * np.array([hz.max(), hz.min()]))
+    first, last = times[0] / SHORTEST, times[1] * SHORTEST
+    tau = np.geomspace(first, last, round(OF_HZ * np.log10(last / first)) + 1)
+    turned = 2j * np.pi * hz[:, None] * tau
+    known = np.column_stack([np.ones(len(hz)), turned / (1.0 + turned)])
+    weights = np.concatenate([1.0 / storage, 1.0 / loss])
+    rows = np.vstack([known.real, known.imag]) * weights[:, None]
+    level, *parts = nnls(rows, np.ones(len(rows)))[0]
+    if not level > 0.0:
+        raise InputError(f"{columns.path}: the storage modulus goes to zero at low frequencies, as of no rubber")
+    misfit = float(np.sqrt(np.mean((rows @ (level, *parts) - 1.0) ** 2)))
+    found = _of_branches(columns.path, np.array(parts) / level, tau, (times[0], times[1]), misfit)
+    inside = (hz >= OF_ARMS[0]) & (hz <= OF_ARMS[1]) if ((hz >= OF_ARMS[0]) & (hz <= OF_ARMS[1])).any() else hz > 0.0
+    factor, between = (loss / storage)[inside], hz[inside]
+    return replace(found, loss=(float(factor.min()), float(factor.max()), float(between.min()), float(between.max())))
+
+
+def _of_branches(
+    path: Path, g: Array, tau: Array, between: tuple[float, float], misfit: float, *, is_creep: bool = False
+) -> Hold:
+    """The branches that count, checked."""
+    if misfit > LARGEST_MISFIT:
+        raise InputError(
+            f"{path}: branches describe it within {100.0 * misfit:.2g} % only, and {100.0 * LARGEST_MISFIT:g} % are "
+            "allowed; leave out what follows the hold, and give one specimen that is held once"
+        )
+    shares, times = tuple(g[g > LEAST].tolist()), tuple(tau[g > LEAST].tolist())
     try:
         rubber = Creep(shares, times).relaxation if is_creep else Relaxation(shares, times)
     except RodError:
         raise InputError(f"{path}: the strain begins near zero; the time 0 is when the whole load acts") from None
-    return Hold(rubber.shares, rubber.times_s, (float(t[0]), float(t[-1])), misfit)
+    return Hold(rubber.shares, rubber.times_s, between, misfit)

@@ -13,7 +13,7 @@ import numpy as np
 
 from geometry.arrays import Array
 from pipeline.answers.columns import Column, Columns, Form, Values, read_all
-from pipeline.answers.written_table import number_in, plain
+from pipeline.answers.written_table import plain
 from pipeline.config.units import FORCE, LENGTH, STRAIN, STRESS
 from pipeline.values.errors import InputError, argument, quoted
 
@@ -59,7 +59,8 @@ TENSILE = Form(
     },
     (("stretch", "strain", "extension", "true"), ("stress", "force", "true")),
     "columns of strain and stress, or of extension and force",
-    "a line of titles names columns with their units, for example 'strain (%), stress (MPa)'",
+    "a line of titles names columns with their units, for example 'strain (%), stress (MPa)'; a hold, and storage and "
+    "loss modulus over frequency, are given with --hold",
     title_lines=2,
 )
 #: largest strain without a unit that is a number; beyond it is in per cent, because no rubber bears so much
@@ -197,11 +198,10 @@ def _state(kind: str) -> str:
 def _values(table: Columns, column: Values, specimen: Specimen) -> tuple[Array, str]:
     """(rows,) strains or stresses in MPa, and what is assumed about them."""
     if column.problem and column.name == "strain" and not column.unit:
-        numbers = np.array([number_in(cell) for cell in column.cells])
-        largest = float(np.nanmax(np.abs(numbers), initial=0.0))
+        largest = float(np.nanmax(np.abs(column.numbers), initial=0.0))
         unit, name = (1.0, "1") if largest <= LARGEST_STRAIN else (0.01, "%")
         note = f"{table.path}: column '{column.title}' has no unit and reaches {largest:.3g}; it is read in {name}"
-        return unit * numbers, note
+        return unit * column.numbers, note
     table.check(column)
     if column.name not in ("extension", "force"):
         return column.numbers - (column.name == "stretch"), ""

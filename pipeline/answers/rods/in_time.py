@@ -43,13 +43,14 @@ def rubber_of(material: Mapping[str, Any], first_Hz: Callable[[], float]) -> tup
     """
     slow = Relaxation(material.get("relaxation_g", ()), material.get("relaxation_tau_s", ()))
     loss, band = float(material.get("loss_factor", LOSS_FACTOR)), material.get("loss_between_Hz")
+    kept = f"the branches of material.relaxation (a held stretch keeps {100 / float(slow.modulus(0.0)):.3g} %)"
     if band is None and slow.shares and "loss_factor" not in material:
-        return slow, "Its rubber has the branches of material.relaxation."
+        return slow, f"Its rubber has {kept}."
     low, high = band or (first_Hz() * part for part in BAND)
     fast = Relaxation.from_loss_factor(loss, low, high)
     told = f"Its rubber has a loss factor of {loss:.3g} from {low:.2g} to {high:.2g} Hz"
     both = Relaxation((*fast.shares, *slow.shares), (*fast.times_s, *slow.times_s))
-    return both, f"{told}, and the branches of material.relaxation." if slow.shares else f"{told}."
+    return both, f"{told}, and {kept}." if slow.shares else f"{told}."
 
 
 def body_of(run: Run, rods: Rods) -> tuple[Body, str]:

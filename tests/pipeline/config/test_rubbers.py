@@ -79,6 +79,28 @@ def test_terms_of_abaqus_are_asked_about_and_read(configs: Path) -> None:
     np.testing.assert_allclose(two.uniaxial(s).nominal, one.uniaxial(s).nominal)
 
 
+def test_one_term_of_febio(configs: Path) -> None:
+    """c / m^2 before the powers: E at rest is 3 c / 2, a sixth of which the same numbers have as mu / alpha."""
+    for form, modulus in (("ogden", 0.66), ("ansys", 0.66), ("abaqus", 0.24), ("febio", 0.12)):
+        law = material(configs, f"law: ogden, form: {form}, mu: [80 kPa], alpha: [5.5], nu: 0.4999").built()
+        assert law.young_modulus == pytest.approx(modulus, rel=1e-3), form
+
+
+def test_branches_of_abaqus_are_parts_of_the_modulus_at_once(configs: Path) -> None:
+    branches = "relaxation: [{g: 0.4, tau: 1 s}, {g: 0.35, tau: 10 s}]"
+    for form, kept in (("", 57.1), ("form: febio, ", 57.1), ("form: abaqus, ", 25.0), ("form: ansys, ", 25.0)):
+        rubber = material(configs, f"law: neo_hooke, {form}mu: 0.1 MPa, {branches}")
+        assert f"a held stretch keeps {kept:.3g} % of its stress" in rubber.told
+        assert [branch.tau_s for branch in rubber.relaxation] == [1.0, 10.0]
+    assert [branch.g for branch in rubber.relaxation] == pytest.approx([1.6, 1.4])
+    named = material(configs, f"name: ecoflex_00_30, form: abaqus, {branches}")
+    assert named.relaxation == rubber.relaxation
+    assert "held" not in material(configs, "law: neo_hooke, mu: 0.1 MPa").told
+    too_many = "relaxation: [{g: 0.7, tau: 1 s}, {g: 0.35, tau: 10 s}]"
+    sentence = refused(configs, f"law: neo_hooke, form: abaqus, mu: 0.1 MPa, {too_many}")
+    assert "material.relaxation: the parts g of the modulus at once add up to 1.05; allowed: below 1" in sentence
+
+
 @pytest.mark.parametrize(
     ("written", "complaint"),
     [
@@ -89,7 +111,7 @@ def test_terms_of_abaqus_are_asked_about_and_read(configs: Path) -> None:
         ("law: neo_hooke, mu: 0.1 MPa, d1: 0", "material.d1: unknown key; write kappa, 2 / d1"),
         ("law: yeoh, C1: 0.1 MPa, c20: 0 MPa, c30: 0 MPa", "material.C1: unknown key; write c10"),
         ("law: neo_hooke, mu: 0.1 MPa, prony: 3", "material.prony: unknown key; write material: {relaxation: "),
-        ("law: ogden, form: ansys, mu: [0.1 MPa], alpha: [2]", "material.form: 'ansys' is not known; allowed: ogden"),
+        ("law: ogden, form: marc, mu: [0.1 MPa], alpha: [2]", "material.form: 'marc' is not known; allowed: ogden"),
     ],
 )
 def test_keys_of_other_programs_are_answered(written: str, complaint: str, configs: Path) -> None:
