@@ -79,7 +79,7 @@ DOORS: dict[str, set[str]] = {
     "pyarrow": {"pipeline/study/sweep/table.py"},
     "pandas": {
         *("pipeline/api/frames.py", "pipeline/api/results.py"),
-        "pipeline/answers/written_table.py",
+        "pipeline/answers/columns.py",
     },
 }
 
@@ -217,7 +217,7 @@ def test_every_door_is_used(library: str) -> None:
         ("fem/model.py", "import importlib\nimportlib.import_module('rod')", "fem has no use for it"),
         ("pipeline/store/store.py", "import pyvista", "its door is pipeline/results/drawing.py"),
         ("pipeline/store/store.py", "import requests", "pipeline has no use for it"),
-        ("pipeline/show/page.py", "import pandas", "pipeline/answers/written_table.py"),
+        ("pipeline/show/page.py", "import pandas", "pipeline/answers/columns.py"),
         ("pipeline/cli/commands.py", "def f():\n    from pneurod import Results", "pipeline must not know pneurod"),
         ("fem/model.py", "import pneurod", "fem must not know pneurod"),
     ],

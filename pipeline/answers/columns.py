@@ -1,22 +1,34 @@
-"""Columns of tables in text files, found by the words of their titles and by their units.
+"""Columns of tables in text files, as testing machines and spreadsheets write them.
 
-Titles stand in one line or two, below whatever a program writes above them, with units in them or in the next line.
+Found by themselves are the encoding, the separator and the decimal sign, and columns by the words of their titles and
+by their units. Titles stand in one line or two, below whatever a program writes above them, with units in them or in
+the next line.
 """
 
+import io
 import re
+import unicodedata
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 
 from geometry.arrays import Array, Index
-from pipeline.answers.written_table import is_unit, name_and_unit, number_in, per_unit, plain, read_cells
-from pipeline.config.units import Dimension
+from pipeline.config.units import STRAIN, Dimension, convert
 from pipeline.values.errors import InputError, quoted
 
+#: how units are written that pint reads otherwise or not at all
+UNITS = {"²": "^2", "mm2": "mm^2", "m2": "m^2", "Mpa": "MPa", "mpa": "MPa", "MPA": "MPa", "KPa": "kPa", "kpa": "kPa"}
+PURE = {"1", "-", "mm/mm", "m/m", "in/in", "dimensionless", "decimal", "abs"}
+PER_CENT = {"percent", "prozent", "pct", "pourcent"}
+_TITLE = re.compile(
+    r"(?P<name>.*?)\s*(?:\((?P<round>[^()]*)\)|\[(?P<square>[^\]]*)\]|(?:/|\bin\b|,|[\s_])\s*(?P<bare>[^\s_]+))?"
+)
 #: words in the middle of a title that are units too
 _WORDS = {"a", "as", "at", "h", "in", "t"}
+_UTF16 = (b"\xff\xfe", b"\xfe\xff")
 
 
 @dataclass(frozen=True)
@@ -31,7 +43,7 @@ class Column:
 
     def per_unit(self, unit: str) -> float:
         """What one unit is in that of the dimension; NaN where it is none of it."""
-        return per_unit(unit, self.dimension) if self.dimension else 1.0
+        return _per_unit(unit, self.dimension) if self.dimension else 1.0
 
 
 @dataclass(frozen=True)
@@ -50,7 +62,7 @@ class Form:
 
         unit: in the line below.
         """
-        written, last = name_and_unit(title, [one.dimension for one in self.columns.values() if one.dimension])
+        written, last = _name_and_unit(title, [one.dimension for one in self.columns.values() if one.dimension])
         name, stated = plain(written), unit or last
         units = [stated] if stated else [word for word in re.split(r"[\s_]+", title) if word.lower() not in _WORDS]
         fits = []
@@ -108,7 +120,7 @@ def read(path: Path, form: Form) -> Columns:
 
 def read_all(path: Path, form: Form) -> list[Columns]:
     """The tables of a file, by their lines of titles. Raises InputError where there is none."""
-    cells = read_cells(path, form.of, form.example)
+    cells = _read_cells(path, form)
     heads = list(_heads(cells, form))
     if not heads:
         raise InputError(f"{path}: no line names {form.names}; {form.example}")
@@ -121,7 +133,7 @@ def read_all(path: Path, form: Form) -> list[Columns]:
 
 def _heads(cells: Array, form: Form) -> Iterator[tuple[int, int, Sequence[str], Sequence[str]]]:
     """Of each table the line of its titles and of its first row, from 0, its titles, and the units below them."""
-    is_number = np.array([[np.isfinite(number_in(cell)) for cell in row] for row in cells])
+    is_number = np.array([[np.isfinite(_number_in(cell)) for cell in row] for row in cells])
     dimensions = [column.dimension for column in form.columns.values() if column.dimension]
     free = 0
     for row in range(len(cells)):
@@ -130,7 +142,7 @@ def _heads(cells: Array, form: Form) -> Iterator[tuple[int, int, Sequence[str], 
             if row < free or first >= len(cells) or is_number[row:first].any():
                 continue
             titles = [" ".join(filter(None, above)) for above in cells[row:first].T]
-            has_units = not is_number[first].any() and any(is_unit(unit, dimensions) for unit in cells[first])
+            has_units = not is_number[first].any() and any(_is_unit(unit, dimensions) for unit in cells[first])
             units = cells[first].tolist() if has_units else [""] * len(titles)
             found = {of[0] for of in map(form.column, titles, units) if of}
             if all(found & set(names) for names in form.needed):
@@ -152,6 +164,96 @@ def _below(path: Path, form: Form, titles: Sequence[str], units: Sequence[str], 
             wrong = f"has the unit {quoted(stated)}, which is not that of {of.dimension.name}"
             written = of.written or f"{name} ({of.dimension.example.split()[-1]})"
             problem = f"{wrong if stated else 'has no unit'}; write it as '{written}'"
-        numbers = np.array([number_in(cell) if of.dimension else np.nan for cell in texts], dtype=float)
+        numbers = np.array([_number_in(cell) if of.dimension else np.nan for cell in texts], dtype=float)
         known.append(Values(name, title, stated, texts, numbers * (1.0 if problem else value), problem))
     return Columns(path, rows + 1, tuple(known), tuple(others))
+
+
+def _read_cells(path: Path, form: Form) -> Array:
+    """(lines, columns) the texts of all cells; lines without any, and comments, have empty ones."""
+    lines = ["" if line.lstrip().startswith("#") else line for line in _text(path, form.of).splitlines()]
+    separator = max(("\t", ";", ",", r"\s+"), key=lambda mark: _numeric_lines(lines, mark))  # of equal ones the first
+    width = max((len(re.split(separator, line)) for line in lines), default=0)
+    if width < 2:
+        raise InputError(f"{path}: holds no table; {form.example}")
+    try:
+        frame = pd.read_csv(
+            io.StringIO("\n".join(lines)), sep=separator, header=None, names=range(width), dtype=str, engine="python",
+            skip_blank_lines=False, keep_default_na=False, skipinitialspace=True, index_col=False,
+        )  # fmt: skip
+    except (pd.errors.ParserError, pd.errors.EmptyDataError) as failure:
+        raise InputError(f"{path}: cannot be read as a table: {failure}; {form.example}") from None
+    return np.array([[str(cell).strip() for cell in row] for row in frame.fillna("").to_numpy()], dtype=object)
+
+
+def _numeric_lines(lines: Sequence[str], separator: str) -> int:
+    """How many lines have two numbers or more between separators."""
+    return sum(
+        sum(np.isfinite(_number_in(cell.strip(' "'))) for cell in re.split(separator, line)) > 1
+        for line in lines[:2000]
+    )
+
+
+def _number_in(cell: str) -> float:
+    """A number with a decimal point or comma, and perhaps the other sign between thousands; else NaN."""
+    if "," in cell and "." in cell:
+        cell = cell.replace(min(",", ".", key=cell.index), "")
+    try:
+        return float(cell.replace(",", "."))
+    except ValueError:
+        return np.nan
+
+
+def _text(path: Path, of: str) -> str:
+    """The text of a file in UTF-8, UTF-16 or Latin-1. Raises InputError."""
+    try:
+        content = path.read_bytes()
+    except FileNotFoundError:
+        raise InputError(f"{path}: no such file; give a CSV file of {of}") from None
+    except OSError as failure:
+        raise InputError(f"{path}: cannot be read: {failure.strerror}; give a readable CSV file") from None
+    unmarked = ("utf-16-le",) if content[1:2] == b"\0" else ("utf-8-sig", "cp1252")
+    for encoding in ("utf-16",) if content.startswith(_UTF16) else unmarked:
+        try:
+            text = content.decode(encoding)
+        except UnicodeDecodeError:
+            continue
+        if encoding != "cp1252" or all(sign.isprintable() or sign in "\t\n\r\f" for sign in text):
+            return text.replace("\0", "")
+    raise InputError(f"{path}: is not a text; save it as CSV, in UTF-8 or UTF-16")
+
+
+def _name_and_unit(title: str, dimensions: Sequence[Dimension]) -> tuple[str, str]:
+    """Name and unit of a title; what stands in brackets and is no unit of the dimensions belongs to the name."""
+    match = _TITLE.fullmatch(title)
+    unit = next((part.strip() for part in match.groups()[1:] if part), "") if match else ""
+    return (match["name"], unit) if match and _is_unit(unit, dimensions) else (title, "")
+
+
+def _is_unit(text: str, dimensions: Sequence[Dimension]) -> bool:
+    """Whether a text is a unit of one of the dimensions."""
+    unit = text.strip("()[] ")
+    return bool(unit) and any(np.isfinite(_per_unit(unit, of)) for of in dimensions)
+
+
+def _per_unit(text: str, dimension: Dimension) -> float:
+    """What one unit is in that of the dimension; NaN where this is no unit of it."""
+    unit = text.strip("()[] ")
+    if unit == "strain":  # pint has it among its units
+        return np.nan
+    for written, meant in UNITS.items():
+        unit = unit.replace(written, meant)
+    if dimension is STRAIN and plain(unit) in PURE:
+        return 1.0
+    if dimension is STRAIN and plain(unit) in PER_CENT:
+        return 0.01
+    try:
+        return convert(f"1 {unit}", dimension)
+    except ValueError:
+        return np.nan
+
+
+def plain(text: str) -> str:
+    """Small letters without accents."""
+    parts = unicodedata.normalize("NFKD", text.replace("_", " ").lower())
+    return "".join(sign for sign in parts if not unicodedata.combining(sign)).strip()

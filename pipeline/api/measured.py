@@ -67,23 +67,17 @@ def calibrate(
 
 
 def material(
-    tests: Annotated[
-        Sequence[Path | str], list[Path], typer.Argument(metavar="TENSILE.csv...", help="Files of tensile tests.")
-    ],
+    tests: Annotated[Sequence[Path | str], list[Path], typer.Argument(metavar="TEST.csv...", help="Files of tests.")],
     out: Annotated[Path | str, typer.Option("--out", metavar="DIR", help="Result folder.")] = Path("results/material"),
     *,
     run: Annotated[
         Path | str | None,
-        typer.Option(
-            "--for", metavar="DIR", help="Results: stretches that an arm needs. Configuration: its law beside."
-        ),
+        typer.Option("--for", metavar="DIR", help="Results: the stretches needed. Or a configuration: its law."),
     ] = None,
     kind: Annotated[
         Sequence[str],
         list[str],
-        typer.Option(
-            "--kind", metavar="KIND", help="uniaxial, planar or equibiaxial, of all files or each. Repeatable."
-        ),
+        typer.Option("--kind", metavar="KIND", help="uniaxial, planar, equibiaxial: of all files, or each."),
     ] = (),
     length: Annotated[str | None, typer.Option(metavar="L", help="At rest, for extensions: '33 mm'.")] = None,
     area: Annotated[str | None, typer.Option(metavar="A", help="At rest, for forces: '16 mm^2'.")] = None,
@@ -93,13 +87,13 @@ def material(
     density: Annotated[str | None, typer.Option(metavar="RHO", help="For the configuration: '1070 kg/m^3'.")] = None,
     hold: Annotated[
         Path | str | None,
-        typer.Option("--hold", metavar="HOLD.csv", help="A specimen that is held: its stress or strain over time."),
+        typer.Option("--hold", metavar="HOLD.csv", help="One that is held: stress or strain over time; or DMA."),
     ] = None,
 ) -> "Material":
-    """Fit laws to tensile tests: the law to take, its constants, and the stretches over which it can be used.
+    """Fit laws to tests: the law to take, its constants, and the stretches over which it can be used.
 
-    hold gives the branches of relaxation. Raises `pneurod.InputError` for a wrong file or argument, and
-    `pneurod.RunFailed` where no law can be used.
+    hold gives the branches of relaxation; kind says of what kind the tests are where titles do not. Raises
+    `pneurod.InputError` for a wrong file or argument, and `pneurod.RunFailed` where no law can be used.
     """
     from pipeline.answers.material import record, study
 

@@ -19,7 +19,7 @@ from scipy.optimize import nnls
 from geometry.arrays import Array
 from pipeline.answers.columns import Column, Columns, Form, Values, read
 from pipeline.answers.material.table import KINDS
-from pipeline.config.units import FREQUENCY, STRESS, TIME
+from pipeline.config.units import STRESS, TIME, Dimension
 from pipeline.values.errors import InputError
 from rod.errors import RodError
 from rod.in_time.relaxation import Creep, Relaxation
@@ -28,7 +28,7 @@ HELD = Form(
     "a specimen over time",
     {
         "time": Column(TIME, r"^t$|\btime|zeit|\btemps"),
-        "frequency": Column(FREQUENCY, r"^f$|freq|^ω$|omega"),
+        "frequency": Column(Dimension("a frequency", "Hz", "1 Hz"), r"^f$|freq|^ω$|omega"),
         "storage": Column(STRESS, r"stor|speicher|conserv|^[eg]['′]$"),
         "loss": Column(STRESS, r"loss|verlust|perte|^[eg](''|″)$", r"factor|faktor|facteur|tan|angle|winkel"),
         **KINDS,
@@ -39,8 +39,8 @@ HELD = Form(
     "'frequency (Hz), storage modulus (MPa), loss modulus (MPa)'",
     title_lines=2,
 )
-#: branches in a tenfold time of a hold, and of a frequency; the shortest time of one over that of the first point and over that of the ramp, the
-#: longest over that of the last point
+#: branches in a tenfold time of a hold, and of a frequency; the shortest time of one over that of the first point and
+#: over that of the ramp, the longest over that of the last point
 PER_DECADE, OF_HZ, SHORTEST, OF_RAMP, LONGEST = 2.0, 4.0, 3.0, 0.2, 1.0 / 3.0
 #: a part of the stress below which a branch is left out, fewest points of a hold, and largest misfit
 LEAST, MIN_POINTS, LARGEST_MISFIT = 2e-3, 5, 0.05
@@ -108,9 +108,13 @@ def read_hold(path: Path) -> Hold:
         raise InputError(f"{path}: has {len(t)} points; give {MIN_POINTS} or more, over a longer time")
     if len(values) == 1:
         return _held(path, t, np.abs(values[0]), None, is_creep=not found[0])
-    changes = [float(np.ptp(of[len(t) // 2 :]) / np.abs(np.median(of[len(t) // 2 :]))) for of in values]
-    is_creep = changes[0] < changes[1]
     stress, strain = (np.abs(of) for of in values)
+    levels = [float(np.median(of[len(t) // 2 :])) for of in (stress, strain)]
+    begin = min(
+        int(np.argmax(of >= (1.0 - CHANGE) * level)) for of, level in zip((stress, strain), levels, strict=True)
+    )
+    changes = [_range(of[begin:]) / level for of, level in zip((stress, strain), levels, strict=True)]
+    is_creep = changes[0] < changes[1]
     return _held(path, t, *((strain, stress) if is_creep else (stress, strain)), is_creep=is_creep)
 
 
@@ -149,9 +153,14 @@ def _end_of_ramp(path: Path, t: Array, held: Array, is_known: bool, *, is_creep:
         return max(zero, int(np.argmax(held >= held.max() - noise)))
     level = float(np.median(late))
     end = max(zero, int(np.argmax(held >= REACHED * level - noise)))
-    if np.ptp(held[end:]) > CHANGE * level:
+    if _range(held[end:]) > CHANGE * level:
         raise InputError(f"{path}: neither stress nor strain is held to the end; leave out what follows the hold")
     return end
+
+
+def _range(values: Array) -> float:
+    """Of all but the outermost, which may be noise."""
+    return float(np.ptp(np.percentile(values, (3.0, 97.0))))
 
 
 def _vibrating(columns: Columns) -> Hold:

@@ -12,8 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from geometry.arrays import Array
-from pipeline.answers.columns import Column, Columns, Form, Values, read_all
-from pipeline.answers.written_table import plain
+from pipeline.answers.columns import Column, Columns, Form, Values, plain, read_all
 from pipeline.config.units import FORCE, LENGTH, STRAIN, STRESS
 from pipeline.values.errors import InputError, argument, quoted
 
