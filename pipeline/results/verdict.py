@@ -124,7 +124,7 @@ class Verdict(Told):
     @property
     def lines(self) -> tuple[str, ...]:
         """The verdict in words, at most eight lines."""
-        lines = [*self._leaves_plane(), *self._bends(), self.limit.text if self.limit else "", self._takes()]
+        lines = [*self._leaves_plane(), *self._bends(), self._takes(), self.limit.text if self.limit else ""]
         lines += [self.tolerances.text] if self.usable and self.tolerances else []
         lines += [self.in_time.text] if self.usable and self.in_time else []
         lines += [self._holds(), self.command, *self._not_reached()]

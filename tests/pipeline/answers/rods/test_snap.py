@@ -222,7 +222,7 @@ def test_measurements_are_compared_with_the_form_from_rest(folder: Path, tmp_pat
 def test_the_verdict_tells_the_snap(folder: Path) -> None:
     verdict = pneurod.read_results(folder).verdict
     assert verdict.lines[0].startswith("closed_form, 110 mm long, bends by 6°, 15°, 88° at 15, 26, 30 kPa")
-    assert verdict.lines[1] == (
+    assert verdict.lines[2] == (
         "At 27 ± 0.2 kPa its chambers swell at once: it bends from 19° to 81°, and back at 22 kPa; known to 32 kPa."
     )
     assert verdict.record()["limit"]["code"] == "snaps"  # type: ignore[index]
@@ -230,7 +230,7 @@ def test_the_verdict_tells_the_snap(folder: Path) -> None:
 
 def test_the_verdict_tells_a_limit_without_a_form_beyond(tmp_path: Path) -> None:
     verdict = pneurod.read_results(folder_of(tmp_path, snapping_law(swells=False))).verdict
-    assert verdict.lines[1] == (
+    assert verdict.lines[2] == (
         "No form beyond 27 ± 0.2 kPa with this law: a law that stiffens (yeoh, ogden) may have one."
     )
 
@@ -248,7 +248,7 @@ def test_the_verdict_tells_where_little_pressure_bends_it_much(tmp_path: Path) -
     """The measured angles of c5-w7 (Moseley), about."""
     law = cells_of({0.0: 0.0, 20.0: 8.0, 30.0: 20.0, 35.0: 32.0, 37.0: 56.0, 39.0: 80.0, 45.0: 110.0})
     verdict = pneurod.read_results(folder_of(tmp_path, law)).verdict
-    assert verdict.lines[1] == (
+    assert verdict.lines[2] == (
         "From 35 to 39 kPa 1 kPa changes the angle by 12°: here modulus and pressure must be known to 1 % for 5°."
     )
 
