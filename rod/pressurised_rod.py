@@ -1,15 +1,15 @@
 """The identified rod over a range of pressures: between two of them by cubics in the pressure.
 
 Numbers and kappa_0(s) curve over the pressure, because walls meet and materials stiffen; straight lines between a few
-pressures miss that. The five parameters and the eccentricity follow monotone cubics (PCHIP), which never go beyond two
-neighbours, so that a rigidity stays positive. F. N. Fritsch, R. E. Carlson, SIAM J. Numer. Anal. 17 (1980).
+pressures miss that. The five parameters follow monotone cubics (PCHIP), which never go beyond two neighbours, so that a
+rigidity stays positive. F. N. Fritsch, R. E. Carlson, SIAM J. Numer. Anal. 17 (1980).
 
 Outside the identified pressures there is no rod.
 
-kappa_0(s) and the rest stretch ripple along the arm by more than their mean, so that their interpolation must be linear
-in the values: only then is the mean of the interpolated profile the interpolated mean. They and theta0 follow cubics
-whose slopes are those of parabolas through three neighbours, and have one more value, that of the drawing without
-pressure, unless something else than the pressure of the run bends the arm. With two values a cubic is a straight line.
+kappa_0(s) ripples along the arm by more than its mean, so that its interpolation must be linear in the values: only
+then is the mean of the interpolated profile the interpolated mean. It and theta0 follow cubics whose slopes are those
+of parabolas through three neighbours, and have one more value, that of the drawing without pressure, unless something
+else than the pressure of the run bends the arm. With two values a cubic is a straight line.
 """
 
 from collections.abc import Mapping, Sequence
@@ -21,7 +21,6 @@ import numpy as np
 from geometry.arrays import Array
 from rod.checked import Amount, finite
 from rod.cubics import cubic, monotone_slopes
-from rod.curves.extension import Extension
 from rod.errors import RodError
 from rod.identification.moment_range import MomentRange
 from rod.law import PARAMETER_NAMES, FiveParameters
@@ -49,7 +48,6 @@ class PressurisedRod:
     kappa_0: Array  #: (n, m) 1/mm
     theta0: Array  #: (n,) rad, tangent angle at the clamp
     start: tuple[float, float] = (0.0, 0.0)  #: mm, x and y of the clamp
-    extensions: tuple[Extension, ...] = ()  #: (n,) with the same s; empty: the rod is inextensible
     moment_ranges: tuple[MomentRange, ...] = ()  #: (n,) of the identification; empty: not given
     #: whether the arm is straight without pressure; not where it has a weight or a cavity with a constant pressure
     straight_without_pressure: bool = True
@@ -67,8 +65,8 @@ class PressurisedRod:
         count = len(self.pressures)
         if not len(self.laws) == len(self.theta0) == count or self.kappa_0.shape != (count, len(self.s)):
             raise RodError("Every pressure of a rod needs its five parameters, its theta0 and its kappa_0 at every s.")
-        if any(given and len(given) != count for given in (self.extensions, self.moment_ranges)):
-            raise RodError("Where extensions or ranges of moments are given, every pressure needs its own.")
+        if self.moment_ranges and len(self.moment_ranges) != count:
+            raise RodError("Where ranges of moments are given, every pressure needs its own.")
         sampled(self.length, np.column_stack([self.s, self.kappa_0[0]]))  # refuses an s that does not rise to it
 
     @property
@@ -84,13 +82,8 @@ class PressurisedRod:
         (pressure,) = pressures_of(pressure, self.cavities)
         origin = self.origin_at(pressure)  # refuses what is outside
         law = FiveParameters(*(self._at([getattr(law, n) for law in self.laws], pressure) for n in PARAMETER_NAMES))
-        extension = None
-        if self.extensions:
-            rest = self._shape_at([e.rest_stretch for e in self.extensions], pressure, 1.0)
-            eccentricity = self._at([e.eccentricity for e in self.extensions], pressure)
-            extension = Extension(self.extensions[0].s, rest, float(eccentricity))
-        kappa_0 = self._shape_at(self.kappa_0, pressure, 0.0)
-        theta0 = float(self._shape_at(self.theta0, pressure, 0.0))
+        kappa_0 = self._shape_at(self.kappa_0, pressure)
+        theta0 = float(self._shape_at(self.theta0, pressure))
         profile = np.column_stack([self.s, kappa_0])
         return Rod(
             self.length,
@@ -98,7 +91,6 @@ class PressurisedRod:
             law,
             theta0,
             self.start,
-            extension=extension,
             weight=self.weight,
             weight_height=self.weight_height,
             mass=self.mass,
@@ -112,11 +104,11 @@ class PressurisedRod:
         known = known_at(p, pressure)
         return cubic(p, v, monotone_slopes(p, v), pressure) if known is None else v[known]
 
-    def _shape_at(self, values: Any, pressure: float, straight: float) -> Any:
-        """Values (n, ...) at a pressure, by cubics that are linear in them; straight: the value of the straight arm."""
+    def _shape_at(self, values: Any, pressure: float) -> Any:
+        """Values (n, ...) at a pressure, by cubics that are linear in them; those of a straight arm are zero."""
         p, v = self.pressures, np.asarray(values, float)
         if self.straight_without_pressure and p[0] > 0.0:
-            p, v = np.append(0.0, p), np.concatenate([np.full_like(v[:1], straight), v])
+            p, v = np.append(0.0, p), np.concatenate([np.zeros_like(v[:1]), v])
         known = known_at(p, pressure)
         if known is not None:
             return v[known]

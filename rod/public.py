@@ -7,7 +7,6 @@ from rod.arm_law.law_rod import LawRod
 from rod.curves.cell_average import cell_averaged, shortest_pitch
 from rod.curves.closure import Closure, end_displacement_closure
 from rod.curves.curve import Curvature, Moment, moment_between, moment_from_load, without_stretch
-from rod.curves.extension import Extension, extension, moment_about_neutral_axis
 from rod.curves.rest_shape import rest_curvature
 from rod.curves.uncertainty import Bootstrap, Interval
 from rod.errors import RodError, RodWarning
@@ -44,7 +43,6 @@ __all__ = [
     "Bootstrap",
     "Closure",
     "Curvature",
-    "Extension",
     "FiveParameters",
     "Identification",
     "Interval",
@@ -79,13 +77,11 @@ __all__ = [
     "compile_kernels",
     "end_displacement_closure",
     "export_robot",
-    "extension",
     "frequencies",
     "identify",
     "is_clear",
     "linear_range",
     "longest_break",
-    "moment_about_neutral_axis",
     "moment_between",
     "moment_from_load",
     "move",

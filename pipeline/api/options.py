@@ -88,7 +88,7 @@ Rod = Annotated[
     str | None,
     typer.Option(
         "--rod",
-        metavar="law|five|five_extensible",
+        metavar="law|five",
         help="The arm's own law, or five parameters; by default the rod that the verdict recommends.",
     ),
 ]

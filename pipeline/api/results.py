@@ -112,12 +112,6 @@ class Results:
         return frames.by_pressure(asdict(self.run.parameters) | more, self.pressures_kPa)
 
     @cached_property
-    def extensible(self) -> pd.DataFrame:
-        """The parameters of the rod whose curve stretches, with the eccentricity of its neutral axis."""
-        content = self.run.parameters.eccentricity
-        return frames.by_pressure(asdict(content), self.pressures_kPa) if content else frames.by_pressure({}, ())
-
-    @cached_property
     def kappa_0(self) -> pd.DataFrame:
         """pressure_kPa, s_mm, kappa_0_per_mm: the curvature of the rod without load."""
         return frames.profiles(self.run.parameters.kappa_0, self.pressures_kPa)
@@ -204,9 +198,8 @@ class Results:
 
         Of a law of several pressures give those of all cavities, (20.0, 5.0).
 
-        kind: "law" for the arm's own law, "five" for the five parameters of the paper, "five_extensible" for those of
-        the rod whose curve stretches. Its origin is the clamped end of the material curve. after_snap: the swollen form
-        of an arm that has two at this pressure.
+        kind: "law" for the arm's own law, "five" for the five parameters of the paper. Its origin is the clamped end of
+        the material curve. after_snap: the swollen form of an arm that has two at this pressure.
 
         Warns with `RodWarning` where the rod is less certain than usual; its `notes`, and those of its shapes, say the
         same. Raises InputError outside its pressures, where the run has no such rod, and for an arm that leaves its

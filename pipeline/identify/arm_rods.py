@@ -1,10 +1,10 @@
-"""The rods compared with the finite elements: with five parameters, with their stretch, with the arm's own law."""
+"""The rods compared with the finite elements: with five parameters, and with the arm's own law."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
-from pipeline.values.formats import ARM_LAW, EXTENSIBLE, FIVE
+from pipeline.values.formats import ARM_LAW, FIVE
 from pipeline.values.parameters import RodParameters
 from rod import ArmLaw, Rod, RodError
 
@@ -36,10 +36,9 @@ class ArmRods:
     @cached_property
     def _sources(self) -> dict[str, Callable[[float], Rod]]:
         """By name: what gives the rod at a pressure."""
-        kinds = {FIVE: False, EXTENSIBLE: True} if self.identified_kPa else {}
-        sources: dict[str, Callable[[float], Rod]] = {
-            name: replace(self.parameters.rods(stretches), start=self.start).at for name, stretches in kinds.items()
-        }
+        sources: dict[str, Callable[[float], Rod]] = {}
+        if self.identified_kPa:
+            sources[FIVE] = replace(self.parameters.rods(), start=self.start).at
         if (law := self.law) is not None:
             sources[ARM_LAW] = lambda pressure: Rod(law.length, law=law.at(pressure), start=self.start)
         return sources

@@ -19,7 +19,6 @@ from rod import (
     PARAMETER_NAMES,
     Closure,
     Curvature,
-    Extension,
     Identification,
     Interval,
     Load,
@@ -28,11 +27,9 @@ from rod import (
     RodError,
     cell_averaged,
     end_displacement_closure,
-    extension,
     identify,
     is_clear,
     longest_break,
-    moment_about_neutral_axis,
     moment_between,
     shortest_break,
     without_stretch,
@@ -50,9 +47,6 @@ class Parameters:
     kappa: Curvature  #: cell-averaged, of III
     moment: Moment  #: of III without its stretch
     by_cells: Identification
-    extensible: Identification  #: with the moment about the neutral axis, for the extensible rod
-    extension: Extension  #: how the curve stretches: rest stretch and eccentricity
-    bending_moment: Moment  #: of III about the neutral axis, with the levers of the stretched curve
     given_d: float | None = None  #: mm, the break where it was given; None where it was sought
     #: standard deviations due to the mesh by name; empty where they were not estimated
     mesh_std: Mapping[str, float] = field(default_factory=dict)
@@ -96,17 +90,13 @@ class Parameters:
     @property
     def numbers(self) -> dict[str, Interval]:
         """alpha1, alpha2, m01, m02, d of the rod, with the error of the mesh where it was estimated."""
-        return self._with_mesh(self.numbers_without_mesh)
+        numbers = self.numbers_without_mesh.items()
+        return {name: number.widened(self.mesh_std.get(name, 0.0)) for name, number in numbers}
 
     @property
     def numbers_without_mesh(self) -> dict[str, Interval]:
         """The five numbers without the error of the mesh, which all pressures share: no scatter between them."""
         return self.numbers_of(self.by_cells)
-
-    @property
-    def extensible_numbers(self) -> dict[str, Interval]:
-        """The five numbers of the rod whose curve stretches."""
-        return self._with_mesh(self.numbers_of(self.extensible))
 
     def numbers_of(self, identification: Identification) -> dict[str, Interval]:
         """The five numbers with as many lines as the rod has: those of a single line for both pieces where it suffices.
@@ -120,18 +110,10 @@ class Parameters:
             return {name: getattr(identification, name) for name in PARAMETER_NAMES}
         return {"alpha1": line.alpha, "alpha2": line.alpha, "m01": line.m0, "m02": line.m0, "d": d}
 
-    def _with_mesh(self, numbers: Mapping[str, Interval]) -> dict[str, Interval]:
-        return {name: number.widened(self.mesh_std.get(name, 0.0)) for name, number in numbers.items()}
-
     @property
     def moment_range(self) -> MomentRange:
         """The moments of III, from which the parameters were identified."""
         return MomentRange.of(self.moment)
-
-    @property
-    def extensible_moment_range(self) -> MomentRange:
-        """The moments of III about the neutral axis, for the rod whose curve stretches."""
-        return MomentRange.of(self.bending_moment)
 
 
 def counts_as_equal_cells(design: Design) -> bool:
@@ -201,8 +183,6 @@ def _identify(
     curves = (free.centreline, loaded.centreline)
     moment, closure = _moment_and_closure(*curves, loaded.load)
     kappa_0, kappa = (cell_averaged(curve, pitch) for curve in curves)
-    stretch = extension(*curves, pitch)
-    bending_moment = moment_about_neutral_axis(*curves, loaded.load, stretch.eccentricity)
     return Parameters(
         pressure_kPa=free.pressure_kPa,
         free=free,
@@ -211,9 +191,6 @@ def _identify(
         kappa=kappa,
         moment=moment,
         by_cells=identify(kappa_0, kappa, moment, closure, d=d),
-        extensible=identify(kappa_0, kappa, bending_moment, closure, d=d),
-        extension=stretch,
-        bending_moment=bending_moment,
         given_d=d,
         equal_cells=equal_cells,
     )

@@ -16,7 +16,6 @@ from pipeline.values.parameters import (
     MeshErrorOfFive,
     RestShape,
     RodParameters,
-    StretchingRod,
     TwoLines,
 )
 from rod import (
@@ -68,7 +67,6 @@ def parameters_record(
         mesh_error=_mesh_error(config, parameters, coarser),
         mesh_error_reason=mesh_error_reason,
         moment_range_N_mm=_ranges([p.moment_range for p in parameters]),
-        eccentricity=_stretching(parameters),
         estimators={ESTIMATOR: _identified([p.by_cells for p in parameters], parameters)},
         predicted_by_arm_law=None if predicted is None else _identified(by_law, parameters),
         kappa_0=_rest_shape(parameters),
@@ -94,9 +92,7 @@ def _with_single_lines(found: RodParameters, parameters: Sequence[Parameters]) -
     )
 
 
-def _columns(
-    numbers: Sequence[Mapping[str, Interval] | None], parameters: Sequence[Parameters] | None = None
-) -> FiveColumns:
+def _columns(numbers: Sequence[Mapping[str, Interval] | None], parameters: Sequence[Parameters]) -> FiveColumns:
     """The five parameters over the pressures; None where there is no number.
 
     parameters: those that tell whether a d lies at an end of the range in which it was sought.
@@ -107,12 +103,10 @@ def _columns(
         columns[column] = tuple(i and i.value for i in intervals)
         columns[f"{column}_std"] = tuple(i and i.std for i in intervals)
         columns[f"{column}_95"] = tuple(i and (i.low, i.high) for i in intervals)
-    if parameters is not None:
-        pairs = [(i and i["d"], p) for i, p in zip(numbers, parameters, strict=True)]
-        at_most = (d and p.given_d is None and bool(d.value <= 1.001 * p.shortest_break) for d, p in pairs)
-        at_least = (d and p.given_d is None and bool(d.value >= 0.999 * p.longest_break) for d, p in pairs)
-        columns |= {"d_is_at_most": tuple(at_most), "d_is_at_least": tuple(at_least)}
-    return FiveColumns(**columns)
+    pairs = [(i and i["d"], p) for i, p in zip(numbers, parameters, strict=True)]
+    at_most = (d and p.given_d is None and bool(d.value <= 1.001 * p.shortest_break) for d, p in pairs)
+    at_least = (d and p.given_d is None and bool(d.value >= 0.999 * p.longest_break) for d, p in pairs)
+    return FiveColumns(**columns | {"d_is_at_most": tuple(at_most), "d_is_at_least": tuple(at_least)})
 
 
 def _mesh_error(config: Config, parameters: Sequence[Parameters], coarser: float | None) -> MeshErrorOfFive | None:
@@ -125,19 +119,6 @@ def _mesh_error(config: Config, parameters: Sequence[Parameters], coarser: float
         parameters[0].mixed_at_kPa,
         *(tuple(p.mesh_std.get(name) for p in parameters) for name in PARAMETER_COLUMNS),
         *(tuple(p.mesh_errors.get(name) for p in parameters) for name in RELATIVE),
-    )
-
-
-def _stretching(parameters: Sequence[Parameters]) -> StretchingRod | None:
-    """The eccentricity of the neutral axis, the rest stretch, and the five numbers of the rod that has them."""
-    if not parameters:
-        return None
-    return StretchingRod(
-        **vars(_columns([p.extensible_numbers for p in parameters])),
-        eccentricity_mm=tuple(p.extension.eccentricity for p in parameters),
-        eccentricity_mm_std=tuple(p.extension.eccentricity_std for p in parameters),
-        moment_range_N_mm=_ranges([p.extensible_moment_range for p in parameters]),
-        rest_stretch=tuple(_numbers(p.extension.rest_stretch) for p in parameters),
     )
 
 

@@ -184,8 +184,8 @@ def _typed(path: Path, name: str, content: Any) -> Any:
 def _parameters(path: Path, content: Any) -> RodParameters:
     parameters: RodParameters = _typed(path, "parameters.json", content)
     try:
-        for extensible in {False, parameters.eccentricity is not None} if parameters.pressures_kPa else ():
-            parameters.rods(extensible)
+        if parameters.pressures_kPa:
+            parameters.rods()
     except NoRod as failure:
         raise _unreadable(path, failure) from None
     return parameters

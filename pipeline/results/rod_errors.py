@@ -8,7 +8,7 @@ import numpy as np
 
 from geometry.arrays import Array
 from geometry.errors import Reason, Values
-from pipeline.values.formats import ARM_LAW, EXTENSIBLE, FIVE
+from pipeline.values.formats import ARM_LAW, FIVE
 from pipeline.values.formatting import percent
 from pipeline.values.law import DRAFT, DeliveredLaw
 from pipeline.values.parameters import Column, Numbers
@@ -17,7 +17,6 @@ from pipeline.values.run import SMALLEST_TURN, RodError, Run
 #: the rods in words
 TITLES = {
     FIVE: "five parameters",
-    EXTENSIBLE: "five parameters and stretch",
     ARM_LAW: "the arm's own law",
 }
 #: errors up to which a rod is recommended, of rod and mesh together: of the shape over the length, and of the force

@@ -27,7 +27,7 @@ from pipeline.results.rod_errors import (
     unknown_mesh_error,
 )
 from pipeline.results.unloaded import limit_of, named_states, weight_not_borne
-from pipeline.values.formats import ARM_LAW, EXTENSIBLE, FIVE
+from pipeline.values.formats import ARM_LAW, FIVE
 from pipeline.values.formatting import number, round_down
 from pipeline.values.json_values import JsonObject
 from pipeline.values.reasons import NO_PARAMETERS, report_reason, shorten
@@ -99,7 +99,7 @@ class Verdict(Told):
     length_mm: float  #: NaN where the body was not meshed
     draft: bool  #: whether the law is that of one mesh whose error was not measured
     bending: tuple[Bending, ...]  #: by ascending pressure
-    rod: str  #: the rod to take: five, five_extensible or arm_law; empty where none was compared
+    rod: str  #: the rod to take: five or arm_law; empty where none was compared
     refusal: Reported | None  #: why no rod of this run should be used; None where `rod` can be
     falls: Reported | None  #: that the arm without a load falls over, and from which pressure on
     not_borne: tuple[Reported, ...]  #: what the rod to take does not bear: loads of the run, its own weight
@@ -266,8 +266,7 @@ def _moments(run: Run, rod: str) -> tuple[float, float] | None:
         if not ends:
             return None
         return max(low for low, _ in ends), min(high for _, high in ends)
-    columns = run.parameters.eccentricity if rod == EXTENSIBLE else run.parameters
-    return columns.moment_range_N_mm[-1] if columns and columns.moment_range_N_mm else None
+    return run.parameters.moment_range_N_mm[-1] if run.parameters.moment_range_N_mm else None
 
 
 def _use(run: Run, rod: str) -> str:
@@ -311,7 +310,7 @@ def _warnings(run: Run, rod: str, both: RodAndMesh | None, refusal: Reported | N
         of_rod.append(unknown_mesh_error(run))
     if rod and refusal is None:
         of_rod += filter(None, [uncertain_forces(run, rod)])
-    if rod in (FIVE, EXTENSIBLE):
+    if rod == FIVE:
         of_rod.append(Reason("offsets_bend"))
     said = {TOLERANCES, *CALIBRATED, IN_TIME} | {
         one.code for one in (*run.failures, *filter(None, [refusal, run.falls]))

@@ -6,8 +6,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from geometry.arrays import Array
-from pipeline.results.rod_errors import rod_errors, rod_to_take
-from pipeline.values.formats import ARM_LAW, CURVE_PREFIXES, EXTENSIBLE, FIVE
+from pipeline.results.rod_errors import rod_to_take
+from pipeline.values.formats import ARM_LAW, CURVE_PREFIXES, FIVE
 from pipeline.values.plots import COLOURS, GREY, INK, Line, Panel, figure, ordered_colour
 from pipeline.values.run import Curve, RodError, Run, bending_error_deg
 from rod.arm_law.kinds import Law
@@ -57,7 +57,6 @@ class _Drawn:
 
 _DRAWN = {
     FIVE: _Drawn(FIVE, "rod, five parameters", "dash", "circle-open"),
-    EXTENSIBLE: _Drawn(EXTENSIBLE, "rod, five parameters and stretch", "dash", "circle-open"),
     ARM_LAW: _Drawn(ARM_LAW, "rod, the arm's own law", "dot", "square-open"),
 }
 
@@ -110,7 +109,7 @@ def _rod_tips(run: Run, rod: str, curves: Sequence[Curve]) -> list[tuple[float, 
     if rod == ARM_LAW:
         return [(at.pressure_kPa, at.bending_deg, at.tip_mm) for at in run.law.unloaded] if run.law else []
     tips = [(curve.pressure_kPa, tip) for curve in curves if (tip := _DRAWN[rod].tip_mm(curve))]
-    return [(p, run.parameters.rods(rod == EXTENSIBLE).at(p).solve().bending_deg, tip) for p, tip in tips]
+    return [(p, run.parameters.rods().at(p).solve().bending_deg, tip) for p, tip in tips]
 
 
 def of_experiment(run: Run, experiment: str) -> Panels:
@@ -118,7 +117,7 @@ def of_experiment(run: Run, experiment: str) -> Panels:
     curves = run.curves_of(experiment)
     if not curves:
         return ()
-    rods = _drawn(run)
+    rods = list(_DRAWN.values())
     shape = _compared(run, curves, ("x_mm", "y_mm"), rods)
     curvature = _compared(run, curves, ("s_mm", "kappa_per_mm"), rods if experiment == "III" else ())
     return Panel("Shape", "x (mm)", "y (mm)", shape, lengths=True), Panel("Curvature", "s (mm)", "κ (1/mm)", curvature)
@@ -131,7 +130,7 @@ def validation_shapes(run: Run) -> Panels:
         "Other heights of the end, other pressures": [c for c in curves if c.experiment != "dead"],
         "Dead force on the end": [c for c in curves if c.experiment == "dead"],
     }
-    rods = _drawn(run)
+    rods = list(_DRAWN.values())
     return tuple(
         Panel(title, "x (mm)", "y (mm)", _compared(run, shown, ("x_mm", "y_mm"), rods), lengths=True)
         for title, shown in groups.items()
@@ -183,7 +182,7 @@ def rigidities(run: Run) -> Panels:
 
 def end_forces(run: Run) -> Panels:
     """The end force over the pressure, finite elements and rods, for every prescribed height of the end."""
-    rods = [drawn for drawn in _drawn(run) if drawn.rod in run.rods]
+    rods = [drawn for drawn in _DRAWN.values() if drawn.rod in run.rods]
     rows = [row for row in run.errors_of(rods[0].rod) if row.force_N is not None] if rods else []
     lines = []
     for k, load in enumerate(sorted({row.load for row in rows})):
@@ -263,13 +262,6 @@ def _pair(run: Run, pressure: float) -> tuple[Curve, Curve] | None:
 
 def _dots(x: Array, y: Array, name: str, colour: str, frame: str) -> Line:
     return Line(x, y, name, colour, "", "circle", marker_size=4, opacity=0.7, entry=FINITE_ELEMENTS, frame=frame)
-
-
-def _drawn(run: Run) -> list[_Drawn]:
-    """The rods that are drawn: one with five parameters, and the one with the arm's own law."""
-    errors = rod_errors(run)
-    stretches = bool(errors) and errors[0].rod == EXTENSIBLE
-    return [_DRAWN[EXTENSIBLE if stretches else FIVE], _DRAWN[ARM_LAW]]
 
 
 def _colour(run: Run, pressure: float) -> str:

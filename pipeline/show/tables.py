@@ -9,7 +9,6 @@ from fem.elements import ELEMENTS
 from pipeline.answers.rods.solid import young_modulus
 from pipeline.results.rod_errors import TITLES, mesh_errors, rod_errors
 from pipeline.results.verdict import IN_TIME
-from pipeline.values.formats import EXTENSIBLE, FIVE
 from pipeline.values.formatting import decimals_beside, decimals_of, duration, interval, number, percent, with_spread
 from pipeline.values.parameters import FiveColumns
 from pipeline.values.run import Run, State
@@ -27,30 +26,25 @@ NUMBERS = (
 OUTSIDE = "beyond its moments"
 
 
-def five_parameters(run: Run, rod: str = FIVE) -> Table:
-    """The five parameters by pressure with their standard deviations and 95 % intervals; empty without them.
-
-    rod: whose parameters; the rod that stretches has the eccentricity e of its neutral axis as well.
-    """
-    columns = run.parameters.eccentricity if rod == EXTENSIBLE else run.parameters
-    if not run.identified_kPa or columns is None:
+def five_parameters(run: Run) -> Table:
+    """The five parameters by pressure with their standard deviations and 95 % intervals; empty without them."""
+    if not run.identified_kPa:
         return Table((), ())
-    keys = [*NUMBERS, *([("eccentricity_mm", "e", "mm")] if rod == EXTENSIBLE else [])]
-    single = run.parameters.single_line_suffices
-    digits = {key: decimals_of(getattr(columns, key), getattr(columns, f"{key}_std")) for key, _, _ in keys}
+    columns, single = run.parameters, run.parameters.single_line_suffices
+    digits = {key: decimals_of(getattr(columns, key), getattr(columns, f"{key}_std")) for key, _, _ in NUMBERS}
     rows = tuple(
         (
             f"{pressure:g}",
             *(
                 "one section" if key == "d_mm" and single[k] else _parameter(columns, key, k, digits[key])
-                for key, _, _ in keys
+                for key, _, _ in NUMBERS
             ),
         )
         for k, pressure in enumerate(run.identified_kPa)
     )
     included = "with" if run.parameters.mesh_error else "without"
     return Table(
-        ("p (kPa)", *(f"{symbol} ({unit})" for _, symbol, unit in keys)),
+        ("p (kPa)", *(f"{symbol} ({unit})" for _, symbol, unit in NUMBERS)),
         rows,
         "The paper's five parameters: α₁ and m₀₁ near the clamp (s < d), α₂ and m₀₂ beyond. ± is one standard "
         f"deviation, {included} the error of the mesh. The second line is the 95 % interval.",
@@ -173,7 +167,6 @@ def make_tables(run: Run) -> dict[str, Table]:
     """All tables of the report by the name that the template gives them; those without data are empty."""
     return {
         "five": five_parameters(run),
-        "extensible": five_parameters(run, EXTENSIBLE),
         "rods": rods(run),
         "loads": loads(run),
         "states": states(run),

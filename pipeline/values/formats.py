@@ -2,10 +2,10 @@
 
 #: the `status` of a row of experiments.json: the pressure was reached, or it was not
 CONVERGED, NOT_CONVERGED = "converged", "not converged"
-#: the rods in rows of validation.json: five parameters, five parameters with an eccentricity, the law from one cell
-FIVE, EXTENSIBLE, ARM_LAW = "five", "five_extensible", "arm_law"
+#: the rods in rows of validation.json: five parameters, the law from one cell
+FIVE, ARM_LAW = "five", "arm_law"
 #: the rods in the tables of curves, in the order of their columns, and how the names of these begin
-CURVE_PREFIXES = {FIVE: "rod", ARM_LAW: ARM_LAW, EXTENSIBLE: EXTENSIBLE}
+CURVE_PREFIXES = {FIVE: "rod", ARM_LAW: ARM_LAW}
 #: the columns of curves.csv; validation_curves.csv has `load` before them
 CURVE_COLUMNS = (
     *("experiment", "pressure_kPa", "s_mm", "x_mm", "y_mm", "theta_rad", "kappa_per_mm", "kappa_std_per_mm"),

@@ -13,8 +13,7 @@ import numpy as np
 from pydantic import BeforeValidator, Field, WithJsonSchema
 
 from pipeline.values.json_values import ReadObject
-from rod.checked import finite, positive
-from rod.curves.extension import Extension
+from rod.checked import positive
 from rod.identification.moment_range import MomentRange
 from rod.law import PARAMETER_COLUMNS, FiveParameters
 from rod.pressurised_rod import PressurisedRod
@@ -38,7 +37,7 @@ Switches = Annotated[tuple[bool | None, ...], "n"]
 #: two ends of an interval for every pressure
 Ends = Annotated[tuple[tuple[Finite, Finite] | None, ...], "n"]
 #: columns without which there is no rod
-_OF_ROD = (*PARAMETER_COLUMNS.values(), "theta0_rad", "kappa_0_per_mm", "eccentricity_mm", "rest_stretch")
+_OF_ROD = (*PARAMETER_COLUMNS.values(), "theta0_rad", "kappa_0_per_mm")
 
 
 @dataclass(frozen=True)
@@ -72,16 +71,6 @@ class TwoLines(FiveColumns):
     single_line_suffices: Switches = ()
     single_line_alpha_N_mm2: Column = ()
     observations: Column = ()  #: how many independent ones
-
-
-@dataclass(frozen=True)
-class StretchingRod(FiveColumns):
-    """Parameters of the rod whose curve stretches with its curvature."""
-
-    eccentricity_mm: Column = ()  #: distance of the neutral axis from the material curve
-    eccentricity_mm_std: Column = ()
-    moment_range_N_mm: Ends = ()
-    rest_stretch: Annotated[tuple[Numbers, ...], "n", "m"] = ()  #: at the nodes of the material curve, without load
 
 
 @dataclass(frozen=True)
@@ -148,36 +137,31 @@ class RodParameters(FiveColumns):
     mesh_error: MeshErrorOfFive | None = None
     mesh_error_reason: str = ""
     moment_range_N_mm: Ends = ()
-    eccentricity: StretchingRod | None = None
     estimators: Mapping[str, TwoLines] = field(default_factory=dict)
     predicted_by_arm_law: TwoLines | None = None
     kappa_0: RestShape = RestShape()
 
     def __post_init__(self) -> None:
         sizes = {"n": len(self.pressures_kPa), "m": len(self.kappa_0.s_mm), "c": len(self.kappa_0.cell_s_mm)}
-        for name, part in (("", self), ("kappa_0.", self.kappa_0), ("eccentricity.", self.eccentricity)):
-            for column in fields(part) if part else ():
+        for name, part in (("", self), ("kappa_0.", self.kappa_0)):
+            for column in fields(part):
                 held, (letter, *inner) = getattr(part, column.name), get_args(column.type)[1:] or ("",)
                 if letter in sizes and (held or column.name in _OF_ROD):
                     _check_length(f"{name}{column.name}", held, sizes[letter])
                     for k, row in enumerate(held if inner else ()):
                         _check_length(f"{name}{column.name}.{k}", row, sizes[inner[0]])
 
-    def rods(self, extensible: bool = False) -> PressurisedRod:
-        """The inextensible or the extensible rod. Raises `RodError` for numbers that cannot be those of a rod."""
-        stretching = self.eccentricity if extensible else None
-        five, shape = stretching or self, self.kappa_0
-        s, columns = np.array(shape.s_mm), [getattr(five, column) for column in PARAMETER_COLUMNS.values()]
-        stretches = zip(stretching.rest_stretch, stretching.eccentricity_mm, strict=True) if stretching else ()
+    def rods(self) -> PressurisedRod:
+        """The rod over the pressure. Raises `RodError` for numbers that cannot be those of a rod."""
+        shape, columns = self.kappa_0, [getattr(self, column) for column in PARAMETER_COLUMNS.values()]
         return PressurisedRod(
             length=positive(self.length_mm, "length_mm"),
             pressures=np.array(self.pressures_kPa),
             laws=tuple(FiveParameters(*row) for row in zip(*columns, strict=True)),
-            s=s,
+            s=np.array(shape.s_mm),
             kappa_0=np.array(shape.kappa_0_per_mm),
             theta0=np.array(shape.theta0_rad),
-            extensions=tuple(Extension(s, np.array(rest), finite(e, "eccentricity_mm")) for rest, e in stretches),
-            moment_ranges=tuple(MomentRange(*ends) for ends in five.moment_range_N_mm if ends),
+            moment_ranges=tuple(MomentRange(*ends) for ends in self.moment_range_N_mm if ends),
             straight_without_pressure=self.straight_without_pressure,
             weight=self.weight_N_per_mm,
             weight_height=self.weight_height_mm,

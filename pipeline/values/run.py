@@ -87,7 +87,7 @@ class RodError:
     experiment: str
     pressure_kPa: float
     load: str = ""  #: besides the pressure, in words; empty for II and III as identified
-    rod: str = FIVE  #: five, five_extensible or arm_law
+    rod: str = FIVE  #: five or arm_law
     sample: str = "in"  #: in: the rod was fitted to this load; out: it was not
     distance_over_length: float | None = None  #: largest distance between the curves over the length
     distance_at_s_mm: float | None = None

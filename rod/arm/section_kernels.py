@@ -8,9 +8,9 @@ lateral shear v. Three kinds of sections share the arrays `SectionArrays`.
     w = w_0(kappa) + EA (stretch - s)^2 / 2 + GA shear^2 / 2
         + B_2 kappa_2^2 / 2 + GJ twist^2 / 2 + GA_3 (lateral shear + a twist)^2 / 2
 
-*Two lines* (five parameters), with Delta = kappa - kappa_0, the eccentricity e and next to rigid stretch and shear:
+*Two lines* (five parameters), with Delta = kappa - kappa_0 and next to rigid stretch and shear:
 
-    w = alpha Delta^2 / 2 + m_0 Delta + EA (stretch - s - e Delta)^2 / 2 + GA shear^2 / 2
+    w = alpha Delta^2 / 2 + m_0 Delta + EA (stretch - 1)^2 / 2 + GA shear^2 / 2
 
 *Polynomial* (arms without a plane of symmetry), with both curvatures kappa:
 
@@ -42,10 +42,10 @@ class SectionArrays(NamedTuple):
     #: tabulated: (4, n, c) coefficients of cubics over equal steps of kappa, by COLUMNS; polynomial: (i, j, 11)
     #: coefficients of kappa_y^i kappa_z^j of w_y, w_z, w_yy, w_yz, w_zz, s, s_y, s_z, s_yy, s_yz, s_zz
     table: Array
-    #: tabulated: first kappa and step; two lines: e, EA, GA; polynomial: EA, the nine entries of C^-1, the curvatures
+    #: tabulated: first kappa and step; two lines: EA, GA; polynomial: EA, the nine entries of C^-1, the curvatures
     #: without moment, and the reach about them
     numbers: Array
-    #: (n, 4) by element. Tabulated: what is added to kappa; two lines: kappa_0, alpha, m_0, s
+    #: (n, 3) by element. Tabulated: what is added to kappa; two lines: kappa_0, alpha, m_0
     local: Array
     #: of a rubber that relaxes, in a step of time: its forces are scale times the elastic ones, and memory
     scale: float = 1.0
@@ -98,16 +98,14 @@ def plane_section(section: SectionArrays, e: int, strain: Array, force: Array, s
     """
     kappa, stretch, shear = strain[0], strain[1], strain[2]
     if section.kind == LINES:
-        local, eccentricity, axial = section.local, section.numbers[0], section.numbers[1]
-        deviation = kappa - local[e, 0]
-        force[1] = axial * (stretch - local[e, 3] - eccentricity * deviation)
-        force[0] = local[e, 1] * deviation + local[e, 2] - eccentricity * force[1]
-        force[2] = section.numbers[2] * shear
-        stiffness[0, 0] = local[e, 1] + eccentricity * eccentricity * axial
-        stiffness[0, 1] = stiffness[1, 0] = -eccentricity * axial
-        stiffness[0, 2] = stiffness[2, 0] = stiffness[1, 2] = stiffness[2, 1] = 0.0
+        local, axial, across = section.local, section.numbers[0], section.numbers[1]
+        force[0] = local[e, 1] * (kappa - local[e, 0]) + local[e, 2]
+        force[1] = axial * (stretch - 1.0)
+        force[2] = across * shear
+        stiffness[:, :] = 0.0
+        stiffness[0, 0] = local[e, 1]
         stiffness[1, 1] = axial
-        stiffness[2, 2] = section.numbers[2]
+        stiffness[2, 2] = across
         return 0.0
     outside = _columns(section, kappa + section.local[e, 0], work)
     EA, EA1, EA2 = work[0, 2], work[1, 2], work[2, 2]

@@ -159,19 +159,14 @@ class TabulatedSection:
 @final
 @dataclass(frozen=True, eq=False)  # arrays inside
 class LinesSection:
-    """Two straight lines between moment and curvature, before and beyond a position, without shear.
-
-    The stretch is s + e Delta, with the change Delta of the curvature.
-    """
+    """Two straight lines between moment and curvature, before and beyond a position, without stretch and shear."""
 
     law: TwoSlopes
     length: float  #: mm
-    s: Array  #: (n,) mm, of kappa_0, stretch and own moment, joined by straight lines
+    s: Array  #: (n,) mm, of kappa_0, joined by straight lines
     kappa_0: Array  #: (n,) 1/mm
-    stretch: Array  #: (n,)
     own_s: Array  #: (k,) mm, of the own moment
-    own_moment: Array  #: (k,) N mm, about the neutral axis, of the weight under which the rod has kappa_0
-    eccentricity: float  #: e, mm
+    own_moment: Array  #: (k,) N mm, of the weight under which the rod has kappa_0
     is_loaded: bool  #: whether anything acts: the intercepts of an idle rod are zero
 
     def with_own_moment(self, s: Array, moment: Array) -> "LinesSection":
@@ -183,23 +178,19 @@ class LinesSection:
         """N, against stretch and shear."""
         return RIGID * max(abs(self.law.alpha1), abs(self.law.alpha2)) / self.length**2
 
-    def stretch_at(self, s: Array) -> Array:
-        """(m,) without loads, at positions (m,) mm."""
-        return np.interp(s, self.s, self.stretch)
-
     def arrays(self, s: Array, factor: float = 1.0, grown: float = 1.0) -> SectionArrays:
         """As `Section` says."""
         middle = 0.5 * (s[1:] + s[:-1])
         rest, part = self.rest(s, grown), float(self.is_loaded)
         m0 = factor * (part * self.law.intercept(middle) + _means(self.own_s, self.own_moment, s))
-        local = np.column_stack([rest[:, 2], self.law.rigidity(middle), m0, rest[:, 3]])
-        return SectionArrays(LINES, np.zeros((1, 1, 1)), np.array([self.eccentricity, self.rigid, self.rigid]), local)
+        local = np.column_stack([rest[:, 2], self.law.rigidity(middle), m0])
+        return SectionArrays(LINES, np.zeros((1, 1, 1)), np.array([self.rigid, self.rigid]), local)
 
     def rest(self, s: Array, grown: float = 1.0) -> Array:
         """As `Section` says."""
         result = np.zeros((len(s) - 1, 4))
         result[:, 2] = grown * _means(self.s, self.kappa_0, s)
-        result[:, 3] = 1.0 + grown * (_means(self.s, self.stretch, s) - 1.0)
+        result[:, 3] = 1.0
         return result
 
     @property

@@ -132,7 +132,7 @@ def _gyration(solver: Solver) -> float:
     """mm2: the rigidity against bending over that against stretch."""
     arrays = solver.arm.section.arrays(solver.s)
     middle = arrays.table[0, arrays.table.shape[1] // 2]
-    stretched = middle[2] if arrays.kind == TABULATED else arrays.numbers[arrays.kind % 2]
+    stretched = middle[2] if arrays.kind == TABULATED else arrays.numbers[0]
     return float(solver.arm.section.rigidity / stretched)
 
 

@@ -4,11 +4,10 @@ A rod with two lines is that of the paper, section 2.1:
 
     theta' = kappa,  x' = cos theta,  y' = sin theta,  kappa = kappa_0 + (M - m0_i)/alpha_i
 
-clamped at s = 0, with an extension where one is given. All rods are chains of elements (`rod.arm`).
+clamped at s = 0. All rods are chains of elements (`rod.arm`).
 """
 
 import math
-import reprlib
 import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
@@ -21,7 +20,6 @@ from rod.along import Along, LineLoad, Support, are_heights, is_triple, leaves_p
 from rod.arm_law.law_rod import LawRod
 from rod.arm_law.space_rod import SpaceRod
 from rod.checked import Amount, Given, finite, positive
-from rod.curves.extension import Extension
 from rod.errors import RodError, RodWarning
 from rod.identification.moment_range import MomentRange
 from rod.law import FiveParameters, TwoSlopes
@@ -58,8 +56,8 @@ class Rod(Told):
 
     kappa_0 (1/mm) is a number, an array (n,) of values at equally spaced points from 0 to length, an array (n, 2) of
     columns s and kappa_0, or a function of s; samples are joined by straight lines. The arm's own law,
-    `ArmLaw.at(pressure)`, has its curvature without load, its stretch and its clamped end itself: kappa_0, theta0
-    and extension are not given then. Raises `RodError` for what is no finite number, a length that is not positive, a
+    `ArmLaw.at(pressure)`, has its curvature without load, its stretch and its clamped end itself: kappa_0 and theta0
+    are not given then. Raises `RodError` for what is no finite number, a length that is not positive, a
     kappa_0 that does not fit it, a break d off the rod, and for what a law already has or lacks.
     """
 
@@ -68,7 +66,6 @@ class Rod(Told):
     law: TwoSlopes | LawRod | SpaceRod = field(default_factory=_no_law)
     theta0: Given = 0.0  #: rad, tangent angle at the clamp
     start: tuple[Given, Given] = (0.0, 0.0)  #: mm, x and y of the clamp
-    extension: Extension | None = None  #: stretch of the curve; None: inextensible, or as the arm's own law says
     #: N/mm, x and y of the weight of the arm per rest length, under which it has kappa_0 where nothing else acts
     weight: tuple[float, float] = (0.0, 0.0)
     weight_height: float = 0.0  #: mm, of its mass above the material curve
@@ -97,13 +94,11 @@ class Rod(Told):
             raise RodError(f"The law of a rod is five parameters, two slopes, or {own}.")
         if not 0.0 < self.law.d < self.length:
             raise RodError(f"The break d = {self.law.d:g} mm lies off the rod of {self.length:g} mm.")
-        if not isinstance(self.extension, Extension | None):
-            raise RodError(f"The extension of a rod is a rod.Extension or None, not {reprlib.repr(self.extension)}.")
         _ = self.arm  # refuses a kappa_0 that does not fit
 
     def _check_nothing_twice(self, weight: tuple[float, float]) -> None:
-        given = {"kappa_0": self.kappa_0 is not None, "extension": self.extension is not None}
-        given |= {
+        given = {
+            "kappa_0": self.kappa_0 is not None,
             "theta0": self.theta0 != 0.0,
             "weight": self.weight not in ((0.0, 0.0), weight),
         }
@@ -121,7 +116,7 @@ class Rod(Told):
         s, kappa_0 = sampled(self.length, self.kappa_0)
         beside = (0.0, self.weight_height)
         own = (LineLoad(0.0, self.length, self.weight, beside=beside),) if any(self.weight) else ()
-        return LinesRod(self.law, self.length, s, kappa_0, self.theta0, self.extension, own)
+        return LinesRod(self.law, self.length, s, kappa_0, self.theta0, own)
 
     def at(self, pressures: Amount | Sequence[Amount]) -> "Rod":
         """Itself, at any pressure."""

@@ -15,7 +15,6 @@ from rod.arm.path import NOT_SOLVED, Path, Way, follow, positions_under
 from rod.arm.response import SolvedPath
 from rod.arm.sections import LinesSection
 from rod.arm.solver import Solver
-from rod.curves.extension import Extension
 from rod.errors import LoadError, RodError
 from rod.law import TwoSlopes
 from rod.load import Load
@@ -41,7 +40,6 @@ class LinesRod:
     s: Array  #: (n,) mm, of kappa_0, joined by straight lines
     rest: Array  #: (n,) 1/mm, the curvature without load
     theta0: float  #: rad
-    extension: Extension | None
     own: tuple[LineLoad, ...]  #: its weight, under which it has kappa_0 where nothing else acts
     is_in_space: ClassVar[bool] = False
     has_plane: ClassVar[bool] = True
@@ -54,23 +52,22 @@ class LinesRod:
     def in_plane(self, load: Load, *, together: bool | None = None) -> RodSolution:
         """The equilibrium under a load. together: the rest shape grows with the load from the straight rod.
 
-        Raises `RodError` where the path ends, and for a place beyond the reach of an inextensible rod.
+        Raises `RodError` where the path ends, and for a place beyond the reach of the rod, which is inextensible.
         """
         load.refuse_out_of_plane()
         together = are_heights(load.supports) if together is None else together
         is_loaded = not self._is_idle(load) or together
-        if self.extension is None:
-            self._check_reach(load)
+        self._check_reach(load)
         model = _Model(self, self._section(is_loaded=is_loaded))
         path = follow(model, self._all(load), Way(together))
         nodes = path.nodes
         if outside := self.outside(path):
             raise RodError(f"{path.fall} {outside}".strip())
-        bending, rest = self._bending(model, nodes.s, nodes.moment[:, 2], nodes.inner, nodes.angle)
+        own = np.interp(nodes.s, model.section.own_s, model.section.own_moment)
+        bending, rest = nodes.moment[:, 2] - own, np.interp(nodes.s, self.s, self.rest)
         first = nodes.s < self.law.d - 1e-9 * self.length
         intercept = float(is_loaded) * np.where(first, self.law.m01, self.law.m02)
         deviation = (bending - intercept) / np.where(first, self.law.alpha1, self.law.alpha2)
-        stretch = model.section.stretch_at(nodes.s) + model.section.eccentricity * deviation
         return RodSolution(
             s=read_only(nodes.s),
             x=_column(nodes.place[:, 0]),
@@ -78,7 +75,7 @@ class LinesRod:
             theta=read_only(nodes.angle),
             kappa=read_only(rest + deviation),
             moment=_column(nodes.moment[:, 2]),
-            stretch=read_only(stretch),
+            stretch=read_only(np.ones(len(nodes.s))),
             force=_column(nodes.force[:2]),
             reactions=reactions_of(load.supports, nodes.reaction),
             weight=read_only(np.array(load.weight[:2]) * self.length + resultant(self.own, nodes.s)[:2]),
@@ -137,32 +134,17 @@ class LinesRod:
         return bool(np.all(np.abs(fine + (fine - coarse) / 3.0) < AT_REST * self.length))
 
     def _section(self, *, is_loaded: bool) -> LinesSection:
-        extension = self.extension
-        s = self.s if extension is None else np.union1d(self.s, extension.s)
-        s = s[(s >= 0.0) & (s <= self.length)]
-        stretch = np.ones(len(s)) if extension is None else extension.at(s)
-        kappa_0 = np.interp(s, self.s, self.rest)
-        eccentricity = 0.0 if extension is None else extension.eccentricity
-        none = np.zeros(len(s))
-        section = LinesSection(self.law, self.length, s, kappa_0, stretch, s, none, eccentricity, is_loaded)
+        none = np.zeros(len(self.s))
+        section = LinesSection(self.law, self.length, self.s, self.rest, self.s, none, is_loaded)
         return self._with_own_moment(section) if self.own else section
 
     def _with_own_moment(self, section: LinesSection) -> LinesSection:
-        """The moment of its weight about the neutral axis, in the shape of kappa_0."""
+        """The moment of its weight, in the shape of kappa_0."""
         model = _Model(self, section)
         s = positions_between([0.0, self.length], self.length / (8 * ELEMENTS))
         solver = Solver(model, s, Load(along=self.own), in_space=False)
         nodes = solver.nodes(solver.rest(), NOT_SOLVED)
-        inner = nodes.inner[:, 0] * np.cos(nodes.angle) + nodes.inner[:, 1] * np.sin(nodes.angle)
-        own = nodes.moment[:, 2] + section.eccentricity * inner
-        return section.with_own_moment(nodes.s, own)
-
-    def _bending(self, model: "_Model", s: Array, moment: Array, inner: Array, angle: Array) -> tuple[Array, Array]:
-        """(n,) N mm: what bends the rod; and kappa_0 (n,) in 1/mm."""
-        section = model.section
-        axial = inner[:, 0] * np.cos(angle) + inner[:, 1] * np.sin(angle)
-        own = np.interp(s, section.own_s, section.own_moment)
-        return moment + section.eccentricity * axial - own, np.interp(s, self.s, self.rest)
+        return section.with_own_moment(nodes.s, nodes.moment[:, 2])
 
 
 def _column(values: Array) -> Array:

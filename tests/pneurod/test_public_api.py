@@ -115,7 +115,6 @@ def test_parameters_carry_units_and_errors(results: pneurod.Results) -> None:
     assert quiet(results, 16.00005).law == results.law(16.0)
     assert np.isfinite(results.kappa_0["kappa_0_per_mm"]).all()
     assert results.kappa_0.groupby("pressure_kPa")["s_mm"].max().tolist() == [72.0, 72.0]
-    assert np.isfinite(results.extensible["eccentricity_mm"]).all()
 
 
 def test_experiments_and_curves_are_complete(results: pneurod.Results) -> None:
@@ -178,7 +177,7 @@ def test_the_rod_of_results_is_the_rod_of_the_validation(results: pneurod.Result
     """In III the rod must need the force that validation.json says."""
     curve = results.curves.query("experiment == 'III' and pressure_kPa == 16.0")
     row = results.validation.query("experiment == 'III' and pressure_kPa == 16.0").iloc[0]
-    clamped = replace(quiet(results, 16.0, "five_extensible"), start=(0.0, float(curve["y_mm"].iloc[0])))
+    clamped = replace(quiet(results, 16.0, "five"), start=(0.0, float(curve["y_mm"].iloc[0])))
     held = clamped.solve(end_y=float(curve["y_mm"].iloc[-1]))
     assert held.force[1] == pytest.approx(row["rod_force_N"], rel=0.05)  # without the couple of the held edge
     with pytest.raises(pneurod.InputError, match=r"outside the identified range"):
@@ -341,11 +340,9 @@ def test_a_stored_run_has_all_frames() -> None:
     assert results.pressures_kPa == (17.0, 37.0)
     assert results.parameters["moment_range_high_N_mm"].tolist() == pytest.approx([4.0991325, 10.8961063])
     assert not results.parameters["single_line_suffices"].any()
-    assert results.extensible["eccentricity_mm"].tolist() == pytest.approx([1.2990923, 1.5808547])
-    assert set(results.validation["rod"]) == {"five", "five_extensible", "arm_law"}
+    assert set(results.validation["rod"]) == {"five", "arm_law"}
     assert results.experiments["reaction_y_N"].notna().all()
     assert results.experiments["max_stretch_at_z_mm"].notna().all()
-    assert quiet(results, 27.0, "five_extensible").extension is not None
     assert results.arm_law is not None
     assert results.verdict.rod == "arm_law"
 

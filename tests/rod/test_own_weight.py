@@ -5,7 +5,6 @@ import pytest
 
 from geometry import Centreline
 from rod import (
-    Extension,
     FiveParameters,
     Load,
     Rod,
@@ -63,16 +62,6 @@ def test_a_held_end_of_a_rod_with_weight() -> None:
     expected, found = LIGHT.under(WEIGHT_ALONE, end_y=0.0), heavy().solve(end_y=0.0)
     assert found.force[1] == pytest.approx(expected.force[1], rel=1e-3)
     assert found.positions(S) == pytest.approx(expected.positions(S), abs=2e-4 * LENGTH)
-
-
-def test_the_stretch_changes_with_the_change_of_curvature_alone() -> None:
-    """The rest stretch is that of the arm under its weight."""
-    extension = Extension(np.array([0.0, LENGTH]), np.array([1.05, 1.05]), 2.0)
-    rod = heavy(extension=extension)
-    assert rod.solve().stretch == pytest.approx(1.05, abs=1e-5)
-    pulled = rod.solve((0.0, 0.03))
-    kappa = np.interp(pulled.s, *np.asarray(rod.kappa_0).T)
-    assert pulled.stretch == pytest.approx(1.05 + 2.0 * (pulled.kappa - kappa))
 
 
 def test_the_rigidity_of_an_arm_that_sags_is_identified() -> None:

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from pipeline.results.laws import law_of_record, law_record
-from rod import Acting, Body, Extension, FiveParameters, Load, Relaxation, Rod, Start, compile_kernels, move
+from rod import Acting, Body, FiveParameters, Load, Relaxation, Rod, Start, compile_kernels, move
 from rod.arm.chain import solve_chain
 from rod.arm.small_motions import lowest_of
 from rod.weight import Mass
@@ -38,7 +38,6 @@ def test_nothing_is_compiled_once_a_run_has_begun(compiled: dict[str, list[str]]
     for rod in (
         Rod(112.0, -0.001, FIVE),
         Rod(112.0, -0.001, FIVE, weight=(0.0, -1e-5), weight_height=5.0),
-        Rod(112.0, -0.001, FIVE, extension=Extension([0.0, 112.0], [1.02, 1.03], 5.0)),
     ):
         for load in loads:
             rod.solve(**load)

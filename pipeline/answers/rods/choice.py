@@ -9,7 +9,7 @@ from pipeline.results.files import read_run
 from pipeline.results.rod_errors import RodAndMesh, rod_and_mesh, rod_to_take, uncertain_forces, unknown_mesh_error
 from pipeline.results.verdict import OUT_OF_PLANE, Verdict, verdict_of
 from pipeline.values.errors import InputError, argument, quoted
-from pipeline.values.formats import ARM_LAW, EXTENSIBLE, FIVE
+from pipeline.values.formats import ARM_LAW, FIVE
 from pipeline.values.reasons import NO_PARAMETERS, report_reason
 from pipeline.values.run import Run
 from rod.arm_law.kinds import Law
@@ -18,7 +18,7 @@ from rod.pressurised_rod import PressurisedRod
 from rod.weight import Mass
 
 #: the rods by the names that a user gives them: the arm's own law, five parameters, and those of a curve that stretches
-KINDS = {"law": ARM_LAW, "five": FIVE, "five_extensible": EXTENSIBLE}
+KINDS = {"law": ARM_LAW, "five": FIVE}
 
 
 def rod_of_path(path: Path, kind: str | None) -> Rods:
@@ -96,10 +96,7 @@ def _source(run: Run, kind: str) -> Law | PressurisedRod:
         return run.law.law
     if not run.identified_kPa:
         raise nothing_identified(run)
-    extensible = kind == "five_extensible"
-    if extensible and run.parameters.eccentricity is None:
-        raise InputError(f"{run.directory}: has no parameters of a rod that stretches; take rod five")
-    return replace(run.parameters.rods(extensible), mass=_mass(run))
+    return replace(run.parameters.rods(), mass=_mass(run))
 
 
 def _mass(run: Run) -> Mass | None:

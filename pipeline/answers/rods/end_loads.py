@@ -17,7 +17,7 @@ from pipeline.results.options import is_list, option_pressures, option_value, op
 from pipeline.store.atomic_file import write_atomic
 from pipeline.store.result_folder import open_file
 from pipeline.values.errors import InputError, RunFailed, argument, ask
-from pipeline.values.formats import ARM_LAW, EXTENSIBLE, FIVE
+from pipeline.values.formats import ARM_LAW, FIVE
 from rod.along import Along, LineLoad, PointLoad, Reaction, Support
 from rod.errors import LoadError, RodError, RodWarning
 from rod.mechanics.equilibrium import Rod
@@ -217,11 +217,7 @@ def _reaction(one: Reaction) -> str:
 
 def _described(rod: Rod) -> str:
     """Which rod it is: its name in validation.json, and its name in words."""
-    if rod.has_own_law:
-        return f"{ARM_LAW}: the arm's own law"
-    if rod.extension is None:
-        return f"{FIVE}: five parameters, inextensible"
-    return f"{EXTENSIBLE}: five parameters of the key eccentricity, with the stretch of the curve"
+    return f"{ARM_LAW}: the arm's own law" if rod.has_own_law else f"{FIVE}: five parameters, inextensible"
 
 
 def write_shape(shape: RodSolution | SpatialSolution, file: Path) -> None:

@@ -12,9 +12,9 @@ from pipeline.answers.rods.choice import rod_of_path
 from pipeline.identify.arm_rods import NoSolution, Rods
 from pipeline.identify.compare import compare_rods, curve_of
 from pipeline.simulate.outcome import Record
-from pipeline.values.formats import ARM_LAW, EXTENSIBLE, FIVE
+from pipeline.values.formats import ARM_LAW, FIVE
 from pipeline.values.run import RodError, State
-from rod import Extension, FiveParameters, LawRod, Load, MomentRange, Rod
+from rod import FiveParameters, LawRod, Load, MomentRange, Rod
 
 HERE = Path(__file__).resolve().parent.parent.parent
 LENGTH, PITCH = 112.0, 10.0
@@ -22,17 +22,12 @@ ROD = Rod(LENGTH, -0.015, FiveParameters(190.0, 400.0, 0.0, 0.0, 6.0), 0.0, (0.0
 S = np.linspace(0.0, LENGTH, 225)
 
 
-#: a curve that stretches by 1 % at rest and with its change of curvature
-LONGER = Extension(S, np.full(len(S), 1.01), 1.3)
 #: any moment is known
 ALL = MomentRange(-100.0, 100.0)
 
 
 def rods(rod: Rod, moment_range: MomentRange = ALL) -> Rods:
-    return {
-        FIVE: replace(rod, moment_range=moment_range),
-        EXTENSIBLE: replace(rod, extension=LONGER, moment_range=moment_range),
-    }
+    return {FIVE: replace(rod, moment_range=moment_range)}
 
 
 def record(experiment: str, rod: Rod, **loads) -> Record:
@@ -142,27 +137,6 @@ def test_loads_beyond_the_law_of_the_arm_say_which_moments_it_lacks() -> None:
     reason = row_of({ARM_LAW: own}, straight, "dead", rod=ARM_LAW).reason
     assert "At 24 kPa its loads bend it with" in reason
     assert f"and its law has {low:.3g} to {high:.3g}; make the arm lighter or stiffer." in reason
-
-
-def test_the_extensible_rod_follows_a_curve_that_stretches() -> None:
-    longer = replace(ROD, extension=LONGER)
-    solid = record("III", longer, end_y=1.0)
-    row = row_of(rods(ROD), solid, rod=EXTENSIBLE)
-    assert row.distance_over_length < 1e-7
-    assert abs(row.force_error) < 1e-7
-    assert row_of(rods(ROD), solid).distance_over_length > 0.01
-
-
-def test_the_reason_of_an_extensible_rod_without_equilibrium_is_kept() -> None:
-    solid = record("III", ROD, end_y=60.0)
-    short = replace(ROD, extension=Extension(S, np.full(len(S), 0.3), 0.0))  # 34 mm long, its end cannot be at 60 mm
-    both = {FIVE: ROD, EXTENSIBLE: short}
-    row = row_of(both, solid)
-    assert row.reason == ""
-    assert abs(row.force_error) < 1e-7
-    row = row_of(both, solid, rod=EXTENSIBLE)
-    assert row.reason.endswith(".")
-    assert row.force_error is None
 
 
 def test_a_pressure_without_a_rod_is_a_row_with_the_reason() -> None:

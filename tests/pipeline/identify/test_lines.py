@@ -62,9 +62,7 @@ def test_one_rigidity_holds_along_equal_cells_that_do_not_touch(
 ) -> None:
     # the numbers themselves do not matter here
     monkeypatch.setattr(identification, "identify", lambda *given, **keys: SimpleNamespace(evidence=4.0))
-    for name in ("cell_averaged", "moment_about_neutral_axis"):
-        monkeypatch.setattr(identification, name, lambda *given, **keys: None)
-    monkeypatch.setattr(identification, "extension", lambda *given: SimpleNamespace(eccentricity=0.0))
+    monkeypatch.setattr(identification, "cell_averaged", lambda *given, **keys: None)
     monkeypatch.setattr(identification, "_moment_and_closure", lambda *given: (None, None))
     free, loaded = (
         SimpleNamespace(

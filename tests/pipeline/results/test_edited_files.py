@@ -35,7 +35,6 @@ def parameters() -> dict[str, Any]:
         **law,
         "alpha1_N_mm2_std": [2.0, None],
         "moment_range_N_mm": [[0.1, 3.0], [0.2, 4.0]],
-        "eccentricity": {**law, "eccentricity_mm": [1.2, 1.4], "rest_stretch": [[1.02] * 12, [1.04] * 12]},
         "kappa_0": {
             "s_mm": np.linspace(0.0, LENGTH, 12).tolist(),
             "theta0_rad": [0.0, 0.02],
@@ -105,9 +104,6 @@ def test_the_files_themselves_are_read(tmp_path: Path) -> None:
         (("kappa_0", "cell_averaged_per_mm"), [[0.0] * 4], "kappa_0.cell_averaged_per_mm: must have a length of 2"),
         (("kappa_0", "s_mm"), [], "kappa_0.kappa_0_per_mm.0: must have a length of 0"),
         (("kappa_0", "s_mm"), lambda s: s[::-1], "column s of kappa_0 must rise"),
-        (("eccentricity", "rest_stretch", 0, 3), None, "eccentricity.rest_stretch.0.3: must be a number"),
-        (("eccentricity", "alpha1_N_mm2"), [60.0], "eccentricity.alpha1_N_mm2: must have a length of 2"),
-        (("eccentricity", "eccentricity_mm"), [1.2, None], "eccentricity_mm must be a finite number, not None"),
     ],
 )
 def test_parameters(tmp_path: Path, path: tuple[str | int, ...], value: Any, sentence: str) -> None:

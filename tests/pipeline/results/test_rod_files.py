@@ -102,30 +102,6 @@ def test_a_load_beyond_the_identified_moments_gets_a_warning(results: Path) -> N
     assert "The moment leaves" not in out
 
 
-def test_the_extensible_rod_has_a_longer_curve(results: Path) -> None:
-    file = results / "parameters.json"
-    content = json.loads(file.read_text())
-    keys = ("alpha1_N_mm2", "alpha2_N_mm2", "m01_N_mm", "m02_N_mm", "d_mm")
-    eccentricity = {key: content[key] for key in keys}
-    eccentricity |= {"eccentricity_mm": [1.2, 1.4], "rest_stretch": [[1.02] * 57, [1.04] * 57]}
-    file.write_text(json.dumps({**content, "eccentricity": eccentricity}))
-    assert read_run(file).parameters.rods().at(27.0).extension is None
-    rod = read_run(file).parameters.rods(extensible=True).at(27.0)
-    shape = rod.solve()
-    stretch = float(np.polyval(np.polyfit([0, 17, 37], [1, 1.02, 1.04], 2), 27))
-    assert np.all(np.abs(shape.stretch - stretch) < 1e-12)
-    assert rod.extension is not None
-    assert rod.extension.eccentricity == pytest.approx(1.3)
-    code, out, _ = call("rod", str(file), "--pressure", "27 kPa", "--rod", "five_extensible")
-    assert code == 0
-    assert f"x = {shape.x[-1]:.3f} mm" in out
-    assert "five_extensible: five parameters of the key eccentricity" in out
-    code, out, _ = call("rod", str(file), "--pressure", "27 kPa")
-    assert code == 0
-    assert f"x = {shape.x[-1]:.3f} mm" not in out
-    assert "five: five parameters, inextensible" in out
-
-
 def test_files_that_interpolate_over_the_pressure_follow_the_cubics_of_the_rod(results: Path) -> None:
     springs = {}
     for pressure in ("17 kPa", "24.5 kPa", "37 kPa", "17_to_37kPa"):
@@ -228,7 +204,7 @@ def test_the_command_prints_the_end_and_writes_the_shape(results: Path) -> None:
         (("--pressure", "27 kPa", "--end-y", "0 mm", "--force", "[0 N, 1 N]"), 2, "give one of them"),
         (("--pressure", "27 kPa", "--end-y", "-300 mm"), 2, "--end-y: is 300 mm away from the clamped end"),
         (("--pressure", "27 kPa", "--rod", "law"), 2, "has no law.json, the arm's own law; take rod five"),
-        (("--pressure", "27 kPa", "--rod", "six"), 2, "--rod six: allowed are law, five, five_extensible"),
+        (("--pressure", "27 kPa", "--rod", "six"), 2, "--rod six: allowed are law, five"),
     ],
 )
 def test_bad_loads_give_one_sentence(results: Path, arguments: tuple[str, ...], code: int, sentence: str) -> None:
