@@ -109,12 +109,11 @@ def read_hold(path: Path) -> Hold:
     if len(values) == 1:
         return _held(path, t, np.abs(values[0]), None, is_creep=not found[0])
     stress, strain = (np.abs(of) for of in values)
-    levels = [float(np.median(of[len(t) // 2 :])) for of in (stress, strain)]
-    begin = min(
-        int(np.argmax(of >= (1.0 - CHANGE) * level)) for of, level in zip((stress, strain), levels, strict=True)
-    )
-    changes = [_range(of[begin:]) / level for of, level in zip((stress, strain), levels, strict=True)]
-    is_creep = changes[0] < changes[1]
+    first, second = (float(np.median(of[len(t) // 2 :])) for of in (stress, strain))
+    if not min(first, second) > 0.0:
+        raise InputError(f"{path}: stress or strain is zero in most rows; leave out what follows the hold")
+    begin = int(np.argmax((stress >= (1.0 - CHANGE) * first) | (strain >= (1.0 - CHANGE) * second)))
+    is_creep = _range(stress[begin:]) / first < _range(strain[begin:]) / second
     return _held(path, t, *((strain, stress) if is_creep else (stress, strain)), is_creep=is_creep)
 
 

@@ -69,8 +69,8 @@ def recommendation(judged: Judged, points: Points, need: Need) -> list[str]:
         ends = f"ends at a stretch of {best.holds[1]:.3g}"
         end = f"the test {ends}" if end_of(points) <= best.holds[1] * 1.02 else f"what it describes {ends}"
         sentences.append(f"An arm may need {need.low:.3g} to {need.high:.3g}, but {end}.")
-    if beside := _beside(judged, min(need.high, best.holds[1])):
-        sentences.append(beside)
+    if "equibiaxial" not in points.state:
+        sentences += _beside(judged, min(need.high, best.holds[1]))
     if end_of(points) < ENOUGH * need.reach and set(points.state) == {"uniaxial"}:
         sentences.append(f"A test up to a stretch of {need.reach:.2g} would tell more about two directions.")
     return [*sentences, *_beyond(judged, points)]
@@ -108,17 +108,18 @@ def _stiffens(fit: LawFit) -> bool:
     return bool(slope[-1] > FURTHER * slope.min())
 
 
-def _beside(judged: Judged, high: float) -> str:
+def _beside(judged: Judged, high: float) -> Iterator[str]:
     """How far the usable laws part where walls are pulled in two directions."""
     best, *others = judged.usable
     ratios = [parting(other.law, best.law, high)[2] for other in others if other.high >= 0.98 * high]
     if not ratios:
         ends = [other.high for other in others if other.holds]
         beyond = f"Beyond a stretch of {max(ends, default=1.0):.3g} the fitted laws disagree in biaxial tension"
-        return f"{beyond}, which these tests do not measure." if ends else ""
+        yield from [f"{beyond}, which these tests do not measure."] if ends else []
+        return
     least, most = min(ratios), max(ratios)
     between = f"{least:.2g} to {most:.2g}" if f"{least:.2g}" != f"{most:.2g}" else f"{least:.2g}"
-    return (
+    yield (
         "A tensile test does not pull in two directions, as pressure pulls a wall: there the other usable laws have "
         f"{between} times its stress at a stretch of {high:.3g}."
     )
@@ -127,10 +128,11 @@ def _beside(judged: Judged, high: float) -> str:
 def facts(judged: Judged, points: Points) -> list[str]:
     """Numbers to compare with a data sheet."""
     modulus = judged.laws[0].law.young_modulus
-    doubled = f", stress at 100 % strain {np.interp(2.0, points.stretch, points.stress):.3g} MPa"
+    bar = points.state == ("uniaxial" if "uniaxial" in points.state else points.state[0])
+    doubled = f", stress at 100 % strain {np.interp(2.0, points.stretch[bar], points.stress[bar]):.3g} MPa"
     spread = f", the specimens differ by {100 * points.spread:.2g} %" if np.isfinite(points.spread) else ""
     return [
-        f"Young's modulus at rest {modulus:.3g} MPa{doubled if points.stretch[-1] >= 2 else ''}{spread}.",
+        f"Young's modulus at rest {modulus:.3g} MPa{doubled if points.stretch[bar][-1] >= 2 else ''}{spread}.",
     ]
 
 

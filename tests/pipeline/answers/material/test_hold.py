@@ -190,6 +190,11 @@ def test_what_branches_do_not_describe_is_refused(tmp_path: Path) -> None:
         InputError, match=r"branches describe it within \d+ % only, and 5 % are allowed; leave out what"
     ):
         read_hold(file(tmp_path, "time (s),stress (kPa)", values))
+    for strain, complaint in ((0.0, "is zero in most rows"), (TIMES + 9.0, "neither stress nor strain is held")):
+        rows = "\n".join(f"{t},{e},{t + 9.0}" for t, e in zip(TIMES, strain + 0.0 * TIMES, strict=True))
+        (tmp_path / "both.csv").write_text(f"time (s),strain (%),stress (MPa)\n{rows}\n")
+        with pytest.raises(InputError, match=complaint):
+            read_hold(tmp_path / "both.csv")
 
 
 def test_the_command_writes_them_beside_the_law(configs: Path, tmp_path: Path) -> None:
