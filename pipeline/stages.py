@@ -319,18 +319,17 @@ def _tolerances(config: Config, law: ArmLaw | None) -> Iterator[Reason]:
     with suppress(RodError):
         held = config.end.y_mm if config.end.x_mm is None else None
         (budget,) = make_budgets(law, config.tolerances, [pressure], held)
-        if not isfinite(budget.total("tip")):  # the arm has no equilibrium without a load
-            return
         most = budget.largest()
         values: Values = {
-            "process": budget.making,
+            "process": {"cast": "casting", "printed": "printing"}[budget.process],
             "percent": 100.0 * budget.total("tip"),
             "pressure_kPa": pressure,
             "parameter": most.parameter,
             "tolerance": most.tolerance,
             "most_percent": 100.0 * most.changes["tip"],
         }
-        yield Reason("tolerances", values)
+        if isfinite(budget.total("tip")):  # else the arm has no equilibrium without a load
+            yield Reason("tolerances", values)
 
 
 def _remarks(state: RunState, identified: Identified, arm: LawOfRun, validated: Validated) -> tuple[Reason, ...]:

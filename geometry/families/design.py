@@ -189,7 +189,8 @@ class Design(ABC):
         """
         divided = copy(self)
         object.__setattr__(divided, "regions", tuple(names))  # a frozen dataclass, of which it is no field
-        known = f"it has {', '.join(self.region_volumes)}" if self.region_volumes else "it has none"
+        kept = "; mesh files keep them as .msh, .med, .unv or .inp" * self.is_from_file
+        known = f"it has {', '.join(self.region_volumes)}" if self.region_volumes else f"it has none{kept}"
         unknown = [name for name in divided.regions if name not in self.region_volumes]
         raise_together(
             DesignError(f"materials.{name}", f"this body has no region of that name; {known}") for name in unknown

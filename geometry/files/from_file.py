@@ -44,7 +44,7 @@ class FileDesign(Design):
         default_factory=dict
     )
     cell: Annotated[float | CellPlanes | None, "its length or [planes](cell.md#own-bodies), sought if left out"] = None
-    unit: Annotated[float, "unit of length of the file; STEP files store theirs"] = 1.0
+    unit: Annotated[float | None, "unit of length of the file, mm if left out; of STEP files in place of theirs"] = None
     axes: Annotated[Axes, "which directions of the file are x, y and z of the arm"] = SAME
     middle: Annotated[float, "z of the plane of symmetry in the file; all other z are measured from it"] = 0.0
     plug: Annotated[
@@ -117,7 +117,7 @@ class FileDesign(Design):
 
     def in_frame(self, points: Array) -> Array:
         """Points (n, 3) of the file in the frame of the arm, mm. Raises `DesignError` for axes that are none."""
-        return points @ (self.unit * rotation(self.axes).T) - [0.0, 0.0, self.middle]
+        return points @ ((self.unit or 1.0) * rotation(self.axes).T) - [0.0, 0.0, self.middle]
 
     @property
     def key_of_cells(self) -> str:

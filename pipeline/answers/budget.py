@@ -74,11 +74,6 @@ class Budget:
         return math.hypot(*finite) if finite else math.nan
 
     @property
-    def making(self) -> str:
-        """The process as what is done."""
-        return {"cast": "casting", "printed": "printing"}[self.process]
-
-    @property
     def numbers(self) -> dict[str, str]:
         """Those of the table with their titles; out of the plane, and a limit pressure, where the law has them."""
         shown = [name for name in NUMBERS if name not in (*ACROSS, LIMIT) or math.isfinite(self.total(name))]

@@ -115,7 +115,7 @@ _KINDS: dict[Any, Any] = {
     float | CellPlanes | None: Annotated[Any, Kind("a length, or two planes `{from, to}`", "8 mm", "mm", _cell)],
     Plug: Annotated[Any, Kind("`true`, `false`, or a name and a point for each", "true", "mm", _plug)],
 }
-_UNIT = Annotated[float, Kind("`mm`, `cm`, `m`, `inch` or a length", "inch", "mm", _unit, above_zero)]
+_UNIT = Annotated[float, Kind("`mm`, `cm`, `m`, `inch` or a length", "mm", "mm", _unit, above_zero)]
 
 
 def design_class(family: str, file: str) -> type[Design]:
@@ -135,7 +135,7 @@ def geometry_section(design: Any) -> type[Section]:
     keys: dict[str, tuple[Any, Any]] = {"family": (str, Field())}
     for field in fields(design):
         value, (meaning,) = types[field.name].__origin__, types[field.name].__metadata__
-        kind = _UNIT if field.name == "unit" else _KINDS.get(value, Points)
+        kind = (_UNIT | None) if field.name == "unit" else _KINDS.get(value, Points)
         if drawn and kind is Length:
             kind = Annotated[Length, Kind("at least 0" if field.default == 0.0 else "above 0", LENGTH.example, "mm")]
         default = {key: v for key in ("default", "default_factory") if (v := getattr(field, key)) is not MISSING}

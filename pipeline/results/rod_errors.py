@@ -87,7 +87,10 @@ def rod_errors(run: Run) -> tuple[RodErrors, ...]:
     others = [max(part) for part in zip(*parts, strict=True)]
 
     def rank(errors: RodErrors) -> tuple[bool, bool, float]:
-        both, part = rod_and_mesh(run, errors), [0.0, 0.0] if mesh_errors(run, errors.rod).is_known else others
+        both, part = (
+            rod_and_mesh(run, errors),
+            [0.0, 0.0] if mesh_errors(run, errors.rod).largest is not None else others,
+        )
         both = replace(both, shape=both.shape + part[0], force=(both.force or 0.0) + part[1])
         loads = errors.loads_in_sample + errors.loads_out_of_sample
         product = max(both.shape, EQUAL) * max(both.force or 0.0, EQUAL)
@@ -103,11 +106,6 @@ class MeshErrors:
     kappa_0: float | None = None  #: over the largest curvature without load, or over one that bends the arm little
     rigidity: float | None = None  #: relative, at the worst pressure
     force: float | None = None  #: over the largest one: of the moments that bend a cell, or of the forces in III
-
-    @property
-    def is_known(self) -> bool:
-        """Whether one of them is."""
-        return self.largest is not None
 
     @property
     def largest(self) -> float | None:
@@ -154,16 +152,13 @@ def uncertain_forces(run: Run, rod: str) -> Reason | None:
     law, five = run.law and run.law.mesh_error, run.parameters.mesh_error
     if rod == ARM_LAW and law:
         moments = _relative(law.moment_N_mm, law.moment_N_mm_std, SMALL * (_largest(law.moment_N_mm) or 0.0))
-        found = [
-            (law.pressures_kPa, moments),
-            (law.pressures_kPa, _relative(law.rigidity_N_mm2, law.rigidity_N_mm2_std)),
-        ]
+        pressures, columns = law.pressures_kPa, [moments, _relative(law.rigidity_N_mm2, law.rigidity_N_mm2_std)]
     else:
-        found = [(run.parameters.pressures_kPa, five.alpha2_relative)] if five and rod != ARM_LAW else []
-    rows = [(p, one) for at, column in found for p, one in zip(at, column, strict=False) if one and one > NOTED]
+        pressures, columns = run.parameters.pressures_kPa, [five.alpha2_relative] if five and rod != ARM_LAW else []
+    rows = [(p, one) for column in columns for p, one in zip(pressures, column, strict=False) if one and one > NOTED]
     values: Values = {
         "pressures_kPa": sorted({p for p, _ in rows}),
-        "percent": 100.0 * max((e for _, e in rows), default=0.0),
+        "percent": 100.0 * max([e for _, e in rows] or [0]),
     }
     return Reason("forces_uncertain", values) if rows else None
 
@@ -199,7 +194,7 @@ class RodAndMesh:
     @property
     def is_known(self) -> bool:
         """Whether the error of the shape is."""
-        return math.isfinite(self.shape) and (self.is_compared or self.mesh.is_known)
+        return math.isfinite(self.shape) and (self.is_compared or self.mesh.largest is not None)
 
     @property
     def is_good(self) -> bool:
@@ -209,13 +204,13 @@ class RodAndMesh:
     @property
     def text(self) -> str:
         """The errors of shape and force in words."""
-        if not self.is_compared and not self.mesh.is_known:
+        if not self.is_compared and self.mesh.largest is None:
             return "its errors are not known; no whole arm was solved"
         force = "" if self.force is None else f", of the force {percent(self.force)}"
         errors = f"error of the shape {percent(self.shape)} of the length{force}"
         if not self.is_compared:
             return f"{errors} because of its mesh; no whole arm was solved"
-        return f"{errors} ({'rod and mesh added' if self.mesh.is_known else 'without the error of the mesh'})"
+        return f"{errors} ({'without the error of the mesh' if self.mesh.largest is None else 'rod and mesh added'})"
 
 
 def rod_to_take(run: Run, errors: Sequence[RodErrors] | None = None) -> tuple[str, RodAndMesh] | None:
@@ -226,10 +221,9 @@ def rod_to_take(run: Run, errors: Sequence[RodErrors] | None = None) -> tuple[st
     ranked = rod_errors(run) if errors is None else errors
     if ranked:
         return ranked[0].rod, rod_and_mesh(run, ranked[0])
-    if run.law is None:
-        return None
     mesh = law_mesh_errors(run.law)
-    return ARM_LAW, RodAndMesh(_shape_by_mesh(run, ARM_LAW), mesh.force, None, mesh, is_compared=False)
+    alone = RodAndMesh(_shape_by_mesh(run, ARM_LAW), mesh.force, None, mesh, is_compared=False)
+    return (ARM_LAW, alone) if run.law else None
 
 
 def rod_and_mesh(run: Run, errors: RodErrors) -> RodAndMesh:

@@ -81,8 +81,7 @@ def _steep(law: ArmLaw) -> Reason | None:
 
 
 def weight_not_borne(law: ArmLaw) -> Reason | None:
-    """That a law without gravity does not bear the weight of its arm lying, at its lowest pressure, where it lies
-    straightest; None where it does, and without a mass."""
+    """That a law without gravity does not bear its arm lying at the lowest pressure; None where it does or weighs 0."""
     if law.mass is None or any(law.weight):
         return None
     pressure, lying = law.pressures[0], Weighing(law.mass, law.length, (0.0, 0.0), is_identified=False)

@@ -50,16 +50,8 @@ CALIBRATED = ("calibrated", "calibrated_alone")
 NOT_CALIBRATED = "not_calibrated"
 #: codes of remarks by rank; others follow in the order in which they were found
 RANKS = (
-    *(
-        "unstable_states",
-        "beyond_law",
-        OUT_OF_PLANE,
-        "volume_lost",
-        "volume_lost_unevenly",
-        "law_beyond_end",
-        "hardly_bent",
-    ),
-    *("rigidity_open", "one_rigidity_poor"),
+    *("unstable_states", "beyond_law", OUT_OF_PLANE, "volume_lost", "volume_lost_unevenly"),
+    *("law_beyond_end", "hardly_bent", "rigidity_open", "one_rigidity_poor"),
 )
 #: codes of remarks on the five parameters alone
 OF_FIVE = frozenset(
@@ -306,7 +298,7 @@ def _instead(run: Run, rod: str, errors: tuple[RodErrors, ...], both: RodAndMesh
 def _warnings(run: Run, rod: str, both: RodAndMesh | None, refusal: Reported | None) -> tuple[Reported, ...]:
     """The most important remarks on the run and on its rod; none on five parameters where another rod is taken."""
     of_rod = []
-    if both and not both.mesh.is_known and not (run.law and run.law.has_rows):
+    if both and both.mesh.largest is None and not (run.law and run.law.has_rows):
         of_rod.append(unknown_mesh_error(run))
     if rod and refusal is None:
         of_rod += filter(None, [uncertain_forces(run, rod)])

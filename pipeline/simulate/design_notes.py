@@ -14,6 +14,8 @@ LARGEST_LOAD, SMALLEST_LOAD = 0.1, 3e-4
 LIGHTEST, HEAVIEST = 20.0, 9000.0
 #: length of an edge of a CAD file, over the size of the elements, below which it is mentioned
 SHORT_EDGE = 1 / 3
+#: length of a body from a file over the size of the elements above which it may be in another unit
+LONG = 100.0
 #: pressures from which on it can be tested whether parameters are linear in the pressure
 SEVERAL = 3
 
@@ -21,7 +23,7 @@ SEVERAL = 3
 def check_load(config: Config) -> tuple[Reason, ...]:
     """What is unusual about a configuration, whatever is made of it."""
     rules = (_pressure, _unused_pressure, _turned_gravity, _short_edges, _air_left_out, _batches)
-    return (*filter(None, (rule(config) for rule in rules)), *_densities(config))
+    return (*filter(None, (rule(config) for rule in rules)), *_densities(config), *_of_file(config))
 
 
 def check_design(config: Config) -> tuple[Reason, ...]:
@@ -72,6 +74,15 @@ def _short_edges(config: Config) -> Reason | None:
 
 def _air_left_out(config: Config) -> Reason | None:
     return Reason("air_left_out", {"around": config.design.left_out}) if config.design.left_out else None
+
+
+def _of_file(config: Config) -> Iterator[Reason]:
+    names = list(config.design.region_volumes) if config.design.is_from_file and not config.materials else []
+    if len(names) > 1:
+        yield Reason("one_material", {"names": names})
+    times = config.design.length / config.mesh.size_mm
+    if config.design.is_from_file and times > LONG:
+        yield Reason("large_body", {"length_mm": config.design.length, "times": times})
 
 
 def _densities(config: Config) -> Iterator[Reason]:

@@ -27,6 +27,8 @@ TEMPLATES: Mapping[str, str] = {
     "{near}); remove small features in the CAD program",
     "air_left_out": "the CAD file has solids that fill closed cavities, around {around}; they are taken as air, and "
     "geometry.parts makes them material",
+    "one_material": "the file has the regions {names}, and all have one material; `materials` gives them others",
+    "large_body": "the body is {length_mm:.4g} mm long, {times:.0f} times mesh.size; is it in another unit? give unit",
     "too_short": "five parameters need an arm of {needed_mm:.4g} mm, and this one has {length_mm:.4g} mm; give more "
     "chambers, a longer arm or a smaller geometry.cell",
     "unequal_cells": "chambers or gaps differ, so five parameters averaged over {averaging_mm:.3g} mm are a rough "

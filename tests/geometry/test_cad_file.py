@@ -83,15 +83,26 @@ def test_two_cavities_keep_their_names(folder: Path) -> None:
         design_of(path, air={"cavity": (10, 5, 0), "other": (12, 5, 0)})
 
 
-def test_a_step_file_stores_its_unit(folder: Path) -> None:
-    """The CAD kernel converts it to mm, so that a second unit would scale the body twice."""
+def test_the_unit_stands_in_place_of_the_one_that_a_step_file_stores(folder: Path) -> None:
+    """The CAD kernel converts the stored one to mm; some programs store metres for numbers in mm."""
     path = save(folder / "unit.step", finger)
     for suffix in (".step", ".stp", ".STP"):
         copy = path.replace(folder / f"unit{suffix}")
-        with pytest.raises(DesignError, match="unit: STEP files store their unit; leave it out"):
-            design_of(copy, unit=25.4)
+        assert design_of(copy).solid_volume == pytest.approx(SOLID, rel=1e-7)
         assert design_of(copy, unit=1).solid_volume == pytest.approx(SOLID, rel=1e-7)
         path = copy
+    text = path.read_text(encoding="utf-8")
+    in_mm = "SI_UNIT(.MILLI.,.METRE.)"
+    assert in_mm in text
+    for stored in ("SI_UNIT($,.METRE.)", "SI_UNIT( .CENTI. , .METRE. )"):
+        path.write_text(text.replace(in_mm, stored), encoding="utf-8")
+        assert design_of(path, unit=1).solid_volume == pytest.approx(SOLID, rel=1e-6)
+    path.write_text(text.replace(in_mm, "SI_UNIT($,.METRE.)"), encoding="utf-8")
+    with pytest.raises(DesignError, match=r"the body measures .*e\+04 x .* is it in another unit\? give unit"):
+        design_of(path)
+    path.write_text(text.replace(in_mm, in_mm + " SI_UNIT($,.METRE.)"), encoding="utf-8")
+    with pytest.raises(DesignError, match="stores no single unit of length; save it in mm, and leave unit out"):
+        design_of(path, unit=1)
 
 
 def asymmetric(occ: Any) -> None:

@@ -15,6 +15,7 @@ from geometry.files.shells import windings
 from geometry.manifold import check_manifold, check_untangled
 from geometry.meshing.solid import session
 from geometry.quality import radius_ratios
+from geometry.topology import signed_volumes
 from tests.foreign_bodies import BAR_AIR, BAR_VOLUME, bar, half_bar, meshed, tube, two_chambers, write_mesh
 from tests.step_bodies import box
 
@@ -399,11 +400,92 @@ def test_regions_that_are_missing_or_overlap_are_refused(folder: Path) -> None:
     assert design.with_regions(["base", "chamber"]).regions == ("base", "chamber")
 
 
-def test_sets_of_abaqus_are_left_out(folder: Path, plain: tuple[np.ndarray, np.ndarray]) -> None:
+def test_sets_of_abaqus_are_regions(folder: Path, plain: tuple[np.ndarray, np.ndarray]) -> None:
     points, tets = plain
     low = np.flatnonzero(points[tets, 1].mean(axis=1) < 3)
     path = folder / "sets.inp"
     meshio.Mesh(points, [("tetra", tets)], cell_sets={"base": [low], "left": [low[:5]]}).write(path)
     design = MeshFile(str(path), curve=1.5)
     check_bar(design)
-    assert not design.region_volumes
+    volumes = signed_volumes(points, tets)
+    assert design.region_volumes == {
+        name: pytest.approx(volumes[rows].sum()) for name, rows in (("base", low), ("left", low[:5]))
+    }
+    with pytest.raises(DesignError, match="belong to base and to left"):
+        design.with_regions(["base", "left"])
+    assert len(design.with_regions(["base"]).fixed_body.mesh.regions["base"]) >= len(low)
+
+
+def test_sets_that_elements_name_are_regions(folder: Path, plain: tuple[np.ndarray, np.ndarray]) -> None:
+    """Two blocks of one set, and one of another, as programs write solid sections."""
+    points, tets = plain
+    low = points[tets, 1].mean(axis=1) < 3
+    blocks = {"BASE": np.flatnonzero(low)[::2], "base ": np.flatnonzero(low)[1::2], "TOP": np.flatnonzero(~low)}
+    lines = ["*NODE", *(f"{k}, {x:.17g}, {y:.17g}, {z:.17g}" for k, (x, y, z) in enumerate(points, 1))]
+    for name, rows in blocks.items():
+        lines.append(f"*ELEMENT, TYPE=C3D4, ELSET={name.strip().upper()}")
+        lines += [f"{k + 1}, {', '.join(map(str, tets[k] + 1))}" for k in rows]
+    lines += ["*ELSET, ELSET=all", "BASE, TOP", "*ELSET, ELSET=some, GENERATE", f"1, {len(tets)}, 1"]
+    (folder / "sections.inp").write_text("\n".join([*lines, ""]), encoding="utf-8")
+    volumes, design = signed_volumes(points, tets), MeshFile(str(folder / "sections.inp"), curve=1.5)
+    assert design.region_volumes == {
+        "BASE": pytest.approx(volumes[low].sum()),
+        "TOP": pytest.approx(volumes[~low].sum()),
+        "some": pytest.approx(volumes.sum()),
+    }
+    with pytest.raises(DesignError, match="it has some, BASE, TOP"):
+        design.with_regions(["layer"])
+
+
+def test_other_formats_without_regions_say_which_keep_them(folder: Path, plain: tuple[np.ndarray, np.ndarray]) -> None:
+    design = MeshFile(str(write_mesh(folder / "none.vtu", *plain)), curve=1.5)
+    with pytest.raises(DesignError, match=r"it has none; mesh files keep them as \.msh, \.med, \.unv or \.inp"):
+        design.with_regions(["base"])
+
+
+def doubled(points: np.ndarray, tets: np.ndarray, low: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The mesh with nodes of their own for some of its elements (m,)."""
+    used = np.unique(tets[low])
+    number = np.arange(len(points))
+    number[used] = len(points) + np.arange(len(used))
+    return np.vstack([points, points[used]]), np.where(low[:, None], number[tets], tets)
+
+
+def test_doubled_nodes_are_joined(folder: Path, plain: tuple[np.ndarray, np.ndarray]) -> None:
+    """Of two parts, and of a slit between elements that hang together beside it."""
+    points, tets = plain
+    low = points[tets, 1].mean(axis=1) < 3
+    check_bar(MeshFile(str(write_mesh(folder / "parts.vtu", *doubled(points, tets, low))), curve=1.5))
+    apart, own = doubled(points, tets, low)
+    shared = np.unique(tets[low & (points[tets, 0].mean(axis=1) < 30)])
+    back = np.arange(len(apart))
+    used = np.unique(tets[low])
+    back[len(points) + np.flatnonzero(np.isin(used, shared))] = used[np.isin(used, shared)]
+    slit = MeshFile(str(write_mesh(folder / "slit.vtu", apart, back[own])), curve=1.5)
+    check_bar(slit)
+
+
+def test_parts_whose_triangles_differ_are_said_to_share_no_nodes(folder: Path) -> None:
+    """Two boxes, one above the other, with a cavity between them, meshed each for itself."""
+    (low, lower), (high, upper) = (meshed(part, size) for part, size in ((lower_part, 6.0), (upper_part, 3.5)))
+    path = write_mesh(folder / "two.vtu", np.vstack([low, high]), np.vstack([lower, upper + len(low)]))
+    with pytest.raises(DesignError, match="its 2 parts share no nodes where they touch: mesh them in one step"):
+        MeshFile(str(path), curve=1.5)
+
+
+def lower_part(occ: Any) -> None:
+    box(occ, (0, 0, -6), (60, 3, 6))
+
+
+def upper_part(occ: Any) -> None:
+    occ.cut([box(occ, (0, 3, -6), (60, 15, 6))], [box(occ, (5, 3, -4), (55, 12, 4))])
+
+
+def test_air_that_is_meshed_as_a_group_is_named(folder: Path, plain: tuple[np.ndarray, np.ndarray]) -> None:
+    points, tets = meshed(lambda occ: box(occ, (0, 0, -6), (60, 15, 6)), 5.0)
+    middle = np.abs(points[tets].mean(axis=1) - [30.0, 8.0, 0.0])
+    air = (middle < [20.0, 4.0, 3.0]).all(axis=1)
+    sets = {"solid": [np.flatnonzero(~air)], "air": [np.flatnonzero(air)]}
+    meshio.Mesh(points, [("tetra", tets)], cell_sets=sets).write(folder / "air.inp")
+    with pytest.raises(DesignError, match="if one of the groups solid, air is air, save the others alone"):
+        MeshFile(str(folder / "air.inp"), curve=1.5)

@@ -12,7 +12,7 @@ from geometry.body import Body
 from geometry.errors import DesignError, MeshError
 from geometry.files.cad.body import CadMeasures, edges_of, measure, measure_gaps, measure_thinnest_wall, mesh_cad
 from geometry.files.cad.cells import CellPlanes, Cells, find_cells, mesh_cells
-from geometry.files.cad.solids import STEP, SUFFIXES, CadBody, CadSource, air_left_out, file_bounds
+from geometry.files.cad.solids import SUFFIXES, CadBody, CadSource, air_left_out, file_bounds
 from geometry.files.chambers import Range, as_drawn
 from geometry.files.frame import PITCHES, Point, rotation
 from geometry.files.from_file import FileDesign
@@ -59,8 +59,6 @@ class CadFile(FileDesign):
         elif not path.is_file():
             yield DesignError("file", f"{path} does not exist")
         yield from super()._wrong_values()
-        if self.unit != 1 and path.suffix.lower() in STEP:
-            yield DesignError("unit", "STEP files store their unit; leave it out")
         if self.parts and self.unite:
             yield DesignError(("parts", "unite"), "solids of another material stay apart; give one of the two")
         if self.parts and isinstance(self.cell, CellPlanes):

@@ -19,6 +19,8 @@ SUFFIXES = (*STEP, ".brep", ".brp")
 SAME = 1e-6
 #: part of the volume of several solids that two of them may have in common, which is rounding
 OVERLAP = 1e-6
+#: mm by the names of STEP: of units, or of prefixes of the metre
+_UNITS = {"INCH": 25.4, "FOOT": 304.8, "$": 1e3, ".DECI.": 100.0, ".CENTI.": 10.0, ".MILLI.": 1.0, ".MICRO.": 1e-3}
 #: the end of a BREP file: that of the last shape in the list, and which shape is the whole, its orientation first
 _END_OF_BREP = re.compile(rb"\*\s+[+-]\d+ \d+\s*\Z")
 
@@ -28,7 +30,7 @@ class CadSource:
     """A CAD file and how its solids are turned."""
 
     path: Path
-    unit: float  #: mm per unit of length of the file (STEP files carry their unit, so 1 for them)
+    unit: float | None  #: mm per unit of length of the file; None: mm, and of STEP files the one that they store
     turn: Array  #: (3, 3) rotation into the frame of the arm
     unite: bool  #: whether several solids that touch become one
     apart: bool  #: whether they stay several that have their faces in common, because they are of other materials
@@ -141,8 +143,9 @@ def _all_of_file(gmsh: Any, source: CadSource) -> list[Volume]:
     occ, path = gmsh.model.occ, source.path
     gmsh.option.setString("Geometry.OCCTargetUnit", "MM")
     # `dilate` would make planes and cylinders splines
-    gmsh.option.setNumber("Geometry.OCCScaling", source.unit)
     is_brep = path.suffix.lower() not in STEP
+    scaling = 1.0 if source.unit is None else source.unit / (1.0 if is_brep else _stored_unit(path))
+    gmsh.option.setNumber("Geometry.OCCScaling", scaling)
     if is_brep:
         _refuse_truncated(path)
     try:
@@ -152,6 +155,15 @@ def _all_of_file(gmsh: Any, source: CadSource) -> list[Volume]:
     occ.synchronize()
     solids: list[Volume] = gmsh.model.getEntities(3)
     return solids
+
+
+def _stored_unit(path: Path) -> float:
+    """mm, of a STEP file. Raises `DesignError` where it stores none that is known, or several."""
+    text = re.sub(r"\s", "", path.read_text(encoding="utf-8", errors="replace")).upper()
+    names = re.findall(r"CONVERSION_BASED_UNIT\('(INCH|FOOT)'", text) or re.findall(r"(\$|\.\w+\.),\.METRE\.\)", text)
+    if len(set(names)) != 1 or names[0] not in _UNITS:
+        raise DesignError("unit", f"{path.name} stores no single unit of length; save it in mm, and leave unit out")
+    return _UNITS[names[0]]
 
 
 def _of_file(gmsh: Any, source: CadSource) -> list[Volume]:

@@ -1,4 +1,4 @@
-"""The nodes and tetrahedra of the one part in an Abaqus input file, written so that meshio reads them.
+"""The nodes, tetrahedra and their sets of the one part in an Abaqus input file, written so that meshio reads them.
 
 meshio takes the last *NODE block of a file for all of its points, so that a reference point of the assembly replaces
 those of the body, and it knows no C3D4H and no types in small letters.
@@ -17,12 +17,13 @@ _VOLUME = re.compile(r"C3D\d+")
 OUTSIDE = "outside of parts"
 
 
-def only_body(path: Path) -> str:
-    """An Abaqus file with the nodes and elements of the body alone; points are where the part has them.
+def only_body(path: Path) -> tuple[str, list[str]]:
+    """An Abaqus file with nodes, elements and their sets of the body alone; points are where the part has them.
 
-    Raises `MeshError` where several parts or instances have elements, or lines are in other files.
+    And the set that each block of elements names, empty without one. Raises `MeshError` where several parts or
+    instances have elements, or lines are in other files.
     """
-    nodes, elements = defaultdict[str, list[str]](list), defaultdict[str, list[str]](list)
+    nodes, elements, sets, named = (defaultdict[str, list[str]](list) for _ in range(4))
     instanced, scope = list[str](), OUTSIDE
     for keyword, options, data in _blocks(path):
         if keyword == "INCLUDE" or "INPUT" in options:
@@ -38,11 +39,14 @@ def only_body(path: Path) -> str:
             nodes[scope] += [",".join(line.split(",")[:4]) for line in data]
         elif keyword == "ELEMENT" and (kind := _VOLUME.match(options.get("TYPE", "").upper())):
             elements[scope] += [f"*ELEMENT, TYPE={kind[0]}", *data]
+            named[scope].append(options.get("ELSET", ""))
+        elif keyword == "ELSET" and all(re.fullmatch(r"[\d\s,]+", line) for line in data):  # none of other sets
+            sets[scope] += [f"*ELSET, ELSET={options.get('ELSET')}{', GENERATE' * ('GENERATE' in options)}", *data]
     bodies = list(elements) or [OUTSIDE]
     if len(bodies) > 1 or instanced.count(bodies[0].lower()) > 1:
         names = ", ".join(bodies)
         raise MeshError(f"the mesh file {path} holds several parts or instances with elements ({names}); save one")
-    return "\n".join(["*NODE", *nodes[bodies[0]], *elements[bodies[0]], ""])
+    return "\n".join(["*NODE", *nodes[bodies[0]], *elements[bodies[0]], *sets[bodies[0]], ""]), named[bodies[0]]
 
 
 def _blocks(path: Path) -> Iterator[tuple[str, dict[str, str], list[str]]]:

@@ -14,7 +14,7 @@ from geometry.body import Body
 from geometry.errors import DesignError, MeshError
 from geometry.files.chambers import Range, chambers_of, has_gaps
 from geometry.files.from_file import FileDesign
-from geometry.files.mesh.placing import Placed, placed_body, turned
+from geometry.files.mesh.placing import Placed, doubt_of, placed_body, turned
 from geometry.files.mesh.reader import FileMesh, read_mesh_file
 from geometry.files.shells import opens_at
 from geometry.grading import OFF, Grading
@@ -30,7 +30,7 @@ class MeshFile(FileDesign):
     Its ends are flat faces in the planes x = clamp and x = tip, its cavities closed surfaces within it, chosen by a
     point in their air where there are several. A Gmsh file may name its faces instead, by physical groups: clamp, tip,
     cavity, further cavities whose names begin with cavity, and sym in the plane z = 0 of a half body. Named groups of
-    elements (physical volumes of Gmsh, groups of MED and UNV) are regions, which may have materials of their own.
+    elements (volumes of Gmsh, groups of MED and UNV, sets of Abaqus) are regions, which may have their own materials.
     Elements through which the material curve (y = curve, z = 0) passes are divided so that it runs along edges; all
     others stay as they are. The constructor reads and checks the file; its `DesignError` names the config key to
     change. The cells are nominal: equal parts of the length, about `cell` long.
@@ -59,10 +59,13 @@ class MeshFile(FileDesign):
     def _placed(self) -> Placed:
         try:
             content = self._content
-            content = replace(content, regions={name: content.regions[name] for name in self.regions})
-            return placed_body(content, self, self.symmetric or "sym" in content.faces)
+            chosen = replace(content, regions={name: content.regions[name] for name in self.regions})
+            return placed_body(chosen, self, self.symmetric or "sym" in content.faces)
         except MeshError as error:
-            raise DesignError("file", str(error)) from error
+            raise DesignError("file", f"{error}{doubt_of(read_mesh_file(Path(self.file)))}") from error
+        except DesignError as error:
+            told = error.sentence + doubt_of(self._content) * error.keys[0].startswith("air")
+            raise DesignError(error.keys, told, error.others) from error
 
     @cached_property
     def _content(self) -> FileMesh:

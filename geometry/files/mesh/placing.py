@@ -27,7 +27,7 @@ from geometry.files.mesh.reader import FileMesh
 from geometry.files.shells import lies_in, middle_of, named_cavities, opens_at, parts_of, refuse_open, windings
 from geometry.manifold import check_manifold, check_untangled, count_components
 from geometry.mesh import Mesh
-from geometry.topology import find_rows
+from geometry.topology import find_rows, row_keys
 
 
 @dataclass(frozen=True)
@@ -105,17 +105,26 @@ def moved(mesh: Mesh, curve: float, ends: tuple[float, float], cavities: tuple[s
     return Placed(mesh, length, cavities, turned)
 
 
+def doubt_of(content: FileMesh) -> str:
+    """What may be wrong with a mesh of several parts or groups, for sentences."""
+    parts, groups = count_components(Mesh(content.points, content.tets, {})), ", ".join(content.regions)
+    if parts > 1:
+        return f"; its {parts} parts share no nodes where they touch: mesh them in one step"
+    return f"; if one of the groups {groups} is air, save the others alone" if groups else ""
+
+
 def joined(content: FileMesh) -> FileMesh:
-    """The content, with points at the same position as one where parts of the mesh share none.
+    """The content, with points at the same position as one where parts of the mesh or faces at one place share none.
 
     Some programs write the points of each part or element for themselves.
     """
-    points, tets = content.points, content.tets
-    if count_components(Mesh(points, tets, {})) == 1:
-        return content
+    points, tets, mesh = content.points, content.tets, Mesh(content.points, content.tets, {})
     size = float(np.ptp(points, axis=0).max())
     _, first, same = np.unique(np.round(points / (1e-7 * size)), axis=0, return_index=True, return_inverse=True)
     same = same.reshape(-1)
+    faces_at = row_keys(same[mesh.boundary], len(first))
+    if count_components(mesh) == 1 and len(np.unique(faces_at)) == len(faces_at):
+        return content
     points, tets = points[first], same[tets]
     # an edge that two parts have is curved in both of them or in none, whichever had it curved
     curved = content.curved.renumbered(same).usable(points, tets)

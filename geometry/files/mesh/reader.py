@@ -67,7 +67,13 @@ def _content(path: Path) -> Any:
     if not path.is_file():
         raise MeshError(f"the mesh file {path} does not exist")
     if suffix == ".inp":
-        return read_text(path, only_body(path))
+        text, sets = only_body(path)
+        content = read_text(path, text)
+        sizes = [len(block.data) for block in content.cells]
+        content.cell_sets |= {
+            name: [np.arange(n * (name == of)) for n, of in zip(sizes, sets, strict=True)] for name in sets if name
+        }
+        return content
     if suffix in OF_GMSH:
         return _by_gmsh(path)
     try:
@@ -92,13 +98,13 @@ def _by_gmsh(path: Path) -> Any:
 
 
 def _named_rows(content: Any) -> dict[str, Index]:
-    """Rows of the tetrahedra of each physical volume of Gmsh; sets of other formats are left out."""
-    if "gmsh:physical" not in content.cell_data:
-        return {}
+    """Rows of the tetrahedra of each physical volume of Gmsh, or set of elements; others are left out."""
     sizes = [len(block.data) if block.type in TETRAHEDRA else 0 for block in content.cells]
-    first = np.concatenate([[0], np.cumsum(sizes)])
-    groups = named_rows(content, 3, TETRAHEDRA)
-    return {name: np.concatenate([first[k] + rows for k, rows in parts.items()]) for name, parts in groups.items()}
+    first, sets = np.concatenate([[0], np.cumsum(sizes)]), content.cell_sets.items()
+    groups = {name: {k: rows for k, rows in enumerate(parts) if sizes[k] and len(rows)} for name, parts in sets}
+    groups = named_rows(content, 3, TETRAHEDRA) if "gmsh:physical" in content.cell_data else groups
+    joined = {name: [first[k] + rows for k, rows in parts.items()] for name, parts in groups.items()}
+    return {name: np.concatenate(rows) for name, rows in joined.items() if rows and not name.startswith("gmsh:")}
 
 
 def _refuse_other_volumes(path: Path, content: Any) -> None:

@@ -126,7 +126,7 @@ def _notes(run: Run, verdict: Verdict, errors: RodAndMesh | None) -> tuple[str, 
     notes = [] if verdict.refusal is None else [verdict.refusal.text]
     if errors is None:
         return tuple(notes)
-    if not errors.mesh.is_known:
+    if errors.mesh.largest is None:
         notes.append(report_reason(unknown_mesh_error(run)).text)
     if verdict.refusal is None and not errors.is_good:
         notes.append(f"The errors of this rod are large: {errors.text}.")

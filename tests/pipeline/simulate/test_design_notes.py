@@ -4,6 +4,8 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
+import meshio
+import numpy as np
 import pytest
 from typer.testing import CliRunner
 
@@ -157,3 +159,25 @@ def test_every_command_that_solves_tells_of_pressures_in_another_unit(
     assert isinstance(result.exception, Begun) is (command != "mesh")
     (strong,) = check_load(load_config(config, [setting]))
     assert render(strong) in " ".join(result.output.split())
+
+
+def test_regions_of_a_file_that_all_have_one_material_and_a_body_in_another_unit(tmp_path: Path) -> None:
+    points, tets = meshed(bar, 5.0)
+    low = points[tets, 1].mean(axis=1) < 3
+    sets = {"base": [np.flatnonzero(low)], "top": [np.flatnonzero(~low)]}
+    meshio.Mesh(points, [("tetra", tets)], cell_sets=sets).write(tmp_path / "bar.inp")
+    save(tmp_path / "bar.step", bar)
+    path = tmp_path / "bar.yaml"
+    path.write_text(
+        "name: bar\ngeometry: {family: own, file: bar.inp, curve: 1.5 mm}\npressures: [10 kPa]\n"
+        "material: {law: neo_hooke, mu: 0.4 MPa, nu: 0.49}\n"
+    )
+    found = {reason.code: render(reason) for reason in check_load(load_config(path))}
+    assert "the regions base, top, and all have one material" in found["one_material"]
+    given = check_load(load_config(path, ["materials.base={law: neo_hooke, mu: 1 MPa, nu: 0.49}"]))
+    assert {"one_material", "large_body"}.isdisjoint(reason.code for reason in given)
+    step = ["geometry.file=bar.step", "mesh.size=5 mm"]
+    assert {"one_material", "large_body"}.isdisjoint(r.code for r in check_load(load_config(path, step)))
+    step += ["geometry.unit=cm", "geometry.curve=15 mm"]
+    (large,) = (reason for reason in check_load(load_config(path, step)) if reason.code == "large_body")
+    assert render(large) == "the body is 600 mm long, 120 times mesh.size; is it in another unit? give unit"

@@ -163,7 +163,7 @@ def refusal(path: Path, *overrides: str) -> str:
         ("geometry.air.cavity=[40 mm, 1 mm, 0 mm]", "--set geometry.air.cavity: the point .* lies in the material"),
         ("geometry.air.cavity=[40 mm, 1 mm]", "--set geometry.air.cavity: has 2 entries instead of 3"),
         ("geometry.air.other=[41 mm, 7 mm, 0 mm]", "--set geometry.air.other: .* same cavity as that of cavity"),
-        ("geometry.unit=1 m", "--set geometry.unit: STEP files store their unit; leave it out"),
+        ("geometry.unit=1 m", "--set geometry.unit: the body measures 8e.04 x .* mm; is it in another unit"),
         ("geometry.symmetric=3", "--set geometry.symmetric: 3 is neither true nor false"),
         ("geometry.clamp=0", "--set geometry.clamp: 0 has no unit"),
         ("geometry.wall=1 mm", "--set geometry.wall: unknown key; .*allowed here: family, file, curve, clamp"),
