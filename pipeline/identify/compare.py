@@ -194,7 +194,8 @@ def curve_of(record: Record, comparison: Comparison | None, pitch: float) -> Cur
     arrays = (s, curve.x, curve.y, theta, kappa, std, moment_from_load(curve, record.load).value, *rods)
     columns = dict(zip(CURVE_COLUMNS[2:], arrays, strict=True))
     load = "" if comparison is None else comparison.load
-    return Curve(record.experiment, record.pressure_kPa, columns, load)
+    x, y, _ = record.load.force
+    return Curve(record.experiment, record.pressure_kPa, columns, load, (x, y) if record.experiment == "dead" else ())
 
 
 def _rod_columns(shape: RodSolution | None, s: Array, pitch: float) -> tuple[Array, Array, Array]:

@@ -42,6 +42,7 @@ LAW = "law.json"
 LAW_ON_MESH_OF_ARM = "law_on_mesh_of_arm.json"
 CURVES, VALIDATION_CURVES = "curves.csv", "validation_curves.csv"
 _KEYS = ("experiment", "pressure_kPa")
+_FORCE = ("force_x_N", "force_y_N")  #: dead, on the end; empty for another load
 _IDENTITY = "states/configuration.json"  #: written when a run starts
 #: what is wrong by the type of an error of pydantic
 _WRONG = {
@@ -72,13 +73,14 @@ def replace_draft(folder: ResultFolder, *, draft: bool) -> None:
 
 
 def save_curves(folder: ResultFolder, name: str, curves: Sequence[Curve]) -> None:
-    """Write `CURVES` or `VALIDATION_CURVES`, which has a column for the load."""
-    keys = ("load", *_KEYS) if name == VALIDATION_CURVES else _KEYS
+    """Write `CURVES` or `VALIDATION_CURVES`, which has columns for the load."""
+    has_loads = name == VALIDATION_CURVES
     rows: list[tuple[Any, ...]] = []
     for curve in curves:
         table = np.column_stack([curve[column] for column in CURVE_COLUMNS[len(_KEYS) :]])
-        rows += [(*(getattr(curve, key) for key in keys), *values) for values in table.tolist()]
-    folder.save_rows(name, (*keys, *CURVE_COLUMNS[len(_KEYS) :]), rows)
+        load = (curve.load, *(curve.force_N or ("", ""))) if has_loads else ()
+        rows += [(*load, curve.experiment, curve.pressure_kPa, *values) for values in table.tolist()]
+    folder.save_rows(name, (*(("load", *_FORCE) if has_loads else ()), *CURVE_COLUMNS), rows)
 
 
 def folder_of(direction: float) -> str:
@@ -219,9 +221,10 @@ def _curves(path: Path) -> tuple[Curve, ...]:
 
 
 def _curve(experiment: str, pressure: float, load: str, rows: list[dict[str, str]]) -> Curve:
-    names = [name for name in rows[0] if name not in (*_KEYS, "load")]
+    names = [name for name in rows[0] if name not in (*_KEYS, "load", *_FORCE)]
     columns = {name: np.array([float(row[name] or "nan") for row in rows]) for name in names}
-    return Curve(experiment, pressure, columns, load)
+    x, y = (rows[0].get(name) for name in _FORCE)
+    return Curve(experiment, pressure, columns, load, (float(x), float(y)) if x and y else ())
 
 
 def _unreadable(path: Path, failure: Exception) -> InputError:

@@ -6,7 +6,7 @@ CONVERGED, NOT_CONVERGED = "converged", "not converged"
 FIVE, ARM_LAW = "five", "arm_law"
 #: the rods in the tables of curves, in the order of their columns, and how the names of these begin
 CURVE_PREFIXES = {FIVE: "rod", ARM_LAW: ARM_LAW}
-#: the columns of curves.csv; validation_curves.csv has `load` before them
+#: the columns of curves.csv; validation_curves.csv has the load before them
 CURVE_COLUMNS = (
     *("experiment", "pressure_kPa", "s_mm", "x_mm", "y_mm", "theta_rad", "kappa_per_mm", "kappa_std_per_mm"),
     "moment_N_mm",

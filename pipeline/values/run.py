@@ -125,6 +125,7 @@ class Curve:
     pressure_kPa: float
     columns: Mapping[str, Array] = field(repr=False)  #: by column name; NaN where a cell is empty
     load: str = ""  #: besides the pressure, in words; empty for I, II and III as identified
+    force_N: Pair | tuple[()] = ()  #: x and y of a dead force on the end; empty for another load
 
     def __getitem__(self, column: str) -> Array:
         return self.columns[column]

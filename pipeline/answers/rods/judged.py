@@ -2,7 +2,6 @@
 forces."""
 
 import math
-import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
@@ -12,10 +11,6 @@ from geometry.arrays import Array
 from pipeline.config.validation import SMALL_FORCES
 from pipeline.values.run import Curve, Run
 from rod import ArmLaw, Load, Robot, RodError
-
-_NUMBER = r"[-+]?[\d.]+(?:e[-+]?\d+)?"
-#: of the load in a row of validation_curves.csv
-_DEAD_FORCE = re.compile(rf"dead force ({_NUMBER}), ({_NUMBER}) N")
 
 
 @dataclass(frozen=True)
@@ -41,11 +36,8 @@ class Reference:
 def references(run: Run) -> Iterator[Reference]:
     """The states of a run without load and under dead forces."""
     for curve in (*run.curves_of("II"), *run.validation_curves):
-        forces = _DEAD_FORCE.fullmatch(curve.load)
-        if forces is not None:
-            yield Reference(curve.pressure_kPa, (float(forces[1]), float(forces[2])), curve)
-        elif curve.experiment == "II":
-            yield Reference(curve.pressure_kPa, (0.0, 0.0), curve)
+        if curve.force_N or curve.experiment == "II":
+            yield Reference(curve.pressure_kPa, curve.force_N or (0.0, 0.0), curve)
 
 
 def distance(points: Array, s: Array, reference: Reference, length: float) -> float:

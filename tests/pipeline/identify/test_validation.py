@@ -16,6 +16,7 @@ from pipeline.config.config import Config, End
 from pipeline.config.load import load_config
 from pipeline.config.validation import Validation
 from pipeline.identify.validate import find_loads_beyond_II, keep_reached_loads
+from pipeline.results.files import read_results
 from pipeline.run import run
 from pipeline.simulate.loadcase import validation_cases
 from pipeline.simulate.outcome import Failure, Outcomes
@@ -105,6 +106,12 @@ def test_curves_of_the_loads_are_kept(results: Path) -> None:
         rows = list(csv.DictReader(file))
     assert {row["experiment"] for row in rows} == {"II", "III", "dead"}
     assert all(row["rod_x_mm"] for row in rows)
+    assert {(row["experiment"], row["force_x_N"], row["force_y_N"]) for row in rows if row["load"]} == {
+        ("III", "", ""),
+        ("dead", "0.0", "0.01"),
+    }
+    forces = {curve.load: curve.force_N for curve in read_results(results).validation_curves}
+    assert forces == {"": (), "end at +3 mm": (), "dead force 0, 0.01 N": (0.0, 0.01)}
 
 
 def test_parameters_have_intervals(results: Path) -> None:

@@ -71,6 +71,14 @@ def test_the_rod_to_take_is_written_with_its_error(tmp_path: Path, target: str) 
         assert not written[0].exists()
 
 
+def test_a_dead_force_is_told_by_its_numbers() -> None:
+    run = read_results(COARSE)
+    pushed = replace(run.validation_curves[0], experiment="dead", load="in other words", force_N=(0.0, -0.002))
+    found = [*references(replace(run, validation_curves=(*run.validation_curves, pushed)))]
+    assert (found[-1].force, found[-1].load) == ((0.0, -0.002), "0, -0.002 N")
+    assert len(found) == len([*references(run)]) + 1  # those of a held end are none
+
+
 def test_the_stated_error_is_the_largest_one(tmp_path: Path) -> None:
     """The json of the chain, unloaded, at the pressures of II, against the finite elements."""
     _, out, _ = call("export", str(COARSE), "--to", "json", "--out", str(tmp_path))
