@@ -4,7 +4,7 @@ import reprlib
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from typing import NamedTuple, TypeAlias, final
+from typing import Any, NamedTuple, TypeAlias, final
 
 import numpy as np
 
@@ -33,6 +33,15 @@ def triple(values: object, name: str, unit: str = "") -> Triple:
     except (TypeError, ValueError):  # a RodError is a ValueError
         raise RodError(f"{name} has finite numbers x and y, in space also z; {reprlib.repr(values)} has not.") from None
     return x, y, z
+
+
+def pair(values: Sequence[Any], name: str, unit: str = "") -> tuple[float, float]:
+    """(x, y) as finite floats, given as for `finite`. Raises `RodError`, naming what they are, for anything else."""
+    try:
+        x, y = (finite(value, name, unit) for value in values)
+    except (TypeError, ValueError):  # a RodError is a ValueError
+        raise RodError(f"{name} is a pair of finite numbers, x and y; {reprlib.repr(values)} is not.") from None
+    return x, y
 
 
 def scaled(values: Sequence[float], part: float) -> Triple:

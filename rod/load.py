@@ -8,7 +8,7 @@ import math
 import reprlib
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TypeAlias, final
+from typing import Any, TypeAlias, final
 
 import numpy as np
 
@@ -16,6 +16,7 @@ from rod.along import (
     APART,
     Along,
     AlongLoad,
+    PointLoad,
     Position,
     Support,
     is_triple,
@@ -27,6 +28,7 @@ from rod.along import (
 )
 from rod.checked import Amount, Given, finite
 from rod.errors import LoadError, RodError
+from rod.weight import WEIGHT_OF_GRAM, Hung, Mass, checked_hung, gravity_vector, in_grams, position_along
 
 #: on the end, N: its components, or one amount that acts upwards
 Force: TypeAlias = Amount | Sequence[Amount]
@@ -104,36 +106,90 @@ def with_along(load: Load, more: Sequence[Along], length: float) -> Load:
     return replace(both, force=np.where([at is None for at in both.end_at(length)], force, 0.0))
 
 
-def pair(values: Sequence[Amount | None], name: str, unit: str = "") -> tuple[float, float]:
-    """(x, y) as finite floats, given as for `finite`. Raises `RodError`, naming what they are, for anything else."""
-    try:
-        x, y = (finite(value, name, unit) for value in values)
-    except (TypeError, ValueError):  # a RodError is a ValueError
-        raise RodError(f"{name} is a pair of finite numbers, x and y; {reprlib.repr(values)} is not.") from None
-    return x, y
+@final
+@dataclass(frozen=True)
+class Loading:
+    """Loads and supports of an arm, in numbers or texts with units; equal ones are one key.
 
-
-def held_end(
-    length: float, force: object, end: Sequence[Amount | None] | None, end_x: Amount | None, end_y: Amount | None
-) -> tuple[Support, ...]:
-    """What holds the end of an arm (mm) by the arguments of `solve`; nothing where it is free.
-
-    Raises `LoadError` where the arguments contradict each other, and `RodError` for what is no number.
+    Raises `RodError` for what is no number, and `LoadError` where the end is both loaded and held.
     """
-    if end is not None and (end_x is not None or end_y is not None):
-        raise LoadError("Give either end = (x, y) or one of end_x and end_y, not both.")
-    if force is not None and any(value is not None for value in (end, end_x, end_y)):
-        raise LoadError("Give either the force on the end or its position, not both: one follows from the other.")
-    if end is None:
-        held = (None if at is None else finite(at, name, "mm") for at, name in ((end_x, "end_x"), (end_y, "end_y")))
-        x, y = held
-        return () if x is y is None else (Support(length, x, y),)
-    if isinstance(end, str) or not np.iterable(end) or len(end) not in (2, 3):
+
+    force: Given = None  #: N, dead, on the end: x and y, in space also z; one amount acts upwards
+    moment: Given = 0.0  #: N mm, on the end, about z; in space about x, y and z
+    #: mm, where the end is held: x and y, in space also z, None along an axis on which it is free; None: it is free
+    end: Given = None
+    along: Sequence[Along] = ()  #: loads and supports along the arm
+    direction: Given = None  #: of gravity, as `Rod.solve` takes it; None: no weight but one that always acts
+    tip_mass: Given = 0.0  #: g, on the end; in a motion with its inertia
+    hung: Hung = ()  #: masses along the arm, as `Rod.solve` takes them
+
+    def __post_init__(self) -> None:
+        is_upwards = isinstance(self.force, float | int | str)
+        force = (0.0, finite(self.force, "force", "N")) if is_upwards else self.force
+        load = Load((0.0, 0.0) if force is None else force, self.moment)
+        self._put("force", None if force is None else load.force[: 3 if is_triple(force) else 2])
+        self._put("moment", load.couple if is_triple(self.moment) else load.couple[2])
+        self._put("along", sum(split_along(self.along), ()))
+        if self.direction is not None:
+            gravity_vector(self.direction)  # refuses what is none
+            self._put("direction", self.direction if isinstance(self.direction, str) else tuple(self.direction))
+        self._put("tip_mass", in_grams(self.tip_mass))
+        self._put("hung", checked_hung(self.hung))
+        self._put("end", None if self.end is None else _place(self.end))
+        if self.end is not None and self.force is not None:
+            raise LoadError("Give either the force on the end or its position, not both: one follows from the other.")
+
+    def _put(self, name: str, value: object) -> None:
+        object.__setattr__(self, name, value)
+
+    @property
+    def is_spatial(self) -> bool:
+        """Whether it has a part across the plane of the arm, though it be zero, or holds the arm there."""
+        given = (self.force, self.moment, self.end, self.direction)
+        return any(map(is_triple, given)) or any(map(leaves_plane, self.along))
+
+    def on(self, length: float, mass: Mass | None, carried: tuple[float, float], *, weight: bool = True) -> Load:
+        """The load on an arm of a length (mm) and a mass; weight: whether its own acts in a direction of gravity.
+
+        carried: N/mm, x and y of a weight that always acts, and not where a direction is given. Raises `LoadError` for
+        the weight of an arm whose mass is not known, and for a place that is none.
+        """
+        load = Load(self.force or (0.0, 0.0), self.moment)
+        if self.direction is not None:
+            down = WEIGHT_OF_GRAM * np.array(triple(gravity_vector(self.direction), "direction"))
+            force = np.array(load.force) + self.tip_mass * down
+            hung = [PointLoad(position_along(s, length), (float(grams) * down).tolist()) for s, grams in self.hung]
+            without, height = -np.array(triple(carried, "weight")), 0.0
+            if weight:
+                if mass is None:
+                    raise LoadError(
+                        "The mass of the arm is not known: give material.density in its configuration and run it."
+                    )
+                (own,), (height,) = mass.within(np.array([length]))
+                without, height = without + own / length * down, height / own
+            load = Load(force, load.couple, without, height, tuple(hung))
+        end = () if self.end is None else (Support(length, *self.end),)
+        return with_along(load, (*self.along, *end), length)
+
+
+def _place(end: Any) -> tuple[float | None, ...]:
+    """x and y of an end that is held, in space also z, mm; None along an axis on which it is free."""
+    place = () if isinstance(end, str) or not np.iterable(end) else tuple(end)
+    if len(place) not in (2, 3):
         raise RodError(f"end is x and y, in space also z, None where it is free; {reprlib.repr(end)} is not.")
-    return (Support(length, end[0], end[1], end[2] if len(end) == 3 else None),)
+    return Support(1.0, *place).position[: len(place)]
 
 
-def requested(force: Force | None, moment: Amount | Sequence[Amount]) -> Load:
-    """The load that arguments of `solve` name; one amount of force acts upwards. Raises `RodError` for what is none."""
-    upwards = 0.0 if force is None else force
-    return Load((0.0, finite(upwards, "force", "N")) if isinstance(upwards, float | int | str) else upwards, moment)
+def held_place(end: object, end_x: Amount | None, end_y: Amount | None) -> object:
+    """Where the end is held by the arguments of `solve`, as `Loading.end`. Raises `LoadError` for two of them."""
+    held = tuple(None if at is None else finite(at, name, "mm") for at, name in ((end_x, "end_x"), (end_y, "end_y")))
+    if held == (None, None):
+        return end
+    if end is not None:
+        raise LoadError("Give either end = (x, y) or one of end_x and end_y, not both.")
+    return held
+
+
+def with_end(load: Load, length: float, end_x: float | None, end_y: float | None) -> Load:
+    """The load, of whose force the components act along which the end of an arm (mm) is not held."""
+    return load if end_x is end_y is None else with_along(load, (Support(length, end_x, end_y),), length)

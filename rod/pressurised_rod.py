@@ -25,7 +25,6 @@ from rod.errors import RodError
 from rod.identification.moment_range import MomentRange
 from rod.law import PARAMETER_NAMES, FiveParameters
 from rod.mechanics.equilibrium import Rod
-from rod.mechanics.profile import sampled
 from rod.same_pressure import Pressures, as_known, known_at, pressures_of
 from rod.weight import Mass
 
@@ -67,7 +66,7 @@ class PressurisedRod:
             raise RodError("Every pressure of a rod needs its five parameters, its theta0 and its kappa_0 at every s.")
         if self.moment_ranges and len(self.moment_ranges) != count:
             raise RodError("Where ranges of moments are given, every pressure needs its own.")
-        sampled(self.length, np.column_stack([self.s, self.kappa_0[0]]))  # refuses an s that does not rise to it
+        self.at(float(self.pressures[0]))  # refuses an s that does not rise to the length
 
     @property
     def rows(self) -> tuple[Pressures, ...]:

@@ -18,13 +18,13 @@ from rod.identification.observed import too_few_pitches
 from rod.identification.single_line import LineFit
 from rod.identification.two_lines import Identification, identify, is_clear, longest_break, shortest_break
 from rod.in_time.air import Air
-from rod.in_time.body import Acting, Body
+from rod.in_time.body import Body
 from rod.in_time.frequencies import Mode, frequencies
 from rod.in_time.motion import Motion
 from rod.in_time.move import Start, Steps, move
 from rod.in_time.relaxation import Relaxation
 from rod.law import PARAMETER_COLUMNS, PARAMETER_NAMES, FiveParameters, TwoSlopes
-from rod.load import Load
+from rod.load import Load, Loading
 from rod.mechanics.equilibrium import Rod
 from rod.pressures import LinearRange, Quantity, Straightness, linear_range, straightness
 from rod.pressurised_rod import PressurisedRod
@@ -35,7 +35,6 @@ __all__ = [
     "EXPORTS",
     "PARAMETER_COLUMNS",
     "PARAMETER_NAMES",
-    "Acting",
     "Air",
     "Arm",
     "ArmLaw",
@@ -51,6 +50,7 @@ __all__ = [
     "LineLoad",
     "LinearRange",
     "Load",
+    "Loading",
     "Mode",
     "Moment",
     "MomentRange",

@@ -3,17 +3,16 @@
 import math
 import reprlib
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
-from typing import Annotated, Any, NamedTuple, TypeAlias
+from dataclasses import dataclass, field
+from typing import Annotated, Any, TypeAlias
 
 import numpy as np
 
 from geometry.arrays import Array
 from geometry.units import USUAL, with_unit
-from rod.along import PointLoad, Triple, is_triple, triple
+from rod.along import Triple, is_triple, pair, triple
 from rod.checked import finite
 from rod.errors import LoadError, RodError
-from rod.load import Load, pair
 
 #: N/g
 WEIGHT_OF_GRAM = 9.81e-3
@@ -57,53 +56,6 @@ class Mass:
         return tuple(np.interp(from_end, self.from_end, v) + beyond * v[-1] for v in (self.grams, self.heights))
 
 
-class Weighing(NamedTuple):
-    """What has the weight."""
-
-    mass: Mass | None  #: None: not known
-    length: float  #: mm
-    carried: tuple[float, float]  #: N/mm, x and y, that always acts
-    is_identified: bool  #: under the weight that always acts, of which the parameters then depend
-
-
-def weighted(
-    load: Load,
-    of: Weighing,
-    weight: bool,
-    direction: str | Sequence[float] | None,
-    tip_mass: float | str,
-    hung: Hung = (),
-) -> Load:
-    """A load with the weight of an arm in a direction, unless weight is False, and with masses on its end and along it.
-
-    The weight that always acts does not act then. Raises `LoadError` without a direction, and for the weight of an arm
-    that is not known or on which the parameters depend.
-    """
-    if direction is None:
-        raise LoadError("A weight needs the direction of gravity: hanging, lying, standing, an angle, or x and y.")
-    down = WEIGHT_OF_GRAM * np.array(triple(gravity_vector(direction), "direction"))
-    force = np.array(load.force) + in_grams(tip_mass) * down
-    masses: list[PointLoad] = [
-        PointLoad(position_along(s, of.length), (grams * down).tolist()) for s, grams in _checked_hung(hung)
-    ]
-    load = replace(load, force=force, along=(*load.along, *masses))
-    if of.is_identified:
-        if weight:
-            raise LoadError(
-                "The parameters of this rod were identified under its weight, which it carries: no other direction of "
-                "gravity is possible."
-            )
-        return load
-    without = -np.array(triple(of.carried, "weight"))
-    if not weight:
-        return replace(load, weight=without)
-    if of.mass is None:
-        raise LoadError("The mass of the arm is not known: give material.density in its configuration and run it.")
-    (own,), (height,) = of.mass.within(np.array([of.length]))
-    without += own / of.length * down
-    return replace(load, weight=without, weight_height=height / own)
-
-
 def gravity_vector(value: Any) -> tuple[float, float] | Triple:
     """`gravity_direction`, or x, y and z of a direction with three components. Raises `RodError` as that does."""
     if not is_triple(value):
@@ -143,11 +95,11 @@ def in_grams(value: Any) -> float:
     return grams
 
 
-def _checked_hung(hung: Hung) -> list[tuple[float | str, float]]:
+def checked_hung(hung: Hung) -> tuple[tuple[float | str, float], ...]:
     """Places and masses in g. Raises `RodError` for anything else."""
     if isinstance(hung, str) or any(isinstance(one, str) or np.shape(one) != (2,) for one in hung):
         raise RodError(f"hung is a list of places and masses, such as [('0.5 l', '5 g')]; {reprlib.repr(hung)} is not.")
-    return [(s, in_grams(mass)) for s, mass in hung]
+    return tuple((s, in_grams(mass)) for s, mass in hung)
 
 
 def position_along(value: float | str, length: float) -> float:

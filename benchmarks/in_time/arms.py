@@ -17,7 +17,7 @@ from pipeline.results.files import read_plane_law, read_results
 from pipeline.simulate.scene import Scene
 from pipeline.store.progress import Silent
 from pipeline.values.pressure import in_MPa
-from rod import Acting, Body, Load, Relaxation, Start, Steps, frequencies, move
+from rod import Body, Load, Loading, Relaxation, Start, Steps, frequencies, move
 from rod.in_time.regions import Share, mixed, shares_of
 
 #: without loss; and with a slow branch and two near the period of the arms
@@ -89,10 +89,10 @@ class MovingArm:
         times, last = rows[:, 0], float(rows[-1, 0])
         rises = [[t, self.pressure * self.rising(t)] for t in np.linspace(0.0, RISE / self.natural, 41)]
         pressure = self.pressure if released else [*rises, [last, self.pressure]]
-        before = Acting(Load(force=(0.0, self.force if released else 0.0)))
+        before = Loading((0.0, self.force if released else 0.0))
         start = Start(self.pressure * (1.0 if released else FROM), before)
         body = self.with_rubber(RUBBERS[rubber])
-        motion = move(body, pressure, last, Acting(), start, Steps(float(times[1])))
+        motion = move(body, pressure, last, Loading(), start, Steps(float(times[1])))
         if motion.reason:
             raise ValueError(motion.reason)
         own = np.column_stack([np.interp(times, motion.times_s, column) for column in motion.tips.T])

@@ -16,7 +16,7 @@ from benchmarks.in_time.measured import Line, Ringing
 from geometry.arrays import Array
 from pipeline.answers.rods.solid import solid_of
 from pipeline.results.files import read_results
-from rod import Acting, Load, Relaxation, Robot, Start, Steps, export_robot, frequencies, move
+from rod import Loading, Relaxation, Robot, Start, Steps, export_robot, frequencies, move
 
 #: of the files; s that are followed, of a step of the rod, and of one of MuJoCo
 LOSS, SECONDS, STEP, FINE = 0.1, 2.5, 0.005, 2e-4
@@ -44,8 +44,8 @@ class Exported:
     def by_rod(self, rubber: Relaxation, released: bool) -> Array:
         """(n, 3) s and mm: the end of the curve."""
         pressure, force = self.before(released)
-        start, body = Start(pressure, Acting(Load(force=force))), replace(self.arm.body, relaxation=rubber)
-        motion = move(body, self.arm.pressure, SECONDS, Acting(), start, Steps(STEP))
+        start, body = Start(pressure, Loading(force)), replace(self.arm.body, relaxation=rubber)
+        motion = move(body, self.arm.pressure, SECONDS, Loading(), start, Steps(STEP))
         return np.column_stack([motion.times_s, motion.tips])
 
     def in_mujoco(self, released: bool, is_damped: bool) -> Array:

@@ -13,7 +13,7 @@ from benchmarks.experiments.cases import read_case
 from benchmarks.experiments.fitted_bar import BarNumbers, fit_bar
 from geometry.arrays import Array
 from pipeline.answers.measured.motions import Ringing
-from rod import Acting, Body, FiveParameters, Relaxation, Rod, Start, Steps, move
+from rod import Body, FiveParameters, Loading, Relaxation, Rod, Start, Steps, move
 from rod.weight import Mass
 
 HERE = Path(__file__).parent
@@ -47,10 +47,10 @@ class ReleasedBar:
 
     def moves(self, force: float, rubber: Relaxation) -> Array:
         """(2, n) s and mm: held straight until it is released; a mass on its end stands for a force in N."""
-        bar, hung = self.bar, Acting(tip_mass=1e6 * force / GRAVITY, direction="lying")
+        bar, hung = self.bar, Loading(tip_mass=1e6 * force / GRAVITY, direction="lying")
         mass = Mass.even(bar.length, 1e6 * bar.density * bar.length * bar.width * bar.height)
         body = Body(self.rod, rubber, mass, (bar.height**2 / 12.0, bar.width**2 / 12.0))
-        motion = move(body, 0.0, 4.2, hung, Start(acting=Acting()), Steps(0.005))
+        motion = move(body, 0.0, 4.2, hung, Start(acting=Loading()), Steps(0.005))
         return np.array([motion.times_s, motion.tips[:, 1]])
 
     def fitted(self) -> Relaxation:

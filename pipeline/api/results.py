@@ -5,7 +5,7 @@ import warnings
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import asdict, dataclass, field
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -13,7 +13,6 @@ import pandas as pd
 
 from pipeline.answers.budget import budget_of
 from pipeline.answers.rods.choice import check_kind, choose_rod, nothing_identified
-from pipeline.answers.rods.end_loads import Weight
 from pipeline.answers.rods.export import ExportOptions, exported_run
 from pipeline.answers.rods.in_time import in_time
 from pipeline.answers.rods.pressures import Wish, pressures_for
@@ -28,7 +27,7 @@ from pipeline.results.options import option_pressures, option_value
 from pipeline.results.verdict import Verdict, verdict_of
 from pipeline.values.errors import InputError, ask, quoted
 from pipeline.values.run import Effect, RodError, Run, State
-from rod import PARAMETER_COLUMNS, FiveParameters, Interval, Rod, RodWarning
+from rod import PARAMETER_COLUMNS, FiveParameters, Interval, Loading, Rod, RodWarning
 from rod.arm_law.kinds import Law
 from rod.same_pressure import known_at
 
@@ -233,7 +232,9 @@ class Results:
         nearest that is not, and for a law of several pressures (`along`).
         """
         check_kind(kind, "kind")
-        wish = Wish.read(tip, angle, force, at_height, Weight.of(direction, tip_mass))
+        wish = Wish.read(
+            tip, angle, force, at_height, ask("", partial(Loading, direction=direction, tip_mass=tip_mass))
+        )
         rods = self._chosen(kind)
         return frames.pressures_frame(pressures_for(rods, wish), tuple(rods.law.fractions))
 

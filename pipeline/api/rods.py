@@ -1,7 +1,7 @@
 """Questions to the rod of a result folder."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -85,13 +85,13 @@ def shape(
     """
     from pipeline.answers.rods import choice, end_loads
 
-    weight = end_loads.Weight.read(orientation, tip_mass, mass_at)
-    along = end_loads.AlongArm.all_of(force_at, line_load, held_at)
-    loads = end_loads.EndLoads.read(force, moment, end_y, end, weight, along)
+    weight = end_loads.read_weight(orientation, tip_mass, mass_at)
+    loading = end_loads.read_end(weight, force, moment, end_y, end)
     chosen = choice.rod_of_path(given_path(path, "path", "results/arm"), rod)
     chosen = chosen.wanted(after_snap=given_choice(after_snap, "after_snap"))
     selected = end_loads.rod_at(chosen, pressure)
-    found = loads.shape(selected)
+    along = end_loads.read_along(selected.length, force_at, line_load, held_at)
+    found = end_loads.shape_under(selected, replace(loading, along=along))
     if out is not None:
         end_loads.write_shape(found, given_path(out, "out", "shape.csv"))
     return RodShape(selected, found, chosen.error_text)
@@ -132,13 +132,12 @@ def move(
     """
     from pipeline.answers.rods import choice, end_loads, motion, ratio as ratios  # noqa: I001  one import is enough
 
-    weight, let_go = end_loads.Weight.read(orientation, tip_mass), given_choice(release, "release")
-    asked = motion.Asked.read(
-        pressure, seconds, weight, release=let_go, force=force, held_at=held_at, air=air, step=step
-    )
+    loading = end_loads.read_end(end_loads.read_weight(orientation, tip_mass), force)
+    asked = motion.Asked.read(pressure, seconds, loading, release=given_choice(release, "release"), air=air, step=step)
     run = ratios.run_along(given_path(path, "path", "results/arm"), ratio)
-    target = run.directory if out is None else given_path(out, "out", "results/arm")
-    return motion.move_arm(run, choice.choose_rod(run, rod), asked, target)
+    target, rods = run.directory if out is None else given_path(out, "out", "results/arm"), choice.choose_rod(run, rod)
+    along = end_loads.read_along(rods.law.length, held_at=held_at)
+    return motion.move_arm(run, rods, replace(asked, loading=replace(loading, along=along)), target)
 
 
 @dataclass(frozen=True)
@@ -176,7 +175,7 @@ def solve(
     """
     from pipeline.answers.rods import choice, end_loads, pressures, ratio as ratios, tips  # noqa: I001  the same
 
-    weight = end_loads.Weight.read(orientation, tip_mass)
+    weight = end_loads.read_weight(orientation, tip_mass)
     wish = pressures.Wish.read(tip, angle, force, at_height, weight)
     chosen = choice.choose_rod(ratios.run_along(given_path(path, "path", "results/arm"), ratio), rod)
     found = pressures.pressures_for(chosen, wish)

@@ -12,9 +12,8 @@ from pipeline.values.formatting import percent
 from pipeline.values.law import DRAFT, DeliveredLaw, Unloaded
 from rod.arm_law.law import ArmLaw
 from rod.errors import RodError
-from rod.load import Load
+from rod.load import Load, Loading
 from rod.mechanics.equilibrium import Rod
-from rod.weight import Weighing, weighted
 
 State = TypeVar("State")
 
@@ -84,8 +83,8 @@ def weight_not_borne(law: ArmLaw) -> Reason | None:
     """That a law without gravity does not bear its arm lying at the lowest pressure; None where it does or weighs 0."""
     if law.mass is None or any(law.weight):
         return None
-    pressure, lying = law.pressures[0], Weighing(law.mass, law.length, (0.0, 0.0), is_identified=False)
-    borne = law.at(pressure).part_borne(weighted(Load(), lying, True, "lying", 0.0))
+    pressure, weight = law.pressures[0], Loading(direction="lying").on(law.length, law.mass, (0.0, 0.0))
+    borne = law.at(pressure).part_borne(weight)
     return Reason("weight_not_borne", {"pressure_kPa": pressure, "percent": 100.0 * borne}) if borne < 1.0 else None
 
 

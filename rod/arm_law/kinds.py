@@ -1,7 +1,7 @@
 """Every kind of law of an arm: over one pressure, over two, or in space over any; one file, and one way to a rod."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import ClassVar, Protocol, TypeAlias, final
 
 from rod.arm_law.law import ArmLaw
@@ -16,8 +16,6 @@ from rod.weight import Mass
 
 class Law(Protocol):
     """The law of an arm over the pressures of its cavities; a number is a tuple of one pressure."""
-
-    kind: ClassVar[str]  #: as law.json has it: plane, pairs, space
 
     @property
     def cavities(self) -> tuple[str, ...]:
@@ -62,13 +60,21 @@ class Law(Protocol):
 @final
 @dataclass(frozen=True, eq=False)  # arrays inside
 class Ray:
-    """A law of several pressures in one ratio of them, over the largest."""
+    """A law of several pressures in one ratio of them, over the largest; what is not said here is that of the law."""
 
     law: PairLaw | SpaceLaw
     parts: Pressures  #: of the largest pressure
-    kind: ClassVar[str] = "ray"
+    ratios: tuple[Pressures, ...] = field(init=False)
+    has_plane: bool = field(init=False)
+    length: float = field(init=False)  #: mm
+    mass: Mass | None = field(init=False)
+    notes: tuple[str, ...] = field(init=False)
     cavities: ClassVar[tuple[str, ...]] = ("the largest",)
     plane: ClassVar[None] = None
+
+    def __post_init__(self) -> None:
+        for name in ("ratios", "has_plane", "length", "mass", "notes"):
+            object.__setattr__(self, name, getattr(self.law, name))
 
     @property
     def fractions(self) -> Mapping[str, float]:
@@ -76,34 +82,9 @@ class Ray:
         return dict(zip(self.law.cavities, self.parts, strict=True))
 
     @property
-    def ratios(self) -> tuple[Pressures, ...]:
-        """Those of the law."""
-        return self.law.ratios
-
-    @property
     def rows(self) -> tuple[Pressures, ...]:
         """The largest pressures, rising."""
         return tuple((pressure,) for pressure in self.law.pressures_along(self.parts))
-
-    @property
-    def has_plane(self) -> bool:
-        """As the law, and so are the others."""
-        return self.law.has_plane
-
-    @property
-    def length(self) -> float:
-        """Of the arm, mm."""
-        return self.law.length
-
-    @property
-    def mass(self) -> Mass | None:
-        """None: not known."""
-        return self.law.mass
-
-    @property
-    def notes(self) -> tuple[str, ...]:
-        """A sentence each."""
-        return self.law.notes
 
     def at(self, pressures: float | Sequence[float]) -> LawRod | SpaceRod:
         """The rod where the largest pressure is so high, kPa. Raises `RodError` as the law does."""

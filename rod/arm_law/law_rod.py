@@ -12,17 +12,17 @@ from geometry.arrays import Array, read_only
 from rod.along import AlongLoad, Position, Support, are_heights, part_of, reactions_of, scaled
 from rod.arm.chain import planar_frames, positions_between
 from rod.arm.end_kernels import EndArrays
-from rod.arm.ends import end_arrays, tip_state
 from rod.arm.path import NoEquilibrium, Path, Way, follow
 from rod.arm.response import SolvedPath
-from rod.arm.sections import TabulatedSection, acting_in_frames
+from rod.arm.sections import acting_in_frames
 from rod.arm.stability import OUT_OF_PLANE, Stability, stability_of
 from rod.arm_law.air import air_along, air_volumes
 from rod.arm_law.curves import ClampCurve, TipCurve, TipState
 from rod.arm_law.section import SectionLaw
+from rod.arm_law.tabulated import TabulatedSection, end_arrays, tip_state
 from rod.checked import Amount
 from rod.errors import RodError
-from rod.load import Force, Load, held_end, requested, with_along
+from rod.load import Force, Load, Loading, held_place, with_end
 from rod.solution import RodSolution, SpatialSolution, solved_in_space
 from rod.weight import Mass
 
@@ -93,8 +93,8 @@ class LawRod:
         III, and F_y follows; end: (x, y) of it, and both components follow. moment: a couple on the end, N mm.
         Raises `RodError` where loads contradict each other, where the path ends, and where a moment leaves the law.
         """
-        supports = held_end(self.length, force, end, None, end_y)
-        shape = self.in_plane(with_along(requested(force, moment), supports, self.length))
+        loading = Loading(force, moment, held_place(end, None, end_y))
+        shape = self.in_plane(loading.on(self.length, self.mass, self.weight))
         return replace(shape, notes=(*shape.notes, *filter(None, [shape.path.sideways])))
 
     def under(self, load: Load, end_y: float | None = None, end_x: float | None = None) -> RodSolution:
@@ -103,7 +103,7 @@ class LawRod:
         The weight of the load is spread as the mass of the arm is, where that is known. Raises `RodError` as `solve`
         does, and where the arm falls over.
         """
-        shape = self.in_plane(with_along(load, held_end(self.length, None, None, end_x, end_y), self.length))
+        shape = self.in_plane(with_end(load, self.length, end_x, end_y))
         shape.path.refuse_fall()
         return shape
 

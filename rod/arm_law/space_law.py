@@ -19,9 +19,8 @@ from typing import Annotated, ClassVar, final
 import numpy as np
 
 from geometry.arrays import Array
-from rod.arm.sections import PolynomialSection
 from rod.arm_law.polynomial import Polynomial
-from rod.arm_law.space_rod import SpaceRod
+from rod.arm_law.space_rod import PolynomialSection, SpaceRod
 from rod.checked import Amount
 from rod.errors import RodError
 from rod.same_pressure import Pressures, pressures_of, ratios_of

@@ -12,8 +12,9 @@ from rod.arm.chain import in_frame, positions_between, rotation
 from rod.arm.end_kernels import EndArrays
 from rod.arm.ends import polynomial_ends
 from rod.arm.path import Path, Way, follow
-from rod.arm.sections import PolynomialSection, acting_in_frames
+from rod.arm.section_kernels import BEYOND, POLYNOMIAL, SectionArrays
 from rod.arm_law.polynomial import Plane
+from rod.arm_law.tabulated import SETTLED, STRAINS
 from rod.errors import RodError
 from rod.load import Load
 from rod.solution import RodSolution, SpatialSolution, solved_in_space
@@ -23,6 +24,73 @@ from rod.weight import Mass
 ELEMENT, LONGEST, FIRST = 0.25, 1 / 48, 0.05
 #: a curvature may leave the law by rounding, over its reach
 ROUNDING = 1e-9
+
+
+@final
+@dataclass(frozen=True, eq=False)  # arrays inside
+class PolynomialSection:
+    """The law of an arm without a plane of symmetry at given pressures, as polynomials of both curvatures."""
+
+    #: of the curvatures: the columns of `SectionArrays.table`
+    plane: Plane
+    EA: float  #: N
+    compliance: Array  #: (3, 3) of twist, shear and lateral shear
+    origin: Array  #: (2,) 1/mm, curvatures without moment
+    reach: float  #: 1/mm
+
+    @staticmethod
+    def of(w: Plane, stretch: Plane, EA: Plane, compliance: Array, reach: float) -> "PolynomialSection":
+        """From polynomials of the curvatures. Raises `RodError` where no curvature has no moment."""
+        first, other = w.derivative(0), w.derivative(1)
+        by_first, by_other = stretch.derivative(0), stretch.derivative(1)
+        columns = [first, other, first.derivative(0), first.derivative(1), other.derivative(1), stretch]
+        columns += [by_first, by_other, by_first.derivative(0), by_first.derivative(1), by_other.derivative(1)]
+        plane = Plane.joined(columns)
+        origin = np.zeros(2)
+        for _ in range(60):
+            values = plane(origin)
+            origin = origin - np.linalg.solve(_matrix(values), values[:2])
+        softest = float(np.linalg.eigvalsh(_matrix(plane(origin)))[0]) if np.isfinite(origin).all() else -1.0
+        if not softest > 0.0:
+            raise RodError("The law in space has no stable state without moment at these pressures.")
+        return PolynomialSection(plane, float(EA(origin)[0]), compliance, origin, reach)
+
+    def arrays(self, s: Array, factor: float = 1.0, grown: float = 1.0) -> SectionArrays:
+        """As `Section` says."""
+        stiff = np.linalg.inv(self.compliance)
+        numbers = np.concatenate([[self.EA], stiff.ravel(), self.origin, [self.reach]])
+        return SectionArrays(POLYNOMIAL, np.ascontiguousarray(self.plane.table), numbers, np.zeros((len(s) - 1, 4)))
+
+    def rest(self, s: Array, grown: float = 1.0) -> Array:
+        """As `Section` says."""
+        return np.tile([0.0, *self.origin, float(self.plane(self.origin)[5])], (len(s) - 1, 1))
+
+    @property
+    def rigidities(self) -> tuple[float, float]:
+        """N mm2, the smaller and the larger one, without moment."""
+        least, most = np.linalg.eigvalsh(_matrix(self.plane(self.origin)))
+        return float(least), float(most)
+
+    @property
+    def rigidity(self) -> float:
+        """N mm2, the smaller one."""
+        return self.rigidities[0]
+
+    def strains(self, moment: Array, force: Array) -> tuple[Array, Array]:
+        """Curvatures (N, 3) and stretch and shears (N, 3) under moments and forces (N, 3) in the frame."""
+        kappa = np.tile(self.origin, (len(moment), 1))
+        for _ in range(STRAINS):
+            values = self.plane(kappa)
+            left = values[:, :2] - force[:, :1] * values[:, 6:8] - moment[:, 1:]
+            matrices = values[:, [2, 3, 3, 4]] - force[:, :1] * values[:, [8, 9, 9, 10]]
+            away = kappa - np.linalg.solve(matrices.reshape(-1, 2, 2), left[..., None])[..., 0] - self.origin
+            size = np.linalg.norm(away, axis=1, keepdims=True)
+            before, kappa = kappa, self.origin + away * np.minimum(1.0, BEYOND * self.reach / np.maximum(size, 1e-300))
+            if np.abs(kappa - before).max() <= SETTLED * self.reach:
+                break
+        twisted = np.column_stack([moment[:, 0], force[:, 1:]]) @ self.compliance
+        stretch = self.plane(kappa)[:, 5] + force[:, 0] / self.EA
+        return np.column_stack([twisted[:, 0], kappa]), np.column_stack([stretch, twisted[:, 1:]])
 
 
 @final
@@ -67,7 +135,8 @@ class SpaceRod:
         nodes = path.nodes
         beside = np.zeros((len(nodes.s), 3))
         beside[-1] = self.tip[:3]
-        return solved_in_space(self, path, load, self.section.strains(*acting_in_frames(nodes)), beside)
+        moment, force = (in_frame(nodes.frames, values) for values in (nodes.moment, nodes.inner))
+        return solved_in_space(self, path, load, self.section.strains(moment, force), beside)
 
     def posed(self, load: Load) -> tuple["SpaceRod", Load]:
         """The same."""
@@ -135,3 +204,8 @@ class SpaceRod:
             f"{reach:.3g} 1/mm from that without moment, and these are {outside:.3g} 1/mm beyond it. "
             "It is not extrapolated: this load is too large."
         )
+
+
+def _matrix(values: Array) -> Array:
+    """(2, 2) rigidities among the columns of a polynomial section."""
+    return np.array([[values[2], values[3]], [values[3], values[4]]])

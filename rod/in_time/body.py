@@ -1,9 +1,9 @@
 """What moves: an arm over its pressures, with its mass and its rubber, and what acts on it."""
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable
+from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from typing import TypeAlias, final
+from typing import final
 
 import numpy as np
 
@@ -12,36 +12,20 @@ from rod.arm.end_kernels import EndArrays
 from rod.arm.section_kernels import TABULATED, SectionArrays
 from rod.arm.solver import Solver
 from rod.arm_law.kinds import Law
-from rod.arm_law.law_rod import LawRod
-from rod.arm_law.space_rod import SpaceRod
 from rod.cubics import cubic, cubic_coefficients, cubic_slope, parabola_slopes
 from rod.errors import RodError
 from rod.in_time.relaxation import ELASTIC, Creep, Relaxation
-from rod.load import Load
-from rod.mechanics.equilibrium import Rod
-from rod.mechanics.lines import LinesRod
+from rod.load import Load, Loading
+from rod.mechanics.equilibrium import Arm, Rod
 from rod.pressurised_rod import PressurisedRod
-from rod.weight import Hung, Mass, Weighing, in_grams, position_along, weighted
+from rod.weight import Mass, position_along
 
-#: an arm at one pressure
-Arm: TypeAlias = LinesRod | LawRod | SpaceRod
 #: tonne
 GRAM = 1e-6
 #: pieces of stretch and rigidities over the curvature
 SMOOTH = 8
 #: pieces of rotation and offset of a clamp over its moments; kinks of these are hinges as well
 CLAMP = 20
-
-
-@final
-@dataclass(frozen=True)
-class Acting:
-    """What acts on an arm besides its pressure; masses have their inertia, and with a direction of gravity a weight."""
-
-    load: Load = field(default_factory=Load)
-    tip_mass: float | str = 0.0  #: g, or with its unit, on the end
-    direction: str | Sequence[float] | None = None  #: of gravity, as `Rod.solve` takes it; None: no weight
-    hung: Hung = ()  #: masses along the arm, as `Rod.solve` takes them
 
 
 @final
@@ -93,14 +77,11 @@ class Body:
             raise RodError("The mass of the arm is not known; a motion needs material.density in the configuration.")
         return mass
 
-    def loaded(self, acting: Acting, arm: Arm) -> Load:
-        """What acts, as a load in space. Raises `LoadError` as `weighted` does."""
-        if acting.direction is None:
-            return acting.load
-        of = Weighing(self.weighed, arm.length, arm.weight, is_identified=False)
-        return weighted(acting.load, of, True, acting.direction, acting.tip_mass, acting.hung)
+    def loaded(self, acting: Loading, arm: Arm) -> Load:
+        """What acts, as a load; masses without a direction of gravity have no weight. Raises as `Loading.on`."""
+        return acting.on(arm.length, None if acting.direction is None else self.weighed, arm.weight)
 
-    def inertia(self, acting: Acting, solver: Solver) -> tuple[Array, Array, Array]:
+    def inertia(self, acting: Loading, solver: Solver) -> tuple[Array, Array, Array]:
         """Mass (N,), its place in the frame (N, 3) and moments of inertia (N, 3, 3) of the nodes; tonne and mm."""
         s, length = solver.s, float(solver.s[-1])
         edges = np.concatenate([s[:1], 0.5 * (s[1:] + s[:-1]), s[-1:]])
@@ -115,8 +96,8 @@ class Body:
         second += _about(mass, lever)
         first = mass[:, None] * lever
         tip = np.array([*solver.ends.tip[len(solver.ends.tip) // 2, 4:6], solver.ends.tip[0, 6]])
-        points = [(length, in_grams(acting.tip_mass), tip)]
-        points += [(position_along(at, length), in_grams(grams), np.zeros(3)) for at, grams in acting.hung]
+        points = [(length, acting.tip_mass, tip)]
+        points += [(position_along(at, length), grams, np.zeros(3)) for at, grams in acting.hung]
         for at, grams, beside in points:
             node, one = int(np.abs(s - at).argmin()), np.array([GRAM * grams])
             mass[node] += one[0]

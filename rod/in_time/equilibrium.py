@@ -9,8 +9,8 @@ from rod.arm.chain import halved
 from rod.arm.path import Way, follow, positions_under
 from rod.arm.solver import Solver
 from rod.errors import RodError
-from rod.in_time.body import Arm
 from rod.load import Load
+from rod.mechanics.equilibrium import Arm
 
 
 def equilibrium(arm: Arm, load: Load, later: Load, in_space: bool, *, fine: bool = False) -> tuple[Solver, StateArrays]:

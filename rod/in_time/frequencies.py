@@ -10,9 +10,10 @@ from rod.arm.assembly import StateArrays, Tangent
 from rod.arm.chain import planar_frames
 from rod.arm.small_motions import tangent_of
 from rod.arm.solver import Solver
-from rod.in_time.body import Acting, Body
+from rod.in_time.body import Body
 from rod.in_time.equilibrium import equilibrium
 from rod.in_time.relaxation import Relaxation
+from rod.load import Loading
 
 #: iterations of Newton's method for a decaying vibration
 ITERATIONS = 30
@@ -29,7 +30,7 @@ class Mode(NamedTuple):
 def frequencies(
     body: Body,
     pressure: Any,
-    acting: Acting = Acting(),  # noqa: B008  frozen
+    acting: Loading = Loading(),  # noqa: B008  frozen
     count: int = 3,
 ) -> tuple[Mode, ...]:
     """The lowest vibrations about the equilibrium at a pressure (kPa, one for each cavity), lowest first.
@@ -60,7 +61,7 @@ def _decaying(stiff: float, elastic: float, relaxation: Relaxation) -> complex:
 
 
 def _modes(
-    body: Body, acting: Acting, solver: Solver, state: StateArrays, count: int
+    body: Body, acting: Loading, solver: Solver, state: StateArrays, count: int
 ) -> list[tuple[float, float, bool]]:
     """Stiffnesses over masses and their elastic part in 1/s2 of the lowest modes, in the plane and then across."""
     m = 6 if solver.chain.in_space else 3

@@ -15,10 +15,12 @@ from rod.arm.solver import Solver
 from rod.checked import positive
 from rod.errors import LoadError, RodError
 from rod.in_time.air import Air, over_time
-from rod.in_time.body import Acting, Arm, Body, arrays_of
+from rod.in_time.body import Body, arrays_of
 from rod.in_time.equilibrium import elastic_forces, equilibrium
 from rod.in_time.motion import Motion
 from rod.in_time.steps import LAST, WITHIN, Joined, Memory, Moment, Stepper
+from rod.load import Loading
+from rod.mechanics.equilibrium import Arm
 
 #: parts of the range of a law between whose pressures sections are joined by straight lines
 PARTS = 48
@@ -46,7 +48,7 @@ class Start(NamedTuple):
     """The equilibrium from which a motion begins; all has relaxed there."""
 
     pressure: float | Sequence[float] | None = None  #: kPa; None: that of a table at its first time, else 0
-    acting: Acting | None = None  #: what acts before; None: what acts during the motion
+    acting: Loading | None = None  #: what acts before; None: what acts during the motion
 
 
 class Steps(NamedTuple):
@@ -61,7 +63,7 @@ def move(
     body: Body,
     pressure: Any,
     seconds: float,
-    acting: Acting = Acting(),  # noqa: B008  frozen
+    acting: Loading = Loading(),  # noqa: B008  frozen
     start: Start = Start(),  # noqa: B008
     steps: Steps = Steps(),  # noqa: B008
 ) -> Motion:
@@ -91,7 +93,7 @@ def move(
 class _Moved:
     """An arm on its way."""
 
-    def __init__(self, body: Body, acting: Acting, steps: Steps) -> None:
+    def __init__(self, body: Body, acting: Loading, steps: Steps) -> None:
         self.body, self.acting, self.steps = body, acting, steps
         known = [max(row) for row in body.law.rows]
         self.range = float(np.min(known)), float(np.max(known))
@@ -101,7 +103,7 @@ class _Moved:
         self.joined: Joined
         self.shortest = 0.0
 
-    def begin(self, before: Array, first: Array, was: Acting) -> None:
+    def begin(self, before: Array, first: Array, was: Loading) -> None:
         """In equilibrium at pressures (c,), which become the first ones at once."""
         body = self.body
         then = body.at(before)

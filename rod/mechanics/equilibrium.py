@@ -12,27 +12,29 @@ import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import ClassVar, Literal, TypedDict, Unpack, get_args, overload
+from typing import ClassVar, Literal, TypeAlias, TypedDict, Unpack, get_args, overload
 
 from geometry.arrays import read_only
 from geometry.told import Told
-from rod.along import Along, LineLoad, Support, are_heights, is_triple, leaves_plane, split_along
+from rod.along import Along, LineLoad, Support, are_heights, pair
 from rod.arm_law.law_rod import LawRod
 from rod.arm_law.space_rod import SpaceRod
 from rod.checked import Amount, Given, finite, positive
-from rod.errors import RodError, RodWarning
+from rod.errors import LoadError, RodError, RodWarning
 from rod.identification.moment_range import MomentRange
 from rod.law import FiveParameters, TwoSlopes
-from rod.load import Force, Load, held_end, pair, requested, with_along
+from rod.load import Force, Load, Loading, held_place, with_end
 from rod.mechanics.lines import LinesRod
 from rod.mechanics.profile import Profile, sampled
 from rod.same_pressure import Pressures
 from rod.solution import RodSolution, SpatialSolution
-from rod.weight import Hung, Mass, Weighing, weighted
+from rod.weight import Hung, Mass
 
 #: N mm, a moment whose own effect is nothing, under which the offsets of the law act
 NEXT_TO_NOTHING = 1e-9
 
+#: an arm at one pressure
+Arm: TypeAlias = LinesRod | LawRod | SpaceRod
 Order = Literal["as tested", "together", "pressure first"]
 
 
@@ -107,7 +109,7 @@ class Rod(Told):
                 raise RodError(f"A rod with the arm's own law takes no {name}: the law has it or needs none.")
 
     @cached_property
-    def arm(self) -> LinesRod | LawRod | SpaceRod:
+    def arm(self) -> Arm:
         """The arm that answers, with its own law or two lines. Raises `RodError` for a kappa_0 that does not fit."""
         if not isinstance(self.law, TwoSlopes):
             return self.law
@@ -204,24 +206,30 @@ class Rod(Told):
         when the loads contradict each other, when the end is put farther away than the rod is long, and when the path
         ends before the full load is reached.
         """
-        supports = held_end(self.length, force, end, end_x, end_y)
-        along = (*sum(split_along(along), ()), *supports)
-        is_weighed = direction is not None or tip_mass != 0.0 or len(hung) > 0
-        weighing = Weighing(self.mass, self.length, self.arm.weight, any(self.weight) and not self.has_own_law)
-        load = requested(force, moment)
-        if is_weighed:
-            load = weighted(load, weighing, weight, direction, tip_mass, hung)
-        load = with_along(load, along, self.length)
-        is_spatial = any(is_triple(value) for value in (force, end, moment, direction))
-        if is_spatial or not self.arm.has_plane or any(map(leaves_plane, along)):
+        held = held_place(end, end_x, end_y)
+        return self.bear(Loading(force, moment, held, along, direction, tip_mass, hung), order=order, weight=weight)
+
+    def bear(
+        self, loading: Loading, *, order: Order = "as tested", weight: bool = True
+    ) -> RodSolution | SpatialSolution:
+        """The equilibrium under a loading, as `solve` gives it for the same loads; and raises and warns as that."""
+        if loading.direction is None and (loading.tip_mass or loading.hung):
+            raise LoadError("A weight needs the direction of gravity: hanging, lying, standing, an angle, or x and y.")
+        if loading.direction is not None and weight and any(self.weight) and not self.has_own_law:
+            raise LoadError(
+                "The parameters of this rod were identified under its weight, which it carries: no other direction of "
+                "gravity is possible."
+            )
+        load = loading.on(self.length, self.mass, self.arm.weight, weight=weight)
+        if loading.is_spatial or not self.arm.has_plane:
             if order != "as tested":
                 raise RodError(f"In space the loads grow on the inflated arm; order = {order!r} is not possible.")
             return self._in_space(load)
-        loaded = force is not None or any(load.couple) or is_weighed or len(along) > 0
+        loaded = loading != Loading()
         solution = self._in_plane(load, together=_grow_together(order, load.supports, loaded=loaded))
         notes = *solution.notes, *filter(None, [self._outside(solution), solution.path.sideways])
         for note in notes:
-            warnings.warn(note, RodWarning, stacklevel=2)
+            warnings.warn(note, RodWarning, stacklevel=3)  # where `solve` is called
         return replace(solution, notes=(*self.notes, *notes))
 
     def _in_plane(self, load: Load, *, together: bool) -> RodSolution:
@@ -235,7 +243,7 @@ class Rod(Told):
         """The equilibrium in space, whose clamp is at the start of this rod."""
         solution, start = self.arm.solve_in_space(self._from_start(load)), (*self.start, 0.0)
         for note in solution.notes:
-            warnings.warn(note, RodWarning, stacklevel=3)
+            warnings.warn(note, RodWarning, stacklevel=4)
         return replace(solution, axis=read_only(solution.axis + start), notes=(*self.notes, *solution.notes))
 
     def _from_start(self, load: Load) -> Load:
@@ -257,7 +265,7 @@ class Rod(Told):
         force the components along the other axes; those along an axis on which the end is held follow. Raises
         `RodError` as `solve` does, and where the arm falls over.
         """
-        held = with_along(load, held_end(self.length, None, None, end_x, end_y), self.length)
+        held = with_end(load, self.length, end_x, end_y)
         shape = self._in_plane(held, together=are_heights(held.supports))
         shape.path.refuse_fall()
         return shape

@@ -11,12 +11,12 @@ import pytest
 from geometry.arrays import Array
 from pipeline.results.laws import law_of_record
 from rod import (
-    Acting,
     Air,
     ArmLaw,
     Body,
     LineLoad,
     Load,
+    Loading,
     Motion,
     Relaxation,
     Rod,
@@ -63,7 +63,7 @@ def tip_at(motion: Motion, time: float) -> Array:
     return np.array([np.interp(time, motion.times_s, column) for column in motion.tips.T])
 
 
-def first_mode(body: Body = Body(BAR), acting: Acting = Acting()) -> float:  # noqa: B008  frozen
+def first_mode(body: Body = Body(BAR), acting: Loading = Loading()) -> float:  # noqa: B008  frozen
     return frequencies(body, 0.0, acting, 1)[0].frequency_hz
 
 
@@ -91,9 +91,9 @@ def test_a_cantilever_has_the_frequencies_of_its_closed_form() -> None:
     hung, root = GRAMS, 1.2479174  # of 1 + cos cosh + r (cos sinh - sin cosh)
     closed = math.cos(root) * math.sinh(root) - math.sin(root) * math.cosh(root)
     assert 1.0 + math.cos(root) * math.cosh(root) + root * closed == pytest.approx(0.0, abs=1e-5)
-    propped = Acting(Load(supports=(Support(LENGTH, y=0.0),)))
+    propped = Loading(along=[Support(LENGTH, y=0.0)])
     assert first_mode(acting=propped) == pytest.approx(3.92660231**2 * math.sqrt(SCALE) / (2.0 * math.pi), rel=2e-5)
-    with_mass = first_mode(acting=Acting(tip_mass=hung))
+    with_mass = first_mode(acting=Loading(tip_mass=hung))
     assert with_mass == pytest.approx(root**2 * math.sqrt(SCALE) / (2.0 * math.pi), rel=2e-5)
 
 
@@ -108,8 +108,8 @@ def mode_loads(count: int = 40) -> tuple[LineLoad, ...]:
 
 def test_without_loss_the_energy_stays() -> None:
     """In 100 periods less than a thousandth of it goes; ten are followed here."""
-    bent = Start(acting=Acting(Load(along=mode_loads())))
-    motion = move(Body(BAR), 0.0, 10.0 / FIRST, Acting(), bent, Steps(fixed=1.0 / (250.0 * FIRST)))
+    bent = Start(acting=Loading(along=mode_loads()))
+    motion = move(Body(BAR), 0.0, 10.0 / FIRST, Loading(), bent, Steps(fixed=1.0 / (250.0 * FIRST)))
     height = motion.tips[:, 1]
     phase = 2.0 * math.pi * first_mode() * motion.times_s
     energies = []
@@ -121,9 +121,9 @@ def test_without_loss_the_energy_stays() -> None:
 
 
 def test_the_error_falls_with_the_square_of_the_step() -> None:
-    bent, time = Start(acting=Acting(Load(along=mode_loads()))), 2.3 / FIRST
+    bent, time = Start(acting=Loading(along=mode_loads())), 2.3 / FIRST
     body = Body(BAR, RUBBER)
-    ends = [move(body, 0.0, time, Acting(), bent, Steps(fixed=time / n)).tips[-1] for n in (80, 160, 320, 1600)]
+    ends = [move(body, 0.0, time, Loading(), bent, Steps(fixed=time / n)).tips[-1] for n in (80, 160, 320, 1600)]
     errors = [float(np.linalg.norm(end - ends[-1])) for end in ends[:-1]]
     assert 3.0 < errors[0] / errors[1] < 5.5
     assert 3.0 < errors[1] / errors[2] < 5.5
@@ -177,11 +177,11 @@ def test_regions_share_what_an_arm_carries_by_the_derivatives_of_its_law() -> No
 def test_a_loaded_bar_creeps_and_a_held_one_relaxes() -> None:
     """As J and G; the bar is held at a height while a load is taken from its middle."""
     rubber, force = Relaxation((0.3, 0.2), (0.05, 8.0)), 1e-3
-    motion = move(Body(BAR, rubber), 0.0, 5.0, Acting(Load((0.0, force))), Start(acting=Acting()))
+    motion = move(Body(BAR, rubber), 0.0, 5.0, Loading((0.0, force)), Start(acting=Loading()))
     sag = force * LENGTH**3 / (3.0 * B)
     assert motion.tips[-1, 1] == pytest.approx(sag * float(rubber.creep.compliance(5.0)), rel=3e-3)
-    held = Start(acting=Acting(Load((0.0, force))))
-    back = move(Body(BAR, rubber), 0.0, 5.0, Acting(), held).tips[-1, 1]
+    held = Start(acting=Loading((0.0, force)))
+    back = move(Body(BAR, rubber), 0.0, 5.0, Loading(), held).tips[-1, 1]
     assert back == pytest.approx(sag * (1.0 - float(rubber.creep.compliance(5.0))), rel=2e-2)
 
 
@@ -189,11 +189,11 @@ def test_a_loaded_bar_creeps_and_a_held_one_relaxes() -> None:
 def test_damping_is_half_the_loss_factor_at_every_frequency(grams: float) -> None:
     """Of a bar whose first frequency is 3 to 8 Hz; the motion decays as the ratio says."""
     rubber = Relaxation.from_loss_factor(0.1, 1.0, 30.0)
-    acting = Acting(tip_mass=grams)
+    acting = Loading(tip_mass=grams)
     mode = frequencies(Body(BAR, rubber), 0.0, acting)[0]
     assert mode.damping_ratio == pytest.approx(0.05, rel=0.08)
     period = 1.0 / mode.frequency_hz
-    bent = Start(acting=Acting(Load(along=mode_loads()), grams))
+    bent = Start(acting=Loading(along=mode_loads(), tip_mass=grams))
     motion = move(Body(BAR, rubber), 0.0, 6.0 * period, acting, bent, Steps(fixed=period / 150.0))
     assert decrement(motion) == pytest.approx(2.0 * math.pi * mode.damping_ratio, rel=0.05)
 
@@ -218,8 +218,8 @@ def test_what_the_pressure_adds_to_the_rigidity_does_not_relax() -> None:
     mode = frequencies(body, 10.0)[0]
     assert mode.damping_ratio == pytest.approx(0.05 * part, rel=0.1)
     period = 1.0 / mode.frequency_hz
-    pulled = Start(10.0, Acting(Load((0.0, 2e-3))))
-    motion = move(body, 10.0, 6.0 * period, Acting(), pulled, Steps(fixed=period / 150.0))
+    pulled = Start(10.0, Loading((0.0, 2e-3)))
+    motion = move(body, 10.0, 6.0 * period, Loading(), pulled, Steps(fixed=period / 150.0))
     assert decrement(motion) == pytest.approx(2.0 * math.pi * mode.damping_ratio, rel=0.05)
 
 
@@ -238,7 +238,7 @@ def test_air_that_is_shut_in_keeps_its_amount_under_a_force(exponent: float) -> 
     """The motion ends in the equilibrium with as much air."""
     air, force = Air(exponent=exponent, dead_volume=2000.0), (0.0, 0.02)
     rubber = Relaxation.from_loss_factor(0.4, 1.0, 10.0)
-    motion = move(Body(airy(), rubber), air, 4.0, Acting(Load(force)), Start(20.0, Acting()))
+    motion = move(Body(airy(), rubber), air, 4.0, Loading(force), Start(20.0, Loading()))
     pressure, volume = motion.pressures_kPa[:, 0], motion.volumes_mm3[:, 0]
     amounts = [air.amount(p, v) for p, v in zip(pressure, volume, strict=True)]
     assert np.ptp(amounts) < 1e-5
@@ -265,15 +265,15 @@ def test_an_arm_swings_across_its_plane_and_in_it_as_in_the_plane() -> None:
     assert (flat.in_plane, across.in_plane) == (True, False)
     assert flat.frequency_hz / across.frequency_hz == pytest.approx(math.sqrt(2000.0 / 1500.0), rel=0.02)
     fixed = Steps(fixed=0.002)
-    swung = Start(10.0, Acting(Load((0.0, 0.0, 1e-3))))
-    motion = move(body, 10.0, 0.6, Acting(), swung, fixed)
+    swung = Start(10.0, Loading((0.0, 0.0, 1e-3)))
+    motion = move(body, 10.0, 0.6, Loading(), swung, fixed)
     z = motion.tips[:, 2]
     k = np.flatnonzero(np.diff(np.sign(z)))
     zeros = motion.times_s[k] - z[k] * 0.002 / (z[k + 1] - z[k])
     assert 0.5 / np.diff(zeros).mean() == pytest.approx(across.frequency_hz, rel=0.02)
     assert np.abs(motion.tips[:, 1] - motion.tips[0, 1]).max() < 1e-2 * np.abs(z).max()
-    bent = Start(10.0, Acting(Load((0.0, 0.02))))
-    plane, space = (move(body, 10.0, 0.2, Acting(), bent, fixed._replace(in_space=flag)) for flag in (False, True))
+    bent = Start(10.0, Loading((0.0, 0.02)))
+    plane, space = (move(body, 10.0, 0.2, Loading(), bent, fixed._replace(in_space=flag)) for flag in (False, True))
     assert space.tips[:, :2] == pytest.approx(plane.tips, abs=1e-4)
     assert space.axis.shape[2] == 3
 
@@ -287,13 +287,13 @@ def test_a_law_of_two_curvatures_moves_to_its_equilibrium() -> None:
 
 
 def test_a_mass_hangs_on_its_end_and_a_support_holds_it() -> None:
-    hanging = Acting(tip_mass="5 g", direction="lying")
+    hanging = Loading(tip_mass="5 g", direction="lying")
     body = Body(BAR, Relaxation.from_loss_factor(0.4, 1.0, 30.0))
-    motion = move(body, 0.0, 3.0, hanging, Start(acting=Acting()))
+    motion = move(body, 0.0, 3.0, hanging, Start(acting=Loading()))
     still = BAR.solve(direction="lying", tip_mass="5 g")
     assert motion.tips[-1] == pytest.approx(still.end, abs=0.02)
-    prop = Acting(Load(supports=(Support(LENGTH, y=0.0),)), direction="lying")
-    light = Acting(Load(supports=(Support(LENGTH, y=0.0),)))
+    prop = Loading(along=[Support(LENGTH, y=0.0)], direction="lying")
+    light = Loading(along=[Support(LENGTH, y=0.0)])
     held = move(body, 0.0, 3.0, prop, Start(acting=light))
     weight = 9.81e-3 * GRAMS
     assert held.tips[-1, 1] == pytest.approx(0.0, abs=1e-6)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from pipeline.results.laws import law_of_record, law_record
-from rod import Acting, Body, FiveParameters, Load, Relaxation, Rod, Start, compile_kernels, move
+from rod import Body, FiveParameters, Loading, Relaxation, Rod, Start, compile_kernels, move
 from rod.arm.chain import solve_chain
 from rod.arm.small_motions import lowest_of
 from rod.weight import Mass
@@ -50,6 +50,6 @@ def test_nothing_is_compiled_once_a_run_has_begun(compiled: dict[str, list[str]]
             for load in loads[:2]:
                 Rod(law.length, law=law.at(pressure)).solve(**load)
     body = Body(measured, Relaxation((0.1,), (0.1,)), Mass.even(measured.length, 10.0))
-    motion = move(body, 7.5, 0.01, start=Start(5.0, Acting(Load((0.0, 0.01)))))
+    motion = move(body, 7.5, 0.01, start=Start(5.0, Loading((0.0, 0.01))))
     assert motion.reason == ""
     assert signatures() == compiled

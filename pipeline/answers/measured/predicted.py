@@ -15,7 +15,7 @@ from geometry.centreline import chord_angle
 from pipeline.answers.measured.rows import COLUMNS, OF_TIP, VIBRATION, Measurements, Row, State
 from pipeline.answers.rods.in_time import rubber_of
 from pipeline.values.errors import InputError
-from rod import Acting, Body, Mode, Relaxation, frequencies
+from rod import Body, Loading, Mode, Relaxation, frequencies
 from rod.arm_law.law import ArmLaw
 from rod.errors import RodError, RodWarning
 from rod.mechanics.equilibrium import Rod
@@ -64,16 +64,16 @@ class LawRods:
     def rubber(self) -> Relaxation:
         """Its rubber in time. Raises `RodError` as `rubber_of` does."""
         high = self.law.pressures[-1]
-        return rubber_of(self.material, lambda: _first(Body(self.law), high, Acting()).frequency_hz)[0]
+        return rubber_of(self.material, lambda: _first(Body(self.law), high, Loading()).frequency_hz)[0]
 
     def after(self, t_s: float, pressure_kPa: float, *, is_let_go: bool) -> Rod:
         """The rod some time after a pressure came; or after its weight came, which is that of softer rubber."""
         felt = float(self.rubber.creep.compliance(t_s))
         return LawRods(self.law.scaled(1.0 / felt))(0.0) if is_let_go else self(felt * pressure_kPa)
 
-    def vibration(self, pressure_kPa: float, acting: Acting) -> dict[str, float]:
+    def vibration(self, pressure_kPa: float, loading: Loading) -> dict[str, float]:
         """Frequency and damping ratio of the first vibration in the plane, by their names. Raises `RodError`."""
-        mode = _first(Body(self.law, self.rubber), self._within(pressure_kPa), acting)
+        mode = _first(Body(self.law, self.rubber), self._within(pressure_kPa), loading)
         return dict(zip(VIBRATION, mode[:2], strict=True))
 
     def _within(self, pressure_kPa: float) -> float:
@@ -191,7 +191,7 @@ def _vibration_in(rods: Rods, setup: Setup, state: State) -> dict[str, float]:
     """The vibration about a state, by the names of its numbers. Raises `RodError`."""
     assert isinstance(rods, LawRods)
     turned = _weight(state, math.radians(setup.clamp_deg), 1.0)
-    found = rods.vibration(state.pressure_kPa + setup.gauge_kPa, Acting(**turned))
+    found = rods.vibration(state.pressure_kPa + setup.gauge_kPa, Loading(**turned))
     return found | {VIBRATION[0]: found[VIBRATION[0]] * math.sqrt(setup.stiffness)}
 
 
@@ -214,9 +214,9 @@ def shape_of(rod: Rod, state: State, setup: Setup = AS_WRITTEN) -> RodSolution:
     return shape
 
 
-def _first(body: Body, pressure_kPa: float, acting: Acting) -> Mode:
+def _first(body: Body, pressure_kPa: float, loading: Loading) -> Mode:
     """The first vibration in the plane. Raises `RodError`."""
-    return next(mode for mode in frequencies(body, pressure_kPa, acting, count=1) if mode.in_plane)
+    return next(mode for mode in frequencies(body, pressure_kPa, loading, count=1) if mode.in_plane)
 
 
 def _weight(state: State, turn: float, stiffness: float) -> dict[str, Any]:

@@ -1,10 +1,10 @@
-"""Loads on the end of a rod and along it, and supports, written with units, and the shapes under them."""
+"""What acts on an arm, written with units, and the shapes under it."""
 
 import math
 import warnings
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +20,7 @@ from pipeline.values.errors import InputError, RunFailed, argument, ask
 from pipeline.values.formats import ARM_LAW, FIVE
 from rod.along import Along, LineLoad, PointLoad, Reaction, Support
 from rod.errors import LoadError, RodError, RodWarning
+from rod.load import Loading
 from rod.mechanics.equilibrium import Rod
 from rod.solution import RodSolution, SpatialSolution
 from rod.weight import gravity_vector, in_grams, position_along
@@ -31,128 +32,74 @@ EXAMPLES = {
     "held_at": "0.5 l: y -3 mm",
     "mass_at": "0.5 l: 5 g",
 }
-#: x and y, and z of a load across the plane of the arm
-Vector = tuple[float, float] | tuple[float, float, float]
 
 
-@dataclass(frozen=True)
-class AlongArm:
-    """What acts on a rod at a place or between two places, or holds it at one."""
-
-    places: tuple[str, ...]  #: as they are written, "56 mm" or "0.5 l"
-    kind: Callable[..., Along]
-    what: dict[str, Any]  #: the fields of its kind besides the places
-
-    @staticmethod
-    def all_of(
-        force_at: Sequence[str], line_load: Sequence[str], held_at: Sequence[str] = ()
-    ) -> tuple["AlongArm", ...]:
-        """From the options of the command line. Raises InputError."""
-        forces = ("force_at", force_at, PointLoad, FORCE), ("line_load", line_load, LineLoad, STIFFNESS)
-        found = [
-            AlongArm(places, kind, {"force": option_vector(name, force, dimension)})
-            for name, texts, kind, dimension in forces
-            for places, force in _placed(name, texts)
-        ]
-        return (*found, *(AlongArm(places, Support, _held(what)) for places, what in _placed("held_at", held_at)))
-
-    def on(self, length: float) -> Along:
-        """The load or the support on a rod of a length in mm. Raises `RodError` for an end before the start."""
-        return self.kind(*(position_along(place, length) for place in self.places), **self.what)
+def read_weight(orientation: Any, tip_mass: Any, mass_at: Sequence[str] = ()) -> Loading:
+    """Weight and payloads of an arm, from options. Raises InputError."""
+    if (tip_mass is not None or mass_at) and orientation is None:
+        orientations = f"{argument('orientation')} hanging, lying, standing, '30 deg' or '[0, -1]'"
+        raise InputError(f"{argument('mass_at' if tip_mass is None else 'tip_mass')}: needs {orientations}")
+    direction = None if orientation is None else ask(argument("orientation"), gravity_vector, _pair_of(orientation))
+    tip_mass_g = ask(argument("tip_mass"), in_grams, 0.0 if tip_mass is None else tip_mass)
+    hung = [(at, ask(argument("mass_at"), in_grams, mass)) for (at,), mass in _placed("mass_at", mass_at)]
+    return Loading(direction=direction, tip_mass=tip_mass_g, hung=hung)
 
 
-@dataclass(frozen=True)
-class EndLoads:
-    """Loads on the end of a rod and along it; None for what is not prescribed.
+def read_end(weight: Loading, force: Any, moment: Any = 0.0, end_y: Any = None, end: Any = None) -> Loading:
+    """With what acts on the end or holds it, as numbers or texts with units. Raises InputError, also where they
+    contradict each other.
 
     Positions are relative to the clamped end of the material curve.
     """
-
-    force: Vector | None  #: N
-    moment: float | Vector  #: N mm
-    end_y: float | None  #: mm
-    end: Vector | None  #: mm
-    weight: "Weight"
-    along: tuple[AlongArm, ...] = ()
-
-    @staticmethod
-    def read(
-        force: Any, moment: Any, end_y: Any, end: Any, weight: "Weight", along: tuple[AlongArm, ...] = ()
-    ) -> "EndLoads":
-        """From numbers, or texts with units. Raises InputError, also where they contradict."""
-        if sum(given is not None for given in (force, end_y, end)) > 1:
-            names = ", ".join(map(argument, ("force", "end_y", "end")))
-            raise InputError(f"{names}: give one of them; the others follow from it")
-        if end is not None and weight.tip_mass_g:
-            raise InputError(
-                f"{argument('end')}, {argument('tip_mass')}: an end that is held carries no mass; leave one of them out"
-            )
-        return EndLoads(
-            None if force is None else option_vector("force", force if is_list(force) else ["0 N", force], FORCE),
-            (option_vector if is_list(moment) else option_value)("moment", moment, MOMENT),
-            None if end_y is None else option_value("end_y", end_y, LENGTH),
-            None if end is None else option_vector("end", end, LENGTH),
-            weight,
-            along,
+    if sum(given is not None for given in (force, end_y, end)) > 1:
+        names = ", ".join(map(argument, ("force", "end_y", "end")))
+        raise InputError(f"{names}: give one of them; the others follow from it")
+    if end is not None and weight.tip_mass:
+        raise InputError(
+            f"{argument('end')}, {argument('tip_mass')}: an end that is held carries no mass; leave one of them out"
         )
-
-    def solve(self, rod: Rod) -> RodSolution | SpatialSolution:
-        """As `shape`, and raises `RodError` as `Rod.solve` does."""
-        given: dict[str, Any] = {"force": self.force, "moment": self.moment, "end_y": self.end_y, "end": self.end}
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", RodWarning)
-            shape: RodSolution | SpatialSolution = rod.solve(
-                **given,
-                direction=self.weight.direction,
-                tip_mass=self.weight.tip_mass_g,
-                hung=self.weight.hung,
-                along=[one.on(rod.length) for one in self.along],
-            )
-        return shape
-
-    def shape(self, rod: Rod) -> RodSolution | SpatialSolution:
-        """The equilibrium of a rod under these loads; its `notes` say what a `RodWarning` would.
-
-        Raises RunFailed where there is none, InputError for an end farther away than the arm is long.
-        """
-        try:
-            return self.solve(rod)
-        except RodError as failure:
-            away = abs(self.end_y or 0.0) if self.end is None else math.hypot(*self.end)
-            if away > rod.length:
-                given = argument("end_y" if self.end is None else "end")
-                far = f"is {away:g} mm away from the clamped end, but the arm is {rod.length:g} mm long"
-                raise InputError(f"{given}: {far}") from None
-            raise (InputError if isinstance(failure, LoadError) else RunFailed)(str(failure)) from None
+    held = (None, option_value("end_y", end_y, LENGTH)) if end_y is not None else None
+    return replace(
+        weight,
+        force=None if force is None else option_vector("force", force if is_list(force) else ["0 N", force], FORCE),
+        moment=(option_vector if is_list(moment) else option_value)("moment", moment, MOMENT),
+        end=held if end is None else option_vector("end", end, LENGTH),
+    )
 
 
-@dataclass(frozen=True)
-class Weight:
-    """Weight and payload of an arm."""
+def read_along(
+    length: float, force_at: Sequence[str] = (), line_load: Sequence[str] = (), held_at: Sequence[str] = ()
+) -> tuple[Along, ...]:
+    """Loads and supports along an arm of a length in mm, from options. Raises InputError."""
+    found: list[Along] = []
+    for (at,), force in _placed("force_at", force_at):
+        found.append(PointLoad(position_along(at, length), option_vector("force_at", force, FORCE)))
+    for ends, force in _placed("line_load", line_load):
+        even, (start, end) = option_vector("line_load", force, STIFFNESS), (position_along(s, length) for s in ends)
+        found.append(ask(argument("line_load"), LineLoad, start, end, even))
+    for (at,), what in _placed("held_at", held_at):
+        found.append(Support(position_along(at, length), **_held(what)))
+    return tuple(found)
 
-    direction: Vector | None = None  #: of gravity; None: no weight but that of the run
-    tip_mass_g: float = 0.0
-    hung: tuple[tuple[str, float], ...] = ()  #: places as they are written, and masses there in g
 
-    @staticmethod
-    def read(orientation: Any, tip_mass: Any, mass_at: Sequence[str] = ()) -> "Weight":
-        """From the options of the command line. Raises InputError."""
-        if (tip_mass is not None or mass_at) and orientation is None:
-            orientations = f"{argument('orientation')} hanging, lying, standing, '30 deg' or '[0, -1]'"
-            raise InputError(f"{argument('mass_at' if tip_mass is None else 'tip_mass')}: needs {orientations}")
-        given = None if orientation is None else _pair_of(orientation)
-        direction = None if given is None else ask(argument("orientation"), gravity_vector, given)
-        tip_mass_g = ask(argument("tip_mass"), in_grams, 0.0 if tip_mass is None else tip_mass)
-        placed = _placed("mass_at", mass_at)
-        return Weight(
-            direction, tip_mass_g, tuple((at, ask(argument("mass_at"), in_grams, mass)) for (at,), mass in placed)
-        )
+def solved(rod: Rod, loading: Loading) -> RodSolution | SpatialSolution:
+    """The equilibrium; its `notes` say what a `RodWarning` would. Raises `RodError` as `Rod.solve` does."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", RodWarning)
+        return rod.bear(loading)
 
-    @staticmethod
-    def of(direction: str | Sequence[float] | None, tip_mass: float | str) -> "Weight":
-        """From the arguments of `Rod.solve`. Raises InputError."""
-        given = None if direction is None else ask("", gravity_vector, direction)
-        return Weight(given, ask("", in_grams, tip_mass))
+
+def shape_under(rod: Rod, loading: Loading) -> RodSolution | SpatialSolution:
+    """As `solved`. Raises RunFailed where there is none, InputError for an end farther away than the arm is long."""
+    try:
+        return solved(rod, loading)
+    except RodError as failure:
+        away = math.hypot(*(at or 0.0 for at in loading.end or ()))
+        if away > rod.length:
+            given = argument("end_y" if loading.end[0] is None else "end")
+            far = f"is {away:g} mm away from the clamped end, but the arm is {rod.length:g} mm long"
+            raise InputError(f"{given}: {far}") from None
+        raise (InputError if isinstance(failure, LoadError) else RunFailed)(str(failure)) from None
 
 
 def _placed(name: str, texts: Sequence[str]) -> list[tuple[tuple[str, ...], str]]:
@@ -169,7 +116,7 @@ def _placed(name: str, texts: Sequence[str]) -> list[tuple[tuple[str, ...], str]
     return found
 
 
-def _held(text: str) -> dict[str, float]:
+def _held(text: str) -> dict[str, Any]:
     """x, y and z in mm and the angle in rad, of a text such as "x 50 mm, angle 5 deg". Raises InputError."""
     found: dict[str, float] = {}
     for part in text.split(","):

@@ -10,19 +10,17 @@ import numpy as np
 
 from geometry.arrays import Array
 from pipeline.answers.columns import Column, Form, read
-from pipeline.answers.rods.end_loads import AlongArm, Weight
 from pipeline.answers.rods.in_time import body_of
 from pipeline.answers.rods.rods import Rods
-from pipeline.config.units import FORCE, PRESSURE, TIME, Dimension, convert
-from pipeline.results.options import option_pressures, option_value, option_vector
+from pipeline.config.units import PRESSURE, TIME, Dimension, convert
+from pipeline.results.options import option_pressures, option_value
 from pipeline.store.result_folder import open_folder
 from pipeline.values.errors import InputError, RunFailed, argument, ask
 from pipeline.values.page import figure_page
 from pipeline.values.plots import COLOURS, GREY, Line, Panel, ordered_colour
 from pipeline.values.run import Run
-from rod import Acting, Air, Body, Load, Motion, RodError, RodSolution, Start, Steps, move
-from rod.along import Triple, triple
-from rod.load import with_along
+from rod import Air, Body, Loading, Motion, RodError, RodSolution, Start, Steps, move
+from rod.along import Support, split_along
 
 PRESSURES = Form(
     "pressures over time",
@@ -51,41 +49,29 @@ class Asked:
 
     pressure: Any  #: kPa from 0 s on, one for each cavity, or rows (n, 1 + c) of a time in s and pressures
     seconds: float
-    force: Triple  #: N, dead, on the end
-    weight: Weight
-    held: tuple[AlongArm, ...]
+    loading: Loading
     release: bool  #: the arm is let go at 0 s: of the force, or without one of what held it weightless
     air: Air | None  #: that makes the pressure, which begins as it is given; None: it stays so
     steps: Steps
 
     @staticmethod
     def read(
-        pressure: Any, seconds: float, weight: Weight, *, release: bool, force: Any = None, held_at: Sequence[str] = (),
-        air: str | None = None, step: Any = None,
-    ) -> "Asked":  # fmt: skip
+        pressure: Any, seconds: float, loading: Loading, *, release: bool, air: str | None = None, step: Any = None
+    ) -> "Asked":
         """From options, as `pneurod.move` takes them. Raises InputError."""
         is_file = isinstance(pressure, Path) or (isinstance(pressure, str) and pressure.endswith(".csv"))
         acts = _read_table(Path(pressure)) if is_file else option_pressures("pressure", pressure)
         if air is not None and np.ndim(acts):
             raise InputError(f"{argument('air')}: needs one {argument('pressure')}, that at 0 s")
-        x, y, *z = (0.0, 0.0) if force is None else option_vector("force", force, FORCE)
         steps = Steps(None if step is None else option_value("step", step, TIME))
-        held, blown = AlongArm.all_of((), (), held_at), None if air is None else _read_air(air)
-        return Asked(acts, seconds, triple((x, y, *(z or [0.0])), "force"), weight, held, release, blown, steps)
+        return Asked(acts, seconds, loading, release, None if air is None else _read_air(air), steps)
 
     def of(self, body: Body) -> Motion:
         """The motion of an arm. Raises `RodError` where it cannot begin."""
-        length: float = body.law.length
-        supports = tuple(one.on(length) for one in self.held)
-
-        def pulled(force: Triple, weight: Weight) -> Acting:
-            load = with_along(Load(force=force), supports, length)
-            return Acting(load, weight.tip_mass_g, weight.direction, weight.hung)
-
-        still = (0.0, 0.0, 0.0)
-        during, before = pulled(self.force, self.weight), pulled(still, self.weight)
+        during, before = self.loading, replace(self.loading, force=None)
         if self.release:
-            during, before = before, during if any(self.force) else pulled(still, Weight())
+            is_pulled = any(self.loading.force or ())
+            during, before = before, during if is_pulled else Loading(along=self.loading.along)
         is_kept = self.release or self.air is not None
         first = self.pressure if is_kept else (0.0,) * np.size(self.pressure)
         start = Start(None if np.ndim(self.pressure) == 2 else first, before)
@@ -126,7 +112,8 @@ def move_arm(run: Run, rods: Rods, asked: Asked, out: Path) -> ArmMotion:
     moved = replace(moved, end_angles_deg=side * moved.end_angles_deg)
     limit = rods.forms.limit if rods.forms and asked.air else None
     shared = [ONE_BY_ONE.format(limit.value)] if limit else []
-    made = ArmMotion(moved, _columns(moved, asked.held), (damped, *rods.notes, *shared, *moved.notes), out)
+    columns = _columns(moved, split_along(asked.loading.along)[1])
+    made = ArmMotion(moved, columns, (damped, *rods.notes, *shared, *moved.notes), out)
     folder = open_folder(out)
     folder.save_rows("motion.csv", tuple(made.columns), np.column_stack(tuple(made.columns.values())).tolist())
     folder.save_text("motion.html", figure_page("An arm in time", motion_panels(moved)))
@@ -135,9 +122,9 @@ def move_arm(run: Run, rods: Rods, asked: Asked, out: Path) -> ArmMotion:
     return made
 
 
-def _columns(moved: Motion, held: Sequence[AlongArm]) -> dict[str, Array]:
+def _columns(moved: Motion, supports: Sequence[Support]) -> dict[str, Array]:
     """The columns of motion.csv; the second of a kind and later ones have their number in the name."""
-    reactions = [f"reaction{{}}_{'N_mm' if name == 'angle' else 'N'}" for one in held for name in one.what]
+    reactions = [f"reaction{{}}_{'N_mm' if axis > 2 else 'N'}" for one in supports for axis in one.held]
     found = {"t_s": moved.times_s}
 
     def add(names: Sequence[str], values: Array) -> None:

@@ -4,12 +4,13 @@ import math
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
 
 from geometry.arrays import Array
-from pipeline.answers.rods.end_loads import EndLoads, Vector, Weight
+from pipeline.answers.rods.end_loads import solved
 from pipeline.answers.rods.rods import Rods
 from pipeline.config.units import ANGLE, FORCE, LENGTH
 from pipeline.results.options import option_value, option_vector
@@ -18,31 +19,31 @@ from pipeline.values.formatting import number
 from pipeline.values.run import bending_error_deg
 from rod.errors import LoadError, RodError
 from rod.inverse import AtPressure, Branch, Quantity
+from rod.load import Loading
 
 #: distance of the tip from the wanted place, over the length, that is met where the error of the rod is not known
 MET = 0.005
-NO_WEIGHT = Weight()
 
 
 @dataclass(frozen=True)
 class Wish:
     """What is wanted of the end of an arm: its place, how far it bends, or its force where it is held."""
 
-    tip_mm: Vector | None = None  #: from the clamped end of the material curve; in space with z
+    tip_mm: tuple[float, ...] | None = None  #: from the clamped end of the material curve; in space with z
     angle_deg: float | None = None  #: rotation of the end section, as the verdict says
     force_N: float | None = None  #: y component of the force on the end, which is held at a height
     height_mm: float | None = None  #: of the end that is held
-    weight: Weight = NO_WEIGHT
+    loading: Loading = Loading()  # noqa: RUF009  frozen
 
     @staticmethod
-    def read(tip: Any, angle: Any, force: Any, at_height: Any, weight: Weight) -> "Wish":
+    def read(tip: Any, angle: Any, force: Any, at_height: Any, loading: Loading) -> "Wish":
         """From texts with units, or numbers; None for what is not given. Raises InputError, also for contradictions."""
         return Wish(
             None if tip is None else option_vector("tip", tip, LENGTH),
             None if angle is None else option_value("angle", angle, ANGLE),
             None if force is None else option_value("force", force, FORCE),
             None if at_height is None else option_value("at_height", at_height, LENGTH),
-            weight,
+            loading,
         )
 
     def __post_init__(self) -> None:
@@ -102,14 +103,14 @@ def branches_of(rods: Rods, wish: Wish) -> tuple[Branch, ...]:
     """The arm under the load of a wish over its pressure, kept with the rods. Raises InputError for several ones."""
     known = rods.over_one_pressure
     is_in_space = not rods.law.has_plane
-    if not is_in_space and len(wish.weight.direction or ()) == 3:
+    if not is_in_space and wish.loading.is_spatial:
         raise InputError("pressures are found for arms in their plane; give gravity as x and y")
     if wish.tip_mm is not None and len(wish.tip_mm) != (3 if is_in_space else 2):
         where, axes = ("in space", "x, y and z") if is_in_space else ("in its plane", "x and y")
         raise InputError(f"this arm bends {where}; give the place of its tip as {axes}")
-    key = (wish.height_mm, wish.weight)
-    if key not in rods.branches:
-        solve = EndLoads(None, 0.0, wish.height_mm, None, wish.weight).solve
+    loading = replace(wish.loading, end=None if wish.height_mm is None else (None, wish.height_mm))
+    if loading not in rods.branches:
+        solve = partial(solved, loading=loading)
         try:
             branches = Branch.all_of(rods.at, solve, known)
         except LoadError as failure:
@@ -120,11 +121,11 @@ def branches_of(rods: Rods, wish: Wish) -> tuple[Branch, ...]:
             with suppress(RodError):
                 after = Branch.all_of(swollen.at, solve, swollen.over_one_pressure)
                 branches += tuple(replace(branch, after_snap=True) for branch in after)
-        rods.branches[key] = branches
-    return rods.branches[key]
+        rods.branches[loading] = branches
+    return rods.branches[loading]
 
 
-def _for_tip(rods: Rods, wish: Wish, branches: tuple[Branch, ...], tip: Vector) -> tuple[PressureFor, ...]:
+def _for_tip(rods: Rods, wish: Wish, branches: tuple[Branch, ...], tip: tuple[float, ...]) -> tuple[PressureFor, ...]:
     near = [_met(rods, wish, at) for branch in branches for at in branch.nearest(tip)]
     near.sort(key=lambda at: at.away_mm or 0.0)
     error = MET if rods.errors is None or not rods.errors.is_known else rods.errors.shape

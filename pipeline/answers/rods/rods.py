@@ -1,6 +1,6 @@
 """The rods of an arm over its pressures."""
 
-from collections.abc import Hashable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from math import isfinite
 
@@ -9,6 +9,7 @@ from pipeline.values.errors import InputError, argument
 from rod.arm_law.kinds import Law
 from rod.arm_law.law import ArmLaw
 from rod.inverse import Branch
+from rod.load import Loading
 from rod.mechanics.equilibrium import Rod
 from rod.pressurised_rod import PressurisedRod
 from rod.same_pressure import Pressures, pressures_of
@@ -22,7 +23,7 @@ class Rods:
     kind: str  #: one of the KINDS of `choice`
     errors: RodAndMesh | None = None  #: None where it was not compared with finite elements
     notes: tuple[str, ...] = ()  #: what limits the trust in it, a sentence each
-    branches: dict[Hashable, tuple[Branch, ...]] = field(default_factory=dict, repr=False)  #: by load, once made
+    branches: dict[Loading, tuple[Branch, ...]] = field(default_factory=dict, repr=False)  #: by load, once made
     forms: ArmLaw | None = None  #: the law of an arm with a limit of the pressure; `law` is that of one form
     after_snap: bool = False  #: whether that is the swollen one
 

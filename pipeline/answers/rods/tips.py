@@ -14,12 +14,12 @@ PAYLOADS = 5
 
 def tips_page(rods: Rods, wish: Wish, found: Sequence[PressureFor]) -> str:
     """A page with the tips that the arm reaches over its pressures, with a payload from none to that of the wish."""
-    mass = wish.weight.tip_mass_g
-    loads = [replace(wish.weight, tip_mass_g=part * mass / PAYLOADS) for part in range(PAYLOADS + 1)] if mass else []
+    mass = wish.loading.tip_mass
+    loads = [replace(wish.loading, tip_mass=part * mass / PAYLOADS) for part in range(PAYLOADS + 1)] if mass else []
     lines = []
-    for k, weight in enumerate(loads or [wish.weight]):
-        name = f"{weight.tip_mass_g:.3g} g" if mass else "tip"
-        for branch in branches_of(rods, replace(wish, weight=weight)):
+    for k, loading in enumerate(loads or [wish.loading]):
+        name = f"{loading.tip_mass:.3g} g" if mass else "tip"
+        for branch in branches_of(rods, replace(wish, loading=loading)):
             texts = [f"{name}, {pressure:.4g} kPa" for pressure in branch.pressures]
             colour = ordered_colour(k, max(len(loads), 2))
             x, y = branch.states[:, :2].T

@@ -28,9 +28,9 @@ from pipeline.store.context import RunContext
 from pipeline.store.parallel import Pending
 from pipeline.values.errors import InputError, RunFailed
 from pipeline.values.law import LawMeshError
-from rod.arm.unloaded import shape_under_moment
 from rod.arm_law.polynomial import Basis, Polynomial, exponents_up_to
 from rod.arm_law.space_law import SpaceLaw, SpaceRod
+from rod.mechanics.unloaded import shape_under_moment
 from rod.same_pressure import Pressures
 
 #: parts of each row of pressures at which the cell is solved, where all rows have one ratio and where they have not

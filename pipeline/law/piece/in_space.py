@@ -12,9 +12,9 @@ from fem.equations.linear import SingularMatrix
 from geometry import Reason, Values
 from geometry.arrays import Array
 from pipeline.law.piece.point import PiecePoint
-from rod.arm.unloaded import arc_compliance
 from rod.arm_law.curves import IN_SPACE, CellCurve, ClampCurve
 from rod.cubics import monotone_cubic
+from rod.mechanics.unloaded import arc_compliance
 
 #: states of a curve at which a cell is measured, as a rule; between them cubics over the moment join rigidities
 STATES = 7

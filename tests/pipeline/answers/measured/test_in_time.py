@@ -15,7 +15,7 @@ from pipeline.answers.measured.rows import Measurements, Row, State
 from pipeline.answers.measured.table import read_measurements
 from pipeline.answers.rods.in_time import rubber_of
 from pipeline.values.errors import InputError
-from rod import Acting, Body, Relaxation, Start, Steps, move
+from rod import Body, Loading, Relaxation, Start, Steps, move
 from tests.measured_arm import arm_law, result_folder
 
 #: stiff, so that the weight of the arm, with which it is let go, does not bend it far
@@ -28,8 +28,8 @@ TITLES = "t_s,pressure_kPa,orientation,tip_x_mm,tip_y_mm"
 
 def motion(file: Path, pressure: float, orientation: str, noise: float) -> Path:
     """By steps in time, of the arm that is let go at 0 kPa, or under a pressure that comes; noise: mm."""
-    weight = Acting(direction=orientation or None)
-    moved = move(BUILT, pressure, 6.0, weight, Start(0.0, Acting()), Steps(0.004))
+    weight = Loading(direction=orientation or None)
+    moved = move(BUILT, pressure, 6.0, weight, Start(0.0, Loading()), Steps(0.004))
     times, random = 0.02 * np.arange(1, 300), np.random.default_rng(2)
     tips = [np.interp(times, moved.times_s, tip) + noise * random.standard_normal(299) for tip in moved.tips.T]
     rows = [f"{t:.2f},{pressure:g},{orientation},{x:.4f},{y:.4f}" for t, x, y in zip(times, *tips, strict=True)]

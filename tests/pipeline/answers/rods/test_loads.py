@@ -9,9 +9,10 @@ import pytest
 from typer.testing import CliRunner
 
 import pneurod
+from pipeline.answers.rods import end_loads
 from pipeline.answers.rods.choice import rod_of_path
 from pipeline.cli import app
-from rod import RodError
+from rod import Loading, PointLoad, RodError, Support
 from tests.coarse import COARSE, copy_with
 
 
@@ -113,6 +114,14 @@ def test_loads_along_the_arm_that_are_none_are_refused(options: tuple[str, ...],
     code, _, error = call(*options)
     assert (code, error.count("\n")) == (2, 1)
     assert sentence in error
+
+
+def test_one_force_alone_acts_upwards_and_a_part_of_the_length_is_one_of_the_arm() -> None:
+    """As `pneurod rod` and `pneurod move` read them."""
+    assert end_loads.read_end(Loading(tip_mass=2.0), "0.05 N") == Loading((0.0, 0.05), tip_mass=2.0)
+    load, held = end_loads.read_along(80.0, ["0.5 l: [0 N, 0.02 N]"], held_at=["20 mm: angle 5 deg, y -3 mm"])
+    assert load == PointLoad(40.0, (0.0, 0.02))
+    assert held == Support(20.0, y=-3.0, angle=np.radians(5.0))
 
 
 def test_the_reactions_of_supports_have_a_line_each() -> None:

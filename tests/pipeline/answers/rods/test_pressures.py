@@ -14,17 +14,16 @@ from typer.testing import CliRunner
 
 import pneurod
 from pipeline.answers.rods.choice import choose_rod
-from pipeline.answers.rods.end_loads import Weight
 from pipeline.answers.rods.pressures import Wish, pressures_for
 from pipeline.answers.rods.rods import Rods
 from pipeline.answers.rods.tips import tips_page
 from pipeline.cli import app
 from pipeline.values.errors import InputError
-from rod import FiveParameters, Load, Rod, RodError
+from rod import FiveParameters, Load, Loading, Rod, RodError
 from rod.inverse import Branch
 from tests.coarse import COARSE, coarse_run
 
-HANGING = Weight((1.0, 0.0), 1.0)
+HANGING = Loading(direction=(1.0, 0.0), tip_mass=1.0)
 
 
 @pytest.fixture(scope="module")
@@ -44,9 +43,9 @@ def test_the_pressure_comes_back_from_what_the_rod_does(rods: Rods, pressure: fl
     wishes = {
         "tip": Wish(tip_mm=free.end),
         "angle": Wish(angle_deg=free.bending_deg),
-        "bent": Wish(angle_deg=loaded.bending_deg, weight=HANGING),
+        "bent": Wish(angle_deg=loaded.bending_deg, loading=HANGING),
         "force": Wish(force_N=float(held.force[1]), height_mm=-5.0),
-        "loaded": Wish(tip_mm=loaded.end, weight=HANGING),
+        "loaded": Wish(tip_mm=loaded.end, loading=HANGING),
     }
     for name, wish in wishes.items():
         found = pressures_for(rods, wish)
@@ -188,6 +187,6 @@ def test_the_pressures_are_a_table_that_prints_every_column() -> None:
 
 def test_the_picture_has_a_path_for_each_payload(rods: Rods) -> None:
     page = tips_page(
-        rods, Wish(angle_deg=60.0, weight=HANGING), pressures_for(rods, Wish(angle_deg=60.0, weight=HANGING))
+        rods, Wish(angle_deg=60.0, loading=HANGING), pressures_for(rods, Wish(angle_deg=60.0, loading=HANGING))
     )
     assert all(f'"name": "{mass:g} g"' in page for mass in (0.0, 0.2, 0.4, 0.6, 0.8, 1.0))

@@ -6,7 +6,7 @@ import numpy as np
 
 from geometry.arrays import Array
 from rod.arm.chain import cross_matrix, in_frame, rotation
-from rod.arm.sections import PolynomialSection
+from rod.arm_law.space_rod import PolynomialSection
 
 #: fixed-point iterations for the curvature in the middle of an element
 ITERATIONS = 8
