@@ -152,8 +152,7 @@ class LawRod:
         try:
             path = follow(model, posed, how)
         except NoEquilibrium as ended:
-            (low, high), pressure = self.moments, self.section.pressure
-            known = f"The law at {pressure:.4g} kPa is known from {low:.4g} to {high:.4g} N mm."
+            known = f"The {self._known}"
             borne = 1.0 if load.supports else self.part_borne(load, how)
             if borne + 2.0 * 0.5**PARTS < ended.part:
                 raise RodError(f"The law ends before the load does. {known} {_remedy(borne)}") from None
@@ -178,11 +177,15 @@ class LawRod:
         bends[0] = max(bends[0], path.nodes.moment[0, 2], key=abs)  # that of cells, and that at the clamp
         low, high = self.moments
         worst = int(np.argmax(np.maximum(low - bends, bends - high)))
-        return (
-            f"At s = {path.nodes.s[worst]:.3g} mm this load bends the cells with {bends[worst]:.4g} N mm; the law at "
-            f"{law.pressure:.4g} kPa is known from {low:.4g} to {high:.4g} N mm."
-            + ("" if self.near is None else f" That is near a limit of the pressure, {self.near:.4g} kPa.")
-        )
+        bent = f"At s = {path.nodes.s[worst]:.3g} mm this load bends the cells with {bends[worst]:.4g} N mm"
+        return f"{bent}; the {self._known}"
+
+    @property
+    def _known(self) -> str:
+        """For which moments the law is known, a clause, and whether a limit of the pressure is near."""
+        (low, high), pressure = self.moments, self.section.pressure
+        near = "" if self.near is None else f" That is near a limit of the pressure, {self.near:.4g} kPa."
+        return f"law at {pressure:.4g} kPa is known from {low:.4g} to {high:.4g} N mm.{near}"
 
     def part_borne(self, load: Load, how: Way | None = None) -> float:
         """The part of a load up to which moments and curvatures stay within the law, to a hundredth of the load."""

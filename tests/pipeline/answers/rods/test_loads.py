@@ -1,6 +1,7 @@
 """Weight, payload and loads along the arm from the command line, on the rod of a stored run."""
 
 import re
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -161,3 +162,6 @@ def test_where_the_law_ends_before_the_load_it_is_no_lack_of_equilibrium() -> No
     known = f"The law at 17 kPa is known from {low:.4g} to {high:.4g} N mm."
     with pytest.raises(RodError, match=rf"ends before the load does. {re.escape(known)} It bears 9.4 % of this"):
         rod.solve(force=(-0.1, -0.5))
+    near = replace(rod, law=replace(rod.law, near=18.0))
+    with pytest.raises(RodError, match=rf"{re.escape(known)} That is near a limit of the pressure, 18 kPa\. It bears"):
+        near.solve(force=(-0.1, -0.5))
