@@ -27,7 +27,7 @@ from fem.effects.facing_pairs import FacingPairs
 from fem.effects.membrane import LayerTerm, Membrane
 from fem.effects.mirror_layer import MirroredLayerTerm
 from fem.equations.formulation import Formulation, formulation_of
-from fem.equations.state import Change
+from fem.equations.state import Change, State
 from fem.kernels import element as kernels
 from fem.materials.regions import Solid, laws_of
 from fem.post.extremes import extremes_of, strain_at_stress_points
@@ -101,6 +101,15 @@ class DesignChange:
         same = Variant.of(piece, None, None)
         first, second = (replace(same, layer=layer) for layer in (less, more))
         return DesignChange(first, second, step, np.zeros_like(piece.space.points), 0.0)
+
+    def limit_rate(self, piece: BendingPiece, at: PieceState, along: State) -> float:
+        """Of an extreme pressure without moment, MPa per unit.
+
+        along: change of the state without moment by ln V, at the constant pressure. With R the gradient, K along = 0
+        there, so that along . (dR/dp dp + dR/dd dd) = 0, and -dR/dp . along = dV / d ln V = V.
+        """
+        volume = piece.volume(at.state) / piece.whole
+        return _work(_Assemblies(piece, at).rate(self), along.change) / volume
 
 
 @final

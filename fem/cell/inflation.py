@@ -29,13 +29,15 @@ MAX_FAILURES, SMALLEST_INCREMENT = 12, 1 / 64
 #: growth of the air over that to first order from which on a pressure is reached along the air after a failure
 SWELLS = 1.5
 #: first step of ln V, the smallest and the largest one
-FIRST, SMALLEST, LARGEST = 0.15, 0.01, 0.5
+FIRST, SMALLEST, LARGEST = 0.15, 0.003, 0.5
 #: difference of a state from the predicted one, relative, and iterations for which steps are made
 ERROR, ITERATIONS = 4e-3, 7
 #: change of the step after a state, least and most
 SHRINKS, GROWS = 0.4, 2.0
-#: air over that at rest beyond which no piece is followed
-MOST_AIR = 150.0
+#: air over that at rest beyond which no piece is followed, and pressure over the largest one below which none is
+MOST_AIR, FALLEN = 400.0, 0.7
+#: pressure over one that was passed up to which a form after a snap is looked for
+ONLY_FORM = 1.15
 #: largest error of a pressure on the way, relative: where the last iterations are made under it, and of an extreme one
 NEAR, EXACT = 1e-3, 1e-6
 #: states that are solved for one of these at the most
@@ -108,7 +110,7 @@ def bent(
     bent in steps that change its air little. Raises `PieceFailed`.
     """
     predicted = None if last is None else extrapolate(before, last, angle)
-    if last is None or predicted is None or not piece.is_swollen(start.state):
+    if last is None or predicted is None or not piece.is_swollen(piece.volume(start.state)):
         return piece.solve(start.pressure, angle, start, predicted)
     at, allowed, spent = start, BENT, 0
     while at.angle != angle:
@@ -199,7 +201,7 @@ def free_at(piece: BendingPiece, air: float, before: FreePoint | None, last: Fre
 def _followed(piece: BendingPiece) -> Iterator[FreePoint]:
     """States by growing volume, from rest on. Raises `PieceFailed` where no state follows."""
     spent, before, last = piece.factorizations, None, FreePoint.of(piece, piece.rest())
-    most, step = last.air + log(MOST_AIR), FIRST
+    most, step, top = last.air + log(MOST_AIR), FIRST, 0.0
     while True:
         yield replace(last, factorizations=piece.factorizations - spent)
         spent, reached = piece.factorizations, last
@@ -214,7 +216,8 @@ def _followed(piece: BendingPiece) -> Iterator[FreePoint]:
             before, last = last, point
             easy = min((ERROR / error) ** 0.25, ITERATIONS / max(point.state.factorizations, 1))
             step = min(LARGEST, step * float(np.clip(easy, SHRINKS, GROWS)))
-        if last.air > most:
+        top = max(top, last.pressure)
+        if last.air > most or last.pressure < FALLEN * top:
             return
 
 
@@ -255,23 +258,30 @@ class AirPath:
 
 
 def along_air(piece: BendingPiece, pressure: float) -> PieceState:
-    """The first stable state about without moment at a pressure in MPa; after a snap if the piece is wanted there.
+    """The first stable state about without moment at a pressure in MPa; that after a snap if the piece is wanted there.
 
-    Raises `PieceFailed`, which names the limit pressure where the pressure is beyond it and all further states.
+    A piece without a snap, such as an end that the clamp holds, has one form only. Raises `PieceFailed`, which names
+    the limit pressure where the pressure is beyond it and all further states.
     """
-    fallen, top = False, -inf
+    fallen, falls, top, only = False, False, -inf, list[tuple[float, FreePoint, FreePoint]]()
     try:
         for before, last in pairwise(AirPath.of(piece).points()):
-            fallen, top = fallen or before.rise <= 0.0, max(top, last.pressure)
-            if fallen or not piece.after_snap:
-                for air in _risings(before, last, pressure):
-                    with suppress(PieceFailed):
-                        return _under_pressure(piece, pressure, air, before, last)
+            fallen, falls, top = fallen or before.rise <= 0.0, last.rise <= 0.0, max(top, last.pressure)
+            for air in _risings(before, last, pressure):
+                if piece.after_snap and not fallen:
+                    only.append((air, before, last))
+                    continue
+                with suppress(PieceFailed):
+                    return _under_pressure(piece, pressure, air, before, last)
+            if only and not fallen and last.pressure > ONLY_FORM * pressure:
+                break
     except PieceFailed:
-        if not fallen:
+        if not fallen and not only:
             raise
+    if only and not fallen:
+        return _under_pressure(piece, pressure, *only[0])
     values: Values = {"piece": piece.name, "pressure_kPa": 1e3 * pressure, "limit_kPa": 1e3 * top}
-    raise PieceFailed(Reason("beyond_limit_pressure" if fallen else "beyond_air", values))
+    raise PieceFailed(Reason("beyond_limit_pressure" if falls else "beyond_air", values))
 
 
 def _risings(before: FreePoint, last: FreePoint, pressure: float) -> list[float]:
@@ -308,6 +318,23 @@ def extremum(piece: BendingPiece, before: FreePoint, last: FreePoint) -> FreePoi
             break
         ends[int((point.rise > 0.0) == (ends[1].rise > 0.0))] = point
     return point
+
+
+def extreme_pressures(piece: BendingPiece, pressure: float) -> tuple[list[FreePoint], list[FreePoint]]:
+    """The largest pressure without moment on the way along the air and the least one beyond, and states between both.
+
+    None where there is no largest one up to a pressure in MPa, and only the first where none is found beyond.
+    """
+    found, way = list[FreePoint](), list[FreePoint]()
+    with suppress(PieceFailed):
+        for before, last in pairwise(AirPath.of(piece).points()):
+            if (before.rise > 0.0) != (last.rise > 0.0):
+                found.append(extremum(piece, before, last))
+                way.append(found[-1])
+            if len(found) == 2 or (not found and last.pressure > pressure):
+                break
+            way += [last] if found else []
+    return found, way
 
 
 def _inflation_start(points: Sequence[PathPoint], target: float, extrapolates: bool) -> State:

@@ -186,9 +186,9 @@ class BendingPiece:
         """That air of the whole body in a state, mm3."""
         return self.whole * self.air.volume(self.space.points + state.displacement)
 
-    def is_swollen(self, state: State) -> bool:
-        """Whether its walls stretch far more than they turn."""
-        return self.air.value > 0.0 and self.volume(state) > SWOLLEN * self.whole * self.air.value
+    def is_swollen(self, volume: float) -> bool:
+        """Whether its walls stretch far more than they turn with that air of the whole body in mm3."""
+        return self.air.value > 0.0 and volume > SWOLLEN * self.whole * self.air.value
 
     @cached_property
     def plane(self) -> Index:
@@ -342,7 +342,7 @@ class BendingPiece:
     def _solve_directly(self, control: Control, angle: float, start: Start) -> PieceState:
         """By Newton's method, and again with stiffer contact where walls overlap."""
         self._constrain(angle)
-        spent, options = 0, replace(OPTIONS, carries=not self.is_swollen(start.state))
+        spent, options = 0, replace(OPTIONS, carries=not self.is_swollen(self.volume(start.state)))
         while True:
             converged = solve(start, control, options, lambda iteration, residual: None)
             spent += converged.iterations

@@ -8,19 +8,20 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from math import inf
+from typing import TypeVar
 
 import numpy as np
 
 from fem.cell.piece import PieceFailed
 from geometry import Reason
 from pipeline.config.automatic_mesh import MeshSettings, cell_mesh
-from pipeline.law.cells import CellMeasurer, measure_bends
 from pipeline.law.ends import CLAMP, CLAMP_NEAR, HALF_CELLS, half_cells_of, measure_ends
 from pipeline.law.mesh_limit import Corrections, MeshLimit, Numbers, corrected
 from pipeline.law.meshes import find_limit, solve_numbers
 from pipeline.law.piece.point import Measured
 from pipeline.law.piece.rates import law_rates
 from pipeline.law.pieces import ArmPieces
+from pipeline.law.snap import measurer_of_form, swollen_pieces
 from pipeline.law.tasks import ArmTasks, Log
 from pipeline.law.unloaded import begin_first_states, reached_states
 from pipeline.results.unloaded import first_numbers
@@ -30,6 +31,8 @@ from pipeline.values.errors import InputError, RunFailed
 from pipeline.values.law import DeliveredLaw
 from rod.arm_law.curves import CellCurve
 from rod.arm_law.law import ArmLaw
+
+Number = TypeVar("Number", int, float)
 
 #: pressures at which the limit is found, at most; corrections are interpolated between them
 PRESSURES = 3
@@ -75,8 +78,8 @@ def build_law(
     lowest pressure is borne.
     """
     tasks, log, repetition = ArmTasks(pieces, context), Log(), pieces.repetition  # refused before anything is solved
-    measurer = CellMeasurer(tasks, log, measure_bends(tasks, log, pressures_kPa, highest_kPa))
-    cells = measurer.measure_up_to_failure(sorted({0.0, *measurer.bends}))
+    measurer, limits = measurer_of_form(tasks, log, pressures_kPa, highest_kPa)
+    cells = measurer.measure_up_to_failure(measurer.pressures)
     if highest_kPa:
         cells = measurer.end_at(cells, highest_kPa())
     half_cells, error_ends, error_between, draft = HALF_CELLS, None, None, pieces.config.draft
@@ -86,7 +89,7 @@ def build_law(
         half_cells, error_ends, limit = chosen.result()
         log.limits.extend(filter(None, [limit]))
     cells, clamps, tips = measure_ends(tasks, log, cells, half_cells, CLAMP_NEAR if draft else CLAMP)
-    law = pieces.law([cell.curve for cell in cells], [end.curve for end in clamps], tips)
+    law = limits.on(pieces.law([cell.curve for cell in cells], [end.curve for end in clamps], tips), log, pressures_kPa)
     if pieces.derivatives:
         law = replace(law, rates=law_rates(pieces.config, repetition, pieces.movements, cells, clamps))
     return MeasuredLaw(
@@ -118,7 +121,36 @@ def deliver_law(
 ) -> MeasuredLaw:
     """The law of an arm at the pressures of its configuration, with its derivatives and the error of its mesh.
 
-    pieces: those on the mesh of the arm. begin_others: called when the first numbers are told.
+    pieces: those on the mesh of the arm. begin_others: called when the first numbers are told. An arm that snaps at a
+    limit of the pressure has the form after the snap as well. Raises as `build_law`.
+    """
+    measured = _deliver_form(pieces, context, begin_others)
+    after = swollen_pieces(pieces, measured.law)
+    if after is None:
+        return measured
+    try:
+        swollen = _deliver_form(after, context)
+    except (InputError, RunFailed) as failure:
+        missing = Reason("form_not_measured", {"why": str(failure).rstrip(".")})
+        return replace(measured, limits=(*measured.limits, missing))
+    return replace(
+        measured,
+        law=replace(measured.law, swollen=swollen.law),
+        limits=(*measured.limits, *swollen.limits),
+        failures=(*measured.failures, *swollen.failures),
+        factorizations=_added(measured.factorizations, swollen.factorizations),
+        seconds=_added(measured.seconds, swollen.seconds),
+    )
+
+
+def _added(first: Mapping[str, Number], second: Mapping[str, Number]) -> dict[str, Number]:
+    return {name: value + second[name] for name, value in first.items()}
+
+
+def _deliver_form(
+    pieces: ArmPieces, context: RunContext, begin_others: Callable[[], object] = lambda: None
+) -> MeasuredLaw:
+    """As `deliver_law`, of the form of the pieces alone.
 
     The law has the relative accuracy of the configuration in kappa_0, the rigidity and the moment that straightens the
     cell; where no mesh reaches it the best law is returned, whose `limit` says so. Without an accuracy it is the law on
@@ -211,7 +243,7 @@ def _farthest(
 
 def _by_pressures(
     meshes: Sequence[ArmPieces], pressures_kPa: Sequence[float], context: RunContext
-) -> tuple[Sequence[ArmPieces], dict[float, float]]:
+) -> tuple[Sequence[ArmPieces], Mapping[float, float]]:
     """The meshes without a first one whose cell bears fewer of the pressures, and without a second one like the first.
 
     With the curvatures without moment on the first of them, 1/mm by pressure; none where it bears no pressure.
@@ -221,7 +253,7 @@ def _by_pressures(
     borne = []
     for own in meshes:
         try:
-            borne.append(measure_bends(ArmTasks(own, context), Log(), pressures_kPa, None))
+            borne.append(measurer_of_form(ArmTasks(own, context), Log(), pressures_kPa)[0].bends)
         except (InputError, RunFailed):
             borne.append({})
     first = 0 if len(borne[0]) >= len(borne[-1]) else 1

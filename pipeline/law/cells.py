@@ -70,8 +70,10 @@ def _bends(tasks: ArmTasks, log: Log, pressures: Sequence[float]) -> dict[float,
             measured = pending.result()
         except PieceFailed as failure:
             log.failures.append(failure_of(failure))
+            log.swelling.extend([pressure] if failure.reasons[0].code == "beyond_limit_pressure" else [])
             break
         log.count("cell", measured)
+        log.swelling.extend([pressure] if measured.limits else [])
         bends[pressure] = measured.curve
     return bends
 
@@ -83,6 +85,11 @@ class CellMeasurer:
     tasks: ArmTasks
     log: Log
     bends: Mapping[float, float]  #: 1/mm, by pressure in kPa
+
+    @property
+    def pressures(self) -> list[float]:
+        """Of the law, kPa: with rest, unless it is that of the form after a snap."""
+        return sorted({*self.bends} if self.tasks.pieces.after_snap else {0.0, *self.bends})
 
     def measure(self, pressures: Sequence[float]) -> Iterator[Measured[CellCurve] | Reason]:
         """Cells at rising pressures; why for one that is not borne."""
@@ -235,7 +242,9 @@ def bend_of(curves: PieceCurves, pressure: float) -> Measured[float]:
     """
 
     def measure(cell: BendingPiece) -> Measured[float]:
-        return Measured(cell_without_moment(cell, in_MPa(pressure)).state.angle / cell.body.length)
+        state = cell_without_moment(cell, in_MPa(pressure)).state
+        limits = (Reason("cell_swells"),) if cell.is_swollen(cell.volume(state.state)) else ()
+        return Measured(state.angle / cell.body.length, limits)
 
     return curves.of_cell(float, name_of_state("bend", pressure), measure)
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from fem.cell.boundary import Boundary
 from fem.cell.inflation import along_air, unloaded
-from fem.cell.piece import SWOLLEN, BendingPiece, PieceFailed, PieceState
+from fem.cell.piece import BendingPiece, PieceFailed, PieceState
 from fem.cell.response import continued
 from geometry import Reason
 from geometry.arrays import Array
@@ -30,6 +30,8 @@ Curve = TypeVar("Curve", ClampCurve, TipCurve)
 DECAY = 5e-4
 #: the same beyond which the arm is said to have no undisturbed cells
 NOT_DECAYED = 1e-2
+#: the same of swollen cells, as wide as the arm is long, whose law is delivered with this error
+SWOLLEN_NOT_DECAYED = 0.1
 #: lengths without an equilibrium after which longer ends are not tried
 MOST_FAILED = 2
 #: part of the difference of two ends above which two half cells more have not reduced it; on `pneunet` at 31 kPa they
@@ -43,18 +45,20 @@ def half_cells_of(curves: PieceCurves, cell: CellCurve) -> tuple[int, float | No
     """`choose_half_cells` for the clamped ends of an arm without moment; a task."""
     pieces = curves.pieces
     available, length = pieces.repetition.half_cells, pieces.design.length
-    return choose_half_cells(partial(clamp_alone, curves, cell), cell, available, length)
+    most = SWOLLEN_NOT_DECAYED if _is_swollen(pieces, cell) else NOT_DECAYED
+    return choose_half_cells(partial(clamp_alone, curves, cell), cell, available, length, most)
 
 
 def choose_half_cells(
-    clamp: Callable[[int], ClampCurve], cell: CellCurve, available: int, length: float
+    clamp: Callable[[int], ClampCurve], cell: CellCurve, available: int, length: float, most: float = NOT_DECAYED
 ) -> tuple[int, float | None, Reason | None]:
     """So many half cells of an end piece that two more change the arm's end by less than DECAY.
 
     Longer ones are not tried where that is of no use: after MOST_FAILED lengths without an equilibrium, and where two
     more half cells have not reduced the change. Where walls touch, the slope at a moment depends on which nodes do.
 
-    clamp: gives that with so many half cells; available: half cells of the arm; length: mm, of the arm. Returns also
+    clamp: gives that with so many half cells; available: half cells of the arm; length: mm, of the arm; most: the
+    change beyond which the arm is said to have no undisturbed cells. Returns also
     the error of the arm's end by cells that the end still disturbs, over the length, and a reason where it is not known
     or has not decayed. Raises `NoArmLaw`.
     """
@@ -82,7 +86,7 @@ def choose_half_cells(
     why = next(reversed(failed.values()), why)
     if not errors:
         return min(borne, default=1), None, Reason("ends_unknown", {"why": why})
-    return _nearest(errors, why)
+    return _nearest(errors, why, most)
 
 
 def is_not_nearer(errors: Sequence[float]) -> bool:
@@ -90,13 +94,13 @@ def is_not_nearer(errors: Sequence[float]) -> bool:
     return len(errors) > 1 and errors[-1] > NOT_NEARER * errors[-2]
 
 
-def _nearest(errors: Mapping[int, float], why: str) -> tuple[int, float, Reason]:
+def _nearest(errors: Mapping[int, float], why: str, most: float) -> tuple[int, float, Reason]:
     """The half cells of the pair that differs least, and how much it and longer ones differ. Raises `NoArmLaw`.
 
     errors: over the length, by the half cells of the shorter end of a pair, rising.
     """
     half_cells = min(errors, key=lambda count: errors[count])
-    if errors[half_cells] > NOT_DECAYED:
+    if errors[half_cells] > most:
         percent = 100.0 * errors[half_cells]
         raise NoArmLaw(f"its two ends disturb all cells: two half cells more change its end by {percent:.2g} %")
     error = max(value for count, value in errors.items() if count >= half_cells)
@@ -107,9 +111,10 @@ def _nearest(errors: Mapping[int, float], why: str) -> tuple[int, float, Reason]
 def displacement(first: ClampCurve, second: ClampCurve, cell: CellCurve, length: float) -> float:
     """Largest displacement of the end of an arm of `length` mm by exchanging its clamped end, over the length.
 
-    Both without moment, to first order up to the moment that straightens the cell.
+    Both without moment, to first order up to the moment that straightens the cell, or the largest one that it bears.
     """
     straight = abs(cell.at(0.0)[0]) * float(np.interp(0.0, cell.moment, cell.rigidity))
+    straight = min(straight, float(np.abs(cell.moment).max()))
 
     def distance(name: str) -> float:
         """Of the values without moment, and of their slopes at that moment."""
@@ -217,7 +222,7 @@ def _begin(pieces: ArmPieces, cell: CellCurve, half_cells: int, start: Boundary)
 def _is_swollen(pieces: ArmPieces, cell: CellCurve) -> bool:
     """Whether the air of a cell without moment has grown far more than by first order."""
     air = float(np.interp(0.0, cell.moment, cell.volume.sum(axis=1))) * pieces.cell.body.length
-    return air > SWOLLEN * pieces.cell.volume(pieces.cell.rest().state)
+    return pieces.cell.is_swollen(air)
 
 
 def end_at(curves: PieceCurves, end: End[Curve], cell: CellCurve, half_cells: int) -> Measured[Curve]:

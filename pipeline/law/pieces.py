@@ -39,6 +39,7 @@ class ArmPieces:
     derivatives: bool = False  #: whether the curves have derivatives by the design
     by: tuple[str, ...] = ()  #: the parameters of these derivatives, such as geometry.wall; empty: all
     mesh_of: Config | None = None  #: the design whose mesh is moved to these dimensions; None: a mesh of its own
+    after_snap: bool = False  #: whether they have the form after the snap, where there are two
     _pieces: dict[tuple[int, Boundary], BendingPiece] = field(default_factory=dict, init=False, repr=False)
     _turned: dict[Hashable, BendingPiece] = field(default_factory=dict, init=False, repr=False)
 
@@ -47,7 +48,7 @@ class ArmPieces:
             raise NoArmLaw(reason)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        own = self.config, self.dhat, self.outer, self.derivatives, self.by, self.mesh_of
+        own = self.config, self.dhat, self.outer, self.derivatives, self.by, self.mesh_of, self.after_snap
         return ArmPieces, own  # a worker meshes its own
 
     @staticmethod
@@ -57,11 +58,15 @@ class ArmPieces:
 
     def with_derivatives(self) -> "ArmPieces":
         """The same pieces, whose curves have derivatives by the design (`pipeline.law.piece.rates`)."""
-        return ArmPieces(self.config, self.dhat, self.outer, True)
+        return replace(self, derivatives=True, by=(), mesh_of=None)
+
+    def after_snap_at(self, pressures_kPa: Sequence[float]) -> "ArmPieces":
+        """The same pieces in their form after the snap, at other pressures."""
+        return replace(self, config=replace(self.config, pressures_kPa=tuple(pressures_kPa)), after_snap=True)
 
     def with_mesh(self, mesh: MeshSettings) -> "ArmPieces":
         """The same pieces on another mesh, with the same contact and without derivatives."""
-        return ArmPieces(replace(self.config, mesh=mesh), self.dhat, self.outer)
+        return replace(self, config=replace(self.config, mesh=mesh), derivatives=False, by=(), mesh_of=None)
 
     def with_mesh_size(self, size_mm: float) -> "ArmPieces":
         """The same on a mesh of another size."""
@@ -71,13 +76,13 @@ class ArmPieces:
     def mesh_name(self) -> str:
         """What the folder of their curves is called: mixed_walls_2.7mm."""
         mesh = self.config.mesh
-        return f"{mesh.formulation}_{mesh.grading}_{mesh.size_mm:.12g}mm"
+        return f"{mesh.formulation}_{mesh.grading}_{mesh.size_mm:.12g}mm" + "_after_snap" * self.after_snap
 
     @property
     def key(self) -> Hashable:
         """Equal for equal pieces."""
         moved = None if self.mesh_of is None else self.mesh_of.hash
-        return self.config.hash, self.dhat, self.outer, self.derivatives, self.by, moved
+        return self.config.hash, self.dhat, self.outer, self.derivatives, self.by, moved, self.after_snap
 
     @property
     def walls(self) -> str:
@@ -166,7 +171,9 @@ class ArmPieces:
             body = turned(body, angle) if angle else body
             effects = [*make_layers(body, config), *self._contacts(body)]
             material, formulation = material_of(config), config.mesh.formulation
-            return BendingPiece(body, material, start, formulation, fractions, dhat, effects=effects)
+            piece = BendingPiece(body, material, start, formulation, fractions, dhat, effects=effects)
+            piece.after_snap = self.after_snap
+            return piece
         except (DesignError, MeshError) as failure:
             raise config.unmeshable(failure) from None
         except ContactError as failure:

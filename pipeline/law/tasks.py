@@ -81,6 +81,7 @@ class Log:
 
     limits: list[Reason] = field(default_factory=list)  #: before the loads that it is made for
     failures: list[Reason] = field(default_factory=list)  #: pressures that the pieces do not bear
+    swelling: list[float] = field(default_factory=list)  #: kPa, at which chambers have swollen
     factorizations: dict[str, int] = field(default_factory=lambda: dict.fromkeys(PARTS, 0))
     seconds: dict[str, float] = field(default_factory=lambda: dict.fromkeys(PARTS, 0.0))
 

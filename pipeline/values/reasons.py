@@ -120,6 +120,8 @@ TEMPLATES: Mapping[str, str] = {
     "law_measured": "measured on one cell and both ends from {lowest_kPa:g} to {highest_kPa:g} kPa; nothing is fitted "
     "to the arm as a whole",
     "piece_fails": "{why}",
+    "cell_swells": "the chambers of the cell swell",
+    "form_not_measured": "the form after the snap was not measured: {why}",
     "cell_softens": "at {pressure_kPa:g} kPa the law of the cell ends at a curvature of {kappa_per_mm:.4g} 1/mm, "
     "where the cell has lost most of its rigidity",
     "unstable_sideways": "out of its plane the {piece} is unstable at {pressure_kPa:g} kPa and a curvature of "

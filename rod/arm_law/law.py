@@ -234,6 +234,11 @@ class ArmLaw:
         """Without the swollen form: beyond the limit of the pressure it has no rod."""
         return replace(self, swollen=None) if self.swollen else self
 
+    def with_limit(self, rising: bool, *values: Any) -> "ArmLaw":
+        """With the limit of the form from rest, or of that after the snap, from the values of a `PressureLimit`."""
+        limit = PressureLimit(*values)
+        return replace(self, limit=limit) if rising else replace(self, back=limit)
+
     def form_at(self, pressure: float, *, after_snap: bool = False) -> "ArmLaw":
         """The law of one form: that which inflation from rest reaches at a pressure in kPa, or the swollen one.
 

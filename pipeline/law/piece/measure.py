@@ -220,7 +220,7 @@ def _next_point(piece: BendingPiece, sweep: CellSweep, change: float) -> CellPoi
     if len(sweep.points) > 1:
         before = sweep.points[-2 if outward > 0 else 1]
     angle = last.state.angle + change / last.slopes.moment_by_angle
-    if piece.is_swollen(last.state.state):
+    if piece.is_swollen(piece.volume(last.state.state)):
         most = SWELLING * piece.volume(last.state.state) / abs(last.slopes.moment_by_pressure)
         angle = float(np.clip(angle, last.state.angle - most, last.state.angle + most))
     for _ in range(MAX_RETRIES):

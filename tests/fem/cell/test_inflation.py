@@ -4,6 +4,7 @@ Tube in plane strain, incompressible: p = int W'(s) / (s^2 - 1) ds over the hoop
 wall (A. E. Green, W. Zerna, "Theoretical elasticity", 2nd ed. 1968).
 """
 
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -12,6 +13,7 @@ from scipy.integrate import quad
 from scipy.optimize import minimize_scalar
 
 from fem import Fixed, Ogden
+from fem.cell.design_change import DesignChange
 from fem.cell.inflation import AirPath, FreePoint, along_air, bent, extremum, inflated
 from fem.cell.piece import BendingPiece, PieceFailed, PieceState
 from fem.cell.response import slopes
@@ -176,3 +178,27 @@ def test_a_tube_that_stiffens_snaps_to_its_swollen_form_and_back() -> None:
     assert rising.volume(first.state) < np.exp(limit.air)
     assert rising.volume(second.state) > np.exp(back.air)
     assert inflated(rising, beyond, 0.0).distance == pytest.approx(inflated(swollen, beyond, 0.0).distance)
+
+
+def test_the_limit_pressure_grows_with_all_moduli(soft_cell: BendingPiece, soft_path: list[FreePoint]) -> None:
+    """In proportion, and with a wall as differences of pieces say."""
+    limit = extremum(soft_cell, *soft_path[-2:])
+
+    def of_law(factor: float) -> Ogden:
+        return Ogden((0.1 * factor,), (1.4,), 100.0 * factor)
+
+    stiffer = DesignChange.of_material(soft_cell, of_law(1.0 - 1e-4), of_law(1.0 + 1e-4), 2e-4)
+    points = soft_cell.space.points
+    wider = DesignChange.of_dimension(soft_cell, points * [0.0, 0.0, 1.0], 0.0)
+    by_moduli, by_width = (one.limit_rate(soft_cell, limit.state, limit.rate) for one in (stiffer, wider))
+    assert by_moduli == pytest.approx(limit.pressure, rel=1e-3)
+
+    def limit_of(factor: float) -> float:
+        body = half_cell(THICK, 6.0)
+        mesh = replace(body.mesh, points=body.mesh.points * [1.0, 1.0, factor])
+        middles = body.mesh.curved.middles * [1.0, 1.0, factor]
+        mesh = replace(mesh, curved=replace(mesh.curved, middles=middles))
+        piece = BendingPiece(replace(body, mesh=mesh), SOFT, "mirror", "mixed")
+        return extremum(piece, *top(AirPath.of(piece).points())).pressure
+
+    assert by_width == pytest.approx((limit_of(1.01) - limit_of(0.99)) / 0.02, rel=0.01)
