@@ -16,6 +16,7 @@ from pipeline.simulate.outcome import Outcomes, Record
 from pipeline.store.context import RunContext
 from pipeline.store.parallel import TaskContext
 from rod import (
+    PARAMETER_COLUMNS,
     PARAMETER_NAMES,
     Closure,
     Curvature,
@@ -34,6 +35,15 @@ from rod import (
     shortest_break,
     without_stretch,
 )
+
+
+def row_of(numbers: Mapping[str, Interval]) -> dict[str, float | tuple[float, float]]:
+    """The five parameters by their columns in every table: value, standard deviation and 95 % interval of each."""
+    row: dict[str, float | tuple[float, float]] = {}
+    for name, column in PARAMETER_COLUMNS.items():
+        number = numbers[name]
+        row |= {column: number.value, f"{column}_std": number.std, f"{column}_95": (number.low, number.high)}
+    return row
 
 
 @dataclass(frozen=True)

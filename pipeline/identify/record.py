@@ -7,7 +7,7 @@ from typing import Any
 from geometry.arrays import Array
 from pipeline.config.config import Config
 from pipeline.identify.mesh_error import RELATIVE
-from pipeline.identify.parameters import Parameters, decide_together
+from pipeline.identify.parameters import Parameters, decide_together, row_of
 from pipeline.identify.predicted import Predicted
 from pipeline.values.formats import FORMAT
 from pipeline.values.json_values import ReadObject
@@ -97,12 +97,9 @@ def _columns(numbers: Sequence[Mapping[str, Interval] | None], parameters: Seque
 
     parameters: those that tell whether a d lies at an end of the range in which it was sought.
     """
-    columns: dict[str, tuple[Any, ...]] = {}
-    for name, column in PARAMETER_COLUMNS.items():
-        intervals = [None if of_pressure is None else of_pressure[name] for of_pressure in numbers]
-        columns[column] = tuple(i and i.value for i in intervals)
-        columns[f"{column}_std"] = tuple(i and i.std for i in intervals)
-        columns[f"{column}_95"] = tuple(i and (i.low, i.high) for i in intervals)
+    rows = [row_of(of_pressure) if of_pressure else {} for of_pressure in numbers]
+    names = [f"{column}{part}" for column in PARAMETER_COLUMNS.values() for part in ("", "_std", "_95")]
+    columns: dict[str, tuple[Any, ...]] = {name: tuple(row.get(name) for row in rows) for name in names}
     pairs = [(i and i["d"], p) for i, p in zip(numbers, parameters, strict=True)]
     at_most = (d and p.given_d is None and bool(d.value <= 1.001 * p.shortest_break) for d, p in pairs)
     at_least = (d and p.given_d is None and bool(d.value >= 0.999 * p.longest_break) for d, p in pairs)

@@ -10,9 +10,8 @@ from pipeline.simulate.scene import mesh_with_progress
 from pipeline.simulate.too_short import too_short
 from pipeline.store.atomic_file import replacing
 from pipeline.store.progress import Progress
-from pipeline.store.result_folder import ResultFolder, open_folder
-from pipeline.store.store import check_owner
-from pipeline.values.errors import argument
+from pipeline.store.result_folder import ResultFolder
+from pipeline.store.store import open_store
 from pipeline.values.formats import BODY
 
 
@@ -36,10 +35,9 @@ def save_body(folder: ResultFolder, body: Body) -> Path:
 
 def mesh_alone(design: Config, folder: Path, _: int, __: bool, progress: Progress) -> MeshedArm:
     """Mesh the body and write mesh.vtu. Raises InputError for a folder that cannot be used."""
-    results = open_folder(folder)
-    check_owner(results.directory, design, f"give another {argument('out')}")
-    progress.stage("mesh")
-    body = mesh_with_progress(design, progress).body
-    file = save_body(results, body)
+    with open_store(folder, design, fresh=None) as store:
+        progress.stage("mesh")
+        body = mesh_with_progress(design, progress).body
+        file = save_body(store, body)
     notes = filter(None, (too_short(design), *check_body(body, design)))
     return MeshedArm(file, design, body, tuple(notes))

@@ -2,6 +2,7 @@
 
 import hashlib
 from collections.abc import Sequence
+from functools import cache
 from pathlib import Path
 
 from pipeline.store.provenance import installed, pinned
@@ -31,6 +32,12 @@ def result_key(config_hash: str, sources: Sequence[str]) -> str:
         digest.update(source.read_bytes())
     digest.update(repr(sorted((name, installed(name)) for name in pinned())).encode())
     return digest.hexdigest()
+
+
+@cache
+def program_key() -> str:
+    """sha256 of all sources and of the versions of the packages, when this process first asks for it."""
+    return result_key("", ALL_SOURCES)
 
 
 def source_files(names: Sequence[str]) -> list[Path]:

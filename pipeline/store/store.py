@@ -5,8 +5,6 @@ the packages these use; a state with another key is never used again.
 """
 
 import io
-import json
-import shutil
 import zipfile
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
@@ -19,21 +17,14 @@ from filelock import FileLock, Timeout
 from numpy.typing import ArrayLike, NDArray
 
 from pipeline.store.atomic_file import remove_parts, write_atomic
+from pipeline.store.owner import RUN, claim
 from pipeline.store.result_folder import ResultFolder, open_folder
 from pipeline.store.state_key import NUMBER_SOURCES, STATE_SOURCES, result_key
 from pipeline.values.errors import InputError, argument
-from pipeline.values.formats import PAIRS_PAGE
 from pipeline.values.json_values import JsonObject
 from pipeline.values.pressure import name_of_state
 
-_IDENTITY = "states/configuration.json"
 _LOCK = ".pneurod-lock"  #: there while a run is at work, and after one that was killed, whose lock the system releases
-_FOLDERS = ("states", "pictures", "fields", "rungs", "law", "law_in_space")
-_FILES = (
-    *("parameters.json", "experiments.json", "validation.json", "effects.json", "run.json"),
-    *("curves.csv", "validation_curves.csv", "mesh.vtu", "report.html", "I.pvd", "II.pvd", "III.pvd"),
-    *("accuracy.json", "accuracy.html", "law.json", "law_on_mesh_of_arm.json", "effects_table.json"),
-)
 
 
 class Configuration(Protocol):
@@ -74,27 +65,19 @@ class Store(ResultFolder):
 
 
 @contextmanager
-def open_store(directory: Path | str, config: Configuration, *, fresh: bool = False) -> Iterator[Store]:
+def open_store(directory: Path | str, config: Configuration, *, fresh: bool | None = False) -> Iterator[Store]:
     """The result directory for `config`, made if it is missing and locked against other runs until the block ends.
 
-    `fresh` first removes what earlier runs left in it. Raises InputError with one sentence
-    when the directory cannot be written, when another run is at work in it, or when it holds the results of another
-    configuration.
+    fresh: as in `claim`. Raises InputError as `claim` does, and where another run is at work in it.
     """
     folder = open_folder(directory).directory
     with locked(folder):
-        own = [folder, *(folder / name for name in _FOLDERS)]  # others below may belong to other runs
+        own = [folder, *(folder / name for name in RUN.folders)]  # others below may belong to other runs
         remove_parts(own)  # a worker of a killed run may still be ending
-        if fresh:
-            clear(folder)
-        if (folder / PAIRS_PAGE).is_file():
-            raise InputError(
-                f"{argument('out', folder)}: holds runs at pairs of pressures; give another {argument('out')}"
-            )
-        check_owner(folder, config, f"give another {argument('out')}, or {argument('fresh', True)} to replace them")
+        claim(folder, RUN, {"config_hash": config.hash}, fresh=fresh)
         keys = (result_key(config.hash, sources) for sources in (STATE_SOURCES, NUMBER_SOURCES))
         store = Store(folder, *keys)
-        store.save_json(_IDENTITY, {"config_hash": config.hash, "config": config.record()})
+        store.save_json(RUN.mark, {"config_hash": config.hash, "config": config.record()})
         try:
             yield store
         finally:
@@ -117,36 +100,6 @@ def locked(folder: Path) -> Iterator[None]:
         with suppress(OSError):  # Windows keeps a file that is open
             (folder / _LOCK).unlink()
         lock.release()
-
-
-def check_owner(folder: Path, config: Configuration, remedy: str) -> None:
-    """Raise InputError, with the remedy, for a folder that holds the results of another configuration."""
-    try:
-        owner = json.loads((folder / _IDENTITY).read_text(encoding="utf-8"))
-    except FileNotFoundError:
-        return
-    except (OSError, ValueError):
-        owner = {}
-    if owner.get("config_hash") != config.hash:
-        raise InputError(f"{argument('out', folder)}: holds the results of another configuration or version; {remedy}")
-
-
-def check_no_run(folder: Path) -> None:
-    """Raise InputError for a folder that holds the results of a run."""
-    if (folder / _IDENTITY).is_file():
-        raise InputError(
-            f"{argument('out', folder)}: holds the results of a run with one pressure; give another {argument('out')}"
-        )
-
-
-def clear(folder: Path) -> None:
-    """Remove what an earlier run left in `folder`, and nothing else."""
-    if not (folder / _IDENTITY).is_file():
-        return
-    for name in _FILES:
-        (folder / name).unlink(missing_ok=True)
-    for name in _FOLDERS:
-        shutil.rmtree(folder / name, ignore_errors=True)
 
 
 def _state_file(experiment: str, pressure_kPa: float) -> str:

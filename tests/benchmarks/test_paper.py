@@ -14,8 +14,8 @@ from benchmarks.paper.measures import aligned_distance, line, sign_change
 from benchmarks.paper.page import number, overview, write_page
 from benchmarks.paper.reading import CONTRADICTED, MISSING, REPRODUCED, UNDECIDED, Claim, Reading
 from geometry import Centreline
-from pipeline.study.sweep.points import Point, points_of
-from pipeline.study.sweep.spec import read_sweep
+from pipeline.study.sweep.points import Point
+from pipeline.study.sweep.spec import points_of, read_sweep
 
 HERE = Path(__file__).resolve().parent.parent.parent
 YES, NO, OPEN = (1.0, 0.9, 1.1), (3.0, 2.9, 3.1), (2.0, 1.9, 2.1)
@@ -130,7 +130,7 @@ def test_every_point_of_the_sweeps_of_the_paper_is_a_configuration(mesh: str) ->
     files = sorted((HERE / "configs" / "paper" / mesh).glob("*.yaml"))
     assert len(files) == 7
     for file in files:
-        points = points_of(read_sweep(file))
+        points = points_of(read_sweep(file), Path())
         assert len(points) >= 2
         assert all(isinstance(point, Point) for point in points), file
 

@@ -11,8 +11,8 @@ from pipeline.answers.material.laws import STATES, nominal
 from pipeline.answers.material.page import material_page
 from pipeline.answers.material.sentences import yaml_line
 from pipeline.answers.material.study import FitOptions, Material, fit_tests
+from pipeline.store.owner import MATERIAL, claim
 from pipeline.store.provenance import provenance
-from pipeline.store.result_folder import open_folder
 from pipeline.values.formats import FORMAT
 from pipeline.values.json_values import JsonObject
 
@@ -25,7 +25,7 @@ def fit_material(paths: Sequence[Path], options: FitOptions, out: Path) -> Mater
     Raises InputError, and RunFailed where no law has constants for the tests.
     """
     material = fit_tests(paths, options)
-    store = open_folder(out)
+    store = claim(out, MATERIAL)
     store.save_json("material.json", _record(paths, material))
     store.save_rows("material_curves.csv", CURVE_COLUMNS, _curves(material))
     store.save_text("material.html", material_page(material))

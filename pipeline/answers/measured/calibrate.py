@@ -11,14 +11,15 @@ from pipeline.answers.measured.aligned import aligned
 from pipeline.answers.measured.calibration import Calibration, calibrated, law_to_calibrate
 from pipeline.answers.measured.page import comparison_page
 from pipeline.answers.measured.predicted import LawRods
-from pipeline.answers.measured.saved import calibrated_config, folder_for, read_calibration, save_calibration
+from pipeline.answers.measured.saved import calibrated_config, read_calibration, save_calibration
 from pipeline.answers.measured.table import read_measurements
 from pipeline.answers.measured.unknowns import MODULUS
 from pipeline.answers.rods.in_time import with_remark
 from pipeline.answers.rods.ratio import run_along
 from pipeline.results.files import read_results
 from pipeline.results.verdict import Verdict, verdict_of
-from pipeline.values.errors import RunFailed
+from pipeline.store.owner import CALIBRATION, claim
+from pipeline.values.errors import InputError, RunFailed, argument
 from pipeline.values.reasons import render, report_reason
 from pipeline.values.record import Reported
 from pipeline.values.run import Run
@@ -71,7 +72,10 @@ def calibrate_files(
     options = options or CalibrateOptions()
     run, measurements = run_along(folder, options.ratio), read_measurements(file)
     law = law_to_calibrate(run)
-    store = folder_for(out or folder.with_name(f"{folder.name}_calibrated"), folder)
+    out = out or folder.with_name(f"{folder.name}_calibrated")
+    if out.resolve() == folder.resolve():
+        raise InputError(f"{argument('out', out)}: is the folder of the law itself; give another one")
+    store = claim(out, CALIBRATION)
     if options.align:
         measurements = aligned(measurements, LawRods(law))
     found = calibrated(law, run.config, measurements, options.free)

@@ -17,8 +17,8 @@ from pipeline.results.laws import law_record
 from pipeline.results.unloaded import unloaded_states
 from pipeline.store.atomic_file import write_atomic
 from pipeline.store.provenance import provenance
-from pipeline.store.result_folder import ResultFolder, open_folder
-from pipeline.values.errors import InputError, argument
+from pipeline.store.result_folder import ResultFolder
+from pipeline.values.errors import InputError
 from pipeline.values.formats import BODY, FORMAT
 from pipeline.values.json_values import JsonObject
 from pipeline.values.record import Reported
@@ -36,18 +36,6 @@ class SavedCalibration:
     unknowns: tuple[Unknown, ...]
     setup: Setup
     posterior: Posterior
-
-
-def folder_for(out: Path, source: Path) -> ResultFolder:
-    """A folder for a calibrated arm; source: that of the law.
-
-    Raises InputError for the source itself, and for a folder with other results than an earlier calibration.
-    """
-    held = next((name for name in ("law.json", "run.json") if (out / name).exists()), None)
-    if held and (out.resolve() == source.resolve() or not (out / FILE).exists()):
-        replaced = "and only an earlier calibration of another folder is replaced"
-        raise InputError(f"{argument('out', out)}: holds {held}, {replaced}; give another folder")
-    return open_folder(out)
 
 
 def save_calibration(

@@ -14,7 +14,7 @@ from pipeline.answers.rods.in_time import body_of
 from pipeline.answers.rods.rods import Rods
 from pipeline.config.units import PRESSURE, TIME, Dimension, convert
 from pipeline.results.options import option_pressures, option_value
-from pipeline.store.result_folder import open_folder
+from pipeline.store.owner import MOTION, claim
 from pipeline.values.errors import InputError, RunFailed, argument, ask
 from pipeline.values.page import figure_page
 from pipeline.values.plots import COLOURS, GREY, Line, Panel, ordered_colour
@@ -114,7 +114,7 @@ def move_arm(run: Run, rods: Rods, asked: Asked, out: Path) -> ArmMotion:
     shared = [ONE_BY_ONE.format(limit.value)] if limit else []
     columns = _columns(moved, split_along(asked.loading.along)[1])
     made = ArmMotion(moved, columns, (damped, *rods.notes, *shared, *moved.notes), out)
-    folder = open_folder(out)
+    folder = claim(out, MOTION)
     folder.save_rows("motion.csv", tuple(made.columns), np.column_stack(tuple(made.columns.values())).tolist())
     folder.save_text("motion.html", figure_page("An arm in time", motion_panels(moved)))
     if moved.reason:

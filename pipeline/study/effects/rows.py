@@ -1,21 +1,10 @@
 """The numbers and the cost of the variants of an effect study, and their changes against the configuration."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field, replace
 
-from pipeline.config.config import Config
-from pipeline.identify.parameters import Parameters, identify_all
-from pipeline.simulate.outcome import Outcomes
-from pipeline.simulate.scene import Scene
-from pipeline.simulate.simulate import simulate
-from pipeline.store.context import RunContext
-from pipeline.study.sweep.record import Row
-from pipeline.values.reasons import render, render_all
 from pipeline.values.table import Table
-from rod.same_pressure import is_among
 
-#: what is run on a variant, as in a sweep
-EFFECTS_RUN = ("effects",)
 BASE = "as configured"
 #: number of a row -> title of its column
 COLUMNS = {
@@ -30,8 +19,11 @@ _OTHER_STATES = "*"
 
 
 @dataclass(frozen=True)
-class VariantRow:
-    """Numbers and cost of a variant at one pressure; None where a state, or the five parameters, are missing."""
+class EffectRow:
+    """A row of effects_table.json: numbers and cost of a variant at one pressure, and what it changes.
+
+    None where a state, or the five parameters, are missing.
+    """
 
     pressure_kPa: float
     kappa_0_middle_per_mm: float | None = None
@@ -50,12 +42,6 @@ class VariantRow:
     degrees_of_freedom: int | None = None
     states: int | None = None
     reason: str = ""  #: why a number is missing
-
-
-@dataclass(frozen=True)
-class EffectRow(VariantRow):
-    """A row of effects_table.json: a variant at one pressure, and its changes against the configuration."""
-
     effect: str = BASE
     state: str = ""
     other_states: bool = False  #: whether more or fewer states were reached than as configured, so that costs differ
@@ -67,67 +53,15 @@ class EffectRow(VariantRow):
         return f"{self.effect} {self.state}".strip()
 
 
-def solve_variant(config: Config, context: RunContext) -> tuple[list[Row], list[str]]:
-    """II and III: a `VariantRow` for every pressure, and a sentence for each missing number."""
-    scene = Scene.meshed(config)
-    rows = variant_rows(scene, simulate(scene, context, ("III", "II")))
-    return [asdict(row) for row in rows], list(dict.fromkeys(row.reason for row in rows if row.reason))
-
-
-def variant_rows(scene: Scene, outcomes: Outcomes) -> list[VariantRow]:
-    """Numbers, cost and what is missing, at every pressure of the configuration."""
-    config, pitch = scene.config, scene.body.pitch
-    # by the criterion alone: whether two lines need contact is what this study shows
-    parameters, refused = identify_all(outcomes, pitch, config.identification.d_mm, equal_cells=False)
-    identified = {at_pressure.pressure_kPa: at_pressure for at_pressure in parameters}
-    without = [pressure for pressure in outcomes.reached_kPa if pressure not in identified]
-    reasons = dict(zip(without, map(render, refused), strict=True))
-    for pressure in config.pressures_kPa:
-        if not is_among(outcomes.reached_kPa, pressure):
-            stopped = (outcome.why_stopped() for outcome in outcomes if outcome.at(pressure) is None)
-            reasons[pressure] = render_all(filter(None, stopped))
-    return [
-        _row(outcomes, pressure, pitch, identified.get(pressure), reasons.get(pressure, ""))
-        for pressure in config.pressures_kPa
-    ]
-
-
-def _row(outcomes: Outcomes, pressure: float, pitch: float, parameters: Parameters | None, reason: str) -> VariantRow:
-    """From the states at one pressure, as far as they were reached, and the parameters, if there are any."""
-    free, loaded = outcomes["II"].at(pressure), outcomes["III"].at(pressure)
-    return VariantRow(
-        pressure,
-        kappa_0_middle_per_mm=free.kappa_middle(pitch) if free else None,
-        end_force_N=loaded.load.force[1] if loaded else None,
-        end_y_II_mm=free.state.end_mm[1] if free else None,
-        stretch_of_curve=(free.centreline.stretch if free else None, loaded.centreline.stretch if loaded else None),
-        contact=any("self_contact" in record.effects for record in (free, loaded) if record),
-        cpu_seconds=outcomes.cpu_seconds,
-        factorizations=outcomes.factorizations + outcomes.failed_factorizations,
-        degrees_of_freedom=outcomes.degrees_of_freedom,
-        states=len(outcomes.records),
-        reason=reason,
-        alpha1_N_mm2=parameters.numbers["alpha1"].value if parameters else None,
-        alpha2_N_mm2=parameters.numbers["alpha2"].value if parameters else None,
-        d_mm=parameters.numbers["d"].value if parameters and parameters.two_lines else None,
-        single_line_suffices=not parameters.two_lines if parameters else None,
-        r2_single_line=parameters.by_cells.single_line.r2 if parameters else None,
-        r2_two_lines=parameters.by_cells.r2 if parameters else None,
-    )
-
-
-def compared(variants: Sequence[tuple[str, str, Sequence[VariantRow]]]) -> list[EffectRow]:
-    """Rows of effects_table.json from the rows of (effect, state); changes are relative to those of `BASE`."""
-    as_configured = {row.pressure_kPa: row for effect, _, rows in variants if effect == BASE for row in rows}
+def compared(rows: Sequence[EffectRow]) -> list[EffectRow]:
+    """The rows with their changes against those of `BASE`."""
+    as_configured = {row.pressure_kPa: row for row in rows if row.effect == BASE}
     table = []
-    for effect, state, rows in variants:
-        for row in rows:
-            base = as_configured.get(row.pressure_kPa, VariantRow(row.pressure_kPa))
-            other_states = None not in (row.states, base.states) and row.states != base.states
-            changes = {name: _change(getattr(row, name), getattr(base, name)) for name in (*COLUMNS, "cpu_seconds")}
-            table.append(
-                EffectRow(**vars(row), effect=effect, state=state, other_states=other_states, relative_change=changes)
-            )
+    for row in rows:
+        base = as_configured.get(row.pressure_kPa, EffectRow(row.pressure_kPa))
+        other_states = None not in (row.states, base.states) and row.states != base.states
+        changes = {name: _change(getattr(row, name), getattr(base, name)) for name in (*COLUMNS, "cpu_seconds")}
+        table.append(replace(row, other_states=other_states, relative_change=changes))
     return table
 
 

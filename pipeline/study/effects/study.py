@@ -12,10 +12,10 @@ from pipeline.simulate.scene import GAP, Scene, faces_of
 from pipeline.simulate.too_short import why_too_short
 from pipeline.store.progress import Progress
 from pipeline.store.result_folder import ResultFolder
-from pipeline.study.effects.rows import BASE, EFFECTS_RUN, EffectRow, VariantRow, compared
-from pipeline.study.sweep.points import Point
+from pipeline.study.effects.rows import BASE, EffectRow, compared
+from pipeline.study.sweep.points import Point, PointResult
+from pipeline.study.sweep.spec import VARIANT
 from pipeline.study.sweep.study import Course, PointSet, solve_points
-from pipeline.study.sweep.table import SolvedPoint
 from pipeline.study.sweep.workers import LocalWorkers
 from pipeline.values.reasons import render
 
@@ -42,30 +42,31 @@ def compare_effects(config: Config, out: Path, jobs: int, fresh: bool, progress:
     A variant that cannot be solved has its reason there. Raises InputError for a body that cannot be meshed or a folder
     that cannot be used.
     """
-    points = variants(Scene.meshed(config))
+    points = variants(Scene.meshed(config), out)
     if reason := why_too_short(config):
         progress.remark(f"{render(reason)}; curvature, force and end are compared without them")
     if keys := _without_density(config):
         example = f"give {' and '.join(keys)}, for example 1130 kg/m^3"
         progress.remark(f"gravity is not varied: no density is given; {example}")
 
-    def rows(solved: Sequence[SolvedPoint]) -> list[EffectRow]:
-        named = [(str(one.values["effect"]), str(one.values["state"]), _rows(config, one)) for one in solved]
-        return compared(named)
-
-    def save(folder: ResultFolder, solved: Sequence[SolvedPoint], _: bool) -> None:
-        folder.save_json(TABLE, [asdict(row) for row in rows([one for one in solved if one.rows or one.reason])])
+    def save(folder: ResultFolder, solved: Sequence[PointResult], _: bool) -> None:
+        ended = [one for one in solved if one.rows or one.reason]
+        folder.save_json(TABLE, [*map(asdict, _rows(config, ended))])
 
     identity = {"name": f"effects of {config.name}", "config_hash": config.hash}
-    own = PointSet(out, identity, EFFECTS_RUN, points, (TABLE,), save)
+    own = PointSet(out, identity, points, save)
     course = Course(LocalWorkers.of(jobs), fresh, progress.stage)
-    return EffectsTable(out, rows(solve_points([own], course)[0]))
+    return EffectsTable(out, _rows(config, solve_points([own], course)[0]))
 
 
-def _rows(config: Config, point: SolvedPoint) -> Sequence[VariantRow]:
-    """The rows of a variant; without numbers where it could not be solved."""
-    known = TypeAdapter(tuple[VariantRow, ...]).validate_python(point.rows)
-    return known or [VariantRow(pressure, reason=point.reason) for pressure in config.pressures_kPa]
+def _rows(config: Config, solved: Sequence[PointResult]) -> list[EffectRow]:
+    """The rows of the table; without numbers where a variant could not be solved."""
+    rows = [
+        {"effect": one.values["effect"], "state": one.values["state"], **row}
+        for one in solved
+        for row in one.rows or [{"pressure_kPa": p, "reason": one.reason} for p in config.pressures_kPa]
+    ]
+    return compared(TypeAdapter(list[EffectRow]).validate_python(rows))
 
 
 def _without_density(config: Config) -> list[str]:
@@ -75,8 +76,8 @@ def _without_density(config: Config) -> list[str]:
     return lacking if config.mass_tonne is None else []
 
 
-def variants(scene: Scene) -> list[Point]:
-    """The configuration, and those that differ from it in one effect.
+def variants(scene: Scene, out: Path) -> list[Point]:
+    """The configuration, and those that differ from it in one effect, in folders below `out`.
 
     Pressure is not varied: without it the arm does not bend. Contact is left out where no faces can meet, the half body
     where the body is whole, layer and hoops where the mesh has no faces for them, gravity where a density is missing.
@@ -96,9 +97,10 @@ def variants(scene: Scene) -> list[Point]:
             del flipped[name]
     if _without_density(config):
         del flipped["gravity"]
-    points = [Point(1, {"effect": BASE, "state": ""}, config)]
+    run, out = (VARIANT,), out.resolve()
+    points = [Point(1, {"effect": BASE, "state": ""}, config, run, out)]
     for number, name in enumerate(sorted(flipped, key=EFFECTS.index), start=2):
         state = flipped[name]
         setting = {"effect": name, "state": "on" if state == "auto" else state}
-        points.append(Point(number, setting, config.with_effect(name, state)))
+        points.append(Point(number, setting, config.with_effect(name, state), run, out))
     return points

@@ -17,14 +17,15 @@ from pipeline.law.study import measure_law
 from pipeline.results.files import LAW, folder_of
 from pipeline.results.laws import law_record
 from pipeline.run import run
+from pipeline.store.owner import PAIRS, claim
 from pipeline.store.progress import Progress
 from pipeline.store.provenance import provenance
-from pipeline.store.result_folder import ResultFolder, open_folder
-from pipeline.store.store import check_no_run
+from pipeline.store.result_folder import ResultFolder
 from pipeline.values.errors import InputError, RunFailed
 from pipeline.values.formats import FORMAT, PAIRS_PAGE
 from pipeline.values.formatting import percent
 from pipeline.values.json_values import JsonObject
+from pipeline.values.page import page
 from pipeline.values.run import Run
 from rod.arm_law.between import measure_disagreement
 from rod.arm_law.law import ArmLaw
@@ -69,10 +70,9 @@ def run_pairs(spec: PairSpec, out: Path, jobs: int, fresh: bool, progress: Progr
 
     Raises InputError and RunFailed as `pipeline.run.run`, and InputError for a folder with the results of another run.
     """
-    open_folder(out)
-    check_no_run(out)
-    for name in (LAW, PAIRS_PAGE):
-        (out / name).unlink(missing_ok=True)
+    folder = claim(out, PAIRS)
+    folder.save_text(PAIRS_PAGE, page(f"{spec.name}: not finished"))
+    folder.path(LAW).unlink(missing_ok=True)
     configs = {direction: spec.config(direction, pressures) for direction, pressures in spec.rays.items()}
     runs: dict[float, Run] = {}
     for direction, config in configs.items():

@@ -4,7 +4,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
 from math import isfinite, prod
-from typing import TypeAlias
 
 import numpy as np
 from scipy.stats import qmc
@@ -12,11 +11,9 @@ from scipy.stats import qmc
 from geometry.arrays import Array
 from pipeline.config.section import read_each
 from pipeline.config.units import in_unit_of, number_and_unit
+from pipeline.study.sweep.points import Setting
 from pipeline.values.errors import quoted
 from pipeline.values.json_values import Written
-
-#: the values of some keys at one point, by dotted key
-Setting: TypeAlias = Mapping[str, Written]
 
 #: more points than this are refused: a mistyped range is more likely than so many designs
 MOST_POINTS = 100_000
@@ -41,11 +38,6 @@ class Axis:
     def keys(self) -> tuple[str, ...]:
         """The dotted keys."""
         return tuple(self.settings[0])
-
-
-def switch_as_word(value: Written) -> Written:
-    """on or off for a switch, as it is written in a file, which YAML reads as true or false; else the value itself."""
-    return {True: "on", False: "off"}[value] if isinstance(value, bool) else value
 
 
 def check_value(value: Written) -> None:

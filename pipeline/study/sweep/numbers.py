@@ -8,19 +8,24 @@ import numpy as np
 from pipeline.config.config import Config
 from pipeline.identify.compare import Comparison
 from pipeline.identify.mesh_error import RELATIVE
-from pipeline.identify.parameters import Parameters
+from pipeline.identify.parameters import Parameters, identify_all, row_of
 from pipeline.law.build import MeasuredLaw
 from pipeline.results.unloaded import unloaded_states
 from pipeline.simulate.outcome import Outcomes, Record
+from pipeline.simulate.scene import Scene
 from pipeline.stages import SolvedRun
-from pipeline.study.sweep.record import Row
+from pipeline.study.sweep.points import Row
 from pipeline.values.law import DRAFT
-from rod import PARAMETER_COLUMNS
+from pipeline.values.reasons import render, render_all
 from rod.arm_law.curves import CellCurve
-from rod.same_pressure import is_same
+from rod.same_pressure import is_among, is_same
 
 #: further columns of a state, by their names in experiments.json
 _OF_STATE = ("cavity_volume_mm3", "stretch_of_curve", "min_J", "max_stretch", "min_gap_mm", "stress_error")
+#: what effects are compared by, and its column among those of the states
+_OF_VARIANT = {
+    "kappa_0_middle_per_mm": "II_kappa_middle_per_mm", "end_force_N": "III_force_y_N", "end_y_II_mm": "II_end_y_mm",
+}  # fmt: skip
 
 
 def rows_of_run(solved: SolvedRun) -> list[Row]:
@@ -49,6 +54,47 @@ def rows_of_experiments(config: Config, outcomes: Outcomes, remark: str) -> list
         {**_arm(config), "pressure_kPa": pressure, **_states(outcomes, pressure, config.design.pitch), **notes}
         for pressure in config.pressures_kPa
     ]
+
+
+def rows_of_variant(scene: Scene, outcomes: Outcomes) -> list[Row]:
+    """What II and III give with an effect on or off, what they cost, and why a number is missing, at every pressure."""
+    config = scene.config
+    # by the criterion alone: whether two lines need contact is what this study shows
+    parameters, refused = identify_all(outcomes, scene.body.pitch, config.identification.d_mm, equal_cells=False)
+    identified = {one.pressure_kPa: one for one in parameters}
+    without = [pressure for pressure in outcomes.reached_kPa if pressure not in identified]
+    reasons = dict(zip(without, map(render, refused), strict=True))
+    for pressure in config.pressures_kPa:
+        if not is_among(outcomes.reached_kPa, pressure):
+            stopped = (outcome.why_stopped() for outcome in outcomes if outcome.at(pressure) is None)
+            reasons[pressure] = render_all(filter(None, stopped))
+    cost: Row = {
+        "cpu_seconds": outcomes.cpu_seconds,
+        "factorizations": outcomes.factorizations + outcomes.failed_factorizations,
+        "degrees_of_freedom": outcomes.degrees_of_freedom,
+        "states": len(outcomes.records),
+    }
+    rows: list[Row] = []
+    for p in config.pressures_kPa:
+        states, five = _states(outcomes, p, scene.body.pitch), identified.get(p)
+        records = (record for outcome in outcomes if (record := outcome.at(p)))
+        row: Row = {"pressure_kPa": p, **{name: states.get(column) for name, column in _OF_VARIANT.items()}}
+        row |= {"stretch_of_curve": [states.get(f"{name}_stretch_of_curve") for name in ("II", "III")]}
+        row |= {"contact": any("self_contact" in record.effects for record in records)}
+        rows.append({**row, **(_lines(five) if five else {}), **cost, "reason": reasons.get(p, "")})
+    return rows
+
+
+def _lines(parameters: Parameters) -> Row:
+    """Rigidities and break, and what speaks for two lines."""
+    found, two = row_of(parameters.numbers), parameters.two_lines
+    return {
+        **{name: found[name] for name in ("alpha1_N_mm2", "alpha2_N_mm2")},
+        "d_mm": found["d_mm"] if two else None,
+        "single_line_suffices": not two,
+        "r2_single_line": parameters.by_cells.single_line.r2,
+        "r2_two_lines": parameters.by_cells.r2,
+    }
 
 
 def rows_of_law(config: Config, measured: MeasuredLaw | None) -> list[Row]:
@@ -92,12 +138,10 @@ def _state(record: Record, pitch: float, side: float) -> Row:
 
 
 def _five(parameters: Parameters) -> Row:
-    row: Row = {"kappa_0_middle_per_mm": parameters.kappa_0.middle}
-    for name, column in PARAMETER_COLUMNS.items():
-        number = parameters.numbers[name]
-        row |= {column: number.value, f"{column}_std": number.std}
+    found = {name: number for name, number in row_of(parameters.numbers).items() if not name.endswith("_95")}
     errors: Row = {f"{name}_mesh_error": parameters.mesh_errors.get(name) for name in RELATIVE}
-    return {**row, "two_lines": bool(parameters.two_lines), **errors}
+    middle, two = parameters.kappa_0.middle, bool(parameters.two_lines)
+    return {"kappa_0_middle_per_mm": middle, **found, "two_lines": two, **errors}
 
 
 def _errors(comparisons: Iterable[Comparison]) -> Row:

@@ -1,28 +1,65 @@
-"""The points of a sweep: their values, their folders, and their configurations or why these are refused."""
+"""A point of a study: its values, its configuration and its folder; and how the work on it ended.
+
+Small, for a worker reads it before the numerical libraries are loaded.
+"""
 
 import hashlib
 import re
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TypeAlias
 
 from pipeline.config.config import Config
-from pipeline.config.load import checked, for_command
-from pipeline.simulate.simulate import why_not_free
-from pipeline.study.sweep.axes import Setting, switch_as_word
-from pipeline.study.sweep.spec import CELL, Run, Sweep, document_of
-from pipeline.values.errors import ConflictError, InputError
-from pipeline.values.reasons import render
+from pipeline.store.kept import KeptFile
+from pipeline.store.result_folder import ResultFolder
+from pipeline.store.state_key import program_key
+from pipeline.values.json_values import Json, Written
 
+#: the folder of the points, and the file in the folder of each that keeps its result
+POINTS, FILE = "points", "sweep_point.json"
+#: how a point ended: everything was reached; something was not; nothing was; its configuration is refused
+FINISHED, INCOMPLETE, FAILED, REFUSED = "finished", "incomplete", "failed", "refused"
+#: of a point that has not ended yet, or whose work was ended from outside; the same command does it
+WAITING = "waiting"
 #: characters of the values in the name of a folder
 LONGEST_NAME = 60
+
+#: the values of some keys at one point, by dotted key
+Setting: TypeAlias = Mapping[str, Written]
+#: the numbers of a point at one pressure by column
+Row = dict[str, Json]
+
+
+def switch_as_word(value: Written) -> Written:
+    """on or off for a switch, as it is written in a file, which YAML reads as true or false; else the value itself."""
+    return {True: "on", False: "off"}[value] if isinstance(value, bool) else value
+
+
+@dataclass(frozen=True)
+class PointResult:
+    """How the work on a point ended, as in sweep.json."""
+
+    status: str  #: one of the words above
+    reason: str = ""  #: why not everything was reached, one sentence; empty where it was
+    rows: tuple[Row, ...] = field(default=(), repr=False)  #: one per pressure
+    seconds: float = 0.0  #: wall time on its worker
+    number: int = 0  #: of the point
+    folder: str = ""  #: relative to that of the study; empty for a refused point
+    values: Setting = field(default_factory=dict)  #: of the point
 
 
 @dataclass(frozen=True)
 class Point:
-    """A design of a sweep."""
+    """A design of a study and what is to be done on it. It is sent to a worker."""
 
     number: int  #: from 1 on, in the order of the axes
     setting: Setting  #: the values of the axes
     config: Config
+    run: tuple[str, ...]  #: as in the file of the sweep
+    out: Path  #: folder of the study, absolute, on a file system that all workers see
+    #: sha256 of the sources and packages, which the worker compares with its own
+    program: str = field(default_factory=program_key)
 
     @property
     def name(self) -> str:
@@ -34,58 +71,13 @@ class Point:
         readable = re.sub(r"[^A-Za-z0-9.=+_-]", "", values)[:LONGEST_NAME]
         return f"{readable}_{self.config.hash[:8]}"
 
-    def work_key(self, sources_key: str, run: Run) -> str:
-        """sha256 of what decides its result: sources and packages, configuration, and what is run."""
-        return hashlib.sha256(
-            "|".join((sources_key, self.config.hash, *["draft"] * self.config.draft, *run)).encode()
-        ).hexdigest()
+    @property
+    def folder(self) -> Path:
+        """Where its files are."""
+        return self.out / POINTS / self.name
 
-
-@dataclass(frozen=True)
-class RefusedPoint:
-    """A point whose configuration is refused."""
-
-    number: int
-    setting: Setting
-    reason: str  #: one sentence
-
-
-def points_of(sweep: Sweep) -> list[Point | RefusedPoint]:
-    """All points in the order of the axes.
-
-    Raises InputError where a value of an axis is refused at every point that has it, as an unknown key or a wrong unit
-    is, and where no point at all is left.
-    """
-    unchecked: dict[int, InputError] = {}
-    points: list[Point | RefusedPoint] = []
-    for number, setting in enumerate(sweep.settings, start=1):
-        try:
-            document = document_of(sweep, setting)
-            try:
-                config, _ = for_command(CELL if sweep.run == (CELL,) else "run", document, checked)
-            except InputError as failure:
-                if not isinstance(failure, ConflictError):
-                    unchecked[number] = failure
-                raise
-            if sweep.run == ("I",) and (reason := why_not_free(config)):
-                raise InputError(f"{render(reason)}, and run names no other one")
-            points.append(Point(number, setting, config))
-        except InputError as failure:
-            points.append(RefusedPoint(number, setting, "; ".join(failure.sentences)))
-    _refuse_axes(sweep, unchecked)
-    refused = [point for point in points if isinstance(point, RefusedPoint)]
-    if len(refused) == len(points):
-        raise InputError(f"every point of {sweep.source} is refused; the first one: {refused[0].reason}")
-    return points
-
-
-def _refuse_axes(sweep: Sweep, unchecked: dict[int, InputError]) -> None:
-    """Raise the refusal of a value of an axis that no point can have."""
-    for value in (value for axis in sweep.axes for value in axis.settings if unchecked):
-        having = [
-            number
-            for number, setting in enumerate(sweep.settings, start=1)
-            if all(setting[key] == entry for key, entry in value.items())
-        ]
-        if having and all(number in unchecked for number in having):
-            raise unchecked[having[0]]
+    @property
+    def kept(self) -> KeptFile[PointResult]:
+        """Where its result is kept, with what decides it: sources and packages, configuration, and what is run."""
+        decides = "|".join((self.program, self.config.hash, *["draft"] * self.config.draft, *self.run))
+        return KeptFile(ResultFolder(self.folder), FILE, PointResult, hashlib.sha256(decides.encode()).hexdigest())

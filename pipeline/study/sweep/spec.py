@@ -1,4 +1,4 @@
-"""The file of a sweep: a base configuration, what is run on every point, and the axes."""
+"""The file of a sweep: a base configuration, what is run on every point, and the axes, which give the points."""
 
 import hashlib
 from collections.abc import Iterator, Sequence
@@ -8,6 +8,7 @@ from json import dumps
 from pathlib import Path
 from typing import Annotated, Any
 
+from pipeline.config import load
 from pipeline.config.document import Document, read_document
 from pipeline.config.kinds import Base, Count, CountFromZero, Name, above_zero, list_of, not_empty
 from pipeline.config.section import (
@@ -22,12 +23,17 @@ from pipeline.config.section import (
     section,
     wrong,
 )
-from pipeline.study.sweep.axes import Axis, Setting, axis_of, check_value, combined, latin_hypercube
-from pipeline.values.errors import quoted
+from pipeline.simulate.simulate import why_not_free
+from pipeline.study.sweep.axes import Axis, axis_of, check_value, combined, latin_hypercube
+from pipeline.study.sweep.points import REFUSED, Point, PointResult, Setting
+from pipeline.values.errors import ConflictError, InputError, quoted
 from pipeline.values.json_values import JsonObject, Written
+from pipeline.values.reasons import render
 
 #: what may be run on a point: the whole run, the arm's own law, or some of the experiments
 WHOLE, CELL = "whole", "cell"
+#: II and III with the numbers that effects are compared by; it stands in no file
+VARIANT = "effects"
 EXPERIMENTS = ("I", "II", "III")
 #: one of the two words, or names of experiments
 Run = tuple[str, ...]
@@ -127,3 +133,44 @@ def document_of(sweep: Sweep, setting: Setting) -> Document:
     """The base configuration with the values of one point put in. Raises InputError where a key cannot be put in."""
     values = [(key, dumps(value)) for key, value in {**sweep.common, **setting}.items()]
     return sweep.base_document.with_values(values, lambda key: f"{sweep.source}: {key}")
+
+
+def points_of(sweep: Sweep, out: Path) -> list[Point | PointResult]:
+    """All points in the order of the axes, with the results of those whose configuration is refused; out: the folder.
+
+    Raises InputError where a value of an axis is refused at every point that has it, as an unknown key or a wrong unit
+    is, and where no point at all is left.
+    """
+    unchecked: dict[int, InputError] = {}
+    points: list[Point | PointResult] = []
+    for number, setting in enumerate(sweep.settings, start=1):
+        try:
+            document = document_of(sweep, setting)
+            try:
+                config, _ = load.for_command(CELL if sweep.run == (CELL,) else "run", document, load.checked)
+            except InputError as failure:
+                if not isinstance(failure, ConflictError):
+                    unchecked[number] = failure
+                raise
+            if sweep.run == ("I",) and (reason := why_not_free(config)):
+                raise InputError(f"{render(reason)}, and run names no other one")
+            points.append(Point(number, setting, config, sweep.run, out.resolve()))
+        except InputError as failure:
+            points.append(PointResult(REFUSED, "; ".join(failure.sentences), number=number, values=setting))
+    _refuse_axes(sweep, unchecked)
+    refused = [point for point in points if isinstance(point, PointResult)]
+    if len(refused) == len(points):
+        raise InputError(f"every point of {sweep.source} is refused; the first one: {refused[0].reason}")
+    return points
+
+
+def _refuse_axes(sweep: Sweep, unchecked: dict[int, InputError]) -> None:
+    """Raise the refusal of a value of an axis that no point can have."""
+    for value in (value for axis in sweep.axes for value in axis.settings if unchecked):
+        having = [
+            number
+            for number, setting in enumerate(sweep.settings, start=1)
+            if all(setting[key] == entry for key, entry in value.items())
+        ]
+        if having and all(number in unchecked for number in having):
+            raise unchecked[having[0]]

@@ -1,34 +1,29 @@
 """A sweep from its file to its table: what is kept, what is left to do, and the workers that do it."""
 
-import json
-import shutil
 import time
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from contextlib import ExitStack, suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from pathlib import Path
 
 from pipeline.store.atomic_file import remove_parts
+from pipeline.store.owner import SWEEP, claim
 from pipeline.store.provenance import provenance
 from pipeline.store.result_folder import ResultFolder, open_folder
-from pipeline.store.state_key import ALL_SOURCES, result_key
 from pipeline.store.store import locked
 from pipeline.study.study import Study
-from pipeline.study.sweep.points import Point, RefusedPoint, points_of
-from pipeline.study.sweep.record import FINISHED, REFUSED, WAITING, PointRecord, PointTask
-from pipeline.study.sweep.spec import Run, Sweep
-from pipeline.study.sweep.table import Column, SolvedPoint, save_table, sweep_page, table_rows
+from pipeline.study.sweep.points import FINISHED, POINTS, REFUSED, WAITING, Point, PointResult
+from pipeline.study.sweep.spec import Sweep, points_of
+from pipeline.study.sweep.table import Column, save_table, sweep_page, table_rows
 from pipeline.study.sweep.workers import LOST, Workers, connected, solve
-from pipeline.values.errors import InputError, RunFailed, argument
+from pipeline.values.errors import InputError, RunFailed
 from pipeline.values.formatting import duration
 from pipeline.values.json_values import JsonObject
 from pipeline.values.law import DRAFT
 
-#: the folder of the points, and the file that says what the folder is
-POINTS, RECORD = "points", "sweep.json"
-TABLE, PAGE = ("sweep.csv", "sweep.parquet"), "sweep.html"
+TABLE, PAGE = "sweep.csv", "sweep.html"
 #: while points are solved the table is written again after so many seconds at least, and so many times as long as
 #: writing it takes
 PAUSE, PAUSE_OVER_WRITING = 2.0, 20.0
@@ -45,16 +40,14 @@ class Course:
 
 @dataclass
 class PointSet:
-    """Points to be solved in one folder, how their table is written, and the records that are known."""
+    """Points to be solved in one folder, how their table is written, and the results that are known."""
 
     out: Path
-    identity: JsonObject  #: what the results in the folder belong to, the points apart; `name` is one of the keys
-    run: Run
-    points: Sequence[Point | RefusedPoint]
-    files: tuple[str, ...]  #: that `write` writes
+    identity: JsonObject  #: what the results in the folder belong to, the points apart
+    points: Sequence[Point | PointResult]  #: results are those of points that are refused
     #: writes what is known; the last argument says whether every point has ended
-    write: Callable[[ResultFolder, Sequence[SolvedPoint], bool], None]
-    records: dict[str, PointRecord] = field(default_factory=dict, init=False)  #: by the name of the folder
+    write: Callable[[ResultFolder, Sequence[PointResult], bool], None]
+    results: dict[str, PointResult] = field(default_factory=dict, init=False)  #: by the name of the point
     _next_save: float = field(default=0.0, init=False)  #: when the table may be written again, s
 
     @cached_property
@@ -63,62 +56,34 @@ class PointSet:
         return open_folder(self.out)
 
     @cached_property
-    def tasks(self) -> list[PointTask]:
-        """What is to be done; equal points share a task."""
-        key, home = result_key("", ALL_SOURCES), self.folder.directory.resolve() / POINTS
-        accepted = {point.name: point for point in self.points if isinstance(point, Point)}
-        return [
-            PointTask(home / name, point.config, self.run, point.work_key(key, self.run), key)
-            for name, point in accepted.items()
-        ]
+    def tasks(self) -> list[Point]:
+        """What is to be done; equal points are done once."""
+        return list({point.name: point for point in self.points if isinstance(point, Point)}.values())
 
     def begin(self, fresh: bool) -> None:
-        """Clear what is left of interrupted writing, and the files of an earlier call.
-
-        Raises InputError where the folder holds another sweep.
-        """
+        """Clear what is left of interrupted writing, and the files of an earlier call. Raises InputError as `claim`."""
         directory = self.folder.directory
         of_points = (directory / POINTS).rglob("*")  # other folders below may belong to a run at work
         remove_parts([directory, *filter(Path.is_dir, of_points)])
-        if fresh and (directory / RECORD).is_file():
-            (directory / RECORD).unlink()
-            shutil.rmtree(directory / POINTS, ignore_errors=True)
-        self._refuse_other()
-        for name in self.files:
+        decides = {key: value for key, value in self.identity.items() if key != "base"}  # that may be moved
+        claim(directory, SWEEP, decides, fresh=fresh)
+        for name in SWEEP.files:
             (directory / name).unlink(missing_ok=True)
-        self.folder.save_json(RECORD, self.identity)
-
-    def _refuse_other(self) -> None:
-        """Raise InputError where the folder holds a sweep that differs in more than its axes."""
-        try:
-            record = self.folder.read_json(RECORD)
-        except ValueError:  # it was not written to its end
-            return
-        own = json.loads(json.dumps(self.identity))
-        kept = record if isinstance(record, Mapping) else {}
-        unlike = [key.removesuffix("_hash") for key in own if key != "base" and key in kept and kept[key] != own[key]]
-        if not unlike:
-            return
-        name = f"the sweep '{kept.get('name')}'"
-        other = f", not of '{own['name']}'" if "name" in unlike else f" with another {' and '.join(unlike)}"
-        held = f"{argument('out', self.folder.directory)}: holds the results of {name}{other}"
-        raise InputError(f"{held}; give another {argument('out')}, or {argument('fresh', True)} to replace them")
+        self.folder.save_json(SWEEP.mark, self.identity)
 
     @property
     def is_complete(self) -> bool:
-        """Whether every task has a record."""
-        return len(self.records) == len(self.tasks)
+        """Whether every point has ended."""
+        return len(self.results) == len(self.tasks)
 
     @property
-    def solved(self) -> tuple[SolvedPoint, ...]:
-        """All points; those without a record are waiting."""
-        return tuple(map(self._solved, self.points))
+    def solved(self) -> tuple[PointResult, ...]:
+        """All points; those without a result are waiting."""
+        return tuple(point if isinstance(point, PointResult) else self._solved(point) for point in self.points)
 
-    def _solved(self, point: Point | RefusedPoint) -> SolvedPoint:
-        if isinstance(point, RefusedPoint):
-            return SolvedPoint(REFUSED, point.reason, number=point.number, folder="", values=point.setting)
-        record, folder = self.records.get(point.name, PointRecord(WAITING, "")), f"{POINTS}/{point.name}"
-        return SolvedPoint(**vars(record), number=point.number, folder=folder, values=point.setting)
+    def _solved(self, point: Point) -> PointResult:
+        known, folder = self.results.get(point.name, PointResult(WAITING)), f"{POINTS}/{point.name}"
+        return replace(known, number=point.number, folder=folder, values=point.setting)
 
     def save(self, *, now: bool = False) -> None:
         """Write what is known, unless it was written a moment ago and points are missing. Raises OSError."""
@@ -128,7 +93,7 @@ class PointSet:
         solved = self.solved
         self.write(self.folder, solved, self.is_complete)
         points = [{key: value for key, value in vars(one).items() if key != "rows"} for one in solved]
-        self.folder.save_json(RECORD, {**self.identity, **provenance(), "points": points})
+        self.folder.save_json(SWEEP.mark, {**self.identity, **provenance(), "points": points})
         end = time.monotonic()
         self._next_save = end + max(PAUSE, PAUSE_OVER_WRITING * (end - begin))
 
@@ -138,7 +103,7 @@ class SweepReport:
     """The points of a sweep as far as they went; the same stands in the files of `directory`."""
 
     directory: Path
-    points: tuple[SolvedPoint, ...]
+    points: tuple[PointResult, ...]
 
     def sentence(self) -> str:
         """How many points ended in each way."""
@@ -150,7 +115,7 @@ class SweepReport:
         others = [point for point in self.points if point.status != FINISHED]
         if others:
             first = others[0]
-            missing = f"{len(others)} of {len(self.points)} points did not finish, as {self.directory / TABLE[0]} says"
+            missing = f"{len(others)} of {len(self.points)} points did not finish, as {self.directory / TABLE} says"
             raise RunFailed(f"{missing}; the first is point {first.number}: {first.reason}", directory=self.directory)
 
 
@@ -166,14 +131,13 @@ def run_sweeps(requests: Sequence[tuple[Sweep, Path]], course: Course) -> list[S
     if twice := [str(out) for (_, out), path in zip(requests, folders, strict=True) if folders.count(path) > 1]:
         raise InputError(f"{twice[0]}: two sweeps would write into this folder; give them different names")
     sets = [
-        PointSet(out, sweep.identity, sweep.run, points_of(sweep), (*TABLE, PAGE), partial(_save_sweep, sweep))
-        for sweep, out in requests
+        PointSet(out, sweep.identity, points_of(sweep, out), partial(_save_sweep, sweep)) for sweep, out in requests
     ]
     solved = solve_points(sets, course)
     return [SweepReport(out, points) for (_, out), points in zip(requests, solved, strict=True)]
 
 
-def _save_sweep(sweep: Sweep, folder: ResultFolder, points: Sequence[SolvedPoint], is_complete: bool) -> None:
+def _save_sweep(sweep: Sweep, folder: ResultFolder, points: Sequence[PointResult], is_complete: bool) -> None:
     columns = [Column.of(key, [point.values for point in points]) for key in sweep.keys]
     rows = table_rows(columns, points)
     save_table(folder, rows)
@@ -182,7 +146,7 @@ def _save_sweep(sweep: Sweep, folder: ResultFolder, points: Sequence[SolvedPoint
         folder.save_text(PAGE, sweep_page(name, sweep.run, sweep.axes, columns, rows))
 
 
-def solve_points(sets: Sequence[PointSet], course: Course) -> list[tuple[SolvedPoint, ...]]:
+def solve_points(sets: Sequence[PointSet], course: Course) -> list[tuple[PointResult, ...]]:
     """Solve the points that the folders do not hold yet; of each set the points as far as they went. Raises as
     `run_sweeps`."""
     with connected(course.workers) as (executor, who), ExitStack() as locks:
@@ -190,26 +154,24 @@ def solve_points(sets: Sequence[PointSet], course: Course) -> list[tuple[SolvedP
             locks.enter_context(locked(own.folder.directory))
             own.begin(course.fresh)
         tasks = [task for own in sets for task in own.tasks]
-        _solve(sets, Study(tasks, solve, executor, lambda task: task.kept, LOST), who, course.say)
+        _solve(sets, Study(tasks, solve, executor, lambda point: point.kept, LOST), who, course.say)
     return [own.solved for own in sets]
 
 
-def _solve(
-    sets: Sequence[PointSet], study: Study[PointTask, PointRecord], who: str, say: Callable[[str], None]
-) -> None:
-    """Complete the records of all sets, and write what belongs to a set as soon as its records are complete."""
-    owners = {task.folder: own for own in sets for task in own.tasks}
-    for task, record in study.kept:
-        owners[task.folder].records[task.folder.name] = record
+def _solve(sets: Sequence[PointSet], study: Study[Point, PointResult], who: str, say: Callable[[str], None]) -> None:
+    """Complete the results of all sets, and write what belongs to a set as soon as its results are complete."""
+    owners = {point.folder: own for own in sets for point in own.tasks}
+    for point, result in study.kept:
+        owners[point.folder].results[point.name] = result
     say(_counted([point for own in sets for point in own.solved]))
     for own in sets:
         own.save(now=True)
     if study.missing:
         say(who)
     try:
-        for task, record in study.solve(say, _told, _lost):
-            owners[task.folder].records[task.folder.name] = record
-            owners[task.folder].save()
+        for point, result in study.solve(say, _told, _lost):
+            owners[point.folder].results[point.name] = result
+            owners[point.folder].save()
     finally:
         for own in sets:
             if not own.is_complete:
@@ -217,18 +179,18 @@ def _solve(
                     own.save(now=True)
 
 
-def _counted(points: Sequence[SolvedPoint]) -> str:
+def _counted(points: Sequence[PointResult]) -> str:
     refused = sum(point.status == REFUSED for point in points)
     left = sum(point.status == WAITING for point in points)
     kept = len(points) - refused - left
     return f"{len(points)} points: {refused} refused, {kept} kept from earlier, {left} to be solved"
 
 
-def _told(task: PointTask, record: PointRecord) -> str:
-    reason = f": {record.reason}" if record.reason else ""
-    return f"{task.folder.name} {record.status} after {duration(record.seconds)}{reason}"
+def _told(point: Point, result: PointResult) -> str:
+    reason = f": {result.reason}" if result.reason else ""
+    return f"{point.name} {result.status} after {duration(result.seconds)}{reason}"
 
 
-def _lost(task: PointTask, failure: Exception) -> PointRecord:
+def _lost(_: Point, failure: Exception) -> PointResult:
     reason = "its workers were ended from outside, as when memory runs out; the same command goes on"
-    return PointRecord(WAITING, reason)
+    return PointResult(WAITING, reason)

@@ -14,8 +14,8 @@ import pyarrow.parquet
 from pipeline.config.units import in_unit_of, number_and_unit
 from pipeline.store.atomic_file import replacing
 from pipeline.store.result_folder import ResultFolder
-from pipeline.study.sweep.axes import Axis, Setting, switch_as_word
-from pipeline.study.sweep.record import PointRecord, Row
+from pipeline.study.sweep.axes import Axis
+from pipeline.study.sweep.points import PointResult, Row, Setting, switch_as_word
 from pipeline.study.sweep.spec import CELL, WHOLE, Run
 from pipeline.values.errors import shortened
 from pipeline.values.page import figure_page
@@ -34,15 +34,6 @@ _OF_CELL = {
     "cell_rigidity_N_mm2": "dM/dκ (N mm²)",
     "cell_axial_rigidity_N": "EA (N)",
 }
-
-
-@dataclass(frozen=True, kw_only=True)
-class SolvedPoint(PointRecord):
-    """A point and how the work on it ended, as in sweep.json."""
-
-    number: int
-    folder: str  #: relative to that of the sweep; empty for a refused point
-    values: Setting
 
 
 @dataclass(frozen=True)
@@ -77,7 +68,7 @@ class Column:
         return value if isinstance(value, int | float | str) else json.dumps(value)
 
 
-def table_rows(columns: Sequence[Column], points: Sequence[SolvedPoint]) -> list[Row]:
+def table_rows(columns: Sequence[Column], points: Sequence[PointResult]) -> list[Row]:
     """One row per point and pressure, and one for a point without numbers; all have the same columns."""
     rows: list[Row] = []
     for point in points:

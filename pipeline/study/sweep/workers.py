@@ -15,7 +15,7 @@ from distributed.system import MEMORY_LIMIT
 
 from pipeline.store.processes import Processes
 from pipeline.store.worker import THREADS
-from pipeline.study.sweep.record import PointRecord, PointTask
+from pipeline.study.sweep.points import Point, PointResult
 from pipeline.values.errors import InputError, RunFailed, WorkerLost, argument
 
 Value = TypeVar("Value")
@@ -55,13 +55,13 @@ def _gigabytes(number: int) -> str:
 Workers: TypeAlias = LocalWorkers | str
 
 
-def solve(task: PointTask) -> PointRecord:
-    """The record of a point; runs on a worker. Raises OSError where the folder cannot be written."""
+def solve(point: Point) -> PointResult:
+    """The result of a point; runs on a worker. Raises OSError where the folder cannot be written."""
     os.environ.update(dict.fromkeys(THREADS, "1"))  # read by the libraries when they are loaded
 
     from pipeline.study.sweep.work import work_on
 
-    return work_on(task)
+    return work_on(point)
 
 
 @contextmanager

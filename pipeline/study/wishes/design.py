@@ -8,9 +8,10 @@ from pipeline.results.files import read_plane_law
 from pipeline.run import run
 from pipeline.simulate.simulate import begin_loading
 from pipeline.store.context import run_context
+from pipeline.store.owner import RUN as RUN_FILES
 from pipeline.store.progress import Progress
 from pipeline.store.provenance import provenance
-from pipeline.store.store import Store, check_owner, clear, open_store
+from pipeline.store.store import Store, open_store
 from pipeline.study.wishes.measured import POINTS, NotBorne, numbers_of, store_of
 from pipeline.study.wishes.report import FILES, DesignReport, design_page, history_rows, report_of
 from pipeline.study.wishes.search import Found, Search
@@ -97,10 +98,8 @@ def _run(file: WishFile, found: Found, store: Store, jobs: int, progress: Progre
     """
     config = file.config(found.trial.point)
     known, folder = store_of(store, config).directory / LAW, store.directory / RUN
-    try:
-        check_owner(folder, config, "")
-    except InputError:  # of another design of this wish
-        clear(folder)
+    if RUN_FILES.unlike(folder, {"config_hash": config.hash}):  # of another design of this wish
+        RUN_FILES.clear(folder)
     if known.is_dir():
         shutil.copytree(known, folder / LAW, dirs_exist_ok=True)
     run(replace(config, draft=False), folder, jobs, False, progress)

@@ -9,8 +9,8 @@ import yaml
 import pneurod
 from pipeline.config.document import read_document
 from pipeline.config.load import UNUSED, checked, for_command
-from pipeline.study.sweep.points import Point, points_of
-from pipeline.study.sweep.spec import read_sweep
+from pipeline.study.sweep.points import Point
+from pipeline.study.sweep.spec import points_of, read_sweep
 from pipeline.study.wishes.spec import read_wishes
 from pipeline.values.errors import InputError
 from pipeline.values.reasons import render
@@ -95,7 +95,7 @@ def test_a_sweep_of_cells_leaves_out_what_cells_do_not_use(tmp_path: Path, run: 
     (tmp_path / "sweep.yaml").write_text(yaml.safe_dump({"name": "s", "base": "arm.yaml", "run": run, "axes": axes}))
     sweep = read_sweep(tmp_path / "sweep.yaml")
     if count:
-        assert [isinstance(point, Point) for point in points_of(sweep)] == [True] * count
+        assert [isinstance(point, Point) for point in points_of(sweep, tmp_path)] == [True] * count
     else:
         with pytest.raises(InputError, match=OUTSIDE):
-            points_of(sweep)
+            points_of(sweep, tmp_path)

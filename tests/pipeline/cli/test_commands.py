@@ -253,11 +253,11 @@ def test_mesh_does_not_replace_the_body_of_another_configuration(
     coarse: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """It is refused before meshing, which may take minutes."""
-    with open_store(tmp_path, load_config(coarse)):
-        pass
+    with open_store(tmp_path, load_config(coarse)) as store:
+        store.save_json("law.json", {})
     monkeypatch.setattr("pipeline.simulate.scene.Scene.meshed", lambda config: pytest.fail("it is meshed"))
     message = sentence(call("mesh", coarse, "--out", str(tmp_path), "--set", "geometry.chambers=2"), 2)
-    assert message.endswith("holds the results of another configuration or version; give another --out")
+    assert message.endswith("holds the results of a run with another configuration; give another --out")
     assert not (tmp_path / "mesh.vtu").exists()
 
 

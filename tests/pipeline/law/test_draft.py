@@ -14,8 +14,8 @@ from pipeline.law.rows import read_pairs
 from pipeline.results.files import LAW, read_results, replace_draft
 from pipeline.results.verdict import verdict_of
 from pipeline.store.result_folder import ResultFolder
-from pipeline.study.sweep.points import Point, points_of
-from pipeline.study.sweep.spec import read_sweep
+from pipeline.study.sweep.points import Point
+from pipeline.study.sweep.spec import points_of, read_sweep
 from pipeline.values.errors import InputError
 from pipeline.values.law import DRAFT
 from tests.coarse import copy_with
@@ -120,7 +120,7 @@ def test_a_sweep_of_drafts_does_the_full_points_anew(tmp_path: Path) -> None:
     file = tmp_path / "sweep.yaml"
     file.write_text(json.dumps({"name": "s", "base": "small.yaml", "axes": [{"geometry.wall": ["1 mm", "1.2 mm"]}]}))
     sweep = read_sweep(file)
-    drafts, full = (points_of(one) for one in (sweep.as_draft(), sweep))
+    drafts, full = (points_of(one, tmp_path) for one in (sweep.as_draft(), sweep))
     for one, other in zip(drafts, full, strict=True):
         assert isinstance(one, Point)
         assert isinstance(other, Point)

@@ -194,7 +194,7 @@ def test_coarse_parameterization_is_cheap(name: str, tmp_path: Path) -> None:
 def test_table_of_effects(tmp_path: Path) -> None:
     coarser = ["geometry.chambers=7", "mesh.size=8 mm", "mesh.grading=off", "pressures=[20 kPa]"]
     config = load_config(HERE / "configs/semicircular_coarse.yaml", coarser)
-    assert [tuple(point.setting.values()) for point in variants(Scene.meshed(config))] == [
+    assert [tuple(point.setting.values()) for point in variants(Scene.meshed(config), tmp_path)] == [
         *((BASE, ""), ("symmetry", "off"), ("incompressibility", "off"), ("gravity", "on")),
         *(("strain_limiting_layer", "on"), ("hoops", "on")),
     ]

@@ -14,7 +14,9 @@ import pytest
 from pipeline.config.config import Config
 from pipeline.config.load import load_config
 from pipeline.store import atomic_file, state_key
+from pipeline.store.owner import MOTION, OWNERS, RUN, Owner, claim
 from pipeline.store.provenance import pinned, provenance
+from pipeline.store.result_folder import ResultFolder
 from pipeline.store.state_key import ALL_SOURCES, NUMBER_SOURCES, STATE_SOURCES, result_key, source_files
 from pipeline.store.store import Store, open_store
 from pipeline.values.errors import InputError, on_command_line
@@ -178,7 +180,7 @@ def test_results_of_another_configuration_are_refused(tmp_path: Path, config: Co
         store.save_json("parameters.json", {})
         store.save_state("II", 17.0, u=np.zeros(3))
     with (
-        pytest.raises(InputError, match="another configuration or version; give another out, or fresh=True"),
+        pytest.raises(InputError, match="a run with another configuration; give another out, or fresh=True"),
         open_store(tmp_path, other),
     ):
         pass
@@ -189,10 +191,18 @@ def test_results_of_another_configuration_are_refused(tmp_path: Path, config: Co
 
 def test_fresh_spares_what_no_run_wrote(tmp_path: Path, config: Config) -> None:
     (tmp_path / "mine.json").write_text("{}")
-    (tmp_path / "report.html").write_text("mine too: no run has been here")
+    by_hand = tmp_path / "report.html"
+    by_hand.write_text("mine too: no run has been here")
+    for fresh in (False, True, None):
+        with (
+            pytest.raises(InputError, match=r"report\.html in it was not made by this command; rename it, or give"),
+            open_store(tmp_path, config, fresh=fresh),
+        ):
+            pass
+    by_hand.unlink()
     with open_store(tmp_path, config, fresh=True) as store:
         store.save_state("II", 17.0, u=np.zeros(3))
-        assert {"mine.json", "report.html"} <= files(tmp_path)
+        assert files(tmp_path) == {"mine.json", "states/configuration.json", "states/II_17kPa.npz"}
     with open_store(tmp_path, config, fresh=True) as store:
         assert store.load_state("II", 17.0) is None
         assert files(tmp_path) == {"mine.json", "states/configuration.json"}
@@ -247,12 +257,47 @@ def test_provenance_names_what_the_results_were_made_with() -> None:
     assert record["machine"]["cores"] == os.cpu_count()
 
 
-def test_a_folder_with_runs_at_pairs_of_pressures_is_refused(tmp_path: Path, config: Config) -> None:
-    (tmp_path / "pairs.html").write_text("{}")
-    for fresh in (False, True):
-        with (
-            pytest.raises(InputError, match="holds runs at pairs of pressures"),
-            open_store(tmp_path, config, fresh=fresh),
-        ):
-            pass
-    assert (tmp_path / "pairs.html").read_text() == "{}"
+@pytest.mark.parametrize("owner", OWNERS, ids=lambda owner: owner.mark)
+def test_each_command_is_repeated_and_refuses_what_another_or_a_hand_has_made(owner: Owner, tmp_path: Path) -> None:
+    def made(mark: str) -> Path:
+        folder = tmp_path / mark.replace("/", "_")
+        ResultFolder(folder).save_text(mark, "{}")
+        return folder
+
+    for other in OWNERS:
+        for fresh in (None, False, True) if other is not owner else ():
+            with pytest.raises(InputError, match=f"holds the results of {other.name}; give another out$"):
+                claim(made(other.mark), owner, fresh=fresh)
+            assert (tmp_path / other.mark.replace("/", "_") / other.mark).read_text() == "{}"
+    own = claim(made(owner.mark), owner)
+    for name in owner.files:
+        own.save_text(name, "made by an earlier call")
+    assert claim(own.directory, owner) == own
+    with pytest.raises(InputError, match=f"of {owner.name} with another setting; give another out, or fresh=True"):
+        claim(own.directory, owner, {"setting": 1}, fresh=False)
+    claim(own.directory, owner, {"setting": 1}, fresh=True)
+    assert files(own.directory) == set()
+    for name in owner.files:
+        by_hand = ResultFolder(tmp_path / "by_hand")
+        by_hand.save_text(name, "mine")
+        with pytest.raises(InputError, match=f"{name} in it was not made by this command"):
+            claim(by_hand.directory, owner, fresh=True)
+        by_hand.path(name).unlink()
+
+
+def test_a_folder_in_which_nothing_was_solved_is_for_any_configuration(
+    tmp_path: Path, config: Config, other: Config
+) -> None:
+    for one in (config, other):
+        with open_store(tmp_path, one) as store:
+            store.save_text("mesh.vtu", "body")
+
+
+def test_a_motion_stands_beside_its_law_and_spares_a_table_by_hand(tmp_path: Path) -> None:
+    folder = ResultFolder(tmp_path)
+    folder.save_json(RUN.mark, {})
+    folder.save_text("motion.csv", "by hand")
+    with pytest.raises(InputError, match=r"motion\.csv in it was not made by this command"):
+        claim(tmp_path, MOTION)
+    folder.save_text("motion.html", "of an earlier call")
+    assert claim(tmp_path, MOTION) == folder

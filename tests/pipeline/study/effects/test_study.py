@@ -9,6 +9,7 @@ from contextlib import nullcontext
 from pathlib import Path
 
 import pytest
+from pydantic import TypeAdapter
 from rich.console import Console
 
 import fem
@@ -22,12 +23,12 @@ from pipeline.simulate.simulate import simulate
 from pipeline.store.context import RunContext
 from pipeline.store.progress import Silent
 from pipeline.store.store import open_store
-from pipeline.study.effects import rows as effects_rows
 from pipeline.study.effects import study as effects_study
-from pipeline.study.effects.rows import BASE, EffectRow, VariantRow, compared, effects_table, variant_rows
+from pipeline.study.effects.rows import BASE, EffectRow, compared, effects_table
 from pipeline.study.effects.study import EffectsTable, compare_effects, variants
-from pipeline.study.sweep import study
-from pipeline.study.sweep.record import PointRecord, PointTask
+from pipeline.study.sweep import study, work
+from pipeline.study.sweep.numbers import rows_of_variant
+from pipeline.study.sweep.points import Point, PointResult
 from pipeline.values.errors import InputError, RunFailed
 
 SHORT = """
@@ -63,8 +64,8 @@ def printed(rows: Sequence[EffectRow]) -> str:
 class InThisProcess(Executor):
     """Does a task when it is submitted."""
 
-    def submit(self, fn: Callable[..., PointRecord], *arguments: PointTask) -> "Future[PointRecord]":
-        future: Future[PointRecord] = Future()
+    def submit(self, fn: Callable[..., PointResult], *arguments: Point) -> "Future[PointResult]":
+        future: Future[PointResult] = Future()
         future.set_result(fn(*arguments))
         return future
 
@@ -73,7 +74,7 @@ class InThisProcess(Executor):
 def two(monkeypatch: pytest.MonkeyPatch) -> None:
     """The configuration and that without contact alone, solved in this process."""
     monkeypatch.setattr(study, "connected", lambda _: nullcontext((InThisProcess(), "this process")))
-    monkeypatch.setattr(effects_study, "variants", lambda scene: variants(scene)[:2])
+    monkeypatch.setattr(effects_study, "variants", lambda scene, out: variants(scene, out)[:2])
 
 
 @pytest.mark.parametrize(
@@ -90,7 +91,7 @@ def two(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_gravity_is_left_out_where_a_density_is_missing(file: Path, materials: str, keys: str, two: None) -> None:
     file.write_text("\n".join([*(line for line in SHORT.splitlines() if "material:" not in line), materials]))
     config = load_config(file)
-    assert "gravity" not in [variant.setting["effect"] for variant in variants(Scene.meshed(config))]
+    assert "gravity" not in [variant.setting["effect"] for variant in variants(Scene.meshed(config), file.parent)]
     _, said = run_of(config, file.parent / "out")
     assert f"note: gravity is not varied: no density is given; {keys}, for example 1130 kg/m^3" in said
 
@@ -121,7 +122,7 @@ def test_a_variant_that_fails_is_a_row_and_the_others_go_on(
             return simulate(scene, context, experiments)
         raise RunFailed("the faces touch at rest")
 
-    monkeypatch.setattr(effects_rows, "simulate", only_without_contact)
+    monkeypatch.setattr(work, "simulate", only_without_contact)
     table, _ = run_of(load_config(file), file.parent / "out")
     failed, solved = table.rows
     assert (failed.reason, failed.cpu_seconds, failed.end_force_N) == ("the faces touch at rest", None, None)
@@ -145,7 +146,7 @@ def test_fresh_removes_all_of_an_earlier_study_before_anything_is_solved(
         raise KeyboardInterrupt
 
     with monkeypatch.context() as patch:
-        patch.setattr(effects_rows, "simulate", interrupted)
+        patch.setattr(work, "simulate", interrupted)
         with pytest.raises(KeyboardInterrupt):
             run_of(other, out, fresh=True)
     assert json.loads((out / "effects_table.json").read_text()) == []
@@ -182,7 +183,8 @@ def test_the_cost_contains_what_failed_attempts_took(file: Path) -> None:
     config = load_config(file, ["geometry.chambers=1", "pressures=[2 kPa, 1 MPa]"])
     outcomes = solved(config, file.parent / "out", "II", "III")
     failed = sum(outcome.failure.factorizations for outcome in outcomes)
-    [reached, missed] = variant_rows(Scene.meshed(config), outcomes)
+    found = rows_of_variant(Scene.meshed(config), outcomes)
+    reached, missed = TypeAdapter(list[EffectRow]).validate_python(found)
     assert failed > 0
     assert reached.factorizations == outcomes.factorizations + failed
     assert reached.cpu_seconds > 2.0 * sum(record.cpu_seconds for record in outcomes.records)
@@ -193,10 +195,11 @@ def test_the_cost_contains_what_failed_attempts_took(file: Path) -> None:
 
 
 def test_costs_have_two_digits_and_a_mark_where_other_pressures_were_reached() -> None:
-    def variant(effect: str, state: str, seconds: float, *cost: int) -> tuple[str, str, list[VariantRow]]:
+    def variant(effect: str, state: str, seconds: float, *cost: int) -> EffectRow:
         names = ("factorizations", "degrees_of_freedom", "states")
         costs = dict(zip(names, cost, strict=True))
-        return effect, state, [VariantRow(2.0, kappa_0_middle_per_mm=-0.001, cpu_seconds=seconds, **costs)]
+        named = {"effect": effect, "state": state, "cpu_seconds": seconds}
+        return EffectRow(2.0, kappa_0_middle_per_mm=-0.001, **named, **costs)
 
     rows = compared([
         variant(BASE, "", 0.567, 17, 3000, 2),

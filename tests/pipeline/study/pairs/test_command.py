@@ -106,4 +106,4 @@ def test_a_folder_with_another_run_is_refused(run: Callable[..., Result], tmp_pa
     ResultFolder(tmp_path / "out").save_json("states/configuration.json", {})
     done = run()
     assert done.exit_code == 2
-    assert "holds the results of a run with one pressure; give another --out" in done.stderr
+    assert "holds the results of a run; give another --out" in done.stderr

@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from pipeline.study.sweep.points import Point, RefusedPoint, points_of
-from pipeline.study.sweep.spec import read_sweep
+from pipeline.study.sweep.points import Point, PointResult
+from pipeline.study.sweep.spec import points_of, read_sweep
 from pipeline.values.errors import InputError
 
 BASE = """
@@ -62,22 +62,22 @@ def test_a_latin_hypercube_has_one_value_in_every_part_and_follows_its_seed(file
 
 
 def test_a_folder_depends_on_the_design_and_not_on_the_other_points(file: Path) -> None:
-    few = points_of(sweep_of(file, "axes: [geometry.wall: [1 mm, 1.5 mm]]"))
-    many = points_of(sweep_of(file, "axes: [geometry.wall: [0.8 mm, 1 mm, 1.5 mm]]"))
+    few = points_of(sweep_of(file, "axes: [geometry.wall: [1 mm, 1.5 mm]]"), file.parent)
+    many = points_of(sweep_of(file, "axes: [geometry.wall: [0.8 mm, 1 mm, 1.5 mm]]"), file.parent)
     assert [point.name for point in few] == [point.name for point in many[1:]]
     assert few[0].name.startswith("wall=1mm_")
 
 
 def test_points_that_cannot_be_built_are_kept_with_their_reason(file: Path) -> None:
     axes = "axes: [geometry.wall: [1 mm, 4.5 mm], geometry.chamber_length: [8 mm, 12 mm]]"
-    points = points_of(sweep_of(file, axes))
-    assert [type(point) for point in points] == [Point, Point, RefusedPoint, Point]
+    points = points_of(sweep_of(file, axes), file.parent)
+    assert [type(point) for point in points] == [Point, Point, PointResult, Point]
     assert "wall" in points[2].reason
 
 
 def test_a_point_whose_only_experiment_is_not_simulated_is_refused(file: Path) -> None:
-    points = points_of(sweep_of(file, "run: I\naxes: [effects.gravity: [on, off]]"))
-    assert [type(point) for point in points] == [RefusedPoint, Point]
+    points = points_of(sweep_of(file, "run: I\naxes: [effects.gravity: [on, off]]"), file.parent)
+    assert [type(point) for point in points] == [PointResult, Point]
     assert "nothing holds the weight" in points[0].reason
 
 
@@ -117,7 +117,7 @@ def test_a_point_whose_only_experiment_is_not_simulated_is_refused(file: Path) -
 )
 def test_a_wrong_sweep_is_refused_in_one_sentence(file: Path, text: str, sentence: str) -> None:
     with pytest.raises(InputError) as refused:
-        points_of(sweep_of(file, text))
+        points_of(sweep_of(file, text), file.parent)
     assert sentence in str(refused.value)
     assert "\n" not in str(refused.value)
 

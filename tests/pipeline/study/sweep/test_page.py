@@ -3,8 +3,7 @@
 from pathlib import Path
 
 from pipeline.study.sweep.axes import Axis
-from pipeline.study.sweep.points import points_of
-from pipeline.study.sweep.spec import read_sweep
+from pipeline.study.sweep.spec import points_of, read_sweep
 from pipeline.study.sweep.table import Column, sweep_page
 from tests.pipeline.values.test_plots import panels_of
 
@@ -22,7 +21,7 @@ def test_switches_are_written_as_in_the_file(tmp_path: Path) -> None:
     (tmp_path / "base.yaml").write_text(BASE, encoding="utf-8")
     file = tmp_path / "sweep.yaml"
     file.write_text("name: some\nbase: base.yaml\naxes: [effects.self_contact: [auto, off, on]]", encoding="utf-8")
-    points = points_of(read_sweep(file))
+    points = points_of(read_sweep(file), tmp_path)
     assert [point.name.partition("_contact=")[2].partition("_")[0] for point in points] == ["auto", "off", "on"]
     column = Column.of("effects.self_contact", [point.setting for point in points])
     assert [column.cell(point.setting) for point in points] == ["auto", "off", "on"]

@@ -9,11 +9,9 @@ import numpy as np
 import pytest
 
 from pipeline.config.load import load_config
-from pipeline.store.state_key import ALL_SOURCES, result_key
 from pipeline.store.store import locked
 from pipeline.study.sweep import work
 from pipeline.study.sweep.points import Point
-from pipeline.study.sweep.record import PointTask
 from pipeline.study.sweep.work import work_on
 
 pytestmark = pytest.mark.usefixtures("undrawn", "coarse_limit")
@@ -28,16 +26,16 @@ mesh: {size: 8 mm, formulation: p2p0, grading: off}
 """
 
 
-def task_of(tmp_path: Path, run: tuple[str, ...], *settings: str) -> PointTask:
+def task_of(tmp_path: Path, run: tuple[str, ...], *settings: str) -> Point:
     path = tmp_path / "base.yaml"
     path.write_text(BASE, encoding="utf-8")
     config = load_config(path, settings)
-    sources_key = result_key("", ALL_SOURCES)
-    return PointTask(tmp_path / "point", config, run, Point(1, {}, config).work_key(sources_key, run), sources_key)
+    return Point(1, {}, config, run, tmp_path)
 
 
 def test_a_whole_run_has_states_parameters_and_errors_of_the_rod_in_its_row(tmp_path: Path) -> None:
-    record = work_on(task_of(tmp_path, ("whole",), "law=five", "experiments=[III, II]"))
+    task = task_of(tmp_path, ("whole",), "law=five", "experiments=[III, II]")
+    record = work_on(task)
     assert (record.status, record.reason, len(record.rows)) == ("finished", "", 1)
     row = record.rows[0]
     assert row["length_mm"] == 72.0
@@ -54,7 +52,7 @@ def test_a_whole_run_has_states_parameters_and_errors_of_the_rod_in_its_row(tmp_
     assert "1 pressures cannot show" in row["notes"]
     assert 0.0 < row["II_five_distance_over_length"] < 0.02
     assert abs(row["III_five_force_error"]) < 0.1
-    assert (tmp_path / "point" / "report.html").is_file()
+    assert (task.folder / "report.html").is_file()
 
 
 def test_a_free_body_with_weight_is_left_out_and_the_notes_say_so(tmp_path: Path) -> None:
@@ -69,11 +67,12 @@ def test_a_free_body_with_weight_is_left_out_and_the_notes_say_so(tmp_path: Path
 
 
 def test_the_law_of_a_cell_has_its_numbers_without_moment(tmp_path: Path) -> None:
-    record = work_on(task_of(tmp_path, ("cell",), "accuracy=off"))
+    task = task_of(tmp_path, ("cell",), "accuracy=off")
+    record = work_on(task)
     assert record.status == "finished"
     assert record.rows[0]["cell_kappa_0_per_mm"] < 0.0
     assert 50.0 < record.rows[0]["cell_rigidity_N_mm2"] < 1000.0
-    assert (tmp_path / "point" / "law.json").is_file()
+    assert (task.folder / "law.json").is_file()
 
 
 def test_a_record_is_kept_for_the_same_work_only(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -85,7 +84,7 @@ def test_a_record_is_kept_for_the_same_work_only(tmp_path: Path, monkeypatch: py
 
     monkeypatch.setattr(work, "_experiments", no_more)
     assert work_on(task) == first
-    assert replace(task, key="another key").kept.read() is None
+    assert replace(task, program="another key").kept.read() is None
 
 
 def test_a_pressure_that_is_not_reached_leaves_an_incomplete_point(tmp_path: Path) -> None:
@@ -124,7 +123,7 @@ def test_a_folder_in_use_and_memory_that_runs_out_are_tried_again_by_the_next_sw
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     task = task_of(tmp_path, ("III",))
-    task.folder.mkdir()
+    task.folder.mkdir(parents=True)
     monkeypatch.setattr(work, "PATIENCE", 0.3)
     with locked(task.folder):
         assert "another run is at work in it" in work_on(task).reason
@@ -135,5 +134,4 @@ def test_a_folder_in_use_and_memory_that_runs_out_are_tried_again_by_the_next_sw
 
 def test_a_worker_with_other_sources_does_no_work(tmp_path: Path) -> None:
     task = task_of(tmp_path, ("III",))
-    other = PointTask(task.folder, task.config, task.run, task.key, "0" * 64)
-    assert work_on(other).status == "waiting"
+    assert work_on(replace(task, program="0" * 64)).status == "waiting"

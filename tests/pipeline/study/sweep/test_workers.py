@@ -16,7 +16,7 @@ from pathlib import Path
 import pytest
 
 from pipeline.study.sweep import study, workers
-from pipeline.study.sweep.record import PointRecord
+from pipeline.study.sweep.points import PointResult
 from pipeline.study.sweep.spec import Sweep, read_sweep
 from pipeline.study.sweep.study import Course, SweepReport, run_sweeps
 from pipeline.study.sweep.workers import LocalWorkers, Workers
@@ -129,9 +129,7 @@ def test_the_folder_of_another_sweep_is_not_written_into(file: Path, results: Pa
     other = file.with_name("another.yaml")
     other.write_text(SWEEP.replace("tiny_walls", "another"), encoding="utf-8")
     before = table(results)
-    with pytest.raises(
-        InputError, match=r"holds the results of the sweep 'tiny_walls', not of 'another'; .*fresh=True"
-    ):
+    with pytest.raises(InputError, match=r"holds the results of a sweep with another name; .*fresh=True"):
         solved(read_sweep(other), results, LocalWorkers(2, 1))
     assert table(results) == before
 
@@ -150,9 +148,7 @@ def test_a_changed_sweep_is_not_written_over_the_old_one(
     file.with_name("softer.yaml").write_text(BASE.replace("1.2 MPa", "1 MPa"), encoding="utf-8")
     file.with_name("changed.yaml").write_text(SWEEP.replace(old, new), encoding="utf-8")
     before = table(results)
-    with pytest.raises(
-        InputError, match=f"holds the results of the sweep 'tiny_walls' with another {key}; .*fresh=True"
-    ):
+    with pytest.raises(InputError, match=f"holds the results of a sweep with another {key}; .*fresh=True"):
         solved(read_sweep(file.with_name("changed.yaml")), results, LocalWorkers(2, 1))
     assert table(results) == before
 
@@ -180,7 +176,7 @@ def test_an_interrupted_sweep_leaves_a_table_of_its_own(
     def connected(_: object) -> AbstractContextManager[tuple[Executor, str]]:
         return nullcontext((Begun(), "no workers"))
 
-    first = PointRecord("finished", "", ({"pressure_kPa": 2.0, "II_end_y_mm": -0.1},), 3.0)
+    first = PointResult("finished", "", ({"pressure_kPa": 2.0, "II_end_y_mm": -0.1},), 3.0)
     out = tmp_path / "out"
     shutil.copytree(results, out)
     fewer = file.with_name("fewer.yaml")  # the axes may change: two points are kept and two are new

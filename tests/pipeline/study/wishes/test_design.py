@@ -91,7 +91,7 @@ def test_a_known_arm_is_found_again_and_nothing_is_measured_twice(
     wish.write_text(wish.read_text().replace("30 g", "20 g"))
     ended = CliRunner().invoke(app, command)
     assert ended.exit_code == 2
-    assert "holds the results of another configuration" in ended.output
+    assert "holds the results of a run with another configuration" in ended.output
     assert (out / "design.yaml").read_bytes() == before
 
     missed = replace(report, wishes=(replace(report.wishes[0], miss=3.0), report.wishes[1]))
