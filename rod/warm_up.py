@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from rod.arm.assembly import Chain
+from rod.arm.arrays import Chain
 from rod.arm.chain import room_for, solve_chain
 from rod.arm.small_motions import lowest_of
 from rod.law import FiveParameters

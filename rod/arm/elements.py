@@ -112,9 +112,7 @@ def turn_functions(angle: float, out: Array) -> None:
 def space_element(
     h: float,
     frame: Array,
-    turn: Array,
-    strain: Array,
-    force: Array,
+    state: Array,
     stiffness: Array,
     inner: Array,
     work: Array,
@@ -123,30 +121,13 @@ def space_element(
 ) -> None:
     """Gradient (12,) and Hessian (12, 12) by place and turn of both nodes, along x, y and z.
 
-    frame: (3, 3) in the middle; turn: (3,) Theta; strain, force: (6,); stiffness: (6, 6); inner: (3,) force in the
-    geometric part; work: (16, 3, 3), overwritten.
+    frame: (3, 3) in the middle; state: (15,) six strains, moment and force, and Theta; stiffness: (6, 6); inner: (3,)
+    force in the geometric part; work: (16, 3, 3), overwritten.
     """
-    f = work[15].reshape(9)
-    angle = math.sqrt(turn[0] * turn[0] + turn[1] * turn[1] + turn[2] * turn[2])
-    turn_functions(angle, f)
-    s_part, tan_part = f[0], f[1]
-    m, n, v = force[:3], force[3:], strain[3:]
-    spin, S, T, V, A, G = work[0], work[1], work[2], work[3], work[4], work[5]
-    skew(turn, spin)
-    skew(v, V)
-    multiply(spin, spin, S)
-    for i in range(3):
-        for j in range(3):
-            S[i, j] *= s_part
-            T[i, j] = tan_part * spin[i, j]
-        S[i, i] += 1.0
-    multiply(V, T, G)
-    for i in range(3):
-        for j in range(3):
-            A[i, j] = S[i, j] / h
-            G[i, j] *= -0.5
+    f, v, m, turn = work[15].reshape(9), state[3:6], state[6:9], state[12:15]
+    _spins(h, turn, v, work, f)
     # what a turn q changes: moment and force
-    by_m, by_n = work[6], work[7]
+    V, A, G, by_m, by_n = work[3], work[4], work[5], work[6], work[7]
     for i in range(3):
         for j in range(3):
             a = b = 0.0
@@ -171,29 +152,59 @@ def space_element(
             for k in range(3):
                 a += V[k, i] * dp[k, j]
             pp[i, j] = h * a
-    _geometric(h, turn, v, m, inner, work, f)
-    _to_nodes(frame, turn, m, n, v, h, work, gradient, hessian)
+    _geometric(h, turn, v, m, inner, work)
+    _to_nodes(frame, state, h, work, gradient, hessian)
 
 
-def _geometric(h: float, turn: Array, v: Array, m: Array, n: Array, work: Array, f: Array) -> None:
+def _spins(h: float, turn: Array, v: Array, work: Array, f: Array) -> None:
+    """[Theta], S, T, [v], and the changes S / h and -[v] T / 2 of the strains with a turn q, at 0 to 5 in work."""
+    turn_functions(math.sqrt(turn[0] * turn[0] + turn[1] * turn[1] + turn[2] * turn[2]), f)
+    spin, S, T, V, A, G = work[0], work[1], work[2], work[3], work[4], work[5]
+    skew(turn, spin)
+    skew(v, V)
+    multiply(spin, spin, S)
+    for i in range(3):
+        for j in range(3):
+            S[i, j] *= f[0]
+            T[i, j] = f[1] * spin[i, j]
+        S[i, i] += 1.0
+    multiply(V, T, G)
+    for i in range(3):
+        for j in range(3):
+            A[i, j] = S[i, j] / h
+            G[i, j] *= -0.5
+
+
+def _geometric(h: float, turn: Array, v: Array, m: Array, n: Array, work: Array) -> None:
     """Add the parts of the blocks that come from the second derivatives of the strains."""
-    spin, S, T = work[0], work[1], work[2]
+    f, c = work[15].reshape(9), work[14, 0]
+    c[0] = h * (n[1] * v[2] - n[2] * v[1])
+    c[1] = h * (n[2] * v[0] - n[0] * v[2])
+    c[2] = h * (n[0] * v[1] - n[1] * v[0])
+    _by_mean_turn(h, v, m, n, work, f[1])
+    # second derivative of Theta, seen by m and by half of J_r(Theta/2)^T c
+    z = work[14, 1]
+    cross_into(c, turn, z)  # X x c with X = Theta/2 is -(c x Theta)/2; J_r^T c = c + a_1 X x c + a_2 X x (X x c)
+    other = work[14, 2]
+    cross_into(turn, z, other)
+    for i in range(3):
+        z[i] = m[i] + 0.5 * (c[i] - 0.5 * f[7] * z[i] - 0.25 * f[4] * other[i])
+    _second_of_turn(turn, z, work, f)
+    _of_middle_frame(turn, work, f)
+
+
+def _by_mean_turn(h: float, v: Array, m: Array, n: Array, work: Array, tan_part: float) -> None:
+    """Add what the mean turn p does with moment and force."""
+    spin, S, T, skewed, other = work[0], work[1], work[2], work[3], work[6]  # V and by_m are not needed any more
     qq, dq, qp, dp, pp = work[8], work[9], work[11], work[12], work[13]
-    tan_part, a1 = f[1], f[7]
-    cx = h * (n[1] * v[2] - n[2] * v[1])
-    cy = h * (n[2] * v[0] - n[0] * v[2])
-    cz = h * (n[0] * v[1] - n[1] * v[0])
-    c = work[14, 0]
-    c[0], c[1], c[2] = cx, cy, cz
     # y = S m, and what the turns p and q do to it
     for i in range(3):
         work[14, 1, i] = S[i, 0] * m[0] + S[i, 1] * m[1] + S[i, 2] * m[2]
-    skewed, other = work[3], work[6]  # V and the changes of the moment are not needed any more
     skew(work[14, 1], skewed)
     for i in range(3):
         for j in range(3):
             qp[j, i] += 0.5 * skewed[i, j]
-    skew(c, skewed)
+    skew(work[14, 0], skewed)
     multiply(spin, skewed, other)
     for i in range(3):
         for j in range(3):
@@ -218,34 +229,29 @@ def _geometric(h: float, turn: Array, v: Array, m: Array, n: Array, work: Array,
             pp[i, j] += M[i, j]
             qp[i, j] -= 0.5 * MT[j, i]
             qq[i, j] += 0.25 * (T[0, i] * MT[0, j] + T[1, i] * MT[1, j] + T[2, i] * MT[2, j])
-    # second derivative of Theta, seen by m and by half of J_r(Theta/2)^T c
-    z = work[14, 1]
-    cross_into(c, turn, z)  # X x c with X = Theta/2 is -(c x Theta)/2; J_r^T c = c + a_1 X x c + a_2 X x (X x c)
-    other_z = work[14, 2]
-    cross_into(turn, z, other_z)
-    for i in range(3):
-        z[i] = m[i] + 0.5 * (c[i] - 0.5 * a1 * z[i] - 0.25 * f[4] * other_z[i])
-    _second_of_turn(turn, z, work, f)
-    # the rotation of the middle frame
-    x = work[14, 1]
+
+
+def _of_middle_frame(turn: Array, work: Array, f: Array) -> None:
+    """Add what the rotation of the middle frame does, to the block of q."""
+    S, qq, M, MT = work[1], work[8], work[4], work[5]
+    c, x, across, twice = work[14, 0], work[14, 1], work[14, 2], work[7, 0]
     for i in range(3):
         x[i] = 0.5 * turn[i]
-    cx_, xxc = work[14, 2], work[7, 0]
-    cross_into(c, x, cx_)
-    cross_into(cx_, x, xxc)  # (c x X) x X = X x (X x c)
-    cdot = c[0] * x[0] + c[1] * x[1] + c[2] * x[2]
+    cross_into(c, x, across)
+    cross_into(across, x, twice)  # (c x X) x X = X x (X x c)
+    along = c[0] * x[0] + c[1] * x[1] + c[2] * x[2]
     for i in range(3):
         for j in range(3):
-            one = f[6] * x[i] * cx_[j] + f[5] * x[i] * xxc[j] - f[4] * c[i] * x[j]
-            two = f[6] * x[j] * cx_[i] + f[5] * x[j] * xxc[i] - f[4] * c[j] * x[i]
+            one = f[6] * x[i] * across[j] + f[5] * x[i] * twice[j] - f[4] * c[i] * x[j]
+            two = f[6] * x[j] * across[i] + f[5] * x[j] * twice[i] - f[4] * c[j] * x[i]
             M[i, j] = 0.5 * (one + two)
-        M[i, i] += f[4] * cdot
+        M[i, i] += f[4] * along
     multiply(M, S, MT)
     for i in range(3):
         for j in range(3):
             part = S[0, i] * MT[0, j] + S[1, i] * MT[1, j] + S[2, i] * MT[2, j]
-            qq[i, j] += 0.25 * part - 0.125 * tan_part * (c[i] * turn[j] + c[j] * turn[i])
-        qq[i, i] += 0.5 * tan_part * cdot
+            qq[i, j] += 0.25 * part - 0.125 * f[1] * (c[i] * turn[j] + c[j] * turn[i])
+        qq[i, i] += 0.5 * f[1] * along
 
 
 def _second_of_turn(turn: Array, z: Array, work: Array, f: Array) -> None:
@@ -280,10 +286,9 @@ def _second_of_turn(turn: Array, z: Array, work: Array, f: Array) -> None:
             qq[i, j] += 0.5 * (a + b)
 
 
-def _to_nodes(
-    frame: Array, turn: Array, m: Array, n: Array, v: Array, h: float, work: Array, gradient: Array, hessian: Array
-) -> None:
+def _to_nodes(frame: Array, state: Array, h: float, work: Array, gradient: Array, hessian: Array) -> None:
     """The blocks in the middle frame as gradient and Hessian by the nodes along x, y and z."""
+    v, m, n, turn = state[3:6], state[6:9], state[9:12], state[12:15]
     S, tan_part = work[1], work[15].reshape(9)[1]
     qq, dq, dd, qp, dp, pp = work[8], work[9], work[10], work[11], work[12], work[13]
     c, ct, local = work[14, 0], work[14, 1], work[14, 2]
@@ -345,6 +350,6 @@ def strain_change(h: float, turn: Array, v: Array, d: Array, p: Array, q: Array,
 #: in the order in which they call each other, innermost first
 CALLS = (
     *rotations.CALLS,
-    turn_functions,
-    *(_second_of_turn, _geometric, _to_nodes, plane_element, space_element, strain_change),
+    *(turn_functions, _spins, _by_mean_turn, _second_of_turn, _of_middle_frame, _geometric, _to_nodes),
+    *(plane_element, space_element, strain_change),
 )

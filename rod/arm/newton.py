@@ -10,11 +10,11 @@ import numpy as np
 
 from geometry.arrays import Array, Index
 from rod.arm import assembly
-from rod.arm.assembly import Chain, LoadArrays, StateArrays, Tangent, _frame, assemble, move, predict
+from rod.arm.arrays import ArmArrays, Chain, LoadArrays, StateArrays, Tangent
+from rod.arm.assembly import assemble, move, predict
 from rod.arm.bands import factorize, solve, solve_small
-from rod.arm.end_kernels import EndArrays
+from rod.arm.node_kernels import frame_of
 from rod.arm.rotations import cross_into, logarithm, multiply, skew
-from rod.arm.section_kernels import SectionArrays
 
 #: Newton's method: largest last correction (rad, and mm over the length), in a step of time, and iterations
 TOLERANCE, IN_TIME, ITERATIONS = 1e-8, 1e-6, 25
@@ -102,32 +102,45 @@ def unstable(band: Array, first: int, small: Array) -> int:
     return negative - negative_of(small)
 
 
+def _inertial(
+    inertia: Inertia, node: int, lever: Array, second: Array, motion: Array, out: Array, block: Array
+) -> None:
+    """Force and moment of inertia (6,) of a node, and their derivative (6, 6) without that of its speed.
+
+    lever: (3,) mass times its place beside the node; second: (3, 3), of inertia; motion: (3, 3) acceleration of the
+    place, that of the turn, and speed of the turn.
+    """
+    by, along, spin, speed = inertia.of_motion[0], motion[0], motion[1], motion[2]
+    skewed, whirl = np.empty((3, 3)), np.empty(3)
+    skew(lever, skewed)
+    cross_into(speed, lever, whirl)
+    cross_into(speed, whirl, out[:3])
+    for i in range(3):
+        whirl[i] = second[i, 0] * speed[0] + second[i, 1] * speed[1] + second[i, 2] * speed[2]
+    cross_into(speed, whirl, out[3:])
+    for i in range(3):
+        out[i] += inertia.mass[node] * along[i]
+        block[i, i] = by * inertia.mass[node]
+        for j in range(3):
+            out[i] -= skewed[i, j] * spin[j]
+            out[3 + i] += skewed[i, j] * along[j] + second[i, j] * spin[j]
+            block[i, 3 + j], block[3 + i, j] = -by * skewed[i, j], by * skewed[i, j]
+            block[3 + i, 3 + j] = by * second[i, j]
+
+
 def add_inertia(inertia: Inertia, chain: Chain, state: StateArrays, tangent: Tangent) -> None:
     """Add forces and moments of inertia of all nodes but the first, which the clamp moves, to residual and tangent.
 
     The tangent is without what the speeds and the turning of a lever add.
     """
-    m, base, frame, between = 6 if chain.in_space else 3, np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3))
-    lever, second, turned, out, block = (
-        np.empty((3, 3)),
-        np.empty((3, 3)),
-        np.empty((3, 3)),
-        np.empty(6),
-        np.zeros((6, 6)),
-    )
-    first, turn, whirl, spin, speed, along = (
-        np.empty(3),
-        np.zeros(3),
-        np.empty(3),
-        np.empty(3),
-        np.empty(3),
-        np.empty(3),
-    )
-    by, half = inertia.of_motion[0], 2 * m - 1
+    m, three = 6 if chain.in_space else 3, np.empty((5, 3, 3))
+    base, frame, between, second, turned = three[0], three[1], three[2], three[3], three[4]
+    first, turn, motion, out, block = np.empty(3), np.zeros(3), np.empty((3, 3)), np.empty(6), np.zeros((6, 6))
+    by, half = inertia.of_motion, 2 * m - 1
     for node in range(1, len(state.place)):
         if inertia.mass[node] == 0.0:
             continue
-        _frame(chain, state, node, frame)
+        frame_of(chain, state, node, frame)
         if chain.in_space:
             base[:] = inertia.frames[node].T
             multiply(frame, base, between)
@@ -141,22 +154,9 @@ def add_inertia(inertia: Inertia, chain: Chain, state: StateArrays, tangent: Tan
         for i in range(3):
             first[i] = frame[i, 0] * inertia.first[node, 0] + frame[i, 1] * inertia.first[node, 1]
             first[i] += frame[i, 2] * inertia.first[node, 2]
-            along[i] = by * (state.place[node, i] - inertia.place[node, i]) + carried[i]
-            spin[i], speed[i] = by * turn[i] + carried[3 + i], inertia.of_motion[1] * turn[i] + carried[6 + i]
-        skew(first, lever)
-        cross_into(speed, first, whirl)
-        cross_into(speed, whirl, out[:3])
-        for i in range(3):
-            whirl[i] = second[i, 0] * speed[0] + second[i, 1] * speed[1] + second[i, 2] * speed[2]
-        cross_into(speed, whirl, out[3:])
-        for i in range(3):
-            out[i] += inertia.mass[node] * along[i]
-            block[i, i] = by * inertia.mass[node]
-            for j in range(3):
-                out[i] -= lever[i, j] * spin[j]
-                out[3 + i] += lever[i, j] * along[j] + second[i, j] * spin[j]
-                block[i, 3 + j], block[3 + i, j] = -by * lever[i, j], by * lever[i, j]
-                block[3 + i, 3 + j] = by * second[i, j]
+            motion[0, i] = by[0] * (state.place[node, i] - inertia.place[node, i]) + carried[i]
+            motion[1, i], motion[2, i] = by[0] * turn[i] + carried[3 + i], by[1] * turn[i] + carried[6 + i]
+        _inertial(inertia, node, first, second, motion, out, block)
         row = m * (node - 1)
         for i in range(m):
             at = i if m == 6 or i < 2 else 5
@@ -165,10 +165,65 @@ def add_inertia(inertia: Inertia, chain: Chain, state: StateArrays, tangent: Tan
                 tangent.band[row + i, half + j - i] += block[at, j if m == 6 or j < 2 else 5]
 
 
+class Step(NamedTuple):
+    """The motion that a tangent gives; overwritten by each iteration."""
+
+    motion: Array  #: (N, m) of the nodes
+    columns: Array  #: (rows, 1 + k): first the motion without reactions, then by each
+    small: Array  #: (k, k), the system for the reactions
+    reaction: Array  #: (k, 1) their changes
+
+
+def _solved(tangent: Tangent, load: LoadArrays, free: int, step: Step) -> tuple[bool, tuple[int, int]]:
+    """Fill in the motion and reactions that a tangent gives: whether it can be solved, and its unstable directions.
+
+    free: as in `Chain`.
+    """
+    band, columns, right, motion, start = tangent.band, step.columns, step.reaction, step.motion, tangent.start
+    rows, m, count = len(columns), motion.shape[1], len(load.held)
+    if not factorize(band, 2 * m - 1, 1e-300):
+        return False, (0, 0)
+    for k in range(rows):
+        columns[k, 0] = -tangent.residual[k]
+    border_system(tangent, load.held, columns, step.small, right)
+    negative = unstable(band, 0, step.small), unstable(band, m * (free - 1), step.small)
+    if count and solve_small(step.small, right) == 0.0:
+        return False, (0, 0)
+    for a in range(count):
+        for k in range(rows):
+            columns[k, 0] += columns[k, 1 + a] * right[a, 0]
+    for node in range(1, len(motion)):
+        for i in range(m):
+            motion[node, i] = columns[m * (node - 1) + i, 0]
+    for i in range(m):
+        motion[0, i] = start[i, 0]
+        for j in range(m):
+            motion[0, i] += start[i, 1 + j] * motion[1, j]
+    return True, negative
+
+
+def _tangent_of(
+    arm: ArmArrays, load: LoadArrays, state: StateArrays, factor: float, tangent: Tangent, side: Array, step: Step
+) -> Found:
+    """The tangent of a state, with its forces in the geometric part; a side becomes what the arm answers to it."""
+    motion, rows = step.motion, len(step.columns)
+    m, outside, beyond = motion.shape[1], math.inf, math.inf
+    for _ in range(2):
+        outside, beyond = assemble(arm, load, state, factor, tangent, False)
+        motion[:] = 0.0
+        predict(arm.chain, state, tangent.kept, motion)
+    if len(side):
+        tangent.residual[:], tangent.start[:, 0] = side[:rows], side[rows : rows + m]
+        tangent.missed[:] = side[rows + m :]
+        known, _ = _solved(tangent, load, arm.chain.free, step)
+        if not known:
+            return Found(False, outside, beyond, (0, 0), 1)
+        side[: rows + m], side[rows + m :] = motion.reshape(rows + m), step.reaction[:, 0]
+    return Found(True, outside, beyond, (0, 0), 0)
+
+
 def _newton(
-    section: SectionArrays,
-    ends: EndArrays,
-    chain: Chain,
+    arm: ArmArrays,
     load: LoadArrays,
     state: StateArrays,
     factor: float,
@@ -183,61 +238,40 @@ def _newton(
     (N m + k,) is what a parameter adds to the residual, to the motion of the first node and to what is held; it becomes
     what the arm answers: the motions of the nodes, and the reactions.
     """
-    m = 6 if chain.in_space else 3
-    nodes = len(state.place)
-    rows, half, band = m * (nodes - 1), 2 * m - 1, tangent.band
-    residual, start, kept = tangent.residual, tangent.start, tangent.kept
-    motion, work = np.empty((nodes, m)), np.empty((2, 3, 3))
-    count = len(load.held)
+    m, nodes, count, is_moving = 6 if arm.chain.in_space else 3, len(state.place), len(load.held), len(inertia.mass) > 0
+    rows = m * (nodes - 1)
     columns, small, right = np.empty((rows, 1 + count)), np.empty((count, count)), np.empty((count, 1))
-    tolerance = IN_TIME if len(inertia.mass) else TOLERANCE
+    step, work = Step(np.empty((nodes, m)), columns, small, right), np.empty((2, 3, 3))
+    if iterations == 0:
+        return _tangent_of(arm, load, state, factor, tangent, side, step)
     outside = beyond = math.inf
     for iteration in range(max(iterations, 2)):
-        outside, beyond = assemble(section, ends, chain, load, state, factor, tangent, len(inertia.mass) > 0)
-        if len(inertia.mass):
-            add_inertia(inertia, chain, state, tangent)
-        if iterations == 0:
-            motion[:] = 0.0
-            predict(chain, state, kept, motion)
-            if iteration == 0 or len(side) == 0:
-                continue
-            residual[:], start[:, 0], tangent.missed[:] = side[:rows], side[rows : rows + m], side[rows + m :]
-        if not factorize(band, half, 1e-300):
+        outside, beyond = assemble(arm, load, state, factor, tangent, is_moving)
+        if is_moving:
+            add_inertia(inertia, arm.chain, state, tangent)
+        known, negative = _solved(tangent, load, arm.chain.free, step)
+        if not known:
             return Found(False, outside, beyond, (0, 0), iteration)
-        for k in range(rows):
-            columns[k, 0] = -residual[k]
-        border_system(tangent, load.held, columns, small, right)
-        negative = unstable(band, 0, small), unstable(band, m * (chain.free - 1), small)
-        if count and solve_small(small, right) == 0.0:
-            return Found(False, outside, beyond, (0, 0), iteration)
-        for a in range(count):
-            for k in range(rows):
-                columns[k, 0] += columns[k, 1 + a] * right[a, 0]
-        for node in range(1, nodes):
-            for i in range(m):
-                motion[node, i] = columns[m * (node - 1) + i, 0]
-        for i in range(m):
-            motion[0, i] = start[i, 0]
-            for j in range(m):
-                motion[0, i] += start[i, 1 + j] * motion[1, j]
-        if iterations == 0:
-            side[: rows + m], side[rows + m :] = motion.reshape(rows + m), right[:, 0]
-            continue
         for a in range(count):
             state.reaction[a] += right[a, 0]
-        if len(inertia.mass):
-            turn = 0.0
-            for node in range(nodes):
-                turn = max(turn, abs(motion[node, m - 1]))
-            motion *= 0.5 if iteration >= CYCLING else min(1.0, LARGEST / max(turn, LARGEST))
-        predict(chain, state, kept, motion)
-        largest = move(chain, state, motion, work)
+        if is_moving:
+            _shorten(step.motion, iteration)
+        predict(arm.chain, state, tangent.kept, step.motion)
+        largest = move(arm.chain, state, step.motion, work)
         if not largest < 30.0:
             return Found(False, outside, beyond, (0, 0), iteration)
         # the tangent of the first step has the forces of the state before
-        if largest < tolerance and iteration > 0:
+        if largest < (IN_TIME if is_moving else TOLERANCE) and iteration > 0:
             return Found(True, outside, beyond, negative, iteration + 1)
-    return Found(iterations == 0, outside, beyond, (0, 0), iterations)
+    return Found(False, outside, beyond, (0, 0), iterations)
+
+
+def _shorten(motion: Array, iteration: int) -> None:
+    """Keep the turns of a step of time small, and later its whole correction."""
+    turn = 0.0
+    for node in range(len(motion)):
+        turn = max(turn, abs(motion[node, motion.shape[1] - 1]))
+    motion *= 0.5 if iteration >= CYCLING else min(1.0, LARGEST / max(turn, LARGEST))
 
 
 def negative_of(matrix: Array) -> int:
@@ -258,4 +292,7 @@ def negative_of(matrix: Array) -> int:
 
 
 #: the functions that `_newton` calls, innermost first
-CALLS = (*assembly.CALLS, factorize, solve, negative_of, border_system, unstable, add_inertia)
+CALLS = (
+    *assembly.CALLS,
+    *(factorize, solve, negative_of, border_system, unstable, _inertial, add_inertia, _solved, _tangent_of, _shorten),
+)

@@ -10,7 +10,7 @@ import numpy as np
 
 from geometry.arrays import Array, read_only
 from rod.along import check_inside
-from rod.arm.assembly import StateArrays
+from rod.arm.arrays import StateArrays
 from rod.arm.chain import Nodes
 from rod.arm.path import Path, beside
 from rod.arm.small_motions import OF_CLAMP

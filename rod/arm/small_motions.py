@@ -8,10 +8,11 @@ motion. Negative stiffnesses that a measured clamp has without loads are not cou
 import numpy as np
 
 from geometry.arrays import Array, Index, Mask
-from rod.arm.assembly import LoadArrays, StateArrays, Tangent, acting
+from rod.arm.arrays import ArmArrays, LoadArrays, StateArrays, Tangent
 from rod.arm.bands import factorize, solve, solve_small
 from rod.arm.chain import NO_SIDE, room_for, solve_chain
 from rod.arm.newton import STATICS, border_system, negative_of, unstable
+from rod.arm.node_kernels import acting
 from rod.arm.solver import Solver
 from rod.compiled import CompiledLater
 
@@ -40,8 +41,8 @@ def tangent_of(solver: Solver, load: LoadArrays, state: StateArrays, *, is_loade
     chain = solver.chain._replace(is_loaded=is_loaded)
     tangent = room_for(chain, len(load.held))
     copied = StateArrays(*(values.copy() for values in state))
-    section = solver.arm.section.arrays(solver.s)
-    solve_chain(section, solver.ends, chain, load, copied, float(is_loaded), tangent, 0, NO_SIDE, STATICS)
+    arm = ArmArrays(solver.arm.section.arrays(solver.s), solver.ends, chain)
+    solve_chain(arm, load, copied, float(is_loaded), tangent, 0, NO_SIDE, STATICS)
     return tangent
 
 

@@ -7,10 +7,11 @@ import numpy as np
 
 from geometry.arrays import Array
 from rod.along import Position
-from rod.arm.assembly import Chain, StateArrays, acting
+from rod.arm.arrays import ArmArrays, Chain, StateArrays
 from rod.arm.chain import NO_SIDE, Nodes, load_arrays, nodes_of, planar_frames, rest_state, room_for, solve_chain
 from rod.arm.end_kernels import TIP_COLUMNS, EndArrays, tip_levers
 from rod.arm.newton import ITERATIONS, STATICS, Found
+from rod.arm.node_kernels import acting
 from rod.arm.sections import Section
 from rod.load import Load
 from rod.weight import Mass
@@ -66,9 +67,13 @@ class Solver:
         self, state: StateArrays, factor: float, target: Array, grown: float = 1.0, iterations: int = ITERATIONS
     ) -> Found:
         """The equilibrium near a state, which becomes it, under a part of the loads; what is held is at target (k,)."""
-        section, nodes = self.arm.section.arrays(self.s, factor, grown), self.load.nodes
-        load = self.load._replace(target=target, nodes=nodes + self.push / factor if factor else nodes)
-        return solve_chain(section, self.ends, self.chain, load, state, factor, self.room, iterations, NO_SIDE, STATICS)
+        nodes = self.load.nodes + self.push / factor if factor else self.load.nodes
+        load = self.load._replace(target=target, nodes=nodes)
+        return solve_chain(self.arrays(factor, grown), load, state, factor, self.room, iterations, NO_SIDE, STATICS)
+
+    def arrays(self, factor: float = 1.0, grown: float = 1.0) -> ArmArrays:
+        """The arm under a part of the loads, at a part of its rest curvature."""
+        return ArmArrays(self.arm.section.arrays(self.s, factor, grown), self.ends, self.chain)
 
     def pushed(self, force: Array) -> "Solver":
         """The same under forces (N, 3) in N on its nodes besides."""
@@ -89,8 +94,7 @@ class Solver:
 
         A side (N m + k,) becomes what the state answers to it (`rod.arm.newton`).
         """
-        section = self.arm.section.arrays(self.s, factor, grown)
-        solve_chain(section, self.ends, self.chain, self.load, state, factor, self.room, 0, side, STATICS)
+        solve_chain(self.arrays(factor, grown), self.load, state, factor, self.room, 0, side, STATICS)
         return np.concatenate([self.room.residual, self.room.start[:, 0], self.room.missed])
 
     def end(self, state: StateArrays) -> Array:

@@ -4,7 +4,7 @@ import numpy as np
 
 from geometry.arrays import Array
 from rod.along import are_heights
-from rod.arm.assembly import FORCES, FORCES_IN_SPACE, StateArrays
+from rod.arm.arrays import FORCES, FORCES_IN_SPACE, StateArrays
 from rod.arm.chain import halved
 from rod.arm.path import Way, follow, positions_under
 from rod.arm.solver import Solver

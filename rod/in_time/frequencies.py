@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from geometry.arrays import Array
-from rod.arm.assembly import StateArrays, Tangent
+from rod.arm.arrays import StateArrays, Tangent
 from rod.arm.chain import planar_frames
 from rod.arm.small_motions import tangent_of
 from rod.arm.solver import Solver

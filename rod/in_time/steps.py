@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from geometry.arrays import Array
-from rod.arm.assembly import FORCES, FORCES_IN_SPACE, StateArrays
+from rod.arm.arrays import FORCES, FORCES_IN_SPACE, ArmArrays, StateArrays
 from rod.arm.chain import NO_SIDE, rotation, solve_chain, turn_of
 from rod.arm.end_kernels import EndArrays
 from rod.arm.newton import Inertia
@@ -123,8 +123,8 @@ class Stepper:
         since, solver = np.where(self.has_mass, WITHIN * dt, time - memory.time), self.solver
         for guess in (since, self.has_mass * since):  # without mass a node may have moved to where it does not stay
             state = self._moved(now.state, guess * (v + 0.5 * WITHIN * dt * a))
-            arrays = section, joined.ends, solver.chain, solver.load, state
-            found = solve_chain(*arrays, 1.0, solver.room, ITERATIONS, NO_SIDE, inertia)
+            arm = ArmArrays(section, joined.ends, solver.chain)
+            found = solve_chain(arm, solver.load, state, 1.0, solver.room, ITERATIONS, NO_SIDE, inertia)
             if found.converged:
                 break
         else:

@@ -12,8 +12,9 @@ from geometry.arrays import Array
 from pipeline.answers.rods.choice import rod_of_path
 from rod import FiveParameters, LineLoad, Load, PointLoad, Rod, RodError, Support
 from rod.along import Along
-from rod.arm import assembly, solver
-from rod.arm.assembly import StateArrays
+from rod.arm import solver
+from rod.arm.arrays import StateArrays, Tangent
+from rod.arm.assembly import assemble
 from rod.arm.chain import room_for
 from rod.mechanics import lines
 from tests.coarse import COARSE
@@ -166,11 +167,10 @@ def test_what_holds_an_arm_has_an_exact_tangent(held: dict[str, Any]) -> None:
     made = solver.Solver(arm, arm.positions((56.0,)), load, in_space=False)
     state = made.rest()
     state.reaction[:] = 0.1 + 0.01 * np.arange(len(state.reaction))
-    section = made.arm.section.arrays(made.s)
 
-    def parts(moved: StateArrays) -> tuple[Array, Array, assembly.Tangent]:
+    def parts(moved: StateArrays) -> tuple[Array, Array, Tangent]:
         room = room_for(made.chain, len(state.reaction))
-        assembly.assemble(section, made.ends, made.chain, made.load, moved, 1.0, room, False)
+        assemble(made.arrays(), made.load, moved, 1.0, room, False)
         return room.residual, room.missed, room
 
     def difference(name: str, place: int) -> tuple[Array, Array]:
