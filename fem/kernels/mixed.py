@@ -37,9 +37,7 @@ def pressure_columns(
     for c in range(colours.shape[0] - 1):
         for chunk in prange(colours[c], colours[c + 1]):
             values = np.empty((n, 3))
-            f = np.empty((3, 3))
-            s = np.empty((3, 3))
-            p = np.empty((3, 3))
+            f, s, p = np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3))
             k = np.empty((n, 3, 4))
             block = np.zeros((3, 3))
             for e in range(chunks[chunk], chunks[chunk + 1]):

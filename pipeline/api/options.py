@@ -83,6 +83,21 @@ HeldAt = Annotated[
     list[str],
     typer.Option(metavar="S: HELD", help="A support along the arm: '0.5 l: y -3 mm, angle 5 deg'. Repeatable."),
 ]
+ForceAt = Annotated[
+    Sequence[str],
+    list[str],
+    typer.Option(metavar="S: [FX, FY]", help="Dead force along the arm: '0.5 l: [0 N, 0.02 N]'. Repeatable."),
+]
+LineLoad = Annotated[
+    Sequence[str],
+    list[str],
+    typer.Option(metavar="S to S: [QX, QY]", help="'0.2 l to 0.8 l: [0 N/m, 0.5 N/m]'. Repeatable."),
+]
+MassAt = Annotated[
+    Sequence[str],
+    list[str],
+    typer.Option(metavar="S: M", help="A mass that hangs along the arm: '0.5 l: 5 g', '56 mm: 5 g'. Repeatable."),
+]
 TipMass = Annotated[Amount | None, str, typer.Option(metavar="M", help="A mass that hangs on the end: '20 g'.")]
 Rod = Annotated[
     str | None,

@@ -9,7 +9,21 @@ import typer
 
 from geometry.told import Told
 from pipeline.api.given import given_choice, given_path
-from pipeline.api.options import Amount, Folder, Given, HeldAt, Orientation, Ratio, Rod, TipMass, Vector, command
+from pipeline.api.options import (
+    Amount,
+    Folder,
+    ForceAt,
+    Given,
+    HeldAt,
+    LineLoad,
+    MassAt,
+    Orientation,
+    Ratio,
+    Rod,
+    TipMass,
+    Vector,
+    command,
+)
 from pipeline.results.options import write_new
 
 __all__ = ["budget", "export", "move", "shape", "solve"]
@@ -55,24 +69,12 @@ def shape(
     end: Annotated[
         Vector | None, str, typer.Option(metavar="[X, Y]", help="Position of the end from the clamp, in space with Z.")
     ] = None,
-    force_at: Annotated[
-        Sequence[str],
-        list[str],
-        typer.Option(metavar="S: [FX, FY]", help="Dead force along the arm: '0.5 l: [0 N, 0.02 N]'. Repeatable."),
-    ] = (),
-    line_load: Annotated[
-        Sequence[str],
-        list[str],
-        typer.Option(metavar="S to S: [QX, QY]", help="'0.2 l to 0.8 l: [0 N/m, 0.5 N/m]'. Repeatable."),
-    ] = (),
+    force_at: ForceAt = (),
+    line_load: LineLoad = (),
     held_at: HeldAt = (),
     orientation: Orientation = None,
     tip_mass: TipMass = None,
-    mass_at: Annotated[
-        Sequence[str],
-        list[str],
-        typer.Option(metavar="S: M", help="A mass that hangs along the arm: '0.5 l: 5 g', '56 mm: 5 g'. Repeatable."),
-    ] = (),
+    mass_at: MassAt = (),
     rod: Rod = None,
     after_snap: Annotated[
         bool, typer.Option("--after-snap", help="The swollen form, where the arm has two at this pressure.")

@@ -12,7 +12,7 @@ from typing import TypeVar
 import numpy as np
 
 from geometry.arrays import Array
-from rod.arm_law.between import interpolate_columns, join_states
+from rod.arm_law.between import Joined, interpolate_columns, join_states
 from rod.arm_law.curves import IN_SPACE, CellCurve, ClampCurve, Placed, TipCurve
 from rod.cubics import cubic, cubic_slope, hermite, monotone_cubic, monotone_slopes, parabola_slopes
 from rod.errors import RodError
@@ -183,13 +183,7 @@ def clamp_at(
     if lower == upper:
         return first
     pairs = join_states(cells[lower], cells[upper], place)
-    nodes = first.moment, second.moment
-    known = (pairs.first >= nodes[0][0]) & (pairs.first <= nodes[0][-1])
-    known &= (pairs.second >= nodes[1][0]) & (pairs.second <= nodes[1][-1])
-    if known.sum() < 2:
-        raise RodError(f"The ends at {first.pressure:g} and {second.pressure:g} kPa have no state in common.")
-    range_known = pairs.moment[known]
-    moment = np.linspace(range_known[0], range_known[-1], CLAMP_POINTS)
+    moment = _moments_in_common(pairs, first, second)
     around = _around(path, lower, upper)
 
     def between(low: Array, high: Array) -> Array:
@@ -198,18 +192,9 @@ def clamp_at(
     def straight(values: Callable[[ClampCurve, Array], Array]) -> Array:
         return between(values(first, pairs.first), values(second, pairs.second))
 
-    def rotations(at: Placed[ClampCurve], moment: Array, slope: Array) -> tuple[Array, Array]:
-        """Of one curve at moments (n,), and their changes along the lines for the whole step of the place."""
-        curve = at.curve
-        inside = np.clip(moment, curve.moment[0], curve.moment[-1])
-        by_moment = cubic_slope(curve.moment, curve.rotation, curve.rotation_by_moment, inside)
-        by_place = curve.slopes_at(at.slopes["rotation"], moment)
-        return curve.rotation_at(moment), by_place * (path[upper].place - path[lower].place) + by_moment * slope
-
-    (low, low_slope), (high, high_slope) = (
-        rotations(path[lower], pairs.first, pairs.first_slope),
-        rotations(path[upper], pairs.second, pairs.second_slope),
-    )
+    step = path[upper].place - path[lower].place
+    low, low_slope = _rotations(path[lower], pairs.first, pairs.first_slope, step)
+    high, high_slope = _rotations(path[upper], pairs.second, pairs.second_slope, step)
     rotation = interpolate_columns(moment, pairs.moment, hermite(pairs.t, low, high, low_slope, high_slope))
     offset = straight(ClampCurve.offset_at) + _beyond_straight_at(around, ClampCurve.offset_at, place, moment)
     volume = np.empty(0)
@@ -231,6 +216,25 @@ def clamp_at(
         lateral_compliance=_straight_compliance(first, second, pairs.t),
         volume=volume,
     )
+
+
+def _moments_in_common(pairs: Joined, first: ClampCurve, second: ClampCurve) -> Array:
+    """Moments (n,) of the states that both curves have. Raises `RodError` where they have none in common."""
+    known = (pairs.first >= first.moment[0]) & (pairs.first <= first.moment[-1])
+    known &= (pairs.second >= second.moment[0]) & (pairs.second <= second.moment[-1])
+    if known.sum() < 2:
+        raise RodError(f"The ends at {first.pressure:g} and {second.pressure:g} kPa have no state in common.")
+    in_common = pairs.moment[known]
+    return np.linspace(in_common[0], in_common[-1], CLAMP_POINTS)
+
+
+def _rotations(at: Placed[ClampCurve], moment: Array, slope: Array, step: float) -> tuple[Array, Array]:
+    """Of a curve at moments (n,), and their changes along the lines for a whole step of the place."""
+    curve = at.curve
+    inside = np.clip(moment, curve.moment[0], curve.moment[-1])
+    by_moment = cubic_slope(curve.moment, curve.rotation, curve.rotation_by_moment, inside)
+    by_place = curve.slopes_at(at.slopes["rotation"], moment)
+    return curve.rotation_at(moment), by_place * step + by_moment * slope
 
 
 def _straight_compliance(first: ClampCurve, second: ClampCurve, t: float) -> Array:
