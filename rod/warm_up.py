@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from rod.arm.arrays import Chain
 from rod.arm.chain import room_for, solve_chain
+from rod.arm.nodes import Chain
 from rod.arm.small_motions import lowest_of
 from rod.law import FiveParameters
 from rod.load import Load

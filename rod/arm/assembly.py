@@ -6,12 +6,11 @@ from typing import NamedTuple
 import numpy as np
 
 from geometry.arrays import Array
-from rod.arm import elements, end_kernels, node_kernels, section_kernels
-from rod.arm.arrays import ArmArrays, Chain, LoadArrays, StateArrays, Tangent
+from rod.arm import elements, end_kernels, nodes, section_kernels
 from rod.arm.bands import solve_small
 from rod.arm.elements import plane_element, space_element, strain_change
 from rod.arm.end_kernels import EndArrays, clamp_in_plane, clamp_in_space
-from rod.arm.node_kernels import acting, hold_nodes, load_nodes, load_tip
+from rod.arm.nodes import ArmArrays, Chain, LoadArrays, StateArrays, Tangent, acting, hold_nodes, load_nodes, load_tip
 from rod.arm.rotations import exponential, logarithm, multiply, multiply_transposed
 from rod.arm.section_kernels import SectionArrays, add_memory, elastic, plane_section, space_section
 
@@ -314,7 +313,7 @@ CALLS = (
     *section_kernels.CALLS,
     *elements.CALLS,
     *end_kernels.CALLS,
-    *node_kernels.CALLS,
+    *nodes.CALLS,
     *(solve_small, _plane_element, _strains, _space_element, _element, _add, _left, _missed, _eliminate, _clamp),
     *(_first, predict, move, assemble),
 )

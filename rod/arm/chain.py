@@ -10,10 +10,9 @@ import numpy as np
 from geometry.arrays import Array
 from geometry.topology import cross
 from rod.arm import newton
-from rod.arm.arrays import KEPT, Chain, LoadArrays, StateArrays, Tangent
 from rod.arm.end_kernels import TIP_COLUMNS, EndArrays, tip_levers
 from rod.arm.newton import Found
-from rod.arm.node_kernels import acting
+from rod.arm.nodes import KEPT, Chain, LoadArrays, StateArrays, Tangent, acting
 from rod.compiled import CompiledLater
 from rod.load import Load
 from rod.weight import Mass

@@ -10,10 +10,9 @@ import numpy as np
 
 from geometry.arrays import Array, Index
 from rod.arm import assembly
-from rod.arm.arrays import ArmArrays, Chain, LoadArrays, StateArrays, Tangent
 from rod.arm.assembly import assemble, move, predict
 from rod.arm.bands import factorize, solve, solve_small
-from rod.arm.node_kernels import frame_of
+from rod.arm.nodes import ArmArrays, Chain, LoadArrays, StateArrays, Tangent, frame_of
 from rod.arm.rotations import cross_into, logarithm, multiply, skew
 
 #: Newton's method: largest last correction (rad, and mm over the length), in a step of time, and iterations

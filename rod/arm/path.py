@@ -16,9 +16,9 @@ import numpy as np
 
 from geometry.arrays import Array
 from rod.along import APART, are_heights, check_inside, check_supports
-from rod.arm.arrays import StateArrays
 from rod.arm.chain import Nodes, extrapolated, halved, planar_frames, rotation, turn_of
 from rod.arm.newton import Found
+from rod.arm.nodes import StateArrays
 from rod.arm.solver import ArmModel, Solver
 from rod.errors import LoadError, RodError
 from rod.load import Load

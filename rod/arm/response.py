@@ -10,8 +10,8 @@ import numpy as np
 
 from geometry.arrays import Array, read_only
 from rod.along import check_inside
-from rod.arm.arrays import StateArrays
 from rod.arm.chain import Nodes
+from rod.arm.nodes import StateArrays
 from rod.arm.path import Path, beside
 from rod.arm.small_motions import OF_CLAMP
 from rod.arm.solver import ArmModel, Solver

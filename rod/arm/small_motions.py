@@ -8,11 +8,10 @@ motion. Negative stiffnesses that a measured clamp has without loads are not cou
 import numpy as np
 
 from geometry.arrays import Array, Index, Mask
-from rod.arm.arrays import ArmArrays, LoadArrays, StateArrays, Tangent
 from rod.arm.bands import factorize, solve, solve_small
 from rod.arm.chain import NO_SIDE, room_for, solve_chain
 from rod.arm.newton import STATICS, border_system, negative_of, unstable
-from rod.arm.node_kernels import acting
+from rod.arm.nodes import ArmArrays, LoadArrays, StateArrays, Tangent, acting
 from rod.arm.solver import Solver
 from rod.compiled import CompiledLater
 

@@ -7,11 +7,10 @@ import numpy as np
 
 from geometry.arrays import Array
 from rod.along import Position
-from rod.arm.arrays import ArmArrays, Chain, StateArrays
 from rod.arm.chain import NO_SIDE, Nodes, load_arrays, nodes_of, planar_frames, rest_state, room_for, solve_chain
 from rod.arm.end_kernels import TIP_COLUMNS, EndArrays, tip_levers
 from rod.arm.newton import ITERATIONS, STATICS, Found
-from rod.arm.node_kernels import acting
+from rod.arm.nodes import ArmArrays, Chain, StateArrays, acting
 from rod.arm.sections import Section
 from rod.load import Load
 from rod.weight import Mass

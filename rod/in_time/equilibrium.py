@@ -4,8 +4,8 @@ import numpy as np
 
 from geometry.arrays import Array
 from rod.along import are_heights
-from rod.arm.arrays import FORCES, FORCES_IN_SPACE, StateArrays
 from rod.arm.chain import halved
+from rod.arm.nodes import FORCES, FORCES_IN_SPACE, StateArrays
 from rod.arm.path import Way, follow, positions_under
 from rod.arm.solver import Solver
 from rod.errors import RodError

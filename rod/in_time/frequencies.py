@@ -6,8 +6,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from geometry.arrays import Array
-from rod.arm.arrays import StateArrays, Tangent
 from rod.arm.chain import planar_frames
+from rod.arm.nodes import StateArrays, Tangent
 from rod.arm.small_motions import tangent_of
 from rod.arm.solver import Solver
 from rod.in_time.body import Body

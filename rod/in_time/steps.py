@@ -11,10 +11,10 @@ from typing import NamedTuple
 import numpy as np
 
 from geometry.arrays import Array
-from rod.arm.arrays import FORCES, FORCES_IN_SPACE, ArmArrays, StateArrays
 from rod.arm.chain import NO_SIDE, rotation, solve_chain, turn_of
 from rod.arm.end_kernels import EndArrays
 from rod.arm.newton import Inertia
+from rod.arm.nodes import FORCES, FORCES_IN_SPACE, ArmArrays, StateArrays
 from rod.arm.section_kernels import SectionArrays
 from rod.arm.solver import Solver
 from rod.in_time.relaxation import Creep, Relaxation

@@ -13,9 +13,9 @@ from pipeline.answers.rods.choice import rod_of_path
 from rod import FiveParameters, LineLoad, Load, PointLoad, Rod, RodError, Support
 from rod.along import Along
 from rod.arm import solver
-from rod.arm.arrays import StateArrays, Tangent
 from rod.arm.assembly import assemble
 from rod.arm.chain import room_for
+from rod.arm.nodes import StateArrays, Tangent
 from rod.mechanics import lines
 from tests.coarse import COARSE
 from tests.rod.arm_law.test_arm_law import EI, law_of, straight_law
