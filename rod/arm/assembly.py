@@ -24,18 +24,16 @@ class Scratch(NamedTuple):
     hessian: Array  #: (2 m, 2 m)
 
 
-def _plane_element(
-    section: SectionArrays, chain: Chain, state: StateArrays, e: int, scratch: Scratch, row: Array
-) -> float:
+def _in_plane(section: SectionArrays, chain: Chain, state: StateArrays, e: int, room: Scratch, row: Array) -> float:
     """Gradient and Hessian of element e in the plane; row (KEPT,) gets what `predict` needs."""
     place = state.place
-    h, strain, force, stiffness = chain.h[e], scratch.work[17, 0], scratch.work[17, 1], scratch.work[18]
+    h, strain, force, stiffness = chain.h[e], room.work[17, 0], room.work[17, 1], room.work[18]
     angle = 0.5 * (state.angle[e] + state.angle[e + 1])
     c, s = math.cos(angle), math.sin(angle)
     x, y = (place[e + 1, 0] - place[e, 0]) / h, (place[e + 1, 1] - place[e, 1]) / h
     strain[0] = (state.angle[e + 1] - state.angle[e]) / h
     strain[1], strain[2] = c * x + s * y, c * y - s * x
-    outside = plane_section(section, e, strain, force, stiffness, scratch.columns)
+    outside = plane_section(section, e, strain, force, stiffness, room.columns)
     if len(section.memory):
         add_memory(section, e, force, stiffness)
     if not chain.is_loaded:
@@ -45,7 +43,7 @@ def _plane_element(
     for i in range(2):
         for j in range(3):
             row[7 + 3 * i + j] = stiffness[1 + i, j]
-    plane_element(h, row[:5], force, stiffness, state.inner[e, :2], scratch.gradient, scratch.hessian)
+    plane_element(h, row[:5], force, stiffness, state.inner[e, :2], room.gradient, room.hessian)
     return outside
 
 
@@ -67,14 +65,12 @@ def _strains(state: StateArrays, e: int, h: float, work: Array, six: Array) -> N
         ) / h
 
 
-def _space_element(
-    section: SectionArrays, chain: Chain, state: StateArrays, e: int, scratch: Scratch, row: Array
-) -> float:
-    """As `_plane_element`, in space."""
-    h, work = chain.h[e], scratch.work
+def _in_space(section: SectionArrays, chain: Chain, state: StateArrays, e: int, room: Scratch, row: Array) -> float:
+    """As `_in_plane`, in space."""
+    h, work = chain.h[e], room.work
     turn, middle, forces, stiff = work[17, 2], work[18], row[6:12], work[20:24].reshape(36).reshape((6, 6))
     _strains(state, e, h, work, row[:6])
-    outside = space_section(section, e, row[:6], forces, stiff, scratch.columns)
+    outside = space_section(section, e, row[:6], forces, stiff, room.columns)
     if len(section.memory):
         add_memory(section, e, forces, stiff)
     if not chain.is_loaded:
@@ -85,15 +81,15 @@ def _space_element(
             row[15 + 3 * i + j] = middle[i, j]
         for j in range(6):
             row[24 + 6 * i + j] = stiff[3 + i, j]
-    space_element(h, middle, row[:15], stiff, state.inner[e], work[:16], scratch.gradient, scratch.hessian)
+    space_element(h, middle, row[:15], stiff, state.inner[e], work[:16], room.gradient, room.hessian)
     return outside
 
 
-def _element(section: SectionArrays, chain: Chain, state: StateArrays, e: int, scratch: Scratch, kept: Array) -> float:
+def _element(section: SectionArrays, chain: Chain, state: StateArrays, e: int, room: Scratch, kept: Array) -> float:
     """Gradient and Hessian of element e, and by how much it leaves what is known of the section."""
     if chain.in_space:
-        return _space_element(section, chain, state, e, scratch, kept[e])
-    return _plane_element(section, chain, state, e, scratch, kept[e])
+        return _in_space(section, chain, state, e, room, kept[e])
+    return _in_plane(section, chain, state, e, room, kept[e])
 
 
 def _add(band: Array, residual: Array, row: int, gradient: Array, hessian: Array) -> None:
@@ -259,26 +255,24 @@ def move(chain: Chain, state: StateArrays, motion: Array, work: Array) -> float:
     return largest
 
 
-def _first(
-    section: SectionArrays, chain: Chain, state: StateArrays, scratch: Scratch, kept: Array
-) -> tuple[float, First]:
+def _first(section: SectionArrays, chain: Chain, state: StateArrays, room: Scratch, kept: Array) -> tuple[float, First]:
     """The first element, and by how much it and that which decides on the clamp leave what is known."""
-    d, rubber, gradient = chain.decides, elastic(section), scratch.gradient
+    d, rubber, gradient = chain.decides, elastic(section), room.gradient
     m = len(gradient) // 2
     loaded = Chain(chain.in_space, True, chain.h, d, chain.beyond, chain.free, chain.length)
-    outside = _element(rubber, loaded, state, max(d - 1, 0), scratch, kept)
+    outside = _element(rubber, loaded, state, max(d - 1, 0), room, kept)
     decides = gradient[2 * m - 1] if d > 0 else -gradient[m - 1]
     if d > 0 and chain.beyond != 0.0:
         part = chain.beyond / chain.h[d - 1]
         across = part * (state.place[d, 0] - state.place[d - 1, 0]), part * (state.place[d, 1] - state.place[d - 1, 1])
         decides -= across[0] * gradient[m + 1] - across[1] * gradient[m]
-    outside = max(outside, _element(section, chain, state, 0, scratch, kept))
+    outside = max(outside, _element(section, chain, state, 0, room, kept))
     felt = gradient.copy()
     if len(section.memory):
-        _element(rubber, chain, state, 0, scratch, kept)
+        _element(rubber, chain, state, 0, room, kept)
         felt[:] = gradient
-        _element(section, chain, state, 0, scratch, kept)
-    return outside, First(gradient.copy(), scratch.hessian.copy(), felt, decides, section.scale)
+        _element(section, chain, state, 0, room, kept)
+    return outside, First(gradient.copy(), room.hessian.copy(), felt, decides, section.scale)
 
 
 def assemble(
@@ -291,19 +285,19 @@ def assemble(
     section, ends, chain, m = arm.section, arm.ends, arm.chain, 6 if arm.chain.in_space else 3
     band, residual, kept = tangent.band, tangent.residual, tangent.kept
     columns = np.empty((3, max(section.table.shape[2], 1)))
-    scratch = Scratch(np.zeros((24, 3, 3)), columns, np.empty(2 * m), np.empty((2 * m, 2 * m)))
+    room = Scratch(np.zeros((24, 3, 3)), columns, np.empty(2 * m), np.empty((2 * m, 2 * m)))
     load = acting(given, state, factor)
     band[:] = 0.0
     residual[:] = 0.0
-    outside, first = _first(section, chain, state, scratch, kept)
+    outside, first = _first(section, chain, state, room, kept)
     for e in range(1, len(chain.h)):
         if chain.in_space:
-            outside = max(outside, _space_element(section, chain, state, e, scratch, kept[e]))
+            outside = max(outside, _in_space(section, chain, state, e, room, kept[e]))
         else:
-            outside = max(outside, _plane_element(section, chain, state, e, scratch, kept[e]))
-        _add(band, residual, m * (e - 1), scratch.gradient, scratch.hessian)
-    load_nodes(load, chain, state, tangent, scratch.work[0])
-    hold_nodes(load, chain, state, tangent, scratch.work[0])
+            outside = max(outside, _in_plane(section, chain, state, e, room, kept[e]))
+        _add(band, residual, m * (e - 1), room.gradient, room.hessian)
+    load_nodes(load, chain, state, tangent, room.work[0])
+    hold_nodes(load, chain, state, tangent, room.work[0])
     load_tip(ends, load, chain, state, tangent)
     return outside, _clamp(ends, chain, state, first, tangent, is_moving)
 
@@ -314,6 +308,6 @@ CALLS = (
     *elements.CALLS,
     *end_kernels.CALLS,
     *nodes.CALLS,
-    *(solve_small, _plane_element, _strains, _space_element, _element, _add, _left, _missed, _eliminate, _clamp),
+    *(solve_small, _in_plane, _strains, _in_space, _element, _add, _left, _missed, _eliminate, _clamp),
     *(_first, predict, move, assemble),
 )

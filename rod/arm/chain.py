@@ -10,9 +10,9 @@ import numpy as np
 from geometry.arrays import Array
 from geometry.topology import cross
 from rod.arm import newton
-from rod.arm.end_kernels import TIP_COLUMNS, EndArrays, tip_levers
+from rod.arm.end_kernels import EndArrays
 from rod.arm.newton import Found
-from rod.arm.nodes import KEPT, Chain, LoadArrays, StateArrays, Tangent, acting
+from rod.arm.nodes import KEPT, Chain, LoadArrays, StateArrays, Tangent, acting, levers_of
 from rod.compiled import CompiledLater
 from rod.load import Load
 from rod.weight import Mass
@@ -172,8 +172,7 @@ def nodes_of(s: Array, state: StateArrays, chain: Chain, ends: EndArrays, load: 
     # right of a node: all that acts beyond it
     beyond = load.force + np.cumsum(load.nodes[::-1], axis=0)[::-1]
     elements = np.concatenate([beyond[1:], load.force[None]])
-    out = np.empty((3, 3))
-    tip_levers(ends, frames[-1], load.force, out, np.empty((2, TIP_COLUMNS)))
+    out = levers_of(ends, frames[-1], load.force)
     couples = load.couples + cross(frames[:, :, 0], load.beside[:, 0]) + cross(frames[:, :, 1], load.beside[:, 1])
     steps = cross(np.diff(place, axis=0), elements[:-1])
     at_end = out[0] + load.couple

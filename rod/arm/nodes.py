@@ -249,14 +249,21 @@ def _hold_tip(
                 tangent.direct[other, c] = ahead[2, load.held[other, 1]] - out[2, load.held[other, 1]]
 
 
+def levers_of(ends: EndArrays, frame: Array, force: Array) -> Array:
+    """(3, 3) of the tip with its frame under a force, as `tip_levers`: couple in N mm, lever and end of curve in mm."""
+    out = np.empty((3, 3))
+    tip_levers(ends, frame, force, out, np.empty((2, TIP_COLUMNS)))
+    return out
+
+
 def load_tip(ends: EndArrays, load: LoadArrays, chain: Chain, state: StateArrays, tangent: Tangent) -> None:
     """Add the load on the end, and what holds it."""
     residual, last = tangent.residual, len(state.place) - 1
     places, first = (3, 0) if chain.in_space else (2, 2)
     row = (places + 3 - first) * (last - 1)
-    frame, out, swing, work = np.empty((3, 3)), np.empty((3, 3)), np.zeros((3, 3)), np.empty((2, TIP_COLUMNS))
+    frame, swing = np.empty((3, 3)), np.zeros((3, 3))
     frame_of(chain, state, last, frame)
-    tip_levers(ends, frame, load.force, out, work)
+    out = levers_of(ends, frame, load.force)
     for i in range(places):
         residual[row + i] -= load.force[i]
     for i in range(first, 3):
@@ -268,4 +275,4 @@ def load_tip(ends: EndArrays, load: LoadArrays, chain: Chain, state: StateArrays
 
 
 #: in the order in which they call each other, innermost first
-CALLS = (acting, frame_of, _couple, load_nodes, _moved_frame, hold_nodes, _turned_tip, _hold_tip, load_tip)
+CALLS = (acting, frame_of, _couple, load_nodes, _moved_frame, hold_nodes, _turned_tip, _hold_tip, levers_of, load_tip)

@@ -8,9 +8,9 @@ import numpy as np
 from geometry.arrays import Array
 from rod.along import Position
 from rod.arm.chain import NO_SIDE, Nodes, load_arrays, nodes_of, planar_frames, rest_state, room_for, solve_chain
-from rod.arm.end_kernels import TIP_COLUMNS, EndArrays, tip_levers
+from rod.arm.end_kernels import EndArrays
 from rod.arm.newton import ITERATIONS, STATICS, Found
-from rod.arm.nodes import ArmArrays, Chain, StateArrays, acting
+from rod.arm.nodes import ArmArrays, Chain, StateArrays, acting, levers_of
 from rod.arm.sections import Section
 from rod.load import Load
 from rod.weight import Mass
@@ -99,9 +99,8 @@ class Solver:
     def end(self, state: StateArrays) -> Array:
         """(6,): the end of the material curve in mm, and the force on it in N, with what holds it."""
         frame = state.frames[-1] if self.chain.in_space else planar_frames(state.angle[-1:])[0]
-        out, force = np.empty((3, 3)), acting(self.load, state, 1.0).force
-        tip_levers(self.ends, frame, force, out, np.empty((2, TIP_COLUMNS)))
-        return np.concatenate([state.place[-1] + out[2], force])
+        force = acting(self.load, state, 1.0).force
+        return np.concatenate([state.place[-1] + levers_of(self.ends, frame, force)[2], force])
 
     def held(self, state: StateArrays) -> Array:
         """(k,) mm or rad, of what is held: where a state has it."""
