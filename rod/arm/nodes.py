@@ -14,8 +14,8 @@ from rod.arm.end_kernels import TIP_COLUMNS, EndArrays, tip_levers
 from rod.arm.rotations import exponential, multiply
 from rod.arm.section_kernels import SectionArrays
 
-#: numbers that are kept of an element
-KEPT, FORCES, FORCES_IN_SPACE = 42, 4, 6
+#: numbers that are kept of an element, and where its forces begin, in the plane and in space
+KEPT, FORCES = 42, (4, 6)
 #: the angle in the plane among what may be held
 TURN = 5
 #: rad, of difference quotients at the tip
@@ -77,7 +77,7 @@ class Tangent(NamedTuple):
     direct: Array  #: (k, k) held places by reactions, of a tip that gives way
     residual: Array  #: (m (N - 1),) of the nodes beyond the clamp
     start: Array  #: (m, 1 + m) motion of the first node, and what it adds by that of the second
-    #: (n, KEPT), of the elements for `predict`; forces from FORCES on, in space from FORCES_IN_SPACE on
+    #: (n, KEPT), of the elements for `predict`; forces from FORCES on
     kept: Array
 
 

@@ -18,7 +18,6 @@ from rod.arm.sections import acting_in_frames
 from rod.arm.stability import OUT_OF_PLANE, Stability, stability_of
 from rod.arm_law.air import air_along, air_volumes
 from rod.arm_law.curves import ClampCurve, TipCurve, TipState
-from rod.arm_law.ends import end_arrays, tip_state
 from rod.arm_law.section import SectionLaw
 from rod.arm_law.tabulated import TabulatedSection, end_arrays, tip_state
 from rod.checked import Amount

@@ -10,9 +10,9 @@ from geometry.arrays import Array
 from rod.along import Position
 from rod.arm.chain import in_frame, positions_between, rotation
 from rod.arm.end_kernels import EndArrays
+from rod.arm.ends import polynomial_ends
 from rod.arm.path import Path, Way, follow
 from rod.arm.section_kernels import BEYOND, POLYNOMIAL, SectionArrays
-from rod.arm_law.ends import polynomial_ends
 from rod.arm_law.polynomial import Plane
 from rod.arm_law.tabulated import SETTLED, STRAINS
 from rod.errors import RodError

@@ -5,7 +5,7 @@ import numpy as np
 from geometry.arrays import Array
 from rod.along import are_heights
 from rod.arm.chain import halved
-from rod.arm.nodes import FORCES, FORCES_IN_SPACE, StateArrays
+from rod.arm.nodes import FORCES, StateArrays
 from rod.arm.path import Way, follow, positions_under
 from rod.arm.solver import Solver
 from rod.errors import RodError
@@ -34,5 +34,5 @@ def elastic_forces(solver: Solver, state: StateArrays) -> Array:
     """(n, m) N mm and N: elastic forces of the elements in a state."""
     copied = state._replace(inner=state.inner.copy(), reaction=np.zeros(len(solver.load.held)))
     solver.converge(copied, 1.0, solver.load.target, iterations=0)
-    first, m = (FORCES_IN_SPACE, 6) if solver.chain.in_space else (FORCES, 3)
+    first, m = FORCES[solver.chain.in_space], 6 if solver.chain.in_space else 3
     return solver.room.kept[:, first : first + m].copy()

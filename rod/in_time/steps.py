@@ -14,7 +14,7 @@ from geometry.arrays import Array
 from rod.arm.chain import NO_SIDE, rotation, solve_chain, turn_of
 from rod.arm.end_kernels import EndArrays
 from rod.arm.newton import Inertia
-from rod.arm.nodes import FORCES, FORCES_IN_SPACE, ArmArrays, StateArrays
+from rod.arm.nodes import FORCES, ArmArrays, StateArrays
 from rod.arm.section_kernels import SectionArrays
 from rod.arm.solver import Solver
 from rod.in_time.relaxation import Creep, Relaxation
@@ -89,7 +89,7 @@ class Stepper:
         self.has_mass = (bodies[0] > 0.0)[:, None]
         means = bodies[0] * np.array([np.ones_like(solver.s), solver.s, solver.s**2])
         self.means = means / means.sum(axis=1)[:, None]
-        self.first = FORCES_IN_SPACE if self.in_space else FORCES
+        self.first = FORCES[self.in_space]
         self.shares, self.times = np.array(relaxation.shares), np.array(relaxation.times_s)
         self.creep = np.array(creep.shares), np.array(creep.times_s)
 

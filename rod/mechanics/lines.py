@@ -10,11 +10,11 @@ from geometry.arrays import Array, read_only
 from rod.along import LineLoad, Position, are_heights, reactions_of, resultant
 from rod.arm.chain import halved, planar_frames, positions_between
 from rod.arm.end_kernels import EndArrays
+from rod.arm.ends import rigid_ends
 from rod.arm.path import NOT_SOLVED, Path, Way, follow, positions_under
 from rod.arm.response import SolvedPath
 from rod.arm.sections import LinesSection
 from rod.arm.solver import Solver
-from rod.arm_law.ends import rigid_ends
 from rod.errors import LoadError, RodError
 from rod.law import TwoSlopes
 from rod.load import Load
