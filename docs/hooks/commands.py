@@ -19,9 +19,9 @@ HEADER = """# Commands
 
 `pneurod.characterize` raises `pneurod.RunFailed` for 1 and `pneurod.InputError` for 2.
 
-`--set mesh.size="3 mm"` or `--set pressures="[17 kPa, 37 kPa]"` replaces a value of the configuration. A folder with
-the results of another configuration or version is refused; `--fresh` replaces them. `--jobs` is the number of worker
-processes.
+`--set mesh.size="3 mm"` or `--set pressures="[17 kPa, 37 kPa]"` replaces a value of the configuration. A command
+may be repeated in its folder. A folder with the results of another configuration is refused; `--fresh` replaces them.
+What another command or a hand has made is refused in any case. `--jobs` is the number of worker processes.
 `-q` prints nothing but the verdict, `-v` every Newton iteration, `--json` one JSON object.
 """
 
