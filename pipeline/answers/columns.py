@@ -29,6 +29,11 @@ _TITLE = re.compile(
 #: words in the middle of a title that are units too
 _WORDS = {"a", "as", "at", "h", "in", "t"}
 _UTF16 = (b"\xff\xfe", b"\xfe\xff")
+#: what the title of an absolute pressure has, and what to do with it
+ABSOLUTE = r"\babs(olute?r?)?\b.*(pressure|druck)|pressure.*\babs(olute)?\b|\bp abs\b"
+TO_GAUGE = "is an absolute pressure; subtract that of the air outside, and name it pressure_kPa"
+#: in the first line of motion capture as Motive writes it
+MOTIVE = {"Format Version", "Take Name"}
 
 
 @dataclass(frozen=True)
@@ -99,6 +104,12 @@ class Columns:
         """The columns of some names."""
         return [column for column in self.known if column.name in names]
 
+    def check_gauge(self) -> None:
+        """Raise InputError for a column of an absolute pressure."""
+        for title in (*self.others, *(column.title for column in self.known)):
+            if re.search(ABSOLUTE, plain(title)):
+                raise InputError(f"{self.path}: column {quoted(title)} {TO_GAUGE}")
+
     def check(self, *columns: Values) -> None:
         """Raise InputError for columns that have no unit, or a wrong one."""
         for column in columns:
@@ -121,6 +132,11 @@ def read(path: Path, form: Form) -> Columns:
 def read_all(path: Path, form: Form) -> list[Columns]:
     """The tables of a file, by their lines of titles. Raises InputError where there is none."""
     cells = _read_cells(path, form)
+    if MOTIVE.issubset(cells[: len(MOTIVE)].ravel()):
+        raise InputError(
+            f"{path}: is an export of Motive; copy its times, and places of the tip less those of the clamp, to a "
+            f"table: {form.example}"
+        )
     heads = list(_heads(cells, form))
     if not heads:
         raise InputError(f"{path}: no line names {form.names}; {form.example}")

@@ -46,8 +46,8 @@ TOLERANCES = "tolerances"
 IN_TIME = "in_time"
 #: codes of the remark that takes the place of that on tolerances where the arm was calibrated to a measurement
 CALIBRATED = ("calibrated", "calibrated_alone")
-#: code of the remark that a fit to a measurement is no calibration
-NOT_CALIBRATED = "not_calibrated"
+#: codes of remarks that a fit to a measurement is no calibration
+NOT_CALIBRATED = "not_calibrated", "unsettled"
 #: codes of remarks by rank; others follow in the order in which they were found
 RANKS = (
     *("unstable_states", "beyond_law", OUT_OF_PLANE, "volume_lost", "volume_lost_unevenly"),
@@ -219,7 +219,7 @@ def _bending(run: Run, rod: str) -> tuple[Bending, ...]:
 
 def _refusal(run: Run, errors: tuple[RodErrors, ...], both: RodAndMesh | None) -> Reported | None:
     """Why no rod should be used: the arm leaves its plane, no fit meets it, or shape or force are too far off."""
-    if told := next((remark for remark in run.remarks if remark.code in (OUT_OF_PLANE, NOT_CALIBRATED)), None):
+    if told := next((remark for remark in run.remarks if remark.code in (OUT_OF_PLANE, *NOT_CALIBRATED)), None):
         return told
     if both is None or both.is_good:
         return None

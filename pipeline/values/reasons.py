@@ -173,6 +173,8 @@ TEMPLATES: Mapping[str, str] = {
     "ten cases",
     "not_calibrated": "do not use this rod: it misses {percent:.0f} % of the measured motion, most in line "
     "{line}: {quantity} is {measured:.4g}, the rod has {fitted:.4g}",
+    "unsettled": "do not use this rod: the fit did not end, and {outside} of {numbers} numbers are outside, in line "
+    "{line}: {quantity} is {measured:.4g}, fitted {fitted:.4g}",
     "draft": "this is a {draft}; the same command without --draft finds it",
     "mesh_error_unknown": "the error of the mesh is not known; repeat the run with --set mesh.coarser=1.5 to estimate "
     "it",

@@ -8,6 +8,8 @@ from typing import TypeVar
 T = TypeVar("T")
 #: a cell with a number, perhaps with its unit or a second number
 _NUMBER = re.compile(r"[-+<]?\d.{,40}", re.DOTALL)
+#: what stands for numbers that are none
+_WORDS = {"nan": "unknown", "inf": "infinite", "-inf": "infinite"}
 
 
 @dataclass(frozen=True)
@@ -17,6 +19,10 @@ class Table:
     heads: tuple[str, ...]
     rows: tuple[tuple[str, ...], ...]
     caption: str = ""
+
+    def __post_init__(self) -> None:
+        rows = tuple(tuple(_WORDS.get(cell, cell) for cell in row) for row in self.rows)
+        object.__setattr__(self, "rows", rows)
 
     @staticmethod
     def of(items: Iterable[T], *columns: tuple[str, Callable[[T], str]], caption: str = "") -> "Table":

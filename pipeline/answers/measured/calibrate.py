@@ -10,7 +10,7 @@ from pipeline.answers.material.sentences import OF_ONE_BATCH
 from pipeline.answers.measured.aligned import aligned
 from pipeline.answers.measured.calibration import Calibration, calibrated, law_to_calibrate
 from pipeline.answers.measured.page import comparison_page
-from pipeline.answers.measured.predicted import LawRods
+from pipeline.answers.measured.predicted import LawRods, Setup
 from pipeline.answers.measured.saved import calibrated_config, read_calibration, save_calibration
 from pipeline.answers.measured.table import read_measurements
 from pipeline.answers.measured.unknowns import MODULUS
@@ -75,11 +75,13 @@ def calibrate_files(
     out = out or folder.with_name(f"{folder.name}_calibrated")
     if out.resolve() == folder.resolve():
         raise InputError(f"{argument('out', out)}: is the folder of the law itself; give another one")
+    earlier = read_calibration(run.directory)
+    drawn = earlier.setup.drawn_mm if earlier else law.length
     store = claim(out, CALIBRATION)
     if options.align:
-        measurements = aligned(measurements, LawRods(law))
-    found = calibrated(law, run.config, measurements, options.free)
-    if read_calibration(run.directory) and abs(found[MODULUS].mean - 1.0) > OF_ONE_BATCH:
+        measurements = aligned(measurements, LawRods(law), Setup(drawn_mm=drawn))
+    found = calibrated(law, run.config, measurements, options.free, drawn)
+    if earlier and abs(found[MODULUS].mean - 1.0) > OF_ONE_BATCH:
         found = replace(found, notes=(*found.notes, OTHER_BATCH.format(found[MODULUS].mean)))
     remark, timed = report_reason(found.missed or _remark(run, found)), _in_time(run, found)
     save_calibration(store, run, file, found, (remark, *timed))

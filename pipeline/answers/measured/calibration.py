@@ -11,7 +11,7 @@ from geometry import Reason
 from geometry.arrays import Array
 from pipeline.answers.material.hold import LARGEST_LOSS
 from pipeline.answers.material.sentences import OF_RUBBER
-from pipeline.answers.measured.doubtful import check_numbers, doubt_of_density, missed
+from pipeline.answers.measured.doubtful import check_numbers, doubts_of, failure_of
 from pipeline.answers.measured.fit import Fitted, fit, numbers_of, off_range, usual_scatter
 from pipeline.answers.measured.gaussian import Posterior
 from pipeline.answers.measured.next_measurement import NextMeasurement, next_measurement
@@ -29,6 +29,8 @@ from rod.arm_law.law import ArmLaw
 LEFT, TOGETHER = 0.8, 0.9
 #: relative change of a dimension beyond which derivatives are doubtful
 DOUBTFUL = 0.15
+#: change of an unknown over its deviation before, from which on it is named
+FAR = 2.0
 
 
 @dataclass(frozen=True)
@@ -79,64 +81,76 @@ def law_to_calibrate(run: Run) -> ArmLaw:
 
 
 def calibrated(
-    law: ArmLaw, config: Mapping[str, Any], measurements: Measurements, free: Sequence[str] = ()
+    law: ArmLaw,
+    config: Mapping[str, Any],
+    measurements: Measurements,
+    free: Sequence[str] = (),
+    drawn_mm: float | None = None,
 ) -> Calibration:
     """An arm calibrated to measurements.
 
     config: as run.json has it, for its tolerances. free: dimensions; by default those whose tolerances move the tip
-    most. Raises InputError, with file, line and column.
+    most. drawn_mm: length in the drawing, where the law has another one. Raises InputError, with file, line and column.
     """
     in_time, material = unknowns_in_time(measurements, config.get("material") or {})
     unknowns = unknowns_of(law, config, free, max(measurements.pressures_kPa) or law.pressures[-1])
-    arm, numbers = BuiltArm(law, (*unknowns, *in_time), material=material), Numbers.of(measurements)
+    of_frame = BuiltArm.origin_of(measurements, law.length)
+    setup = Setup(drawn_mm=drawn_mm or law.length)
+    arm, numbers = BuiltArm(law, (*unknowns, *of_frame, *in_time), setup, material), Numbers.of(measurements)
     if (count := len(numbers.values)) <= len(free):
         raise InputError(f"{measurements.file}: holds {count} numbers for {1 + len(free)} unknowns; measure more")
     low, high = law.pressures[0], law.pressures[-1]
     likely = high * math.exp(2.0 * unknowns[0].std)
     measurements.check_pressures(low, likely, f"the law, which goes from {low:g} to {high:g} kPa")
     _check(arm, numbers)
-    fitted = fit(arm, numbers)
-    while fitted.at_limit:
-        *lower, highest = numbers.measurements.pressures_kPa
-        if not lower:
-            raise InputError(
-                f"{measurements.file}: the arm is so soft that its law, scaled, ends below {highest:g} kPa; measure it "
-                f"beyond {high:g} kPa with pneurod cell"
-            )
-        numbers = Numbers.of(measurements.up_to(lower[-1]))
-        fitted = fit(arm, numbers)
+    numbers, fitted = _fitted(arm, numbers)
     changed, setup = arm.changed_law(fitted.changes, with_derivatives=True), arm.changed_setup(fitted.changes)
     posterior, effects = fitted.posterior, fitted.observed.effects
     rubber = arm.changed_material(fitted.changes) if in_time else {}
+    allowed = posterior.quantile * posterior.deviations(effects, numbers.units)
+    predictions = numbers.beside(numbers.values - fitted.observed.residual, allowed)
     return Calibration(
         estimates=_estimates(arm, fitted),
         law=changed,
         setup=setup,
         posterior=posterior,
-        predictions=numbers.beside(
-            numbers.values - fitted.observed.residual,
-            posterior.quantile * posterior.deviations(effects, numbers.units),
-        ),
+        predictions=predictions,
         curves=numbers.curves(LawRods(changed, rubber), setup),
         undetermined=tuple(_undetermined(arm, fitted)),
         notes=(
             *_left_out(measurements, numbers, changed),
             *off_range(changed, numbers, setup),
             *_doubts(arm, fitted),
-            *doubt_of_density(numbers, fitted.observed.residual),
+            *doubts_of(measurements, numbers, fitted.observed.residual),
         ),
         next_measurement=next_measurement(arm, fitted, changed),
         rubber={key: value for key, value in rubber.items() if key in KEYS},
-        missed=missed(numbers, fitted.observed.residual, usual_scatter(law.length, numbers), law.length),
+        missed=failure_of(numbers, predictions, usual_scatter(law.length, numbers), law.length, fitted.step),
     )
 
 
+def _fitted(arm: BuiltArm, numbers: Numbers) -> tuple[Numbers, Fitted]:
+    """The numbers at pressures that the law of the arm reaches, and their fit. Raises InputError where it has none."""
+    fitted = fit(arm, numbers)
+    while fitted.at_limit:
+        *lower, highest = numbers.measurements.pressures_kPa
+        if not lower:
+            raise InputError(
+                f"{numbers.measurements.file}: the arm is so soft that its law, scaled, ends below {highest:g} kPa; "
+                f"measure it beyond {arm.law.pressures[-1]:g} kPa with pneurod cell"
+            )
+        numbers = Numbers.of(numbers.measurements.up_to(lower[-1]))
+        fitted = fit(arm, numbers)
+    return numbers, fitted
+
+
 def _left_out(measurements: Measurements, numbers: Numbers, law: ArmLaw) -> list[str]:
-    left = len(measurements.rows) - len(numbers.measurements.rows)
+    left = [row.state.pressure_kPa for row in measurements.rows if row not in numbers.measurements.rows]
     if not left:
         return []
+    rows = f"1 row at {left[0]:g} kPa is" if len(left) == 1 else f"{len(left)} rows from {min(left):g} kPa on are"
     return [
-        f"{left} rows above {law.pressures[-1]:.4g} kPa are left out: the law of an arm as soft as this one ends "
+        f"{rows} left out: the arm is so soft that its law, which ends at {law.pressures[-1]:.4g} kPa, does not reach "
         f"there; measure the law at higher pressures. {law.snap}".strip()
     ]
 
@@ -179,6 +193,11 @@ def _doubts(arm: BuiltArm, fitted: Fitted) -> list[str]:
             sentences.append(
                 f"{unknown.name} changes by {percent:.0f} %, {times:.1f} times its tolerance, for which derivatives "
                 "are doubtful; check the scale of the numbers, or measure the law again with it."
+            )
+        elif (times := abs(change) / unknown.std) > FAR:
+            sentences.append(
+                f"{unknown.name} is {times:.1f} times its deviation before ({unknown.source}) from its value before; "
+                "check origin, scale and pressures of the numbers."
             )
         if unknown.name.endswith(".nu") and not OF_RUBBER[0] <= unknown.value(change) < OF_RUBBER[1]:
             sentences.append(

@@ -8,9 +8,9 @@ import numpy as np
 
 from geometry.arrays import Array
 from pipeline.answers.measured.aligned import aligned
-from pipeline.answers.measured.doubtful import check_numbers
+from pipeline.answers.measured.doubtful import check_numbers, doubt_of_origin
 from pipeline.answers.measured.fit import effects_on, off_range
-from pipeline.answers.measured.predicted import AS_WRITTEN, Compared, Curves, LawRods, Numbers
+from pipeline.answers.measured.predicted import AS_WRITTEN, Compared, Curves, LawRods, Numbers, Setup
 from pipeline.answers.measured.rows import Measurements
 from pipeline.answers.measured.saved import SavedCalibration, read_calibration
 from pipeline.answers.measured.table import read_measurements
@@ -82,13 +82,13 @@ def compare_files(
     rods = choose_rod(run, kind)
     if not rods.law.has_plane:
         plane_of(run, "a comparison")  # refuses it
-    return compare(run, rods, aligned(measurements, rods.at) if align else measurements)
+    return compare(run, rods, aligned(measurements, rods.at, _setup(run)) if align else measurements)
 
 
 def compare(run: Run, rods: Rods, measurements: Measurements) -> Comparison:
     """Measurements beside one of the rods of a run. Raises InputError, with file and line."""
     numbers, saved = Numbers.of(measurements), read_calibration(run.directory)
-    setup = AS_WRITTEN if saved is None else saved.setup
+    setup = _setup(run)
     low, high = rods.pressures_kPa
     measurements.check_pressures(low, high, f"the rod, which goes from {low:g} to {high:g} kPa")
     law = rods.law.plane
@@ -100,8 +100,15 @@ def compare(run: Run, rods: Rods, measurements: Measurements) -> Comparison:
     bands, unknown = _bands(run, rods, numbers, predicted, saved)
     total = np.sum(list(bands.values()), axis=0) if bands else np.zeros(len(numbers.values))
     rows, unknown = numbers.beside(predicted, total), (*unknown, *(off_range(law, numbers, setup) if law else ()))
+    if saved is None and not all(row.is_within for row in rows):
+        unknown = (*unknown, *doubt_of_origin(measurements))
     curves, shares = numbers.curves(any_rod, setup), _shares(bands)
     return Comparison(measurements.file, run.design, run.length_mm, rows, shares, saved is not None, curves, unknown)
+
+
+def _setup(run: Run) -> Setup:
+    saved = read_calibration(run.directory)
+    return AS_WRITTEN if saved is None else saved.setup
 
 
 def _shares(bands: dict[str, Array]) -> dict[str, float]:
@@ -133,7 +140,7 @@ def _bands(
         relative = np.array([of_mesh.force or 0.0 if unit == "N" else of_mesh.kappa_0 for unit in numbers.units])
         bands["mesh"] = relative * np.abs(predicted - numbers.straight(run.length_mm))
     if law is not None and law.rates:
-        unknowns = tolerance_unknowns(law, run.config, float(numbers.pressures.max()))
+        unknowns = tolerance_unknowns(law, run.config, float(numbers.pressures.max()) or law.pressures[-1])
         by = effects_on(BuiltArm(law, unknowns, material=material_of(run)), numbers).by_unknown
         bands["tolerances"] = np.sqrt(by**2 @ np.array([unknown.std for unknown in unknowns]) ** 2)
     else:

@@ -1,16 +1,16 @@
 """Measured numbers that cannot be of an arm: in radians, of its mirror image, out of its reach, or met by no fit."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
 from geometry import Reason
 from geometry.arrays import Array
-from pipeline.answers.measured.aligned import ANGLES, PLACES
-from pipeline.answers.measured.predicted import Numbers
-from pipeline.answers.measured.rows import COLUMNS
-from pipeline.values.errors import InputError
+from pipeline.answers.measured.aligned import ANGLES, PAIRS
+from pipeline.answers.measured.predicted import Compared, Numbers
+from pipeline.answers.measured.rows import COLUMNS, OF_DISPLACEMENTS, PLACES, Measurements
+from pipeline.values.errors import InputError, argument
 
 #: degrees of a rod from which an angle is checked, and the part of it below which it was read in radians
 LARGE, IN_RADIANS = 15.0, 0.06
@@ -23,6 +23,9 @@ BEYOND = 0.2
 #: part of the motion that a fit may miss: measured bodies leave at most 0.08, one misread row of five 0.5, columns in
 #: pixels or mirrored 1; and over the usual scatter, so that an arm that hardly moves may be read as roughly as others
 MISSED, SCATTERS = 0.3, 3.0
+#: step of a linear fit over its deviation, from which a fit has not ended: of fits that stay at the drawing it is 4 or
+#: more
+UNSETTLED = 2.0
 #: relative change of a density from which it is not that of the rubber
 DENSER = 0.1
 
@@ -33,6 +36,7 @@ def check_numbers(numbers: Numbers, predicted: Array, length_mm: float) -> None:
     predicted: (n,) the same numbers by the rod, whose moduli may be others.
     """
     _check_degrees(numbers, predicted)
+    _check_displacements(numbers, predicted, length_mm)
     _check_signs(numbers, predicted, length_mm)
     _check_reach(numbers, predicted, length_mm)
 
@@ -45,6 +49,18 @@ def _check_degrees(numbers: Numbers, predicted: Array) -> None:
             f"{numbers.measurements.file}: line {numbers.rows[first].line}: {name}_deg is "
             f"{numbers.values[first]:.3g}, where the rod has {predicted[first]:.3g}°; if it is in radians, name the "
             f"column {name}_rad"
+        )
+
+
+def _check_displacements(numbers: Numbers, predicted: Array, length_mm: float) -> None:
+    """Places along x that would be those of the rod if they were farther from the clamp by one length."""
+    rows = zip(numbers.rows, numbers.names, strict=True)
+    at = [k for k, (row, name) in enumerate(rows) if name == "tip_x" and row.zero_kPa is None]
+    off = numbers.values[at] - predicted[at]
+    if at and np.linalg.norm(off + length_mm) < NEARER * np.linalg.norm(off) and numbers.values[at].max() < CLEAR:
+        raise InputError(
+            f"{numbers.measurements.file}: line {numbers.rows[at[0]].line}: every tip_x_mm is about one length, "
+            f"{length_mm:.4g} mm, too small; if these are displacements, add a column {OF_DISPLACEMENTS}"
         )
 
 
@@ -73,7 +89,7 @@ def _check_reach(numbers: Numbers, predicted: Array, length_mm: float) -> None:
     pairs = zip(numbers.rows, numbers.names, predicted.tolist(), strict=True)
     by_rod = {(row.line, name): value for row, name, value in pairs}
     for row in numbers.measurements.rows:
-        for place in PLACES:
+        for place in PAIRS:
             given = [name for name in place if name in row.values]
             far = math.hypot(*(row.values[name] for name in given))
             of_rod = math.hypot(*(by_rod[row.line, name] for name in given))
@@ -85,25 +101,44 @@ def _check_reach(numbers: Numbers, predicted: Array, length_mm: float) -> None:
                 )
 
 
-def missed(numbers: Numbers, residual: Array, usual: Mapping[str, float], length_mm: float) -> Reason | None:
+def missed(numbers: Numbers, rows: Sequence[Compared], usual: Mapping[str, float], length_mm: float) -> Reason | None:
     """Why a fit is no calibration: it misses a large part of the motion; None where it is one.
 
-    residual: (n,) measured less fitted. usual: scatter by unit, by which numbers of all units are weighed.
+    rows: beside the fit. usual: scatter by unit, by which numbers of all units are weighed.
     """
     scatter = np.array([usual[unit] for unit in numbers.units])
-    off, motion = residual / scatter, (numbers.values - numbers.straight(length_mm)) / scatter
+    off, motion = np.array([row.difference for row in rows]), numbers.values - numbers.straight(length_mm)
+    off, motion = off / scatter, motion / scatter
     part = float(np.linalg.norm(off)) / (float(np.linalg.norm(motion)) or 1.0)
     if part < MISSED or np.sqrt(np.mean(off**2)) < SCATTERS:
         return None
-    worst = int(np.abs(off).argmax())
-    values: dict[str, float | str] = {
-        "percent": 100.0 * part,
-        "line": numbers.rows[worst].line,
-        "quantity": COLUMNS[numbers.names[worst]],
-        "measured": float(numbers.values[worst]),
-        "fitted": float(numbers.values[worst] - residual[worst]),
-    }
-    return Reason("not_calibrated", values)
+    return Reason("not_calibrated", {"percent": 100.0 * part, **_told(rows[int(np.abs(off).argmax())])})
+
+
+def unsettled(step: float, rows: Sequence[Compared]) -> Reason | None:
+    """Why a fit is no calibration: it did not come to its end, and numbers lie outside their intervals; else None.
+
+    step: as of `Fitted`.
+    """
+    outside = [row for row in rows if not row.is_within]
+    if step < UNSETTLED or not outside:
+        return None
+    return Reason("unsettled", {"outside": len(outside), "numbers": len(rows), **_told(outside[0])})
+
+
+def _told(row: Compared) -> dict[str, float | str]:
+    return {"line": row.line, "quantity": row.quantity, "measured": row.measured, "fitted": row.predicted}
+
+
+def doubt_of_origin(measurements: Measurements) -> list[str]:
+    """A sentence where no row shows the origin of places."""
+    rest = [row for row in measurements.rows if row.state.is_at_rest and {*row.values} & {*PLACES}]
+    if rest or measurements.is_aligned or not measurements.places:
+        return []
+    return [
+        "No row at rest shows the origin of the places. Read two points of the arm at 0 kPa as well, and give "
+        f"{argument('align', True)}."
+    ]
 
 
 def doubt_of_density(numbers: Numbers, residual: Array) -> list[str]:
@@ -119,3 +154,15 @@ def doubt_of_density(numbers: Numbers, residual: Array) -> list[str]:
         f"The frequencies would need {denser:.2f} times the density, which is known better: masses are wrong, or the "
         "modulus in motion is another one."
     ]
+
+
+def failure_of(
+    numbers: Numbers, rows: Sequence[Compared], usual: Mapping[str, float], length_mm: float, step: float
+) -> Reason | None:
+    """Why a fit is no calibration, as `missed` or `unsettled`."""
+    return missed(numbers, rows, usual, length_mm) or unsettled(step, rows)
+
+
+def doubts_of(measurements: Measurements, numbers: Numbers, residual: Array) -> list[str]:
+    """Sentences on the origin and the density; residual: (n,) of the numbers that were fitted."""
+    return [*doubt_of_origin(measurements), *doubt_of_density(numbers, residual)]

@@ -29,6 +29,8 @@ STARTS = (0.0, 0.25, 0.5, -0.25, 0.75)
 OF_POSITIONS, OF_ANGLES, OF_REACTIONS = 0.003, 0.5, 0.03
 #: the same of frequencies and of damping ratios, over the largest one
 OF_VIBRATIONS = {"Hz": 0.01, "1": 0.1}
+#: part of the deviation of the end of the law by which this may lie below the highest row
+LIMIT = 0.5
 #: part of the highest pressure of a law by which a pressure may leave it by rounding
 ROUNDING = 1e-9
 #: residual of a trial that has no rod, over the scatter
@@ -42,12 +44,18 @@ class Fitted:
 
     observed: Observed
     posterior: Posterior
-    at_limit: bool  #: whether the law of so soft an arm ends below the highest pressure, or would of a softer one
+    at_limit: bool  #: whether the numbers are of an arm so soft that its law ends below the highest pressure
 
     @property
     def changes(self) -> Array:
         """(k,) of the unknowns."""
         return self.observed.changes
+
+    @property
+    def step(self) -> float:
+        """Step of a linear fit from here on, over its deviation (Mahalanobis); 0.1 at most where a fit has ended."""
+        step = self.posterior.changes - self.changes
+        return math.sqrt(step @ np.linalg.pinv(self.posterior.covariance, hermitian=True) @ step)
 
 
 def off_range(law: ArmLaw, numbers: Numbers, setup: Setup) -> tuple[str, ...]:
@@ -81,6 +89,9 @@ def effects_on(arm: BuiltArm, numbers: Numbers, changes: Array | None = None) ->
     at = np.zeros(len(arm.unknowns)) if changes is None else changes
 
     def of(more: Array) -> Array:
+        highest = numbers.pressures.max()
+        if arm.end_kPa(at + more[:-1]) < (1.0 - ROUNDING) * highest:  # the other side of the quotient is taken
+            raise InputError(f"{numbers.measurements.file}: {highest:g} kPa is beyond the law of so soft an arm")
         return numbers_of(arm, numbers, at + more[:-1], math.exp(more[-1]))
 
     steps = [*(PART * unknown.std for unknown in arm.unknowns), STIFFER]
@@ -94,9 +105,8 @@ def fit(arm: BuiltArm, numbers: Numbers) -> Fitted:
     Raises InputError, with the line, for a state that the rod of the arm has not.
     """
     stds = np.array([unknown.std for unknown in arm.unknowns])
-    lowest, highest_kPa = np.full(len(stds), -np.inf), float(numbers.pressures.max())
-    lowest[0] = math.log(max(highest_kPa, 1e-9) / arm.law.pressures[-1])
-    changes = _start(arm, numbers, max(0.0, lowest[0] + 0.5 * PART))
+    lowest = math.log(max(float(numbers.pressures.max()), 1e-9) / arm.law.pressures[-1])
+    changes = _start(arm, numbers, max(0.0, lowest))
     usual = usual_scatter(arm.law.length, numbers)
     for _ in range(ROUNDS):
         observed = _observed(arm, numbers, changes, stds)
@@ -105,8 +115,9 @@ def fit(arm: BuiltArm, numbers: Numbers) -> Fitted:
         if np.abs((changes - before) / stds).max() < SETTLED:
             break
     observed = _observed(arm, numbers, changes, stds)
-    at_limit = changes[0] < lowest[0] + 0.1 * PART or arm.changed_law(changes).pressures[-1] < highest_kPa
-    return Fitted(observed, Posterior.of(observed, choose_spread(observed, usual)), bool(at_limit))
+    posterior = Posterior.of(observed, choose_spread(observed, usual))
+    end, deviation = posterior.changes[:2].sum(), math.sqrt(posterior.covariance[:2, :2].sum())
+    return Fitted(observed, posterior, bool(end < lowest - LIMIT * deviation))
 
 
 def _start(arm: BuiltArm, numbers: Numbers, first: float) -> Array:
@@ -138,24 +149,31 @@ def usual_scatter(length_mm: float, numbers: Numbers) -> dict[str, float]:
     return usual
 
 
-def _improved(arm: BuiltArm, numbers: Numbers, observed: Observed, spread: Spread, lowest: Array) -> Array:
-    """(k,) the changes of least squares with a spread, of the numbers and of what was known before."""
-    factor, stds = cholesky(observed.noise(spread), lower=True), observed.stds
+def _improved(arm: BuiltArm, numbers: Numbers, observed: Observed, spread: Spread, lowest: float) -> Array:
+    """(k,) the changes of least squares with a spread, of the numbers and of what was known before.
 
-    def residual(changes: Array) -> Array:
+    lowest: of the logarithm of the last pressure of the law over that of the drawing, which is the sum of the first two
+    changes, of modulus and trend.
+    """
+    factor, stds = cholesky(observed.noise(spread), lower=True), observed.stds
+    of_end = np.eye(len(stds))
+    of_end[0, 1] = -1.0
+
+    def residual(varied: Array) -> Array:
+        changes = of_end @ varied
         try:
             off = numbers.values - numbers_of(arm, numbers, changes)
         except InputError:
             return np.full(len(numbers.values) + len(stds), NO_ROD)
         return np.concatenate([solve_triangular(factor, off, lower=True), changes / stds])
 
-    def slopes(changes: Array) -> Array:
-        by_unknown = observed.effects.by_unknown
-        if not np.array_equal(changes, observed.changes):
+    def slopes(varied: Array) -> Array:
+        changes, by_unknown = of_end @ varied, observed.effects.by_unknown
+        if not np.allclose(changes, observed.changes, rtol=0.0, atol=ROUNDING):
             by_unknown = effects_on(arm, numbers, changes).by_unknown
-        return np.vstack([-solve_triangular(factor, by_unknown, lower=True), np.diag(1.0 / stds)])
+        return np.vstack([-solve_triangular(factor, by_unknown, lower=True), np.diag(1.0 / stds)]) @ of_end
 
-    bounds = lowest, np.full(len(stds), np.inf)
-    return np.asarray(
-        least_squares(residual, observed.changes, slopes, bounds, x_scale=stds, xtol=1e-3, ftol=1e-4, max_nfev=6).x
-    )
+    least, start = np.full(len(stds), -np.inf), np.linalg.solve(of_end, observed.changes)
+    least[0], start[0] = lowest, max(start[0], lowest)
+    varied = least_squares(residual, start, slopes, (least, np.inf), x_scale=stds, xtol=1e-3, ftol=1e-4, max_nfev=6).x
+    return np.asarray(of_end @ varied)

@@ -39,11 +39,8 @@ class Setup:
     clamp_deg: float = 0.0  #: angle of the clamp, counter-clockwise
     #: stiffness of the arm against loads on its end over that of the rod, whose curvature without load stays as it is
     stiffness: float = 1.0
-
-    def __add__(self, other: "Setup") -> "Setup":
-        return Setup(
-            self.gauge_kPa + other.gauge_kPa, self.clamp_deg + other.clamp_deg, self.stiffness * other.stiffness
-        )
+    origin_mm: tuple[float, float] = (0.0, 0.0)  #: x and y of the clamped end in the frame of the places
+    drawn_mm: float | None = None  #: length at which a point of the arm is its end; None: that of the rod
 
 
 AS_WRITTEN = Setup()
@@ -169,7 +166,11 @@ class Numbers:
         return found
 
     def beside(self, predicted: Array, allowed: Array) -> tuple[Compared, ...]:
-        """Every number beside that of a rod, and what is allowed, (n,) each."""
+        """Every number beside that of a rod, and what is allowed, (n,) each. Raises InputError for NaN."""
+        for row, name, *found in zip(self.rows, self.names, predicted, allowed, strict=True):
+            if not np.isfinite(found).all():
+                where = f"{self.measurements.file}: line {row.line}"
+                raise InputError(f"{where}: what the rod has of {COLUMNS[name]} is not known; leave this number out")
         columns = zip(self.rows, self.names, self.values.tolist(), predicted.tolist(), allowed.tolist(), strict=True)
         return tuple(
             Compared(row.line, row.state.pressure_kPa, row.told, COLUMNS[name], value, rod, most,
@@ -252,11 +253,12 @@ def _reading(shape: RodSolution, setup: Setup, row: Row, name: str) -> float:
     if name == "reaction":
         return float(_turned(shape.force, turn)[1]) * setup.stiffness
     is_tip = row.s_mm is None or name in OF_TIP
-    place = _tip(shape, row) if is_tip else shape.positions(np.array([row.s_mm]))[0]
+    longer = float(shape.s[-1]) / (setup.drawn_mm or float(shape.s[-1]))  # points are of the rubber, also of the end
+    place = _tip(shape, row) if is_tip else shape.positions(np.array([row.s_mm]) * longer)[0]
     if name == "tip_direction":
         x, y = place.tolist()
         return math.degrees(chord_angle(x, y, 0.5 * float(shape.theta[-1]))) + setup.clamp_deg
-    return float(_turned(place, turn)[0 if name.endswith("x") else 1])
+    return float((_turned(place, turn) + setup.origin_mm)[0 if name.endswith("x") else 1])
 
 
 def _tip(shape: RodSolution, row: Row) -> Array:

@@ -32,6 +32,10 @@ TEXTS = ("repeat", "orientation")
 #: columns that hold what was read, of the tip and in all; all others say how the arm was loaded, or which point it is
 OF_TIP = ("tip_x", "tip_y", "tip_distance", "tip_direction")
 QUANTITIES = (*OF_TIP, "end_angle", "reaction", "x", "y")
+#: the same that are places in a frame
+PLACES = ("tip_x", "tip_y", "x", "y")
+#: what places need that are counted from those at another pressure
+OF_DISPLACEMENTS = "zero_kPa, the pressure from which they are counted (0 for rest)"
 #: what is told of a vibration
 VIBRATION = "frequency_Hz", "damping_ratio"
 #: how a column is written, by its name
@@ -90,6 +94,12 @@ class Measurements:
 
     file: str
     rows: tuple[Row, ...]
+    is_aligned: bool = False  #: whether the frame of its places is that of the rod
+
+    @property
+    def places(self) -> frozenset[str]:
+        """Names of those that are counted from the clamp."""
+        return frozenset(name for row in self.rows if row.zero_kPa is None for name in row.values if name in PLACES)
 
     @property
     def pressures_kPa(self) -> tuple[float, ...]:

@@ -11,7 +11,7 @@ import numpy as np
 from pipeline.answers.measured.calibration import Calibration
 from pipeline.answers.measured.gaussian import Effects, Posterior, Spread
 from pipeline.answers.measured.predicted import Setup
-from pipeline.answers.measured.unknowns import CLAMP, GAUGE, MODULUS, Unknown
+from pipeline.answers.measured.unknowns import MODULUS, Unknown
 from pipeline.config.section import key_of
 from pipeline.results.laws import law_record
 from pipeline.results.unloaded import unloaded_states
@@ -77,6 +77,7 @@ def record_of(run: Run, file: Path, found: Calibration) -> JsonObject:
         "numbers": len(found.predictions),
         "unknowns": [estimate.name for estimate in found.estimates],
         **{one.name: {key: value for key, value in asdict(one).items() if key != "name"} for one in found.estimates},
+        "setup": asdict(found.setup),
         "correlation": found.correlation,
         "scatter": {f"{unit}_std": std for unit, std in posterior.spread.scatter.items()},
         "model_error_std": posterior.spread.model,
@@ -152,7 +153,7 @@ def read_calibration(directory: Path) -> SavedCalibration | None:
             effects,
             Spread(scatter, float(content["model_error_std"]), float(kept["reach_kPa"])),
         )
-        setup = Setup(float(rows[GAUGE]["mean"]), float(rows[CLAMP]["mean"]))
+        setup = Setup(**content["setup"])
     except (OSError, ValueError, TypeError, KeyError, AttributeError) as failure:
         raise InputError(f"{path}: is not the calibration of an arm ({failure}); repeat pneurod calibrate") from None
     return SavedCalibration(unknowns, setup, posterior)

@@ -4,9 +4,19 @@ import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from pipeline.answers.columns import Column, Columns, Form, Values, read
+from pipeline.answers.columns import Column, Columns, Form, Values, plain, read
 from pipeline.answers.measured.motions import told_of_motions
-from pipeline.answers.measured.rows import COLUMNS, NUMBERS, OF_TIP, QUANTITIES, TEXTS, Measurements, Row, State
+from pipeline.answers.measured.rows import (
+    COLUMNS,
+    NUMBERS,
+    OF_DISPLACEMENTS,
+    OF_TIP,
+    QUANTITIES,
+    TEXTS,
+    Measurements,
+    Row,
+    State,
+)
 from pipeline.values.errors import InputError, ask, quoted
 from rod.weight import gravity_direction
 
@@ -15,6 +25,13 @@ EXAMPLE = "a line of titles names columns with their units, for example 'pressur
 NEEDED = (("s", "x", "y"), ("s", "x", "y")), (("held_y",), ("reaction",)), (("reaction",), ("reaction_zero",))
 #: signs before the title of a column whose numbers have the other sign
 MINUS = "-−"
+#: what titles have that are not known, and what to do with them
+CURES = {
+    r"^p(ressure)? ?_?\d": "is one of several pressures; give the largest one as pressure_kPa, and --ratio, as 1:0.5",
+    r"^(frames?|frame number|image|picture)\b": "counts pictures; divide it by those per second, and name it t_s",
+    r"^(d|u|delta) ?[xy]\b|displacement|disp\b": "holds displacements; name it tip_x_mm or tip_y_mm, and add a column "
+    f"{OF_DISPLACEMENTS}",
+}
 #: units of pictures, which pint takes as those of a screen
 PIXELS = {"px", "pixel", "pixels"}
 MEASURED = Form(
@@ -47,10 +64,11 @@ def _checked(table: Columns) -> dict[str, Values]:
                 f"{table.path}: column {quoted(title.strip())} is in pixels; give mm per px: multiply it by those of "
                 "the photograph, and name its unit mm"
             )
+    table.check_gauge()
     for title in table.others:
-        raise InputError(
-            f"{table.path}: column {quoted(title)} is not known; allowed are {', '.join(COLUMNS.values())}"
-        )
+        allowed = f"is not known; allowed are {', '.join(COLUMNS.values())}"
+        cure = next((cure for words, cure in CURES.items() if re.search(words, plain(title))), allowed)
+        raise InputError(f"{table.path}: column {quoted(title)} {cure}")
     columns: dict[str, Values] = {}
     for column in table.known:
         if column.name in columns:

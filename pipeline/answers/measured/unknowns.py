@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from geometry.arrays import Array
@@ -18,6 +18,7 @@ from rod.arm_law.law import ArmLaw
 
 #: names of what is unknown beside dimensions
 MODULUS, TREND, GAUGE, CLAMP = "modulus_factor", "modulus_trend", "gauge_offset_kPa", "clamp_angle_deg"
+ORIGIN = "origin_x_mm", "origin_y_mm"
 #: bend and stretch of another law of the rubber in the second order of the strain
 BEND, STRETCH = "second_order_bend", "second_order_stretch"
 #: of the rubber in time: a loss factor over the frequencies that were measured, and a slow branch
@@ -25,6 +26,8 @@ LOSS, SHARE, SLOW = "loss_factor", "relaxation_g", "relaxation_tau_s"
 #: standard deviations: of ln(modulus) for constants of a data sheet or of another batch; of how much more it grows up
 #: to the highest pressure of the law; of the clamp, degrees
 OF_DATA_SHEET, OF_TREND, OF_CLAMP = 0.4, 0.2, 1.0
+#: of the origin of places over the length of the arm
+OF_ORIGIN = 0.03
 #: the share of a slow branch before anything is known; standard deviations of the logarithms of what the rubber has in
 #: time
 USUAL_SHARE, OF_RUBBER_IN_TIME = 0.05, 1.0
@@ -52,7 +55,7 @@ class Unknown:
     @property
     def is_of_law(self) -> bool:
         """Whether it is a parameter by which the law has derivatives."""
-        return not self.is_factor and self.name not in (TREND, BEND, STRETCH, GAUGE, CLAMP)
+        return not self.is_factor and self.name not in (TREND, BEND, STRETCH, GAUGE, CLAMP, *ORIGIN)
 
     def value(self, change: float) -> float:
         """The number after a change, of a factor of its logarithm."""
@@ -71,6 +74,14 @@ class BuiltArm:
     unknowns: tuple[Unknown, ...]  #: the first one is MODULUS
     setup: Setup = AS_WRITTEN  #: without changes
     material: Mapping[str, Any] = field(default_factory=dict)  #: without changes, as files have it
+
+    @staticmethod
+    def origin_of(measurements: Measurements, length_mm: float) -> tuple[Unknown, ...]:
+        """The origin of places whose frame is not known to be that of the rod."""
+        axes = {name[-1] for name in measurements.places if not measurements.is_aligned}
+        std, told = OF_ORIGIN * length_mm, f"± {100.0 * OF_ORIGIN:g} % of the length"
+        named = [name for name, axis in zip(ORIGIN, "xy", strict=True) if axis in axes]
+        return tuple(Unknown(name, "mm", 0.0, std, told) for name in named)
 
     def changed_rods(self, changes: Array) -> LawRods:
         """The rods of the law after changes (k,). Raises `RodError` where none is left."""
@@ -97,9 +108,16 @@ class BuiltArm:
         law = law.stiffened(trend) if trend else law
         return law.scaled(math.exp(changes[0])) if changes[0] else law
 
+    def end_kPa(self, changes: Array) -> float:
+        """Highest pressure of the law after changes (k,)."""
+        return self.law.pressures[-1] * math.exp(self._of(MODULUS, changes) + self._of(TREND, changes))
+
     def changed_setup(self, changes: Array) -> Setup:
         """The setup after changes (k,)."""
-        return self.setup + Setup(self._of(GAUGE, changes), self._of(CLAMP, changes))
+        gauge, clamp, *shift = (self._of(name, changes) for name in (GAUGE, CLAMP, *ORIGIN))
+        before, (x, y) = self.setup, self.setup.origin_mm
+        origin = x + shift[0], y + shift[1]
+        return replace(before, gauge_kPa=before.gauge_kPa + gauge, clamp_deg=before.clamp_deg + clamp, origin_mm=origin)
 
     def _of(self, name: str, changes: Array) -> float:
         pairs = zip(self.unknowns, changes, strict=True)

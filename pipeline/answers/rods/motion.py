@@ -176,6 +176,7 @@ def _read_air(text: str) -> Air:
 def _read_table(path: Path) -> Array:
     """(n, 1 + c) of a time in s from 0 on, and pressures in kPa. Raises InputError."""
     columns = read(path, PRESSURES)
+    columns.check_gauge()
     taken = [columns.all("time")[0], *columns.all("pressure")]
     numbers = np.column_stack([column.numbers for column in taken])
     if not np.isfinite(numbers).all():

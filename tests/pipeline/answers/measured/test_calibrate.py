@@ -6,6 +6,7 @@ import shutil
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -26,7 +27,7 @@ from pipeline.answers.rods.choice import choose_rod
 from pipeline.answers.rods.solid import solid_of
 from pipeline.results.files import read_results
 from pipeline.values.errors import InputError
-from tests.measured_arm import arm_law, measured, result_folder, with_body
+from tests.measured_arm import LENGTH, PITCH, arm_law, measured, result_folder, with_body
 
 STATES = [State(p) for p in (4.0, 8.0, 12.0, 16.0)] + [State(16.0, (0.0, 0.02)), State(12.0, held_y_mm=-20.0)]
 
@@ -120,12 +121,13 @@ def test_every_other_command_takes_the_calibrated_folder(report: CalibrationRepo
 def test_a_softer_arm_leaves_out_pressures_that_its_law_has_not(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("pipeline.answers.measured.calibrate.read_calibration", lambda _: "of an arm of the batch")
+    earlier = SimpleNamespace(setup=Setup(drawn_mm=LENGTH))  # of an arm of the batch
+    monkeypatch.setattr("pipeline.answers.measured.calibrate.read_calibration", lambda _: earlier)
     file = measured(tmp_path / "soft.csv", arm_law(60.0).scaled(0.7), [State(p) for p in (10.0, 20.0, 35.0)])
     found = calibrate_files(result_folder(tmp_path / "arm"), file).found
     assert found["modulus_factor"].mean == pytest.approx(0.7, abs=0.15)
     assert {row.pressure_kPa for row in found.predictions} == {10.0, 20.0}
-    assert "left out" in found.notes[0]
+    assert found.notes[0].startswith("1 row at 35 kPa is left out")
     assert "arms of one batch differ by less than a fifth" in found.notes[-1]
     # the curvature without load has modulus, trend and wall in one
     assert any("geometry.wall" in sentence for sentence in found.undetermined)
@@ -136,9 +138,54 @@ def test_moduli_that_fall_with_the_pressure_leave_out_pressures_too(tmp_path: Pa
     true = arm_law(60.0).stiffened(-0.45)
     file = measured(tmp_path / "arm.csv", true, [State(p) for p in (10.0, 20.0, 28.0, 34.0, 38.0)])
     found = calibrate_files(result_folder(tmp_path / "arm"), file).found
-    assert "left out" in found.notes[0]
+    assert found.notes[0].startswith("2 rows from 34 kPa on are left out")
     assert max(row.pressure_kPa for row in found.predictions) <= found.law.pressures[-1]
     assert found["geometry.wall"].mean == pytest.approx(1.0, abs=0.1)
+
+
+def test_no_row_is_left_out_where_the_law_reaches(tmp_path: Path) -> None:
+    """The law of an arm of 0.85 times the modulus ends at 34 kPa, and its scatter might leave 32 kPa beyond it."""
+    law = arm_law()
+    file = measured(tmp_path / "arm.csv", law.scaled(0.85), [State(p) for p in (8.0, 16.0, 24.0, 32.0)], 1.0)
+    found = calibrate_files(result_folder(tmp_path / "arm", law), file).found
+    assert not any("left out" in note for note in found.notes)
+    assert max(row.pressure_kPa for row in found.predictions) == 32.0
+    assert abs(found["modulus_factor"].mean - 0.85) < 2.0 * found["modulus_factor"].std
+
+
+def test_a_point_at_the_end_is_the_end_of_an_arm_of_any_length(tmp_path: Path) -> None:
+    """The same places as tips and as points at s = l, of an arm whose 11 cells become shorter or longer."""
+    law = arm_law()
+    rate = replace(law.rates["geometry.wall"], value=8.0, pitch=1.0, first_middle=0.5, length=LENGTH / PITCH)
+    longer = replace(law, rates={"geometry.chamber_length": rate})
+    unknowns = unknowns_of(longer, {"geometry": {}}, ("geometry.chamber_length",), 16.0)
+    arm, texts = BuiltArm(longer, unknowns, Setup(drawn_mm=LENGTH)), {"tip_x_mm,tip_y_mm": "", "s_mm,x_mm,y_mm": "110,"}
+    kinds = []
+    for titles, s in texts.items():
+        rows = "\n".join(f"{pressure},{s}100,-10" for pressure in (0, 8, 16))
+        (tmp_path / "arm.csv").write_text(f"pressure_kPa,{titles}\n{rows}\n", encoding="utf-8")
+        kinds.append(Numbers.of(read_measurements(tmp_path / "arm.csv")))
+    changes = np.zeros(len(unknowns))
+    for mm in (-0.5, 0.0, 0.5):
+        changes[[unknown.name for unknown in unknowns].index("geometry.chamber_length")] = mm
+        tips, points = (numbers_of(arm, numbers, changes) for numbers in kinds)
+        assert points == pytest.approx(tips, rel=1e-9, abs=1e-9)
+        assert tips[0] == pytest.approx(LENGTH + mm * LENGTH / PITCH)
+    by_tips, by_points = (effects_on(arm, numbers, changes).by_unknown for numbers in kinds)
+    assert by_points == pytest.approx(by_tips, rel=1e-6, abs=1e-6)
+
+
+def test_an_origin_that_is_off_is_fitted_and_said(tmp_path: Path) -> None:
+    """Photographs whose origin is 6 and 7 mm beside the clamp, of an arm of 0.85 times the modulus."""
+    folder, file = result_folder(tmp_path / "arm"), tmp_path / "arm.csv"
+    states = [State(p) for p in (8.0, 12.0, 16.0, 20.0, 24.0)] + [State(16.0, (0.0, 0.01))]
+    measured(file, arm_law().scaled(0.85), states, 0.3, Setup(origin_mm=(6.0, 7.0)))
+    found = calibrate_files(folder, file).found
+    for name, value in {"modulus_factor": 0.85, "origin_x_mm": 6.0, "origin_y_mm": 7.0}.items():
+        assert abs(found[name].mean - value) < found.posterior.quantile * found[name].std, name
+    assert any(note.startswith("No row at rest shows the origin") and "align" in note for note in found.notes)
+    unseen = measured(tmp_path / "unseen.csv", arm_law().scaled(0.85), [State(10.0)], 0.0, Setup(origin_mm=(6.0, 7.0)))
+    assert compare_files(tmp_path / "arm_calibrated", unseen).within == 1.0
 
 
 def test_a_pressure_that_the_gauge_moves_off_the_law_is_said(tmp_path: Path) -> None:

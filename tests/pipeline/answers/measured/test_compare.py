@@ -65,6 +65,33 @@ def test_a_frame_that_is_turned_and_shifted_is_found_from_rows_at_rest(tmp_path:
     assert compare_files(folder, tmp_path / "arm.csv", align=True).rms("mm") < 1e-3
 
 
+def test_rows_without_pressure_alone(tmp_path: Path) -> None:
+    """The tolerance of a gauge is a part of the pressure, here of nothing."""
+    file = measured(tmp_path / "arm.csv", arm_law(), [State(0.0, (0.0, force)) for force in (0.002, 0.005, -0.005)])
+    found = compare_files(result_folder(tmp_path / "arm"), file)
+    assert (found.within, len(found.rows)) == (1.0, 6)
+    assert all(np.isfinite([row.predicted, row.allowed]).all() for row in found.rows)
+
+
+def test_what_is_not_known_is_no_result(tmp_path: Path) -> None:
+    (tmp_path / "arm.csv").write_text("pressure_kPa,tip_x_mm\n8,100\n9,99\n", encoding="utf-8")
+    numbers = Numbers.of(read_measurements(tmp_path / "arm.csv"))
+    with pytest.raises(InputError, match="line 3: what the rod has of tip_x_mm is not known"):
+        numbers.beside(np.array([100.0, 99.0]), np.array([1.0, np.nan]))
+
+
+def test_an_origin_that_may_be_off_is_said_where_numbers_are_outside(tmp_path: Path) -> None:
+    rows = {
+        "tips": "pressure_kPa,tip_x_mm,tip_y_mm\n8,120,-15\n",
+        "rest": "0,110,0\n",
+        "moved": "pressure_kPa,tip_x_mm,zero_kPa\n8,-30,0\n",
+    }
+    for text, is_said in ((rows["tips"], True), (rows["tips"] + rows["rest"], False), (rows["moved"], False)):
+        (tmp_path / "arm.csv").write_text(text, encoding="utf-8")
+        found = compare_files(result_folder(tmp_path / "arm"), tmp_path / "arm.csv")
+        assert any("origin of the places" in line for line in found.lines) == is_said
+
+
 def tip(pressure: float, beside: float = 0.0) -> complex:
     """Of an arc, and of a point beside its end: x + iy in mm."""
     kappa = BENDING * pressure
@@ -130,6 +157,7 @@ def test_a_clamp_that_is_turned_turns_the_direction_and_no_difference_of_directi
         ("pressure_kPa,tip_x_mm\n8,100\n55,50\n", False, ("line 3", "55 kPa", "40 kPa")),
         ("pressure_kPa,tip_x_mm,tip_y_mm\n0,100,3\n", True, ("align=True",)),
         ("pressure_kPa,tip_x_mm,zero_kPa\n8,-1,50\n", False, ("line 2", "50 kPa", "40 kPa")),
+        ("pressure_kPa,tip_x_mm,tip_y_mm\n8,-3.5,-23\n16,-13\n", False, ("line 2", "displacements", "zero_kPa")),
         ("pressure_kPa,end_angle_deg\n20,-1.1\n", False, ("line 2", "end_angle_rad")),
         ("pressure_kPa,tip_direction_deg\n20,-0.55\n", False, ("line 2", "tip_direction_rad")),
         ("pressure_kPa,tip_direction_deg,zero_kPa\n20,25,5\n", False, ("line 2", "title as -tip_direction_deg")),

@@ -126,13 +126,23 @@ def test_a_fit_that_misses_the_motion_is_no_calibration(tmp_path: Path) -> None:
     assert compare_files(tmp_path / "c", file).is_calibrated  # for a look at the rows
 
 
+def test_a_fit_that_stays_where_it_began_is_no_calibration(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("pipeline.answers.measured.fit._improved", lambda arm, numbers, observed, *_: observed.changes)
+    file = measured(tmp_path / "arm.csv", arm_law(60.0).scaled(0.75), [State(p) for p in (5.0, 10.0, 15.0, 20.0)])
+    with pytest.raises(RunFailed, match=r"did not end, and \d of 8 numbers are outside, in line \d: tip_"):
+        pneurod.calibrate(result_folder(tmp_path / "arm"), file, tmp_path / "c")
+    verdict = verdict_of(read_results(tmp_path / "c"))
+    assert (verdict.usable, verdict.refusal and verdict.refusal.code) == (False, "unsettled")
+
+
 @pytest.mark.parametrize(("part", "times", "expected"), [(0.5, 10.0, True), (0.5, 1.0, False), (0.1, 10.0, False)])
 def test_missed_is_a_large_part_of_a_motion_that_can_be_read(
     tmp_path: Path, part: float, times: float, expected: bool
 ) -> None:
     size = times * usual_scatter(LENGTH, read(tmp_path / "a.csv", "pressure_kPa,tip_y_mm\n8,1\n"))["mm"]
     numbers = read(tmp_path / "arm.csv", f"pressure_kPa,tip_y_mm\n8,{-size / part}\n16,{-size / part}\n")
-    reason = missed(numbers, np.full(2, size), usual_scatter(LENGTH, numbers), LENGTH)
+    rows = numbers.beside(numbers.values - size, np.ones(2))
+    reason = missed(numbers, rows, usual_scatter(LENGTH, numbers), LENGTH)
     assert (reason is not None) == expected
 
 
@@ -143,7 +153,8 @@ def test_measured_bodies_are_calibrations() -> None:
     for case in cases:
         numbers = Numbers.of(case.measured)
         worst = 0.08 * (numbers.values - numbers.straight(100.0))  # docs/experiments.md
-        assert missed(numbers, worst, usual_scatter(100.0, numbers), 100.0) is None
+        rows = numbers.beside(numbers.values - worst, np.ones(len(worst)))
+        assert missed(numbers, rows, usual_scatter(100.0, numbers), 100.0) is None
     assert MISSED > 3.0 * 0.08
     assert SCATTERS >= 3.0
 

@@ -85,6 +85,13 @@ def test_zeros_a_point_of_the_tip_and_titles_with_a_minus_sign(tmp_path: Path) -
         ("pressure_kPa,tip_x_px\n12,100\n", ("tip_x_px", "mm per px")),
         ("pressure_kPa,tip_x [pixel],tip_y [pixel]\n12,100,3\n", ("tip_x [pixel]", "mm per px")),
         ("pressure,tip_x,tip_y\nkPa,px,px\n12,100,3\n", ("tip_x", "mm per px")),
+        ("absolute pressure (kPa),tip_x_mm\n110,80\n", ("absolute pressure (kPa)", "subtract")),
+        ("p abs (bar),tip_x_mm\n1.1,80\n", ("p abs (bar)", "subtract")),
+        ("pressure_kPa,pressure_2_kPa,tip_x_mm\n1,2,80\n", ("pressure_2_kPa", "the largest one", "1:0.5")),
+        ("frame,pressure_kPa,tip_x_mm\n1,2,80\n", ("frame", "per second", "t_s")),
+        ("pressure_kPa,dx_mm,dy_mm\n1,2,80\n", ("dx_mm", "displacements", "zero_kPa")),
+        ("pressure_kPa,displacement x (mm)\n1,2\n", ("displacement x (mm)", "zero_kPa")),
+        ("Format Version,1.23,Take Name,take1\n\nFrame,Time (Seconds),X,Y\n0,0,0.1,0.2\n", ("Motive", "pressure_kPa")),
         ("nothing\n", ("arm.csv", "pressure_kPa")),
     ],
 )
