@@ -272,7 +272,7 @@ def test_a_folder_that_cannot_be_used_is_named_as_it_was_given(design: Path, own
     with pytest.raises(pneurod.InputError) as refusal:
         pneurod.characterize(design, out=out, settings={"mesh.size": "7 mm"})
     assert str(refusal.value) == (
-        f"out={out}: holds the results of another configuration or version; "
+        f"out={out}: holds the results of a run with another configuration; "
         "give another out, or fresh=True to replace them"
     )
     with locked(tmp_path), pytest.raises(pneurod.InputError) as refusal:
