@@ -21,7 +21,7 @@ LAW := both
 LARGER := 1
 
 all_targets := pneunet pneunet-coarse golden semicircular semicircular-single bisected-circle all effects cell budget design material sweep paper-coarse paper accuracy
-.PHONY: help setup $(all_targets) test slow hard fuzz kills unseen exports space experiments in-time virtual-arms foreign portable nightly wheel recipes lint reading types docs doctor bench-peers bench-run clean
+.PHONY: help setup $(all_targets) test slow hard fuzz kills unseen exports space experiments measured-arms in-time virtual-arms foreign portable nightly wheel recipes lint reading types docs doctor bench-peers bench-run clean
 
 help:  ## list the targets
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## (.*)/make \1\t\2/' | expand -t 26
@@ -128,6 +128,9 @@ experiments: $(DEV)  ## measured bodies: error before and after a calibration; t
 	@$(BIN)/python -m benchmarks.experiments
 	@$(BIN)/python -m benchmarks.experiments.segment
 	@$(BIN)/python -m benchmarks.experiments.wound_chambers
+
+measured-arms: $(DEV)  ## measured pneumatic arms: one is calibrated, and a longer one predicted; docs/measured_arms.md
+	@$(BIN)/python -m benchmarks.measured_arms
 
 in-time: $(DEV)  ## a released bar, a held segment, and finite elements in time beside rods; the table of studies/in_time.md
 	@$(BIN)/python -m benchmarks.in_time
