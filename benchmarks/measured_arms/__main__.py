@@ -104,12 +104,12 @@ PARTS = ("given", "longer")
 def main() -> None:
     """Write the parts of the page and their pictures, and print them."""
     parser = argparse.ArgumentParser(description="Measured pneumatic arms, after a calibration.")
-    parser.add_argument("parts", nargs="*", choices=PARTS, default=PARTS)
+    parser.add_argument("parts", nargs="*", choices=PARTS, help="all by default")
     parser.add_argument("--out", type=Path, default=Path("results/measured_arms"))
     given = parser.parse_args()
     page = Page(given.out)
     try:
-        for part in given.parts:
+        for part in given.parts or PARTS:
             text = getattr(page, part)()
             write_made(COMMAND.format(part), text)
             sys.stdout.write(text + "\n\n")
