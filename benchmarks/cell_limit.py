@@ -47,7 +47,7 @@ def configs(seed: int | None, count: int) -> Iterator[Config]:
         return
     for design in drawn(seed, count):
         with TemporaryDirectory() as folder:
-            file = Path(folder) / "design.yaml"
+            file = Path(folder) / "drawn.yaml"
             file.write_text(yaml.safe_dump(json.loads(json.dumps(dict(design.document), default=float))))
             yield load_config(file, [])
 

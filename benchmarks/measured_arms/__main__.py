@@ -1,7 +1,7 @@
 """Measured pneumatic arms beside their law: one is calibrated, and a longer one of the same cells predicted.
 
     make measured-arms
-    python -m benchmarks.measured_arms [given] [longer] [--out results/measured_arms]
+    python -m benchmarks.measured_arms [--only given] [--out results/measured_arms]
 
 Laws are kept in the folder, so that the command repeats in minutes. It writes the tables of docs/measured_arms.md and
 its pictures.
@@ -36,7 +36,7 @@ from rod.arm_law.law import ArmLaw
 #: kPa: rows of the calibration, and those of the tables
 CALIBRATED = tuple(range(12, 37, 3))
 ROWS = (15.0, 20.0, 25.0, 30.0, 33.0, 34.0, 35.0, 36.0, 37.0)
-COMMAND = "python -m benchmarks.measured_arms {}"
+COMMAND = "python -m benchmarks.measured_arms --only {}"
 
 
 def beside(rows: Measurements, intervals: Array, more: Mapping[float, float]) -> tuple[str, str]:
@@ -104,12 +104,12 @@ PARTS = ("given", "longer")
 def main() -> None:
     """Write the parts of the page and their pictures, and print them."""
     parser = argparse.ArgumentParser(description="Measured pneumatic arms, after a calibration.")
-    parser.add_argument("parts", nargs="*", choices=PARTS, help="all by default")
+    parser.add_argument("--only", choices=PARTS)
     parser.add_argument("--out", type=Path, default=Path("results/measured_arms"))
     given = parser.parse_args()
     page = Page(given.out)
     try:
-        for part in given.parts or PARTS:
+        for part in [given.only] if given.only else PARTS:
             text = getattr(page, part)()
             write_made(COMMAND.format(part), text)
             sys.stdout.write(text + "\n\n")

@@ -68,7 +68,7 @@ class RandomCell:
 
 def measure(design: Drawn, folder: Path) -> RandomCell:
     """A drawn design."""
-    path = folder / "design.yaml"
+    path = folder / "drawn.yaml"
     path.write_text(json.dumps(design.document), encoding="utf-8")
     high, why = design.pressures_kPa[-1], ""
     try:

@@ -129,11 +129,11 @@ def _worked(work: Work) -> Record:
     design, folder, limit = work.design, work.folder, work.limit
     record = work.stages.read() or _begun(design)
     document = json.dumps(design.document, indent=1) + "\n"  # JSON is YAML
-    ResultFolder(folder).save_text("design.yaml", document)
+    ResultFolder(folder).save_text("drawn.yaml", document)
     solved: SolvedRun | None = None
     try:
         with _timed(record, "run", limit):
-            config = load_config(folder / "design.yaml")
+            config = load_config(folder / "drawn.yaml")
             solved = run(config, folder, 1, False, Silent())
             record |= {"ended": RAN, **_of_report(solved)}
     except _TooSlow:
