@@ -12,34 +12,24 @@ from pipeline.answers.measured.rows import Measurements
 from pipeline.values.plots import COLOURS
 
 
-def draw(name: str, pressures: Array, measured: Array, lines: Mapping[str, Array], band: Array | None) -> None:
-    """Readings as points, what was foretold as lines, and a band (2, n) about the first of them.
-
-    pressures (n,) in kPa; angles (n,) in degrees; none are drawn where all are zero.
-    """
-    figure = Figure(figsize=(7.0, 4.2), layout="constrained")
-    axes = figure.add_subplot()
-    if band is not None:
-        axes.fill_between(pressures, *band, color=COLOURS[0], alpha=0.2, linewidth=0, label="90 %")
-    for (label, angles), colour in zip(lines.items(), COLOURS, strict=False):
-        axes.plot(pressures, angles, color=colour, label=label, linewidth=1.5)
-    if measured.any():
-        axes.plot(pressures, measured, "o", color="black", markersize=3.5, label="measured")
-    axes.set_xlabel("pressure (kPa)")
-    axes.set_ylabel("direction of the tip, less that at 10 kPa (degrees)")
-    axes.set_ylim(bottom=min(0.0, float(np.nanmin(measured))))
-    axes.grid(alpha=0.3)
-    axes.legend(fontsize="small")
-    figure.savefig(ROOT / "docs" / "pictures" / f"{name}.png", dpi=130)
-
-
 def draw_foretold(name: str, rows: Measurements, intervals: Array, second: Mapping[float, float]) -> None:
-    """Rows of directions beside what was foretold; intervals (3, n) as of `Foretelling`.
+    """Rows of directions as points, and what was predicted; intervals (3, n) as of `Foretelling`.
 
     second: readings of another test in degrees, by kPa.
     """
     numbers = Numbers.of(rows)
-    lines = {"predicted": -intervals[0]}
+    predicted, *band = -intervals
+    figure = Figure(figsize=(7.0, 4.2), layout="constrained")
+    axes = figure.add_subplot()
+    axes.fill_between(numbers.pressures, *band, color=COLOURS[0], alpha=0.2, linewidth=0, label="90 %")
+    axes.plot(numbers.pressures, predicted, color=COLOURS[0], label="predicted", linewidth=1.5)
     if second:
-        lines["second test"] = np.interp(numbers.pressures, list(second), list(second.values()), np.nan, np.nan)
-    draw(name, numbers.pressures, -numbers.values, lines, np.sort(-intervals[1:], axis=0))
+        other = np.interp(numbers.pressures, list(second), list(second.values()), np.nan, np.nan)
+        axes.plot(numbers.pressures, other, color=COLOURS[1], label="second test", linewidth=1.5)
+    axes.plot(numbers.pressures, -numbers.values, "o", color="black", markersize=3.5, label="measured")
+    axes.set_xlabel("pressure (kPa)")
+    axes.set_ylabel("direction of the tip, less that at 10 kPa (degrees)")
+    axes.set_ylim(bottom=0.0)
+    axes.grid(alpha=0.3)
+    axes.legend(fontsize="small")
+    figure.savefig(ROOT / "docs" / "pictures" / f"{name}.png", dpi=130)
