@@ -22,7 +22,7 @@ from pipeline.law.build import fine_mesh
 from pipeline.law.mesh_limit import PLANE, scales_of
 from pipeline.law.meshes import MESHES, find_limit
 from pipeline.law.piece.measure import cell_without_moment
-from pipeline.law.pieces import ArmPieces
+from pipeline.law.piece.pieces import ArmPieces
 from pipeline.simulate.scene import Scene
 from pipeline.store.context import RunContext
 from pipeline.store.progress import Silent

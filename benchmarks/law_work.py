@@ -23,7 +23,7 @@ import pipeline.law.cells
 import pipeline.law.piece.measure
 import pipeline.law.piece.measure_clamp
 import pipeline.law.piece.point
-import pipeline.law.tasks
+import pipeline.law.piece.tasks
 from benchmarks.markdown import table
 from fem.equations.pardiso import available_solver
 from fem.path.newton import StepFailed
@@ -78,7 +78,7 @@ class Counted:
         solver: Any = available_solver()
         with ExitStack() as stack:
             stack.enter_context(
-                patch.object(pipeline.law.tasks, "_on_pieces", self._task(pipeline.law.tasks._on_pieces))
+                patch.object(pipeline.law.piece.tasks, "_on_pieces", self._task(pipeline.law.piece.tasks._on_pieces))
             )
             stack.enter_context(patch.object(fem.cell.piece, "solve", self._newton(fem.cell.piece.solve)))
             for name, where in PARTS:

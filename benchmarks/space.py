@@ -30,7 +30,7 @@ from geometry.arrays import Array
 from pipeline.config.config import Config
 from pipeline.config.load import load_config
 from pipeline.law.build import build_law
-from pipeline.law.pieces import ArmPieces
+from pipeline.law.piece.pieces import ArmPieces
 from pipeline.results.files import read_plane_law
 from pipeline.results.laws import law_record
 from pipeline.simulate.scene import Scene

@@ -8,7 +8,7 @@ from time import perf_counter
 from typing import Any, TypeAlias
 
 from geometry import Reason, Values
-from pipeline.answers.budget import make_budgets
+from pipeline.answers.rods.budget import make_budgets
 from pipeline.answers.rods.in_time import with_remark
 from pipeline.config.config import Config
 from pipeline.identify.arm_rods import ArmRods

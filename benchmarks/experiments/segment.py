@@ -25,7 +25,7 @@ from fem.cell.piece import PieceFailed
 from geometry.arrays import Array
 from pipeline.config.load import load_config
 from pipeline.law.piece.measure import cell_without_moment
-from pipeline.law.pieces import ArmPieces
+from pipeline.law.piece.pieces import ArmPieces
 from pipeline.values.pressure import in_MPa
 
 #: kPa at which a cell is solved

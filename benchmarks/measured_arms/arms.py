@@ -15,7 +15,7 @@ from pipeline.answers.measured.table import read_measurements
 from pipeline.config.config import Config
 from pipeline.config.load import load_config
 from pipeline.law.build import build_law
-from pipeline.law.pieces import ArmPieces
+from pipeline.law.piece.pieces import ArmPieces
 from pipeline.simulate.scene import Scene
 from pipeline.store.context import RunContext
 from pipeline.store.progress import Silent

@@ -31,8 +31,8 @@ from fem.equations.linear import SingularMatrix
 from geometry.arrays import Array
 from pipeline.config.load import load_config
 from pipeline.law.piece.measure import cell_without_moment
+from pipeline.law.piece.pieces import ArmPieces, NoArmLaw
 from pipeline.law.piece.reach import LEAST_TURN, MARGIN
-from pipeline.law.pieces import ArmPieces, NoArmLaw
 from pipeline.values.errors import InputError
 from pipeline.values.pressure import in_MPa
 

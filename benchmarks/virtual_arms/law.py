@@ -6,7 +6,7 @@ from pathlib import Path
 from benchmarks.virtual_arms.designs import VirtualArm
 from pipeline.config.load import load_config
 from pipeline.law.build import build_law
-from pipeline.law.pieces import ArmPieces
+from pipeline.law.piece.pieces import ArmPieces
 from pipeline.law.study import save_law
 from pipeline.simulate.scene import Scene
 from pipeline.store.context import RunContext

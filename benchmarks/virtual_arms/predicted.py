@@ -11,7 +11,7 @@ from benchmarks.virtual_arms.law import folder_of_law
 from benchmarks.virtual_arms.measured import Measurement
 from pipeline.answers.measured.table import read_measurements
 from pipeline.config.load import load_config
-from pipeline.law.pieces import NoArmLaw
+from pipeline.law.piece.pieces import NoArmLaw
 from pipeline.results.files import read_plane_law
 from pipeline.values.errors import InputError
 

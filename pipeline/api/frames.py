@@ -8,7 +8,7 @@ from typing import Any
 
 import pandas as pd
 
-from pipeline.answers.budget import Budget
+from pipeline.answers.rods.budget import Budget
 from pipeline.answers.rods.pressures import PressureFor
 from pipeline.values.formats import CURVE_COLUMNS
 from pipeline.values.parameters import RestShape

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import pandas as pd
 
-from pipeline.answers.budget import budget_of
+from pipeline.answers.rods.budget import budget_of
 from pipeline.answers.rods.choice import check_kind, choose_rod, nothing_identified
 from pipeline.answers.rods.export import ExportOptions, exported_run
 from pipeline.answers.rods.in_time import in_time

@@ -30,7 +30,7 @@ __all__ = ["budget", "export", "move", "shape", "solve"]
 
 if TYPE_CHECKING:
     import rod as rods
-    from pipeline.answers.budget import Budget
+    from pipeline.answers.rods.budget import Budget
     from pipeline.answers.rods.export import Exported
     from pipeline.answers.rods.motion import ArmMotion
     from pipeline.answers.rods.pressures import PressureFor
@@ -206,7 +206,7 @@ def budget(
 
     tolerances: texts KEY=VALUE, in place of those of the configuration. Raises `pneurod.InputError`.
     """
-    from pipeline.answers.budget import budget_for
+    from pipeline.answers.rods.budget import budget_for
 
     picture = None if out is None else given_path(out, "out", "budget.html")
     found, _ = budget_for(given_path(folder, "folder", "results/arm"), pressure, tolerances, picture, ratio)

@@ -13,10 +13,10 @@ from pipeline.doctor import Finding, findings_table
 from pipeline.results.options import write_new
 
 if TYPE_CHECKING:
-    from pipeline.answers.budget import Budget
     from pipeline.answers.material.study import Material
     from pipeline.answers.measured.calibrate import CalibrationReport
     from pipeline.answers.measured.compare import Comparison
+    from pipeline.answers.rods.budget import Budget
     from pipeline.api.rods import Solutions
 
 
@@ -30,7 +30,7 @@ def show_solutions(found: "Solutions", as_json: bool = False) -> None:
 
 def show_budget(found: "Budget", folder: Path, out: Path | None) -> None:
     """Print by how much each tolerance moves the arm."""
-    from pipeline.answers.budget import budget_table
+    from pipeline.answers.rods.budget import budget_table
 
     print_lines(budget_table(found), f"picture: {out or folder / 'budget.html'}")
 

@@ -18,11 +18,11 @@ from pipeline.config.automatic_mesh import MeshSettings, cell_mesh
 from pipeline.law.ends import CLAMP, CLAMP_NEAR, HALF_CELLS, half_cells_of, measure_ends
 from pipeline.law.mesh_limit import Corrections, MeshLimit, Numbers, corrected
 from pipeline.law.meshes import find_limit, solve_numbers
+from pipeline.law.piece.pieces import ArmPieces
 from pipeline.law.piece.point import Measured
 from pipeline.law.piece.rates import law_rates
-from pipeline.law.pieces import ArmPieces
+from pipeline.law.piece.tasks import ArmTasks, Log
 from pipeline.law.snap import measurer_of_form, swollen_pieces
-from pipeline.law.tasks import ArmTasks, Log
 from pipeline.law.unloaded import begin_first_states, reached_states
 from pipeline.results.unloaded import first_numbers
 from pipeline.store.context import RunContext

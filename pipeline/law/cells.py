@@ -13,13 +13,13 @@ from fem.cell.inflation import inflated
 from fem.cell.piece import BendingPiece, PieceFailed
 from geometry import Reason
 from geometry.arrays import Index
-from pipeline.law.adaptive import AdaptiveCurve, Interval
+from pipeline.law.piece.adaptive import AdaptiveCurve, Interval
 from pipeline.law.piece.in_space import cell_in_space
 from pipeline.law.piece.measure import cell_near, cell_without_moment, sweep_cell
 from pipeline.law.piece.point import Measured, failure_of, reason_of
 from pipeline.law.piece.rates import cell_rates
 from pipeline.law.piece.reach import Reach
-from pipeline.law.tasks import ArmTasks, Log, PieceCurves
+from pipeline.law.piece.tasks import ArmTasks, Log, PieceCurves
 from pipeline.store.parallel import Pending
 from pipeline.values.errors import RunFailed
 from pipeline.values.pressure import in_MPa, name_of_state

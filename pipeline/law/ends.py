@@ -17,9 +17,9 @@ from geometry.arrays import Array
 from pipeline.law.piece.measure import cell_without_moment
 from pipeline.law.piece.measure_clamp import Begin, clamp_curve, clamp_without_moment, straight_point
 from pipeline.law.piece.measure_tip import tip_curve
+from pipeline.law.piece.pieces import ArmPieces, NoArmLaw
 from pipeline.law.piece.point import Measured, failure_of
-from pipeline.law.pieces import ArmPieces, NoArmLaw
-from pipeline.law.tasks import ArmTasks, Log, PieceCurves
+from pipeline.law.piece.tasks import ArmTasks, Log, PieceCurves
 from pipeline.values.pressure import in_MPa, name_of_state
 from rod import RodError
 from rod.arm_law.curves import CellCurve, ClampCurve, TipCurve

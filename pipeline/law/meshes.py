@@ -33,9 +33,9 @@ from pipeline.law.mesh_limit import (
     scales_of,
 )
 from pipeline.law.piece.measure import CellPoint, cell_without_moment
+from pipeline.law.piece.pieces import ArmPieces
 from pipeline.law.piece.point import stable, without_moment
-from pipeline.law.pieces import ArmPieces
-from pipeline.law.tasks import ArmTasks, PieceCurves
+from pipeline.law.piece.tasks import ArmTasks, PieceCurves
 from pipeline.store.context import RunContext
 from pipeline.values.errors import InputError
 from pipeline.values.pressure import in_MPa

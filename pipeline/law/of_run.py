@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 from geometry import Reason, Values
 from pipeline.law.build import MeasuredLaw, build_law, deliver_law
-from pipeline.law.pieces import ArmPieces, NoArmLaw
+from pipeline.law.piece.pieces import ArmPieces, NoArmLaw
 from pipeline.law.study import check_plane
 from pipeline.simulate.outcome import Outcomes
 from pipeline.simulate.scene import Scene

@@ -8,8 +8,8 @@ import numpy as np
 from fem.cell.inflation import extreme_pressures
 from pipeline.law.cells import CellMeasurer, measure_bends
 from pipeline.law.mesh_limit import INFLATED
-from pipeline.law.pieces import ArmPieces
-from pipeline.law.tasks import ArmTasks, Log, PieceCurves
+from pipeline.law.piece.pieces import ArmPieces
+from pipeline.law.piece.tasks import ArmTasks, Log, PieceCurves
 from pipeline.values.pressure import in_kPa, in_MPa
 from pipeline.values.richardson import extrapolate_all
 from rod.arm_law.law import ArmLaw

@@ -17,7 +17,7 @@ from pipeline.config.config import Config
 from pipeline.law.build import MeasuredLaw, deliver_law
 from pipeline.law.effort import expected_of
 from pipeline.law.in_space.measure import MeasuredInSpace, measure_in_space
-from pipeline.law.pieces import ArmPieces, NoArmLaw
+from pipeline.law.piece.pieces import ArmPieces, NoArmLaw
 from pipeline.law.rows import RowSpec, rows_of
 from pipeline.law.table import space_sentences
 from pipeline.results.files import LAW, read_results, replace_draft

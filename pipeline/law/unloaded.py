@@ -9,7 +9,7 @@ from pipeline.law.piece.measure import straight_curve
 from pipeline.law.piece.measure_clamp import clamp_without_moment
 from pipeline.law.piece.measure_tip import tip_curve
 from pipeline.law.piece.reach import LARGEST
-from pipeline.law.tasks import ArmTasks, PieceCurves
+from pipeline.law.piece.tasks import ArmTasks, PieceCurves
 from pipeline.results.unloaded import unloaded_state
 from pipeline.store.parallel import Pending
 from pipeline.values.law import Unloaded

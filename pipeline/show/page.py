@@ -4,7 +4,7 @@ import base64
 import json
 from pathlib import Path
 
-from pipeline.answers.budget import budget_panels, budget_table, budgets_of
+from pipeline.answers.rods.budget import budget_panels, budget_table, budgets_of
 from pipeline.results.verdict import verdict_of
 from pipeline.show import figures, tables
 from pipeline.show.body_view import body_view

@@ -5,7 +5,6 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from geometry import Reason
-from pipeline.answers.budget import budget_of
 from pipeline.answers.material.sentences import OF_ONE_BATCH
 from pipeline.answers.measured.aligned import aligned
 from pipeline.answers.measured.calibration import Calibration, calibrated, law_to_calibrate
@@ -14,6 +13,7 @@ from pipeline.answers.measured.predicted import LawRods, Setup
 from pipeline.answers.measured.saved import calibrated_config, read_calibration, save_calibration
 from pipeline.answers.measured.table import read_measurements
 from pipeline.answers.measured.unknowns import MODULUS
+from pipeline.answers.rods.budget import budget_of
 from pipeline.answers.rods.in_time import with_remark
 from pipeline.answers.rods.ratio import run_along
 from pipeline.results.files import read_results

@@ -6,9 +6,9 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from geometry.arrays import Array
-from pipeline.answers.budget import make_budgets
 from pipeline.answers.measured.predicted import AS_WRITTEN, LawRods, Setup
 from pipeline.answers.measured.rows import VIBRATION, Measurements
+from pipeline.answers.rods.budget import make_budgets
 from pipeline.answers.rods.in_time import BAND
 from pipeline.config.material import LOSS_FACTOR
 from pipeline.config.section import not_known

@@ -21,8 +21,8 @@ from pipeline.law.in_space.states import (
     clamped_state,
     free_state,
 )
-from pipeline.law.pieces import ArmPieces, NoArmLaw
-from pipeline.law.tasks import ArmTasks
+from pipeline.law.piece.pieces import ArmPieces, NoArmLaw
+from pipeline.law.piece.tasks import ArmTasks
 from pipeline.simulate.mass import mass_along
 from pipeline.store.context import RunContext
 from pipeline.store.parallel import Pending

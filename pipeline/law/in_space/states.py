@@ -17,9 +17,9 @@ from fem.cell.inflation import inflated
 from fem.cell.piece import BendingPiece, PieceState
 from fem.cell.response import slopes
 from geometry.arrays import Array
+from pipeline.law.piece.pieces import ArmPieces
 from pipeline.law.piece.point import stable
-from pipeline.law.pieces import ArmPieces
-from pipeline.law.tasks import PieceCurves
+from pipeline.law.piece.tasks import PieceCurves
 from pipeline.store.kept import KeptFile
 from pipeline.values.pressure import KPA_PER_MPA, in_MPa
 from rod.same_pressure import Pressures

@@ -13,7 +13,7 @@ from fem.cell.piece import BendingPiece, PieceFailed, PieceState
 from fem.cell.response import shear_rigidity, slopes
 from geometry import Reason
 from geometry.arrays import Array
-from pipeline.law.adaptive import divided
+from pipeline.law.piece.adaptive import divided
 from pipeline.law.piece.point import PiecePoint, reason_of, stable, without_moment
 from pipeline.law.piece.reach import Range, Reach
 from pipeline.values.pressure import KPA_PER_MPA, in_MPa

@@ -15,7 +15,7 @@ from fem.cell.piece import BendingPiece, PieceFailed, PieceState
 from fem.path.predictor import extrapolate
 from geometry import Reason
 from geometry.arrays import Array
-from pipeline.law.adaptive import divided
+from pipeline.law.piece.adaptive import divided
 from pipeline.law.piece.in_space import clamp_in_space
 from pipeline.law.piece.point import Measured, PiecePoint, reached, reason_of, without_moment
 from pipeline.law.piece.rates import clamp_rates

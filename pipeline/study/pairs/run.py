@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-from pipeline.law.adaptive import AdaptiveCurve, Interval
+from pipeline.law.piece.adaptive import AdaptiveCurve, Interval
 from pipeline.law.rows import PairSpec
 from pipeline.law.study import measure_law
 from pipeline.results.files import LAW, folder_of

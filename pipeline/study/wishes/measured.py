@@ -16,10 +16,10 @@ from pipeline.law.cells import bend_of, cell_at, near_cell
 from pipeline.law.ends import CLAMP, HALF_CELLS, TIP, end_at
 from pipeline.law.mesh_limit import corrected
 from pipeline.law.piece.measure import cell_without_moment
+from pipeline.law.piece.pieces import ArmPieces, NoArmLaw
 from pipeline.law.piece.point import Measured
 from pipeline.law.piece.rates import law_rates
-from pipeline.law.pieces import ArmPieces, NoArmLaw
-from pipeline.law.tasks import ArmTasks, PieceCurves
+from pipeline.law.piece.tasks import ArmTasks, PieceCurves
 from pipeline.simulate.scene import Scene
 from pipeline.store.context import RunContext
 from pipeline.store.parallel import Pending

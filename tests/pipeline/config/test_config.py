@@ -15,7 +15,7 @@ from pipeline.config.config import Config, End, IdentificationSettings, Validati
 from pipeline.config.effects import EFFECTS
 from pipeline.config.load import load_config
 from pipeline.config.units import DENSITY, LENGTH, PRESSURE, STRESS, Dimension, convert
-from pipeline.law.pieces import ArmPieces, NoArmLaw
+from pipeline.law.piece.pieces import ArmPieces, NoArmLaw
 from pipeline.simulate.design_notes import check_design
 from pipeline.simulate.scene import material_of
 from pipeline.values.errors import InputError

@@ -22,9 +22,9 @@ from pipeline.law.build import MeasuredLaw, tell_first
 from pipeline.law.cells import BETWEEN, is_not_reduced
 from pipeline.law.mesh_limit import PLANE
 from pipeline.law.meshes import find_limit
-from pipeline.law.pieces import ArmPieces, NoArmLaw
+from pipeline.law.piece.pieces import ArmPieces, NoArmLaw
+from pipeline.law.piece.tasks import ArmTasks
 from pipeline.law.study import LawReport, measure_law
-from pipeline.law.tasks import ArmTasks
 from pipeline.law.unloaded import begin_first_states, reached_states
 from pipeline.results.files import read_law, read_plane_law, read_results
 from pipeline.results.laws import law_of_record

@@ -10,7 +10,7 @@ import pytest
 from fem.cell.piece import PieceFailed
 from geometry import Reason
 from pipeline.law.ends import DECAY, NOT_DECAYED, choose_half_cells
-from pipeline.law.pieces import NoArmLaw
+from pipeline.law.piece.pieces import NoArmLaw
 from rod.arm_law.curves import ClampCurve
 
 LENGTH = 100.0

@@ -12,8 +12,8 @@ from pipeline.config.load import load_config
 from pipeline.law import meshes
 from pipeline.law.mesh_limit import PLANE
 from pipeline.law.meshes import SolvedNumbers, find_limit
-from pipeline.law.pieces import ArmPieces
-from pipeline.law.tasks import PieceCurves
+from pipeline.law.piece.pieces import ArmPieces
+from pipeline.law.piece.tasks import PieceCurves
 from pipeline.store.context import RunContext
 from pipeline.store.progress import Silent
 from pipeline.store.store import open_store

@@ -15,7 +15,7 @@ from pipeline.config.config import Config
 from pipeline.config.load import load_config
 from pipeline.law import cells
 from pipeline.law.of_run import LawOfRun, deliver_law_of_run, law_on_mesh_of_arm
-from pipeline.law.pieces import ArmPieces, NoArmLaw
+from pipeline.law.piece.pieces import ArmPieces, NoArmLaw
 from pipeline.results.files import read_results
 from pipeline.results.laws import law_of_record
 from pipeline.results.verdict import verdict_of

@@ -9,7 +9,7 @@ from fem.effects.barrier import FacingTerm
 from geometry import PneuNet
 from pipeline.config.load import load_config
 from pipeline.law.piece.measure import cell_without_moment
-from pipeline.law.pieces import ArmPieces, NoArmLaw
+from pipeline.law.piece.pieces import ArmPieces, NoArmLaw
 from pipeline.simulate.scene import Scene
 from pipeline.values.errors import InputError
 from tests.step_bodies import pneunet_as_step

@@ -7,9 +7,9 @@ import pytest
 
 from pipeline.config.load import load_config
 from pipeline.law.build import build_law
-from pipeline.law.pieces import ArmPieces
+from pipeline.law.piece.pieces import ArmPieces
+from pipeline.law.piece.tasks import Log
 from pipeline.law.snap import LIMIT, RETURN, Snap, SnapLimits, rising_pressures, swollen_pieces
-from pipeline.law.tasks import Log
 from pipeline.simulate.scene import Scene
 from pipeline.store.context import RunContext
 from pipeline.store.progress import Silent

@@ -11,7 +11,7 @@ from geometry import Body, Mesh, PneuNet
 from pipeline.config.config import Config
 from pipeline.config.effects import CavityPressure, StrainLimitingLayer
 from pipeline.config.load import load_config
-from pipeline.law.pieces import ArmPieces
+from pipeline.law.piece.pieces import ArmPieces
 from pipeline.simulate.scene import Scene, material_of
 from pipeline.values.errors import InputError
 from tests.foreign_bodies import bar

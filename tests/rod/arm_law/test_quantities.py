@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from geometry.arrays import Array
-from pipeline.answers.budget import NUMBERS, budget_table, make_budgets
+from pipeline.answers.rods.budget import NUMBERS, budget_table, make_budgets
 from pipeline.api.frames import sensitivities_frame
 from pipeline.config.tolerances import Tolerances
 from pipeline.results.laws import law_record

@@ -9,7 +9,7 @@ from fem import Discretisation
 from fem.effects.contact import crossings
 from pipeline.config.load import load_config
 from pipeline.law.piece.measure import CellPoint, cell_without_moment
-from pipeline.law.pieces import ArmPieces
+from pipeline.law.piece.pieces import ArmPieces
 from pipeline.simulate.scene import Scene
 from pipeline.simulate.simulate import simulate
 from pipeline.store.context import RunContext

@@ -16,9 +16,9 @@ from pipeline.law.piece.measure import TOLERANCE, cell_without_moment, sweep_cel
 from pipeline.law.piece.measure_clamp import NEAREST, TOUCHING, clamp_curve, clamp_without_moment
 from pipeline.law.piece.measure_clamp import TOLERANCE as CLAMP_TOLERANCE
 from pipeline.law.piece.measure_tip import tip_curve
+from pipeline.law.piece.pieces import ArmPieces
 from pipeline.law.piece.point import PiecePoint
 from pipeline.law.piece.reach import Reach
-from pipeline.law.pieces import ArmPieces
 from pipeline.simulate.scene import Scene
 from pipeline.values.pressure import KPA_PER_MPA
 from rod.arm_law.curves import CellCurve, ClampCurve

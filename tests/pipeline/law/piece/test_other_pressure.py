@@ -11,7 +11,7 @@ from pipeline.config.load import load_config
 from pipeline.law.piece import measure_clamp
 from pipeline.law.piece.measure import CellPoint, cell_without_moment, straight_curve
 from pipeline.law.piece.measure_clamp import clamp_without_moment
-from pipeline.law.pieces import ArmPieces
+from pipeline.law.piece.pieces import ArmPieces
 from pipeline.law.rows import read_pairs
 from tests.quotients import quotient
 from tests.step_bodies import box, save

@@ -17,9 +17,9 @@ from pipeline.law.cells import cell_at
 from pipeline.law.ends import CLAMP, TIP, end_at
 from pipeline.law.mesh_limit import Corrections, across_on, corrected
 from pipeline.law.piece import in_space, measure
+from pipeline.law.piece.pieces import ArmPieces
 from pipeline.law.piece.rates import law_rates, material_steps
-from pipeline.law.pieces import ArmPieces
-from pipeline.law.tasks import PieceCurves
+from pipeline.law.piece.tasks import PieceCurves
 from pipeline.results.laws import law_of_record, law_record
 from pipeline.store.progress import Silent
 from pipeline.store.store import open_store

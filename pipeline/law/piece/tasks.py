@@ -7,8 +7,8 @@ from typing import Any, Concatenate, ParamSpec, TypeVar
 
 from fem.cell.piece import BendingPiece
 from geometry import Reason
+from pipeline.law.piece.pieces import ArmPieces
 from pipeline.law.piece.point import Measured
-from pipeline.law.pieces import ArmPieces
 from pipeline.results.laws import record_of, value_of
 from pipeline.store.context import RunContext
 from pipeline.store.kept import KeptFile

@@ -9,7 +9,7 @@ import pytest
 from typer.testing import CliRunner
 
 import pneurod
-from pipeline.answers.budget import Budget, budget_of, budget_page, budget_panels, budget_table, make_budgets
+from pipeline.answers.rods.budget import Budget, budget_of, budget_page, budget_panels, budget_table, make_budgets
 from pipeline.api.frames import budget_frame, sensitivities_frame
 from pipeline.cli import app
 from pipeline.config.load import load_config
@@ -22,7 +22,7 @@ from rod.arm_law.curves import ACROSS, IN_SPACE, CellCurve
 from rod.arm_law.rates import CellRate, ClampRate, LawRate, changed_cells, onset_rate
 from tests.coarse import COARSE, coarse_run
 
-CONFIG = Path(__file__).resolve().parent.parent.parent.parent / "configs" / "pneunet_coarse.yaml"
+CONFIG = Path(__file__).resolve().parents[4] / "configs" / "pneunet_coarse.yaml"
 
 
 def scaled_law() -> ArmLaw:

@@ -5,7 +5,7 @@ from math import inf
 
 import pytest
 
-from pipeline.law.adaptive import AdaptiveCurve, Interval, divided
+from pipeline.law.piece.adaptive import AdaptiveCurve, Interval, divided
 
 
 def widths(intervals: Sequence[Interval[float]]) -> list[float | None]:
