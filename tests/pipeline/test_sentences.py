@@ -19,7 +19,7 @@ from pipeline.values.errors import InputError
 from pipeline.values.reasons import report_reason
 from rod.weight import Mass
 from tests.coarse import coarse_run
-from tests.pipeline.answers.test_budget import CONFIG, scaled_law
+from tests.pipeline.answers.rods.test_budget import CONFIG, scaled_law
 
 ROOT = Path(__file__).resolve().parents[2]
 #: of former sentences

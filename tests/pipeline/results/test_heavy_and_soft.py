@@ -19,7 +19,7 @@ from pipeline.values.record import RunRecord
 from rod import ArmLaw
 from rod.weight import Mass
 from tests.measured_arm import result_folder
-from tests.pipeline.answers.test_budget import CONFIG, scaled_law
+from tests.pipeline.answers.rods.test_budget import CONFIG, scaled_law
 
 COMMANDS = (
     ("rod", "--pressure", "37 kPa"),
