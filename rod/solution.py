@@ -13,7 +13,7 @@ from geometry.told import Told, listed, placed
 from rod.along import Reaction, Triple, reactions_of, resultant
 from rod.arm.path import Path
 from rod.arm.response import Parameter, Posed, Response, SolvedPath
-from rod.arm.stability import ALL, Stability, stability_of
+from rod.arm.stability import Stability, stability_of
 from rod.cubics import hermite
 from rod.errors import RodError
 from rod.load import Load
@@ -177,7 +177,7 @@ class SpatialSolution(Told):
     @cached_property
     def stability(self) -> Stability:
         """Against small motions; the path to this state was stable."""
-        return stability_of(self.path, ALL)
+        return stability_of(self.path)
 
     def derivative(self, by: Parameter) -> Response:
         """As `RodSolution.derivative`; a load may have three components."""

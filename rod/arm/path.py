@@ -16,11 +16,12 @@ import numpy as np
 
 from geometry.arrays import Array
 from rod.along import APART, are_heights, check_inside, check_supports
-from rod.arm.chain import Nodes, extrapolated, halved, planar_frames, rotation, turn_of
+from rod.arm.chain import Nodes, extrapolated, halved
 from rod.arm.newton import Found
 from rod.arm.nodes import StateArrays
 from rod.arm.solver import ArmModel, Solver
 from rod.errors import LoadError, RodError
+from rod.frames import planar_frames, rotation, turn_of
 from rod.load import Load
 
 #: smallest part of the load in one step
@@ -79,8 +80,6 @@ class Way(NamedTuple):
 
 #: largest change of the end over the length by halving the elements, and how often they are halved for it
 COARSEST, MOST_HALVINGS = 1e-3, 3
-#: of a state that no iteration has found
-NOT_SOLVED = Found(True, 0.0, 0.0, (0, 0), 0)
 
 
 def follow(arm: ArmModel, load: Load, how: Way) -> Path:

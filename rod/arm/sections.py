@@ -6,7 +6,6 @@ from typing import Protocol, final
 import numpy as np
 
 from geometry.arrays import Array
-from rod.arm.chain import Nodes, in_frame
 from rod.arm.section_kernels import LINES, SectionArrays
 from rod.law import TwoSlopes
 
@@ -77,8 +76,3 @@ def _means(known: Array, values: Array, s: Array) -> Array:
     k = np.clip(np.searchsorted(known, s, side="right") - 1, 0, len(known) - 2)
     filled = area[k] + 0.5 * (s - known[k]) * (values[k] + np.interp(s, known, values))
     return np.asarray(np.diff(filled) / np.diff(s))
-
-
-def acting_in_frames(nodes: Nodes) -> tuple[Array, Array]:
-    """Moments and forces (N, 3) on the part before each node, along its frame."""
-    return in_frame(nodes.frames, nodes.moment), in_frame(nodes.frames, nodes.inner)

@@ -11,7 +11,7 @@ from geometry.arrays import Array, Index, Mask
 from rod.arm.bands import factorize, solve, solve_small
 from rod.arm.chain import NO_SIDE, room_for, solve_chain
 from rod.arm.newton import STATICS, border_system, negative_of, unstable
-from rod.arm.nodes import ArmArrays, LoadArrays, StateArrays, Tangent, acting
+from rod.arm.nodes import ArmArrays, Chain, LoadArrays, StateArrays, Tangent, acting
 from rod.arm.solver import Solver
 from rod.compiled import CompiledLater
 
@@ -126,3 +126,12 @@ def _lowest_of(loaded: Tangent, free: Tangent, kept: Mask, held: Index) -> tuple
 
 #: `_lowest_of`, in plain Python for a few states and compiled for many
 lowest_of = CompiledLater(_lowest_of, (factorize, solve, solve_small, negative_of, border_system, unstable, _below), 2)
+
+
+def compile_solver() -> None:
+    """Compile the solver of chains and the search for the lowest eigenvalue, or load them from disk."""
+    for kernel in (solve_chain, lowest_of):
+        kernel.compile_next()
+    none = room_for(Chain(True, True, np.ones(1), 0, 0.0, 1, 1.0), 0)
+    none.band[:, 11] = 1.0
+    lowest_of(none, none, np.ones(6, bool), np.zeros((0, 2), np.int64))

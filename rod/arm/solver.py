@@ -7,13 +7,17 @@ import numpy as np
 
 from geometry.arrays import Array
 from rod.along import Position
-from rod.arm.chain import NO_SIDE, Nodes, load_arrays, nodes_of, planar_frames, rest_state, room_for, solve_chain
+from rod.arm.chain import NO_SIDE, Nodes, load_arrays, nodes_of, rest_state, room_for, solve_chain
 from rod.arm.end_kernels import EndArrays
 from rod.arm.newton import ITERATIONS, STATICS, Found
 from rod.arm.nodes import ArmArrays, Chain, StateArrays, acting, levers_of
 from rod.arm.sections import Section
+from rod.frames import planar_frames
 from rod.load import Load
 from rod.weight import Mass
+
+#: of a state that no iteration has found
+NOT_SOLVED = Found(True, 0.0, 0.0, (0, 0), 0)
 
 
 class ArmModel(Protocol):
@@ -108,6 +112,6 @@ class Solver:
         self.converge(copied, 0.0, np.zeros(len(self.load.held)), iterations=0)
         return self.room.missed.copy()
 
-    def nodes(self, state: StateArrays, found: Found) -> Nodes:
+    def nodes(self, state: StateArrays, found: Found = NOT_SOLVED) -> Nodes:
         """Moments and forces under the full load."""
         return nodes_of(self.s, state, self.chain, self.ends, self.load, found)

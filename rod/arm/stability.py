@@ -5,15 +5,15 @@ from typing import final
 
 import numpy as np
 
-from geometry.arrays import Array, read_only
+from geometry.arrays import Array, Mask, read_only
 from rod.arm.chain import Nodes
 from rod.arm.response import SolvedPath
 from rod.arm.small_motions import lowest
 from rod.arm.solver import ArmModel, Solver
 from rod.load import Load
 
-#: the three motions and three turns of a section, and those of them out of the plane
-ALL, OUT_OF_PLANE = (0, 1, 2, 3, 4, 5), (2, 3, 4)
+#: of the three motions and three turns of a section those out of the plane
+OUT_OF_PLANE = (2, 3, 4)
 
 
 @final
@@ -30,18 +30,19 @@ class Stability:
         return self.lowest > 0.0
 
 
-def stability_of(path: SolvedPath, motions: tuple[int, ...]) -> Stability:
+def stability_of(path: SolvedPath, *, out_of_plane: bool = False) -> Stability:
     """Of an arm on both chains of its path, at the limit of the elements, under a load that keeps its direction.
 
-    motions: which of the three motions and three turns of a section are possible.
+    out_of_plane: whether only motions out of its plane are possible.
     """
     (arm, load), chains = path.rod.posed(path.load), path.chains
-    (coarse, _), (fine, motion) = (_lowest(arm, nodes, load, motions) for nodes in chains)
+    kept = np.isin(np.arange(6), OUT_OF_PLANE) if out_of_plane else np.ones(6, bool)
+    (coarse, _), (fine, motion) = (_lowest(arm, nodes, load, kept) for nodes in chains)
     at = np.searchsorted(chains[1].s, chains[0].s - 1e-9 * chains[0].s[-1])
     moved = motion[at, :3]
     largest = float(np.abs(moved).max())
     return Stability(fine + (fine - coarse) / 3.0, read_only(moved / largest if largest else moved))
 
 
-def _lowest(arm: ArmModel, nodes: Nodes, load: Load, motions: tuple[int, ...]) -> tuple[float, Array]:
-    return lowest(Solver(arm, nodes.s, load, in_space=True), nodes.state, np.isin(np.arange(6), motions))
+def _lowest(arm: ArmModel, nodes: Nodes, load: Load, kept: Mask) -> tuple[float, Array]:
+    return lowest(Solver(arm, nodes.s, load, in_space=True), nodes.state, kept)

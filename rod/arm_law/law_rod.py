@@ -10,18 +10,18 @@ import numpy as np
 
 from geometry.arrays import Array, read_only
 from rod.along import AlongLoad, Position, Support, are_heights, part_of, reactions_of, scaled
-from rod.arm.chain import planar_frames, positions_between
+from rod.arm.chain import positions_between
 from rod.arm.end_kernels import EndArrays
 from rod.arm.path import NoEquilibrium, Path, Way, follow
 from rod.arm.response import SolvedPath
-from rod.arm.sections import acting_in_frames
-from rod.arm.stability import OUT_OF_PLANE, Stability, stability_of
+from rod.arm.stability import Stability, stability_of
 from rod.arm_law.air import air_along, air_volumes
 from rod.arm_law.curves import ClampCurve, TipCurve, TipState
 from rod.arm_law.section import SectionLaw
 from rod.arm_law.tabulated import TabulatedSection, end_arrays, tip_state
 from rod.checked import Amount
 from rod.errors import RodError
+from rod.frames import planar_frames
 from rod.load import Force, Load, Loading, held_place, with_end
 from rod.solution import RodSolution, SpatialSolution, solved_in_space
 from rod.weight import Mass
@@ -126,7 +126,7 @@ class LawRod:
         at_tip = self._tip_state(load).beside_at(turn, float(nodes.force @ frame[:, 0]))
         bending = (nodes.moment[:, None] @ nodes.frames)[:, 0, 2]
         beside = _Beside(self, nodes.s, bending, at_tip)(nodes.s)
-        strains = self._model.section.strains(*acting_in_frames(nodes))
+        strains = self._model.section.strains(*nodes.acting)
         return solved_in_space(self, path, load, strains, beside)
 
     def _tip_state(self, load: Load) -> TipState:
@@ -173,7 +173,7 @@ class LawRod:
         law, clamp, found = self.section, self.clamp, path.nodes.found
         if found.outside <= ROUNDING * np.ptp(law.kappa) and found.beyond <= ROUNDING * np.ptp(clamp.moment):
             return ""
-        bends = np.array(self._model.section.strains(*acting_in_frames(path.nodes))[2])
+        bends = np.array(self._model.section.strains(*path.nodes.acting)[2])
         bends[0] = max(bends[0], path.nodes.moment[0, 2], key=abs)  # that of cells, and that at the clamp
         low, high = self.moments
         worst = int(np.argmax(np.maximum(low - bends, bends - high)))
@@ -202,7 +202,7 @@ class LawRod:
 
     def _planar_solution(self, path: Path, load: Load) -> RodSolution:
         nodes = path.nodes
-        curvature, stretch, _ = self._model.section.strains(*acting_in_frames(nodes))
+        curvature, stretch, _ = self._model.section.strains(*nodes.acting)
         turn = float(nodes.angle[-1])
         pull = float(nodes.force[:2] @ (math.cos(turn), math.sin(turn)))
         at_tip = self._tip_state(load).beside_at(turn, pull)
@@ -256,7 +256,7 @@ class LawRod:
         Raises `RodError` for a law without rigidities out of the plane.
         """
         self._check_in_space()
-        return stability_of(state.path, OUT_OF_PLANE)
+        return stability_of(state.path, out_of_plane=True)
 
     def buckling_part(self, load: Load) -> float | None:
         """The part of a load in the plane, to 0.1 %, at which the rod buckles out of it; None where it does not.

@@ -8,14 +8,14 @@ import numpy as np
 
 from geometry.arrays import Array
 from rod.along import Position
-from rod.arm.chain import in_frame, positions_between, rotation
+from rod.arm.chain import positions_between
 from rod.arm.end_kernels import EndArrays
-from rod.arm.ends import polynomial_ends
 from rod.arm.path import Path, Way, follow
 from rod.arm.section_kernels import BEYOND, POLYNOMIAL, SectionArrays
 from rod.arm_law.polynomial import Plane
-from rod.arm_law.tabulated import SETTLED, STRAINS
+from rod.arm_law.tabulated import SETTLED, STRAINS, writable
 from rod.errors import RodError
+from rod.frames import rotation
 from rod.load import Load
 from rod.solution import RodSolution, SpatialSolution, solved_in_space
 from rod.weight import Mass
@@ -135,8 +135,7 @@ class SpaceRod:
         nodes = path.nodes
         beside = np.zeros((len(nodes.s), 3))
         beside[-1] = self.tip[:3]
-        moment, force = (in_frame(nodes.frames, values) for values in (nodes.moment, nodes.inner))
-        return solved_in_space(self, path, load, self.section.strains(moment, force), beside)
+        return solved_in_space(self, path, load, self.section.strains(*nodes.acting), beside)
 
     def posed(self, load: Load) -> tuple["SpaceRod", Load]:
         """The same."""
@@ -175,7 +174,10 @@ class SpaceRod:
 
     def ends(self, end: Position) -> EndArrays:
         """The clamp, and a tip that is a point beside the axis."""
-        return polynomial_ends(self.clamp.table[..., :6], self.tip[:3])
+        clamp = np.array([-1.0, 1.0]), np.zeros((2, 3)), np.zeros((2, 3)), np.zeros((2, 2))
+        rows = np.tile(np.concatenate([[0.0], self.tip[:3], self.tip[:3]]), (2, 1))
+        table = writable(self.clamp.table[..., :6])
+        return EndArrays(True, *clamp, table, rows, np.zeros_like(rows), np.zeros(2))
 
     def begin(self) -> tuple[Array, Array]:
         """Where the clamp puts the axis without moment."""
@@ -197,7 +199,7 @@ class SpaceRod:
         outside, reach = path.nodes.found.outside, self.section.reach
         if outside <= ROUNDING * reach:
             return ""
-        moments = in_frame(path.nodes.frames, path.nodes.moment)[:, 1:]
+        moments = path.nodes.acting[0][:, 1:]
         largest = float(np.linalg.norm(moments, axis=1).max())
         return (
             f"The bending moment reaches {largest:.4g} N mm. The law is known up to curvatures that are "

@@ -9,7 +9,6 @@ import numpy as np
 from geometry.arrays import Array
 from rod.along import Position
 from rod.arm.end_kernels import EndArrays
-from rod.arm.ends import copied
 from rod.arm.section_kernels import COLUMNS, TABULATED, SectionArrays
 from rod.arm.sections import RIGID
 from rod.arm_law.curves import ClampCurve, TipCurve, TipState
@@ -157,12 +156,17 @@ def end_arrays(clamp: ClampCurve, tip: TipState) -> EndArrays:
     lateral = clamp.lateral_compliance if clamp.lateral_compliance.size else np.zeros((2, 2))
     return EndArrays(
         False,
-        copied(clamp.moment),
-        copied(np.column_stack([clamp.rotation, clamp.offset])),
-        copied(np.column_stack([clamp.rotation_by_moment, clamp.offset_by_moment])),
-        copied(lateral),
+        writable(clamp.moment),
+        writable(np.column_stack([clamp.rotation, clamp.offset])),
+        writable(np.column_stack([clamp.rotation_by_moment, clamp.offset_by_moment])),
+        writable(lateral),
         np.zeros((1, 1, 6)),
-        copied(values),
-        copied(slopes),
-        copied(tip.by_pull[-1]),
+        writable(values),
+        writable(slopes),
+        writable(tip.by_pull[-1]),
     )
+
+
+def writable(values: Array) -> Array:
+    """A copy that may be written, row by row in memory; for other arrays numba would compile the solver again."""
+    return np.array(values, order="C", dtype=float)

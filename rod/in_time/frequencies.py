@@ -6,10 +6,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from geometry.arrays import Array
-from rod.arm.chain import planar_frames
 from rod.arm.nodes import StateArrays, Tangent
 from rod.arm.small_motions import tangent_of
 from rod.arm.solver import Solver
+from rod.frames import planar_frames
 from rod.in_time.body import Body
 from rod.in_time.equilibrium import equilibrium
 from rod.in_time.relaxation import Relaxation

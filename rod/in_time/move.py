@@ -10,10 +10,10 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 
 from geometry.arrays import Array
-from rod.arm.chain import planar_frames, turn_of
 from rod.arm.solver import Solver
 from rod.checked import positive
 from rod.errors import LoadError, RodError
+from rod.frames import planar_frames, turn_of
 from rod.in_time.air import Air, over_time
 from rod.in_time.body import Body, arrays_of
 from rod.in_time.equilibrium import elastic_forces, equilibrium

@@ -11,12 +11,13 @@ from typing import NamedTuple
 import numpy as np
 
 from geometry.arrays import Array
-from rod.arm.chain import NO_SIDE, rotation, solve_chain, turn_of
+from rod.arm.chain import solve_chain
 from rod.arm.end_kernels import EndArrays
 from rod.arm.newton import Inertia
 from rod.arm.nodes import FORCES, ArmArrays, StateArrays
 from rod.arm.section_kernels import SectionArrays
 from rod.arm.solver import Solver
+from rod.frames import rotation, turn_of
 from rod.in_time.relaxation import Creep, Relaxation
 
 #: part of a motion that no step resolves which is left after a step
@@ -124,7 +125,7 @@ class Stepper:
         for guess in (since, self.has_mass * since):  # without mass a node may have moved to where it does not stay
             state = self._moved(now.state, guess * (v + 0.5 * WITHIN * dt * a))
             arm = ArmArrays(section, joined.ends, solver.chain)
-            found = solve_chain(arm, solver.load, state, 1.0, solver.room, ITERATIONS, NO_SIDE, inertia)
+            found = solve_chain(arm, solver.load, state, 1.0, solver.room, ITERATIONS, np.empty(0), inertia)
             if found.converged:
                 break
         else:

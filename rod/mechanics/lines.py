@@ -8,14 +8,14 @@ import numpy as np
 
 from geometry.arrays import Array, read_only
 from rod.along import LineLoad, Position, are_heights, reactions_of, resultant
-from rod.arm.chain import halved, planar_frames, positions_between
+from rod.arm.chain import halved, positions_between
 from rod.arm.end_kernels import EndArrays
-from rod.arm.ends import rigid_ends
-from rod.arm.path import NOT_SOLVED, Path, Way, follow, positions_under
+from rod.arm.path import Path, Way, follow, positions_under
 from rod.arm.response import SolvedPath
 from rod.arm.sections import LinesSection
 from rod.arm.solver import Solver
 from rod.errors import LoadError, RodError
+from rod.frames import planar_frames
 from rod.law import TwoSlopes
 from rod.load import Load
 from rod.solution import RodSolution, SpatialSolution
@@ -143,7 +143,7 @@ class LinesRod:
         model = _Model(self, section)
         s = positions_between([0.0, self.length], self.length / (8 * ELEMENTS))
         solver = Solver(model, s, Load(along=self.own), in_space=False)
-        nodes = solver.nodes(solver.rest(), NOT_SOLVED)
+        nodes = solver.nodes(solver.rest())
         return section.with_own_moment(nodes.s, nodes.moment[:, 2])
 
 
@@ -168,7 +168,8 @@ class _Model:
 
     def ends(self, end: Position) -> EndArrays:
         """A clamp that does not give way."""
-        return rigid_ends(self.rod.theta0)
+        clamp = np.array([-1.0, 1.0]), np.tile([self.rod.theta0, 0.0, 0.0], (2, 1)), np.zeros((2, 3)), np.zeros((2, 2))
+        return EndArrays(False, *clamp, np.zeros((1, 1, 6)), np.zeros((2, 7)), np.zeros((2, 7)), np.zeros(2))
 
     def begin(self) -> tuple[Array, Array]:
         """The clamp."""

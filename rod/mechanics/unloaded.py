@@ -5,8 +5,8 @@ from collections.abc import Mapping
 import numpy as np
 
 from geometry.arrays import Array
-from rod.arm.chain import cross_matrix, in_frame, rotation
 from rod.arm_law.space_rod import PolynomialSection
+from rod.frames import cross_matrix, in_frame, rotation
 
 #: fixed-point iterations for the curvature in the middle of an element
 ITERATIONS = 8

@@ -15,8 +15,8 @@ from scipy.optimize import brentq
 from scipy.special import ellipe, ellipk
 
 from rod import FiveParameters, Load, Rod, RodError, RodSolution, RodWarning, SpatialSolution
-from rod.arm.chain import rotation
 from rod.arm_law import law_rod
+from rod.frames import rotation
 from rod.inverse import Branch
 from rod.weight import WEIGHT_OF_GRAM, Mass
 from tests.hard_cases.rods import COLUMN, EI, EULER, GREENHILL, LATERAL, LENGTH, arch, standing

@@ -14,11 +14,11 @@ from geometry.arrays import Array
 from pipeline.results import laws
 from pipeline.results.laws import law_of_record, law_record
 from rod import Rod, RodError, Support
-from rod.arm.chain import rotation
 from rod.arm_law import kinds, space_rod
 from rod.arm_law.kinds import along
 from rod.arm_law.polynomial import Basis, Polynomial, exponents_up_to
 from rod.arm_law.space_law import SpaceLaw
+from rod.frames import rotation
 from rod.load import Load
 from rod.same_pressure import Pressures, pressures_of
 from rod.weight import Mass

@@ -10,11 +10,11 @@ import pytest
 from geometry.arrays import Array
 from rod import Load, Rod, RodError, RodSolution, SpatialSolution, Support
 from rod.along import triple
-from rod.arm.chain import rotation
 from rod.arm_law.curves import CellCurve, ClampCurve, TipCurve
 from rod.arm_law.law import ArmLaw
 from rod.arm_law.law_rod import LawRod
 from rod.arm_law.tabulated import TabulatedSection
+from rod.frames import rotation
 from rod.mechanics.unloaded import arc_compliance
 from rod.weight import Mass
 from tests.quotients import SOLVED, quotient
