@@ -5,8 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from pipeline.show.pictures import boundary
-from pipeline.values.formats import SURFACES
+from pipeline.show.pictures import SURFACES, boundary
 
 EDGES = [(0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3)]
 

@@ -121,6 +121,13 @@ class Material(ABC):
         """The bar at stretches (n,), above 0, in closed form, with the law's own Poisson ratio or kappa."""
 
     @abstractmethod
+    def incompressible(self, stretch: Array, across: Array | None = None) -> Array:
+        """Nominal stress (n,) along the first axis of the incompressible body at stretches (n,), MPa.
+
+        The second principal stretch is `across` (n,), the third side being free; None for a bar with free sides.
+        """
+
+    @abstractmethod
     def shear(self, strain: Array) -> Response:
         """Response of the shear part to strain (..., 6)."""
 
@@ -193,6 +200,9 @@ class TwoModuli(LinearLaw):
     def from_uniaxial(cls, constants: Mapping[str, float | tuple[float, ...]], nu: float) -> Self:
         law: Callable[..., Self] = cls
         return law(**constants, nu=nu)
+
+    def incompressible(self, stretch: Array, across: Array | None = None) -> Array:
+        return np.asarray(self.E * self.uniaxial_terms(stretch, across)["E"])
 
     @property
     def lame(self) -> tuple[float, float]:

@@ -30,13 +30,6 @@ class RubberLaw(Material):
     def isochoric(self, c: CauchyGreen) -> Response:
         """psi and its first two derivatives by the strain; the tangent is contiguous and belongs to the caller."""
 
-    @abstractmethod
-    def incompressible(self, stretch: Array, across: Array | None = None) -> Array:
-        """Nominal stress (n,) along the first axis of the incompressible body at stretches (n,), MPa.
-
-        The second principal stretch is `across` (n,), the third side being free; None for a bar with free sides.
-        """
-
     @final
     @classmethod
     def from_uniaxial(cls, constants: Mapping[str, float | tuple[float, ...]], nu: float) -> Self:

@@ -11,11 +11,9 @@ from typing import TYPE_CHECKING
 
 import pandas as pd
 
+from pipeline.answers.rods import choice, export, pressures
 from pipeline.answers.rods.budget import budget_of
-from pipeline.answers.rods.choice import check_kind, choose_rod, nothing_identified
-from pipeline.answers.rods.export import ExportOptions, exported_run
 from pipeline.answers.rods.in_time import in_time
-from pipeline.answers.rods.pressures import Wish, pressures_for
 from pipeline.answers.rods.ratio import run_along
 from pipeline.answers.rods.rods import Rods
 from pipeline.api import frames
@@ -204,7 +202,7 @@ class Results:
         same. Raises InputError outside its pressures, where the run has no such rod, and for an arm that leaves its
         plane.
         """
-        check_kind(kind, "kind")
+        choice.check_kind(kind, "kind")
         pressure = option_pressures("pressure_kPa", pressure_kPa)
         chosen = self._chosen(kind).wanted(after_snap=given_choice(after_snap, "after_snap"))
         rod = ask("", chosen.at, pressure)
@@ -231,12 +229,12 @@ class Results:
         direction, tip_mass: as in `Rod.solve`. kind: as in `rod`. Raises InputError for what is out of reach, with the
         nearest that is not, and for a law of several pressures (`along`).
         """
-        check_kind(kind, "kind")
-        wish = Wish.read(
+        choice.check_kind(kind, "kind")
+        wish = pressures.Wish.read(
             tip, angle, force, at_height, ask("", partial(Loading, direction=direction, tip_mass=tip_mass))
         )
         rods = self._chosen(kind)
-        return frames.pressures_frame(pressures_for(rods, wish), tuple(rods.law.fractions))
+        return frames.pressures_frame(pressures.pressures_for(rods, wish), tuple(rods.law.fractions))
 
     def export(self, to: str, out: Path | str | None = None, *, force: bool = False) -> tuple[Path, ...]:
         """Write the rod for another program, as `pneurod export` does: the files that were written.
@@ -246,8 +244,8 @@ class Results:
         and files that exist.
         """
         folder = None if out is None else given_path(out, "out", "results/arm")
-        options = ExportOptions(out=folder, force=given_choice(force, "force"))
-        return exported_run(self.run, to, options).files
+        options = export.ExportOptions(out=folder, force=given_choice(force, "force"))
+        return export.exported_run(self.run, to, options).files
 
     @cached_property
     def frequencies(self) -> pd.DataFrame:
@@ -288,12 +286,12 @@ class Results:
 
     def _chosen(self, kind: str | None) -> Rods:
         if kind not in self._rods:
-            self._rods[kind] = choose_rod(self.run, kind)
+            self._rods[kind] = choice.choose_rod(self.run, kind)
         return self._rods[kind]
 
     def _row(self, pressure_kPa: float | str) -> "pd.Series":
         if not self.pressures_kPa:
-            raise nothing_identified(self.run)
+            raise choice.nothing_identified(self.run)
         pressure = option_value("pressure_kPa", pressure_kPa, PRESSURE)
         known = known_at(self.pressures_kPa, pressure)
         if known is None:

@@ -47,9 +47,9 @@ class RodShape(Told):
     @property
     def lines(self) -> list[str]:
         """Position, angle and force of the end, and the moment at the clamp."""
-        from pipeline.answers.rods.end_loads import end_lines
+        from pipeline.answers.rods import end_loads
 
-        return end_lines(self.rod, self.shape, self.errors)
+        return end_loads.end_lines(self.rod, self.shape, self.errors)
 
 
 @command("rod")
@@ -244,8 +244,8 @@ def export(
 
     Raises `pneurod.InputError` for another format, a rod that it cannot take, and files that exist.
     """
-    from pipeline.answers.rods.export import ExportOptions, exported
+    from pipeline.answers.rods import export as exports
 
     target = None if out is None else given_path(out, "out", "results/arm")
-    options = ExportOptions(pressure, rod, target, given_choice(force, "force"), ratio)
-    return exported(given_path(folder, "folder", "results/arm"), to, options)
+    options = exports.ExportOptions(pressure, rod, target, given_choice(force, "force"), ratio)
+    return exports.exported(given_path(folder, "folder", "results/arm"), to, options)

@@ -30,27 +30,21 @@ def show_solutions(found: "Solutions", as_json: bool = False) -> None:
 
 def show_budget(found: "Budget", folder: Path, out: Path | None) -> None:
     """Print by how much each tolerance moves the arm."""
-    from pipeline.answers.rods.budget import budget_table
-
-    print_lines(budget_table(found), f"picture: {out or folder / 'budget.html'}")
+    print_lines(found.table, f"picture: {out or folder / 'budget.html'}")
 
 
 def show_comparison(found: "Comparison", results: Path, measured: Path, out: Path | None = None) -> None:
     """Print each measured number beside that of the rod, and draw both."""
-    from pipeline.answers.measured.page import comparison_page, comparison_table
-
     picture = out or results / f"compared_{measured.stem}.html"
-    write_new(picture, comparison_page(found.design, found.rows, found.curves))
-    print_lines(comparison_table(found.rows))
+    write_new(picture, found.page)
+    print_lines(found.table)
     print_sentences(*found.lines)
     print_lines(f"picture: {picture}")
 
 
 def show_calibration(report: "CalibrationReport") -> None:
     """Print each unknown, and the verdict of the calibrated arm."""
-    from pipeline.answers.measured.calibrate import estimates_table
-
-    print_lines(estimates_table(report.found))
+    print_lines(report.table)
     print_sentences(*report.lines, *report.verdict.lines)
     print_lines(f"written: {report.directory / 'calibration.json'}, law.json, predictions.csv, run.json")
 

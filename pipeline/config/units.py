@@ -7,7 +7,7 @@ from functools import cache
 from typing import TYPE_CHECKING, Any
 
 from geometry.units import NUMBER_AND_UNIT, USUAL
-from pipeline.values.errors import LONGEST, quoted
+from pipeline.values.errors import quoted, shortened
 
 if TYPE_CHECKING:
     import pint
@@ -98,7 +98,7 @@ def _factor(unit: str, dimension: Dimension) -> float:
     usual = USUAL.get(dimension.unit, {})
     if unit in usual:
         return usual[unit]
-    if not _UNIT.fullmatch(unit) or len(unit) > LONGEST:
+    if not _UNIT.fullmatch(unit) or shortened(unit) != unit:
         raise ValueError
     try:
         return float(_registry().Quantity(1.0, _registry().parse_units(unit)).to(dimension.unit).magnitude)

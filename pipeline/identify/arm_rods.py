@@ -8,16 +8,8 @@ from pipeline.values.formats import ARM_LAW, FIVE
 from pipeline.values.parameters import RodParameters
 from rod import ArmLaw, Rod, RodError
 
-
-@dataclass(frozen=True)
-class NoSolution:
-    """A rod that has no equilibrium under a load, or cannot be compared."""
-
-    reason: str  #: a sentence
-
-
-#: the rods of one pressure by their names
-Rods = Mapping[str, Rod | NoSolution]
+#: the rods of one pressure by their names; why there is none
+Rods = Mapping[str, Rod | RodError]
 
 
 @dataclass(frozen=True)
@@ -45,10 +37,10 @@ class ArmRods:
 
     def at(self, pressure: float) -> Rods:
         """The rods at a pressure in kPa, between identified ones by cubics; a reason for each that is none."""
-        rods: dict[str, Rod | NoSolution] = {}
+        rods: dict[str, Rod | RodError] = {}
         for name, rod_at in self._sources.items():
             try:
                 rods[name] = rod_at(pressure)
             except RodError as failure:
-                rods[name] = NoSolution(str(failure))
+                rods[name] = failure
         return rods

@@ -2,12 +2,13 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from geometry import Centreline
 from geometry.arrays import Array
-from pipeline.identify.arm_rods import ArmRods, NoSolution, Rods
+from pipeline.identify.arm_rods import ArmRods, Rods
 from pipeline.simulate.outcome import Outcomes, Record
 from pipeline.values.formats import CURVE_COLUMNS, CURVE_PREFIXES
 from pipeline.values.run import Curve
@@ -21,7 +22,7 @@ class RodUnderLoad:
     """A rod under the load of a state, or why there is none."""
 
     rod: str  #: one of the names in `pipeline.identify.arm_rods`
-    solution: RodSolution | NoSolution
+    solution: RodSolution | RodError
     is_fitted: bool = False  #: whether the five parameters are its own
     warning: str = ""  #: a sentence where the moment leaves the range of the identification
 
@@ -39,7 +40,7 @@ class Comparison:
     def shape(self, name: str) -> RodSolution | None:
         """The rod of this name; None where it was not compared or has no equilibrium."""
         solutions = (rod.solution for rod in self.rods if rod.rod == name)
-        return next((solution for solution in solutions if isinstance(solution, RodSolution)), None)
+        return next((solution for solution in solutions if not isinstance(solution, RodError)), None)
 
     @property
     def errors(self) -> tuple[ErrorOfRod, ...]:
@@ -47,19 +48,18 @@ class Comparison:
         return tuple(self._error(rod) for rod in self.rods)
 
     def _error(self, rod: RodUnderLoad) -> ErrorOfRod:
-        lost = rod.solution if isinstance(rod.solution, NoSolution) else None
+        found = rod.solution
         return ErrorOfRod(
             experiment=self.record.experiment,
             pressure_kPa=self.record.pressure_kPa,
             load=self.load,
             rod=rod.rod,
             sample="in" if self.in_sample and rod.is_fitted else "out",
-            reason=lost.reason if lost else "",
             warning=rod.warning,
-            **({} if isinstance(rod.solution, NoSolution) else self._errors(rod.solution)),
+            **({"reason": str(found)} if isinstance(found, RodError) else self._errors(found)),
         )
 
-    def _errors(self, shape: RodSolution) -> dict[str, float]:
+    def _errors(self, shape: RodSolution) -> dict[str, Any]:
         curve = self.record.centreline
         errors = {**_shape_errors(curve, shape), **_curvature_errors(curve, shape, self.pitch)}
         return errors | _force_errors(self.record, shape)
@@ -139,22 +139,23 @@ def compare_rods(rods: Rods, record: Record, pitch: float, load: str = "", *, in
     return Comparison(record, load, in_sample, loaded, pitch)
 
 
-def _under_load(name: str, rod: Rod | NoSolution, record: Record) -> RodUnderLoad:
-    if isinstance(rod, NoSolution):
+def _under_load(name: str, rod: Rod | RodError, record: Record) -> RodUnderLoad:
+    if isinstance(rod, RodError):
         return RodUnderLoad(name, rod)
-    solution = _solution(rod, record)
-    if rod.has_own_law:  # nothing was fitted to the arm's own law
-        return RodUnderLoad(name, solution)
-    warning = ""
-    if rod.moment_range is not None and isinstance(solution, RodSolution):
-        warning = rod.moment_range.warning(solution)
-    return RodUnderLoad(name, solution, True, warning)
+    is_fitted = not rod.has_own_law  # nothing was fitted to the arm's own law
+    try:
+        solution = _solution(rod, record)
+    except RodError as failure:
+        return RodUnderLoad(name, failure, is_fitted)
+    warning = "" if rod.moment_range is None else rod.moment_range.warning(solution)
+    return RodUnderLoad(name, solution, is_fitted, warning)
 
 
-def _solution(rod: Rod, record: Record) -> RodSolution | NoSolution:
+def _solution(rod: Rod, record: Record) -> RodSolution:
+    """The rod under what acts on a state. Raises `RodError`."""
     length, identified = record.centreline.length, rod.length
     if abs(length - identified) > 1e-6 * identified:
-        return NoSolution(f"The numbers are those of an arm of {identified:g} mm, the shape is one of {length:g} mm.")
+        raise RodError(f"The numbers are those of an arm of {identified:g} mm, the shape is one of {length:g} mm.")
     load = Load()
     if record.experiment in ("III", "dead"):  # of the weight the rod itself knows
         load = Load(record.load.force, 0.0 if rod.has_own_law else record.load.couple)
@@ -162,7 +163,7 @@ def _solution(rod: Rod, record: Record) -> RodSolution | NoSolution:
     try:
         return rod.under(load, end_y, end_x)
     except RodError as failure:
-        return NoSolution(_beyond_law(rod, record) or str(failure))
+        raise RodError(_beyond_law(rod, record) or str(failure)) from None
 
 
 def _beyond_law(rod: Rod, record: Record) -> str:

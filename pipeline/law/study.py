@@ -63,8 +63,8 @@ class LawReport(Told, Generic[Measured]):
 
     def raise_if_failed(self) -> None:
         """Raise RunFailed where a pressure was not reached."""
-        if isinstance(self.measured, MeasuredLaw) and self.measured.failures:
-            known = f"the law goes up to {self.measured.law.pressures[-1]:g} kPa"
+        if self.measured.failures:
+            known = f"the law goes up to {max(map(max, self.measured.law.rows)):g} kPa"
             sentence = f"{render_all(self.measured.failures)}; {known}; what was reached is in {self.directory}"
             raise RunFailed(sentence, directory=self.directory)
 

@@ -18,7 +18,7 @@ from pipeline.store.result_folder import ResultFolder, json_text
 from pipeline.values.errors import InputError, argument, quoted
 from pipeline.values.formats import CURVE_COLUMNS, FORMAT
 from pipeline.values.json_values import JsonObject
-from pipeline.values.law import BesideLaw, DeliveredLaw, is_law
+from pipeline.values.law import BesideLaw, DeliveredLaw
 from pipeline.values.parameters import RodParameters
 from pipeline.values.record import RunRecord
 from pipeline.values.run import Curve, Effect, RodError, Run, State
@@ -96,7 +96,7 @@ def read_run(path: Path) -> Run:
 
 def _read_rod(file: Path) -> Run:
     content, beside = _content(file), file.with_name("run.json")
-    if is_law(content):
+    if _is_law(content):
         return Run(file.parent, law=_law(file, content))
     if not isinstance(content, Mapping) or "pressures_kPa" not in content:
         raise InputError(f"{file}: has no rod; give the folder of a run, its parameters.json or its law.json")
@@ -194,7 +194,7 @@ def _parameters(path: Path, content: Any) -> RodParameters:
 
 
 def _law(path: Path, content: Any) -> DeliveredLaw:
-    if not is_law(content):
+    if not _is_law(content):
         missing = "cannot be read (No such file or directory)"
         raise InputError(f"{path}: {missing if content is None else 'is not the law of an arm'}; give that of a run")
     try:
@@ -241,3 +241,8 @@ def _unreadable(path: Path, failure: Exception) -> InputError:
 
 if __name__ == "__main__":
     sys.stdout.write(json_text(json_schema()))
+
+
+def _is_law(content: Any) -> bool:
+    """Whether the content of a file is the law of an arm rather than the parameters of a rod."""
+    return isinstance(content, Mapping) and "kind" in content

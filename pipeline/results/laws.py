@@ -48,15 +48,15 @@ class _Rays:
 
 def law_record(law: Saved) -> JsonObject:
     """The contents of law.json but for how the law was measured."""
-    if isinstance(law, PairLaw):
-        rays: list[JsonObject] = []
-        for direction, of_ray in zip(law.directions, law.laws, strict=True):
-            fractions = fractions_of(direction)
-            rays.append({"direction": direction, "fractions": fractions, "law": _plane_record(of_ray)})
-        record: JsonObject = {"cavities": law.cavities, "error_between": law.error_between, "rays": rays}
-    else:
-        record = _plane_record(law) if isinstance(law, ArmLaw) else record_of(law)
-    return {"format": FORMAT, "kind": law.kind, **record}
+    records: dict[str, Callable[[Any], JsonObject]] = {ArmLaw.kind: _plane_record, PairLaw.kind: _record_of_pairs}
+    return {"format": FORMAT, "kind": law.kind, **records.get(law.kind, record_of)(law)}
+
+
+def _record_of_pairs(law: PairLaw) -> JsonObject:
+    rays: list[JsonObject] = []
+    for direction, of_ray in zip(law.directions, law.laws, strict=True):
+        rays.append({"direction": direction, "fractions": fractions_of(direction), "law": _plane_record(of_ray)})
+    return {"cavities": law.cavities, "error_between": law.error_between, "rays": rays}
 
 
 def _plane_record(law: ArmLaw) -> JsonObject:
@@ -129,19 +129,26 @@ def _plain(value: Any) -> Any:
 
 def law_of_record(record: ReadObject) -> Saved:
     """The law that `law_record` wrote. Raises ValueError, with the key, for anything else."""
-    kinds: dict[Any, type[Any]] = {law.kind: law for law in get_args(Saved)} | {PairLaw.kind: _Rays}
+    kinds: dict[Any, type[Any]] = {law.kind: law for law in get_args(Saved)}
     if record.get("format") not in READ or record.get("kind") not in kinds:
         raise ValueError(f"it is no law of an arm in format {FORMAT}")
-    law: Saved | _Rays = value_of(kinds[record["kind"]], record)
-    if isinstance(law, _Rays):
-        directions, laws = (tuple(getattr(ray, name) for ray in law.rays) for name in ("direction", "law"))
-        law = PairLaw(law.cavities, directions, laws, law.error_between)
-    for plane in law.laws if isinstance(law, PairLaw) else (law,) if isinstance(law, ArmLaw) else ():
-        _check_positive(plane)
-    return law
+    readers: dict[str, Callable[[ReadObject], Saved]] = {ArmLaw.kind: _read_plane, PairLaw.kind: _read_pairs}
+    found = kinds[record["kind"]]
+    return readers.get(found.kind, lambda one: value_of(found, one))(record)
 
 
-def _check_positive(law: ArmLaw) -> None:
+def _read_plane(record: ReadObject) -> ArmLaw:
+    return _checked(value_of(ArmLaw, record))
+
+
+def _read_pairs(record: ReadObject) -> PairLaw:
+    found = value_of(_Rays, record)
+    laws = tuple(_checked(ray.law) for ray in found.rays)
+    return PairLaw(found.cavities, tuple(ray.direction for ray in found.rays), laws, found.error_between)
+
+
+def _checked(law: ArmLaw) -> ArmLaw:
+    """The law. Raises ValueError, with the key, for a length or a rigidity that is not positive."""
     found = {"pitch_mm": law.pitch, "first_middle_mm": law.first_middle, "length_mm": law.length}
     for k, cell in enumerate(law.cells):
         found[f"curves.{k}.axial_rigidity_N"] = cell.axial_rigidity.min()
@@ -152,6 +159,7 @@ def _check_positive(law: ArmLaw) -> None:
     for key, value in found.items():
         if value <= 0.0:
             raise ValueError(f"{key}: must be positive, and has {value:g}")
+    return law
 
 
 def value_of(kind: type[Value], record: Any) -> Value:

@@ -30,7 +30,7 @@ from pipeline.results.unloaded import limit_of, named_states, weight_not_borne
 from pipeline.values.formats import ARM_LAW, FIVE
 from pipeline.values.formatting import number, round_down
 from pipeline.values.json_values import JsonObject
-from pipeline.values.reasons import NO_PARAMETERS, report_reason, shorten
+from pipeline.values.reasons import NO_PARAMETERS, report_reason
 from pipeline.values.record import Reported
 from pipeline.values.run import Run
 
@@ -58,6 +58,8 @@ OF_FIVE = frozenset(
     {"rigidity_open", "one_rigidity_poor", "one_line_or_two", "long_cells", "unequal_cells", "few_pressures"}
     | {"few_reached", *NO_PARAMETERS}
 )
+#: codes that name the limit at which an experiment ended
+NAMES_A_LIMIT = ("has_limit", "end_of_II", "followed_near_end_of_II")
 
 
 @dataclass(frozen=True)
@@ -164,7 +166,7 @@ class Verdict(Told):
         if not failures:
             return []
         more = f" ({len(failures) - 1} more in the report)" if len(failures) > 1 else ""
-        return [f"Not reached: {shorten(failures[0])}{more}"]
+        return [f"Not reached: {_shorten(failures[0])}{more}"]
 
     def record(self) -> JsonObject:
         """The verdict as `pneurod run --json` writes it."""
@@ -312,3 +314,13 @@ def _warnings(run: Run, rod: str, both: RodAndMesh | None, refusal: Reported | N
     ranked = sorted(shown, key=lambda remark: RANKS.index(remark.code) if remark.code in RANKS else len(RANKS))
     known = [remark for remark in ranked if remark.code in RANKS]
     return tuple([*known, *map(report_reason, of_rod), *ranked[len(known) :]][:MOST_WARNINGS])
+
+
+def _shorten(failure: Reported) -> str:
+    """The sentence of a failure with what names a limit alone, or else with the first of its reasons."""
+    why = failure.values.get("why")
+    if not isinstance(why, list):
+        return failure.text
+    reasons = [Reason(**row) for row in why]
+    named = [reason for reason in reasons if reason.code in NAMES_A_LIMIT] or reasons[:1]
+    return report_reason(Reason(failure.code, {**failure.values, "why": named}, failure.where)).text

@@ -11,8 +11,8 @@ import numpy as np
 
 from geometry.arrays import Array, Index, Mask
 from pipeline.results.drawing import read_tetrahedra
-from pipeline.show.pictures import boundary
-from pipeline.values.formats import BODY, SURFACES
+from pipeline.show.pictures import SURFACES, boundary
+from pipeline.values.formats import BODY
 from pipeline.values.json_values import JsonObject
 from pipeline.values.law import DeliveredLaw
 from pipeline.values.run import Run

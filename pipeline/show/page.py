@@ -4,7 +4,7 @@ import base64
 import json
 from pathlib import Path
 
-from pipeline.answers.rods.budget import budget_panels, budget_table, budgets_of
+from pipeline.answers.rods.budget import budget_panels, budgets_of
 from pipeline.results.verdict import verdict_of
 from pipeline.show import figures, tables
 from pipeline.show.body_view import body_view
@@ -32,7 +32,7 @@ def render_page(run: Run) -> str:
         body=_picture(run, "body_open") or _picture(run, "body"),
         figures=figures.make_figures(run),
         tables=tables.make_tables(run),
-        budget=budget_table(budgets[-1]) if budgets else None,
+        budget=budgets[-1].table if budgets else None,
         budget_figure=figure(budget_panels(budgets)),
         view=view,
         ramp=[[int(colour[k : k + 2], 16) / 255 for k in (1, 3, 5)] for colour in _RAMP],

@@ -16,9 +16,10 @@ from pipeline.store.context import RunContext
 from pipeline.store.parallel import TaskContext
 from pipeline.store.state_key import PICTURE_SOURCES, result_key
 from pipeline.store.store import Store
-from pipeline.values.formats import SURFACES
 from pipeline.values.pressure import name_of_state
 
+#: the file with the surface of the body in every state
+SURFACES = "pictures/surfaces.npz"
 #: what the pictures were drawn with
 _DRAWN = "pictures/drawn.json"
 

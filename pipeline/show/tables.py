@@ -1,7 +1,7 @@
 """The tables of the report and of the terminal: five parameters, rods, loads, states, effects."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import fields
 from typing import Any
 
@@ -9,7 +9,7 @@ from fem.elements import ELEMENTS
 from pipeline.answers.rods.solid import young_modulus
 from pipeline.results.rod_errors import TITLES, mesh_errors, rod_errors
 from pipeline.results.verdict import IN_TIME
-from pipeline.values.formatting import decimals_beside, decimals_of, duration, interval, number, percent, with_spread
+from pipeline.values.formatting import DIGITS, duration, number, percent
 from pipeline.values.parameters import FiveColumns
 from pipeline.values.run import Run, State
 from pipeline.values.table import Table
@@ -24,6 +24,8 @@ NUMBERS = (
 )
 #: remark on a load whose moments five parameters were not identified with
 OUTSIDE = "beyond its moments"
+#: digits of a standard deviation
+MOST_DIGITS = 3
 
 
 def five_parameters(run: Run) -> Table:
@@ -175,3 +177,49 @@ def make_tables(run: Run) -> dict[str, Table]:
         "cost": cost(run),
         "in_time": in_time(run),
     }
+
+
+def fixed(value: float, decimals: int) -> str:
+    """A number with this many decimals, fewer than none round tens and hundreds; a negative number that is rounded to
+    zero has no sign."""
+    text = f"{value if decimals >= 0 else round(value, decimals):.{max(decimals, 0)}f}"
+    return text.removeprefix("-") if not text.strip("-0.") else text
+
+
+def decimals_of(values: Iterable[float | None], spreads: Iterable[float | None]) -> int:
+    """Decimals with which a quantity is written wherever it stands.
+
+    The smallest standard deviation decides: one digit of it is kept, two where it begins with 1 or 2. No value has more
+    than four digits. Without a standard deviation the largest value has four digits.
+    """
+    known = [abs(value) for value in values if value is not None and math.isfinite(value) and value]
+    allowed = DIGITS - 1 - math.floor(math.log10(max(known))) if known else 2
+    smallest = min((s for s in spreads if s is not None and math.isfinite(s) and s > 0.0), default=None)
+    if smallest is None:
+        return max(0, allowed)
+    exponent = math.floor(math.log10(smallest))
+    digits = 2 if smallest < 2.95 * 10.0**exponent else 1
+    return max(0, min(allowed, digits - 1 - exponent))
+
+
+def with_spread(value: float | None, spread: float | None, decimals: int) -> str:
+    """A number with its standard deviation; a deviation that would be rounded to zero is rounded up, and of a large one
+    three digits are written."""
+    if value is None or not math.isfinite(value):
+        return "-"
+    if spread is None or not math.isfinite(spread) or spread <= 0.0:
+        return fixed(value, decimals)
+    decimals = decimals_beside(spread, decimals)
+    return f"{fixed(value, decimals)} ± {fixed(max(spread, 10.0**-decimals), decimals)}"
+
+
+def decimals_beside(spread: float | None, decimals: int) -> int:
+    """Decimals of a number with this standard deviation, of which not more than MOST_DIGITS digits are written."""
+    if spread is None or not math.isfinite(spread) or spread <= 10.0**-decimals:
+        return decimals
+    return min(decimals, MOST_DIGITS - 1 - math.floor(math.log10(spread)))
+
+
+def interval(bounds: Sequence[float] | None, decimals: int) -> str:
+    """The two ends of an interval; empty where there is none."""
+    return "" if bounds is None else f"{fixed(bounds[0], decimals)} … {fixed(bounds[1], decimals)}"

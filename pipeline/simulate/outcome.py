@@ -7,7 +7,6 @@ from math import inf
 import fem
 from geometry import Centreline, Reason, Values
 from geometry.arrays import Array, Index
-from pipeline.values.formats import NOT_CONVERGED
 from pipeline.values.reasons import render_all
 from pipeline.values.record import Indicator
 from pipeline.values.run import State
@@ -264,5 +263,5 @@ class Outcomes:
             states += [record.state for record in outcome.records]
             if failure := outcome.failure:
                 why = render_all(failure.reasons)
-                states.append(State(outcome.name, failure.pressure_kPa, status=NOT_CONVERGED, reason=why))
+                states.append(State(outcome.name, failure.pressure_kPa, status="not converged", reason=why))
         return tuple(states)

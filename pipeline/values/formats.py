@@ -1,7 +1,7 @@
 """The vocabulary of the result files: states of a row, rods, columns, and the version of the keys."""
 
-#: the `status` of a row of experiments.json: the pressure was reached, or it was not
-CONVERGED, NOT_CONVERGED = "converged", "not converged"
+#: the `status` of a row of experiments.json whose pressure was reached
+CONVERGED = "converged"
 #: the rods in rows of validation.json: five parameters, the law from one cell
 FIVE, ARM_LAW = "five", "arm_law"
 #: the rods in the tables of curves, in the order of their columns, and how the names of these begin
@@ -14,8 +14,6 @@ CURVE_COLUMNS = (
 )
 #: the tetrahedra of the body at rest
 BODY = "mesh.vtu"
-#: the file with the surface of the body in every state
-SURFACES = "pictures/surfaces.npz"
 #: the page of a run at pairs of pressures
 PAIRS_PAGE = "pairs.html"
 #: number of the present set of keys, written as `format` to the files

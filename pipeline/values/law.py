@@ -1,11 +1,9 @@
 """The arm's own law of a run, with its errors and the arm without a load."""
 
 import math
-from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 
@@ -129,8 +127,3 @@ def _bent(law: ArmLaw, pressure: float) -> tuple[float, float, float]:
     with suppress(RodError):
         angle = abs(rod.under(Load()).bending_deg)
     return pressure, angle, rod.section.kappa_0
-
-
-def is_law(content: Any) -> bool:
-    """Whether the content of a file is the law of an arm rather than the parameters of a rod."""
-    return isinstance(content, Mapping) and "kind" in content

@@ -181,8 +181,6 @@ TEMPLATES: Mapping[str, str] = {
     "offsets_bend": "under small loads the rod with five parameters is off, because its offsets m₀₁ and m₀₂ bend it "
     "under any load",
 }
-#: codes that name the limit at which an experiment ended
-NAMES_A_LIMIT = ("has_limit", "end_of_II", "followed_near_end_of_II")
 #: why there are no five parameters
 NO_PARAMETERS = ("too_short", "nodes_too_far_apart", "not_identified")
 
@@ -211,16 +209,6 @@ def report_reason(reason: Reason) -> Reported:
     """A reason with its sentence, as run.json has it."""
     text = render(reason)
     return Reported(reason.code, dict(reason.values), reason.where, f"{text[:1].upper()}{text[1:]}.")
-
-
-def shorten(failure: Reported) -> str:
-    """The sentence of a failure with what names a limit alone, or else with the first of its reasons."""
-    why = failure.values.get("why")
-    if not isinstance(why, list):
-        return failure.text
-    reasons = [Reason(**row) for row in why]
-    named = [reason for reason in reasons if reason.code in NAMES_A_LIMIT] or reasons[:1]
-    return report_reason(Reason(failure.code, {**failure.values, "why": named}, failure.where)).text
 
 
 class _Listed(list[Any]):

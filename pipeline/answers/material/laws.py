@@ -16,9 +16,7 @@ import numpy as np
 from scipy.optimize import LinearConstraint, least_squares, minimize
 
 from fem.materials import LAWS, LinearLaw, Material, MaterialError, NeoHooke, Ogden
-from fem.materials.material import TwoModuli
 from fem.materials.rubber import first_invariant
-from fem.materials.rubber_law import RubberLaw
 from geometry.arrays import Array, Mask
 from pipeline.answers.material.loading import TensileTest, scatter
 
@@ -122,9 +120,6 @@ class Form(ABC):
 
 def nominal(law: Material, stretch: Array, across: Array) -> Array:
     """Nominal stress (n,) in MPa of the incompressible body at stretches (n,) along and across, the third side free."""
-    if isinstance(law, TwoModuli):
-        return np.asarray(law.E * law.uniaxial_terms(stretch, across)["E"])
-    assert isinstance(law, RubberLaw)
     return law.incompressible(stretch, across)
 
 

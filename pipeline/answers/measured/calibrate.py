@@ -55,6 +55,18 @@ class CalibrationReport:
         """What was found, in words."""
         return (*self.found.notes, *self.found.undetermined, self.found.next_measurement.text)
 
+    @property
+    def table(self) -> Table:
+        """One row for each unknown."""
+        rows = tuple(
+            (one.name, one.unit, f"{one.drawn:.4g}", f"{one.mean:.4g}", f"{one.std:.2g}", one.source)
+            for one in self.found.estimates
+        )
+        spread = self.found.posterior.spread
+        scatter = ", ".join(f"{std:.2g} {unit}".removesuffix(" 1") for unit, std in spread.scatter.items())
+        caption = f"Scatter of the measurement {scatter}; error of the model {100 * spread.model:.2g} % of the modulus."
+        return Table(("unknown", "unit", "before", "mean", "std", "known before by"), rows, caption)
+
     def raise_if_failed(self) -> None:
         """Raise RunFailed where the fit is no calibration."""
         if self.found.missed:
@@ -105,15 +117,3 @@ def _remark(run: Run, found: Calibration) -> Reason:
     if before := budget_of(run):
         return Reason("calibrated", {**values, "before": 100.0 * before.total("tip")})
     return Reason("calibrated_alone", values)
-
-
-def estimates_table(found: Calibration) -> Table:
-    """One row for each unknown."""
-    rows = tuple(
-        (one.name, one.unit, f"{one.drawn:.4g}", f"{one.mean:.4g}", f"{one.std:.2g}", one.source)
-        for one in found.estimates
-    )
-    scatter = ", ".join(f"{std:.2g} {unit}".removesuffix(" 1") for unit, std in found.posterior.spread.scatter.items())
-    model = 100.0 * found.posterior.spread.model
-    caption = f"Scatter of the measurement {scatter}; error of the model {model:.2g} % of the modulus."
-    return Table(("unknown", "unit", "before", "mean", "std", "known before by"), rows, caption)

@@ -10,6 +10,7 @@ from geometry.arrays import Array
 from pipeline.answers.measured.aligned import aligned
 from pipeline.answers.measured.doubtful import check_numbers, doubt_of_origin
 from pipeline.answers.measured.fit import effects_on, off_range
+from pipeline.answers.measured.page import comparison_page
 from pipeline.answers.measured.predicted import AS_WRITTEN, Compared, Curves, LawRods, Numbers, Setup
 from pipeline.answers.measured.rows import Measurements
 from pipeline.answers.measured.saved import SavedCalibration, read_calibration
@@ -22,6 +23,7 @@ from pipeline.answers.rods.rods import Rods
 from pipeline.results.rod_errors import RodErrors, mesh_errors
 from pipeline.values.errors import InputError
 from pipeline.values.run import Run
+from pipeline.values.table import Table
 
 
 @dataclass(frozen=True)
@@ -32,9 +34,8 @@ class Comparison:
     design: str
     length_mm: float
     rows: tuple[Compared, ...]
-    shares: dict[
-        str, float
-    ]  #: root mean square of what each part allows over that of all: rod, mesh, tolerances, or calibration
+    #: root mean square of what each part allows over that of all: rod, mesh, tolerances, or calibration
+    shares: dict[str, float]
     is_calibrated: bool
     curves: Curves = field(repr=False)  #: of the rod
     unknown: tuple[str, ...] = ()  #: what is not known and so not counted, a sentence each
@@ -54,6 +55,27 @@ class Comparison:
     def largest(self) -> str:
         """Which part allows most; empty where nothing is known."""
         return max(self.shares, key=lambda name: self.shares[name], default="")
+
+    @property
+    def table(self) -> Table:
+        """One row for each number."""
+        return Table.of(
+            self.rows,
+            ("line", lambda row: str(row.line)),
+            ("pressure (kPa)", lambda row: f"{row.pressure_kPa:g}"),
+            ("load", lambda row: row.load),
+            ("quantity", lambda row: row.quantity),
+            ("measured", lambda row: f"{row.measured:.4g}"),
+            ("predicted", lambda row: f"{row.predicted:.4g}"),
+            ("difference", lambda row: f"{row.difference:.2g}"),
+            ("allowed", lambda row: f"{row.allowed:.2g}"),
+            ("", lambda row: "" if row.is_within else "outside"),
+        )
+
+    @property
+    def page(self) -> str:
+        """The arm and its rod in a picture, an HTML page."""
+        return comparison_page(self.design, self.rows, self.curves)
 
     @property
     def lines(self) -> tuple[str, ...]:

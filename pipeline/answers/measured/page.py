@@ -7,7 +7,6 @@ import numpy as np
 from pipeline.answers.measured.predicted import Compared, Curves
 from pipeline.values.page import Section, page
 from pipeline.values.plots import COLOURS, Line, Panel, ordered_colour
-from pipeline.values.table import Table
 
 #: titles of panels over the pressure
 TITLES = {
@@ -27,22 +26,6 @@ def comparison_page(design: str, rows: Sequence[Compared], curves: Curves) -> st
     title, over = f"{design}: measured and predicted", [name for name in TITLES if _of(rows, name)]
     numbers = Section(panels=[_over_pressure(rows, quantity) for quantity in over])
     return page(title, Section(panels=[_in_plane(rows, curves)]), numbers)
-
-
-def comparison_table(compared: Sequence[Compared]) -> Table:
-    """One row for each number."""
-    return Table.of(
-        compared,
-        ("line", lambda row: str(row.line)),
-        ("pressure (kPa)", lambda row: f"{row.pressure_kPa:g}"),
-        ("load", lambda row: row.load),
-        ("quantity", lambda row: row.quantity),
-        ("measured", lambda row: f"{row.measured:.4g}"),
-        ("predicted", lambda row: f"{row.predicted:.4g}"),
-        ("difference", lambda row: f"{row.difference:.2g}"),
-        ("allowed", lambda row: f"{row.allowed:.2g}"),
-        ("", lambda row: "" if row.is_within else "outside"),
-    )
 
 
 def _of(rows: Sequence[Compared], quantity: str) -> list[Compared]:

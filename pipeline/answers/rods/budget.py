@@ -83,6 +83,19 @@ class Budget:
         """The tolerance that does the most."""
         return max(self.rows, key=lambda row: row.size(number))
 
+    @property
+    def table(self) -> Table:
+        """One row per tolerance, and their total."""
+        shown = self.numbers
+        rows = [(row.parameter, row.tolerance, *(_cell(row.changes[name]) for name in shown)) for row in self.rows]
+        rows.append(("all", "", *(_cell(self.total(name)) for name in shown)))
+        some = "Tolerances" if all(row.is_default for row in self.rows) else "Tolerances that are not given"
+        caption = (
+            f"Changes in % at {self.pressure_kPa:g} kPa by each tolerance, to first order; all: root of the sum of "
+            f"squares. {some} are those {DEFAULTS[self.process]}."
+        )
+        return Table(("tolerance of", "±", *(f"{title} (%)" for title in shown.values())), tuple(rows), caption)
+
 
 def budget_of(run: Run, pressure_kPa: float | None = None, tolerances: Tolerances | None = None) -> Budget | None:
     """The budget of a run at a pressure, the highest one of its law unless it is given; None without derivatives.
@@ -175,19 +188,6 @@ def _changes(names: Sequence[str], change: Array, value: Array, length: float) -
     with np.errstate(divide="ignore", invalid="ignore"):
         relative = [math.hypot(*change[:2]) / length, *np.abs(change[2:] / value[2:]).tolist()]
     return dict.fromkeys(NUMBERS, math.nan) | dict(zip(names, relative, strict=True))
-
-
-def budget_table(budget: Budget) -> Table:
-    """One row per tolerance, and their total."""
-    shown = budget.numbers
-    rows = [(row.parameter, row.tolerance, *(_cell(row.changes[name]) for name in shown)) for row in budget.rows]
-    rows.append(("all", "", *(_cell(budget.total(name)) for name in shown)))
-    some = "Tolerances" if all(row.is_default for row in budget.rows) else "Tolerances that are not given"
-    caption = (
-        f"Changes in % at {budget.pressure_kPa:g} kPa by each tolerance, to first order; all: root of the sum of "
-        f"squares. {some} are those {DEFAULTS[budget.process]}."
-    )
-    return Table(("tolerance of", "±", *(f"{title} (%)" for title in shown.values())), tuple(rows), caption)
 
 
 def _cell(value: float) -> str:

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from math import cos, hypot, pi, sin
-from typing import Any, final
+from typing import Any, ClassVar, final
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -63,6 +63,7 @@ class MeasuredInSpace:
     left: tuple[str, ...]  #: what could not be solved, a sentence each
     mesh_error: LawMeshError | None = None  #: None: there is no finer mesh
     changes: tuple[float, float] | None = None  #: relative, of curvature and rigidity on it, without sign
+    failures: ClassVar[tuple[()]] = ()  #: it raises where a pressure is not reached
 
 
 def measure_in_space(pieces: ArmPieces, rows: Sequence[Pressures], context: RunContext) -> MeasuredInSpace:

@@ -8,9 +8,8 @@ from json import dumps
 from pathlib import Path
 from typing import Annotated, Any
 
-from pipeline.config import load
+from pipeline.config import kinds, load
 from pipeline.config.document import Document, read_document
-from pipeline.config.kinds import Base, Count, CountFromZero, Name, above_zero, list_of, not_empty
 from pipeline.config.section import (
     Error,
     Field,
@@ -51,18 +50,18 @@ def _run(value: Any) -> Run:
 
 @section(frozen=True, kw_only=True)
 class _Hypercube(Section):
-    points: Annotated[Count, Kind("above 0", "60", test=above_zero)]
-    seed: CountFromZero = Field(examples=["1"])
-    axes: Annotated[dict[str, Written], not_empty("{geometry.wall: {from: 0.8 mm, to: 1.6 mm}}")]
+    points: Annotated[kinds.Count, Kind("above 0", "60", test=kinds.above_zero)]
+    seed: kinds.CountFromZero = Field(examples=["1"])
+    axes: Annotated[dict[str, Written], kinds.not_empty("{geometry.wall: {from: 0.8 mm, to: 1.6 mm}}")]
 
 
 @section(frozen=True)
 class _File(Section):
-    name: Name
-    base: Base
+    name: kinds.Name
+    base: kinds.Base
     run: Annotated[Run, Kind("", WHOLE, read=_run)] = (WHOLE,)
     set: dict[str, Written] = Field(default_factory=dict)
-    axes: Annotated[tuple[dict[str, Written], ...], list_of("", "[geometry.wall: [1 mm, 1.5 mm]]")] = ()
+    axes: Annotated[tuple[dict[str, Written], ...], kinds.list_of("", "[geometry.wall: [1 mm, 1.5 mm]]")] = ()
     latin_hypercube: _Hypercube | None = None
 
 

@@ -7,9 +7,9 @@ from typing import Annotated, Any
 import numpy as np
 
 from geometry import DesignError
+from pipeline.config import kinds
 from pipeline.config.config import Config
 from pipeline.config.document import Key, read_document
-from pipeline.config.kinds import Base, Count, Length, Name, in_unit, list_of, not_empty, one_of
 from pipeline.config.load import UNUSED, checked, for_command
 from pipeline.config.section import (
     Error,
@@ -40,7 +40,7 @@ class _Range(Section):
 
 
 def _optional(dimension: Dimension) -> tuple[Any, Any]:
-    kind = Kind("any", dimension.example, dimension.unit, in_unit(dimension))
+    kind = Kind("any", dimension.example, dimension.unit, kinds.in_unit(dimension))
     return Annotated[float | None, kind], Field(default=None)
 
 
@@ -50,7 +50,10 @@ _Wish = section_of(
         "at": (Any, Field(examples=["20 kPa"])),
         "within": (Any, Field(examples=["2 %"])),
         **{name: _optional(dimension) for name, dimension in QUANTITIES.items()},
-        "tip": (Annotated[list[Length] | None, list_of("x and y", "[30 mm, -40 mm]", count=2)], Field(default=None)),
+        "tip": (
+            Annotated[list[kinds.Length] | None, kinds.list_of("x and y", "[30 mm, -40 mm]", count=2)],
+            Field(default=None),
+        ),
         "at_height": _optional(LENGTH),
     },
 )
@@ -58,14 +61,14 @@ _Wish = section_of(
 
 @section(frozen=True)
 class _File(Section):
-    name: Name
-    base: Base
-    free: Annotated[dict[str, _Range], not_empty("{geometry.wall: {from: 0.8 mm, to: 1.6 mm}}")]
-    wishes: Annotated[list[_Wish], not_empty("[{angle: 90 deg, at: 20 kPa, within: 2 deg}]")]  # type: ignore[valid-type]
+    name: kinds.Name
+    base: kinds.Base
+    free: Annotated[dict[str, _Range], kinds.not_empty("{geometry.wall: {from: 0.8 mm, to: 1.6 mm}}")]
+    wishes: Annotated[list[_Wish], kinds.not_empty("[{angle: 90 deg, at: 20 kPa, within: 2 deg}]")]  # type: ignore[valid-type]
     limits: Limits = Limits()
-    minimize: Annotated[str, one_of(OBJECTIVES)] = ""
+    minimize: Annotated[str, kinds.one_of(OBJECTIVES)] = ""
     set: dict[str, Written] = Field(default_factory=dict)
-    starts: Count = 3
+    starts: kinds.Count = 3
 
 
 def read_wishes(path: Path) -> WishFile:

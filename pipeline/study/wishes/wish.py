@@ -11,9 +11,9 @@ from typing import Annotated, Any
 import numpy as np
 
 from geometry.arrays import Array, Mask
+from pipeline.config import kinds
 from pipeline.config.config import Config
 from pipeline.config.document import Document
-from pipeline.config.kinds import PositiveLength, above_zero, in_unit, number
 from pipeline.config.section import Field, Kind, Section, read, section
 from pipeline.config.units import ANGLE, CURVATURE, FORCE, LENGTH, MASS, STIFFNESS, Dimension
 from pipeline.values.json_values import JsonObject, Written
@@ -84,8 +84,8 @@ class Wish:
         return f"{joined}{unit}" if unit == "°" else f"{joined} {unit}"
 
 
-_ABOVE_ONE = Kind("above 1", "1.4", "1", number, lambda value: value > 1.0)
-_MASS = Kind("above 0", MASS.example, "g", in_unit(MASS), above_zero)
+_ABOVE_ONE = Kind("above 1", "1.4", "1", kinds.number, lambda value: value > 1.0)
+_MASS = Kind("above 0", MASS.example, "g", kinds.in_unit(MASS), kinds.above_zero)
 
 
 @section(frozen=True)
@@ -94,7 +94,7 @@ class Limits(Section):
 
     largest_stretch: Annotated[float | None, _ABOVE_ONE] = None  #: of a cell without moment, at the highest pressure
     mass_g: Annotated[float | None, _MASS] = Field(default=None, alias="mass")
-    smallest_wall_mm: PositiveLength | None = None
+    smallest_wall_mm: kinds.PositiveLength | None = None
     bears: Annotated[float | None, _ABOVE_ONE] = None  #: times the highest pressure, which the cell must bear
 
 

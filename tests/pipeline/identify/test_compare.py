@@ -9,12 +9,13 @@ import pytest
 from fem import Seconds
 from geometry import Centreline
 from pipeline.answers.rods.choice import rod_of_path
-from pipeline.identify.arm_rods import NoSolution, Rods
+from pipeline.identify.arm_rods import Rods
 from pipeline.identify.compare import compare_rods, curve_of
 from pipeline.simulate.outcome import Record
 from pipeline.values.formats import ARM_LAW, FIVE
 from pipeline.values.run import RodError, State
 from rod import FiveParameters, LawRod, Load, MomentRange, Rod
+from rod.errors import RodError as NoRod
 
 HERE = Path(__file__).resolve().parent.parent.parent
 LENGTH, PITCH = 112.0, 10.0
@@ -140,7 +141,7 @@ def test_loads_beyond_the_law_of_the_arm_say_which_moments_it_lacks() -> None:
 
 
 def test_a_pressure_without_a_rod_is_a_row_with_the_reason() -> None:
-    row = row_of({FIVE: NoSolution("17 kPa lies outside.")}, record("II", ROD))
+    row = row_of({FIVE: NoRod("17 kPa lies outside.")}, record("II", ROD))
     assert row.reason == "17 kPa lies outside."
     assert row.distance_over_length is None
 

@@ -12,8 +12,8 @@ from pipeline.results.drawing import write_fields
 from pipeline.results.unloaded import unloaded_states
 from pipeline.show import body_view as module
 from pipeline.show.body_view import Surfaces, along, body_view
-from pipeline.show.pictures import at_nodes, boundary, von_mises
-from pipeline.values.formats import BODY, SURFACES
+from pipeline.show.pictures import SURFACES, at_nodes, boundary, von_mises
+from pipeline.values.formats import BODY
 from pipeline.values.law import DeliveredLaw
 from pipeline.values.run import Run
 from rod.load import Load

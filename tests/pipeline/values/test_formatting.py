@@ -2,17 +2,8 @@
 
 import pytest
 
-from pipeline.values.formatting import (
-    decimals_beside,
-    decimals_of,
-    duration,
-    fixed,
-    interval,
-    listed,
-    number,
-    percent,
-    with_spread,
-)
+from pipeline.show.tables import decimals_beside, decimals_of, fixed, interval, with_spread
+from pipeline.values.formatting import duration, listed, number, percent
 
 
 @pytest.mark.parametrize(

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from pipeline.answers.measured.compare import compare_files
-from pipeline.answers.measured.page import comparison_page, comparison_table
 from pipeline.answers.measured.predicted import LawRods, Numbers, Setup
 from pipeline.answers.measured.rows import State
 from pipeline.answers.measured.table import read_measurements
@@ -28,8 +27,8 @@ def test_differences_and_what_is_allowed(tmp_path: Path) -> None:
     soft = compare_files(folder, measured(tmp_path / "soft.csv", arm_law(80.0).scaled(0.5), states[:2]))
     assert soft.rms("mm") > 0.1 * LENGTH
     assert soft.within < 0.5
-    assert len(comparison_table(soft.rows).rows) == len(soft.rows) == 4
-    (arm,) = panels_of(comparison_page(soft.design, soft.rows, soft.curves))[:1]
+    assert len(soft.table.rows) == len(soft.rows) == 4
+    (arm,) = panels_of(soft.page)[:1]
     rods = [trace for trace in arm["data"] if trace["mode"] == "lines"]
     tips = [trace for trace in arm["data"] if trace["meta"]["entry"] == "measured"]
     assert [trace["meta"]["frame"] for trace in tips] == ["10 kPa", "20 kPa"]

@@ -9,7 +9,7 @@ import pytest
 from typer.testing import CliRunner
 
 import pneurod
-from pipeline.answers.rods.budget import Budget, budget_of, budget_page, budget_panels, budget_table, make_budgets
+from pipeline.answers.rods.budget import Budget, budget_of, budget_page, budget_panels, make_budgets
 from pipeline.api.frames import budget_frame, sensitivities_frame
 from pipeline.cli import app
 from pipeline.config.load import load_config
@@ -100,10 +100,10 @@ def test_rigidities_out_of_the_plane_have_columns_where_the_law_has_them() -> No
     assert found[STIFFNESS].changes["torsional_rigidity"] == pytest.approx(0.1)
     assert found["geometry.end"].changes["lateral_rigidity"] == pytest.approx(0.0, abs=1e-12)
     assert found["pressure"].changes["torsional_rigidity"] == pytest.approx(0.0, abs=1e-12)
-    table = budget_table(make_budgets(law, Tolerances(), [37.0], None)[0])
+    table = make_budgets(law, Tolerances(), [37.0], None)[0].table
     assert table.heads[-2:] == ("B₂ (%)", "GJ (%)")
     assert [cells[-1] for cells in table.rows if cells[0] == "all"] == ["10"]
-    assert "GJ (%)" not in budget_table(make_budgets(planar, Tolerances(), [37.0], None)[0]).heads
+    assert "GJ (%)" not in make_budgets(planar, Tolerances(), [37.0], None)[0].table.heads
     assert law.derivative("material.E")["lateral_rigidity"] == pytest.approx(500.0)
     assert "lateral_rigidity" not in planar.derivative("material.E")
     assert set(sensitivities_frame(law)["number"]) - set(sensitivities_frame(planar)["number"]) == set(ACROSS)
@@ -118,7 +118,7 @@ def test_a_free_end_has_no_force() -> None:
     found = budget(Tolerances(), None)
     assert all(math.isnan(row.changes["force"]) for row in found.rows)
     assert math.isnan(found.total("force"))
-    assert all(row[-1] == "-" for row in budget_table(found).rows)
+    assert all(row[-1] == "-" for row in found.table.rows)
     assert "force in III" not in budget_page("arm", [found])
 
 
