@@ -129,7 +129,7 @@ experiments: $(DEV)  ## measured bodies: error before and after a calibration; t
 	@$(BIN)/python -m benchmarks.experiments.segment
 	@$(BIN)/python -m benchmarks.experiments.wound_chambers
 
-measured-arms: $(DEV)  ## measured pneumatic arms: one is calibrated, and a longer one predicted; docs/measured_arms.md
+measured-arms: $(DEV)  ## measured pneumatic arms: one is calibrated, two are predicted; docs/measured_arms.md
 	@$(BIN)/python -m benchmarks.measured_arms
 
 in-time: $(DEV)  ## a released bar, a held segment, and finite elements in time beside rods; the table of studies/in_time.md

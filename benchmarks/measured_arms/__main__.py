@@ -1,67 +1,58 @@
-"""Measured pneumatic arms beside their law: one is calibrated, and a longer one of the same cells predicted.
+"""Measured pneumatic arms beside the curvature of their cell: one is calibrated, and two others predicted.
 
     make measured-arms
     python -m benchmarks.measured_arms [--only given] [--out results/measured_arms]
 
-Laws are kept in the folder, so that the command repeats in minutes. It writes the tables of docs/measured_arms.md and
-its pictures.
+States of cells are kept in the folder, so that the command repeats in seconds. It writes the tables of
+docs/measured_arms.md and its pictures.
 """
 
 import argparse
 import sys
-from collections.abc import Mapping
-from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
 
 import numpy as np
 
 from benchmarks.markdown import table, write_made
-from benchmarks.measured_arms.arms import (
-    GIVEN,
-    LONGER,
-    config_of,
-    directions,
-    law_of,
-    second_test,
-)
-from benchmarks.measured_arms.foretold import Calibrated
-from benchmarks.measured_arms.pictures import draw_foretold
+from benchmarks.measured_arms.arms import BLIND, BROAD, GIVEN, LONGER, SILICONES, Arm, angles_of, forces_of, second_test
+from benchmarks.measured_arms.forces import HeldArm, straight_moments
+from benchmarks.measured_arms.free import MOST, MOST_BENT, Factor, FreeArm, curvatures, limit_at
+from benchmarks.measured_arms.pictures import draw_angles
 from geometry.arrays import Array
-from pipeline.answers.measured.predicted import Numbers
-from pipeline.answers.measured.rows import Measurements
 from pipeline.values.errors import InputError, RunFailed
-from rod.arm_law.law import ArmLaw
 
-#: kPa: rows of the calibration, and those of the tables
-CALIBRATED = tuple(range(12, 37, 3))
-ROWS = (15.0, 20.0, 25.0, 30.0, 33.0, 34.0, 35.0, 36.0, 37.0)
+#: kPa: rows of the calibration, of the tables, and of what is predicted of the arm that was kept back
+CALIBRATED = tuple(range(12, 45, 4))
+ROWS = (12, 15, 20, 25, 30, 33, 34, 35, 36, 37, 38, 40, 42, 45)
+ASKED = (12, 15, 20, 25, 30, 35, 40, 42, 44, 46, 50, 55, 60, 65)
+FORCES, FORCES_ASKED = (20, 25, 30, 35, 40, 45, 50, 54), (30, 40, 50, 60)
+#: kPa at which single states of the cell with thick walls are found, beyond where its air can be followed
+BEYOND = (54.0, 58.0, 64.0, 72.0, 78.0)
+#: kPa at which cells are held straight, by the walls in mm
+STRAIGHT = {
+    7.0: (10.0, 20.0, 25.0, 30.0, 34.0, 36.0, 38.0, 40.0, 42.0, 44.0, 46.0, 48.0, 51.0, 54.0, 58.0, 62.0, 66.0),
+    10.0: (12.0, 24.0, 34.0, 40.0, 44.0, 48.0, 52.0, 56.0, 60.0, 64.0, 68.0, 72.0, 76.0),
+}
+#: from which kPa on forces are compared: below they are a few hundredths of a newton
+FROM = 25.0
+#: by how much the angle or the pressure may be off, and above which kPa
+NEAR_PART, NEAR_KPA, NEAR_FROM = 0.15, 1.5, 15.0
+AUTHORS = "authors"
+#: kPa at which the unknowns are compared, and a fabric that hardly resists bending
+UNKNOWN_AT = (20, 30, 36, 40)
+THIN = "effects.strain_limiting_layer={thickness: 0.1 mm, E: 4100 MPa, nu: 0.49}"
 COMMAND = "python -m benchmarks.measured_arms --only {}"
 
 
-def beside(rows: Measurements, intervals: Array, more: Mapping[float, float]) -> tuple[str, str]:
-    """A table of some readings beside what was foretold of them, and how many of all are in their intervals."""
-    measured, pressures = -Numbers.of(rows).values, Numbers.of(rows).pressures
-    middle, *ends = -intervals
-    low, high = np.minimum(*ends), np.maximum(*ends)
-    inside = (measured >= low) & (measured <= high)
-    lines = [
-        [f"{p:g}", f"{m:.1f}", *([f"{more[p]:.1f}" if p in more else "-"] if more else []),
-         f"{v:.1f}", f"{a:.1f} to {b:.1f}", "yes" if is_in else "no"]
-        for p, m, v, a, b, is_in in zip(pressures, measured, middle, low, high, inside, strict=True) if p in ROWS
-    ]  # fmt: skip
-    heads = ["kPa", "measured", *(["second test"] if more else []), "predicted", "90 %", "inside"]
-    return table(heads, lines), f"{int(inside.sum())} of {len(inside)} rows are within their intervals."
+def written(value: float, digits: int = 1) -> str:
+    """A number of a table; a dash for none."""
+    return f"{value:.{digits}f}" if np.isfinite(value) else "-"
 
 
-def near(rows: Measurements, intervals: Array) -> str:
-    """How many rows of the angle above 15 kPa are within 15 % of it, or 1.5 kPa beside the curve that was foretold."""
-    pressures, measured, foretold = Numbers.of(rows).pressures, -Numbers.of(rows).values, -intervals[0]
-    at = [np.interp(pressures + shift, pressures, foretold) for shift in (-1.5, 1.5)]
-    is_near = (np.abs(foretold / measured - 1.0) <= 0.15) | ((at[0] <= measured) & (measured <= at[1]))
-    asked, off = pressures > 15.0, float(np.sqrt(np.mean((foretold - measured) ** 2)))
-    count = f"{int(is_near[asked].sum())} of {int(asked.sum())} rows above 15 kPa"
-    return f"{count} are within 15 % of the angle, or 1.5 kPa of the curve; root mean square {off:.1f}°."
+def between(low: float, high: float, digits: int = 1) -> str:
+    """The ends of an interval."""
+    return f"{written(low, digits)} to {written(high, digits)}"
 
 
 class Page:
@@ -69,36 +60,156 @@ class Page:
 
     def __init__(self, out: Path) -> None:
         self.out = out
+        self.known: dict[tuple[str, float], Array] = {}
+
+    def bends(self, arm: Arm, silicone: str = AUTHORS) -> Array:
+        """Curvatures of the cell of an arm."""
+        key = silicone, arm.wall
+        if key not in self.known:
+            cell = BLIND if arm.wall == BLIND.wall else GIVEN
+            self.known[key] = curvatures(cell, silicone, BEYOND if cell is BLIND else (), self.out)
+        return self.known[key]
+
+    def law(self, arm: Arm, silicone: str = AUTHORS) -> FreeArm:
+        """The angle of an arm over pressure, of one of the silicones."""
+        return FreeArm.of(arm, self.bends(arm, silicone))
+
+    def factors(self, arm: Arm, silicone: str = AUTHORS) -> Array:
+        """How stiff an arm is over its law, by its rows of the calibration."""
+        pressures, degrees = angles_of(arm)
+        chosen = np.isin(pressures, CALIBRATED)
+        return self.law(arm, silicone).factors(pressures[chosen], degrees[chosen])
 
     @cached_property
-    def own(self) -> ArmLaw:
-        """The law of the given arm."""
-        return law_of(GIVEN, self.out)
+    def calibrated(self) -> Factor:
+        """That of the given arm."""
+        return Factor.of(self.factors(GIVEN))
 
     @cached_property
-    def calibrated(self) -> Calibrated:
-        """It, calibrated to its own rows."""
-        rows = directions(GIVEN, self.out, CALIBRATED)
-        return Calibrated.to(self.own, config_of(GIVEN).record(), rows)
+    def both(self) -> Factor:
+        """That of both arms with walls of 7 mm."""
+        return Factor.of(np.concatenate([self.factors(GIVEN), self.factors(LONGER)]))
+
+    def laws(self) -> str:
+        """What each silicone says before an arm was seen, and the factor that the given arm has over it."""
+        lines = []
+        for silicone in SILICONES:
+            bends, law = self.bends(GIVEN, silicone), self.law(GIVEN, silicone)
+            falls = limit_at(bends[:, 0]) < len(bends) - 1
+            is_lost = not falls and bends[-1, 0] < MOST and bends[-1, 1] > -MOST_BENT
+            kind = "limit" if falls else "followed to" if is_lost else "steepest"
+            pressure = law.steepest if kind == "steepest" else law.pressures[-1]
+            angles = [written(float(law.at(np.array([p]))[0])) for p in (20, 30, 35, 40, 45)]
+            factors = self.factors(GIVEN, silicone)
+            known = factors[np.isfinite(factors)]
+            found = f"{np.exp(np.log(known).mean()):.2f} ± {np.log(known).std(ddof=1):.2f} ({len(known)})"
+            lines.append([silicone, f"{pressure:.1f}", kind, *angles, found])
+        pressures, degrees = angles_of(GIVEN)
+        steepest = FreeArm(pressures, degrees).steepest
+        read = [f"{degrees[pressures == p][0]:.1f}" for p in (20, 30, 35, 40, 45)]
+        lines.append(["measured", f"{steepest:.1f}", "steepest", *read, "-"])
+        kinds = [f"{p} kPa, °" for p in (20, 30, 35, 40, 45)]
+        return table(["silicone by", "at kPa", "it is", *kinds, "factor (rows)"], lines)
 
     def given(self) -> str:
-        """The arm after its calibration: what was found, and its rows."""
-        found, rows = self.calibrated, directions(GIVEN, self.out)
-        estimates = table(["unknown", "before", "after"], found.told())
-        intervals = found.same.intervals(rows)
-        draw_foretold("measured_arms_given", rows, intervals, {})
-        return "\n\n".join([estimates, *beside(rows, intervals, {}), near(rows, intervals)])
+        """The arm after its calibration."""
+        found = self.calibrated
+        told = f"Factor of all moduli: {found.value:.3f}, times e^±{found.std:.3f} from row to row."
+        return told + "\n\n" + self._beside(GIVEN, another=False)
 
     def longer(self) -> str:
         """The arm with seven chambers, of whose rows nothing was fitted."""
-        law, rows = replace(self.own, length=LONGER.length), directions(LONGER, self.out)
-        foretold, second = self.calibrated.for_arm(law), second_test()
-        intervals = foretold.intervals(rows)
-        draw_foretold("measured_arms_longer", rows, intervals, second)
-        return "\n\n".join([*beside(rows, intervals, second), near(rows, intervals)])
+        return self._beside(LONGER, another=True)
+
+    def _beside(self, arm: Arm, *, another: bool) -> str:
+        pressures, measured = angles_of(arm)
+        law, second = self.law(arm), second_test() if another else {}
+        predicted, low, high = self.calibrated.intervals(law, pressures, another=another)
+        inside = (low <= measured) & (measured <= high)
+        at = [law.at(pressures + shift, self.calibrated.value) for shift in (-NEAR_KPA, NEAR_KPA)]
+        near = (np.abs(predicted / measured - 1.0) <= NEAR_PART) | ((at[0] <= measured) & (measured <= at[1]))
+        factors, asked = law.factors(pressures, measured), pressures > NEAR_FROM
+        more = [[written(second.get(p, np.nan))] if another else [] for p in pressures]
+        lines = [
+            [f"{p:g}", f"{m:.1f}", *other, f"{v:.1f}", between(a, b), "yes" if c else "no", "yes" if d else "no",
+             f"{f:.2f}"]
+            for p, m, other, v, a, b, c, d, f in zip(
+                pressures, measured, more, predicted, low, high, inside, near, factors, strict=True)
+            if p in ROWS
+        ]  # fmt: skip
+        draw_angles(arm, (pressures, measured), (pressures, np.array([predicted, low, high])), second)
+        second_head = ["second test"] if another else []
+        head = ["kPa", "measured", *second_head, "predicted", "90 %", "inside", "near", "factor"]
+        off = float(np.sqrt(np.mean((predicted - measured) ** 2)))
+        counts = (
+            f"{int(inside.sum())} of {len(inside)} rows are within their intervals. "
+            f"{int(near[asked].sum())} of {int(asked.sum())} rows above 15 kPa are near. Root mean square: {off:.1f}°."
+        )
+        return f"{table(head, lines)}\n\n{counts}"
+
+    def unknowns(self) -> str:
+        """How much each of what is not known of the given arm changes its angles as calibrated."""
+        pressures, factor = np.array(UNKNOWN_AT, float), self.calibrated.value
+        bends, law = self.bends(GIVEN), self.law(GIVEN)
+        angles = law.at(pressures, factor)
+        thin = FreeArm.of(GIVEN, curvatures(GIVEN, AUTHORS, (), self.out, [THIN]))
+        changed = {
+            "angles counted from 10 kPa": angles - law.at(np.array([10.0]), factor),
+            "line to the middle of the tip": FreeArm.of(GIVEN, bends, 0.5 * (BROAD + GIVEN.wall)).at(pressures, factor),
+            "fabric of 0.1 mm": thin.at(pressures, factor),
+            "moduli 5 % larger": law.at(pressures, 1.05 * factor),
+        }
+        rows = {"as calibrated": angles, **changed}
+        lines = [[name, *(written(float(value)) for value in values)] for name, values in rows.items()]
+        return table(["angle, °", *(f"{p:g} kPa" for p in UNKNOWN_AT)], lines)
+
+    def blind(self) -> str:
+        """The arm that was kept back."""
+        pressures, law = np.array(ASKED, float), self.law(BLIND)
+        intervals = self.both.intervals(law, pressures, another=True)
+        lines = [[f"{p:g}", written(v), between(a, b)] for p, v, a, b in zip(pressures, *intervals, strict=True)]
+        fine = np.arange(11.0, 65.5, 0.5)
+        draw_angles(BLIND, None, (fine, self.both.intervals(law, fine, another=True)), {})
+        told = f"Factor of all moduli: {self.both.value:.3f}, times e^±{self.both.std:.3f} from row to row."
+        return told + "\n\n" + table(["kPa", "predicted angle, °", "90 %"], lines)
+
+    def held(self, arm: Arm, pressures: Array, change: float = 0.0) -> Array:
+        """N at pressures in kPa of a tip that is held; change: of the logarithm of the moduli."""
+        cell = BLIND if arm.wall == BLIND.wall else GIVEN
+        straight = straight_moments(cell, STRAIGHT[cell.wall], self.out)
+        return HeldArm(arm, straight).at(pressures, self.both.value * float(np.exp(change)))
+
+    def forces(self) -> str:
+        """Forces of tips that are held, and those of the arm that was kept back, by the share that the others have."""
+        lines, shares = [], []
+        for arm in (GIVEN, LONGER):
+            pressures, measured = forces_of(arm)
+            rod = self.held(arm, pressures)
+            share, used = measured / rod, (pressures >= FROM) & np.isfinite(rod)
+            shares.append(share[used])
+            lines += [
+                [arm.name, f"{p:g}", written(m, 3), written(r, 2), written(part, 2)]
+                for p, m, r, part in zip(pressures, measured, rod, share, strict=True)
+                if p in FORCES and np.isfinite(r)
+            ]
+        known = Factor.of(np.concatenate(shares))
+        told = f"Measured over rod from 25 kPa on: {known.value:.3f}, times e^±{known.std:.2f} from row to row."
+        read = table(["arm", "kPa", "measured, N", "rod, N", "measured over rod"], lines)
+        return "\n\n".join([read, told, self._forces_asked(known)])
+
+    def _forces_asked(self, known: Factor) -> str:
+        pressures, of_law = np.array(FORCES_ASKED, float), self.both.off(another=True)
+        stiffer, rod, softer = (self.held(BLIND, pressures, sign * of_law) for sign in (1.0, 0.0, -1.0))
+        of_share = known.off(another=False)
+        low, high = (np.exp(np.hypot(of_share, np.log(other / rod))) for other in (stiffer, softer))
+        lines = [
+            [f"{p:g}", written(r, 2), written(v, 3), between(v / a, v * b, 3)]
+            for p, r, v, a, b in zip(pressures, rod, known.value * rod, low, high, strict=True)
+        ]
+        return table(["c5-w10, kPa", "rod, N", "predicted, N", "90 %"], lines)
 
 
-PARTS = ("given", "longer")
+PARTS = ("laws", "given", "longer", "unknowns", "blind", "forces")
 
 
 def main() -> None:

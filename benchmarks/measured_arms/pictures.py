@@ -2,34 +2,35 @@
 
 from collections.abc import Mapping
 
-import numpy as np
 from matplotlib.figure import Figure
 
 from benchmarks.markdown import ROOT
+from benchmarks.measured_arms.arms import Arm
 from geometry.arrays import Array
-from pipeline.answers.measured.predicted import Numbers
-from pipeline.answers.measured.rows import Measurements
 from pipeline.values.plots import COLOURS
 
 
-def draw_foretold(name: str, rows: Measurements, intervals: Array, second: Mapping[float, float]) -> None:
-    """Rows of directions as points, and what was predicted; intervals (3, n) as of `Foretelling`.
+def draw_angles(
+    arm: Arm, read: tuple[Array, Array] | None, foretold: tuple[Array, Array], second: Mapping[float, float]
+) -> None:
+    """Angles over pressure as points where they were read, and what was predicted.
 
-    second: readings of another test in degrees, by kPa.
+    read: kPa and degrees, (n,) each. foretold: kPa (m,), and intervals (3, m) as of `Factor`. second: degrees of
+    another test, by kPa.
     """
-    numbers = Numbers.of(rows)
-    predicted, *band = -intervals
+    pressures, (predicted, *band) = foretold
     figure = Figure(figsize=(7.0, 4.2), layout="constrained")
     axes = figure.add_subplot()
-    axes.fill_between(numbers.pressures, *band, color=COLOURS[0], alpha=0.2, linewidth=0, label="90 %")
-    axes.plot(numbers.pressures, predicted, color=COLOURS[0], label="predicted", linewidth=1.5)
+    axes.fill_between(pressures, *band, color=COLOURS[0], alpha=0.2, linewidth=0, label="90 %")
+    axes.plot(pressures, predicted, color=COLOURS[0], label="predicted", linewidth=1.5)
     if second:
-        other = np.interp(numbers.pressures, list(second), list(second.values()), np.nan, np.nan)
-        axes.plot(numbers.pressures, other, color=COLOURS[1], label="second test", linewidth=1.5)
-    axes.plot(numbers.pressures, -numbers.values, "o", color="black", markersize=3.5, label="measured")
+        axes.plot(list(second), list(second.values()), "s", color=COLOURS[1], markersize=4, label="second test")
+    if read:
+        axes.plot(*read, "o", color="black", markersize=3.5, label="measured")
     axes.set_xlabel("pressure (kPa)")
-    axes.set_ylabel("direction of the tip, less that at 10 kPa (degrees)")
+    axes.set_ylabel("direction of the tip, less that at rest (degrees)")
+    axes.set_title(arm.name)
     axes.set_ylim(bottom=0.0)
     axes.grid(alpha=0.3)
     axes.legend(fontsize="small")
-    figure.savefig(ROOT / "docs" / "pictures" / f"{name}.png", dpi=130)
+    figure.savefig(ROOT / "docs" / "pictures" / f"measured_arms_{arm.name.replace('-', '')}.png", dpi=130)
