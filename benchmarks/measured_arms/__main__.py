@@ -4,7 +4,7 @@
     python -m benchmarks.measured_arms [--only given] [--out results/measured_arms]
 
 States of cells are kept in the folder, so that the command repeats in seconds. It writes the tables of
-docs/measured_arms.md and its pictures.
+docs/measured_arms.md and studies/measured_arms.md, and their pictures.
 """
 
 import argparse
@@ -26,9 +26,9 @@ from pipeline.values.errors import InputError, RunFailed
 CALIBRATED = tuple(range(12, 45, 4))
 ROWS = (12, 15, 20, 25, 30, 33, 34, 35, 36, 37, 38, 40, 42, 45)
 ASKED = (12, 15, 20, 25, 30, 35, 40, 42, 44, 46, 50, 55, 60, 65)
-FORCES, FORCES_ASKED = (20, 25, 30, 35, 40, 45, 50, 54), (30, 40, 50, 60)
-#: kPa at which single states of the cell with thick walls are found, beyond where its air can be followed
-BEYOND = (54.0, 58.0, 64.0, 72.0, 78.0)
+FORCES, FORCES_ASKED = (20, 25, 30, 35, 40, 45, 50), (30, 40, 50, 60)
+#: kPa at which the cell with thick walls is solved beyond where its air can be followed
+BEYOND = (54.0, 56.0, 58.0, 60.0, 62.0, 64.0, 67.0, 70.0, 73.0, 77.0)
 #: kPa at which cells are held straight, by the walls in mm
 STRAIGHT = {
     7.0: (10.0, 20.0, 25.0, 30.0, 34.0, 36.0, 38.0, 40.0, 42.0, 44.0, 46.0, 48.0, 51.0, 54.0, 58.0, 62.0, 66.0),
@@ -171,7 +171,7 @@ class Page:
         fine = np.arange(11.0, 65.5, 0.5)
         draw_angles(BLIND, None, (fine, self.both.intervals(law, fine, another=True)), {})
         told = f"Factor of all moduli: {self.both.value:.3f}, times e^±{self.both.std:.3f} from row to row."
-        return told + "\n\n" + table(["kPa", "predicted angle, °", "90 %"], lines)
+        return "\n\n".join([told, table(["kPa", "angle, °", "90 %"], lines), self._forces_asked()])
 
     def held(self, arm: Arm, pressures: Array, change: float = 0.0) -> Array:
         """N at pressures in kPa of a tip that is held; change: of the logarithm of the moduli."""
@@ -179,34 +179,40 @@ class Page:
         straight = straight_moments(cell, STRAIGHT[cell.wall], self.out)
         return HeldArm(arm, straight).at(pressures, self.both.value * float(np.exp(change)))
 
-    def forces(self) -> str:
-        """Forces of tips that are held, and those of the arm that was kept back, by the share that the others have."""
-        lines, shares = [], []
-        for arm in (GIVEN, LONGER):
-            pressures, measured = forces_of(arm)
-            rod = self.held(arm, pressures)
-            share, used = measured / rod, (pressures >= FROM) & np.isfinite(rod)
-            shares.append(share[used])
-            lines += [
-                [arm.name, f"{p:g}", written(m, 3), written(r, 2), written(part, 2)]
-                for p, m, r, part in zip(pressures, measured, rod, share, strict=True)
-                if p in FORCES and np.isfinite(r)
-            ]
-        known = Factor.of(np.concatenate(shares))
-        told = f"Measured over rod from 25 kPa on: {known.value:.3f}, times e^±{known.std:.2f} from row to row."
-        read = table(["arm", "kPa", "measured, N", "rod, N", "measured over rod"], lines)
-        return "\n\n".join([read, told, self._forces_asked(known)])
+    def shares(self, arm: Arm) -> tuple[Array, ...]:
+        """kPa, N as measured, N of the rod, and the one over the other, (n,) each, of a tip that is held."""
+        pressures, measured = forces_of(arm)
+        rod = self.held(arm, pressures)
+        return pressures, measured, rod, measured / rod
 
-    def _forces_asked(self, known: Factor) -> str:
-        pressures, of_law = np.array(FORCES_ASKED, float), self.both.off(another=True)
-        stiffer, rod, softer = (self.held(BLIND, pressures, sign * of_law) for sign in (1.0, 0.0, -1.0))
-        of_share = known.off(another=False)
-        low, high = (np.exp(np.hypot(of_share, np.log(other / rod))) for other in (stiffer, softer))
+    @cached_property
+    def share(self) -> Factor:
+        """Measured forces of both arms over those of the rod."""
+        found = [self.shares(arm) for arm in (GIVEN, LONGER)]
+        return Factor.of(np.concatenate([part[(p >= FROM) & np.isfinite(part)] for p, _, _, part in found]))
+
+    def forces(self) -> str:
+        """Forces of tips that are held."""
         lines = [
-            [f"{p:g}", written(r, 2), written(v, 3), between(v / a, v * b, 3)]
-            for p, r, v, a, b in zip(pressures, rod, known.value * rod, low, high, strict=True)
+            [arm.name, f"{p:g}", written(m, 3), written(r, 2), written(part, 2)]
+            for arm in (GIVEN, LONGER)
+            for p, m, r, part in zip(*self.shares(arm), strict=True)
+            if p in FORCES and np.isfinite(r)
         ]
-        return table(["c5-w10, kPa", "rod, N", "predicted, N", "90 %"], lines)
+        told = (
+            f"Measured over rod from 25 kPa on: {self.share.value:.3f}, times e^±{self.share.std:.2f} from row to row."
+        )
+        return table(["arm", "kPa", "measured, N", "rod, N", "measured over rod"], lines) + "\n\n" + told
+
+    def _forces_asked(self) -> str:
+        pressures, of_law, share = np.array(FORCES_ASKED, float), self.both.off(another=True), self.share
+        stiffer, rod, softer = (self.held(BLIND, pressures, sign * of_law) for sign in (1.0, 0.0, -1.0))
+        low, high = (np.exp(np.hypot(share.off(another=False), np.log(other / rod))) for other in (stiffer, softer))
+        lines = [
+            [f"{p:g}", written(v, 3), between(v / a, v * b, 3), written(r, 2)]
+            for p, r, v, a, b in zip(pressures, rod, share.value * rod, low, high, strict=True)
+        ]
+        return table(["kPa", "force, N", "90 %", "of the rod alone, N"], lines)
 
 
 PARTS = ("laws", "given", "longer", "unknowns", "blind", "forces")

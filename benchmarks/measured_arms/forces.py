@@ -11,7 +11,7 @@ from scipy.interpolate import PchipInterpolator
 from benchmarks.measured_arms.arms import Arm
 from fem.cell.piece import PieceFailed
 from geometry.arrays import Array
-from pipeline.law.pieces import ArmPieces
+from pipeline.law.piece.pieces import ArmPieces
 from pipeline.simulate.scene import Scene
 
 #: mm more of the arm are in the clamp then

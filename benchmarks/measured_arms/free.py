@@ -19,14 +19,9 @@ from fem.cell.inflation import AirPath
 from fem.cell.piece import PieceFailed
 from geometry.arrays import Array
 from geometry.centreline import chord_angle
-from pipeline.law.cells import measure_bends
-from pipeline.law.pieces import ArmPieces
-from pipeline.law.tasks import ArmTasks, Log
+from pipeline.law.piece.measure import cell_without_moment
+from pipeline.law.piece.pieces import ArmPieces
 from pipeline.simulate.scene import Scene
-from pipeline.store.context import RunContext
-from pipeline.store.progress import Silent
-from pipeline.store.store import open_store
-from pipeline.values.errors import RunFailed
 
 #: mm, height of the bottom of the tip over the material curve
 BOTTOM = -0.25
@@ -43,24 +38,23 @@ FINE = 0.05
 def curvatures(arm: Arm, silicone: str, beyond: Sequence[float], folder: Path, settings: Sequence[str] = ()) -> Array:
     """(k, 2) kPa and 1/mm of the cell without moment, from rest along its air as far as it can be followed.
 
-    beyond: kPa, rising, at which single states are found beyond the end of that way. What was found is kept.
+    beyond: kPa, rising, at which states follow on each other beyond the end of that way. What was found is kept.
     """
     config = arm.config(beyond or [MOST], silicone, settings)
     kept = folder / f"{arm.name}_{config.hash[:12]}.csv"
     if kept.exists():
         return np.loadtxt(kept, delimiter=",")
-    pieces, way = ArmPieces.of(Scene.meshed(config)), list[tuple[float, float]]()
+    cell, way = ArmPieces.of(Scene.meshed(config)).cell, list[tuple[float, float]]()
     with suppress(PieceFailed):  # the way is kept as far as it goes
-        for point in AirPath.of(pieces.cell).points():
-            way.append((1e3 * point.pressure, (point.state.angle + point.lack) / pieces.cell.body.length))
+        for point in AirPath.of(cell).points():
+            state = point.state
+            way.append((1e3 * point.pressure, (state.angle + point.lack) / cell.body.length))
             if way[-1][0] > MOST or way[-1][1] < -MOST_BENT:
                 break
-    more = [pressure for pressure in beyond if pressure > way[-1][0]]
-    if more:
-        with open_store(folder / arm.name, config) as store:
-            tasks = ArmTasks(pieces, RunContext.alone(store, Silent()))
-            with suppress(RunFailed):
-                way.extend(measure_bends(tasks, Log(), more, None).items())
+    with suppress(PieceFailed):
+        for pressure in (one for one in beyond if one > way[-1][0]):
+            state = cell_without_moment(cell, 1e-3 * pressure, state).state
+            way.append((pressure, state.angle / cell.body.length))
     folder.mkdir(parents=True, exist_ok=True)
     np.savetxt(kept, np.array(way), fmt="%.8g", delimiter=",")
     return np.array(way)
