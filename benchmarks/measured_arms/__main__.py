@@ -28,7 +28,7 @@ ROWS = (12, 15, 20, 25, 30, 33, 34, 35, 36, 37, 38, 40, 42, 45)
 ASKED = (12, 15, 20, 25, 30, 35, 40, 42, 44, 46, 50, 55, 60, 65)
 FORCES, FORCES_ASKED = (20, 25, 30, 35, 40, 45, 50), (30, 40, 50, 60)
 #: kPa at which the cell with thick walls is solved beyond where its air can be followed
-BEYOND = (54.0, 56.0, 58.0, 60.0, 62.0, 64.0, 67.0, 70.0, 73.0, 77.0)
+BEYOND = (54.0, 58.0)
 #: kPa at which cells are held straight, by the walls in mm
 STRAIGHT = {
     7.0: (10.0, 20.0, 25.0, 30.0, 34.0, 36.0, 38.0, 40.0, 42.0, 44.0, 46.0, 48.0, 51.0, 54.0, 58.0, 62.0, 66.0),

@@ -38,7 +38,7 @@ FINE = 0.05
 def curvatures(arm: Arm, silicone: str, beyond: Sequence[float], folder: Path, settings: Sequence[str] = ()) -> Array:
     """(k, 2) kPa and 1/mm of the cell without moment, from rest along its air as far as it can be followed.
 
-    beyond: kPa, rising, at which states follow on each other beyond the end of that way. What was found is kept.
+    beyond: kPa, rising, at which single states are found beyond the end of that way. What was found is kept.
     """
     config = arm.config(beyond or [MOST], silicone, settings)
     kept = folder / f"{arm.name}_{config.hash[:12]}.csv"
@@ -47,14 +47,12 @@ def curvatures(arm: Arm, silicone: str, beyond: Sequence[float], folder: Path, s
     cell, way = ArmPieces.of(Scene.meshed(config)).cell, list[tuple[float, float]]()
     with suppress(PieceFailed):  # the way is kept as far as it goes
         for point in AirPath.of(cell).points():
-            state = point.state
-            way.append((1e3 * point.pressure, (state.angle + point.lack) / cell.body.length))
+            way.append((1e3 * point.pressure, (point.state.angle + point.lack) / cell.body.length))
             if way[-1][0] > MOST or way[-1][1] < -MOST_BENT:
                 break
     with suppress(PieceFailed):
         for pressure in (one for one in beyond if one > way[-1][0]):
-            state = cell_without_moment(cell, 1e-3 * pressure, state).state
-            way.append((pressure, state.angle / cell.body.length))
+            way.append((pressure, cell_without_moment(cell, 1e-3 * pressure).state.angle / cell.body.length))
     folder.mkdir(parents=True, exist_ok=True)
     np.savetxt(kept, np.array(way), fmt="%.8g", delimiter=",")
     return np.array(way)
