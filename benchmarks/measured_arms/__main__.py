@@ -15,7 +15,20 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks.markdown import table, write_made
-from benchmarks.measured_arms.arms import BLIND, BROAD, GIVEN, LONGER, SILICONES, Arm, angles_of, forces_of, second_test
+from benchmarks.measured_arms.arms import (
+    AUTHORS,
+    BLIND,
+    BROAD,
+    GIVEN,
+    LONGER,
+    MODELS,
+    THIN,
+    UNIAXIAL,
+    Arm,
+    angles_of,
+    forces_of,
+    second_test,
+)
 from benchmarks.measured_arms.forces import HeldArm, straight_moments
 from benchmarks.measured_arms.free import MOST, MOST_BENT, Factor, FreeArm, curvatures, limit_at
 from benchmarks.measured_arms.pictures import draw_angles
@@ -38,10 +51,8 @@ STRAIGHT = {
 FROM = 25.0
 #: by how much the angle or the pressure may be off, and above which kPa
 NEAR_PART, NEAR_KPA, NEAR_FROM = 0.15, 1.5, 15.0
-AUTHORS = "authors"
-#: kPa at which the unknowns are compared, and a fabric that hardly resists bending
+#: kPa at which the unknowns are compared
 UNKNOWN_AT = (20, 30, 36, 40)
-THIN = "effects.strain_limiting_layer={thickness: 0.1 mm, E: 4100 MPa, nu: 0.49}"
 COMMAND = "python -m benchmarks.measured_arms --only {}"
 
 
@@ -62,54 +73,58 @@ class Page:
         self.out = out
         self.known: dict[tuple[str, float], Array] = {}
 
-    def bends(self, arm: Arm, silicone: str = AUTHORS) -> Array:
+    def bends(self, arm: Arm, model: str = AUTHORS) -> Array:
         """Curvatures of the cell of an arm."""
-        key = silicone, arm.wall
+        key = model, arm.wall
         if key not in self.known:
             cell = BLIND if arm.wall == BLIND.wall else GIVEN
-            self.known[key] = curvatures(cell, silicone, BEYOND if cell is BLIND else (), self.out)
+            self.known[key] = curvatures(cell, model, BEYOND if cell is BLIND else (), self.out)
         return self.known[key]
 
-    def law(self, arm: Arm, silicone: str = AUTHORS) -> FreeArm:
-        """The angle of an arm over pressure, of one of the silicones."""
-        return FreeArm.of(arm, self.bends(arm, silicone))
+    def law(self, arm: Arm, model: str = AUTHORS) -> FreeArm:
+        """The angle of an arm over pressure, by one of the models."""
+        return FreeArm.of(arm, self.bends(arm, model))
 
-    def factors(self, arm: Arm, silicone: str = AUTHORS) -> Array:
+    def factors(self, arm: Arm, model: str = AUTHORS) -> Array:
         """How stiff an arm is over its law, by its rows of the calibration."""
         pressures, degrees = angles_of(arm)
         chosen = np.isin(pressures, CALIBRATED)
-        return self.law(arm, silicone).factors(pressures[chosen], degrees[chosen])
+        return self.law(arm, model).factors(pressures[chosen], degrees[chosen])
 
     @cached_property
     def calibrated(self) -> Factor:
         """That of the given arm."""
         return Factor.of(self.factors(GIVEN))
 
+    def of_both(self, model: str = AUTHORS) -> Factor:
+        """That of both arms with walls of 7 mm, by one of the models."""
+        return Factor.of(np.concatenate([self.factors(GIVEN, model), self.factors(LONGER, model)]))
+
     @cached_property
     def both(self) -> Factor:
-        """That of both arms with walls of 7 mm."""
-        return Factor.of(np.concatenate([self.factors(GIVEN), self.factors(LONGER)]))
+        """The same by the law of the authors."""
+        return self.of_both()
 
     def laws(self) -> str:
-        """What each silicone says before an arm was seen, and the factor that the given arm has over it."""
+        """What each model says before an arm was seen, and the factor that the given arm has over it."""
         lines = []
-        for silicone in SILICONES:
-            bends, law = self.bends(GIVEN, silicone), self.law(GIVEN, silicone)
+        for model in MODELS:
+            bends, law = self.bends(GIVEN, model), self.law(GIVEN, model)
             falls = limit_at(bends[:, 0]) < len(bends) - 1
             is_lost = not falls and bends[-1, 0] < MOST and bends[-1, 1] > -MOST_BENT
             kind = "limit" if falls else "followed to" if is_lost else "steepest"
             pressure = law.steepest if kind == "steepest" else law.pressures[-1]
             angles = [written(float(law.at(np.array([p]))[0])) for p in (20, 30, 35, 40, 45)]
-            factors = self.factors(GIVEN, silicone)
+            factors = self.factors(GIVEN, model)
             known = factors[np.isfinite(factors)]
             found = f"{np.exp(np.log(known).mean()):.2f} ± {np.log(known).std(ddof=1):.2f} ({len(known)})"
-            lines.append([silicone, f"{pressure:.1f}", kind, *angles, found])
+            lines.append([model, f"{pressure:.1f}", kind, *angles, found])
         pressures, degrees = angles_of(GIVEN)
         steepest = FreeArm(pressures, degrees).steepest
         read = [f"{degrees[pressures == p][0]:.1f}" for p in (20, 30, 35, 40, 45)]
         lines.append(["measured", f"{steepest:.1f}", "steepest", *read, "-"])
         kinds = [f"{p} kPa, °" for p in (20, 30, 35, 40, 45)]
-        return table(["silicone by", "at kPa", "it is", *kinds, "factor (rows)"], lines)
+        return table(["model", "at kPa", "it is", *kinds, "factor (rows)"], lines)
 
     def given(self) -> str:
         """The arm after its calibration."""
@@ -152,11 +167,10 @@ class Page:
         pressures, factor = np.array(UNKNOWN_AT, float), self.calibrated.value
         bends, law = self.bends(GIVEN), self.law(GIVEN)
         angles = law.at(pressures, factor)
-        thin = FreeArm.of(GIVEN, curvatures(GIVEN, AUTHORS, (), self.out, [THIN]))
         changed = {
             "angles counted from 10 kPa": angles - law.at(np.array([10.0]), factor),
             "line to the middle of the tip": FreeArm.of(GIVEN, bends, 0.5 * (BROAD + GIVEN.wall)).at(pressures, factor),
-            "fabric of 0.1 mm": thin.at(pressures, factor),
+            "fabric of 0.1 mm": self.law(GIVEN, THIN).at(pressures, factor),
             "moduli 5 % larger": law.at(pressures, 1.05 * factor),
         }
         rows = {"as calibrated": angles, **changed}
@@ -167,11 +181,15 @@ class Page:
         """The arm that was kept back."""
         pressures, law = np.array(ASKED, float), self.law(BLIND)
         intervals = self.both.intervals(law, pressures, another=True)
-        lines = [[f"{p:g}", written(v), between(a, b)] for p, v, a, b in zip(pressures, *intervals, strict=True)]
+        others = [self.law(BLIND, model).at(pressures, self.of_both(model).value) for model in (UNIAXIAL, THIN)]
+        lines = [
+            [f"{p:g}", written(v), between(a, b), *map(written, more)]
+            for p, v, a, b, *more in zip(pressures, *intervals, *others, strict=True)
+        ]
         fine = np.arange(11.0, 65.5, 0.5)
         draw_angles(BLIND, None, (fine, self.both.intervals(law, fine, another=True)), {})
         told = f"Factor of all moduli: {self.both.value:.3f}, times e^±{self.both.std:.3f} from row to row."
-        return "\n\n".join([told, table(["kPa", "angle, °", "90 %"], lines), self._forces_asked()])
+        return "\n\n".join([told, table(["kPa", "angle, °", "90 %", UNIAXIAL, THIN], lines), self._forces_asked()])
 
     def held(self, arm: Arm, pressures: Array, change: float = 0.0) -> Array:
         """N at pressures in kPa of a tip that is held; change: of the logarithm of the moduli."""

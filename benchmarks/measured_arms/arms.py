@@ -1,4 +1,4 @@
-"""The measured arms: their configurations, what was read of them, and silicones that are tried.
+"""The measured arms: their configurations, what was read of them, and models that are tried.
 
 Moseley, Florez, Sonar, Agarwal, Curtin, Paik, Advanced Engineering Materials 18 (2016), and the files of its repository
 spa-design-tool (84d250a). docs/measured_arms.md says what is known of them.
@@ -17,13 +17,18 @@ from pipeline.config.load import load_config
 HERE = Path(__file__).parent
 #: mm, length and breadth of a chamber
 CHAMBER, BROAD = 2.0, 8.0
-#: laws by the tests that they were fitted to, as `pneurod material uniaxial.csv planar.csv` finds them
-SILICONES = {
-    "authors": "",  # that of the configuration
-    "uniaxial test, yeoh": "law: yeoh, c10: 0.009305 MPa, c20: 3.222e-05 MPa, c30: 1.621e-05 MPa, kappa: 1.855 MPa",
-    "uniaxial test, neo_hooke": "law: neo_hooke, mu: 0.01877 MPa, kappa: 1.87 MPa",
-    "planar test, yeoh": "law: yeoh, c10: 0.01397 MPa, c20: 0.0002574 MPa, c30: -1.772e-05 MPa, kappa: 2.785 MPa",
-    "both, mooney_rivlin": "law: mooney_rivlin, c10: 0.007009 MPa, c01: 0.004995 MPa, kappa: 2.3 MPa",
+AUTHORS, UNIAXIAL, THIN = "authors", "uniaxial test, yeoh", "authors, fabric of 0.1 mm"
+#: settings of models that are tried. Laws are named by the tests that they were fitted to, as
+#: `pneurod material uniaxial.csv planar.csv` finds them
+MODELS = {
+    AUTHORS: [],  # the law of the configuration
+    UNIAXIAL: ["material={law: yeoh, c10: 0.009305 MPa, c20: 3.222e-05 MPa, c30: 1.621e-05 MPa, kappa: 1.855 MPa}"],
+    "uniaxial test, neo_hooke": ["material={law: neo_hooke, mu: 0.01877 MPa, kappa: 1.87 MPa}"],
+    "planar test, yeoh": [
+        "material={law: yeoh, c10: 0.01397 MPa, c20: 0.0002574 MPa, c30: -1.772e-05 MPa, kappa: 2.785 MPa}"
+    ],
+    "both, mooney_rivlin": ["material={law: mooney_rivlin, c10: 0.007009 MPa, c01: 0.004995 MPa, kappa: 2.3 MPa}"],
+    THIN: ["effects.strain_limiting_layer={thickness: 0.1 mm, E: 4100 MPa, nu: 0.49}"],
 }
 
 
@@ -45,15 +50,13 @@ class Arm:
         """mm"""
         return self.chambers * self.pitch + self.wall
 
-    def config(self, pressures: Sequence[float], silicone: str = "authors", settings: Sequence[str] = ()) -> Config:
-        """Its configuration as a draft, for pressures in kPa and one of `SILICONES`."""
+    def config(self, pressures: Sequence[float], model: str = AUTHORS) -> Config:
+        """Its configuration as a draft, for pressures in kPa and one of `MODELS`."""
         walls = [f"{name}={self.wall:g} mm" for name in ("partition", "end_wall", "side_wall", "roof")]
         sizes = f"width={BROAD + 2.0 * self.wall:g} mm", f"height={BROAD + 0.5 + self.wall:g} mm"
         geometry = [f"geometry.{one}" for one in (f"chambers={self.chambers}", *walls, *sizes)]
-        law = SILICONES[silicone] and f"material={{{SILICONES[silicone]}}}"
         steps = ", ".join(f"{pressure:g} kPa" for pressure in pressures)
-        given = [*geometry, f"pressures=[{steps}]", "draft=true", *filter(None, [law]), *settings]
-        return load_config(HERE / "c5w7.yaml", given)
+        return load_config(HERE / "c5w7.yaml", [*geometry, f"pressures=[{steps}]", "draft=true", *MODELS[model]])
 
 
 GIVEN, LONGER, BLIND = Arm("c5-w7", 5, 7.0), Arm("c7-w7", 7, 7.0), Arm("c5-w10", 5, 10.0)

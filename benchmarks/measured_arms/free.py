@@ -35,12 +35,12 @@ MOST, MOST_BENT = 60.0, 0.07
 FINE = 0.05
 
 
-def curvatures(arm: Arm, silicone: str, beyond: Sequence[float], folder: Path, settings: Sequence[str] = ()) -> Array:
+def curvatures(arm: Arm, model: str, beyond: Sequence[float], folder: Path) -> Array:
     """(k, 2) kPa and 1/mm of the cell without moment, from rest along its air as far as it can be followed.
 
     beyond: kPa, rising, at which single states are found beyond the end of that way. What was found is kept.
     """
-    config = arm.config(beyond or [MOST], silicone, settings)
+    config = arm.config(beyond or [MOST], model)
     kept = folder / f"{arm.name}_{config.hash[:12]}.csv"
     if kept.exists():
         return np.loadtxt(kept, delimiter=",")

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from benchmarks.measured_arms.arms import BLIND, GIVEN, LONGER, SILICONES, Arm, angles_of, forces_of
+from benchmarks.measured_arms.arms import BLIND, GIVEN, LONGER, MODELS, Arm, angles_of, forces_of
 from benchmarks.measured_arms.forces import HeldArm
 from benchmarks.measured_arms.free import BOTTOM, Factor, FreeArm, curvatures, direction, limit_at
 
@@ -16,9 +16,9 @@ BENDS = np.stack([PRESSURES, -1e-4 * PRESSURES - 1e-9 * PRESSURES**4], axis=1)
 
 
 @pytest.mark.parametrize("arm", [GIVEN, LONGER, BLIND])
-@pytest.mark.parametrize("silicone", SILICONES)
-def test_configurations_are_of_the_arms(arm: Arm, silicone: str) -> None:
-    config = arm.config([10.0], silicone)
+@pytest.mark.parametrize("model", MODELS)
+def test_configurations_are_of_the_arms(arm: Arm, model: str) -> None:
+    config = arm.config([10.0], model)
     lengths = {GIVEN: 52.0, LONGER: 70.0, BLIND: 70.0}
     assert config.design.length == pytest.approx(lengths[arm]) == pytest.approx(arm.length)
     assert config.draft
