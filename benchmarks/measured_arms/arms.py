@@ -17,14 +17,14 @@ from pipeline.config.load import load_config
 HERE = Path(__file__).parent
 #: mm, length and breadth of a chamber
 CHAMBER, BROAD = 2.0, 8.0
-AUTHORS, UNIAXIAL, THIN = "authors", "uniaxial test, yeoh", "authors, fabric of 0.1 mm"
+AUTHORS, UNIAXIAL, THIN = "authors", "uniaxial, yeoh", "fabric 0.1 mm"
 #: settings of models that are tried. Laws are named by the tests that they were fitted to, as
 #: `pneurod material uniaxial.csv planar.csv` finds them
 MODELS = {
     AUTHORS: [],  # the law of the configuration
     UNIAXIAL: ["material={law: yeoh, c10: 0.009305 MPa, c20: 3.222e-05 MPa, c30: 1.621e-05 MPa, kappa: 1.855 MPa}"],
-    "uniaxial test, neo_hooke": ["material={law: neo_hooke, mu: 0.01877 MPa, kappa: 1.87 MPa}"],
-    "planar test, yeoh": [
+    "uniaxial, neo_hooke": ["material={law: neo_hooke, mu: 0.01877 MPa, kappa: 1.87 MPa}"],
+    "planar, yeoh": [
         "material={law: yeoh, c10: 0.01397 MPa, c20: 0.0002574 MPa, c30: -1.772e-05 MPa, kappa: 2.785 MPa}"
     ],
     "both, mooney_rivlin": ["material={law: mooney_rivlin, c10: 0.007009 MPa, c01: 0.004995 MPa, kappa: 2.3 MPa}"],
