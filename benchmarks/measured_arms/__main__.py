@@ -51,6 +51,8 @@ STRAIGHT = {
 FROM = 25.0
 #: by how much the angle or the pressure may be off, and above which kPa
 NEAR_PART, NEAR_KPA, NEAR_FROM = 0.15, 1.5, 15.0
+#: kPa from which on the angle is so large that the zero of a second test hardly matters
+STEEP_FROM = 34.0
 #: kPa at which the unknowns are compared
 UNKNOWN_AT = (20, 30, 36, 40)
 COMMAND = "python -m benchmarks.measured_arms --only {}"
@@ -134,15 +136,25 @@ class Page:
 
     def longer(self) -> str:
         """The arm with seven chambers, of whose rows nothing was fitted."""
-        return self._beside(LONGER, another=True)
+        pressures, degrees = (np.array(column) for column in zip(*second_test().items(), strict=True))
+        steep = pressures >= STEEP_FROM
+        near = self._near(self.law(LONGER), pressures[steep], degrees[steep])
+        told = f"Of the second test {int(near.sum())} of {len(near)} rows from {STEEP_FROM:g} kPa on are near."
+        return self._beside(LONGER, another=True) + " " + told
+
+    def _near(self, law: FreeArm, pressures: Array, measured: Array) -> Array:
+        """(n,) whether readings are near what the calibration says."""
+        predicted, low, high = (
+            law.at(pressures + shift, self.calibrated.value) for shift in (0.0, -NEAR_KPA, NEAR_KPA)
+        )
+        return (np.abs(predicted / measured - 1.0) <= NEAR_PART) | ((low <= measured) & (measured <= high))
 
     def _beside(self, arm: Arm, *, another: bool) -> str:
         pressures, measured = angles_of(arm)
         law, second = self.law(arm), second_test() if another else {}
         predicted, low, high = self.calibrated.intervals(law, pressures, another=another)
         inside = (low <= measured) & (measured <= high)
-        at = [law.at(pressures + shift, self.calibrated.value) for shift in (-NEAR_KPA, NEAR_KPA)]
-        near = (np.abs(predicted / measured - 1.0) <= NEAR_PART) | ((at[0] <= measured) & (measured <= at[1]))
+        near = self._near(law, pressures, measured)
         factors, asked = law.factors(pressures, measured), pressures > NEAR_FROM
         more = [[written(second.get(p, np.nan))] if another else [] for p in pressures]
         lines = [
