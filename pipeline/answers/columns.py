@@ -20,7 +20,9 @@ from pipeline.config.units import STRAIN, Dimension, convert
 from pipeline.values.errors import InputError, quoted
 
 #: how units are written that pint reads otherwise or not at all
-UNITS = {"²": "^2", "mm2": "mm^2", "m2": "m^2", "Mpa": "MPa", "mpa": "MPa", "MPA": "MPa", "KPa": "kPa", "kpa": "kPa"}
+UNITS = {"1/s": "s^-1", "⁻¹": "^-1", "²": "^2", "mm2": "mm^2", "m2": "m^2"} | {
+    **dict.fromkeys(("Mpa", "mpa", "MPA"), "MPa"), **dict.fromkeys(("KPa", "kpa"), "kPa")
+}  # fmt: skip
 PURE = {"1", "-", "mm/mm", "m/m", "in/in", "dimensionless", "decimal", "abs"}
 PER_CENT = {"percent", "prozent", "pct", "pourcent"}
 _TITLE = re.compile(
@@ -125,8 +127,11 @@ class Columns:
 
 
 def read(path: Path, form: Form) -> Columns:
-    """The first table of a file. Raises InputError."""
-    return read_all(path, form)[0]
+    """The table of a file. Raises InputError for several."""
+    first, *others = read_all(path, form)
+    if others:
+        raise InputError(f"{path}: has titles again above line {others[0].lines[:1].sum()}; give one table a file")
+    return first
 
 
 def read_all(path: Path, form: Form) -> list[Columns]:

@@ -1,5 +1,6 @@
 """The tetrahedra in a mesh file of any format that meshio or Gmsh reads."""
 
+import re
 from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
@@ -30,6 +31,8 @@ SUFFIXES = (
 )
 #: meshio's names of tetrahedra with 4 and 10 nodes
 TETRAHEDRA = ("tetra", "tetra10")
+#: values of an array of numbers up to which it tells parts of the body
+MOST_PARTS = 20
 #: the farthest that the middle of a quadratic edge may lie from halfway between its ends, over the edge's length
 FARTHEST_MIDDLE = 0.45
 
@@ -98,13 +101,29 @@ def _by_gmsh(path: Path) -> Any:
 
 
 def _named_rows(content: Any) -> dict[str, Index]:
-    """Rows of the tetrahedra of each physical volume of Gmsh, or set of elements; others are left out."""
+    """Rows of the tetrahedra of each physical volume of Gmsh or set of elements; without any, by arrays of numbers."""
     sizes = [len(block.data) if block.type in TETRAHEDRA else 0 for block in content.cells]
     first, sets = np.concatenate([[0], np.cumsum(sizes)]), content.cell_sets.items()
     groups = {name: {k: rows for k, rows in enumerate(parts) if sizes[k] and len(rows)} for name, parts in sets}
     groups = named_rows(content, 3, TETRAHEDRA) if "gmsh:physical" in content.cell_data else groups
     joined = {name: [first[k] + rows for k, rows in parts.items()] for name, parts in groups.items()}
-    return {name: np.concatenate(rows) for name, rows in joined.items() if rows and not name.startswith("gmsh:")}
+    named = {name: np.concatenate(rows) for name, rows in joined.items() if rows and not name.startswith("gmsh:")}
+    return named or _numbered_rows(content)
+
+
+def _numbered_rows(content: Any) -> dict[str, Index]:
+    """Rows of the tetrahedra by the values of arrays that number parts, as VTK, Medit and Nastran have them."""
+    is_tetra, found = [block.type in TETRAHEDRA for block in content.cells], dict[str, Index]()
+    for name, parts in content.cell_data.items():
+        arrays = [np.asarray(part) for part, is_one in zip(parts, is_tetra, strict=True) if is_one]
+        if not arrays or arrays[0].ndim > 1 or name == "gmsh:geometrical":
+            continue
+        numbers = np.concatenate(arrays)
+        values = np.unique(numbers)
+        if 1 < len(values) <= MOST_PARTS and np.array_equal(values, np.round(values)):
+            title = re.sub(r"\W+", "_", name)
+            found |= {f"{title}_{value:.0f}": np.flatnonzero(numbers == value) for value in values}
+    return found
 
 
 def _refuse_other_volumes(path: Path, content: Any) -> None:

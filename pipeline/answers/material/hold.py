@@ -10,6 +10,7 @@ ramp before a hold counts: with increments dh of what is held, over its value at
 of its part there, u and v the times around an increment and t1 the end. In tension the stress stands for what is held.
 """
 
+import re
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -17,10 +18,10 @@ import numpy as np
 from scipy.optimize import nnls
 
 from geometry.arrays import Array
-from pipeline.answers.columns import Column, Columns, Form, Values, read
+from pipeline.answers.columns import Column, Columns, Form, Values, plain, read
 from pipeline.answers.material.table import KINDS
 from pipeline.config.units import STRESS, TIME, Dimension
-from pipeline.values.errors import InputError
+from pipeline.values.errors import InputError, quoted
 from rod.errors import RodError
 from rod.in_time.relaxation import Creep, Relaxation
 
@@ -47,6 +48,8 @@ LEAST, MIN_POINTS, LARGEST_MISFIT = 2e-3, 5, 0.05
 #: what is held, over its value: in rest, at the end of its ramp, and by how much it may change later; scatters below
 #: the largest stress at which the ramp ends
 REST, REACHED, CHANGE, SCATTERS = 0.02, 0.999, 0.05, 3.0
+#: words of a frequency in radians per time, in its title and unit
+IS_ANGULAR = re.compile(r"^(?!.*hz)(.*\b(ang|angular|circular|kreis|puls)|.*(rad|rpm|deg|omega|ω))")
 #: largest loss factor of a rubber, and frequencies at which arms vibrate, Hz
 LARGEST_LOSS, OF_ARMS = 0.5, (0.1, 10.0)
 
@@ -92,6 +95,9 @@ class Hold:
 def read_hold(path: Path) -> Hold:
     """The branches of a file of a hold with its ramp, or of vibrations. Raises InputError."""
     columns = read(path, HELD)
+    for column in columns.known:
+        if re.search(r"\b(log|log10|lg|ln)\b", plain(column.title)):
+            raise InputError(f"{path}: column {quoted(column.title)} holds logarithms; give the numbers themselves")
     if columns.all("frequency") and columns.all("storage"):
         return _vibrating(columns)
     if not columns.all("time"):
@@ -121,7 +127,7 @@ def _held(path: Path, t: Array, value: Array, held: Array | None, *, is_creep: b
     """From times (n,) in s, what changes and what is held, (n,) at them; None where the latter was not read."""
     end = _end_of_ramp(path, t, value if held is None else held, held is not None, is_creep=is_creep and held is None)
     ramp = held[: end + 1] if held is not None and is_creep else value[: end + 1]
-    rests = np.flatnonzero(ramp <= REST * ramp[-1])
+    rests = np.flatnonzero(ramp <= REST * ramp[-1] + (1.0 - REST) * _preload(t[: end + 1], ramp))
     begin = int(rests[-1]) if len(rests) and not (is_creep and held is None) else end
     t, value, before = t[end:] - t[end], value[end:], t[begin : end + 1] - t[end]
     if len(t) < MIN_POINTS or t[-1] < 10.0 * SHORTEST * t[1]:
@@ -130,7 +136,7 @@ def _held(path: Path, t: Array, value: Array, held: Array | None, *, is_creep: b
     tau = np.geomspace(first, last, max(2, round(PER_DECADE * np.log10(last / first)) + 1))
     left = np.ones(len(tau))
     if begin < end:
-        rise = np.diff(ramp[begin:]) / np.diff(before) / (ramp[-1] - ramp[begin])
+        rise = np.diff(ramp[begin:]) / np.diff(before) / ramp[-1]
         left = tau * (rise @ np.diff(np.exp(before[:, None] / tau), axis=0))
     columns = np.column_stack([np.ones(len(t)), (-left if is_creep else left) * np.exp(-t[:, None] / tau)])
     weight = np.sqrt(np.gradient(np.log(np.maximum(t, 0.5 * t[1]))))
@@ -139,7 +145,13 @@ def _held(path: Path, t: Array, value: Array, held: Array | None, *, is_creep: b
         raise InputError(f"{path}: what was read comes to no rest; give a longer time")
     g = np.array(parts) / level
     misfit = float(np.sqrt(np.average((columns @ (1.0, *g) - value / level) ** 2, weights=weight**2)))
-    return _of_branches(path, g, tau, (float(t[1]), float(t[-1])), misfit, is_creep=is_creep)
+    return _of_branches(path, g, tau, (max(float(t[1]), first / SHORTEST), float(t[-1])), misfit, is_creep=is_creep)
+
+
+def _preload(t: Array, ramp: Array) -> float:
+    """What acts for longer than a ramp (n,) takes before it; zero where nothing does."""
+    rises = t[int(np.argmax(ramp > ramp[0] + REST * (ramp[-1] - ramp[0])))]
+    return float(ramp[0]) if rises - t[0] > t[-1] - rises else 0.0
 
 
 def _end_of_ramp(path: Path, t: Array, held: Array, is_known: bool, *, is_creep: bool) -> int:
@@ -170,9 +182,11 @@ def _vibrating(columns: Columns) -> Hold:
         raise InputError(f"{columns.path}: has no loss modulus; {HELD.example}")
     points = np.column_stack([column.numbers for column in taken])
     hz, storage, loss = points[np.isfinite(points).all(axis=1) & (points > 0.0).all(axis=1)].T
-    hz = hz / (2.0 * np.pi) if "rad" in taken[0].unit else hz
-    if len(hz) < MIN_POINTS:
-        raise InputError(f"{columns.path}: has {len(hz)} frequencies; give {MIN_POINTS} or more")
+    hz = hz / (2.0 * np.pi) if IS_ANGULAR.search(plain(f"{taken[0].title} {taken[0].unit}")) else hz
+    if (count := len(np.unique(hz))) < MIN_POINTS:
+        raise InputError(
+            f"{columns.path}: has too few frequencies, {count}; give {MIN_POINTS} or more, at one temperature"
+        )
     times = 1.0 / (2.0 * np.pi * np.array([hz.max(), hz.min()]))
     first, last = times[0] / SHORTEST, times[1] * SHORTEST
     tau = np.geomspace(first, last, round(OF_HZ * np.log10(last / first)) + 1)

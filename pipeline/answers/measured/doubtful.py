@@ -20,6 +20,10 @@ CLEAR, CLEAR_DEG, NEARER = 0.05, 5.0, 0.5
 #: part of the length by which a place may be farther from the clamp than the arm is long: it stretches, and the frame
 #: of a photograph may be shifted
 BEYOND = 0.2
+#: part of the distance of the rod's places from the clamp within which all that were read are in another unit, and of
+#: the length from which a distance counts
+SMALLER, LARGER = 0.12, 0.3
+CHECK = "check the unit and the origin"
 #: part of the motion that a fit may miss: measured bodies leave at most 0.08, one misread row of five 0.5, columns in
 #: pixels or mirrored 1; and over the usual scatter, so that an arm that hardly moves may be read as roughly as others
 MISSED, SCATTERS = 0.3, 3.0
@@ -43,24 +47,27 @@ def check_numbers(numbers: Numbers, predicted: Array, length_mm: float) -> None:
 
 def _check_degrees(numbers: Numbers, predicted: Array) -> None:
     angles = [k for k, name in enumerate(numbers.names) if name in ANGLES and abs(predicted[k]) > LARGE]
+    for k in angles:
+        turned = numbers.values[k] - math.copysign(360.0, off := numbers.values[k] - predicted[k])
+        if turned * predicted[k] > 0.0 > numbers.values[k] * predicted[k] and abs(off) > 180.0:
+            raise InputError(f"{numbers.where(k)}: {numbers.names[k]}_deg is a turn off; write it as {turned:.4g}")
     if angles and np.median([abs(numbers.values[k] / predicted[k]) for k in angles]) < IN_RADIANS:
         first, name = angles[0], numbers.names[angles[0]]
         raise InputError(
-            f"{numbers.measurements.file}: line {numbers.rows[first].line}: {name}_deg is "
-            f"{numbers.values[first]:.3g}, where the rod has {predicted[first]:.3g}°; if it is in radians, name the "
-            f"column {name}_rad"
+            f"{numbers.where(first)}: {name}_deg is {numbers.values[first]:.3g}, where the rod has "
+            f"{predicted[first]:.3g}°; if it is in radians, name the column {name}_rad"
         )
 
 
 def _check_displacements(numbers: Numbers, predicted: Array, length_mm: float) -> None:
-    """Places along x that would be those of the rod if they were farther from the clamp by one length."""
-    rows = zip(numbers.rows, numbers.names, strict=True)
-    at = [k for k, (row, name) in enumerate(rows) if name == "tip_x" and row.zero_kPa is None]
-    off = numbers.values[at] - predicted[at]
-    if at and np.linalg.norm(off + length_mm) < NEARER * np.linalg.norm(off) and numbers.values[at].max() < CLEAR:
+    """Places along x that would be those of the rod if the straight arm ended at the clamp."""
+    rows, straight = zip(numbers.rows, numbers.names, strict=True), numbers.straight(length_mm)
+    at = [k for k, (row, name) in enumerate(rows) if name in ("tip_x", "x") and row.zero_kPa is None and straight[k]]
+    off, straight = numbers.values[at] - predicted[at], straight[at]
+    if at and np.linalg.norm(off + straight) < NEARER * np.linalg.norm(off) and numbers.values[at].max() < CLEAR:
         raise InputError(
-            f"{numbers.measurements.file}: line {numbers.rows[at[0]].line}: every tip_x_mm is about one length, "
-            f"{length_mm:.4g} mm, too small; if these are displacements, add a column {OF_DISPLACEMENTS}"
+            f"{numbers.where(at[0])}: every {COLUMNS[numbers.names[at[0]]]} is about the length at rest, "
+            f"{straight[0]:.4g} mm, too small; if these are displacements, add a column {OF_DISPLACEMENTS}"
         )
 
 
@@ -76,29 +83,36 @@ def _check_signs(numbers: Numbers, predicted: Array, length_mm: float) -> None:
         if is_other and np.linalg.norm(read + rod) < NEARER * np.linalg.norm(read - rod):
             sign, written = ("-", "a minus sign") if rod[0] < 0.0 else ("+", "a plus sign")
             sentences.append(
-                f"{numbers.measurements.file}: line {numbers.rows[at[0]].line}: {COLUMNS[name]} is {read[0]:.3g}, with "
-                f"the sign of the mirrored arm; this one bends towards {sign}{'x' if name.endswith('x') else 'y'}: "
-                f"write the column with {written}, or its title as -{COLUMNS[name]}"
+                f"{numbers.where(at[0])}: {COLUMNS[name]} is {read[0]:.3g}, with the sign of the mirrored arm; this "
+                f"one bends towards {sign}{'x' if name.endswith('x') else 'y'}: write the column with {written}, or "
+                f"its title as -{COLUMNS[name]}"
             )
     if sentences:
         raise InputError(*sentences)
 
 
 def _check_reach(numbers: Numbers, predicted: Array, length_mm: float) -> None:
-    """Places farther from the clamp than the arm is long, with twice the stretch of the rod."""
+    """Places farther from the clamp than the arm is long, with twice the stretch of the rod; or all near it."""
     pairs = zip(numbers.rows, numbers.names, predicted.tolist(), strict=True)
-    by_rod = {(row.line, name): value for row, name, value in pairs}
+    by_rod, parts = {(row.line, name): value for row, name, value in pairs}, list[float]()
     for row in numbers.measurements.rows:
-        for place in PAIRS:
+        for place, length in zip(PAIRS, (length_mm, row.s_mm or 0.0), strict=True):
             given = [name for name in place if name in row.values]
+            if not given:
+                continue
             far = math.hypot(*(row.values[name] for name in given))
             of_rod = math.hypot(*(by_rod[row.line, name] for name in given))
-            if far > (1.0 + BEYOND) * length_mm + 2.0 * max(0.0, of_rod - length_mm):
-                columns = ", ".join(COLUMNS[name] for name in given)
-                raise InputError(
-                    f"{numbers.measurements.file}: line {row.line}: the place in {columns} is {far:.4g} mm from the "
-                    f"clamp of an arm of {length_mm:.4g} mm; check the unit and the origin"
-                )
+            parts += [far / of_rod] if row.zero_kPa is None and of_rod > LARGER * length_mm else []
+            where = f"{numbers.measurements.file}: line {row.line}"
+            columns = ", ".join(COLUMNS[name] for name in given)
+            if far > length + BEYOND * length_mm + 2.0 * max(0.0, of_rod - length):
+                of = f"an arm of {length:.4g} mm" if place == PAIRS[0] else f"a point at s = {length:.4g} mm"
+                raise InputError(f"{where}: the place in {columns} is {far:.4g} mm from the clamp of {of}; {CHECK}")
+    if parts and max(parts) < SMALLER:
+        raise InputError(
+            f"{numbers.measurements.file}: places are {max(parts):.2g} times as far from the clamp as those of the rod "
+            f"at most; {CHECK}"
+        )
 
 
 def missed(numbers: Numbers, rows: Sequence[Compared], usual: Mapping[str, float], length_mm: float) -> Reason | None:
@@ -115,17 +129,6 @@ def missed(numbers: Numbers, rows: Sequence[Compared], usual: Mapping[str, float
     return Reason("not_calibrated", {"percent": 100.0 * part, **_told(rows[int(np.abs(off).argmax())])})
 
 
-def unsettled(step: float, rows: Sequence[Compared]) -> Reason | None:
-    """Why a fit is no calibration: it did not come to its end, and numbers lie outside their intervals; else None.
-
-    step: as of `Fitted`.
-    """
-    outside = [row for row in rows if not row.is_within]
-    if step < UNSETTLED or not outside:
-        return None
-    return Reason("unsettled", {"outside": len(outside), "numbers": len(rows), **_told(outside[0])})
-
-
 def _told(row: Compared) -> dict[str, float | str]:
     return {"line": row.line, "quantity": row.quantity, "measured": row.measured, "fitted": row.predicted}
 
@@ -133,36 +136,36 @@ def _told(row: Compared) -> dict[str, float | str]:
 def doubt_of_origin(measurements: Measurements) -> list[str]:
     """A sentence where no row shows the origin of places."""
     rest = [row for row in measurements.rows if row.state.is_at_rest and {*row.values} & {*PLACES}]
-    if rest or measurements.is_aligned or not measurements.places:
-        return []
-    return [
-        "No row at rest shows the origin of the places. Read two points of the arm at 0 kPa as well, and give "
-        f"{argument('align', True)}."
-    ]
-
-
-def doubt_of_density(numbers: Numbers, residual: Array) -> list[str]:
-    """Sentences where the frequencies that were measured would need another density.
-
-    residual: (n,) measured less fitted.
-    """
-    is_hz = np.array(numbers.units) == "Hz"
-    denser = float(np.mean((1.0 - residual[is_hz] / numbers.values[is_hz]) ** 2)) if is_hz.any() else 1.0
-    if abs(denser - 1.0) < DENSER:
-        return []
-    return [
-        f"The frequencies would need {denser:.2f} times the density, which is known better: masses are wrong, or the "
-        "modulus in motion is another one."
-    ]
+    cure = f"Read two points of the arm at 0 kPa as well, and give {argument('align', True)}."
+    is_shown = rest or measurements.is_aligned or not measurements.places
+    return [] if is_shown else [f"No row at rest shows the origin of the places. {cure}"]
 
 
 def failure_of(
     numbers: Numbers, rows: Sequence[Compared], usual: Mapping[str, float], length_mm: float, step: float
 ) -> Reason | None:
-    """Why a fit is no calibration, as `missed` or `unsettled`."""
-    return missed(numbers, rows, usual, length_mm) or unsettled(step, rows)
+    """Why a fit is no calibration: as `missed`, or it did not come to its end, and numbers lie outside; else None.
+
+    step: as of `Fitted`.
+    """
+    outside = [row for row in rows if not row.is_within]
+    why = missed(numbers, rows, usual, length_mm)
+    if why or step < UNSETTLED or not outside:
+        return why
+    return Reason("unsettled", {"outside": len(outside), "numbers": len(rows), **_told(outside[0])})
 
 
 def doubts_of(measurements: Measurements, numbers: Numbers, residual: Array) -> list[str]:
-    """Sentences on the origin and the density; residual: (n,) of the numbers that were fitted."""
-    return [*doubt_of_origin(measurements), *doubt_of_density(numbers, residual)]
+    """Sentences on the origin, and where the frequencies that were measured would need another density.
+
+    residual: (n,) measured less fitted.
+    """
+    is_hz, said = np.array(numbers.units) == "Hz", doubt_of_origin(measurements)
+    denser = float(np.mean((1.0 - residual[is_hz] / numbers.values[is_hz]) ** 2)) if is_hz.any() else 1.0
+    if abs(denser - 1.0) < DENSER:
+        return said
+    return [
+        *said,
+        f"The frequencies would need {denser:.2f} times the density, which is known better: masses are wrong, or the "
+        "modulus in motion is another one.",
+    ]

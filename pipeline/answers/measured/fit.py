@@ -9,7 +9,7 @@ from scipy.linalg import cholesky, solve_triangular
 from scipy.optimize import least_squares
 
 from geometry.arrays import Array
-from pipeline.answers.measured.gaussian import Effects, Observed, Posterior, Spread, choose_spread
+from pipeline.answers.measured.gaussian import Effects, Observed, Posterior, Spread, choose_spread, left_out_density
 from pipeline.answers.measured.predicted import Numbers, Setup
 from pipeline.answers.measured.unknowns import BuiltArm
 from pipeline.values.errors import InputError
@@ -29,8 +29,10 @@ STARTS = (0.0, 0.25, 0.5, -0.25, 0.75)
 OF_POSITIONS, OF_ANGLES, OF_REACTIONS = 0.003, 0.5, 0.03
 #: the same of frequencies and of damping ratios, over the largest one
 OF_VIBRATIONS = {"Hz": 0.01, "1": 0.1}
+#: logarithm by which the rows are to be foretold better with another frame of the places, before that is taken
+OTHER = 2.0
 #: part of the deviation of the end of the law by which this may lie below the highest row
-LIMIT = 0.5
+LIMIT = 0.25
 #: part of the highest pressure of a law by which a pressure may leave it by rounding
 ROUNDING = 1e-9
 #: residual of a trial that has no rod, over the scatter
@@ -104,20 +106,17 @@ def fit(arm: BuiltArm, numbers: Numbers) -> Fitted:
 
     Raises InputError, with the line, for a state that the rod of the arm has not.
     """
-    stds = np.array([unknown.std for unknown in arm.unknowns])
     lowest = math.log(max(float(numbers.pressures.max()), 1e-9) / arm.law.pressures[-1])
     changes = _start(arm, numbers, max(0.0, lowest))
     usual = usual_scatter(arm.law.length, numbers)
     for _ in range(ROUNDS):
-        observed = _observed(arm, numbers, changes, stds)
-        spread = choose_spread(observed, usual)
+        observed, spread = _observed(arm, numbers, changes, usual)
         before, changes = changes, _improved(arm, numbers, observed, spread, lowest)
-        if np.abs((changes - before) / stds).max() < SETTLED:
+        if np.abs((changes - before) / observed.stds).max() < SETTLED:
             break
-    observed = _observed(arm, numbers, changes, stds)
-    posterior = Posterior.of(observed, choose_spread(observed, usual))
-    end, deviation = posterior.changes[:2].sum(), math.sqrt(posterior.covariance[:2, :2].sum())
-    return Fitted(observed, posterior, bool(end < lowest - LIMIT * deviation))
+    observed, spread = _observed(arm, numbers, changes, usual)
+    posterior = Posterior.of(observed, spread)
+    return Fitted(observed, posterior, bool(posterior.changes[0] < lowest - LIMIT * posterior.stds[0]))
 
 
 def _start(arm: BuiltArm, numbers: Numbers, first: float) -> Array:
@@ -135,9 +134,19 @@ def _start(arm: BuiltArm, numbers: Numbers, first: float) -> Array:
     raise failures[0]
 
 
-def _observed(arm: BuiltArm, numbers: Numbers, changes: Array, stds: Array) -> Observed:
-    residual = numbers.values - numbers_of(arm, numbers, changes)
-    return Observed(effects_on(arm, numbers, changes), residual, numbers.units, changes, stds)
+def _observed(arm: BuiltArm, numbers: Numbers, changes: Array, usual: dict[str, float]) -> tuple[Observed, Spread]:
+    """The numbers beside the rod, and their spread, in a frame as of the file or in another one, which may be far off.
+
+    Another one is taken where rows are foretold far better with it. usual: scatter by unit.
+    """
+    residual, effects = numbers.values - numbers_of(arm, numbers, changes), effects_on(arm, numbers, changes)
+    stds, *others = arm.stds_by_frame(is_aligned=numbers.measurements.is_aligned)
+    observed = Observed(effects, residual, numbers.units, changes, stds)
+    spread = choose_spread(observed, usual)
+    for far in (replace(observed, stds=one) for one in others):
+        if left_out_density(far, spread) > left_out_density(observed, spread) + OTHER:
+            return far, choose_spread(far, usual)
+    return observed, spread
 
 
 def usual_scatter(length_mm: float, numbers: Numbers) -> dict[str, float]:
@@ -152,28 +161,23 @@ def usual_scatter(length_mm: float, numbers: Numbers) -> dict[str, float]:
 def _improved(arm: BuiltArm, numbers: Numbers, observed: Observed, spread: Spread, lowest: float) -> Array:
     """(k,) the changes of least squares with a spread, of the numbers and of what was known before.
 
-    lowest: of the logarithm of the last pressure of the law over that of the drawing, which is the sum of the first two
-    changes, of modulus and trend.
+    lowest: of the logarithm of the modulus, at which the law ends at the highest pressure of the numbers.
     """
     factor, stds = cholesky(observed.noise(spread), lower=True), observed.stds
-    of_end = np.eye(len(stds))
-    of_end[0, 1] = -1.0
 
-    def residual(varied: Array) -> Array:
-        changes = of_end @ varied
+    def residual(changes: Array) -> Array:
         try:
             off = numbers.values - numbers_of(arm, numbers, changes)
         except InputError:
             return np.full(len(numbers.values) + len(stds), NO_ROD)
         return np.concatenate([solve_triangular(factor, off, lower=True), changes / stds])
 
-    def slopes(varied: Array) -> Array:
-        changes, by_unknown = of_end @ varied, observed.effects.by_unknown
+    def slopes(changes: Array) -> Array:
+        by_unknown = observed.effects.by_unknown
         if not np.allclose(changes, observed.changes, rtol=0.0, atol=ROUNDING):
             by_unknown = effects_on(arm, numbers, changes).by_unknown
-        return np.vstack([-solve_triangular(factor, by_unknown, lower=True), np.diag(1.0 / stds)]) @ of_end
+        return np.vstack([-solve_triangular(factor, by_unknown, lower=True), np.diag(1.0 / stds)])
 
-    least, start = np.full(len(stds), -np.inf), np.linalg.solve(of_end, observed.changes)
+    least, start = np.full(len(stds), -np.inf), np.array(observed.changes)
     least[0], start[0] = lowest, max(start[0], lowest)
-    varied = least_squares(residual, start, slopes, (least, np.inf), x_scale=stds, xtol=1e-3, ftol=1e-4, max_nfev=6).x
-    return np.asarray(of_end @ varied)
+    return least_squares(residual, start, slopes, (least, np.inf), x_scale=stds, xtol=1e-3, ftol=1e-4, max_nfev=6).x

@@ -127,6 +127,10 @@ class Numbers:
         """(n,)"""
         return tuple(KINDS[name] for name in self.names)
 
+    def where(self, k: int) -> str:
+        """File and line of a number."""
+        return f"{self.measurements.file}: line {self.rows[k].line}"
+
     @property
     def pressures(self) -> Array:
         """(n,) kPa."""
@@ -146,14 +150,12 @@ class Numbers:
         """(n,) the same numbers by a rod. Raises InputError, with the line, where it has none."""
         state_of, vibration_of = cache(partial(_shape_in, rods, setup)), cache(partial(_vibration_in, rods, setup))
         found = []
-        for row, name in zip(self.rows, self.names, strict=True):
+        for k, (row, name) in enumerate(zip(self.rows, self.names, strict=True)):
             try:
-                if name in VIBRATION:
-                    found.append(vibration_of(row.state)[name])
-                    continue
-                found.append(_read(state_of, setup, row, name))
+                is_in_time = name in VIBRATION
+                found.append(vibration_of(row.state)[name] if is_in_time else _read(state_of, setup, row, name))
             except RodError as failure:
-                raise InputError(f"{self.measurements.file}: line {row.line}: {failure}") from None
+                raise InputError(f"{self.where(k)}: {failure}") from None
         return np.array(found)
 
     def curves(self, rods: Rods, setup: Setup = AS_WRITTEN) -> Curves:
@@ -167,10 +169,9 @@ class Numbers:
 
     def beside(self, predicted: Array, allowed: Array) -> tuple[Compared, ...]:
         """Every number beside that of a rod, and what is allowed, (n,) each. Raises InputError for NaN."""
-        for row, name, *found in zip(self.rows, self.names, predicted, allowed, strict=True):
-            if not np.isfinite(found).all():
-                where = f"{self.measurements.file}: line {row.line}"
-                raise InputError(f"{where}: what the rod has of {COLUMNS[name]} is not known; leave this number out")
+        for k in np.flatnonzero(~np.isfinite(predicted + allowed))[:1]:
+            told = f"what the rod has of {COLUMNS[self.names[k]]} is not known; leave this number out"
+            raise InputError(f"{self.where(k)}: {told}")
         columns = zip(self.rows, self.names, self.values.tolist(), predicted.tolist(), allowed.tolist(), strict=True)
         return tuple(
             Compared(row.line, row.state.pressure_kPa, row.told, COLUMNS[name], value, rod, most,

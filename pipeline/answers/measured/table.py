@@ -1,7 +1,9 @@
 """The file of an arm that was measured: columns with their units, in any order, as spreadsheets write them."""
 
 import re
+from collections import Counter
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from pipeline.answers.columns import Column, Columns, Form, Values, plain, read
@@ -53,6 +55,9 @@ def read_measurements(path: Path) -> Measurements:
     rows = [_row(f"{path}: line {line}", line, columns, k) for k, line in enumerate(table.lines.tolist())]
     if not rows:
         raise InputError(f"{path}: has titles and no numbers under them; give a row for each state that was measured")
+    kinds = Counter(repr(replace(row, line=0)) for row in rows)
+    if len(rows) > 2 and min(kinds.values()) > 1:
+        raise InputError(f"{path}: every row is there {min(kinds.values())} times; leave copies out, or name repeats")
     return Measurements(str(path), told_of_motions(path, rows))
 
 

@@ -5,6 +5,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
+import numpy as np
+
 from geometry.arrays import Array
 from pipeline.answers.measured.predicted import AS_WRITTEN, LawRods, Setup
 from pipeline.answers.measured.rows import VIBRATION, Measurements
@@ -23,11 +25,12 @@ ORIGIN = "origin_x_mm", "origin_y_mm"
 BEND, STRETCH = "second_order_bend", "second_order_stretch"
 #: of the rubber in time: a loss factor over the frequencies that were measured, and a slow branch
 LOSS, SHARE, SLOW = "loss_factor", "relaxation_g", "relaxation_tau_s"
-#: standard deviations: of ln(modulus) for constants of a data sheet or of another batch; of how much more it grows up
-#: to the highest pressure of the law; of the clamp, degrees
-OF_DATA_SHEET, OF_TREND, OF_CLAMP = 0.4, 0.2, 1.0
-#: of the origin of places over the length of the arm
-OF_ORIGIN = 0.03
+#: standard deviations: of ln(modulus) at the highest pressure of the law for constants of a data sheet or of another
+#: batch; of how much it grows from rest up to there
+OF_DATA_SHEET, OF_TREND = 0.4, 0.2
+#: of the frame of the places, its origin over the length of the arm and the angle of the clamp in degrees; how many
+#: times these are where the rows say that the frame is another one
+OF_ORIGIN, OF_CLAMP, OTHER_FRAME = 0.01, 0.5, 5.0
 #: the share of a slow branch before anything is known; standard deviations of the logarithms of what the rubber has in
 #: time
 USUAL_SHARE, OF_RUBBER_IN_TIME = 0.05, 1.0
@@ -83,6 +86,12 @@ class BuiltArm:
         named = [name for name, axis in zip(ORIGIN, "xy", strict=True) if axis in axes]
         return tuple(Unknown(name, "mm", 0.0, std, told) for name in named)
 
+    def stds_by_frame(self, *, is_aligned: bool) -> list[Array]:
+        """(k,) deviations in the frame of the file, and unless that is aligned, in another one."""
+        stds = np.array([unknown.std for unknown in self.unknowns])
+        is_of_frame = np.isin([unknown.name for unknown in self.unknowns], (*ORIGIN, CLAMP))
+        return [stds] if is_aligned else [stds, np.where(is_of_frame, OTHER_FRAME * stds, stds)]
+
     def changed_rods(self, changes: Array) -> LawRods:
         """The rods of the law after changes (k,). Raises `RodError` where none is left."""
         return LawRods(self.changed_law(changes), self.changed_material(changes))
@@ -106,11 +115,12 @@ class BuiltArm:
         law = change(of_law) if of_law else law
         trend = self._of(TREND, changes)
         law = law.stiffened(trend) if trend else law
-        return law.scaled(math.exp(changes[0])) if changes[0] else law
+        factor = changes[0] - trend  # of the moduli at rest
+        return law.scaled(math.exp(factor)) if factor else law
 
     def end_kPa(self, changes: Array) -> float:
         """Highest pressure of the law after changes (k,)."""
-        return self.law.pressures[-1] * math.exp(self._of(MODULUS, changes) + self._of(TREND, changes))
+        return self.law.pressures[-1] * math.exp(changes[0])
 
     def changed_setup(self, changes: Array) -> Setup:
         """The setup after changes (k,)."""

@@ -174,6 +174,13 @@ def test_regions_of_a_file_that_all_have_one_material_and_a_body_in_another_unit
     )
     found = {reason.code: render(reason) for reason in check_load(load_config(path))}
     assert "the regions base, top, and all have one material" in found["one_material"]
+    numbered = meshio.Mesh(points, [("tetra", tets)], cell_data={"material": [1 + low]})
+    for file in ("bar.vtu", "bar.vtk"):
+        numbered.write(tmp_path / file)
+        (note,) = (r for r in check_load(load_config(path, [f"geometry.file={file}"])) if r.code == "one_material")
+        assert "the regions material_1, material_2, and all have one material" in render(note)
+        soft = [f"geometry.file={file}", "materials.material_2={law: neo_hooke, mu: 1 MPa, nu: 0.49}"]
+        assert "one_material" not in {reason.code for reason in check_load(load_config(path, soft))}
     given = check_load(load_config(path, ["materials.base={law: neo_hooke, mu: 1 MPa, nu: 0.49}"]))
     assert {"one_material", "large_body"}.isdisjoint(reason.code for reason in given)
     step = ["geometry.file=bar.step", "mesh.size=5 mm"]

@@ -87,6 +87,7 @@ def test_a_loss_factor_that_no_rubber_has_is_named(tmp_path: Path) -> None:
     ("titles", "times", "complaint"),
     [
         ("time,stress (kPa)", TIMES, "column 'time' has no unit; write it as 'time \\(s\\)'"),
+        ("log time (s),stress (kPa)", TIMES, "'log time \\(s\\)' holds logarithms"),
         ("time (s),temperature", TIMES, "no line names columns of a time and of a stress"),
         ("time (s),stress (kPa)", -TIMES, "times do not rise at 0.04 s"),
         ("time (s),stress (kPa)", TIMES - 300.0, "has 1 points of a hold"),
@@ -135,6 +136,14 @@ def test_ramps_of_many_lengths(ramp: float, start: float, tmp_path: Path) -> Non
     assert lost(read_hold(tmp_path / "hold.csv")) == pytest.approx(0.1304, abs=0.012)
 
 
+def test_a_stretch_before_the_ramp_has_relaxed_before(tmp_path: Path) -> None:
+    """A load of a tenth for a minute, then a ramp of 2 s."""
+    t = np.unique(np.concatenate([np.arange(0.0, 80.0, 0.02), np.arange(80.0, 400.0, 0.5)]))
+    found = read_hold(file(tmp_path, "time (s),force (N)", 0.1 + noisy(ramped(t, 2.0, 60.0), 0.001), t))
+    assert lost(found) == pytest.approx(0.1304, abs=0.012)
+    assert found.between_s[0] == pytest.approx(0.4 / 3.0, rel=0.05)  # what a ramp of 2 s shows
+
+
 def test_a_slow_logger_tells_what_is_lost_after_its_first_second(tmp_path: Path) -> None:
     t = np.arange(0.0, 300.0, 1.0)
     found = read_hold(file(tmp_path, "time (s),stress (MPa)", ramped(t, 0.5, 0.2), t))
@@ -174,10 +183,14 @@ def test_moduli_over_frequency(tmp_path: Path) -> None:
     over = rubber.dynamic(2j * np.pi * rows[:, 0]).real / rows[:, 1]
     assert np.ptp(over) < 0.01 * over.mean()  # one over the modulus at long times
     turned = "\n".join(f"{2 * np.pi * f},{s},{v}" for f, s, v in rows)
-    (tmp_path / "turned.csv").write_text(
-        f"angular frequency (rad/s),storage modulus (MPa),loss modulus (MPa)\n{turned}"
-    )
-    assert read_hold(tmp_path / "turned.csv").tau_s == pytest.approx(found.tau_s, rel=1e-6)
+    for title in ("angular frequency (rad/s)", "Kreisfrequenz (1/s)", "ω (s⁻¹)"):
+        (tmp_path / "turned.csv").write_text(f"{title},storage modulus (MPa),loss modulus (MPa)\n{turned}", "utf-8")
+        assert read_hold(tmp_path / "turned.csv").tau_s == pytest.approx(found.tau_s, rel=1e-6), title
+    sweep = "\n".join(f"1,{20 + k},{s},{v}" for k, (_, s, v) in enumerate(rows))
+    titles = "frequency (Hz),temperature (°C),storage modulus (MPa),loss modulus (MPa)"
+    (tmp_path / "sweep.csv").write_text(f"{titles}\n{sweep}", "utf-8")
+    with pytest.raises(InputError, match="too few frequencies, 1; give 5 or more, at one temperature"):
+        read_hold(tmp_path / "sweep.csv")
     refused = CliRunner().invoke(app, ["material", str(DATA / "dma.csv"), "--out", str(tmp_path / "m")])
     assert refused.exit_code == 2
     assert "storage and loss modulus over frequency, are given with --hold" in refused.stderr

@@ -16,18 +16,26 @@ from scipy.stats import multivariate_t
 import pneurod
 from pipeline.answers.measured.calibrate import CalibrateOptions, CalibrationReport, calibrate_files
 from pipeline.answers.measured.compare import compare_files
-from pipeline.answers.measured.fit import effects_on, fit, numbers_of, off_range
+from pipeline.answers.measured.fit import _observed, effects_on, fit, numbers_of, off_range, usual_scatter
 from pipeline.answers.measured.gaussian import Effects, Observed, Posterior, Spread
 from pipeline.answers.measured.predicted import Numbers, Setup
 from pipeline.answers.measured.rows import State
 from pipeline.answers.measured.saved import calibrated_config
 from pipeline.answers.measured.table import read_measurements
-from pipeline.answers.measured.unknowns import BuiltArm, unknowns_of
+from pipeline.answers.measured.unknowns import (
+    MODULUS,
+    OF_ORIGIN,
+    ORIGIN,
+    OTHER_FRAME,
+    TREND,
+    BuiltArm,
+    unknowns_of,
+)
 from pipeline.answers.rods.choice import choose_rod
 from pipeline.answers.rods.solid import solid_of
 from pipeline.results.files import read_results
 from pipeline.values.errors import InputError
-from tests.measured_arm import LENGTH, PITCH, arm_law, measured, result_folder, with_body
+from tests.measured_arm import EI, LENGTH, PITCH, arm_law, measured, result_folder, with_body
 
 STATES = [State(p) for p in (4.0, 8.0, 12.0, 16.0)] + [State(16.0, (0.0, 0.02)), State(12.0, held_y_mm=-20.0)]
 
@@ -186,6 +194,36 @@ def test_an_origin_that_is_off_is_fitted_and_said(tmp_path: Path) -> None:
     assert any(note.startswith("No row at rest shows the origin") and "align" in note for note in found.notes)
     unseen = measured(tmp_path / "unseen.csv", arm_law().scaled(0.85), [State(10.0)], 0.0, Setup(origin_mm=(6.0, 7.0)))
     assert compare_files(tmp_path / "arm_calibrated", unseen).within == 1.0
+
+
+@pytest.mark.parametrize(("off", "times"), [((0.0, 0.0), 1.0), ((6.0, 7.0), OTHER_FRAME)])
+def test_a_frame_far_off_is_looked_for_where_rows_say_so(
+    tmp_path: Path, off: tuple[float, float], times: float
+) -> None:
+    """Else its freedom is that of the modulus, by some per cent for a tip that is 1 mm higher."""
+    states = [State(p) for p in (8.0, 12.0, 16.0, 20.0, 24.0)]
+    read = read_measurements(measured(tmp_path / "arm.csv", arm_law().scaled(0.85), states, 0.3, Setup(origin_mm=off)))
+    unknowns = *unknowns_of(arm_law(), {"geometry": {}}, (), 24.0), *BuiltArm.origin_of(read, LENGTH)
+    arm, numbers = BuiltArm(arm_law(), unknowns, Setup(drawn_mm=LENGTH)), Numbers.of(read)
+    changes = np.log(0.85) * np.eye(len(unknowns))[0]
+    observed, _ = _observed(arm, numbers, changes, usual_scatter(LENGTH, numbers))
+    of_origin = [k for k, unknown in enumerate(unknowns) if unknown.name in ORIGIN]
+    assert observed.stds[of_origin] == pytest.approx(times * OF_ORIGIN * LENGTH)
+
+
+def test_the_modulus_is_that_at_the_highest_pressure_of_the_law() -> None:
+    """There measurements tell it; at rest it is an extrapolation."""
+    unknowns = unknowns_of(arm_law(), {"geometry": {}}, (), 24.0)
+    arm = BuiltArm(arm_law(), unknowns)
+    at = {name: [unknown.name for unknown in unknowns].index(name) for name in (MODULUS, TREND)}
+    for trend in (0.0, -0.3):
+        changes = np.zeros(len(unknowns))
+        changes[[at[MODULUS], at[TREND]]] = np.log(0.85), trend
+        law = arm.changed_law(changes)
+        assert law.pressures[-1] == pytest.approx(arm.end_kPa(changes)) == pytest.approx(0.85 * 40.0)
+        rigidity = [float(np.diff(cell.moment)[0] / np.diff(cell.kappa)[0]) / EI for cell in law.cells]
+        assert rigidity[-1] == pytest.approx(0.85)
+        assert rigidity[0] == pytest.approx(0.85 * np.exp(-trend))
 
 
 def test_a_pressure_that_the_gauge_moves_off_the_law_is_said(tmp_path: Path) -> None:

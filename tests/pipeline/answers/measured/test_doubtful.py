@@ -85,6 +85,11 @@ def test_small_or_mixed_motions_have_no_sign_to_check(tmp_path: Path) -> None:
         ("pressure_kPa,tip_y_mm\n8,-140", ("line 2", "tip_y_mm is 140 mm", "an arm of 110 mm")),
         ("pressure_kPa,s_mm,x_mm,y_mm\n8,50,400,-20", ("line 2", "the place in x_mm, y_mm")),
         ("pressure_kPa,tip_x_mm\n0,119", ()),
+        ("pressure_kPa,s_mm,x_mm,y_mm\n0,1,99,0", ("line 2", "a point at s = 1 mm")),
+        ("pressure_kPa,tip_x_mm,tip_y_mm\n0,0.11,0\n8,0.107,-0.02", ("0.001 times as far from the clamp",)),
+        ("pressure_kPa,tip_x_mm,tip_y_mm\n0,4.3,0\n8,4.2,-0.9", ("as far from the clamp", "check the unit")),
+        ("pressure_kPa,end_angle_deg\n16,307", ("line 2", "end_angle_deg is a turn off; write it as -53")),
+        ("pressure_kPa,s_mm,x_mm,y_mm\n4,55,-1,-4\n8,55,-2,-9", ("line 2", "every x_mm", "zero_kPa")),
     ],
 )
 def test_places_out_of_reach(tmp_path: Path, row: str, words: tuple[str, ...]) -> None:

@@ -9,7 +9,7 @@ import pytest
 
 from pipeline.answers.measured.calibrate import CalibrationReport, calibrate_files
 from pipeline.answers.measured.compare import compare_files
-from pipeline.answers.measured.doubtful import doubt_of_density
+from pipeline.answers.measured.doubtful import doubts_of
 from pipeline.answers.measured.predicted import LawRods, Numbers
 from pipeline.answers.measured.rows import Measurements, Row, State
 from pipeline.answers.measured.table import read_measurements
@@ -114,8 +114,8 @@ def test_a_force_that_lets_go_tells_a_vibration_alone(tmp_path: Path) -> None:
 def test_frequencies_that_need_another_density_are_named(tmp_path: Path) -> None:
     row = Row(2, State(20.0), {"frequency_Hz": 5.0, "damping_ratio": 0.05})
     numbers = Numbers.of(Measurements("", (row,)))
-    assert doubt_of_density(numbers, np.array([0.2, 0.0])) == []
-    (sentence,) = doubt_of_density(numbers, np.array([-0.5, 0.0]))
+    assert doubts_of(numbers.measurements, numbers, np.array([0.2, 0.0])) == []
+    (sentence,) = doubts_of(numbers.measurements, numbers, np.array([-0.5, 0.0]))
     assert sentence.startswith("The frequencies would need 1.21 times the density")
 
 

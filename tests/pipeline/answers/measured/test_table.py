@@ -93,6 +93,8 @@ def test_zeros_a_point_of_the_tip_and_titles_with_a_minus_sign(tmp_path: Path) -
         ("pressure_kPa,displacement x (mm)\n1,2\n", ("displacement x (mm)", "zero_kPa")),
         ("Format Version,1.23,Take Name,take1\n\nFrame,Time (Seconds),X,Y\n0,0,0.1,0.2\n", ("Motive", "pressure_kPa")),
         ("nothing\n", ("arm.csv", "pressure_kPa")),
+        ("pressure_kPa,tip_x_mm\n12,100\n12,100\n12,100\n", ("every row is there 3 times",)),
+        ("pressure_kPa,tip_x_mm\n12,100\n13,99\n\npressure_kPa,tip_x_mm\n14,98\n", ("titles again", "line 6")),
     ],
 )
 def test_bad_files_are_told_with_line_and_column(tmp_path: Path, text: str, words: tuple[str, ...]) -> None:
