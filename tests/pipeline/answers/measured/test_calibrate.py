@@ -284,7 +284,7 @@ def test_effects_are_those_of_closed_forms(tmp_path: Path) -> None:
     angle = numbers_of(arm, numbers, np.zeros(len(arm.unknowns)))
     assert angle == pytest.approx(np.degrees(-5e-4 * 0.99 * 110.0 * np.array([8.0, 16.0])), rel=1e-3)
     assert effects.by_unknown[:, 0] == pytest.approx(-angle, rel=2e-3)
-    assert effects.by_unknown[:, 1] == pytest.approx(-angle * np.array([0.2, 0.4]), rel=2e-2)
+    assert effects.by_unknown[:, 1] == pytest.approx(-angle * (np.array([0.2, 0.4]) - 1.0), rel=2e-2)
     assert effects.by_unknown[:, 2] == pytest.approx(-0.8 * angle, rel=1e-3)
     assert effects.by_unknown[:, 3] == pytest.approx(angle / np.array([8.0, 16.0]), rel=1e-3)
     assert effects.by_unknown[:, 4] == pytest.approx(1.0)
