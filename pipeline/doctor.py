@@ -107,7 +107,7 @@ def _check_gmsh() -> str:
 
 
 def _check_pictures() -> str:
-    from pipeline.results.drawing import draw_body
+    from pipeline.show.drawing import draw_body
 
     body = geometry.PneuNet(chambers=1).body(4.0).mesh
     with tempfile.TemporaryDirectory() as folder:

@@ -24,7 +24,7 @@ from pipeline.identify.validate import validate as compare_loads
 from pipeline.law.effort import expected_of
 from pipeline.law.of_run import LawOfRun, deliver_law_of_run, law_on_mesh_of_arm
 from pipeline.law.study import save_law
-from pipeline.results.files import CURVES, LAW_ON_MESH_OF_ARM, VALIDATION_CURVES, save_curves, save_value
+from pipeline.results.files import LAW_ON_MESH_OF_ARM, save_curves, save_value
 from pipeline.results.laws import law_record
 from pipeline.results.unloaded import delivered_numbers
 from pipeline.simulate.design_notes import check_design
@@ -248,7 +248,7 @@ def compare_rods(
         rods = ArmRods(state.written.parameters, on_mesh.law, (0.0, body.curve_y))
         comparisons = compare(outcomes, rods, body.pitch)
         curves = curves_of(outcomes, comparisons, body.pitch)
-        save_curves(state.context.store, CURVES, curves)
+        save_curves(state.context.store, curves)
     return state.with_results(curves=curves), rods, comparisons
 
 
@@ -262,7 +262,7 @@ def validate(
         compared = (*comparisons, *validated.comparisons)
         errors = tuple(error for comparison in compared for error in comparison.errors)
         errors, curves = save_value(state.context.store, "validation.json", errors), validated.curves
-        save_curves(state.context.store, VALIDATION_CURVES, curves)
+        save_curves(state.context.store, curves, has_loads=True)
     return state.with_results(rod_errors=errors, validation_curves=curves), validated
 
 

@@ -8,8 +8,8 @@ import numpy as np
 
 from pipeline.answers.measured.predicted import LawRods, Numbers, Setup
 from pipeline.answers.measured.rows import Measurements, Row, State
-from pipeline.results.drawing import write_fields
 from pipeline.results.laws import law_record
+from pipeline.show.drawing import write_fields
 from pipeline.values.formats import FORMAT
 from pipeline.values.record import MeshRecord
 from rod import ArmLaw

@@ -14,7 +14,7 @@ from benchmarks.paper.drawing import ARM_NAMES, NotThere
 from fem import Discretisation
 from geometry.arrays import Array
 from pipeline.config.load import load_config
-from pipeline.results.drawing import Colour, draw_deformed
+from pipeline.show.drawing import Colour, draw_deformed
 from pipeline.simulate.scene import Scene
 
 #: kPa

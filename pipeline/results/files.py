@@ -72,9 +72,9 @@ def replace_draft(folder: ResultFolder, *, draft: bool) -> None:
         folder.path(LAW).unlink()
 
 
-def save_curves(folder: ResultFolder, name: str, curves: Sequence[Curve]) -> None:
-    """Write `CURVES` or `VALIDATION_CURVES`, which has columns for the load."""
-    has_loads = name == VALIDATION_CURVES
+def save_curves(folder: ResultFolder, curves: Sequence[Curve], *, has_loads: bool = False) -> None:
+    """Write the curves of a run, or those of its validation, which have columns for the load."""
+    name = VALIDATION_CURVES if has_loads else CURVES
     rows: list[tuple[Any, ...]] = []
     for curve in curves:
         table = np.column_stack([curve[column] for column in CURVE_COLUMNS[len(_KEYS) :]])

@@ -54,6 +54,11 @@ class RodErrors:
         return RodErrors(rod, len(inside), len(outside), shapes[0], shapes[1], forces[0], forces[1], missing)
 
     @property
+    def title(self) -> str:
+        """The rod in words."""
+        return TITLES[self.rod]
+
+    @property
     def shape(self) -> float:
         """Largest distance between the curves over the length; infinite where the rod has no solution at all."""
         known = _largest([self.distance_over_length_in_sample, self.distance_over_length_out_of_sample])

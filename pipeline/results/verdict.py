@@ -21,6 +21,7 @@ from pipeline.results.rod_errors import (
     MeshErrors,
     RodAndMesh,
     RodErrors,
+    rod_and_mesh,
     rod_errors,
     rod_to_take,
     uncertain_forces,
@@ -197,14 +198,29 @@ def verdict_of(run: Run) -> Verdict:
         mesh=MeshErrors() if both is None else both.mesh,
         pressures_kPa=_pressures(run, rod) if rod else None,
         moments_N_mm=_moments(run, rod) if rod else None,
-        tolerances=next((remark for remark in run.remarks if remark.code in (TOLERANCES, *CALIBRATED)), None),
-        in_time=next((remark for remark in run.remarks if remark.code == IN_TIME), None),
+        tolerances=run.remark(TOLERANCES, *CALIBRATED),
+        in_time=run.remark(IN_TIME),
         limit=report_reason(limit) if limit else None,
         command=_use(run, rod) if usable else _instead(run, rod, errors, both),
         failures=run.failures,
         warnings=_warnings(run, rod, both, refusal),
         errors=errors,
     )
+
+
+def errors_and_notes(run: Run, verdict: Verdict, rod: str) -> tuple[RodAndMesh | None, tuple[str, ...]]:
+    """The errors of a rod of a run, None where they are not known, and what limits the trust in it, a sentence each."""
+    compared = next((errors for errors in verdict.errors if errors.rod == rod), None)
+    taken = rod_to_take(run, verdict.errors)
+    errors = rod_and_mesh(run, compared) if compared else taken[1] if taken and taken[0] == rod else None
+    notes = [] if verdict.refusal is None else [verdict.refusal.text]
+    if errors and errors.mesh.largest is None:
+        notes.append(report_reason(unknown_mesh_error(run)).text)
+    if errors and verdict.refusal is None and not errors.is_good:
+        notes.append(f"The errors of this rod are large: {errors.text}.")
+    if verdict.refusal is None and (uncertain := uncertain_forces(run, rod)):
+        notes.append(report_reason(uncertain).text)
+    return errors, tuple(notes)
 
 
 def _bending(run: Run, rod: str) -> tuple[Bending, ...]:
@@ -221,7 +237,7 @@ def _bending(run: Run, rod: str) -> tuple[Bending, ...]:
 
 def _refusal(run: Run, errors: tuple[RodErrors, ...], both: RodAndMesh | None) -> Reported | None:
     """Why no rod should be used: the arm leaves its plane, no fit meets it, or shape or force are too far off."""
-    if told := next((remark for remark in run.remarks if remark.code in (OUT_OF_PLANE, *NOT_CALIBRATED)), None):
+    if told := run.remark(OUT_OF_PLANE, *NOT_CALIBRATED):
         return told
     if both is None or both.is_good:
         return None

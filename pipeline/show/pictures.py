@@ -2,13 +2,15 @@
 
 import io
 from collections.abc import Sequence
+from pathlib import Path
+from xml.etree import ElementTree
 
 import numpy as np
 
 from geometry import Body, Mesh
 from geometry.arrays import Array, Index, Mask
 from geometry.topology import EDGES, OUTWARD, row_keys
-from pipeline.results.drawing import Colour, draw_body, draw_deformed, window_for_pictures, write_fields, write_series
+from pipeline.show.drawing import Colour, draw_body, draw_deformed, window_for_pictures, write_fields
 from pipeline.simulate.outcome import Outcome, Outcomes
 from pipeline.simulate.simulate import EXPERIMENTS
 from pipeline.store.atomic_file import write_atomic
@@ -146,3 +148,13 @@ def at_nodes(states: Sequence[Array], nodes: Index) -> Array:
     elements = np.bincount(nodes.ravel(), minlength=count)
     sums = [np.bincount(nodes.ravel(), np.repeat(v, nodes.shape[1]), minlength=count) for v in states]
     return (np.reshape(sums, (len(states), count)) / np.maximum(elements, 1)).astype(np.float32)
+
+
+def write_series(path: Path, files: Sequence[tuple[float, str]]) -> None:
+    """Write a .pvd time series: pairs of pressure in kPa (its time) and the .vtu file, relative to the .pvd."""
+    root = ElementTree.Element("VTKFile", type="Collection", version="0.1", byte_order="LittleEndian")
+    collection = ElementTree.SubElement(root, "Collection")
+    for pressure, file in files:
+        ElementTree.SubElement(collection, "DataSet", timestep=f"{pressure:.12g}", group="", part="0", file=file)
+    ElementTree.indent(root)
+    write_atomic(path, ElementTree.tostring(root, encoding="utf-8", xml_declaration=True))

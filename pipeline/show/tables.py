@@ -7,8 +7,7 @@ from typing import Any
 
 from fem.elements import ELEMENTS
 from pipeline.answers.rods.solid import young_modulus
-from pipeline.results.rod_errors import TITLES, mesh_errors, rod_errors
-from pipeline.results.verdict import IN_TIME
+from pipeline.results.rod_errors import mesh_errors, rod_errors
 from pipeline.values.formatting import DIGITS, duration, number, percent
 from pipeline.values.parameters import FiveColumns
 from pipeline.values.run import Run, State
@@ -70,7 +69,7 @@ def rods(run: Run) -> Table:
     """The largest errors of every rod, against the finite elements and because of the mesh; empty without rods."""
     return Table.of(
         [(errors, mesh_errors(run, errors.rod)) for errors in rod_errors(run)],
-        ("rod", lambda row: TITLES[row[0].rod]),
+        ("rod", lambda row: row[0].title),
         ("fitted loads", lambda row: str(row[0].loads_in_sample)),
         ("distance / length", lambda row: percent(row[0].distance_over_length_in_sample)),
         ("force error", lambda row: percent(row[0].force_error_in_sample)),
@@ -149,7 +148,8 @@ def design(run: Run) -> Table:
 
 def in_time(run: Run) -> Table:
     """Vibrations, settling and creep at each pressure; empty where the material does not describe them."""
-    rows: Any = next((remark.values["rows"] for remark in run.remarks if remark.code == IN_TIME), [])
+    remark = run.remark("in_time")
+    rows: Any = remark.values["rows"] if remark else []
     names = [name for name in rows[0] if name != "pressure_kPa"] if rows else []
     columns = tuple(f"{row['pressure_kPa']:g} kPa" for row in rows)
     return Table(

@@ -20,7 +20,7 @@ NUMBER_SOURCES = (
     *("pipeline/values/richardson.py", "pipeline/results/laws.py", "pipeline/results/unloaded.py"),
 )
 #: what decides a picture besides the states
-PICTURE_SOURCES = ("pipeline/results/drawing.py", "pipeline/show/pictures.py")
+PICTURE_SOURCES = ("pipeline/show/drawing.py", "pipeline/show/pictures.py")
 #: the whole program, with all its sentences
 ALL_SOURCES = ("geometry", "fem", "rod", "pipeline")
 

@@ -185,6 +185,10 @@ class Run:
         """What is unusual about the design and its results."""
         return self.record.remarks
 
+    def remark(self, *codes: str) -> Reported | None:
+        """The first remark with one of these codes; None without any."""
+        return next((one for one in self.remarks if one.code in codes), None)
+
     @property
     def falls(self) -> Reported | None:
         """The remark that the arm without a load falls over, and from which pressure on; None where it stands."""

@@ -32,13 +32,6 @@ def test_every_shipped_case_is_read() -> None:
     assert sorted({number for rows in bar.calibrate_on for number in rows}) == [1, 2, 3, 4, 5, 6]
 
 
-def test_the_list_of_wanted_curves_says_what_is_missing() -> None:
-    content = yaml.safe_load((SHIPPED / "wanted.yaml").read_text(encoding="utf-8"))
-    entries = [entry for entries in content.values() for entry in entries]
-    assert entries
-    assert all(set(entry) == {"source", "gives", "missing"} for entry in entries)
-
-
 def test_the_rows_of_the_segment_are_the_motion_of_its_end() -> None:
     case = read_case(SHIPPED / "eth_segment")
     lines = (SHIPPED / "eth_segment" / MEASURED).read_text(encoding="utf-8").splitlines()

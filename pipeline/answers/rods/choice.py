@@ -6,11 +6,10 @@ from typing import Any
 
 from pipeline.answers.rods.rods import Rods
 from pipeline.results.files import read_run
-from pipeline.results.rod_errors import RodAndMesh, rod_and_mesh, rod_to_take, uncertain_forces, unknown_mesh_error
-from pipeline.results.verdict import OUT_OF_PLANE, Verdict, verdict_of
+from pipeline.results.verdict import errors_and_notes, verdict_of
 from pipeline.values.errors import InputError, argument, quoted
 from pipeline.values.formats import ARM_LAW, FIVE
-from pipeline.values.reasons import NO_PARAMETERS, report_reason
+from pipeline.values.reasons import NO_PARAMETERS
 from pipeline.values.run import Run
 from rod.arm_law.kinds import Law
 from rod.arm_law.law import ArmLaw
@@ -48,13 +47,7 @@ def choose_rod(run: Run, kind: str | None = None) -> Rods:
     verdict = verdict_of(run)
     names = {name: kind for kind, name in KINDS.items()}
     chosen = kind or names.get(verdict.rod, "law" if run.law else "five")
-    rod = KINDS[chosen]
-    compared = next((errors for errors in verdict.errors if errors.rod == rod), None)
-    taken = rod_to_take(run, verdict.errors)
-    errors = rod_and_mesh(run, compared) if compared else taken[1] if taken and taken[0] == rod else None
-    notes = _notes(run, verdict, errors)
-    if verdict.refusal is None and (uncertain := uncertain_forces(run, rod)):
-        notes = (*notes, report_reason(uncertain).text)
+    errors, notes = errors_and_notes(run, verdict, KINDS[chosen])
     law = _source(run, chosen)
     forms = law.plane if law.plane and law.plane.limit else None
     return Rods(forms.before_snap if forms else law, chosen, errors, notes, forms=forms)
@@ -62,7 +55,7 @@ def choose_rod(run: Run, kind: str | None = None) -> Rods:
 
 def refuse_out_of_plane(run: Run) -> None:
     """Raise InputError for an arm that leaves its plane."""
-    if remark := next((remark for remark in run.remarks if remark.code == OUT_OF_PLANE), None):
+    if remark := run.remark("out_of_plane"):
         raise InputError(f"{run.directory}: {remark.text}")
 
 
@@ -119,15 +112,3 @@ def _why(run: Run) -> str:
     """Why a run has no law of its own, a clause in brackets; empty where it does not say so."""
     reason = next((r.text for r in (*run.failures, *run.remarks) if r.code == "no_arm_law"), "")
     return f" ({reason.rstrip('.')})" if reason else ""
-
-
-def _notes(run: Run, verdict: Verdict, errors: RodAndMesh | None) -> tuple[str, ...]:
-    """The refusal of the verdict, a large error, or one that is not known."""
-    notes = [] if verdict.refusal is None else [verdict.refusal.text]
-    if errors is None:
-        return tuple(notes)
-    if errors.mesh.largest is None:
-        notes.append(report_reason(unknown_mesh_error(run)).text)
-    if verdict.refusal is None and not errors.is_good:
-        notes.append(f"The errors of this rod are large: {errors.text}.")
-    return tuple(notes)

@@ -10,7 +10,7 @@ import numpy as np
 from fem.materials import LAWS
 from geometry.arrays import Array
 from pipeline.config.material import LOSS_FACTOR
-from pipeline.results.drawing import read_tetrahedra
+from pipeline.results.fields import read_tetrahedra
 from pipeline.values.formats import BODY
 from pipeline.values.run import Run
 from rod import RodError, Solid

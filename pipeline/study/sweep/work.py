@@ -11,7 +11,7 @@ from time import perf_counter
 
 from pipeline.identify.compare import curves_of
 from pipeline.law.study import measure_law
-from pipeline.results.files import CURVES, save_curves, save_value
+from pipeline.results.files import save_curves, save_value
 from pipeline.run import run
 from pipeline.simulate.scene import Scene
 from pipeline.simulate.simulate import keep_balanced, simulate, why_not_free
@@ -107,7 +107,7 @@ def _experiments(point: Point) -> Worked:
         scene = Scene.meshed(config)
         outcomes = simulate(scene, RunContext.alone(store, Silent()), keep_balanced(config, point.run))
         save_value(store, "experiments.json", outcomes.states)
-        save_curves(store, CURVES, curves_of(outcomes, (), scene.body.pitch))
+        save_curves(store, curves_of(outcomes, (), scene.body.pitch))
     not_free = why_not_free(config) if "I" in point.run else None
     remark = render(not_free) if not_free else ""
     return rows_of_experiments(config, outcomes, remark), [*map(render, outcomes.failures)]

@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from pipeline.results.drawing import write_fields
 from pipeline.results.unloaded import unloaded_states
 from pipeline.show import body_view as module
 from pipeline.show.body_view import Surfaces, along, body_view
+from pipeline.show.drawing import write_fields
 from pipeline.show.pictures import SURFACES, at_nodes, boundary, von_mises
 from pipeline.values.formats import BODY
 from pipeline.values.law import DeliveredLaw

@@ -12,7 +12,7 @@ import pytest
 import pyvista
 
 from pipeline.results import drawing as pictures
-from pipeline.results.drawing import (
+from pipeline.show.drawing import (
     Colour,
     _grid,
     _mirrored,
@@ -21,8 +21,8 @@ from pipeline.results.drawing import (
     draw_deformed,
     window_for_pictures,
     write_fields,
-    write_series,
 )
+from pipeline.show.pictures import write_series
 from tests.bar import bar, bent
 
 HERE = Path(__file__).parent.parent.parent
@@ -111,7 +111,7 @@ def test_two_threads_may_draw(tmp_path: Path) -> None:
         "from pathlib import Path\n"
         "from threading import Barrier\n"
         "from bar import bar\n"
-        "from pipeline.results.drawing import draw_body\n"
+        "from pipeline.show.drawing import draw_body\n"
         "both = Barrier(2)\n"
         "def wait(): both.wait()\n"
         "def draw(number): draw_body(Path(sys.argv[1]) / f'{number}.png', *bar())\n"

@@ -61,11 +61,3 @@ def test_a_template_is_one_short_sentence(code: str) -> None:
     assert not text.endswith(".")
     assert ("(1.0, 2.0, 3.0) mm" in text) == ("at" in fields_of(code))
     assert json.loads(json_text(asdict(report_reason(Reason(code, values))))) if "at" not in fields_of(code) else True
-
-
-def test_a_list_is_written_with_commas() -> None:
-    reason = Reason("load_left_out", {"load": "dead", "pressures_kPa": [5.0, 7.25], "end_kPa": float("inf")})
-    assert "dead at 5, 7.25 kPa" in (text := render(reason))
-    written = json.loads(json_text(asdict(report_reason(reason))))
-    assert written["values"] == {"load": "dead", "pressures_kPa": [5.0, 7.25], "end_kPa": "infinite"}
-    assert (written["code"], written["where"], written["text"]) == ("load_left_out", None, f"V{text[1:]}.")

@@ -18,8 +18,8 @@ from fem.materials import LAWS, Constant
 from pipeline.answers.rods.judged import distance, references
 from pipeline.answers.rods.solid import solid_of, young_modulus
 from pipeline.cli import app
-from pipeline.results.drawing import write_fields
 from pipeline.results.files import read_results
+from pipeline.show.drawing import write_fields
 from rod import Relaxation, RodError
 from rod.load import Load
 from rod.weight import Mass

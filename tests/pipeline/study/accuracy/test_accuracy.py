@@ -18,7 +18,7 @@ from pipeline.store.progress import Silent
 from pipeline.store.store import open_store
 from pipeline.study.accuracy import ladder as rungs
 from pipeline.study.accuracy import run as run_module
-from pipeline.study.accuracy.ladder import CONTACT, TOLERANCE, Rung, ladder
+from pipeline.study.accuracy.ladder import CONTACT, Rung, ladder
 from pipeline.study.accuracy.measure import HEADLINE, Cost, Measured, RodNumbers
 from pipeline.study.accuracy.reference import (
     COORDINATES,
@@ -40,23 +40,6 @@ EXACT = {"kappa_0_per_mm": -0.016, "alpha1_N_mm2": 50.0, "alpha2_N_mm2": 400.0, 
 @pytest.fixture
 def config(configs: Path) -> Config:
     return load_config(configs / "pneunet_coarse.yaml")
-
-
-def test_the_series_of_the_study(config: Config) -> None:
-    every = ladder(config, CONTACT_MM)
-    by_series = {name: [rung for rung in every if rung.series == name] for name in {rung.series for rung in every}}
-    meshes = {"p2p0", "mixed", "p2", "p2p0, graded to walls", "mixed, graded to walls"}
-    assert set(by_series) == meshes | {"p1", TOLERANCE, CONTACT}
-    assert min(len(by_series[name]) for name in meshes - {"p2"}) >= 5
-    assert [rung.value for rung in by_series["p1"]] == [4.0, 2.0, 1.0]
-    assert min(rung.config.mesh.size_mm for rung in every if rung.is_mesh and rung.series != "p1") == 1.3
-    assert [r.value for r in by_series["mixed, graded to walls"]] == [6.0, 5.0, 4.0, 3.0, 2.0, 1.6, 1.3]
-    assert len({rung.name for rung in every}) == len(every)
-    assert [rung.value for rung in by_series[CONTACT]] == [0.16, 0.08, 0.02]
-    assert [rung.config.effects.self_contact.dhat_mm for rung in by_series[CONTACT]] == [0.16, 0.08, 0.02]
-    assert all(rung.config.mesh == config.mesh for rung in by_series[TOLERANCE] + by_series[CONTACT])
-    assert sum(rung.config == config for rung in every) == 1
-    assert not [rung for rung in ladder(config, None) if rung.series == CONTACT]
 
 
 def test_pareto_front() -> None:

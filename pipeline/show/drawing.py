@@ -1,24 +1,21 @@
-"""Pictures and fields of the body; the only door to pyvista. Works without a display.
+"""Pictures and fields of the body by pyvista. Works without a display.
 
 Elements are tetrahedra with 4 or 10 nodes. The mid-edge nodes of the latter stand on the edges (0,1), (1,2), (0,2),
 (0,3), (1,3), (2,3), in this order, which is that of VTK_QUADRATIC_TETRA and of scikit-fem's ElementTetP2.
 """
 
 import io
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
-from xml.etree import ElementTree
 
 import numpy as np
 import pyvista
-from numpy.typing import NDArray
 
+from geometry.arrays import Array, Index
 from pipeline.store.atomic_file import write_atomic
-
-Array = NDArray[Any]
 
 _WIDTH, _TALLEST = 1400, 900  # pixels of the body in a picture
 _BAR = 190  # pixels of the scale under it
@@ -37,7 +34,7 @@ class Colour:
     limits: tuple[float, float] | None = None  #: ends of the scale; those of the values when None
 
 
-def write_fields(path: Path, points: Array, tets: Array, fields: Mapping[str, Array] | None = None) -> None:
+def write_fields(path: Path, points: Array, tets: Index, fields: Mapping[str, Array] | None = None) -> None:
     """Write a .vtu file of the body at rest with fields on it.
 
     points (n, 3) in mm; tets (m, 4) or (m, 10); a field has n rows (at nodes) or m rows (per element) and any number
@@ -53,28 +50,10 @@ def write_fields(path: Path, points: Array, tets: Array, fields: Mapping[str, Ar
     write_atomic(path, writer.GetOutputString().encode())
 
 
-def read_tetrahedra(path: Path) -> tuple[Array, Array]:
-    """Points (n, 3) in mm and the corners (m, 4) of the tetrahedra of a .vtu file as `write_fields` wrote it."""
-    grid = pyvista.read(path)
-    cells = grid.cells_dict
-    tets = cells[pyvista.CellType.TETRA if pyvista.CellType.TETRA in cells else pyvista.CellType.QUADRATIC_TETRA]
-    return np.asarray(grid.points, float), np.asarray(tets[:, :4])
-
-
-def write_series(path: Path, files: Sequence[tuple[float, str]]) -> None:
-    """Write a .pvd time series: pairs of pressure in kPa (its time) and the .vtu file, relative to the .pvd."""
-    root = ElementTree.Element("VTKFile", type="Collection", version="0.1", byte_order="LittleEndian")
-    collection = ElementTree.SubElement(root, "Collection")
-    for pressure, file in files:
-        ElementTree.SubElement(collection, "DataSet", timestep=f"{pressure:.12g}", group="", part="0", file=file)
-    ElementTree.indent(root)
-    write_atomic(path, ElementTree.tostring(root, encoding="utf-8", xml_declaration=True))
-
-
 def draw_body(
     path: Path,
     points: Array,
-    tets: Array,
+    tets: Index,
     *,
     mirrored: bool = True,
     cut_open: bool = False,
@@ -109,7 +88,7 @@ def draw_body(
 def draw_deformed(
     path: Path,
     points: Array,
-    tets: Array,
+    tets: Index,
     displacement: Array,
     colour: Colour,
     *,
@@ -144,7 +123,7 @@ def draw_deformed(
         _save(plotter, path)
 
 
-def _grid(points: Array, tets: Array) -> Any:
+def _grid(points: Array, tets: Index) -> Any:
     nodes = tets.shape[1]
     kind = {4: pyvista.CellType.TETRA, 10: pyvista.CellType.QUADRATIC_TETRA}[nodes]
     return pyvista.UnstructuredGrid({kind: np.ascontiguousarray(tets, dtype=np.int64)}, np.array(points, dtype=float))
