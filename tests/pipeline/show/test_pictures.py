@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 import pyvista
 
-from pipeline.results import drawing as pictures
+from pipeline.show import drawing as pictures
 from pipeline.show.drawing import (
     Colour,
     _grid,
