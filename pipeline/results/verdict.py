@@ -291,9 +291,8 @@ def _use(run: Run, rod: str) -> str:
 
 def _load(run: Run, pressures: tuple[float, float] | None) -> str:
     """The load of experiment III as options, where it holds a height of the end; else a small force."""
-    end = run.config.get("end") or {}
     held = run.curve("III", pressures[1]) if pressures else None
-    if held is None or end.get("y_mm") is None or end.get("x_mm") is not None:
+    if held is None or run.held_mm is None:
         return " --force '[0 N, 0.01 N]'"
     return f" --end-y '{round(held.tip_mm[1], 6) + 0.0:g} mm'"
 
@@ -303,7 +302,7 @@ def _instead(run: Run, rod: str, errors: tuple[RodErrors, ...], both: RodAndMesh
     alone = [replace(both, shape=one.shape, force=one.force) for one in errors[:1] if both]
     if both and not both.is_good and all(one.is_good for one in alone):
         if rod == ARM_LAW:
-            return "" if run.config.get("accuracy") else "Next: repeat the run with --accuracy 1% and another --out."
+            return "" if run.is_accurate else "Next: repeat the run with --accuracy 1% and another --out."
         if run.mesh is None or run.mesh.from_file:
             return "Next: run the body with a finer mesh."
         finer = f"--set mesh.size='{FINER * run.mesh.size_mm:.2g} mm'"

@@ -85,7 +85,7 @@ def bending(run: Run) -> Panels:
         drawn, error = _DRAWN[rod[0]], run.length_mm * rod[1].shape
         reached, angles, rod_tips = (np.array(column) for column in zip(*at, strict=True))
         turned = np.array([bending_error_deg(error, tip) for tip in rod_tips])
-        entry = drawn.entry + (" on a finer mesh" if rod[0] == ARM_LAW and run.config.get("accuracy") else "")
+        entry = drawn.entry + (" on a finer mesh" if rod[0] == ARM_LAW and run.is_accurate else "")
         turns = Line(reached, angles, entry, INK, "", drawn.marker, marker_size=12, spread=turned)
         angle += [*_forms(run), turns]
         path.append(replace(turns, x=rod_tips[:, 0], y=rod_tips[:, 1], spread=np.full(len(at), error)))

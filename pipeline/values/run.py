@@ -166,6 +166,26 @@ class Run:
         return self.record.config
 
     @property
+    def material(self) -> ReadObject:
+        """The material, as files have it; empty where none does."""
+        return self.parameters.material or self.config.get("material") or {}
+
+    @property
+    def held_mm(self) -> float | None:
+        """The height at which experiment III holds the end, mm; None where it holds both axes, or none."""
+        end = self.config.get("end") or {}
+        return end.get("y_mm") if end.get("x_mm") is None else None
+
+    @property
+    def is_accurate(self) -> bool:
+        """Whether its law has an accuracy to reach, and so comes from finer meshes than the arm."""
+        return bool(self.config.get("accuracy"))
+
+    def given_between(self, low: float, high: float) -> list[float]:
+        """The pressures of its configuration from one to another, kPa."""
+        return [p for p in self.config.get("pressures_kPa", ()) if low <= p <= high]
+
+    @property
     def mesh(self) -> MeshRecord | None:
         """The mesh that was solved on; None where the run did not come to its report."""
         return self.record.mesh

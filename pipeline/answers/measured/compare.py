@@ -17,7 +17,6 @@ from pipeline.answers.measured.saved import SavedCalibration, read_calibration
 from pipeline.answers.measured.table import read_measurements
 from pipeline.answers.measured.unknowns import BuiltArm, tolerance_unknowns
 from pipeline.answers.rods.choice import KINDS, choose_rod, plane_of
-from pipeline.answers.rods.in_time import material_of
 from pipeline.answers.rods.ratio import run_along
 from pipeline.answers.rods.rods import Rods
 from pipeline.results.rod_errors import RodErrors, mesh_errors
@@ -116,7 +115,7 @@ def compare(run: Run, rods: Rods, measurements: Measurements) -> Comparison:
     law = rods.law.plane
     if measurements.are_in_time and law is None:
         raise InputError(f"{measurements.file}: a motion is compared with the arm's own law; take rod law")
-    any_rod = LawRods(law, material_of(run)) if law else rods.at
+    any_rod = LawRods(law, run.material) if law else rods.at
     predicted = numbers.predicted(any_rod, setup)
     check_numbers(numbers, predicted, run.length_mm)
     bands, unknown = _bands(run, rods, numbers, predicted, saved)
@@ -144,7 +143,7 @@ def _bands(
     """What each part allows, (n,) in the units of the numbers; and what is not known."""
     law = rods.law.plane
     if saved is not None and law is not None:
-        effects = effects_on(BuiltArm(law, saved.unknowns, saved.setup, material_of(run)), numbers)
+        effects = effects_on(BuiltArm(law, saved.unknowns, saved.setup, run.material), numbers)
         return {"calibration": saved.posterior.quantile * saved.posterior.deviations(effects, numbers.units)}, ()
     name, unknown = KINDS[rods.kind], list[str]()
     bands: dict[str, Array] = {}
@@ -163,7 +162,7 @@ def _bands(
         bands["mesh"] = relative * np.abs(predicted - numbers.straight(run.length_mm))
     if law is not None and law.rates:
         unknowns = tolerance_unknowns(law, run.config, float(numbers.pressures.max()) or law.pressures[-1])
-        by = effects_on(BuiltArm(law, unknowns, material=material_of(run)), numbers).by_unknown
+        by = effects_on(BuiltArm(law, unknowns, material=run.material), numbers).by_unknown
         bands["tolerances"] = np.sqrt(by**2 @ np.array([unknown.std for unknown in unknowns]) ** 2)
     else:
         unknown.append("Tolerances are not counted, because this rod has no derivatives.")

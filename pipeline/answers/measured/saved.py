@@ -43,8 +43,7 @@ def save_calibration(
 ) -> None:
     """Write everything of a calibrated arm. remarks: what the verdict says of it."""
     law = found.law
-    low, high = law.pressures[0], law.pressures[-1]
-    pressures = [p for p in run.config.get("pressures_kPa", ()) if low <= p <= high] or [high]
+    pressures = run.given_between(law.pressures[0], law.pressures[-1]) or [law.pressures[-1]]
     folder.save_json(
         "law.json",
         {

@@ -129,9 +129,8 @@ def _law(run: Run) -> ArmLaw | None:
 def _budgets(
     run: Run, law: ArmLaw, pressures_kPa: Sequence[float], tolerances: Tolerances | None
 ) -> tuple[Budget, ...]:
-    end, chosen = run.config.get("end") or {}, tolerances or Tolerances.from_record(run.config.get("tolerances"))
-    held = end.get("y_mm") if end.get("x_mm") is None else None
-    return ask(str(run.directory / "law.json"), make_budgets, law, chosen, pressures_kPa, held)
+    chosen = tolerances or Tolerances.from_record(run.config.get("tolerances"))
+    return ask(str(run.directory / "law.json"), make_budgets, law, chosen, pressures_kPa, run.held_mm)
 
 
 def make_budgets(

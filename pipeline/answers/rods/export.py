@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from pipeline.answers.rods.choice import choose_rod, plane_of
-from pipeline.answers.rods.in_time import is_given, material_of, rubber_of
+from pipeline.answers.rods.in_time import is_given, rubber_of
 from pipeline.answers.rods.judged import judged
 from pipeline.answers.rods.ratio import run_along
 from pipeline.answers.rods.solid import solid_of
@@ -114,8 +114,7 @@ def _of_law(law: ArmLaw, run: Run | None, folder: Path, target: str, options: Ex
     if is_alone and target in PROGRAMS:
         raise InputError(f"{folder}: has a law and no body, which {target} needs; give the folder of `pneurod run`")
     is_linear = target in PROGRAMS and PROGRAMS[target].is_linear
-    of_run = () if run is None else run.config.get("pressures_kPa", ())
-    all_pressures = [p for p in of_run if law.pressures[0] <= p <= law.pressures[-1]] if is_linear else ()
+    all_pressures = run.given_between(law.pressures[0], law.pressures[-1]) if run and is_linear else ()
     single = options.pressure_kPa
     pressures = tuple(all_pressures or law.pressures) if single is None else (as_known(law.pressures, single),)
     make = Robot.linear_of_law if is_linear else Robot.of_law
@@ -180,10 +179,10 @@ def _of_five(run: Run, target: str, options: ExportOptions) -> Exported:
 
 def _damped(robot: Robot, run: Run | None) -> Robot:
     """The same with the loss factor of its rubber at the first vibration, where the material describes that."""
-    if run is None or robot.solid is None or not is_given(material_of(run)):
+    if run is None or robot.solid is None or not is_given(run.material):
         return robot
     first = float(robot.first_rates.mean()) / (2.0 * math.pi)
-    rubber, _ = rubber_of(material_of(run), lambda: first)
+    rubber, _ = rubber_of(run.material, lambda: first)
     return replace(robot, solid=replace(robot.solid, loss_factor=float(rubber.loss_factor(first))))
 
 
@@ -198,7 +197,7 @@ def _sentences(robot: Robot, target: str, run: Run | None, law: ArmLaw | None) -
         loss_factor = robot.body.loss_factor
         default = " (the default of material.loss_factor)" if loss_factor == LOSS_FACTOR else ""
         sentences.append(f"Damping: loss factor {loss_factor:.4g}{default} at the first vibration of the arm.")
-        if is_given(material_of(run)):
+        if is_given(run.material):
             more = "more" if target == "mujoco" else "less"
             sentences.append(
                 f"Higher vibrations lose {more} there than the rubber; `pneurod move` has it at all of them."

@@ -26,11 +26,6 @@ KEYS = ("loss_factor", "loss_between_Hz", "relaxation_g", "relaxation_tau_s")
 SETTLED, HELD = 0.02, (1, 10, 100)
 
 
-def material_of(run: Run) -> Mapping[str, Any]:
-    """The material of a run, as files have it."""
-    return run.parameters.material or run.config.get("material") or {}
-
-
 def is_given(material: Mapping[str, Any]) -> bool:
     """Whether a material describes its rubber in time: by branches, or by a loss factor with its frequencies."""
     return not {"relaxation_g", "loss_between_Hz"}.isdisjoint(material)
@@ -60,7 +55,7 @@ def body_of(run: Run, rods: Rods) -> tuple[Body, str]:
     """
     if rods.law.mass is None:
         raise InputError(f"{run.directory}: has no mass; give material.density in the configuration and run it again")
-    material, solid = material_of(run), solid_of(run)
+    material, solid = run.material, solid_of(run)
     body = Body(rods.law, spread=solid.section.spread if solid else (0.0, 0.0))
     first = cache(lambda: frequencies(body, rods.law.rows[-1], count=1)[0].frequency_hz)
     rubber, told = rubber_of(material, first)
@@ -105,7 +100,7 @@ def in_time(run: Run, rods: Rods) -> list[dict[str, float]]:
     """
     body, _ = body_of(run, rods)
     known, found = rods.over_one_pressure, []
-    for pressure in [p for p in run.config.get("pressures_kPa", ()) if known[0] <= p <= known[-1]] or known:
+    for pressure in run.given_between(known[0], known[-1]) or known:
         modes = frequencies(body, pressure)
         row = {"pressure_kPa": float(pressure)}
         for name, in_plane in (("", True), ("across_", False)):
@@ -123,7 +118,7 @@ def in_time(run: Run, rods: Rods) -> list[dict[str, float]]:
 
 def with_remark(run: Run) -> Run:
     """A run with a remark on its arm in time, where its material describes that."""
-    if not is_given(material_of(run)):
+    if not is_given(run.material):
         return run
     with suppress(InputError, RodError):
         rows = in_time(run, choose_rod(run))

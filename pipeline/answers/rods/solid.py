@@ -23,7 +23,6 @@ def solid_of(run: Run) -> Solid | None:
     Raises `RodError` for a material that is no law with its constants.
     """
     parameters, path = run.parameters, run.directory / BODY
-    material = parameters.material or run.config.get("material") or {}
     corners = _corners(path) if path.is_file() else None
     volume, mass = parameters.solid_volume_mm3, parameters.mass_g
     if volume is None and corners is not None:  # no five parameters: `law: cell`, `pneurod cell`, or calibrated
@@ -38,7 +37,7 @@ def solid_of(run: Run) -> Solid | None:
         section = Section(-radius, radius, 2.0 * radius, 0.0, (0.25 * radius**2, 0.25 * radius**2))
     else:
         section = _section(corners, run.mesh.curve_height_mm)
-    return Solid(mass, young_modulus(material), area, section, float(material.get("loss_factor", LOSS_FACTOR)))
+    return Solid(mass, young_modulus(run.material), area, section, float(run.material.get("loss_factor", LOSS_FACTOR)))
 
 
 def young_modulus(material: Mapping[str, Any]) -> float:
