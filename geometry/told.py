@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Mapping, Sequence
 
 
-class Told:
+class Printable:
     """A value that `print` shows as lines: names and what is told of them, and its notes."""
 
     @property

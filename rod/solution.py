@@ -9,7 +9,7 @@ import numpy as np
 
 from geometry.arrays import Array, read_only
 from geometry.centreline import END_PART, Centreline, chord_angle
-from geometry.told import Told, listed, placed
+from geometry.told import Printable, listed, placed
 from rod.along import Reaction, Triple, reactions_of, resultant
 from rod.arm.path import Path
 from rod.arm.response import Parameter, Posed, Response, SolvedPath
@@ -20,7 +20,7 @@ from rod.load import Load
 
 
 @dataclass(frozen=True)
-class RodSolution(Told):
+class RodSolution(Printable):
     """A rod in equilibrium. All arrays are read-only; kappa at the s = d of five parameters is that beyond d.
 
     `curve`, `end`, `end_angle` and `positions` are those of the material curve, which finite elements have as well. x,
@@ -146,7 +146,7 @@ class RodSolution(Told):
 
 @final
 @dataclass(frozen=True, eq=False)  # arrays inside
-class SpatialSolution(Told):
+class SpatialSolution(Printable):
     """A rod in equilibrium in space. All arrays are read-only; the origin is the clamped end of the material curve.
 
     Columns of a frame are the normal of the cross section, its direction in the plane of symmetry, and that across it.

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from geometry.told import Told
+from geometry.told import Printable
 from pipeline.api.given import given_choice, given_path
 from pipeline.api.options import (
     Amount,
@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class RodShape(Told):
+class RodShape(Printable):
     """A rod and its shape under loads."""
 
     rod: "rods.Rod"
@@ -143,7 +143,7 @@ def move(
 
 
 @dataclass(frozen=True)
-class Solutions(Told):
+class Solutions(Printable):
     """The pressures at which the end of an arm is as it is wanted."""
 
     solutions: "tuple[PressureFor, ...]"

@@ -13,7 +13,7 @@ from geometry import GRADINGS, Design, DesignError, MeshFile, SurfaceFile
 from geometry.families.design import expected_tets
 from pipeline.config.body import design_conflicts
 from pipeline.config.kinds import number, one_of
-from pipeline.config.section import Beside, Field, Kind, Section, conflict, raise_all, section, wrong
+from pipeline.config.section import Field, Kind, ReadContext, Section, conflict, raise_all, section, wrong
 from pipeline.config.units import LENGTH, convert
 from pipeline.values.formatting import round_down
 
@@ -89,7 +89,7 @@ class MeshSettings:
     chosen: Mapping[str, str] = field(default_factory=dict)
 
 
-def read_mesh(given: GivenMesh, beside: Beside) -> MeshSettings:
+def read_mesh(given: GivenMesh, beside: ReadContext) -> MeshSettings:
     """The mesh as given, and as the program chooses it where it is not."""
     (effects,) = beside.known("effects")
     against_locking, formulation = effects.incompressibility.decided, given.formulation

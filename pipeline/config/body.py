@@ -22,7 +22,7 @@ from geometry import (
 )
 from pipeline.config.document import Document, Key
 from pipeline.config.kinds import Count, Length, PositiveLength, Text, YesNo, above_zero, list_of, number
-from pipeline.config.section import Beside, Error, Field, Kind, Section, chosen, conflict, raise_all, section_of
+from pipeline.config.section import Error, Field, Kind, ReadContext, Section, chosen, conflict, raise_all, section_of
 from pipeline.config.units import LENGTH, convert
 from pipeline.values.errors import quoted
 
@@ -145,7 +145,7 @@ def geometry_section(design: Any) -> type[Section]:
     return section_of("Geometry", keys, others=others)
 
 
-def read_design(value: Any, beside: Beside) -> Design:
+def read_design(value: Any, beside: ReadContext) -> Design:
     """The design that a section describes."""
     family, document = chosen(value, "family", BODIES), beside.document
     kind = design_class(family, str(value.get("file", "")))

@@ -20,10 +20,10 @@ from pipeline.config.document import Key, dotted
 from pipeline.config.effects import CavityPressure, Effects, State
 from pipeline.config.material import Material, read_material, stiffness_conflicts
 from pipeline.config.section import (
-    Beside,
     Error,
     Field,
     Kind,
+    ReadContext,
     Section,
     conflict,
     raise_all,
@@ -71,7 +71,7 @@ class Newton(Section):
     ] = Field(default=USUAL_TOLERANCE, description="largest relative residual of an equilibrium")
 
 
-def _with_all_cavities(given: Effects, beside: Beside) -> Effects:
+def _with_all_cavities(given: Effects, beside: ReadContext) -> Effects:
     """The effects with the pressure of every cavity; where none is named, the first one follows the pressure of the
     run."""
     design = beside.fields.get("design")
@@ -87,7 +87,7 @@ def _with_all_cavities(given: Effects, beside: Beside) -> Effects:
     return replace(given, pressure=replace(given.pressure, cavities=every))
 
 
-def _check_together(unknown: Any, beside: Beside) -> str:
+def _check_together(unknown: Any, beside: ReadContext) -> str:
     """The file of a document whose sections go together, as far as they are known."""
     if unknown:
         raise ValueError("unknown key; a key has a name")
@@ -95,7 +95,7 @@ def _check_together(unknown: Any, beside: Beside) -> str:
     return str(beside.document.path)
 
 
-def _conflicts(beside: Beside) -> Iterator[Error]:
+def _conflicts(beside: ReadContext) -> Iterator[Error]:
     """Refuses sections that do not go together, of those that are not refused by themselves."""
     values = beside.fields
     if {"material", "pressures_kPa"} <= values.keys():

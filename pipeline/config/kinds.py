@@ -7,7 +7,7 @@ from itertools import pairwise
 from typing import Annotated, Any
 
 from pipeline.config.document import Document, read_document
-from pipeline.config.section import Beside, Kind, not_known
+from pipeline.config.section import Kind, ReadContext, not_known
 from pipeline.config.units import ACCELERATION, DENSITY, FORCE, LENGTH, PRESSURE, STRESS, TIME, Dimension, convert
 from pipeline.values.errors import InputError, quoted
 from rod.same_pressure import SAME, is_same
@@ -163,7 +163,7 @@ Name = Annotated[str, Kind("letters, digits, `_`, `-` and `.`", "pneunet", read=
 Text = Annotated[str, Kind("a text", "pneunet", read=text("pneunet"))]
 
 
-def _base(value: Any, beside: Beside) -> Document:
+def _base(value: Any, beside: ReadContext) -> Document:
     try:
         return read_document(beside.document.path.parent / text(_BASE)(value))
     except InputError as failure:

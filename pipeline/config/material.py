@@ -24,10 +24,10 @@ from pipeline.config.kinds import (
 )
 from pipeline.config.rubbers import BESIDE, INSTEAD, OF_MODULUS_AT_ONCE, RUBBERS, form_of, ogden_terms
 from pipeline.config.section import (
-    Beside,
     Error,
     Field,
     Kind,
+    ReadContext,
     Section,
     chosen,
     conflict,
@@ -160,7 +160,7 @@ _RELAXATION = "what a held strain loses of its stress, over that which stays; fo
 _BRANCHES = one_or_more(list_of("branches `{g, tau}`", "[{g: 0.08, tau: 0.9 s}]"))
 
 
-def _loss_factor(value: Any, beside: Beside) -> float | LossBand:
+def _loss_factor(value: Any, beside: ReadContext) -> float | LossBand:
     """A number, or a section with the frequencies between which it holds."""
     if not isinstance(value, Mapping):
         return number(value)
@@ -179,7 +179,7 @@ _LOSS_KIND = Kind(
 )
 
 
-def read_material(value: Any, beside: Beside) -> Material:
+def read_material(value: Any, beside: ReadContext) -> Material:
     """The material that a section describes, with all constants: kappa from nu where nu is given."""
     value, name = _by_name(value)
     law = chosen(value, "law", tuple(LAWS))

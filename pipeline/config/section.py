@@ -56,7 +56,7 @@ CONFIG = ConfigDict(
 
 
 @dataclass(frozen=True)
-class Beside:
+class ReadContext:
     """What stands beside a value: the fields of its section that were read before it, and the whole document."""
 
     fields: Mapping[str, Any]  #: without refused ones
@@ -83,7 +83,7 @@ class Kind:
     read: Callable[[Any], Any] = lambda value: value  #: of what is written; raises ValueError with the complaint
     test: Callable[[Any], bool] | None = None  #: whether a value is allowed; may raise ValueError with the complaint
     #: instead of `read`, of what is written and what stands beside it, for what follows from several values
-    complete: Callable[[Any, Beside], Any] | None = None
+    complete: Callable[[Any, ReadContext], Any] | None = None
     keys: "type[Section] | None" = None  #: as which it is written; None for a value, or keys that depend on one of them
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
@@ -94,7 +94,7 @@ class Kind:
         if info.context is None:
             return value
         written = value if self.keys is None else read_keys(self.keys, value, info.context)
-        return self.complete(written, Beside(info.data, info.context)) if self.complete else self.read(written)
+        return self.complete(written, ReadContext(info.data, info.context)) if self.complete else self.read(written)
 
     def _check(self, value: Any, info: ValidationInfo) -> Any:
         if info.context is None or self.test is None or self.test(value):

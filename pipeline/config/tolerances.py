@@ -11,7 +11,7 @@ from typing import Annotated, Any
 
 from geometry import Design
 from pipeline.config.material import Material
-from pipeline.config.section import Beside, Field, TypeAdapter, not_known, read_each
+from pipeline.config.section import Field, ReadContext, TypeAdapter, not_known, read_each
 from pipeline.config.units import LENGTH, PRESSURE, STRESS, Dimension, convert
 from pipeline.values.json_values import Json, Written
 
@@ -78,7 +78,7 @@ class Tolerances:
         return Tolerance(BEYOND_M2, True, True) if row is None else Tolerance(row, False, True)
 
 
-def read_tolerances(value: Any, beside: Beside) -> Tolerances:
+def read_tolerances(value: Any, beside: ReadContext) -> Tolerances:
     """The tolerances that a section describes."""
     design, material, materials = beside.known("design", "material", "materials")
     if not isinstance(value, Mapping):

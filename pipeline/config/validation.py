@@ -7,7 +7,7 @@ from typing import Annotated, Any
 
 from pipeline.config.effects import STATES, State, Switched
 from pipeline.config.kinds import Length, Pressures, distinct, in_unit, list_of
-from pipeline.config.section import Beside, Error, Field, Kind, Section, conflict, raise_all, section
+from pipeline.config.section import Error, Field, Kind, ReadContext, Section, conflict, raise_all, section
 from pipeline.config.units import FORCE, LENGTH, convert
 from rod.same_pressure import as_known
 
@@ -132,7 +132,7 @@ class GivenValidation(Switched):
     )
 
 
-def read_validation(given: GivenValidation, beside: Beside) -> Validation:
+def read_validation(given: GivenValidation, beside: ReadContext) -> Validation:
     """The loads not used for the fit; where there are some and no pressures, all pressures of the run.
 
     Where none are given the program chooses: the middle of the widest interval of pressures, with the end above that

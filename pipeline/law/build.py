@@ -19,7 +19,7 @@ from pipeline.law.ends import CLAMP, CLAMP_NEAR, HALF_CELLS, half_cells_of, meas
 from pipeline.law.mesh_limit import Corrections, MeshLimit, Numbers, corrected
 from pipeline.law.meshes import find_limit, solve_numbers
 from pipeline.law.piece.pieces import ArmPieces
-from pipeline.law.piece.point import Measured
+from pipeline.law.piece.point import KeptCurve
 from pipeline.law.piece.rates import law_rates
 from pipeline.law.piece.tasks import ArmTasks, Log
 from pipeline.law.snap import measurer_of_form, swollen_pieces
@@ -110,7 +110,7 @@ def build_law(
     )
 
 
-def _error_along(cells: Sequence[Measured[CellCurve]]) -> float:
+def _error_along(cells: Sequence[KeptCurve[CellCurve]]) -> float:
     """Largest error of the curvature between two states of a cell, over the largest curvature of all."""
     largest = [float(np.abs(cell.curve.kappa).max()) for cell in cells]
     return max(cell.error * own for cell, own in zip(cells, largest, strict=True)) / max(largest)

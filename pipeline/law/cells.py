@@ -16,7 +16,7 @@ from geometry.arrays import Index
 from pipeline.law.piece.adaptive import AdaptiveCurve, Interval
 from pipeline.law.piece.in_space import cell_in_space
 from pipeline.law.piece.measure import cell_near, cell_without_moment, sweep_cell
-from pipeline.law.piece.point import Measured, failure_of, reason_of
+from pipeline.law.piece.point import KeptCurve, failure_of, reason_of
 from pipeline.law.piece.rates import cell_rates
 from pipeline.law.piece.reach import Reach
 from pipeline.law.piece.tasks import ArmTasks, Log, PieceCurves
@@ -43,7 +43,7 @@ CHECKS = 5
 #: on four arms it was 0.04 to 0.7 of it
 LEAST_ERROR = 1 / 16
 
-Cell = Measured[CellCurve]
+Cell = KeptCurve[CellCurve]
 Cells = list[Cell]
 
 
@@ -91,7 +91,7 @@ class CellMeasurer:
         """Of the law, kPa: with rest, unless it is that of the form after a snap."""
         return sorted({*self.bends} if self.tasks.pieces.after_snap else {0.0, *self.bends})
 
-    def measure(self, pressures: Sequence[float]) -> Iterator[Measured[CellCurve] | Reason]:
+    def measure(self, pressures: Sequence[float]) -> Iterator[KeptCurve[CellCurve] | Reason]:
         """Cells at rising pressures; why for one that is not borne."""
         progress = self.tasks.context.progress
         progress.experiment("cell", pressures)
@@ -126,7 +126,7 @@ class CellMeasurer:
         """The cells at those pressures that are borne; the others are limits."""
         cells = list(self.measure(pressures))
         self.log.limits.extend(reason for reason in cells if isinstance(reason, Reason))
-        return [cell for cell in cells if isinstance(cell, Measured)]
+        return [cell for cell in cells if isinstance(cell, KeptCurve)]
 
     def end_at(self, cells: Cells, highest: float) -> Cells:
         """The cells up to a pressure in kPa, and one at this pressure, which is measured where there is none."""
@@ -176,14 +176,14 @@ class CellMeasurer:
         What the slopes of both curves predict differently there is larger. It stands for the error where it is no more
         than the allowed one, or so much larger that the error is too large; elsewhere states are solved.
         """
-        begun: list[tuple[Interval[Cell], Pending[Measured[float]]]] = []
+        begun: list[tuple[Interval[Cell], Pending[KeptCurve[float]]]] = []
         for one in intervals:
             lower, upper, differs = one.first.curve, one.second.curve, nan
             with suppress(RodError):  # the task says so
                 differs = float(measure_disagreement(lower.placed, upper.placed)[1].max())
             is_known = differs <= allowed or LEAST_ERROR * differs > allowed
             begun.append(
-                (one, Pending.done(Measured(differs)) if is_known else self.tasks.submit(miss_between, lower, upper))
+                (one, Pending.done(KeptCurve(differs)) if is_known else self.tasks.submit(miss_between, lower, upper))
             )
         for one, pending in begun:
             try:
@@ -234,52 +234,52 @@ def _doubtful(section: SectionLaw, lower: CellCurve, upper: CellCurve) -> Index:
     return np.array([own[int(np.argmax(difference[own]))] for own in ranges])
 
 
-def bend_of(curves: PieceCurves, pressure: float) -> Measured[float]:
+def bend_of(curves: PieceCurves, pressure: float) -> KeptCurve[float]:
     """The curvature of the cell without moment at a pressure in kPa, 1/mm; a task.
 
     As all curves of the cell it begins with the piece at rest, so that it does not depend on what was measured before.
     Raises `PieceFailed`, as the tasks below, for a piece that does not bear the pressure.
     """
 
-    def measure(cell: BendingPiece) -> Measured[float]:
+    def measure(cell: BendingPiece) -> KeptCurve[float]:
         state = cell_without_moment(cell, in_MPa(pressure)).state
         limits = (Reason("cell_swells"),) if cell.is_swollen(cell.volume(state.state)) else ()
-        return Measured(state.angle / cell.body.length, limits)
+        return KeptCurve(state.angle / cell.body.length, limits)
 
     return curves.of_cell(float, name_of_state("bend", pressure), measure)
 
 
-def cell_at(curves: PieceCurves, pressure: float, bend: float) -> Measured[CellCurve]:
+def cell_at(curves: PieceCurves, pressure: float, bend: float) -> KeptCurve[CellCurve]:
     """The cell at a pressure in kPa, for arms whose cells bend up to a curvature `bend` (1/mm) without moment; a task.
 
     Raises `RodError` too.
     """
     config = curves.pieces.config
 
-    def measure(cell: BendingPiece) -> Measured[CellCurve]:
+    def measure(cell: BendingPiece) -> KeptCurve[CellCurve]:
         sweep = sweep_cell(cell, pressure, Reach.of(config, bend))
         curve, limits = sweep.curve(cell.body.length), sweep.limits
         if config.law_in_space:
             curve, unstable = cell_in_space(cell, curve, [point.state for point in sweep.points])
             limits = (*limits, *unstable)
-        return Measured(curve, limits, sweep.error, rates=cell_rates(cell, sweep.points, curve))
+        return KeptCurve(curve, limits, sweep.error, rates=cell_rates(cell, sweep.points, curve))
 
     measured = curves.of_cell(CellCurve, name_of_state("cell", pressure), measure)
     curves.progress.step_done("cell", pressure, 0.0 if measured.is_stored else measured.seconds)
     return measured
 
 
-def near_cell(curves: PieceCurves, pressure: float, bend: float) -> Measured[CellCurve]:
+def near_cell(curves: PieceCurves, pressure: float, bend: float) -> KeptCurve[CellCurve]:
     """The cell at a pressure in kPa without moment, and bent by `bend` (1/mm) more and less; a task."""
 
-    def measure(cell: BendingPiece) -> Measured[CellCurve]:
+    def measure(cell: BendingPiece) -> KeptCurve[CellCurve]:
         sweep = cell_near(cell, pressure, bend)
-        return Measured(sweep.curve(cell.body.length), rates=cell_rates(cell, sweep.points))
+        return KeptCurve(sweep.curve(cell.body.length), rates=cell_rates(cell, sweep.points))
 
     return curves.of_cell(CellCurve, name_of_state("cell_near", pressure), measure)
 
 
-def miss_between(curves: PieceCurves, lower: CellCurve, upper: CellCurve) -> Measured[float]:
+def miss_between(curves: PieceCurves, lower: CellCurve, upper: CellCurve) -> KeptCurve[float]:
     """How far the law halfway between two pressures is from the cell there, 1/mm at equal moments; a task."""
     name = name_of_state(name_of_state("between", lower.pressure), upper.pressure)
-    return curves.of_cell(float, name, lambda cell: Measured(largest_deviation(cell, lower, upper)))
+    return curves.of_cell(float, name, lambda cell: KeptCurve(largest_deviation(cell, lower, upper)))

@@ -18,7 +18,7 @@ from pipeline.law.piece.measure import cell_without_moment
 from pipeline.law.piece.measure_clamp import Begin, clamp_curve, clamp_without_moment, straight_point
 from pipeline.law.piece.measure_tip import tip_curve
 from pipeline.law.piece.pieces import ArmPieces, NoArmLaw
-from pipeline.law.piece.point import Measured, failure_of
+from pipeline.law.piece.point import KeptCurve, failure_of
 from pipeline.law.piece.tasks import ArmTasks, Log, PieceCurves
 from pipeline.values.pressure import in_MPa, name_of_state
 from rod import RodError
@@ -131,8 +131,8 @@ def _without_moment(clamp: ClampCurve, name: str) -> tuple[Array, Array]:
 
 
 def measure_ends(
-    tasks: ArmTasks, log: Log, cells: list[Measured[CellCurve]], half_cells: int, clamp_end: "End[ClampCurve]"
-) -> tuple[list[Measured[CellCurve]], list[Measured[ClampCurve]], list[TipCurve]]:
+    tasks: ArmTasks, log: Log, cells: list[KeptCurve[CellCurve]], half_cells: int, clamp_end: "End[ClampCurve]"
+) -> tuple[list[KeptCurve[CellCurve]], list[KeptCurve[ClampCurve]], list[TipCurve]]:
     """Cells, clamped ends and tips by rising pressure, up to the last one that both ends bear.
 
     Raises RunFailed for fewer than two.
@@ -142,7 +142,7 @@ def measure_ends(
         tasks.context.progress.experiment(end.name, [curve.pressure for curve in curves])
     clamped = [tasks.submit(end_at, clamp_end, curve, half_cells) for curve in curves]
     free = [tasks.submit(end_at, TIP, curve, half_cells) for curve in curves]
-    clamps, tips = list[Measured[ClampCurve]](), list[TipCurve]()
+    clamps, tips = list[KeptCurve[ClampCurve]](), list[TipCurve]()
     for cell, clamped_end, free_end in zip(cells, clamped, free, strict=True):
         try:
             clamp, tip = clamped_end.result(), free_end.result()
@@ -165,12 +165,12 @@ class End(Generic[Curve]):
     file: str  #: how the names of its files begin
     name: str  #: in the progress
     start: Boundary  #: what holds the piece
-    measure: Callable[[BendingPiece, CellCurve, Begin | None], Measured[Curve]]
+    measure: Callable[[BendingPiece, CellCurve, Begin | None], KeptCurve[Curve]]
 
 
-def _clamp_near(piece: BendingPiece, cell: CellCurve, begin: Begin | None) -> Measured[ClampCurve]:
+def _clamp_near(piece: BendingPiece, cell: CellCurve, begin: Begin | None) -> KeptCurve[ClampCurve]:
     """The clamped end from its state without moment alone."""
-    return Measured(straight_clamp(clamp_without_moment(piece, cell, begin), cell.moment))
+    return KeptCurve(straight_clamp(clamp_without_moment(piece, cell, begin), cell.moment))
 
 
 def straight_clamp(clamp: ClampCurve, moments: Array) -> ClampCurve:
@@ -192,8 +192,8 @@ def clamp_alone(curves: PieceCurves, cell: CellCurve, half_cells: int) -> ClampC
     """The clamped end with that many half cells without moment alone. Raises `PieceFailed`."""
     name, pieces = name_of_state(f"decay_{half_cells}", cell.pressure), curves.pieces
 
-    def measure(piece: BendingPiece) -> Measured[ClampCurve]:
-        return Measured(clamp_without_moment(piece, cell, _begin(pieces, cell, half_cells, "clamp")))
+    def measure(piece: BendingPiece) -> KeptCurve[ClampCurve]:
+        return KeptCurve(clamp_without_moment(piece, cell, _begin(pieces, cell, half_cells, "clamp")))
 
     return curves.of_piece(ClampCurve, name, lambda: pieces.end(half_cells, "clamp"), measure).curve
 
@@ -225,7 +225,7 @@ def _is_swollen(pieces: ArmPieces, cell: CellCurve) -> bool:
     return pieces.cell.is_swollen(air)
 
 
-def end_at(curves: PieceCurves, end: End[Curve], cell: CellCurve, half_cells: int) -> Measured[Curve]:
+def end_at(curves: PieceCurves, end: End[Curve], cell: CellCurve, half_cells: int) -> KeptCurve[Curve]:
     """One end with that many half cells beside a cell; a task. Raises `PieceFailed` and `RodError`."""
     name, pieces = name_of_state(f"{end.file}_{half_cells}", cell.pressure), curves.pieces
     begin = _begin(pieces, cell, half_cells, end.start)

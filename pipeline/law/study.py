@@ -12,7 +12,7 @@ import numpy as np
 from fem.cell.any_plane import moment_beside
 from fem.cell.inflation import inflated
 from fem.cell.piece import PieceFailed
-from geometry.told import Told
+from geometry.told import Printable
 from pipeline.config.config import Config
 from pipeline.law.build import MeasuredLaw, deliver_law
 from pipeline.law.effort import expected_of
@@ -34,7 +34,7 @@ from pipeline.store.store import Store, open_store
 from pipeline.values.errors import InputError, RunFailed
 from pipeline.values.formats import FORMAT
 from pipeline.values.json_values import JsonObject
-from pipeline.values.law import BesideLaw
+from pipeline.values.law import LawMetadata
 from pipeline.values.pressure import in_MPa
 from pipeline.values.reasons import render, render_all
 from rod.errors import RodError
@@ -48,7 +48,7 @@ NOTHING = 1e-6
 
 
 @dataclass(frozen=True, eq=False)  # arrays inside
-class LawReport(Told, Generic[Measured]):
+class LawReport(Printable, Generic[Measured]):
     """The law of an arm as it was measured; the same numbers stand in the files of `directory`."""
 
     directory: Path
@@ -175,7 +175,7 @@ def _in_space(
         sentence = str(failure).rstrip(".")
         raise RunFailed(f"the arm has no law in space at these pressures: {sentence}; give lower ones") from None
     report = LawReport(context.store.directory, spec.config, measured, perf_counter() - begin)
-    beside = BesideLaw(measured.mesh_error, (), space_sentences(measured))
+    beside = LawMetadata(measured.mesh_error, (), space_sentences(measured))
     context.store.save_json(LAW, {**law_record(measured.law), **asdict(beside)})
     record = {**head, "rows_kPa": spec.rows, "seconds": {"this call": report.seconds}}
     context.store.save_json("run.json", record)
@@ -201,7 +201,7 @@ def save_law(store: Store, measured: MeasuredLaw, pressures_kPa: Sequence[float]
     measured = replace(measured, unloaded=unloaded_states(measured.law, pressures_kPa))
     content = {
         **law_record(measured.law),
-        **{one.name: getattr(measured, one.name) for one in fields(BesideLaw) if one.name != "draft"},
+        **{one.name: getattr(measured, one.name) for one in fields(LawMetadata) if one.name != "draft"},
         **({"draft": True} if measured.draft else {}),
         "added_pressures_kPa": measured.added_kPa,
         "end_half_cells": measured.half_cells,

@@ -18,7 +18,7 @@ from pipeline.store.result_folder import ResultFolder, json_text
 from pipeline.values.errors import InputError, argument, quoted
 from pipeline.values.formats import CURVE_COLUMNS, FORMAT
 from pipeline.values.json_values import JsonObject
-from pipeline.values.law import BesideLaw, DeliveredLaw
+from pipeline.values.law import DeliveredLaw, LawMetadata
 from pipeline.values.parameters import RodParameters
 from pipeline.values.record import RunRecord
 from pipeline.values.run import Curve, Effect, RodError, Run, State
@@ -33,7 +33,7 @@ TYPES: dict[str, TypeAdapter[Any]] = {
     "validation.json": TypeAdapter(tuple[RodError, ...]),
     "effects.json": TypeAdapter(tuple[Effect, ...]),
     "parameters.json": TypeAdapter(RodParameters),
-    "law.json": TypeAdapter(BesideLaw),
+    "law.json": TypeAdapter(LawMetadata),
     "run.json": TypeAdapter(RunRecord),
 }
 #: the arm's own law

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from geometry import Reason, Values
-from geometry.told import Told
+from geometry.told import Printable
 from pipeline.results.rod_errors import (
     LARGEST_FORCE,
     LARGEST_SHAPE,
@@ -87,7 +87,7 @@ class Bending:
 
 
 @dataclass(frozen=True)
-class Verdict(Told):
+class Verdict(Printable):
     """What a run has found, and how far it can be relied on."""
 
     design: str

@@ -52,7 +52,7 @@ class Unloaded:
 
 
 @dataclass(frozen=True)
-class BesideLaw:
+class LawMetadata:
     """What stands in law.json beside the law."""
 
     mesh_error: LawMeshError | None = None
@@ -62,7 +62,7 @@ class BesideLaw:
 
 
 @dataclass(frozen=True, eq=False)  # arrays inside
-class DeliveredLaw(BesideLaw):
+class DeliveredLaw(LawMetadata):
     """The arm's own law as law.json has it."""
 
     law: Law = field(kw_only=True)

@@ -11,7 +11,7 @@ from geometry.arrays import Array
 from geometry.topology import cross
 from rod.arm import newton
 from rod.arm.end_kernels import EndArrays
-from rod.arm.newton import Found
+from rod.arm.newton import NewtonResult
 from rod.arm.nodes import KEPT, Chain, LoadArrays, StateArrays, Tangent, acting, levers_of
 from rod.compiled import CompiledLater
 from rod.frames import in_frame, planar_frames, rotation, turn_of
@@ -51,7 +51,7 @@ class Nodes(NamedTuple):
     inner: Array  #: (N, 3) N, force on the part before the node
     force: Array  #: (3,) N, on the end, with what holds it
     reaction: Array  #: (k,) N or N mm, of what is held
-    found: Found
+    found: NewtonResult
 
     @property
     def state(self) -> StateArrays:
@@ -129,7 +129,9 @@ def rest_state(s: Array, strains: Array, place: Array, frame: Array, held: int) 
     return StateArrays(places, angle, frames, np.zeros((n, 3)), np.zeros(held))
 
 
-def nodes_of(s: Array, state: StateArrays, chain: Chain, ends: EndArrays, load: LoadArrays, found: Found) -> Nodes:
+def nodes_of(
+    s: Array, state: StateArrays, chain: Chain, ends: EndArrays, load: LoadArrays, found: NewtonResult
+) -> Nodes:
     """Moments and forces by statics, in the state that was found under the full load."""
     frames = state.frames if chain.in_space else planar_frames(state.angle)
     place, load = state.place, acting(load, state, 1.0)

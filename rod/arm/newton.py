@@ -44,7 +44,7 @@ class Inertia(NamedTuple):
 STATICS = Inertia(*(np.empty(shape) for shape in (0, (0, 3), (0, 3, 3), (0, 3), 0, (0, 3, 3), (0, 9), 2)))
 
 
-class Found(NamedTuple):
+class NewtonResult(NamedTuple):
     """The outcome."""
 
     converged: bool
@@ -54,7 +54,7 @@ class Found(NamedTuple):
     negative: tuple[int, int]
     iterations: int
 
-    def is_as_stable_as(self, other: "Found") -> bool:
+    def is_as_stable_as(self, other: "NewtonResult") -> bool:
         """Whether one of both numbers is that of another state.
 
         A measured clamp adds a negative pivot to the first number, and this pivot may move beyond the clamped end.
@@ -203,7 +203,7 @@ def _solved(tangent: Tangent, load: LoadArrays, free: int, step: Step) -> tuple[
 
 def _tangent_of(
     arm: ArmArrays, load: LoadArrays, state: StateArrays, factor: float, tangent: Tangent, side: Array, step: Step
-) -> Found:
+) -> NewtonResult:
     """The tangent of a state, with its forces in the geometric part; a side becomes what the arm answers to it."""
     motion, rows = step.motion, len(step.columns)
     m, outside, beyond = motion.shape[1], math.inf, math.inf
@@ -216,9 +216,9 @@ def _tangent_of(
         tangent.missed[:] = side[rows + m :]
         known, _ = _solved(tangent, load, arm.chain.free, step)
         if not known:
-            return Found(False, outside, beyond, (0, 0), 1)
+            return NewtonResult(False, outside, beyond, (0, 0), 1)
         side[: rows + m], side[rows + m :] = motion.reshape(rows + m), step.reaction[:, 0]
-    return Found(True, outside, beyond, (0, 0), 0)
+    return NewtonResult(True, outside, beyond, (0, 0), 0)
 
 
 def _newton(
@@ -230,7 +230,7 @@ def _newton(
     iterations: int,
     side: Array,
     inertia: Inertia,
-) -> Found:
+) -> NewtonResult:
     """The equilibrium near a state under a part of the loads; the state becomes it.
 
     Without iterations the tangent becomes that of the state, and its forces stand in the geometric part. A side
@@ -250,7 +250,7 @@ def _newton(
             add_inertia(inertia, arm.chain, state, tangent)
         known, negative = _solved(tangent, load, arm.chain.free, step)
         if not known:
-            return Found(False, outside, beyond, (0, 0), iteration)
+            return NewtonResult(False, outside, beyond, (0, 0), iteration)
         for a in range(count):
             state.reaction[a] += right[a, 0]
         if is_moving:
@@ -258,11 +258,11 @@ def _newton(
         predict(arm.chain, state, tangent.kept, step.motion)
         largest = move(arm.chain, state, step.motion, work)
         if not largest < 30.0:
-            return Found(False, outside, beyond, (0, 0), iteration)
+            return NewtonResult(False, outside, beyond, (0, 0), iteration)
         # the tangent of the first step has the forces of the state before
         if largest < (IN_TIME if is_moving else TOLERANCE) and iteration > 0:
-            return Found(True, outside, beyond, negative, iteration + 1)
-    return Found(False, outside, beyond, (0, 0), iterations)
+            return NewtonResult(True, outside, beyond, negative, iteration + 1)
+    return NewtonResult(False, outside, beyond, (0, 0), iterations)
 
 
 def _shorten(motion: Array, iteration: int) -> None:

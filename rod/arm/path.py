@@ -17,7 +17,7 @@ import numpy as np
 from geometry.arrays import Array
 from rod.along import APART, are_heights, check_inside, check_supports
 from rod.arm.chain import Nodes, extrapolated, halved
-from rod.arm.newton import Found
+from rod.arm.newton import NewtonResult
 from rod.arm.nodes import StateArrays
 from rod.arm.solver import ArmModel, Solver
 from rod.errors import LoadError, RodError
@@ -71,7 +71,7 @@ class Buckles(RodError):
         self.force = force  #: (N, 3) N, that pushes the arm in its softest motion
 
 
-class Way(NamedTuple):
+class PathOptions(NamedTuple):
     """How the loads grow."""
 
     together: bool = False  #: the path begins with the straight arm, and its curvature grows with the load
@@ -82,7 +82,7 @@ class Way(NamedTuple):
 COARSEST, MOST_HALVINGS = 1e-3, 3
 
 
-def follow(arm: ArmModel, load: Load, how: Way) -> Path:
+def follow(arm: ArmModel, load: Load, how: PathOptions) -> Path:
     """The equilibrium on the path from the inflated arm to the full load.
 
     Raises `RodError` where the path ends or becomes unstable, and for a load or a support off the arm.
@@ -131,7 +131,7 @@ def beside(arm: ArmModel, load: Load, near: tuple[Nodes, Nodes], *, in_space: bo
     return Path(extrapolated(coarse, fine, in_space=in_space), (coarse, fine), 0)
 
 
-def _fallen(solver: Solver, load: Load, together: bool) -> tuple[StateArrays, Found, int, str]:
+def _fallen(solver: Solver, load: Load, together: bool) -> tuple[StateArrays, NewtonResult, int, str]:
     """As `_followed`; where the arm buckles on the way the state to which it falls, and the sentence on it."""
     pushed, told = solver, ""
     for _ in range(1 + PUSHES):
@@ -151,7 +151,7 @@ def _fallen(solver: Solver, load: Load, together: bool) -> tuple[StateArrays, Fo
     raise RodError(f"{told} No stable shape was found beyond.")
 
 
-def _followed(solver: Solver, load: Load, together: bool) -> tuple[StateArrays, Found, int]:
+def _followed(solver: Solver, load: Load, together: bool) -> tuple[StateArrays, NewtonResult, int]:
     """The state at the end of the path, how it was found, and the number of steps."""
     grown, in_space = (0.0 if together else 1.0), solver.chain.in_space
     here = _inflated(solver, load, grown)

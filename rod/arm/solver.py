@@ -9,7 +9,7 @@ from geometry.arrays import Array
 from rod.along import Position
 from rod.arm.chain import NO_SIDE, Nodes, load_arrays, nodes_of, rest_state, room_for, solve_chain
 from rod.arm.end_kernels import EndArrays
-from rod.arm.newton import ITERATIONS, STATICS, Found
+from rod.arm.newton import ITERATIONS, STATICS, NewtonResult
 from rod.arm.nodes import ArmArrays, Chain, StateArrays, acting, levers_of
 from rod.arm.sections import Section
 from rod.frames import planar_frames
@@ -17,7 +17,7 @@ from rod.load import Load
 from rod.weight import Mass
 
 #: of a state that no iteration has found
-NOT_SOLVED = Found(True, 0.0, 0.0, (0, 0), 0)
+NOT_SOLVED = NewtonResult(True, 0.0, 0.0, (0, 0), 0)
 
 
 class ArmModel(Protocol):
@@ -68,7 +68,7 @@ class Solver:
 
     def converge(
         self, state: StateArrays, factor: float, target: Array, grown: float = 1.0, iterations: int = ITERATIONS
-    ) -> Found:
+    ) -> NewtonResult:
         """The equilibrium near a state, which becomes it, under a part of the loads; what is held is at target (k,)."""
         nodes = self.load.nodes + self.push / factor if factor else self.load.nodes
         load = self.load._replace(target=target, nodes=nodes)
@@ -112,6 +112,6 @@ class Solver:
         self.converge(copied, 0.0, np.zeros(len(self.load.held)), iterations=0)
         return self.room.missed.copy()
 
-    def nodes(self, state: StateArrays, found: Found = NOT_SOLVED) -> Nodes:
+    def nodes(self, state: StateArrays, found: NewtonResult = NOT_SOLVED) -> Nodes:
         """Moments and forces under the full load."""
         return nodes_of(self.s, state, self.chain, self.ends, self.load, found)

@@ -12,7 +12,7 @@ from geometry.arrays import Array, read_only
 from rod.along import AlongLoad, Position, Support, are_heights, part_of, reactions_of, scaled
 from rod.arm.chain import positions_between
 from rod.arm.end_kernels import EndArrays
-from rod.arm.path import NoEquilibrium, Path, Way, follow
+from rod.arm.path import NoEquilibrium, Path, PathOptions, follow
 from rod.arm.response import SolvedPath
 from rod.arm.stability import Stability, stability_of
 from rod.arm_law.air import air_along, air_volumes
@@ -110,7 +110,7 @@ class LawRod:
     def in_plane(self, load: Load, *, together: bool | None = None) -> RodSolution:
         """The weight of the load is spread as the mass of the arm is, where that is known."""
         load.refuse_out_of_plane()
-        how = Way(are_heights(load.supports) if together is None else together, in_space=False)
+        how = PathOptions(are_heights(load.supports) if together is None else together, in_space=False)
         return self._planar_solution(self._followed(load, how), load)
 
     def solve_in_space(self, load: Load) -> SpatialSolution:
@@ -119,7 +119,7 @@ class LawRod:
         Raises `RodError` as `solve` does, and for a law without rigidities out of the plane.
         """
         self._check_in_space()
-        path = self._followed(load, Way(together=False, in_space=True))
+        path = self._followed(load, PathOptions(together=False, in_space=True))
         nodes = path.nodes
         frame = nodes.frames[-1]
         turn = math.atan2(frame[1, 0], frame[0, 0])
@@ -146,7 +146,7 @@ class LawRod:
         weight = self.weight[0] + x, self.weight[1] + y, z
         return self._model, replace(load, weight=weight, along=along, supports=supports)
 
-    def _followed(self, load: Load, how: Way) -> Path:
+    def _followed(self, load: Load, how: PathOptions) -> Path:
         """The path to a load; raises `RodError` where it ends, and where the curvature leaves the law."""
         model, posed = self.posed(load)
         try:
@@ -187,13 +187,13 @@ class LawRod:
         near = "" if self.near is None else f" That is near a limit of the pressure, {self.near:.4g} kPa."
         return f"law at {pressure:.4g} kPa is known from {low:.4g} to {high:.4g} N mm.{near}"
 
-    def part_borne(self, load: Load, how: Way | None = None) -> float:
+    def part_borne(self, load: Load, how: PathOptions | None = None) -> float:
         """The part of a load up to which moments and curvatures stay within the law, to a hundredth of the load."""
         model, load = self.posed(load)
         low, high, part = 0.0, 1.0, 1.0
         for _ in range(PARTS + 1):
             try:
-                is_inside = not self.outside(follow(model, Load().plus(load, part), how or Way()))
+                is_inside = not self.outside(follow(model, Load().plus(load, part), how or PathOptions()))
             except RodError:
                 is_inside = False
             low, high = (part, high) if is_inside else (low, part)

@@ -10,7 +10,7 @@ from geometry.arrays import Array
 from rod.along import Position
 from rod.arm.chain import positions_between
 from rod.arm.end_kernels import EndArrays
-from rod.arm.path import Path, Way, follow
+from rod.arm.path import Path, PathOptions, follow
 from rod.arm.section_kernels import BEYOND, POLYNOMIAL, SectionArrays
 from rod.arm_law.polynomial import Plane
 from rod.arm_law.tabulated import SETTLED, STRAINS, writable
@@ -129,7 +129,7 @@ class SpaceRod:
 
         Raises `RodError` where the path ends or becomes unstable, and where the curvature leaves the law.
         """
-        path = follow(self, load, Way(in_space=True))
+        path = follow(self, load, PathOptions(in_space=True))
         if outside := self.outside(path):
             raise RodError(outside)
         nodes = path.nodes

@@ -6,7 +6,7 @@ from geometry.arrays import Array
 from rod.along import are_heights
 from rod.arm.chain import halved
 from rod.arm.nodes import FORCES, StateArrays
-from rod.arm.path import Way, follow, positions_under
+from rod.arm.path import PathOptions, follow, positions_under
 from rod.arm.solver import Solver
 from rod.errors import RodError
 from rod.load import Load
@@ -19,7 +19,7 @@ def equilibrium(arm: Arm, load: Load, later: Load, in_space: bool, *, fine: bool
     Raises `RodError` where there is none that the law knows.
     """
     (model, posed), (_, other) = arm.posed(load), arm.posed(later)
-    path = follow(model, posed, Way(not in_space and are_heights(posed.supports), in_space))
+    path = follow(model, posed, PathOptions(not in_space and are_heights(posed.supports), in_space))
     if outside := arm.outside(path):
         raise RodError(outside)
     s = positions_under(model, Load(along=(*posed.along, *other.along), supports=posed.supports))

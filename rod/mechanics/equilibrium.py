@@ -15,7 +15,7 @@ from functools import cached_property
 from typing import ClassVar, Literal, TypeAlias, TypedDict, Unpack, get_args, overload
 
 from geometry.arrays import read_only
-from geometry.told import Told
+from geometry.told import Printable
 from rod.along import Along, LineLoad, Support, are_heights, pair
 from rod.arm_law.law_rod import LawRod
 from rod.arm_law.space_rod import SpaceRod
@@ -53,7 +53,7 @@ def _no_law() -> FiveParameters:
 
 
 @dataclass(frozen=True)
-class Rod(Told):
+class Rod(Printable):
     """A clamped planar rod with the five-parameter law, two lines of any slope, or the arm's own law at one pressure.
 
     kappa_0 (1/mm) is a number, an array (n,) of values at equally spaced points from 0 to length, an array (n, 2) of

@@ -10,7 +10,7 @@ from geometry.arrays import Array, read_only
 from rod.along import LineLoad, Position, are_heights, reactions_of, resultant
 from rod.arm.chain import halved, positions_between
 from rod.arm.end_kernels import EndArrays
-from rod.arm.path import Path, Way, follow, positions_under
+from rod.arm.path import Path, PathOptions, follow, positions_under
 from rod.arm.response import SolvedPath
 from rod.arm.sections import LinesSection
 from rod.arm.solver import Solver
@@ -59,7 +59,7 @@ class LinesRod:
         is_loaded = not self._is_idle(load) or together
         self._check_reach(load)
         model = _Model(self, self._section(is_loaded=is_loaded))
-        path = follow(model, self._all(load), Way(together))
+        path = follow(model, self._all(load), PathOptions(together))
         nodes = path.nodes
         if outside := self.outside(path):
             raise RodError(f"{path.fall} {outside}".strip())

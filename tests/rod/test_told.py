@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import pytest
 
-from geometry.told import Told
+from geometry.told import Printable
 from rod import FiveParameters, Rod
 from tests.rod.arm_law.test_arm_law import law_of, straight_law
 
@@ -21,7 +21,7 @@ SHAPE = Rod(110.0, law=LAW.at(20.0)).solve(force="0.01 N")
         FIVE.solve(),
     ],
 )
-def test_a_value_is_printed_in_a_few_short_lines(value: Told) -> None:
+def test_a_value_is_printed_in_a_few_short_lines(value: Printable) -> None:
     lines = str(value).splitlines()
     assert 2 <= len(lines) <= 7
     assert max(map(len, lines)) <= 100

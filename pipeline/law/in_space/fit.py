@@ -44,7 +44,7 @@ class Fit:
 
 @final
 @dataclass(frozen=True, eq=False)  # arrays inside
-class Spanned:
+class PressureBasis:
     """What pressures of the cavities, in rows (r, m) in kPa, span."""
 
     rows: Array
@@ -61,7 +61,7 @@ class Spanned:
         return np.asarray(np.abs(self.rows @ self.onto).max(axis=0))
 
 
-def fit_cell(states: Sequence[CellState], spanned: Spanned, kappa: float) -> Fit:
+def fit_cell(states: Sequence[CellState], spanned: PressureBasis, kappa: float) -> Fit:
     """The potential with the degree that predicts left-out states best; kappa: 1/mm, by which curvatures are scaled."""
     scale = np.array([kappa, kappa, *spanned.scale])
     rows = _Rows.of(states, spanned, scale)
@@ -86,7 +86,7 @@ def fit_values(x: Array, values: Array, basis: Basis) -> Polynomial:
     return basis.times(np.asarray(np.linalg.lstsq(basis.values(x), values, rcond=1e-10)[0], float))
 
 
-def _air(rows: "_Rows", spanned: Spanned, potential: Polynomial, basis: Basis) -> Polynomial:
+def _air(rows: "_Rows", spanned: PressureBasis, potential: Polynomial, basis: Basis) -> Polynomial:
     """Of the potential; pressures in fixed ratios leave a part to which it has no derivative, and that is fitted."""
     onto = spanned.onto
     known = -KPA_PER_MPA * np.hstack([potential.by(2 + k, basis) for k in range(onto.shape[1])]) @ onto.T
@@ -118,14 +118,14 @@ class _Rows:
 
     states: Sequence[CellState]
     x: Array  #: (n, v)
-    onto: Array  #: (m, q) as of `Spanned`
+    onto: Array  #: (m, q) as of `PressureBasis`
     curved: tuple[Array, Array]  #: (n, v) directions across and along the curvature
     pressed: Array  #: (n, v) change of the variables per kPa of the largest pressure
     kappa: float
     pressure: float  #: kPa, largest
 
     @staticmethod
-    def of(states: Sequence[CellState], spanned: Spanned, scale: Array) -> "_Rows":
+    def of(states: Sequence[CellState], spanned: PressureBasis, scale: Array) -> "_Rows":
         pressures = np.array([state.pressures for state in states])
         x = np.column_stack([[state.curvature for state in states], pressures @ spanned.onto])
         largest = np.abs(pressures).max(axis=1, keepdims=True)

@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 
 from fem.cell.piece import PieceFailed
 from geometry.arrays import Array
-from pipeline.law.in_space.fit import Fit, Spanned, fit_cell, fit_values
+from pipeline.law.in_space.fit import Fit, PressureBasis, fit_cell, fit_values
 from pipeline.law.in_space.states import (
     CellState,
     Curvatures,
@@ -71,7 +71,7 @@ def measure_in_space(pieces: ArmPieces, rows: Sequence[Pressures], context: RunC
 
     Raises `NoArmLaw` and InputError for pieces that cannot be made, and RunFailed where a row is not borne.
     """
-    tasks, spanned = ArmTasks(pieces, context), Spanned(np.array(rows))
+    tasks, spanned = ArmTasks(pieces, context), PressureBasis(np.array(rows))
     count = spanned.onto.shape[1]
     parts = ONE_RATIO if count == 1 else RATIOS
     highest = [max(rows, key=lambda row: max(map(abs, row)))] if count == 1 else list(rows)
@@ -153,7 +153,7 @@ def _law(
     tasks: ArmTasks,
     fit: Fit,
     states: Sequence[CellState],
-    spanned: Spanned,
+    spanned: PressureBasis,
     reached: tuple[float, Sequence[Pressures], Sequence[Pressures]],
 ) -> tuple[SpaceLaw, tuple[str, ...]]:
     """The law of the fit, with twist, shear and both ends, and what could not be solved.

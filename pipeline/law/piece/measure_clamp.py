@@ -17,7 +17,7 @@ from geometry import Reason
 from geometry.arrays import Array
 from pipeline.law.piece.adaptive import divided
 from pipeline.law.piece.in_space import clamp_in_space
-from pipeline.law.piece.point import Measured, PiecePoint, reached, reason_of, without_moment
+from pipeline.law.piece.point import KeptCurve, PiecePoint, reached, reason_of, without_moment
 from pipeline.law.piece.rates import clamp_rates
 from pipeline.values.pressure import KPA_PER_MPA, in_MPa
 from rod.arm_law.curves import CellCurve, ClampCurve
@@ -49,7 +49,7 @@ DIGITS = 6
 DIFFERENCE = 1e-5
 
 
-def clamp_curve(piece: BendingPiece, cell: CellCurve, begin: Begin | None = None) -> Measured[ClampCurve]:
+def clamp_curve(piece: BendingPiece, cell: CellCurve, begin: Begin | None = None) -> KeptCurve[ClampCurve]:
     """The clamped end over the moments of a cell at the same pressure.
 
     begin: as in `straight_point`. The clamped end is followed from moments without contact on; an interval is then
@@ -67,7 +67,7 @@ def clamp_curve(piece: BendingPiece, cell: CellCurve, begin: Begin | None = None
     error = _refine(piece, cell, points)
     why, rates = tuple(map(reason_of, limits)), clamp_rates(piece, points)
     curve, unstable = clamp_in_space(piece, cell, _curve(piece, cell, points), points)
-    return Measured(curve, (*why, *unstable), error, rates=rates)
+    return KeptCurve(curve, (*why, *unstable), error, rates=rates)
 
 
 def _first(piece: BendingPiece, cell: CellCurve, begin: Begin | None) -> "_ClampPoint":

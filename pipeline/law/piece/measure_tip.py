@@ -11,7 +11,7 @@ from fem.cell.edge import FreeEdge, free_edge
 from fem.cell.piece import BendingPiece, PieceState
 from geometry.arrays import Array
 from pipeline.law.piece.measure_clamp import Begin
-from pipeline.law.piece.point import Measured, reached, stable
+from pipeline.law.piece.point import KeptCurve, reached, stable
 from pipeline.values.pressure import in_MPa
 from rod.arm_law.curves import CellCurve, TipCurve
 
@@ -24,7 +24,7 @@ MIRROR = np.array([-1.0, 1.0])
 PULL_POINTS = 201
 
 
-def tip_curve(piece: BendingPiece, cell: CellCurve, begin: Begin | None = None) -> Measured[TipCurve]:
+def tip_curve(piece: BendingPiece, cell: CellCurve, begin: Begin | None = None) -> KeptCurve[TipCurve]:
     """The end of the arm without moment, from a state that the piece keeps; raises `PieceFailed`.
 
     begin: gives the state without moment; None: from rest.
@@ -71,7 +71,7 @@ def tip_curve(piece: BendingPiece, cell: CellCurve, begin: Begin | None = None) 
         pinned_by_pull=components(by_pull, angle)[::-1],
         volume=air_volumes(piece.body, piece.space, state.state.displacement),
     )
-    return Measured(curve)
+    return KeptCurve(curve)
 
 
 def _with_edge(piece: BendingPiece, state: PieceState) -> tuple[PieceState, FreeEdge]:

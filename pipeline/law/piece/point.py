@@ -55,7 +55,7 @@ Value = TypeVar("Value")
 
 
 @dataclass(frozen=True)
-class Measured(Generic[Value]):
+class KeptCurve(Generic[Value]):
     """A curve, or a number, and what it cost."""
 
     curve: Value

@@ -20,7 +20,7 @@ from geometry.meshing.mirror import Repetition
 from geometry.meshing.moving import Movement
 from pipeline.config.config import Config
 from pipeline.config.material import Material
-from pipeline.law.piece.point import Measured, PiecePoint, stable
+from pipeline.law.piece.point import KeptCurve, PiecePoint, stable
 from pipeline.simulate.scene import make_layers
 from rod.arm_law.curves import ACROSS, CellCurve, ClampCurve
 from rod.arm_law.rates import CellRate, ClampRate, LawRate, slopes_of
@@ -155,8 +155,8 @@ def law_rates(
     config: Config,
     repetition: Repetition,
     movements: Mapping[str, Movement | DesignError],
-    cells: Sequence[Measured[CellCurve]],
-    clamps: Sequence[Measured[ClampCurve]],
+    cells: Sequence[KeptCurve[CellCurve]],
+    clamps: Sequence[KeptCurve[ClampCurve]],
 ) -> dict[str, LawRate]:
     """The derivatives of a law by parameter."""
     values = {name: (step.value, step.unit) for name, step in material_steps(config).items()}
@@ -191,7 +191,7 @@ def _lengths(
     return 2.0 * (movement.edge - movement.middle), movement.middle, longer
 
 
-def _clamp_rate(clamp: Measured[ClampCurve], cell: CellCurve, rate: CellRate, name: str) -> ClampRate:
+def _clamp_rate(clamp: KeptCurve[ClampCurve], cell: CellCurve, rate: CellRate, name: str) -> ClampRate:
     """How the clamped end departs from cells continued to it, whose curvature and stretch change as well."""
     curve, of_end = clamp.curve, {key: np.array(value) for key, value in clamp.rates[name].items()}
     by_moment = -rate.moment / cell.rigidity  # curvature of the cell, at fixed moment

@@ -8,7 +8,7 @@ from typing import Any, Concatenate, ParamSpec, TypeVar
 from fem.cell.piece import BendingPiece
 from geometry import Reason
 from pipeline.law.piece.pieces import ArmPieces
-from pipeline.law.piece.point import Measured
+from pipeline.law.piece.point import KeptCurve
 from pipeline.results.laws import record_of, value_of
 from pipeline.store.context import RunContext
 from pipeline.store.kept import KeptFile
@@ -39,8 +39,8 @@ class PieceCurves:
         self.progress = progress
 
     def of_cell(
-        self, kind: type[Value], name: str, measure: Callable[[BendingPiece], Measured[Value]]
-    ) -> Measured[Value]:
+        self, kind: type[Value], name: str, measure: Callable[[BendingPiece], KeptCurve[Value]]
+    ) -> KeptCurve[Value]:
         """What is measured on the cell, and kept under a name."""
         return self.of_piece(kind, name, lambda: self.pieces.cell, measure)
 
@@ -49,10 +49,10 @@ class PieceCurves:
         kind: type[Value],
         name: str,
         piece_of: Callable[[], BendingPiece],
-        measure: Callable[[BendingPiece], Measured[Value]],
-    ) -> Measured[Value]:
+        measure: Callable[[BendingPiece], KeptCurve[Value]],
+    ) -> KeptCurve[Value]:
         """What is measured on a piece, which is made where an earlier run of these sources has kept nothing."""
-        file: KeptFile[Measured[Any]] = KeptFile.of_run(self.store, self._file(name), Measured[Any])
+        file: KeptFile[KeptCurve[Any]] = KeptFile.of_run(self.store, self._file(name), KeptCurve[Any])
         needs_rates = self.pieces.derivatives and name.startswith(WITH_RATES)
         if (kept := file.read()) is not None and (kept.rates or not needs_rates):
             return replace(kept, curve=kept.curve if kind is float else value_of(kind, kept.curve), is_stored=True)
@@ -90,7 +90,7 @@ class Log:
         if len(cells) < 2:
             raise RunFailed(f"the arm's own law has fewer than two pressures: {render_all(self.failures)}")
 
-    def count(self, part: str, *measured: Measured[Any] | None) -> None:
+    def count(self, part: str, *measured: KeptCurve[Any] | None) -> None:
         """Add the work for what was measured."""
         for one in filter(None, measured):
             self.factorizations[part] += one.factorizations

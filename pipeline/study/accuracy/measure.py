@@ -77,7 +77,7 @@ class Cost:
 
 
 @dataclass(frozen=True)
-class Measured:
+class RungResult:
     """Numbers and cost of one configuration."""
 
     failure: str  #: empty, or sentences
@@ -89,7 +89,7 @@ class Measured:
         return next((numbers for numbers in self.numbers if numbers.pressure_kPa == pressure_kPa), None)
 
 
-def measure(config: Config) -> Measured:
+def measure(config: Config) -> RungResult:
     """Solve II and III and identify the numbers at every pressure that both reach."""
     compile_kernels(config.mesh.formulation, material_of(config))
     start, cpu = perf_counter(), process_time()
@@ -99,7 +99,7 @@ def measure(config: Config) -> Measured:
         with TemporaryDirectory() as folder, open_store(Path(folder), config) as store:
             outcomes = simulate(scene, RunContext.alone(store, Silent()), ("III", "II"))
     except (InputError, RunFailed) as failure:
-        return Measured(str(failure), (), None)
+        return RungResult(str(failure), (), None)
     failures = [f"{outcome.name}: {render_all(outcome.failure.reasons)}" for outcome in outcomes if outcome.failure]
     fit_start = perf_counter()
     equal = counts_as_equal_cells(config.design)
@@ -117,7 +117,7 @@ def measure(config: Config) -> Measured:
         factorizations=outcomes.factorizations,
     )
     numbers = tuple(map(numbers_of, parameters))
-    return Measured("; ".join((*failures, *map(render, refused))), numbers, cost)
+    return RungResult("; ".join((*failures, *map(render, refused))), numbers, cost)
 
 
 def numbers_of(parameters: Parameters) -> RodNumbers:

@@ -17,7 +17,7 @@ import numpy as np
 from fem.elements import MOST_ACCURATE
 from pipeline.config.config import Config
 from pipeline.study.accuracy.ladder import CONTACT, TOLERANCE, Rung
-from pipeline.study.accuracy.measure import HEADLINE, RIGIDITY, Measured, RodNumbers
+from pipeline.study.accuracy.measure import HEADLINE, RIGIDITY, RodNumbers, RungResult
 from pipeline.values.json_values import JsonObject
 from pipeline.values.richardson import Limit, extrapolate
 
@@ -85,7 +85,7 @@ class References:
 
 
 def references_at(
-    pressure: float, config: Config, rungs: Sequence[tuple[Rung, Measured]], contact_mm: float | None
+    pressure: float, config: Config, rungs: Sequence[tuple[Rung, RungResult]], contact_mm: float | None
 ) -> References:
     """The references at one pressure, from the series of the reference element and those of the contact distance.
 

@@ -11,7 +11,7 @@ from pipeline.store.processes import Processes
 from pipeline.store.progress import Progress
 from pipeline.store.store import Store, open_store
 from pipeline.study.accuracy.ladder import Rung, ladder
-from pipeline.study.accuracy.measure import Measured, measure
+from pipeline.study.accuracy.measure import RungResult, measure
 from pipeline.study.accuracy.study import ConvergenceStudy, convergence_study
 from pipeline.study.accuracy.table import study_page
 from pipeline.study.study import Study
@@ -32,7 +32,7 @@ def run_study(config: Config, out: Path, jobs: int, fresh: bool, progress: Progr
     return study
 
 
-def measured(rungs: Sequence[Rung], store: Store, jobs: int, progress: Progress) -> list[tuple[Rung, Measured]]:
+def measured(rungs: Sequence[Rung], store: Store, jobs: int, progress: Progress) -> list[tuple[Rung, RungResult]]:
     """All rungs with their results. Each that the store does not hold from these sources is measured in a process of
     its own with one thread, `jobs` at a time, and kept as soon as it is there."""
     with Processes(jobs, is_fresh=True) as processes:
@@ -42,15 +42,15 @@ def measured(rungs: Sequence[Rung], store: Store, jobs: int, progress: Progress)
     return [(rung, results[rung.name]) for rung in rungs]
 
 
-def measure_and_keep(store: Store, rung: Rung) -> Measured:
+def measure_and_keep(store: Store, rung: Rung) -> RungResult:
     """The result of a rung, which is then in the store; runs in a worker."""
     return _kept(store, rung).read_or_make(lambda: measure(rung.config))
 
 
-def _kept(store: Store, rung: Rung) -> KeptFile[Measured]:
-    return KeptFile.of_run(store, f"rungs/{rung.name}.json", Measured)
+def _kept(store: Store, rung: Rung) -> KeptFile[RungResult]:
+    return KeptFile.of_run(store, f"rungs/{rung.name}.json", RungResult)
 
 
-def _ending(rung: Rung, result: Measured) -> str:
+def _ending(rung: Rung, result: RungResult) -> str:
     outcome = result.failure if result.cost is None else f"{result.cost.cpu_seconds:.0f} s of CPU"
     return f"{rung.series} {rung.value:g}: {outcome}"

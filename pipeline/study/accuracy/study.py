@@ -6,7 +6,7 @@ from dataclasses import asdict, dataclass, replace
 from pipeline.config.config import Config
 from pipeline.store.provenance import provenance
 from pipeline.study.accuracy.ladder import CONTACT, TOLERANCE, Rung, mesh_series
-from pipeline.study.accuracy.measure import HEADLINE, Measured
+from pipeline.study.accuracy.measure import HEADLINE, RungResult
 from pipeline.study.accuracy.reference import Errors, Order, References, orders_along, references_at
 from pipeline.values.errors import RunFailed
 from pipeline.values.formats import FORMAT
@@ -19,7 +19,7 @@ class StudyRow:
 
     series: str
     value: float  #: what varies along the series
-    result: Measured
+    result: RungResult
     errors: Mapping[float, Errors]  #: by pressure in kPa, as far as they were reached
     largest_error: float | None  #: None where a pressure was not reached
     on_front: bool = False  #: no other configuration is both cheaper and more accurate
@@ -97,7 +97,7 @@ class ConvergenceStudy:
 
 
 def convergence_study(
-    config: Config, rungs: Sequence[tuple[Rung, Measured]], contact_mm: float | None
+    config: Config, rungs: Sequence[tuple[Rung, RungResult]], contact_mm: float | None
 ) -> ConvergenceStudy:
     """References and errors from the results of all rungs; contact_mm as in `ladder`.
 
@@ -116,7 +116,7 @@ def convergence_study(
     return ConvergenceStudy(config, contact_mm, tuple(references.values()), marked, left_out)
 
 
-def _row(length: float, rung: Rung, result: Measured, references: Mapping[float, References]) -> StudyRow:
+def _row(length: float, rung: Rung, result: RungResult, references: Mapping[float, References]) -> StudyRow:
     """A rung at the pressures with references; length: of the arm, mm."""
     numbers = tuple(row for row in result.numbers if row.pressure_kPa in references)
     errors = {row.pressure_kPa: references[row.pressure_kPa].errors(row, length) for row in numbers}

@@ -113,7 +113,7 @@ def joined(
     """The law over both pressures from those by direction, and what limits it; measured: gives that of a direction."""
     if missing := [folder_of(direction) for direction in spec.rays if direction not in laws]:
         return None, (f"There is no law over both pressures, because {', '.join(missing)} has no law of its own.",)
-    fan = _Fan(spec.cavities, laws, measured)
+    fan = _RatioLaws(spec.cavities, laws, measured)
     try:
         intervals = AdaptiveCurve(fan.errors, fan.solve, BETWEEN, MOST_ADDED).refine(sorted(laws))
     except (InputError, RunFailed):
@@ -126,7 +126,7 @@ def joined(
 
 
 @dataclass(frozen=True)
-class _Fan:
+class _RatioLaws:
     """Laws by direction, to which those of directions between are added."""
 
     cavities: tuple[str, ...]

@@ -14,7 +14,7 @@ from pipeline.store.provenance import provenance
 from pipeline.store.store import Store, open_store
 from pipeline.study.wishes.measured import POINTS, NotBorne, numbers_of, store_of
 from pipeline.study.wishes.report import FILES, DesignReport, design_page, history_rows, report_of
-from pipeline.study.wishes.search import Found, Search
+from pipeline.study.wishes.search import Search, SearchResult
 from pipeline.study.wishes.step import check_feasible
 from pipeline.study.wishes.wish import WishFile
 from pipeline.values.errors import InputError, RunFailed
@@ -81,7 +81,7 @@ def find_best(file: WishFile, out: Path, jobs: int, fresh: bool, progress: Progr
     return find_design(one, best.directory, jobs, False, progress, with_run=True) if with_run else best
 
 
-def _save(store: Store, file: WishFile, found: Found, report: DesignReport) -> None:
+def _save(store: Store, file: WishFile, found: SearchResult, report: DesignReport) -> None:
     verdict = "meets every wish" if not report.given_up else f"misses: {'; '.join(report.given_up)}"
     head = f"# Found by `pneurod design {file.source}`; it {verdict}.\n"
     store.save_text(FILES[0], head + file.document(found.trial.point).text)
@@ -91,7 +91,7 @@ def _save(store: Store, file: WishFile, found: Found, report: DesignReport) -> N
     store.save_text(FILES[3], design_page(file.wishes, report, found.trial))
 
 
-def _run(file: WishFile, found: Found, store: Store, jobs: int, progress: Progress) -> DesignReport:
+def _run(file: WishFile, found: SearchResult, store: Store, jobs: int, progress: Progress) -> DesignReport:
     """The report with the numbers of a run of the design, whose law is partly there already.
 
     A run that misses something says so in its own results.

@@ -17,7 +17,7 @@ from pipeline.law.ends import CLAMP, HALF_CELLS, TIP, end_at
 from pipeline.law.mesh_limit import corrected
 from pipeline.law.piece.measure import cell_without_moment
 from pipeline.law.piece.pieces import ArmPieces, NoArmLaw
-from pipeline.law.piece.point import Measured
+from pipeline.law.piece.point import KeptCurve
 from pipeline.law.piece.rates import law_rates
 from pipeline.law.piece.tasks import ArmTasks, PieceCurves
 from pipeline.simulate.scene import Scene
@@ -47,7 +47,7 @@ class NotBorne(Exception):
 
 
 @dataclass(frozen=True, eq=False)  # arrays inside
-class Numbers:
+class Response:
     """The wanted numbers of a design, and what else depends on its law."""
 
     values: Array  #: (m,) of all wishes, one after the other
@@ -59,7 +59,7 @@ class Numbers:
 
 
 @contextmanager
-def borne() -> Iterator[None]:
+def raise_not_borne() -> Iterator[None]:
     """Any reason why a design has no numbers becomes a `NotBorne`."""
     try:
         yield
@@ -81,20 +81,20 @@ class MovedMesh:
     @staticmethod
     def of(file: WishFile, point: Array, context: RunContext, *, is_fine: bool) -> "MovedMesh":
         """Mesh the design of a point. Raises `NotBorne`."""
-        with borne():
+        with raise_not_borne():
             pieces = ArmPieces.of(Scene.meshed(file.config(point)))
             return MovedMesh(file, fine_pieces(pieces) if is_fine else pieces, context, is_fine)
 
     def reaches(self, point: Array) -> bool:
         """Whether no dimension of a point (n,) differs from the meshed one by more than FARTHEST. Raises `NotBorne`."""
-        with borne():
+        with raise_not_borne():
             known, new = self.meshed.design.dimensions, self.file.config(point).design.dimensions
         return all(abs(value / known[name] - 1.0) <= FARTHEST for name, value in new.items())
 
-    def numbers(self, point: Array) -> Numbers:
+    def numbers(self, point: Array) -> Response:
         """Of the design of a point (n,). Raises `NotBorne`."""
         wishes, values = self.file.wishes, self.file.wishes.values(point)
-        with borne():
+        with raise_not_borne():
             config = replace(self.file.config(point), mesh=self.meshed.config.mesh)
             by = wishes.dimensions or ("",)
             pieces = ArmPieces(config, self.meshed.dhat, self.meshed.outer, True, by, self.meshed.config)
@@ -112,7 +112,7 @@ class MovedMesh:
             is_force = [wish.quantity in ("force", "stiffness") for wish in wishes.wishes for _ in wish.target]
             by_stiffness = np.where(is_force, found, 0.0) - by_pressure.sum(axis=1)
             curves = _curves(law, wishes.pressures_kPa(point))
-            return Numbers(found, own, by_stiffness, stretch, by_stretch, curves)
+            return Response(found, own, by_stiffness, stretch, by_stretch, curves)
 
 
 def delivered(file: WishFile, point: Array, context: RunContext) -> tuple[Array, float]:
@@ -121,7 +121,7 @@ def delivered(file: WishFile, point: Array, context: RunContext) -> tuple[Array,
     Raises `NotBorne`. The law of a run is measured over more moments and pressures; states at the pressures of the
     wishes are the same.
     """
-    with borne():
+    with raise_not_borne():
         config = file.config(point)
         of_run, own = (replace(context, store=store_of(context.store, config, mesh)) for mesh in (None, config))
         pieces = ArmPieces.of(Scene.meshed(config))
@@ -141,9 +141,9 @@ class _NearLaw:
     """A law for the states that wishes need: cells near no moment at their pressures, and the ends beside them."""
 
     pieces: ArmPieces
-    cells: list[Measured[CellCurve]]
-    clamps: list[Pending[Measured[ClampCurve]]]  #: which are being measured, as the tips
-    tips: list[Pending[Measured[TipCurve]]]
+    cells: list[KeptCurve[CellCurve]]
+    clamps: list[Pending[KeptCurve[ClampCurve]]]  #: which are being measured, as the tips
+    tips: list[Pending[KeptCurve[TipCurve]]]
 
     @staticmethod
     def begin(
@@ -175,7 +175,7 @@ class _NearLaw:
         return law
 
 
-def _cell(curves: PieceCurves, pressure: float, is_whole: bool) -> Measured[CellCurve]:
+def _cell(curves: PieceCurves, pressure: float, is_whole: bool) -> KeptCurve[CellCurve]:
     """A cell for the loads of the wishes; a task."""
     if is_whole:
         return cell_at(curves, pressure, bend_of(curves, pressure).curve)

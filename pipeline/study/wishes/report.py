@@ -8,7 +8,7 @@ import numpy as np
 
 from geometry.arrays import Array
 from pipeline.study.wishes.behind import behind
-from pipeline.study.wishes.search import OF_LAW, Found, Refusal, Trial
+from pipeline.study.wishes.search import OF_LAW, Refusal, SearchResult, Trial
 from pipeline.study.wishes.step import Model
 from pipeline.study.wishes.wish import Wish, Wishes, WishFile, exact_limits
 from pipeline.values.errors import RunFailed
@@ -119,7 +119,7 @@ class DesignReport:
 
 
 def report_of(
-    file: WishFile, found: Found, directory: Path, run: Path | None = None, in_run: Array | None = None
+    file: WishFile, found: SearchResult, directory: Path, run: Path | None = None, in_run: Array | None = None
 ) -> DesignReport:
     """The design that a search has found; in_run: (m,) numbers of the law of its run, where it has one."""
     wishes, trial, first = file.wishes, found.trial, found.history[0]

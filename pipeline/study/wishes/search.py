@@ -9,7 +9,7 @@ from scipy.stats import qmc
 
 from geometry.arrays import Array
 from pipeline.store.context import RunContext
-from pipeline.study.wishes.measured import MovedMesh, NotBorne, Numbers, delivered
+from pipeline.study.wishes.measured import MovedMesh, NotBorne, Response, delivered
 from pipeline.study.wishes.step import Model, Worth, propose
 from pipeline.study.wishes.wish import WishFile, rounded
 
@@ -33,8 +33,8 @@ class Trial:
     start: int  #: from which the search came, from 1 on
     law: str  #: on which mesh: coarse, that of the configuration; fine, that of the law; or delivered
     point: Array  #: (n,) mm and kPa
-    solved: Numbers
-    numbers: Numbers  #: the same, corrected as delivered laws before were
+    solved: Response
+    numbers: Response  #: the same, corrected as delivered laws before were
     worth: Worth
     taken: bool = True  #: whether the search went on from here
 
@@ -50,7 +50,7 @@ class Refusal:
 
 
 @dataclass(frozen=True)
-class Found:
+class SearchResult:
     """The best design, with the numbers of its delivered law, and how it was found."""
 
     trial: Trial
@@ -65,9 +65,9 @@ class Search:
     context: RunContext
     trials: list[Trial | Refusal] = field(default_factory=list)
     #: numbers (m,) and largest stretch of the last delivered law, and numbers of a moved mesh for the same design
-    known: tuple[Array, float, Numbers] | None = None
+    known: tuple[Array, float, Response] | None = None
 
-    def run(self) -> Found:
+    def run(self) -> SearchResult:
         """Search from several starts; raises `NotBorne` where no design has a law."""
         laws: list[Trial] = []
         reason = ""
@@ -84,7 +84,7 @@ class Search:
                 break
         if not laws:
             raise NotBorne(reason)
-        return Found(min(laws, key=lambda law: law.worth.merit), tuple(self.trials))
+        return SearchResult(min(laws, key=lambda law: law.worth.merit), tuple(self.trials))
 
     def _descended(self, number: int, point: Array, *, is_fine: bool) -> tuple[MovedMesh, Trial]:
         """The design to which steps lead from a point, on a mesh of its own. Raises `NotBorne`."""
@@ -106,7 +106,7 @@ class Search:
             self._record(Refusal(number, law, point, str(failure)))
             raise
 
-    def _judged(self, number: int, law: str, point: Array, solved: Numbers) -> Trial:
+    def _judged(self, number: int, law: str, point: Array, solved: Response) -> Trial:
         """With its numbers as the delivered law is expected to have them."""
         numbers, wishes = solved, self.file.wishes
         if self.known:

@@ -15,7 +15,7 @@ from scipy.optimize import minimize
 
 from geometry import DesignError
 from geometry.arrays import Array
-from pipeline.study.wishes.measured import Numbers
+from pipeline.study.wishes.measured import Response
 from pipeline.study.wishes.wish import PRESSURE, WishFile, exact_limits
 from pipeline.values.errors import InputError
 
@@ -56,7 +56,7 @@ class Model:
 
     file: WishFile
     point: Array  #: (n,) the known one
-    numbers: Numbers
+    numbers: Response
 
     def residuals(self, u: Array) -> tuple[Array, Array]:
         """Distances from the targets over what is allowed (m,) at logarithms u (n,), with their rates (m, n).

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from geometry.arrays import Array
-from pipeline.law.in_space.fit import Spanned, fit_cell
+from pipeline.law.in_space.fit import PressureBasis, fit_cell
 from pipeline.law.in_space.states import CellState, Curvatures, Pressures
 
 DRAWN = np.random.default_rng(3)
@@ -66,7 +66,7 @@ def drawn(count: int) -> list[CellState]:
 
 
 def test_a_potential_of_degree_four_is_found() -> None:
-    spanned = Spanned(ROWS)
+    spanned = PressureBasis(ROWS)
     assert spanned.onto.shape == (3, 2)
     fit = fit_cell(drawn(60), spanned, 0.01)
     assert fit.error < 1e-8
@@ -87,4 +87,4 @@ def test_the_error_is_that_of_states_that_were_left_out() -> None:
         CellState(**{**vars(one), "moment": (one.moment[0], one.moment[1] * (1 + 0.02 * float(DRAWN.normal())))})
         for one in drawn(60)
     ]
-    assert 1e-3 < fit_cell(off, Spanned(ROWS), 0.01).error < 0.05
+    assert 1e-3 < fit_cell(off, PressureBasis(ROWS), 0.01).error < 0.05

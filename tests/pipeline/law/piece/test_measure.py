@@ -33,7 +33,7 @@ RUBBER = fem.StVenantKirchhoff(E=1.2, nu=0.495)
 
 
 @dataclass(frozen=True)
-class Measured:
+class KeptCurve:
     """A cell and two ends at one pressure."""
 
     force: float  #: N, for which the law is made
@@ -69,13 +69,13 @@ class Measured:
 
 
 @pytest.fixture(scope="module")
-def measured() -> Measured:
-    return Measured(0.1)
+def measured() -> KeptCurve:
+    return KeptCurve(0.1)
 
 
 @pytest.mark.parametrize(("name", "end_y", "force"), [("II", 0.0, 0.0), ("III", 0.0, 0.0), ("dead", 0.0, -0.08)])
 def test_the_rod_agrees_with_finite_elements_of_the_whole_arm(
-    measured: Measured, name: str, end_y: float, force: float
+    measured: KeptCurve, name: str, end_y: float, force: float
 ) -> None:
     experiment = fem.Experiment.of(name, DESIGN.body(SIZE), end_y, (0.0, force))
     effects = [fem.Pressure("cavity", PRESSURE / 1000.0), fem.SelfContact("gap", DHAT, starts_inactive=False)]
@@ -92,7 +92,7 @@ def test_the_rod_agrees_with_finite_elements_of_the_whole_arm(
         assert solution.force[1] == pytest.approx(experiment.end_force(step)[1], rel=5e-3)
 
 
-def test_slopes_of_the_clamped_end_are_those_of_its_curve(measured: Measured) -> None:
+def test_slopes_of_the_clamped_end_are_those_of_its_curve(measured: KeptCurve) -> None:
     """Between two states the mean of the slopes is the difference quotient, but for the curvature of the curve."""
     clamp = measured.clamp
     steps = np.diff(clamp.moment)
@@ -105,9 +105,9 @@ def test_slopes_of_the_clamped_end_are_those_of_its_curve(measured: Measured) ->
         assert np.mean(np.abs(quotient - mean) <= bound) > 0.9
 
 
-def test_the_slope_of_the_clamped_end_by_the_pressure(measured: Measured) -> None:
+def test_the_slope_of_the_clamped_end_by_the_pressure(measured: KeptCurve) -> None:
     """Against the central difference of two pressures, without moment."""
-    higher, lower = (Measured(0.05, PRESSURE + change) for change in (0.2, -0.2))
+    higher, lower = (KeptCurve(0.05, PRESSURE + change) for change in (0.2, -0.2))
     without = [curves.clamp_without_moment.rotation[0] for curves in (lower, higher)]
     expected = (without[1] - without[0]) / 0.4
     assert measured.clamp_without_moment.rotation_by_pressure[0] == pytest.approx(expected, rel=2e-2)
@@ -115,7 +115,7 @@ def test_the_slope_of_the_clamped_end_by_the_pressure(measured: Measured) -> Non
 
 def test_the_clamped_end_is_followed_over_the_moments_of_the_cell() -> None:
     """Where walls of the cell touch it is many times as stiff as without moment."""
-    measured = Measured(0.15, 5.0)
+    measured = KeptCurve(0.15, 5.0)
     cell, clamp = measured.cell, measured.clamp
     assert cell.rigidity[-1] > 3.0 * np.interp(0.0, cell.moment, cell.rigidity)
     spacing = np.ptp(cell.moment) / TOUCHING[1]
@@ -125,7 +125,7 @@ def test_the_clamped_end_is_followed_over_the_moments_of_the_cell() -> None:
     assert np.diff(clamp.moment).max() < 1.4 * spacing
 
 
-def test_between_its_states_the_clamped_end_departs_as_the_cubics_say(measured: Measured) -> None:
+def test_between_its_states_the_clamped_end_departs_as_the_cubics_say(measured: KeptCurve) -> None:
     """In the middle of the longest intervals with contact and without, against a state that is solved there."""
     cell, clamp, piece = measured.cell, measured.clamp, measured._end("clamp")
     steps = np.diff(clamp.moment)
@@ -143,7 +143,7 @@ def test_between_its_states_the_clamped_end_departs_as_the_cubics_say(measured: 
 
 
 def test_a_clamped_end_that_bears_no_larger_moment_is_named(
-    measured: Measured, monkeypatch: pytest.MonkeyPatch
+    measured: KeptCurve, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """What was reached before is kept, and the attempts beyond it are few."""
     piece = measured._end("clamp")
@@ -165,7 +165,7 @@ def test_a_clamped_end_that_bears_no_larger_moment_is_named(
 
 
 def test_where_the_moment_of_the_clamped_end_does_not_grow_its_law_ends(
-    measured: Measured, monkeypatch: pytest.MonkeyPatch
+    measured: KeptCurve, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     piece = measured._end("clamp")
     largest = float(measured.cell.moment[-1]) / 2.0
@@ -181,7 +181,7 @@ def test_where_the_moment_of_the_clamped_end_does_not_grow_its_law_ends(
     assert str(limit.values["why"]).startswith("at 20 kPa the clamped end is not described from a moment of ")
 
 
-def test_the_curves_of_a_cell_rise_and_name_their_contact(measured: Measured) -> None:
+def test_the_curves_of_a_cell_rise_and_name_their_contact(measured: KeptCurve) -> None:
     cell = measured.cell
     assert np.all(np.diff(cell.moment) > 0.0)
     assert np.all(np.diff(cell.kappa) > 0.0)
@@ -189,7 +189,7 @@ def test_the_curves_of_a_cell_rise_and_name_their_contact(measured: Measured) ->
     assert not cell.contact.all()
 
 
-def test_the_air_of_a_cell_has_the_slopes_of_its_potential(measured: Measured) -> None:
+def test_the_air_of_a_cell_has_the_slopes_of_its_potential(measured: KeptCurve) -> None:
     """At fixed curvature dM/dp = -dV/dkappa, by trapezoids between states; mm3 per mm and N mm per kPa.
 
     In most intervals within 1e-3 of the largest change; more walls that meet in one make a kink there.

@@ -19,7 +19,7 @@ from pipeline.store.store import open_store
 from pipeline.study.accuracy import ladder as rungs
 from pipeline.study.accuracy import run as run_module
 from pipeline.study.accuracy.ladder import CONTACT, Rung, ladder
-from pipeline.study.accuracy.measure import HEADLINE, Cost, Measured, RodNumbers
+from pipeline.study.accuracy.measure import HEADLINE, Cost, RodNumbers, RungResult
 from pipeline.study.accuracy.reference import (
     COORDINATES,
     References,
@@ -101,7 +101,7 @@ def rod_numbers(pressure: float, error: float) -> RodNumbers:
     )
 
 
-def made_up(rung: Rung) -> Measured:
+def made_up(rung: Rung) -> RungResult:
     """The result of a rung whose error is 1000 / n, twice that with elements that lock, and 50 % per mm of contact
     distance."""
     size, formulation = rung.config.mesh.size_mm, rung.config.mesh.formulation
@@ -112,10 +112,10 @@ def made_up(rung: Rung) -> Measured:
     numbers = [rod_numbers(pressure, error) for pressure in rung.config.pressures_kPa]
     stages = dict.fromkeys(("mesh", "set_up", "assembly", "factorization", "contact", "fit"), n / 1e4)
     cost = Cost(n / 1e3, n / 1e3, stages, n / 100.0, n, n, 0.3, 60)
-    return Measured("", tuple(numbers), cost)
+    return RungResult("", tuple(numbers), cost)
 
 
-def single_line(result: Measured) -> Measured:
+def single_line(result: RungResult) -> RungResult:
     """The result with a law of a single line."""
     changed = [replace(numbers, alpha1_N_mm2=250.0, alpha2_N_mm2=250.0, d_mm=None) for numbers in result.numbers]
     return replace(result, numbers=tuple(changed))
@@ -180,16 +180,16 @@ def test_the_reference_belongs_to_the_law_of_most_meshes(config: Config, single:
 
 def test_failed_rungs_have_a_reason_and_no_error(config: Config) -> None:
     results = [(rung, made_up(rung)) for rung in ladder(config, CONTACT_MM)]
-    results[0] = (results[0][0], Measured("the body could not be meshed", (), None))
+    results[0] = (results[0][0], RungResult("the body could not be meshed", (), None))
     row = convergence_study(config, results, CONTACT_MM).rows[0]
     assert (row.largest_error, row.on_front, row.errors) == (None, False, {})
     assert row.result.failure == "the body could not be meshed"
     with pytest.raises(RunFailed, match="17 kPa, 37 kPa"):
-        convergence_study(config, [(rung, Measured("no", (), None)) for rung, _ in results], CONTACT_MM)
+        convergence_study(config, [(rung, RungResult("no", (), None)) for rung, _ in results], CONTACT_MM)
 
 
 def test_a_pressure_that_too_few_meshes_reach_is_left_out(config: Config) -> None:
-    def stopped(result: Measured) -> Measured:
+    def stopped(result: RungResult) -> RungResult:
         numbers = tuple(row for row in result.numbers if row.pressure_kPa == 17.0)
         return replace(result, failure="III: no equilibrium found", numbers=numbers)
 
@@ -283,7 +283,7 @@ def test_a_small_study_is_solved_and_resumed(configs: Path, tmp_path: Path, monk
         assert 0.0 < cost.seconds["factorization"] < cost.wall_seconds
         assert cost.cpu_seconds > 0.0
 
-    def refuse(config: Config) -> Measured:
+    def refuse(config: Config) -> RungResult:
         raise AssertionError("nothing is left to be measured")
 
     monkeypatch.setattr(run_module, "measure", refuse)

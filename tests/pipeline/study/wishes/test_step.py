@@ -12,9 +12,9 @@ from pipeline.store.progress import Silent
 from pipeline.store.store import open_store
 from pipeline.study.wishes import search
 from pipeline.study.wishes.behind import behind
-from pipeline.study.wishes.measured import NotBorne, Numbers
+from pipeline.study.wishes.measured import NotBorne, Response
 from pipeline.study.wishes.report import report_of
-from pipeline.study.wishes.search import Found, Search, Trial, starts
+from pipeline.study.wishes.search import Search, SearchResult, Trial, starts
 from pipeline.study.wishes.step import Model, Worth, propose
 from pipeline.study.wishes.wish import WishFile
 from tests.pipeline.study.wishes.test_measured import CONFIGS, SMALL, small
@@ -34,12 +34,12 @@ POWERS = np.array([[-1.7, 0.5], [0.6, 1.3]])
 START = np.array([1.0, 2.0])
 
 
-def numbers(point: Array, powers: Array = POWERS) -> Numbers:
+def numbers(point: Array, powers: Array = POWERS) -> Response:
     """Of an arm that has what is wished at wall 1.1 mm and base 1.9 mm."""
     values = np.array([-6e-4, 2e-3]) * np.exp(powers @ np.log(point / [1.1, 1.9]))
     stretch = 1.2 / point[0]
     by_stiffness = values * [-1.0, 1.0]  # less curvature, and more stiffness
-    return Numbers(values, values[:, None] * powers, by_stiffness, stretch, np.array([-stretch, 0.0]), {})
+    return Response(values, values[:, None] * powers, by_stiffness, stretch, np.array([-stretch, 0.0]), {})
 
 
 def model(file: WishFile, point: Array = START) -> Model:
@@ -115,13 +115,13 @@ class Drawn:
     def reaches(self, point: Array) -> bool:
         return True
 
-    def numbers(self, point: Array) -> Numbers:
+    def numbers(self, point: Array) -> Response:
         if point[0] > self.limit_mm:
             raise NotBorne("the cell does not bear 20 kPa")
         return numbers(point / 1.02)
 
 
-def searched(folder: Path, text: str, monkeypatch: pytest.MonkeyPatch, coarse: Drawn) -> tuple[WishFile, Found]:
+def searched(folder: Path, text: str, monkeypatch: pytest.MonkeyPatch, coarse: Drawn) -> tuple[WishFile, SearchResult]:
     monkeypatch.setattr(search.MovedMesh, "of", lambda *_, is_fine: replace(coarse, is_fine=is_fine))
     monkeypatch.setattr(search, "delivered", lambda _, point, __: (numbers(point).values, 1.0))
     file = small(folder, text)
