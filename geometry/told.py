@@ -8,7 +8,7 @@ class Printable:
 
     @property
     def lines(self) -> Sequence[object]:
-        """What is printed."""
+        """Lines that `print` shows: a name and its value in each, then the notes."""
         return [*aligned(self.told), *getattr(self, "notes", ())]  # type: ignore[attr-defined]
 
     def __str__(self) -> str:

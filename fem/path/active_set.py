@@ -62,7 +62,7 @@ class ActiveSet:
 
     @property
     def tightenings(self) -> tuple[Tightening | None, ...]:
-        """For each term of the model how that in the sum differs from it; None where it does not."""
+        """For each term of the model: how its contact was tightened in the equations; None where it was not."""
         return tuple(
             term.tightening(model) if isinstance(model, PenaltyTerm) and isinstance(term, UnilateralTerm) else None
             for term, model in zip(self.stiffened, self.model, strict=True)

@@ -24,7 +24,7 @@ class PathOptions:
 
 @dataclass(frozen=True)
 class PathObserver:
-    """What is called while a path is followed."""
+    """Functions that a path calls after each Newton iteration and each step; the defaults do nothing."""
 
     #: after every Newton iteration, with the target, the number of the iteration and the relative residual
     iteration: Callable[[float, int, float], None] = lambda target, iteration, residual: None

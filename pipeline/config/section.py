@@ -266,7 +266,7 @@ def not_known(value: Any, allowed: Sequence[str]) -> str:
 
 
 def kind_of(field: FieldInfo) -> Kind | None:
-    """How a field is written."""
+    """What may be written for a field: its unit, examples and test; None for a field without such a kind."""
     return _last_kind(Annotated[(field.annotation, *field.metadata)] if field.metadata else field.annotation)
 
 

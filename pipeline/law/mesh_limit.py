@@ -152,7 +152,10 @@ STILL = np.zeros(1), np.ones((1, 2))
 
 @dataclass(frozen=True, eq=False)  # arrays inside
 class Corrections:
-    """By pressure, from rest on: monotone cubics between, constant beyond the last."""
+    """By pressure: `shift` is added to the curvature of a cell and `ratio` multiplies its moment, for an exact mesh.
+
+    Between pressures, from rest on, both follow monotone cubics; beyond the last they are constant.
+    """
 
     pressures: Array  #: (n,) kPa, rising
     shift: Array  #: (n,) 1/mm
