@@ -162,7 +162,7 @@ class SpaceRod:
         return float(self.section.plane(self.kappa_0 + away)[[2, 4]].sum())
 
     def leaves_by(self, kappa: Array) -> float:
-        """0: its solver tells by how much it leaves the law (`Found.outside`)."""
+        """0: its solver tells by how much it leaves the law (`NewtonResult.outside`)."""
         return 0.0
 
     def positions(self, breaks: tuple[float, ...]) -> Array:
