@@ -51,6 +51,11 @@ class RodSolution(Printable):
     #: nothing else acts; None: a rod with another law
     bending_moment: Array | None = field(default=None, repr=False)
 
+    @property
+    def axis(self) -> Array:
+        """(n, 2) mm: x and y."""
+        return np.column_stack([self.x, self.y])
+
     @cached_property
     def curve(self) -> Array:
         """(n, 2) mm: x and y of the material curve at `s`, read-only."""

@@ -14,6 +14,7 @@ import pandas as pd
 from pipeline.answers.rods import choice, export, pressures
 from pipeline.answers.rods.budget import budget_of
 from pipeline.answers.rods.in_time import in_time
+from pipeline.answers.rods.poses import Hand
 from pipeline.answers.rods.ratio import run_along
 from pipeline.answers.rods.rods import Rods
 from pipeline.api import frames
@@ -89,6 +90,15 @@ class Results:
         from pipeline.api.plots import Plots  # plotly is slow to import
 
         return Plots(self.run)
+
+    @cached_property
+    def hand(self) -> Hand:
+        """The arm that bends under sliders of its pressures and where its tip is dragged: a notebook shows it.
+
+        `str(results.hand)` is the page. Raises InputError where the results have no rod.
+        """
+        self._chosen(None)
+        return Hand.of(self.run)
 
     def _repr_html_(self) -> str:
         """Verdict and five parameters, for notebooks."""

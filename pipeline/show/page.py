@@ -4,12 +4,12 @@ import base64
 import json
 from pathlib import Path
 
-from pipeline.answers.rods.budget import budget_panels, budgets_of
+from pipeline.answers.rods.budget import budget_section
+from pipeline.answers.rods.poses import Hand
 from pipeline.results.verdict import verdict_of
 from pipeline.show import figures, tables
 from pipeline.show.body_view import body_view
 from pipeline.values.page import render
-from pipeline.values.plots import figure
 from pipeline.values.pressure import name_of_state
 from pipeline.values.run import Run
 
@@ -21,19 +21,19 @@ _RAMP = ("#440154", "#472d7b", "#3b528b", "#2c728e", "#21918c", "#28ae80", "#5ec
 
 def render_page(run: Run) -> str:
     """The page on a run, whose pictures are in its folder."""
-    view, budgets, verdict = body_view(run), budgets_of(run), verdict_of(run)
+    view, verdict = body_view(run), verdict_of(run)
     return render(
         "report.html.j2",
         TEMPLATES,
         title=f"{verdict.design}: a rod model of a pneumatic arm",
         run=run,
+        arm=Hand.of(run).arm,
         verdict=verdict,
         bent=_picture(run, _bent_body(run)),
         body=_picture(run, "body_open") or _picture(run, "body"),
         figures=figures.make_figures(run),
         tables=tables.make_tables(run),
-        budget=budgets[-1].table if budgets else None,
-        budget_figure=figure(budget_panels(budgets)),
+        budget=budget_section(run),
         view=view,
         ramp=[[int(colour[k : k + 2], 16) / 255 for k in (1, 3, 5)] for colour in _RAMP],
         gradient=", ".join(_RAMP),

@@ -1,12 +1,13 @@
 """Pages that open offline: sections of sentences, lines of a configuration, tables and figures in one HTML file."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 import jinja2
 
+from pipeline.values.json_values import JsonObject
 from pipeline.values.plots import Panel, figure, packed_plotly
 from pipeline.values.table import Table
 
@@ -25,6 +26,7 @@ class Section:
     panels: Sequence[Panel] = ()
     table: Table | None = None
     notes: Sequence[str] = ()  #: as a list
+    arm: JsonObject = field(default_factory=dict)  #: that bends under the hand, as the first picture
 
     @property
     def drawn(self) -> str:

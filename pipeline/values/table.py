@@ -30,6 +30,16 @@ class Table:
         rows = tuple(tuple(cell(item) for _, cell in columns) for item in items)
         return Table(tuple(head for head, _ in columns), rows, caption)
 
+    def __str__(self) -> str:
+        """As lines of text, numbers at the right of their columns."""
+        rows = [self.heads, *self.rows]
+        wide = [max(map(len, cells)) for cells in zip(*rows, strict=True)]
+        sides = ["<" if number in self.words else ">" for number in range(len(wide))]
+        told = (
+            "  ".join(f"{c:{side}{w}}" for c, side, w in zip(row, sides, wide, strict=True)).rstrip() for row in rows
+        )
+        return "\n".join([*told, *filter(None, [self.caption])])
+
     def __bool__(self) -> bool:
         """Whether it has rows."""
         return bool(self.rows)

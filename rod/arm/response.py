@@ -93,9 +93,13 @@ class SolvedPath(NamedTuple):
         less, more = ((self.rod, self.load.plus(by, part)) for part in (-0.5, 0.5))
         return self._change(less, more, passes)
 
+    def beside(self, load: Load) -> Path:
+        """The equilibrium under another load beside this one. Raises `RodError` where there is none as stable."""
+        return beside(*self.rod.posed(load), self.chains, in_space=self.in_space)
+
     def at(self, rod: Posed) -> "SolvedPath":
         """The equilibrium of another arm beside this one. Raises `RodError` where there is none as stable."""
-        path = beside(*rod.posed(self.load), self.chains, in_space=self.in_space)
+        path = self._replace(rod=rod).beside(self.load)
         if outside := rod.outside(path):
             raise RodError(outside)
         return self._replace(rod=rod, chains=path.chains)

@@ -113,6 +113,10 @@ class LawRod:
         how = PathOptions(are_heights(load.supports) if together is None else together, in_space=False)
         return self._planar_solution(self._followed(load, how), load)
 
+    def beside(self, shape: RodSolution, load: Load) -> RodSolution:
+        """The equilibrium under a load beside a shape, also beyond the law, which goes on straight there."""
+        return self._planar_solution(shape.path.beside(load), load)
+
     def solve_in_space(self, load: Load) -> SpatialSolution:
         """The equilibrium in space under a load, which grows on the inflated arm.
 
@@ -233,6 +237,12 @@ class LawRod:
     def rigidity_at(self, kappa: Array) -> float:
         """N mm2, of cells at curvatures (2,) about y and z, or as far as the law goes there."""
         return 1.0 / float(np.interp(kappa[1], self.section.kappa, self.section.kappa_slope))
+
+    def used_by(self, shape: RodSolution) -> float:
+        """The part of the law, its curvatures and moments at the clamp, that a shape takes; above 1 it is beyond it."""
+        ranges = (shape.kappa - self.section.kappa_0, self.section.kappa - self.section.kappa_0)
+        parts = (ranges, (shape.moment[:1], self.clamp.moment))
+        return max(float((taken / known[end]).max()) for taken, known in parts for end in (0, -1))
 
     def leaves_by(self, kappa: Array) -> float:
         """1/mm, by which curvatures (..., 3) leave the law; below zero inside."""

@@ -132,6 +132,14 @@ class SpaceRod:
         path = follow(self, load, PathOptions(in_space=True))
         if outside := self.outside(path):
             raise RodError(outside)
+        return self._solution(path, load)
+
+    def beside(self, shape: SpatialSolution, load: Load) -> SpatialSolution:
+        """The equilibrium under a load beside a shape, also beyond the law, which goes on straight there."""
+        return self._solution(shape.path.beside(load), load)
+
+    def _solution(self, path: Path, load: Load) -> SpatialSolution:
+        """The shape at the end of a path."""
         nodes = path.nodes
         beside = np.zeros((len(nodes.s), 3))
         beside[-1] = self.tip[:3]
@@ -193,6 +201,16 @@ class SpaceRod:
         """(t, c) mm3: the same of elements of lengths h (n,) with curvatures (t, n, 3)."""
         at_clamp = self.clamp(self.section.plane(kappa[:, 0, 1:])[:, :2])
         return np.asarray(np.einsum("e,tec->tc", h, self.air(kappa[..., 1:])) + at_clamp[:, 6:] + self.tip[3:])
+
+    @property
+    def moments(self) -> tuple[float, float]:
+        """N mm, about those at which the curvatures reach the end of the law."""
+        most = self.section.rigidity * self.section.reach
+        return -most, most
+
+    def used_by(self, shape: SpatialSolution) -> float:
+        """The part of the reach of the law that the curvatures of a shape take; above 1 it is beyond the law."""
+        return float(np.hypot(*(shape.curvature[:, 1:] - self.section.origin).T).max()) / self.section.reach
 
     def outside(self, path: Path) -> str:
         """A sentence where the curvature leaves the law; empty elsewhere."""

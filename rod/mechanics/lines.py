@@ -85,6 +85,20 @@ class LinesRod:
             notes=path.notes,
         )
 
+    def beside(self, shape: RodSolution, load: Load) -> RodSolution:
+        """The equilibrium under a load; its lines have no end beyond which the path from a shape would matter."""
+        return self.in_plane(load)
+
+    def used_by(self, shape: RodSolution) -> float:
+        """0: its lines have no end."""
+        return 0.0
+
+    @property
+    def moments(self) -> tuple[float, float]:
+        """N mm: those that bend it once around."""
+        most = 2.0 * math.pi * abs(self.law.alpha1) / self.length
+        return -most, most
+
     def posed(self, load: Load) -> tuple["_Model", Load]:
         """The rod, with the offsets of its law where something acts, and its weight."""
         is_loaded = not self._is_idle(load) or are_heights(load.supports)

@@ -46,16 +46,6 @@ class Comparison:
         return math.sqrt(pairs * sum(d * d for d in found) / len(found)) if found else math.nan
 
     @property
-    def within(self) -> float:
-        """Part of the numbers that are within what is allowed."""
-        return sum(row.is_within for row in self.rows) / len(self.rows)
-
-    @property
-    def largest(self) -> str:
-        """Which part allows most; empty where nothing is known."""
-        return max(self.shares, key=lambda name: self.shares[name], default="")
-
-    @property
     def table(self) -> Table:
         """One row for each number."""
         return Table.of(
@@ -70,6 +60,19 @@ class Comparison:
             ("allowed", lambda row: f"{row.allowed:.2g}"),
             ("", lambda row: "" if row.is_within else "outside"),
         )
+
+    def __str__(self) -> str:
+        return "\n".join([str(self.table), *self.lines])
+
+    @property
+    def within(self) -> float:
+        """Part of the numbers that are within what is allowed."""
+        return sum(row.is_within for row in self.rows) / len(self.rows)
+
+    @property
+    def largest(self) -> str:
+        """Which part allows most; empty where nothing is known."""
+        return max(self.shares, key=lambda name: self.shares[name], default="")
 
     @property
     def page(self) -> str:

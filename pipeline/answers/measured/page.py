@@ -1,10 +1,13 @@
 """The picture of a measured arm beside its rod, as a page that opens offline."""
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
 
-from pipeline.answers.measured.predicted import Compared, Curves
+from pipeline.answers.measured.predicted import Compared, Curves, Setup, turned
+from pipeline.answers.rods.poses import Point
+from pipeline.values.json_values import JsonObject
 from pipeline.values.page import Section, page
 from pipeline.values.plots import COLOURS, Line, Panel, ordered_colour
 
@@ -21,11 +24,25 @@ TITLES = {
 }
 
 
-def comparison_page(design: str, rows: Sequence[Compared], curves: Curves) -> str:
-    """The measured arm and its rod in the plane, and their numbers with the band of what is allowed."""
+def comparison_page(design: str, rows: Sequence[Compared], curves: Curves, arm: JsonObject | None = None) -> str:
+    """The measured arm and its rod in the plane, and their numbers with the band of what is allowed.
+
+    arm: that bends under the hand, of `Hand`.
+    """
     title, over = f"{design}: measured and predicted", [name for name in TITLES if _of(rows, name)]
     numbers = Section(panels=[_over_pressure(rows, quantity) for quantity in over])
-    return page(title, Section(panels=[_in_plane(rows, curves)]), numbers)
+    return page(title, Section(panels=[_in_plane(rows, curves)], arm=arm or {}), numbers)
+
+
+def measured_points(rows: Sequence[Compared], setup: Setup) -> list[Point]:
+    """The measured points in the frame of the rod, where no load but the pressure acts."""
+    found = []
+    for pressure in sorted({row.pressure_kPa for row in rows}):
+        at = [row for row in rows if row.pressure_kPa == pressure and not row.load]
+        for place in np.transpose(_points(at, "measured")):
+            x, y = turned(place - setup.origin_mm, -math.radians(setup.clamp_deg)).tolist()
+            found.append(Point(x, y, pressure + setup.gauge_kPa, f"measured, {pressure:g} kPa"))
+    return found
 
 
 def _of(rows: Sequence[Compared], quantity: str) -> list[Compared]:

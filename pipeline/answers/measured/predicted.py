@@ -164,7 +164,7 @@ class Numbers:
         for state in dict.fromkeys(row.state for row in self.rows):
             with suppress(RodError):
                 shape = _shape_in(rods, setup, state)
-                found[state.pressure_kPa, state.load] = _turned(shape.curve, turn)
+                found[state.pressure_kPa, state.load] = turned(shape.curve, turn)
         return found
 
     def beside(self, predicted: Array, allowed: Array) -> tuple[Compared, ...]:
@@ -204,7 +204,7 @@ def shape_of(rod: Rod, state: State, setup: Setup = AS_WRITTEN) -> RodSolution:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RodWarning)
         if state.held_y_mm is None:
-            force = _turned(np.array(state.force_N) / setup.stiffness, -turn).tolist()
+            force = turned(np.array(state.force_N) / setup.stiffness, -turn).tolist()
             shape = rod.solve(force, **weight) if any(state.force_N) else rod.solve(**weight)
             shape.path.refuse_fall()
             return shape
@@ -224,11 +224,11 @@ def _first(body: Body, pressure_kPa: float, loading: Loading) -> Mode:
 def _weight(state: State, turn: float, stiffness: float) -> dict[str, Any]:
     if state.orientation is None:
         return {}
-    direction = _turned(np.array(gravity_direction(state.orientation)), -turn)
+    direction = turned(np.array(gravity_direction(state.orientation)), -turn)
     return {"direction": (float(direction[0]), float(direction[1])), "tip_mass": state.tip_mass_g / stiffness}
 
 
-def _turned(vectors: Array, angle: float) -> Array:
+def turned(vectors: Array, angle: float) -> Array:
     """Vectors (..., 2) turned counter-clockwise by an angle in rad."""
     cosine, sine = math.cos(angle), math.sin(angle)
     return vectors @ np.array([[cosine, sine], [-sine, cosine]])
@@ -252,14 +252,14 @@ def _reading(shape: RodSolution, setup: Setup, row: Row, name: str) -> float:
     if name == "end_angle":
         return math.degrees(shape.end_angle) + setup.clamp_deg
     if name == "reaction":
-        return float(_turned(shape.force, turn)[1]) * setup.stiffness
+        return float(turned(shape.force, turn)[1]) * setup.stiffness
     is_tip = row.s_mm is None or name in OF_TIP
     longer = float(shape.s[-1]) / (setup.drawn_mm or float(shape.s[-1]))  # points are of the rubber, also of the end
     place = _tip(shape, row) if is_tip else shape.positions(np.array([row.s_mm]) * longer)[0]
     if name == "tip_direction":
         x, y = place.tolist()
         return math.degrees(chord_angle(x, y, 0.5 * float(shape.theta[-1]))) + setup.clamp_deg
-    return float((_turned(place, turn) + setup.origin_mm)[0 if name.endswith("x") else 1])
+    return float((turned(place, turn) + setup.origin_mm)[0 if name.endswith("x") else 1])
 
 
 def _tip(shape: RodSolution, row: Row) -> Array:

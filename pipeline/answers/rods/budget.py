@@ -24,7 +24,7 @@ from pipeline.results.options import option_value
 from pipeline.store.atomic_file import write_atomic
 from pipeline.store.result_folder import open_file
 from pipeline.values.errors import InputError, argument, ask
-from pipeline.values.page import figure_page
+from pipeline.values.page import Section, figure_page
 from pipeline.values.plots import Line, Panel, ordered_colour
 from pipeline.values.run import Run
 from pipeline.values.table import Table
@@ -211,6 +211,12 @@ def _bars(budget: Budget, name: str, order: Sequence[str], colour: str) -> Line:
     words: list[Any] = [f"{row.parameter.split('.', 1)[-1]} ± {row.tolerance}" for row in rows]
     values, pressure = [100.0 * row.size(name) for row in rows], f"{budget.pressure_kPa:g} kPa"
     return Line(words, values, pressure, colour, entry="", frame=pressure, bars=True)
+
+
+def budget_section(run: Run) -> Section | None:
+    """Table and bars of the budgets of a run; None without derivatives."""
+    budgets = budgets_of(run)
+    return Section(panels=budget_panels(budgets), table=budgets[-1].table) if budgets else None
 
 
 def budget_page(name: str, budgets: Sequence[Budget]) -> str:

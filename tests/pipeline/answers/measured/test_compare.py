@@ -28,6 +28,9 @@ def test_differences_and_what_is_allowed(tmp_path: Path) -> None:
     assert soft.rms("mm") > 0.1 * LENGTH
     assert soft.within < 0.5
     assert len(soft.table.rows) == len(soft.rows) == 4
+    heads, *numbers = str(soft).splitlines()[:5]
+    assert heads.split("  ")[0] == "line"
+    assert len({len(line.rstrip().removesuffix("outside").rstrip()) for line in numbers}) <= 2
     (arm,) = panels_of(soft.page)[:1]
     rods = [trace for trace in arm["data"] if trace["mode"] == "lines"]
     tips = [trace for trace in arm["data"] if trace["meta"]["entry"] == "measured"]
