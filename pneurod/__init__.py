@@ -28,6 +28,7 @@ import rod
 from geometry.errors import PneurodError
 from pipeline.api import measured, rods, runs, setup, studies
 from pipeline.api.measured import *
+from pipeline.api.options import show_plainly
 from pipeline.api.rods import *
 from pipeline.api.runs import *
 from pipeline.api.setup import *
@@ -81,6 +82,9 @@ __all__ += rods.__all__
 __all__ += runs.__all__
 __all__ += setup.__all__
 __all__ += studies.__all__
+for _module in (measured, rods, runs, setup, studies):
+    for _name in _module.__all__:
+        show_plainly(getattr(_module, _name))
 __all__ += designs.__all__
 
 if not TYPE_CHECKING:  # a type checker reads the imports above and refuses every other name

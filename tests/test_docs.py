@@ -10,6 +10,7 @@ import yaml
 
 from fem.elements import ELEMENTS
 from fem.materials import LAWS
+from pipeline.cli import app
 from pipeline.study.effects.rows import EffectRow
 from pipeline.values.parameters import RodParameters
 from pipeline.values.run import RodError, State
@@ -181,3 +182,14 @@ def test_the_citation_has_the_version_of_the_package() -> None:
     assert citation["version"] == project["version"]
     assert citation["license"] == project["license"]
     assert citation["references"][0]["title"].startswith("On the development of rod-based models")
+
+
+def test_one_subtitle_stands_everywhere() -> None:
+    project = tomllib.loads(text_of(HERE / "pyproject.toml"))["project"]
+    subtitle = project["description"]
+    texts = {name: text_of(HERE / name) for name in ("README.md", "mkdocs.yml", "CITATION.cff")}
+    assert subtitle.lower() in texts["CITATION.cff"].lower()
+    assert f"site_description: {subtitle}" in texts["mkdocs.yml"]
+    assert f"\n\n{subtitle}.\n" in texts["README.md"]
+    assert app.info.help == f"{subtitle}."
+    assert all(f"  - {word}" in texts["CITATION.cff"] for word in project["keywords"])

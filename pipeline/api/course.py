@@ -3,14 +3,14 @@
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from geometry.errors import Reason
 from pipeline.api.described import Body
 from pipeline.api.given import document_of, given_choice, given_folder, given_jobs, given_progress
 from pipeline.store.progress import Progress
 from pipeline.store.worker import available_cores
-from pipeline.values.errors import RunFailed
+from pipeline.values.errors import InputError, RunFailed, argument
 from pipeline.values.json_values import Written
 from pipeline.values.reasons import render
 
@@ -68,9 +68,14 @@ def design_of(
     return design, given_folder(out, f"{design.name}{suffix}"), notes
 
 
-def draft_of(draft: bool) -> dict[str, bool]:
-    """The key that makes a draft, if one is asked for. Raises InputError."""
-    return {"draft": True} if given_choice(draft, "draft") else {}
+def error_of(accuracy: str | None, draft: bool) -> dict[str, Any]:
+    """The keys of the error of the mesh and of a draft. Raises InputError for both: a draft knows no such error."""
+    if not given_choice(draft, "draft"):
+        return {"accuracy": accuracy}
+    if accuracy not in (None, "off"):
+        contradiction = f"{argument('draft', True)} leaves the error of the mesh unknown; leave one of them out"
+        raise InputError(f"{argument('accuracy', accuracy)}: {contradiction}")
+    return {"accuracy": accuracy, "draft": True}
 
 
 def load_notes(design: "Config") -> "tuple[Reason, ...]":

@@ -4,6 +4,7 @@ The command line reads texts, numbers and paths. Where Python takes more, what t
 type and the option.
 """
 
+import inspect
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Protocol, TypeAlias, TypeVar
@@ -54,6 +55,18 @@ def command(name: str) -> Callable[[Function], Function]:
         return function
 
     return named
+
+
+def show_plainly(function: Callable[..., Any]) -> None:
+    """Let `help` show the arguments of a function without what the command line needs of them."""
+    signature = inspect.signature(function)
+    plain = [
+        one.replace(annotation=getattr(one.annotation, "__origin__", one.annotation))
+        if hasattr(one.annotation, "__metadata__")
+        else one
+        for one in signature.parameters.values()
+    ]
+    function.__signature__ = signature.replace(parameters=plain)  # type: ignore[attr-defined]
 
 
 ConfigFile = Annotated[

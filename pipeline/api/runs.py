@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-from pipeline.api.course import MOST_JOBS, course_of, design_of, draft_of, load_notes, reached
+from pipeline.api.course import MOST_JOBS, course_of, design_of, error_of, load_notes, reached
 from pipeline.api.described import Material
 from pipeline.api.given import document_of, given_folder
 from pipeline.api.options import Accuracy, ConfigFile, Draft, Fresh, Out, Settings, jobs_option, out_option
@@ -60,7 +60,7 @@ def characterize(
             f'material: {quoted(material)} is no material; give one such as pneurod.NeoHooke(mu="0.1 MPa")'
         )
     constants = None if material is None else material.values
-    arguments = {"name": name, "material": constants, "pressures": pressures, "accuracy": accuracy, **draft_of(draft)}
+    arguments = {"name": name, "material": constants, "pressures": pressures, **error_of(accuracy, draft)}
     design, folder, notes = design_of(config, arguments, settings, out)
     course = course_of(jobs, MOST_JOBS, fresh, progress)
     try:
@@ -89,7 +89,7 @@ def characterize_pairs(
     from pipeline.law.rows import read_pairs
     from pipeline.study.pairs import run, table
 
-    document = document_of(config, {"accuracy": accuracy, **draft_of(draft)}, settings)
+    document = document_of(config, error_of(accuracy, draft), settings)
     if (spec := read_pairs(document)) is None:
         raise InputError(
             document.sentence(("pressures",), "are no pairs; for example [[10 kPa, 0 kPa], [20 kPa, 5 kPa]]")
@@ -135,7 +135,7 @@ def cell(
     from pipeline.law import rows, study
     from pipeline.show import saved
 
-    document = document_of(config, {"accuracy": accuracy, **draft_of(draft)}, settings)
+    document = document_of(config, error_of(accuracy, draft), settings)
     course = course_of(jobs, 1, fresh, progress)
     given, notes = rows.for_cell(document)
     design = given.config if isinstance(given, rows.RowSpec) else given

@@ -103,7 +103,7 @@ def _options(function: Callable[..., Any]) -> dict[str, inspect.Parameter]:
     """The parameters of a function that have an option, with the type that the command line reads."""
     found = {}
     for name, parameter in inspect.signature(function).parameters.items():
-        value, *metadata = get_args(parameter.annotation) or (None,)
+        value, *metadata = get_args(function.__annotations__.get(name)) or (None,)
         if metadata and isinstance(metadata[-1], ParameterInfo):
             kind = metadata[0] if len(metadata) > 1 else Path if Path in get_args(value) else value
             default = None if parameter.default == () else parameter.default

@@ -21,9 +21,13 @@ def option_value(name: str, given: Any, dimension: Dimension) -> float:
 
 
 def write_new(file: Path, text: str) -> None:
-    """Write a file that does not exist. Raises InputError for one that does, or that cannot be written."""
-    if file.exists():
-        raise InputError(f"{file}: exists; give another file")
+    """Write a file, or again one that begins with the same line, as pages and tables of this program do.
+
+    Raises InputError for another file that exists, which a user made, and for one that cannot be written.
+    """
+    first = text.partition("\n")[0].encode()
+    if file.exists() and not (file.is_file() and file.read_bytes().startswith(first)):
+        raise InputError(f"{file}: exists and was not made by this command; give another file")
     write_atomic(open_file(file), text.encode())
 
 

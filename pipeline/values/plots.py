@@ -124,6 +124,7 @@ class Panel:
     log_y: bool = False
     from_zero: bool = False  #: the y axis begins at zero
     lengths: bool = False  #: both axes are lengths: one unit is equally long on both, unless the panel becomes flat
+    flat: bool = False  #: lengths are to scale even so
     percent_x: bool = False  #: numbers on the x axis are percentages of the values
     x_range: tuple[float, float] | None = None
     y_range: tuple[float, float] | None = None
@@ -131,9 +132,10 @@ class Panel:
     @property
     def is_to_scale(self) -> bool:
         """Whether one unit is equally long on both axes."""
-        return self.lengths and _extent([line.y for line in self.lines]) >= FLAT * _extent(
-            [line.x for line in self.lines]
-        )
+        if not self.lengths or self.flat:
+            return self.lengths
+        tall, wide = (_extent([getattr(line, axis) for line in self.lines]) for axis in "yx")
+        return tall >= FLAT * wide
 
     def axes(self) -> tuple[JsonObject, JsonObject]:
         """The axes x and y of plotly."""

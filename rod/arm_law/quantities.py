@@ -5,7 +5,7 @@ A new question is a row of `QUANTITIES`. `jacobian` differentiates it by dimensi
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cache
 from typing import TypeVar
 
@@ -15,7 +15,7 @@ from geometry.arrays import Array
 from rod.arm_law.curves import ACROSS
 from rod.arm_law.law_rod import LawRod
 from rod.errors import RodError
-from rod.load import Load
+from rod.load import Load, Loading
 
 #: displacement of the tip over the length, to both sides, over which its stiffness is meant
 DEFLECTION = 0.01
@@ -32,15 +32,16 @@ class Quantity:
     name: str
     unit: str
     #: of a rod, beside the rod without changes, for what is given: the height of an end that is held, mm, for a force;
-    #: about the stiffness, N/mm, for a stiffness. Raises `RodError`
-    of: Callable[[LawRod, LawRod, float], float | Sequence[float]]
+    #: about the stiffness, N/mm, for a stiffness; and under a load where it can bear one. Raises `RodError`
+    of: Callable[[LawRod, LawRod, float, Load], float | Sequence[float]]
     size: int = 1
     title: str = ""  #: in the budget of tolerances; empty: it is not there
     in_law: bool = False  #: whether law.json and `results.sensitivities` have its derivatives
     wished: str = ""  #: how it follows dimensions of a design, "line" or "power"; empty: it cannot be wished
+    bears: bool = False  #: whether it can be asked under a load
 
 
-def _rigidity(rod: LawRod, known: LawRod, _: float) -> float:
+def _rigidity(rod: LawRod, known: LawRod, *_: object) -> float:
     """Over the change of the curvature by 1/length of the known rod, towards the straight arm."""
     law, origin = known.section, known.section.kappa_0
     change = 1.0 / known.length if origin <= 0.0 else -1.0 / known.length
@@ -61,11 +62,11 @@ def _without_moment(rod: LawRod, name: str) -> float:
     return math.nan if values is None else float(np.interp(0.0, law.moment, values))
 
 
-def _force(rod: LawRod, _: LawRod, height: float) -> float:
+def _force(rod: LawRod, _: LawRod, height: float, __: Load) -> float:
     return float(rod.under(Load(), end_y=height).force[1])
 
 
-def _stiffness(rod: LawRod, _: LawRod, about: float) -> float:
+def _stiffness(rod: LawRod, _: LawRod, about: float, __: Load) -> float:
     """Of the tip without load, against a force across its end to both sides."""
     turn, force = float(rod.under(Load()).theta[-1]), DEFLECTION * rod.length * about
     across = np.array([-np.sin(turn), np.cos(turn)])
@@ -77,16 +78,16 @@ def _stiffness(rod: LawRod, _: LawRod, about: float) -> float:
 QUANTITIES = {
     one.name: one
     for one in (
-        Quantity("tip", "mm", lambda rod, *_: rod.under(Load()).end, 2, title="tip / length", wished="line"),
+        Quantity("tip", "mm", lambda *of: of[0].under(of[3]).end, 2, title="tip / length", wished="line", bears=True),
         Quantity("kappa_0", "1/mm", lambda rod, *_: rod.section.kappa_0, title="κ₀", in_law=True, wished="power"),
         Quantity("rigidity", "N mm2", _rigidity, title="rigidity", in_law=True),
         Quantity("force", "N", _force, 1, title="force in III", wished="power"),
-        Quantity("moment", "N mm", lambda rod, known, _: _moment_at(rod, 0.5 * known.section.kappa_0), in_law=True),
+        Quantity("moment", "N mm", lambda rod, known, *_: _moment_at(rod, 0.5 * known.section.kappa_0), in_law=True),
         Quantity("stretch", "1", lambda rod, *_: _without_moment(rod, "stretch"), in_law=True),
         Quantity("end_angle", "rad", lambda rod, *_: float(rod.under(Load()).theta[-1]), in_law=True),
         Quantity(ACROSS[0], "N mm2", lambda rod, *_: _without_moment(rod, ACROSS[0]), title="B₂", in_law=True),
         Quantity(ACROSS[1], "N mm2", lambda rod, *_: _without_moment(rod, ACROSS[1]), title="GJ", in_law=True),
-        Quantity("angle", "deg", lambda rod, *_: rod.under(Load()).bending_deg, wished="line"),
+        Quantity("angle", "deg", lambda *of: of[0].under(of[3]).bending_deg, wished="line", bears=True),
         Quantity("stiffness", "N/mm", _stiffness, wished="power"),
     )
 }
@@ -109,10 +110,13 @@ class Asked:
     pressure: float  #: kPa
     known: LawRod  #: at that pressure
     given: float = math.nan  #: as `Quantity.of` takes it
+    under: Loading = field(default_factory=Loading)
 
     def of(self, rods: Rods) -> Array:
         """(1,), or (2,) of a place. Raises `RodError` where the arm has no such number."""
-        return np.atleast_1d(QUANTITIES[self.name].of(rods(self.pressure), self.known, self.given))
+        rod = rods(self.pressure)
+        load = self.under.on(rod.length, rod.mass, rod.weight) if self.under != Loading() else Load()
+        return np.atleast_1d(QUANTITIES[self.name].of(rod, self.known, self.given, load))
 
     def or_nan(self, rods: Rods) -> Array:
         """As `of`; NaN where a rod has no such number. Raises `RodError` where there is no rod."""

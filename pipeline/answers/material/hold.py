@@ -11,7 +11,7 @@ of its part there, u and v the times around an increment and t1 the end. In tens
 """
 
 import re
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -62,6 +62,8 @@ class Hold:
     tau_s: tuple[float, ...]  #: s
     between_s: tuple[float, float]  #: first and last time; of vibrations 1 / (2 pi f)
     misfit: float  #: root mean square of the differences over what was read at long times
+    #: (n, 3): times (s), or frequencies (Hz), what was read over that at long times, and what branches make of it
+    drawn: Array = field(repr=False)
     loss: tuple[float, float, float, float] | None = None  #: least and largest measured loss factor between two Hz
 
     @property
@@ -144,8 +146,10 @@ def _held(path: Path, t: Array, value: Array, held: Array | None, *, is_creep: b
     if not level > 0.0:
         raise InputError(f"{path}: what was read comes to no rest; give a longer time")
     g = np.array(parts) / level
-    misfit = float(np.sqrt(np.average((columns @ (1.0, *g) - value / level) ** 2, weights=weight**2)))
-    return _of_branches(path, g, tau, (max(float(t[1]), first / SHORTEST), float(t[-1])), misfit, is_creep=is_creep)
+    drawn = np.column_stack([t, value / level, columns @ (1.0, *g)])
+    misfit = float(np.sqrt(np.average((drawn[:, 2] - drawn[:, 1]) ** 2, weights=weight**2)))
+    between = max(float(t[1]), first / SHORTEST), float(t[-1])
+    return _of_branches(path, g, tau, between, misfit, drawn, is_creep=is_creep)
 
 
 def _preload(t: Array, ramp: Array) -> float:
@@ -198,14 +202,23 @@ def _vibrating(columns: Columns) -> Hold:
     if not level > 0.0:
         raise InputError(f"{columns.path}: the storage modulus goes to zero at low frequencies, as of no rubber")
     misfit = float(np.sqrt(np.mean((rows @ (level, *parts) - 1.0) ** 2)))
-    found = _of_branches(columns.path, np.array(parts) / level, tau, (times[0], times[1]), misfit)
+    made = known @ (level, *parts)
+    drawn = np.column_stack([hz, loss / storage, made.imag / made.real])
+    found = _of_branches(columns.path, np.array(parts) / level, tau, (times[0], times[1]), misfit, drawn)
     inside = (hz >= OF_ARMS[0]) & (hz <= OF_ARMS[1]) if ((hz >= OF_ARMS[0]) & (hz <= OF_ARMS[1])).any() else hz > 0.0
     factor, between = (loss / storage)[inside], hz[inside]
     return replace(found, loss=(float(factor.min()), float(factor.max()), float(between.min()), float(between.max())))
 
 
 def _of_branches(
-    path: Path, g: Array, tau: Array, between: tuple[float, float], misfit: float, *, is_creep: bool = False
+    path: Path,
+    g: Array,
+    tau: Array,
+    between: tuple[float, float],
+    misfit: float,
+    drawn: Array,
+    *,
+    is_creep: bool = False,
 ) -> Hold:
     """The branches that count, checked."""
     if misfit > LARGEST_MISFIT:
@@ -218,4 +231,4 @@ def _of_branches(
         rubber = Creep(shares, times).relaxation if is_creep else Relaxation(shares, times)
     except RodError:
         raise InputError(f"{path}: the strain begins near zero; the time 0 is when the whole load acts") from None
-    return Hold(rubber.shares, rubber.times_s, between, misfit)
+    return Hold(rubber.shares, rubber.times_s, between, misfit, drawn)

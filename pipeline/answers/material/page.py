@@ -4,6 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from pipeline.answers.material.hold import Hold
 from pipeline.answers.material.judged import Judged, LawFit, Need
 from pipeline.answers.material.kinds import of_kind
 from pipeline.answers.material.laws import STATES, Points, nominal
@@ -37,6 +38,7 @@ def material_page(material: Material) -> str:
             for kind, judged in taken.items()
         ),
         *([Section("Kinds of tests", table=kinds)] if kinds else []),
+        *([Section("Over time", panels=[_held(material.hold)])] if material.hold else []),
         *([Section("Other laws", code="\n".join(lines))] if lines else []),
         *([Section("Notes", notes=material.notes)] if material.notes else []),
     )
@@ -81,6 +83,23 @@ def _panels(material: Material) -> tuple[Panel, ...]:
         title = "Pulled in two directions: not measured"
         found.append(Panel(title, STRETCH, STRESS, biaxial, y_range=(0.0, 2 * top)))
     return tuple(found)
+
+
+def _held(hold: Hold) -> Panel:
+    """What was read, what branches make of it, and where each branch stands with its part."""
+    at, read, made = hold.drawn[hold.drawn[:, 0] > 0.0].T
+    times = np.array(hold.tau_s)
+    title, x, y = "A stretch or a load that is held", "t (s)", "over that at long times"
+    if hold.loss:
+        title, x, y, times = "Vibrations", "frequency (Hz)", "loss factor", 1.0 / (2.0 * np.pi * times)
+    parts = [f"g {g:.3g}, tau {tau:.3g} s" for g, tau in zip(hold.g, hold.tau_s, strict=True)]
+    order = np.argsort(at)
+    lines = (
+        Line(at, read, "measured", GREY, "", "circle", marker_size=4.0),
+        Line(at[order], made[order], "branches together", COLOURS[0]),
+        Line(times, np.interp(times, at[order], made[order]), "a branch", INK, "", "square", texts=parts),
+    )
+    return Panel(title, x, y, lines, log_x=True)
 
 
 def _fits(material: Material) -> list[tuple[str, LawFit]]:

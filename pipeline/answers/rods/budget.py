@@ -20,9 +20,7 @@ from pipeline.answers.rods.ratio import run_along
 from pipeline.config.tolerances import STIFFNESS, Tolerance, Tolerances
 from pipeline.config.units import FORCE, LENGTH, STRESS, Dimension
 from pipeline.config.units import PRESSURE as UNIT
-from pipeline.results.options import option_value
-from pipeline.store.atomic_file import write_atomic
-from pipeline.store.result_folder import open_file
+from pipeline.results.options import option_value, write_new
 from pipeline.values.errors import InputError, argument, ask
 from pipeline.values.page import Section, figure_page
 from pipeline.values.plots import Line, Panel, ordered_colour
@@ -240,8 +238,8 @@ def budget_for(
             refuse_draft(run, "a budget")
             plane_of(run, "a budget")  # refuses a law of another kind
         raise InputError(f"{folder}: its law has no derivatives; an arm with cells has them, see docs/cell.md")
-    page = open_file(out or folder / "budget.html")
-    write_atomic(page, budget_page(run.design, budgets_of(run, tolerances) or (found,)).encode())
+    page = out or folder / "budget.html"
+    write_new(page, budget_page(run.design, budgets_of(run, tolerances) or (found,)))
     return found, page
 
 

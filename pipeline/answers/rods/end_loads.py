@@ -13,9 +13,7 @@ import numpy as np
 from geometry.told import aligned, listed
 from pipeline.answers.rods.rods import Rods
 from pipeline.config.units import ANGLE, FORCE, LENGTH, MOMENT, STIFFNESS
-from pipeline.results.options import is_list, option_pressures, option_value, option_vector
-from pipeline.store.atomic_file import write_atomic
-from pipeline.store.result_folder import open_file
+from pipeline.results.options import is_list, option_pressures, option_value, option_vector, write_new
 from pipeline.values.errors import InputError, RunFailed, argument, ask
 from pipeline.values.formats import ARM_LAW, FIVE
 from rod.along import Along, LineLoad, PointLoad, Reaction, Support
@@ -182,4 +180,4 @@ def write_shape(shape: RodSolution | SpatialSolution, file: Path) -> None:
         names = ["s_mm", "x_mm", "y_mm", "theta_rad", "kappa_per_mm", "moment_N_mm"]
         columns = (shape.s, *shape.curve.T, shape.theta, shape.kappa, shape.moment)
     rows = [",".join(f"{value:.12g}" for value in row) for row in zip(*columns, strict=True)]
-    write_atomic(open_file(file), ("\n".join([",".join(names), *rows]) + "\n").encode())
+    write_new(file, "\n".join([",".join(names), *rows]) + "\n")

@@ -129,6 +129,8 @@ def _state(record: Record, pitch: float, side: float) -> Row:
         "bending_deg": side * record.state.end_rotation_deg,
         "end_x_mm": record.state.end_x_mm,
         "end_y_mm": record.state.end_y_mm,
+        "tip_x_mm": float(curve.x[-1] - curve.x[0]),
+        "tip_y_mm": float(curve.y[-1] - curve.y[0]),
         "end_angle_rad": curve.end_angle,
         "kappa_middle_per_mm": record.kappa_middle(pitch),
     }

@@ -4,10 +4,12 @@ The only door to pyarrow.
 """
 
 import json
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
 import pyarrow
 import pyarrow.parquet
 
@@ -30,6 +32,7 @@ _OF_RUN = {
 }  # fmt: skip
 _OF_CELL = {
     "law_bending_deg": "bending angle (°)",
+    "law_tip_y_mm": "y of the tip from the clamp (mm)",
     "cell_kappa_0_per_mm": "κ₀ of a cell (1/mm)",
     "cell_rigidity_N_mm2": "dM/dκ (N mm²)",
     "cell_axial_rigidity_N": "EA (N)",
@@ -104,7 +107,7 @@ def quantities(run: Run) -> Mapping[str, str]:
     if run in ((WHOLE,), (CELL,)):
         return _OF_RUN if run == (WHOLE,) else _OF_CELL
     bent = {f"{name}_bending_deg": f"bending angle in {name} (°)" for name in run}
-    ends = {f"{name}_end_y_mm": f"y of the end in {name} (mm)" for name in run}
+    ends = {f"{name}_tip_y_mm": f"y of the tip from the clamp in {name} (mm)" for name in run if name != "I"}
     curvatures = {f"{name}_kappa_middle_per_mm": f"κ(l/2) in {name} (1/mm)" for name in run}
     return {**bent, **ends, **curvatures, **({"III_force_y_N": "F in III (N)"} if "III" in run else {})}
 
@@ -115,7 +118,7 @@ def sweep_page(title: str, run: Run, axes: Sequence[Axis], columns: Sequence[Col
     for quantity, y in quantities(run).items():
         for column in columns[:MOST_COLUMNS]:
             axis = next(axis for axis in axes if column.key in axis.keys)
-            fixed = [other.name for other in columns if other.key not in axis.keys]
+            fixed = [other for other in columns if other.key not in axis.keys]
             lines = _lines(rows, quantity, column.name, fixed, is_joined=not axis.is_drawn)
             x = f"{column.key} ({column.unit})" if column.unit else column.key
             if lines:
@@ -123,23 +126,43 @@ def sweep_page(title: str, run: Run, axes: Sequence[Axis], columns: Sequence[Col
     return figure_page(title, panels)
 
 
-def _lines(rows: Sequence[Row], y: str, x: str, fixed: Sequence[str], *, is_joined: bool) -> tuple[Line, ...]:
-    pressures = sorted({float(str(row["pressure_kPa"])) for row in rows if row["pressure_kPa"] is not None})
-    groups: dict[tuple[Any, ...], list[tuple[Any, Any]]] = {}
+def _lines(rows: Sequence[Row], y: str, x: str, fixed: Sequence[Column], *, is_joined: bool) -> tuple[Line, ...]:
+    """A line for each pressure and each value of what is fixed, in one colour for a value, or for a pressure alone."""
+    groups: dict[tuple[Any, ...], list[Row]] = {}
     for row in rows:
         if row.get(y) is not None:
-            groups.setdefault((row["pressure_kPa"], *(row[name] for name in fixed)), []).append((row[x], row[y]))
+            groups.setdefault((row["pressure_kPa"], *(row[column.name] for column in fixed)), []).append(row)
+    shades = list(dict.fromkeys(key[1:] or key for key in groups))
     lines = []
-    for (pressure, *_), points in groups.items():
-        if any(isinstance(value, str) for value, _ in points):
-            points = [(_word(value), number) for value, number in points]
-        else:
-            points.sort()
-        colour = ordered_colour(pressures.index(pressure), len(pressures))
+    for key, points in groups.items():
+        if not any(isinstance(point[x], str) for point in points):
+            points.sort(key=lambda point: float(str(point[x])))
+        frame = f"{key[0]:g} kPa"
+        values = [
+            f"{c.key.rpartition('.')[2]} {_told(v)} {c.unit}".strip() for c, v in zip(fixed, key[1:], strict=True)
+        ]
+        colour = ordered_colour(shades.index(key[1:] or key), len(shades))
         dash = "solid" if is_joined and len(points) > 1 else ""
-        abscissae, values = zip(*points, strict=True)
-        lines.append(Line(abscissae, values, f"{pressure:g} kPa", colour, dash, "circle", marker_size=5.0))
+        at = [_word(point[x]) if isinstance(point[x], str) else point[x] for point in points]
+        numbers, spread = [float(str(point[y])) for point in points], np.array([_error(point, y) for point in points])
+        name = ", ".join((*values, frame))
+        entry, frame = (", ".join(values), frame) if values else (None, "")
+        band = spread if spread.any() and not isinstance(at[0], str) else None
+        lines.append(
+            Line(at, numbers, name, colour, dash, "circle", marker_size=5.0, spread=band, entry=entry, frame=frame)
+        )
     return tuple(lines)
+
+
+def _error(row: Row, name: str) -> float:
+    """One standard deviation of a number, of its fit and of the mesh together; 0 where neither is known."""
+    of = "kappa_0" if name in ("II_bending_deg", "kappa_0_middle_per_mm") else name.partition("_N_mm2")[0]
+    std, relative = (float(str(row.get(key) or 0.0)) for key in (f"{name}_std", f"{of}_mesh_error"))
+    return math.hypot(std, relative * float(str(row[name])))
+
+
+def _told(value: Any) -> str:
+    return _word(value) if isinstance(value, str) else f"{value:g}"
 
 
 def _word(value: Any) -> str:

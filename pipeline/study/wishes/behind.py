@@ -6,7 +6,9 @@ from typing import Any
 
 import numpy as np
 
+from geometry.arrays import Array
 from pipeline.study.wishes.step import Model, propose
+from pipeline.study.wishes.wish import Wishes
 
 #: changes of logarithms that are tried, and distance from a bound or a limit at which a design stands at it
 STEPS, AT = [0.02 * k for k in range(1, 21)], 0.01
@@ -28,6 +30,12 @@ def behind(model: Model) -> tuple[str, ...]:
             elif number not in met and (miss := worth.misses.max()) < LEFT * before and np.all(worth.limits <= 1.0):
                 told[number] = f"{words} the largest miss would be {miss:.2g} instead of {before:.2g} tolerances"
     return tuple(told[number] for number in sorted(met or told))
+
+
+def at_bounds(wishes: Wishes, point: Array) -> tuple[str, ...]:
+    """A clause for each dimension and pressure of a point (n,) that stands at a bound."""
+    ends = ((one, value, bound) for one, value in zip(wishes.free, point, strict=True) for bound in (one.low, one.high))
+    return tuple(f"{one.key}, {b:.4g} {one.unit}" for one, value, b in ends if abs(np.log(value / b)) < AT)
 
 
 def _wider(model: Model, step: float) -> Iterator[tuple[Model, str]]:

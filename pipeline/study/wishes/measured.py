@@ -1,6 +1,6 @@
 """The wanted numbers of a design: on a mesh that moves with it, and as the law has them that a run delivers."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, replace
 from hashlib import sha256
@@ -33,11 +33,14 @@ from rod.arm_law.curves import CellCurve, ClampCurve, TipCurve
 from rod.arm_law.law import ArmLaw
 from rod.arm_law.quantities import Asked, jacobian
 from rod.arm_law.rates import CellRate, ClampRate, LawRate
+from rod.load import Loading
 
 #: by how much a cell is bent for its law under no load or a small one, over 1/length of the arm
 NEAR = 0.4
 #: relative change of a dimension beyond which the cell is meshed anew
 FARTHEST = 0.25
+#: part by which walls are stiffer for a derivative
+STIFFER = 1e-3
 #: the folder of the designs that were tried
 POINTS = "points"
 
@@ -55,7 +58,7 @@ class Response:
     by_stiffness: Array  #: (m,) by the logarithm of all moduli
     stretch: float  #: largest one of a cell without moment at the highest pressure; NaN: not asked for
     stretch_rates: Array  #: (n,) by the logarithms
-    curves: Mapping[float, Array]  #: (k, 2) mm, the arm without a load by pressure in kPa
+    curves: Mapping[str, Array]  #: (k, 2) mm, the arm by pressure and load in words
 
 
 @contextmanager
@@ -111,7 +114,10 @@ class MovedMesh:
             # stiffer walls are the same walls at lower pressures, with larger forces
             is_force = [wish.quantity in ("force", "stiffness") for wish in wishes.wishes for _ in wish.target]
             by_stiffness = np.where(is_force, found, 0.0) - by_pressure.sum(axis=1)
-            curves = _curves(law, wishes.pressures_kPa(point))
+            if any(wish.load for wish in wishes.wishes):
+                stiffer = replace(wishes, wishes=tuple(wish.stiffer(1.0 + STIFFER) for wish in wishes.wishes))
+                by_stiffness += (numbers_of(law, stiffer, values) - found) / STIFFER
+            curves = _curves(law, wishes, values)
             return Response(found, own, by_stiffness, stretch, by_stretch, curves)
 
 
@@ -155,7 +161,7 @@ class _NearLaw:
         """
         wishes, tasks = file.wishes, ArmTasks(pieces, context)
         values, pressures = wishes.values(point), wishes.pressures_kPa(point)
-        whole = {wish.pressure(values) for wish in wishes.wishes if wish.quantity in loaded}
+        whole = {wish.pressure(values) for wish in wishes.wishes if wish.quantity in loaded or wish.load}
         begun = [tasks.submit(_cell, pressure, pressure in whole) for pressure in pressures]
         if wishes.limits.bears is not None:
             tasks.submit(bend_of, wishes.limits.bears * pressures[-1]).result()
@@ -182,12 +188,15 @@ def _cell(curves: PieceCurves, pressure: float, is_whole: bool) -> KeptCurve[Cel
     return near_cell(curves, pressure, NEAR / curves.pieces.design.length)
 
 
-def _curves(law: ArmLaw, pressures_kPa: Sequence[float]) -> dict[float, Array]:
-    """Without those that have no equilibrium."""
-    found = dict[float, Array]()
-    for pressure in pressures_kPa:
+def _curves(law: ArmLaw, wishes: Wishes, values: Mapping[str, float]) -> dict[str, Array]:
+    """By pressure and load in words; without those that have no equilibrium."""
+    at = {wish.pressure(values): Loading() for wish in wishes.wishes}
+    cases = [(pressure, load, "") for pressure, load in sorted(at.items())]
+    cases += [(wish.pressure(values), wish.under, f", {wish.load}") for wish in wishes.wishes if wish.load]
+    found = dict[str, Array]()
+    for pressure, loading, words in cases:
         with suppress(RodError):
-            found[pressure] = Rod(law.length, law=law.at(pressure)).solve().curve
+            found[f"{pressure:g} kPa{words}"] = np.asarray(Rod(law.length, law=law.at(pressure)).bear(loading).curve)
     return found
 
 
@@ -227,7 +236,7 @@ def rates_of(law: ArmLaw, wishes: Wishes, values: Mapping[str, float]) -> Array:
 
 def _asked(law: ArmLaw, wishes: Wishes, values: Mapping[str, float]) -> list[Asked]:
     pairs = [(wish, wish.pressure(values)) for wish in wishes.wishes]
-    return [Asked(wish.quantity, pressure, law.at(pressure), wish.given) for wish, pressure in pairs]
+    return [Asked(wish.quantity, p, law.at(p), wish.given, wish.under) for wish, p in pairs]
 
 
 def with_pressures(law: ArmLaw, values: Mapping[str, float]) -> ArmLaw:

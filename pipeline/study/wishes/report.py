@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from geometry.arrays import Array
-from pipeline.study.wishes.behind import behind
+from pipeline.study.wishes.behind import at_bounds, behind
 from pipeline.study.wishes.search import OF_LAW, Refusal, SearchResult, Trial
 from pipeline.study.wishes.step import Model
 from pipeline.study.wishes.wish import Wish, Wishes, WishFile, exact_limits
@@ -64,6 +64,7 @@ class DesignReport:
     history: tuple[Trial | Refusal, ...]
     run: Path | None  #: the results of its run; None where it was left out
     behind: tuple[str, ...]  #: what stands in the way where something is missed, and what lies beyond it
+    bounds: tuple[str, ...] = ()  #: at which a dimension or pressure stands, a clause each
     draft: bool = False  #: whether its numbers are of laws whose error is not known
 
     @property
@@ -115,6 +116,7 @@ class DesignReport:
             "limits": limits,
             "given_up": self.given_up,
             "behind": self.behind,
+            "bounds": self.bounds,
         }
 
 
@@ -136,6 +138,7 @@ def report_of(
     way = () if trial.worth.is_within(1.0) else behind(Model(file, trial.point, trial.numbers))
     return DesignReport(
         *(file.source, directory, file.name, start, values, results, limits, objective, found.history, run, way),
+        bounds=at_bounds(wishes, trial.point),
         draft=file.draft and in_run is None,
     )
 
@@ -176,7 +179,8 @@ def dimensions_table(report: DesignReport) -> Table:
         (key, f"{report.start[key]:.4g}", f"{value:.4g}", f"{100.0 * (value / report.start[key] - 1.0):+.1f}")
         for key, value in report.found.items()
     )
-    return Table(("free", "start (mm, kPa)", "found (mm, kPa)", "change (%)"), rows)
+    caption = f"at its bound: {'; '.join(report.bounds)}" if report.bounds else ""
+    return Table(("free", "start (mm, kPa)", "found (mm, kPa)", "change (%)"), rows, caption)
 
 
 def history_rows(wishes: Wishes, history: tuple[Trial | Refusal, ...]) -> tuple[list[str], list[list[object]]]:
@@ -223,7 +227,7 @@ def design_page(wishes: Wishes, report: DesignReport, found: Trial) -> str:
     bent = [
         Line(x, y, f"{name}, {at}", ordered_colour(k, len(curves)), dash, entry=name, frame=at)
         for name, curves, dash in arms
-        for k, (at, (x, y)) in enumerate((f"{pressure:g} kPa", curves[pressure].T) for pressure in sorted(curves))
+        for k, (at, (x, y)) in enumerate((at, curve.T) for at, curve in curves.items())
     ]
-    arm = Panel("The arm without a load", "x (mm)", "y (mm)", tuple(bent), lengths=True)
+    arm = Panel("The arm to scale", "x (mm)", "y (mm)", tuple(bent), lengths=True, flat=True)
     return page(f"{report.name}: a design for a wish", Section(panels=[arm]), Section(panels=panels))

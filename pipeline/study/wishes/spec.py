@@ -1,6 +1,7 @@
 """The file of a wish: a base configuration, what is free, what is wanted, limits, and what is made small."""
 
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -30,6 +31,9 @@ from pipeline.study.wishes.wish import CHAMBERS, GEOMETRY, OBJECTIVES, QUANTITIE
 from pipeline.study.wishes.wish import PRESSURE as PRESSURE_KEY
 from pipeline.values.errors import InputError
 from pipeline.values.json_values import Written
+from rod.arm_law.quantities import QUANTITIES as ASKED
+from rod.errors import RodError
+from rod.load import Loading
 
 
 @section(frozen=True)
@@ -55,8 +59,11 @@ _Wish = section_of(
             Field(default=None),
         ),
         "at_height": _optional(LENGTH),
+        "under": (Any, Field(default=None, examples=["{force: [0 N, -0.1 N]}"])),
     },
 )
+#: what may act on an arm of a wish, as `pneurod rod` takes it
+LOADS = ("force", "moment", "orientation", "tip_mass")
 
 
 @section(frozen=True)
@@ -153,7 +160,26 @@ def _wish(given: Any, names: list[str]) -> Wish:
     target = tuple(np.atleast_1d(getattr(given, quantity)).tolist())
     at = read_each({"at": given.at}, lambda _, written: _pressure(written, names))
     within = read_each({"within": given.within}, lambda _, written: _within(written, target, QUANTITIES[quantity]))
-    return Wish(quantity, target, within["within"], at["at"], given.at_height or 0.0)
+    under = read_each({"under": given.under}, lambda _, written: _loading(written, quantity))["under"]
+    words = ", ".join(f"{name} {value}" for name, value in (given.under or {}).items()).replace("'", "")
+    return Wish(quantity, target, within["within"], at["at"], given.at_height or 0.0, under, words)
+
+
+def _loading(written: Any, quantity: str) -> Loading:
+    """What acts besides the pressure."""
+    if written is None:
+        return Loading()
+    if not ASKED[quantity].bears:
+        raise ValueError(f"{quantity} is that of the arm without a load; an angle or a tip can be wished under one")
+    if not isinstance(written, Mapping) or not written or not set(written) <= set(LOADS):
+        raise ValueError(f"{written} is no load; allowed are {', '.join(LOADS)}, such as {{force: [0 N, -0.1 N]}}")
+    direction, tip_mass = (written.get(name) for name in ("orientation", "tip_mass"))
+    if tip_mass and direction is None:
+        raise ValueError("a tip_mass needs orientation: hanging, lying, standing, '30 deg' or [0, -1]")
+    try:
+        return Loading(written.get("force"), written.get("moment", 0.0), None, (), direction, tip_mass or 0.0)
+    except RodError as failure:
+        raise ValueError(str(failure)) from None
 
 
 def _within(written: Any, target: tuple[float, ...], dimension: Dimension) -> float:
@@ -185,7 +211,7 @@ def _contradictions(wishes: tuple[Wish, ...]) -> Iterator[Error]:
     """Two wishes for one number at one pressure that no arm meets."""
     for number, wish in enumerate(wishes):
         for earlier, other in enumerate(wishes[:number]):
-            same = (wish.quantity, wish.at, wish.height_mm) == (other.quantity, other.at, other.height_mm)
+            same = replace(wish, target=other.target, within=other.within, load=other.load) == other
             away = float(np.linalg.norm(np.subtract(wish.target, other.target))) if same else 0.0
             if away > wish.within + other.within:
                 sentence = f"{wish.text(wish.target)} contradicts wishes[{earlier + 1}], {other.text(other.target)}"

@@ -1,7 +1,7 @@
 """What is wanted of an arm, in which limits, and what may be changed for it."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from hashlib import sha256
 from json import dumps
@@ -18,6 +18,7 @@ from pipeline.config.section import Field, Kind, Section, read, section
 from pipeline.config.units import ANGLE, CURVATURE, FORCE, LENGTH, MASS, STIFFNESS, Dimension
 from pipeline.values.json_values import JsonObject, Written
 from rod.arm_law.quantities import QUANTITIES as ASKED
+from rod.load import Loading
 
 _BY_UNIT = {one.unit: one for one in (LENGTH, CURVATURE, FORCE, ANGLE, STIFFNESS)}
 #: what can be wanted, by its key in a file
@@ -58,6 +59,8 @@ class Wish:
     within: float  #: in the same unit
     at: float | str  #: kPa, or the name of a free pressure
     height_mm: float = 0.0  #: of the end that is held, of a force
+    under: Loading = field(default_factory=Loading)  #: what acts besides the pressure
+    load: str = ""  #: the same as it is written
 
     def pressure(self, values: Mapping[str, float]) -> float:
         """kPa; values: of what is free, by key."""
@@ -73,7 +76,13 @@ class Wish:
         """In tables."""
         at = f"{self.at:g} kPa" if isinstance(self.at, float) else self.at
         held = f" with the end at {self.height_mm:g} mm" if self.quantity == "force" else ""
-        return f"{self.quantity} at {at}{held}"
+        return f"{self.quantity} at {at}{held}{self.load and f' under {self.load}'}"
+
+    def stiffer(self, by: float) -> "Wish":
+        """The wish under a load that walls whose moduli are larger by a factor feel as this one."""
+        scaled = [tuple(value / by for value in given) for given in (self.under.force or (), [self.under.moment])]
+        under = replace(self.under, force=scaled[0] or None, moment=scaled[1][0], tip_mass=self.under.tip_mass / by)
+        return replace(self, under=under)
 
     def text(self, values: Any) -> str:
         """Values in words, with their unit."""
@@ -205,8 +214,11 @@ class WishFile:
         heights = [f"{height:g} mm" for height in dict.fromkeys(wish.height_mm for wish in forces)]
         if heights:
             found["end"] = {"y": heights[0]}
-        if heights[1:]:
-            found["validation"] = {"end_y": heights[1:]}
+        loads = [wish.under.on(1.0, None, (0.0, 0.0), weight=False).force[:2] for wish in self.wishes.wishes]
+        pulled = [[f"{x:g} N", f"{y:g} N"] for x, y in dict.fromkeys(loads) if x or y]
+        more = {name: given for name, given in (("end_y", heights[1:]), ("forces", pulled)) if given}
+        if more:
+            found["validation"] = more  # the law is measured up to these loads
         return self.base.with_values(list(found.items()), lambda key: f"{self.source}: {key}")
 
     def config(self, point: Array) -> Config:

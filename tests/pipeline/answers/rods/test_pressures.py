@@ -156,8 +156,10 @@ def test_nothing_is_overwritten(tmp_path: Path) -> None:
     picture = tmp_path / "reach.html"
     picture.write_text("mine")
     code, _, error = solve("--angle", "90 deg", "--picture", str(picture))
-    assert (code, "exists; give another file" in error) == (2, True)
+    assert (code, "was not made by this command" in error) == (2, True)
     assert picture.read_text() == "mine"
+    again = tmp_path / "again.html"
+    assert [solve("--angle", "90 deg", "--picture", str(again))[0] for _ in range(2)] == [0, 0]
 
 
 def test_python_takes_numbers_and_texts() -> None:

@@ -32,7 +32,7 @@ def test_the_page_has_short_words_and_joins_points_that_differ_in_one_axis() -> 
     columns = [Column.of(key, settings) for key in ("material", "mesh.size")]
     axes = [Axis(tuple({key: setting[key]} for setting in settings)) for key in ("material", "mesh.size")]
     rows = [
-        {**{column.name: column.cell(setting) for column in columns}, "pressure_kPa": 5.0, "II_end_y_mm": -0.1 * number}
+        {**{column.name: column.cell(setting) for column in columns}, "pressure_kPa": 5.0, "II_tip_y_mm": -0.1 * number}
         for number, setting in enumerate(settings)
     ]
     page = sweep_page("laws", ("II",), axes, columns, rows)
@@ -40,5 +40,7 @@ def test_the_page_has_short_words_and_joins_points_that_differ_in_one_axis() -> 
     assert [trace["x"] for trace in by_law] == [["svk", "neo_hooke"]] * 2
     assert [trace["y"] for trace in by_size] == [[-0.1, 0.0], [-0.3, -0.2]]
     assert [trace["x"] for trace in by_size] == [[1.0, 2.0]] * 2
+    assert [trace["meta"] for trace in by_law] == [{"entry": f"size {size} mm", "frame": "5 kPa"} for size in (2, 1)]
+    assert len({trace["line"]["color"] for trace in by_size}) == 2
     drawn = sweep_page("laws", ("II",), [Axis(axis.settings, is_drawn=True) for axis in axes], columns, rows)
     assert {trace["mode"] for panel in panels_of(drawn) for trace in panel["data"]} == {"markers"}

@@ -28,6 +28,9 @@ def test_a_file_is_complete_values(tmp_path: Path) -> None:
     assert config.pressures_kPa == (20.0, 25.0)
     assert config.end.y_mm == 0.0
     assert config.name == "small"
+    loaded = small(tmp_path, SMALL.replace("0.1 deg}", "0.1 deg, under: {force: [0 N, -0.1 N]}}")).wishes.wishes[2]
+    assert loaded.under.force == (0.0, -0.1)
+    assert loaded.name == "angle at grip under force [0 N, -0.1 N]"
 
 
 @pytest.mark.parametrize(
@@ -49,6 +52,10 @@ def test_a_file_is_complete_values(tmp_path: Path) -> None:
         ("at: grip, within: 1 mm", "at: grip", r"wishes\[2\].within: is missing"),
         ("tip: [40 mm, -2 mm]", "tip: 40 mm", r"wishes\[2\].tip: must be a list, for example"),
         (", at_height: 0 mm", "", r"wishes\[5\].at_height: belongs to a force"),
+        ("within: 0.1 deg", "within: 0.1 deg, under: {pull: 1 N}", r"wishes\[3\].under: .*no load; allowed are force"),
+        ("within: 0.1 deg", "within: 0.1 deg, under: {force: 1 mm}", r"wishes\[3\].under: .*N"),
+        ("within: 0.1 deg", "within: 0.1 deg, under: {tip_mass: 1 g}", r"wishes\[3\].under: .*needs orientation"),
+        ("at: 20 kPa, within: 2 %}", "at: 20 kPa, within: 2 %, under: {force: 1 N}}", r"under: kappa_0 is that of"),
         ("mass: 30 g", "mass: 30", r"limits.mass: .*has no unit"),
         ("mass: 30 g", "weight: 30 g", r"limits.weight: unknown key"),
         ("largest_stretch: 1.3", "largest_stretch: 0.9", r"limits.largest_stretch: .* above 1"),
