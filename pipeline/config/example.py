@@ -16,6 +16,8 @@ _WIDTH = 34
 
 #: the rubber of the file, and pressures that it bears
 RUBBER, PRESSURES, VALIDATION = "dragon_skin_30", "[2 kPa, 8 kPa, 14 kPa]", "[11 kPa]"
+#: keys that are shown though most designs do without them: thread about the arm, and a sheet in it
+OFFERED = ("effects.hoops.state", "effects.hoops.threads", "effects.strain_limiting_layer.state")
 #: of neo-Hooke's law, for the file with every key
 MODULUS = "0.2 MPa"
 
@@ -60,7 +62,7 @@ def _first_entries(family: str) -> Iterator[tuple[KeyEntry, bool]]:
     for entry, live in _entries(family):
         if entry.key == "material.law":
             yield KeyEntry("material.name", "", names, REQUIRED, "constants of a published test", RUBBER), True
-        elif live and not entry.key.startswith("material."):
+        elif (live and not entry.key.startswith("material.")) or entry.key in OFFERED:
             yield entry, live
 
 

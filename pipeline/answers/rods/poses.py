@@ -126,7 +126,7 @@ def _in_plane(rods: Sequence[Rod | None]) -> JsonObject:
     rows = []
     for rod, chord, scale in zip(rods, chords, scales, strict=True):
         for angle in chord + np.linspace(0.0, 2.0 * np.pi, DIRECTIONS, endpoint=False):
-            rows += _along(rod, np.outer(scale * np.sinh(sizes), [np.cos(angle), np.sin(angle), 0.0]))
+            rows += _along(rod, np.outer(scale * np.sinh(sizes), [np.cos(angle), np.sin(angle), 0.0]), 2)
     scales = [scale if math.isfinite(scale) else 0.0 for scale in scales]
     return {"chords": chords, "scales_N": scales, "sizes": sizes.tolist(), "around": DIRECTIONS, "shapes": _text(rows)}
 
@@ -136,7 +136,10 @@ def _in_space(rods: Sequence[Rod | None]) -> JsonObject:
     forces = min(BY_LAW * _moments(rod)[1] / rod.length for rod in rods if rod is not None) * ALONG_AXIS
     rows, middle = [], len(forces) // 2
     for rod, axis in product(rods, np.eye(3)):
-        rows += _along(rod, np.outer(forces[middle::-1], axis))[:0:-1] + _along(rod, np.outer(forces[middle:], axis))
+        down, up = (
+            _along(rod, np.outer(forces[side], axis), 3) for side in (slice(middle, None, -1), slice(middle, None))
+        )
+        rows += down[:0:-1] + up
     return {"forces_N": forces.tolist(), "shapes": _text(rows)}
 
 
@@ -151,14 +154,14 @@ def _moments(rod: Rod) -> tuple[float, float]:
     return rod.arm.moments if known is None else (min(0.0, known.low), max(0.0, known.high))
 
 
-def _along(rod: Rod | None, forces: Array) -> list[Array]:
+def _along(rod: Rod | None, forces: Array, axes: int) -> list[Array]:
     """A row of the grid at each of growing forces (n, 3), from none on.
 
     Rows have x, y (and z) of `POINTS` along the material curve (mm), how far it bends (degrees), and the part of the
     law that it uses. Far beyond, after a snap and without equilibrium they go on straight, with the part `FILLED`.
     """
     if rod is None:
-        return [np.full(2 * POINTS + 2, np.nan)] * len(forces)
+        return [np.full(axes * POINTS + 2, np.nan)] * len(forces)
     arm, rows = rod.arm, list[Array]()
     shape: Any = arm.in_plane(Load()) if arm.has_plane else arm.solve_in_space(Load())
     for force in forces:

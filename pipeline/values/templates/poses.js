@@ -149,7 +149,8 @@ for (const figure of document.querySelectorAll(".hand")) {
       draw(!bears);
     });
   }
-  inputs.forEach((input) => input.addEventListener("input", inflate));
+  while (many > 1 && at.slice(0, many).some(Boolean) && !known(shape(at))) at[at.slice(0, many).findLastIndex(Boolean)] = 0;
+  inputs.forEach((input, k) => { input.value = at[k]; input.addEventListener("input", inflate); });
   figure.querySelector("button").addEventListener("click", () => { at.splice(0, at.length, ...free(at)); draw(false); });
 
   // points of a line beside the arm, to its left by so much at each part of its length
