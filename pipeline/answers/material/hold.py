@@ -63,7 +63,7 @@ class Hold:
     between_s: tuple[float, float]  #: first and last time; of vibrations 1 / (2 pi f)
     misfit: float  #: root mean square of the differences over what was read at long times
     #: (n, 3): times (s), or frequencies (Hz), what was read over that at long times, and what branches make of it
-    drawn: Array = field(repr=False)
+    drawn: Array = field(repr=False, compare=False)
     loss: tuple[float, float, float, float] | None = None  #: least and largest measured loss factor between two Hz
 
     @property
