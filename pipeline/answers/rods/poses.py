@@ -14,7 +14,7 @@ import numpy as np
 from geometry.arrays import Array
 from pipeline.answers.rods.choice import choose_rod
 from pipeline.answers.rods.rods import Rods
-from pipeline.results.drawing import read_tetrahedra
+from pipeline.results.fields import read_tetrahedra
 from pipeline.values.errors import InputError
 from pipeline.values.formats import BODY
 from pipeline.values.json_values import JsonObject
