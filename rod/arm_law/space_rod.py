@@ -139,7 +139,6 @@ class SpaceRod:
         return self._solution(shape.path.beside(load), load)
 
     def _solution(self, path: Path, load: Load) -> SpatialSolution:
-        """The shape at the end of a path."""
         nodes = path.nodes
         beside = np.zeros((len(nodes.s), 3))
         beside[-1] = self.tip[:3]

@@ -86,7 +86,7 @@ class LinesRod:
         )
 
     def beside(self, shape: RodSolution, load: Load) -> RodSolution:
-        """The equilibrium under a load; its lines have no end beyond which the path from a shape would matter."""
+        """As that of others."""
         return self.in_plane(load)
 
     def used_by(self, shape: RodSolution) -> float:

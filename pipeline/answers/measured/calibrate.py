@@ -8,14 +8,13 @@ from geometry import Reason
 from pipeline.answers.material.sentences import OF_ONE_BATCH
 from pipeline.answers.measured.aligned import aligned
 from pipeline.answers.measured.calibration import Calibration, calibrated, law_to_calibrate
-from pipeline.answers.measured.page import comparison_page, measured_points
+from pipeline.answers.measured.page import calibration_page
 from pipeline.answers.measured.predicted import LawRods, Setup
 from pipeline.answers.measured.saved import calibrated_config, read_calibration, save_calibration
 from pipeline.answers.measured.table import read_measurements
 from pipeline.answers.measured.unknowns import MODULUS
 from pipeline.answers.rods.budget import budget_of
 from pipeline.answers.rods.in_time import with_remark
-from pipeline.answers.rods.poses import Hand
 from pipeline.answers.rods.ratio import run_along
 from pipeline.results.files import read_results
 from pipeline.results.verdict import Verdict, verdict_of
@@ -99,8 +98,8 @@ def calibrate_files(
     remark, timed = report_reason(found.missed or _remark(run, found)), _in_time(run, found)
     save_calibration(store, run, file, found, (remark, *timed))
     made, error = read_results(store.directory), found.posterior.quantile * found.next_measurement.tip_std_mm
-    arm = Hand.of(made, measured_points(found.predictions, found.setup), error).arm
-    store.save_text("calibration.html", comparison_page(run.design, found.predictions, found.curves, arm))
+    page = calibration_page(made, found.predictions, found.curves, found.setup, error)
+    store.save_text("calibration.html", page)
     return CalibrationReport(store.directory, file, found, verdict_of(made))
 
 

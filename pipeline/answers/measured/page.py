@@ -6,10 +6,11 @@ from collections.abc import Sequence
 import numpy as np
 
 from pipeline.answers.measured.predicted import Compared, Curves, Setup, turned
-from pipeline.answers.rods.poses import Point
+from pipeline.answers.rods.poses import Hand, Point
 from pipeline.values.json_values import JsonObject
 from pipeline.values.page import Section, page
 from pipeline.values.plots import COLOURS, Line, Panel, ordered_colour
+from pipeline.values.run import Run
 
 #: titles of panels over the pressure
 TITLES = {
@@ -34,15 +35,18 @@ def comparison_page(design: str, rows: Sequence[Compared], curves: Curves, arm: 
     return page(title, Section(panels=[_in_plane(rows, curves)], arm=arm or {}), numbers)
 
 
-def measured_points(rows: Sequence[Compared], setup: Setup) -> list[Point]:
-    """The measured points in the frame of the rod, where no load but the pressure acts."""
-    found = []
+def calibration_page(made: Run, rows: Sequence[Compared], curves: Curves, setup: Setup, error_mm: float) -> str:
+    """The same of a calibrated arm, that bends under the hand beside what was measured without another load.
+
+    made: its results. error_mm: of its tip.
+    """
+    points = []
     for pressure in sorted({row.pressure_kPa for row in rows}):
         at = [row for row in rows if row.pressure_kPa == pressure and not row.load]
         for place in np.transpose(_points(at, "measured")):
             x, y = turned(place - setup.origin_mm, -math.radians(setup.clamp_deg)).tolist()
-            found.append(Point(x, y, pressure + setup.gauge_kPa, f"measured, {pressure:g} kPa"))
-    return found
+            points.append(Point(x, y, pressure + setup.gauge_kPa, f"measured, {pressure:g} kPa"))
+    return comparison_page(made.design, rows, curves, Hand.of(made, points, error_mm).arm)
 
 
 def _of(rows: Sequence[Compared], quantity: str) -> list[Compared]:
