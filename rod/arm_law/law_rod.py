@@ -240,9 +240,14 @@ class LawRod:
 
     def used_by(self, shape: RodSolution) -> float:
         """The part of the law, its curvatures and moments at the clamp, that a shape takes; above 1 it is beyond it."""
-        ranges = (shape.kappa - self.section.kappa_0, self.section.kappa - self.section.kappa_0)
-        parts = (ranges, (shape.moment[:1], self.clamp.moment))
-        return max(float((taken / known[end]).max()) for taken, known in parts for end in (0, -1))
+        origin, most = self.section.kappa_0, 0.0
+        for taken, known in (
+            (shape.kappa - origin, self.section.kappa - origin),
+            (shape.moment[:1], self.clamp.moment),
+        ):
+            for end in (0, -1):
+                most = max(most, float((taken / known[end]).max()))
+        return most
 
     def leaves_by(self, kappa: Array) -> float:
         """1/mm, by which curvatures (..., 3) leave the law; below zero inside."""
