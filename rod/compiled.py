@@ -22,8 +22,11 @@ class CompiledLater(Generic[P, R]):
     numba can compile, and must tell numbers that are not finite without raising.
     """
 
-    def __init__(self, function: Callable[P, R], calls: Sequence[Callable[..., Any]], after: int) -> None:
-        """calls: the functions that it calls, innermost first. after: largest number of calls in plain Python."""
+    def __init__(
+        self, function: Callable[P, R], calls: Sequence["Callable[..., Any] | CompiledLater[..., Any]"], after: int
+    ) -> None:
+        """calls: the functions that it calls, innermost first; of one that is compiled itself, the compiled one is
+        called. after: largest number of calls in plain Python."""
         self.function = function
         self.calls = tuple(calls)
         self.remaining = after
@@ -47,13 +50,27 @@ class CompiledLater(Generic[P, R]):
         """The function compiled by numba, with a cache on disk that holds until one of the source files changes."""
         import numba.extending
 
-        for function in self.calls:
-            numba.extending.register_jitable(function)
+        for call in self.calls:
+            if isinstance(call, CompiledLater):
+                numba.extending.overload(call.function)(_calling(call.compiled()))
+            else:
+                numba.extending.register_jitable(call)
         compiled = numba.njit(cache=True)(self.function)
         # numba itself looks at the file of the function alone, and not at those of the functions that it calls
-        compiled._cache._cache_file._source_stamp = source_stamp((self.function, *self.calls))
+        compiled._cache._cache_file._source_stamp = source_stamp(self._all)
         result: Callable[P, R] = compiled
         return result
+
+    @property
+    def _all(self) -> tuple[Callable[..., Any], ...]:
+        """The function, and all that are compiled with it."""
+        calls = ((call._all if isinstance(call, CompiledLater) else (call,)) for call in self.calls)
+        return self.function, *sum(calls, ())
+
+
+def _calling(compiled: Callable[..., Any]) -> Callable[..., Any]:
+    """What numba takes for calls of a plain function: those of the compiled one."""
+    return lambda *args: lambda *args: compiled(*args)
 
 
 def source_stamp(functions: Sequence[Callable[..., Any]]) -> tuple[tuple[str, int, int], ...]:

@@ -21,7 +21,7 @@ from rod.in_time.air import Air
 from rod.in_time.body import Body
 from rod.in_time.frequencies import Mode, frequencies
 from rod.in_time.motion import Motion
-from rod.in_time.move import Start, Steps, move
+from rod.in_time.move import MovingArm, Start, Steps, move
 from rod.in_time.relaxation import Relaxation
 from rod.law import PARAMETER_COLUMNS, PARAMETER_NAMES, FiveParameters, TwoSlopes
 from rod.load import Load, Loading
@@ -55,6 +55,7 @@ __all__ = [
     "Moment",
     "MomentRange",
     "Motion",
+    "MovingArm",
     "PointLoad",
     "PressurisedRod",
     "Quantity",

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import pandas as pd
 
-from pipeline.answers.rods import choice, export, pressures
+from pipeline.answers.rods import choice, end_loads, export, motion, pressures
 from pipeline.answers.rods.budget import budget_of
 from pipeline.answers.rods.in_time import in_time
 from pipeline.answers.rods.poses import Hand
@@ -28,6 +28,7 @@ from pipeline.values.errors import InputError, ask, quoted
 from pipeline.values.run import Effect, RodError, Run, State
 from rod import PARAMETER_COLUMNS, FiveParameters, Interval, Loading, Rod, RodWarning
 from rod.arm_law.kinds import Law
+from rod.in_time.move import MovingArm
 from rod.same_pressure import known_at
 
 if TYPE_CHECKING:
@@ -293,6 +294,28 @@ class Results:
             release=release, air=air, step=step, rod=rod, ratio=ratio, out=out,
         )  # fmt: skip
         return pd.DataFrame(dict(moved.columns))
+
+    def moving(
+        self,
+        pressure: float | str | Sequence[float | str] = "0 kPa",
+        *,
+        force: str | None = None,
+        held_at: Sequence[str] = (),
+        orientation: str | None = None,
+        tip_mass: float | str | None = None,
+        in_space: bool = False,
+        rod: str | None = None,
+    ) -> MovingArm:
+        """The arm at rest, to be moved in steps by a program, as a controller does; its time begins at 0 s.
+
+        `motion.step(0.005, pressure_kPa=20.0, force=(0.0, 0.01))` moves it and says where it is (`rod.Instant`);
+        `motion.copy()` is another one in the same state, and `motion.state` has all its arrays, and takes them back.
+        pressure: kPa, one for each cavity of a law of several. in_space: whether it may leave its plane. All else is as
+        `pneurod.move` takes it. Raises InputError for what cannot begin.
+        """
+        loading = end_loads.read_end(end_loads.read_weight(orientation, tip_mass), force)
+        is_free, rods = given_choice(in_space, "in_space"), self._chosen(rod)
+        return motion.begin_motion(self.run, rods, pressure, loading, held_at=held_at, in_space=is_free)
 
     def _chosen(self, kind: str | None) -> Rods:
         if kind not in self._rods:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from geometry.told import Printable
-from pipeline.api.given import given_choice, given_path
+from pipeline.api.given import given_choice, given_path, given_progress
 from pipeline.api.options import (
     Amount,
     Folder,
@@ -25,6 +25,7 @@ from pipeline.api.options import (
     command,
 )
 from pipeline.results.options import write_new
+from pipeline.store.progress import Progress
 
 __all__ = ["budget", "export", "move", "shape", "solve"]
 
@@ -126,11 +127,13 @@ def move(
     rod: Rod = None,
     ratio: Ratio = None,
     out: Annotated[Path | str | None, typer.Option("--out", metavar="DIR2", help="Folder (default: DIR).")] = None,
+    progress: "bool | Progress" = False,
 ) -> "ArmMotion":
     """Move the arm in time: motion.csv, and a picture of the shapes.
 
-    Its rubber relaxes as material.relaxation and material.loss_factor say. Raises `pneurod.InputError` for a wrong
-    argument, and `pneurod.RunFailed`, which has the motion up to the last good time as `reached`.
+    progress: tell it on the terminal, where one waits, or to a `Progress`. Its rubber relaxes as material.relaxation
+    and material.loss_factor say. Raises `pneurod.InputError` for a wrong argument, and `pneurod.RunFailed`, which has
+    the motion up to the last good time as `reached`.
     """
     from pipeline.answers.rods import choice, end_loads, motion, ratio as ratios  # noqa: I001  one import is enough
 
@@ -139,7 +142,8 @@ def move(
     run = ratios.run_along(given_path(path, "path", "results/arm"), ratio)
     target, rods = run.directory if out is None else given_path(out, "out", "results/arm"), choice.choose_rod(run, rod)
     along = end_loads.read_along(rods.law.length, held_at=held_at)
-    return motion.move_arm(run, rods, replace(asked, loading=replace(loading, along=along)), target)
+    asked = replace(asked, loading=replace(loading, along=along))
+    return motion.move_arm(run, rods, asked, target, given_progress(progress).remark)
 
 
 @dataclass(frozen=True)

@@ -40,6 +40,18 @@ def halved(s: Array) -> Array:
     return np.sort(np.concatenate([s, middle]))
 
 
+def thinned(s: Array, kept: Array, least: int) -> Array:
+    """Every second of positions (N,), where more than `least` elements are left; the first two and those kept stay."""
+    if len(s) < 2 * least:
+        return s
+    stays, before = (np.abs(s[:, None] - kept).min(axis=1) < SAME * np.diff(s).max()), 1
+    stays[[0, 1, -1]] = True
+    for k in range(2, len(s)):
+        stays[k] |= before < k - 1
+        before = k if stays[k] else before
+    return s[stays]
+
+
 class Nodes(NamedTuple):
     """A chain in equilibrium, at its nodes."""
 

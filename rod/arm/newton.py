@@ -15,8 +15,9 @@ from rod.arm.bands import factorize, solve, solve_small
 from rod.arm.nodes import ArmArrays, Chain, LoadArrays, StateArrays, Tangent, frame_of
 from rod.arm.rotations import cross_into, logarithm, multiply, skew
 
-#: Newton's method: largest last correction (rad, and mm over the length), in a step of time, and iterations
-TOLERANCE, IN_TIME, ITERATIONS = 1e-8, 1e-6, 25
+#: Newton's method: largest last correction (rad, and mm over the length), in a step of time the next one if corrections
+#: go on falling as they do, and iterations
+TOLERANCE, IN_TIME, ITERATIONS = 1e-8, 2e-7, 25
 #: iteration of a step of time from which on half of each correction is made: at a kink of a law whole ones may cycle
 CYCLING = 8
 #: rad, largest turn of a node in an iteration of a step of time
@@ -243,7 +244,7 @@ def _newton(
     step, work = Step(np.empty((nodes, m)), columns, small, right), np.empty((2, 3, 3))
     if iterations == 0:
         return _tangent_of(arm, load, state, factor, tangent, side, step)
-    outside = beyond = math.inf
+    outside, beyond, before = math.inf, math.inf, math.inf
     for iteration in range(max(iterations, 2)):
         outside, beyond = assemble(arm, load, state, factor, tangent, is_moving)
         if is_moving:
@@ -260,8 +261,10 @@ def _newton(
         if not largest < 30.0:
             return NewtonResult(False, outside, beyond, (0, 0), iteration)
         # the tangent of the first step has the forces of the state before
-        if largest < (IN_TIME if is_moving else TOLERANCE) and iteration > 0:
+        is_small = largest < TOLERANCE or (is_moving and largest * min(largest, before) < IN_TIME * before)
+        if is_small and iteration > 0:
             return NewtonResult(True, outside, beyond, negative, iteration + 1)
+        before = largest
     return NewtonResult(False, outside, beyond, (0, 0), iterations)
 
 

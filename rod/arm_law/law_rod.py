@@ -249,11 +249,6 @@ class LawRod:
                 most = max(most, float((taken / known[end]).max()))
         return most
 
-    def leaves_by(self, kappa: Array) -> float:
-        """1/mm, by which curvatures (..., 3) leave the law; below zero inside."""
-        known, bent = self.section.kappa, kappa[..., 2]
-        return max(float(known[0] - bent.min()), float(bent.max() - known[-1]))
-
     def volumes(self, state: RodSolution) -> Array:
         """(c,) mm3: air in each cavity of the arm in a state of this rod, as finite elements of the arm have it.
 

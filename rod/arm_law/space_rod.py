@@ -168,10 +168,6 @@ class SpaceRod:
         away *= min(1.0, self.section.reach / max(float(np.hypot(*away)), 1e-300))
         return float(self.section.plane(self.kappa_0 + away)[[2, 4]].sum())
 
-    def leaves_by(self, kappa: Array) -> float:
-        """0: its solver tells by how much it leaves the law (`NewtonResult.outside`)."""
-        return 0.0
-
     def positions(self, breaks: tuple[float, ...]) -> Array:
         """As `rod.arm.solver.ArmModel` says, and so are the others."""
         longest = min(ELEMENT * self.pitch, LONGEST * self.length)

@@ -8,6 +8,7 @@ from typing import final
 import numpy as np
 
 from geometry.arrays import Array
+from rod.arm import step_kernels
 from rod.arm.end_kernels import EndArrays
 from rod.arm.section_kernels import TABULATED, SectionArrays
 from rod.arm.solver import Solver
@@ -22,8 +23,8 @@ from rod.weight import Mass, position_along
 
 #: tonne
 GRAM = 1e-6
-#: pieces of stretch and rigidities over the curvature
-SMOOTH = 8
+#: pieces of stretch and rigidities over the curvature, and besides two beyond the law
+SMOOTH = step_kernels.PIECES - 2
 #: pieces of rotation and offset of a clamp over its moments; kinks of these are hinges as well
 CLAMP = 20
 

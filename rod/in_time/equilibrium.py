@@ -4,7 +4,7 @@ import numpy as np
 
 from geometry.arrays import Array
 from rod.along import are_heights
-from rod.arm.chain import halved
+from rod.arm.chain import halved, thinned
 from rod.arm.nodes import FORCES, StateArrays
 from rod.arm.path import PathOptions, follow, positions_under
 from rod.arm.solver import Solver
@@ -12,9 +12,14 @@ from rod.errors import RodError
 from rod.load import Load
 from rod.mechanics.equilibrium import Arm
 
+#: fewest elements of an arm that moves, where its equilibrium has twice as many
+ELEMENTS = 24
 
-def equilibrium(arm: Arm, load: Load, later: Load, in_space: bool, *, fine: bool = False) -> tuple[Solver, StateArrays]:
-    """Under a load, on nodes where this and a later load have breaks; fine: on elements of half the length.
+
+def equilibrium(arm: Arm, load: Load, later: Load, in_space: bool, size: int) -> tuple[Solver, StateArrays]:
+    """Under a load, on nodes where this and a later load have breaks.
+
+    size: 1 for the elements of `Rod.solve`, 2 for half their number, 0 for twice as many.
 
     Raises `RodError` where there is none that the law knows.
     """
@@ -22,8 +27,11 @@ def equilibrium(arm: Arm, load: Load, later: Load, in_space: bool, *, fine: bool
     path = follow(model, posed, PathOptions(not in_space and are_heights(posed.supports), in_space))
     if outside := arm.outside(path):
         raise RodError(outside)
+    both = (*posed.along, *other.along, *posed.supports)
     s = positions_under(model, Load(along=(*posed.along, *other.along), supports=posed.supports))
-    solver = Solver(model, halved(s) if fine else s, posed, in_space=in_space)
+    breaks = [model.decides_at, *(at for one in both for at in one.breaks)]
+    s = (halved(s), s, thinned(s, np.array(breaks), ELEMENTS))[size]
+    solver = Solver(model, s, posed, in_space=in_space)
     state = path.chains[0].on(solver.s)
     if not solver.converge(state, 1.0, solver.load.target).converged:
         raise RodError("The arm has no equilibrium from which it could move.")

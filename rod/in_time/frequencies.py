@@ -41,9 +41,7 @@ def frequencies(
     arm = body.at(np.atleast_1d(np.asarray(pressure, float)))
     load = body.loaded(acting, arm)
     in_space = load.leaves_plane or arm.is_in_space
-    less, more = (
-        _modes(body, acting, *equilibrium(arm, load, load, in_space, fine=fine), count) for fine in (False, True)
-    )
+    less, more = (_modes(body, acting, *equilibrium(arm, load, load, in_space, size), count) for size in (1, 0))
     found, relaxing = [], body.relaxing(arm)
     for (low, *_), (high, elastic, is_flat) in zip(less, more, strict=True):
         stiff = high + (high - low) / 3.0  # at the limit of the elements

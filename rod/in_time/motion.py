@@ -2,11 +2,24 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
-from typing import final
+from typing import NamedTuple, final
 
 import numpy as np
 
 from geometry.arrays import Array, freeze
+
+
+class Instant(NamedTuple):
+    """Where an arm in motion is, with N nodes and n = N - 1 elements."""
+
+    time: float  #: s
+    shape: Array  #: (N, 2) or, in space, (N, 3) mm, places of the nodes
+    tip: Array  #: (2,) or (3,) mm, the end of the material curve
+    angle: float  #: degrees, turn of the end section in the plane
+    curvature: Array  #: (n,) 1/mm of the elements, in space (n, 3): twist, lateral, and in the plane
+    pressure: Array  #: (c,) kPa
+    volume: Array  #: (c,) mm3 of air; (0,) where the law has none
+    beyond: float  #: 1/mm, by how much a cell bends beyond the curvatures of the law
 
 
 @final
@@ -20,6 +33,7 @@ class Motion:
     tips: Array  #: (n, 2) or, in space, (n, 3) mm, the end of the material curve
     end_angles_deg: Array  #: (n,) turn of the end section in the plane
     reactions: Array  #: (n, k) N and N mm, of all that supports hold
+    beyond_per_mm: Array  #: (n,) 1/mm, by how much a cell bends beyond the curvatures of the law
     s: Array  #: (N,) mm, rest arc lengths of the nodes
     axis: Array  #: (n, N, 2) or (n, N, 3) mm, places of the nodes
     reason: str  #: why it ends before the time that was asked for, one sentence; empty where it does not

@@ -120,10 +120,6 @@ class LinesRod:
         """N mm2, of the part at the clamp; the same at all curvatures."""
         return abs(self.law.alpha1)
 
-    def leaves_by(self, kappa: Array) -> float:
-        """0: its lines have no end."""
-        return 0.0
-
     def outside(self, path: Path) -> str:
         """A sentence where what holds the rod stretches it; empty elsewhere."""
         stretches = np.hypot(*path.nodes.inner[:, :2].T).max() > STRETCHED * self._section(is_loaded=True).rigid

@@ -89,7 +89,8 @@ def test_frequency_and_damping_of_a_motion_that_creeps_come_back() -> None:
     time, rate, damping = np.arange(0.0, 3.0, 0.01), 2.0 * np.pi * 3.3, 0.06
     value = 20.0 + 2.0 * np.exp(-time / 0.8) - 15.0 * np.exp(-damping * rate * time) * np.cos(rate * time)
     found = Ringing.of(time, value)
-    assert found[:2] == pytest.approx((3.3, damping), rel=1e-4)
+    size = np.hypot(1.0, damping)
+    assert found[:2] == pytest.approx((3.3 * size, damping / size), rel=1e-4)
 
 
 def test_holds_of_the_segment_are_foretold_from_one_of_them() -> None:

@@ -7,8 +7,10 @@ from functools import cache
 
 import numpy as np
 import pytest
+from scipy.interpolate import CubicSpline
 
 from geometry.arrays import Array
+from pipeline.answers.measured.motions import Ringing
 from pipeline.results.laws import law_of_record
 from rod import (
     Air,
@@ -18,6 +20,7 @@ from rod import (
     Load,
     Loading,
     Motion,
+    MovingArm,
     Relaxation,
     Rod,
     RodError,
@@ -130,10 +133,99 @@ def test_the_error_falls_with_the_square_of_the_step() -> None:
 
 
 def test_steps_by_their_error_keep_it() -> None:
-    path = move(Body(arm(), RUBBER), 20.0, 0.6)
-    fine = move(Body(arm(), RUBBER), 20.0, 0.6, steps=Steps(fixed=1e-3))
+    path = move(Body(arm(), RUBBER), 12.0, 0.6)
+    fine = move(Body(arm(), RUBBER), 12.0, 0.6, steps=Steps(fixed=5e-4))
     for time in (0.2, 0.4, 0.6):
         assert tip_at(path, time) == pytest.approx(tip_at(fine, time), abs=2e-3 * arm().length)
+
+
+@pytest.mark.parametrize("force", [5e-3, 5e-5, 5e-6])
+def test_a_small_motion_rings_as_a_large_one(force: float) -> None:
+    """From amplitudes of 14 mm to 0.01 mm."""
+    body = Body(arm(), RUBBER)
+    mode = frequencies(body, 0.0, count=1)[0]
+    motion = move(body, 0.0, 3.0, Loading(), Start(acting=Loading((0.0, force))))
+    time = np.linspace(0.0, 3.0, 900)
+    ringing = Ringing.of(time, CubicSpline(motion.times_s, motion.tips[:, 1])(time))
+    assert ringing.frequency == pytest.approx(mode.frequency_hz, rel=5e-3)
+    assert ringing.damping == pytest.approx(mode.damping_ratio, rel=3e-2)
+
+
+def test_a_motion_ends_where_the_law_does() -> None:
+    """Under a load that the law does not bear; a short wave may pass, which is told."""
+    heavy = Loading(tip_mass="40 g", direction="lying")
+    motion = move(Body(arm(), RUBBER), 0.0, 2.0, heavy, Start(acting=Loading()))
+    known = arm().at(0.0).section.kappa
+    assert f"the law, which is known from {known[0]:.3g} to {known[-1]:.3g} 1/mm" in motion.reason
+    assert motion.times_s[-1] < 0.5
+    assert motion.beyond_per_mm.max() <= 0.1 * np.ptp(known)
+    waved = move(Body(arm(), RUBBER), 17.0, 0.4)
+    assert (waved.reason, waved.beyond_per_mm[0]) == ("", 0.0)
+    assert waved.notes[0].startswith(f"Cells bend by up to {waved.beyond_per_mm.max():.3g} 1/mm beyond")
+
+
+def test_an_arm_in_a_loop_moves_as_under_a_table() -> None:
+    rows = np.column_stack([np.linspace(0.0, 0.5, 101), 5.0 * np.sin(np.linspace(0.0, 3.0, 101)) ** 2])
+    table, arm_now = move(Body(arm(), RUBBER), rows, 0.5), MovingArm.at_rest(Body(arm(), RUBBER))
+    seen = [arm_now.step(0.005, pressure_kPa=pressure) for pressure in rows[1:, 1]]
+    for time in (0.1, 0.3, 0.5):
+        now = seen[round(time / 0.005) - 1]
+        assert now.time == pytest.approx(time)
+        assert now.tip == pytest.approx(tip_at(table, time), abs=2e-3 * arm().length)
+        assert now.pressure == pytest.approx(np.interp([time], *rows.T))
+    assert seen[-1].shape.shape == (len(table.s), 2)
+    assert seen[-1].curvature.shape == (len(table.s) - 1,)
+
+
+def test_a_force_in_a_loop_bends_the_arm_into_its_equilibrium() -> None:
+    body = Body(airy(), Relaxation.from_loss_factor(0.4, 1.0, 10.0))
+    now = MovingArm.at_rest(body, 20.0)
+    for _ in range(400):
+        seen = now.step(0.01, force=(0.0, 0.02))
+    still = airy().at(20.0).solve(force=(0.0, 0.02))
+    assert seen.tip == pytest.approx(still.end, abs=5e-3 * airy().length)
+    assert seen.volume[0] == pytest.approx(airy().at(20.0).volumes(still), rel=1e-3)
+    assert seen.angle == pytest.approx(math.degrees(still.theta[-1]), abs=1.0)
+
+
+@pytest.mark.parametrize("in_space", [False, True])
+def test_a_copy_and_a_stored_state_go_on_as_the_arm_does(in_space: bool) -> None:
+    law = replace(test_space_law.law(), mass=Mass.even(test_space_law.LENGTH, 15.0)) if in_space else arm()
+    body, high = Body(law, RUBBER), (5.0, 2.0, 1.0) if in_space else 8.0
+    first = MovingArm.at_rest(body)
+    for _ in range(20):
+        first.step(0.005, pressure_kPa=high)
+    other, stored = first.copy(), {name: value.copy() for name, value in first.state.items()}
+    later = MovingArm.at_rest(body)
+    later.state = stored
+    ends = []
+    for one in (first, other, later):
+        for _ in range(20):
+            seen = one.step(0.005, pressure_kPa=np.multiply(0.5, high), force=(1e-4, 0.0))
+        ends.append(seen)
+    for seen in ends[1:]:
+        assert seen.time == ends[0].time
+        np.testing.assert_array_equal(seen.shape, ends[0].shape)
+    assert ends[0].shape.shape[1] == (3 if in_space else 2)
+    assert ends[0].pressure.shape == (3 if in_space else 1,)
+
+
+def test_a_step_that_fails_leaves_the_arm_where_it_was() -> None:
+    now = MovingArm.at_rest(Body(arm(), RUBBER))
+    now.step(0.01, pressure_kPa=2.0)
+    before = now.state
+    for more, told in (
+        ({"pressure_kPa": 90.0}, "is outside"),
+        ({"pressure_kPa": (1.0, 2.0)}, "a number for each of"),
+        ({"force": (0.0, 0.0, 1.0)}, "in space from the start"),
+        ({"force": (0.0, 5.0)}, "beyond the law"),
+    ):
+        with pytest.raises(RodError, match=told):
+            now.step(0.2, **more)
+        for name, value in now.state.items():
+            np.testing.assert_array_equal(value, before[name])
+    with pytest.raises(RodError, match="no state of this arm"):
+        now.state = {"time": np.zeros(1)}
 
 
 def test_an_arm_without_loss_is_followed_by_short_steps() -> None:

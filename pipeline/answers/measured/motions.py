@@ -26,10 +26,13 @@ MEANS, HALF = 3, 0.2
 
 
 class Ringing(NamedTuple):
-    """c + b exp(-t/tau) + exp(-damping omega t) (a cos omega t + d sin omega t), by least squares."""
+    """c + b exp(-t/tau) + exp(-x omega t) (a cos omega t + d sin omega t), by least squares.
 
-    frequency: float  #: Hz, with its damping
-    damping: float  #: ratio; 2 pi times it is the logarithmic decrement
+    Frequency and damping ratio are those of a vibration exp(rate t), as `rod.Mode` has them.
+    """
+
+    frequency: float  #: Hz, of the size of the rate
+    damping: float  #: part of the critical damping
     begun: float  #: s, of its first top
 
     @classmethod
@@ -49,7 +52,8 @@ class Ringing(NamedTuple):
 
         bounds = [0.7 * guess, 0.0, CREEP[0]], [1.4 * guess, 0.5, CREEP[1]]
         found = least_squares(missed, [guess, 0.05, 1.0], bounds=bounds, x_scale=[guess, 0.05, 1.0])
-        return cls(float(found.x[0]), float(found.x[1]), begun)
+        size = float(np.hypot(1.0, found.x[1]))
+        return cls(float(found.x[0]) * size, float(found.x[1]) / size, begun)
 
 
 def tops_of(value: Array) -> Index:

@@ -1,26 +1,41 @@
 """The arm of a result folder in time: its pressure over time, what it does, and its files."""
 
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, fields, replace
 from functools import partial
 from pathlib import Path
+from time import monotonic
 from typing import Any
 
 import numpy as np
 
 from geometry.arrays import Array
 from pipeline.answers.columns import Column, Form, read
+from pipeline.answers.rods.end_loads import read_along
 from pipeline.answers.rods.in_time import body_of
 from pipeline.answers.rods.rods import Rods
 from pipeline.config.units import PRESSURE, TIME, Dimension, convert
 from pipeline.results.options import option_pressures, option_value
 from pipeline.store.owner import MOTION, claim
 from pipeline.values.errors import InputError, RunFailed, argument, ask
-from pipeline.values.page import figure_page
+from pipeline.values.page import Section, page
 from pipeline.values.plots import COLOURS, GREY, Line, Panel, ordered_colour
 from pipeline.values.run import Run
-from rod import Air, Body, Loading, Motion, RodError, RodSolution, Start, Steps, move
+from rod import (
+    Air,
+    Body,
+    Loading,
+    Motion,
+    RodError,
+    RodSolution,
+    Start,
+    Steps,
+    frequencies,
+    move,
+)
 from rod.along import Support, split_along
+from rod.in_time.move import MovingArm
 
 PRESSURES = Form(
     "pressures over time",
@@ -31,8 +46,8 @@ PRESSURES = Form(
 )
 #: of an arm with a limit of the pressure that shares a given amount of air
 ONE_BY_ONE = "Near {:.4g} kPa chambers that share a given amount of air may swell one by one; that is not solved."
-#: shapes that are drawn, at equal parts of the way of the tip
-SHAPES = 12
+#: shapes that are drawn, at equal parts of the way of the tip; the longest motion, and the time between two words, in s
+SHAPES, LONGEST, WAIT = 12, 3600.0, 5.0
 #: what air may have by its name, as it is read
 OF_AIR: dict[str, Callable[[str], float]] = {
     "flow": partial(convert, dimension=Dimension("a flow of free air", "mm**3/s", "1 l/min")),
@@ -63,19 +78,39 @@ class Asked:
         acts = _read_table(Path(pressure)) if is_file else option_pressures("pressure", pressure)
         if air is not None and np.ndim(acts):
             raise InputError(f"{argument('air')}: needs one {argument('pressure')}, that at 0 s")
+        if isinstance(seconds, int | float) and not seconds <= LONGEST:
+            raise InputError(
+                f"{argument('seconds')}: {seconds:g} s is more than an hour of the arm, which would take long; is it "
+                f"meant? give {LONGEST:g} at most"
+            )
         steps = Steps(None if step is None else option_value("step", step, TIME))
         return Asked(acts, seconds, loading, release, None if air is None else _read_air(air), steps)
 
-    def of(self, body: Body) -> Motion:
-        """The motion of an arm. Raises `RodError` where it cannot begin."""
-        during, before = self.loading, replace(self.loading, force=None)
+    @property
+    def during(self) -> Loading:
+        """What acts on the arm in motion."""
+        return replace(self.loading, force=None) if self.release else self.loading
+
+    @property
+    def told(self) -> list[str]:
+        """What acts, in a sentence."""
+        words = ["a pressure over time" if np.ndim(self.pressure) else f"{self.pressure:g} kPa"]
+        words += ["air that is closed in or flows"] if self.air else []
+        if any(self.loading.force or ()):
+            words.append(f"{'released from' if self.release else 'under'} {self.loading.force} N on its end")
+        words += [f"{self.loading.tip_mass:g} g on its end"] if self.loading.tip_mass else []
+        words += [str(self.loading.direction)] if self.loading.direction else []
+        return [f"It moves: {', '.join(words)}."]
+
+    def of(self, body: Body, tell: Callable[[float], None]) -> Motion:
+        """The motion of an arm, which is told its time in s. Raises `RodError` where it cannot begin."""
+        before = replace(self.loading, force=None)
         if self.release:
-            is_pulled = any(self.loading.force or ())
-            during, before = before, during if is_pulled else Loading(along=self.loading.along)
+            before = self.loading if any(self.loading.force or ()) else Loading(along=self.loading.along)
         is_kept = self.release or self.air is not None
         first = self.pressure if is_kept else (0.0,) * np.size(self.pressure)
         start = Start(None if np.ndim(self.pressure) == 2 else first, before)
-        return move(body, self.air or self.pressure, self.seconds, during, start, self.steps)
+        return move(body, self.air or self.pressure, self.seconds, self.during, start, self.steps, tell)
 
 
 @dataclass(frozen=True, eq=False)  # arrays inside
@@ -90,36 +125,85 @@ class ArmMotion:
     @property
     def lines(self) -> list[str]:
         """Where the tip goes, what limits the trust in it, and the files."""
+        return [*self.told, f"written: {self.directory / 'motion.csv'}, motion.html (picture)"]
+
+    @property
+    def told(self) -> list[str]:
+        """Where the tip goes, and what limits the trust in it."""
         ends = [f"({', '.join(f'{value + 0.0:.2f}' for value in self.motion.tips[k].tolist())})" for k in (0, -1)]
         went = f"tip from {ends[0]} to {ends[1]} mm after {self.motion.times_s[-1]:.4g} s"
-        return [went, *self.notes, f"written: {self.directory / 'motion.csv'}, motion.html (picture)"]
+        return [went, *self.notes]
 
 
-def move_arm(run: Run, rods: Rods, asked: Asked, out: Path) -> ArmMotion:
-    """Move the arm of a run; motion.csv and motion.html are in `out`.
+def move_arm(run: Run, rods: Rods, asked: Asked, out: Path, remark: Callable[[str], None]) -> ArmMotion:
+    """Move the arm of a run; motion.csv and motion.html are in `out`. remark: is told how long it takes.
 
     Raises InputError for what cannot begin, and RunFailed, which has the motion up to the last good time as `reached`,
-    where the arm cannot be followed.
+    where the arm cannot be followed, or an interrupt ends it.
     """
     try:
         body, damped = body_of(run, rods)
         if np.ndim(asked.pressure) < 2:
             rods.at(asked.pressure)
-        moved, free = asked.of(body), rods.at(rods.law.rows[-1]).solve()
+        moved = asked.of(body, _listener(asked.seconds, remark))
+        moved = replace(moved, end_angles_deg=side_of(rods) * moved.end_angles_deg)
     except RodError as failure:
         raise InputError(str(failure)) from None
-    side = -1.0 if isinstance(free, RodSolution) and free.theta[-1] < 0.0 else 1.0  # to which pressure bends it
-    moved = replace(moved, end_angles_deg=side * moved.end_angles_deg)
     limit = rods.forms.limit if rods.forms and asked.air else None
     shared = [ONE_BY_ONE.format(limit.value)] if limit else []
     columns = _columns(moved, split_along(asked.loading.along)[1])
-    made = ArmMotion(moved, columns, (damped, *rods.notes, *shared, *moved.notes), out)
+    notes = *(damped, *_vibration(body, moved, asked)), *rods.notes, *shared, *moved.notes
+    made = ArmMotion(moved, columns, notes, out)
     folder = claim(out, MOTION)
     folder.save_rows("motion.csv", tuple(made.columns), np.column_stack(tuple(made.columns.values())).tolist())
-    folder.save_text("motion.html", figure_page("An arm in time", motion_panels(moved)))
+    ended = [moved.reason] if moved.reason else []
+    drawn = Section(sentences=[*asked.told, *made.told, *ended], panels=motion_panels(moved))
+    folder.save_text("motion.html", page(f"{run.design} in time", drawn))
     if moved.reason:
         raise RunFailed(moved.reason, out).with_reached(made)
     return made
+
+
+def begin_motion(
+    run: Run, rods: Rods, pressure: Any, loading: Loading, *, held_at: Sequence[str], in_space: bool
+) -> MovingArm:
+    """The arm of a run at rest, to be moved in steps. Raises InputError for what cannot begin."""
+    loading = replace(loading, along=read_along(rods.law.length, held_at=held_at))
+    try:
+        acts = option_pressures("pressure", pressure)
+        arm = MovingArm.at_rest(body_of(run, rods)[0], acts, loading, Steps(in_space=in_space))
+        arm.side = side_of(rods)
+    except RodError as failure:
+        raise InputError(str(failure)) from None
+    return arm
+
+
+def side_of(rods: Rods) -> float:
+    """1.0, or -1.0 where pressure turns the end to the negative side. Raises `RodError` as a rod does."""
+    free = rods.at(rods.law.rows[-1]).solve()
+    return -1.0 if isinstance(free, RodSolution) and free.theta[-1] < 0.0 else 1.0
+
+
+def _listener(seconds: float, remark: Callable[[str], None]) -> Callable[[float], None]:
+    """That tells how much of a motion is done, and how long the rest will take, where one waits for it."""
+    begun = told = monotonic()
+
+    def tell(time: float) -> None:
+        nonlocal told
+        if (now := monotonic()) - told > WAIT:
+            told, left = now, (now - begun) * (seconds - time) / max(time, 1e-9)
+            remark(f"{time:.3g} of {seconds:g} s are done; the rest takes about {left:.2g} s")
+
+    return tell
+
+
+def _vibration(body: Body, moved: Motion, asked: Asked) -> list[str]:
+    """A sentence on the first vibration where the motion ends; none for a rod without such an equilibrium."""
+    with suppress(RodError):
+        mode = frequencies(body, moved.pressures_kPa[-1], asked.during, 1)[0]
+        told = f"{mode.frequency_hz:.3g} Hz, damping ratio {mode.damping_ratio:.2g}"
+        return [f"Its first vibration about the rest at its last pressure: {told}."]
+    return []
 
 
 def _columns(moved: Motion, supports: Sequence[Support]) -> dict[str, Array]:
@@ -135,7 +219,8 @@ def _columns(moved: Motion, supports: Sequence[Support]) -> dict[str, Array]:
     add(["volume{}_mm3"] * moved.pressures_kPa.shape[1], moved.volumes_mm3)
     add([f"tip_{axis}_mm" for axis in "xyz"[: moved.tips.shape[1]]], moved.tips)
     add(["end_angle_deg"], moved.end_angles_deg[:, None])
-    add(reactions or ["reaction{}_N"], moved.reactions)
+    add(["beyond_law_per_mm"], moved.beyond_per_mm[:, None])
+    add(reactions, moved.reactions)
     return found
 
 
@@ -145,7 +230,11 @@ def motion_panels(moved: Motion) -> tuple[Panel, ...]:
     way = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(tips, axis=0), axis=1)))
     at = np.unique(np.interp(np.linspace(0.0, way[-1], SHAPES), way, t))
     shapes = zip(at.tolist(), moved.shapes(at.tolist()), strict=True)
-    drawn = [Line(xy[:, 0], xy[:, 1], f"{s:.3g} s", ordered_colour(k, len(at))) for k, (s, xy) in enumerate(shapes)]
+    entry = f"shapes from 0 s (green) to {t[-1]:.3g} s (violet)"
+    drawn = [
+        Line(xy[:, 0], xy[:, 1], f"{s:.3g} s", ordered_colour(k, len(at)), entry=entry)
+        for k, (s, xy) in enumerate(shapes)
+    ]
     places = [Line(t, column, f"tip {'xyz'[k]}", COLOURS[k]) for k, column in enumerate(tips.T)]
     names = [f"pressure {k + 1}" for k in range(moved.pressures_kPa.shape[1])]
     names = names if len(names) > 1 else ["pressure"]

@@ -1,6 +1,7 @@
 """The arm of a stored run in time: motion.csv, its refusals, vibrations, and what verdict and report say."""
 
 import json
+import math
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -11,6 +12,7 @@ import pytest
 from typer.testing import CliRunner
 
 import pneurod
+from pipeline.answers.rods import motion
 from pipeline.answers.rods.choice import rod_of_path
 from pipeline.answers.rods.in_time import body_of, rubber_of, with_remark
 from pipeline.answers.rods.motion import _read_air
@@ -39,7 +41,7 @@ def test_the_command_writes_the_motion_from_rest_to_a_pressure(tmp_path: Path) -
     status, out, error = call("--pressure", "10 kPa", "--seconds", "0.1", "--out", str(tmp_path))
     assert (status, error) == (0, "")
     frame = pd.read_csv(tmp_path / "motion.csv")
-    columns = ["t_s", "pressure_kPa", "volume_mm3", "tip_x_mm", "tip_y_mm", "end_angle_deg", "reaction_N"]
+    columns = ["t_s", "pressure_kPa", "volume_mm3", "tip_x_mm", "tip_y_mm", "end_angle_deg", "beyond_law_per_mm"]
     assert list(frame.columns) == columns
     assert (frame.t_s.iloc[0], frame.t_s.iloc[-1]) == (0.0, pytest.approx(0.1))
     assert frame.pressure_kPa.iloc[1:].tolist() == pytest.approx([10.0] * (len(frame) - 1))
@@ -47,11 +49,15 @@ def test_the_command_writes_the_motion_from_rest_to_a_pressure(tmp_path: Path) -
     assert (frame.tip_x_mm.iloc[0], frame.tip_y_mm.iloc[0]) == pytest.approx(straight.end, abs=1e-3 * straight.s[-1])
     assert frame.tip_y_mm.iloc[-1] < -1.0
     assert frame.end_angle_deg.iloc[-1] > 1.0  # to the side to which the pressure bends it
-    assert frame.reaction_N.isna().all()
+    assert frame.beyond_law_per_mm.tolist() == [0.0] * len(frame)
     assert "Its rubber has a loss factor of 0.1 from" in out
     assert f"written: {tmp_path / 'motion.csv'}" in out
     page = (tmp_path / "motion.html").read_text(encoding="utf-8")
     assert "Shapes" in page
+    assert "<h1>pneunet_coarse in time</h1>" in page
+    assert "It moves: 10 kPa." in page
+    assert "Its first vibration about the rest at its last pressure: 1." in page
+    assert "shapes from 0 s (green) to 0.1 s (violet)" in page
     assert "pressure 1" not in page  # an arm with one pressure
 
 
@@ -120,6 +126,7 @@ def test_wrong_air_is_refused(text: str, complaint: str) -> None:
         (("--pressure", "90 kPa"), "90 kPa"),
         (("--pressure", "9"), "has no unit"),
         (("--pressure", "9 kPa", "--seconds", "0"), "must be positive"),
+        (("--pressure", "9 kPa", "--seconds", "1e9"), "is more than an hour of the arm"),
         (("--pressure", "none.csv"), "none.csv: no such file"),
         (("--pressure", "9 kPa", "--tip-mass", "2 g"), "needs --orientation"),
         (("--pressure", "[9 kPa, 3 kPa]"), "This rod has one pressure"),
@@ -162,6 +169,36 @@ def test_what_was_computed_stays_up_to_the_last_good_time(tmp_path: Path) -> Non
     times = pd.read_csv(tmp_path / "motion.csv").t_s
     assert 0.05 < times.iloc[-1] < 0.1
     assert getattr(caught.value.reached, "motion", None) is not None
+
+
+def test_an_interrupt_keeps_what_there_is(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def interrupt(time: float) -> None:
+        if time > 0.03:
+            raise KeyboardInterrupt
+
+    monkeypatch.setattr(motion, "_listener", lambda *_: interrupt)
+    status, out, error = call("--pressure", "9 kPa", "--seconds", "1", "--out", str(tmp_path))
+    assert (status, "The motion was interrupted at t = 0.03" in error) == (1, True)
+    assert 0.03 < pd.read_csv(tmp_path / "motion.csv").t_s.iloc[-1] < 0.05
+    assert f"written: {tmp_path / 'motion.csv'}" in out
+
+
+def test_one_is_told_how_long_it_takes(monkeypatch: pytest.MonkeyPatch) -> None:
+    told: list[str] = []
+    monkeypatch.setattr(motion, "WAIT", 0.0)
+    motion._listener(10.0, told.append)(2.5)
+    assert told[0].startswith("2.5 of 10 s are done; the rest takes about ")
+
+
+def test_results_move_in_a_loop() -> None:
+    moving = pneurod.read_results(COARSE).moving(pressure="5 kPa")
+    still = rod_of_path(COARSE, None).at(5.0).solve()
+    for _ in range(4):
+        seen = moving.step(0.005, pressure_kPa=6.0)
+    assert seen.tip == pytest.approx(still.end, abs=0.1 * still.s[-1])
+    assert math.degrees(abs(still.theta[-1])) < seen.angle < 90.0  # positive to the side to which pressure bends it
+    with pytest.raises(InputError, match="90 kPa"):
+        pneurod.read_results(COARSE).moving(pressure="90 kPa")
 
 
 def test_a_step_that_does_not_resolve_the_motion_is_named(tmp_path: Path) -> None:
