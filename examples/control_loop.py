@@ -14,13 +14,8 @@ import numpy as np
 import pneurod
 
 folder = Path("results/recipes")
-results = pneurod.characterize(  # the arm of the recipe on payloads; a finished run is not repeated
-    pneurod.PneuNet(chambers=8),
-    folder / "arm",
-    material=pneurod.NamedRubber("dragon_skin_30"),
-    pressures=["10 kPa", "20 kPa"],
-    settings={"law": "cell"},
-)
+folder.mkdir(parents=True, exist_ok=True)
+results = pneurod.read_results("tests/data/results_coarse")  # a stored run; with an arm of your own, its folder
 
 # %% [markdown]
 # ## The controller
@@ -31,7 +26,7 @@ results = pneurod.characterize(  # the arm of the recipe on payloads; a finished
 # %%
 WANTED, FORCE = 60.0, 0.005  # degrees; N, upwards on the end
 STEP, SECONDS, PUSHED_AT = 0.005, 6.0, 1.0  # s
-P, I, FILTER = 0.02, 0.25, 0.25  # kPa per degree, kPa per degree and s, s
+GAIN, SUMMED, FILTER = 0.02, 0.25, 0.25  # kPa per degree, kPa per degree and s, s
 at_rest = float(results.pressure_for(angle=f"{WANTED} deg").pressure_kPa.iloc[0])
 
 
@@ -42,7 +37,7 @@ def hold(motion: Any, *, is_closed: bool) -> list[tuple[float, float, float]]:
     for k in range(round(SECONDS / STEP)):
         time = k * STEP
         part = np.sin(0.5 * np.pi * min(time, 1.0)) ** 2
-        pressure = part * at_rest + is_closed * (P * missing + I * summed)
+        pressure = part * at_rest + is_closed * (GAIN * missing + SUMMED * summed)
         force = (0.0, FORCE if time >= PUSHED_AT else 0.0)
         seen = motion.step(STEP, pressure_kPa=max(pressure, 0.0), force=force)
         missing += STEP / FILTER * (part * WANTED - seen.angle - missing)
@@ -74,6 +69,6 @@ figure.savefig(folder / "control_loop.png")
 # %% [markdown]
 # ## What to change
 #
-# - `I`: from about four times as much on the loop swings up.
+# - `SUMMED`: from about four times as much on the loop swings up.
 # - `FORCE`: an arm that is pushed beyond its law ends the loop with an error that says how far.
 # - `motion.state`: store it, and try another controller from there.

@@ -18,6 +18,7 @@ from pipeline.simulate.scene import Scene
 from pipeline.store.progress import Silent
 from pipeline.values.pressure import in_MPa
 from rod import Body, Load, Loading, Relaxation, Start, Steps, frequencies, move
+from rod import Motion as OfArm
 from rod.in_time.regions import Share, mixed, shares_of
 
 #: without loss; and with a slow branch and two near the period of the arms
@@ -98,6 +99,11 @@ class MovingArm:
         own = np.column_stack([np.interp(times, motion.times_s, column) for column in motion.tips.T])
         apart = np.linalg.norm(own - rows[:, 1:], axis=1).max() / self.law.length
         return Ringing.of(times, rows[:, 2]), Ringing.of(times, own[:, 1]), float(apart)
+
+    def moved_by(self, body: Body, size: float) -> OfArm:
+        """The motion of a rod from a force that moves its end by a size in mm, in steps by their error."""
+        begun = Loading((0.0, self.force * size / (MOVED * self.law.length)))
+        return move(body, self.pressure, PERIODS / self.natural, Loading(), Start(self.pressure, begun))
 
     def closed(self) -> list[float]:
         """kPa, of air that is closed in at the pressure, under twice the force: by finite elements, by the rod."""

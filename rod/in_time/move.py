@@ -11,13 +11,13 @@ from typing import Any, NamedTuple, TypeAlias, final
 import numpy as np
 
 from geometry.arrays import Array
-from rod import frames as turns
 from rod.along import triple
 from rod.arm import step_kernels
 from rod.arm.nodes import StateArrays
 from rod.arm.solver import Solver
 from rod.checked import positive
 from rod.errors import LoadError, RodError
+from rod.frames import planar_frames, rotation, turn_of
 from rod.in_time.air import Air, over_time
 from rod.in_time.body import Body, arrays_of
 from rod.in_time.equilibrium import elastic_forces, equilibrium
@@ -360,14 +360,14 @@ class MovingArm:
         """The state at the end of a step: nodes without mass, which are known within it, go on as they went."""
         state, more = now.moving.state, now.time - now.within
         motion = np.where(self.stepper.bodies.mass[:, None] > 0.0, 0.0, more * now.moving.speed)
-        frames = turns.rotation(motion[:, 3:]) @ state.frames if self.in_space else state.frames
+        frames = rotation(motion[:, 3:]) @ state.frames if self.in_space else state.frames
         return state._replace(place=state.place + motion[:, :3], angle=state.angle + motion[:, 5], frames=frames)
 
     def _curvatures(self, angle: Array, frames: Array) -> Array:
         """(t, n, 3) 1/mm of the elements, from angles (t, N) or frames (t, N, 3, 3) of the nodes."""
         h = np.diff(self.stepper.solver.s)[:, None]
         if self.in_space:
-            return np.asarray(turns.turn_of(np.swapaxes(frames[:, :-1], -1, -2) @ frames[:, 1:]) / h)
+            return np.asarray(turn_of(np.swapaxes(frames[:, :-1], -1, -2) @ frames[:, 1:]) / h)
         return np.diff(angle, axis=1)[..., None] * [0.0, 0.0, 1.0] / h
 
     def _feel(self, felt: Array) -> None:
@@ -406,7 +406,7 @@ class MovingArm:
     def _write(self) -> None:
         """Keep the state, and the end of the material curve beside the axis."""
         state, tip, now = self._shown(self.now), self.joined.ends.tip[:, 4:], self.now
-        frame = state.frames[-1] if self.in_space else turns.planar_frames(state.angle[-1])
+        frame = state.frames[-1] if self.in_space else planar_frames(state.angle[-1])
         turn = math.atan2(frame[1, 0], frame[0, 0])
         at = (len(tip) - 1) * (0.5 + turn / (2.0 * math.pi))
         i = min(int(at), len(tip) - 2)

@@ -84,6 +84,7 @@ class Comparison:
         """What was found, in words."""
         sizes = [(self.rms("mm"), "mm", f" ({100.0 * self.rms('mm') / self.length_mm:.2g} % of l)")]
         sizes += [(self.rms("deg"), "degrees", ""), (self.rms("N"), "N", "")]
+        sizes += [(self.rms("Hz"), "Hz", ""), (self.rms("ratio"), "of the damping ratio", "")]
         words = ", ".join(f"{rms:.2g} {unit}{more}" for rms, unit, more in sizes if math.isfinite(rms))
         inside = sum(row.is_within for row in self.rows)
         allowed = "the 90 % intervals of the calibration" if self.is_calibrated else "rod, mesh and tolerances"

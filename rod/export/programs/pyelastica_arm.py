@@ -212,13 +212,13 @@ def simulate(pressure_kPa, force=(0.0, 0.0), seconds=None, damping=None, tell=No
 
 
 def plot(curves, file):
-    """Draw material curves by their labels into a file."""
+    """Draw material curves by their labels into a file, from the clamp at the origin on."""
     import matplotlib.pyplot as plt
 
     plt.switch_backend("Agg")
     figure, axes = plt.subplots()
     for label, points in curves.items():
-        axes.plot(*(1e3 * points.T[:2]), label=label)
+        axes.plot(*(1e3 * np.vstack([[0.0, 0.0], points[:, :2]]).T), label=label)
     axes.set(xlabel="x, mm", ylabel="y, mm", aspect="equal")
     axes.legend()
     figure.savefig(file, dpi=150)

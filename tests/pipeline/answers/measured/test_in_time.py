@@ -79,6 +79,8 @@ def test_the_folder_and_its_verdict_have_the_rubber_in_time(report: CalibrationR
     compared = compare_files(report.directory, Path(report.file))
     assert compared.is_calibrated
     assert compared.within == 1.0
+    assert compared.lines[0].endswith(" of the damping ratio.")
+    assert " Hz, " in compared.lines[0]
 
 
 @pytest.mark.parametrize(

@@ -2,6 +2,7 @@
 
 import json
 import math
+import runpy
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -16,7 +17,9 @@ from pipeline.answers.rods import motion
 from pipeline.answers.rods.choice import rod_of_path
 from pipeline.answers.rods.in_time import body_of, rubber_of, with_remark
 from pipeline.answers.rods.motion import _read_air
+from pipeline.api.results import Results
 from pipeline.cli import app
+from pipeline.results.files import read_results as read_run
 from pipeline.results.verdict import verdict_of
 from pipeline.show.tables import in_time as in_time_table
 from pipeline.values.errors import InputError, RunFailed
@@ -199,6 +202,16 @@ def test_results_move_in_a_loop() -> None:
     assert math.degrees(abs(still.theta[-1])) < seen.angle < 90.0  # positive to the side to which pressure bends it
     with pytest.raises(InputError, match="90 kPa"):
         pneurod.read_results(COARSE).moving(pressure="90 kPa")
+
+
+def test_the_example_holds_an_angle_against_a_force(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    example = Path("examples/control_loop.py").resolve()
+    monkeypatch.setattr(pneurod, "read_results", lambda _: Results(read_run(COARSE)))
+    monkeypatch.chdir(tmp_path)
+    runs = runpy.run_path(str(example))["runs"]
+    assert runs["closed"][-1][1] == pytest.approx(60.0, abs=1.0)
+    assert abs(runs["open"][-1][1] - 60.0) > 3.0
+    assert (tmp_path / "results" / "recipes" / "control_loop.png").stat().st_size > 1000
 
 
 def test_a_step_that_does_not_resolve_the_motion_is_named(tmp_path: Path) -> None:
