@@ -25,7 +25,7 @@ results = pneurod.read_results("tests/data/results_coarse")  # a stored run; wit
 
 # %%
 WANTED, FORCE = 60.0, 0.005  # degrees; N, upwards on the end
-STEP, SECONDS, PUSHED_AT = 0.005, 6.0, 1.0  # s
+STEP, SECONDS, PUSHED_AT = 0.005, 10.0, 1.0  # s
 GAIN, SUMMED, FILTER = 0.02, 0.25, 0.25  # kPa per degree, kPa per degree and s, s
 at_rest = float(results.pressure_for(angle=f"{WANTED} deg").pressure_kPa.iloc[0])
 
@@ -69,6 +69,6 @@ figure.savefig(folder / "control_loop.png")
 # %% [markdown]
 # ## What to change
 #
-# - `SUMMED`: from about four times as much on the loop swings up.
+# - `SUMMED`: a larger one is faster, until the loop swings up with the vibration of the arm.
 # - `FORCE`: an arm that is pushed beyond its law ends the loop with an error that says how far.
 # - `motion.state`: store it, and try another controller from there.

@@ -73,7 +73,7 @@ def test_an_arm_that_is_released_begins_under_its_force(tmp_path: Path) -> None:
 
 def test_an_arm_that_is_released_without_a_force_was_held_weightless(tmp_path: Path) -> None:
     moved = pneurod.move(
-        COARSE, "10 kPa", seconds=0.1, orientation="lying", tip_mass="1 g", release=True, out=tmp_path
+        COARSE, "10 kPa", seconds=0.05, orientation="lying", tip_mass="1 g", release=True, out=tmp_path
     ).motion
     free = rod_of_path(COARSE, None).at(10.0).solve()
     assert moved.tips[0].tolist() == pytest.approx(free.end, abs=1e-3 * free.s[-1])
