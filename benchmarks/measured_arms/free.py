@@ -52,7 +52,8 @@ def curvatures(arm: Arm, model: str, beyond: Sequence[float], folder: Path) -> A
                 break
     with suppress(PieceFailed):
         for pressure in (one for one in beyond if one > way[-1][0]):
-            way.append((pressure, cell_without_moment(cell, 1e-3 * pressure).state.angle / cell.body.length))
+            anew = ArmPieces.of(Scene.meshed(config)).cell  # nothing is left of the way that ended
+            way.append((pressure, cell_without_moment(anew, 1e-3 * pressure).state.angle / anew.body.length))
     folder.mkdir(parents=True, exist_ok=True)
     np.savetxt(kept, np.array(way), fmt="%.8g", delimiter=",")
     return np.array(way)
