@@ -64,8 +64,10 @@ def written(value: float, digits: int = 1) -> str:
 
 
 def between(low: float, high: float, digits: int = 1) -> str:
-    """The ends of an interval."""
-    return f"{written(low, digits)} to {written(high, digits)}"
+    """The ends of an interval, as far as they are known."""
+    if np.isfinite(low) and np.isfinite(high):
+        return f"{low:.{digits}f}-{high:.{digits}f}"
+    return f"from {low:.{digits}f}" if np.isfinite(low) else "-"
 
 
 class Page:
