@@ -32,7 +32,7 @@ from benchmarks.measured_arms.arms import (
 from benchmarks.measured_arms.forces import HeldArm, straight_moments
 from benchmarks.measured_arms.free import MOST, MOST_BENT, Factor, FreeArm, curvatures, limit_at
 from benchmarks.measured_arms.pictures import draw_angles
-from geometry.arrays import Array
+from geometry.arrays import Array, Mask
 from pipeline.values.errors import InputError, RunFailed
 
 #: kPa: rows of the calibration, of the tables, and of what is predicted of the arm that was kept back
@@ -144,7 +144,7 @@ class Page:
         told = f"Of the second test {int(near.sum())} of {len(near)} rows from {STEEP_FROM:g} kPa on are near."
         return self._beside(LONGER, another=True) + " " + told
 
-    def _near(self, law: FreeArm, pressures: Array, measured: Array) -> Array:
+    def _near(self, law: FreeArm, pressures: Array, measured: Array) -> Mask:
         """(n,) whether readings are near what the calibration says."""
         predicted, low, high = (
             law.at(pressures + shift, self.calibrated.value) for shift in (0.0, -NEAR_KPA, NEAR_KPA)
