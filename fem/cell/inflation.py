@@ -29,9 +29,9 @@ MAX_FAILURES, SMALLEST_INCREMENT = 12, 1 / 64
 #: growth of the air over that to first order from which on a pressure is reached along the air after a failure
 SWELLS = 1.5
 #: first step of ln V, the smallest and the largest one
-FIRST, SMALLEST, LARGEST = 0.15, 0.003, 0.5
+FIRST, SMALLEST, LARGEST = 0.15, 0.003, 0.4
 #: difference of a state from the predicted one, relative, and iterations for which steps are made
-ERROR, ITERATIONS = 4e-3, 7
+ERROR, ITERATIONS = 1e-2, 4
 #: change of the step after a state, least and most
 SHRINKS, GROWS = 0.4, 2.0
 #: air over that at rest beyond which no piece is followed, and pressure over the largest one below which none is
@@ -43,7 +43,7 @@ NEAR, EXACT = 1e-3, 1e-6
 #: states that are solved for one of these at the most
 MOST_STATES = 12
 #: change of ln V in a first step to another angle, and the smallest one
-BENT, LEAST_BENT = 0.15, 0.015
+BENT, LEAST_BENT = 0.2, 0.015
 
 
 def inflated(piece: BendingPiece, pressure: float, angle: float, failures: int = MAX_FAILURES) -> PieceState:
@@ -124,7 +124,9 @@ def bent(
             if allowed < LEAST_BENT:
                 raise
             continue
-        allowed *= float(np.clip(ITERATIONS / max(2 * reached.factorizations, 1), SHRINKS, GROWS))
+        if reached.negative_pivots:
+            raise PieceFailed(piece.where(reached), Reason("tangent_indefinite"))
+        allowed *= float(np.clip(ITERATIONS / max(reached.factorizations, 1), SHRINKS, GROWS))
         at, spent = reached, spent + reached.factorizations
         if at.angle != angle:
             before, last = last, _bent_point(piece, at)

@@ -4,8 +4,9 @@ from collections.abc import Sequence
 from contextlib import suppress
 
 from fem.cell.piece import PieceFailed
+from geometry import Reason
 from pipeline.law.ends import HALF_CELLS, straight_clamp
-from pipeline.law.piece.measure import straight_curve
+from pipeline.law.piece.measure import cell_without_moment, straight_curve
 from pipeline.law.piece.measure_clamp import clamp_without_moment
 from pipeline.law.piece.measure_tip import tip_curve
 from pipeline.law.piece.reach import LARGEST
@@ -13,6 +14,7 @@ from pipeline.law.piece.tasks import ArmTasks, PieceCurves
 from pipeline.results.unloaded import unloaded_state
 from pipeline.store.parallel import Pending
 from pipeline.values.law import Unloaded
+from pipeline.values.pressure import in_MPa
 from rod.errors import RodError
 
 
@@ -33,13 +35,16 @@ def reached_states(begun: Sequence[Pending[Unloaded]]) -> tuple[Unloaded, ...]:
 def first_state(curves: PieceCurves, pressure: float) -> Unloaded:
     """The arm without a load at a pressure in kPa, from one state of each of its pieces; a task.
 
-    The cell is known to first order about that state, which a weight needs. Raises `PieceFailed` and `RodError`.
+    The cell is known to first order about that state, which a weight needs. Raises `PieceFailed`, for a swollen cell
+    too, whose ends take minutes, and `RodError`.
     """
     pieces = curves.pieces
 
     def solve() -> Unloaded:
         turn = LARGEST / pieces.design.length * pieces.cell.body.length
         cell = straight_curve(pieces.cell, pressure, turn)
+        if pieces.cell.is_swollen(pieces.cell.volume(cell_without_moment(pieces.cell, in_MPa(pressure)).state.state)):
+            raise PieceFailed(Reason("cell_swells"))
         clamp = clamp_without_moment(pieces.end(HALF_CELLS, "clamp"), cell)
         tip = tip_curve(pieces.end(HALF_CELLS, "free"), cell)
         law = pieces.law([cell], [straight_clamp(clamp, cell.moment)], [tip.curve])

@@ -13,7 +13,8 @@ the cell,
     dM/dp along the line = dM/dp + (dM/dkappa) (kappa_2 - kappa_1) / (p_2 - p_1),
 
 and so is the stretch. Of both sets of lines that one is taken for which the moments in the middle that follow from the
-slopes of the first and of the second curve differ less.
+slopes of the first and of the second curve differ less. Where one of the curves ends before the other is free of
+moment, as those of chambers that swell, states are joined that lie equally far from the one without moment.
 """
 
 from dataclasses import dataclass
@@ -126,14 +127,18 @@ def _lines(first_place: Placed[CellCurve], second_place: Placed[CellCurve]) -> l
     """
     first, second = first_place.curve, second_place.curve
     lowest, last = (first.kappa[0], second.kappa[0]), min(first.kappa[-1], second.kappa[-1])
-    ways = [[_halfway(max(lowest), last)]]
+    ways = [[lowest, _halfway(max(lowest), last), (last, last)]]
     if first.onset is not None and second.onset is not None:
         onsets = first.onset, second.onset
-        ways.append([onsets, _halfway(max(onsets), last)])
+        ways.append([lowest, onsets, _halfway(max(onsets), last), (last, last)])
+    if all(curve.moment[0] < 0.0 < curve.moment[-1] for curve in (first, second)):
+        free = first.at(0.0)[0], second.at(0.0)[0]
+        if max(free) > last:
+            ways = [[lowest, free, (first.kappa[-1], second.kappa[-1])]]
     step = second_place.place - first_place.place
     lines = []
     for way in ways:
-        ends = np.array([lowest, *way, (last, last)])
+        ends = np.array(way)
         if np.any(np.diff(ends, axis=0) <= 0.0):
             continue
         means = ends.mean(axis=1)

@@ -18,9 +18,12 @@ def moment_of(kappa: Array, pressure: float, onset: float) -> Array:
     return np.asarray(SOFT * free + STIFF * np.maximum(kappa - onset, 0.0))
 
 
-def curve(pressure: float, onset: float, onset_by_pressure: float, first: float = -0.03) -> CellCurve:
+def curve(
+    pressure: float, onset: float, onset_by_pressure: float, first: float = -0.03, last: float = 0.02
+) -> CellCurve:
     """A cell whose walls begin to touch at `onset`, with states on both sides of the kink next to it."""
     kappa = np.unique(np.concatenate([np.linspace(first, 0.02, 21), onset + np.array([-1e-6, 1e-6])]))
+    kappa = kappa[kappa <= last]
     touch = kappa > onset
     ones = np.ones(len(kappa))
     by_pressure = SOFT * GROWTH - np.where(touch, (STIFF - SOFT) * onset_by_pressure, 0.0)
@@ -61,6 +64,15 @@ def test_a_kink_that_moves_with_the_pressure_stays_a_kink_between_two_pressures(
 def test_a_kink_at_one_curvature_stays_there_whatever_the_ranges_of_the_curves() -> None:
     first, second = curve(0.0, 0.012, 0.0), curve(20.0, 0.012, 0.0, first=-0.06)
     assert largest_error(first, second, 10.0, 0.012) < 1e-4
+
+
+@pytest.mark.parametrize(("end", "begin"), [(-0.03, -0.025), (-0.041, -0.03)])
+def test_the_state_without_moment_is_known_where_curves_end_far_apart(end: float, begin: float) -> None:
+    """The second curve ends at `end`, before the first one is free of moment; the first one may begin beyond it."""
+    first, second = curve(100.0, 0.01, 0.0, first=begin), curve(225.0, 0.01, 0.0, first=-0.06, last=end)
+    for pressure in (101.0, 130.0, 190.0, 224.0):
+        law = section_at((first.placed, second.placed), pressure, pressure)
+        assert law.kappa_0 == pytest.approx(-GROWTH * pressure, abs=1e-6)
 
 
 def test_the_states_between_belong_to_both_curves_and_rise() -> None:
