@@ -72,10 +72,10 @@ def build_law(
     not exceed, as soon as that is known. The cell may be solved above it, the ends of the arm, which cost most, are
     not.
 
-    A draft leaves out pressures between and longer ends, and has the clamped end to first order in the moment.
-    Curves that an earlier run has left in the store are not measured again. Raises `NoArmLaw` for an arm or effects
-    that such a law does not describe, InputError for pieces that cannot be meshed, and RunFailed where not even the
-    lowest pressure is borne.
+    A draft leaves out pressures between and longer ends. It has the clamped end to first order in the moment, as laws
+    of cells that swell have. Curves that an earlier run has left in the store are not measured again. Raises `NoArmLaw`
+    for an arm or effects that such a law does not describe, InputError for pieces that cannot be meshed, and RunFailed
+    where not even the lowest pressure is borne.
     """
     tasks, log, repetition = ArmTasks(pieces, context), Log(), pieces.repetition  # refused before anything is solved
     measurer, limits = measurer_of_form(tasks, log, pressures_kPa, highest_kPa)
@@ -88,7 +88,7 @@ def build_law(
         cells, error_between = measurer.add_between(cells) if between else (cells, None)
         half_cells, error_ends, limit = chosen.result()
         log.limits.extend(filter(None, [limit]))
-    cells, clamps, tips = measure_ends(tasks, log, cells, half_cells, CLAMP_NEAR if draft else CLAMP)
+    cells, clamps, tips = measure_ends(tasks, log, cells, half_cells, CLAMP_NEAR if draft or log.swelling else CLAMP)
     law = limits.on(pieces.law([cell.curve for cell in cells], [end.curve for end in clamps], tips), log, pressures_kPa)
     if pieces.derivatives:
         law = replace(law, rates=law_rates(pieces.config, repetition, pieces.movements, cells, clamps))

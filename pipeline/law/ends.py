@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 from typing import Generic, TypeVar
 
@@ -15,7 +15,7 @@ from fem.cell.response import continued
 from geometry import Reason
 from geometry.arrays import Array
 from pipeline.law.piece.measure import cell_without_moment
-from pipeline.law.piece.measure_clamp import Begin, clamp_curve, clamp_without_moment, straight_point
+from pipeline.law.piece.measure_clamp import Begin, clamp_curve, clamp_without_moment, near_clamp, straight_point
 from pipeline.law.piece.measure_tip import tip_curve
 from pipeline.law.piece.pieces import ArmPieces, NoArmLaw
 from pipeline.law.piece.point import KeptCurve, failure_of
@@ -32,6 +32,8 @@ DECAY = 5e-4
 NOT_DECAYED = 1e-2
 #: the same of swollen cells, as wide as the arm is long, whose law is delivered with this error
 SWOLLEN_NOT_DECAYED = 0.1
+#: of these the longest ends
+SWOLLEN_HALF_CELLS = 3
 #: lengths without an equilibrium after which longer ends are not tried
 MOST_FAILED = 2
 #: part of the difference of two ends above which two half cells more have not reduced it; on `pneunet` at 31 kPa they
@@ -44,13 +46,20 @@ HALF_CELLS = 1
 def half_cells_of(curves: PieceCurves, cell: CellCurve) -> tuple[int, float | None, Reason | None]:
     """`choose_half_cells` for the clamped ends of an arm without moment; a task."""
     pieces = curves.pieces
-    available, length = pieces.repetition.half_cells, pieces.design.length
-    most = SWOLLEN_NOT_DECAYED if _is_swollen(pieces, cell) else NOT_DECAYED
-    return choose_half_cells(partial(clamp_alone, curves, cell), cell, available, length, most)
+    available, length, most = pieces.repetition.half_cells, pieces.design.length, NOT_DECAYED
+    clamp, why = partial(clamp_alone, curves, cell), "the arm has no room"
+    if _is_swollen(pieces, cell):
+        available, most, why = min(available, SWOLLEN_HALF_CELLS), SWOLLEN_NOT_DECAYED, "swollen they take minutes"
+    return choose_half_cells(clamp, cell, available, length, most, why)
 
 
 def choose_half_cells(
-    clamp: Callable[[int], ClampCurve], cell: CellCurve, available: int, length: float, most: float = NOT_DECAYED
+    clamp: Callable[[int], ClampCurve],
+    cell: CellCurve,
+    available: int,
+    length: float,
+    most: float = NOT_DECAYED,
+    why: str = "the arm has no room",
 ) -> tuple[int, float | None, Reason | None]:
     """So many half cells of an end piece that two more change the arm's end by less than DECAY.
 
@@ -58,8 +67,8 @@ def choose_half_cells(
     more half cells have not reduced the change. Where walls touch, the slope at a moment depends on which nodes do.
 
     clamp: gives that with so many half cells; available: half cells of the arm; length: mm, of the arm; most: the
-    change beyond which the arm is said to have no undisturbed cells. Returns also
-    the error of the arm's end by cells that the end still disturbs, over the length, and a reason where it is not known
+    change beyond which the arm is said to have no undisturbed cells; why: there are no longer ends. Returns also the
+    error of the arm's end by cells that the end still disturbs, over the length, and a reason where it is not known
     or has not decayed. Raises `NoArmLaw`.
     """
     if available < 3:
@@ -67,7 +76,6 @@ def choose_half_cells(
     borne: dict[int, ClampCurve] = {}  # by half cells
     failed: dict[int, str] = {}  # why, of those without an equilibrium
     errors: dict[int, float] = {}  # by the half cells of the shorter end of a pair
-    why = "the arm has no room"
     for half_cells in range(1, available // 2 + 3, 2):
         try:
             borne[half_cells] = clamp(half_cells)
@@ -113,8 +121,8 @@ def displacement(first: ClampCurve, second: ClampCurve, cell: CellCurve, length:
 
     Both without moment, to first order up to the moment that straightens the cell, or the largest one that it bears.
     """
-    straight = abs(cell.at(0.0)[0]) * float(np.interp(0.0, cell.moment, cell.rigidity))
-    straight = min(straight, float(np.abs(cell.moment).max()))
+    kappa_0, rigidity = cell.at(0.0)[0], float(np.interp(0.0, cell.moment, cell.rigidity))
+    straight = min(abs(kappa_0) * rigidity, float(abs(cell.moment[-1 if kappa_0 < 0.0 else 0])))
 
     def distance(name: str) -> float:
         """Of the values without moment, and of their slopes at that moment."""
@@ -168,23 +176,9 @@ class End(Generic[Curve]):
     measure: Callable[[BendingPiece, CellCurve, Begin | None], KeptCurve[Curve]]
 
 
-def _clamp_near(piece: BendingPiece, cell: CellCurve, begin: Begin | None) -> KeptCurve[ClampCurve]:
-    """The clamped end from its state without moment alone."""
-    return KeptCurve(straight_clamp(clamp_without_moment(piece, cell, begin), cell.moment))
-
-
-def straight_clamp(clamp: ClampCurve, moments: Array) -> ClampCurve:
-    """A clamped end of which one state is known, to first order at moments (k,) in N mm."""
-    change = moments - clamp.moment[0]
-    rotation, offset = clamp.rotation_by_moment * change, clamp.offset_by_moment * change[:, None]
-    alike = ("rotation_by_moment", "rotation_by_pressure", "offset_by_moment", "beside", "volume")
-    rows = {name: getattr(clamp, name).repeat(len(moments), axis=0) for name in alike}
-    return replace(clamp, moment=moments, rotation=clamp.rotation + rotation, offset=clamp.offset + offset, **rows)
-
-
 CLAMP = End(ClampCurve, "clamp", "clamped end", "clamp", clamp_curve)
 #: the same to first order, as a draft has it
-CLAMP_NEAR = End(ClampCurve, "clamp_near", "clamped end", "clamp", _clamp_near)
+CLAMP_NEAR = End(ClampCurve, "clamp_near", "clamped end", "clamp", near_clamp)
 TIP = End(TipCurve, "tip", "tip", "free", tip_curve)
 
 
@@ -204,8 +198,10 @@ def _begin(pieces: ArmPieces, cell: CellCurve, half_cells: int, start: Boundary)
     Along the air for those of swollen cells.
     """
     pressure, counts = in_MPa(cell.pressure), (half_cells, half_cells - 2)
+    if _is_swollen(pieces, cell):
+        return lambda _: along_air(pieces.end(half_cells, start), pressure)
     if half_cells <= HALF_CELLS or start == "free":
-        return (lambda _: along_air(pieces.end(half_cells, start), pressure)) if _is_swollen(pieces, cell) else None
+        return None
 
     def near(angle: float) -> PieceState:
         piece, shorter = (pieces.end(count, "clamp") for count in counts)

@@ -13,7 +13,7 @@ from time import process_time
 
 import numpy as np
 
-from fem.cell.inflation import MAX_FAILURES, unloaded
+from fem.cell.inflation import MAX_FAILURES, bent, unloaded
 from fem.cell.lateral import lateral_rigidities
 from fem.cell.piece import BendingPiece, PieceFailed, PieceState
 from fem.elements import MOST_ACCURATE
@@ -222,21 +222,21 @@ def solve_numbers(curves: PieceCurves, pressure: float, bend: float, length: flo
         h, known = piece.body.length, _Mapped.of(curves, coarser, pressure)
         at, slope = known.without_moment(bend * h, CLOSE * max(abs(bend) * h, SMALLEST_TURN * h / length))
         change = known.change or change_for(at.angle / h, length) * h
-        bent = known.bent(1, at.angle + change, at, at)
-        straight = known.bent(2, 0.0, at, bent if abs(at.angle / h) > 1.0 / length else at)
+        further = known.bent(1, at.angle + change, at, at)
+        straight = known.straight(at, further, far=abs(at.angle / h) > 1.0 / length)
         left = -at.moment / slope  # rad, to the state without moment
-        by_angle = 2.0 * (bent.moment - at.moment) / change - slope  # where the cell is bent, N mm
+        by_angle = 2.0 * (further.moment - at.moment) / change - slope  # where the cell is bent, N mm
         across = dict[str, float]()
         if curves.pieces.config.law_in_space and piece.body.half:
             with suppress(SingularMatrix):
                 found = lateral_rigidities(piece, at)
                 across = dict(zip(ACROSS, (found.bending, found.torsion), strict=True))
-        values = (at.angle + left) / h, (bent.moment + by_angle * left) * h / change, straight.moment
+        values = (at.angle + left) / h, (further.moment + by_angle * left) * h / change, straight.moment
         numbers = dict(zip(PLANE, values, strict=True)) | across
         if curves.pieces.config.mesh.formulation != SOFT:
-            fields = np.hstack([fields_of(piece.space, one.state) for one in (at, bent, straight)])
+            fields = np.hstack([fields_of(piece.space, one.state) for one in (at, further, straight)])
             mesh = {"points": piece.space.points, "nodes": piece.space.nodes, "fields": fields}
-            angles = np.array([at.angle, bent.angle, straight.angle])
+            angles = np.array([at.angle, further.angle, straight.angle])
             moment = np.array([at.moment, slope])
             curves.store.save_state(curves.pieces.mesh_name, pressure, angles=angles, moment=moment, **mesh)
         return SolvedNumbers(numbers, 3 * len(piece.space.points), process_time() - begin)
@@ -294,7 +294,22 @@ class _Mapped:
     def bent(self, number: int, angle: float, at: PieceState, start: PieceState) -> PieceState:
         """The state of that number at an angle in rad, by the mapped way, else from `start`."""
         if self.angles[number] == self.angles[0]:
+            if self.piece.is_swollen(self.piece.volume(start.state)):
+                return bent(self.piece, angle, start, None, CellPoint.of(self.piece, start).path_point)
             return self.piece.solve(self.pressure, angle, start)
         part = (angle - at.angle) / float(self.angles[number] - self.angles[0])
         change = part * (self.fields[number] - self.fields[0])
         return self.piece.solve(self.pressure, angle, start, moved(self.piece.system, at.state, change, self.pressure))
+
+    def straight(self, at: PieceState, further: PieceState, *, far: bool) -> PieceState:
+        """The straight cell; of one that swells the state that is bent further, where it is not stable when straight.
+
+        far: whether it is solved from this state.
+        """
+        angle = float(self.angles[2]) if self.change else 0.0
+        try:
+            return self.bent(2, angle, at, further if far else at)
+        except PieceFailed:
+            if not self.piece.is_swollen(self.piece.volume(at.state)):
+                raise
+            return further

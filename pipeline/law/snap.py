@@ -1,13 +1,17 @@
 """The limit of the pressure of an arm's cell, at which chambers swell at once, and that at which they shrink back."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from math import inf
 
 import numpy as np
 
 from fem.cell.inflation import extreme_pressures
+from fem.elements import MOST_ACCURATE
+from geometry import Reason
 from pipeline.law.cells import CellMeasurer, measure_bends
 from pipeline.law.mesh_limit import INFLATED
+from pipeline.law.meshes import SOFT
 from pipeline.law.piece.pieces import ArmPieces
 from pipeline.law.piece.tasks import ArmTasks, Log, PieceCurves
 from pipeline.values.pressure import in_kPa, in_MPa
@@ -21,6 +25,8 @@ RATIO, MESHES = 1.4, 3
 #: parts of the limit pressure at which the last curves lie, the last of which ends need not bear, and of that at which
 #: chambers shrink back, at which the first one of the form after the snap lies
 BELOW, ABOVE = (0.95, 0.98), 1.02
+#: relative difference of limits of two kinds of elements that is not told
+ALIKE = 0.01
 #: the two pressures of a snap
 LIMIT, RETURN = "limit_kPa", "return_kPa"
 
@@ -79,6 +85,7 @@ def measurer_of_form(
     if tasks.pieces.after_snap or not log.swelling:
         return CellMeasurer(tasks, log, bends), SnapLimits()
     limits = find_snap(tasks, max(pressures_kPa))
+    log.limits.extend(elements_differ(tasks, limits.limit, max(pressures_kPa)))
     rising = rising_pressures(pressures_kPa, limits)
     if rising != [*pressures_kPa]:
         bends = measure_bends(tasks, log, rising, None)
@@ -94,6 +101,19 @@ def find_snap(tasks: ArmTasks, highest_kPa: float) -> SnapLimits:
     sizes = [pieces.config.mesh.size_mm / RATIO**k for k in range(MESHES)]
     finer = [ArmTasks(pieces.with_mesh_size(size), tasks.context).submit(snap_of, highest_kPa) for size in sizes[1:]]
     return SnapLimits.of(snap, dict(zip(sizes, [snap, *(one.result() for one in finer)], strict=True)))
+
+
+def elements_differ(tasks: ArmTasks, limit: float | None, highest_kPa: float) -> list[Reason]:
+    """That SOFT elements, taken by hand, have another limit in kPa than mixed ones; None: none up to a pressure."""
+    mesh = tasks.pieces.config.mesh
+    if mesh.formulation != SOFT:
+        return []
+    mixed = ArmTasks(tasks.pieces.with_mesh(replace(mesh, formulation=MOST_ACCURATE)), tasks.context)
+    known = limit or inf, mixed.submit(snap_of, highest_kPa).result().pressures.get(LIMIT, inf)
+    if known[0] == known[1] or abs(known[0] / known[1] - 1.0) < ALIKE:
+        return []
+    soft, accurate = (f"{one:.4g} kPa" if one < inf else f"above {highest_kPa:.4g} kPa" for one in known)
+    return [Reason("elements_limit", {"soft": soft, "mixed": accurate})]
 
 
 def snap_of(curves: PieceCurves, highest_kPa: float) -> Snap:

@@ -4,17 +4,15 @@ from collections.abc import Sequence
 from contextlib import suppress
 
 from fem.cell.piece import PieceFailed
-from geometry import Reason
-from pipeline.law.ends import HALF_CELLS, straight_clamp
-from pipeline.law.piece.measure import cell_without_moment, straight_curve
-from pipeline.law.piece.measure_clamp import clamp_without_moment
+from pipeline.law.ends import HALF_CELLS
+from pipeline.law.piece.measure import straight_curve
+from pipeline.law.piece.measure_clamp import clamp_without_moment, straight_clamp
 from pipeline.law.piece.measure_tip import tip_curve
 from pipeline.law.piece.reach import LARGEST
 from pipeline.law.piece.tasks import ArmTasks, PieceCurves
 from pipeline.results.unloaded import unloaded_state
 from pipeline.store.parallel import Pending
 from pipeline.values.law import Unloaded
-from pipeline.values.pressure import in_MPa
 from rod.errors import RodError
 
 
@@ -43,8 +41,6 @@ def first_state(curves: PieceCurves, pressure: float) -> Unloaded:
     def solve() -> Unloaded:
         turn = LARGEST / pieces.design.length * pieces.cell.body.length
         cell = straight_curve(pieces.cell, pressure, turn)
-        if pieces.cell.is_swollen(pieces.cell.volume(cell_without_moment(pieces.cell, in_MPa(pressure)).state.state)):
-            raise PieceFailed(Reason("cell_swells"))
         clamp = clamp_without_moment(pieces.end(HALF_CELLS, "clamp"), cell)
         tip = tip_curve(pieces.end(HALF_CELLS, "free"), cell)
         law = pieces.law([cell], [straight_clamp(clamp, cell.moment)], [tip.curve])

@@ -42,8 +42,11 @@ def unloaded_state(law: ArmLaw, pressure: float) -> Unloaded:
     return Unloaded(pressure, at.section.kappa_0, rigidity, abs(shape.bending_deg), shape.end)
 
 
-def limit_of(law: DeliveredLaw) -> Reason | None:
-    """What a limit of the pressure does to the arm, or a range of pressures in which little pressure bends it much."""
+def limit_of(law: DeliveredLaw, highest_kPa: float) -> Reason | None:
+    """What a limit of the pressure does to the arm, or a range of pressures in which little pressure bends it much.
+
+    highest_kPa: the highest pressure that was asked for, which may be beyond the limit.
+    """
     plane = law.plane
     if plane is None:
         return None
@@ -52,7 +55,9 @@ def limit_of(law: DeliveredLaw) -> Reason | None:
     error = "" if plane.limit.std is None else f" ± {plane.limit.std:.1g}"
     values: Values = {"limit_kPa": plane.limit.value, "limit": f"{plane.limit.value:.3g}{error}"}
     if plane.swollen is None or plane.back is None:
-        return Reason("no_form_beyond", values)
+        factor = highest_kPa / plane.limit.value
+        stiffer = f", or moduli {factor:.2f} times these for {highest_kPa:.4g} kPa" if factor > 1.0 else ""
+        return Reason("no_form_beyond", {**values, "stiffer": stiffer})
     rising, swollen = law.angles["rising"][-1:], law.angles["swollen"]
     ends = {
         "from_deg": float(law.angles.get("unstable", rising)[0, 1]),

@@ -182,7 +182,8 @@ def verdict_of(run: Run) -> Verdict:
     rod, both = rod_to_take(run, errors) or ("", None)
     refusal = _refusal(run, errors, both)
     usable = bool(rod) and refusal is None
-    limit = limit_of(run.law) if rod == ARM_LAW and run.law else None
+    highest = max(run.config.get("pressures_kPa", ()), default=0.0)
+    limit = limit_of(run.law, highest) if rod == ARM_LAW and run.law else None
     stands_to: Any = run.falls.values["pressure_kPa"] if run.falls else inf
     return Verdict(
         design=run.design,

@@ -128,7 +128,9 @@ TEMPLATES: Mapping[str, str] = {
     "{kappa_per_mm:.4g} 1/mm",
     "snaps": "at {limit} kPa its chambers swell at once: it bends from {from_deg:.0f}° to {to_deg:.0f}°, and back at "
     "{return_kPa:.3g} kPa; known to {highest_kPa:.3g} kPa",
-    "no_form_beyond": "no form beyond {limit} kPa with this law: a law that stiffens (yeoh, ogden) may have one",
+    "no_form_beyond": "no form beyond {limit} kPa with this law: a law that stiffens (yeoh, ogden) may have "
+    "one{stiffer}",
+    "elements_limit": "with p2p0 elements the limit pressure is {soft}, with mixed ones {mixed}: take mixed ones",
     "steep": "from {low_kPa:.3g} to {high_kPa:.3g} kPa 1 kPa changes the angle by {deg_per_kPa:.2g}°: here modulus and "
     "pressure must be known to {percent:.1g} % for 5°",
     "no_law_in_space": "the body is not symmetric about z = 0, so the law has no rigidities out of the plane",

@@ -11,8 +11,8 @@ HERE = Path(__file__).resolve().parent
 CONFIGS = HERE.parent.parent / "configs"
 
 #: what two states are compared by: position of the end over the length, force on the end, volume of the air,
-#: the length of the material curve, or the force of the clamp
-QUANTITIES = ("end", "force", "volume", "stretch", "clamp")
+#: the length of the material curve, the force of the clamp, or the air of a tube over that at rest
+QUANTITIES = ("end", "force", "volume", "stretch", "clamp", "air")
 
 
 @dataclass(frozen=True)
@@ -59,7 +59,7 @@ class HardCase:
     limit: str  #: what the reason must say; empty where the case is solved
     check: Check | None  #: of a solved case
     aspect: float  #: the mesh has an element at least as slender
-    #: name of a rod of `rods.py` and its part of the load, in place of the scene
+    #: name of a rod of `rods.py` and its part of the load, or of a tube of `tubes.py` and MPa, in place of the scene
     rod: tuple[str, float] | None = None
 
     def __post_init__(self) -> None:

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
+from fem.cell.piece import PieceFailed
 from geometry import Body, Mesh
 from geometry.topology import EDGES, OUTWARD, normals
 from pipeline.config.config import Config
@@ -22,6 +23,7 @@ from pipeline.values.reasons import render_all
 from rod import RodError
 from tests.hard_cases.cases import CONFIGS, Check, HardCase, Scene
 from tests.hard_cases.rods import fallen
+from tests.hard_cases.tubes import TUBES, air_of
 
 
 @dataclass(frozen=True)
@@ -92,14 +94,18 @@ def line_of(case: HardCase) -> Line:
 
 
 def _line_of_rod(case: HardCase, name: str, part: float) -> Line:
-    """Of a rod beyond its limit."""
-    none, check = (0, 0, np.nan, np.nan, np.nan, np.inf), case.check
+    """Of a rod or a tube beyond its limit."""
+    none, check, steps = (0, 0, np.nan, np.nan, np.nan, np.inf), case.check, 0
     try:
-        shape, found = fallen(name, part, check.of if check else "end")
-    except RodError as refused:
+        if name in TUBES:
+            found = np.atleast_1d(air_of(name, part))
+        else:
+            shape, found = fallen(name, part, check.of if check else "end")
+            steps = shape.load_steps
+    except (PieceFailed, RodError) as refused:
         return Line(case, str(refused), np.nan, 0, *none)
     error = float(np.abs(found - check.value).max() / found.max()) if check else np.nan
-    return Line(case, "", error, shape.load_steps, *none)
+    return Line(case, "", error, steps, *none)
 
 
 def _largest_aspect_ratio(mesh: Mesh) -> float:

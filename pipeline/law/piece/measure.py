@@ -135,9 +135,11 @@ def sweep_cell(piece: BendingPiece, pressure_kPa: float, reach: Reach) -> CellSw
 def straight_curve(piece: BendingPiece, pressure_kPa: float, turn: float) -> CellCurve:
     """A half cell at one pressure to first order about its state without moment, by `turn` rad to either side.
 
-    Raises `PieceFailed`.
+    Raises `PieceFailed`, for a swollen cell too.
     """
     point = cell_without_moment(piece, in_MPa(pressure_kPa))
+    if piece.is_swollen(piece.volume(point.state.state)):
+        raise PieceFailed(Reason("cell_swells"))
     sweep = CellSweep(pressure_kPa, [point.turned(-turn), point.turned(turn)], shear=[(0.0, shear_at(piece, point))])
     return sweep.curve(piece.body.length)
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from math import isnan, nan
 from typing import final
@@ -91,6 +91,23 @@ def _steps(cell: CellCurve) -> tuple[float, int]:
 def clamp_without_moment(piece: BendingPiece, cell: CellCurve, begin: Begin | None = None) -> ClampCurve:
     """The clamped end without moment alone; as `straight_point`."""
     return _curve(piece, cell, [_ClampPoint.at(piece, cell, straight_point(piece, cell, begin))])
+
+
+def near_clamp(piece: BendingPiece, cell: CellCurve, begin: Begin | None) -> KeptCurve[ClampCurve]:
+    """The clamped end from its state without moment alone, whose derivatives hold for all moments."""
+    curve = straight_clamp(clamp_without_moment(piece, cell, begin), cell.moment)
+    rates = clamp_rates(piece, [straight_point(piece, cell, begin)])
+    alike = {name: {key: len(cell.moment) * rows for key, rows in row.items()} for name, row in rates.items()}
+    return KeptCurve(curve, rates=alike)
+
+
+def straight_clamp(clamp: ClampCurve, moments: Array) -> ClampCurve:
+    """A clamped end of which one state is known, to first order at moments (k,) in N mm."""
+    change = moments - clamp.moment[0]
+    rotation, offset = clamp.rotation_by_moment * change, clamp.offset_by_moment * change[:, None]
+    alike = ("rotation_by_moment", "rotation_by_pressure", "offset_by_moment", "beside", "volume")
+    rows = {name: getattr(clamp, name).repeat(len(moments), axis=0) for name in alike}
+    return replace(clamp, moment=moments, rotation=clamp.rotation + rotation, offset=clamp.offset + offset, **rows)
 
 
 def straight_point(piece: BendingPiece, cell: CellCurve, begin: Begin | None = None) -> PiecePoint:

@@ -8,8 +8,17 @@ import pytest
 from pipeline.config.load import load_config
 from pipeline.law.build import build_law
 from pipeline.law.piece.pieces import ArmPieces
-from pipeline.law.piece.tasks import Log
-from pipeline.law.snap import LIMIT, RETURN, Snap, SnapLimits, rising_pressures, swollen_pieces
+from pipeline.law.piece.tasks import ArmTasks, Log
+from pipeline.law.snap import (
+    LIMIT,
+    RETURN,
+    Snap,
+    SnapLimits,
+    elements_differ,
+    find_snap,
+    rising_pressures,
+    swollen_pieces,
+)
 from pipeline.simulate.scene import Scene
 from pipeline.store.context import RunContext
 from pipeline.store.progress import Silent
@@ -70,3 +79,19 @@ def test_a_law_of_an_arm_without_a_form_beyond_ends_below_its_limit(tmp_path: Pa
     assert 20.0 < law.pressures[-1] < law.limit.value
     (failure,) = measured.failures
     assert "beyond its limit pressure" in str(failure.values["why"])
+
+
+def test_elements_taken_by_hand_whose_limit_differs_from_mixed_ones_are_named(tmp_path: Path) -> None:
+    settings = [RUBBER, "pressures=[20 kPa, 33 kPa]", "mesh.size=6 mm", "mesh.formulation=p2p0", "draft=true"]
+    config = load_config(ARM, settings)
+    with open_store(tmp_path, config) as store:
+        tasks = ArmTasks(ArmPieces.of(Scene.meshed(config)), RunContext.alone(store, Silent()))
+        limit = find_snap(tasks, 33.0).limit
+        (reason,) = elements_differ(tasks, limit, 33.0)
+        assert limit is not None
+        assert reason.values["soft"] == f"{limit:.4g} kPa"
+        mixed = float(str(reason.values["mixed"]).removesuffix(" kPa"))
+        assert abs(mixed / limit - 1.0) > 0.01
+        assert elements_differ(tasks, mixed, 33.0) == []
+        (reason,) = elements_differ(tasks, None, 33.0)
+    assert reason.values["soft"] == "above 33 kPa"

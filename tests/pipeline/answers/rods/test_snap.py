@@ -10,8 +10,10 @@ import pytest
 import pneurod
 from pipeline.answers.measured.rows import State
 from pipeline.results.laws import law_record
-from pipeline.results.unloaded import unloaded_states
+from pipeline.results.unloaded import limit_of, unloaded_states
 from pipeline.show.figures import bending
+from pipeline.values.law import DeliveredLaw
+from pipeline.values.reasons import render
 from pneurod import InputError, RodWarning, RunFailed
 from rod import ArmLaw
 from rod.arm_law.curves import CellCurve
@@ -233,6 +235,10 @@ def test_the_verdict_tells_a_limit_without_a_form_beyond(tmp_path: Path) -> None
     assert verdict.lines[2] == (
         "No form beyond 27 ± 0.2 kPa with this law: a law that stiffens (yeoh, ogden) may have one."
     )
+
+    beyond = limit_of(DeliveredLaw(law=snapping_law(swells=False)), 30.0)
+    assert beyond
+    assert render(beyond).endswith("may have one, or moduli 1.11 times these for 30 kPa.")
 
 
 def cells_of(bent: dict[float, float]) -> ArmLaw:
