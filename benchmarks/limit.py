@@ -28,7 +28,7 @@ ARM, TEST = ROOT / "tests/data/moseley_c5w7.yaml", ROOT / "tests/data/moseley/un
 SIZES, HIGHEST = (1.8 * RATIO**2, 1.8 * RATIO, 1.8), 45.0
 #: laws by the name that `pneurod material` gives them, and pressures in kPa at which the curvature is told
 LAWS = {"": 44.0, "yeoh": 36.0, "ogden 2": 28.0, "neo_hooke": 26.0}
-QUANTITIES = ("limit, kPa", "return, kPa", "κ₀ at the limit, 1/m", "κ₀, 1/m")
+QUANTITIES = ("limit, kPa", "κ₀, 1/m")
 
 
 def materials() -> Iterator[tuple[str, list[str], float]]:
@@ -42,11 +42,9 @@ def materials() -> Iterator[tuple[str, list[str], float]]:
 def on_mesh(cell: BendingPiece, pressure: float) -> dict[str, float]:
     """The numbers of a cell by QUANTITIES, without those that it does not have; the last at a pressure in kPa."""
     found, _ = extreme_pressures(cell, in_MPa(HIGHEST))
-    numbers: list[float | None] = [in_kPa(point.pressure) for point in found]
-    free: list[float | None] = [1e3 * (point.state.angle + point.lack) / cell.body.length for point in found[:1]]
     at = 1e3 * cell_without_moment(cell, in_MPa(pressure)).state.angle / cell.body.length
-    pairs = zip(QUANTITIES, [*numbers, *[None] * (2 - len(numbers)), *(free or [None]), at], strict=True)
-    return {name: value for name, value in pairs if value is not None}
+    limit = {QUANTITIES[0]: in_kPa(found[0].pressure)} if found else {}
+    return {**limit, QUANTITIES[1]: at}
 
 
 def rows() -> Iterator[list[str]]:
@@ -56,7 +54,7 @@ def rows() -> Iterator[list[str]]:
         by_size = {size: on_mesh(pieces.with_mesh_size(size).cell, pressure) for size in SIZES}
         limits = extrapolate_all(by_size)
         cells = [
-            f"{limits[one].limit:.2f} ± {INFLATED * limits[one].limit_std:.2f} ({by_size[SIZES[-1]][one]:.2f})"
+            f"{limits[one].limit:.2f}±{INFLATED * limits[one].limit_std:.2f} ({by_size[SIZES[-1]][one]:.2f})"
             if one in limits and one in by_size[SIZES[-1]] else "none" for one in QUANTITIES
         ]  # fmt: skip
         sys.stderr.write(f"{name} {settings}: {by_size}\n")

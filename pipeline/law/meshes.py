@@ -13,7 +13,7 @@ from time import process_time
 
 import numpy as np
 
-from fem.cell.inflation import MAX_FAILURES, bent, unloaded
+from fem.cell.inflation import MAX_FAILURES, along_air, bent, unloaded
 from fem.cell.lateral import lateral_rigidities
 from fem.cell.piece import BendingPiece, PieceFailed, PieceState
 from fem.elements import MOST_ACCURATE
@@ -276,6 +276,7 @@ class _Mapped:
         rest where nothing is mapped.
         """
         piece, rest, failures = self.piece, self.piece.rest(), FEW_FAILURES if self.change else MAX_FAILURES
+        start = rest.state
         with suppress(PieceFailed):
             if self.change:
                 slope, turn = float(self.moment[1]), -float(self.moment[0] / self.moment[1])
@@ -287,7 +288,10 @@ class _Mapped:
                         return at, slope
                 point = without_moment(piece, at, CellPoint.of, close)
                 return point.state, point.slopes.moment_by_angle
-        at = unloaded(piece, self.pressure, angle, failures=failures)
+        if piece.is_swollen(piece.volume(start)):
+            at = along_air(piece, self.pressure)
+        else:
+            at = unloaded(piece, self.pressure, angle, failures=failures)
         point = cell_without_moment(piece, self.pressure, at)
         return point.state, point.slopes.moment_by_angle
 
