@@ -52,7 +52,7 @@ fi
 echo "installing the pinned packages into .venv"
 # Python modules are compiled at the end, on one core while another compiles the kernels
 with_pip=(.venv/bin/python -m pip install --no-compile --quiet --disable-pip-version-check --constraint requirements.lock)
-packages=(--no-build-isolation --editable ".${1:+[$1]}")
+packages=(--no-build-isolation --editable ".[${1:-solve}]")
 
 configured=$(.venv/bin/python -m pip config list)
 
@@ -80,6 +80,9 @@ elif ! said=$(with_uv 2>&1); then
     echo "uv cannot install them (${said##*$'\n'}); pip does it, which takes two minutes"
     "${with_pip[@]}" "${packages[@]}"
 fi
+
+# 0.4 GB of Intel's libraries that nothing here loads: for graphics cards, for clusters, with indices of 64 bits
+rm -f .venv/lib/lib{omptarget,ur_,mkl_scalapack,mkl_blacs,mkl_cdft}* .venv/lib/libmkl_intel_ilp64* .venv/lib/*.dbg
 
 for part in gmsh pictures; do
     if ! said=$(.venv/bin/python -m pipeline.doctor "$part" 2>&1); then

@@ -23,7 +23,7 @@ folder = Path("results/recipes")
 print(Path("examples/sweep.yaml").read_text())
 command = [sys.executable, "-m", "pneurod", "sweep", "examples/sweep.yaml", "--out", str(folder / "walls")]
 subprocess.run(command, check=True, capture_output=True)
-table = pd.read_parquet(folder / "walls" / "sweep.parquet")
+table = pd.read_csv(folder / "walls" / "sweep.csv")
 
 # %% [markdown]
 # ## The table

@@ -5,7 +5,6 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-import skfem
 
 from fem.elements import Element, Volumetric, element_of
 from fem.kernels.element import ElementArrays, chunk_colours
@@ -13,6 +12,12 @@ from fem.kernels.surface import FaceArrays
 from geometry import Mesh
 from geometry.arrays import Array, Index, Mask
 from geometry.topology import EDGES
+
+try:
+    import skfem
+except ModuleNotFoundError as missing:
+    said = "bodies and finite elements need the solver, which pip install 'pneurod[solve]' brings"
+    raise ModuleNotFoundError(said, name=missing.name) from None
 
 #: least number of elements in a chunk, and largest number of chunks: enough chunks for the threads of a laptop, and
 #: chunks small enough to stay in the cache of a core

@@ -47,13 +47,23 @@ def read_text(path: Path, text: str) -> Any:
 def read_mesh(path: Path) -> tuple[Array, Index, dict[str, Index]]:
     """Points (n, 3), tetrahedra (m, 4) and named triangles {name: (k, 3)} of a mesh file; see `Mesh.read`."""
     content = read_content(path)
-    tets = [block.data[:, :4] for block in content.cells if block.type in ("tetra", "tetra10")]
-    if not tets:
-        raise MeshError(f"the mesh file {path} has no tetrahedra; mesh the volume and save it with its physical groups")
+    points, tets = _tetrahedra(path, content)
     faces = named_triangles(content)
     if not faces:
         raise MeshError(f"the mesh file {path} has no named faces; name its surfaces by groups (clamp, cavity, ...)")
-    return content.points, np.vstack(tets), faces
+    return points, tets, faces
+
+
+def read_tetrahedra(path: Path) -> tuple[Array, Index]:
+    """Points (n, 3) and the corners (m, 4) of the tetrahedra of a mesh file. Raises `MeshError`."""
+    return _tetrahedra(path, read_content(path))
+
+
+def _tetrahedra(path: Path, content: Any) -> tuple[Array, Index]:
+    tets = [block.data[:, :4] for block in content.cells if block.type in ("tetra", "tetra10")]
+    if not tets:
+        raise MeshError(f"the mesh file {path} has no tetrahedra; mesh the volume and save it with its physical groups")
+    return np.asarray(content.points, float), np.vstack(tets)
 
 
 def named_triangles(content: Any) -> dict[str, Index]:

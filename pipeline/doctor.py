@@ -8,15 +8,20 @@ import shutil
 import subprocess
 import sys
 import tempfile
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+
+from packaging.specifiers import SpecifierSet
 
 import fem
 import geometry
 import rod
-from pipeline.store.provenance import installed, pinned
+from pipeline.store.provenance import SOLVE, installed, required
 from pipeline.values.table import Table
+
+#: seconds after which a check is given up: kernels compile in a minute, and in five on a busy machine
+PATIENCE_S = 600
 
 
 @dataclass(frozen=True)
@@ -40,8 +45,14 @@ def findings_table(findings: Sequence[Finding]) -> Table:
 
 
 def examine() -> list[Finding]:
-    """Check everything pneurod needs: Python, packages, gmsh, pictures, linear solver, threads, disk."""
-    return [_python(), *_packages(), *(check(subject) for subject in CHECKS), _disk()]
+    """Check everything pneurod needs: Python, packages, gmsh, pictures, linear solver, threads, disk.
+
+    Without any package of the solver only what rods need is checked.
+    """
+    rods = required("")
+    light = not any(installed(name) for name in required() if name not in rods)
+    checked = [check(subject) for subject in (("rods",) if light else CHECKS)]
+    return [_python(), *_packages(rods if light else required()), *([_LIGHT] if light else []), *checked, _disk()]
 
 
 def remedy(findings: Sequence[Finding]) -> str:
@@ -59,30 +70,41 @@ def _python() -> Finding:
     return Finding("Python", sound, platform.python_version(), "" if sound else "apt-get install python3.11-venv")
 
 
-def _packages() -> list[Finding]:
+_LIGHT = Finding(
+    "solver", True, f"not installed; rods of finished folders work, pip install 'pneurod[{SOLVE}]' brings the rest"
+)
+
+
+def _packages(versions: Mapping[str, SpecifierSet]) -> list[Finding]:
     findings = []
-    for name, required in pinned().items():
-        version = installed(name) or "not installed"
-        if version == required:
-            findings.append(Finding(name, True, version))
-        else:
-            findings.append(Finding(name, False, f"{version}, required {required}", "make setup"))
+    for name, allowed in versions.items():
+        version = installed(name)
+        sound = version is not None and version in allowed
+        result = version if sound else f"{version or 'not installed'}, required {allowed}"
+        findings.append(Finding(name, sound, str(result), "" if sound else _set_up()))
     return findings
+
+
+def _set_up() -> str:
+    """The command that installs the packages: of a clone of the sources, or of an installed package."""
+    clone = (Path(__file__).resolve().parents[1] / "setup.sh").is_file()
+    return "make setup" if clone else f"pip install --upgrade 'pneurod[{SOLVE}]'"
 
 
 def check(subject: str) -> Finding:
     """Run one of `CHECKS` in a process of its own."""
     command = [sys.executable, "-m", "pipeline.doctor", subject]
     try:
-        done = subprocess.run(command, capture_output=True, text=True, timeout=120, check=False)
+        done = subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE_S, check=False)
     except subprocess.TimeoutExpired:
-        return Finding(subject, False, "no answer within two minutes", "make setup")
+        said = f"no answer within {PATIENCE_S // 60} minutes: busy, so this is not known"
+        return Finding(subject, True, said)
     if done.returncode == 0:
         return Finding(subject, True, done.stdout.strip())
     error = (done.stderr.strip().splitlines() or [f"ended by signal {-done.returncode}"])[-1]
     missing_library = "lib" in error and ".so" in error
     by_apt = missing_library or done.returncode < 0 or subject == "pictures"
-    return Finding(subject, False, error, _apt() if by_apt else "make setup")
+    return Finding(subject, False, error, _apt() if by_apt else _set_up())
 
 
 def _apt() -> str:

@@ -1,6 +1,7 @@
 """The wheel contains every source file and every file that the sources read, and runs where there are no sources."""
 
 import json
+import shutil
 import subprocess
 import sys
 import sysconfig
@@ -111,6 +112,34 @@ def test_the_console_script_and_the_doctor_work_anywhere(installed: Installed) -
     assert "characterize" not in installed.output(script, "--help")
     assert "Usage: pneurod" in installed.output(script, "--help")
     assert "everything pneurod needs is here" in installed.output("-m", "pneurod", "doctor")
+
+
+#: read, bent, moved, asked and exported, with a finder that knows no package of the solver
+RODS = """
+import sys
+class Absent:
+    def find_spec(self, name, path=None, target=None):
+        if name.partition('.')[0] in {absent}:
+            raise ModuleNotFoundError(f'No module named {{name!r}}', name=name)
+sys.meta_path.insert(0, Absent())
+import pneurod
+arm = pneurod.read_results('stored')
+print(arm.rod(20.0).solve(force=(0.0, -0.01)).s[-1], len(arm.move('20 kPa', seconds=0.02)))
+print(pneurod.solve(arm, angle='20 deg').solutions[0].pressure_kPa > 0.0, arm.export('csv', out='rod')[0].name)
+try:
+    pneurod.mesh('design.yaml')
+except ModuleNotFoundError as refused:
+    print(refused)
+"""
+
+
+@pytest.mark.slow
+def test_rods_of_a_stored_folder_need_no_package_of_the_solver(installed: Installed) -> None:
+    shutil.copytree(HERE / "tests" / "data" / "results_coarse", installed.folder / "stored")
+    absent = ("skfem", "ipctk", "pypardiso", "gmsh", "trimesh", "pyvista", "vtkmodules", "dask", "distributed")
+    said = installed.output("-c", RODS.format(absent=(*absent, "matplotlib"))).splitlines()
+    assert said[1].startswith("True ")
+    assert said[2] == "bodies and finite elements need the solver, which pip install 'pneurod[solve]' brings"
 
 
 @pytest.mark.slow

@@ -38,7 +38,7 @@ LIBRARIES: dict[str, set[str]] = {
     "pipeline": {
         *("numpy", "scipy", "numba", "packaging", "yaml", "pydantic", "pydantic_core", "pint"),
         *("pyvista", "typer", "rich", "jinja2", "plotly", "pandas"),
-        *("distributed", "psutil", "pyarrow", "filelock"),
+        *("distributed", "psutil", "filelock"),
     },
     "pneurod": set(),
 }
@@ -62,7 +62,7 @@ DOORS: dict[str, set[str]] = {
     "filelock": {"pipeline/store/store.py"},
     "psutil": {"pipeline/store/worker.py"},
     "yaml": {"pipeline/config/document.py"},
-    "pyvista": {"pipeline/results/fields.py", "pipeline/show/drawing.py"},
+    "pyvista": {"pipeline/show/drawing.py"},
     "typer": {
         *("pipeline/cli/commands.py", "pipeline/cli/ending.py"),
         *(f"pipeline/api/{name}.py" for name in ("measured", "options", "rods", "setup", "studies")),
@@ -76,7 +76,6 @@ DOORS: dict[str, set[str]] = {
     "mujoco": {"rod/export/programs/mujoco_arm.py", "rod/export/programs/mujoco_space_arm.py"},
     "elastica": {"rod/export/programs/pyelastica_arm.py"},
     "distributed": {"pipeline/study/sweep/workers.py"},
-    "pyarrow": {"pipeline/study/sweep/table.py"},
     "pandas": {
         *("pipeline/api/frames.py", "pipeline/api/results.py"),
         "pipeline/answers/columns.py",
@@ -86,7 +85,7 @@ DOORS: dict[str, set[str]] = {
 #: what `pneurod --help` must not wait for
 HEAVY = {"numpy", "scipy", "gmsh", "meshio", "trimesh", "skfem", "numba", "ipctk", "pypardiso"} | {
     *("pydantic", "pydantic_core", "pint", "pyvista", "vtkmodules", "jinja2", "plotly", "matplotlib", "pandas"),
-    *("distributed", "dask", "pyarrow"),
+    *("distributed", "dask"),
 }
 
 
@@ -218,7 +217,7 @@ def test_every_door_is_used(library: str) -> None:
         (
             "pipeline/store/store.py",
             "import pyvista",
-            "its door is pipeline/results/fields.py, pipeline/show/drawing.py",
+            "its door is pipeline/show/drawing.py",
         ),
         ("pipeline/store/store.py", "import requests", "pipeline has no use for it"),
         ("pipeline/show/page.py", "import pandas", "pipeline/answers/columns.py"),

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from geometry.arrays import Array, Index, Mask
-from pipeline.results.fields import read_tetrahedra
+from geometry.mesh_content import read_tetrahedra
 from pipeline.show.pictures import SURFACES, boundary
 from pipeline.values.formats import BODY
 from pipeline.values.json_values import JsonObject

@@ -61,7 +61,7 @@ RUN = Owner(
     ("states", "pictures", "fields", "rungs", "law", "law_in_space"),
 )
 PAIRS = Owner("runs at pairs of pressures", PAIRS_PAGE, ("law.json", "run.json"))
-SWEEP = Owner("a sweep", "sweep.json", ("sweep.csv", "sweep.parquet", "sweep.html", "effects_table.json"), ("points",))
+SWEEP = Owner("a sweep", "sweep.json", ("sweep.csv", "sweep.html", "effects_table.json"), ("points",))
 CALIBRATION = Owner(
     "a calibration", "calibration.json", ("law.json", "run.json", "predictions.csv", "calibration.html", BODY)
 )

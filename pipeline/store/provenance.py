@@ -9,15 +9,20 @@ from types import ModuleType
 from typing import Any
 
 from packaging.requirements import Requirement
+from packaging.specifiers import SpecifierSet
+
+#: the extra of the package that brings bodies, finite elements and pictures
+SOLVE = "solve"
 
 
-def pinned() -> dict[str, str]:
-    """The direct dependencies of pneurod that this machine needs, each with the version it is pinned to."""
+def required(extra: str = SOLVE) -> dict[str, SpecifierSet]:
+    """The direct dependencies of pneurod on this machine, each with the versions it may have; with no extra, those of
+    rods alone."""
     requirements = [Requirement(text) for text in _metadata().requires("pneurod") or ()]
     return {
-        needed.name: str(needed.specifier).removeprefix("==")
+        needed.name: needed.specifier
         for needed in requirements
-        if needed.marker is None or needed.marker.evaluate({"extra": ""})
+        if needed.marker is None or needed.marker.evaluate({"extra": extra})
     }
 
 
@@ -27,7 +32,7 @@ def provenance() -> dict[str, Any]:
         "pneurod": _metadata().version("pneurod"),
         "commit": _commit(),
         "python": platform.python_version(),
-        "packages": {name: installed(name) for name in pinned()},
+        "packages": {name: installed(name) for name in required()},
         "machine": {
             "system": platform.platform(),
             "processor": processor(),

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
 
-from pipeline.store.provenance import installed, pinned
+from pipeline.store.provenance import installed, required
 
 #: what decides a converged state: files, and folders with all that is below them
 STATE_SOURCES = (
@@ -30,7 +30,7 @@ def result_key(config_hash: str, sources: Sequence[str]) -> str:
     digest = hashlib.sha256(config_hash.encode())
     for source in source_files(sources):
         digest.update(source.read_bytes())
-    digest.update(repr(sorted((name, installed(name)) for name in pinned())).encode())
+    digest.update(repr(sorted((name, installed(name)) for name in required())).encode())
     return digest.hexdigest()
 
 

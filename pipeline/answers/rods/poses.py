@@ -12,9 +12,9 @@ from typing import Any
 import numpy as np
 
 from geometry.arrays import Array
+from geometry.mesh_content import read_tetrahedra
 from pipeline.answers.rods.choice import choose_rod
 from pipeline.answers.rods.rods import Rods
-from pipeline.results.fields import read_tetrahedra
 from pipeline.values.errors import InputError
 from pipeline.values.formats import BODY
 from pipeline.values.json_values import JsonObject

@@ -9,8 +9,8 @@ import numpy as np
 
 from fem.materials import LAWS
 from geometry.arrays import Array
+from geometry.mesh_content import read_tetrahedra
 from pipeline.config.material import LOSS_FACTOR
-from pipeline.results.fields import read_tetrahedra
 from pipeline.values.formats import BODY
 from pipeline.values.run import Run
 from rod import RodError, Solid

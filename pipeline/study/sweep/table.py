@@ -1,7 +1,4 @@
-"""The table of a sweep: a row per point and pressure, units in the names of the columns; and the table as a figure.
-
-The only door to pyarrow.
-"""
+"""The table of a sweep: a row per point and pressure, units in the names of the columns; and the table as a figure."""
 
 import json
 import math
@@ -10,11 +7,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import pyarrow
-import pyarrow.parquet
 
 from pipeline.config.units import in_unit_of, number_and_unit
-from pipeline.store.atomic_file import replacing
 from pipeline.store.result_folder import ResultFolder
 from pipeline.study.sweep.axes import Axis
 from pipeline.study.sweep.points import PointResult, Row, Setting, switch_as_word
@@ -84,22 +78,8 @@ def table_rows(columns: Sequence[Column], points: Sequence[PointResult]) -> list
 
 
 def save_table(folder: ResultFolder, rows: Sequence[Row]) -> None:
-    """Write sweep.csv and sweep.parquet; a number that does not exist is an empty cell."""
-    names = list(rows[0])
-    folder.save_rows("sweep.csv", names, [list(row.values()) for row in rows])
-    table = pyarrow.table({name: _array([row[name] for row in rows]) for name in names})
-    with replacing(folder.path("sweep.parquet")) as part:
-        pyarrow.parquet.write_table(table, part)
-
-
-def _array(values: Sequence[Any]) -> Any:
-    """A column; plain numbers beside texts become texts, and one without any value a column of numbers."""
-    there = [value for value in values if value is not None]
-    if not there:
-        return pyarrow.array(values, pyarrow.float64())
-    if any(isinstance(value, str) for value in there):
-        return pyarrow.array([None if value is None else str(value) for value in values])
-    return pyarrow.array(values)
+    """Write sweep.csv; a number that does not exist is an empty cell."""
+    folder.save_rows("sweep.csv", list(rows[0]), [list(row.values()) for row in rows])
 
 
 def quantities(run: Run) -> Mapping[str, str]:

@@ -85,7 +85,7 @@ def connected(workers: Workers) -> Iterator[tuple[Executor, str]]:
     with client:
         number = len(client.scheduler_info(n_workers=-1)["workers"])
         try:
-            yield _InOrder(client), f"scheduler {workers}: {number} workers; dashboard: {client.dashboard_link}"
+            yield _InOrder(client), f"scheduler {workers}: {number} workers"
         except (CancelledError, CommClosedError):
             raise RunFailed("the scheduler ended before the sweep; the same command continues") from None
         except ImportError as failure:

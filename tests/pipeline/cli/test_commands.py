@@ -342,6 +342,27 @@ def test_doctor_tells_a_missing_system_library_from_a_missing_package(monkeypatc
     assert not library.sound
     assert all(package in library.mends for package in doctor.system_packages())
     assert failing("ModuleNotFoundError: No module named 'gmsh'").mends == "make setup"
+    monkeypatch.setattr(doctor, "__file__", "/usr/lib/python3/pipeline/doctor.py")  # no clone of the sources
+    assert failing("ModuleNotFoundError: No module named 'gmsh'").mends == "pip install --upgrade 'pneurod[solve]'"
+
+
+def test_doctor_blames_no_installation_for_a_busy_machine(monkeypatch: pytest.MonkeyPatch) -> None:
+    def wait(command: list[str], **options: float) -> None:
+        raise subprocess.TimeoutExpired(command, options["timeout"])
+
+    monkeypatch.setattr(doctor.subprocess, "run", wait)
+    found = doctor.check("threads")
+    assert (found.sound, found.mends) == (True, "")
+    assert found.result == "no answer within 10 minutes: busy, so this is not known"
+
+
+def test_doctor_checks_rods_alone_where_no_solver_is_installed(monkeypatch: pytest.MonkeyPatch) -> None:
+    light = dict.fromkeys(doctor.required(""), "99")
+    monkeypatch.setattr(doctor, "installed", light.get)
+    monkeypatch.setattr(doctor, "check", lambda subject: Finding(subject, True, "seen"))
+    subjects = [finding.subject for finding in doctor.examine()]
+    assert {"solver", "rods"} <= set(subjects)
+    assert not {"gmsh", "scikit-fem", "linear solver"} & set(subjects)
 
 
 def test_effects_checks_its_input_as_run_does(coarse: str, tmp_path: Path) -> None:

@@ -66,7 +66,7 @@ def results(sweep: Sweep, tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def table(out: Path) -> bytes:
-    return (out / "sweep.csv").read_bytes() + (out / "sweep.parquet").read_bytes() + (out / "sweep.html").read_bytes()
+    return (out / "sweep.csv").read_bytes() + (out / "sweep.html").read_bytes()
 
 
 def test_every_point_is_a_row_per_pressure_and_a_refused_one_a_row_with_its_reason(results: Path) -> None:
