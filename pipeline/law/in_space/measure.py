@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from math import cos, hypot, pi, sin
+from math import cos, degrees, hypot, pi, sin
 from typing import Any, ClassVar, final
 
 import numpy as np
@@ -51,6 +51,8 @@ BENT = 0.25
 FINER = 0.7
 #: steps of the axis through an end
 STEPS = 24
+#: effort of a state of an end, over that of a cell
+END = 3.0
 
 
 @final
@@ -73,16 +75,18 @@ def measure_in_space(pieces: ArmPieces, rows: Sequence[Pressures], context: RunC
     """
     tasks, spanned = ArmTasks(pieces, context), PressureBasis(np.array(rows))
     count = spanned.onto.shape[1]
-    parts = ONE_RATIO if count == 1 else RATIOS
+    parts, rings = (ONE_RATIO, RINGS) if count == 1 else (RATIOS, FEW)
     highest = [max(rows, key=lambda row: max(map(abs, row)))] if count == 1 else list(rows)
+    between = [] if count == 1 else _between(rows)
+    context.progress.expect(_steps(highest, between, parts, rings))
     context.progress.stage("states without moment")
     middles = _followed(tasks, highest, parts)
-    mixed = [] if count == 1 else _followed(tasks, _between(rows), MIXED)
     length = pieces.design.length
+    context.progress.remark(_first_numbers(middles, length))
+    mixed = _followed(tasks, between, MIXED)
     bends = [_without_moment(state) for row in middles for state in row]
     reach = max(REACH * max(hypot(*bend) for bend in bends), LOADED / length)
     context.progress.stage("bent states")
-    rings = RINGS if count == 1 else FEW
     around = [state for row in middles for state in row[:-1]]  # the last one is that before, without moment
     wanted = [(s.pressures, k) for n, s in enumerate(around) for k in _ring(_without_moment(s), reach, n, rings)]
     rest = tuple(0.0 for _ in pieces.design.cavities)
@@ -96,6 +100,27 @@ def measure_in_space(pieces: ArmPieces, rows: Sequence[Pressures], context: RunC
     law, missing = _law(tasks, fit, states, spanned, (reach, highest, places))
     law = replace(law, error=max(law.error, _error_between(tasks, law, highest)))
     return MeasuredInSpace(law, len(states), (*left, *missing), *_finer(tasks, law, highest))
+
+
+def _steps(
+    rows: Sequence[Pressures], between: Sequence[Pressures], parts: Sequence[float], rings: Sequence[tuple[float, int]]
+) -> dict[str, list[float]]:
+    """Effort of the states that are solved, over that of a cell, by what they are called; a few more may follow."""
+    places = 1 + len(rows) * len(parts[-2:])
+    bent = len(rows) * (len(parts) + 1 + len(parts) * sum(number for _, number in rings)) + 4
+    cells = bent + len(between) * (len(MIXED) + 1) + len(rows) - 1 + 2
+    ends = {"twist and shear": [2.0] * places, "clamped end": [END] * 3 * places, "tip": [END] * places}
+    return {"cell": [1.0] * cells, **ends}
+
+
+def _first_numbers(middles: Sequence[Sequence[CellState]], length: float) -> str:
+    """The angle by which cells alone bend the arm at each row of pressures."""
+    numbers = []
+    for row in middles:
+        state = row[-1]
+        pressures, angle = "/".join(f"{p:g}" for p in state.pressures), degrees(hypot(*_without_moment(state)) * length)
+        numbers.append(f"{angle:.0f}° at {pressures} kPa")
+    return f"first numbers, from its cells alone: the arm bends by {', '.join(numbers)}"
 
 
 def _between(rows: Sequence[Pressures]) -> list[Pressures]:

@@ -4,6 +4,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from hashlib import sha256
 from math import atan2, ceil, hypot
+from time import perf_counter
 from typing import TypeVar
 
 import numpy as np
@@ -26,6 +27,8 @@ from rod.same_pressure import Pressures
 
 #: how far an end reaches into the cells, over the largest side of a section
 INTO = 0.6
+#: what each kind of states is called where they are told
+TOLD = {"cell": "cell", "across": "twist and shear", "clamp": "clamped end", "tip": "tip"}
 Curvatures = tuple[float, float]  #: about y and z, 1/mm
 State = TypeVar("State")
 
@@ -91,7 +94,7 @@ def cell_state(curves: PieceCurves, pressures: Pressures, curvature: Curvatures)
             _air(piece, at, piece.body.length),
         )
 
-    return _kept(curves, CellState, "cell", (*pressures, *curvature), solve)
+    return _kept(curves, CellState, "cell", solve, pressures, curvature)
 
 
 def across_state(curves: PieceCurves, pressures: Pressures) -> list[float]:
@@ -106,7 +109,7 @@ def across_state(curves: PieceCurves, pressures: Pressures) -> list[float]:
         with stable(states[0].piece, states[0].at):
             return [float(value) for value in twist_and_shear(*states)[np.triu_indices(3)]]
 
-    return _kept(curves, list[float], "across", pressures, solve)
+    return _kept(curves, list[float], "across", solve, pressures)
 
 
 def clamped_state(curves: PieceCurves, pressures: Pressures, curvature: Curvatures) -> EndState:
@@ -126,7 +129,7 @@ def clamped_state(curves: PieceCurves, pressures: Pressures, curvature: Curvatur
         acting, turned, moved = (_in_body(vector, angle) for vector in (moment, turn, place))
         return EndState(pressures, piece.body.length, acting, turned, moved, _air(piece, at))
 
-    return _kept(curves, EndState, "clamp", (*pressures, *curvature), solve)
+    return _kept(curves, EndState, "clamp", solve, pressures, curvature)
 
 
 def free_state(curves: PieceCurves, pressures: Pressures) -> EndState:
@@ -139,15 +142,26 @@ def free_state(curves: PieceCurves, pressures: Pressures) -> EndState:
         none = (0.0, 0.0, 0.0)
         return EndState(pressures, piece.body.length, none, none, _in_body(place, 0.0), _air(piece, at))
 
-    return _kept(curves, EndState, "tip", pressures, solve)
+    return _kept(curves, EndState, "tip", solve, pressures)
 
 
 def _kept(
-    curves: PieceCurves, kind: type[State], name: str, numbers: Sequence[float], solve: Callable[[], State]
+    curves: PieceCurves,
+    kind: type[State],
+    name: str,
+    solve: Callable[[], State],
+    pressures: Pressures,
+    curvature: Sequence[float] = (),
 ) -> State:
-    key = sha256(repr([f"{number:.12g}" for number in numbers]).encode()).hexdigest()[:16]
+    """The state, which is told; one without equilibrium is told too, because it is no longer waited for."""
+    key = sha256(repr([f"{number:.12g}" for number in (*pressures, *curvature)]).encode()).hexdigest()[:16]
     file = f"law_in_space/{curves.pieces.mesh_name}/{name}_{key}.json"
-    return KeptFile[State].of_run(curves.store, file, kind).read_or_make(solve)
+    begin, known = perf_counter(), KeptFile[State].of_run(curves.store, file, kind)
+    is_known = known.read() is not None
+    try:
+        return known.read_or_make(solve)
+    finally:
+        curves.progress.step_done(TOLD[name], max(pressures), 0.0 if is_known else perf_counter() - begin)
 
 
 def _inflated(

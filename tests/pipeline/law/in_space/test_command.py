@@ -73,6 +73,8 @@ def folder(config: Path) -> Path:
     assert result.exit_code == 0, result.output
     assert "The law interpolates" in result.output
     assert "On a mesh of 70 % of the size" in result.output
+    assert "first numbers, from its cells alone: the arm bends by " in result.output
+    assert "left" in result.output  # time
     return out
 
 
