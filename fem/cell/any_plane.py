@@ -13,9 +13,11 @@ from typing import final
 
 import numpy as np
 
+from fem.cell.inflation import bent
 from fem.cell.piece import BendingPiece, PieceState
-from fem.cell.response import Slopes
+from fem.cell.response import Slopes, slopes
 from fem.cell.rim import mouths
+from fem.path.predictor import PathPoint
 from geometry import Body
 from geometry.arrays import Array
 
@@ -47,6 +49,23 @@ def frame_of(angle: float) -> Array:
     """(2, 2): in rows the directions of y and z of the turned body, in y and z of the body."""
     cosine, sine = np.cos(angle), np.sin(angle)
     return np.array([[cosine, sine], [-sine, cosine]])
+
+
+def bent_from_straight(piece: BendingPiece, turn: float, straight: PieceState, angle: float) -> PieceState:
+    """A turned piece at an angle (rad) of its plane, from the straight state of the piece that is not turned.
+
+    turn: rad, as in `turned`. What is straight may be turned as a whole. Raises `PieceFailed`, and
+    `fem.equations.linear.SingularMatrix` for a state without slopes.
+    """
+    displacement = straight.state.displacement.copy()
+    displacement[:, 1:] @= frame_of(turn).T
+    state = piece.system.state_at(displacement, straight.pressure)
+    start = replace(piece.rest(), pressure=straight.pressure, state=replace(state, pressure=straight.state.pressure))
+    begin = piece.solve_near(straight.pressure, 0.0, start.state, start)
+    if angle == 0.0:
+        return begin
+    rate = slopes(piece, begin).angle_rate
+    return bent(piece, angle, begin, None, PathPoint(0.0, 1.0, begin.state, begin.touches, rate))
 
 
 @final

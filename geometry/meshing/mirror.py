@@ -45,6 +45,9 @@ class Repetition:
     half_cells: int  #: between the two end pieces of the body
     last: float | None = None  #: length of the far end beyond its half cell, mm; None where it mirrors the end piece
     half: bool = True  #: only z >= 0 is meshed
+    #: cavities each of which comes to the place of the next one, the last to that of the first, with the whole body on
+    #: itself, where the body is turned about its material curve from y to z; empty where no such turn is known
+    turned: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         if self.half_cells % 2 or self.half_cells < 0:

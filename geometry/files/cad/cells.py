@@ -5,7 +5,7 @@ between them and each of its neighbours must be mirror images of each other; fur
 In the Gmsh session of `geometry.meshing.solid`.
 """
 
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from math import floor, pi
@@ -17,7 +17,7 @@ from geometry.arrays import Array
 from geometry.curved import CurvedEdges
 from geometry.errors import DesignError
 from geometry.files.cad.body import cad_session, in_frame_of, keep_material, mesh_session
-from geometry.files.cad.mirror import Difference, box, difference, moments
+from geometry.files.cad.mirror import Difference, are_images, box, difference, moments
 from geometry.files.cad.solids import CadBody
 from geometry.files.frame import CellPlanes
 from geometry.grading import Grading
@@ -80,6 +80,7 @@ def mesh_cells(body: CadBody, cells: Cells, size: float, grading: Grading) -> Re
         "far": (edge + shift, 2 * length, shift),
     }
     with cad_session(body) as (gmsh, blocks, air, _):
+        turned = () if body.half else _turned(gmsh, body, blocks, air)
         owners = {**dict.fromkeys(blocks, ""), **air}
         material, cavities = _fragmented(gmsh, body, owners, windows)
         walls = walls_between(gmsh, material, cavities)
@@ -98,7 +99,36 @@ def mesh_cells(body: CadBody, cells: Cells, size: float, grading: Grading) -> Re
         SolidMesh(points, mesh.regions, mesh.walls, CurvedEdges(mesh.curved.ends, mesh.curved.middles - origin)),
         *(middle, edge, cells.half_cells, last),
         half=body.half,
+        turned=turned,
     )
+
+
+def _turned(gmsh: Any, body: CadBody, blocks: Mapping[Volume, str], air: Mapping[Volume, str]) -> tuple[str, ...]:
+    """Cavities each of which comes to the place of the next one, with the whole body on itself, when it is turned about
+    its material curve by a full turn over their number; empty where it does not."""
+    occ, names = gmsh.model.occ, list(dict.fromkeys(air.values()))
+
+    def comes_to(volumes: list[Volume], others: list[Volume]) -> bool:
+        copies = occ.copy(volumes)
+        occ.rotate(copies, 0, body.curve, 0, 1, 0, 0, 2.0 * pi / len(names))
+        occ.mirror(copies, 0, 0, 1, 0)  # which the comparison mirrors back
+        is_same = are_images(gmsh, others, copies, 2, 0.0, SAME)
+        occ.remove(copies, recursive=True)
+        occ.synchronize()
+        return is_same
+
+    def of(owners: Mapping[Volume, str], name: str) -> list[Volume]:
+        return [volume for volume, owner in owners.items() if owner == name]
+
+    order = names[:1]
+    while len(names) > 1 and len(order) < len(names):
+        left = [name for name in names if name not in order]
+        following = (name for name in left if comes_to(of(air, order[-1]), of(air, name)))
+        if (found := next(following, None)) is None:
+            return ()
+        order.append(found)
+    whole = all(comes_to(part, part) for part in (of(blocks, name) for name in dict.fromkeys(blocks.values())))
+    return tuple(order) if len(names) > 1 and whole else ()
 
 
 def _fragmented(

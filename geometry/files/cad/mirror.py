@@ -21,6 +21,8 @@ PLAIN = {"Plane", "Cylinder", "Cone", "Sphere", "Torus"}
 EQUAL = 1e-7
 #: points in the box around a part; they show a difference of about a hundredth of its volume or more
 POINTS = 1000
+#: and where equal moments have shown most differences
+FEW = 100
 
 
 @dataclass(frozen=True)
@@ -52,6 +54,21 @@ def moments(gmsh: Any, volumes: Collection[Volume], origin: Sequence[float]) -> 
     return total
 
 
+def are_images(
+    gmsh: Any, first: Collection[Volume], second: Collection[Volume], axis: int, at: float, allowed: float
+) -> bool:
+    """Whether first is the mirror image of second, as `difference` compares them, in less time and without the place.
+
+    Parts whose faces are divided otherwise are compared by few points, beside their moments; others than plain ones
+    are taken as different.
+    """
+    gmsh.model.occ.synchronize()
+    faces, others = (gmsh.model.getBoundary(list(of), combined=True, oriented=False) for of in (first, second))
+    if not _are_plain(gmsh, *faces, *others) or _largest_deviation(gmsh, first, second, axis, at) > allowed:
+        return False
+    return _are_equal(gmsh, faces, others, axis, at) or not len(_points_in_one(gmsh, first, second, axis, at, FEW))
+
+
 def difference(
     gmsh: Any, first: Collection[Volume], second: Collection[Volume], axis: int, at: float, allowed: float
 ) -> Difference:
@@ -61,7 +78,7 @@ def difference(
     """
     gmsh.model.occ.synchronize()
     faces, others = (gmsh.model.getBoundary(list(of), combined=True, oriented=False) for of in (first, second))
-    is_plain = all(gmsh.model.getType(*face) in PLAIN for face in (*faces, *others))
+    is_plain = _are_plain(gmsh, *faces, *others)
     have_equal_moments = is_plain and _largest_deviation(gmsh, first, second, axis, at) <= allowed
     if have_equal_moments and _are_equal(gmsh, faces, others, axis, at):
         return Difference(False)
@@ -70,6 +87,10 @@ def difference(
         x, y, z = apart.mean(axis=0).tolist()
         return Difference(True, (x, y, z))
     return Difference(is_plain and not have_equal_moments)
+
+
+def _are_plain(gmsh: Any, *faces: Face) -> bool:
+    return all(gmsh.model.getType(*face) in PLAIN for face in faces)
 
 
 def _mirrored(points: Array, axis: int, at: float) -> Array:
@@ -88,11 +109,13 @@ def _are_equal(gmsh: Any, first: Collection[Face], second: Collection[Face], axi
     return bool(same.any(axis=0).all() and same.any(axis=1).all())
 
 
-def _points_in_one(gmsh: Any, first: Collection[Volume], second: Collection[Volume], axis: int, at: float) -> Array:
+def _points_in_one(
+    gmsh: Any, first: Collection[Volume], second: Collection[Volume], axis: int, at: float, count: int = POINTS
+) -> Array:
     """Random points (n, 3), mm, that lie in first and not in the mirror image of second, or the other way round."""
     corners = np.vstack([box(gmsh, first), _mirrored(box(gmsh, second), axis, at)])
     low, high = corners.min(axis=0), corners.max(axis=0)
-    points = low + (high - low) * np.random.default_rng(0).random((POINTS, 3))
+    points = low + (high - low) * np.random.default_rng(0).random((count, 3))
     inside = [
         np.array([any(gmsh.model.isInside(*volume, point) for volume in volumes) for point in placed])
         for placed, volumes in ((points, first), (_mirrored(points, axis, at), second))

@@ -12,6 +12,7 @@ from scipy.spatial.transform import Rotation
 from fem.cell.piece import PieceFailed
 from geometry.arrays import Array
 from pipeline.law.in_space.fit import Fit, PressureBasis, fit_cell, fit_values
+from pipeline.law.in_space.images import Images
 from pipeline.law.in_space.states import (
     CellState,
     Curvatures,
@@ -77,28 +78,32 @@ def measure_in_space(pieces: ArmPieces, rows: Sequence[Pressures], context: RunC
     count = spanned.onto.shape[1]
     parts, rings = (ONE_RATIO, RINGS) if count == 1 else (RATIOS, FEW)
     highest = [max(rows, key=lambda row: max(map(abs, row)))] if count == 1 else list(rows)
-    between = [] if count == 1 else _between(rows)
-    context.progress.expect(_steps(highest, between, parts, rings))
+    between, images = [] if count == 1 else _between(rows), Images.of(tasks)
+    context.progress.expect(_steps(images.distinct(highest), images.distinct(between), parts, rings))
     context.progress.stage("states without moment")
-    middles = _followed(tasks, highest, parts)
+    middles = _followed(images, highest, parts)
     length = pieces.design.length
     context.progress.remark(_first_numbers(middles, length))
-    mixed = _followed(tasks, between, MIXED)
+    mixed = _followed(images, between, MIXED)
     bends = [_without_moment(state) for row in middles for state in row]
     reach = max(REACH * max(hypot(*bend) for bend in bends), LOADED / length)
     context.progress.stage("bent states")
-    around = [state for row in middles for state in row[:-1]]  # the last one is that before, without moment
-    wanted = [(s.pressures, k) for n, s in enumerate(around) for k in _ring(_without_moment(s), reach, n, rings)]
+    around = {s.pressures: s for row in middles for s in row[:-1]}  # the last one is that before, without moment
+    wanted = [
+        one
+        for n, pressures in enumerate(images.distinct(around))
+        for one in images.around(pressures, _ring(_without_moment(around[pressures]), reach, n, rings))
+    ]
     rest = tuple(0.0 for _ in pieces.design.cavities)
     wanted += [(rest, k) for k in ((0.0, 0.0), *_ring((0.0, 0.0), reach, 0, ((1.0, 3),)))]
-    begun = [tasks.submit(cell_state, *one) for one in wanted]
+    begun = [images.submit(cell_state, *one) for one in wanted]
     found, left = _results(begun)
     states = [state for row in (*middles, *mixed) for state in row] + found
     fit = fit_cell(states, spanned, reach)
     context.progress.stage("twist, shear and ends")
     places = [rest, *(_scaled(row, part) for row in highest for part in parts[-2:])]
-    law, missing = _law(tasks, fit, states, spanned, (reach, highest, places))
-    law = replace(law, error=max(law.error, _error_between(tasks, law, highest)))
+    law, missing = _law(images, fit, states, spanned, (reach, highest, places))
+    law = replace(law, error=max(law.error, _error_between(images, law, highest)))
     return MeasuredInSpace(law, len(states), (*left, *missing), *_finer(tasks, law, highest))
 
 
@@ -133,12 +138,12 @@ def _scaled(row: Pressures, part: float) -> Pressures:
     return tuple(part * pressure for pressure in row)
 
 
-def _followed(tasks: ArmTasks, rows: Sequence[Pressures], parts: Sequence[float]) -> list[list[CellState]]:
+def _followed(images: Images, rows: Sequence[Pressures], parts: Sequence[float]) -> list[list[CellState]]:
     """A state near that without moment at parts of each row, the last one twice. Raises RunFailed."""
     states: list[list[CellState]] = [[] for _ in rows]
     guesses: list[Curvatures] = [(0.0, 0.0)] * len(rows)
     for part in (*parts, parts[-1]):
-        begun = [tasks.submit(cell_state, _scaled(row, part), k) for row, k in zip(rows, guesses, strict=True)]
+        begun = [images.submit(cell_state, _scaled(row, part), k) for row, k in zip(rows, guesses, strict=True)]
         for k, (row, pending) in enumerate(zip(rows, begun, strict=True)):
             try:
                 states[k].append(pending.result())
@@ -175,7 +180,7 @@ def _results(begun: Sequence[Pending[Any]]) -> tuple[list[Any], tuple[str, ...]]
 
 
 def _law(
-    tasks: ArmTasks,
+    images: Images,
     fit: Fit,
     states: Sequence[CellState],
     spanned: PressureBasis,
@@ -186,10 +191,10 @@ def _law(
     reached: how far the law goes (1/mm), its rows of pressures, and the pressures at which ends are solved.
     """
     reach, highest, places = reached
-    pieces, scale, onto, cavities = tasks.pieces, spanned.scale, spanned.onto, len(spanned.onto)
+    pieces, scale, onto, cavities = images.tasks.pieces, spanned.scale, spanned.onto, len(spanned.onto)
     quadratic = Basis(exponents_up_to(2, len(scale)), scale)
-    across = [tasks.submit(across_state, pressures) for pressures in places]
-    free = [tasks.submit(free_state, pressures) for pressures in places]
+    across = [images.submit(across_state, pressures) for pressures in places]
+    free = [images.submit(free_state, pressures) for pressures in places]
     x = np.column_stack([[state.curvature for state in states], np.array([s.pressures for s in states]) @ onto])
     EA = np.array([[state.axial_rigidity] for state in states])
     law = SpaceLaw(
@@ -210,7 +215,7 @@ def _law(
         tip=_nothing(3 + cavities, len(scale)),
         mass=mass_along(pieces.design.of_pieces(pieces.repetition), pieces.config),
     )
-    clamp, clamp_length, left = _clamp(tasks, law, places)
+    clamp, clamp_length, left = _clamp(images, law, places)
     beside = np.array(
         [_end_beside(law.at(p), one.result(), _nearest(states, p)) for p, one in zip(places, free, strict=True)]
     )
@@ -223,14 +228,15 @@ def _nothing(columns: int, variables: int) -> Polynomial:
     return Basis(np.zeros((1, variables), np.intp), np.ones(variables)).times(np.zeros((1, columns)))
 
 
-def _clamp(tasks: ArmTasks, law: SpaceLaw, places: Sequence[Pressures]) -> tuple[Polynomial, float, tuple[str, ...]]:
+def _clamp(images: Images, law: SpaceLaw, places: Sequence[Pressures]) -> tuple[Polynomial, float, tuple[str, ...]]:
     """Turn, shift and air of the clamped end, linear in the moments, the length (mm) of its piece, and what failed."""
     begun = []
-    for pressures in places:
+    for pressures in images.distinct(places):
         k_y, k_z = law.at(pressures).kappa_0
         step = BENT * law.reach
         bent = [(k_y + step, k_z), (k_y, k_z + step), (k_y - step, k_z - step)]
-        begun += [tasks.submit(clamped_state, pressures, (float(a), float(b))) for a, b in bent]
+        wanted = images.around(pressures, [(float(a), float(b)) for a, b in bent])
+        begun += [images.submit(clamped_state, *one) for one in wanted]
     found, left = _results(begun)
     if len(found) < 3:
         raise RunFailed("the clamped end of the arm bears none of the states that the law needs")
@@ -275,11 +281,12 @@ def _end_beside(rod: SpaceRod, end: EndState, near: CellState) -> Array:
     return np.concatenate([beside, np.array(end.volume) - end.length * rod.air(rod.kappa_0)])
 
 
-def _error_between(tasks: ArmTasks, law: SpaceLaw, rows: Sequence[Pressures]) -> float:
+def _error_between(images: Images, law: SpaceLaw, rows: Sequence[Pressures]) -> float:
     """Moment that a cell has between rows at the curvature without moment of the law, over the largest moment."""
-    between = [tuple(float(pressure) for pressure in np.array(BETWEEN) @ pair) for pair in pairwise(rows)]
+    pairs = [tuple(float(pressure) for pressure in np.array(BETWEEN) @ pair) for pair in pairwise(rows)]
+    between = images.distinct(pairs)
     bends = [law.at(pressures).kappa_0 for pressures in between]
-    begun = [tasks.submit(cell_state, p, (float(k[0]), float(k[1]))) for p, k in zip(between, bends, strict=True)]
+    begun = [images.submit(cell_state, p, (float(k[0]), float(k[1]))) for p, k in zip(between, bends, strict=True)]
     found, _ = _results(begun)
     largest = law.reach * max(law.at(row).section.rigidity for row in rows)
     return max((float(np.linalg.norm(state.vector)) / largest for state in found), default=0.0)

@@ -1,6 +1,7 @@
 """States of the pieces of an arm without a plane of symmetry; each is a task of a worker, solved once and kept."""
 
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from hashlib import sha256
 from math import atan2, ceil, hypot
@@ -12,11 +13,12 @@ from scipy.spatial.transform import Rotation
 
 from fem.cell.across import QUARTER, Straight, twist_and_shear
 from fem.cell.air import air_volumes
-from fem.cell.any_plane import bent_state, frame_of, moment_beside
+from fem.cell.any_plane import bent_from_straight, bent_state, frame_of, moment_beside
 from fem.cell.boundary import Boundary, spread
 from fem.cell.inflation import inflated
-from fem.cell.piece import BendingPiece, PieceState
+from fem.cell.piece import BendingPiece, PieceFailed, PieceState
 from fem.cell.response import slopes
+from fem.equations.linear import SingularMatrix
 from geometry.arrays import Array
 from pipeline.law.piece.pieces import ArmPieces
 from pipeline.law.piece.point import stable
@@ -167,11 +169,19 @@ def _kept(
 def _inflated(
     curves: PieceCurves, start: Boundary, angle: float, pressures: Pressures, curvature: float
 ) -> tuple[BendingPiece, PieceState]:
-    """A piece, turned by an angle, at pressures and with its plane turned by a curvature times its length."""
-    largest = max(map(abs, pressures))
+    """A piece, turned by an angle, at pressures and with its plane turned by a curvature times its length.
+
+    It is bent from its straight state, which is solved once for all directions.
+    """
+    pieces, largest = curves.pieces, max(map(abs, pressures))
     fractions = tuple(pressure / largest if largest else 1.0 for pressure in pressures)
-    piece = curves.pieces.turned(start, _half_cells(curves.pieces, start), fractions, angle)
-    return piece, inflated(piece, in_MPa(largest), curvature * piece.body.length)
+    own = start, _half_cells(pieces, start), fractions
+    straight = pieces.straight(*own, in_MPa(largest))
+    piece = pieces.turned(*own, angle)
+    bend = curvature * piece.body.length
+    with suppress(PieceFailed, SingularMatrix):
+        return piece, bent_from_straight(piece, angle, straight, bend)
+    return piece, inflated(piece, in_MPa(largest), bend)
 
 
 def _half_cells(pieces: ArmPieces, start: Boundary) -> int:

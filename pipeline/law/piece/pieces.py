@@ -9,8 +9,9 @@ from typing import Any
 from fem import ContactError, Discretisation, Effect, SelfContact
 from fem.cell.any_plane import turned
 from fem.cell.boundary import Boundary
+from fem.cell.inflation import inflated
 from fem.cell.mirror_contact import MirrorContact
-from fem.cell.piece import BendingPiece
+from fem.cell.piece import BendingPiece, PieceState
 from geometry import GRADINGS, Body, Design, DesignError, MeshError
 from geometry.meshing.mirror import Repetition
 from geometry.meshing.moving import Movement, moved
@@ -42,6 +43,7 @@ class ArmPieces:
     after_snap: bool = False  #: whether they have the form after the snap, where there are two
     _pieces: dict[tuple[int, Boundary], BendingPiece] = field(default_factory=dict, init=False, repr=False)
     _turned: dict[Hashable, BendingPiece] = field(default_factory=dict, init=False, repr=False)
+    _straight: dict[Hashable, PieceState] = field(default_factory=dict, init=False, repr=False)
 
     def __post_init__(self) -> None:
         if reason := self.config.effects.why_no_arm_law(self.config.design):
@@ -148,6 +150,16 @@ class ArmPieces:
             by_cavity = dict(zip(self.design.cavities, fractions, strict=True))
             self._turned[key] = self._made(start, half_cells, by_cavity, angle)
         return self._turned[key]
+
+    def straight(self, start: Boundary, half_cells: int, fractions: Sequence[float], pressure: float) -> PieceState:
+        """A piece that is not turned under a pressure in MPa, with its plane upright; each is solved once.
+
+        fractions: as in `turned`. Raises `PieceFailed`, `NoArmLaw` and InputError.
+        """
+        key = start, tuple(fractions), pressure
+        if key not in self._straight:
+            self._straight[key] = inflated(self.turned(start, half_cells, fractions, 0.0), pressure, 0.0)
+        return self._straight[key]
 
     def _piece(self, half_cells: int, start: Boundary) -> BendingPiece:
         fractions = {name: cavity.fraction for name, cavity in self.config.effects.pressure.cavities.items()}
