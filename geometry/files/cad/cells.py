@@ -17,7 +17,7 @@ from geometry.arrays import Array
 from geometry.curved import CurvedEdges
 from geometry.errors import DesignError
 from geometry.files.cad.body import cad_session, in_frame_of, keep_material, mesh_session
-from geometry.files.cad.mirror import Difference, are_images, box, difference, moments
+from geometry.files.cad.mirror import Difference, are_same, box, difference, moments
 from geometry.files.cad.solids import CadBody
 from geometry.files.frame import CellPlanes
 from geometry.grading import Grading
@@ -111,8 +111,7 @@ def _turned(gmsh: Any, body: CadBody, blocks: Mapping[Volume, str], air: Mapping
     def comes_to(volumes: list[Volume], others: list[Volume]) -> bool:
         copies = occ.copy(volumes)
         occ.rotate(copies, 0, body.curve, 0, 1, 0, 0, 2.0 * pi / len(names))
-        occ.mirror(copies, 0, 0, 1, 0)  # which the comparison mirrors back
-        is_same = are_images(gmsh, others, copies, 2, 0.0, SAME)
+        is_same = are_same(gmsh, others, copies, SAME)
         occ.remove(copies, recursive=True)
         occ.synchronize()
         return is_same

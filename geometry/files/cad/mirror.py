@@ -54,19 +54,17 @@ def moments(gmsh: Any, volumes: Collection[Volume], origin: Sequence[float]) -> 
     return total
 
 
-def are_images(
-    gmsh: Any, first: Collection[Volume], second: Collection[Volume], axis: int, at: float, allowed: float
-) -> bool:
-    """Whether first is the mirror image of second, as `difference` compares them, in less time and without the place.
+def are_same(gmsh: Any, first: Collection[Volume], second: Collection[Volume], allowed: float) -> bool:
+    """Whether two parts are the same, as `difference` compares one with a mirror image, in less time.
 
     Parts whose faces are divided otherwise are compared by few points, beside their moments; others than plain ones
     are taken as different.
     """
     gmsh.model.occ.synchronize()
     faces, others = (gmsh.model.getBoundary(list(of), combined=True, oriented=False) for of in (first, second))
-    if not _are_plain(gmsh, *faces, *others) or _largest_deviation(gmsh, first, second, axis, at) > allowed:
+    if not _are_plain(gmsh, *faces, *others) or _largest_deviation(gmsh, first, second, None, 0.0) > allowed:
         return False
-    return _are_equal(gmsh, faces, others, axis, at) or not len(_points_in_one(gmsh, first, second, axis, at, FEW))
+    return _are_equal(gmsh, faces, others, None, 0.0) or not len(_points_in_one(gmsh, first, second, None, 0.0, FEW))
 
 
 def difference(
@@ -93,13 +91,15 @@ def _are_plain(gmsh: Any, *faces: Face) -> bool:
     return all(gmsh.model.getType(*face) in PLAIN for face in faces)
 
 
-def _mirrored(points: Array, axis: int, at: float) -> Array:
+def _mirrored(points: Array, axis: int | None, at: float) -> Array:
+    """Points (n, 3), mirrored at a plane, or as they are where there is none."""
     images = points.copy()
-    images[:, axis] = 2.0 * at - images[:, axis]
+    if axis is not None:
+        images[:, axis] = 2.0 * at - images[:, axis]
     return images
 
 
-def _are_equal(gmsh: Any, first: Collection[Face], second: Collection[Face], axis: int, at: float) -> bool:
+def _are_equal(gmsh: Any, first: Collection[Face], second: Collection[Face], axis: int | None, at: float) -> bool:
     """Whether faces have the centres and areas of the mirror images of others."""
     occ = gmsh.model.occ
     centres, other = (np.array([occ.getCenterOfMass(*face) for face in faces]) for faces in (first, second))
@@ -110,7 +110,7 @@ def _are_equal(gmsh: Any, first: Collection[Face], second: Collection[Face], axi
 
 
 def _points_in_one(
-    gmsh: Any, first: Collection[Volume], second: Collection[Volume], axis: int, at: float, count: int = POINTS
+    gmsh: Any, first: Collection[Volume], second: Collection[Volume], axis: int | None, at: float, count: int = POINTS
 ) -> Array:
     """Random points (n, 3), mm, that lie in first and not in the mirror image of second, or the other way round."""
     corners = np.vstack([box(gmsh, first), _mirrored(box(gmsh, second), axis, at)])
@@ -123,13 +123,15 @@ def _points_in_one(
     return points[inside[0] != inside[1]]
 
 
-def _largest_deviation(gmsh: Any, first: Collection[Volume], second: Collection[Volume], axis: int, at: float) -> float:
+def _largest_deviation(
+    gmsh: Any, first: Collection[Volume], second: Collection[Volume], axis: int | None, at: float
+) -> float:
     """Of the moments of the mirror image of second from those of first, over the volume and powers of the extent."""
     low, high = box(gmsh, first)
     origin = 0.5 * (low + high)
-    origin[axis] = at
     mirrored = np.ones(4)
-    mirrored[1 + axis] = -1.0
+    if axis is not None:
+        origin[axis], mirrored[1 + axis] = at, -1.0
     expected = moments(gmsh, first, origin)
     deviation = moments(gmsh, second, origin) * np.outer(mirrored, mirrored) - expected
     scale = np.array([1.0, *(high - low)])
