@@ -17,7 +17,7 @@ from packaging.specifiers import SpecifierSet
 import fem
 import geometry
 import rod
-from pipeline.store.provenance import SOLVE, installed, required
+from pipeline.store.provenance import installed, required
 from pipeline.values.table import Table
 
 #: seconds after which a check is given up: kernels compile in a minute, and in five on a busy machine
@@ -71,7 +71,7 @@ def _python() -> Finding:
 
 
 _LIGHT = Finding(
-    "solver", True, f"not installed; rods of finished folders work, pip install 'pneurod[{SOLVE}]' brings the rest"
+    "solver", True, "not installed; rods of finished folders work, pip install 'pneurod[solve]' brings the rest"
 )
 
 
@@ -88,7 +88,7 @@ def _packages(versions: Mapping[str, SpecifierSet]) -> list[Finding]:
 def _set_up() -> str:
     """The command that installs the packages: of a clone of the sources, or of an installed package."""
     clone = (Path(__file__).resolve().parents[1] / "setup.sh").is_file()
-    return "make setup" if clone else f"pip install --upgrade 'pneurod[{SOLVE}]'"
+    return "make setup" if clone else "pip install --upgrade 'pneurod[solve]'"
 
 
 def check(subject: str) -> Finding:

@@ -11,11 +11,8 @@ from typing import Any
 from packaging.requirements import Requirement
 from packaging.specifiers import SpecifierSet
 
-#: the extra of the package that brings bodies, finite elements and pictures
-SOLVE = "solve"
 
-
-def required(extra: str = SOLVE) -> dict[str, SpecifierSet]:
+def required(extra: str = "solve") -> dict[str, SpecifierSet]:
     """The direct dependencies of pneurod on this machine, each with the versions it may have; with no extra, those of
     rods alone."""
     requirements = [Requirement(text) for text in _metadata().requires("pneurod") or ()]
