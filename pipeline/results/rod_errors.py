@@ -250,7 +250,10 @@ def _shape_by_mesh(run: Run, rod: str) -> float:
     bent = [(one.pressure_kPa, one["s_mm"], one["theta_rad"]) for one in run.curves_of("II") if not one.load]
     if run.law and not bent:
         s = np.linspace(0.0, run.law.law.length, 50)
-        bent = [(u.pressure_kPa, s, math.radians(u.bending_deg) * s / s[-1]) for u in run.law.unloaded]
+        angles = [(one.pressure_kPa, math.radians(one.bending_deg)) for one in run.law.unloaded]
+        if not angles and (error := run.law.mesh_error):  # in space
+            angles = [(p, k * s[-1]) for p, k in zip(error.pressures_kPa, error.kappa_0_per_mm, strict=True)]
+        bent = [(pressure, s, angle * s / s[-1]) for pressure, angle in angles]
     known = {p: error for p, error in zip(*_kappa_0_errors(run, rod), strict=False) if error is not None}
     if not known:
         return 0.0

@@ -4,14 +4,14 @@ from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from hashlib import sha256
-from math import atan2, ceil, hypot
+from math import atan2, ceil, hypot, pi
 from time import perf_counter
 from typing import TypeVar
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from fem.cell.across import QUARTER, Straight, twist_and_shear
+from fem.cell.across import Straight, twist_and_shear
 from fem.cell.air import air_volumes
 from fem.cell.any_plane import bent_from_straight, bent_state, frame_of, moment_beside
 from fem.cell.boundary import Boundary, spread
@@ -104,7 +104,7 @@ def across_state(curves: PieceCurves, pressures: Pressures) -> list[float]:
 
     def solve() -> list[float]:
         states = []
-        for angle in (0.0, QUARTER):
+        for angle in (0.0, pi / 2):  # as `twist_and_shear` takes it
             piece, at = _inflated(curves, "mirror", angle, pressures, 0.0)
             with stable(piece, at):
                 states.append(Straight(piece, at, slopes(piece, at)))

@@ -75,6 +75,7 @@ def folder(config: Path) -> Path:
     assert "On a mesh of 70 % of the size" in result.output
     assert "first numbers, from its cells alone: the arm bends by " in result.output
     assert "left" in result.output  # time
+    assert "error of the shape 0 %" not in result.output
     return out
 
 
