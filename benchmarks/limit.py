@@ -4,6 +4,7 @@ One cell of the arm c5-w7 (tests/data/moseley_c5w7.yaml) is followed along the v
 the law of its authors and with three that `pneurod material` fits to their uniaxial test. The table of docs/cell.md.
 """
 
+import argparse
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -61,5 +62,11 @@ def rows() -> Iterator[list[str]]:
         yield [name, *cells[:-1], f"{pressure:g} kPa: {cells[-1]}"]
 
 
-if __name__ == "__main__":
+def main() -> None:
+    """Write the table of docs/cell.md."""
+    argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter).parse_args()
     write_made("python -m benchmarks.limit", table(["law", *QUANTITIES], list(rows())))
+
+
+if __name__ == "__main__":
+    main()

@@ -13,6 +13,7 @@ WRONG = {
     "foreign": (["x"],),
     "kills": (["x"],),
     "law_work": ([],),
+    "limit": (["x"],),
     "loads_along": (["x"],),
     "run": ([],),
     "space": (["x"],),

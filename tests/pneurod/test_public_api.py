@@ -53,7 +53,9 @@ def quiet(results: pneurod.Results, pressure: float, kind: str = "five", **optio
 
 def frames(results: pneurod.Results) -> Iterator[tuple[str, pd.DataFrame]]:
     for name in dir(type(results)):
-        if not name.startswith("_") and isinstance(value := getattr(results, name), pd.DataFrame):
+        if name.startswith("_") or name == "hand":  # no frame, and refused where there is no rod
+            continue
+        if isinstance(value := getattr(results, name), pd.DataFrame):
             yield name, value
 
 

@@ -86,7 +86,7 @@ def test_elements_converge_with_the_square_of_their_length_and_their_limit_with_
     for count in (10, 20, 40, 80):
         monkeypatch.setattr(lines, "ELEMENTS", count)
         model = lines._Model(ARM.arm, ARM.arm._section(is_loaded=True))
-        found = path.follow(model, Load((0.03, -0.05)), path.Way())
+        found = path.follow(model, Load((0.03, -0.05)), path.PathOptions())
         ends.append([found.chains[0].place[-1], found.nodes.place[-1]])
     differences = np.abs(np.diff(np.array(ends), axis=0)).max(axis=2)
     rates = np.log2(differences[:-1] / differences[1:])

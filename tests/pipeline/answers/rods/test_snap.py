@@ -238,7 +238,7 @@ def test_the_verdict_tells_a_limit_without_a_form_beyond(tmp_path: Path) -> None
 
     beyond = limit_of(DeliveredLaw(law=snapping_law(swells=False)), 30.0)
     assert beyond
-    assert render(beyond).endswith("may have one, or moduli 1.11 times these for 30 kPa.")
+    assert render(beyond).endswith("may have one, or moduli 1.11 times these for 30 kPa")
 
 
 def cells_of(bent: dict[float, float]) -> ArmLaw:
