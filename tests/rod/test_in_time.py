@@ -109,6 +109,7 @@ def mode_loads(count: int = 40) -> tuple[LineLoad, ...]:
     return tuple(LineLoad(a, b, (0.0, 2e-4 * q)) for a, b, q in zip(edges[:-1], edges[1:], shape, strict=True))
 
 
+@pytest.mark.slow
 def test_without_loss_the_energy_stays() -> None:
     """In 100 periods less than a thousandth of it goes; ten are followed here."""
     bent = Start(acting=Loading(along=mode_loads()))

@@ -183,6 +183,7 @@ def test_a_point_at_the_end_is_the_end_of_an_arm_of_any_length(tmp_path: Path) -
     assert by_points == pytest.approx(by_tips, rel=1e-6, abs=1e-6)
 
 
+@pytest.mark.slow
 def test_an_origin_that_is_off_is_fitted_and_said(tmp_path: Path) -> None:
     """Photographs whose origin is 6 and 7 mm beside the clamp, of an arm of 0.85 times the modulus."""
     folder, file = result_folder(tmp_path / "arm"), tmp_path / "arm.csv"
@@ -197,6 +198,7 @@ def test_an_origin_that_is_off_is_fitted_and_said(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(("off", "times"), [((0.0, 0.0), 1.0), ((6.0, 7.0), OTHER_FRAME)])
+@pytest.mark.slow
 def test_a_frame_far_off_is_looked_for_where_rows_say_so(
     tmp_path: Path, off: tuple[float, float], times: float
 ) -> None:

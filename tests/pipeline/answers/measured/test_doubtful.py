@@ -114,6 +114,7 @@ def test_both_commands_refuse_the_mirrored_arm(tmp_path: Path) -> None:
     assert not (tmp_path / "arm_calibrated" / "law.json").exists()
 
 
+@pytest.mark.slow
 def test_a_fit_that_misses_the_motion_is_no_calibration(tmp_path: Path) -> None:
     """One tip of four was read as 3 in place of -66 mm: shown and kept with the reason, and the command has failed."""
     folder, file = result_folder(tmp_path / "arm"), tmp_path / "arm.csv"

@@ -91,7 +91,7 @@ def test_an_arm_with_one_hole_beside_its_place_is_not_turned(tmp_path: Path) -> 
     assert design.repetition(4.0, GRADINGS["off"]).turned == ()
 
 
-@pytest.mark.parametrize("task", [cell_state, clamped_state])
+@pytest.mark.parametrize("task", [cell_state, pytest.param(clamped_state, marks=pytest.mark.slow)])
 def test_the_image_of_a_state_is_the_state_of_the_image(
     task: Callable[..., CellState | EndState], curves: PieceCurves, turns: Turns
 ) -> None:
