@@ -13,11 +13,10 @@ from typing import final
 
 import numpy as np
 
-from fem.cell.inflation import bent
+from fem.cell.inflation import bent, bent_point
 from fem.cell.piece import BendingPiece, PieceState
-from fem.cell.response import Slopes, slopes
+from fem.cell.response import Slopes
 from fem.cell.rim import mouths
-from fem.path.predictor import PathPoint
 from geometry import Body
 from geometry.arrays import Array
 
@@ -54,18 +53,14 @@ def frame_of(angle: float) -> Array:
 def bent_from_straight(piece: BendingPiece, turn: float, straight: PieceState, angle: float) -> PieceState:
     """A turned piece at an angle (rad) of its plane, from the straight state of the piece that is not turned.
 
-    turn: rad, as in `turned`. What is straight may be turned as a whole. Raises `PieceFailed`, and
-    `fem.equations.linear.SingularMatrix` for a state without slopes.
+    turn: rad, as in `turned`. What is straight may be turned as a whole. Raises `PieceFailed`.
     """
     displacement = straight.state.displacement.copy()
     displacement[:, 1:] @= frame_of(turn).T
     state = piece.system.state_at(displacement, straight.pressure)
     start = replace(piece.rest(), pressure=straight.pressure, state=replace(state, pressure=straight.state.pressure))
     begin = piece.solve_near(straight.pressure, 0.0, start.state, start)
-    if angle == 0.0:
-        return begin
-    rate = slopes(piece, begin).angle_rate
-    return bent(piece, angle, begin, None, PathPoint(0.0, 1.0, begin.state, begin.touches, rate))
+    return begin if angle == 0.0 else bent(piece, angle, begin, None, bent_point(piece, begin))
 
 
 @final

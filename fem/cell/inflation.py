@@ -129,7 +129,7 @@ def bent(
         allowed *= float(np.clip(ITERATIONS / max(reached.factorizations, 1), SHRINKS, GROWS))
         at, spent = reached, spent + reached.factorizations
         if at.angle != angle:
-            before, last = last, _bent_point(piece, at)
+            before, last = last, bent_point(piece, at)
             predicted = extrapolate(before, last, angle) or at.state
     return replace(at, factorizations=spent)
 
@@ -141,7 +141,8 @@ def _part_of_air(piece: BendingPiece, at: PieceState, predicted: State, allowed:
     return 1.0 if change <= allowed else allowed / change
 
 
-def _bent_point(piece: BendingPiece, at: PieceState) -> PathPoint:
+def bent_point(piece: BendingPiece, at: PieceState) -> PathPoint:
+    """A state on the way of the angle, with its change by it, for `bent`. Raises `PieceFailed`."""
     try:
         return PathPoint(at.angle, 1.0, at.state, at.touches, slopes(piece, at).angle_rate)
     except SingularMatrix as failure:

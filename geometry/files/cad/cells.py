@@ -6,7 +6,7 @@ In the Gmsh session of `geometry.meshing.solid`.
 """
 
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from math import floor, pi
 from typing import Any
@@ -39,6 +39,7 @@ class Cells:
     half_pitch: float
     half_cells: int  #: between the middles of the first and of the last cell, even
     start: float  #: middle of the cell that was compared with its neighbours
+    turned: tuple[str, ...] = ()  #: cavities, as in `Repetition`
 
 
 def find_cells(body: CadBody, planes: CellPlanes) -> Cells:
@@ -51,8 +52,9 @@ def find_cells(body: CadBody, planes: CellPlanes) -> Cells:
             raise DesignError(f"cell.{key}", f"x = {x:g} mm lies outside the arm, {reach}")
     if not half_pitch > SHORTEST * length:
         raise DesignError("cell", f"the planes are {half_pitch:g} mm apart; give two planes with half a cell between")
-    with cad_session(body) as (gmsh, blocks, _, _):
-        return _cells(gmsh, body, blocks, planes)
+    with cad_session(body) as (gmsh, blocks, air, _):
+        turned = () if body.half else _turned(gmsh, body, blocks, air)
+        return replace(_cells(gmsh, body, blocks, planes), turned=turned)
 
 
 def _cells(gmsh: Any, body: CadBody, blocks: Collection[Volume], planes: CellPlanes) -> Cells:
@@ -80,7 +82,6 @@ def mesh_cells(body: CadBody, cells: Cells, size: float, grading: Grading) -> Re
         "far": (edge + shift, 2 * length, shift),
     }
     with cad_session(body) as (gmsh, blocks, air, _):
-        turned = () if body.half else _turned(gmsh, body, blocks, air)
         owners = {**dict.fromkeys(blocks, ""), **air}
         material, cavities = _fragmented(gmsh, body, owners, windows)
         walls = walls_between(gmsh, material, cavities)
@@ -99,7 +100,7 @@ def mesh_cells(body: CadBody, cells: Cells, size: float, grading: Grading) -> Re
         SolidMesh(points, mesh.regions, mesh.walls, CurvedEdges(mesh.curved.ends, mesh.curved.middles - origin)),
         *(middle, edge, cells.half_cells, last),
         half=body.half,
-        turned=turned,
+        turned=cells.turned,
     )
 
 

@@ -60,11 +60,8 @@ def are_same(gmsh: Any, first: Collection[Volume], second: Collection[Volume], a
     Parts whose faces are divided otherwise are compared by few points, beside their moments; others than plain ones
     are taken as different.
     """
-    gmsh.model.occ.synchronize()
-    faces, others = (gmsh.model.getBoundary(list(of), combined=True, oriented=False) for of in (first, second))
-    if not _are_plain(gmsh, *faces, *others) or _largest_deviation(gmsh, first, second, None, 0.0) > allowed:
-        return False
-    return _are_equal(gmsh, faces, others, None, 0.0) or not len(_points_in_one(gmsh, first, second, None, 0.0, FEW))
+    _, same_moments, same_faces = _compared(gmsh, first, second, None, 0.0, allowed)
+    return same_faces or (same_moments and not len(_points_in_one(gmsh, first, second, None, 0.0, FEW)))
 
 
 def difference(
@@ -74,21 +71,25 @@ def difference(
 
     allowed: difference of the moments over the volume and the extent that is rounding.
     """
-    gmsh.model.occ.synchronize()
-    faces, others = (gmsh.model.getBoundary(list(of), combined=True, oriented=False) for of in (first, second))
-    is_plain = _are_plain(gmsh, *faces, *others)
-    have_equal_moments = is_plain and _largest_deviation(gmsh, first, second, axis, at) <= allowed
-    if have_equal_moments and _are_equal(gmsh, faces, others, axis, at):
+    is_plain, same_moments, same_faces = _compared(gmsh, first, second, axis, at, allowed)
+    if same_faces:
         return Difference(False)
     apart = _points_in_one(gmsh, first, second, axis, at)
     if len(apart):
         x, y, z = apart.mean(axis=0).tolist()
         return Difference(True, (x, y, z))
-    return Difference(is_plain and not have_equal_moments)
+    return Difference(is_plain and not same_moments)
 
 
-def _are_plain(gmsh: Any, *faces: Face) -> bool:
-    return all(gmsh.model.getType(*face) in PLAIN for face in faces)
+def _compared(
+    gmsh: Any, first: Collection[Volume], second: Collection[Volume], axis: int | None, at: float, allowed: float
+) -> tuple[bool, bool, bool]:
+    """Whether all faces are plain, whether the moments are then equal, and whether the faces are then equal too."""
+    gmsh.model.occ.synchronize()
+    faces, others = (gmsh.model.getBoundary(list(of), combined=True, oriented=False) for of in (first, second))
+    is_plain = all(gmsh.model.getType(*face) in PLAIN for face in (*faces, *others))
+    same_moments = is_plain and _largest_deviation(gmsh, first, second, axis, at) <= allowed
+    return is_plain, same_moments, same_moments and _are_equal(gmsh, faces, others, axis, at)
 
 
 def _mirrored(points: Array, axis: int | None, at: float) -> Array:

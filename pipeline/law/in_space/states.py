@@ -18,7 +18,6 @@ from fem.cell.boundary import Boundary, spread
 from fem.cell.inflation import inflated
 from fem.cell.piece import BendingPiece, PieceFailed, PieceState
 from fem.cell.response import slopes
-from fem.equations.linear import SingularMatrix
 from geometry.arrays import Array
 from pipeline.law.piece.pieces import ArmPieces
 from pipeline.law.piece.point import stable
@@ -158,12 +157,21 @@ def _kept(
     """The state, which is told; one without equilibrium is told too, because it is no longer waited for."""
     key = sha256(repr([f"{number:.12g}" for number in (*pressures, *curvature)]).encode()).hexdigest()[:16]
     file = f"law_in_space/{curves.pieces.mesh_name}/{name}_{key}.json"
-    begin, known = perf_counter(), KeptFile[State].of_run(curves.store, file, kind)
-    is_known = known.read() is not None
+    kept: KeptFile[State] = KeptFile.of_run(curves.store, file, kind)
+    seconds = 0.0
+
+    def solved() -> State:
+        nonlocal seconds
+        begin = perf_counter()
+        try:
+            return solve()
+        finally:
+            seconds = perf_counter() - begin
+
     try:
-        return known.read_or_make(solve)
+        return kept.read_or_make(solved)
     finally:
-        curves.progress.step_done(TOLD[name], max(pressures), 0.0 if is_known else perf_counter() - begin)
+        curves.progress.step_done(TOLD[name], max(pressures), seconds)
 
 
 def _inflated(
@@ -179,7 +187,7 @@ def _inflated(
     straight = pieces.straight(*own, in_MPa(largest))
     piece = pieces.turned(*own, angle)
     bend = curvature * piece.body.length
-    with suppress(PieceFailed, SingularMatrix):
+    with suppress(PieceFailed):
         return piece, bent_from_straight(piece, angle, straight, bend)
     return piece, inflated(piece, in_MPa(largest), bend)
 
