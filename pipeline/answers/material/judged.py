@@ -14,7 +14,6 @@ from pipeline.answers.material.laws import (
     Form,
     Points,
     is_stable,
-    nominal,
     predicted,
     stretches,
 )
@@ -232,7 +231,7 @@ def parting(law: Material, other: Material, high: float) -> tuple[float, str, fl
     grid = stretches(1.0, high)[1:]
     ends = []
     for state, across in STATES.items():
-        ratio = nominal(law, grid, across(grid)) / nominal(other, grid, across(grid))
+        ratio = law.incompressible(grid, across(grid)) / other.incompressible(grid, across(grid))
         apart = ~(np.maximum(ratio, 1 / ratio) <= FACTOR)
         end = float([1.0, *grid][int(np.argmax(apart))]) if apart.any() else high
         ends.append((end, -abs(float(np.log(np.abs(ratio[-1])))), state, float(ratio[-1])))

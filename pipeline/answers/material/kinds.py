@@ -8,7 +8,7 @@ import numpy as np
 from fem.materials import Material
 from geometry.arrays import Array
 from pipeline.answers.material.judged import Judged
-from pipeline.answers.material.laws import STATES, nominal
+from pipeline.answers.material.laws import STATES
 from pipeline.answers.material.loading import TensileTest
 from pipeline.answers.material.sentences import OF_ONE_BATCH, constants
 from pipeline.values.table import Table
@@ -96,7 +96,7 @@ def _stresses(tests: Sequence[TensileTest], kind: str) -> Array:
 
 def _of(law: Material, kind: str) -> Array:
     """Nominal stresses (3,) of the incompressible body at `STRAINS`, MPa."""
-    return nominal(law, 1 + STRAINS, STATES[kind](1 + STRAINS))
+    return law.incompressible(1 + STRAINS, STATES[kind](1 + STRAINS))
 
 
 def _told(values: Array, form: str = ".2f") -> str:

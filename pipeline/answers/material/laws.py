@@ -118,16 +118,11 @@ class Form(ABC):
         """The law with the Poisson ratio nu. Raises `fem.MaterialError`."""
 
 
-def nominal(law: Material, stretch: Array, across: Array) -> Array:
-    """Nominal stress (n,) in MPa of the incompressible body at stretches (n,) along and across, the third side free."""
-    return law.incompressible(stretch, across)
-
-
 def predicted(law: Material, points: Points) -> Array:
     """Nominal stress (n,) in MPa at points: of the solver's law for bars, else of the incompressible body."""
 
     def of(stretch: Array, across: Array | None) -> Array:
-        return law.uniaxial(stretch).nominal if across is None else nominal(law, stretch, across)
+        return law.uniaxial(stretch).nominal if across is None else law.incompressible(stretch, across)
 
     return points.by_state(of)
 
@@ -148,13 +143,14 @@ def is_stable(law: Material, state: str, stretch: Array) -> Mask:
 
     def at(first: float, second: float) -> tuple[Array, Array]:
         a, b = stretch * np.exp(first), across * np.exp(second)
-        return a * nominal(law, a, b), b * nominal(law, b, a)
+        return a * law.incompressible(a, b), b * law.incompressible(b, a)
 
     (xx, yx), (xy, yy) = (
         tuple((up - down) / (2 * step) for up, down in zip(at(*by), at(*(-np.array(by))), strict=True))
         for by in ((step, 0.0), (0.0, step))
     )
-    slope = nominal(law, stretch * (1 + step), STATES[state](stretch * (1 + step))) - nominal(law, stretch, across)
+    more = stretch * (1 + step)
+    slope = law.incompressible(more, STATES[state](more)) - law.incompressible(stretch, across)
     return np.asarray((slope > 0) & (xx + yy > 0) & (xx * yy - xy * yx > 0))
 
 

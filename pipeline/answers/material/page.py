@@ -7,7 +7,7 @@ import numpy as np
 from pipeline.answers.material.hold import Hold
 from pipeline.answers.material.judged import Judged, LawFit, Need
 from pipeline.answers.material.kinds import of_kind
-from pipeline.answers.material.laws import STATES, Points, nominal
+from pipeline.answers.material.laws import STATES, Points
 from pipeline.answers.material.sentences import constants, stretches, yaml_line
 from pipeline.answers.material.study import Material
 from pipeline.values.page import Section, page
@@ -54,7 +54,7 @@ def law_table(judged: Judged, need: Need) -> Table:
             constants(fit),
             f"{100 * fit.misfit:.2g} %",
             stretches(fit),
-            f"{nominal(fit.law, s, s)[0]:.3g}",
+            f"{fit.law.incompressible(s, s)[0]:.3g}",
             fit.why,
         )
         for fit in judged.laws
@@ -78,7 +78,7 @@ def _panels(material: Material) -> tuple[Panel, ...]:
         found.append(_limited(points, "All strains" if state == "uniaxial" else f"All strains, {state}", drawn, ends))
     if not any(test.state == "equibiaxial" for test in material.tests):
         wide = min(max(2.0, float(material.points.stretch[-1])), need.high)
-        top = float(nominal(best.law, np.array([wide]), np.array([wide]))[0])
+        top = float(best.law.incompressible(np.array([wide]), np.array([wide]))[0])
         biaxial = tuple(_laws(material, "equibiaxial", 1.0, wide))
         title = "Pulled in two directions: not measured"
         found.append(Panel(title, STRETCH, STRESS, biaxial, y_range=(0.0, 2 * top)))
@@ -128,7 +128,7 @@ def _laws(material: Material, state: str, low: float, high: float) -> Iterator[L
     """Solid within the range of a law, dotted outside."""
     s = np.geomspace(low, high, POINTS_OF_A_LINE)
     for number, (name, fit) in enumerate(_fits(material)):
-        stress = fit.law.uniaxial(s).nominal if state == "uniaxial" else nominal(fit.law, s, STATES[state](s))
+        stress = fit.law.uniaxial(s).nominal if state == "uniaxial" else fit.law.incompressible(s, STATES[state](s))
         least, most = fit.holds or (1.0, 1.0)
         inside = (s >= least) & (s <= most)
         colour, width = COLOURS[number % len(COLOURS)], 1.4 if number else 2.6

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from pipeline.answers.material.judged import LawFit
-from pipeline.answers.material.laws import STATES, nominal
+from pipeline.answers.material.laws import STATES
 from pipeline.answers.material.page import material_page
 from pipeline.answers.material.sentences import yaml_line
 from pipeline.answers.material.study import FitOptions, Material, fit_tests
@@ -84,7 +84,7 @@ def _curves(material: Material) -> list[tuple[str | float, ...]]:
     rows: list[tuple[str | float, ...]] = []
     s = material.points.stretch
     for fit in material.judged.laws:
-        states = [nominal(fit.law, s, across(s)) for across in STATES.values()]
+        states = [fit.law.incompressible(s, across(s)) for across in STATES.values()]
         low, high = fit.holds or (np.inf, -np.inf)
         table = np.column_stack([s, fit.law.uniaxial(s).nominal, *states])
         rows += [(fit.name, *row, str(low <= row[0] <= high).lower()) for row in table.tolist()]

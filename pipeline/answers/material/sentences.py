@@ -6,7 +6,7 @@ import numpy as np
 
 from fem.materials import LAWS, Constant
 from pipeline.answers.material.judged import NEAREST, WITHIN, Judged, LawFit, Need, end_of, parting
-from pipeline.answers.material.laws import Points, nominal
+from pipeline.answers.material.laws import Points
 from pipeline.answers.material.loading import TensileTest
 from pipeline.config.units import DENSITY, convert
 
@@ -104,7 +104,7 @@ def _beyond(judged: Judged, points: Points) -> Iterator[str]:
 def _stiffens(fit: LawFit) -> bool:
     """Whether the slope of the nominal stress of a bar grows again before a stretch of `FAR`."""
     stretch = np.linspace(1.0, FAR, 61)
-    slope = np.diff(nominal(fit.law, stretch, stretch**-0.5))
+    slope = np.diff(fit.law.incompressible(stretch, stretch**-0.5))
     return bool(slope[-1] > FURTHER * slope.min())
 
 

@@ -11,7 +11,7 @@ from typer.testing import CliRunner
 import fem
 from geometry.arrays import Array
 from pipeline.answers.material.kinds import contradictions
-from pipeline.answers.material.laws import STATES, nominal
+from pipeline.answers.material.laws import STATES
 from pipeline.answers.material.study import FitOptions, Material, fit_tests
 from pipeline.cli import app
 
@@ -32,7 +32,7 @@ pressures: [5 kPa]
 
 
 def file(folder: Path, state: str, factor: float = 1.0, title: str = "strain (1),stress (MPa)") -> Path:
-    stress = factor * nominal(TRUTH, 1 + STRAIN, STATES[state](1 + STRAIN))
+    stress = factor * TRUTH.incompressible(1 + STRAIN, STATES[state](1 + STRAIN))
     rows = "\n".join(f"{e},{s}" for e, s in zip(STRAIN, stress, strict=True))
     (folder / f"{state}.csv").write_text(f"{title}\n{rows}\n")
     return folder / f"{state}.csv"
@@ -53,7 +53,7 @@ def test_a_law_comes_back_from_tests_of_two_kinds(states: tuple[str, str], tmp_p
     assert best.constants == pytest.approx([0.06, 0.004, 0.0], rel=2e-2, abs=1e-4)
     measured = "equibiaxial" in states
     assert any("does not pull in two directions" in sentence for sentence in found.words) is not measured
-    first = float(nominal(TRUTH, np.array([2.0]), STATES[states[0]](np.array([2.0])))[0])
+    first = float(TRUTH.incompressible(np.array([2.0]), STATES[states[0]](np.array([2.0])))[0])
     assert any(f"stress at 100 % strain {first:.3g} MPa" in sentence for sentence in found.words)
     assert len(found.kinds.table.rows) > 10
     assert not fit_tests([file(tmp_path, states[1])], FitOptions(kinds=states[1:])).kinds.table
