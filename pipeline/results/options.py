@@ -27,7 +27,7 @@ def write_new(file: Path, text: str) -> None:
     """
     first = text.partition("\n")[0].encode()
     if file.exists() and not (file.is_file() and file.read_bytes().startswith(first)):
-        raise InputError(f"{file}: exists and was not made by this command; give another file")
+        raise InputError(f"{file}: exists and was not made by this command; rename it")
     write_atomic(open_file(file), text.encode())
 
 
