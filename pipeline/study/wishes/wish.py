@@ -17,6 +17,7 @@ from pipeline.config.document import Document
 from pipeline.config.section import Field, Kind, Section, read, section
 from pipeline.config.units import ANGLE, CURVATURE, FORCE, LENGTH, MASS, STIFFNESS, Dimension
 from pipeline.values.json_values import JsonObject, Written
+from rod.arm_law.quantities import DEFLECTION
 from rod.arm_law.quantities import QUANTITIES as ASKED
 from rod.load import Loading
 
@@ -214,12 +215,26 @@ class WishFile:
         heights = [f"{height:g} mm" for height in dict.fromkeys(wish.height_mm for wish in forces)]
         if heights:
             found["end"] = {"y": heights[0]}
-        loads = [wish.under.on(1.0, None, (0.0, 0.0), weight=False).force[:2] for wish in self.wishes.wishes]
-        pulled = [[f"{x:g} N", f"{y:g} N"] for x, y in dict.fromkeys(loads) if x or y]
+        pulled = [[f"{x:g} N", f"{y:g} N"] for x, y in self._pulls(found)]
         more = {name: given for name, given in (("end_y", heights[1:]), ("forces", pulled)) if given}
         if more:
             found["validation"] = more  # the law is measured up to these loads
-        return self.base.with_values(list(found.items()), lambda key: f"{self.source}: {key}")
+        return self._with(found)
+
+    def _with(self, values: Mapping[str, Written]) -> Document:
+        return self.base.with_values(list(values.items()), lambda key: f"{self.source}: {key}")
+
+    def _pulls(self, found: Mapping[str, Written]) -> dict[tuple[float, float], None]:
+        """Forces (x, y) on the end, N, up to which wishes under a load need the law, with those that a stiffness beside
+        them takes; found: what is written of the design."""
+        if not any(wish.load for wish in self.wishes.wishes):
+            return {}
+        length, forces = read(Config, self._with(found)).design.length, list[tuple[float, float]]()
+        for wish in self.wishes.wishes:
+            x, y = wish.under.on(length, None, (0.0, 0.0), weight=False).force[:2]
+            turned = abs(wish.under.moment) / length + DEFLECTION * length * wish.given * (wish.quantity == "stiffness")
+            forces.append((x, y + np.copysign(turned, y)))
+        return dict.fromkeys(force for force in forces if any(force))
 
     def config(self, point: Array) -> Config:
         """The design of a point (n,). Raises InputError."""

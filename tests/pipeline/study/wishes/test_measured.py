@@ -62,7 +62,6 @@ def test_stiffer_moduli_are_derivatives_by_the_material(tmp_path: Path) -> None:
     """Central differences over 4 % of the modulus, on the same mesh."""
     text = SMALL.replace("starts", "").replace("accuracy: off}", "accuracy: off, material.E: E MPa}")
     text = text.replace("0.1 deg}", "0.1 deg, under: {force: [0 N, -0.01 N]}}")
-    text = "\n".join(line for line in text.splitlines() if "stiffness" not in line)
     ends = []
     for number, modulus in enumerate((1.2 * 0.98, 1.2, 1.2 * 1.02)):
         (tmp_path / str(number)).mkdir()
