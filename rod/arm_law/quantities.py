@@ -39,6 +39,7 @@ class Quantity:
     in_law: bool = False  #: whether law.json and `results.sensitivities` have its derivatives
     wished: str = ""  #: how it follows dimensions of a design, "line" or "power"; empty: it cannot be wished
     bears: bool = False  #: whether it can be asked under a load
+    deflects: float = 0.0  #: force on the tip that it takes by itself, over the length and what is given
 
 
 def _rigidity(rod: LawRod, known: LawRod, *_: object) -> float:
@@ -88,7 +89,7 @@ QUANTITIES = {
         Quantity(ACROSS[0], "N mm2", lambda rod, *_: _without_moment(rod, ACROSS[0]), title="B₂", in_law=True),
         Quantity(ACROSS[1], "N mm2", lambda rod, *_: _without_moment(rod, ACROSS[1]), title="GJ", in_law=True),
         Quantity("angle", "deg", lambda *of: of[0].under(of[3]).bending_deg, wished="line", bears=True),
-        Quantity("stiffness", "N/mm", _stiffness, wished="power"),
+        Quantity("stiffness", "N/mm", _stiffness, wished="power", deflects=DEFLECTION),
     )
 }
 #: units of those whose derivatives a law has, and of those that the rates of its cells tell

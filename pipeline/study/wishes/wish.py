@@ -17,7 +17,6 @@ from pipeline.config.document import Document
 from pipeline.config.section import Field, Kind, Section, read, section
 from pipeline.config.units import ANGLE, CURVATURE, FORCE, LENGTH, MASS, STIFFNESS, Dimension
 from pipeline.values.json_values import JsonObject, Written
-from rod.arm_law.quantities import DEFLECTION
 from rod.arm_law.quantities import QUANTITIES as ASKED
 from rod.load import Loading
 
@@ -232,7 +231,7 @@ class WishFile:
         length, forces = read(Config, self._with(found)).design.length, list[tuple[float, float]]()
         for wish in self.wishes.wishes:
             x, y = wish.under.on(length, None, (0.0, 0.0), weight=False).force[:2]
-            turned = abs(wish.under.moment) / length + DEFLECTION * length * wish.given * (wish.quantity == "stiffness")
+            turned = abs(wish.under.moment) / length + ASKED[wish.quantity].deflects * length * wish.given
             forces.append((x, y + np.copysign(turned, y)))
         return dict.fromkeys(force for force in forces if any(force))
 
