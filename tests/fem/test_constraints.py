@@ -23,7 +23,6 @@ from fem import (
     Step,
     StVenantKirchhoff,
     Support,
-    SupportError,
     follow,
 )
 from fem.discretisation import Discretisation
@@ -109,23 +108,6 @@ def test_a_normal_along_an_axis_only_selects_components() -> None:
     assert along.selects
     assert (along.transformation != fixed.transformation).nnz == 0
     assert not Constraints.of([Symmetry("left", (1.0, 1.0, 0.0))], BOX).selects
-
-
-@pytest.mark.parametrize(
-    ("supports", "sentence"),
-    [
-        ([Symmetry("left", (0.0, 0.0, 0.0))], "a plane needs a normal of finite length greater than zero"),
-        ([Tied("left", "right", "w")], "component 'w' does not exist"),
-        (
-            [Fixed("left"), Symmetry("left", (1.0, 1.0, 0.0), offset=0.1)],
-            "Symmetry at 'left' contradicts other supports: they prescribe different displacements x of the node at",
-        ),
-        ([Tied("left", "right", "x"), Fixed("left"), Prescribed("right", "x", 0.1)], "Tied at 'left' contradicts"),
-    ],
-)
-def test_what_contradicts_or_does_not_match_is_refused(supports: list[Support], sentence: str) -> None:
-    with pytest.raises(SupportError, match=sentence):
-        Constraints.of(supports, BOX)
 
 
 # reduction

@@ -75,8 +75,3 @@ def test_the_end_held_where_a_force_put_it_needs_that_force(short) -> None:
     step = follow(held.model(material, [], "p2p0"), [1.0]).steps[-1]
     assert held.end_force(step) == pytest.approx(force, rel=5e-3)
     assert held.clamp_force(step) == pytest.approx(-held.end_force(step), rel=1e-6)
-
-
-def test_a_force_along_an_axis_on_which_the_end_is_held_is_refused(short) -> None:
-    with pytest.raises(ValueError, match="either a displacement or a force"):
-        Experiment.of("III", short, 0.4, FORCE)

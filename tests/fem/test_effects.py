@@ -10,8 +10,6 @@ from fem import (
     ContactError,
     Effect,
     Gravity,
-    LineForce,
-    MaterialError,
     Pressure,
     SelfContact,
     StrainLimitingLayer,
@@ -151,11 +149,6 @@ def test_gravity_weighs_the_body(formulation: str) -> None:
     np.testing.assert_allclose(turning, np.cross([0.5, 1.0, 1.5], pull.sum(axis=0)), rtol=1e-12, atol=1e-18)
 
 
-def test_gravity_on_a_region_that_the_mesh_does_not_have_is_refused() -> None:
-    with pytest.raises(MaterialError, match="the mesh has no region 'core'; it has no regions"):
-        bound(box((1, 1, 1), (1.0, 1.0, 1.0)), Gravity(1e-9, regions={"core": 2e-9}))
-
-
 @pytest.mark.parametrize("formulation", ["p2p0", "p1"])
 def test_contact_forces_have_no_resultant(formulation: str) -> None:
     for name in ("facing walls", "barrier"):
@@ -251,43 +244,6 @@ def test_walls_that_meet_from_far_are_told_with_their_distance_at_rest(gap: floa
     assert violation.code == code
     assert 19.0 <= violation.values.get("apart_mm", gap) < 30.0 or code == "walls_cross"
     assert violation.where is not None
-
-
-@pytest.mark.parametrize("contact", [SelfContact("above"), SelfContact("prongs", GAP), SelfContact("prongs", 2 * GAP)])
-def test_contact_that_cannot_be_is_refused(contact: SelfContact) -> None:
-    with pytest.raises(ContactError, match=r"self-contact on '(above|prongs)': "):
-        bound(fork(GAP), contact)
-
-
-@pytest.mark.parametrize(
-    ("make", "sentence"),
-    [
-        (lambda: Pressure("cavity", np.nan), r"pressure on 'cavity': value \(MPa\) must be finite, not nan"),
-        (lambda: Pressure("cavity", -np.inf), r"pressure on 'cavity': value \(MPa\) must be finite, not -inf"),
-        (lambda: Gravity(np.inf), r"gravity: density \(tonne/mm3\) must be finite, not inf"),
-        (lambda: Gravity(1e-9, (0.0, np.nan, 0.0)), r"acceleration \(mm/s2\) must be finite, not \(0.0, nan, 0.0\)"),
-        (lambda: Gravity(1e-9, regions={"core": np.nan}), r"density of region 'core' \(tonne/mm3\) must be finite"),
-        (lambda: LineForce(LINE, (0.0, np.inf, 0.0)), r"line force: force \(N\) must be finite, not \(0.0, inf, 0.0\)"),
-        (lambda: StrainLimitingLayer(FACE, np.inf, 1.0, 0.3), "thickness must be positive and finite, not inf mm"),
-        (lambda: StrainLimitingLayer(FACE, 0.1, np.inf, 0.3), "E = inf MPa: Young's modulus must be positive and fin"),
-    ],
-)
-def test_effects_with_numbers_that_are_not_finite_are_refused(make: Callable[[], Effect], sentence: str) -> None:
-    with pytest.raises(ValueError, match=sentence):
-        make()
-
-
-@pytest.mark.parametrize(
-    ("numbers", "sentence"),
-    [
-        *(({"overlap": overlap}, f"overlap = {overlap} must be at least 0 and below 1") for overlap in (-0.5, 1, 1.5)),
-        ({"overlap": np.nan}, "overlap = nan must be at least 0 and below 1"),
-        *(({"dhat": dhat}, f"dhat = {dhat} mm must be positive and finite") for dhat in (0, -1, np.nan, np.inf)),
-    ],
-)
-def test_numbers_that_a_barrier_cannot_have_are_refused(numbers: dict[str, float], sentence: str) -> None:
-    with pytest.raises(ContactError, match=f"self-contact on 'prongs': {sentence}"):
-        SelfContact("prongs", **numbers)
 
 
 @pytest.mark.parametrize("starts_inactive", [False, True])

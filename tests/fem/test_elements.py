@@ -5,7 +5,7 @@ import pytest
 import skfem
 
 from fem.discretisation import Discretisation
-from fem.elements import ELEMENTS, Element, Volumetric, automatic_element, element_of
+from fem.elements import ELEMENTS, Element, Volumetric, automatic_element
 from fem.kernels.element import internal_force
 from fem.post.extremes import strain_at_stress_points
 from geometry import SemicircularSingle
@@ -35,11 +35,6 @@ def test_a_discretisation_has_the_nodes_and_stress_points_of_its_element(element
     assert space.weight.shape == (mesh.tets.shape[0], element.shape.points + at_centroid)
     np.testing.assert_allclose(space.volume.sum(), 6.0)
     np.testing.assert_allclose(space.weight.sum(), 12.0 if at_centroid else 6.0)
-
-
-def test_an_unknown_element_is_refused() -> None:
-    with pytest.raises(ValueError, match="formulation 'p3': allowed are p2p0, p2, mixed, p1"):
-        element_of("p3")
 
 
 @pytest.mark.parametrize(

@@ -6,7 +6,7 @@ import pytest
 import fem
 from fem.discretisation import Discretisation
 from fem.effects.hoops import Hoops, faces_along
-from fem.effects.membrane import LayerError, LayerTerm
+from fem.effects.membrane import LayerTerm
 from geometry import Mesh
 from geometry.arrays import Array
 from tests.fem.test_membrane import HEIGHT, LENGTH, SOFT, WIDTH, check_derivatives, strip
@@ -53,19 +53,3 @@ def test_hoops_run_on_faces_along_the_arm_alone() -> None:
     assert len(along) == np.count_nonzero(~across)
     term = Hoops(along, 0.1, 50.0).bind(Discretisation.of(mesh, "p2"), LAW)
     assert term.arrays.weight.sum() == pytest.approx(0.1 * 2 * LENGTH * (HEIGHT + WIDTH))
-
-
-@pytest.mark.parametrize(
-    ("thickness", "E", "angle", "why"),
-    [
-        (0.0, 1.0, 0.0, "thickness must be positive"),
-        (0.1, -1.0, 0.0, "modulus must be positive"),
-        (0.1, 1.0, 1.6, "angle must be from 0"),
-    ],
-)
-def test_impossible_hoops_are_refused(thickness: float, E: float, angle: float, why: str) -> None:
-    triangles = strip((2, 1, 1)).boundary
-    with pytest.raises(LayerError, match=why):
-        Hoops(triangles, thickness, E, angle)
-    with pytest.raises(LayerError, match="no face"):
-        Hoops(triangles[:0], 0.1, 1.0)

@@ -22,7 +22,6 @@ from fem import (
     Step,
     StVenantKirchhoff,
     follow,
-    follow_volume,
     step_from_arrays,
     step_to_arrays,
 )
@@ -189,14 +188,6 @@ def test_a_load_that_is_not_a_number_has_no_equilibrium() -> None:
     with pytest.raises(NotConverged) as caught:
         follow(beam([pulled]), [1.0])
     assert caught.value.end.reasons[0] == Reason("residual_unbounded", {"iterations": 0})
-
-
-@pytest.mark.parametrize("target", [np.nan, np.inf])
-def test_targets_that_are_not_finite_are_refused(target: float) -> None:
-    with pytest.raises(ValueError, match=rf"^load factors must be finite, not \[0.5, {target}\]"):
-        follow(beam([WEIGHT]), [0.5, target])
-    with pytest.raises(ValueError, match=rf"^volumes \(mm3\) must be finite, not \[{target}\]"):
-        follow_volume(beam([WEIGHT]), "left", [target])
 
 
 def test_an_element_turned_inside_out_is_named() -> None:

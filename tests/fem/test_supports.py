@@ -56,33 +56,6 @@ def test_a_component_may_be_prescribed_twice_with_one_value_but_not_with_two() -
         Constraints.of([Prescribed("right", "x", 0.3), Prescribed("right", "x", 0.3, ramp=False)], SPACE)
 
 
-@pytest.mark.parametrize(
-    ("support", "sentence"),
-    [
-        (Fixed("lid"), "face 'lid' does not exist; the mesh has back, bottom, front, left, right, top"),
-        (Fixed(("left", "lid")), "face 'lid' does not exist"),
-        (Fixed(("left", "right")), "faces 'left' and 'right' have no common edge"),
-        (Fixed("left", "xw"), "component 'w' does not exist; allowed are x, y and z"),
-        (Prescribed("left", "r", 1.0), "component 'r' does not exist"),
-        (Fixed(np.array([0.1, 0.2, 0.3])), r"no node at \(.*0.1.*0.2.*0.3.*\) mm; the nearest is 0.*mm away"),
-    ],
-)
-def test_a_support_that_names_nothing_is_refused_with_a_sentence(support: Fixed | Prescribed, sentence: str) -> None:
-    with pytest.raises(ValueError, match=sentence):
-        Constraints.of([support], SPACE)
-
-
-@pytest.mark.parametrize(
-    ("make", "sentence"),
-    [
-        (lambda: Prescribed("right", "x", np.nan), r"prescribed displacement x: value \(mm\) must be finite, not nan"),
-    ],
-)
-def test_a_support_with_a_value_that_is_not_finite_is_refused(make, sentence: str) -> None:
-    with pytest.raises(SupportError, match=sentence):
-        make()
-
-
 def stretched(ramp: bool, factors: list[float]) -> list[float]:
     supports = [Fixed("left", "x"), Fixed("bottom", "y"), Fixed("back", "z"), Prescribed("right", "x", 0.1, ramp)]
     model = Model(box((2, 1, 1), (2.0, 1.0, 1.0)), LAW, supports, [Pressure("top", 1e-9)])

@@ -29,18 +29,3 @@ def test_arrays_are_read_only_copies() -> None:
     for array in (line.s, line.x, line.y, line.angle, line.chords):
         with pytest.raises(ValueError, match="read-only"):
             array[0] = 1
-
-
-@pytest.mark.parametrize(
-    ("s", "x", "sentence"),
-    [
-        ([0, 1, 2], [0, 1, 2], "at least 4"),
-        ([0, 1, 1, 2], [0, 1, 2, 3], "increase"),
-        ([0, 1, 2, 3], [0, 1, 2, np.nan], "not finite"),
-        ([0, 1, 2, 3], [0, 1, 2], "one shape"),
-        ([[0, 1, 2, 3]], [[0, 1, 2, 3]], "one shape"),
-    ],
-)
-def test_lines_that_are_none_are_refused(s: list, x: list, sentence: str) -> None:
-    with pytest.raises(ValueError, match=sentence):
-        Centreline(np.array(s, float), np.array(x, float), np.zeros_like(np.array(x, float)))

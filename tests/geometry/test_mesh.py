@@ -186,24 +186,6 @@ def test_a_file_that_is_cut_off_is_refused_in_words(suffix: str, part: float, tm
         read_mesh_file(path)
 
 
-@pytest.mark.parametrize(
-    ("points", "tets", "faces", "sentence"),
-    [
-        (REGULAR[:, :2], [[0, 1, 2, 3]], {}, "shape"),
-        (REGULAR * np.nan, [[0, 1, 2, 3]], {}, "finite"),
-        (REGULAR, [[0, 1, 2, 4]], {}, "a point that the mesh does not have"),
-        (REGULAR, [[0, 1, 2, 3]], {"tip": [[0, 1, 7]]}, "tip uses a point"),
-        (REGULAR * [1, 1, 0], [[0, 1, 2, 3]], {}, "flat"),
-        (REGULAR, np.empty((0, 4)), {}, "no tetrahedra"),
-        (np.vstack([REGULAR, 3 * REGULAR]), [[0, 1, 2, 3]], {"tip": [[0, 1, 7]]}, "outside the body"),
-        (np.vstack([REGULAR, REGULAR]), [[0, 1, 2, 3], [0, 1, 2, 4], [0, 1, 2, 5]], {}, "share one face|flat"),
-    ],
-)
-def test_meshes_that_cannot_be_are_refused(points: np.ndarray, tets: object, faces: dict, sentence: str) -> None:
-    with pytest.raises(MeshError, match=sentence):
-        _ = Mesh(points, np.array(tets), {name: np.array(f) for name, f in faces.items()}).boundary
-
-
 def test_open_face_encloses_nothing(reference: Mesh) -> None:
     with pytest.raises(MeshError, match="tip encloses no volume"):
         reference.enclosed_volume("tip")

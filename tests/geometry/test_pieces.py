@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from geometry import GRADINGS, BisectedCircle, DesignError, PneuNet, Rectangular, Semicircular, SemicircularSingle
+from geometry import GRADINGS, BisectedCircle, PneuNet, Rectangular, Semicircular, SemicircularSingle
 from geometry.families.design import SymmetricDesign
 from tests.pieces import end_piece, half_cell
 
@@ -45,13 +45,6 @@ def test_planes_of_a_half_cell_lie_exactly_at_its_ends(design: SymmetricDesign) 
     for name, x in (("clamp", 0.0), ("tip", cell.length)):
         nodes = np.unique(cell.mesh.faces[name])
         np.testing.assert_array_equal(cell.mesh.points[nodes, 0], x)
-
-
-def test_a_body_without_an_inner_cell_has_no_half_cell() -> None:
-    with pytest.raises(DesignError, match="it needs two cells at least"):
-        half_cell(PneuNet(chambers=1), 4.0)
-    with pytest.raises(ValueError, match="the body has 2"):
-        end_piece(PneuNet(chambers=2), 3, 4.0)
 
 
 def test_a_flat_element_of_gmsh_does_not_end_the_process() -> None:

@@ -5,7 +5,6 @@ from dataclasses import replace
 from itertools import pairwise
 from math import cos, pi, sin
 from pathlib import Path
-from typing import Any
 
 import meshio
 import numpy as np
@@ -157,22 +156,6 @@ def test_equal_entries_are_the_arm_of_the_scalars() -> None:
     assert other.pitch == pytest.approx(11.0 / 4 + 7.0)
     with pytest.raises(DesignError, match="the gaps of the arm are not equal, so that it repeats no cell"):
         half_cell(other, 4.0)
-
-
-@pytest.mark.parametrize(
-    ("lists", "sentence"),
-    [
-        ({"chamber_heights": (12.0, 9.0)}, "must have 3 entries for 3 chambers, not 2; give all of them, or chamber_h"),
-        ({"gaps": (2.0, 2.0)}, "must have 4 entries for 3 chambers, not 2; give all of them, or gap alone"),
-        ({"gaps": (2.0, 0.0, 2.0, 2.0)}, "gaps: entry 2 must be a positive length, not 0.0"),
-        ({"chamber_lengths": (8.0, 2.0, 8.0)}, "wall 1 mm must be less than half of the smallest of chamber_lengths"),
-        ({"chamber_heights": (8.0, 2.0, 8.0)}, "roof 2 mm must be less than the smallest of chamber_heights, 2 mm"),
-        ({"gaps": (2.0, 1.0, 2.0, 2.0), "fillet": 0.6}, "fillet 0.6 mm must be less than half of the smallest of gaps"),
-    ],
-)
-def test_impossible_lists_are_refused(lists: dict[str, Any], sentence: str) -> None:
-    with pytest.raises(DesignError, match=sentence):
-        PneuNet(chambers=3, **lists)
 
 
 def test_round_families_by_hand() -> None:

@@ -17,7 +17,7 @@ from pipeline.results.laws import law_of_record
 from rod import ArmLaw, FiveParameters, Rod, RodError
 from rod.export.arm import Arm
 from rod.export.chain import Chain, chain_of_five, chain_of_law, linear_chain_of_law
-from rod.export.formats import EXPORTS, export_robot
+from rod.export.formats import export_robot
 from rod.export.lumped import cut_into_joints
 from rod.export.robot import Robot, Section, Solid
 from rod.export.tables import arm_table, table, write_csv, write_json, write_law_csv, write_law_json
@@ -472,18 +472,3 @@ def test_sorosim_loads_with_its_strains(law: ArmLaw, tmp_path: Path) -> None:
     cosine, sine = np.cos(theta[-1]), np.sin(theta[-1])
     end = [x + along * cosine - across * sine, y + along * sine + across * cosine]
     assert 1e3 * np.array(end) == pytest.approx(free.end, abs=0.3)
-
-
-@pytest.mark.parametrize(
-    ("call", "sentence"),
-    [
-        (lambda: replace(SOLID, mass=0.0), r"mass must be positive, not 0\.0"),
-        (lambda: replace(SOLID, loss_factor=-0.1), r"loss_factor must be positive"),
-        (lambda: Arm((37.0, 17.0), (ROD, ROD)), r"must be above 0 and in ascending order"),
-        (lambda: export_robot(Robot.of_five(arm(), SOLID), "abaqus", Path()), r"'abaqus' is not among the programs"),
-    ],
-)
-def test_wrong_exports_are_refused(call, sentence) -> None:
-    with pytest.raises(RodError, match=sentence):
-        call()
-    assert len(EXPORTS) == 6

@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from rod import FiveParameters, RodError
+from rod import FiveParameters
 
 LAW = FiveParameters(alpha1=55.0, alpha2=400.0, m01=5.0, m02=-0.3, d=14.0)
 
@@ -32,22 +32,3 @@ def test_the_law_is_a_frozen_value():
     with pytest.raises(dataclasses.FrozenInstanceError):
         LAW.alpha1 = 1.0  # type: ignore[misc]
     assert FiveParameters(55, 400, 5, -0.3, 14) == LAW
-
-
-@pytest.mark.parametrize(
-    ("change", "sentence"),
-    [
-        ({"alpha1": 0.0}, r"alpha1 is a rigidity and must be positive, not 0 N mm2\."),
-        ({"alpha2": -3.0}, r"alpha2 is a rigidity"),
-        ({"m01": float("nan")}, r"m01 must be a finite number, not nan\."),
-        ({"d": 0.0}, r"d is measured from the clamp and must be positive, not 0 mm\."),
-        ({"d": float("inf")}, r"d must be a finite number"),
-        ({"alpha1": "55"}, r"alpha1 must be a finite number, not '55'\."),
-        ({"alpha1": True}, r"alpha1 must be a finite number, not True\."),
-        ({"m02": None}, r"m02 must be a finite number, not None\."),
-        ({"alpha2": 10**400}, r"alpha2 must be a finite number"),
-    ],
-)
-def test_impossible_numbers_are_refused_by_name(change, sentence):
-    with pytest.raises(RodError, match=sentence):
-        dataclasses.replace(LAW, **change)

@@ -1,7 +1,5 @@
 """Loads of an arm besides its pressure: end force, end couple, dead weight."""
 
-import math
-
 import numpy as np
 import pytest
 
@@ -60,16 +58,3 @@ def test_the_end_held_where_a_force_put_it_needs_that_force() -> None:
         held = ARM.under(load, end_y=end_y, end_x=end_x)
         assert (held.x[-1], held.y[-1]) == pytest.approx((x, y), abs=1e-6)
         assert held.force == pytest.approx(force, rel=1e-5)
-
-
-@pytest.mark.parametrize(
-    ("values", "sentence"),
-    [
-        ({"force": (1.0,)}, "force has finite numbers x and y"),
-        ({"weight": (0.0, math.nan)}, "weight has finite numbers x and y"),
-        ({"couple": math.inf}, "The end moment must be a finite number"),
-    ],
-)
-def test_a_load_that_is_none_is_refused(values: dict, sentence: str) -> None:
-    with pytest.raises(RodError, match=sentence):
-        Load(**values)

@@ -47,22 +47,3 @@ def test_masses_without_gravity_have_inertia_and_no_weight() -> None:
     assert frequencies(body, 0.0, light, 1)[0].frequency_hz < 0.8 * frequencies(body, 0.0, count=1)[0].frequency_hz
     with pytest.raises(RodError, match="A weight needs the direction of gravity"):
         ARM.bear(light)
-
-
-@pytest.mark.parametrize(
-    ("given", "sentence"),
-    [
-        ({"force": (0.0, 0.1), "end": (90.0, 0.0)}, "Give either the force on the end or its position"),
-        ({"end": (90.0,)}, "end is x and y, in space also z, None where it is free"),
-        ({"end": "90 mm"}, "end is x and y, in space also z, None where it is free"),
-        ({"force": "0.05"}, "force must be a finite number, not '0.05'; write it in N, or with its unit"),
-        ({"tip_mass": "-5 g"}, "is no mass; write it in g"),
-        ({"direction": "up"}, "is no orientation of an arm"),
-        ({"direction": (0.0, 0.0)}, "The direction of gravity must not be zero"),
-        ({"hung": ["5 g"]}, "hung is a list of places and masses"),
-        ({"along": [1.0]}, "along is a list of rod.PointLoad"),
-    ],
-)
-def test_what_is_no_loading_is_refused(given: dict[str, Any], sentence: str) -> None:
-    with pytest.raises(RodError, match=sentence):
-        Loading(**given)

@@ -1,6 +1,5 @@
 """Forces, line loads and masses along rods: closed forms, loads on the end, and what is refused."""
 
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -9,7 +8,7 @@ import pytest
 
 import pneurod
 from pipeline.answers.rods.choice import rod_of_path
-from rod import FiveParameters, LineLoad, Load, PointLoad, Rod, RodError
+from rod import FiveParameters, LineLoad, Load, PointLoad, Rod
 from rod.weight import WEIGHT_OF_GRAM, Mass, position_along
 from tests.coarse import COARSE
 from tests.rod.arm_law.test_arm_law import EI, law_of, straight_law
@@ -141,32 +140,6 @@ def test_the_stability_of_a_rod_knows_loads_along_it() -> None:
     assert rod.stability(rod.under(far)).lowest == pytest.approx(0.1, abs=0.02)
     beyond = Load(along=(PointLoad(L_IN_SPACE, (-1.5 * critical, 0.0)),))
     assert rod.buckling_part(beyond) == pytest.approx(1.0 / 1.5, rel=5e-3)
-
-
-@pytest.mark.parametrize(
-    ("call", "sentence"),
-    [
-        (lambda: FIVE.solve(along=[PointLoad(120.0, (0, 1))]), r"A load acts at 0 < s <= 110 mm .* s = 120 mm is outs"),
-        (lambda: LAW.solve(along=[PointLoad(0.0, (0, 1))]), "s = 0 mm is outside"),
-        (lambda: LAW.solve(along=[LineLoad(10.0, 130.0, (0, 1))]), "s = 130 mm is outside"),
-        (lambda: LineLoad(10.0, 5.0, (0, 1)), "to an end beyond it; 10 to 5 mm does not"),
-        (lambda: PointLoad(float("nan"), (0, 1)), "s"),
-        (lambda: PointLoad(5.0, (0, "a")), "force has finite numbers x and y"),
-        (lambda: PointLoad(5.0, (0, 1), beside=3), "beside is a pair of finite numbers"),
-        (lambda: LAW.solve(along=PointLoad(5.0, (0, 1))), r"along is a list of rod\.PointLoad, rod\.LineLoad"),
-        (lambda: LAW.solve(along=[(5.0, (0, 1))]), r"along is a list of rod\.PointLoad, rod\.LineLoad"),
-        (lambda: LAW.solve(along=[PointLoad(50.0, (0, 50))]), "this load bends the cells with"),
-        (lambda: FIVE.solve(along=[PointLoad(50.0, (0, 0, 1))]), "A rod with five parameters stays in its plane"),
-        (lambda: FIVE.under(Load(along=(PointLoad(50.0, (0, 0, 1)),))), "A load across the plane"),
-        (lambda: LAW.solve(hung=[("0.5 k", "5 g")], direction="lying", weight=False), "is no place along an arm"),
-        (lambda: LAW.solve(hung=[("0.5 l", "5 mm")], direction="lying", weight=False), "is no mass"),
-        (lambda: LAW.solve(hung=["0.5 l"], direction="lying", weight=False), "hung is a list of places and masses"),
-        (lambda: LAW.solve(hung=[("0.5 l", "5 g")]), "needs the direction of gravity"),
-    ],
-)
-def test_loads_that_are_none_are_refused(call: Callable[[], Any], sentence: str) -> None:
-    with pytest.raises(RodError, match=sentence):
-        call()
 
 
 def test_the_package_has_the_loads_and_python_takes_those_of_the_command_line() -> None:

@@ -116,37 +116,6 @@ def test_one_pressure_is_a_rod_at_that_pressure():
         single.at(20.0)
 
 
-@pytest.mark.parametrize(
-    ("pressure", "sentence"),
-    [
-        (16.0, r"^16 kPa lies outside the identified range of 17 to 37 kPa\.$"),
-        (47.5, r"^47\.5 kPa lies outside the identified range of 17 to 37 kPa\.$"),
-        (float("nan"), r"^The pressure must be a finite number, not nan; write it in kPa, or with its unit\.$"),
-        ("28 mm", r"^The pressure .*'28 mm'"),
-    ],
-)
-def test_pressures_outside_and_none_are_refused(pressure, sentence):
-    with pytest.raises(RodError, match=sentence):
-        ROD.at(pressure)
-
-
-@pytest.mark.parametrize(
-    ("call", "sentence"),
-    [
-        (lambda: straightness([10.0, 10.0], [1.0, 2.0], [0.1, 0.1]), r"two different pressures"),
-        (lambda: dataclasses.replace(ROD, pressures=np.array([37.0, 17.0])), r"must rise"),
-        (lambda: dataclasses.replace(ROD, laws=ROD.laws[:1]), r"Every pressure of a rod needs its five parameters"),
-        (
-            lambda: dataclasses.replace(ROD, theta0=ROD.theta0[:1]),
-            r"Every pressure of a rod needs its five parameters, its theta0",
-        ),
-    ],
-)
-def test_impossible_requests_are_refused(call, sentence):
-    with pytest.raises(RodError, match=sentence):
-        call()
-
-
 def bent(p: list[float]) -> dict[str, Quantity]:
     """A straight quantity, and one that is straight from 17 kPa on."""
     return {

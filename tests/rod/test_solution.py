@@ -3,13 +3,12 @@
 import copy
 import pickle
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 import pytest
 
 from geometry import Centreline
-from rod import FiveParameters, Rod, RodError, RodSolution
+from rod import FiveParameters, Rod, RodSolution
 from tests.rod.arm_law.test_arm_law import LENGTH, law_of, straight_law
 
 FIVE = Rod(LENGTH, -0.01, FiveParameters(400.0, 400.0, 0.0, 0.0, 20.0), start=(0.0, 1.0))
@@ -82,43 +81,3 @@ def test_solutions_can_be_pickled_and_copied() -> None:
         for again in (pickle.loads(pickle.dumps(shape)), copy.deepcopy(shape)):
             np.testing.assert_array_equal(again.curve, shape.curve)
             assert again.end_angle == shape.end_angle
-
-
-@pytest.mark.parametrize(
-    ("loads", "sentence"),
-    [
-        ({"end_y": float("nan")}, "end_y must be a finite number, not nan; write it in mm, or with its unit."),
-        ({"end_y": "3"}, "end_y must be a finite number, not '3'; write it in mm, or with its unit."),
-        ({"end": (100.0,)}, "end is x and y, in space also z, None where it is free; (100.0,) is not."),
-        ({"force": "0.05 mm"}, "force must be a finite number, not '0.05 mm'; write it in N, or with its unit."),
-        ({"force": ("0 N", "0.05")}, "force has finite numbers x and y, in space also z; ('0 N', '0.05') has not."),
-        (
-            {"force": (0.0, 0.1, 0.0, 0.0)},
-            "force has finite numbers x and y, in space also z; (0.0, 0.1, 0.0, 0.0) has not.",
-        ),
-        ({"moment": None}, "The end moment must be a finite number, not None; write it in N*mm, or with its unit."),
-    ],
-)
-def test_loads_that_are_no_numbers_are_refused_by_all_rods(loads: dict[str, Any], sentence: str) -> None:
-    law = law_of(straight_law(0.0)).at(0.0)
-    for rod in (FIVE, law, Rod(LENGTH, law=law)):
-        with pytest.raises(RodError) as refused:
-            rod.solve(**loads)
-        assert str(refused.value) == sentence
-
-
-@pytest.mark.parametrize("s", [5, [float("nan")], "5", [[1.0, 2.0]], None])
-def test_positions_are_those_of_an_array_of_numbers(s: Any) -> None:
-    with pytest.raises(RodError, match="s is an array"):
-        FIVE.solve().positions(s)
-
-
-def test_a_law_over_all_pressures_is_refused_as_the_law_of_a_rod() -> None:
-    law: Any = law_of(straight_law(0.0))
-    with pytest.raises(RodError, match=r"law = arm_law\.at\(pressure in kPa\)"):
-        Rod(LENGTH, law=law)
-    five: Any = "five"
-    with pytest.raises(RodError, match="The law of a rod is five parameters, two slopes, or"):
-        Rod(LENGTH, -0.01, five)
-    with pytest.raises(RodError, match="The pressure must be a finite number, not '0 mm'"):
-        law.at("0 mm")

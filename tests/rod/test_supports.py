@@ -2,7 +2,6 @@
 
 import dataclasses
 import re
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -189,24 +188,3 @@ def test_what_holds_an_arm_has_an_exact_tangent(held: dict[str, Any]) -> None:
         assert places == pytest.approx(tangent.direct[:, c], abs=1e-8)
         _, turned = difference("angle", node)
         assert turned[c] == pytest.approx(tangent.by_motion[c, 2], abs=1e-6)
-
-
-@pytest.mark.parametrize(
-    ("call", "sentence"),
-    [
-        (lambda: FIVE.solve(along=[Support(120.0, y=0.0)]), r"stands at 0\.011 < s <= 110 mm; s = 120 mm is outside"),
-        (lambda: LAW.solve(along=[Support(0.0, y=0.0)]), "< s <= 110 mm; s = 0 mm is outside"),
-        (lambda: LAW.solve(along=[Support(50.0, y=0.0), Support(50.0, y=1.0)]), "Two supports stand at s = 50 mm"),
-        (lambda: LAW.solve(along=[Support(L, y=0.0)], end_y=0.0), "Two supports stand at s = 110 mm; write all that"),
-        (lambda: FIVE.solve(along=[Support(40.0, x=60.0)]), "The point at s = 40 mm cannot be 60 mm from the clamp"),
-        (lambda: FIVE.solve(along=[Support(40.0, z=0.0)]), "A rod with five parameters stays in its plane"),
-        (lambda: straight().under(Load(supports=(Support(40.0, z=0.0),))), "A load across the plane"),
-        (lambda: IN_SPACE.solve(along=[Support(40.0, z=0.0, angle=0.0)]), "holds an angle in the plane"),
-        (lambda: Support(40.0), "holds x, y, z or the angle of a section; this one holds none"),
-        (lambda: Support(40.0, y=float("nan")), "y must be a finite number"),
-        (lambda: Support(40.0, y=0.0, beside=(1.0, float("inf"))), "beside is a pair of finite numbers"),
-    ],
-)
-def test_supports_that_are_none_are_refused(call: Callable[[], Any], sentence: str) -> None:
-    with pytest.raises(RodError, match=sentence):
-        call()

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from rod import FiveParameters, Load, Rod, RodError
+from rod import FiveParameters, Rod
 from rod.weight import WEIGHT_OF_GRAM, Mass, gravity_direction, in_grams
 from tests.rod.arm_law.test_arm_law import EI, LENGTH, law_of, straight_law
 
@@ -72,25 +72,3 @@ def test_a_longer_arm_of_the_same_cells_has_more_mass() -> None:
     within, heights = Mass.even(LENGTH, GRAMS, HEIGHT).within(np.array([0.0, 0.5 * LENGTH, 2.0 * LENGTH]))
     assert within == pytest.approx([0.0, 0.5 * GRAMS, 2.0 * GRAMS])
     assert heights == pytest.approx(HEIGHT * within)
-
-
-@pytest.mark.parametrize(
-    ("call", "sentence"),
-    [
-        (lambda: by_law().solve(tip_mass="20 g"), "needs the direction of gravity"),
-        (lambda: by_law(None).solve(direction="lying"), "give material.density in its configuration"),
-        (lambda: by_law().solve(direction="sideways"), "allowed are hanging, lying, standing, an angle such as 30 deg"),
-        (lambda: by_law().solve(direction=(0, 0)), "must not be zero"),
-        (lambda: by_law().solve(direction="lying", tip_mass="20 mm"), "is no mass; write it in g"),
-        (lambda: by_law().solve(direction="lying", tip_mass=-1), "is no mass; write it in g"),
-        (
-            lambda: Rod(LENGTH, 0.0, FiveParameters(EI, EI, 0, 0, 50), weight=(0, -1e-4)).solve(direction="lying"),
-            "identified under its weight, which it carries",
-        ),
-        (lambda: Mass(np.array([0.0, 1.0]), np.array([0.0, -1.0]), np.zeros(2)), "given from its end on"),
-        (lambda: by_law().under(Load(weight=(float("nan"), 0.0))), "weight has finite numbers x and y"),
-    ],
-)
-def test_weights_that_are_none_are_refused(call: Any, sentence: str) -> None:
-    with pytest.raises(RodError, match=sentence):
-        call()

@@ -161,12 +161,3 @@ def test_a_stretch_beyond_the_law_of_a_region_is_named_with_it() -> None:
     assert reason.values["stretch"] == pytest.approx(0.5)
     assert reason.values["of_region"] == " of the region base"
     assert fem.unstable_stretches(space, pressed, NeoHooke(0.4, 8.0)) == ()
-
-
-def test_regions_that_the_mesh_does_not_have_are_refused() -> None:
-    mesh = with_base(box((2, 3, 1), (2.0, 3.0, 1.0)), 1, 1.0)
-    law = StVenantKirchhoff(1.2, 0.4)
-    with pytest.raises(fem.MaterialError, match="the mesh has no region 'top'; it has base"):
-        Model(mesh, ByRegion(law, {"top": law}), SIDES, []).system()
-    with pytest.raises(fem.MaterialError, match="at least one region"):
-        ByRegion(law, {})

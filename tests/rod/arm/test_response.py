@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from rod import FiveParameters, Load, PointLoad, Rod, RodError, Support
+from rod import FiveParameters, Load, PointLoad, Rod, Support
 from tests.coarse import coarse_run
 from tests.quotients import SOLVED, quotient
 from tests.rod.arm_law.test_space_law import law as space_law
@@ -110,11 +110,3 @@ def test_of_an_arm_in_space_and_of_one_whose_end_is_held() -> None:
     assert by_couple.force == quotient(more.force, less.force, 0.02, SOLVED).within(
         rel=1e-3, abs=1e-3 * np.abs(by_couple.force).max()
     )
-
-
-def test_loads_off_the_rod_and_across_its_plane_are_refused() -> None:
-    shape = Rod(LENGTH, 0.01, STRAIGHT).solve()
-    with pytest.raises(RodError, match="s = 200 mm is outside"):
-        shape.derivative(Load(along=(PointLoad(200.0, (0.0, 1.0)),)))
-    with pytest.raises(RodError, match="across the plane moves an arm in space"):
-        shape.derivative(Load((0.0, 0.0, 1.0)))

@@ -9,7 +9,6 @@ import pytest
 
 from pipeline.results.laws import law_of_record, law_record
 from rod import ArmLaw, RodError
-from rod.arm_law.limit import PressureLimit
 from tests.snapping_arm import BACK, BY_MODULUS, BY_WALL, CURVED, LIMIT, SWOLLEN, kappa_0, snapping_law
 
 LAW = snapping_law()
@@ -29,33 +28,6 @@ def test_the_form_after_the_snap_is_asked_for_below_the_limit(pressure: float) -
 def test_beyond_the_limit_inflation_from_rest_has_snapped() -> None:
     assert LAW.at("27.01 kPa").section.kappa_0 == pytest.approx(kappa_0(27.01, after_snap=True), rel=2e-3)
     assert LAW.at(30.0).section.kappa_0 == LAW.at(30.0, after_snap=True).section.kappa_0
-
-
-@pytest.mark.parametrize(
-    ("pressure", "after_snap", "said"),
-    [
-        (26.9, False, r"goes from 0 to 26\.6 kPa; 26\.9 kPa is outside.* At 27 kPa its chambers swell at once\."),
-        (33.0, False, r"goes from 22\.1 to 32 kPa; 33 kPa is outside.* At 27 kPa its chambers swell at once\."),
-        (20.0, True, r"goes from 22\.1 to 32 kPa; 20 kPa is outside"),
-    ],
-)
-def test_between_the_forms_nothing_is_known(pressure: float, after_snap: bool, said: str) -> None:
-    with pytest.raises(RodError, match=said):
-        LAW.at(pressure, after_snap=after_snap)
-
-
-def test_a_limit_without_a_form_beyond_is_told() -> None:
-    law = snapping_law(swells=False)
-    with pytest.raises(
-        RodError, match=r"At 27 kPa its chambers swell at once\. This form of the arm ends there, below 28 kPa\."
-    ):
-        law.at(28.0)
-    with pytest.raises(RodError, match="no form after a snap"):
-        law.at(20.0, after_snap=True)
-    with pytest.raises(RodError, match="has a limit pressure, and one below which it snaps back"):
-        replace(LAW, back=None)
-    with pytest.raises(RodError, match="above 0 kPa, not -1"):
-        PressureLimit(-1.0)
 
 
 def test_moduli_scale_the_limits_exactly() -> None:

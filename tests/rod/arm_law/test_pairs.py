@@ -76,13 +76,6 @@ def test_nothing_is_extrapolated() -> None:
         law.at((20.0, -1.0))
 
 
-def test_equal_pressures_are_a_ray_between_others() -> None:
-    with pytest.raises(RodError, match="1 is one where others lie on both sides"):
-        fan(0.0, 2.0)
-    with pytest.raises(RodError, match="rising directions"):
-        fan(1.0, 0.0)
-
-
 def test_without_derivatives_there_is_nothing_between_rays() -> None:
     law = fan(0.0, 1.0)
     bare = law.laws[0].at(20.0).section

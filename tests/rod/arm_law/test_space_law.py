@@ -197,19 +197,6 @@ def test_a_kind_of_law_that_is_added_is_read_and_bends(tmp_path: Path, monkeypat
         pneurod.solve(tmp_path / "law.json", tip="[70 mm, 0 mm]")
 
 
-def test_pressures_between_the_rows_alone() -> None:
-    assert law().at((3.0, 3.0, 4.0)).pressures == (3.0, 3.0, 4.0)
-    with pytest.raises(RodError, match="are not between rows of the law"):
-        law().at((6.0, 5.0, 0.0))
-    with pytest.raises(RodError, match="has the pressures of a, b, c; give all"):
-        law().at((6.0, 5.0))
-
-
-def test_a_load_beyond_the_law_is_refused() -> None:
-    with pytest.raises(RodError, match="It is not extrapolated"):
-        law().at((0.0, 0.0, 0.0)).solve_in_space(Load((0.0, 0.2, 0.0)))
-
-
 def test_its_weight_bends_it_as_an_even_load() -> None:
     """A cantilever of 2 g lies along x; the file keeps its mass."""
     made = law_of_record(law_record(replace(law(), mass=Mass.even(LENGTH, 2.0))))
@@ -224,6 +211,7 @@ def test_its_weight_bends_it_as_an_even_load() -> None:
 
 
 def test_as_a_rod() -> None:
+    assert law().at((3.0, 3.0, 4.0)).pressures == (3.0, 3.0, 4.0)
     rod = Rod(LENGTH, law=law().at((5.0, 2.0, 0.0)))
     assert rod.solve(force=(0.0, 0.01)).end == rod.solve(force=(0.0, 0.01, 0.0)).end
     with pytest.raises(RodError, match="is that of an arm of 80 mm"):

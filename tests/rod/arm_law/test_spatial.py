@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from geometry.arrays import Array
-from rod import Load, Rod, RodError, RodSolution, SpatialSolution, Support
+from rod import Load, Rod, RodSolution, SpatialSolution, Support
 from rod.along import triple
 from rod.arm_law.curves import CellCurve, ClampCurve, TipCurve
 from rod.arm_law.law import ArmLaw
@@ -249,21 +249,6 @@ def test_weight_across_the_plane_is_that_of_its_mass_and_acts_above_the_axis() -
     assert found.frames[-1, 2, 1] == pytest.approx(-found.weight[2] * -3.0 * LENGTH / 2.0 / GJ, rel=0.1)
     with_payload = rod.solve(force=(0.0, 0.0, 0.0), direction=(0.0, 0.0, -1.0), weight=False, tip_mass="0.2 g")
     assert with_payload.end[2] == pytest.approx(-0.2 * 9.81e-3 * LENGTH**3 / (3.0 * B), rel=1e-3)
-
-
-@pytest.mark.parametrize(
-    ("arguments", "sentence"),
-    [
-        ({"force": (0.0, 1.0, math.nan)}, "force has finite numbers x and y"),
-        ({"force": (0.0, 0.0, 0.1), "end": (1.0, 2.0, 3.0)}, "Give either the force on the end or its position"),
-        ({"force": (0.0, 0.1, 0.0, 0.0), "direction": (0.0, 0.0, 1.0)}, "force has finite numbers x and y"),
-        ({"end": (50.0,), "moment": (1.0, 0.0, 0.0)}, "end is x and y, in space also z"),
-        ({"force": (0.0, 0.0, 0.1), "order": "together"}, "In space the loads grow on the inflated arm"),
-    ],
-)
-def test_requests_that_are_none_are_refused(arguments: dict[str, object], sentence: str) -> None:
-    with pytest.raises(RodError, match=sentence):
-        Rod(LENGTH, law=straight()).solve(**arguments)
 
 
 def test_strains_do_not_jump_where_states_of_the_law_join() -> None:
