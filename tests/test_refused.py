@@ -2,13 +2,16 @@
 
 A section of `tests/data/refused/*.txt` begins with `[modules] error`: its rows have the names of these modules, and
 each is `expression -> words`. After `[module] error | call` what stands before the arrow is the text `row` of the call,
-where `\\n` ends a line. A call whose error is `-` returns the sentence. After another bar stands how sentences begin.
-Words between which something else stands have ` ... ` between them.
+where `\\n` ends a line, `file(NAME)` is a file that holds it, and `line(...)` the sentence of a command that ends with
+2. A call whose error is `-` returns the sentence. After another bar stands how sentences begin. Words between which
+something else stands have ` ... ` between them.
 """
 
 import re
+import shlex
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from functools import partial
 from importlib import import_module
 from math import inf, nan
 from pathlib import Path
@@ -21,11 +24,10 @@ import fem
 import geometry
 import pneurod
 import rod
+from tests.coarse import COARSE
+from tests.commands import refused as refused_command
 
 HERE = Path(__file__).resolve().parent
-#: names that rows have beside those of their module
-NAMES: dict[str, Any] = {"pneurod": pneurod, "np": np, "replace": replace, "nan": nan, "inf": inf, "Path": Path}
-NAMES |= {name: getattr(room, name) for room in (pneurod, rod, fem, geometry) for name in room.__all__}
 
 
 @dataclass(frozen=True)
@@ -45,16 +47,31 @@ def rows(file: Path) -> Iterator[Refused]:
     """Those of a file."""
     head: tuple[str, ...] = ()
     for number, line in enumerate(file.read_text(encoding="utf-8").splitlines(), 1):
-        if line.startswith("["):
-            modules, _, rest = line[1:].partition("] ")
-            error, call, start, *_ = *(part.strip() for part in rest.split(" | ")), "", ""
-            head = modules, error, call, start
+        if begun := re.match(r"\[([a-z_., ]+)\] (.*)", line):
+            error, call, start, *_ = *(part.strip() for part in begun[2].split(" | ")), "", ""
+            head = begun[1], error, call, start
         elif line and not line.startswith("# "):
             given, arrow, words = line.rpartition(" -> ")
             assert arrow, f"{file}:{number} has no arrow"
             yield Refused(f"{file.stem}:{number}", *head, given, tuple(words.split(" ... ")))
 
 
+def written(folder: Path, text: str, name: str) -> Path:
+    """A file with a text."""
+    (folder / name).write_text(text, encoding="utf-8")
+    return folder / name
+
+
+def line(*words: object) -> str:
+    """What a command refuses; the last word is a whole row."""
+    *before, row = map(str, words)
+    return refused_command(*before, *shlex.split(row))
+
+
+#: names that rows have beside those of their modules
+NAMES: dict[str, Any] = {"pneurod": pneurod, "np": np, "replace": replace, "nan": nan, "inf": inf, "Path": Path}
+NAMES |= {name: getattr(room, name) for room in (pneurod, rod, fem, geometry) for name in room.__all__}
+NAMES |= {"CONFIGS": HERE.parent / "configs", "COARSE": COARSE, "line": line}
 ROWS = [row for file in sorted((HERE / "data" / "refused").glob("*.txt")) for row in rows(file)]
 
 
@@ -64,7 +81,8 @@ def test_what_cannot_be_meant_is_refused(row: Refused, tmp_path: Path) -> None:
     names = dict(NAMES)
     for module in row.modules.split(", "):
         names |= vars(import_module(module))
-    names |= {"tmp_path": tmp_path, "row": row.given.replace("\\n", "\n")}
+    given = row.given.replace("\\n", "\n")
+    names |= {"tmp_path": tmp_path, "row": given, "file": partial(written, tmp_path, given)}
     call = row.call or row.given
     if row.error == "-":
         sentence, lines = str(eval(call, names)), 1

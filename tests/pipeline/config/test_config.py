@@ -3,6 +3,7 @@
 import dataclasses
 import json
 import pickle
+import shutil
 from pathlib import Path
 
 import pytest
@@ -31,12 +32,14 @@ def refusal(path: Path, *overrides: str) -> str:
     return sentences[0]
 
 
-@pytest.fixture
-def written(tmp_path: Path, configs: Path) -> Path:
+def written_to(folder: Path) -> Path:
     """A copy of the coarse configuration that a test may spoil."""
-    path = tmp_path / "arm.yaml"
-    path.write_text((configs / "pneunet_coarse.yaml").read_text(encoding="utf-8"), encoding="utf-8")
-    return path
+    return Path(shutil.copy("configs/pneunet_coarse.yaml", folder / "arm.yaml"))
+
+
+@pytest.fixture
+def written(tmp_path: Path) -> Path:
+    return written_to(tmp_path)
 
 
 def spoil(path: Path, old: str, new: str) -> Path:
@@ -77,15 +80,12 @@ def test_experiment_one_may_be_left_out_and_the_others_may_not(written: Path) ->
     assert load_config(written).experiments == ("I", "II", "III")
     assert load_config(written, ["experiments=[III, II]"]).experiments == ("II", "III")
     assert load_config(written, ["experiments=[III, II]"]).hash == load_config(written, ["experiments=[II, III]"]).hash
-    for wrong in ("[II]", "II", "[I, II, III, IV]", "[II, II, III]", "[]"):
-        assert "allowed: [I, II, III] or [II, III]" in refusal(written, f"experiments={wrong}")
 
 
 def test_an_accuracy_is_one_percent_unless_it_is_given_or_switched_off(written: Path) -> None:
     assert load_config(written).accuracy == 0.01
     assert load_config(written, ["accuracy=2 %"]).accuracy == 0.02
     assert load_config(written, ["accuracy=off"]).accuracy is None
-    assert "at most 20, or off" in refusal(written, "accuracy=30 %")
 
 
 def test_a_configuration_travels_to_other_processes(configs: Path) -> None:
@@ -122,106 +122,17 @@ def test_what_is_left_out_has_a_default(written: Path) -> None:
     assert {name: getattr(config.effects, name).state for name in EFFECTS} == dict.fromkeys(EFFECTS, "auto")
 
 
-#: what stands in the file, what is written instead, the key in the sentence, and what the sentence must say
-SPOILT = [
-    ("size: 4 mm", "size: 4", "mesh.size", "4 has no unit; write a length with its unit, for example '4 mm'"),
-    ("size: 4 mm", "size: 4 furlongz", "mesh.size", "'furlongz' in '4 furlongz' is not a known unit"),
-    ("size: 4 mm", "size: 4 kPa", "mesh.size", "is not a length"),
-    ("size: 4 mm", "size: four mm", "mesh.size", "not a number followed by a unit"),
-    ("size: 4 mm", "size: 4 mm**", "mesh.size", "not a known unit"),
-    ("size: 4 mm", "size: 1e999 mm", "mesh.size", "not finite"),
-    ("size: 4 mm", "size: 4 mm*9**9**9**9", "mesh.size", "not a known unit"),  # Pint would work on it for ever
-    ("size: 4 mm", "size: 4 mm**9**9**9**9", "mesh.size", "not a known unit"),
-    ("size: 4 mm", "size: 4 mm^(1/0)", "mesh.size", "not a known unit"),
-    ("size: 4 mm", "size: 0.01 mm", "mesh.size", "fit into memory"),
-    ("chambers: 11 ", "chambers: 1000000000000 ", "geometry.chambers", "at most 10000"),
-    ("wall: 1 mm  ", "wall: 1e-300 m  ", "geometry.wall", "must lie between 0.001 mm and 1e+06 mm"),
-    ("width: 15 mm", "width: 1e300 mm", "geometry.width", "must lie between"),
-    ("size: 4 mm", "size: 40 mm", "mesh.size", "larger than the body"),
-    ("size: 4 mm", "size: -4 mm", "mesh.size", "allowed: above 0"),
-    ("size: 4 mm", "sizes: 4 mm", "mesh.sizes", "unknown key; did you mean 'size'? allowed here: size, formulation"),
-    ("name: pneunet_coarse", "", "name", "is missing"),
-    ("name: pneunet_coarse", "name: a/b", "name", "letters"),
-    ("name: pneunet_coarse", "name: 12", "name", "is not a text"),
-    (
-        "name: pneunet_coarse",
-        "name: x\ncolour: red",
-        "colour",
-        "unknown key; allowed here: name",
-    ),
-    ("width: 15 mm", "width: 15", "geometry.width", "15 has no unit"),
-    ("width: 15 mm", "widht: 15 mm", "geometry.widht", "did you mean 'width'?"),
-    ("width: 15 mm", "width: -15 mm", "geometry.width", "must be a positive length"),
-    ("wall: 1 mm  ", "wall: 5 mm  ", "geometry.wall", "less than half of chamber_length"),
-    ("chambers: 11 ", "chambers: 11 mm ", "geometry.chambers", "is not a whole number"),
-    ("chambers: 11 ", "chambers: 1.5 ", "geometry.chambers", "is not a whole number"),
-    (
-        "family: pneunet",
-        "family: pneu",
-        "geometry.family",
-        "did you mean 'pneunet'?",
-    ),
-    ("nu: 0.495", "nu: 0.5", "material.nu", "above -1 and below 0.5"),
-    ("nu: 0.495", "nu: 0.6", "material.nu", "above -1 and below 0.5"),
-    ("nu: 0.495", "nu: -1", "material.nu", "above -1 and below 0.5"),
-    ("nu: 0.495", "nu: .nan", "material.nu", "above -1 and below 0.5"),
-    ("nu: 0.495", "nu: 0.495 MPa", "material.nu", "is not a plain number"),
-    ("nu: 0.495", "mu: 0.4 MPa", "material.mu", "unknown key"),
-    ("E: 1.2 MPa", "E: 1.2 mm", "material.E", "is not a stress"),
-    ("E: 1.2 MPa", "E: 0 MPa", "material.E", "allowed: above 0"),
-    ("law: svk", "law: rubber", "material.law", "is not known; allowed: svk"),
-    ("density: 1130 kg/m^3", "density: 1130 kg", "material.density", "is not a density"),
-    ("[17 kPa, 37 kPa]", "[37 kPa, 17 kPa]", "pressures", "is not in ascending order"),
-    ("[17 kPa, 37 kPa]", "[17 kPa, 17 kPa]", "pressures", "count as one pressure"),
-    ("[17 kPa, 37 kPa]", "[17 kPa, 17.0001 kPa]", "pressures", "less than 1e-05 of themselves"),
-    ("[17 kPa, 37 kPa]", "[-17 kPa, 37 kPa]", "pressures", "not above zero"),
-    ("[17 kPa, 37 kPa]", "[-17 kPa, -5 kPa]", "pressures", "for a vacuum"),
-    ("[17 kPa, 37 kPa]", "[0 kPa, 37 kPa]", "pressures", "not above zero"),
-    ("[17 kPa, 37 kPa]", "[]", "pressures", "is empty"),
-    ("[17 kPa, 37 kPa]", "17 kPa", "pressures", "must be a list"),
-    ("[17 kPa, 37 kPa]", "[17 kPa, 37]", "pressures[2]", "37 has no unit"),
-    ("y: 0 mm", "y: 0", "end.y", "0 has no unit"),
-    ("y: 0 mm", "z: 0 mm", "end.z", "allowed here: x, y"),
-    (
-        "formulation: p2p0",
-        "formulation: p7",
-        "mesh.formulation",
-        "allowed: p2p0, p2, mixed, p1",
-    ),
-    ("self_contact: auto", "self_contact: never", "effects.self_contact", "allowed: auto, on, off"),
-    ("self_contact: auto", "wobble: on", "effects.wobble", "allowed here: pressure, self_contact"),
-]
-
-
-@pytest.mark.parametrize(("old", "new", "key", "complaint"), SPOILT)
-def test_wrong_input_is_refused_in_one_sentence(written: Path, old: str, new: str, key: str, complaint: str) -> None:
-    sentence = refusal(spoil(written, old, new))
-    assert sentence.startswith(f"{written}: {key}: ")
-    assert complaint in sentence
-
-
 @pytest.mark.parametrize(
     ("text", "complaint"),
     [
-        ("", "holds no keys"),
-        ("- a\n- b\n", "holds no keys"),
-        ("name: [1, 2\n", "line 2: "),
-        ("name: a\nname: b\n", "line 2: key 'name' given twice"),
-        ("name: a\n", "geometry: is missing"),
-        ("name: a\ngeometry: 3\n", "geometry: must hold keys"),
-        ("name: a\ngeometry: {}\n", "geometry.family: is missing; allowed: pneunet"),
-        ("\x00", "write 'key: value' lines"),
         ("name: " + "[" * 5000, "is nested too deeply"),
         ("name: " + "9" * 5000, "has an invalid value"),
-        ("name: 2020-13-45", "has an invalid value"),
-        ("name: !!timestamp x", "has an invalid value"),
+        ("\x00", "write 'key: value' lines"),
     ],
 )
-def test_a_file_that_is_no_configuration_is_refused(written: Path, text: str, complaint: str) -> None:
+def test_a_text_that_cannot_be_quoted_is_refused(written: Path, text: str, complaint: str) -> None:
     written.write_text(text, encoding="utf-8")
-    sentence = refusal(written)
-    assert sentence.startswith(f"{written}: ")
-    assert complaint in sentence
+    assert complaint in refusal(written)
 
 
 def test_a_file_that_cannot_be_read_is_refused(tmp_path: Path) -> None:
@@ -274,21 +185,6 @@ def test_all_mistakes_between_keys_are_named_at_once(written: Path) -> None:
     assert named[2].startswith("pressures: 37000 kPa is 30.8 E")
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "complaint"),
-    [
-        ("size: 4 mm", "size: 4,5 mm", "mesh.size: ',5 mm' in '4,5 mm'"),
-        ("nu: 0.495", "nu: 0,495", "material.nu: '0,495' is not"),
-        ("[17 kPa, 37 kPa]", "[17 MPa]", "pressures: 17000 kPa is 14.2 E, with Young's modulus E = 1.2 MPa"),
-        ("law: svk", "law: neo_hooke", "it is a key of svk"),
-        ("law: svk", "law: SVK", "did you mean 'svk'?"),
-        ("formulation: p2p0", "formulation: p2po", "did you mean 'p2p0'?"),
-    ],
-)
-def test_a_likely_mistake_gets_a_suggestion(written: Path, old: str, new: str, complaint: str) -> None:
-    assert any(complaint in sentence for sentence in refusals(spoil(written, old, new)))
-
-
 def test_a_rubber_law_takes_nu_instead_of_kappa(configs: Path) -> None:
     coarse = configs / "pneunet_coarse.yaml"
     for constants in (
@@ -301,9 +197,6 @@ def test_a_rubber_law_takes_nu_instead_of_kappa(configs: Path) -> None:
         config = load_config(coarse, [f"material={{law: {constants}, nu: 0.49}}"])
         assert config.material.built().poisson_ratio == pytest.approx(0.49, rel=1e-12)
         assert config.material.constants["kappa"] == pytest.approx(2 * 0.4 * 1.49 / (3 * 0.02))
-        assert "give nu or kappa, not both" in refusal(
-            coarse, f"material={{law: {constants}, nu: 0.49, kappa: 20 MPa}}"
-        )
         neither = load_config(coarse, [f"material={{law: {constants}}}"])
         assert neither.material.built().poisson_ratio == pytest.approx(0.495, rel=1e-12)
 
@@ -312,7 +205,6 @@ def test_only_gravity_needs_the_density(configs: Path) -> None:
     material = "material={law: svk, E: 1.2 MPa, nu: 0.495}"
     config = load_config(configs / "pneunet_coarse.yaml", [material])
     assert config.material.density_tonne_mm3 is None
-    assert "gravity needs it" in refusal(configs / "pneunet_coarse.yaml", material, "effects.gravity=on")
 
 
 @pytest.mark.parametrize(
@@ -330,26 +222,6 @@ def test_overrides_replace_values_before_the_check(written: Path) -> None:
     assert (config.mesh.size_mm, config.design.wall) == (3.0, 1.5)
     assert config.pressures_kPa == (17.0, 37.0, 45.0)
     assert config.effects.symmetry.off
-
-
-@pytest.mark.parametrize(
-    ("override", "sentence"),
-    [
-        ("mesh.size=4", "--set mesh.size: 4 has no"),
-        ("mesh.sise=4 mm", "--set mesh.sise: unknown key"),
-        ("mesh=4 mm", "--set mesh: must hold keys"),
-        ("mesh={size: 4}", "--set mesh: mesh.size: 4"),
-        ("mesh.size.x=4 mm", "--set mesh.size.x: 'mesh.size' holds"),
-        ("mesh.size", "--set mesh.size: is not KEY=VALUE"),
-        ("=4 mm", "--set =4 mm: is not"),
-        ("mesh.size=[", "--set mesh.size: line 1: "),
-        ("material.nu=0.6", "--set material.nu: 0.6"),
-        ("geometry.chamber_length=1 mm", "--set geometry.chamber_length: wall 1 mm"),
-        ("material.law=rubber", "--set material.law: 'rubber'"),
-    ],
-)
-def test_a_wrong_override_is_named(written: Path, override: str, sentence: str) -> None:
-    assert refusal(written, override).startswith(sentence)
 
 
 @pytest.mark.parametrize(
@@ -398,16 +270,6 @@ def test_the_terms_of_ogden_are_lists(configs: Path) -> None:
     )
     assert config.record()["material"]["mu"] == [0.63, 0.0012, -0.01]
     assert config.material.built().poisson_ratio == pytest.approx(0.495)
-    for constants, sentence in (
-        ("mu: [0.4 MPa, 0.1 MPa], alpha: [2]", "material: Ogden: mu has 2 and alpha 1 entries; both need one for each"),
-        ("mu: [0.4], alpha: [2]", "material.mu[1]: 0.4 has no unit"),
-        ("mu: [0.4 MPa], alpha: [2 mm]", "material.alpha[1]: '2 mm'"),
-        ("mu: [0.4 MPa], alpha: [0]", "alpha = [0.0] must be"),
-        ("mu: [-0.4 MPa], alpha: [2]", "half the sum of mu"),
-        ("mu: [0.4 MPa]", "material.alpha: is missing"),
-        ("mu: [], alpha: []", "material.mu[1]: []"),
-    ):
-        assert sentence in refusal(coarse, f"material={{law: ogden, {constants}, nu: 0.49}}")
 
 
 def test_chambers_that_are_not_equal(configs: Path) -> None:
@@ -423,13 +285,6 @@ def test_chambers_that_are_not_equal(configs: Path) -> None:
     assert any(reason.code == "unequal_cells" for reason in check_design(longer))
     for equal_or_too_short in (config, load_config(coarse)):
         assert not any(reason.code == "unequal_cells" for reason in check_design(equal_or_too_short))
-    for setting, sentence in (
-        ("geometry.chamber_heights=12 mm", "must be a list"),
-        ("geometry.chamber_heights=[12, 9 mm, 9 mm]", "geometry.chamber_heights[1]: 12 has no unit"),
-        ("geometry.gaps=[2 mm, 0 mm, 2 mm, 2 mm]", "geometry.gaps[2]: 0 is not"),
-        ("geometry.gaps=[2 mm]", "must have 4 entries for 3 chambers, not 1; give all of them, or gap alone"),
-    ):
-        assert sentence in refusal(coarse, chambers, setting)
 
 
 def test_a_dimension_beside_the_list_that_replaces_it_is_refused(configs: Path, tmp_path: Path) -> None:
@@ -462,26 +317,6 @@ def test_a_region_has_a_material_of_its_own(configs: Path) -> None:
     material = material_of(config)
     assert isinstance(material, fem.ByRegion)
     assert material.body == plain.material.built()
-    for setting, sentence in (
-        (
-            "materials={roof: {law: svk, E: 1 MPa, nu: 0.4}}",
-            "materials.roof: this body has no",
-        ),
-        ("materials=stiff", "'stiff' is not allowed"),
-        ("materials.base=3 MPa", "must hold keys"),
-        ("materials.base={E: 1 MPa}", "materials.base.law: is missing; allowed: svk"),
-        ("materials.base={law: svk, E: 1 MPa}", "materials.base.nu: is missing; for example"),
-        ("materials.base={law: svk, E: 1, nu: 0.4}", "E: 1 has no unit"),
-        ("materials.base={law: yeoh, c10: 1 MPa, c20: 0 MPa, nu: 0.49}", "c30: is missing"),
-        (
-            "materials.base={law: mooney_rivlin, c10: 1 MPa, c01: -1 MPa, kappa: 9 MPa}",
-            "materials.base: Mooney-Rivlin: ",
-        ),
-    ):
-        assert sentence in refusal(coarse, setting), setting
-    assert "materials.base.density: is missing, and gravity needs it" in refusal(
-        coarse, "materials.base={law: svk, E: 1 MPa, nu: 0.4}", "effects.gravity=on"
-    ).replace("--set materials.base: density", "--set materials.base: materials.base.density")
 
 
 def test_shipped_configurations_say_where_numbers_come_from(configs: Path) -> None:
@@ -563,32 +398,11 @@ def test_a_given_d_is_read(configs: Path) -> None:
     assert given.identification.d_mm == pytest.approx(14.0)
 
 
-@pytest.mark.parametrize(
-    ("override", "reason"),
-    [
-        (
-            "end.x=0.1",
-            "0.1 has no unit; write a length with its unit, for example '4 mm', or a force, for example '0.05 N'",
-        ),
-        ("end.y=1 kPa", "or a force, for example '0.05 N'"),
-        ("identification.d=112 mm", "112 mm is not on the arm; allowed: below its length, 112 mm"),
-        ("identification.d=0 mm", "allowed: above 0"),
-        ("identification.weight=0.42 N", "identification.weight: unknown key"),
-    ],
-)
-def test_an_end_or_an_identification_that_makes_no_sense_is_refused(configs: Path, override: str, reason: str) -> None:
-    assert reason in refusal(configs / "pneunet_coarse.yaml", override)
-
-
 def test_a_run_makes_both_laws_unless_the_configuration_names_one(configs: Path) -> None:
     coarse = configs / "pneunet_coarse.yaml"
     assert load_config(coarse).law == "both"
     assert load_config(coarse, ["law=five"]).law == "five"
     assert load_config(coarse, ["law=cell"]).law == "cell"
-    unequal = ["law=cell", "geometry.chambers=3", "geometry.gaps=[2 mm, 2 mm, 3 mm, 2 mm]"]
-    with pytest.raises(InputError, match="law: cell is not possible: "):
-        load_config(coarse, unequal)
-    assert "law" in refusal(coarse, "law=six")
 
 
 def test_validation_loads_are_read(configs: Path) -> None:
@@ -598,39 +412,6 @@ def test_validation_loads_are_read(configs: Path) -> None:
     assert load_config(coarse, ["validation.pressures=[24 kPa]"]).validation == Validation((24.0,), (), ())
 
 
-@pytest.mark.parametrize(
-    ("override", "reason"),
-    [
-        ("validation.pressures=[50 kPa]", "50 kPa lies outside the pressures of the run; allowed: 17 to 37 kPa"),
-        ("validation.pressures=[17 kPa]", "give one between them"),
-        ("validation.end_y=[0 mm]", "what the numbers are identified"),
-        ("validation.end_y=[1 mm, 0.1 cm]", "has an entry twice"),
-        ("validation.end_y=[10]", "a length with its unit"),
-        ("validation.forces=[[0 N, 0 N]]", "what the numbers are identified"),
-        ("validation.forces=[[0 N, 0.05 N], [0 N, 0.05 N]]", "has an entry twice"),
-        ("validation.forces=[[0.05 N]]", "has 1 entries instead of 2"),
-        ("validation.loads=[1 N]", "unknown key"),
-    ],
-)
-def test_validation_loads_that_make_no_sense_are_refused(configs: Path, override: str, reason: str) -> None:
-    assert reason in refusal(configs / "pneunet_coarse.yaml", override)
-
-
-def test_the_force_of_experiment_III_is_no_validation_load(configs: Path) -> None:
-    coarse = configs / "pneunet_coarse.yaml"
-    end, forces = "end={x: 0 N, y: -0.01 N}", "validation.forces=[[0 N, -0.01 N]]"
-    assert refusal(coarse, end, forces) == (
-        "--set validation.forces: [0 N, -0.01 N] is what the numbers are identified with; give others"
-    )
-    assert load_config(coarse, [forces]).validation.forces_N == ((0.0, -0.01),)
-
-
-@pytest.mark.parametrize("faces", ["[]", "{}", "true", "1", "[1]", "[null]", "[[]]", "{a: 1}"])
-def test_faces_that_are_no_names_are_refused(configs: Path, faces: str) -> None:
-    sentence = refusal(configs / "pneunet_coarse.yaml", f"effects.self_contact.faces={faces}")
-    assert "is not a text" in sentence
-
-
 @pytest.mark.parametrize("number", ["1e-6", "1.0e-6", "0.000001", "1E-6"])
 def test_a_number_with_an_exponent_needs_no_decimal_point(written: Path, number: str) -> None:
     """YAML 1.1 reads 1e-6 as a text."""
@@ -638,17 +419,3 @@ def test_a_number_with_an_exponent_needs_no_decimal_point(written: Path, number:
     with written.open("a", encoding="utf-8") as file:
         file.write(f"\nnewton: {{tolerance: {number}}}\n")
     assert load_config(written).newton.tolerance == 1e-6
-
-
-@pytest.mark.parametrize(
-    ("setting", "hint"),
-    [
-        ("fillet=0.5 mm", "a key of pneunet"),
-        ("chamber_heights=[9 mm, 10 mm]", "a key of pneunet"),
-        ("symmetric=true", "a key of own_cad, own_mesh"),
-        ("unite=true", "a key of own_cad"),
-        ("defeature=0.2 mm", "unknown key"),
-    ],
-)
-def test_keys_of_other_families_are_explained(configs: Path, setting: str, hint: str) -> None:
-    assert hint in refusal(configs / "bisected_circle.yaml", f"geometry.{setting}")

@@ -2,11 +2,8 @@
 
 from pathlib import Path
 
-import pytest
-
 from pipeline.config.load import load_config
 from pipeline.config.material import Branch, Material
-from pipeline.values.errors import InputError
 
 COARSE = "pneunet_coarse.yaml"
 
@@ -39,23 +36,3 @@ def test_the_modulus_is_that_at_long_times(configs: Path) -> None:
 
 def test_a_configuration_without_them_has_the_same_record(configs: Path) -> None:
     assert material(configs).record().keys() == {"law", "E", "nu", "density_tonne_mm3"}
-
-
-@pytest.mark.parametrize(
-    ("written", "complaint"),
-    [
-        ("material.relaxation=[{g: 0.08, tau: 0.9}]", r"material.relaxation\[1\].tau: 0.9 has no unit"),
-        ("material.relaxation=[{g: -0.1, tau: 1 s}]", r"material.relaxation\[1\].g: -0.1 is not allowed"),
-        ("material.relaxation=[{g: 0.1}]", r"material.relaxation\[1\].tau: is missing; for example 'tau: 0.9 s'"),
-        ("material.relaxation=[{g: 0.1, t: 1 s}]", r"unknown key"),
-        ("material.relaxation=0.1", "must hold keys; allowed here: g, tau"),
-        ("material.loss_factor={value: 0.1, from: 10 Hz, to: 1 Hz}", "loss_factor.to: is not above from, 10 Hz"),
-        ("material.loss_factor={value: 3, from: 1 Hz, to: 9 Hz}", "3 is not allowed; allowed: above 0, at most 2"),
-        ("material.loss_factor={value: 0.1, from: 1 Hz}", "loss_factor.to: is missing"),
-        ("material.loss_factor=3", "3 is not allowed; allowed: above 0, at most 2"),
-        ("material.loss_factor=a lot", "'a lot' is not a plain number"),
-    ],
-)
-def test_wrong_values_are_refused_at_their_keys(configs: Path, written: str, complaint: str) -> None:
-    with pytest.raises(InputError, match=complaint):
-        material(configs, written)

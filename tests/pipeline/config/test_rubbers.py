@@ -96,26 +96,6 @@ def test_branches_of_abaqus_are_parts_of_the_modulus_at_once(configs: Path) -> N
     named = material(configs, f"name: ecoflex_00_30, form: abaqus, {branches}")
     assert named.relaxation == rubber.relaxation
     assert "held" not in material(configs, "law: neo_hooke, mu: 0.1 MPa").told
-    too_many = "relaxation: [{g: 0.7, tau: 1 s}, {g: 0.35, tau: 10 s}]"
-    sentence = refused(configs, f"law: neo_hooke, form: abaqus, mu: 0.1 MPa, {too_many}")
-    assert "material.relaxation: the parts g of the modulus at once add up to 1.05; allowed: below 1" in sentence
-
-
-@pytest.mark.parametrize(
-    ("written", "complaint"),
-    [
-        ("name: dragonskin_30", "material.name: 'dragonskin_30' is not known; did you mean 'dragon_skin_30'?"),
-        ("name: dragon_skin_30, mu: 1 MPa", "material.mu: the name gives the law and its constants"),
-        ("name: dragon_skin_30, law: svk", "material.law: the name gives the law and its constants"),
-        ("law: neo_hooke, c10: 0.1 MPa", "material.c10: unknown key; write mu, 2 c10"),
-        ("law: neo_hooke, mu: 0.1 MPa, d1: 0", "material.d1: unknown key; write kappa, 2 / d1"),
-        ("law: yeoh, C1: 0.1 MPa, c20: 0 MPa, c30: 0 MPa", "material.C1: unknown key; write c10"),
-        ("law: neo_hooke, mu: 0.1 MPa, prony: 3", "material.prony: unknown key; write material: {relaxation: "),
-        ("law: ogden, form: marc, mu: [0.1 MPa], alpha: [2]", "material.form: 'marc' is not known; allowed: ogden"),
-    ],
-)
-def test_keys_of_other_programs_are_answered(written: str, complaint: str, configs: Path) -> None:
-    assert complaint in refused(configs, written)
 
 
 def test_what_to_write_instead_is_no_key_of_the_law(configs: Path) -> None:

@@ -154,26 +154,6 @@ def refusal(path: Path, *overrides: str) -> str:
     return str(refused.value)
 
 
-@pytest.mark.parametrize(
-    ("override", "sentence"),
-    [
-        ("geometry.file=none.step", "--set geometry.file: .*none.step does not exist"),
-        ("geometry.file=finger.yaml", "--set geometry.file: finger.yaml cannot be read; it may end with .step"),
-        ("geometry.tip=90 mm", "--set geometry.tip: x = 90 mm lies outside the body, which reaches from 0 to 80 mm"),
-        ("geometry.air.cavity=[40 mm, 1 mm, 0 mm]", "--set geometry.air.cavity: the point .* lies in the material"),
-        ("geometry.air.cavity=[40 mm, 1 mm]", "--set geometry.air.cavity: has 2 entries instead of 3"),
-        ("geometry.air.other=[41 mm, 7 mm, 0 mm]", "--set geometry.air.other: .* same cavity as that of cavity"),
-        ("geometry.unit=1 m", "--set geometry.unit: the body measures 8e.04 x .* mm; is it in another unit"),
-        ("geometry.symmetric=3", "--set geometry.symmetric: 3 is neither true nor false"),
-        ("geometry.clamp=0", "--set geometry.clamp: 0 has no unit"),
-        ("geometry.wall=1 mm", "--set geometry.wall: unknown key; .*allowed here: family, file, curve, clamp"),
-        ("mesh.size=50 mm", "--set mesh.size: 50 mm is larger than the body"),
-    ],
-)
-def test_own_body_is_refused_by_key(override: str, sentence: str) -> None:
-    assert re.search(sentence, refusal(CONFIGS / "finger.yaml", override))
-
-
 def test_ready_mesh_is_refused_by_key(ready: Path) -> None:
     assert "mesh.size: unknown key; allowed here: formulation" in refusal(ready, "mesh.size=3 mm")
     assert "geometry.file: the mesh file" in refusal(ready, "geometry.file=none.msh")
