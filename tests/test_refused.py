@@ -2,7 +2,7 @@
 
 A section of `tests/data/refused/*.txt` begins with `[modules] error`: its rows have the names of these modules, and
 each is `expression -> words`. After `[module] error | call` what stands before the arrow is the text `row` of the call,
-where `\\n` ends a line, `file(NAME)` is a file that holds it, and `line(...)` the sentence of a command that ends with
+where `\\n` ends a line, `text_in(NAME)` a file that holds it, and `line(...)` the sentence of a command that ends with
 2. A call whose error is `-` returns the sentence. After another bar stands how sentences begin. Words between which
 something else stands have ` ... ` between them.
 """
@@ -82,7 +82,7 @@ def test_what_cannot_be_meant_is_refused(row: Refused, tmp_path: Path) -> None:
     for module in row.modules.split(", "):
         names |= vars(import_module(module))
     given = row.given.replace("\\n", "\n")
-    names |= {"tmp_path": tmp_path, "row": given, "file": partial(written, tmp_path, given)}
+    names |= {"tmp_path": tmp_path, "row": given, "text_in": partial(written, tmp_path, given)}
     call = row.call or row.given
     if row.error == "-":
         sentence, lines = str(eval(call, names)), 1
@@ -94,6 +94,7 @@ def test_what_cannot_be_meant_is_refused(row: Refused, tmp_path: Path) -> None:
     begin = rf"^{re.escape(row.start.format(tmp_path=tmp_path))} ?" if row.start else ""
     assert re.search(begin + ".*".join(map(re.escape, row.words)), sentence, re.MULTILINE), sentence
     assert all(row.words)
+    assert not (tmp_path / "out").exists()
 
 
 def test_no_row_stands_twice() -> None:

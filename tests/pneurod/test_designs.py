@@ -101,27 +101,6 @@ def test_a_family_names_the_design_and_its_folder(monkeypatch: pytest.MonkeyPatc
     )
 
 
-@pytest.mark.parametrize(
-    ("body", "keywords", "sentence"),
-    [
-        (pneurod.PneuNet(wall=1.2), {}, "PneuNet: geometry.wall: 1.2 has no unit"),
-        (pneurod.PneuNet(), {"material": None}, "PneuNet: material: is missing"),
-        (pneurod.PneuNet(), {"material": "rubber"}, "material: 'rubber' is no material"),
-        (pneurod.PneuNet(), {"material": pneurod.NeoHooke(mu="1 kg")}, "material.mu: '1 kg' is not a stress"),
-        (pneurod.PneuNet(), {"pressures": ["10"]}, "pressures[1]: 10 has no unit"),
-        (pneurod.PneuNet(), {"settings": {"mesh.siz": "1 mm"}}, 'settings["mesh.siz"]: unknown key'),
-        (pneurod.BodyFile(file="no.step", clamp="0 mm", tip="9 mm", curve="1 mm"), {}, "no.step"),
-    ],
-)
-def test_what_is_wrong_is_named(body: Any, keywords: dict[str, Any], sentence: str, tmp_path: Path) -> None:
-    given = {"material": pneurod.NeoHooke(mu="0.1 MPa"), **keywords}
-    with pytest.raises(pneurod.PneurodError) as refused:
-        pneurod.characterize(body, tmp_path / "out", **given)
-    assert isinstance(refused.value, pneurod.InputError)
-    assert sentence in str(refused.value)
-    assert not (tmp_path / "out").exists()
-
-
 def test_every_error_for_callers_has_one_base() -> None:
     for error in (
         pneurod.InputError,

@@ -87,11 +87,6 @@ def test_a_failure_has_what_was_reached(tmp_path: Path, configs: Path, monkeypat
     assert failed.value.reached.directory == failed.value.directory == folder
 
 
-def test_a_draft_has_no_accuracy_to_ask_for(tmp_path: Path) -> None:
-    with pytest.raises(pneurod.InputError, match=r"^accuracy=1 %: draft.* leaves the error of the mesh unknown"):
-        pneurod.characterize("configs/pneunet_coarse.yaml", tmp_path / "out", accuracy="1 %", draft=True)
-
-
 def test_help_tells_arguments_alone() -> None:
     arguments = str(inspect.signature(pneurod.move))
     assert "Annotated" not in arguments

@@ -157,28 +157,6 @@ def test_the_version() -> None:
     assert (result.exit_code, result.stdout) == (0, f"pneurod {metadata.version('pneurod')}\n")
 
 
-@pytest.mark.parametrize(
-    ("setting", "complaint"),
-    [
-        ("mesh.size=4", "--set mesh.size: 4 has no unit; write a length with its unit, for example '4 mm'"),
-        ("mesh.size=200 mm", "--set mesh.size: 200 mm is larger than the body"),
-    ],
-)
-@pytest.mark.parametrize("command", ["run", "mesh"])
-def test_wrong_input_ends_with_2(command: str, setting: str, complaint: str, coarse: str) -> None:
-    assert sentence(call(command, coarse, "--set", setting), 2).startswith(complaint)
-
-
-def test_an_empty_accuracy_ends_with_2(coarse: str) -> None:
-    """As a variable of a shell that is not set leaves it."""
-    for command in ("run", "cell"):
-        assert "write an accuracy with its unit" in sentence(call(command, coarse, "--accuracy", ""), 2)
-
-
-def test_a_missing_file_ends_with_2() -> None:
-    assert sentence(call("run", "none.yaml"), 2).startswith("none.yaml: no such file")
-
-
 def test_wrong_input_in_a_process_of_its_own(coarse: str) -> None:
     command = [sys.executable, "-m", "pipeline", "run", coarse, "--set", "material.nu=0.6"]
     done = subprocess.run(command, capture_output=True, text=True, check=False, cwd=Path(coarse).parent.parent)
@@ -363,11 +341,6 @@ def test_doctor_checks_rods_alone_where_no_solver_is_installed(monkeypatch: pyte
     subjects = [finding.subject for finding in doctor.examine()]
     assert {"solver", "rods"} <= set(subjects)
     assert not {"gmsh", "scikit-fem", "linear solver"} & set(subjects)
-
-
-def test_effects_checks_its_input_as_run_does(coarse: str, tmp_path: Path) -> None:
-    message = sentence(call("effects", coarse, "--out", str(tmp_path), "--set", "effects.gravity=down"), 2)
-    assert message.startswith("--set effects.gravity: 'down' is no orientation")
 
 
 def test_a_closed_terminal_does_not_end_what_was_started_with_nohup(monkeypatch: pytest.MonkeyPatch) -> None:

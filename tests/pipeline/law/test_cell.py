@@ -22,7 +22,7 @@ from pipeline.law.build import MeasuredLaw, tell_first
 from pipeline.law.cells import BETWEEN, is_not_reduced
 from pipeline.law.mesh_limit import PLANE
 from pipeline.law.meshes import find_limit
-from pipeline.law.piece.pieces import ArmPieces, NoArmLaw
+from pipeline.law.piece.pieces import ArmPieces
 from pipeline.law.piece.tasks import ArmTasks
 from pipeline.law.study import LawReport, measure_law
 from pipeline.law.unloaded import begin_first_states, reached_states
@@ -260,20 +260,6 @@ def test_the_folder_of_a_cell_is_solved_and_exported(report: LawReport, tmp_path
     assert pneurod.solve(report, angle="10 deg").solutions
     for target in ("mujoco", "pyelastica", "somo", "sorosim"):
         assert pneurod.export(report, target, out=tmp_path).files
-
-
-@pytest.mark.parametrize(
-    ("name", "settings", "sentence"),
-    [
-        ("pneunet_coarse", ["geometry.chambers=1"], "no inner cell"),
-        ("pneunet_coarse", ["effects.gravity.acceleration=[0 m/s^2, 0 m/s^2, 9.81 m/s^2]"], "weight"),
-        ("finger", ["geometry.cell=8 mm"], "not known where the cells of this body lie"),
-        ("pneunet_coarse", ["effects.self_contact={faces: [gap, outer]}"], "contact on one outer face alone"),
-    ],
-)
-def test_an_arm_without_such_a_law_is_refused_in_one_sentence(name: str, settings: list[str], sentence: str) -> None:
-    with pytest.raises(NoArmLaw, match=sentence):
-        _ = ArmPieces(arm(*settings, name=name), None).repetition
 
 
 def test_the_command_refuses_such_an_arm_as_wrong_input(tmp_path: Path) -> None:

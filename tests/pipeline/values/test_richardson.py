@@ -56,18 +56,3 @@ def test_equal_values_have_no_error() -> None:
     estimate = extrapolate([4.0, 2.0, 1.0], [5.0, 5.0, 5.0])
     assert (estimate.limit, estimate.error_std) == (pytest.approx(5.0), pytest.approx(0.0, abs=1e-12))
     assert math.isfinite(estimate.order)
-
-
-@pytest.mark.parametrize(
-    ("sizes", "values", "orders", "message"),
-    [
-        ([2.0], [1.0], None, "two or more"),
-        ([2.0, 2.0], [1.0, 1.0], None, "two or more"),
-        ([2.0, -1.0], [1.0, 1.0], None, "positive"),
-        ([2.0, 1.0], [1.0, float("nan")], None, "finite"),
-        ([2.0, 1.0], [1.0, 1.0], (2.0, 1.0), "rises"),
-    ],
-)
-def test_refusals(sizes: list[float], values: list[float], orders: tuple[float, float] | None, message: str) -> None:
-    with pytest.raises(ValueError, match=message):
-        extrapolate(sizes, values, orders)

@@ -149,17 +149,3 @@ def test_scatter_is_that_of_noise_and_of_the_steps_of_a_load_cell() -> None:
     step = 0.05 * 0.7
     stepped = scatter(strain, np.round(stress_of(strain) / step) * step)
     assert stepped > step / 12**0.5
-
-
-@pytest.mark.parametrize(
-    ("strain", "stress", "complaint"),
-    [
-        (UP[:4], UP[:4], "4 points are left; 5 are needed"),
-        (np.full(6, 0.1), UP[:6], "has one strain only"),
-        (UP, 0 * UP, "every stress is zero; give the measured force"),
-        (UP, -UP, "stress falls as the strain grows; tension must be positive"),
-    ],
-)
-def test_what_is_no_tensile_test_is_refused(strain: Array, stress: Array, complaint: str) -> None:
-    with pytest.raises(InputError, match=complaint):
-        read(strain, stress)

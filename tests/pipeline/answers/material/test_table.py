@@ -192,47 +192,6 @@ def test_a_column_of_tests_names_compression(tmp_path: Path) -> None:
     np.testing.assert_allclose(pressed.strain, -np.array(STRAINS), atol=1e-12)
 
 
-@pytest.mark.parametrize(
-    ("text", "complaint"),
-    [
-        ("", "holds no table; a line of titles names columns with their units"),
-        ("# only\n# words\n", "holds no table"),
-        (table(HEADER, []), "holds no table"),
-        (table("strain (%),stress (MPa),time (s)", ["a,1,2"]), "has titles and no numbers under them"),
-        (table("strain (%),work (J)", GOOD), "no line names columns of strain and stress"),
-        (table("a,stress (MPa)", GOOD), "no line names columns of strain and stress"),
-        (table("0,0", GOOD), "no line names columns of strain and stress"),
-        (
-            table("strain (mm),stress (MPa)", GOOD),
-            r"column 'strain \(mm\)' has the unit 'mm', which is not that of a strain",
-        ),
-        (
-            table("strain (%),stress (N)", GOOD),
-            r"column 'stress \(N\)' has the unit 'N', which is not that of a stress",
-        ),
-        (table("strain (%),stress", GOOD), r"column 'stress' has no unit; write it as 'stress \(MPa\)'"),
-        (table("true strain (%),stress (MPa)", GOOD), r"column 'true strain \(%\)' is not nominal; give"),
-        (table("Dehnung (%),wahre Spannung (MPa)", GOOD), "is not nominal"),
-        (
-            table("shear strain (%),shear stress (MPa)", GOOD),
-            "'shear' is no test to which laws are fitted; give tension",
-        ),
-        (table(HEADER, ["-100,-9", *GOOD]), "line 2: -100 % is no possible strain"),
-        (
-            table("strain (%),force (N)", GOOD),
-            "column 'force .N.' holds forces; give area='16 mm.2', the cross-section at rest",
-        ),
-        (table("extension (mm),stress (MPa)", GOOD), "holds extensions; give length='33 mm', the length at rest"),
-    ],
-)
-def test_bad_files(text: str, complaint: str, tmp_path: Path) -> None:
-    path = written(tmp_path, text)
-    with pytest.raises(InputError, match=complaint) as refused:
-        read_table(path, Specimen())
-    assert str(refused.value).startswith(f"{path}: ")
-    assert "\n" not in str(refused.value)
-
-
 def test_files_that_cannot_be_read(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"none.csv: no such file; give a CSV file of tensile tests"):
         read(tmp_path / "none.csv")

@@ -237,22 +237,6 @@ def test_a_pressure_that_the_gauge_moves_off_the_law_is_said(tmp_path: Path) -> 
     assert "0 to 40 kPa" in sentence
 
 
-@pytest.mark.parametrize(
-    ("text", "words", "free"),
-    [
-        ("pressure_kPa,tip_y_mm\n8,-20\n90,-50\n", ("line 3", "90 kPa", "40 kPa"), ()),
-        ("pressure_kPa,tip_y_mm\n8,-20\n", ("1 numbers", "2 unknowns"), ("geometry.wall",)),
-        ("pressure_kPa,tip_y_mm\n8,-20\n", ("free=geometry.wal", "geometry.wall"), ("geometry.wal",)),
-        ("pressure_kPa,end_angle_deg\n8,-0.44\n16,-0.88\n", ("line 2", "end_angle_rad"), ()),
-    ],
-)
-def test_bad_input(tmp_path: Path, text: str, words: tuple[str, ...], free: tuple[str, ...]) -> None:
-    (tmp_path / "arm.csv").write_text(text, encoding="utf-8")
-    with pytest.raises(InputError) as refused:
-        calibrate_files(result_folder(tmp_path / "arm"), tmp_path / "arm.csv", None, CalibrateOptions(free))
-    assert [word for word in words if word not in str(refused.value)] == []
-
-
 def test_an_earlier_calibration_is_replaced_and_nothing_else(report: CalibrationReport, tmp_path: Path) -> None:
     folder = result_folder(tmp_path / "arm")
     file = measured(tmp_path / "arm.csv", arm_law(), [State(8.0)])

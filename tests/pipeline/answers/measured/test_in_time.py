@@ -83,21 +83,6 @@ def test_the_folder_and_its_verdict_have_the_rubber_in_time(report: CalibrationR
     assert " Hz, " in compared.lines[0]
 
 
-@pytest.mark.parametrize(
-    ("text", "words"),
-    [
-        (f"{TITLES}\n0.1,20,,100,-20\n0.1,20,,100,-20\n", "line 3: t_s does not rise"),
-        (f"{TITLES}\n0.1,0,,100,-20\n", "line 2: nothing moves an arm at 0 kPa; give the orientation"),
-        (f"{TITLES}\n0.1,20,,100,-20\n", "line 2: a motion has 20 rows or more after 0 s"),
-        ("t_s,pressure_kPa,end_angle_deg\n0.1,20,-20\n", "line 2: at a time give the tip of a free end"),
-    ],
-)
-def test_a_motion_that_tells_nothing_is_refused(tmp_path: Path, text: str, words: str) -> None:
-    (tmp_path / "arm.csv").write_text(text, encoding="utf-8")
-    with pytest.raises(InputError, match=words):
-        read_measurements(tmp_path / "arm.csv")
-
-
 def test_a_force_that_lets_go_tells_a_vibration_alone(tmp_path: Path) -> None:
     time = 0.02 * np.arange(1, 100)
     tip = 5.0 * np.exp(-0.3 * time) * np.cos(2.0 * np.pi * 2.0 * time)

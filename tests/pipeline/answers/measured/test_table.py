@@ -6,7 +6,6 @@ import pytest
 
 from pipeline.answers.measured.rows import State
 from pipeline.answers.measured.table import read_measurements
-from pipeline.values.errors import InputError
 
 
 def test_states_and_what_was_read_in_them(tmp_path: Path) -> None:
@@ -57,55 +56,3 @@ def test_zeros_a_point_of_the_tip_and_titles_with_a_minus_sign(tmp_path: Path) -
     )
     (row,) = read_measurements(tmp_path / "force.csv").rows
     assert row.values == pytest.approx({"reaction": 0.0121})
-
-
-@pytest.mark.parametrize(
-    ("text", "words"),
-    [
-        ("pressure,tip_x_mm\n12,100\n", ("pressure", "unit", "pressure_kPa")),
-        ("pressure_N,tip_x_mm\n12,100\n", ("pressure_N", "pressure_kPa")),
-        ("pressure_kPa,tip_z_mm\n12,100\n", ("tip_z_mm", "tip_x_mm")),
-        ("pressure_kPa,tip_x_mm,tip x (cm)\n12,100,10\n", ("tip_x_mm", "tip x (cm)")),
-        ("tip_x_mm,tip_y_mm\n12,100\n", ("pressure_kPa",)),
-        ("pressure_kPa,force_x_N\n12,0.1\n", ("tip_x_mm",)),
-        ("pressure_kPa,tip_x_mm\n12,100\n,101\n", ("line 3", "pressure")),
-        ("pressure_kPa,tip_x_mm\n12,100\n13,about 98\n", ("line 3", "about 98", "tip_x_mm")),
-        ("pressure_kPa,tip_x_mm,force_y_N\n12,100,0\n13,,1\n", ("line 3",)),
-        ("pressure_kPa,x_mm,y_mm\n12,100,3\n", ("s_mm",)),
-        ("pressure_kPa,s_mm,x_mm,y_mm\n12,50,49,3\n12,60,57,\n", ("line 3", "y_mm")),
-        ("pressure_kPa,reaction_N\n12,0.1\n", ("held_y_mm",)),
-        ("pressure_kPa,tip_x_mm,held_y_mm,force_y_N\n12,100,0,1\n", ("line 2", "held_y_mm")),
-        ("pressure_kPa,tip_x_mm,tip_mass_g\n12,100,3\n", ("orientation",)),
-        ("pressure_kPa,tip_x_mm,tip_mass_g,orientation\n12,100,3,sideways\n", ("line 2", "sideways", "hanging")),
-        ("pressure_kPa,tip_x_mm,tip_mass_g,orientation\n12,100,-3,lying\n", ("line 2", "tip_mass_g")),
-        ("pressure_kPa,held_y_mm,tip_x_mm,reaction_zero_N\n12,0,90,0.1\n", ("line 2", "reaction_N")),
-        ("pressure_kPa,held_y_mm,reaction_N,at_y_mm\n12,0,0.1,-5\n", ("line 2", "at_y_mm", "tip_direction_deg")),
-        ("t_s,pressure_kPa,tip_x_mm,zero_kPa\n1,12,90,0\n", ("line 2", "zero_kPa")),
-        ("pressure_kPa,tip_x_mm\n", ("arm.csv",)),
-        ("pressure_kPa,tip_x_px\n12,100\n", ("tip_x_px", "mm per px")),
-        ("pressure_kPa,tip_x [pixel],tip_y [pixel]\n12,100,3\n", ("tip_x [pixel]", "mm per px")),
-        ("pressure,tip_x,tip_y\nkPa,px,px\n12,100,3\n", ("tip_x", "mm per px")),
-        ("absolute pressure (kPa),tip_x_mm\n110,80\n", ("absolute pressure (kPa)", "subtract")),
-        ("p abs (bar),tip_x_mm\n1.1,80\n", ("p abs (bar)", "subtract")),
-        ("pressure_kPa,pressure_2_kPa,tip_x_mm\n1,2,80\n", ("pressure_2_kPa", "the largest one", "1:0.5")),
-        ("frame,pressure_kPa,tip_x_mm\n1,2,80\n", ("frame", "per second", "t_s")),
-        ("pressure_kPa,dx_mm,dy_mm\n1,2,80\n", ("dx_mm", "displacements", "zero_kPa")),
-        ("pressure_kPa,displacement x (mm)\n1,2\n", ("displacement x (mm)", "zero_kPa")),
-        ("Format Version,1.23,Take Name,take1\n\nFrame,Time (Seconds),X,Y\n0,0,0.1,0.2\n", ("Motive", "pressure_kPa")),
-        ("nothing\n", ("arm.csv", "pressure_kPa")),
-        ("pressure_kPa,tip_x_mm\n12,100\n12,100\n12,100\n", ("every row is there 3 times",)),
-        ("pressure_kPa,tip_x_mm\n12,100\n13,99\n\npressure_kPa,tip_x_mm\n14,98\n", ("titles again", "line 6")),
-    ],
-)
-def test_bad_files_are_told_with_line_and_column(tmp_path: Path, text: str, words: tuple[str, ...]) -> None:
-    (tmp_path / "arm.csv").write_text(text, encoding="utf-8")
-    with pytest.raises(InputError) as refused:
-        read_measurements(tmp_path / "arm.csv")
-    (sentence,) = refused.value.sentences
-    assert str(tmp_path / "arm.csv") in sentence
-    assert [word for word in words if word not in sentence] == []
-
-
-def test_no_such_file(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="measured arm"):
-        read_measurements(tmp_path / "none.csv")

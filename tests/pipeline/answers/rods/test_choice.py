@@ -86,13 +86,3 @@ def test_a_law_alone_is_taken(tmp_path: Path) -> None:
     assert isinstance(rod.law, LawRod)
     with pytest.raises(pneurod.InputError, match="holds no parameters of a rod"):
         pneurod.read_results(tmp_path).rod(17.0, kind="five")
-
-
-def test_a_kind_or_a_pressure_that_is_none_is_refused() -> None:
-    results = pneurod.read_results(COARSE)
-    with pytest.raises(pneurod.InputError, match=r"^kind=six: allowed are law, five$"):
-        results.rod(17.0, kind="six")
-    with pytest.raises(pneurod.InputError, match="50 kPa is outside, and it is not extrapolated"):
-        results.rod(50.0)
-    with pytest.raises(pneurod.InputError, match=r"^pressure_kPa: '12' has no unit"):
-        results.rod("12")

@@ -109,55 +109,6 @@ def test_air_needs_a_law_with_volumes(tmp_path: Path) -> None:
     assert (status, "The law has no volumes of the air" in error) == (2, True)
 
 
-@pytest.mark.parametrize(
-    ("text", "complaint"),
-    [
-        ("wind", "'wind' is not known; allowed: closed, flow, supply"),
-        ("supply 40 kPa", "needs the conductance of its tube"),
-        ("flow 3 kPa", "'3 kPa' is not a flow of free air"),
-        ("closed, exponent 2", "exponent of air is from 1 to 1.4"),
-    ],
-)
-def test_wrong_air_is_refused(text: str, complaint: str) -> None:
-    with pytest.raises(InputError, match=complaint):
-        _read_air(text)
-
-
-@pytest.mark.parametrize(
-    ("options", "complaint"),
-    [
-        (("--pressure", "90 kPa"), "90 kPa"),
-        (("--pressure", "9"), "has no unit"),
-        (("--pressure", "9 kPa", "--seconds", "0"), "must be positive"),
-        (("--pressure", "9 kPa", "--seconds", "1e9"), "is more than an hour of the arm"),
-        (("--pressure", "none.csv"), "none.csv: no such file"),
-        (("--pressure", "9 kPa", "--tip-mass", "2 g"), "needs --orientation"),
-        (("--pressure", "[9 kPa, 3 kPa]"), "This rod has one pressure"),
-        (("--pressure", "9 kPa", "--step", "5"), "has no unit"),
-    ],
-)
-def test_what_cannot_begin_is_wrong_input(tmp_path: Path, options: tuple[str, ...], complaint: str) -> None:
-    status, _, error = call(*options, "--out", str(tmp_path))
-    assert status == 2
-    assert complaint in error
-    assert "Traceback" not in error
-
-
-@pytest.mark.parametrize(
-    ("text", "complaint"),
-    [
-        ("t_s,pressure_kPa\n0,5\n1,9\n0.5,7\n", "its times must rise from row to row"),
-        ("t_s,pressure_kPa\n1,5\n2,9\n", "must rise from row to row, from 0 s on"),
-        ("t_s,x_mm\n0,5\n1,9\n", "no line names a time and a pressure"),
-        ("t_s,pressure_kPa\n0,5\n1,\n", "rows without a time or a pressure"),
-    ],
-)
-def test_wrong_tables_are_refused(tmp_path: Path, text: str, complaint: str) -> None:
-    (tmp_path / "p.csv").write_text(text)
-    with pytest.raises(InputError, match=complaint):
-        pneurod.move(COARSE, tmp_path / "p.csv", seconds=1.0, out=tmp_path)
-
-
 def test_an_arm_without_mass_is_refused(tmp_path: Path) -> None:
     folder = copy_with(tmp_path / "arm", "law.json", lambda content: content.update(mass=None))
     with pytest.raises(InputError, match=r"has no mass; give material\.density"):

@@ -5,10 +5,8 @@ from pathlib import Path
 import pytest
 
 from pipeline.config.document import read_document
-from pipeline.config.load import load_config
 from pipeline.law.rows import PairSpec, read_pairs
 from pipeline.results.files import folder_of
-from pipeline.values.errors import InputError
 
 DESIGN = """
 name: two
@@ -18,11 +16,16 @@ pressures: [[10 kPa, 0 kPa], [20 kPa, 5 kPa], [0.01 MPa, 2.5 kPa], [0 kPa, 12 kP
 """
 
 
-@pytest.fixture
-def file(tmp_path: Path) -> Path:
-    path = tmp_path / "two.yaml"
+def design_in(folder: Path) -> Path:
+    """A configuration with pairs of pressures."""
+    path = folder / "two.yaml"
     path.write_text(DESIGN, encoding="utf-8")
     return path
+
+
+@pytest.fixture
+def file(tmp_path: Path) -> Path:
+    return design_in(tmp_path)
 
 
 def spec_of(file: Path, *settings: str) -> PairSpec:
@@ -51,36 +54,3 @@ def test_the_run_of_a_ratio_has_fractions_of_the_larger_pressure(file: Path) -> 
 
 def test_one_pressure_is_no_pair(file: Path) -> None:
     assert read_pairs(read_document(file, ["pressures=[10 kPa, 20 kPa]"])) is None
-
-
-@pytest.mark.parametrize(
-    ("setting", "sentence"),
-    [
-        ("pressures=[[10 kPa, 0 kPa], 20 kPa]", "is not a pair of pressures"),
-        ("pressures=[[10 kPa, 0 kPa, 1 kPa]]", "is not a pair of pressures"),
-        ("pressures=[[10 kPa, -1 kPa]]", "must not be below 0 kPa"),
-        ("pressures=[[0 kPa, 0 kPa]]", "is a body at rest"),
-        ("pressures=[[10 kPa, 5 kPa], [10 kPa, 5 kPa]]", "is there twice"),
-        ("pressures=[[10, 5 kPa]]", "10"),
-        ("effects.pressure.cavities={cavity: 1}", "contradicts pairs of pressures"),
-        ("mesh.size=huge", "huge"),
-    ],
-)
-def test_what_is_refused(file: Path, setting: str, sentence: str) -> None:
-    with pytest.raises(InputError) as refusal:
-        read_pairs(read_document(file, [setting]))
-    assert sentence in str(refusal.value)
-    assert "\n" not in str(refusal.value)
-    assert str(refusal.value).startswith(f"--set {setting.partition('=')[0]}")
-
-
-def test_a_body_with_one_cavity_takes_no_pairs(file: Path) -> None:
-    with pytest.raises(InputError, match="pressures: pairs need a body with two cavities; this one has cavity;"):
-        read_pairs(read_document(file, ["geometry={family: semicircular}"]))
-
-
-def test_other_commands_take_one_pressure(file: Path) -> None:
-    with pytest.raises(
-        InputError, match=r"pressures.*is a list, which only `run` \(two cavities\) and `cell` \(three\) take"
-    ):
-        load_config(file)
