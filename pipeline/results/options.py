@@ -6,8 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from pipeline.config.units import PRESSURE, Dimension, convert
-from pipeline.store.atomic_file import write_atomic
-from pipeline.store.result_folder import open_file
+from pipeline.store.result_folder import ResultFolder, open_file
 from pipeline.values.errors import InputError, argument, ask, quoted
 from pipeline.values.json_values import plain
 
@@ -21,14 +20,14 @@ def option_value(name: str, given: Any, dimension: Dimension) -> float:
 
 
 def write_new(file: Path, text: str) -> None:
-    """Write a file, or again one that begins with the same line, as pages and tables of this program do.
+    """Write a file, or again one that is there as this program wrote it.
 
-    Raises InputError for another file that exists, which a user made, and for one that cannot be written.
+    Raises InputError for another one, which a user made or changed, and for one that cannot be written.
     """
-    first = text.partition("\n")[0].encode()
-    if file.exists() and not (file.is_file() and file.read_bytes().startswith(first)):
-        raise InputError(f"{file}: exists and was not made by this command; rename it")
-    write_atomic(open_file(file), text.encode())
+    folder = ResultFolder(open_file(file).parent)
+    if file.exists() and not folder.was_made(file.name):
+        raise InputError(f"{file}: exists and was not made by this command, or changed since; rename it")
+    folder.save_text(file.name, text)
 
 
 def option_pressures(name: str, given: Any) -> float | tuple[float, ...]:

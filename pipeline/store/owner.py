@@ -1,4 +1,4 @@
-"""Whose folder it is: a command may be repeated; what another one or a hand has made is refused."""
+"""Whose folder it is: a command may be repeated; what another one or a hand has made or changed is refused."""
 
 import json
 import shutil
@@ -78,19 +78,23 @@ def claim(
 
     identity: what they belong to, by keys of the mark; None where earlier ones of any are replaced. fresh: whether
     earlier results are removed; None where the command does not offer it. Raises InputError for a folder that cannot be
-    written, that another command has filled, or that has a file of these names by hand or results of something else.
+    written, that another command has filled, or that has results of something else or a file of these names that a hand
+    has made or changed.
     """
     folder = open_folder(out)
     given, remedy = argument("out", folder.directory), f"give another {argument('out')}"
     for other in OWNERS if owner in OWNERS else ():
         if other is not owner and other.has(folder.directory):
             raise InputError(f"{given}: holds the results of {other.name}; {remedy}")
+    there = [name for name in (owner.mark, *owner.files) if (folder.directory / name).exists()]
+    made = {name: folder.was_made(name) for name in there}
+    if by_hand := next((name for name, one in made.items() if one is False or not (one or owner.mark in made)), None):
+        raise InputError(
+            f"{given}: {by_hand} in it was not made by this command, or changed since; rename it, or {remedy}"
+        )
     if fresh:
         owner.clear(folder.directory)
-    if not owner.has(folder.directory):
-        if by_hand := next((name for name in owner.files if (folder.directory / name).exists()), None):
-            raise InputError(f"{given}: {by_hand} in it was not made by this command; rename it, or {remedy}")
-    elif identity is not None and (unlike := owner.unlike(folder.directory, identity)):
+    if identity is not None and (unlike := owner.unlike(folder.directory, identity)):
         held = f"{given}: holds the results of {owner.name} with another {' and '.join(unlike)}; {remedy}"
         raise InputError(held if fresh is None else f"{held}, or {argument('fresh', True)} to replace them")
     return folder

@@ -8,6 +8,7 @@ import re
 import tempfile
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +18,8 @@ from pipeline.values.json_values import Json
 
 #: a list without texts, lists and objects in it, over several lines (no text of JSON has a line break); its breaks
 _LIST_OF_NUMBERS, _BREAK = re.compile(r'\[\n\s+([^\[\]{}"]+?)\n\s*\]'), re.compile(r"\n\s*")
+#: in each folder: what was written at its top, by name with the sha256
+MADE = ".pneurod-made"
 
 
 @dataclass(frozen=True)
@@ -33,7 +36,7 @@ class ResultFolder:
 
     def save_json(self, name: str, value: Json) -> None:
         """Write `value` as JSON. Arrays become lists; NaN and infinity become null, which JSON can hold."""
-        write_atomic(self.path(name), json_text(value).encode())
+        self.save_text(name, json_text(value))
 
     def save_rows(self, name: str, columns: Sequence[str], rows: Sequence[Sequence[Any]]) -> None:
         """Write a CSV table with a header line; floats keep all their digits, NaN is an empty cell."""
@@ -41,11 +44,29 @@ class ResultFolder:
         writer = csv.writer(text, lineterminator="\n")
         writer.writerow(columns)
         writer.writerows([["" if isinstance(c, float) and not math.isfinite(c) else c for c in row] for row in rows])
-        write_atomic(self.path(name), text.getvalue().encode())
+        self.save_text(name, text.getvalue())
 
     def save_text(self, name: str, text: str) -> None:
-        """Write a text file in UTF-8."""
+        """Write a text file in UTF-8; one at the top of the folder is noted, so that a change by hand is seen."""
         write_atomic(self.path(name), text.encode())
+        if "/" not in name:
+            made = {**self._made, name: sha256(text.encode()).hexdigest()}
+            write_atomic(self.path(MADE), "".join(f"{one} {key}\n" for key, one in made.items()).encode())
+
+    @property
+    def _made(self) -> dict[str, str]:
+        try:
+            lines = (self.directory / MADE).read_text(encoding="utf-8").splitlines()
+        except (OSError, ValueError):
+            return {}
+        return {name: digest for digest, _, name in (line.partition(" ") for line in lines)}
+
+    def was_made(self, name: str) -> bool | None:
+        """Whether a file at the top is there as it was written; False for one that was changed by hand, None for one
+        of which nothing is known."""
+        if (known := self._made.get(name)) is None:
+            return None
+        return known == sha256((self.directory / name).read_bytes()).hexdigest()
 
     def read_json(self, name: str) -> Any:
         """What `save_json` wrote, or None where there is no such file."""

@@ -16,7 +16,7 @@ from pipeline.config.load import load_config
 from pipeline.store import atomic_file, state_key
 from pipeline.store.owner import MOTION, OWNERS, RUN, Owner, claim
 from pipeline.store.provenance import provenance, required
-from pipeline.store.result_folder import ResultFolder
+from pipeline.store.result_folder import MADE, ResultFolder
 from pipeline.store.state_key import ALL_SOURCES, NUMBER_SOURCES, STATE_SOURCES, result_key, source_files
 from pipeline.store.store import Store, open_store
 from pipeline.values.errors import InputError, on_command_line
@@ -37,7 +37,7 @@ def other(configs: Path) -> Config:
 def files(directory: Path) -> set[str]:
     """All files but the lock of the run that is at work."""
     found = {str(path.relative_to(directory)) for path in directory.rglob("*") if path.is_file()}
-    return found - {".pneurod-lock"}
+    return found - {".pneurod-lock", MADE}
 
 
 def test_json_and_rows_come_back(tmp_path: Path, config: Config) -> None:
@@ -195,7 +195,9 @@ def test_fresh_spares_what_no_run_wrote(tmp_path: Path, config: Config) -> None:
     by_hand.write_text("mine too: no run has been here")
     for fresh in (False, True, None):
         with (
-            pytest.raises(InputError, match=r"report\.html in it was not made by this command; rename it, or give"),
+            pytest.raises(
+                InputError, match=r"report\.html in it was not made by this command, or changed since; rename"
+            ),
             open_store(tmp_path, config, fresh=fresh),
         ):
             pass
@@ -281,9 +283,18 @@ def test_each_command_is_repeated_and_refuses_what_another_or_a_hand_has_made(ow
     for name in owner.files:
         by_hand = ResultFolder(tmp_path / "by_hand")
         by_hand.save_text(name, "mine")
+        by_hand.path(MADE).unlink()
         with pytest.raises(InputError, match=f"{name} in it was not made by this command"):
             claim(by_hand.directory, owner, fresh=True)
         by_hand.path(name).unlink()
+        own.save_text(owner.mark, "{}")
+        own.save_text(name, "made")
+        own.path(name).write_text("made, and a note by hand")
+        for fresh in (None, True):
+            with pytest.raises(InputError, match=f"{name} in it was not made by this command, or changed since"):
+                claim(own.directory, owner, fresh=fresh)
+        assert own.path(name).read_text() == "made, and a note by hand"
+        own.save_text(name, "made")
 
 
 def test_a_folder_in_which_nothing_was_solved_is_for_any_configuration(
@@ -297,7 +308,7 @@ def test_a_folder_in_which_nothing_was_solved_is_for_any_configuration(
 def test_a_motion_stands_beside_its_law_and_spares_a_table_by_hand(tmp_path: Path) -> None:
     folder = ResultFolder(tmp_path)
     folder.save_json(RUN.mark, {})
-    folder.save_text("motion.csv", "by hand")
+    folder.path("motion.csv").write_text("by hand")
     with pytest.raises(InputError, match=r"motion\.csv in it was not made by this command"):
         claim(tmp_path, MOTION)
     folder.save_text("motion.html", "of an earlier call")

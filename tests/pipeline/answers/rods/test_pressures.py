@@ -160,6 +160,9 @@ def test_nothing_is_overwritten(tmp_path: Path) -> None:
     assert picture.read_text() == "mine"
     again = tmp_path / "again.html"
     assert [solve("--angle", "90 deg", "--picture", str(again))[0] for _ in range(2)] == [0, 0]
+    again.write_text(again.read_text() + "<!-- a note -->")
+    assert solve("--angle", "90 deg", "--picture", str(again))[0] == 2
+    assert again.read_text().endswith("<!-- a note -->")
 
 
 def test_python_takes_numbers_and_texts() -> None:
