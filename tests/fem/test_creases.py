@@ -141,7 +141,7 @@ def test_activation_distances_of_their_own_leave_the_barrier_consistent() -> Non
 
 
 def collapsed() -> Step:
-    return follow(collapsing(LENGTH)[1], [0.4676, 1.0]).steps[-1]
+    return follow(collapsing(LENGTH, 5.0)[1], [0.4676, 1.0]).steps[-1]
 
 
 def test_a_state_has_the_pairs_of_its_own_load_alone(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -45,12 +45,13 @@ def pieces() -> ArmPieces:
     return ArmPieces(config(), 0.04).with_derivatives()
 
 
-def law_at_one_pressure(arm: ArmPieces, pressure: float = PRESSURE) -> ArmLaw:
+def law_at_one_pressure(arm: ArmPieces, pressure: float = PRESSURE, error: float = measure.TOLERANCE) -> ArmLaw:
     with (
         TemporaryDirectory() as folder,
         open_store(folder, arm.config) as store,
         pytest.MonkeyPatch.context() as patch,
     ):
+        patch.setattr(measure, "TOLERANCE", error)
         patch.setattr(in_space, "STATES", 99)  # rigidities of all states, none between others
         curves = PieceCurves(arm, store, Silent())
         cell = cell_at(curves, pressure, BEND)
@@ -61,8 +62,8 @@ def law_at_one_pressure(arm: ArmPieces, pressure: float = PRESSURE) -> ArmLaw:
 
 
 @cache
-def law() -> ArmLaw:
-    return law_at_one_pressure(pieces())
+def law(error: float = measure.TOLERANCE) -> ArmLaw:
+    return law_at_one_pressure(pieces(), error=error)
 
 
 def test_by_the_modulus_as_moments_and_pressures_scale() -> None:
@@ -102,9 +103,8 @@ def test_moduli_times_a_factor_need_no_finite_elements() -> None:
 
 
 @pytest.mark.parametrize("name", ["wall", "chamber_length"])
-def test_by_a_dimension_as_laws_of_moved_meshes_differ(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(measure, "TOLERANCE", FINE)  # what laws miss between their states is not the same in all three
-    here = law_at_one_pressure(pieces())
+def test_by_a_dimension_as_laws_of_moved_meshes_differ(name: str) -> None:
+    here = law(FINE)  # what laws miss between their states is not the same in all three
 
     def moved(change: float) -> ArmLaw:
         design, movement = pieces().design, pieces().movements[name]
@@ -113,7 +113,7 @@ def test_by_a_dimension_as_laws_of_moved_meshes_differ(name: str, monkeypatch: p
         mesh = movement.moved(pieces().repetition, change)
         with pytest.MonkeyPatch.context() as patch:
             patch.setattr(PneuNet, "repetition", lambda *_: mesh)  # instead of a mesh of its own
-            return law_at_one_pressure(ArmPieces(replace(pieces().config, design=changed), 0.04))
+            return law_at_one_pressure(ArmPieces(replace(pieces().config, design=changed), 0.04), error=FINE)
 
     less, more = moved(-CHANGE), moved(CHANGE)
     key = f"geometry.{name}"
