@@ -30,6 +30,13 @@ def coarse_run(mesh_error: float | None = None) -> Run:
     return replace(run, law=replace(run.law, mesh_error=error))
 
 
+def with_text(folder: Path, name: str, text: str) -> Path:
+    """A copy of the results in `folder` whose file `name` has another text."""
+    shutil.copytree(COARSE, folder, dirs_exist_ok=True)
+    (folder / name).write_text(text, encoding="utf-8")
+    return folder
+
+
 def copy_with(folder: Path, name: str, change: Callable[[Any], Any]) -> Path:
     """A copy of the results in `folder` whose file `name` has the content `change(content)`."""
     shutil.copytree(COARSE, folder, dirs_exist_ok=True)

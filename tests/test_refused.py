@@ -77,7 +77,8 @@ ROWS = [row for file in sorted((HERE / "data" / "refused").glob("*.txt")) for ro
 
 @pytest.mark.filterwarnings("ignore::pneurod.RodWarning")
 @pytest.mark.parametrize("row", ROWS, ids=lambda row: row.place)
-def test_what_cannot_be_meant_is_refused(row: Refused, tmp_path: Path) -> None:
+def test_what_cannot_be_meant_is_refused(row: Refused, tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    """In one sentence; nothing is printed, as libraries in C do, and nothing is written to the folder of results."""
     names = dict(NAMES)
     for module in row.modules.split(", "):
         names |= vars(import_module(module))
@@ -94,6 +95,7 @@ def test_what_cannot_be_meant_is_refused(row: Refused, tmp_path: Path) -> None:
     begin = rf"^{re.escape(row.start.format(tmp_path=tmp_path))} ?" if row.start else ""
     assert re.search(begin + ".*".join(map(re.escape, row.words)), sentence, re.MULTILINE), sentence
     assert all(row.words)
+    assert capfd.readouterr() == ("", "")
     assert not (tmp_path / "out").exists()
 
 

@@ -81,21 +81,6 @@ def test_a_given_d_is_not_sought() -> None:
     assert paper_process(curves, 20.0, 15.0).law.d == 15.0
 
 
-def test_what_cannot_be_fitted_is_refused() -> None:
-    curves = curves_of(FiveParameters(190.0, 400.0, 0.0, 0.0, 6.5))
-    for refused, sentence in (
-        (lambda: paper_cells(curves, 40.0), "need three cells"),
-        (lambda: paper_cells(curves, PITCH, 1.0), "Fewer than 3 points"),
-        (lambda: paper_process(curves, 0.0), "length scale must be positive"),
-        (lambda: paper_cells(TestedCurves(curves.free, curves.loaded, (0.0, 0.0)), PITCH), "no moment"),
-    ):
-        with pytest.raises(RodError, match=sentence):
-            refused()
-    shorter = Centreline(curves.free.s[:-1], curves.free.x[:-1], curves.free.y[:-1])
-    with pytest.raises(RodError, match="same points"):
-        TestedCurves(shorter, curves.loaded, (0.0, 0.1))
-
-
 def test_a_negative_slope_is_allowed_to_two_lines_and_their_rod_but_not_to_five_parameters() -> None:
     with pytest.raises(RodError, match="alpha1 is a rigidity and must be positive"):
         FiveParameters(-40.0, 300.0, 5.0, 0.0, 14.0)

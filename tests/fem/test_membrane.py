@@ -6,7 +6,7 @@ import pytest
 import fem
 from fem.discretisation import Discretisation
 from fem.effects.effect import Term
-from fem.effects.membrane import LayerError, LayerTerm, StrainLimitingLayer
+from fem.effects.membrane import LayerTerm, StrainLimitingLayer
 from fem.elements import ELEMENTS
 from geometry import Mesh
 from geometry.arrays import Array
@@ -145,19 +145,3 @@ def test_a_two_layer_strip_in_bending(formulation: str) -> None:
     assert both / plain > 3
     for bending, effects in ((plain, []), (both, [layer(mesh)])):
         assert force(effects) == pytest.approx(3 * bending * deflection / LENGTH**3, rel=1e-2)
-
-
-@pytest.mark.parametrize("formulation", ["p2", "p1"])
-def test_impossible_layers_are_refused(formulation: str) -> None:
-    mesh = strip((2, 1, 1))
-    with pytest.raises(LayerError, match="no face for it"):
-        StrainLimitingLayer(mesh.plane(1, 0.3), THICKNESS, STIFF, 0.2)
-    with pytest.raises(LayerError, match="thickness must be positive"):
-        StrainLimitingLayer(mesh.plane(1, 0.0), 0.0, STIFF, 0.2)
-    with pytest.raises(fem.MaterialError):
-        StrainLimitingLayer(mesh.plane(1, 0.0), THICKNESS, STIFF, 0.5)
-    space = Discretisation.of(mesh, formulation)
-    with pytest.raises(LayerError, match="not a face"):
-        StrainLimitingLayer(np.array([[0, 1, len(mesh.points) - 1]]), 0.1, STIFF, 0.2).bind(
-            space, fem.StVenantKirchhoff(E=SOFT, nu=0.0)
-        )

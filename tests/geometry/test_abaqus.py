@@ -93,26 +93,3 @@ def test_several_parts_or_instances_are_refused(plain: tuple[np.ndarray, np.ndar
     ):
         with pytest.raises(DesignError, match=rf"file: .* several parts or instances with elements \({names}\)"):
             read(tmp_path / "several.inp", lines)
-
-
-@pytest.mark.parametrize(
-    "lines",
-    [
-        ["*Node", "1, 0., zero, 0.", "*Element, type=C3D4", "1, 1, 1, 1, 1"],
-        ["*Node", ", 1., 0., 0.", "*Element, type=C3D4", "1, 1, 1, 1, 1"],
-        ["*Node, system=C", "1, 0., 0., 0."],
-        ["*System", "0., 0., 0., 0., 1., 0."],
-        ["*Node", "1, 0., 0., 0.", "*Element, type=C3D4", "1, 1, 2, 3, 4"],
-        ["*Node", "1, 0., 0., 0.", "*Element, type=C3D4", "1, 1, 1, 1"],
-        ["*Node", "1, 0., 0., 0.", "*Element, type=C3D8R", "1, 1, 1, 1, 1, 1, 1, 1, 1"],
-        ["*Element, type=S3", "1, 1, 2, 3"],
-        ["*Include, input=nodes.inp"],
-        ["*Node, input=nodes.inp"],
-    ],
-)
-def test_files_that_cannot_be_read(lines: list[str], tmp_path: Path) -> None:
-    with pytest.raises(DesignError) as caught:
-        read(tmp_path / "bad.inp", lines)
-    assert caught.value.keys == ("file",)
-    assert str(tmp_path / "bad.inp") in caught.value.sentence
-    assert "\n" not in caught.value.sentence

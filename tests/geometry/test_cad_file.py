@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from geometry import CadFile, DesignError, MeshError
-from tests.step_bodies import Draw, box, save
+from tests.step_bodies import box, save
 
 
 def finger(occ: Any, hole: bool = False, second: bool = False) -> list[tuple[int, int]]:
@@ -109,63 +109,6 @@ def asymmetric(occ: Any) -> None:
     occ.fuse(finger(occ), [box(occ, (20, 12, 3), (25, 14, 5))])
 
 
-BAD_FILES: dict[str, tuple[Draw, str, str]] = {
-    "open": (lambda occ: finger(occ, hole=True), "air.cavity", "no closed cavity"),
-    "several": (lambda occ: [finger(occ), box(occ, (0, 20, -1), (60, 22, 1))], "file", r"holds 2 solids, around \("),
-    "surface": (lambda occ: occ.addRectangle(0, 0, 0, 60, 10), "file", "holds no solid"),
-    "huge": (lambda occ: occ.dilate(finger(occ), 0, 0, 0, 1e3, 1e3, 1e3), "file", "is it in another unit"),
-    "asymmetric": (asymmetric, "symmetric", "differ"),
-    "aside": (
-        lambda occ: occ.translate(finger(occ), 0, 0, 3),
-        "symmetric",
-        "write middle: 3 mm for a whole arm",
-    ),
-}
-
-
-@pytest.mark.parametrize("case", BAD_FILES)
-def test_cad_files_that_cannot_be_used(case: str, folder: Path, capfd: pytest.CaptureFixture[str]) -> None:
-    draw, key, sentence = BAD_FILES[case]
-    path = save(folder / f"{case}.step", draw)
-    capfd.readouterr()
-    with pytest.raises(DesignError, match=sentence) as caught:
-        design_of(path)
-    assert caught.value.keys[0] == key
-    assert capfd.readouterr() == ("", "")
-
-
-BAD_SPECS: list[tuple[dict[str, Any], str, str]] = [
-    ({"air": {"cavity": (30, 1, 0)}}, "air.cavity", "lies in the material"),
-    ({"air": {"cavity": (30, 30, 0)}}, "air.cavity", "no closed cavity"),
-    ({"air": {"cavity": (500, 30, 0)}}, "air.cavity", "no closed cavity"),
-    ({"tip": 61}, "tip", "lies outside the body, which reaches from 0 to 60 mm"),
-    ({"tip": -5}, "tip", "x = -5 mm lies outside the body, which reaches from 0 to 60 mm"),
-    ({"tip": 0}, "clamp", "both at x = 0 mm"),
-    ({"curve": 17}, "curve", "y = 17 mm lies outside the body"),
-    ({"curve": 5}, "curve", "y = 5 mm, z = 0 is outside the material from .* mm behind the clamp"),
-    ({"cell": 0}, "cell", "positive"),
-    ({"unit": float("nan")}, "unit", "positive"),
-]
-
-
-@pytest.mark.parametrize(("changes", "key", "sentence"), BAD_SPECS)
-def test_keys_that_cannot_be_used(changes: dict[str, Any], key: str, sentence: str, folder: Path) -> None:
-    path = folder / "finger.brep"
-    if not path.exists():
-        save(path, finger)
-    with pytest.raises(DesignError, match=sentence) as caught:
-        design_of(path, **changes)
-    assert caught.value.keys[0] == key
-
-
-def test_errors_that_only_meshing_shows(folder: Path) -> None:
-    path = save(folder / "late.brep", finger)
-    with pytest.raises(DesignError, match="tip: the body has no flat face in the plane x = 40 mm"):
-        design_of(path, tip=40).body(5)
-    with pytest.raises(DesignError, match=r"mesh\.size"):
-        design_of(path).body(50)
-
-
 def test_solid_that_touches_itself_along_a_line_is_refused(folder: Path) -> None:
     def hinge(occ: Any) -> None:
         parts = [
@@ -180,13 +123,3 @@ def test_solid_that_touches_itself_along_a_line_is_refused(folder: Path) -> None
     path = save(folder / "hinge.brep", hinge)
     with pytest.raises((MeshError, DesignError), match="not manifold"):
         design_of(path).body(5)
-
-
-def test_files_of_another_format_are_refused(tmp_path: Path) -> None:
-    with pytest.raises(DesignError, match=r"file: .* does not exist"):
-        design_of(tmp_path / "none.step")
-    with pytest.raises(DesignError, match=r"finger.stl cannot be read; it may end with \.step"):
-        design_of(tmp_path / "finger.stl")
-    (tmp_path / "text.step").write_text("not a solid\n")
-    with pytest.raises(DesignError, match=r"cannot be read as STEP or BREP|holds no solid"):
-        design_of(tmp_path / "text.step")

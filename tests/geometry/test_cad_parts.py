@@ -1,7 +1,6 @@
 """A CAD file of several solids, some of which are of another material."""
 
 import gzip
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -104,30 +103,6 @@ def test_materials_that_are_not_symmetric_are_refused(tmp_path: Path) -> None:
     path = save(tmp_path / "uneven.step", lambda occ: (rails(occ), occ.fuse([(3, 1)], [(3, 3)])))
     with pytest.raises(DesignError, match="symmetric: the halves of the body about z = 0 differ"):
         CadFile(str(path), 1.5, parts={"rail": (20.0, 1.0, 6.0)})
-
-
-@pytest.mark.parametrize(
-    ("draw", "keys", "key", "sentence"),
-    [
-        (pair, {}, "file", "or parts: a point in each of another material"),
-        (pair, {"parts": {"plate": (20.0, 5.0, 0.0)}}, "parts.plate", "(20, 5, 0) mm lies in no solid of the file"),
-        (pair, {"parts": {"a": (1.0, 3.0, 2.0)}}, "parts.a", "(1, 3, 2) mm lies in the boundary of several solids"),
-        (pair, {"parts": {"a": IN_PLATE, "b": (9.0, 2.0, 1.0)}}, "parts.b", "lies in the same solid as that of a"),
-        (pair, {"parts": {"a": IN_PLATE, "b": IN_BLOCK}}, "parts", "all 2 solids are named"),
-        (pair, {"parts": {"a": IN_PLATE}, "unite": True}, "parts", "give one of the two"),
-        (lambda occ: pair(occ, apart=1.0), {"parts": {"a": (20.0, 0.0, 0.0)}}, "parts", "2 parts that do not touch"),
-        (lambda occ: pair(occ, apart=-0.5), {"parts": {"a": IN_PLATE}}, "parts", "overlap in 207 mm3"),
-    ],
-    ids=["not named", "in the air", "between them", "named twice", "all named", "united", "apart", "overlap"],
-)
-def test_parts_that_cannot_be(
-    draw: Callable[[Any], Any], keys: dict[str, Any], key: str, sentence: str, tmp_path: Path
-) -> None:
-    path = save(tmp_path / "bodies.step", draw)
-    with pytest.raises(DesignError) as refused:
-        CadFile(str(path), 1.5, **keys)
-    assert key in refused.value.keys
-    assert sentence in str(refused.value)
 
 
 def test_a_configuration_gives_a_part_its_material(folder: Path) -> None:

@@ -1,6 +1,7 @@
 """Meshes of other programs: formats, faces by planes, cavities, the material curve, directions, and what is refused."""
 
 import re
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -288,47 +289,10 @@ def tangled(path: Path) -> None:
     write_mesh(path, points, tets)
 
 
-BAD: dict[str, tuple[Any, str, str]] = {
-    "hexahedra": (hexahedra, "file", "has 1 hexahedron; allowed are tetrahedra with 4 or 10 nodes"),
-    "surface": (surface, "file", "has no tetrahedra; mesh the volume, or give the surface as STL"),
-    "shuffled": (shuffled, "file", "middle node .* lies far from its edge; allowed is the order of VTK"),
-    "short": (cut_short, "file", "cannot be read"),
-    "block": (solid_block, "air", "no closed cavity"),
-    "tangled": (tangled, "file", r"tangled: at \d+ of their faces"),
-}
-
-
-@pytest.mark.parametrize("case", BAD)
-def test_files_that_cannot_be_used(case: str, tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
-    write, key, sentence = BAD[case]
-    write(tmp_path / "bad.vtk")
-    capfd.readouterr()
-    with pytest.raises(DesignError, match=sentence) as caught:
-        MeshFile(str(tmp_path / "bad.vtk"), curve=1.5)
-    assert caught.value.keys[0] == key
-    assert "\n" not in caught.value.sentence
-    assert capfd.readouterr() == ("", "")
-
-
-@pytest.mark.parametrize(
-    ("changes", "key", "sentence"),
-    [
-        ({"clamp": 70}, "clamp", "x = 70 mm lies outside the body, which reaches from 0 to 60 mm"),
-        ({"tip": 40}, "tip", "no flat face in the plane x = 40 mm"),
-        ({"clamp": 60, "tip": 60}, "clamp", "both at x = 60 mm"),
-        ({"curve": 20}, "curve", "y = 20 mm lies outside the body"),
-        ({"curve": 6}, "curve", "outside the material from 3 to 57 mm behind the clamp; give a height in a wall"),
-        ({"symmetric": True}, "symmetric", "true is for a file that holds one half alone"),
-        ({"unit": 1000}, "file", "is it in another unit"),
-    ],
-)
-def test_keys_that_cannot_be_used(
-    changes: dict[str, Any], key: str, sentence: str, folder: Path, plain: tuple[np.ndarray, np.ndarray]
-) -> None:
-    path = write_mesh(folder / "keys.vtu", *plain)
-    with pytest.raises(DesignError, match=sentence) as caught:
-        MeshFile(str(path), **{"curve": 1.5, **changes})
-    assert caught.value.keys[0] == key
+def bad(write: Callable[[Path], None], folder: Path) -> str:
+    """A file that one of the functions before writes."""
+    write(folder / "bad.vtk")
+    return str(folder / "bad.vtk")
 
 
 def two_materials(folder: Path, suffix: str, order: int = 1) -> Path:

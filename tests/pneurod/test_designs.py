@@ -68,11 +68,6 @@ def test_every_public_function_and_constructor_names_its_arguments(name: str) ->
         assert not kinds & {inspect.Parameter.VAR_KEYWORD, inspect.Parameter.VAR_POSITIONAL}
 
 
-def test_a_misspelt_key_fails_at_the_call() -> None:
-    with pytest.raises(TypeError, match="chambrs"):
-        pneurod.PneuNet(chambrs=6)  # type: ignore[call-arg]
-
-
 def test_a_design_in_python_is_the_one_of_a_file(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     path = tmp_path / "finger.yaml"
     path.write_text(

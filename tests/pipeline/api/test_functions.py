@@ -56,15 +56,6 @@ def test_a_rod_of_a_folder_and_the_pressure_for_a_wish() -> None:
     assert numbers.shape.end == pneurod.shape(COARSE, "31 kPa", force="0.01 N", moment="0.5 N*mm", rod="five").shape.end
 
 
-def test_arguments_are_named_as_they_were_given() -> None:
-    with pytest.raises(pneurod.InputError, match=r"^end_y: .*has no unit"):
-        pneurod.shape(COARSE, "31 kPa", end_y="0")
-    refused = CliRunner().invoke(app, ["rod", str(COARSE), "--pressure", "31 kPa", "--end-y", "0"])
-    assert refused.stderr.startswith("pneurod: --end-y: ")
-    with pytest.raises(pneurod.InputError, match=r"^settings\[\"mesh.siz\"\]: unknown key"):
-        pneurod.mesh("configs/pneunet_coarse.yaml", settings={"mesh.siz": "4 mm"})
-
-
 def test_files_are_written_from_python(tmp_path: Path) -> None:
     file = pneurod.init("semicircular", tmp_path / "arm.yaml")
     meshed = pneurod.mesh(file, tmp_path / "mesh", settings={"mesh.size": "6 mm"})

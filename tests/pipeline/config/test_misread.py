@@ -6,8 +6,6 @@ import pytest
 
 from pipeline.answers.rods.solid import young_modulus
 from pipeline.config.load import load_config
-from pipeline.study.sweep.spec import read_sweep
-from pipeline.values.errors import InputError
 from rod import RodError
 
 HERE = Path(__file__).parent.parent.parent
@@ -26,21 +24,6 @@ def test_parameters_of_an_effect_go_beside_its_state() -> None:
     assert load_config(
         COARSE, ["effects.self_contact=off", "effects.self_contact.dhat=0.1 mm"]
     ).effects.self_contact.off
-
-
-@pytest.mark.parametrize(
-    "axes",
-    [
-        "[{mesh.size: [4 mm, 5 mm]}, {mesh: [{size: 6 mm}, {size: 7 mm}]}]",
-        "[{mesh: [{size: 6 mm}, {size: 7 mm}]}, {mesh.size: [4 mm, 5 mm]}]",
-    ],
-)
-def test_an_axis_within_another_one_is_refused(axes: str, tmp_path: Path) -> None:
-    """The table would have the sizes of one, and the points those of the other."""
-    sweep = tmp_path / "sweep.yaml"
-    sweep.write_text(f"name: s\nbase: {COARSE}\naxes: {axes}\n", encoding="utf-8")
-    with pytest.raises(InputError, match=r"axes: mesh and mesh.size are both given, and the first replaces the second"):
-        read_sweep(sweep)
 
 
 def test_the_modulus_of_an_exported_rod_is_that_of_its_law() -> None:

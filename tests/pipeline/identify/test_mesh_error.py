@@ -17,7 +17,6 @@ from pipeline.run import run
 from pipeline.store.context import RunContext
 from pipeline.store.progress import Silent
 from pipeline.store.store import open_store
-from pipeline.values.errors import InputError
 from pipeline.values.richardson import extrapolate
 from rod import Interval
 
@@ -107,10 +106,3 @@ def test_a_second_mesh_that_cannot_be_made_is_named(tmp_path: Path) -> None:
         same, (reason,) = with_mesh_error(config, RunContext.alone(store, Silent()), parameters)
     assert same == parameters
     assert (reason.code, reason.values["factor"]) == ("coarser_not_meshed", 5.0)
-
-
-def test_a_finer_second_mesh_is_refused(tmp_path: Path) -> None:
-    path = tmp_path / "seven.yaml"
-    path.write_text(SHORT.replace("coarser: 1.5", "coarser: 0.8"), encoding="utf-8")
-    with pytest.raises(InputError, match=r"mesh\.coarser: 0\.8 is not allowed; allowed: 1\.1 to 5"):
-        load_config(path)

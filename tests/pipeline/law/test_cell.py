@@ -26,8 +26,7 @@ from pipeline.law.piece.pieces import ArmPieces
 from pipeline.law.piece.tasks import ArmTasks
 from pipeline.law.study import LawReport, measure_law
 from pipeline.law.unloaded import begin_first_states, reached_states
-from pipeline.results.files import read_law, read_plane_law, read_results
-from pipeline.results.laws import law_of_record
+from pipeline.results.files import read_plane_law, read_results
 from pipeline.results.unloaded import unloaded_states
 from pipeline.simulate.scene import Scene
 from pipeline.store.context import RunContext
@@ -260,21 +259,6 @@ def test_the_folder_of_a_cell_is_solved_and_exported(report: LawReport, tmp_path
     assert pneurod.solve(report, angle="10 deg").solutions
     for target in ("mujoco", "pyelastica", "somo", "sorosim"):
         assert pneurod.export(report, target, out=tmp_path).files
-
-
-def test_the_command_refuses_such_an_arm_as_wrong_input(tmp_path: Path) -> None:
-    command = ["cell", str(CONFIGS / "pneunet_coarse.yaml"), "--set", "geometry.chambers=1", "--out", str(tmp_path)]
-    call = CliRunner().invoke(app, command)
-    assert call.exit_code == 2
-    assert "no inner cell" in call.stderr
-
-
-def test_another_file_is_no_law(tmp_path: Path) -> None:
-    (tmp_path / "law.json").write_text("{}")
-    with pytest.raises(pneurod.InputError, match="not the law of an arm"):
-        read_law(tmp_path / "law.json")
-    with pytest.raises(ValueError, match="format"):
-        law_of_record({"format": 99})
 
 
 def test_the_tip_without_a_load_is_that_of_the_material_curve() -> None:

@@ -94,22 +94,6 @@ def test_a_full_law_takes_the_place_of_a_draft_alone(tmp_path: Path) -> None:
         replace_draft(full, draft=True)
 
 
-@pytest.mark.parametrize(
-    ("values", "complaint"),
-    [
-        ({"law": "five"}, "five has no draft"),
-        (
-            {"effects.pressure.cavities": {"cavity": "10 kPa"}},
-            "draft: is not possible: a cavity has a constant pressure",
-        ),
-    ],
-)
-def test_arms_without_a_law_have_no_draft(tmp_path: Path, values: dict[str, object], complaint: str) -> None:
-    document = read_document(arm(tmp_path)).with_values([("draft", True), *values.items()], str)
-    with pytest.raises(InputError, match=complaint):
-        checked(document)
-
-
 def test_pairs_of_pressures_have_no_draft(tmp_path: Path) -> None:
     content = {**read_document(arm(tmp_path)).content, "pressures": [["10 kPa", "5 kPa"]], "draft": True}
     with pytest.raises(InputError, match=r"draft: is for one pressure in all cavities, not for pairs"):

@@ -140,11 +140,6 @@ def test_an_arm_without_a_law_keeps_its_five_parameters_and_says_why(tmp_path: P
         config(tmp_path, weight, "law=cell")
 
 
-def test_an_arm_without_an_inner_cell_is_refused_before_anything_is_meshed(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="law: cell is not possible: the arm has no inner cell; its own law needs two"):
-        config(tmp_path, "geometry.chambers=1", "law=cell", "validation=off")
-
-
 def test_a_body_of_which_no_piece_is_made_fails_with_the_reason(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -9,7 +9,7 @@ from fem.effects.barrier import FacingTerm
 from geometry import PneuNet
 from pipeline.config.load import load_config
 from pipeline.law.piece.measure import cell_without_moment
-from pipeline.law.piece.pieces import ArmPieces, NoArmLaw
+from pipeline.law.piece.pieces import ArmPieces
 from pipeline.simulate.scene import Scene
 from pipeline.values.errors import InputError
 from tests.step_bodies import pneunet_as_step
@@ -81,12 +81,6 @@ def test_planes_are_recorded_and_refused_with_the_key(own: Path) -> None:
             load_config(own, [f"geometry.cell={value}"])
         assert sentence in str(refused.value)
         assert "\n" not in str(refused.value)
-
-
-def test_contact_that_no_wall_of_the_cell_can_make_is_refused() -> None:
-    config = load_config(CONFIGS / "finger.yaml", ["mesh.size=6 mm", "effects.self_contact={faces: [outer]}"])
-    with pytest.raises(NoArmLaw, match="no wall of 'outer' faces the plane 'tip' between two cells"):
-        _ = ArmPieces(config, DHAT).cell
 
 
 def test_a_strain_limiting_layer_acts_in_the_cell() -> None:

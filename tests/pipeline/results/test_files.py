@@ -12,7 +12,7 @@ from pipeline.store.result_folder import ResultFolder
 from pipeline.values.errors import InputError
 from pipeline.values.formats import CONVERGED
 from pipeline.values.run import RodError, State
-from tests.coarse import COARSE, coarse_run, copy_with
+from tests.coarse import COARSE, coarse_run
 
 
 def test_every_file_is_read() -> None:
@@ -43,40 +43,6 @@ def test_what_is_written_is_read_again(tmp_path: Path) -> None:
     assert again[0].reaction_N == (0.0, 2.0)
     assert np.isnan(again[0].min_gap_mm)
     assert repr(again[1]) == repr(rows[1])
-
-
-def test_a_wrong_value_is_named_with_its_file_and_key(tmp_path: Path) -> None:
-    def break_it(content: list[dict[str, object]]) -> None:
-        content[1]["min_J"] = "small"
-
-    with pytest.raises(InputError, match=r"experiments\.json: is not a result file of a run: 1\.min_J: .*number"):
-        read_results(copy_with(tmp_path, "experiments.json", break_it))
-
-
-def test_another_format_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match=r"run\.json: has format 1, and this version reads"):
-        read_results(copy_with(tmp_path, "run.json", lambda content: {**content, "format": 1}))
-
-
-@pytest.mark.parametrize(
-    ("name", "content"),
-    [
-        ("parameters.json", "{"),
-        ("parameters.json", "[1]"),
-        ("experiments.json", '{"a": 1}'),
-        ("experiments.json", '["a"]'),
-        ("run.json", "3"),
-        ("curves.csv", ""),
-        ("effects.json", "\x00"),
-        ("law.json", '{"length_mm": 3}'),
-    ],
-)
-def test_broken_files_are_named(name: str, content: str, tmp_path: Path) -> None:
-    shutil.copytree(COARSE, tmp_path / "results")
-    (tmp_path / "results" / name).write_text(content)
-    with pytest.raises(InputError, match=name.replace(".", r"\.")) as refusal:
-        read_results(tmp_path / "results")
-    assert "\n" not in str(refusal.value)
 
 
 def test_folders_without_results_are_refused(tmp_path: Path) -> None:

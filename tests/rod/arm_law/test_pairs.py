@@ -65,17 +65,6 @@ def test_clamped_ends_of_different_lengths_are_joined() -> None:
     assert rod.solve().end == pytest.approx(fan(0.0, 1.0).at((20.0, 10.0)).solve().end)
 
 
-def test_nothing_is_extrapolated() -> None:
-    law = PairLaw(("upper", "lower"), (0.0, 0.5), (ray(0.0, highest=10.0), ray(0.5)))
-    law.at((25.0, 12.5))
-    with pytest.raises(RodError, match="from 0 to 10 kPa; 20 kPa is outside"):
-        law.at((20.0, 4.0))
-    with pytest.raises(RodError, match=r"upper : lower = 1 : 0 to upper : lower = 1 : 0.5"):
-        law.at((20.0, 20.0))
-    with pytest.raises(RodError, match="not be below 0 kPa"):
-        law.at((20.0, -1.0))
-
-
 def test_without_derivatives_there_is_nothing_between_rays() -> None:
     law = fan(0.0, 1.0)
     bare = law.laws[0].at(20.0).section

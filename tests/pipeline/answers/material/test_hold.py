@@ -83,21 +83,6 @@ def test_a_loss_factor_that_no_rubber_has_is_named(tmp_path: Path) -> None:
     assert "rubbers have less than 0.5" in doubt
 
 
-@pytest.mark.parametrize(
-    ("titles", "times", "complaint"),
-    [
-        ("time,stress (kPa)", TIMES, "column 'time' has no unit; write it as 'time \\(s\\)'"),
-        ("log time (s),stress (kPa)", TIMES, "'log time \\(s\\)' holds logarithms"),
-        ("time (s),temperature", TIMES, "no line names columns of a time and of a stress"),
-        ("time (s),stress (kPa)", -TIMES, "times do not rise at 0.04 s"),
-        ("time (s),stress (kPa)", TIMES - 300.0, "has 1 points of a hold"),
-    ],
-)
-def test_wrong_files_are_refused(tmp_path: Path, titles: str, times: Array, complaint: str) -> None:
-    with pytest.raises(InputError, match=complaint):
-        read_hold(file(tmp_path, titles, np.ones(len(times)), times))
-
-
 DATA = Path(__file__).parents[3] / "data"
 
 

@@ -4,7 +4,6 @@ import json
 import re
 import runpy
 import shutil
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -177,37 +176,6 @@ def test_every_line_that_pneurod_material_prints_is_run_and_exported(tmp_path: P
 
 def _without_density(content: dict[str, Any]) -> None:
     content["mass_g"] = content["material"]["density_tonne_mm3"] = None
-
-
-def _other_law(content: dict[str, Any]) -> None:
-    content["material"] = {"law": "putty"}
-
-
-def _same(content: dict[str, Any]) -> None:
-    pass
-
-
-@pytest.mark.parametrize(
-    ("change", "options", "sentence"),
-    [
-        (_same, ("--to", "mujoco", "--pressure", "50 kPa"), "50 kPa is outside"),
-        (_same, ("--to", "mujoco", "--pressure", "50"), "--pressure: "),
-        (_same, ("--to", "mujoco", "--rod", "cell"), "--rod cell: allowed are law, five"),
-        (_same, ("--to", "abaqus"), "allowed are csv, json, mujoco"),
-        (_same, (), "--to: allowed are"),
-        (_without_density, ("--to", "mujoco"), "needs the mass of the arm; give material.density"),
-        (_without_density, ("--to", "somo", "--rod", "five"), "needs the mass of the arm; give material.density"),
-        (_other_law, ("--to", "pyelastica"), "is not a law with its constants"),
-    ],
-)
-def test_what_does_not_fit_is_one_sentence_and_writes_nothing(
-    tmp_path: Path, change: Callable[[Any], None], options: tuple[str, ...], sentence: str
-) -> None:
-    folder = copy_with(tmp_path / "arm", "parameters.json", change)
-    status, out, error = call("export", str(folder), *options, "--out", str(tmp_path / "files"))
-    assert (status, out, error.count("\n")) == (2, "", 1)
-    assert sentence in error
-    assert not (tmp_path / "files").exists()
 
 
 def test_a_law_that_turns_against_its_moment_cannot_be_a_chain(tmp_path: Path) -> None:

@@ -103,18 +103,6 @@ def test_air_is_read_from_a_text() -> None:
     assert repr(_read_air("closed")) == repr(Air())
 
 
-def test_air_needs_a_law_with_volumes(tmp_path: Path) -> None:
-    """The stored run has none."""
-    status, _, error = call("--pressure", "0 kPa", "--air", "flow 1 l/min", "--out", str(tmp_path))
-    assert (status, "The law has no volumes of the air" in error) == (2, True)
-
-
-def test_an_arm_without_mass_is_refused(tmp_path: Path) -> None:
-    folder = copy_with(tmp_path / "arm", "law.json", lambda content: content.update(mass=None))
-    with pytest.raises(InputError, match=r"has no mass; give material\.density"):
-        pneurod.move(folder, "5 kPa")
-
-
 def test_what_was_computed_stays_up_to_the_last_good_time(tmp_path: Path) -> None:
     """The pressure of the table leaves the law."""
     (tmp_path / "p.csv").write_text("t_s,pressure_kPa\n0,5\n0.05,5\n0.1,90\n")

@@ -18,7 +18,6 @@ from pipeline.answers.rods.pressures import Wish, pressures_for
 from pipeline.answers.rods.rods import Rods
 from pipeline.answers.rods.tips import tips_page
 from pipeline.cli import app
-from pipeline.values.errors import InputError
 from rod import FiveParameters, Load, Loading, Rod, RodError
 from rod.inverse import Branch
 from tests.coarse import COARSE, coarse_run
@@ -118,38 +117,6 @@ def test_an_upright_arm_that_its_load_has_bent_over_is_followed_to_no_pressure()
     assert at.pressure == pytest.approx(1.0, abs=1e-3)
     less, more = (rod(pressure).solve(force=force).end for pressure in (0.99, 1.01))
     assert at.slope[:2] == pytest.approx((np.array(more) - less) / 0.02, rel=0.01)
-
-
-def test_what_is_out_of_reach_is_told_with_the_nearest(rods: Rods) -> None:
-    with pytest.raises(
-        InputError, match=r"^no pressure from 0 to 37 kPa brings the tip to \(30, 40\) mm; nearest: 0\.00"
-    ):
-        pressures_for(rods, Wish(tip_mm=(30.0, 40.0)))
-    with pytest.raises(InputError, match=r"bends the arm by 300°; nearest: 37\.0000 "):
-        pressures_for(rods, Wish(angle_deg=300.0))
-    with pytest.raises(InputError, match=r"gives the end a force of 9 N; nearest: 37\.0000 .* force on the end"):
-        pressures_for(rods, Wish(force_N=9.0, height_mm=0.0))
-
-
-@pytest.mark.parametrize(
-    ("options", "sentence"),
-    [
-        ((), "give one of a tip, an angle and a force"),
-        (("--tip", "[1 mm, 2 mm]", "--angle", "90 deg"), "give one of a tip, an angle and a force"),
-        (("--force", "0.05 N"), "give the height at which the end is held"),
-        (("--angle", "90 deg", "--at-height", "0 mm"), "give the height at which the end is held"),
-        (("--angle", "90"), "--angle: '90' has no unit"),
-        (("--tip", "[1 mm]"), "--tip: '[1 mm]' is not a pair"),
-        (("--angle", "300 deg"), "no pressure from 0 to 37 kPa bends the arm by 300°; nearest: 37.0000"),
-        (("--angle", "90 deg", "--tip-mass", "2 g"), "--tip-mass: needs --orientation"),
-    ],
-)
-def test_wishes_that_are_none_contradict_or_are_out_of_reach_end_with_status_2(
-    options: tuple[str, ...], sentence: str
-) -> None:
-    code, _, error = solve(*options)
-    assert (code, error.count("\n")) == (2, 1)
-    assert sentence in error
 
 
 def test_nothing_is_overwritten(tmp_path: Path) -> None:

@@ -6,7 +6,6 @@ import pytest
 
 from pipeline.study.sweep.points import Point, PointResult
 from pipeline.study.sweep.spec import points_of, read_sweep
-from pipeline.values.errors import InputError
 
 BASE = """
 name: short
@@ -84,9 +83,3 @@ def test_a_point_whose_only_experiment_is_not_simulated_is_refused(file: Path) -
     points = points_of(sweep_of(file, "run: I\naxes: [effects.gravity: [on, off]]"), file.parent)
     assert [type(point) for point in points] == [PointResult, Point]
     assert "nothing holds the weight" in points[0].reason
-
-
-def test_a_base_that_does_not_exist_is_named_with_its_key(file: Path) -> None:
-    file.write_text("name: some\nbase: nowhere.yaml\naxes: [geometry.wall: [1 mm]]", encoding="utf-8")
-    with pytest.raises(InputError, match=r"sweep.yaml: base: .*nowhere.yaml: no such file"):
-        read_sweep(file)
