@@ -24,8 +24,9 @@ from geometry.arrays import Array, Mask
 NEGLIGIBLE = 1e-9
 #: a component is expressed by the others where its coefficient is at least this part of the largest one
 PIVOT = 0.5
-#: part of the largest displacement by which rounding may take a state off the constraints
-ROUNDOFF = 64 * np.finfo(float).eps
+#: parts of the largest displacement by which rounding may take a state off the constraints: a sum over nodes that move
+#: together rounds with their number, of which there are taken to be so many at least
+ROUNDOFF, FEWEST = np.finfo(float).eps, 64
 
 
 @final
@@ -105,8 +106,13 @@ class Constraints:
         change = self.project(displacement - prescribed) + prescribed - displacement
         if not self.selects:
             size = max(float(np.abs(displacement).max()), float(np.abs(prescribed).max()))
-            change[np.abs(change) <= ROUNDOFF * size] = 0.0
+            change[np.abs(change) <= self._rounding * size] = 0.0
         return np.asarray(change)
+
+    @cached_property
+    def _rounding(self) -> float:
+        """Part of the largest displacement by which rounding may take a state off the constraints."""
+        return float(ROUNDOFF * max(FEWEST, np.bincount(self.transformation.indices).max()))
 
     @cached_property
     def _transposed(self) -> sp.csc_matrix:

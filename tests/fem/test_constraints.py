@@ -95,6 +95,17 @@ def test_displacements_of_any_unknowns_satisfy_all_equations(supports: list[Supp
     np.testing.assert_allclose(constraints.reduce(back), 0.0, atol=1e-12)
 
 
+def test_rounding_of_a_sum_over_a_plane_is_not_corrected() -> None:
+    """It grows with the nodes of the plane: what 64 ulp hold on small ones was corrected without end on fine meshes."""
+    space = Discretisation.of(box((1, 12, 12), (0.1, 1.0, 1.0)), "p2")
+    constraints = Constraints.of([SharedPlane("right", (1.0, 0.1, 0.0))], space)
+    generator, g = np.random.default_rng(1), np.zeros((len(space.points), 3))
+    u = constraints.expand(generator.uniform(-1.0, 1.0, constraints.size))
+    rounding = 0.1 * len(space.surface("right").unique_nodes) * np.finfo(float).eps * np.abs(u).max()
+    np.testing.assert_array_equal(constraints.correction(u + rounding * generator.choice((-1, 1), u.shape), g), 0.0)
+    assert np.any(constraints.correction(u + 1e-10 * generator.choice((-1, 1), u.shape), g))
+
+
 def test_nodes_without_support_are_unknowns_by_themselves() -> None:
     plane = Constraints.of([SharedPlane("right", (1.0, 0.1, 0.0))], BOX)
     right = nodes_at("right", BOX)
