@@ -30,7 +30,7 @@ from benchmarks.measured_arms.arms import (
     second_test,
 )
 from benchmarks.measured_arms.forces import HeldArm, straight_moments
-from benchmarks.measured_arms.free import MOST, MOST_BENT, Factor, FreeArm, curvatures, limit_at
+from benchmarks.measured_arms.free import MOST_BENT, Factor, FreeArm, curvatures, limit_at
 from benchmarks.measured_arms.pictures import draw_angles
 from geometry.arrays import Array, Mask
 from pipeline.values.errors import InputError, RunFailed
@@ -40,8 +40,8 @@ CALIBRATED = tuple(range(12, 45, 4))
 ROWS = (12, 15, 20, 25, 30, 33, 34, 35, 36, 37, 38, 40, 42, 45)
 ASKED = (12, 15, 20, 25, 30, 35, 40, 42, 44, 46, 50, 55, 60, 65)
 FORCES, FORCES_ASKED = (20, 25, 30, 35, 40, 45, 50), (30, 40, 50, 60)
-#: kPa at which the cell with thick walls is solved beyond where its air can be followed
-BEYOND = (54.0, 58.0)
+#: kPa up to which cells are followed, by the walls in mm
+MOST = {7.0: 60.0, 10.0: 84.0}
 #: kPa at which cells are held straight, by the walls in mm
 STRAIGHT = {
     7.0: (10.0, 20.0, 25.0, 30.0, 34.0, 36.0, 38.0, 40.0, 42.0, 44.0, 46.0, 48.0, 51.0, 54.0, 58.0, 62.0, 66.0),
@@ -82,7 +82,7 @@ class Page:
         key = model, arm.wall
         if key not in self.known:
             cell = BLIND if arm.wall == BLIND.wall else GIVEN
-            self.known[key] = curvatures(cell, model, BEYOND if cell is BLIND else (), self.out)
+            self.known[key] = curvatures(cell, model, MOST[cell.wall], self.out)
         return self.known[key]
 
     def law(self, arm: Arm, model: str = AUTHORS) -> FreeArm:
@@ -115,7 +115,7 @@ class Page:
         for model in MODELS:
             bends, law = self.bends(GIVEN, model), self.law(GIVEN, model)
             falls = limit_at(bends[:, 0]) < len(bends) - 1
-            is_lost = not falls and bends[-1, 0] < MOST and bends[-1, 1] > -MOST_BENT
+            is_lost = not falls and bends[-1, 0] < MOST[GIVEN.wall] and bends[-1, 1] > -MOST_BENT
             kind = "limit" if falls else "followed to" if is_lost else "steepest"
             pressure = law.steepest if kind == "steepest" else law.pressures[-1]
             angles = [written(float(law.at(np.array([p]))[0])) for p in (20, 30, 35, 40, 45)]

@@ -5,7 +5,6 @@ other one at p.
 """
 
 import math
-from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,10 +15,9 @@ from scipy.stats import t as student
 
 from benchmarks.measured_arms.arms import Arm
 from fem.cell.inflation import AirPath
-from fem.cell.piece import PieceFailed
+from fem.cell.piece import BendingPiece, PieceFailed
 from geometry.arrays import Array
 from geometry.centreline import chord_angle
-from pipeline.law.piece.measure import cell_without_moment
 from pipeline.law.piece.pieces import ArmPieces
 from pipeline.simulate.scene import Scene
 
@@ -29,34 +27,50 @@ BOTTOM = -0.25
 OF_GAUGE, OF_WALLS = 0.02, 0.015
 #: part of all readings that an interval holds
 HELD = 0.9
-#: kPa and 1/mm, as far as cells are followed
-MOST, MOST_BENT = 60.0, 0.07
+#: 1/mm, as far as cells are followed
+MOST_BENT = 0.07
+#: mm, of a mesh on which a cell can be followed farther
+COARSE = 4.0
 #: kPa by which the steepest pressure is looked for
 FINE = 0.05
 
 
-def curvatures(arm: Arm, model: str, beyond: Sequence[float], folder: Path) -> Array:
-    """(k, 2) kPa and 1/mm of the cell without moment, from rest along its air as far as it can be followed.
+def curvatures(arm: Arm, model: str, most: float, folder: Path) -> Array:
+    """(k, 2) kPa and 1/mm of the cell without moment, from rest along its air up to `most` kPa.
 
-    beyond: kPa, rising, at which single states are found beyond the end of that way. What was found is kept.
+    Where that way ends before, it goes on as on a mesh of COARSE. What was found is kept.
     """
-    config = arm.config(beyond or [MOST], model)
+    config = arm.config([most], model)
     kept = folder / f"{arm.name}_{config.hash[:12]}.csv"
     if kept.exists():
         return np.loadtxt(kept, delimiter=",")
-    cell, way = ArmPieces.of(Scene.meshed(config)).cell, list[tuple[float, float]]()
+    way = _followed(ArmPieces.of(Scene.meshed(config)).cell, most)
+    if way[-1, 0] < most and way[-1, 1] > -MOST_BENT and limit_at(way[:, 0]) == len(way) - 1:
+        way = prolonged(way, _followed(ArmPieces.of(Scene.meshed(config.with_mesh_size(COARSE))).cell, most))
+    folder.mkdir(parents=True, exist_ok=True)
+    np.savetxt(kept, way, fmt="%.8g", delimiter=",")
+    return way
+
+
+def _followed(cell: BendingPiece, most: float) -> Array:
+    """(k, 2) kPa and 1/mm without moment, from rest along the air of a cell, as far as it goes or to `most` kPa."""
+    way = list[tuple[float, float]]()
     with suppress(PieceFailed):  # the way is kept as far as it goes
         for point in AirPath.of(cell).points():
             way.append((1e3 * point.pressure, (point.state.angle + point.lack) / cell.body.length))
-            if way[-1][0] > MOST or way[-1][1] < -MOST_BENT:
+            if way[-1][0] > most or way[-1][1] < -MOST_BENT:
                 break
-    with suppress(PieceFailed):
-        for pressure in (one for one in beyond if one > way[-1][0]):
-            anew = ArmPieces.of(Scene.meshed(config)).cell  # nothing is left of the way that ended
-            way.append((pressure, cell_without_moment(anew, 1e-3 * pressure).state.angle / anew.body.length))
-    folder.mkdir(parents=True, exist_ok=True)
-    np.savetxt(kept, np.array(way), fmt="%.8g", delimiter=",")
     return np.array(way)
+
+
+def prolonged(way: Array, other: Array) -> Array:
+    """(n, 2) kPa and 1/mm: a way (k, 2) and what another one has beyond, its pressures times a factor where they meet.
+
+    Both bend further and further to the negative side.
+    """
+    farther = other[other[:, 1] < way[-1, 1]]
+    factor = way[-1, 0] / np.interp(-way[-1, 1], -other[:, 1], other[:, 0])
+    return np.vstack([way, farther * (factor, 1.0)])
 
 
 def direction(turn: float, arm: Arm, height: float = BOTTOM) -> float:

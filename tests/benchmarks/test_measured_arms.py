@@ -8,7 +8,7 @@ import pytest
 
 from benchmarks.measured_arms.arms import BLIND, GIVEN, LONGER, MODELS, Arm, angles_of, forces_of
 from benchmarks.measured_arms.forces import HeldArm
-from benchmarks.measured_arms.free import BOTTOM, Factor, FreeArm, curvatures, direction, limit_at
+from benchmarks.measured_arms.free import BOTTOM, Factor, FreeArm, curvatures, direction, limit_at, prolonged
 
 PRESSURES = np.linspace(0.0, 50.0, 26)
 #: of a cell that bends more and more easily
@@ -79,7 +79,13 @@ def test_a_law_ends_at_its_limit() -> None:
 def test_curvatures_are_kept(tmp_path: Path) -> None:
     kept = tmp_path / f"{GIVEN.name}_{GIVEN.config([60.0]).hash[:12]}.csv"
     np.savetxt(kept, BENDS, delimiter=",")
-    np.testing.assert_allclose(curvatures(GIVEN, "authors", (), tmp_path), BENDS)
+    np.testing.assert_allclose(curvatures(GIVEN, "authors", 60.0, tmp_path), BENDS)
+
+
+def test_a_way_goes_on_as_another_one() -> None:
+    """A cell 1.25 times as stiff bends as far at pressures 1.25 times as large."""
+    longer = prolonged(BENDS[:11] * (1.25, 1.0), BENDS)
+    np.testing.assert_allclose(longer, BENDS * (1.25, 1.0))
 
 
 def test_held_tip_of_an_even_arm_bears_one_and_a_half_moments_over_its_length() -> None:
