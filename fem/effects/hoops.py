@@ -61,6 +61,10 @@ class Hoops(Membrane):
     def bending(self) -> tuple[float, float]:
         return 0.0, 0.0
 
+    def stretches(self, stress: Array) -> Array:
+        """Stretch (f, q) of the threads from the stress (f, q, 3) of `LayerTerm`; of helices the mean of both."""
+        return np.asarray(np.sqrt(1.0 + 2.0 * (stress[..., 0] + stress[..., 1]) / self.E))
+
 
 def faces_along(points: Array, triangles: Index) -> Index:
     """Those of the triangles (f, 3) on which threads about the x axis run: none across it; points (n, 3)."""

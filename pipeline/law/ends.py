@@ -156,6 +156,8 @@ def measure_ends(
             clamp, tip = clamped_end.result(), free_end.result()
         except (PieceFailed, RodError) as failed:
             log.failures.append(failure_of(failed))
+            if tasks.pieces.config.effects.hoops.on:
+                log.limits.append(Reason("end_without_thread", {"pressure_kPa": cell.curve.pressure}))
             break
         log.count("ends", clamp, tip)
         log.limits.extend((*cell.limits, *clamp.limits, *tip.limits))

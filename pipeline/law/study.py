@@ -34,7 +34,7 @@ from pipeline.store.store import Store, open_store
 from pipeline.values.errors import InputError, RunFailed
 from pipeline.values.formats import FORMAT
 from pipeline.values.json_values import JsonObject
-from pipeline.values.law import LawMetadata
+from pipeline.values.law import DeliveredLaw, LawMetadata
 from pipeline.values.pressure import in_MPa
 from pipeline.values.reasons import render, render_all
 from rod.errors import RodError
@@ -175,7 +175,8 @@ def _in_space(
         sentence = str(failure).rstrip(".")
         raise RunFailed(f"the arm has no law in space at these pressures: {sentence}; give lower ones") from None
     report = LawReport(context.store.directory, spec.config, measured, perf_counter() - begin)
-    beside = LawMetadata(measured.mesh_error, (), space_sentences(measured))
+    notes, around = space_sentences(measured), DeliveredLaw(law=measured.law).towards()
+    beside = LawMetadata(measured.mesh_error, (), notes, directions_deg=around)
     context.store.save_json(LAW, {**law_record(measured.law), **asdict(beside)})
     record = {**head, "rows_kPa": spec.rows, "seconds": {"this call": report.seconds}}
     context.store.save_json("run.json", record)

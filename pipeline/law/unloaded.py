@@ -8,11 +8,13 @@ from pipeline.law.ends import HALF_CELLS
 from pipeline.law.piece.measure import straight_curve
 from pipeline.law.piece.measure_clamp import clamp_without_moment, straight_clamp
 from pipeline.law.piece.measure_tip import tip_curve
+from pipeline.law.piece.pieces import ArmPieces
 from pipeline.law.piece.reach import LARGEST
 from pipeline.law.piece.tasks import ArmTasks, PieceCurves
 from pipeline.results.unloaded import unloaded_state
 from pipeline.store.parallel import Pending
 from pipeline.values.law import Unloaded
+from rod.arm_law.curves import CellCurve
 from rod.errors import RodError
 
 
@@ -36,14 +38,14 @@ def first_state(curves: PieceCurves, pressure: float) -> Unloaded:
     The cell is known to first order about that state, which a weight needs. Raises `PieceFailed`, for a swollen cell
     too, whose ends take minutes, and `RodError`.
     """
-    pieces = curves.pieces
+    return curves.number(Unloaded, "unloaded", pressure, lambda: solve_first(curves.pieces, pressure)[0])
 
-    def solve() -> Unloaded:
-        turn = LARGEST / pieces.design.length * pieces.cell.body.length
-        cell = straight_curve(pieces.cell, pressure, turn)
-        clamp = clamp_without_moment(pieces.end(HALF_CELLS, "clamp"), cell)
-        tip = tip_curve(pieces.end(HALF_CELLS, "free"), cell)
-        law = pieces.law([cell], [straight_clamp(clamp, cell.moment)], [tip.curve])
-        return unloaded_state(law, pressure)
 
-    return curves.number(Unloaded, "unloaded", pressure, solve)
+def solve_first(pieces: ArmPieces, pressure: float) -> tuple[Unloaded, CellCurve]:
+    """As `first_state`, with the cell."""
+    turn = LARGEST / pieces.design.length * pieces.cell.body.length
+    cell = straight_curve(pieces.cell, pressure, turn)
+    clamp = clamp_without_moment(pieces.end(HALF_CELLS, "clamp"), cell)
+    tip = tip_curve(pieces.end(HALF_CELLS, "free"), cell)
+    law = pieces.law([cell], [straight_clamp(clamp, cell.moment)], [tip.curve])
+    return unloaded_state(law, pressure), cell

@@ -11,7 +11,7 @@ from geometry.errors import Reason, Values
 from pipeline.values.formats import ARM_LAW, FIVE
 from pipeline.values.formatting import percent
 from pipeline.values.law import DRAFT, DeliveredLaw
-from pipeline.values.parameters import Column, Numbers
+from pipeline.values.parameters import Column
 from pipeline.values.run import SMALLEST_TURN, RodError, Run
 
 #: the rods in words
@@ -261,7 +261,7 @@ def _shape_by_mesh(run: Run, rod: str) -> float:
     return max((tip_moves_by(s, theta, by) for by, (_, s, theta) in zip(more, bent, strict=True)), default=0.0)
 
 
-def _kappa_0_errors(run: Run, rod: str) -> tuple[Numbers, Column]:
+def _kappa_0_errors(run: Run, rod: str) -> tuple[tuple[float, ...], Column]:
     """Pressures, and deviations of the curvature without load because of the mesh in 1/mm; empty where not known."""
     if rod == ARM_LAW:
         error = run.law.mesh_error if run.law else None

@@ -94,6 +94,7 @@ class Verdict(Printable):
     length_mm: float  #: NaN where the body was not meshed
     draft: bool  #: whether the law is that of one mesh whose error was not measured
     bending: tuple[Bending, ...]  #: by ascending pressure
+    directions_deg: tuple[float, ...]  #: how far an arm in space bends, from y on every 45 degrees towards z
     rod: str  #: the rod to take: five or arm_law; empty where none was compared
     refusal: Reported | None  #: why no rod of this run should be used; None where `rod` can be
     falls: Reported | None  #: that the arm without a load falls over, and from which pressure on
@@ -105,6 +106,7 @@ class Verdict(Printable):
     moments_N_mm: tuple[float, float] | None  #: for which it holds at the highest pressure
     tolerances: Reported | None  #: what the tolerances of the built arm do, or its calibration; None: not known
     in_time: Reported | None  #: how it vibrates, settles and creeps; None where its material does not say so
+    layers: str  #: what threads and sheets do; empty without them
     limit: Reported | None  #: a limit of the pressure, or where the angle rises steeply with it; None: neither is known
     command: str  #: how to use the rod, or what to do instead
     failures: tuple[Reported, ...]
@@ -119,7 +121,8 @@ class Verdict(Printable):
     @property
     def lines(self) -> tuple[str, ...]:
         """The verdict in words, at most eight lines."""
-        lines = [*self._leaves_plane(), *self._bends(), self._takes(), self.limit.text if self.limit else ""]
+        limit = self.limit.text if self.limit else ""
+        lines = [*self._leaves_plane(), *self._bends(), self.layers, self._takes(), limit]
         lines += [self.tolerances.text] if self.usable and self.tolerances else []
         lines += [self.in_time.text] if self.usable and self.in_time else []
         lines += [self._holds(), self.command, *self._not_reached()]
@@ -141,7 +144,10 @@ class Verdict(Printable):
         angles = ", ".join(f"{b.angle_deg:.0f}°" for b in named)
         pressures, tips = ", ".join(b.pressure for b in named), ", ".join(b.tip for b in named)
         arm = f"{self.design}{draft}, {length} mm long,"
-        return [*falls, f"{arm} bends by {angles} at {pressures} kPa; its tip is at {tips} mm."]
+        told = f"{arm} bends by {angles} at {pressures} kPa; its tip is at {tips} mm."
+        if around := ", ".join(f"{angle:.0f}°" for angle in self.directions_deg):
+            told += f" Towards y and on every 45° towards z it bends by up to {around}."
+        return [*falls, told]
 
     def _takes(self) -> str:
         if self.refusal is not None:
@@ -171,7 +177,10 @@ class Verdict(Printable):
 
     def record(self) -> JsonObject:
         """The verdict as `pneurod run --json` writes it."""
-        left_out = {"command", *(name for name in ("in_time", "limit") if getattr(self, name) is None)}
+        left_out = {
+            "command",
+            *(name for name in ("in_time", "limit", "layers", "directions_deg") if not getattr(self, name)),
+        }
         content = {name: value for name, value in asdict(self).items() if name not in left_out}
         return {**content, "usable": self.usable, "lines": self.lines}
 
@@ -190,6 +199,7 @@ def verdict_of(run: Run) -> Verdict:
         length_mm=run.length_mm,
         draft=bool(run.law and run.law.draft),
         bending=tuple(state for state in _bending(run, rod) if state.pressure_kPa < stands_to),
+        directions_deg=run.law.directions_deg if run.law else (),
         rod=rod,
         refusal=refusal,
         falls=run.falls,
@@ -201,6 +211,7 @@ def verdict_of(run: Run) -> Verdict:
         moments_N_mm=_moments(run, rod) if rod else None,
         tolerances=run.remark(TOLERANCES, *CALIBRATED),
         in_time=run.remark(IN_TIME),
+        layers=run.law.layers.text if run.law and run.law.layers else "",
         limit=report_reason(limit) if limit else None,
         command=_use(run, rod) if usable else _instead(run, rod, errors, both),
         failures=run.failures,

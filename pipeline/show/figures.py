@@ -221,13 +221,11 @@ def arm_law(run: Run) -> Panels:
 def reach(run: Run) -> Panels:
     """The tips that an arm with several pressures reaches without a load, on the way from each row to the next one."""
     law = run.law.law if run.law else None
-    if law is None or law.has_plane or len(law.rows) < 3:
+    if run.law is None or law is None or not len(around := run.law.ring(BETWEEN)):
         return ()
-    rows, parts = np.array([*law.rows, law.rows[0]]), np.linspace(0.0, len(law.rows), BETWEEN * len(law.rows) + 1)
-    around = np.column_stack([np.interp(parts, range(len(rows)), column) for column in rows.T])
     lines = []
     for k, part in enumerate(PARTS):
-        name, colour, given = f"{part * rows.max():g} kPa", ordered_colour(k, len(PARTS)), part * around
+        name, colour, given = f"{part * around.max():g} kPa", ordered_colour(k, len(PARTS)), part * around
         x, y, z = np.array([_tip(law, pressures) for pressures in given]).T
         texts = [f"{', '.join(f'{value:.4g}' for value in pressures)} kPa" for pressures in given]
         lines.append(Line(x, y, name, colour, marker="circle", marker_size=2, texts=texts, entry="", z=z, frame=name))

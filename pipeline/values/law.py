@@ -4,11 +4,12 @@ import math
 from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cached_property
+from math import isnan
 
 import numpy as np
 
 from geometry.arrays import Array
-from pipeline.values.parameters import Column, Numbers
+from pipeline.values.parameters import Column, Number, Numbers
 from rod.arm_law.curves import CellCurve, ClampCurve
 from rod.arm_law.kinds import Law
 from rod.arm_law.law import ArmLaw
@@ -52,6 +53,36 @@ class Unloaded:
 
 
 @dataclass(frozen=True)
+class Layers:
+    """What threads and sheets do to the arm without a load at one pressure, by single states of its pieces."""
+
+    pressure_kPa: float
+    bending_deg: float
+    without_deg: dict[str, float | None]  #: by effect: without it; None where the arm has no equilibrium then
+    height: float  #: of the section in the middle of a cell, over that at rest
+    width: float  #: the same across the plane of the arm
+    pull_N: Number  #: largest force of a thread, with `threads`; NaN without
+    pull_N_per_mm: Number  #: the same per length of the arm; NaN without thread
+    pull_at: str  #: part of the arm, and the place at rest in words
+    stretch: float  #: largest one of the walls
+    stretch_at: str
+
+    @property
+    def text(self) -> str:
+        """In sentences."""
+        words = {"hoops": "thread", "strain_limiting_layer": "sheet"}
+        kinds = {words[name]: angle for name, angle in self.without_deg.items()}
+        told = [f"without the {name} " + ("it bulges" if a is None else f"by {a:.0f}°") for name, a in kinds.items()]
+        force = f"{self.pull_N_per_mm:.2g} N/mm" if isnan(self.pull_N) else f"{self.pull_N:.2g} N"
+        pulls = "" if isnan(self.pull_N_per_mm) else f" The thread pulls with up to {force}, {self.pull_at}."
+        return (
+            f"At {self.pressure_kPa:.4g} kPa it bends by {self.bending_deg:.0f}°, {', '.join(told)}. Its section is "
+            f"{self.height:.2f} times as high and {self.width:.2f} times as wide as at rest.{pulls} "
+            f"Walls stretch most, {self.stretch:.2f} times, {self.stretch_at}."
+        )
+
+
+@dataclass(frozen=True)
 class LawMetadata:
     """What stands in law.json beside the law."""
 
@@ -59,6 +90,9 @@ class LawMetadata:
     unloaded: tuple[Unloaded, ...] = ()  #: at the pressures of the configuration
     notes: tuple[str, ...] = ()  #: how far the law may be trusted, a sentence each
     draft: bool = False  #: whether it is of one mesh whose error was not measured
+    layers: Layers | None = None  #: None without thread and sheet, and for a law in space
+    #: how far an arm in space bends at its rows, towards y and on every 45 degrees towards z; empty in a plane
+    directions_deg: tuple[float, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)  # arrays inside
@@ -94,6 +128,28 @@ class DeliveredLaw(LawMetadata):
             with suppress(RodError):
                 shapes.append((row, arm.in_plane(Load()) if arm.has_plane else arm.solve_in_space(Load())))
         return max(shapes, key=lambda one: one[1].bending_deg, default=None)
+
+    def ring(self, between: int) -> Array:
+        """(n, c) kPa: pressures on the way from each row of an arm in space to the next one, and back to the first.
+
+        between: steps from one row to the next. Empty for an arm in its plane, and for fewer than three rows.
+        """
+        rows = np.array([*self.law.rows, self.law.rows[0]])
+        parts = np.linspace(0.0, len(rows) - 1.0, between * (len(rows) - 1) + 1)
+        around = np.column_stack([np.interp(parts, range(len(rows)), column) for column in rows.T])
+        return around[:0] if self.law.has_plane or len(rows) < 4 else around
+
+    def towards(self) -> tuple[float, ...]:
+        """`directions_deg` of the law, interpolated between the rows and the middles between them."""
+        found = list[tuple[float, float]]()
+        for pressures in self.ring(2)[:-1]:
+            with suppress(RodError):
+                shape = self.law.at(tuple(pressures.tolist())).solve_in_space(Load())
+                found.append((math.degrees(math.atan2(shape.end[2], shape.end[1])), shape.bending_deg))
+        if not found:
+            return ()
+        directions, bends = np.array(found).T
+        return tuple(map(float, np.interp(np.arange(0.0, 360.0, 45.0), directions, bends, period=360.0)))
 
     @cached_property
     def angles(self) -> dict[str, Array]:

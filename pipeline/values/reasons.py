@@ -141,6 +141,8 @@ TEMPLATES: Mapping[str, str] = {
     "law_between": "between two pressures the curvature is interpolated to {percent:.2g} % of the largest one; more "
     "than {added} added pressures are not tried",
     "between_unchecked": "the interpolation at {pressure_kPa:g} kPa could not be checked: {why}",
+    "end_without_thread": "at {pressure_kPa:g} kPa the cells hold and an end fails: no thread runs across its plate; "
+    "make the plate thicker, or lay effects.strain_limiting_layer on it",
     "ends_short": "the arm is too short to see how far its ends disturb the cells",
     "ends_unknown": "how far the ends of the arm disturb its cells is not known: {why}",
     "ends_differ": "end pieces of {half_cells} and {longer} half cells differ by {percent:.2g} % of the length; longer "

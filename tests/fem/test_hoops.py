@@ -43,6 +43,8 @@ def test_a_tube_that_is_wider_or_longer(degrees: float) -> None:
     for longer, wider in ((1.1, 1.0), (1.0, 1.1), (1.2, 0.9)):
         strain = (longer**2 - 1) / 2 * sine**2 + (wider**2 - 1) / 2 * cosine**2
         energy = term.energy(x * [longer, wider, wider], 1.0)
+        stretches = term.sheet.stretches(term.stress(x * [longer, wider, wider]))
+        assert stretches == pytest.approx(np.sqrt(1.0 + 2.0 * strain), rel=1e-3)
         assert energy == pytest.approx(area * 0.1 * 50.0 / 2 * strain**2, rel=2e-3, abs=1e-8)
 
 

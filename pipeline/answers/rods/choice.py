@@ -6,6 +6,7 @@ from typing import Any
 
 from pipeline.answers.rods.rods import Rods
 from pipeline.results.files import read_run
+from pipeline.results.rod_errors import rod_to_take
 from pipeline.results.verdict import errors_and_notes, verdict_of
 from pipeline.values.errors import InputError, argument, quoted
 from pipeline.values.formats import ARM_LAW, FIVE
@@ -43,7 +44,8 @@ def choose_rod(run: Run, kind: str | None = None) -> Rods:
     if run.law is not None and run.law.plane is None:
         if kind not in (None, "law"):
             raise InputError(f"{argument('rod', kind)}: a law of several pressures is that of rod law; leave it out")
-        return Rods(run.law.law, "law", notes=run.law.law.notes)
+        taken = rod_to_take(run)
+        return Rods(run.law.law, "law", taken[1] if taken else None, run.law.law.notes)
     verdict = verdict_of(run)
     names = {name: kind for kind, name in KINDS.items()}
     chosen = kind or names.get(verdict.rod, "law" if run.law else "five")

@@ -32,12 +32,7 @@ def tip_curve(piece: BendingPiece, cell: CellCurve, begin: Begin | None = None) 
     The piece is the mirror image of the tip: its face `clamp` is the end of the arm, its face `tip` the plane.
     """
 
-    def solve() -> tuple[PieceState, FreeEdge]:
-        if begin:
-            return _with_edge(piece, begin(0.0))
-        return reached(piece, in_MPa(cell.pressure), 0.0, partial(_with_edge, piece))
-
-    state, edge = piece.kept(("edge", cell.pressure), solve)
+    state, edge = tip_state(piece, cell.pressure, begin)
     kappa, stretch, ripple = cell.at(0.0)
     length = piece.body.length
     s = length - piece.space.points[piece.curve, 0]
@@ -72,6 +67,17 @@ def tip_curve(piece: BendingPiece, cell: CellCurve, begin: Begin | None = None) 
         volume=air_volumes(piece.body, piece.space, state.state.displacement),
     )
     return KeptCurve(curve)
+
+
+def tip_state(piece: BendingPiece, pressure_kPa: float, begin: Begin | None = None) -> tuple[PieceState, FreeEdge]:
+    """The state of `tip_curve`, which the piece keeps, and its free edge; raises `PieceFailed`."""
+
+    def solve() -> tuple[PieceState, FreeEdge]:
+        if begin:
+            return _with_edge(piece, begin(0.0))
+        return reached(piece, in_MPa(pressure_kPa), 0.0, partial(_with_edge, piece))
+
+    return piece.kept(("edge", pressure_kPa), solve)
 
 
 def _with_edge(piece: BendingPiece, state: PieceState) -> tuple[PieceState, FreeEdge]:
