@@ -21,7 +21,7 @@ LAW := both
 LARGER := 1
 
 all_targets := pneunet pneunet-coarse golden semicircular semicircular-single bisected-circle all effects cell budget design material sweep paper-coarse paper accuracy
-.PHONY: help setup $(all_targets) test slow hard fuzz kills unseen exports space experiments measured-arms in-time virtual-arms foreign portable nightly wheel recipes lint reading types docs doctor bench-peers bench-run clean
+.PHONY: help setup $(all_targets) kernels test slow hard fuzz kills unseen exports space experiments measured-arms in-time virtual-arms foreign portable nightly wheel recipes lint reading types docs doctor bench-peers bench-run clean
 
 help:  ## list the targets
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## (.*)/make \1\t\2/' | expand -t 26
@@ -93,9 +93,12 @@ accuracy: $(READY)  ## convergence studies of the four coarse arms, in results/*
 	# with Hencky's law they reach 45 kPa
 	$(BIN)/pneurod accuracy configs/pneunet_coarse.yaml --set material.law=hencky --set "pressures=[5 kPa, 17 kPa, 31 kPa, 45 kPa]" --out results/pneunet_hencky_accuracy
 
+kernels: $(DEV)  ## compile what the solvers need, once for all processes of the tests
+	@$(BIN)/python -m tests.kernels
+
 # one process per core; with more threads of the linear algebra they wait for each other, and take three times as long
 test: export OMP_NUM_THREADS := 1
-test: $(DEV)  ## all tests but the slow ones
+test: $(DEV) kernels  ## all tests but the slow ones
 	@# a test that hangs fails after a quarter of an hour, with the lines it stands at; the longest takes a minute
 	$(BIN)/python -m pytest -n auto --maxprocesses 4 --dist worksteal --timeout 900 --durations 15
 
@@ -152,6 +155,7 @@ portable: $(DEV)  ## all tests but the slow ones, and the numbers of the coarse 
 		$(BIN)/pneurod run configs/pneunet_coarse.yaml --accuracy off --jobs 1 --fresh --out results/portable_$$kernels
 		$(BIN)/python -m tests.golden results/portable_$$kernels || status=1
 	done
+	$(BIN)/python -m tests.kernels
 	$(BIN)/python -m pytest -n auto --maxprocesses 4 --dist worksteal --timeout 900 || status=1
 	exit $$status
 

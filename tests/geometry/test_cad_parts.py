@@ -151,6 +151,7 @@ def test_parts_that_are_no_points_are_refused(parts: str, complaint: str, folder
     assert complaint in str(refused.value)
 
 
+@pytest.mark.slow  # nine seconds
 def test_a_sheet_far_thinner_than_the_elements_is_meshed(tmp_path: Path) -> None:
     """Gmsh's fastest mesher ends the process at this one."""
     (tmp_path / "paper.step").write_bytes(gzip.decompress((DATA / "paper.step.gz").read_bytes()))

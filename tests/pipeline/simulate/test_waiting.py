@@ -44,8 +44,10 @@ def test_small_edges_are_named_before_meshing(tmp_path: Path) -> None:
     path = tmp_path / "fillets.yaml"
     path.write_text(FILLETS, encoding="utf-8")
     command = [sys.executable, "-m", "pipeline", "mesh", str(path), "--out", str(tmp_path / "out")]
-    done = subprocess.run(command, capture_output=True, text=True, check=True, cwd=HERE)
-    small, stage, *_ = done.stdout.splitlines()
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, cwd=HERE) as meshing:
+        assert meshing.stdout is not None
+        small, stage = (meshing.stdout.readline().rstrip("\n") for _ in range(2))
+        meshing.kill()
     assert stage == "stage: mesh"
     (reason,) = check_load(load_config(path))
     assert small == f"note: {render(reason)}"
