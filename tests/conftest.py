@@ -67,6 +67,22 @@ def undrawn() -> Iterator[None]:
         yield
 
 
+@pytest.fixture(scope="module")
+def few_proposals() -> Iterator[None]:
+    """A calibration looks at few states to be measured next, each of which takes as many rods as a round of its fit."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("pipeline.answers.measured.next_measurement.PRESSURES", (0.5, 1.0))
+        yield
+
+
+@pytest.fixture(scope="module")
+def brief_calibration(few_proposals: None) -> Iterator[None]:
+    """And it draws nothing: poses for its picture are a seventh of its time. `test_poses.py` has the picture."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("pipeline.answers.measured.calibrate.calibration_page", lambda *_: "")
+        yield
+
+
 @pytest.fixture
 def solved_tightly(monkeypatch: pytest.MonkeyPatch) -> None:
     """Cells are solved until their forces balance to `TIGHT`, so that differences of their states have digits."""

@@ -3,7 +3,6 @@
 import csv
 import json
 import shutil
-from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
@@ -40,16 +39,11 @@ from tests.measured_arm import EI, LENGTH, PITCH, arm_law, measured, result_fold
 STATES = [State(p) for p in (4.0, 8.0, 12.0, 16.0)] + [State(16.0, (0.0, 0.02)), State(12.0, held_y_mm=-20.0)]
 
 
-@pytest.fixture(scope="module", autouse=True)
-def few_proposals() -> Iterator[None]:
-    """Of states to be measured next, each of which takes as many rods as a round of the fit."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("pipeline.answers.measured.next_measurement.PRESSURES", (0.5, 1.0))
-        yield
+pytestmark = pytest.mark.usefixtures("brief_calibration")
 
 
 @pytest.fixture(scope="module")
-def report(tmp_path_factory: pytest.TempPathFactory) -> CalibrationReport:
+def report(tmp_path_factory: pytest.TempPathFactory, brief_calibration: None) -> CalibrationReport:
     """Of an arm of 0.8 times the modulus, whose gauge shows too little and whose clamp is turned."""
     folder = tmp_path_factory.mktemp("calibrated")
     law = arm_law().scaled(0.8)
@@ -141,6 +135,7 @@ def test_a_softer_arm_leaves_out_pressures_that_its_law_has_not(
     assert any("geometry.wall" in sentence for sentence in found.undetermined)
 
 
+@pytest.mark.slow  # half a minute; the test before leaves out pressures of a softer arm
 def test_moduli_that_fall_with_the_pressure_leave_out_pressures_too(tmp_path: Path) -> None:
     """The law of such an arm ends at 29 kPa; with the rod there for the row at 38 kPa the wall would come out half."""
     true = arm_law(60.0).stiffened(-0.45)

@@ -50,12 +50,10 @@ def test_what_a_motion_tells_is_that_of_the_arm(tmp_path: Path, pressure: float,
 
 
 @pytest.fixture(scope="module")
-def report(tmp_path_factory: pytest.TempPathFactory) -> CalibrationReport:
+def report(tmp_path_factory: pytest.TempPathFactory, brief_calibration: None) -> CalibrationReport:
     folder = tmp_path_factory.mktemp("in_time")
     file = motion(folder / "arm.csv", 80.0, "", 0.05)
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("pipeline.answers.measured.next_measurement.PRESSURES", (1.0,))
-        return calibrate_files(result_folder(folder / "arm", DRAWN), file)
+    return calibrate_files(result_folder(folder / "arm", DRAWN), file)
 
 
 def test_modulus_and_branches_are_found_within_their_intervals(report: CalibrationReport) -> None:
