@@ -120,8 +120,7 @@ def test_pages_use_the_terms_of_the_field(page: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("file", "row"),
-    [("experiments.json", State), ("validation.json", RodError), ("parameters.json", RodParameters)],
+    ("file", "row"), [("experiments.json", State), ("validation.json", RodError), ("parameters.json", RodParameters)]
 )
 def test_every_key_of_a_result_file_is_documented(file: str, row: type) -> None:
     """Keys that end in _std or _95 are those of the number before."""

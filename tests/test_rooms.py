@@ -67,19 +67,14 @@ DOORS: dict[str, set[str]] = {
         *("pipeline/cli/commands.py", "pipeline/cli/ending.py"),
         *(f"pipeline/api/{name}.py" for name in ("measured", "options", "rods", "setup", "studies")),
     },
-    "rich": {
-        *("pipeline/cli/commands.py", "pipeline/cli/ending.py", "pipeline/show/progress.py"),
-    },
+    "rich": {*("pipeline/cli/commands.py", "pipeline/cli/ending.py", "pipeline/show/progress.py")},
     "jinja2": {"pipeline/values/page.py"},
     "plotly": {"pipeline/values/plots.py"},
     "matplotlib": {"rod/export/programs/pyelastica_arm.py"},
     "mujoco": {"rod/export/programs/mujoco_arm.py", "rod/export/programs/mujoco_space_arm.py"},
     "elastica": {"rod/export/programs/pyelastica_arm.py"},
     "distributed": {"pipeline/study/sweep/workers.py"},
-    "pandas": {
-        *("pipeline/api/frames.py", "pipeline/api/results.py"),
-        "pipeline/answers/columns.py",
-    },
+    "pandas": {*("pipeline/api/frames.py", "pipeline/api/results.py"), "pipeline/answers/columns.py"},
 }
 
 #: what `pneurod --help` must not wait for
@@ -214,11 +209,7 @@ def test_every_door_is_used(library: str) -> None:
         ("fem/model.py", "from skfem.helpers import grad", "its door is fem/discretisation.py"),
         ("fem/model.py", "from numba import njit", "its door is fem/kernels/"),
         ("fem/model.py", "import importlib\nimportlib.import_module('rod')", "fem has no use for it"),
-        (
-            "pipeline/store/store.py",
-            "import pyvista",
-            "its door is pipeline/show/drawing.py",
-        ),
+        ("pipeline/store/store.py", "import pyvista", "its door is pipeline/show/drawing.py"),
         ("pipeline/store/store.py", "import requests", "pipeline has no use for it"),
         ("pipeline/show/page.py", "import pandas", "pipeline/answers/columns.py"),
         ("pipeline/cli/commands.py", "def f():\n    from pneurod import Results", "pipeline must not know pneurod"),

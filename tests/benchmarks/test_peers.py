@@ -8,18 +8,7 @@ import pytest
 
 from benchmarks.peers import load
 from benchmarks.peers.problem import Body, Outcome, PathResult, busy_threads, thread_seconds
-from benchmarks.peers.runs import (
-    Peer,
-    Run,
-    RunFailed,
-    Spread,
-    check_threads,
-    checked,
-    fresh,
-    measured,
-    ratios,
-    warm,
-)
+from benchmarks.peers.runs import Peer, Run, RunFailed, Spread, check_threads, checked, fresh, measured, ratios, warm
 from benchmarks.peers.stepping import NoEquilibrium, Stepping, newton
 from benchmarks.peers.tables import costs
 
@@ -30,12 +19,7 @@ def body() -> Body:
 
 
 def run(
-    peer: str,
-    path: str = "four",
-    solve: float = 1.0,
-    factorizations: int = 10,
-    note: str = "",
-    number: int = 1,
+    peer: str, path: str = "four", solve: float = 1.0, factorizations: int = 10, note: str = "", number: int = 1
 ) -> Run:
     answers = {"5": (-0.33955159, -11.09217995, 3705.51217)}
     outcome = Outcome(f"{peer} 1.0", "LU", answers, 4, 1, factorizations, 0.5, solve, solve, 1, note)

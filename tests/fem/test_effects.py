@@ -6,15 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fem import (
-    ContactError,
-    Effect,
-    Gravity,
-    Pressure,
-    SelfContact,
-    StrainLimitingLayer,
-    StVenantKirchhoff,
-)
+from fem import ContactError, Effect, Gravity, Pressure, SelfContact, StrainLimitingLayer, StVenantKirchhoff
 from fem.discretisation import Discretisation
 from fem.effects import facing_pairs
 from fem.effects.barrier import CONTINUATION, FacingTerm, continued_barrier

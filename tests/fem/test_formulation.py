@@ -26,12 +26,7 @@ from geometry.arrays import Array
 from tests.bodies import box, difference, hollow_box
 from tests.fem.test_kernels import dense, noise
 
-LAWS = [
-    StVenantKirchhoff(1.2, 0.495),
-    Hencky(1.2, 0.495),
-    NeoHooke(0.4, 40.0),
-    MooneyRivlin(0.15, 0.05, 40.0),
-]
+LAWS = [StVenantKirchhoff(1.2, 0.495), Hencky(1.2, 0.495), NeoHooke(0.4, 40.0), MooneyRivlin(0.15, 0.05, 40.0)]
 NAMES = [type(law).__name__ for law in LAWS]
 
 

@@ -5,15 +5,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from fem import (
-    Hencky,
-    Material,
-    MooneyRivlin,
-    NeoHooke,
-    Ogden,
-    StVenantKirchhoff,
-    Yeoh,
-)
+from fem import Hencky, Material, MooneyRivlin, NeoHooke, Ogden, StVenantKirchhoff, Yeoh
 from fem.materials import LinearLaw
 from geometry.arrays import Array
 from tests.bodies import difference

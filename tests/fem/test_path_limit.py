@@ -7,12 +7,7 @@ import pytest
 
 from fem import Fixed, Model, StVenantKirchhoff, follow
 from fem.equations.state import State
-from fem.path.increments import (
-    LIMIT_ACCURACY,
-    MAX_CUTBACKS,
-    MAX_INCREMENTS,
-    Increments,
-)
+from fem.path.increments import LIMIT_ACCURACY, MAX_CUTBACKS, MAX_INCREMENTS, Increments
 from fem.path.limit import announced_limit, way_between
 from fem.path.predictor import PathPoint, extrapolate
 from tests.bodies import box

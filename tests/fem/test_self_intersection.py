@@ -56,9 +56,7 @@ def test_walls_that_are_close_at_rest_are_not_examined() -> None:
     assert self_intersection(space, x, half=False) is None
 
 
-def test_a_crossing_of_neighbouring_walls_is_not_counted(
-    beam: Discretisation,
-) -> None:
+def test_a_crossing_of_neighbouring_walls_is_not_counted(beam: Discretisation) -> None:
     """Two ends of the beam come near each other without crossing, and a node is pushed through its own corner."""
     x = curled(beam, 0.93)
     assert self_intersection(beam, x, half=False) is None

@@ -52,8 +52,6 @@ def test_a_component_may_be_prescribed_twice_with_one_value_but_not_with_two() -
     assert twice.constrained.sum() == nodes_at("right", SPACE).size
     with pytest.raises(SupportError, match=r"^Fixed at 'right' contradicts Prescribed at .right.: .* displacements x "):
         Constraints.of([Prescribed("right", "x", 0.3), Fixed("right", "x")], SPACE)
-    with pytest.raises(SupportError, match="contradicts"):
-        Constraints.of([Prescribed("right", "x", 0.3), Prescribed("right", "x", 0.3, ramp=False)], SPACE)
 
 
 def stretched(ramp: bool, factors: list[float]) -> list[float]:

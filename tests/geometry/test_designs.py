@@ -14,7 +14,6 @@ from geometry import (
     BisectedCircle,
     Body,
     Design,
-    MeshError,
     PneuNet,
     Rectangular,
     Semicircular,
@@ -212,13 +211,3 @@ def test_families_are_listed_by_name() -> None:
     names |= {SemicircularSingle: "semicircular_single", Rectangular: "rectangular"}
     assert {design: name for name, design in FAMILIES.items()} == names
     assert all(design().length == pytest.approx(112) for design in FAMILIES.values())
-
-
-def test_body_without_its_curve_is_refused() -> None:
-    mesh = meshed(PneuNet(), 4).mesh
-    with pytest.raises(MeshError, match="has no edges along the material curve"):
-        Body(mesh, "body", 112, 10, 1.5)
-    with pytest.raises(MeshError, match="no face named cavity_lower"):
-        Body(mesh, "body", 112, 10, 1, True, ("cavity", "cavity_lower"))
-    with pytest.raises(MeshError, match="has no edges along the material curve"):
-        Body(mesh, "body", 112, 10, 5)

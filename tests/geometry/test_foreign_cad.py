@@ -123,10 +123,7 @@ def test_a_body_with_its_origin_at_a_corner(kind: str, folder: Path) -> None:
     check_bar(design)
     if family is CadFile:
         for ends in ({}, {"clamp": 60, "tip": 0}):
-            with pytest.raises(
-                DesignError,
-                match=r"from z = -5 to 10 mm; .*write middle: 7\.5 mm .* 0 mm or 15 mm",
-            ):
+            with pytest.raises(DesignError, match=r"from z = -5 to 10 mm; .*write middle: 7\.5 mm .* 0 mm or 15 mm"):
                 family(path, 1.5, middle=5.0, **ends)
 
 

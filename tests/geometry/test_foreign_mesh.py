@@ -129,10 +129,7 @@ def test_a_half_below_is_the_same_arm(order: int, folder: Path) -> None:
     with pytest.raises(DesignError, match=r"symmetric, middle: .* symmetric: true"):
         MeshFile(str(below), curve=1.5)
     beside = write_mesh(folder / "beside.vtu", points * [1, 1, -1] - [0, 0, 2], tets)
-    with pytest.raises(
-        DesignError,
-        match=r"from z = -9.5 to -2 mm; .* middle: -9.5 mm or -2 mm",
-    ):
+    with pytest.raises(DesignError, match=r"from z = -9.5 to -2 mm; .* middle: -9.5 mm or -2 mm"):
         MeshFile(str(beside), curve=1.5, symmetric=True)
 
 

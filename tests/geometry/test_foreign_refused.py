@@ -9,10 +9,8 @@ import numpy as np
 import pytest
 
 from geometry import DesignError, Mesh, MeshFile
-from geometry.errors import MeshError
 from geometry.files.cad.cad_file import CadFile
 from geometry.files.surface.surface_file import SurfaceFile
-from geometry.topology import row_keys
 from pipeline.config.load import load_config
 from pipeline.simulate.simulate import experiments_of
 from tests.foreign_bodies import (
@@ -173,11 +171,6 @@ def test_elements_that_are_listed_twice(folder: Path) -> None:
     meshio.Mesh(points, [("tetra", np.vstack([tets, tets]))]).write(folder / "twice.vtu")
     with pytest.raises(DesignError, match=f"share one face, near .*: {len(tets)} elements are listed twice"):
         MeshFile(str(folder / "twice.vtu"), 1.5)
-
-
-def test_more_points_than_can_be_numbered() -> None:
-    with pytest.raises(MeshError, match="has 3000000 points, more than this program can number; save it with fewer"):
-        row_keys(np.zeros((1, 3), dtype=np.int64), 3_000_000)
 
 
 @pytest.mark.parametrize("part", [0.1, 0.67, 0.999])

@@ -60,16 +60,6 @@ def test_several_dimensions_move_by_a_quarter(design: SymmetricDesign, changes: 
     assert mesh.volumes.min() > 0.0
 
 
-def test_changes_that_nodes_cannot_follow_are_refused() -> None:
-    design = PneuNet()
-    repetition = design.repetition(4.0, OFF)
-    known = design.movements(repetition)
-    with pytest.raises(DesignError, match="cannot follow"):
-        moved(repetition, known, {"fillet": 0.2})
-    with pytest.raises(DesignError, match="fold"):
-        moved(repetition, known, {"wall": 2.9, "gap": -1.8})
-
-
 def test_a_dimension_at_its_bound_has_no_velocity() -> None:
     """A fillet of the smallest radius cannot become smaller."""
     design = PneuNet(fillet=0.1)

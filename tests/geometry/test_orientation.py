@@ -107,12 +107,6 @@ def test_a_half_away_from_its_plane_is_told_where_that_is(symmetric: bool | None
     assert MeshFile(mesh, 1.5, symmetric=True, middle=2.0).extent == pytest.approx((60, 12, 15))
 
 
-def test_a_whole_mesh_that_is_called_a_half_is_not_told_to_move(tmp_path: Path) -> None:
-    path = str(write_mesh(tmp_path / "bar.vtk", *meshed(bar, 5.0)))
-    with pytest.raises(DesignError, match=r"z = 0 at its side: leave out symmetric"):
-        MeshFile(path, 1.5, symmetric=True)
-
-
 @pytest.mark.parametrize("kind", ["stl", "vtk", pytest.param("step", marks=pytest.mark.slow)])
 def test_an_oblique_body_is_turned(kind: str, tmp_path: Path) -> None:
     def oblique(occ):

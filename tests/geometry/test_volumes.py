@@ -12,10 +12,9 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from geometry import BisectedCircle, Design, DesignError, PneuNet, Rectangular, Semicircular, SemicircularSingle
+from geometry import BisectedCircle, Design, PneuNet, Rectangular, Semicircular, SemicircularSingle
 from geometry.curved import CurvedEdges
 from geometry.files.mesh.reader import read_mesh_file
-from tests.pieces import half_cell
 
 
 def halves(design: Design, size: float) -> tuple[float, float]:
@@ -154,8 +153,6 @@ def test_equal_entries_are_the_arm_of_the_scalars() -> None:
     assert (listed.length, listed.pitch, listed.solid_volume) == (single.length, single.pitch, single.solid_volume)
     other = PneuNet(chambers=3, gaps=(2.0, 3.0, 4.0, 2.0), chamber_lengths=(8.0, 7.0, 6.0))
     assert other.pitch == pytest.approx(11.0 / 4 + 7.0)
-    with pytest.raises(DesignError, match="the gaps of the arm are not equal, so that it repeats no cell"):
-        half_cell(other, 4.0)
 
 
 def test_round_families_by_hand() -> None:

@@ -21,10 +21,7 @@ from tests.rod.arm_law.test_spatial import B, straight
 SMALL, SLIGHT = 1e-6, 1e-7
 FIVE = Rod(L, 0.0, FiveParameters(EI, EI, 0.0, 0.0, 50.0), mass=Mass.even(L, 15.0))
 LAW = Rod(L, law=law_of(straight_law(0.0)).at(0.0))
-CURVED = (
-    Rod(L, -0.01, FiveParameters(EI, EI, 0.0, 0.0, 50.0)),
-    Rod(L, law=law_of(straight_law(0.0, -0.01)).at(0.0)),
-)
+CURVED = (Rod(L, -0.01, FiveParameters(EI, EI, 0.0, 0.0, 50.0)), Rod(L, law=law_of(straight_law(0.0, -0.01)).at(0.0)))
 BOTH = pytest.mark.parametrize("rod", [FIVE, LAW], ids=["five", "law"])
 
 

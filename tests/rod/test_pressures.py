@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from rod import FiveParameters, RodError
+from rod import FiveParameters
 from rod.pressures import Quantity, linear_range, straightness
 from rod.pressurised_rod import PressurisedRod
 
@@ -74,10 +74,7 @@ def test_what_curves_over_the_pressure_is_met_better_than_by_straight_lines():
     )
     for between in (11.0, 24.0, 38.0):
         at = rod.at(between)
-        for value, exact in (
-            (np.asarray(at.kappa_0)[0, 1], kappa_0),
-            (at.five.alpha1, alpha),
-        ):
+        for value, exact in ((np.asarray(at.kappa_0)[0, 1], kappa_0), (at.five.alpha1, alpha)):
             by_line = float(np.interp(between, p, exact(p)))
             assert abs(value - exact(between)) < 0.5 * abs(by_line - exact(between))
 
@@ -112,8 +109,6 @@ def test_one_pressure_is_a_rod_at_that_pressure():
         ROD, pressures=ROD.pressures[:1], laws=ROD.laws[:1], kappa_0=ROD.kappa_0[:1], theta0=ROD.theta0[:1]
     )
     assert single.at(17.0).law == ROD.laws[0]
-    with pytest.raises(RodError, match=r"20 kPa lies outside the identified range of 17 to 17 kPa"):
-        single.at(20.0)
 
 
 def bent(p: list[float]) -> dict[str, Quantity]:

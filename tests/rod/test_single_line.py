@@ -7,16 +7,7 @@ import numpy as np
 import pytest
 
 from geometry import Centreline
-from rod import (
-    Bootstrap,
-    FiveParameters,
-    Identification,
-    Load,
-    Rod,
-    cell_averaged,
-    identify,
-    rest_curvature,
-)
+from rod import Bootstrap, FiveParameters, Identification, Load, Rod, cell_averaged, identify, rest_curvature
 from rod.identification.observed import Observed
 from tests.rod.test_calibration import known
 from tests.synthetic_arm import SyntheticArm

@@ -66,11 +66,7 @@ def test_a_section_whose_angle_is_held(rod: Rod) -> None:
 @BOTH_CURVED
 @pytest.mark.parametrize(
     ("held", "support"),
-    [
-        ({"end_y": 12.0}, {"y": 12.0}),
-        ({"end": (90.0, -30.0)}, {"x": 90.0, "y": -30.0}),
-        ({"end_x": 92.0}, {"x": 92.0}),
-    ],
+    [({"end_y": 12.0}, {"y": 12.0}), ({"end": (90.0, -30.0)}, {"x": 90.0, "y": -30.0}), ({"end_x": 92.0}, {"x": 92.0})],
 )
 def test_a_support_of_the_end_is_the_held_end(rod: Rod, held: dict[str, Any], support: dict[str, Any]) -> None:
     loads: list[Along] = [PointLoad(33.0, (0.01, -0.02)), Support(60.0, y=-12.0)]

@@ -13,14 +13,7 @@ FIVE = Rod(100.0, -0.01, FiveParameters(400.0, 500.0, 1.0, 1.0, 30.0))
 SHAPE = Rod(110.0, law=LAW.at(20.0)).solve(force="0.01 N")
 
 
-@pytest.mark.parametrize(
-    "value",
-    [
-        FIVE,
-        SHAPE,
-        FIVE.solve(),
-    ],
-)
+@pytest.mark.parametrize("value", [FIVE, SHAPE, FIVE.solve()])
 def test_a_value_is_printed_in_a_few_short_lines(value: Printable) -> None:
     lines = str(value).splitlines()
     assert 2 <= len(lines) <= 7

@@ -35,10 +35,7 @@ def test_nothing_is_compiled_once_a_run_has_begun(compiled: dict[str, list[str]]
     """Arrays of another layout, or that cannot be written, would compile a kernel again, which takes ten seconds."""
     assert {name: len(types) for name, types in compiled.items()} == dict.fromkeys(KERNELS, 1)
     loads = ({"end_y": 0.0}, {"force": (0.0, 1e-3), "moment": 0.1}, {"end": (100.0, 5.0)})
-    for rod in (
-        Rod(112.0, -0.001, FIVE),
-        Rod(112.0, -0.001, FIVE, weight=(0.0, -1e-5), weight_height=5.0),
-    ):
+    for rod in (Rod(112.0, -0.001, FIVE), Rod(112.0, -0.001, FIVE, weight=(0.0, -1e-5), weight_height=5.0)):
         for load in loads:
             rod.solve(**load)
     cell, clamp, tip = straight_law(5.0)

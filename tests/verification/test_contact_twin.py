@@ -11,17 +11,7 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from fem import (
-    Fixed,
-    Model,
-    NewtonOptions,
-    PathOptions,
-    Prescribed,
-    SelfContact,
-    Step,
-    StVenantKirchhoff,
-    follow,
-)
+from fem import Fixed, Model, NewtonOptions, PathOptions, Prescribed, SelfContact, Step, StVenantKirchhoff, follow
 from fem.effects.barrier import WEIGHT, contact_potential
 from fem.effects.contact import STIFFNESS
 from fem.elements import ELEMENTS

@@ -74,11 +74,7 @@ def test_a_neo_hookean_surface_buckles_where_biot_found() -> None:
 
 @pytest.mark.parametrize(
     ("material", "stretch"),
-    [
-        (RUBBER, 0.657),
-        (fem.Hencky(E=1.2, nu=0.495), 0.589),
-        (fem.NeoHooke.from_uniaxial({"mu": 0.4}, 0.495), 0.545),
-    ],
+    [(RUBBER, 0.657), (fem.Hencky(E=1.2, nu=0.495), 0.589), (fem.NeoHooke.from_uniaxial({"mu": 0.4}, 0.495), 0.545)],
 )
 def test_surfaces_of_the_other_laws_buckle_elsewhere(material: Material, stretch: float) -> None:
     """At the Poisson ratio of the arms; docs/theory.md gives these numbers."""

@@ -5,16 +5,7 @@ from typing import Any
 
 import pytest
 
-from geometry import (
-    GRADINGS,
-    BisectedCircle,
-    CadFile,
-    Design,
-    PneuNet,
-    Rectangular,
-    Semicircular,
-    SemicircularSingle,
-)
+from geometry import GRADINGS, BisectedCircle, CadFile, Design, PneuNet, Rectangular, Semicircular, SemicircularSingle
 from geometry.families.design import expected_tets
 from pipeline.config.automatic_mesh import MOST_CHOSEN_TETS, GivenMesh, MeshSettings, chosen_mesh
 from pipeline.config.load import load_config

@@ -42,8 +42,7 @@ def end_of(model: fem.Model, *pressures_kPa: float) -> tuple[fem.End, fem.Soluti
 
 
 @pytest.mark.parametrize(
-    "pressures_kPa",
-    [(0.5, 1.0, 1.25), (1.02, 1.25), (1.03, 1.2), (0.5, 5.0), (5.0,), (20.0,), (37.0,)],
+    "pressures_kPa", [(0.5, 1.0, 1.25), (1.02, 1.25), (1.03, 1.2), (0.5, 5.0), (5.0,), (20.0,), (37.0,)]
 )
 def test_small_and_large_steps_end_at_the_same_limit_point(model: fem.Model, pressures_kPa: tuple[float, ...]) -> None:
     """One step of 5 kPa led to a stable state beyond it, or to an unstable one, as the processor rounded."""
@@ -157,10 +156,7 @@ def test_a_limit_just_passed_costs_no_more_than_a_few_states(model: fem.Model) -
 
 def test_two_tells_its_limit_and_one_does_not_search_its_own(tmp_path: Path) -> None:
     """I is not tried at 5 kPa, and says so; closely above 0.95 kPa it finds its own limit."""
-    for lower, largest, expected in (
-        (0.5, 5.0, "end_of_II"),
-        (0.95, 1.05, "has_limit"),
-    ):
+    for lower, largest, expected in ((0.5, 5.0, "end_of_II"), (0.95, 1.05, "has_limit")):
         pressures = f"pressures=[{lower} kPa, {largest} kPa]"
         config = load_config(CONFIGS / "semicircular_single_coarse.yaml", [*THIN, VACUUM, pressures])
         with open_store(tmp_path / str(largest), config) as store:
@@ -201,10 +197,7 @@ def test_two_tells_where_it_ends_without_a_limit_that_it_could_name(
     ("chambers", "size", "second", "codes", "limit_kPa"),
     [
         # II has its limit at 64.9 kPa; that of III is lower, and pairs of both need pressures below it
-        pytest.param(
-            *(11, 7, 37, ["ends_beyond", "has_limit"], 52.29),
-            marks=pytest.mark.slow,
-        ),
+        pytest.param(*(11, 7, 37, ["ends_beyond", "has_limit"], 52.29), marks=pytest.mark.slow),
         # here that of III is a little higher, and is not searched
         (2, 6, 45, ["followed_near_end_of_II"], 0.0),
         # III has passed that part of the limit already

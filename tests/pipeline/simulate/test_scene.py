@@ -54,10 +54,7 @@ def test_by_default_only_the_first_cavity_is_pressurised(arm: Path, half: Body) 
 def test_cavities_may_carry_different_pressures(arm: Path, half: Body) -> None:
     config = load_config(arm, [*BISECTED, "effects.pressure={cavities: {cavity: 0.5, cavity_lower: 10 kPa}}"])
     assert config.effects.pressure.on
-    assert loads(config, half, 0.04) == [
-        fem.Pressure("cavity", 0.02),
-        fem.Pressure("cavity_lower", 0.01, ramp=False),
-    ]
+    assert loads(config, half, 0.04) == [fem.Pressure("cavity", 0.02), fem.Pressure("cavity_lower", 0.01, ramp=False)]
     assert loads(load_config(arm, [*BISECTED, "effects.pressure=off"]), half, 0.04) == []
 
 

@@ -121,12 +121,7 @@ def test_a_round_bar_bends_alike_in_all_directions() -> None:
 
 
 @pytest.mark.parametrize(
-    "loads",
-    [
-        Load((0.01, 0.05), couple=2.0),
-        Load((-0.005, -0.04)),
-        Load(weight=(2e-4, -3e-4), weight_height=3.0),
-    ],
+    "loads", [Load((0.01, 0.05), couple=2.0), Load((-0.005, -0.04)), Load(weight=(2e-4, -3e-4), weight_height=3.0)]
 )
 def test_in_the_plane_it_is_the_planar_rod(loads: Load) -> None:
     rod = straight(kappa_0=-0.01, planar=160.0, axial=50.0, in_plane_shear=20.0, edge=2.0, clamp=1e-3, position=3.0)
