@@ -29,9 +29,10 @@ from rod.solution import RodSolution, SpatialSolution
 #: points of a shape, and of the outline of the body along the arm
 POINTS, OUTLINE = 33, 160
 #: pressures of an arm with one, two and three of them; more of one where it turns by more than so many degrees each
-PRESSURES, TURN, MOST = {1: 7, 2: 4, 3: 4}, 18.0, 19
-#: directions of a force from that of the chord of an arm in its plane, and steps of asinh of its size over the scale
-DIRECTIONS, STEP = 20, 0.32
+PRESSURES, TURN, MOST = {1: 12, 2: 4, 3: 4}, 9.0, 24
+#: directions of a force from that of the chord of an arm in its plane, how much denser they are where it pushes against
+#: the tip, which buckles the arm, and steps of asinh of its size over the scale
+DIRECTIONS, DENSER, STEP = 24, 0.5, 0.32
 #: forces along each axis of an arm in space, over the largest one
 ALONG_AXIS = np.linspace(-1.0, 1.0, 5)
 #: the largest force over the largest moment by the length; over rigidity / length^2
@@ -123,12 +124,19 @@ def _in_plane(rods: Sequence[Rod | None]) -> JsonObject:
     rest = [(1.0, 0.0) if rod is None else rod.arm.in_plane(Load()).end for rod in rods]
     chords = [math.atan2(y, x) for x, y in rest]
     scales = [math.nan if rod is None else _scale(rod) for rod in rods]
-    rows = []
+    rows, even = list[Array](), np.linspace(0.0, 2.0 * np.pi, DIRECTIONS, endpoint=False)
     for rod, chord, scale in zip(rods, chords, scales, strict=True):
-        for angle in chord + np.linspace(0.0, 2.0 * np.pi, DIRECTIONS, endpoint=False):
+        for angle in chord + even + DENSER * np.sin(even):
             rows += _along(rod, np.outer(scale * np.sinh(sizes), [np.cos(angle), np.sin(angle), 0.0]), 2)
     scales = [scale if math.isfinite(scale) else 0.0 for scale in scales]
-    return {"chords": chords, "scales_N": scales, "sizes": sizes.tolist(), "around": DIRECTIONS, "shapes": _text(rows)}
+    return {
+        "chords": chords,
+        "scales_N": scales,
+        "sizes": sizes.tolist(),
+        "around": DIRECTIONS,
+        "denser": DENSER,
+        **_packed(rows),
+    }
 
 
 def _in_space(rods: Sequence[Rod | None]) -> JsonObject:
@@ -140,7 +148,7 @@ def _in_space(rods: Sequence[Rod | None]) -> JsonObject:
             _along(rod, np.outer(forces[side], axis), 3) for side in (slice(middle, None, -1), slice(middle, None))
         )
         rows += down[:0:-1] + up
-    return {"forces_N": forces.tolist(), "shapes": _text(rows)}
+    return {"forces_N": forces.tolist(), **_packed(rows)}
 
 
 def _scale(rod: Rod) -> float:
@@ -213,5 +221,10 @@ def _outline(run: Run) -> JsonObject | None:
     return {"s_mm": middles.tolist(), "low_mm": low, "high_mm": high}
 
 
-def _text(values: Sequence[Array]) -> str:
-    return base64.b64encode(np.array(values, dtype="<f4").tobytes()).decode()
+def _packed(rows: Sequence[Array]) -> JsonObject:
+    """Rows as whole numbers of two bytes, with the unit of each column; -32768 where there is none."""
+    values = np.array(rows)
+    values[:, -1] = np.minimum(values[:, -1], 2.0 * FILLED)
+    units = np.maximum(np.nanmax(np.abs(values), axis=0), 1e-9) / 32767.0
+    counts = np.where(np.isfinite(values), np.rint(values / units), -32768.0).astype("<i2")
+    return {"units": units.tolist(), "shapes": base64.b64encode(counts.tobytes()).decode()}

@@ -2,8 +2,9 @@
 "use strict";
 for (const figure of document.querySelectorAll(".hand")) {
   const arm = JSON.parse(figure.querySelector("script").textContent);
-  const shapes = new Float32Array(Uint8Array.from(atob(arm.shapes), (c) => c.charCodeAt(0)).buffer);
   const many = arm.pressures.length, last = arm.points_along - 1, width = arm.points_along * arm.axes + 2;
+  const counts = new Int16Array(Uint8Array.from(atob(arm.shapes), (c) => c.charCodeAt(0)).buffer);
+  const shapes = Float64Array.from(counts, (count, k) => (count === -32768 ? NaN : count * arm.units[k % width]));
   const nodes = arm.pressures.map((one) => one.nodes), flat = arm.axes === 2, length = arm.length_mm;
   const most = flat ? Math.max(...arm.scales_N) * Math.sinh(arm.sizes.at(-1)) : arm.forces_N.at(-1);
   const at = [...nodes.map((known) => known.at(-1)), ...Array(arm.axes).fill(0)]; // kPa, then N
@@ -27,7 +28,7 @@ for (const figure of document.querySelectorAll(".hand")) {
 
   function sum(terms) {
     const all = new Array(width).fill(0);
-    if (terms.length > 1 && terms.some(([index]) => shapes[(index + 1) * width - 1] >= 3)) all[0] = NaN; // not solved
+    if (terms.length > 1 && terms.some(([index]) => shapes[(index + 1) * width - 1] > 2.99)) all[0] = NaN; // not solved
     for (const [index, w] of terms) for (let c = 0; c < width; c++) all[c] += w * shapes[index * width + c];
     return all;
   }
@@ -37,7 +38,10 @@ for (const figure of document.querySelectorAll(".hand")) {
     const near = rows(state, 2), of = (values) => near.reduce((all, [index, w]) => all + w * values[index], 0);
     const [x, y] = state.slice(many), size = Math.asinh(Math.hypot(x, y) / of(arm.scales_N)), each = arm.sizes.length;
     if (!(size <= arm.sizes.at(-1))) return null;
-    const way = (Math.atan2(y, x) - of(arm.chords)) / (2 * Math.PI) * arm.around, first = Math.floor(way) - (count / 2 - 1);
+    const angle = Math.atan2(y, x) - of(arm.chords);
+    let even = angle; // angle = even + denser sin(even)
+    for (let k = 0; k < 40; k++) even = angle - arm.denser * Math.sin(even);
+    const way = even / (2 * Math.PI) * arm.around, first = Math.floor(way) - (count / 2 - 1);
     const few = Array.from({ length: count }, (_, k) => first + k), radial = weights(arm.sizes, size, 4);
     const next = weights(few, way, count).flatMap(([k, w]) => radial.map(([i, weight]) =>
       [((few[k] % arm.around) + arm.around) % arm.around * each + i, w * weight]));

@@ -57,7 +57,8 @@ def drag(page: Page, x: float, y: float) -> None:
 
 def test_slider_and_hand_bend_the_arm_as_the_rod_does(page: Page, results: pneurod.Results) -> None:
     hand = page.locator(".hand")
-    for pressure, way in ((12.0, (0.0, 0.0)), (12.0, (0.1, 0.1)), (28.0, (0.15, -0.1)), (35.0, (0.1, 0.0))):
+    pushed = ((7.5, (-0.08, 0.05)), (16.5, (-0.1, 0.02)), (30.0, (-0.1, -0.1)), (23.0, (0.0, 0.12)))
+    for pressure, way in ((12.0, (0.0, 0.0)), (12.0, (0.1, 0.1)), (28.0, (0.15, -0.1)), (35.0, (0.1, 0.0)), *pushed):
         hand.locator("button").evaluate("button => button.click()")
         slide(hand, pressure)
         if any(way):
