@@ -1,13 +1,11 @@
-"""Arms under a tenth to a hundred times the weight that their law bears: every command ends with a sentence."""
+"""Arms under a tenth to a hundred times the weight that their law bears have records and verdicts of numbers alone."""
 
 import math
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from typer.testing import CliRunner
 
-from pipeline.cli import app
 from pipeline.config.load import load_config
 from pipeline.results.files import read_results, save_value
 from pipeline.results.unloaded import unloaded_states
@@ -21,12 +19,6 @@ from rod.weight import Mass
 from tests.measured_arm import result_folder
 from tests.pipeline.answers.rods.test_budget import CONFIG, scaled_law
 
-COMMANDS = (
-    ("rod", "--pressure", "37 kPa"),
-    ("rod", "--pressure", "0 kPa", "--orientation", "hanging", "--tip-mass", "1 g"),
-    ("budget",),
-)
-
 
 def heavy(times: float, across: float = -1.0) -> ArmLaw:
     """The law of the coarse arm under a weight along y, or along the arm, in parts of the one that it bears lying."""
@@ -39,7 +31,7 @@ def heavy(times: float, across: float = -1.0) -> ArmLaw:
 
 
 @pytest.mark.parametrize("across", [-1.0, 1.0, 0.0])
-@pytest.mark.parametrize("times", [0.1, 0.5, 1.0, 3.0, 10.0, 100.0])
+@pytest.mark.parametrize("times", [0.1, 1.0, 3.0, 100.0])
 def test_the_record_of_a_run_holds_numbers_alone(tmp_path: Path, times: float, across: float) -> None:
     law, config = heavy(times, across), load_config(CONFIG)
     remarks = tuple(map(report_reason, _tolerances(config, law)))
@@ -50,15 +42,3 @@ def test_the_record_of_a_run_holds_numbers_alone(tmp_path: Path, times: float, a
     assert run.law is not None
     run = replace(run, law=replace(run.law, unloaded=unloaded_states(law, [17.0, 37.0])), record=read)
     assert not any(word in " ".join(verdict_of(run).lines).split() for word in ("nan", "inf", "unknown", "infinite"))
-
-
-@pytest.mark.parametrize("command", COMMANDS, ids=" ".join)
-@pytest.mark.parametrize("times", [0.1, 3.0, 100.0])
-def test_every_command_ends_with_a_sentence(tmp_path: Path, command: tuple[str, ...], times: float) -> None:
-    law = heavy(times)
-    law = replace(law, weight=(0.0, 0.0)) if "--orientation" in command else law
-    out = ["--out", str(tmp_path / "budget.html")] if command[0] == "budget" else []
-    ended = CliRunner().invoke(app, [command[0], str(result_folder(tmp_path / "arm", law)), *command[1:], *out])
-    assert ended.exception is None or isinstance(ended.exception, SystemExit), ended.exception
-    assert len(ended.output.split()) > 8
-    assert not {"nan", "inf"} & set(ended.output.split())

@@ -14,7 +14,7 @@ from tests.measured_arm import LENGTH, arm_law, result_folder
 
 COMMANDS = (
     ("rod", "--pressure", "0 kPa", "--orientation", "lying"),
-    ("rod", "--pressure", "40 kPa", "--orientation", "standing"),
+    ("rod", "--pressure", "40 kPa", "--orientation", "standing", "--tip-mass", "1 g"),
     ("rod", "--pressure", "20 kPa"),
     ("budget", "--pressure", "20 kPa"),
     ("solve", "--angle", "30 deg"),
@@ -22,7 +22,7 @@ COMMANDS = (
 )
 
 
-@pytest.mark.parametrize("times", [0.1, 1.0, 10.0, 100.0])
+@pytest.mark.parametrize("times", [0.1, 1.0, 100.0])
 @pytest.mark.parametrize("with_weight", [False, True], ids=["law without weight", "law with weight"])
 def test_light_and_heavy_arms(tmp_path: Path, times: float, with_weight: bool) -> None:
     mass = 70.0 * times  # g; the law bears 40 N mm, which 74 g bend it with, straight and lying
