@@ -167,7 +167,7 @@ def test_measured_bodies_are_calibrations() -> None:
     assert SCATTERS >= 3.0
 
 
-def test_a_poisson_ratio_of_no_rubber_is_named(tmp_path: Path, few_proposals: None) -> None:
+def test_a_poisson_ratio_of_no_rubber_is_named(tmp_path: Path) -> None:
     law = arm_law()
     nu = replace(law.rates["geometry.wall"], value=0.49, unit="1")
     soft: ArmLaw = replace(law, rates={"material.nu": nu})
