@@ -29,7 +29,7 @@ from pipeline.results.unloaded import first_numbers
 from pipeline.store.context import RunContext
 from pipeline.store.progress import Silent
 from pipeline.values.errors import InputError, RunFailed
-from pipeline.values.law import DeliveredLaw
+from pipeline.values.law import DeliveredLaw, InterpolationError
 from rod.arm_law.curves import CellCurve
 from rod.arm_law.law import ArmLaw
 
@@ -46,10 +46,7 @@ class MeasuredLaw(DeliveredLaw):
     law: ArmLaw
     half_cells: int  #: in each end piece
     added_kPa: tuple[float, ...]  #: pressures that were not asked for
-    error_along: float  #: of the curvature between two moments of a curve, over the largest curvature of the law
-    error_between: float | None  #: of the curvature between two pressures where it was checked; None: nowhere
-    error_along_clamp: float  #: of the rotation of the clamped end between two moments, rad
-    error_ends: float | None  #: of the arm's end by cells that the end pieces still disturb, over it; None: not known
+    interpolation_error: InterpolationError
     limits: tuple[Reason, ...]  #: where the law ends before the loads that it was made for, and why
     failures: tuple[Reason, ...]  #: pressures that the pieces do not bear
     factorizations: Mapping[str, int] = field(repr=False)  #: by part of the work
@@ -98,10 +95,9 @@ def build_law(
         draft=draft,
         half_cells=half_cells,
         added_kPa=tuple(p for p in law.pressures[1:] if p not in pressures_kPa),
-        error_along=_error_along(cells),
-        error_between=error_between,
-        error_along_clamp=max(end.error for end in clamps),
-        error_ends=error_ends,
+        interpolation_error=InterpolationError(
+            _error_along(cells), max(end.error for end in clamps), error_between, error_ends
+        ),
         limits=tuple(dict.fromkeys(log.limits)),
         failures=tuple(log.failures),
         factorizations=log.factorizations,

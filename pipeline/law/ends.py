@@ -32,7 +32,7 @@ DECAY = 5e-4
 NOT_DECAYED = 1e-2
 #: the same of swollen cells, as wide as the arm is long, whose law is delivered with this error
 SWOLLEN_NOT_DECAYED = 0.1
-#: of these the longest ends
+#: of these the shortest ends, where the arm has room for both: those of one half cell are off by up to a tenth of it
 SWOLLEN_HALF_CELLS = 3
 #: lengths without an equilibrium after which longer ends are not tried
 MOST_FAILED = 2
@@ -46,11 +46,12 @@ HALF_CELLS = 1
 def half_cells_of(curves: PieceCurves, cell: CellCurve) -> tuple[int, float | None, Reason | None]:
     """`choose_half_cells` for the clamped ends of an arm without moment; a task."""
     pieces = curves.pieces
-    available, length, most = pieces.repetition.half_cells, pieces.design.length, NOT_DECAYED
-    clamp, why = partial(clamp_alone, curves, cell), "the arm has no room"
-    if _is_swollen(pieces, cell):
-        available, most, why = min(available, SWOLLEN_HALF_CELLS), SWOLLEN_NOT_DECAYED, "swollen they take minutes"
-    return choose_half_cells(clamp, cell, available, length, most, why)
+    available, length, clamp = pieces.repetition.half_cells, pieces.design.length, partial(clamp_alone, curves, cell)
+    if not _is_swollen(pieces, cell):
+        return choose_half_cells(clamp, cell, available, length)
+    most, first = 2 * SWOLLEN_HALF_CELLS, SWOLLEN_HALF_CELLS if available >= 2 * SWOLLEN_HALF_CELLS else HALF_CELLS
+    why = "swollen they take minutes"
+    return choose_half_cells(clamp, cell, min(available, most), length, SWOLLEN_NOT_DECAYED, why, first)
 
 
 def choose_half_cells(
@@ -60,6 +61,7 @@ def choose_half_cells(
     length: float,
     most: float = NOT_DECAYED,
     why: str = "the arm has no room",
+    first: int = HALF_CELLS,
 ) -> tuple[int, float | None, Reason | None]:
     """So many half cells of an end piece that two more change the arm's end by less than DECAY.
 
@@ -67,16 +69,16 @@ def choose_half_cells(
     more half cells have not reduced the change. Where walls touch, the slope at a moment depends on which nodes do.
 
     clamp: gives that with so many half cells; available: half cells of the arm; length: mm, of the arm; most: the
-    change beyond which the arm is said to have no undisturbed cells; why: there are no longer ends. Returns also the
-    error of the arm's end by cells that the end still disturbs, over the length, and a reason where it is not known
-    or has not decayed. Raises `NoArmLaw`.
+    change beyond which the arm is said to have no undisturbed cells; why: there are no longer ends; first: half cells
+    of the shortest end. Returns also the error of the arm's end by cells that the end still disturbs, over the length,
+    and a reason where it is not known or has not decayed. Raises `NoArmLaw`.
     """
     if available < 3:
         return 1, None, Reason("ends_short")
     borne: dict[int, ClampCurve] = {}  # by half cells
     failed: dict[int, str] = {}  # why, of those without an equilibrium
     errors: dict[int, float] = {}  # by the half cells of the shorter end of a pair
-    for half_cells in range(1, available // 2 + 3, 2):
+    for half_cells in range(first, available // 2 + 3, 2):
         try:
             borne[half_cells] = clamp(half_cells)
         except PieceFailed as failure:

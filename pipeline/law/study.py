@@ -206,12 +206,6 @@ def save_law(store: Store, measured: MeasuredLaw, pressures_kPa: Sequence[float]
         **({"draft": True} if measured.draft else {}),
         "added_pressures_kPa": measured.added_kPa,
         "end_half_cells": measured.half_cells,
-        "interpolation_error": {
-            "along_curves": measured.error_along,
-            "along_clamped_end": measured.error_along_clamp,
-            "between_pressures": measured.error_between,
-            "ends_over_length": measured.error_ends,
-        },
         "accuracy": measured.limit and measured.limit.record(),
         "limits": [*map(render, measured.limits)],
         "failures": [*map(render, measured.failures)],

@@ -91,9 +91,10 @@ def _contact(cell: CellCurve) -> str:
 
 def law_remarks(measured: MeasuredLaw) -> Iterator[Reason]:
     """How the law was interpolated, which mesh was taken, and where it ends."""
-    values = {"half_cells": measured.half_cells, "along_percent": 100.0 * measured.error_along}
+    error = measured.interpolation_error
+    values = {"half_cells": measured.half_cells, "along_percent": 100.0 * error.along_curves}
     if not measured.draft:  # which says nothing about what lies between
-        yield Reason("law_interpolated", values | {"between_percent": 100.0 * (measured.error_between or 0.0)})
+        yield Reason("law_interpolated", values | {"between_percent": 100.0 * (error.between_pressures or 0.0)})
     if measured.limit is not None:
         yield from measured.limit.remarks
     yield from measured.limits

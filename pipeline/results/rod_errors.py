@@ -194,7 +194,8 @@ class RodAndMesh:
     force: float | None  #: over the largest force; None where no load had one
     largest_N: float | None  #: the largest force
     mesh: MeshErrors  #: the part of the mesh
-    is_compared: bool = True  #: False without finite elements of the whole arm; the error is then that of the mesh
+    is_compared: bool = True  #: False without finite elements of the whole arm; the error is then that of the law
+    ends: float = 0.0  #: then the part of the shape by cells that the ends of the arm still disturb
 
     @property
     def is_known(self) -> bool:
@@ -214,7 +215,9 @@ class RodAndMesh:
         force = "" if self.force is None else f", of the force {percent(self.force)}"
         errors = f"error of the shape {percent(self.shape)} of the length{force}"
         if not self.is_compared:
-            return f"{errors} because of its mesh; no whole arm was solved"
+            return (
+                f"{errors} because of its mesh{' and ends' * (self.ends > NOTED * self.shape)}; no whole arm was solved"
+            )
         return f"{errors} ({'without the error of the mesh' if self.mesh.largest is None else 'rod and mesh added'})"
 
 
@@ -227,7 +230,9 @@ def rod_to_take(run: Run, errors: Sequence[RodErrors] | None = None) -> tuple[st
     if ranked:
         return ranked[0].rod, rod_and_mesh(run, ranked[0])
     mesh = law_mesh_errors(run.law)
-    alone = RodAndMesh(_shape_by_mesh(run, ARM_LAW), mesh.force, None, mesh, is_compared=False)
+    known = run.law and run.law.interpolation_error
+    ends = (known and known.ends_over_length) or 0.0
+    alone = RodAndMesh(_shape_by_mesh(run, ARM_LAW) + ends, mesh.force, None, mesh, is_compared=False, ends=ends)
     return (ARM_LAW, alone) if run.law else None
 
 

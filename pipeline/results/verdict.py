@@ -102,6 +102,7 @@ class Verdict(Printable):
     shape_error: float | None  #: of the rod to take over the length, rod and mesh together
     force_error: float | None  #: over the largest force, rod and mesh together
     mesh: MeshErrors  #: the part of the mesh in them
+    ends_error: float | None  #: the part of cells that the ends disturb, where no whole arm was solved; None: none
     pressures_kPa: tuple[float, float] | None  #: between which the rod holds
     moments_N_mm: tuple[float, float] | None  #: for which it holds at the highest pressure
     tolerances: Reported | None  #: what the tolerances of the built arm do, or its calibration; None: not known
@@ -154,7 +155,8 @@ class Verdict(Printable):
             return "" if self.refusal.code == OUT_OF_PLANE else self.refusal.text
         if self.shape_error is None:
             return "No rod was compared with the finite elements."
-        errors = RodAndMesh(self.shape_error, self.force_error, None, self.mesh, bool(self.errors))
+        both = self.shape_error, self.force_error, None, self.mesh
+        errors = RodAndMesh(*both, bool(self.errors), self.ends_error or 0.0)
         return f"Take the rod with {TITLES[self.rod]}: {errors.text}."
 
     def _holds(self) -> str:
@@ -179,7 +181,11 @@ class Verdict(Printable):
         """The verdict as `pneurod run --json` writes it."""
         left_out = {
             "command",
-            *(name for name in ("in_time", "limit", "layers", "directions_deg") if not getattr(self, name)),
+            *(
+                name
+                for name in ("in_time", "limit", "layers", "directions_deg", "ends_error")
+                if not getattr(self, name)
+            ),
         }
         content = {name: value for name, value in asdict(self).items() if name not in left_out}
         return {**content, "usable": self.usable, "lines": self.lines}
@@ -207,6 +213,7 @@ def verdict_of(run: Run) -> Verdict:
         shape_error=both.shape if both and usable else None,
         force_error=both.force if both and usable else None,
         mesh=MeshErrors() if both is None else both.mesh,
+        ends_error=(both.ends or None) if both else None,
         pressures_kPa=_pressures(run, rod) if rod else None,
         moments_N_mm=_moments(run, rod) if rod else None,
         tolerances=run.remark(TOLERANCES, *CALIBRATED),

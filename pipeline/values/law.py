@@ -42,6 +42,17 @@ class LawMeshError:
 
 
 @dataclass(frozen=True)
+class InterpolationError:
+    """How far the arm's own law is from its pieces on one mesh (the key interpolation_error of law.json)."""
+
+    along_curves: float  #: of the curvature between two moments, over the largest curvature of the law
+    along_clamped_end: float  #: of the rotation of the clamped end between two moments, rad
+    between_pressures: float | None  #: of the curvature, over the largest one, where it was checked; None: nowhere
+    #: of the arm's end by cells that the end pieces still disturb, over the length; None: not known
+    ends_over_length: float | None
+
+
+@dataclass(frozen=True)
 class Unloaded:
     """The clamped arm without a load at one pressure, by its own law."""
 
@@ -93,6 +104,7 @@ class LawMetadata:
     layers: Layers | None = None  #: None without thread and sheet, and for a law in space
     #: how far an arm in space bends at its rows, towards y and on every 45 degrees towards z; empty in a plane
     directions_deg: tuple[float, ...] = ()
+    interpolation_error: InterpolationError | None = None  #: None: of several pressures
 
 
 @dataclass(frozen=True, eq=False)  # arrays inside

@@ -57,8 +57,8 @@ def test_the_law_goes_through_rest_and_every_pressure_of_the_configuration(repor
     kappa_0 = [cell.at(0.0)[0] for cell in law.cells]
     assert kappa_0[0] == pytest.approx(0.0, abs=1e-7)
     assert np.all(np.diff(kappa_0) < 0.0)  # negative, as in experiment II
-    assert report.measured.error_between <= BETWEEN
-    assert report.measured.error_along < 0.01
+    assert (report.measured.interpolation_error.between_pressures or 0.0) <= BETWEEN
+    assert report.measured.interpolation_error.along_curves < 0.01
 
 
 @pytest.mark.parametrize(

@@ -48,6 +48,15 @@ def test_after_a_piece_without_an_equilibrium_longer_ones_are_compared(short: Ma
     assert chosen({**short, 5: 0.1, 7: 0.1}, 20) == (3 if short[3] is not None else 5, 0.0, None)
 
 
+def test_the_shortest_end_may_be_longer() -> None:
+    """Ends of swollen cells, of which the shortest ones are wrong."""
+    ends = {half_cells: clamp(rotation) for half_cells, rotation in {3: 0.1, 5: 0.1 + 2 * NOT_DECAYED}.items()}
+    half_cells, error, limit = choose_half_cells(ends.__getitem__, CELL, 6, LENGTH, 3 * NOT_DECAYED, "they cost", 3)
+    assert (half_cells, error) == (3, pytest.approx(2 * NOT_DECAYED))
+    assert limit is not None
+    assert limit.values["why"] == "they cost"
+
+
 def test_nothing_is_known_where_no_pair_has_an_equilibrium() -> None:
     unknown = Reason("ends_unknown", {"why": "the tangent is indefinite"})
     assert chosen({1: None, 3: None}, 10) == (1, None, unknown)  # longer ones are not tried

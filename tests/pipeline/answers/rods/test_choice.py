@@ -1,16 +1,20 @@
 """The rod of a run: the one that the verdict recommends, with its notes, in Python as on the command line."""
 
+import json
 import shutil
 import warnings
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 from typer.testing import CliRunner
 
 import pneurod
 from pipeline.answers.rods.choice import choose_rod
 from pipeline.cli import app
+from pipeline.results.files import read_run
+from pipeline.results.rod_errors import rod_to_take
 from pipeline.values.errors import InputError
 from pipeline.values.run import Reported
 from rod import LawRod
@@ -76,6 +80,18 @@ def test_commands_refuse_an_arm_that_leaves_its_plane_and_write_nothing(tmp_path
         ended = CliRunner().invoke(app, command)
         assert (ended.exit_code, ended.stderr) == (2, f"pneurod: {folder}: The arm leaves its plane.\n")
     assert sorted(folder.iterdir()) == before
+
+
+def test_the_error_of_a_law_alone_has_that_of_its_ends(tmp_path: Path) -> None:
+    law, shapes = json.loads((COARSE / "law.json").read_text()), []
+    for ends in (0.0, 0.02, None):
+        law["interpolation_error"]["ends_over_length"] = ends
+        (tmp_path / "law.json").write_text(json.dumps(law))
+        taken = rod_to_take(read_run(tmp_path))
+        assert taken is not None
+        assert ("because of its mesh and ends; no whole arm" in taken[1].text) == bool(ends)
+        shapes.append(taken[1].shape)
+    assert np.diff(shapes) == pytest.approx([0.02, -0.02])
 
 
 def test_a_law_alone_is_taken(tmp_path: Path) -> None:
