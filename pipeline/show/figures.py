@@ -7,8 +7,9 @@ import numpy as np
 
 from geometry.arrays import Array
 from pipeline.results.rod_errors import rod_to_take
+from pipeline.values import plots
 from pipeline.values.formats import ARM_LAW, CURVE_PREFIXES, FIVE
-from pipeline.values.plots import COLOURS, GREY, INK, Line, Panel, figure, ordered_colour
+from pipeline.values.plots import COLOURS, GREY, INK, Line, Panel, ordered_colour
 from pipeline.values.run import Curve, RodError, Run, bending_error_deg
 from rod.arm_law.kinds import Law
 from rod.errors import RodError as NoRod
@@ -317,8 +318,8 @@ FIGURES: dict[str, Callable[[Run], Panels]] = {
 
 def make_figures(run: Run) -> dict[str, str | dict[str, str]]:
     """All figures of the report by their names; empty texts for those without data."""
-    experiments = {title: figure(of_experiment(run, name)) for name, title in EXPERIMENTS.items()}
+    experiments = {title: plots.figure(of_experiment(run, name)) for name, title in EXPERIMENTS.items()}
     return {
         "experiments": {title: drawn for title, drawn in experiments.items() if drawn},
-        **{name: figure(panels(run)) for name, panels in FIGURES.items()},
+        **{name: plots.figure(panels(run)) for name, panels in FIGURES.items()},
     }
