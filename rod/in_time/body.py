@@ -27,6 +27,9 @@ GRAM = 1e-6
 SMOOTH = step_kernels.PIECES - 2
 #: pieces of rotation and offset of a clamp over its moments; kinks of these are hinges as well
 CLAMP = 20
+#: part of its moments at either end that is left out: between two pressures, states of walls that touch are least alike
+#: there, and an axial force would make the clamp jump
+EDGE = 0.05
 
 
 @final
@@ -132,6 +135,7 @@ def arrays_of(arm: Arm, load: Load, s: tuple[float, ...], in_space: bool) -> tup
     if section.kind == TABULATED:
         section = _smooth(section, section.table.shape[2] if in_space else 4)
     low, high = ends.moment[[0, -1]]
+    low, high = low + EDGE * (high - low), high - EDGE * (high - low)
     # a clamp whose slope ended at its last moment would have a kink there
     inside = np.linspace(low, high, CLAMP + 1)
     clamped = cubic(ends.moment, ends.clamped, ends.clamped_slope, inside)

@@ -159,8 +159,8 @@ class MovingArm:
         self.next = self.steps.fixed or self.shortest
         self._know(before)
         self.now = replace(self.now, volume=float(self._air(self.now).sum()))
-        self.inside = self.now, 0
         self._write()
+        self.inside = self.now, 1
         self._know(felt)
 
     def step(self, dt: float, pressure_kPa: Any = None, force: Any = None) -> Instant:

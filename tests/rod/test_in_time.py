@@ -163,6 +163,15 @@ def test_a_motion_ends_where_the_law_does() -> None:
     waved = move(Body(arm(), RUBBER), 17.0, 0.4)
     assert (waved.reason, waved.beyond_per_mm[0]) == ("", 0.0)
     assert waved.notes[0].startswith(f"Cells bend by up to {waved.beyond_per_mm.max():.3g} 1/mm beyond")
+    stiff = Body(arm(), Relaxation.from_loss_factor(0.02, 1.0, 10.0))
+    at_once = move(stiff, 0.0, 0.06, start=Start(26.71), steps=Steps(6e-3))  # in its first step
+    assert (at_once.times_s.tolist(), "beyond the law" in at_once.reason) == ([0.0], True)
+
+
+@pytest.mark.parametrize(("pressure", "step"), [(31.228, 1e-3), (32.389, 2e-3), (34.0, 2e-3)])
+def test_a_sudden_pressure_with_walls_that_touch_is_followed(pressure: float, step: float) -> None:
+    """Between two pressures the clamped end is known badly at its last moments; it jumped there."""
+    assert move(Body(arm(), RUBBER), pressure, 0.06, steps=Steps(step)).reason == ""
 
 
 def test_an_arm_in_a_loop_moves_as_under_a_table() -> None:
