@@ -313,6 +313,19 @@ def test_the_program_for_pyelastica_rests_on_the_rod(
         assert off(1e3 * program.curve(rod, pressure), chain.s, law.at(pressure), force) < SMALL
 
 
+def test_the_program_for_pyelastica_ends_when_nothing_moves(robot: Robot, tmp_path: Path) -> None:
+    pytest.importorskip("elastica")
+    program, told = imported(export_robot(robot, "pyelastica", tmp_path)[0]), list[float]()
+    program.simulate(17.0, tell=lambda time, _: told.append(time))
+    assert told == []
+    force = small_force(robot.at(17.0), 0.1)
+    rests = program.simulate(17.0, force, tell=lambda time, _: told.append(time))
+    longer = program.simulate(17.0, force, 3.0 * told[-1])
+    ends = [1e3 * program.curve(rod, 17.0)[-1] for rod in (rests, longer)]
+    assert ends[0] == pytest.approx(ends[1], abs=10.0 * program.REST * 112.0)
+    assert told[-1] * program.first_vibration(17.0) < 10.0
+
+
 def test_the_program_for_pyelastica_begins_in_equilibrium(robot: Robot, tmp_path: Path) -> None:
     pytest.importorskip("elastica")
     program = imported(export_robot(robot, "pyelastica", tmp_path)[0])

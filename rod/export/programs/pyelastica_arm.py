@@ -15,7 +15,7 @@ import numpy as np
 
 from rod.export.programs.table import TABLE, at
 
-#: the end rests where no node moves faster than this part of the length in the time of a radian of its first vibration
+#: the arm rests where no node moves faster than this part of the length in the time of a radian of its first vibration
 REST = 1e-5
 
 
@@ -184,6 +184,8 @@ def simulate(pressure_kPa, force=(0.0, 0.0), seconds=None, damping=None, tell=No
     first = pressure_kPa(0.0) if callable(pressure_kPa) else pressure_kPa
     last = pressure_kPa(seconds) if callable(pressure_kPa) else pressure_kPa
     rod, simulator, frequency = build(first, force), _Simulator(), first_vibration(first)
+    if seconds is None and not any(force):
+        return rod  # it began in its equilibrium, from which nothing moves it
     step = min(time_step(rod, first), time_step(rod, last))
     simulator.append(rod)
     simulator.add_forcing_to(rod).using(Law, pressure_kPa)
@@ -206,7 +208,8 @@ def simulate(pressure_kPa, force=(0.0, 0.0), seconds=None, damping=None, tell=No
                 tell(float(time), rod)
             if not np.isfinite(speed):
                 raise ValueError("the simulation became unstable")
-            if seconds is None and time * frequency > 1.0 and speed < REST * TABLE["length"] * frequency:
+            slow = REST * TABLE["length"] * frequency * min(1.0, time * frequency)  # it began without any speed
+            if seconds is None and speed < slow:
                 break
     return rod
 
