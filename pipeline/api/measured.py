@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from pipeline.api.course import reached
-from pipeline.api.given import given_choice, given_path
+from pipeline.api.given import given_choice, given_path, given_progress
 from pipeline.api.options import Align, Folder, Given, MeasuredFile, Ratio
+from pipeline.store.progress import Progress
 from pipeline.values.errors import RunFailed
 
 __all__ = ["calibrate", "compare", "material"]
@@ -25,16 +26,18 @@ def compare(
     *,
     align: Align = False,
     ratio: Ratio = None,
+    progress: "bool | Progress" = False,
 ) -> "Comparison":
     """Compare a measured arm with its rod.
 
     Every number has its prediction and what is allowed. measured: the file, with columns as docs/results.md has them.
-    align: move the rows so that those at rest lie on the rod. Raises InputError with file, line and column.
+    align: move the rows so that those at rest lie on the rod. progress: tell the time left on the terminal, where one
+    waits, or to a `Progress`. Raises InputError with file, line and column.
     """
     from pipeline.answers.measured.compare import compare_files
 
     folder, file = given_path(results, "results", "results/arm"), given_path(measured, "measured", "arm.csv")
-    return compare_files(folder, file, given_choice(align, "align"), ratio=ratio)
+    return compare_files(folder, file, given_choice(align, "align"), ratio, given_progress(progress).remark)
 
 
 def calibrate(
@@ -49,20 +52,21 @@ def calibrate(
     ] = (),
     align: Align = False,
     ratio: Ratio = None,
+    progress: "bool | Progress" = False,
 ) -> "CalibrationReport":
     """Fit modulus and dimensions to measurements, with intervals.
 
     out: "RESULTS_calibrated" by default; `pneurod.read_results(out)` reads it. free: dimensions ("geometry.wall"), by
-    default those whose tolerances move the tip most. align: as in `compare`. An earlier calibration in `out` is
-    replaced. Raises InputError with file, line and column, and RunFailed, which has the report as `reached`, for a fit
-    that misses a large part of the motion.
+    default those whose tolerances move the tip most. align, progress: as in `compare`. An earlier calibration in `out`
+    is replaced. Raises InputError with file, line and column, and RunFailed, which has the report as `reached`, for a
+    fit that misses a large part of the motion.
     """
     from pipeline.answers.measured.calibrate import CalibrateOptions, calibrate_files
 
     folder, file = given_path(results, "results", "results/arm"), given_path(measured, "measured", "arm.csv")
     new = None if out is None else given_path(out, "out", "results/arm_calibrated")
     options = CalibrateOptions(tuple(free), given_choice(align, "align"), ratio)
-    report = calibrate_files(folder, file, new, options)
+    report = calibrate_files(folder, file, new, options, given_progress(progress).remark)
     return reached(report, report.raise_if_failed)
 
 

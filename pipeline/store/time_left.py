@@ -2,9 +2,12 @@
 
 import time
 from collections import defaultdict
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 from pipeline.values.formatting import duration
+
+#: s, between two words to one who waits
+WAIT = 5.0
 
 
 class TimeLeft:
@@ -17,7 +20,7 @@ class TimeLeft:
         """part: of all efforts, which has to have ended before anything is told."""
         self._open = {kind: list(efforts) for kind, efforts in steps.items()}
         self._least = part * sum(map(sum, self._open.values()))
-        self._begin = time.monotonic()
+        self._begin = self._told = time.monotonic()
         self._spent, self._expected = defaultdict[str, float](float), defaultdict[str, float](float)
 
     def announce(self, name: str, count: int) -> None:
@@ -50,6 +53,12 @@ class TimeLeft:
             for kind, efforts in self._open.items()
         )
         return (time.monotonic() - self._begin) * work / spent
+
+    def tell(self, remark: Callable[[str], object], done: str, part: float) -> None:
+        """Tell what is done, and the time left by its part of all, if `WAIT` has passed since the last words."""
+        if (now := time.monotonic()) - self._told > WAIT:
+            self._told = now
+            remark(f"{done}; about {duration((now - self._begin) * (1.0 - part) / max(part, 1e-9))} left")
 
     def _kind(self, name: str) -> str:
         """The longest kind with which a name begins: `cell, mesh` of `cell, mesh 2.7 mm`."""

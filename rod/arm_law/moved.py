@@ -25,6 +25,7 @@ then decides how far they bend.
 
 import math
 from dataclasses import dataclass, fields, replace
+from functools import cache
 from typing import TypeVar, final
 
 import numpy as np
@@ -99,8 +100,13 @@ def power_of_modulus(key: str) -> int:
 
 def scaled_curve(curve: Curve, factor: float) -> Curve:
     """The curve of a cell or an end whose moduli are all multiplied by a factor, at its pressure times that factor."""
-    powers = {field.name: power_of_modulus(key_of(field)) for field in fields(curve)}
-    return replace(curve, **{name: getattr(curve, name) * factor**power for name, power in powers.items() if power})
+    return replace(curve, **{name: getattr(curve, name) * factor**power for name, power in _powers(type(curve))})
+
+
+@cache
+def _powers(kind: type[Curve]) -> list[tuple[str, int]]:
+    """Fields of a kind of curve that change with the moduli, and the power of each."""
+    return [(field.name, power) for field in fields(kind) if (power := power_of_modulus(key_of(field)))]
 
 
 def scaled_rate(rate: LawRate, factor: float) -> LawRate:

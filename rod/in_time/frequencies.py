@@ -4,6 +4,8 @@ import math
 from typing import Any, NamedTuple
 
 import numpy as np
+from scipy.sparse import csc_matrix
+from scipy.sparse.linalg import LinearOperator, eigsh, splu
 
 from geometry.arrays import Array
 from rod.arm.nodes import StateArrays, Tangent
@@ -17,6 +19,8 @@ from rod.load import Loading
 
 #: iterations of Newton's method for a decaying vibration
 ITERATIONS = 30
+#: modes in space that are looked at, for each that is asked for in the plane and across
+IN_SPACE = 12
 
 
 class Mode(NamedTuple):
@@ -25,6 +29,19 @@ class Mode(NamedTuple):
     frequency_hz: float  #: abs(rate) / (2 pi)
     damping_ratio: float  #: part of the critical damping
     in_plane: bool  #: whether it moves the arm in its plane rather than across
+
+
+class Undamped(NamedTuple):
+    """A vibration without the loss of its rubber."""
+
+    stiff: float  #: 1/s2, stiffness over mass
+    relaxing: float  #: 1/s2, the part of it that is the rubber's
+    in_plane: bool
+
+    def damped(self, relaxation: Relaxation) -> Mode:
+        """The same of a rubber that relaxes."""
+        rate = _decaying(self.stiff, self.relaxing, relaxation)
+        return Mode(abs(rate) / (2.0 * math.pi), max(0.0, -rate.real / abs(rate)), self.in_plane)
 
 
 def frequencies(
@@ -38,16 +55,20 @@ def frequencies(
     `count` of them in the plane, and as many across where the law knows that. Moduli are those at the frequency, the
     shape that at long times. Raises `RodError` where the arm has no mass, or no such equilibrium.
     """
+    return tuple(sorted(mode.damped(body.relaxation) for mode in undamped(body, pressure, acting, count)))
+
+
+def undamped(body: Body, pressure: Any, acting: Loading, count: int, *, across: bool = True) -> tuple[Undamped, ...]:
+    """The same vibrations without damping; across: those across the plane too. Raises `RodError` as `frequencies`."""
     arm = body.at(np.atleast_1d(np.asarray(pressure, float)))
     load = body.loaded(acting, arm)
-    in_space = load.leaves_plane or arm.is_in_space
+    in_space = load.leaves_plane or (across and arm.is_in_space)
     less, more = (_modes(body, acting, *equilibrium(arm, load, load, in_space, size), count) for size in (1, 0))
     found, relaxing = [], body.relaxing(arm)
     for (low, *_), (high, elastic, is_flat) in zip(less, more, strict=True):
         stiff = high + (high - low) / 3.0  # at the limit of the elements
-        rate = _decaying(stiff, relaxing * elastic / high * stiff, body.relaxation)
-        found.append(Mode(abs(rate) / (2.0 * math.pi), max(0.0, -rate.real / abs(rate)), is_flat))
-    return tuple(sorted(found))
+        found.append(Undamped(stiff, relaxing * elastic / high * stiff, is_flat))
+    return tuple(found)
 
 
 def _decaying(stiff: float, elastic: float, relaxation: Relaxation) -> complex:
@@ -67,24 +88,39 @@ def _modes(
     whole, elastic = _matrix(loaded), _matrix(free)
     frames = state.frames if solver.chain.in_space else planar_frames(state.angle)
     root = _roots(*body.inertia(acting, solver), frames, m)
-    kept = np.eye(len(whole))
-    if count_held := len(solver.load.held):
-        holds = np.zeros((count_held, len(whole)))
-        for row, (node, _), by_motion in zip(holds, solver.load.held, loaded.by_motion, strict=True):
-            row[m * (node - 1) : m * node] = by_motion[:m]
-        kept = np.linalg.svd(holds)[2][count_held:].T
-    soft = kept @ np.linalg.solve(kept.T @ whole @ kept, kept.T @ root)
-    values, vectors = np.linalg.eigh(root.T @ soft)
-    modes = soft @ vectors[:, ::-1]
+    modes = _lowest(whole, root, _kept(solver, loaded), count, dense=solver.chain.in_space)
     flat = np.isin(np.arange(len(whole)) % m, (0, 1, 5) if m == 6 else (0, 1, 2))
-    shares = np.linalg.norm(root.T @ (flat[:, None] * modes[:, : 12 * count]), axis=0) / values[::-1][: 12 * count]
+    shares = np.linalg.norm(root.T @ (flat[:, None] * modes), axis=0)
     found = []
     for is_flat in (True, False):
         for k in np.flatnonzero((shares > math.sqrt(0.5)) == is_flat)[:count]:
-            mode = modes[:, k] / values[::-1][k]
+            mode = modes[:, k]
             stiff = float(mode @ whole @ mode)
             found.append((stiff, float(mode @ elastic @ mode), is_flat))
     return found
+
+
+def _kept(solver: Solver, loaded: Tangent) -> Array | None:
+    """(n, n - k) motions that what holds an arm leaves; None where nothing holds it."""
+    if not (count := len(solver.load.held)):
+        return None
+    m, holds = len(loaded.start), np.zeros((count, len(loaded.band)))
+    for row, (node, _), by_motion in zip(holds, solver.load.held, loaded.by_motion, strict=True):
+        row[m * (node - 1) : m * node] = by_motion[:m]
+    return np.asarray(np.linalg.svd(holds)[2][count:].T)
+
+
+def _lowest(whole: Array, root: Array, kept: Array | None, count: int, *, dense: bool) -> Array:
+    """(n, k) modes of a stiffness and the root of a mass (n, n), the lowest first, each with a mass of 1."""
+    if dense or kept is not None:
+        kept = np.eye(len(whole)) if kept is None else kept
+        soft = kept @ np.linalg.solve(kept.T @ whole @ kept, kept.T @ root)
+        values, vectors = (a[..., : -1 - IN_SPACE * count : -1] for a in np.linalg.eigh(root.T @ soft))
+        return np.asarray(soft @ (vectors / values))
+    lu, sparse = splu(csc_matrix(whole)), csc_matrix(root)
+    turned = LinearOperator(whole.shape, lambda v: sparse.T @ lu.solve(sparse @ v), dtype=float)
+    values, vectors = eigsh(turned, count, which="LA", v0=np.ones(len(whole)))
+    return np.asarray(lu.solve(sparse @ (vectors / values)[:, np.argsort(-values)]))
 
 
 def _matrix(tangent: Tangent) -> Array:
@@ -99,13 +135,16 @@ def _matrix(tangent: Tangent) -> Array:
 
 def _roots(mass: Array, first: Array, second: Array, frames: Array, m: int) -> Array:
     """L (m (N - 1), m (N - 1)) of the mass matrix L L^T of all nodes but the first."""
-    root = np.zeros((m * (len(mass) - 1),) * 2)
+    heavy, n = np.flatnonzero(mass), len(mass) - 1
+    turned = frames[heavy]
+    x, y, z = (turned @ first[heavy, :, None])[..., 0].T
+    matrices = np.zeros((len(heavy), 6, 6))
+    matrices[:, range(3), range(3)] = mass[heavy, None]
+    for (i, j), lever in zip(((0, 1), (0, 2), (1, 2)), (z, -y, x), strict=True):
+        matrices[:, i, 3 + j] = matrices[:, 3 + j, i] = lever
+        matrices[:, j, 3 + i] = matrices[:, 3 + i, j] = -lever
+    matrices[:, 3:, 3:] = turned @ second[heavy] @ turned.swapaxes(1, 2)
     kept = [0, 1, 2, 3, 4, 5] if m == 6 else [0, 1, 5]
-    for node in np.flatnonzero(mass):
-        x, y, z = frames[node] @ first[node]
-        lever = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-        turning = frames[node] @ second[node] @ frames[node].T
-        matrix = np.block([[mass[node] * np.eye(3), -lever], [lever, turning]])[np.ix_(kept, kept)]
-        at = slice(m * (node - 1), m * node)
-        root[at, at] = np.linalg.cholesky(matrix)
-    return root
+    root = np.zeros((n, m, n, m))
+    root[heavy - 1, :, heavy - 1] = np.linalg.cholesky(matrices[:, kept][:, :, kept])
+    return root.reshape(n * m, n * m)

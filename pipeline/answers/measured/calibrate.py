@@ -1,6 +1,6 @@
 """The command that calibrates the rod of a result folder to a measured arm, and writes a folder of its own."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -75,11 +75,16 @@ class CalibrationReport:
 
 
 def calibrate_files(
-    folder: Path, file: Path, out: Path | None = None, options: CalibrateOptions | None = None
+    folder: Path,
+    file: Path,
+    out: Path | None = None,
+    options: CalibrateOptions | None = None,
+    tell: Callable[[str], object] = str,
 ) -> CalibrationReport:
     """The calibrated arm of a result folder and a file of measurements, written to another folder.
 
-    out: FOLDER_calibrated by default; an earlier calibration in it is replaced. Raises InputError.
+    out: FOLDER_calibrated by default; an earlier calibration in it is replaced. tell: is told the time left. Raises
+    InputError.
     """
     options = options or CalibrateOptions()
     run, measurements = run_along(folder, options.ratio), read_measurements(file)
@@ -92,11 +97,11 @@ def calibrate_files(
     store = claim(out, CALIBRATION)
     if options.align:
         measurements = aligned(measurements, LawRods(law), Setup(drawn_mm=drawn))
-    found = calibrated(law, run.config, measurements, options.free, drawn)
+    found = calibrated(law, run.config, measurements, options.free, drawn, tell)
     if earlier and abs(found[MODULUS].mean - 1.0) > OF_ONE_BATCH:
         found = replace(found, notes=(*found.notes, OTHER_BATCH.format(found[MODULUS].mean)))
-    remark, timed = report_reason(found.missed or _remark(run, found)), _in_time(run, found)
-    save_calibration(store, run, file, found, (remark, *timed))
+    reported = report_reason(found.missed or _remark(run, found)), *_in_time(run, found)
+    save_calibration(store, run, file, found, reported)
     made, error = read_results(store.directory), found.posterior.quantile * found.next_measurement.tip_std_mm
     page = calibration_page(made, found.predictions, found.curves, found.setup, error)
     store.save_text("calibration.html", page)

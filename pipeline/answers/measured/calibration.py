@@ -1,7 +1,7 @@
 """The rod of an arm calibrated to what was measured on it: values, and the computation from a result folder."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -12,9 +12,9 @@ from geometry.arrays import Array
 from pipeline.answers.material.hold import LARGEST_LOSS
 from pipeline.answers.material.sentences import OF_RUBBER
 from pipeline.answers.measured.doubtful import check_numbers, doubts_of, failure_of
-from pipeline.answers.measured.fit import Fitted, fit, numbers_of, off_range, usual_scatter
+from pipeline.answers.measured.fit import Fitted, fit, numbers_of, off_range, telling, usual_scatter
 from pipeline.answers.measured.gaussian import Posterior
-from pipeline.answers.measured.next_measurement import NextMeasurement, next_measurement
+from pipeline.answers.measured.next_measurement import FORCES, PRESSURES, NextMeasurement, next_measurement
 from pipeline.answers.measured.predicted import Compared, Curves, LawRods, Numbers, Setup
 from pipeline.answers.measured.rows import Measurements
 from pipeline.answers.measured.unknowns import LOSS, BuiltArm, unknowns_in_time, unknowns_of
@@ -31,6 +31,8 @@ LEFT, TOGETHER = 0.8, 0.9
 DOUBTFUL = 0.15
 #: change of an unknown over its deviation before, from which on it is named
 FAR = 2.0
+#: times that the effects on the numbers of a file are found, as fits take them; numbers of the next measurement
+USUAL, STATES = 12, 2 * len(PRESSURES) * len(FORCES)
 
 
 @dataclass(frozen=True)
@@ -86,17 +88,20 @@ def calibrated(
     measurements: Measurements,
     free: Sequence[str] = (),
     drawn_mm: float | None = None,
+    tell: Callable[[str], object] = str,
 ) -> Calibration:
     """An arm calibrated to measurements.
 
     config: as run.json has it, for its tolerances. free: dimensions; by default those whose tolerances move the tip
-    most. drawn_mm: length in the drawing, where the law has another one. Raises InputError, with file, line and column.
+    most. drawn_mm: length in the drawing, where the law has another one. tell: is told the time left. Raises
+    InputError, with file, line and column.
     """
     in_time, material = unknowns_in_time(measurements, config.get("material") or {})
     unknowns = unknowns_of(law, config, free, max(measurements.pressures_kPa) or law.pressures[-1])
-    of_frame = BuiltArm.origin_of(measurements, law.length)
-    setup = Setup(drawn_mm=drawn_mm or law.length)
-    arm, numbers = BuiltArm(law, (*unknowns, *of_frame, *in_time), setup, material), Numbers.of(measurements)
+    numbers, setup = Numbers.of(measurements), Setup(drawn_mm=drawn_mm or law.length)
+    every = (*unknowns, *BuiltArm.origin_of(measurements, law.length), *in_time)
+    told = telling(tell, len(every), USUAL * len(numbers.values) + STATES)
+    arm = BuiltArm(law, every, setup, material, told)
     if (count := len(numbers.values)) <= len(free):
         raise InputError(f"{measurements.file}: holds {count} numbers for {1 + len(free)} unknowns; measure more")
     low, high = law.pressures[0], law.pressures[-1]

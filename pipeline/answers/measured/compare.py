@@ -1,6 +1,7 @@
 """An arm that was measured beside its rod: how far they differ, and whether that is within what is known."""
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -9,10 +10,9 @@ import numpy as np
 from geometry.arrays import Array
 from pipeline.answers.measured.aligned import aligned
 from pipeline.answers.measured.doubtful import check_numbers, doubt_of_origin
-from pipeline.answers.measured.fit import effects_on, off_range
+from pipeline.answers.measured.fit import effects_on, off_range, telling
 from pipeline.answers.measured.page import comparison_page
-from pipeline.answers.measured.predicted import AS_WRITTEN, Compared, Curves, LawRods, Numbers, Setup
-from pipeline.answers.measured.rows import Measurements
+from pipeline.answers.measured.predicted import AS_WRITTEN, Compared, Curves, LawRods, Numbers
 from pipeline.answers.measured.saved import SavedCalibration, read_calibration
 from pipeline.answers.measured.table import read_measurements
 from pipeline.answers.measured.unknowns import BuiltArm, tolerance_unknowns
@@ -97,23 +97,20 @@ class Comparison:
 
 
 def compare_files(
-    folder: Path, file: Path, align: bool = False, kind: str | None = None, ratio: str | None = None
+    folder: Path, file: Path, align: bool = False, ratio: str | None = None, tell: Callable[[str], object] = str
 ) -> Comparison:
-    """The measurements of a file beside the rod of a result folder, or one of a kind.
+    """The measurements of a file beside the rod of a result folder.
 
-    ratio: of the pressures of a law that has several. Raises InputError.
+    ratio: of the pressures of a law that has several. tell: is told the time left. Raises InputError.
     """
     run, measurements = run_along(folder, ratio), read_measurements(file)
-    rods = choose_rod(run, kind)
+    rods = choose_rod(run)
     if not rods.law.has_plane:
         plane_of(run, "a comparison")  # refuses it
-    return compare(run, rods, aligned(measurements, rods.at, _setup(run)) if align else measurements)
-
-
-def compare(run: Run, rods: Rods, measurements: Measurements) -> Comparison:
-    """Measurements beside one of the rods of a run. Raises InputError, with file and line."""
-    numbers, saved = Numbers.of(measurements), read_calibration(run.directory)
-    setup = _setup(run)
+    saved = read_calibration(run.directory)
+    setup = saved.setup if saved else AS_WRITTEN
+    measurements = aligned(measurements, rods.at, setup) if align else measurements
+    numbers = Numbers.of(measurements)
     low, high = rods.pressures_kPa
     measurements.check_pressures(low, high, f"the rod, which goes from {low:g} to {high:g} kPa")
     law = rods.law.plane
@@ -122,7 +119,7 @@ def compare(run: Run, rods: Rods, measurements: Measurements) -> Comparison:
     any_rod = LawRods(law, run.material) if law else rods.at
     predicted = numbers.predicted(any_rod, setup)
     check_numbers(numbers, predicted, run.length_mm)
-    bands, unknown = _bands(run, rods, numbers, predicted, saved)
+    bands, unknown = _bands(run, rods, numbers, predicted, saved, tell)
     total = np.sum(list(bands.values()), axis=0) if bands else np.zeros(len(numbers.values))
     rows, unknown = numbers.beside(predicted, total), (*unknown, *(off_range(law, numbers, setup) if law else ()))
     if saved is None and not all(row.is_within for row in rows):
@@ -131,23 +128,24 @@ def compare(run: Run, rods: Rods, measurements: Measurements) -> Comparison:
     return Comparison(measurements.file, run.design, run.length_mm, rows, shares, saved is not None, curves, unknown)
 
 
-def _setup(run: Run) -> Setup:
-    saved = read_calibration(run.directory)
-    return AS_WRITTEN if saved is None else saved.setup
-
-
 def _shares(bands: dict[str, Array]) -> dict[str, float]:
     sizes = {name: float(np.sqrt(np.mean(band**2))) for name, band in bands.items()}
     return {name: size / (sum(sizes.values()) or 1.0) for name, size in sizes.items()}
 
 
 def _bands(
-    run: Run, rods: Rods, numbers: Numbers, predicted: Array, saved: SavedCalibration | None
+    run: Run,
+    rods: Rods,
+    numbers: Numbers,
+    predicted: Array,
+    saved: SavedCalibration | None,
+    tell: Callable[[str], object],
 ) -> tuple[dict[str, Array], tuple[str, ...]]:
     """What each part allows, (n,) in the units of the numbers; and what is not known."""
     law = rods.law.plane
     if saved is not None and law is not None:
-        effects = effects_on(BuiltArm(law, saved.unknowns, saved.setup, run.material), numbers)
+        told = telling(tell, len(saved.unknowns), len(numbers.values))
+        effects = effects_on(BuiltArm(law, saved.unknowns, saved.setup, run.material, told), numbers)
         return {"calibration": saved.posterior.quantile * saved.posterior.deviations(effects, numbers.units)}, ()
     name, unknown = KINDS[rods.kind], list[str]()
     bands: dict[str, Array] = {}
@@ -166,7 +164,8 @@ def _bands(
         bands["mesh"] = relative * np.abs(predicted - numbers.straight(run.length_mm))
     if law is not None and law.rates:
         unknowns = tolerance_unknowns(law, run.config, float(numbers.pressures.max()) or law.pressures[-1])
-        by = effects_on(BuiltArm(law, unknowns, material=run.material), numbers).by_unknown
+        told = telling(tell, len(unknowns), len(numbers.values))
+        by = effects_on(BuiltArm(law, unknowns, AS_WRITTEN, run.material, told), numbers).by_unknown
         bands["tolerances"] = np.sqrt(by**2 @ np.array([unknown.std for unknown in unknowns]) ** 2)
     else:
         unknown.append("Tolerances are not counted, because this rod has no derivatives.")

@@ -1,6 +1,7 @@
 """The unknowns of an arm fitted to what was measured on it, by Gauss-Newton steps on its rod."""
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import final
 
@@ -12,6 +13,7 @@ from geometry.arrays import Array
 from pipeline.answers.measured.gaussian import Effects, Observed, Posterior, Spread, choose_spread, left_out_density
 from pipeline.answers.measured.predicted import Numbers, Setup
 from pipeline.answers.measured.unknowns import BuiltArm
+from pipeline.store.time_left import TimeLeft
 from pipeline.values.errors import InputError
 from rod.arm_law.law import ArmLaw
 from rod.arm_law.quantities import jacobian
@@ -35,6 +37,8 @@ OTHER = 2.0
 LIMIT = 0.25
 #: part of the highest pressure of a law by which a pressure may leave it by rounding
 ROUNDING = 1e-9
+#: part of the work at which one who waits is told to be, however much more it is
+ALMOST = 0.95
 #: residual of a trial that has no rod, over the scatter
 NO_ROD = 1e3
 
@@ -83,7 +87,20 @@ def numbers_of(arm: BuiltArm, numbers: Numbers, changes: Array, stiffness: float
         rods = arm.changed_rods(changes)
     except RodError as failure:
         raise InputError(str(failure)) from None
-    return numbers.predicted(rods, replace(arm.changed_setup(changes), stiffness=stiffness))
+    found = numbers.predicted(rods, replace(arm.changed_setup(changes), stiffness=stiffness))
+    arm.told(len(found))
+    return found
+
+
+def telling(remark: Callable[[str], object], unknowns: int, numbers: int) -> Callable[[int], None]:
+    """Tells one who waits how many numbers were found, of about as many as effects of unknowns on these take."""
+    left, parts = TimeLeft({}), [0.0]
+
+    def told(count: int) -> None:
+        parts.append(min(parts.pop() + 0.5 * count / (unknowns + 1) / numbers, ALMOST))
+        left.tell(remark, f"{100 * parts[0]:.0f} % of the numbers by the rod are found", parts[0])
+
+    return told
 
 
 def effects_on(arm: BuiltArm, numbers: Numbers, changes: Array | None = None) -> Effects:
@@ -173,9 +190,7 @@ def _improved(arm: BuiltArm, numbers: Numbers, observed: Observed, spread: Sprea
         return np.concatenate([solve_triangular(factor, off, lower=True), changes / stds])
 
     def slopes(changes: Array) -> Array:
-        by_unknown = observed.effects.by_unknown
-        if not np.allclose(changes, observed.changes, rtol=0.0, atol=ROUNDING):
-            by_unknown = effects_on(arm, numbers, changes).by_unknown
+        by_unknown = effects_on(arm, numbers, changes).by_unknown
         return np.vstack([-solve_triangular(factor, by_unknown, lower=True), np.diag(1.0 / stds)])
 
     least, start = np.full(len(stds), -np.inf), np.array(observed.changes)

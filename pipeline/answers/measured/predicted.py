@@ -15,9 +15,11 @@ from geometry.centreline import chord_angle
 from pipeline.answers.measured.rows import COLUMNS, OF_TIP, VIBRATION, Measurements, Row, State
 from pipeline.answers.rods.in_time import rubber_of
 from pipeline.values.errors import InputError
-from rod import Body, Loading, Mode, Relaxation, frequencies
+from rod import Body, Loading, Relaxation
 from rod.arm_law.law import ArmLaw
 from rod.errors import RodError, RodWarning
+from rod.in_time.frequencies import Undamped, undamped
+from rod.in_time.relaxation import ELASTIC
 from rod.mechanics.equilibrium import Rod
 from rod.solution import RodSolution
 from rod.weight import gravity_direction
@@ -53,25 +55,41 @@ class LawRods:
 
     law: ArmLaw
     material: Mapping[str, Any] = field(default_factory=dict)  #: of its rubber in time, as files have it
+    elastic: "LawRods | None" = None  #: the same law, whose shapes and vibrations are found once for several rubbers
 
     def __call__(self, pressure_kPa: float) -> Rod:
         return Rod(self.law.length, law=self.law.before_snap.at(self._within(pressure_kPa)))
 
     @cached_property
+    def solved(self) -> Callable[[float, Loading], Any]:
+        """Shapes by pressure in kPa and loads; rods and shapes are found once for all numbers and setups."""
+        if self.elastic:
+            return self.elastic.solved
+        rod_at = cache(self)
+        return cache(lambda pressure_kPa, loading: rod_at(pressure_kPa).bear(loading))
+
+    @cached_property
+    def _first(self) -> Callable[[float, Loading], Undamped]:
+        """The first vibration in the plane, by pressure in kPa and loads. Raises `RodError`."""
+        if self.elastic:
+            return self.elastic._first
+        body = Body(self.law)
+        return cache(lambda kPa, loading: undamped(body, self._within(kPa), loading, count=1, across=False)[0])
+
+    @cached_property
     def rubber(self) -> Relaxation:
         """Its rubber in time. Raises `RodError` as `rubber_of` does."""
-        high = self.law.pressures[-1]
-        return rubber_of(self.material, lambda: _first(Body(self.law), high, Loading()).frequency_hz)[0]
+        first = partial(self._first, self.law.pressures[-1], Loading())
+        return rubber_of(self.material, lambda: first().damped(ELASTIC).frequency_hz)[0]
 
-    def after(self, t_s: float, pressure_kPa: float, *, is_let_go: bool) -> Rod:
-        """The rod some time after a pressure came; or after its weight came, which is that of softer rubber."""
+    def after(self, t_s: float, pressure_kPa: float, *, is_let_go: bool) -> tuple["LawRods", float]:
+        """Rods and their pressure some time after one came; or after the weight came, which are of softer rubber."""
         felt = float(self.rubber.creep.compliance(t_s))
-        return LawRods(self.law.scaled(1.0 / felt))(0.0) if is_let_go else self(felt * pressure_kPa)
+        return (LawRods(self.law.scaled(1.0 / felt)), 0.0) if is_let_go else (self, felt * pressure_kPa)
 
     def vibration(self, pressure_kPa: float, loading: Loading) -> dict[str, float]:
         """Frequency and damping ratio of the first vibration in the plane, by their names. Raises `RodError`."""
-        mode = _first(Body(self.law, self.rubber), self._within(pressure_kPa), loading)
-        return dict(zip(VIBRATION, mode[:2], strict=True))
+        return dict(zip(VIBRATION, self._first(pressure_kPa, loading).damped(self.rubber)[:2], strict=True))
 
     def _within(self, pressure_kPa: float) -> float:
         return min(max(pressure_kPa, self.law.pressures[0]), self.law.pressures[-1])
@@ -183,10 +201,11 @@ class Numbers:
 def _shape_in(rods: Rods, setup: Setup, state: State) -> RodSolution:
     """The shape in a state. Raises `RodError`."""
     pressure = state.pressure_kPa + setup.gauge_kPa
-    if state.t_s is None:
-        return shape_of(rods(pressure), state, setup)
-    assert isinstance(rods, LawRods)
-    return shape_of(rods.after(state.t_s, pressure, is_let_go=not state.pressure_kPa), state, setup)
+    if not isinstance(rods, LawRods):
+        return _shape_of(rods(pressure).bear, state, setup)
+    if state.t_s is not None:
+        rods, pressure = rods.after(state.t_s, pressure, is_let_go=not state.pressure_kPa)
+    return _shape_of(partial(rods.solved, pressure), state, setup)
 
 
 def _vibration_in(rods: Rods, setup: Setup, state: State) -> dict[str, float]:
@@ -197,28 +216,22 @@ def _vibration_in(rods: Rods, setup: Setup, state: State) -> dict[str, float]:
     return found | {VIBRATION[0]: found[VIBRATION[0]] * math.sqrt(setup.stiffness)}
 
 
-def shape_of(rod: Rod, state: State, setup: Setup = AS_WRITTEN) -> RodSolution:
+def _shape_of(bear: Callable[[Loading], Any], state: State, setup: Setup) -> Any:
     """The equilibrium of a rod in a state, in the frame of its clamp. Raises `RodError`."""
-    turn = np.radians(setup.clamp_deg)
-    weight = _weight(state, float(turn), setup.stiffness)
+    turn = math.radians(setup.clamp_deg)
+    weight = _weight(state, turn, setup.stiffness)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RodWarning)
         if state.held_y_mm is None:
             force = turned(np.array(state.force_N) / setup.stiffness, -turn).tolist()
-            shape = rod.solve(force, **weight) if any(state.force_N) else rod.solve(**weight)
-            shape.path.refuse_fall()
-            return shape
-        shape = rod.solve(end_y=state.held_y_mm, **weight)
-        if setup.clamp_deg:  # the height is that of another point of the frame of the clamp
+            shape = bear(Loading(force if any(state.force_N) else None, **weight))
+        else:
+            shape = bear(Loading(end=(None, state.held_y_mm), **weight))
+        if state.held_y_mm is not None and setup.clamp_deg:  # the height is that of another point of the clamp's frame
             height = (state.held_y_mm - math.sin(turn) * shape.end[0]) / math.cos(turn)
-            shape = rod.solve(end_y=height, **weight)
+            shape = bear(Loading(end=(None, height), **weight))
     shape.path.refuse_fall()
     return shape
-
-
-def _first(body: Body, pressure_kPa: float, loading: Loading) -> Mode:
-    """The first vibration in the plane. Raises `RodError`."""
-    return next(mode for mode in frequencies(body, pressure_kPa, loading, count=1) if mode.in_plane)
 
 
 def _weight(state: State, turn: float, stiffness: float) -> dict[str, Any]:

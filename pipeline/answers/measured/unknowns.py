@@ -1,8 +1,9 @@
 """What is unknown of an arm that was built, and what is known of it before it is measured."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property, lru_cache
 from typing import Any
 
 import numpy as np
@@ -58,7 +59,12 @@ class Unknown:
     @property
     def is_of_law(self) -> bool:
         """Whether it is a parameter by which the law has derivatives."""
-        return not self.is_factor and self.name not in (TREND, BEND, STRETCH, GAUGE, CLAMP, *ORIGIN)
+        return self.moves_law and self.name not in (MODULUS, TREND, BEND, STRETCH)
+
+    @property
+    def moves_law(self) -> bool:
+        """Whether the law changes with it: it is not of the measurement, nor of the rubber in time."""
+        return self.name not in (GAUGE, CLAMP, *ORIGIN, LOSS, SHARE, SLOW)
 
     def value(self, change: float) -> float:
         """The number after a change, of a factor of its logarithm."""
@@ -77,6 +83,7 @@ class BuiltArm:
     unknowns: tuple[Unknown, ...]  #: the first one is MODULUS
     setup: Setup = AS_WRITTEN  #: without changes
     material: Mapping[str, Any] = field(default_factory=dict)  #: without changes, as files have it
+    told: Callable[[int], None] = lambda _: None  #: is told how many more numbers were found
 
     @staticmethod
     def origin_of(measurements: Measurements, length_mm: float) -> tuple[Unknown, ...]:
@@ -94,7 +101,14 @@ class BuiltArm:
 
     def changed_rods(self, changes: Array) -> LawRods:
         """The rods of the law after changes (k,). Raises `RodError` where none is left."""
-        return LawRods(self.changed_law(changes), self.changed_material(changes))
+        pairs = zip(self.unknowns, changes.tolist(), strict=True)
+        elastic = self._elastic(tuple(change if unknown.moves_law else 0.0 for unknown, change in pairs))
+        return LawRods(elastic.law, self.changed_material(changes), elastic)
+
+    @cached_property
+    def _elastic(self) -> Callable[[tuple[float, ...]], LawRods]:
+        """By changes of the law alone; as many are kept as a round of difference quotients takes."""
+        return lru_cache(1 + 2 * len(self.unknowns))(lambda changes: LawRods(self.changed_law(np.array(changes))))
 
     def changed_material(self, changes: Array) -> dict[str, Any]:
         """The material after changes (k,) of its rubber in time."""

@@ -5,7 +5,6 @@ from contextlib import suppress
 from dataclasses import dataclass, fields, replace
 from functools import partial
 from pathlib import Path
-from time import monotonic
 from typing import Any
 
 import numpy as np
@@ -18,6 +17,7 @@ from pipeline.answers.rods.rods import Rods
 from pipeline.config.units import PRESSURE, TIME, Dimension, convert
 from pipeline.results.options import option_pressures, option_value
 from pipeline.store.owner import MOTION, claim
+from pipeline.store.time_left import TimeLeft
 from pipeline.values.errors import InputError, RunFailed, argument, ask
 from pipeline.values.page import Section, page
 from pipeline.values.plots import COLOURS, GREY, Line, Panel, ordered_colour
@@ -46,8 +46,8 @@ PRESSURES = Form(
 )
 #: of an arm with a limit of the pressure that shares a given amount of air
 ONE_BY_ONE = "Near {:.4g} kPa chambers that share a given amount of air may swell one by one; that is not solved."
-#: shapes that are drawn, at equal parts of the way of the tip; the longest motion, and the time between two words, in s
-SHAPES, LONGEST, WAIT = 12, 3600.0, 5.0
+#: shapes that are drawn, at equal parts of the way of the tip; the longest motion in s
+SHAPES, LONGEST = 12, 3600.0
 #: what air may have by its name, as it is read
 OF_AIR: dict[str, Callable[[str], float]] = {
     "flow": partial(convert, dimension=Dimension("a flow of free air", "mm**3/s", "1 l/min")),
@@ -145,7 +145,8 @@ def move_arm(run: Run, rods: Rods, asked: Asked, out: Path, remark: Callable[[st
         body, damped = body_of(run, rods)
         if np.ndim(asked.pressure) < 2:
             rods.at(asked.pressure)
-        moved = asked.of(body, _listener(asked.seconds, remark))
+        left, whole = TimeLeft({}), asked.seconds
+        moved = asked.of(body, lambda t: left.tell(remark, f"{t:.3g} of {whole:g} s are done", t / whole))
         moved = replace(moved, end_angles_deg=side_of(rods) * moved.end_angles_deg)
     except RodError as failure:
         raise InputError(str(failure)) from None
@@ -182,19 +183,6 @@ def side_of(rods: Rods) -> float:
     """1.0, or -1.0 where pressure turns the end to the negative side. Raises `RodError` as a rod does."""
     free = rods.at(rods.law.rows[-1]).solve()
     return -1.0 if isinstance(free, RodSolution) and free.theta[-1] < 0.0 else 1.0
-
-
-def _listener(seconds: float, remark: Callable[[str], None]) -> Callable[[float], None]:
-    """That tells how much of a motion is done, and how long the rest will take, where one waits for it."""
-    begun = told = monotonic()
-
-    def tell(time: float) -> None:
-        nonlocal told
-        if (now := monotonic()) - told > WAIT:
-            told, left = now, (now - begun) * (seconds - time) / max(time, 1e-9)
-            remark(f"{time:.3g} of {seconds:g} s are done; the rest takes about {left:.2g} s")
-
-    return tell
 
 
 def _vibration(body: Body, moved: Motion, asked: Asked) -> list[str]:

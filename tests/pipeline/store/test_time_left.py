@@ -53,6 +53,13 @@ def test_kept_steps_say_nothing_about_the_others(clock: list[float]) -> None:
     assert left.seconds == pytest.approx(2.0)
 
 
+def test_one_who_waits_is_told_every_five_seconds(clock: list[float]) -> None:
+    left, told = TimeLeft({}), list[str]()
+    for clock[0], part in ((4.0, 0.1), (6.0, 0.25), (8.0, 0.5), (12.0, 0.75)):
+        left.tell(told.append, f"{part:g} s are done", part)
+    assert told == ["0.25 s are done; about 18 s left", "0.75 s are done; about 4.0 s left"]
+
+
 def test_nothing_is_told_before_enough_has_ended(clock: list[float]) -> None:
     left = TimeLeft({"cell": [1.0] * 10}, part=0.2)
     left.announce("cell", 10)

@@ -114,22 +114,15 @@ def test_what_was_computed_stays_up_to_the_last_good_time(tmp_path: Path) -> Non
 
 
 def test_an_interrupt_keeps_what_there_is(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def interrupt(time: float) -> None:
-        if time > 0.03:
+    def interrupt(_: object, __: object, ___: str, part: float) -> None:
+        if part > 0.03:
             raise KeyboardInterrupt
 
-    monkeypatch.setattr(motion, "_listener", lambda *_: interrupt)
+    monkeypatch.setattr(motion.TimeLeft, "tell", interrupt)
     status, out, error = call("--pressure", "9 kPa", "--seconds", "1", "--out", str(tmp_path))
     assert (status, "The motion was interrupted at t = 0.03" in error) == (1, True)
     assert 0.03 < pd.read_csv(tmp_path / "motion.csv").t_s.iloc[-1] < 0.05
     assert f"written: {tmp_path / 'motion.csv'}" in out
-
-
-def test_one_is_told_how_long_it_takes(monkeypatch: pytest.MonkeyPatch) -> None:
-    told: list[str] = []
-    monkeypatch.setattr(motion, "WAIT", 0.0)
-    motion._listener(10.0, told.append)(2.5)
-    assert told[0].startswith("2.5 of 10 s are done; the rest takes about ")
 
 
 def test_results_move_in_a_loop() -> None:
