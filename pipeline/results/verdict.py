@@ -123,7 +123,7 @@ class Verdict(Printable):
     def lines(self) -> tuple[str, ...]:
         """The verdict in words, at most eight lines."""
         limit = self.limit.text if self.limit else ""
-        lines = [*self._leaves_plane(), *self._bends(), self.layers, self._takes(), limit]
+        lines = [*self._leaves_plane(), *self._bends(), self._takes(), self.layers, limit]
         lines += [self.tolerances.text] if self.usable and self.tolerances else []
         lines += [self.in_time.text] if self.usable and self.in_time else []
         lines += [self._holds(), self.command, *self._not_reached()]
@@ -147,7 +147,7 @@ class Verdict(Printable):
         arm = f"{self.design}{draft}, {length} mm long,"
         told = f"{arm} bends by {angles} at {pressures} kPa; its tip is at {tips} mm."
         if around := ", ".join(f"{angle:.0f}°" for angle in self.directions_deg):
-            told += f" Towards y and on every 45° towards z it bends by up to {around}."
+            told += f" Towards y, and then every 45° towards z, it bends by up to {around}."
         return [*falls, told]
 
     def _takes(self) -> str:

@@ -116,7 +116,7 @@ def test_an_arm_with_several_pressures_shows_where_its_tip_can_be() -> None:
     assert around[4] == pytest.approx(law.at((10.0, 0.0, 0.0)).solve_in_space(Load()).bending_deg)  # against y
     assert len(set(np.round(around, 3))) == 8
     page = render_page(Run(Path("three"), law=DeliveredLaw(law=law, directions_deg=around, notes=("Twist is small.",))))
-    assert f"Towards y and on every 45° towards z it bends by up to {around[0]:.0f}°" in page
+    assert f"Towards y, and then every 45° towards z, it bends by up to {around[0]:.0f}°" in page
     assert "Where the tip can be" in page
     assert "Twist is small." in page
     assert figures.reach(coarse_run()) == ()
