@@ -11,6 +11,7 @@ import pytest
 
 from fem.cell import piece
 from geometry import Body, PneuNet
+from pipeline.answers.rods import poses
 from pipeline.law import build
 from pipeline.law.meshes import find_limit
 from pipeline.show import pictures
@@ -18,6 +19,8 @@ from pipeline.store.worker import THREADS
 from tests.quotients import TIGHT
 from tests.shared import SharedFolders
 
+#: what makes the poses of an arm under the hand
+POSES = poses._poses
 #: of the libraries, as the tests begin
 BEGAN_WITH = {name: os.environ.get(name) for name in THREADS}
 
@@ -75,11 +78,19 @@ def few_proposals() -> Iterator[None]:
         yield
 
 
-@pytest.fixture(scope="module")
-def brief_calibration(few_proposals: None) -> Iterator[None]:
-    """And it draws nothing: poses for its picture are a seventh of its time. `test_poses.py` has the picture."""
+@pytest.fixture(scope="session", autouse=True)
+def without_poses() -> Iterator[None]:
+    """The arm under a slider and under the hand is in no page; its poses take six seconds for each."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("pipeline.answers.measured.calibrate.calibration_page", lambda *_: "")
+        patch.setattr(poses, "_poses", lambda *_: {})
+        yield
+
+
+@pytest.fixture(scope="module")
+def with_poses() -> Iterator[None]:
+    """But in those that a test looks at in a browser."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(poses, "_poses", POSES)
         yield
 
 

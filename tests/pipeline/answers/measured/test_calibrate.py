@@ -39,11 +39,11 @@ from tests.measured_arm import EI, LENGTH, PITCH, arm_law, measured, result_fold
 STATES = [State(p) for p in (4.0, 8.0, 12.0, 16.0)] + [State(16.0, (0.0, 0.02)), State(12.0, held_y_mm=-20.0)]
 
 
-pytestmark = pytest.mark.usefixtures("brief_calibration")
+pytestmark = pytest.mark.usefixtures("few_proposals")
 
 
 @pytest.fixture(scope="module")
-def report(tmp_path_factory: pytest.TempPathFactory, brief_calibration: None) -> CalibrationReport:
+def report(tmp_path_factory: pytest.TempPathFactory, few_proposals: None) -> CalibrationReport:
     """Of an arm of 0.8 times the modulus, whose gauge shows too little and whose clamp is turned."""
     folder = tmp_path_factory.mktemp("calibrated")
     law = arm_law().scaled(0.8)

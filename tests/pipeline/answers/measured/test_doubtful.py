@@ -115,7 +115,7 @@ def test_both_commands_refuse_the_mirrored_arm(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_a_fit_that_misses_the_motion_is_no_calibration(tmp_path: Path, brief_calibration: None) -> None:
+def test_a_fit_that_misses_the_motion_is_no_calibration(tmp_path: Path, few_proposals: None) -> None:
     """One tip of four was read as 3 in place of -66 mm: shown and kept with the reason, and the command has failed."""
     folder, file = result_folder(tmp_path / "arm"), tmp_path / "arm.csv"
     text = measured(file, arm_law(), [State(p) for p in (5.0, 10.0, 15.0, 25.0)]).read_text(encoding="utf-8")
@@ -133,7 +133,7 @@ def test_a_fit_that_misses_the_motion_is_no_calibration(tmp_path: Path, brief_ca
 
 
 def test_a_fit_that_stays_where_it_began_is_no_calibration(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, brief_calibration: None
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, few_proposals: None
 ) -> None:
     monkeypatch.setattr("pipeline.answers.measured.fit._improved", lambda arm, numbers, observed, *_: observed.changes)
     file = measured(tmp_path / "arm.csv", arm_law(60.0).scaled(0.75), [State(p) for p in (5.0, 10.0, 15.0, 20.0)])

@@ -50,7 +50,7 @@ def test_what_a_motion_tells_is_that_of_the_arm(tmp_path: Path, pressure: float,
 
 
 @pytest.fixture(scope="module")
-def report(tmp_path_factory: pytest.TempPathFactory, brief_calibration: None) -> CalibrationReport:
+def report(tmp_path_factory: pytest.TempPathFactory, few_proposals: None) -> CalibrationReport:
     folder = tmp_path_factory.mktemp("in_time")
     file = motion(folder / "arm.csv", 80.0, "", 0.05)
     return calibrate_files(result_folder(folder / "arm", DRAWN), file)

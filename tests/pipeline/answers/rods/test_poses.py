@@ -15,6 +15,8 @@ from tests.coarse import COARSE
 from tests.measured_arm import arm_law, measured, result_folder
 from tests.pipeline.show.test_browser import browser  # noqa: F401  a fixture
 
+pytestmark = pytest.mark.usefixtures("with_poses")
+
 
 @pytest.fixture(scope="module")
 def results() -> pneurod.Results:
@@ -22,7 +24,7 @@ def results() -> pneurod.Results:
 
 
 @pytest.fixture(scope="module")
-def written(results: pneurod.Results, tmp_path_factory: pytest.TempPathFactory) -> Path:
+def written(results: pneurod.Results, tmp_path_factory: pytest.TempPathFactory, with_poses: None) -> Path:
     path = tmp_path_factory.mktemp("hand") / "hand.html"
     path.write_text(str(results.hand), encoding="utf-8")
     return path

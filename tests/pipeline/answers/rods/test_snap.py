@@ -165,9 +165,7 @@ def test_derivatives_below_the_limit_are_of_the_form_from_rest() -> None:
     assert rate == pytest.approx(law.derivative("geometry.wall")["kappa_0"][-1], rel=0.02)
 
 
-def test_measurements_are_compared_with_the_form_from_rest(
-    folder: Path, tmp_path: Path, brief_calibration: None
-) -> None:
+def test_measurements_are_compared_with_the_form_from_rest(folder: Path, tmp_path: Path, few_proposals: None) -> None:
     states = [State(pressure, (0.0, 0.0)) for pressure in (10.0, 20.0, 25.0)]
     file = measured(tmp_path / "m.csv", snapping_law().scaled(1.05), states)
     assert pneurod.compare(folder, file).rows[0].pressure_kPa == 10.0
