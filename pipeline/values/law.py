@@ -144,12 +144,12 @@ class DeliveredLaw(LawMetadata):
     def ring(self, between: int) -> Array:
         """(n, c) kPa: pressures on the way from each row of an arm in space to the next one, and back to the first.
 
-        between: steps from one row to the next. Empty for an arm in its plane, and for fewer than three rows.
+        between: steps from one row to the next. Empty for an arm in its plane, and for fewer than three ratios.
         """
         rows = np.array([*self.law.rows, self.law.rows[0]])
         parts = np.linspace(0.0, len(rows) - 1.0, between * (len(rows) - 1) + 1)
         around = np.column_stack([np.interp(parts, range(len(rows)), column) for column in rows.T])
-        return around[:0] if self.law.has_plane or len(rows) < 4 else around
+        return around[:0] if self.law.has_plane or len(self.law.ratios) < 3 else around
 
     def towards(self) -> tuple[float, ...]:
         """`directions_deg` of the law, interpolated between the rows and the middles between them."""

@@ -115,6 +115,7 @@ def test_an_arm_with_several_pressures_shows_where_its_tip_can_be() -> None:
     around = DeliveredLaw(law=law).towards()
     assert around[4] == pytest.approx(law.at((10.0, 0.0, 0.0)).solve_in_space(Load()).bending_deg)  # against y
     assert len(set(np.round(around, 3))) == 8
+    assert DeliveredLaw(law=replace(law, pressures=np.outer([1.0, 2.0, 3.0], [2.0, 1.0, 0.0]))).towards() == ()
     page = render_page(Run(Path("three"), law=DeliveredLaw(law=law, directions_deg=around, notes=("Twist is small.",))))
     assert f"Towards y, and then every 45° towards z, it bends by up to {around[0]:.0f}°" in page
     assert "Where the tip can be" in page
