@@ -88,7 +88,7 @@ def _modes(
     whole, elastic = _matrix(loaded), _matrix(free)
     frames = state.frames if solver.chain.in_space else planar_frames(state.angle)
     root = _roots(*body.inertia(acting, solver), frames, m)
-    modes = _lowest(whole, root, _kept(solver, loaded), count, dense=solver.chain.in_space)
+    modes = _lowest(solver, loaded, whole, root, count)
     flat = np.isin(np.arange(len(whole)) % m, (0, 1, 5) if m == 6 else (0, 1, 2))
     shares = np.linalg.norm(root.T @ (flat[:, None] * modes), axis=0)
     found = []
@@ -100,27 +100,21 @@ def _modes(
     return found
 
 
-def _kept(solver: Solver, loaded: Tangent) -> Array | None:
-    """(n, n - k) motions that what holds an arm leaves; None where nothing holds it."""
-    if not (count := len(solver.load.held)):
-        return None
-    m, holds = len(loaded.start), np.zeros((count, len(loaded.band)))
-    for row, (node, _), by_motion in zip(holds, solver.load.held, loaded.by_motion, strict=True):
-        row[m * (node - 1) : m * node] = by_motion[:m]
-    return np.asarray(np.linalg.svd(holds)[2][count:].T)
-
-
-def _lowest(whole: Array, root: Array, kept: Array | None, count: int, *, dense: bool) -> Array:
+def _lowest(solver: Solver, loaded: Tangent, whole: Array, root: Array, count: int) -> Array:
     """(n, k) modes of a stiffness and the root of a mass (n, n), the lowest first, each with a mass of 1."""
-    if dense or kept is not None:
-        kept = np.eye(len(whole)) if kept is None else kept
-        soft = kept @ np.linalg.solve(kept.T @ whole @ kept, kept.T @ root)
-        values, vectors = (a[..., : -1 - IN_SPACE * count : -1] for a in np.linalg.eigh(root.T @ soft))
-        return np.asarray(soft @ (vectors / values))
-    lu, sparse = splu(csc_matrix(whole)), csc_matrix(root)
-    turned = LinearOperator(whole.shape, lambda v: sparse.T @ lu.solve(sparse @ v), dtype=float)
-    values, vectors = eigsh(turned, count, which="LA", v0=np.ones(len(whole)))
-    return np.asarray(lu.solve(sparse @ (vectors / values)[:, np.argsort(-values)]))
+    n, m, held = len(whole), len(loaded.start), solver.load.held
+    if not (solver.chain.in_space or len(held)):
+        lu, sparse = splu(csc_matrix(whole)), csc_matrix(root)
+        soft = LinearOperator((n, n), lambda v: sparse.T @ lu.solve(sparse @ v), dtype=float)
+        values, vectors = eigsh(soft, count, which="LA", v0=np.ones(n))
+        return np.asarray(lu.solve(sparse @ (vectors / values)[:, np.argsort(-values)]))
+    holds = np.zeros((len(held), n))
+    for row, (node, _), by_motion in zip(holds, held, loaded.by_motion, strict=True):
+        row[m * (node - 1) : m * node] = by_motion[:m]
+    kept = np.linalg.svd(holds)[2][len(held) :].T if len(held) else np.eye(n)
+    moved = kept @ np.linalg.solve(kept.T @ whole @ kept, kept.T @ root)
+    values, vectors = (a[..., : -1 - IN_SPACE * count : -1] for a in np.linalg.eigh(root.T @ moved))
+    return np.asarray(moved @ (vectors / values))
 
 
 def _matrix(tangent: Tangent) -> Array:

@@ -15,7 +15,7 @@ from geometry.centreline import chord_angle
 from pipeline.answers.measured.rows import COLUMNS, OF_TIP, VIBRATION, Measurements, Row, State
 from pipeline.answers.rods.in_time import rubber_of
 from pipeline.values.errors import InputError
-from rod import Body, Loading, Relaxation
+from rod import Body, Loading, Mode, Relaxation
 from rod.arm_law.law import ArmLaw
 from rod.errors import RodError, RodWarning
 from rod.in_time.frequencies import Undamped, undamped
@@ -87,9 +87,9 @@ class LawRods:
         felt = float(self.rubber.creep.compliance(t_s))
         return (LawRods(self.law.scaled(1.0 / felt)), 0.0) if is_let_go else (self, felt * pressure_kPa)
 
-    def vibration(self, pressure_kPa: float, loading: Loading) -> dict[str, float]:
-        """Frequency and damping ratio of the first vibration in the plane, by their names. Raises `RodError`."""
-        return dict(zip(VIBRATION, self._first(pressure_kPa, loading).damped(self.rubber)[:2], strict=True))
+    def vibration(self, pressure_kPa: float, loading: Loading) -> Mode:
+        """The first vibration in the plane. Raises `RodError`."""
+        return self._first(pressure_kPa, loading).damped(self.rubber)
 
     def _within(self, pressure_kPa: float) -> float:
         return min(max(pressure_kPa, self.law.pressures[0]), self.law.pressures[-1])
@@ -212,8 +212,8 @@ def _vibration_in(rods: Rods, setup: Setup, state: State) -> dict[str, float]:
     """The vibration about a state, by the names of its numbers. Raises `RodError`."""
     assert isinstance(rods, LawRods)
     turned = _weight(state, math.radians(setup.clamp_deg), 1.0)
-    found = rods.vibration(state.pressure_kPa + setup.gauge_kPa, Loading(**turned))
-    return found | {VIBRATION[0]: found[VIBRATION[0]] * math.sqrt(setup.stiffness)}
+    mode = rods.vibration(state.pressure_kPa + setup.gauge_kPa, Loading(**turned))
+    return dict(zip(VIBRATION, (mode.frequency_hz * math.sqrt(setup.stiffness), mode.damping_ratio), strict=True))
 
 
 def _shape_of(bear: Callable[[Loading], Any], state: State, setup: Setup) -> Any:
