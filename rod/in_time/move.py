@@ -171,6 +171,7 @@ class MovingArm:
         where the arm cannot be followed; it then stays where it was.
         """
         begun, load = self._begun(), self.stepper.solver.load
+        self.rows.clear()
         now, end = self.now, self.now.time + positive(dt, "A time in s")
         try:
             if force is not None:
@@ -183,16 +184,17 @@ class MovingArm:
                 raise RodError(reason)
         except (RodError, ValueError, TypeError) as failure:
             self.__dict__.update(begun)
+            self.rows.clear()
             self.stepper.solver.load = load
             raise RodError(str(failure)) from None
-        self.rows.clear()
         return self.seen
 
     @property
     def seen(self) -> Instant:
         """Where the arm is."""
-        self._write()
-        *_, (time, pressure, turn, beside, _, outside, place, angle, frames) = self.rows.pop()
+        if not self.rows:
+            self._write()
+        *_, (time, pressure, turn, beside, _, outside, place, angle, frames) = self.rows[-1]
         d = 3 if self.in_space else 2
         kappa = self._curvatures(angle[None], frames[None])[0]
         tip, volume = (place[-1] + beside)[:d], self._air(self.now)
@@ -226,6 +228,7 @@ class MovingArm:
         moving = step_kernels.Moving(state, *(now[name] for name in step_kernels.Moving._fields[1:]))
         values: dict[str, Any] = {name: now[name] if now[name].ndim else float(now[name]) for name in KEPT}
         self.now = replace(self.now, moving=moving, **values)
+        self.rows.clear()
         self.inside, self.next = (self.now, 0), float(now["step"])
         self.stepper.solver.load = self.stepper.solver.load._replace(force=now["force"])
         self._know(self.stepper.felt(self.now, self.now.time, self.now.pressure)[0])
