@@ -48,7 +48,6 @@ class MovingArm:
         #: N, on the end, across the arm
         self.force = float(SLIGHT * MOVED * self.law.length / np.linalg.norm(np.subtract(ends[0], ends[1])))
         self.half = Experiment.of("II", Scene.meshed(config).body, None)
-        self.still = follow(self.model(), [1.0]).steps[0]
 
     def model(self, force: float = 0.0, part: float = 1.0) -> Model:
         """The half under a part of the pressure and a force (N), which grow with the load factor."""
@@ -108,7 +107,8 @@ class MovingArm:
     def closed(self) -> list[float]:
         """kPa, of air that is closed in at the pressure, under twice the force: by finite elements, by the rod."""
         parts, load = np.array([1.0, 1.02, 1.05]), Load(force=(0.0, 2.0 * self.force))
-        steps = [self.still, *(follow(self.model(load.force[1], part), [1.0]).steps[0] for part in parts)]
+        models = [self.model(), *(self.model(load.force[1], part) for part in parts)]
+        steps = [follow(model, [1.0]).steps[0] for model in models]
         by_elements = [sum(map(step.cavity_volume, self.half.body.cavities)) for step in steps]
         rods = [(self.law.at(self.pressure), Load()), *((self.law.at(part * self.pressure), load) for part in parts)]
         by_rod = [rod.volumes(rod.under(one)).sum() for rod, one in rods]
