@@ -42,6 +42,14 @@ def test_differences_and_what_is_allowed(tmp_path: Path) -> None:
         assert (*tip["x"], *tip["y"]) == pytest.approx((x.measured, y.measured), rel=1e-5)
 
 
+def test_one_who_waits_is_told_the_time_left(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("pipeline.store.time_left.WAIT", 0.0)
+    told, folder = list[str](), result_folder(tmp_path / "arm")
+    compare_files(folder, measured(tmp_path / "arm.csv", arm_law(), [State(8.0)]), tell=told.append)
+    parts = [int(words.partition(" % of the numbers by the rod are found; about ")[0]) for words in told]
+    assert (parts == sorted(parts), parts[-1]) == (True, 95)
+
+
 def test_rod_and_mesh_of_a_run_are_counted(tmp_path: Path) -> None:
     text = "pressure_kPa,tip_x_mm,tip_y_mm,end_angle_deg,s_mm,x_mm,y_mm\n17,84.2,-61.6,-77,56,53,-12\n"
     (tmp_path / "arm.csv").write_text(text, encoding="utf-8")
