@@ -16,7 +16,7 @@ import numpy as np
 import pandas as pd
 
 from geometry.arrays import Array, Index
-from pipeline.config.units import STRAIN, Dimension, convert
+from pipeline.config import units
 from pipeline.values.errors import InputError, quoted
 
 #: how units are written that pint reads otherwise or not at all
@@ -42,7 +42,7 @@ MOTIVE = {"Format Version", "Take Name"}
 class Column:
     """What a column may hold."""
 
-    dimension: Dimension | None  #: None for texts
+    dimension: units.Dimension | None  #: None for texts
     words: str = ""  #: expression that is sought in its title, in small letters without accents; empty: its unit tells
     unless: str = r"(?!)"  #: expression that its title does not have
     written: str = ""  #: its title, for example 'time (s)'
@@ -244,32 +244,32 @@ def _text(path: Path, of: str) -> str:
     raise InputError(f"{path}: is not a text; save it as CSV, in UTF-8 or UTF-16")
 
 
-def _name_and_unit(title: str, dimensions: Sequence[Dimension]) -> tuple[str, str]:
+def _name_and_unit(title: str, dimensions: Sequence[units.Dimension]) -> tuple[str, str]:
     """Name and unit of a title; what stands in brackets and is no unit of the dimensions belongs to the name."""
     match = _TITLE.fullmatch(title)
     unit = next((part.strip() for part in match.groups()[1:] if part), "") if match else ""
     return (match["name"], unit) if match and _is_unit(unit, dimensions) else (title, "")
 
 
-def _is_unit(text: str, dimensions: Sequence[Dimension]) -> bool:
+def _is_unit(text: str, dimensions: Sequence[units.Dimension]) -> bool:
     """Whether a text is a unit of one of the dimensions."""
     unit = text.strip("()[] ")
     return bool(unit) and any(np.isfinite(_per_unit(unit, of)) for of in dimensions)
 
 
-def _per_unit(text: str, dimension: Dimension) -> float:
+def _per_unit(text: str, dimension: units.Dimension) -> float:
     """What one unit is in that of the dimension; NaN where this is no unit of it."""
     unit = text.strip("()[] ")
     if unit == "strain":  # pint has it among its units
         return np.nan
     for written, meant in UNITS.items():
         unit = unit.replace(written, meant)
-    if dimension is STRAIN and plain(unit) in PURE:
+    if dimension is units.STRAIN and plain(unit) in PURE:
         return 1.0
-    if dimension is STRAIN and plain(unit) in PER_CENT:
+    if dimension is units.STRAIN and plain(unit) in PER_CENT:
         return 0.01
     try:
-        return convert(f"1 {unit}", dimension)
+        return units.convert(f"1 {unit}", dimension)
     except ValueError:
         return np.nan
 

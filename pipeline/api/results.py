@@ -20,7 +20,7 @@ from pipeline.answers.rods.rods import Rods
 from pipeline.api import frames
 from pipeline.api.given import given_choice, given_path
 from pipeline.api.rods import move
-from pipeline.config.units import PRESSURE
+from pipeline.config import units
 from pipeline.results.files import read_results as read_run
 from pipeline.results.options import option_pressures, option_value
 from pipeline.results.verdict import Verdict, verdict_of
@@ -173,7 +173,7 @@ class Results:
         One row per tolerance, the largest first, then one for all. No rows where a law has no derivatives. Raises
         InputError outside its pressures.
         """
-        pressure = None if pressure_kPa is None else option_value("pressure_kPa", pressure_kPa, PRESSURE)
+        pressure = None if pressure_kPa is None else option_value("pressure_kPa", pressure_kPa, units.PRESSURE)
         return frames.budget_frame(budget_of(self.run, pressure))
 
     @property
@@ -325,7 +325,7 @@ class Results:
     def _row(self, pressure_kPa: float | str) -> "pd.Series":
         if not self.pressures_kPa:
             raise choice.nothing_identified(self.run)
-        pressure = option_value("pressure_kPa", pressure_kPa, PRESSURE)
+        pressure = option_value("pressure_kPa", pressure_kPa, units.PRESSURE)
         known = known_at(self.pressures_kPa, pressure)
         if known is None:
             identified = ", ".join(f"{p:g}" for p in self.pressures_kPa)

@@ -5,11 +5,11 @@ from dataclasses import dataclass
 from typing import Any
 
 from geometry import Reason
+from pipeline.config import units
 from pipeline.config.config import Config
 from pipeline.config.document import Document
 from pipeline.config.load import checked, for_command
 from pipeline.config.section import in_sentences, read, read_each
-from pipeline.config.units import PRESSURE, convert
 from pipeline.values.json_values import Written
 from rod.arm_law.pairs import direction_of, fractions_of
 from rod.same_pressure import Pressures, as_known, is_among
@@ -112,7 +112,7 @@ def _rows(document: Document, name: str) -> tuple[Pressures, ...]:
     def row(_: int, entry: Any) -> Pressures:
         if not isinstance(entry, list) or len(entry) < 2 or (name == "pairs" and len(entry) > 2):
             raise ValueError(_OTHERWISE[name])
-        values = tuple(convert(value, PRESSURE) for value in entry)
+        values = tuple(units.convert(value, units.PRESSURE) for value in entry)
         if name == "rows" and (min(values) < 0.0 or not max(values)):
             raise ValueError("must have no pressure below 0 kPa, and one above")
         if name == "pairs" and not direction_of(values)[0]:

@@ -5,18 +5,18 @@ from math import isfinite
 from pathlib import Path
 from typing import Any
 
-from pipeline.config.units import PRESSURE, Dimension, convert
+from pipeline.config import units
 from pipeline.store.result_folder import ResultFolder, open_file
 from pipeline.values.errors import InputError, argument, ask, quoted
 from pipeline.values.json_values import plain
 
 
-def option_value(name: str, given: Any, dimension: Dimension) -> float:
+def option_value(name: str, given: Any, dimension: units.Dimension) -> float:
     """A number in the unit of its dimension. Raises InputError, naming the argument."""
     value = plain(given)
     if isinstance(value, int | float) and not isinstance(value, bool) and isfinite(value):
         return float(value)
-    return ask(argument(name), convert, value, dimension)
+    return ask(argument(name), units.convert, value, dimension)
 
 
 def write_new(file: Path, text: str) -> None:
@@ -32,11 +32,11 @@ def write_new(file: Path, text: str) -> None:
 
 def option_pressures(name: str, given: Any) -> float | tuple[float, ...]:
     """A pressure, or those of all cavities, kPa. Raises InputError."""
-    values = option_list(name, given, PRESSURE)
+    values = option_list(name, given, units.PRESSURE)
     return values if is_list(given) else values[0]
 
 
-def option_list(name: str, given: Any, dimension: Dimension) -> tuple[float, ...]:
+def option_list(name: str, given: Any, dimension: units.Dimension) -> tuple[float, ...]:
     """Numbers, written as [x, y]; one number is a list of one. Raises InputError."""
     if isinstance(given, str):
         values: Sequence[Any] = given.strip().removeprefix("[").removesuffix("]").split(",")
@@ -45,7 +45,9 @@ def option_list(name: str, given: Any, dimension: Dimension) -> tuple[float, ...
     return tuple(option_value(name, value, dimension) for value in values)
 
 
-def option_vector(name: str, given: Any, dimension: Dimension) -> tuple[float, float] | tuple[float, float, float]:
+def option_vector(
+    name: str, given: Any, dimension: units.Dimension
+) -> tuple[float, float] | tuple[float, float, float]:
     """Two or three numbers, written as [x, y] or [x, y, z]. Raises InputError."""
     values = option_list(name, given, dimension)
     if len(values) not in (2, 3):

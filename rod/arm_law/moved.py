@@ -26,7 +26,7 @@ then decides how far they bend.
 import math
 from dataclasses import dataclass, fields, replace
 from functools import cache
-from typing import TypeVar, final
+from typing import Any, TypeVar, final
 
 import numpy as np
 
@@ -100,7 +100,8 @@ def power_of_modulus(key: str) -> int:
 
 def scaled_curve(curve: Curve, factor: float) -> Curve:
     """The curve of a cell or an end whose moduli are all multiplied by a factor, at its pressure times that factor."""
-    return replace(curve, **{name: getattr(curve, name) * factor**power for name, power in _powers(type(curve))})
+    kind: Any = type(curve)
+    return replace(curve, **{name: getattr(curve, name) * factor**power for name, power in _powers(kind)})
 
 
 @cache

@@ -20,7 +20,7 @@ from scipy.optimize import nnls
 from geometry.arrays import Array
 from pipeline.answers.columns import Column, Columns, Form, Values, plain, read
 from pipeline.answers.material.table import KINDS
-from pipeline.config.units import STRESS, TIME, Dimension
+from pipeline.config import units
 from pipeline.values.errors import InputError, quoted
 from rod.errors import RodError
 from rod.in_time.relaxation import Creep, Relaxation
@@ -28,10 +28,10 @@ from rod.in_time.relaxation import Creep, Relaxation
 HELD = Form(
     "a specimen over time",
     {
-        "time": Column(TIME, r"^t$|\btime|zeit|\btemps"),
-        "frequency": Column(Dimension("a frequency", "Hz", "1 Hz"), r"^f$|freq|^ω$|omega"),
-        "storage": Column(STRESS, r"stor|speicher|conserv|^[eg]['′]$"),
-        "loss": Column(STRESS, r"loss|verlust|perte|^[eg](''|″)$", r"factor|faktor|facteur|tan|angle|winkel"),
+        "time": Column(units.TIME, r"^t$|\btime|zeit|\btemps"),
+        "frequency": Column(units.Dimension("a frequency", "Hz", "1 Hz"), r"^f$|freq|^ω$|omega"),
+        "storage": Column(units.STRESS, r"stor|speicher|conserv|^[eg]['′]$"),
+        "loss": Column(units.STRESS, r"loss|verlust|perte|^[eg](''|″)$", r"factor|faktor|facteur|tan|angle|winkel"),
         **KINDS,
     },
     (("time", "frequency"), (*KINDS, "storage")),

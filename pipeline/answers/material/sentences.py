@@ -8,7 +8,7 @@ from fem.materials import LAWS, Constant
 from pipeline.answers.material.judged import NEAREST, WITHIN, Judged, LawFit, Need, end_of, parting
 from pipeline.answers.material.laws import Points
 from pipeline.answers.material.loading import TensileTest
-from pipeline.config.units import DENSITY, convert
+from pipeline.config import units
 
 NOT_IN_LAWS = "Creep, rate and the softening of later cycles are in none of these laws."
 #: Young's moduli of rubbers and gels from which arms are made, MPa, and the largest strain that they bear
@@ -157,7 +157,7 @@ def doubts_of_given(nu: float, density: str | None, spread: float) -> Iterator[s
     """What is given, or differs between specimens, and is that of no rubber."""
     if nu < OF_RUBBER[0]:
         yield f"a Poisson ratio of {nu:.3g} is given, and rubbers have {OF_RUBBER[0]:g} to {OF_RUBBER[1]:g}"
-    of_water = 1.0 if density is None else 1e9 * convert(density, DENSITY)
+    of_water = 1.0 if density is None else 1e9 * units.convert(density, units.DENSITY)
     if not LIGHTEST <= of_water <= HEAVIEST:
         yield f"a density of {density} is given, and rubbers have {1e3 * LIGHTEST:g} to {1e3 * HEAVIEST:g} kg/m^3"
     if spread > OF_ONE_BATCH:
@@ -168,6 +168,6 @@ def _of_modulus(modulus: float) -> Iterator[str]:
     """A Young's modulus, MPa, that no rubber has."""
     if not modulus > 0 or SOFTEST <= modulus <= STIFFEST:
         return
-    meant, units = (modulus / 1000, "kPa, not MPa") if modulus > STIFFEST else (1000 * modulus, "MPa, not kPa")
-    likely = f": is the stress in {units}? It would be {meant:.3g} MPa" if SOFTEST <= meant <= STIFFEST else ""
+    meant, other = (modulus / 1000, "kPa, not MPa") if modulus > STIFFEST else (1000 * modulus, "MPa, not kPa")
+    likely = f": is the stress in {other}? It would be {meant:.3g} MPa" if SOFTEST <= meant <= STIFFEST else ""
     yield f"Young's modulus is {modulus:.3g} MPa, and rubbers have {SOFTEST:g} to {STIFFEST:g} MPa{likely}"

@@ -23,9 +23,9 @@ from pipeline.answers.material.sentences import (
     yaml_line,
 )
 from pipeline.answers.material.table import Specimen
+from pipeline.config import units
 from pipeline.config.document import read_document
 from pipeline.config.load import checked
-from pipeline.config.units import AREA, DENSITY, LENGTH, STRAIN, Dimension
 from pipeline.results.files import read_results
 from pipeline.results.options import option_value
 from pipeline.values.errors import InputError, RunFailed, argument, ask
@@ -62,14 +62,14 @@ class FitOptions:
         config = checked(read_document(run, ())) if run and run.suffix in (".yaml", ".yml") else None
         ask(argument("nu"), StVenantKirchhoff, 1.0, nu)
 
-        def value(option: str, dimension: Dimension) -> float | None:
+        def value(option: str, dimension: units.Dimension) -> float | None:
             text = texts.get(option)
             return None if text is None else _positive(option, text, dimension)
 
-        value("density", DENSITY)
+        value("density", units.DENSITY)
         return FitOptions(
-            Specimen(value("length", LENGTH), value("area", AREA)),
-            Selection(cycle, value("start", STRAIN)),
+            Specimen(value("length", units.LENGTH), value("area", units.AREA)),
+            Selection(cycle, value("start", units.STRAIN)),
             USUAL if run is None or config else need_of(run),
             nu,
             texts.get("density"),
@@ -157,7 +157,7 @@ def fit_tests(paths: Sequence[Path], options: FitOptions) -> Material:
     return Material(options, tests, Kinds(tests, together, alone, words, options.given), notes, hold)
 
 
-def _positive(option: str, text: str, dimension: Dimension) -> float:
+def _positive(option: str, text: str, dimension: units.Dimension) -> float:
     value = option_value(option, text, dimension)
     if value <= 0:
         raise InputError(

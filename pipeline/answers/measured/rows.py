@@ -3,29 +3,29 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
-from pipeline.config.units import ANGLE, FORCE, LENGTH, MASS, PRESSURE, TIME, Dimension
+from pipeline.config import units
 from pipeline.values.errors import InputError
 
 #: columns of numbers by their name without the unit, with what they measure
-NUMBERS: dict[str, Dimension] = {
-    "pressure": PRESSURE,
-    "tip_x": LENGTH,
-    "tip_y": LENGTH,
-    "tip_distance": LENGTH,
-    "end_angle": ANGLE,
-    "tip_direction": ANGLE,
-    "force_x": FORCE,
-    "force_y": FORCE,
-    "tip_mass": MASS,
-    "held_y": LENGTH,
-    "reaction": FORCE,
-    "reaction_zero": FORCE,
-    "s": LENGTH,
-    "x": LENGTH,
-    "y": LENGTH,
-    "t": TIME,
-    "zero": PRESSURE,
-    "at_y": LENGTH,
+NUMBERS: dict[str, units.Dimension] = {
+    "pressure": units.PRESSURE,
+    "tip_x": units.LENGTH,
+    "tip_y": units.LENGTH,
+    "tip_distance": units.LENGTH,
+    "end_angle": units.ANGLE,
+    "tip_direction": units.ANGLE,
+    "force_x": units.FORCE,
+    "force_y": units.FORCE,
+    "tip_mass": units.MASS,
+    "held_y": units.LENGTH,
+    "reaction": units.FORCE,
+    "reaction_zero": units.FORCE,
+    "s": units.LENGTH,
+    "x": units.LENGTH,
+    "y": units.LENGTH,
+    "t": units.TIME,
+    "zero": units.PRESSURE,
+    "at_y": units.LENGTH,
 }
 #: columns of texts
 TEXTS = ("repeat", "orientation")

@@ -17,9 +17,8 @@ import numpy as np
 from geometry.arrays import Array
 from pipeline.answers.rods.choice import plane_of, refuse_draft
 from pipeline.answers.rods.ratio import run_along
+from pipeline.config import units
 from pipeline.config.tolerances import STIFFNESS, Tolerance, Tolerances
-from pipeline.config.units import FORCE, LENGTH, STRESS, Dimension
-from pipeline.config.units import PRESSURE as UNIT
 from pipeline.results.options import option_value, write_new
 from pipeline.values.errors import InputError, argument, ask
 from pipeline.values.page import Section, figure_page
@@ -232,7 +231,7 @@ def budget_for(
     """
     run = run_along(folder, ratio)
     tolerances = _with_settings(run, settings)
-    found = budget_of(run, None if pressure is None else option_value("pressure", pressure, UNIT), tolerances)
+    found = budget_of(run, None if pressure is None else option_value("pressure", pressure, units.PRESSURE), tolerances)
     if found is None:
         if run.law is not None:
             refuse_draft(run, "a budget")
@@ -258,7 +257,11 @@ def _with_settings(run: Run, settings: Sequence[str]) -> Tolerances:
     return known
 
 
-def _units(law: ArmLaw) -> dict[str, Dimension | None]:
+def _units(law: ArmLaw) -> dict[str, units.Dimension | None]:
     """What each tolerance measures."""
-    measured = {"mm": LENGTH, "MPa": STRESS, "N": FORCE}
-    return {PRESSURE: UNIT, STIFFNESS: None, **{name: measured.get(rate.unit) for name, rate in law.rates.items()}}
+    measured = {"mm": units.LENGTH, "MPa": units.STRESS, "N": units.FORCE}
+    return {
+        PRESSURE: units.PRESSURE,
+        STIFFNESS: None,
+        **{name: measured.get(rate.unit) for name, rate in law.rates.items()},
+    }

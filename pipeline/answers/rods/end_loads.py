@@ -12,7 +12,7 @@ import numpy as np
 
 from geometry.told import aligned, listed
 from pipeline.answers.rods.rods import Rods
-from pipeline.config.units import ANGLE, FORCE, LENGTH, MOMENT, STIFFNESS
+from pipeline.config import units
 from pipeline.results.options import is_list, option_pressures, option_value, option_vector, write_new
 from pipeline.values.errors import InputError, RunFailed, argument, ask
 from pipeline.values.formats import ARM_LAW, FIVE
@@ -56,12 +56,14 @@ def read_end(weight: Loading, force: Any, moment: Any = 0.0, end_y: Any = None, 
         raise InputError(
             f"{argument('end')}, {argument('tip_mass')}: an end that is held carries no mass; leave one of them out"
         )
-    held = (None, option_value("end_y", end_y, LENGTH)) if end_y is not None else None
+    held = (None, option_value("end_y", end_y, units.LENGTH)) if end_y is not None else None
     return replace(
         weight,
-        force=None if force is None else option_vector("force", force if is_list(force) else ["0 N", force], FORCE),
-        moment=(option_vector if is_list(moment) else option_value)("moment", moment, MOMENT),
-        end=held if end is None else option_vector("end", end, LENGTH),
+        force=None
+        if force is None
+        else option_vector("force", force if is_list(force) else ["0 N", force], units.FORCE),
+        moment=(option_vector if is_list(moment) else option_value)("moment", moment, units.MOMENT),
+        end=held if end is None else option_vector("end", end, units.LENGTH),
     )
 
 
@@ -71,9 +73,12 @@ def read_along(
     """Loads and supports along an arm of a length in mm, from options. Raises InputError."""
     found: list[Along] = []
     for (at,), force in _placed("force_at", force_at):
-        found.append(PointLoad(position_along(at, length), option_vector("force_at", force, FORCE)))
+        found.append(PointLoad(position_along(at, length), option_vector("force_at", force, units.FORCE)))
     for ends, force in _placed("line_load", line_load):
-        even, (start, end) = option_vector("line_load", force, STIFFNESS), (position_along(s, length) for s in ends)
+        even, (start, end) = (
+            option_vector("line_load", force, units.STIFFNESS),
+            (position_along(s, length) for s in ends),
+        )
         found.append(ask(argument("line_load"), LineLoad, start, end, even))
     for (at,), what in _placed("held_at", held_at):
         found.append(Support(position_along(at, length), **_held(what)))
@@ -122,7 +127,7 @@ def _held(text: str) -> dict[str, Any]:
         if name not in ("x", "y", "z", "angle") or name in found:
             told = f"says x, y, z or angle once each, as in '{EXAMPLES['held_at']}'"
             raise InputError(f"{argument('held_at')}: '{text}' does not say what is held; it {told}")
-        at = option_value("held_at", value, ANGLE if name == "angle" else LENGTH)
+        at = option_value("held_at", value, units.ANGLE if name == "angle" else units.LENGTH)
         found[name] = math.radians(at) if name == "angle" else at
     return found
 

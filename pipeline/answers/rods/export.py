@@ -10,8 +10,8 @@ from pipeline.answers.rods.in_time import is_given, rubber_of
 from pipeline.answers.rods.judged import judged
 from pipeline.answers.rods.ratio import run_along
 from pipeline.answers.rods.solid import solid_of
+from pipeline.config import units
 from pipeline.config.material import LOSS_FACTOR
-from pipeline.config.units import PRESSURE
 from pipeline.results.files import LAW_ON_MESH_OF_ARM, read_plane_law, read_run
 from pipeline.results.options import option_value
 from pipeline.store.result_folder import open_folder
@@ -44,7 +44,7 @@ class ExportOptions:
     @property
     def pressure_kPa(self) -> float | None:
         """Raises InputError where it has no unit."""
-        return None if self.pressure is None else option_value("pressure", self.pressure, PRESSURE)
+        return None if self.pressure is None else option_value("pressure", self.pressure, units.PRESSURE)
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ from pipeline.answers.columns import Column, Form, read
 from pipeline.answers.rods.end_loads import read_along
 from pipeline.answers.rods.in_time import body_of
 from pipeline.answers.rods.rods import Rods
-from pipeline.config.units import PRESSURE, TIME, Dimension, convert
+from pipeline.config import units
 from pipeline.results.options import option_pressures, option_value
 from pipeline.store.owner import MOTION, claim
 from pipeline.store.time_left import TimeLeft
@@ -39,7 +39,7 @@ from rod.in_time.move import MovingArm
 
 PRESSURES = Form(
     "pressures over time",
-    {"time": Column(TIME), "pressure": Column(PRESSURE)},
+    {"time": Column(units.TIME), "pressure": Column(units.PRESSURE)},
     (("time",), ("pressure",)),
     "a time and a pressure",
     "a line of titles names columns with their units, as 't_s, pressure_kPa'",
@@ -50,10 +50,10 @@ ONE_BY_ONE = "Near {:.4g} kPa chambers that share a given amount of air may swel
 SHAPES, LONGEST = 12, 3600.0
 #: what air may have by its name, as it is read
 OF_AIR: dict[str, Callable[[str], float]] = {
-    "flow": partial(convert, dimension=Dimension("a flow of free air", "mm**3/s", "1 l/min")),
-    "supply": partial(convert, dimension=PRESSURE),
-    "conductance": partial(convert, dimension=Dimension("a conductance", "mm**3/s/kPa", "20 mm^3/s/kPa")),
-    "dead volume": partial(convert, dimension=Dimension("a volume", "mm**3", "5 cm^3")),
+    "flow": partial(units.convert, dimension=units.Dimension("a flow of free air", "mm**3/s", "1 l/min")),
+    "supply": partial(units.convert, dimension=units.PRESSURE),
+    "conductance": partial(units.convert, dimension=units.Dimension("a conductance", "mm**3/s/kPa", "20 mm^3/s/kPa")),
+    "dead volume": partial(units.convert, dimension=units.Dimension("a volume", "mm**3", "5 cm^3")),
     "exponent": float,
 }
 
@@ -83,7 +83,7 @@ class Asked:
                 f"{argument('seconds')}: {seconds:g} s is more than an hour of the arm, which would take long; is it "
                 f"meant? give {LONGEST:g} at most"
             )
-        steps = Steps(None if step is None else option_value("step", step, TIME))
+        steps = Steps(None if step is None else option_value("step", step, units.TIME))
         return Asked(acts, seconds, loading, release, None if air is None else _read_air(air), steps)
 
     @property

@@ -12,7 +12,7 @@ import numpy as np
 from geometry.arrays import Array
 from pipeline.answers.rods.end_loads import solved
 from pipeline.answers.rods.rods import Rods
-from pipeline.config.units import ANGLE, FORCE, LENGTH
+from pipeline.config import units
 from pipeline.results.options import option_value, option_vector
 from pipeline.values.errors import InputError, RunFailed
 from pipeline.values.formatting import number
@@ -39,10 +39,10 @@ class Wish:
     def read(tip: Any, angle: Any, force: Any, at_height: Any, loading: Loading) -> "Wish":
         """From texts with units, or numbers; None for what is not given. Raises InputError, also for contradictions."""
         return Wish(
-            None if tip is None else option_vector("tip", tip, LENGTH),
-            None if angle is None else option_value("angle", angle, ANGLE),
-            None if force is None else option_value("force", force, FORCE),
-            None if at_height is None else option_value("at_height", at_height, LENGTH),
+            None if tip is None else option_vector("tip", tip, units.LENGTH),
+            None if angle is None else option_value("angle", angle, units.ANGLE),
+            None if force is None else option_value("force", force, units.FORCE),
+            None if at_height is None else option_value("at_height", at_height, units.LENGTH),
             loading,
         )
 

@@ -9,8 +9,8 @@ import numpy as np
 from scipy.stats import qmc
 
 from geometry.arrays import Array
+from pipeline.config import units
 from pipeline.config.section import read_each
-from pipeline.config.units import in_unit_of, number_and_unit
 from pipeline.study.sweep.points import Setting
 from pipeline.values.errors import quoted
 from pipeline.values.json_values import Written
@@ -99,9 +99,9 @@ def _between(entry: Mapping[str, Written], fractions: Array, *, is_drawn: bool =
     """
     ends = [entry["from"], entry["to"]]
     check_value(ends)
-    if measured := number_and_unit(ends[0]):
+    if measured := units.number_and_unit(ends[0]):
         unit = measured[1]
-        first, last = (in_unit_of(end, unit) for end in ends)
+        first, last = (units.in_unit_of(end, unit) for end in ends)
         return [f"{value:.{DIGITS}g} {unit}" for value in first + fractions * (last - first)]
     low, high = map(_number, ends)
     is_whole = isinstance(low, int) and isinstance(high, int)

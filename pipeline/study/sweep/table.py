@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from pipeline.config.units import in_unit_of, number_and_unit
+from pipeline.config import units
 from pipeline.store.result_folder import ResultFolder
 from pipeline.study.sweep.axes import Axis
 from pipeline.study.sweep.points import PointResult, Row, Setting, switch_as_word
@@ -43,11 +43,11 @@ class Column:
     @staticmethod
     def of(key: str, settings: Sequence[Setting]) -> "Column":
         """The column of a key over all points."""
-        measured = number_and_unit(settings[0][key])
+        measured = units.number_and_unit(settings[0][key])
         unit = measured[1] if measured else ""
         try:
             for setting in settings if unit else ():
-                in_unit_of(setting[key], unit)
+                units.in_unit_of(setting[key], unit)
         except ValueError:
             unit = ""
         return Column(key, unit)
@@ -61,7 +61,7 @@ class Column:
         """The value at one point."""
         value = switch_as_word(setting[self.key])
         if self.unit:
-            return in_unit_of(value, self.unit)
+            return units.in_unit_of(value, self.unit)
         return value if isinstance(value, int | float | str) else json.dumps(value)
 
 

@@ -8,7 +8,7 @@ from typing import Annotated, Any
 import numpy as np
 
 from geometry import DesignError
-from pipeline.config import kinds
+from pipeline.config import kinds, units
 from pipeline.config.config import Config
 from pipeline.config.document import Key, read_document
 from pipeline.config.load import UNUSED, checked, for_command
@@ -26,7 +26,6 @@ from pipeline.config.section import (
     section_of,
     wrong,
 )
-from pipeline.config.units import LENGTH, PRESSURE, Dimension, convert, number_and_unit
 from pipeline.study.wishes.wish import CHAMBERS, GEOMETRY, OBJECTIVES, QUANTITIES, Free, Limits, Wish, Wishes, WishFile
 from pipeline.study.wishes.wish import PRESSURE as PRESSURE_KEY
 from pipeline.values.errors import InputError
@@ -43,7 +42,7 @@ class _Range(Section):
     start: Any = Field(default=None, examples=["1 mm"])
 
 
-def _optional(dimension: Dimension) -> tuple[Any, Any]:
+def _optional(dimension: units.Dimension) -> tuple[Any, Any]:
     kind = Kind("any", dimension.example, dimension.unit, kinds.in_unit(dimension))
     return Annotated[float | None, kind], Field(default=None)
 
@@ -58,7 +57,7 @@ _Wish = section_of(
             Annotated[list[kinds.Length] | None, kinds.list_of("x and y", "[30 mm, -40 mm]", count=2)],
             Field(default=None),
         ),
-        "at_height": _optional(LENGTH),
+        "at_height": _optional(units.LENGTH),
         "under": (Any, Field(default=None, examples=["{force: [0 N, -0.1 N]}"])),
     },
 )
@@ -136,9 +135,10 @@ def _free(key: str, given: _Range, arm: Config) -> Free:
     if not is_pressure and key not in known:
         names = (*known, f"{PRESSURE_KEY}NAME")
         raise ValueError(f"is no dimension of this arm that can change; {not_known(key, names)}")
-    dimension = PRESSURE if is_pressure else LENGTH
+    dimension = units.PRESSURE if is_pressure else units.LENGTH
     written = {"from": given.low, "to": given.high, "start": given.start}
-    ends = read_each({at: v for at, v in written.items() if v is not None}, lambda _, value: convert(value, dimension))
+    at_ends = {at: value for at, value in written.items() if value is not None}
+    ends = read_each(at_ends, lambda _, value: units.convert(value, dimension))
     low, high, unit = ends["from"], ends["to"], dimension.unit
     if not 0.0 < low < high:
         raise ValueError(f"goes from {low:g} to {high:g} {unit}; allowed: 0 < from < to")
@@ -182,14 +182,14 @@ def _loading(written: Any, quantity: str) -> Loading:
         raise ValueError(str(failure)) from None
 
 
-def _within(written: Any, target: tuple[float, ...], dimension: Dimension) -> float:
-    parts = number_and_unit(written)
+def _within(written: Any, target: tuple[float, ...], dimension: units.Dimension) -> float:
+    parts = units.number_and_unit(written)
     if parts and parts[1] == "%":
         if len(target) > 1 or target[0] == 0.0:
             raise ValueError(f"{written} of it is no tolerance here; give one such as {dimension.example}")
         within = abs(target[0]) * parts[0] / 100.0
     else:
-        within = convert(written, dimension)
+        within = units.convert(written, dimension)
     if within <= 0.0:
         raise ValueError(f"{written} is not above zero; for example 2 %")
     return within
@@ -199,9 +199,9 @@ def _pressure(written: Any, names: list[str]) -> float | str:
     """kPa, or one of the names of free pressures."""
     if written in names:
         return str(written)
-    if isinstance(written, str) and number_and_unit(written) is None and not written[:1].isdigit():
+    if isinstance(written, str) and units.number_and_unit(written) is None and not written[:1].isdigit():
         raise ValueError(not_known(written, (*names, "a pressure such as 20 kPa")))
-    pressure = convert(written, PRESSURE)
+    pressure = units.convert(written, units.PRESSURE)
     if pressure <= 0.0:
         raise ValueError(f"{pressure:g} kPa is not above zero; for example 20 kPa")
     return pressure

@@ -11,18 +11,17 @@ from typing import Annotated, Any
 import numpy as np
 
 from geometry.arrays import Array, Mask
-from pipeline.config import kinds
+from pipeline.config import kinds, units
 from pipeline.config.config import Config
 from pipeline.config.document import Document
 from pipeline.config.section import Field, Kind, Section, read, section
-from pipeline.config.units import ANGLE, CURVATURE, FORCE, LENGTH, MASS, STIFFNESS, Dimension
 from pipeline.values.json_values import JsonObject, Written
 from rod.arm_law.quantities import QUANTITIES as ASKED
 from rod.load import Loading
 
-_BY_UNIT = {one.unit: one for one in (LENGTH, CURVATURE, FORCE, ANGLE, STIFFNESS)}
+_BY_UNIT = {one.unit: one for one in (units.LENGTH, units.CURVATURE, units.FORCE, units.ANGLE, units.STIFFNESS)}
 #: what can be wanted, by its key in a file
-QUANTITIES: dict[str, Dimension] = {name: _BY_UNIT[one.unit] for name, one in ASKED.items() if one.wished}
+QUANTITIES: dict[str, units.Dimension] = {name: _BY_UNIT[one.unit] for name, one in ASKED.items() if one.wished}
 #: how units are told where it is otherwise: a factor and the unit
 SHOWN = {"1/mm": (1e3, "1/m"), "deg": (1.0, "°"), "N/mm": (1e3, "N/m")}
 #: in front of the name of a free pressure, and of a dimension
@@ -94,7 +93,7 @@ class Wish:
 
 
 _ABOVE_ONE = Kind("above 1", "1.4", "1", kinds.number, lambda value: value > 1.0)
-_MASS = Kind("above 0", MASS.example, "g", kinds.in_unit(MASS), kinds.above_zero)
+_MASS = Kind("above 0", units.MASS.example, "g", kinds.in_unit(units.MASS), kinds.above_zero)
 
 
 @section(frozen=True)
