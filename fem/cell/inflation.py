@@ -36,8 +36,9 @@ ERROR, ITERATIONS = 1e-2, 4
 SHRINKS, GROWS = 0.4, 2.0
 #: air over that at rest beyond which no piece is followed, and pressure over the largest one below which none is
 MOST_AIR, FALLEN = 400.0, 0.7
-#: pressure over one that was passed up to which a form after a snap is looked for
-ONLY_FORM = 1.15
+#: pressure over the largest one that a body has borne from which on a piece, such as an end, is taken not to have
+#: snapped with it; meshes differ by less
+ONLY_FORM = 1.05
 #: largest error of a pressure on the way, relative: where the last iterations are made under it, and of an extreme one
 NEAR, EXACT = 1e-3, 1e-6
 #: states that are solved for one of these at the most
@@ -263,7 +264,8 @@ class AirPath:
 def along_air(piece: BendingPiece, pressure: float) -> PieceState:
     """The first stable state about without moment at a pressure in MPa; that after a snap if the piece is wanted there.
 
-    A piece without a snap, such as an end that the clamp holds, has one form only. Raises `PieceFailed`, which names
+    A piece that has no snap up to the pressure at which the body snaps, such as a clamped end, has not left its form
+    from rest. Raises `PieceFailed`, which names
     the limit pressure where the pressure is beyond it and all further states.
     """
     fallen, falls, top, only = False, False, -inf, list[tuple[float, FreePoint, FreePoint]]()
@@ -276,7 +278,7 @@ def along_air(piece: BendingPiece, pressure: float) -> PieceState:
                     continue
                 with suppress(PieceFailed):
                     return _under_pressure(piece, pressure, air, before, last)
-            if only and not fallen and last.pressure > ONLY_FORM * pressure:
+            if only and not fallen and last.pressure > ONLY_FORM * max(pressure, piece.after_snap):
                 break
     except PieceFailed:
         if not fallen and not only:

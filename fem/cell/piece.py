@@ -123,7 +123,8 @@ class BendingPiece:
         self._other_systems: dict[str, System] = {}  #: by what they are for
         self._formulation = self._system.formulation
         self.changes: Mapping[str, Any] = {}  #: `DesignChange` by parameter of which its states give derivatives
-        self.after_snap = False  #: whether its form after the snap is wanted where it has two (`fem.cell.inflation`)
+        #: MPa, at which the body snaps whose form after that is wanted (`fem.cell.inflation`); 0: that from rest is
+        self.after_snap = 0.0
         self.other = ""  #: the cavity by whose own pressure its states give derivatives as well; empty: none
         #: the last equilibrium and its assembly, which its slopes need again
         self._latest: tuple[State, Assembly] | None = None

@@ -191,7 +191,8 @@ class DeliveredLaw(LawMetadata):
 
 def _bent(law: ArmLaw, pressure: float) -> tuple[float, float, float]:
     """The pressure in kPa, the angle in degrees, not finite where the arm has no equilibrium, and the curvature."""
-    rod, angle = law.at(pressure), math.nan
+    rod, angle, kappa = law.at(pressure), math.nan, math.nan
     with suppress(RodError):
+        kappa = rod.section.kappa_0
         angle = abs(rod.under(Load()).bending_deg)
-    return pressure, angle, rod.section.kappa_0
+    return pressure, angle, kappa

@@ -5,12 +5,12 @@ from fem.cell.inflation import inflated
 from fem.cell.piece import BendingPiece
 from tests.fem.cell.test_inflation import tube
 
-#: laws of Ogden with a maximum of the pressure, and with a minimum beyond it as well; whether the form after the snap
-#: is wanted where there are two
+#: laws of Ogden with a maximum of the pressure, and with a minimum beyond it as well; MPa, beyond this maximum where
+#: the form after the snap is wanted
 TUBES = {
-    "soft_tube": (Ogden((0.1,), (1.4,), 100.0), False),
-    "rising_tube": (Ogden((0.1, 5e-4), (1.4, 4.0), 100.0), False),
-    "swollen_tube": (Ogden((0.1, 5e-4), (1.4, 4.0), 100.0), True),
+    "soft_tube": (Ogden((0.1,), (1.4,), 100.0), 0.0),
+    "rising_tube": (Ogden((0.1, 5e-4), (1.4, 4.0), 100.0), 0.0),
+    "swollen_tube": (Ogden((0.1, 5e-4), (1.4, 4.0), 100.0), 1.0),
 }
 
 

@@ -40,7 +40,7 @@ class ArmPieces:
     derivatives: bool = False  #: whether the curves have derivatives by the design
     by: tuple[str, ...] = ()  #: the parameters of these derivatives, such as geometry.wall; empty: all
     mesh_of: Config | None = None  #: the design whose mesh is moved to these dimensions; None: a mesh of its own
-    after_snap: bool = False  #: whether they have the form after the snap, where there are two
+    after_snap: float = 0.0  #: MPa, at which the cells have snapped; 0: they have their form from rest
     _pieces: dict[tuple[int, Boundary], BendingPiece] = field(default_factory=dict, init=False, repr=False)
     _turned: dict[Hashable, BendingPiece] = field(default_factory=dict, init=False, repr=False)
     _straight: dict[Hashable, PieceState] = field(default_factory=dict, init=False, repr=False)
@@ -62,9 +62,9 @@ class ArmPieces:
         """The same pieces, whose curves have derivatives by the design (`pipeline.law.piece.rates`)."""
         return replace(self, derivatives=True, by=(), mesh_of=None)
 
-    def after_snap_at(self, pressures_kPa: Sequence[float]) -> "ArmPieces":
-        """The same pieces in their form after the snap, at other pressures."""
-        return replace(self, config=replace(self.config, pressures_kPa=tuple(pressures_kPa)), after_snap=True)
+    def after_snap_at(self, pressures_kPa: Sequence[float], limit: float) -> "ArmPieces":
+        """The same pieces after the cells have snapped at a limit in MPa, at other pressures."""
+        return replace(self, config=replace(self.config, pressures_kPa=tuple(pressures_kPa)), after_snap=limit)
 
     def with_mesh(self, mesh: MeshSettings) -> "ArmPieces":
         """The same pieces on another mesh, with the same contact and without derivatives."""
@@ -78,7 +78,7 @@ class ArmPieces:
     def mesh_name(self) -> str:
         """What the folder of their curves is called: mixed_walls_2.7mm."""
         mesh = self.config.mesh
-        return f"{mesh.formulation}_{mesh.grading}_{mesh.size_mm:.12g}mm" + "_after_snap" * self.after_snap
+        return f"{mesh.formulation}_{mesh.grading}_{mesh.size_mm:.12g}mm" + "_after_snap" * bool(self.after_snap)
 
     @property
     def key(self) -> Hashable:

@@ -159,22 +159,25 @@ def test_a_pressure_beyond_the_last_form_is_named_with_its_limit(soft_cell: Bend
 def test_a_tube_that_stiffens_snaps_to_its_swollen_form_and_back() -> None:
     """Between the minimum and the maximum of its pressure it has two forms."""
 
-    def made(after_snap: bool) -> BendingPiece:
+    def made(after_snap: float) -> BendingPiece:
         law = Ogden((0.1, 5e-4), (1.4, 4.0), 100.0)
         piece = BendingPiece(tube(), law, "free", "mixed", supports=[Fixed("clamp", "x")])
         piece.after_snap = after_snap
         return piece
 
-    rising, swollen = made(False), made(True)
+    rising = made(0.0)
     pairs = pairwise(AirPath.of(rising).points())
     limit = extremum(rising, *next(pair for pair in pairs if pair[0].rise > 0.0 > pair[1].rise))
     back = extremum(rising, *next(pair for pair in pairs if pair[0].rise < 0.0 < pair[1].rise))
     assert back.pressure < limit.pressure
     assert back.air > limit.air
     between, beyond = 0.5 * (back.pressure + limit.pressure), 1.02 * limit.pressure
+    swollen, in_a_weaker_body = made(limit.pressure), made(0.9 * between)
     first, second = along_air(rising, between), along_air(swollen, between)
     assert rising.volume(first.state) < np.exp(limit.air)
     assert rising.volume(second.state) > np.exp(back.air)
+    before = along_air(in_a_weaker_body, back.pressure)
+    assert before.distance == pytest.approx(along_air(rising, back.pressure).distance)
     assert inflated(rising, beyond, 0.0).distance == pytest.approx(inflated(swollen, beyond, 0.0).distance)
 
 
