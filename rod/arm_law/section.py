@@ -28,6 +28,8 @@ POINTS = 257
 BEYOND = 0.25
 #: moments of the clamped end between two pressures
 CLAMP_POINTS = 65
+#: moment over the range of those of a law that a state has which was solved without one
+NO_MOMENT = 1e-6
 #: of a tip, interpolated between pressures
 TIP_VALUES = ("beside", "edge", "couple", "acts_at", "beside_held", "beside_pinned", "pinned_by_pull", "volume")
 
@@ -52,7 +54,8 @@ class SectionLaw:
     @property
     def kappa_0(self) -> float:
         """Curvature without moment, 1/mm; raises `RodError` where the law does not reach it."""
-        if not self.moment[0] <= 0.0 <= self.moment[-1]:
+        nearly = NO_MOMENT * float(self.moment[-1] - self.moment[0])
+        if not self.moment[0] - nearly <= 0.0 <= self.moment[-1] + nearly:
             raise RodError(f"The law at {self.pressure:g} kPa has no point without moment.")
         return float(cubic(self.moment, self.kappa, self.kappa_slope, 0.0))
 

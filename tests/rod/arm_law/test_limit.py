@@ -131,3 +131,12 @@ def test_a_file_of_the_format_before_is_read() -> None:
     assert isinstance(again, ArmLaw)
     assert again.limit is None
     assert again.pressures == LAW.pressures
+
+
+def test_a_curve_that_begins_without_moment_but_for_rounding_has_a_curvature_there() -> None:
+    section = LAW.at(24.0).section
+    width = float(np.ptp(section.moment))
+    first = replace(section, moment=section.moment - section.moment[0] + 1e-9 * width)
+    assert first.kappa_0 == pytest.approx(section.kappa[0], rel=1e-6)
+    with pytest.raises(RodError, match="no point without moment"):
+        _ = replace(section, moment=first.moment + 1e-3 * width).kappa_0
