@@ -121,9 +121,10 @@ def beside(arm: ArmModel, load: Load, near: tuple[Nodes, Nodes], *, in_space: bo
     while 1.5 * len(s) < len(near[0].s):
         s = halved(s)
     for known, places in zip(near, (s, halved(s)), strict=True):
-        solver, state = Solver(arm, places, load, in_space=in_space), known.on(places)
+        solver, begun = Solver(arm, places, load, in_space=in_space), known.on(places)
+        state = StateArrays(*(column.copy() for column in begun))
         found = solver.converge(state, 1.0, solver.load.target)
-        turn = np.abs(_turns(known.on(places), state, in_space)).max()
+        turn = np.abs(_turns(begun, state, in_space)).max()
         if not (found.converged and turn <= LARGEST_TURN) or not found.is_as_stable_as(known.found):
             raise RodError("No equilibrium that is as stable was found beside the one that is known.")
         chains.append(solver.nodes(state, found))

@@ -172,12 +172,14 @@ def _along(rod: Rod | None, forces: Array, axes: int) -> list[Array]:
         return [np.full(axes * POINTS + 2, np.nan)] * len(forces)
     arm, rows = rod.arm, list[Array]()
     shape: Any = arm.in_plane(Load()) if arm.has_plane else arm.solve_in_space(Load())
+    side = math.copysign(1.0, shape.bending_deg * shape.theta[-1]) if arm.has_plane else 0.0
     for force in forces:
         with suppress(RodError):
             if not rows or rows[-1][-1] <= AROUND:
                 shape = arm.beside(shape, Load(tuple(force.tolist())))
                 curve = _smooth(shape)
-                rows.append(np.array([*curve.ravel(), shape.bending_deg, _used(rod, shape)]))
+                bent = math.degrees(side * shape.theta[-1]) if side else shape.bending_deg
+                rows.append(np.array([*curve.ravel(), bent, _used(rod, shape)]))
                 moved = math.dist(*(row[-2 - curve.shape[1] : -2] for row in (rows[-1], rows[max(0, len(rows) - 2)])))
                 rows[-1][-1] += FILLED * (moved > SNAP * rod.length)
                 continue
