@@ -13,7 +13,7 @@ from pipeline.simulate.outcome import Outcomes, Record
 from pipeline.values.formats import CURVE_COLUMNS, CURVE_PREFIXES
 from pipeline.values.run import Curve
 from pipeline.values.run import RodError as ErrorOfRod
-from rod import LawRod, Load, Rod, RodError, RodSolution, cell_averaged, moment_from_load, without_stretch
+from rod import Load, Rod, RodError, RodSolution, cell_averaged, moment_from_load, without_stretch
 from rod.same_pressure import is_among
 
 
@@ -168,9 +168,9 @@ def _solution(rod: Rod, record: Record) -> RodSolution:
 
 def _beyond_law(rod: Rod, record: Record) -> str:
     """A sentence where a state has moments that the arm's own law does not know; empty elsewhere."""
-    if not isinstance(rod.law, LawRod):
+    if not rod.has_own_law:
         return ""
-    (low, high), moment = rod.law.moments, moment_from_load(record.centreline, record.load).value
+    (low, high), moment = rod.arm.moments, moment_from_load(record.centreline, record.load).value
     if low <= moment.min() and moment.max() <= high:
         return ""
     needed, known = f"{moment.min():.3g} to {moment.max():.3g} N mm", f"{low:.3g} to {high:.3g}"
