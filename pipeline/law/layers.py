@@ -26,7 +26,7 @@ from rod.errors import RodError
 
 
 def measure_layers(tasks: ArmTasks, pressures: Sequence[float]) -> Layers | None:
-    """At the highest of the pressures (kPa) at which the arm is not swollen; None for one without thread and sheet."""
+    """At the highest of the pressures (kPa) that all pieces bear; None for an arm without thread and sheet."""
     effects = tasks.pieces.config.effects
     names = [name for name in (HOOPS, LAYER) if effects.requested[name].on]
     if not names:
