@@ -265,8 +265,8 @@ def along_air(piece: BendingPiece, pressure: float) -> PieceState:
     """The first stable state about without moment at a pressure in MPa; that after a snap if the piece is wanted there.
 
     A piece that has no snap up to the pressure at which the body snaps, such as a clamped end, has not left its form
-    from rest. Raises `PieceFailed`, which names
-    the limit pressure where the pressure is beyond it and all further states.
+    from rest. Raises `PieceFailed`, which names the limit pressure where the pressure is beyond it and all further
+    states.
     """
     fallen, falls, top, only = False, False, -inf, list[tuple[float, FreePoint, FreePoint]]()
     try:

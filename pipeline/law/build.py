@@ -15,7 +15,7 @@ import numpy as np
 from fem.cell.piece import PieceFailed
 from geometry import Reason
 from pipeline.config.automatic_mesh import MeshSettings, cell_mesh
-from pipeline.law.ends import CLAMP, CLAMP_NEAR, HALF_CELLS, half_cells_of, measure_ends, swells
+from pipeline.law.ends import CLAMP, CLAMP_NEAR, HALF_CELLS, half_cells_of, measure_ends
 from pipeline.law.layers import measure_layers
 from pipeline.law.mesh_limit import Corrections, MeshLimit, Numbers, corrected
 from pipeline.law.meshes import find_limit, solve_numbers
@@ -122,9 +122,7 @@ def deliver_law(
     limit of the pressure has the form after the snap as well. Raises as `build_law`.
     """
     measured = _deliver_form(pieces, context, begin_others)
-    tasks = ArmTasks(pieces, context)
-    if not tasks.submit(swells, measured.law.cells[-1]).result():  # without its sheet it takes minutes
-        measured = replace(measured, layers=measure_layers(tasks, measured.law.pressures))
+    measured = replace(measured, layers=measure_layers(ArmTasks(pieces, context), measured.law.pressures))
     after = swollen_pieces(pieces, measured.law)
     if after is None:
         return measured

@@ -225,11 +225,6 @@ def _is_swollen(pieces: ArmPieces, cell: CellCurve) -> bool:
     return pieces.cell.is_swollen(air)
 
 
-def swells(curves: PieceCurves, cell: CellCurve) -> bool:
-    """Whether the chambers of a cell without moment have swollen; a task."""
-    return _is_swollen(curves.pieces, cell)
-
-
 def end_at(curves: PieceCurves, end: End[Curve], cell: CellCurve, half_cells: int) -> KeptCurve[Curve]:
     """One end with that many half cells beside a cell; a task. Raises `PieceFailed` and `RodError`."""
     name, pieces = name_of_state(f"{end.file}_{half_cells}", cell.pressure), curves.pieces

@@ -13,11 +13,11 @@ from fem.cell.piece import BendingPiece, PieceFailed, PieceState
 from fem.effects.membrane import LayerTerm
 from geometry import position_text
 from pipeline.config.effects import HOOPS, LAYER
+from pipeline.law.cells import bend_of
 from pipeline.law.ends import HALF_CELLS
 from pipeline.law.piece.measure import cell_without_moment
 from pipeline.law.piece.measure_clamp import straight_point
 from pipeline.law.piece.measure_tip import tip_state
-from pipeline.law.piece.pieces import ArmPieces
 from pipeline.law.piece.tasks import ArmTasks, PieceCurves
 from pipeline.law.unloaded import solve_first
 from pipeline.values.law import Layers
@@ -26,13 +26,18 @@ from rod.errors import RodError
 
 
 def measure_layers(tasks: ArmTasks, pressures: Sequence[float]) -> Layers | None:
-    """At the highest of the pressures (kPa) that all pieces bear; None for an arm without thread and sheet."""
+    """At the highest of the pressures (kPa) that all pieces bear.
+
+    None for an arm without thread and sheet, and for one that swells, which takes minutes without its sheet.
+    """
     effects = tasks.pieces.config.effects
     names = [name for name in (HOOPS, LAYER) if effects.requested[name].on]
     if not names:
         return None
     for pressure in reversed(pressures[1:]):
         with suppress(PieceFailed, RodError):
+            if tasks.submit(bend_of, pressure).result().limits:
+                return None
             found = tasks.submit(_with_all, pressure).result()
             begun = {name: tasks.submit(_without, name, pressure) for name in names}
             return replace(found, without_deg={name: pending.result() for name, pending in begun.items()})
@@ -44,7 +49,7 @@ def _without(curves: PieceCurves, name: str, pressure: float) -> float | None:
     pieces = curves.pieces
     effects = pieces.config.effects
     off: Any = {name: replace(getattr(effects, name), state="off")}
-    bare = ArmPieces(replace(pieces.config, effects=replace(effects, **off)), pieces.dhat, pieces.outer)
+    bare = replace(pieces.with_mesh(pieces.config.mesh), config=replace(pieces.config, effects=replace(effects, **off)))
 
     def solve() -> dict[str, float | None]:
         with suppress(PieceFailed, RodError):
@@ -56,10 +61,11 @@ def _without(curves: PieceCurves, name: str, pressure: float) -> float | None:
 
 def _with_all(curves: PieceCurves, pressure: float) -> Layers:
     """The arm with its layers; a task. Raises `PieceFailed` and `RodError`."""
-    return curves.number(Layers, "layers", pressure, lambda: _seen(curves.pieces, pressure))
+    return curves.number(Layers, "layers", pressure, lambda: _seen(curves, pressure))
 
 
-def _seen(pieces: ArmPieces, pressure: float) -> Layers:
+def _seen(curves: PieceCurves, pressure: float) -> Layers:
+    pieces = curves.pieces
     unloaded, curve = solve_first(pieces, pressure)
     cell, clamp, tip = pieces.cell, pieces.end(HALF_CELLS, "clamp"), pieces.end(HALF_CELLS, "free")
     middle = cell_without_moment(cell, in_MPa(pressure)).state

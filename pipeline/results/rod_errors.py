@@ -215,9 +215,8 @@ class RodAndMesh:
         force = "" if self.force is None else f", of the force {percent(self.force)}"
         errors = f"error of the shape {percent(self.shape)} of the length{force}"
         if not self.is_compared:
-            return (
-                f"{errors} because of its mesh{' and ends' * (self.ends > NOTED * self.shape)}; no whole arm was solved"
-            )
+            causes = "mesh and ends" if self.ends > NOTED * self.shape else "mesh"
+            return f"{errors} because of its {causes}; no whole arm was solved"
         return f"{errors} ({'without the error of the mesh' if self.mesh.largest is None else 'rod and mesh added'})"
 
 

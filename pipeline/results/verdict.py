@@ -59,6 +59,8 @@ OF_FIVE = frozenset(
     {"rigidity_open", "one_rigidity_poor", "one_line_or_two", "long_cells", "unequal_cells", "few_pressures"}
     | {"few_reached", *NO_PARAMETERS}
 )
+#: what stands in the record of a verdict only where there is some
+OPTIONAL = ("in_time", "limit", "layers", "directions_deg", "ends_error")
 #: codes that name the limit at which an experiment ended
 NAMES_A_LIMIT = ("has_limit", "end_of_II", "followed_near_end_of_II")
 
@@ -179,15 +181,7 @@ class Verdict(Printable):
 
     def record(self) -> JsonObject:
         """The verdict as `pneurod run --json` writes it."""
-        left_out = {
-            "command",
-            *(
-                name
-                for name in ("in_time", "limit", "layers", "directions_deg", "ends_error")
-                if not getattr(self, name)
-            ),
-        }
-        content = {name: value for name, value in asdict(self).items() if name not in left_out}
+        content = {n: value for n, value in asdict(self).items() if n != "command" and (value or n not in OPTIONAL)}
         return {**content, "usable": self.usable, "lines": self.lines}
 
 

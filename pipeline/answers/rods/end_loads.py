@@ -56,12 +56,11 @@ def read_end(weight: Loading, force: Any, moment: Any = 0.0, end_y: Any = None, 
         raise InputError(
             f"{argument('end')}, {argument('tip_mass')}: an end that is held carries no mass; leave one of them out"
         )
+    along = force if force is None or is_list(force) else ["0 N", force]
     held = (None, option_value("end_y", end_y, units.LENGTH)) if end_y is not None else None
     return replace(
         weight,
-        force=None
-        if force is None
-        else option_vector("force", force if is_list(force) else ["0 N", force], units.FORCE),
+        force=None if along is None else option_vector("force", along, units.FORCE),
         moment=(option_vector if is_list(moment) else option_value)("moment", moment, units.MOMENT),
         end=held if end is None else option_vector("end", end, units.LENGTH),
     )
@@ -75,10 +74,8 @@ def read_along(
     for (at,), force in _placed("force_at", force_at):
         found.append(PointLoad(position_along(at, length), option_vector("force_at", force, units.FORCE)))
     for ends, force in _placed("line_load", line_load):
-        even, (start, end) = (
-            option_vector("line_load", force, units.STIFFNESS),
-            (position_along(s, length) for s in ends),
-        )
+        even = option_vector("line_load", force, units.STIFFNESS)
+        start, end = (position_along(s, length) for s in ends)
         found.append(ask(argument("line_load"), LineLoad, start, end, even))
     for (at,), what in _placed("held_at", held_at):
         found.append(Support(position_along(at, length), **_held(what)))
