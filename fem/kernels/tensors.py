@@ -1,4 +1,4 @@
-"""Tensors of material laws, compiled by numba; p is a stress point.
+"""Tensors of material laws, compiled by numba; p is a stress point, a and b are principal axes.
 
 Components as in `fem.materials.tensors`: v and m count 11, 22, 33, 12, 23, 13.
 """
@@ -10,6 +10,8 @@ from fem.kernels.element import FAST, VOIGT
 from geometry.arrays import Array
 
 ROW, COLUMN = VOIGT[:, 0].copy(), VOIGT[:, 1].copy()
+#: pairs of principal axes, and sweeps of Jacobi's method, of which five leave nothing but rounding
+PAIRS, SWEEPS = np.array([[0, 1], [1, 2], [0, 2]]), 12
 
 
 @njit(cache=True, fastmath=FAST)
@@ -90,3 +92,93 @@ def principal(axes: Array, values: Array, diagonal: Array, rotation: Array, stre
                 for a in range(6):
                     value += basis[a, v] * half[a, m]
                 tangent[p, v, m] = tangent[p, m, v] = value
+
+
+@njit(cache=True)
+def principal_axes(tensor: Array, smallest: float, values: Array, axes: Array) -> None:
+    """Eigenvalues (p, a) of symmetric tensors (p, v), at least `smallest`, and eigenvectors in the columns of axes
+    (p, 3, 3), by Jacobi's rotations (G. H. Golub, C. F. Van Loan, Matrix Computations, 8.5)."""
+    full = np.empty((3, 3))
+    for p in range(tensor.shape[0]):
+        axes[p] = 0.0
+        for v in range(6):
+            full[ROW[v], COLUMN[v]] = full[COLUMN[v], ROW[v]] = tensor[p, v]
+        for a in range(3):
+            axes[p, a, a] = 1.0
+        for _ in range(SWEEPS):
+            rest = 0.0
+            for a in range(3):
+                rest = max(rest, rotate(full, axes[p], PAIRS[a, 0], PAIRS[a, 1]))
+            if rest == 0.0:
+                break
+        for a in range(3):
+            values[p, a] = max(full[a, a], smallest)
+
+
+@njit(cache=True)
+def rotate(full: Array, axes: Array, first: int, second: int) -> float:
+    """Turn two axes so that the component between them vanishes; its amount before, 0 where it is only rounding."""
+    beside = full[first, second]
+    difference = full[second, second] - full[first, first]
+    if abs(beside) <= 1e-17 * (abs(full[first, first]) + abs(full[second, second])):
+        return 0.0
+    half = difference / (2.0 * beside)
+    tangent = (1.0 if half >= 0.0 else -1.0) / (abs(half) + np.sqrt(half * half + 1.0))
+    cosine = 1.0 / np.sqrt(tangent * tangent + 1.0)
+    sine, other = tangent * cosine, 3 - first - second
+    full[first, first] -= tangent * beside
+    full[second, second] += tangent * beside
+    full[first, second] = full[second, first] = 0.0
+    x, y = full[other, first], full[other, second]
+    full[other, first] = full[first, other] = cosine * x - sine * y
+    full[other, second] = full[second, other] = sine * x + cosine * y
+    for i in range(3):
+        x, y = axes[i, first], axes[i, second]
+        axes[i, first], axes[i, second] = cosine * x - sine * y, sine * x + cosine * y
+    return abs(beside)
+
+
+@njit(cache=True)
+def powers_of_stretches(
+    squares: Array, mu: Array, alpha: Array, energy: Array, stress: Array, diagonal: Array, rotation: Array
+) -> None:
+    """Ogden's energy (p,), and stress (p, a) and tangent in the principal axes for `principal`, from the squares (p, a)
+    of the principal stretches and mu and alpha (i,) of the terms."""
+    power, log, ratio = np.empty(3), np.empty(3), np.empty(3)
+    for p in range(squares.shape[0]):
+        value = squares[p]
+        for a in range(3):
+            log[a] = np.log(value[a])
+            ratio[a] = log_of_ratio(value[PAIRS[a, 0]], value[PAIRS[a, 1]])
+        log_size = -(log[0] + log[1] + log[2]) / 3.0
+        energy[p], stress[p], diagonal[p], rotation[p] = 0.0, 0.0, 0.0, 0.0
+        for i in range(mu.shape[0]):
+            half = 0.5 * alpha[i]
+            for a in range(3):
+                power[a] = np.exp(half * (log[a] + log_size))
+            mean = (power[0] + power[1] + power[2]) / 3.0
+            energy[p] += mu[i] / alpha[i] * 3.0 * (mean - 1.0)
+            for a in range(3):
+                first, second = value[PAIRS[a, 0]], value[PAIRS[a, 1]]
+                power_rate = power[PAIRS[a, 1]] / second
+                quotient = difference_of_powers(first, second, ratio[a], power_rate, half - 1.0)
+                rotation[p, a] += mu[i] * (quotient + mean / (first * second))
+                stress[p, a] += mu[i] * (power[a] - mean) / value[a]
+                for b in range(3):  # 2 d (power_a - mean) / d ln c_b
+                    slope = mean - power[a] - power[b] + (3.0 * power[a] if a == b else 0.0)
+                    diagonal[p, a, b] += mu[i] * alpha[i] / 3.0 * slope / (value[a] * value[b])
+        for a in range(3):
+            diagonal[p, a, a] -= 2.0 * stress[p, a] / value[a]
+
+
+@njit(cache=True)
+def log_of_ratio(x: float, y: float) -> float:
+    """ln(x / y) of positive x and y, accurate where they are close."""
+    return np.log1p((x - y) / y) if abs(x - y) < 0.5 * y else np.log(x / y)
+
+
+@njit(cache=True)
+def difference_of_powers(x: float, y: float, log: float, power: float, exponent: float) -> float:
+    """(x^p - y^p) / (x - y) of positive x and y with ln(x / y) and y^p, p y^(p-1) where x = y; accurate where they are
+    close. As power any multiple of y^p may be given, for that multiple."""
+    return power * (exponent / y if x == y else np.expm1(exponent * log) / (x - y))

@@ -12,7 +12,7 @@ import numpy as np
 
 from fem.materials.material import BulkModulus, Exponents, MaterialError, Response, Stresses
 from fem.materials.rubber_law import RubberLaw, check_positive
-from fem.materials.tensors import MIN_DETERMINANT, PAIRS, CauchyGreen, from_principal_axes
+from fem.materials.tensors import CauchyGreen, from_principal_axes, kernels
 from geometry.arrays import Array
 
 
@@ -59,40 +59,8 @@ class Ogden(RubberLaw):
 
     def isochoric(self, c: CauchyGreen) -> Response:
         value, axes = c.principal_values()
-        size = np.maximum(value.prod(axis=-1), MIN_DETERMINANT) ** (-1 / 3)
-        energy = np.zeros(value.shape[:-1])
-        kirchhoff, rotation = np.zeros(value.shape), np.zeros(value.shape)  # (..., a), (..., pair)
-        slope = np.zeros((*value.shape, 3))  # d kirchhoff_a / d ln c_b
-        for mu, alpha in self.terms:
-            power = (size[..., None] * value) ** (alpha / 2)
-            mean = power.mean(axis=-1)
-            energy += mu / alpha * 3 * (mean - 1)
-            kirchhoff += mu * (power - mean[..., None])
-            slope += _slope(mu * alpha / 6, power, mean)
-            scale = mu * size ** (alpha / 2)
-            for number, (a, b) in enumerate(PAIRS):
-                first, second = value[..., a], value[..., b]
-                quotient = scale * difference_of_powers(first, second, alpha / 2 - 1) + mu * mean / (first * second)
-                rotation[..., number] += quotient
-        principal = kirchhoff / value
-        diagonal = 2 * slope / (value[..., :, None] * value[..., None, :])
-        index = np.arange(3)
-        diagonal[..., index, index] -= 2 * principal / value
-        return Response(energy, *from_principal_axes(axes, principal, diagonal, rotation))
-
-
-def _slope(factor: float, power: Array, mean: Array) -> Array:
-    """factor (3 power_a delta_ab - power_a - power_b + mean), (..., 3, 3), from the powers (..., 3) and their mean."""
-    slope = mean[..., None, None] - power[..., :, None] - power[..., None, :]
-    index = np.arange(3)
-    slope[..., index, index] += 3 * power
-    return np.asarray(factor * slope)
-
-
-def difference_of_powers(first: Array, second: Array, exponent: float) -> Array:
-    """(x^p - y^p) / (x - y) of positive x and y, p x^(p-1) where they are equal; accurate where they are close."""
-    difference = first - second
-    equal, close = difference == 0, np.abs(difference) < 0.5 * second
-    log = np.where(close, np.log1p(np.where(close, difference / second, 0.0)), np.log(first / second))
-    ratio = np.expm1(exponent * log) / np.where(equal, 1.0, difference)
-    return np.asarray(second**exponent * np.where(equal, exponent / second, ratio))
+        energy, diagonal = np.empty(value.shape[:-1]), np.empty((*value.shape, 3))
+        stress, rotation = np.empty(value.shape), np.empty(value.shape)  # (..., a), (..., pair)
+        of_point = energy.reshape(-1), stress.reshape(-1, 3), diagonal.reshape(-1, 3, 3), rotation.reshape(-1, 3)
+        kernels().powers_of_stretches(value.reshape(-1, 3), np.array(self.mu), np.array(self.alpha), *of_point)
+        return Response(energy, *from_principal_axes(axes, stress, diagonal, rotation))

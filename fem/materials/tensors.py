@@ -19,9 +19,6 @@ MIN_DETERMINANT = 1e-12
 #: pairs of principal axes
 PAIRS = ((0, 1), (1, 2), (0, 2))
 
-_ROW = np.array([0, 1, 2, 0, 1, 0])
-_COLUMN = np.array([0, 1, 2, 1, 2, 2])
-
 
 def scaled(factor: Array, tensor: Array) -> Array:
     """factor (...) times the tensors (..., 6) or (..., 6, 6)."""
@@ -56,7 +53,7 @@ class CauchyGreen:
         """From Green-Lagrange strains (..., 6) with engineering shear."""
         points = np.ascontiguousarray(strain, dtype=float).reshape(-1, 6)
         components, inverse, invariants = np.empty_like(points), np.empty_like(points), np.empty((points.shape[0], 3))
-        _kernels().cauchy_green(points, MIN_DETERMINANT, components, inverse, invariants)
+        kernels().cauchy_green(points, MIN_DETERMINANT, components, inverse, invariants)
         of_point = (invariants[:, number].reshape(strain.shape[:-1]) for number in range(3))
         return cls(components.reshape(strain.shape), inverse.reshape(strain.shape), *of_point)
 
@@ -72,14 +69,15 @@ class CauchyGreen:
         for number, factor in enumerate(factors):
             of_point[..., number] = factor
         points = (array.reshape(-1, 6) for array in (of_point, self.components, self.inverse))
-        _kernels().add_products(*points, total.reshape((-1, 6, 6), copy=False))
+        kernels().add_products(*points, total.reshape((-1, 6, 6), copy=False))
 
     def principal_values(self) -> tuple[Array, Array]:
         """Eigenvalues (..., 3) of C, at least `MIN_DETERMINANT`, and eigenvectors in the columns of (..., 3, 3)."""
-        tensor = np.empty((*self.determinant.shape, 3, 3))
-        tensor[..., _ROW, _COLUMN] = tensor[..., _COLUMN, _ROW] = self.components
-        values, axes = np.linalg.eigh(tensor)
-        return np.maximum(values, MIN_DETERMINANT), axes
+        shape = self.determinant.shape
+        values, axes = np.empty((*shape, 3)), np.empty((*shape, 3, 3))
+        points = self.components.reshape(-1, 6), MIN_DETERMINANT, values.reshape(-1, 3), axes.reshape(-1, 3, 3)
+        kernels().principal_axes(*points)
+        return values, axes
 
 
 def from_principal_axes(axes: Array, values: Array, diagonal: Array, rotation: Array) -> tuple[Array, Array]:
@@ -92,11 +90,12 @@ def from_principal_axes(axes: Array, values: Array, diagonal: Array, rotation: A
     shape = axes.shape[:-2]
     stress, tangent = np.empty((*shape, 6)), np.empty((*shape, 6, 6))
     given = (array.reshape(-1, *array.shape[len(shape) :]) for array in (axes, values, diagonal, rotation))
-    _kernels().principal(*given, stress.reshape(-1, 6), tangent.reshape(-1, 6, 6))
+    kernels().principal(*given, stress.reshape(-1, 6), tangent.reshape(-1, 6, 6))
     return stress, tangent
 
 
-def _kernels() -> ModuleType:
-    import fem.kernels.tensors as kernels
+def kernels() -> ModuleType:
+    """The compiled loops."""
+    import fem.kernels.tensors as compiled
 
-    return kernels
+    return compiled
