@@ -42,8 +42,8 @@ CONVEX_ABOVE = 0.1
 #: relative residual above which a state is far from equilibrium
 FAR = 0.5
 #: part of the tolerance below which an equilibrium is taken that the factor of an earlier iteration led to, before the
-#: last iteration
-SHARPER = 0.001
+#: last iteration; and that below which it is taken where rounding keeps its residual above a part of the one before
+SHARPER, ROUNDED, KEPT = 0.001, 0.01, 0.5
 
 #: called after every iteration with its number and the relative residual
 Watch = Callable[[int, float], None]
@@ -133,7 +133,8 @@ def solve(
         last, relative = relative, _relative_residual(system, assembly)
         watch(iteration, relative)
         is_at_target = not np.any(correction) and abs(control.residual(state)) < options.tolerance
-        is_near = relative < options.tolerance * (SHARPER if again and iteration < most else 1.0)
+        sharper = ROUNDED if relative > KEPT * last else SHARPER
+        is_near = relative < options.tolerance * (sharper if again and iteration < most else 1.0)
         if is_near and is_at_target and (iteration or not start.iterates):
             consistent = system.state_at(state.displacement, state.factor)
             exact = system.assemble(consistent, settled(terms))
