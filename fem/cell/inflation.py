@@ -15,6 +15,7 @@ from math import exp, inf, log
 from typing import final
 
 import numpy as np
+from numpy.polynomial import Polynomial
 
 from fem.cell.piece import BendingPiece, PieceFailed, PieceState
 from fem.cell.response import slopes
@@ -41,6 +42,8 @@ MOST_AIR, FALLEN = 400.0, 0.7
 ONLY_FORM = 1.05
 #: largest error of a pressure on the way, relative: where the last iterations are made under it, and of an extreme one
 NEAR, EXACT = 1e-3, 1e-6
+#: largest distance of a state under a pressure from the volume at which it was expected, over the step of ln V
+NEAR_AIR = 0.25
 #: states that are solved for one of these at the most
 MOST_STATES = 12
 #: change of ln V in a first step to another angle, and the smallest one
@@ -83,7 +86,7 @@ def unloaded(piece: BendingPiece, pressure: float, angle: float, failures: int =
         try:
             last = piece.solve_near(target * pressure, target * angle, predicted, last, fraction > 0.0, pressure)
         except PieceFailed:
-            if swells(piece, last):
+            if swells(piece, last, pressure):
                 return along_air(piece, pressure)
             failed, increment, extrapolates = failed + 1, (target - fraction) / 2.0, fraction > 0.0
             if failed > failures or increment < SMALLEST_INCREMENT:
@@ -94,12 +97,15 @@ def unloaded(piece: BendingPiece, pressure: float, angle: float, failures: int =
     return replace(last, factorizations=spent)
 
 
-def swells(piece: BendingPiece, at: PieceState) -> bool:
-    """Whether the air of a piece has grown far more than to first order."""
-    known = slopes(piece, piece.rest())
-    grown = piece.volume(at.state) - piece.volume(piece.rest().state)
+def swells(piece: BendingPiece, at: PieceState, pressure: float) -> bool:
+    """Whether the air of a piece has grown far more than to first order, or to first order swells it under a pressure
+    in MPa."""
+    known, rest = slopes(piece, piece.rest()), piece.volume(piece.rest().state)
     linear = known.volume_by_pressure * at.pressure + abs(known.moment_by_pressure * at.angle)
-    return at.pressure > 0.0 and grown > SWELLS * linear
+    grown = piece.volume(at.state) - rest
+    return (at.pressure > 0.0 and grown > SWELLS * linear) or piece.is_swollen(
+        rest + known.volume_by_pressure * pressure
+    )
 
 
 def bent(
@@ -292,16 +298,30 @@ def along_air(piece: BendingPiece, pressure: float) -> PieceState:
 def _risings(before: FreePoint, last: FreePoint, pressure: float) -> list[float]:
     """ln V at which the cubic of the pressure between two points passes a pressure in MPa upwards."""
     step = last.air - before.air
-    first, second = step * before.rise, step * last.rise
-    change = last.pressure - before.pressure
-    cubic = np.array([first + second - 2.0 * change, 3.0 * change - 2.0 * first - second, first, before.pressure])
-    cubic[3] -= pressure
-    roots = [float(root.real) for root in np.roots(cubic) if abs(root.imag) < 1e-12 and 0.0 <= root.real <= 1.0]
-    return [before.air + root * step for root in sorted(roots) if np.polyval(np.polyder(cubic), root) > 0.0]
+    cubic = _between(step, (before.pressure, before.rise), (last.pressure, last.rise))
+    roots = (cubic - pressure).roots()
+    parts = [float(root.real) for root in roots if abs(root.imag) < 1e-12 and 0.0 <= root.real <= 1.0]
+    return [before.air + part * step for part in sorted(parts) if cubic.deriv()(part) > 0.0]
+
+
+def _between(step: float, first: tuple[float, float], second: tuple[float, float]) -> Polynomial:
+    """The cubic over the part of a step of ln V through two values, with their changes by ln V."""
+    (start, rate), (end, last_rate) = first, second
+    change, rates = end - start, step * (rate + last_rate)
+    return Polynomial([start, step * rate, 3.0 * change - rates - step * rate, rates - 2.0 * change])
 
 
 def _under_pressure(piece: BendingPiece, pressure: float, air: float, before: FreePoint, last: FreePoint) -> PieceState:
-    """The state at a pressure in MPa near a volume between two points, ln V. Raises `PieceFailed`."""
+    """The state at a pressure in MPa near a volume between two points, ln V: from the cubic between both where that
+    leads to this volume, else from a state with this volume. Raises `PieceFailed`."""
+    step, ends = last.air - before.air, [(one.state.angle + one.lack, one.turn) for one in (before, last)]
+    between = extrapolate(before.path_point, last.path_point, air)
+    if between is not None:
+        angle = float(_between(step, *ends)((air - before.air) / step))
+        with suppress(PieceFailed):
+            reached = piece.solve_near(pressure, angle, between, last.state)
+            if abs(log(piece.volume(reached.state)) - air) < NEAR_AIR * step and not reached.negative_pivots:
+                return reached
     for _ in range(MOST_STATES):
         point, _ = free_at(piece, air, before, last)
         step = (pressure - point.pressure) / point.rise
