@@ -299,7 +299,7 @@ def _risings(before: FreePoint, last: FreePoint, pressure: float) -> list[float]
     """ln V at which the cubic of the pressure between two points passes a pressure in MPa upwards."""
     step = last.air - before.air
     cubic = _between(step, (before.pressure, before.rise), (last.pressure, last.rise))
-    roots = (cubic - pressure).roots()
+    roots = np.asarray((cubic - pressure).roots(), dtype=complex)
     parts = [float(root.real) for root in roots if abs(root.imag) < 1e-12 and 0.0 <= root.real <= 1.0]
     return [before.air + part * step for part in sorted(parts) if cubic.deriv()(part) > 0.0]
 
