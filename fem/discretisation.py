@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 
 from fem.elements import Element, Volumetric, element_of
-from fem.kernels.element import ElementArrays, chunk_colours
+from fem.kernels.element import ElementArrays, chunk_colours, green_lagrange
 from fem.kernels.surface import FaceArrays
 from geometry import Mesh
 from geometry.arrays import Array, Index, Mask
@@ -22,6 +22,14 @@ except ModuleNotFoundError as missing:
 #: least number of elements in a chunk, and largest number of chunks: enough chunks for the threads of a laptop, and
 #: chunks small enough to stay in the cache of a core
 MIN_CHUNK_SIZE, MAX_CHUNKS = 64, 32
+
+
+def pairs_within(nodes: Index) -> tuple[Index, Index, Mask]:
+    """Of all pairs of nodes in each row of (m, a), the smaller and the larger one (k m,), and whether they were swapped
+    for it (k m,)."""
+    a, b = np.triu_indices(nodes.shape[1])
+    first, second = nodes[:, a].ravel(), nodes[:, b].ravel()
+    return np.minimum(first, second), np.maximum(first, second), first > second
 
 
 @dataclass(frozen=True)
@@ -55,9 +63,7 @@ class Faces:
     def node_pairs(self) -> tuple[Index, Index, Mask]:
         """Of all pairs a <= b of nodes of each face, the smaller and the larger node (m f,), and whether they were
         swapped for it (m f,). The same arrays on each call, so that their position in a matrix can be kept."""
-        a, b = np.triu_indices(self.nodes.shape[1])
-        first, second = self.nodes[:, a], self.nodes[:, b]
-        return np.minimum(first, second).ravel(), np.maximum(first, second).ravel(), (first > second).ravel()
+        return pairs_within(self.nodes)
 
 
 @dataclass(frozen=True)
@@ -88,13 +94,12 @@ class Discretisation:
         """The elements of that name on `mesh`; raises ValueError where there are none (`fem.elements.ELEMENTS`)."""
         element = element_of(formulation)
         grid = skfem.MeshTet(mesh.points.T.copy(), np.asarray(mesh.tets, dtype=np.int64).T.copy())
-        tetrahedron = skfem.ElementTetP2() if element.quadratic else skfem.ElementTetP1()
         nodes, points = _nodes(grid, element.quadratic)
         if element.quadratic and len(mesh.curved):
             points[mesh.points.shape[0] + _edge_numbers(grid, mesh.curved.ends)] = mesh.curved.middles
         nodes, chunks, colours, order = _in_chunks(nodes, mesh.points)
         new_index = np.argsort(order)
-        reference, vertex_shape, fraction = _stress_points(tetrahedron, element)
+        reference, vertex_shape, fraction = _stress_points(element)
         curved = element.quadratic and len(mesh.curved) > 0
         inverse, weight = (_curved if curved else _straight)(points[nodes], reference, fraction)
         return cls(
@@ -114,8 +119,7 @@ class Discretisation:
 
     def moved(self, points: Array) -> "Discretisation":
         """The same elements with their nodes at other positions (n, 3), mm; straight edges must stay straight."""
-        tetrahedron = skfem.ElementTetP2() if self.element.quadratic else skfem.ElementTetP1()
-        _, _, fraction = _stress_points(tetrahedron, self.element)
+        _, _, fraction = _stress_points(self.element)
         geometry = _straight if self.inverse.shape[1] == 1 else _curved
         inverse, weight = geometry(points[self.nodes], self.reference, fraction)
         return replace(self, points=points, inverse=inverse, weight=weight)
@@ -153,6 +157,19 @@ class Discretisation:
     def volume(self) -> Array:
         """(e,) mm3."""
         return np.asarray(self.weight[:, self.shear_points].sum(axis=1))
+
+    def strain_of(self, displacement: Array) -> tuple[Array, Array]:
+        """Green-Lagrange strain (e, q, 6) and det F (e, q) at the stress points, of a displacement (n, 3)."""
+        strain, jacobian = np.empty((*self.weight.shape, 6)), np.empty(self.weight.shape)
+        green_lagrange(self.arrays, displacement, strain, jacobian)
+        return strain, jacobian
+
+    def triangles_between(self, nodes: Index) -> Index:
+        """(m, 3) of all surfaces, between nodes (k,)."""
+        ours = np.zeros(len(self.points), dtype=bool)
+        ours[nodes] = True
+        triangles = np.unique(np.vstack([surface.triangles for surface in self.surfaces.values()]), axis=0)
+        return np.asarray(triangles[ours[triangles].all(axis=1)])
 
     def surface(self, name: str) -> Faces:
         """The named surface; raises ValueError naming those that exist."""
@@ -209,15 +226,16 @@ def _nodes(grid: skfem.MeshTet, quadratic: bool) -> tuple[Index, Array]:
     return np.hstack([vertices, middles]), np.vstack([points, points[grid.edges].mean(axis=0)])
 
 
-def _stress_points(tetrahedron: skfem.Element, element: Element) -> tuple[Array, Array, Array]:
+def _stress_points(element: Element) -> tuple[Array, Array, Array]:
     """Reference gradients (q, a, 3), linear shape functions (q, 4) and fractions of the element volume (q,)."""
+    tetrahedron, count = (skfem.ElementTetP2(), 10) if element.quadratic else (skfem.ElementTetP1(), 4)
     rule, weight = skfem.quadrature.get_quadrature(skfem.refdom.RefTet, element.shape.degree)
     points, fractions = [rule], [6.0 * weight]
     if element.volumetric is Volumetric.CENTROID:
         points.append(np.full((3, 1), 0.25))
         fractions.append(np.ones(1))
     positions = np.concatenate(points, axis=1)
-    gradients = np.stack([tetrahedron.lbasis(positions, a)[1].T for a in range(10 if element.quadratic else 4)], axis=1)
+    gradients = np.stack([tetrahedron.lbasis(positions, a)[1].T for a in range(count)], axis=1)
     linear = np.stack([skfem.ElementTetP1().lbasis(positions, a)[0] for a in range(4)], axis=1)
     return np.ascontiguousarray(gradients), np.ascontiguousarray(linear), np.concatenate(fractions)
 
@@ -233,14 +251,11 @@ def _surfaces(mesh: Mesh, grid: skfem.MeshTet | None) -> dict[str, Faces]:
     for name, triangles in mesh.faces.items():
         nodes = np.array(triangles, dtype=np.int64)  # writable, as those of quadratic elements: one kernel for both
         if grid is not None:
-            nodes = np.concatenate([nodes, mesh.points.shape[0] + _edges(grid, nodes)], axis=1)
+            nodes = np.concatenate(
+                [nodes, mesh.points.shape[0] + _edge_numbers(grid, nodes[:, [[0, 1], [1, 2], [0, 2]]])], axis=1
+            )
         surfaces[name] = Faces(nodes, np.ascontiguousarray(shape), np.ascontiguousarray(derivative), weight)
     return surfaces
-
-
-def _edges(grid: skfem.MeshTet, triangles: Index) -> Index:
-    """Numbers (f, 3) of the edges 01, 12 and 02 of triangles (f, 3)."""
-    return _edge_numbers(grid, triangles[:, [[0, 1], [1, 2], [0, 2]]])
 
 
 def _edge_numbers(grid: skfem.MeshTet, ends: Index) -> Index:

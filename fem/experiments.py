@@ -78,13 +78,10 @@ class Experiment:
 
     def model(self, material: Solid, effects: Sequence[Effect], formulation: str) -> Model:
         """The model of this experiment."""
-        acting = [*effects, *self._clamped_layers(effects), *self._dead_force()]
+        layers = [effect for effect in effects if isinstance(effect, StrainLimitingLayer) and self.name != "I"]
+        held = [MirroredLayer(layer, "clamp") for layer in layers]  # the slope of layers at the clamp
+        acting = [*effects, *held, *self._dead_force()]
         return Model(self.body.mesh, material, list(self.supports), acting, formulation)
-
-    def _clamped_layers(self, effects: Sequence[Effect]) -> list[MirroredLayer]:
-        """What holds the slope of layers at the clamp; nothing in I."""
-        layers = [effect for effect in effects if isinstance(effect, StrainLimitingLayer)]
-        return [] if self.name == "I" else [MirroredLayer(layer, "clamp") for layer in layers]
 
     def _dead_force(self) -> list[LineForce]:
         if not any(self.force):
@@ -153,9 +150,7 @@ class Experiment:
         """
         nodes = nodes_at(self.edge, step.space)
         lever = step.positions[nodes] - self.end(step)
-        force = np.zeros((len(nodes), 3))
-        if self.name == "III":
-            force = step.gradient[nodes]
+        force = step.gradient[nodes] if self.name == "III" else np.zeros((len(nodes), 3))
         for dead in self._dead_force():
             force = force + dead.where.nodal_weights(step.space)[:, None] * np.asarray(dead.force)
         return self.symmetry_factor * float(np.sum(lever[:, 0] * force[:, 1] - lever[:, 1] * force[:, 0]))

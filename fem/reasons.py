@@ -90,12 +90,8 @@ Reasons = tuple[Reason, ...]
 
 def sentence(reasons: Iterable[Reason]) -> str:
     """Reasons as one sentence without full stop; empty without reasons."""
-    return "; ".join(map(_clause, reasons))
-
-
-def _clause(reason: Reason) -> str:
-    at = "an unknown place" if reason.where is None else position_text(reason.where)
-    return SENTENCES[reason.code].format(**reason.values, at=at)
+    places = [(one, "an unknown place" if one.where is None else position_text(one.where)) for one in reasons]
+    return "; ".join(SENTENCES[reason.code].format(**reason.values, at=at) for reason, at in places)
 
 
 def reasons_of(rows: Iterable[Mapping[str, Any]]) -> Reasons:

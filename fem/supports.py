@@ -189,7 +189,7 @@ def nodes_at(where: Where, space: Discretisation) -> Index:
             raise SupportError(f"faces {where[0]!r} and {where[1]!r} have no common edge")
         return nodes
     positions = where.positions(space) if isinstance(where, Line) else np.atleast_2d(np.asarray(where, dtype=float))
-    distance, nodes = _nearest(space.points, positions)
+    distance, nodes = cKDTree(space.points).query(positions)
     if distance.max() > NEAR * np.ptp(space.points, axis=0).max():
         worst = positions[int(np.argmax(distance))]
         raise SupportError(f"no node at {tuple(np.round(worst, 6))} mm; the nearest is {distance.max():.3g} mm away")
@@ -210,9 +210,3 @@ def _unit(normal: tuple[float, float, float]) -> Array:
     if not (np.isfinite(length) and length > 0.0):
         raise SupportError(f"a plane needs a normal of finite length greater than zero, not {tuple(normal)}")
     return np.asarray(normal, dtype=float) / length
-
-
-def _nearest(points: Array, positions: Array) -> tuple[Array, Index]:
-    """Distance (k,) from each of the positions (k, 3) to the nearest of the points (n, 3), and its number."""
-    distance, nearest = cKDTree(points).query(positions)
-    return distance, nearest

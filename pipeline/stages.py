@@ -19,7 +19,7 @@ from pipeline.identify.parameters import Parameters
 from pipeline.identify.predicted import predictions, with_mesh_error_of_laws
 from pipeline.identify.record import parameters_record
 from pipeline.identify.state_notes import Solved, check_states
-from pipeline.identify.validate import Validated, find_loads_beyond_II, keep_reached_loads, solve_validation
+from pipeline.identify.validate import Validated, find_loads_beyond_II, keep_reached_loads
 from pipeline.identify.validate import validate as compare_loads
 from pipeline.law.effort import expected_of
 from pipeline.law.of_run import LawOfRun, deliver_law_of_run, law_on_mesh_of_arm
@@ -29,10 +29,11 @@ from pipeline.results.laws import law_record
 from pipeline.results.unloaded import delivered_numbers
 from pipeline.simulate.design_notes import check_design
 from pipeline.simulate.effects_record import list_effects
+from pipeline.simulate.loadcase import validation_cases
 from pipeline.simulate.mesh_notes import check_body
 from pipeline.simulate.outcome import Outcome, Outcomes
 from pipeline.simulate.scene import Scene, mesh_with_progress
-from pipeline.simulate.simulate import begin_loading, complete_experiments, find_highest_pressure
+from pipeline.simulate.simulate import begin_loading, complete_experiments, find_highest_pressure, simulate
 from pipeline.store.context import RunContext
 from pipeline.store.parallel import Pending
 from pipeline.store.progress import Progress
@@ -186,7 +187,7 @@ def begin_validation(state: RunState, outcomes: Outcomes) -> tuple[Scene, Pendin
     The scene is that of the run with the loads that are solved.
     """
     scene, context = keep_reached_loads(state.scene, outcomes), state.context
-    return scene, context.workers.beside(solve_validation, scene, context, outcomes.reached_kPa)
+    return scene, context.workers.beside(simulate, scene, context, validation_cases(scene.config, outcomes.reached_kPa))
 
 
 def identify(state: RunState, outcomes: Outcomes, arm: LawOfRun) -> tuple[RunState, Identified, Pending[WithMeshError]]:

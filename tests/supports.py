@@ -4,9 +4,10 @@ from dataclasses import dataclass
 from typing import final
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from fem.discretisation import Discretisation
-from fem.supports import Equations, Support, Where, _components, _nearest, _unit, nodes_at
+from fem.supports import Equations, Support, Where, _components, _unit, nodes_at
 from geometry.arrays import Index
 
 
@@ -48,5 +49,5 @@ class Tied(Support):
 
 def _matching(nodes: Index, targets: Index, space: Discretisation) -> Index:
     positions, others = space.points[nodes], space.points[targets]
-    _, order = _nearest(others, positions + (others.mean(axis=0) - positions.mean(axis=0)))
+    _, order = cKDTree(others).query(positions + (others.mean(axis=0) - positions.mean(axis=0)))
     return targets[order]

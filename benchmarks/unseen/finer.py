@@ -6,7 +6,7 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 from pipeline.config.config import Config
-from pipeline.identify.mesh_error import RELATIVE, OnMesh
+from pipeline.identify.mesh_error import RELATIVE, OtherNumbers
 from pipeline.simulate.outcome import Outcomes
 from pipeline.simulate.scene import Scene
 from pipeline.simulate.simulate import simulate
@@ -41,7 +41,7 @@ def against_finer_mesh(solved: SolvedRun) -> dict[str, Any]:
         return {"failure": render_all(outcomes.failures)}
     try:
         states = ((first.free, first.loaded), (free, loaded))
-        on_default, on_finer = (OnMesh.of(first, *pair).numbers(first) for pair in states)
+        on_default, on_finer = (OtherNumbers.of(first, *pair).numbers(first) for pair in states)
     except RodError as failure:
         return {"failure": str(failure)}
     errors = {}

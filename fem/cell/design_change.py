@@ -30,7 +30,7 @@ from fem.equations.formulation import Formulation, formulation_of
 from fem.equations.state import Change, State
 from fem.kernels import element as kernels
 from fem.materials.regions import Solid, laws_of
-from fem.post.extremes import extremes_of, strain_at_stress_points
+from fem.post.extremes import extremes_of
 from geometry.arrays import Array
 
 #: largest displacement of a node in difference quotients, over the length of the piece
@@ -164,7 +164,7 @@ def _stretch_rate(piece: BendingPiece, at: PieceState, change: DesignChange, mov
     velocity[piece.plane] -= change.velocity[piece.plane]
     u = at.state.displacement
     less, more = (
-        extremes_of(variant.space, *strain_at_stress_points(variant.space, u + step * velocity)).max_stretch
+        extremes_of(variant.space, *variant.space.strain_of(u + step * velocity)).max_stretch
         for variant, step in ((change.less, -0.5 * change.step), (change.more, 0.5 * change.step))
     )
     return (more - less) / change.step
@@ -187,7 +187,7 @@ class _Assemblies:
         piece, space, state = self._piece, variant.space, self._at.state
         displacement = state.displacement.copy()
         displacement[piece.plane] += (piece.space.points - space.points)[piece.plane]
-        strain = self._own_strain if space is piece.space else strain_on(space, displacement)
+        strain = self._own_strain if space is piece.space else space.strain_of(displacement)[0]
         law = variant.formulation.evaluate(strain, state.pressure)
         gradient = np.zeros_like(displacement)
         kernels.internal_force(space.arrays, displacement, law.stress, gradient)
@@ -198,14 +198,7 @@ class _Assemblies:
     @cached_property
     def _own_strain(self) -> Array:
         """(e, q, 6) on the mesh of the piece itself, which variants of the material share."""
-        return strain_on(self._piece.space, self._at.state.displacement)
-
-
-def strain_on(space: Discretisation, displacement: Array) -> Array:
-    """Green-Lagrange strain (e, q, 6) of a displacement (n, 3)."""
-    strain = np.empty((*space.weight.shape, 6))
-    kernels.green_lagrange(space.arrays, displacement, strain, np.empty(space.weight.shape))
-    return strain
+        return self._piece.space.strain_of(self._at.state.displacement)[0]
 
 
 def moved_terms(terms: Terms, before: Discretisation, variant: Variant) -> Sequence[Term]:
@@ -224,11 +217,7 @@ def _moved_term(term: Term, before: Array, variant: Variant) -> Term:
 
 def _with_areas(pairs: FacingPairs, space: Discretisation, before: Array) -> FacingPairs:
     """The pairs with the areas of their nodes, which are those of triangles between such nodes, on moved walls."""
-    ours = np.zeros(len(before), dtype=bool)
-    ours[pairs.nodes] = True
-    triangles = np.unique(np.vstack([surface.triangles for surface in space.surfaces.values()]), axis=0)
-    walls = triangles[ours[triangles].all(axis=1)]
-    areas = []
+    walls, areas = space.triangles_between(pairs.nodes), []
     for points in (before, space.points):
         a, b, c = (points[walls[:, k]] for k in range(3))
         area = np.linalg.norm(np.cross(b - a, c - a), axis=1)

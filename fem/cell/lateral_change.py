@@ -9,7 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from fem.cell.design_change import DesignChange, DesignRate, Variant, moved_terms, strain_on
+from fem.cell.design_change import DesignChange, DesignRate, Variant, moved_terms
 from fem.cell.lateral import LateralRigidities, lateral_rigidities
 from fem.cell.piece import BendingPiece, PieceState
 from fem.cell.response import Slopes
@@ -49,7 +49,7 @@ def lateral_rates(
 def _rigidities(piece: BendingPiece, at: PieceState, variant: Variant, displacement: Array) -> LateralRigidities:
     """Of a variant with this displacement (n, 3); at: its angle, moment and pressure, with the terms of the piece."""
     space, formulation = variant.space, variant.formulation
-    strain = strain_on(space, displacement)
+    strain, _ = space.strain_of(displacement)
     pressure = formulation.pressure_of(strain)
     stress = formulation.evaluate(strain, pressure).stress
     end = (space.points + displacement)[piece.plane[0]]

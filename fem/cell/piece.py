@@ -24,13 +24,12 @@ from fem.cell.boundary import BOUNDARY_NAMES, UPRIGHT, Boundary, supports_of
 from fem.cell.mirror_contact import MirrorContact, gap_and_touch, tightened
 from fem.discretisation import Discretisation
 from fem.effects.contact import SelfContact
-from fem.effects.effect import Effect, Terms
+from fem.effects.effect import Effect, Terms, near_pairs
 from fem.effects.loads import PressureTerm
 from fem.effects.membrane import StrainLimitingLayer
 from fem.effects.mirror_layer import MirroredLayer
 from fem.equations.constraints import Constraints
 from fem.equations.formulation import Formulation
-from fem.equations.linear import LinearTimes
 from fem.equations.linearised import Linearised
 from fem.equations.pardiso import available_solver
 from fem.equations.state import Assembly, State
@@ -38,7 +37,7 @@ from fem.equations.system import System
 from fem.materials.regions import Solid, laws_of
 from fem.path.control import Control, LoadControl, VolumeControl
 from fem.path.newton import NewtonOptions, Start, StepFailed, solve
-from fem.post.extremes import extremes_of, strain_at_stress_points
+from fem.post.extremes import extremes_of
 from fem.reasons import FailedForReasons
 from fem.solution import Extremes
 from fem.supports import Line, Support, nodes_at
@@ -119,7 +118,7 @@ class BendingPiece:
         self._constraints: tuple[float, Constraints] | None = None  #: of the last angle
         self._system = System(self.space, material, self.terms, self.constraints(0.0), available_solver()())
         # all of outer walls: where those of cavities do not meet, a state does not depend on those before, bit for bit
-        self._system.hold_near_pairs()
+        self._system.storage.enlarge(*near_pairs(self.terms, self.space.points))
         self._other_systems: dict[str, System] = {}  #: by what they are for
         self._formulation = self._system.formulation
         self.changes: Mapping[str, Any] = {}  #: `DesignChange` by parameter of which its states give derivatives
@@ -137,17 +136,13 @@ class BendingPiece:
         return self._system
 
     @property
-    def solver_times(self) -> tuple[LinearTimes, ...]:
-        """What the linear equations took so far, those of shear and out of the plane included."""
-        return tuple(system.solver.times for system in (self._system, *self._other_systems.values()))
-
-    @property
     def factorizations(self) -> int:
         """Of all states and slopes so far, those of attempts without equilibrium included.
 
         Those of a kept result count each time it is used: numbers do not depend on which process did what before.
         """
-        return sum(times.factorizations for times in self.solver_times) + self._repeated
+        systems = (self._system, *self._other_systems.values())
+        return sum(system.solver.times.factorizations for system in systems) + self._repeated
 
     def kept(self, key: Hashable, make: Callable[[], Value]) -> Value:
         """What was made of this piece under this key before, or what is made now; the latest results are kept."""
@@ -215,7 +210,7 @@ class BendingPiece:
             0.0,
             self.body.length,
             *gap_and_touch(self.terms, x, self.plane),
-            extremes_of(self.space, *strain_at_stress_points(self.space, state.displacement)),
+            extremes_of(self.space, *self.space.strain_of(state.displacement)),
             0,
             0,
             state,

@@ -17,7 +17,7 @@ only the normal displacement is free. The energy of one pitch P = 2 h then gives
     U = P^3 / (24 EI) + P / (2 GA)        for Q = 1.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
 from math import nan
 from typing import Any, final
@@ -193,7 +193,8 @@ def shear_rigidity(piece: BendingPiece, at: PieceState, known: Slopes) -> float:
     moment = -h  # at the plane, for Q = 1
     contact = tuple(term for term in at.terms if is_with_images(term, piece.plane))
     terms = tuple(term for term in at.terms if term not in contact)
-    elastic, closing = force_change(piece.system, piece, at, terms, bending), _load_change(piece, at, contact, bending)
+    elastic = force_change(piece.system, piece, at, terms, bending)
+    closing = _change(piece, at, bending, lambda u: piece.system.loads(u, at.pressure, contact))
     forces = elastic + closing
     middle = piece.space.surface("clamp").unique_nodes
     prescribed = np.zeros_like(bending)
@@ -247,23 +248,10 @@ def force_change(system: System, piece: BendingPiece, at: PieceState, terms: Ter
 
     With mixed elements the pressures follow.
     """
-    step = _step(piece, displacement)
-
-    def gradient(sign: float) -> Array:
-        return system.gradient_at(at.state.displacement + sign * step * displacement, at.pressure, terms)
-
-    return np.asarray((gradient(1.0) - gradient(-1.0)) / (2.0 * step))
+    return _change(piece, at, displacement, lambda u: system.gradient_at(u, at.pressure, terms))
 
 
-def _load_change(piece: BendingPiece, at: PieceState, terms: Terms, displacement: Array) -> Array:
-    """Change (n, 3) of the gradient of the terms alone."""
-    if not terms:
-        return np.zeros_like(displacement)
-    step, u = _step(piece, displacement), at.state.displacement
-    more, less = (piece.system.loads(u + sign * step * displacement, at.pressure, terms) for sign in (1.0, -1.0))
-    return np.asarray((more - less) / (2.0 * step))
-
-
-def _step(piece: BendingPiece, displacement: Array) -> float:
-    """Factor of a displacement (n, 3) in difference quotients."""
-    return STEP * piece.body.length / float(np.abs(displacement).max())
+def _change(piece: BendingPiece, at: PieceState, displacement: Array, gradient: Callable[[Array], Array]) -> Array:
+    """Change (n, 3) of a gradient by positions with a displacement (n, 3)."""
+    step, u = STEP * piece.body.length / float(np.abs(displacement).max()), at.state.displacement
+    return np.asarray((gradient(u + step * displacement) - gradient(u - step * displacement)) / (2.0 * step))

@@ -145,11 +145,6 @@ class Bent:
         return np.asarray(forces / np.sum(forces[:, 0] * self.place.x[:, 2]))
 
 
-def _warps(piece: BendingPiece, term: MirroredLayerTerm) -> bool:
-    """Whether the layer meets a plane that warps in twist, beyond which it goes on without a jump of its slope."""
-    return piece.start == "mirror" or np.array_equal(term.plane, piece.plane)
-
-
 @final
 class Twisted:
     """A piece whose plane turns about n by a unit angle, and moves along z by a unit length: two displacements.
@@ -161,13 +156,14 @@ class Twisted:
         within, normal = place.within, place.normal
         held = [*supports, Fixed("tip", "z"), FixedAlong("tip", (float(within[0]), float(within[1]), 0.0))]
         self.place = place
-        space, plane = place.piece.space, place.piece.plane
+        space, plane, is_cell = place.piece.space, place.piece.plane, place.piece.start == "mirror"
+        # a layer that meets a plane that warps goes on beyond it without a jump of its slope
         terms = tuple(
             SlidingWalls.of(term, space, place.x, normal)
             if isinstance(term, FacingTerm) and term.pairs.nodes.size and is_with_images(term, plane)
             else term
             for term in place.at.terms
-            if not (isinstance(term, MirroredLayerTerm) and _warps(place.piece, term))
+            if not (isinstance(term, MirroredLayerTerm) and (is_cell or np.array_equal(term.plane, plane)))
         )
         self.equations = Sideways(place, "twisted", terms, held)
         lift = place.on_plane(np.broadcast_to([0.0, 0.0, 1.0], place.x.shape))

@@ -42,7 +42,7 @@ class SlidingWalls(Term):
         """From the contact of walls with their images at positions x (n, 3); normal: (3,) of the plane."""
         forces = np.zeros_like(x)
         term.gradient(x, 1.0, forces)
-        walls, corner = _triangles(term, space), term.pairs.triangles[0]
+        walls, corner = space.triangles_between(term.pairs.nodes), term.pairs.triangles[0]
         double = np.cross(x[walls[:, 1]] - x[walls[:, 0]], x[walls[:, 2]] - x[walls[:, 0]]) @ normal
         around = np.bincount(walls.ravel(), np.repeat(np.abs(double), 3), minlength=len(x))  # each node
         share = (forces @ normal)[walls] * np.abs(double)[:, None] / around[walls]
@@ -72,14 +72,6 @@ class SlidingWalls(Term):
             swapped = first > second
             values = np.where(swapped[:, None, None], values.transpose(0, 2, 1), values)
             yield np.minimum(first, second), np.maximum(first, second), values
-
-
-def _triangles(term: FacingTerm, space: Discretisation) -> Index:
-    """(m, 3) of the walls between nodes in contact with their images."""
-    ours = np.zeros(len(space.points), dtype=bool)
-    ours[term.pairs.nodes] = True
-    triangles = np.unique(np.vstack([surface.triangles for surface in space.surfaces.values()]), axis=0)
-    return np.asarray(triangles[ours[triangles].all(axis=1)])
 
 
 def _weights(x: Array, walls: Index, corner: Index) -> Array:

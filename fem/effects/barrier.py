@@ -16,7 +16,7 @@ from typing import NamedTuple, final
 
 import numpy as np
 
-from fem.effects.effect import Blocks, CarryingTerm, PenaltyTerm, UnilateralTerm
+from fem.effects.effect import Blocks, UnilateralTerm
 from fem.effects.facing_pairs import FacingPairs, LocalPairs
 from fem.effects.tightening import Tightening
 from fem.kernels import contact as kernels
@@ -60,7 +60,7 @@ class _Pressed(NamedTuple):
 
 @final
 @dataclass(frozen=True, eq=False)  # arrays inside: two terms are the same one or not
-class FacingTerm(PenaltyTerm, CarryingTerm):
+class FacingTerm(UnilateralTerm):
     """Sum over facing pairs of area times stiffness times phi(gap).
 
     Newton's method carries a gap e of each pair, around which it linearises: phi'(g) ~ phi'(e) + phi''(e) (g - e).
@@ -148,7 +148,7 @@ class FacingTerm(PenaltyTerm, CarryingTerm):
                 )
         return self.exact(self.stiffness) if self.exact else self
 
-    def tightening(self, model: PenaltyTerm) -> Tightening | None:
+    def tightening(self, model: UnilateralTerm) -> Tightening | None:
         if self is model or not isinstance(model, FacingTerm):
             return None
         added = np.arange(model.pairs.nodes.size, self.pairs.nodes.size)

@@ -16,7 +16,7 @@ import numpy as np
 
 from fem.discretisation import Discretisation, Faces
 from fem.effects.barrier import OVERLAP, FacingTerm
-from fem.effects.effect import NO_BLOCKS, Blocks, Effect, InteriorTerm, PenaltyTerm
+from fem.effects.effect import NO_BLOCKS, Blocks, Effect, UnilateralTerm
 from fem.effects.facing_pairs import FARTHEST, NO_PAIRS, FacingPairs
 from fem.effects.tightening import Tightening
 from fem.materials.material import Material
@@ -164,7 +164,7 @@ def _ipctk() -> Any:
 
 
 @final
-class BarrierTerm(InteriorTerm):
+class BarrierTerm(UnilateralTerm):
     """The barrier of incremental potential contact between the triangles through all nodes of quadratic faces.
 
     images: contact of half a body with its mirror image, by pairs. ipctk's barrier is not differentiable where a node
@@ -173,6 +173,7 @@ class BarrierTerm(InteriorTerm):
 
     effect = "self_contact"
     starts_inactive = False
+    is_infinite = True
 
     def __init__(
         self, surface: Faces, rest: Array, dhat: float, stiffness: float, images: FacingTerm | None = None
@@ -234,7 +235,7 @@ class BarrierTerm(InteriorTerm):
         upper = rows <= columns  # the surface's nodes are sorted, so this is the global order as well
         return Blocks(self.nodes[rows[upper]], self.nodes[columns[upper]], np.ascontiguousarray(hessian.data[upper]))
 
-    def tightening(self, model: PenaltyTerm) -> Tightening:
+    def tightening(self, model: UnilateralTerm) -> Tightening:
         of_images = self._images.stiffness if self._images else 0.0
         return Tightening(of_images, 0, True, NO_PAIRS, NO_PAIRS.area)
 

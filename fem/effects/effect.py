@@ -2,13 +2,12 @@
 
 An `Effect` is a value the user writes; bound to a discretisation it becomes a `Term` of the total potential with
 energy, gradient and second derivative. The other abstract classes here say what some terms can do besides:
-`LoadTerm` may be applied in full from the first target on, `CarryingTerm` takes part in the mixed Newton iteration of
-`fem.path.newton`, `UnilateralTerm` is contact.
+`LoadTerm` may be applied in full from the first target on, `UnilateralTerm` is contact.
 """
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, replace
-from typing import Self, final
+from typing import ClassVar, Self, final
 
 import numpy as np
 
@@ -41,9 +40,15 @@ class Effect(ABC):
 
 
 class Term(ABC):
-    """A term of the total potential; x (n, 3) are current positions in mm, factor is the load factor."""
+    """A term of the total potential; x (n, 3) are current positions in mm, factor is the load factor.
+
+    It may have a stress or gap that Newton's method carries as an unknown, as the stress of the solid, around which its
+    forces are linearised. Once the method has converged it is that of the positions.
+    """
 
     effect: str  #: name of the effect as in a config
+    #: whether it is contact that is infinite where parts meet: the start and every iterate must keep them apart
+    is_infinite: ClassVar[bool] = False
 
     @abstractmethod
     def energy(self, x: Array, factor: float) -> float:
@@ -56,6 +61,22 @@ class Term(ABC):
     @abstractmethod
     def blocks(self, x: Array, factor: float, convex: bool) -> Blocks:
         """Second derivative; `convex` asks for a positive semi-definite substitute where the term can give one."""
+
+    def with_constant_fraction(self, fraction: float) -> Self:
+        """The term with its constant load scaled to `fraction`; itself where it has none."""
+        return self
+
+    def advanced(self, x: Array, dx: Array) -> Self:
+        """The term with the stress or gap that it carries after the Newton step dx (n, 3) from x."""
+        return self
+
+    def stressed(self, x: Array, dx: Array) -> Self:
+        """The same with a stress alone, which a predictor may foresee as well, to first order."""
+        return self
+
+    def settled(self) -> Self:
+        """The term with the stress or gap of the positions themselves."""
+        return self
 
 
 Terms = tuple[Term, ...]
@@ -72,32 +93,12 @@ class LoadTerm(Term):
 
     @final
     def with_constant_fraction(self, fraction: float) -> Self:
-        """The term with its constant load scaled to `fraction`; itself where the load grows with the load factor."""
         return self if self.constant_fraction is None else replace(self, constant_fraction=fraction)
 
     @final
     def scale(self, factor: float) -> float:
         """What the load is multiplied by at a load factor."""
         return factor if self.constant_fraction is None else self.constant_fraction
-
-
-class CarryingTerm(Term):
-    """A term with a stress or gap of its own that Newton's method carries as an unknown, as the stress of the solid.
-
-    The term's forces are linearised around it. Once the method has converged it is that of the positions.
-    """
-
-    @abstractmethod
-    def advanced(self, x: Array, dx: Array) -> Self:
-        """The term with the stress or gap after the Newton step dx (n, 3) from x."""
-
-    @abstractmethod
-    def settled(self) -> Self:
-        """The term with the stress or gap of the positions themselves."""
-
-
-class StressCarryingTerm(CarryingTerm):
-    """A term that carries a stress, which a predictor may foresee as well, to first order."""
 
 
 class UnilateralTerm(Term):
@@ -133,9 +134,29 @@ class UnilateralTerm(Term):
         """
         return self.gap(x)
 
-    def tightening(self, model: "PenaltyTerm") -> Tightening | None:
+    def tightening(self, model: "UnilateralTerm") -> Tightening | None:
         """How the term differs from that of the model, which it stands for; None where it does not."""
         return None
+
+    def with_tightening(self, tightening: Tightening) -> "UnilateralTerm":
+        """The term of the model as it stood in a state, from what `tightening` gave there."""
+        return self
+
+    def tightened(self, x: Array) -> "UnilateralTerm":
+        """The term to try where the state x (n, 3), converged with this one, violates it; itself if there is none."""
+        return self
+
+    def with_exact_distances(self, x: Array) -> "UnilateralTerm":
+        """The term with exact distances if those of this one may be inaccurate at x (n, 3); otherwise itself."""
+        return self
+
+    def at_new_increment(self) -> "UnilateralTerm":
+        """The term with as many attempts to keep parts apart as an increment may take; itself where none are spent."""
+        return self
+
+    def step_limit(self, x: Array, dx: Array) -> float:
+        """Largest fraction of the step dx (n, 3) in (0, 1] that keeps the parts apart."""
+        return 1.0
 
     @final
     def must_activate(self, x: Array) -> bool:
@@ -143,57 +164,29 @@ class UnilateralTerm(Term):
         return not self.starts_inactive or self.touching(x)
 
 
-class PenaltyTerm(UnilateralTerm):
-    """Contact that is finite where parts overlap: Newton's method may start and iterate through such states."""
-
-    @abstractmethod
-    def tightened(self, x: Array) -> UnilateralTerm:
-        """The term to try where the state x (n, 3), converged with this one, violates it; itself if there is none."""
-
-    @abstractmethod
-    def with_exact_distances(self, x: Array) -> UnilateralTerm:
-        """The term with exact distances if those of this one may be inaccurate at x (n, 3); otherwise itself."""
-
-    @abstractmethod
-    def with_tightening(self, tightening: Tightening) -> UnilateralTerm:
-        """The term of the model as it stood in a state, from what `tightening` gave there."""
-
-    def at_new_increment(self) -> UnilateralTerm:
-        """The term with as many attempts to keep parts apart as an increment may take; itself where none are spent."""
-        return self
-
-
-class InteriorTerm(UnilateralTerm):
-    """Contact that is infinite where parts meet: the start and every iterate must keep them apart."""
-
-    @abstractmethod
-    def step_limit(self, x: Array, dx: Array) -> float:
-        """Largest fraction of the step dx (n, 3) in (0, 1] that keeps the parts apart."""
-
-
 def at_constant_fraction(terms: Terms, fraction: float) -> Terms:
     """The terms with the loads that are constant along the path scaled to `fraction`."""
-    return tuple(term.with_constant_fraction(fraction) if isinstance(term, LoadTerm) else term for term in terms)
+    return tuple(term.with_constant_fraction(fraction) for term in terms)
 
 
 def advanced(terms: Terms, x: Array, dx: Array) -> Terms:
     """The terms after the Newton step dx (n, 3) from x, with what they carry."""
-    return tuple(term.advanced(x, dx) if isinstance(term, CarryingTerm) else term for term in terms)
+    return tuple(term.advanced(x, dx) for term in terms)
 
 
 def stressed(terms: Terms, x: Array, dx: Array) -> Terms:
     """The terms with the stress that a motion dx (n, 3) from x makes in those that carry one."""
-    return tuple(term.advanced(x, dx) if isinstance(term, StressCarryingTerm) else term for term in terms)
+    return tuple(term.stressed(x, dx) for term in terms)
 
 
 def settled(terms: Terms) -> Terms:
     """The terms with what belongs to the positions themselves in place of what they carry."""
-    return tuple(term.settled() if isinstance(term, CarryingTerm) else term for term in terms)
+    return tuple(term.settled() for term in terms)
 
 
 def step_limit(terms: Terms, x: Array, dx: Array) -> float:
     """Largest fraction of the step dx (n, 3) in (0, 1] that all terms admit."""
-    return min((term.step_limit(x, dx) for term in terms if isinstance(term, InteriorTerm)), default=1.0)
+    return min((term.step_limit(x, dx) for term in terms if isinstance(term, UnilateralTerm)), default=1.0)
 
 
 def near_pairs(terms: Terms, x: Array) -> tuple[Index, Index]:

@@ -8,7 +8,7 @@ from hashlib import sha256
 import numpy as np
 from scipy.spatial import cKDTree
 
-from fem.discretisation import Faces
+from fem.discretisation import Faces, pairs_within
 from fem.kernels import contact as kernels
 from geometry.arrays import Array, Index, Mask
 from geometry.topology import cross
@@ -69,7 +69,8 @@ class FacingPairs:
     @classmethod
     def _searched(cls, surface: Faces, points: Array, in_plane: Index) -> "FacingPairs":
         triangles = surface.triangles
-        normal = _normals(points, triangles)
+        vectors = cross(*_edges(points, triangles))
+        normal = np.asarray(vectors / np.linalg.norm(vectors, axis=1, keepdims=True))
         angle, area = _angles(points, triangles), _node_areas(points, triangles)
         of_node = np.zeros_like(points)
         for corner in range(3):
@@ -128,9 +129,7 @@ class FacingPairs:
     @property
     def node_pairs(self) -> tuple[Index, Index]:
         """Of the ten pairs of the four nodes of each gap, the smaller and the larger node (10 k,)."""
-        a, b = np.triu_indices(4)
-        first, second = self.corners[:, a], self.corners[:, b]
-        return np.minimum(first, second).ravel(), np.maximum(first, second).ravel()
+        return pairs_within(self.corners)[:2]
 
     def gaps(self, x: Array) -> Array:
         """Signed gap (k,) in mm of each pair at the positions x (n, 3), along the triangle's normal."""
@@ -262,11 +261,6 @@ def _least(values: Array, of: Index, count: int) -> Array:
 
 def _edges(x: Array, triangles: Index) -> tuple[Array, Array]:
     return x[triangles[:, 1]] - x[triangles[:, 0]], x[triangles[:, 2]] - x[triangles[:, 0]]
-
-
-def _normals(x: Array, triangles: Index) -> Array:
-    normal = cross(*_edges(x, triangles))
-    return np.asarray(normal / np.linalg.norm(normal, axis=1, keepdims=True))
 
 
 def _doubled_areas(x: Array, triangles: Index) -> Array:

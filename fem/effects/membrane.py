@@ -14,8 +14,8 @@ from typing import ClassVar, final
 
 import numpy as np
 
-from fem.discretisation import Discretisation
-from fem.effects.effect import Blocks, Effect, StressCarryingTerm
+from fem.discretisation import Discretisation, pairs_within
+from fem.effects.effect import Blocks, Effect, Term
 from fem.effects.layer_bending import BendingForm, bending_form
 from fem.kernels.membrane import (
     MembraneArrays,
@@ -129,16 +129,14 @@ class _Pairs:
     @staticmethod
     def of(nodes: Index, bending: BendingForm) -> "_Pairs":
         """Of the faces with nodes (f, a)."""
-        a, b = np.triu_indices(nodes.shape[1])
-        first, second = nodes[:, a].ravel(), nodes[:, b].ravel()
+        first, second, swapped = pairs_within(nodes)
         rows, columns, values = bending.blocks
-        all_rows = np.concatenate([np.minimum(first, second), rows])
-        return _Pairs(all_rows, np.concatenate([np.maximum(first, second), columns]), first > second, values)
+        return _Pairs(np.concatenate([first, rows]), np.concatenate([second, columns]), swapped, values)
 
 
 @final
 @dataclass(frozen=True, eq=False)  # arrays inside: two terms are the same one or not
-class LayerTerm(StressCarryingTerm):
+class LayerTerm(Term):
     """The energy of stretching and bending of a membrane."""
 
     effect: str
@@ -184,6 +182,8 @@ class LayerTerm(StressCarryingTerm):
         change = np.empty((*self.arrays.weight.shape, 3))
         membrane_linearised_strain(self.arrays, x, dx, change)
         return replace(self, carried=self.stress(x) + self._stress(change))
+
+    stressed = advanced
 
     def settled(self) -> "LayerTerm":
         return replace(self, carried=None)

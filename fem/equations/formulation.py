@@ -47,50 +47,55 @@ class LawValues:
     dilatation_gradient: Array
 
 
-class Formulation(ABC):
-    """A law on a discretisation."""
+NO_PRESSURE = np.empty(0)
 
+
+@dataclass(frozen=True)
+class Formulation(ABC):
+    """A law on a discretisation; here without pressure unknowns."""
+
+    space: Discretisation
     laws: Laws
 
     @property
-    @abstractmethod
     def unknowns(self) -> int:
         """Number of pressure unknowns v."""
+        return 0
 
     @property
-    @abstractmethod
     def element_unknowns(self) -> Index:
         """(e, 4, 10 or 14) nodes of each element, the pressures counted on as n, n + 1, ..."""
+        return self.space.nodes
 
     @abstractmethod
     def evaluate(self, strain: Array, pressure: Array) -> LawValues:
         """The law at strains (e, q, 6) and pressures (v,)."""
 
-    @abstractmethod
     def pressure_of(self, strain: Array) -> Array:
         """The pressures (v,) that belong to the strains (e, q, 6) of a displacement."""
+        return NO_PRESSURE
 
-    @abstractmethod
     def pressure_residual(self, law_values: LawValues, change: Array, pressure: Array) -> Array:
         """d Pi / d p (v,), theta to first order at strains that differ by change (e, q, 6) from the evaluated ones."""
+        return NO_PRESSURE
 
-    @abstractmethod
     def stress_change(self, law_values: LawValues, pressure: Array) -> Array | float:
         """Change of the stress (e, q, 6) with a change of the pressures (v,)."""
+        return 0.0
 
-    @abstractmethod
     def offsets(self, pattern: Pattern) -> PressureOffsets:
         """Where in the pattern the columns of the pressures begin."""
+        return np.empty((*self.space.nodes.shape, 0), dtype=np.int64), np.empty((0, 3), dtype=np.int32)
 
-    @abstractmethod
     def scatter_pressures(
         self, pattern: Pattern, offsets: PressureOffsets, data: Array, displacement: Array, law_values: LawValues
     ) -> None:
         """Add the rows and columns of the pressures to the reduced upper triangle data (nnz,)."""
+        return
 
-    @abstractmethod
     def pressure_coupling(self, law_values: LawValues, change: Array) -> Array:
         """Change of d Pi / d p (v,) with a change of the strains (e, q, 6)."""
+        return NO_PRESSURE
 
 
 def formulation_of(space: Discretisation, solid: Solid) -> Formulation:
@@ -99,24 +104,10 @@ def formulation_of(space: Discretisation, solid: Solid) -> Formulation:
     return Mixed(space, laws) if space.element.volumetric is Volumetric.PRESSURE else DisplacementOnly(space, laws)
 
 
-NO_PRESSURE = np.empty(0)
-
-
 @final
 @dataclass(frozen=True)
 class DisplacementOnly(Formulation):
     """The volumetric part is evaluated at the displacement's strain: at all points, or at the centroid alone."""
-
-    space: Discretisation
-    laws: Laws
-
-    @property
-    def unknowns(self) -> int:
-        return 0
-
-    @property
-    def element_unknowns(self) -> Index:
-        return self.space.nodes
 
     def evaluate(self, strain: Array, pressure: Array) -> LawValues:
         if self.space.element.fully_integrated:
@@ -133,26 +124,6 @@ class DisplacementOnly(Formulation):
         stress, tangent = np.ascontiguousarray(stress), np.ascontiguousarray(tangent)
         return LawValues(energy, stress, tangent, np.empty((0, 0)), np.empty((0, 0, 6)))
 
-    def pressure_of(self, strain: Array) -> Array:
-        return NO_PRESSURE
-
-    def pressure_residual(self, law_values: LawValues, change: Array, pressure: Array) -> Array:
-        return NO_PRESSURE
-
-    def stress_change(self, law_values: LawValues, pressure: Array) -> Array | float:
-        return 0.0
-
-    def offsets(self, pattern: Pattern) -> PressureOffsets:
-        return np.empty((*self.space.nodes.shape, 0), dtype=np.int64), np.empty((0, 3), dtype=np.int32)
-
-    def scatter_pressures(
-        self, pattern: Pattern, offsets: PressureOffsets, data: Array, displacement: Array, law_values: LawValues
-    ) -> None:
-        pass
-
-    def pressure_coupling(self, law_values: LawValues, change: Array) -> Array:
-        return NO_PRESSURE
-
 
 def _per_point(response: Response, points: int) -> Array:
     tangent = response.tangent
@@ -166,9 +137,6 @@ class Mixed(Formulation):
 
     Where two laws meet the pressure jumps, so that the vertices between them have one for each.
     """
-
-    space: Discretisation
-    laws: Laws
 
     def __post_init__(self) -> None:
         for law, _ in self.laws.parts:

@@ -31,12 +31,6 @@ class Linearised:
     _generation: int = field(repr=False)
     _constraints: Constraints = field(repr=False)
 
-    @classmethod
-    def of(cls, solver: LinearSolver, constraints: Constraints, coupling: Change) -> "Linearised":
-        """The matrix that `solver` has just factorized."""
-        pivots = solver.negative_pivots - coupling.pressure.shape[0]
-        return cls(coupling, pivots, solver, solver.generation, constraints)
-
     def solve(self, gradient: Array, pressure_residual: Array | None = None) -> Change:
         """The change of the unknowns that cancels a gradient (n, 3), N, and a pressure residual (v,), zero by default.
 

@@ -7,7 +7,7 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
-from fem.discretisation import Discretisation
+from fem.discretisation import Discretisation, pairs_within
 from fem.effects.effect import Blocks
 from fem.equations.constraints import Constraints
 from fem.equations.formulation import Formulation, PressureOffsets
@@ -133,9 +133,8 @@ class TangentStorage:
         prescribed[:count] = self._constraints.constrained if selects else False
         prescribed[count:, 0] = False  # a pressure stands in the pattern as a node with one component
         self._pattern = pattern = Pattern.of(prescribed, keys)
-        a, b = np.triu_indices(space.nodes.shape[1])
-        first, second = space.nodes[:, a], space.nodes[:, b]
-        self._element_starts = pattern.starts_of(np.minimum(first, second), np.maximum(first, second))
+        of_elements = pattern.starts_of(*pairs_within(space.nodes)[:2])
+        self._element_starts = of_elements.reshape(len(space.nodes), -1, 3)
         self._pressure_offsets = self._formulation.offsets(pattern)
         self._last = {}
         self._reduction = None

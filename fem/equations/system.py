@@ -90,14 +90,6 @@ class System:
         """Take the same elements with their nodes elsewhere, or with other constants of their materials."""
         self.space, self.formulation = space, formulation
 
-    def hold_near_pairs(self) -> None:
-        """Take up all node pairs that may come into contact near the positions at rest.
-
-        With contact that takes all facing pairs to be near, the matrix keeps one pattern from here on.
-        """
-        rows, columns = near_pairs(self.terms, self.space.points)
-        self.storage.enlarge(rows, columns)
-
     def rest_state(self) -> State:
         """The body at rest."""
         elements, points = self.space.weight.shape
@@ -106,13 +98,13 @@ class System:
 
     def state_at(self, displacement: Array, factor: float) -> State:
         """The state in which pressure, strain and stress are those of the displacement (n, 3)."""
-        strain, _ = self._strain(displacement)
+        strain, _ = self.space.strain_of(displacement)
         pressure = self.formulation.pressure_of(strain)
         return State(factor, displacement, pressure, strain, self.formulation.evaluate(strain, pressure).stress)
 
     def evaluated(self, state: State) -> State:
         """The state with the strain of its displacement and the stress of that, at its pressures."""
-        strain, _ = self._strain(state.displacement)
+        strain, _ = self.space.strain_of(state.displacement)
         return replace(state, strain=strain, stress=self.formulation.evaluate(strain, state.pressure).stress)
 
     def assemble(self, state: State, terms: Terms) -> Assembly:
@@ -122,7 +114,7 @@ class System:
         """
         displacement = state.displacement
         with self.clock.timing("assembly"):
-            strain, jacobian = self._strain(displacement)
+            strain, jacobian = self.space.strain_of(displacement)
             law_values = self.formulation.evaluate(state.strain, state.pressure)
             stress = law_values.stress + _times(law_values.tangent, strain - state.strain)
             pressure_residual = self.formulation.pressure_residual(law_values, strain - state.strain, state.pressure)
@@ -162,15 +154,9 @@ class System:
         nodes = np.sqrt(self.space.points.shape[0])
         return float(4 * stiffness * self._element_size * np.finfo(float).eps * nodes)
 
-    def _strain(self, displacement: Array) -> tuple[Array, Array]:
-        strain = np.empty((*self.space.weight.shape, 6))
-        jacobian = np.empty(self.space.weight.shape)
-        kernels.green_lagrange(self.space.arrays, displacement, strain, jacobian)
-        return strain, jacobian
-
     def energy(self, displacement: Array, factor: float, terms: Terms) -> float:
         """Total potential, N mm."""
-        strain, _ = self._strain(displacement)
+        strain, _ = self.space.strain_of(displacement)
         law_values = self.formulation.evaluate(strain, self.formulation.pressure_of(strain))
         elastic = float(np.vdot(law_values.energy, self.space.weight))
         return elastic + sum(term.energy(self.space.points + displacement, factor) for term in terms)
@@ -188,7 +174,8 @@ class System:
             increment = np.zeros_like(state.displacement)
         data, coupling = self.tangent(state, assembly, terms, increment, convex)
         self.solver.factorize(data)
-        return Linearised.of(self.solver, self.constraints, coupling)
+        pivots = self.solver.negative_pivots - self.formulation.unknowns
+        return Linearised(coupling, pivots, self.solver, self.solver.generation, self.constraints)
 
     def tangent(
         self, state: State, assembly: Assembly, terms: Terms, increment: Array, convex: bool

@@ -84,11 +84,6 @@ class Uniaxial:
         """The bar whose nominal stress (n,) counts only where its lateral stretch (n,) is finite."""
         return cls(stretch, lateral, np.where(np.isfinite(lateral), nominal, np.nan))
 
-    @property
-    def J(self) -> Array:
-        """(n,) volume over volume at rest."""
-        return np.asarray(self.stretch * self.lateral**2)
-
 
 @dataclass(frozen=True)
 class Material(ABC):

@@ -4,7 +4,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Self, final
 
-from fem.effects.effect import InteriorTerm, PenaltyTerm, Terms, UnilateralTerm
+from fem.effects.effect import Terms, UnilateralTerm
 from fem.effects.tightening import Tightening
 from fem.reasons import Reasons
 from fem.solution import Step
@@ -64,7 +64,7 @@ class ActiveSet:
     def tightenings(self) -> tuple[Tightening | None, ...]:
         """For each term of the model: how its contact was tightened in the equations; None where it was not."""
         return tuple(
-            term.tightening(model) if isinstance(model, PenaltyTerm) and isinstance(term, UnilateralTerm) else None
+            term.tightening(model) if isinstance(model, UnilateralTerm) and isinstance(term, UnilateralTerm) else None
             for term, model in zip(self.stiffened, self.model, strict=True)
         )
 
@@ -76,7 +76,7 @@ class ActiveSet:
     def with_tightenings(self, tightenings: Sequence[Tightening | None]) -> Self:
         """With the terms of the model as they stood in a state where `tightenings` was this; itself where all None."""
         terms = tuple(
-            term.with_tightening(by) if by is not None and isinstance(term, PenaltyTerm) else term
+            term.with_tightening(by) if by is not None and isinstance(term, UnilateralTerm) else term
             for term, by in zip(self.model, tightenings, strict=True)
         )
         return replace(self, stiffened=terms) if any(tightenings) else self
@@ -84,7 +84,7 @@ class ActiveSet:
     @property
     def needs_admissible_start(self) -> bool:
         """Whether Newton's method must start from a state in which no walls cross."""
-        return any(isinstance(term, InteriorTerm) for term in self.active)
+        return any(term.is_infinite for term in self.active)
 
     def activated(self, x: Array) -> Self:
         """With those contacts too that the state x (n, 3) activates; itself where there are none."""
@@ -126,10 +126,10 @@ class ActiveSet:
         """
         return self._changed(lambda term: term.with_exact_distances(x))
 
-    def _changed(self, change: Callable[[PenaltyTerm], UnilateralTerm]) -> Self:
-        """With what `change` gives for each active contact that may be crossed; itself where all stay the same."""
+    def _changed(self, change: Callable[[UnilateralTerm], UnilateralTerm]) -> Self:
+        """With what `change` gives for each active contact; itself where all stay the same."""
         terms = tuple(
-            change(term) if active and isinstance(term, PenaltyTerm) else term
+            change(term) if active and isinstance(term, UnilateralTerm) else term
             for term, active in zip(self.stiffened, self.is_active, strict=True)
         )
         return self if terms == self.stiffened else replace(self, stiffened=terms)

@@ -68,7 +68,6 @@ class Control(ABC):
     def start(self, state: State) -> State:
         """The state at which Newton's method starts, from a state near the prescribed value."""
 
-    @abstractmethod
     def increment(
         self, state: State, assembly: Assembly, linearised: Linearised, prescribed_increment: Array, terms: Terms
     ) -> tuple[Change, int]:
@@ -77,6 +76,7 @@ class Control(ABC):
         prescribed_increment (n, 3), mm, is what the prescribed displacements still miss. The number is that of the
         negative eigenvalues of the tangent while the quantity is prescribed. Raises `SingularMatrix`.
         """
+        return to_equilibrium(assembly, linearised), linearised.negative_pivots
 
     @abstractmethod
     def rate(self, state: State, assembly: Assembly, linearised: Linearised, terms: Terms) -> State | None:
@@ -94,12 +94,12 @@ class Control(ABC):
         """
         return None
 
-    @abstractmethod
     def rate_at_rest(self, terms: Terms, fraction: float) -> State | None:
         """Tangent of the path at rest, d(state)/d(value), with constant loads growing by `fraction` per unit of value.
 
         Factorizes. None where the path is not started from it. Raises `SingularMatrix`.
         """
+        return None
 
 
 @final
@@ -120,11 +120,6 @@ class LoadControl(Control):
 
     def start(self, state: State) -> State:
         return replace(state, factor=self.value)
-
-    def increment(
-        self, state: State, assembly: Assembly, linearised: Linearised, prescribed_increment: Array, terms: Terms
-    ) -> tuple[Change, int]:
-        return to_equilibrium(assembly, linearised), linearised.negative_pivots
 
     def rate(self, state: State, assembly: Assembly, linearised: Linearised, terms: Terms) -> State | None:
         if self.system.constraints.ramped.any():  # would need the tangent's columns of the prescribed components
@@ -232,9 +227,6 @@ class VolumeControl(Control):
         if not compliance:
             return None
         return self.system.rate(state, assembly, replace(loaded.scaled(1 / compliance), factor=1 / compliance))
-
-    def rate_at_rest(self, terms: Terms, fraction: float) -> State | None:
-        return None
 
 
 def to_equilibrium(assembly: Assembly, linearised: Linearised) -> Change:

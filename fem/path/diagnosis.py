@@ -7,7 +7,6 @@ from fem.path.active_set import ActiveSet
 from fem.path.modes import falling_mode, stiffness_ratio_mode
 from fem.path.newton import Converged
 from fem.path.predictor import PathPoint
-from fem.post.extremes import unstable_stretches
 from fem.reasons import Reasons
 from fem.solution import Step
 from geometry import Reason
@@ -22,18 +21,6 @@ EARLY = ("p2p0",)
 NOT_FOLLOWED_EARLIER = Reason("not_followed_earlier")
 
 
-def why_path_ends(
-    system: System, last: PathPoint, limit_is_confirmed: bool = False, gives_load: bool = True
-) -> Reasons:
-    """What the last equilibrium tells of the end of its path: a law out of its limits, or a limit point. Factorizes.
-
-    limit_is_confirmed: whether the path ended at the limit that it announced. gives_load: whether the load is
-    prescribed; a path under a prescribed volume goes through limit points of the load, which then explain nothing.
-    """
-    law = unstable_stretches(system.space, last.state.displacement, system.material)
-    return (*law, *near_limit_point(system, last, bool(law), limit_is_confirmed, gives_load))
-
-
 def near_limit_point(
     system: System,
     last: PathPoint,
@@ -43,6 +30,8 @@ def near_limit_point(
 ) -> Reasons:
     """Whether the last equilibrium is about to lose its stability, or has lost it. Factorizes.
 
+    limit_is_confirmed: whether the path ended at the limit that it announced. gives_load: whether the load is
+    prescribed; a path under a prescribed volume goes through limit points of the load, which then explain nothing.
     Where it is not, nothing if the law was named as the reason, else what is excluded. A singular tangent at rest is no
     limit point: a part of the body is not held there.
     """

@@ -15,7 +15,7 @@ from fem.effects.effect import at_constant_fraction, smallest_gap
 from fem.path.active_set import ActiveSet
 from fem.path.control import Control
 from fem.path.costs import Costs
-from fem.path.diagnosis import NOT_FOLLOWED_EARLIER, instability, why_path_ends
+from fem.path.diagnosis import NOT_FOLLOWED_EARLIER, instability, near_limit_point
 from fem.path.effort import effort_of
 from fem.path.exact_contact import with_exact_distances
 from fem.path.increments import Increments
@@ -25,7 +25,7 @@ from fem.path.newton import Converged, NotAdmissible, StepFailed, Unstable, Watc
 from fem.path.options import PathEnded, PathObserver, PathOptions
 from fem.path.predictor import PathPoint, Predictor
 from fem.path.solver import Increment, IncrementSolver
-from fem.post.extremes import extremes_of
+from fem.post.extremes import extremes_of, unstable_stretches
 from fem.reasons import Reasons
 from fem.solution import End, ExactContact, Seconds, Solution, Step
 from geometry import Reason
@@ -41,30 +41,6 @@ CONSTANTS_STRAIN = 0.1
 NEAR_SETTLED = 0.05
 #: smallest increment that is tried there, as a part of it; where it takes more the loads grow together
 CONSTANTS_INCREMENT = 1 / 16
-
-
-@dataclass(frozen=True)
-class _LoadStep:
-    """The way from one target to the next."""
-
-    origin: PathPoint
-    target: float
-
-    def control(self, control: Control, fraction: float) -> Control:
-        """What is prescribed at a fraction of the way."""
-        start, applied = self.origin.value, self.origin.constant_fraction
-        value = self.target if fraction == 1.0 else start + fraction * (self.target - start)
-        return control.target(value, applied + fraction * (1.0 - applied))
-
-
-@dataclass(frozen=True)
-class _Target:
-    """A value of the driven quantity that is to be reached."""
-
-    value: float
-    announced: float  #: the target on whose way it lies, for the observer
-    min_increment: float  #: smallest increment that is tried, as a fraction of the way and, beyond rest, of the load
-    is_first: bool  #: whether it lies on the way to the first target
 
 
 @dataclass(frozen=True, eq=False)
@@ -164,7 +140,7 @@ class PathFollower:
             if constant is None:
                 self._begin_at_rest()
         try:
-            reached = self._reach(_Target(target, target, self.options.min_increment, is_first), before)
+            reached = self._reach(target, target, self.options.min_increment, before, is_first=is_first)
         except PathEnded as ended:
             if constant and ended.end.reached == constant.control.value:  # nothing of the driven load
                 raise PathEnded(replace(ended.end, reached=rest.value)) from None
@@ -179,34 +155,35 @@ class PathFollower:
         """The equilibrium with all constant loads and hardly anything of the driven one; None where they strain the
         body much or there is no stable one: with more of the driven load it may bear them."""
         rest = self.points[0].value
-        way = _Target(rest + CONSTANTS_FIRST * (target - rest), target, CONSTANTS_INCREMENT, is_first=True)
-        rate = self.predictor.rate_from_rest(self.control.target(way.value, 1.0))
-        if rate is None or float(np.abs(rate.strain).max()) * abs(way.value - rest) > CONSTANTS_STRAIN:
+        value = rest + CONSTANTS_FIRST * (target - rest)
+        rate = self.predictor.rate_from_rest(self.control.target(value, 1.0))
+        if rate is None or float(np.abs(rate.strain).max()) * abs(value - rest) > CONSTANTS_STRAIN:
             return None
         try:
-            reached = self._reach(way, before)
+            reached = self._reach(value, target, CONSTANTS_INCREMENT, before, is_first=True)
         except PathEnded:
             return None
         return None if reached.converged.negative_pivots else reached
 
-    def _reach(self, target: _Target, before: Costs) -> _Reached:
-        """Raises `PathEnded`."""
-        load_step = _LoadStep(self.points[-1], target.value)
-        increments = Increments(load_step.origin.value, target.value, target.min_increment)
+    def _reach(self, target: float, announced: float, smallest: float, before: Costs, *, is_first: bool) -> _Reached:
+        """announced: the target on whose way this one lies, for the observer; smallest: increment that is tried;
+        is_first: whether it lies on the way to the first target. Raises `PathEnded`."""
+        origin = self.points[-1]
+        increments = Increments(origin.value, target, smallest)
         increments.limit = self._announced_limit(self.points[0], self.points[-1])
         iterations, cause = 0, StepFailed(Reason("nothing_tried"))
         self.solver.begin_target()
         give_up_checked = False
         while True:
             fraction = increments.next
-            if not give_up_checked and (fraction < 1.0 or not target.is_first):
+            if not give_up_checked and (fraction < 1.0 or not is_first):
                 give_up_checked = True
-                if self.options.give_up(target.announced):
-                    last = load_step.control(self.control, increments.reached)
+                if self.options.give_up(announced):
+                    last = self._control(origin, target, increments.reached)
                     raise PathEnded(self._end(last, increments, before, (Reason("given_up"),)))
-            control = load_step.control(self.control, fraction)
+            control = self._control(origin, target, fraction)
             try:
-                increment = self._increment(control, increments, target.announced)
+                increment = self._increment(control, increments, announced)
                 converged = self.solver.solve(increment)
                 point = self._point(control, converged)
                 arrival = self._check_continuation(control, converged, point, increments)
@@ -216,7 +193,7 @@ class PathFollower:
                 # an equilibrium that no body can have tells more than none
                 cause = cause if isinstance(cause, NotAdmissible) > isinstance(failure, NotAdmissible) else failure
                 increments.failed(fraction, isinstance(failure, Unstable))
-                last = load_step.control(self.control, increments.reached)
+                last = self._control(origin, target, increments.reached)
                 if not increments.reached and self.solver.keep_contact():
                     cause = StepFailed(Reason("nothing_tried"))  # softer contact tells nothing of the end of the path
                 elif increments.ended:
@@ -228,10 +205,16 @@ class PathFollower:
             self.points, self.arrival = [self.points[-1], point], arrival
             increments.accepted(fraction, limit)
             if fraction == 1.0:
-                self.points = [load_step.origin, point]  # the next extrapolation uses points at targets alone
+                self.points = [origin, point]  # the next extrapolation uses points at targets alone
                 return _Reached(control, converged, iterations, increments.cutbacks)
             if increments.is_confirmed_or_exhausted:
                 raise PathEnded(self._end_after(cause, control, increments, before))
+
+    def _control(self, origin: PathPoint, target: float, fraction: float) -> Control:
+        """What is prescribed at a fraction of the way from a point of the path to a target."""
+        start, applied = origin.value, origin.constant_fraction
+        value = target if fraction == 1.0 else start + fraction * (target - start)
+        return self.control.target(value, applied + fraction * (1.0 - applied))
 
     def _note_stability(self, converged: Converged, reached: float, fraction: float) -> None:
         """Keep whether an equilibrium at a fraction of the way is stable, and where the path lost its stability.
@@ -324,8 +307,10 @@ class PathFollower:
         """The end of the path where increments fail, with what is known of the limit."""
         limit = increments.confirmed_limit
         search = (Reason("search_ended", {"increments": increments.tried}),) if increments.is_exhausted else ()
-        explained = why_path_ends(self.system, self.points[-1], limit is not None, self.control.gives_load)
-        return self._end(reached, increments, before, (*search, *failure.reasons, *explained), limit)
+        system, last = self.system, self.points[-1]
+        law = unstable_stretches(system.space, last.state.displacement, system.material)
+        point = near_limit_point(system, last, bool(law), limit is not None, self.control.gives_load)
+        return self._end(reached, increments, before, (*search, *failure.reasons, *law, *point), limit)
 
     def _step(self, reached: _Reached, target: float, before: Costs) -> Step:
         control, converged = reached.control, reached.converged

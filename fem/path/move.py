@@ -13,7 +13,7 @@ from fem.equations.linearised import Linearised
 from fem.equations.state import Assembly, Change, State
 from fem.equations.system import System
 from fem.path.active_set import ActiveSet
-from fem.path.control import Control, Drive, load_change, rate_with_motion, to_equilibrium
+from fem.path.control import Control, Drive, load_change, rate_with_motion
 from fem.solution import Step
 from geometry.arrays import Array
 
@@ -54,11 +54,6 @@ class MoveControl(Control):
         first, last = self.factors
         return replace(state, factor=last - (1.0 - self.value) * (last - first))
 
-    def increment(
-        self, state: State, assembly: Assembly, linearised: Linearised, prescribed_increment: Array, terms: Terms
-    ) -> tuple[Change, int]:
-        return to_equilibrium(assembly, linearised), linearised.negative_pivots
-
     def rate(self, state: State, assembly: Assembly, linearised: Linearised, terms: Terms) -> State | None:
         _, coupling = self.system.tangent(state, assembly, terms, self.motion, convex=False)
         return rate_with_motion(self.system, state, assembly, linearised, self._drive(state, terms, coupling))
@@ -69,9 +64,6 @@ class MoveControl(Control):
         linearised = self.system.linearise(state, assembly, terms, self.motion)
         drive = self._drive(state, terms, linearised.coupling)
         return rate_with_motion(self.system, state, assembly, linearised, drive)
-
-    def rate_at_rest(self, terms: Terms, fraction: float) -> State | None:
-        return None  # the path does not begin at rest
 
     def _drive(self, state: State, terms: Terms, coupling: Change) -> Drive:
         growth = self.factors[1] - self.factors[0]

@@ -17,15 +17,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from fem.effects.effect import (
-    InteriorTerm,
-    Terms,
-    UnilateralTerm,
-    advanced,
-    settled,
-    smallest_gap,
-    step_limit,
-)
+from fem.effects.effect import Terms, UnilateralTerm, advanced, settled, smallest_gap, step_limit
 from fem.equations.linear import SingularMatrix
 from fem.equations.linearised import Linearised
 from fem.equations.state import Assembly, State
@@ -170,7 +162,7 @@ class _Patience:
     @classmethod
     def of(cls, start: Start, options: NewtonOptions, iterations: int) -> "_Patience":
         """At the start; iterations: the largest number of all."""
-        far = iterations if any(isinstance(term, InteriorTerm) for term in start.terms) else options.far
+        far = iterations if any(term.is_infinite for term in start.terms) else options.far
         return cls(start, 0 if start.trial else options.limited, far + 1)
 
     def check(self, iteration: int, relative: float, linearised: Linearised | None, is_limited: bool) -> None:

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from fem.discretisation import Discretisation
-from fem.kernels.element import VOIGT, green_lagrange
+from fem.kernels.element import VOIGT
 from fem.materials import LAWS
 from fem.materials.material import Material
 from fem.materials.regions import ByRegion, Laws, Solid
@@ -13,14 +13,6 @@ from fem.reasons import Reasons, position_of
 from fem.solution import Extremes
 from geometry import Reason
 from geometry.arrays import Array, Index
-
-
-def strain_at_stress_points(space: Discretisation, displacement: Array) -> tuple[Array, Array]:
-    """Green-Lagrange strain (e, q, 6) and det F (e, q) for displacements (n, 3)."""
-    strain = np.empty((*space.weight.shape, 6))
-    jacobian = np.empty(space.weight.shape)
-    green_lagrange(space.arrays, displacement, strain, jacobian)
-    return strain, jacobian
 
 
 def principal_stretches(strain: Array) -> Array:
@@ -71,7 +63,7 @@ def _candidates(strain: Array) -> tuple[tuple[Index, ...], tuple[Index, ...]]:
 
 def unstable_stretches(space: Discretisation, displacement: Array, solid: Solid) -> Reasons:
     """The stretch at displacements (n, 3) that is outside the stable range of its law, for each law where one is."""
-    strain, jacobian = strain_at_stress_points(space, displacement)
+    strain, jacobian = space.strain_of(displacement)
     reasons = []
     for law, elements in Laws.on(solid, space.regions, space.nodes.shape[0]).parts:
         names = []

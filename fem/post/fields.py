@@ -5,7 +5,7 @@ import numpy as np
 from fem.equations.formulation import formulation_of
 from fem.kernels.element import VOIGT
 from fem.materials.regions import Solid
-from fem.post.extremes import principal_stretches, strain_at_stress_points
+from fem.post.extremes import principal_stretches
 from fem.solution import Step
 from geometry.arrays import Array
 
@@ -14,7 +14,7 @@ def element_fields(step: Step, material: Solid) -> dict[str, Array]:
     """Largest and smallest principal stretch in a tetrahedron (e,), and means over it of J (e,) and of the Cauchy
     stress (e, 6; xx, yy, zz, xy, yz, xz; MPa). Tetrahedra are in the order of the mesh."""
     space = step.space
-    strain, jacobian = strain_at_stress_points(space, step.displacement)
+    strain, jacobian = space.strain_of(step.displacement)
     law = formulation_of(space, material)
     stress = law.evaluate(strain, law.pressure_of(strain)).stress
     points = space.element.shape.points

@@ -19,7 +19,6 @@ import scipy.sparse as sp
 from fem.discretisation import Discretisation
 from fem.kernels.recovery import TERMS, Patches, blended, normal_equations
 from fem.materials.regions import Laws, Solid, laws_of
-from fem.post.extremes import strain_at_stress_points
 from fem.reasons import position_of
 from fem.solution import Step
 from geometry.arrays import Array, Index
@@ -50,7 +49,7 @@ def stress_error(step: Step, material: Solid) -> StressError:
     """
     space, modulus = step.space, laws_of(material)[""].shear_modulus
     laws = Laws.on(material, space.regions, space.nodes.shape[0])
-    strain, _ = strain_at_stress_points(space, step.displacement)
+    strain, _ = space.strain_of(step.displacement)
     shear, weight = laws.shear(strain[:, space.shear_points]).stress, space.weight[:, space.shear_points]
     smooth = np.empty_like(shear)
     for _, elements in laws.parts:

@@ -6,7 +6,7 @@ from math import acos, pi, sqrt
 from typing import Annotated, ClassVar, final
 
 from geometry.errors import DesignError
-from geometry.families.dimensions import check_design, not_less
+from geometry.families.dimensions import not_less
 from geometry.families.partitioned import UndividedDesign
 from geometry.meshing.shapes import RoundBar, Shape
 
@@ -27,9 +27,6 @@ class BisectedCircle(UndividedDesign):
     end_wall: Annotated[float, "thickness of the solid at each end"] = 2.0
     wall: Annotated[float, "thickness of the round wall"] = 1.0
     divider: Annotated[float, "thickness of the dividing wall, in the middle of which the material curve runs"] = 1.5
-
-    def __post_init__(self) -> None:
-        check_design(self, self._impossible)
 
     def _impossible(self) -> Iterator[DesignError]:
         yield from not_less(self, "wall", "radius", because="the wall leaves no cavity")

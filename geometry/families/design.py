@@ -1,7 +1,7 @@
 """Designs: the checked dimensions of a body family, and the meshed body they give."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from copy import copy
 from dataclasses import fields, replace
 from itertools import pairwise
@@ -12,6 +12,7 @@ import numpy as np
 from geometry.arrays import Array
 from geometry.body import Body
 from geometry.errors import DesignError, raise_together
+from geometry.families.dimensions import LONGEST, SHORTEST, check_design
 from geometry.grading import OFF, Grading
 from geometry.mesh import Mesh
 from geometry.meshing.mirror import Repetition
@@ -30,8 +31,6 @@ TETS_PER_SQUARE = 15.0
 ROUNDING_OF_PITCH = 0.01
 #: Change of a dimension in difference quotients of the drawing, over it.
 STEP_OF_DIMENSION = 1e-3
-#: Smallest and largest dimension that Gmsh draws reliably, mm.
-SHORTEST, LONGEST = 1e-3, 1e6
 
 
 class Design(ABC):
@@ -93,11 +92,6 @@ class Design(ABC):
     def has_equal_cells(self) -> bool:
         """Whether all cells are equal; nominal ones are."""
         return True
-
-    @property
-    def key_of_cells(self) -> str:
-        """The dimension with which the arm gets more cells, a key of the config."""
-        return "length"
 
     @property
     def straightened(self) -> Array:
@@ -269,7 +263,8 @@ class Design(ABC):
         Raises `DesignError` for a body without an inner cell.
         """
         if not repetition.half_cells:
-            raise DesignError(self.key_of_cells, "the body has no inner cell: it needs two cells at least")
+            key = "cell" if self.is_from_file else "chambers" if hasattr(self, "chambers") else "length"
+            raise DesignError(key, "the body has no inner cell: it needs two cells at least")
         return self._body(repetition.half_cell(), repetition.half_pitch, repetition.half)
 
     def end_piece(self, half_cells: int, repetition: Repetition) -> Body:
@@ -312,6 +307,13 @@ class Design(ABC):
 class SymmetricDesign(Design):
     """A design that is symmetric about z = 0, so that only z >= 0 is meshed, and repeats a cell that is symmetric about
     its own middle. A family defines `cell_count` and `repetition`."""
+
+    def __post_init__(self) -> None:
+        check_design(self, self._impossible)
+
+    @abstractmethod
+    def _impossible(self) -> Iterator[DesignError]:
+        """What is wrong about several dimensions together."""
 
     @property
     @abstractmethod

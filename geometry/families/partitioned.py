@@ -65,10 +65,6 @@ class PartitionedDesign(Bar, OnBasePlate):
         return self.chambers * self.chamber_length + (self.chambers - 1) * self.partition + 2 * self.end_wall
 
     @property
-    def key_of_cells(self) -> str:
-        return "chambers"
-
-    @property
     def _cells(self) -> tuple[int, float]:
         if self.chambers > 1:
             return self.chambers, self.chamber_length + self.partition

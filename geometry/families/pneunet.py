@@ -9,7 +9,7 @@ from typing import Annotated, ClassVar, final
 from geometry.body import Body
 from geometry.errors import DesignError
 from geometry.families.design import OnBasePlate
-from geometry.families.dimensions import check_design, not_less
+from geometry.families.dimensions import not_less
 from geometry.grading import OFF, Grading
 from geometry.meshing.mirror import Repetition, name_faces
 from geometry.meshing.moving import Drawing
@@ -69,9 +69,6 @@ class PneuNet(OnBasePlate):
     chamber_heights: Annotated[tuple[float, ...], "of each chamber from the clamp on, instead of `chamber_height`"] = ()
     gaps: Annotated[tuple[float, ...], "instead of `gap`: at the clamp, between chambers, and at the tip"] = ()
 
-    def __post_init__(self) -> None:
-        check_design(self, self._impossible, counts=["chambers"], or_zero=["fillet"])
-
     def _impossible(self) -> Iterator[DesignError]:
         for name, usual in self.lists.items():
             given, count = len(getattr(self, name)), self._count(usual)
@@ -125,10 +122,6 @@ class PneuNet(OnBasePlate):
     def has_equal_cells(self) -> bool:
         """Whether all chambers and all gaps are equal."""
         return all(len(set(self._each(dimension))) == 1 for dimension in self.lists.values())
-
-    @property
-    def key_of_cells(self) -> str:
-        return "chambers"
 
     @property
     def cell_count(self) -> int:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Annotated, ClassVar, final
 
 from geometry.errors import DesignError
-from geometry.families.dimensions import check_design, not_less
+from geometry.families.dimensions import not_less
 from geometry.families.partitioned import PartitionedDesign
 from geometry.meshing.shapes import Box, Shape
 
@@ -31,9 +31,6 @@ class Rectangular(PartitionedDesign):
     side_wall: Annotated[float, "thickness of the walls across z"] = 2.0
     roof: Annotated[float, "thickness of the wall above the cavities"] = 2.0
     channel: Annotated[float, "width and height of the air channel on the base plate"] = 2.0
-
-    def __post_init__(self) -> None:
-        check_design(self, self._impossible, counts=["chambers"])
 
     def _impossible(self) -> Iterator[DesignError]:
         yield from not_less(self, "side_wall", "width", 0.5, "the two side walls leave no cavity")

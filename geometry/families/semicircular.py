@@ -7,7 +7,7 @@ from typing import Annotated, ClassVar, final
 
 from geometry.errors import DesignError
 from geometry.families.design import OnBasePlate
-from geometry.families.dimensions import check_design, not_less
+from geometry.families.dimensions import not_less
 from geometry.families.partitioned import PartitionedDesign
 from geometry.meshing.shapes import Box, RoundBar, Shape
 
@@ -60,9 +60,6 @@ class Semicircular(HalfDisc, PartitionedDesign):
     base: Annotated[float, "thickness of the base plate; the material curve runs at half of it"] = 2.0
     wall: Annotated[float, "thickness of the round wall"] = 1.0
     channel: Annotated[float, "width and height of the air channel on the base plate"] = 2.0
-
-    def __post_init__(self) -> None:
-        check_design(self, self._impossible, counts=["chambers"])
 
     def _impossible(self) -> Iterator[DesignError]:
         yield from not_less(self, "wall", "radius", because="the wall leaves no cavity")

@@ -6,7 +6,7 @@ from math import pi
 from typing import Annotated, ClassVar, final
 
 from geometry.errors import DesignError
-from geometry.families.dimensions import check_design, not_less
+from geometry.families.dimensions import not_less
 from geometry.families.partitioned import UndividedDesign
 from geometry.families.semicircular import HalfDisc
 from geometry.meshing.shapes import Shape
@@ -28,9 +28,6 @@ class SemicircularSingle(HalfDisc, UndividedDesign):
     end_wall: Annotated[float, "thickness of the solid at each end"] = 2.0
     base: Annotated[float, "thickness of the base plate; the material curve runs at half of it"] = 2.0
     wall: Annotated[float, "thickness of the round wall"] = 1.0
-
-    def __post_init__(self) -> None:
-        check_design(self, self._impossible)
 
     def _impossible(self) -> Iterator[DesignError]:
         yield from not_less(self, "wall", "radius", because="the wall leaves no cavity")

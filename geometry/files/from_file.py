@@ -120,10 +120,6 @@ class FileDesign(Design):
         return points @ ((self.unit or 1.0) * rotation(self.axes).T) - [0.0, 0.0, self.middle]
 
     @property
-    def key_of_cells(self) -> str:
-        return "cell"
-
-    @property
     def is_open_at_clamp(self) -> bool:
         return self.plug is True
 

@@ -97,7 +97,8 @@ class Repetition:
         and `tip`."""
         cell = _cut(self.solid, "cell")
         points = cell.points - np.array([self.middle, 0.0, 0.0])
-        points[:, 0] = _snapped(points[:, 0], (0.0, self.half_pitch))
+        for plane in (0.0, self.half_pitch):  # what is within rounding of it is exactly on it
+            points[np.abs(points[:, 0] - plane) < 1e-9 * self.half_pitch, 0] = plane
         middles = cell.curved.middles - np.array([self.middle, 0.0, 0.0])
         curved = CurvedEdges(cell.curved.ends, middles)
         return name_faces(points, cell.tets, cell.walls, self._planes(self.half_pitch), curved)
@@ -147,13 +148,6 @@ def slices(length: float, nominal: float) -> tuple[int, float]:
     """Number and length (mm) of the equal slices of `length` that are closest to `nominal` (mm)."""
     count = max(1, round(length / nominal))
     return count, length / count
-
-
-def _snapped(x: Array, planes: tuple[float, ...]) -> Array:
-    """x (n,) with those within rounding of a plane exactly on it."""
-    for plane in planes:
-        x = np.where(np.abs(x - plane) < 1e-9 * max(planes), plane, x)
-    return x
 
 
 def _copied(points: Array, k: int, middle: float, edge: float, length: float) -> Array:

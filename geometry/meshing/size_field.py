@@ -62,7 +62,9 @@ def find_graded(gmsh: Any, grading: Grading, half: bool = True, mirrored: bool =
     if grading.at == "edges":
         curves = (tag for _, tag in model.getEntities(1))
         return "CurvesList", [tag for tag in curves if _is_reentrant(model, tag, inside, near)]
-    return "SurfacesList", _thin_walls(model, inside, near)
+    # behind which the material is not much thicker than where it is thinnest
+    thickness = _thicknesses(model, inside, near, DEEPEST * float(_sides(model).min()))
+    return "SurfacesList", [face for face, depth in thickness.items() if depth <= THIN * min(thickness.values())]
 
 
 def _field(gmsh: Any, kind: str, tags: Sequence[int], smallest: float, growth: float) -> int:
@@ -110,12 +112,6 @@ def thinnest_wall(gmsh: Any, half: bool = True) -> float:
     deepest = DEEPEST * float((_sides(model) * [1.0, 1.0, 2.0 if half else 1.0]).min())
     thickness = _thicknesses(model, *_material_test(model, half, mirrored=False), deepest)
     return min(thickness.values(), default=deepest)
-
-
-def _thin_walls(model: Any, inside: Inside, near: float) -> list[int]:
-    """Tags of the faces behind which the material is at most THIN times as thick as where it is thinnest."""
-    thickness = _thicknesses(model, inside, near, DEEPEST * float(_sides(model).min()))
-    return [face for face, depth in thickness.items() if depth <= THIN * min(thickness.values())]
 
 
 def _sides(model: Any) -> Array:

@@ -93,13 +93,8 @@ def _solved(scene: Scene, context: RunContext, name: str, pressures_kPa: tuple[f
 
 def _numbers(parameters: Parameters) -> dict[str, float]:
     """The five numbers, kappa_0(l/2) and F on the mesh of the run."""
-    return numbers_with(parameters, parameters.by_cells, parameters.kappa_0.middle, parameters.loaded.load)
-
-
-def numbers_with(parameters: Parameters, lines: Identification, kappa_0: float, load: Load) -> dict[str, float]:
-    """Five numbers with as many lines as the parameters have, with kappa_0(l/2) in 1/mm and F, the size of a force."""
-    five = {name: number.value for name, number in parameters.numbers_of(lines).items()}
-    return five | {"kappa_0": kappa_0, "force": load.force_size}
+    own = OtherNumbers(parameters.by_cells, parameters.kappa_0.middle, parameters.loaded.load)
+    return own.numbers(parameters)
 
 
 def _meshed(context: TaskContext, config: Config) -> Scene:
@@ -164,51 +159,52 @@ def _scale(name: str, numbers: Mapping[str, float]) -> float:
 
 
 @dataclass(frozen=True)
-class OnMesh:
-    """Experiments II and III at one pressure on another mesh, and what follows from them."""
+class OtherNumbers:
+    """What experiments II and III at one pressure give otherwise: on another mesh, or of a rod in place of the arm."""
 
-    free: Record
-    loaded: Record
     lines: Identification
+    kappa_0: float  #: 1/mm, in the middle
+    load: Load  #: of III
+    one_rigidity: bool = False  #: as in `Parameters`
 
     @staticmethod
-    def of(fine: Parameters, free: Record, loaded: Record) -> "OnMesh":
-        """At the pressure of the parameters on the first mesh. Raises RodError."""
-        curves = free.centreline, loaded.centreline
-        return OnMesh(free, loaded, numbers_of_curves(*curves, loaded.load, fine.kappa.pitch, fine.given_d))
+    def of(fine: Parameters, free: Record, loaded: Record) -> "OtherNumbers":
+        """On another mesh, at the pressure of the parameters on the first one. Raises RodError."""
+        curves, pitch = (free.centreline, loaded.centreline), fine.kappa.pitch
+        lines = numbers_of_curves(*curves, loaded.load, pitch, fine.given_d)
+        is_one = has_one_rigidity(fine.equal_cells, free, loaded)
+        return OtherNumbers(lines, cell_averaged(free.centreline, pitch).middle, loaded.load, is_one)
 
-    def numbers(self, fine: Parameters) -> dict[str, float]:
-        """The five numbers, kappa_0(l/2) and F."""
-        kappa_0 = cell_averaged(self.free.centreline, fine.kappa.pitch)
-        return numbers_with(fine, self.lines, kappa_0.middle, self.loaded.load)
+    def numbers(self, parameters: Parameters) -> dict[str, float]:
+        """The five numbers with as many lines as the parameters have, kappa_0 in 1/mm and F, the size of a force."""
+        five = {name: number.value for name, number in parameters.numbers_of(self.lines).items()}
+        return five | {"kappa_0": self.kappa_0, "force": self.load.force_size}
 
 
 def _identify(
     parameters: Sequence[Parameters], outcomes: Outcomes, name: str
-) -> tuple[list[OnMesh | None], list[Reason]]:
+) -> tuple[list[OtherNumbers | None], list[Reason]]:
     """What follows at each pressure from outcomes whose names begin with `name`; None where one was not reached or
     nothing follows, and why."""
-    refused, found = list(outcomes.failures), list[OnMesh | None]()
+    refused, found = list(outcomes.failures), list[OtherNumbers | None]()
     for p in parameters:
         free, loaded = (outcomes[f"{name}_{experiment}"].at(p.pressure_kPa) for experiment in ("II", "III"))
         found.append(None)
         if free is not None and loaded is not None:
             try:
-                found[-1] = OnMesh.of(p, free, loaded)
+                found[-1] = OtherNumbers.of(p, free, loaded)
             except RodError as failure:
                 why = str(failure).removesuffix(".")
                 refused.append(Reason("not_identified", {"pressure_kPa": p.pressure_kPa, "why": why}))
     return found, refused
 
 
-def _two_lines(parameters: Sequence[Parameters], coarse: Sequence[OnMesh | None]) -> Sequence[bool | None]:
+def _two_lines(parameters: Sequence[Parameters], coarse: Sequence[OtherNumbers | None]) -> Sequence[bool | None]:
     """Whether two lines would be chosen on the coarser mesh; None where pressures to decide with are lacking."""
     known = [on for on in coarse if on is not None]
     if len(known) < len(coarse):
         return [None] * len(coarse)
-    one_rigidity = [
-        has_one_rigidity(p.equal_cells, on.free, on.loaded) for p, on in zip(parameters, known, strict=True)
-    ]
+    one_rigidity = [on.one_rigidity for on in known]
     decisive = sum_evidence([on.lines.evidence for on in known], one_rigidity)
     every = zip(decisive, one_rigidity, parameters, strict=True)
     return [takes_two_lines(evidence, is_one, p.given_d is not None) for evidence, is_one, p in every]

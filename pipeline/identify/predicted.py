@@ -5,55 +5,41 @@ finite elements are. Laws on two meshes differ in their prediction as the whole 
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
-from pipeline.identify.mesh_error import numbers_with, with_errors
+from pipeline.identify.mesh_error import OtherNumbers, with_errors
 from pipeline.identify.parameters import Parameters, numbers_of_curves
-from rod import ArmLaw, Identification, Load, Rod, RodError
+from rod import ArmLaw, Load, Rod, RodError
 
 
-@dataclass(frozen=True)
-class Predicted:
-    """What a law says of experiments II and III at one pressure."""
-
-    lines: Identification
-    kappa_0: float  #: 1/mm, of a cell without moment
-    load: Load  #: of III
-
-    @staticmethod
-    def of(parameters: Parameters, law: ArmLaw) -> "Predicted":
-        """At the pressure and under the loads of the parameters. Raises RodError where the law has no such rod."""
-        curve, at = parameters.free.centreline, law.at(parameters.pressure_kPa)
-        rod = Rod(law.length, law=at, start=(float(curve.x[0]), float(curve.y[0])))
-        end_x, end_y = parameters.loaded.held_end
-        loaded = rod.under(Load(parameters.loaded.load.force), end_y, end_x)
-        force = (float(loaded.force[0]), float(loaded.force[1]))
-        lever = loaded.positions(loaded.s[-1:])[0] - [loaded.x[-1], loaded.y[-1]]
-        # about the end of the material curve
-        couple = float(loaded.moment[-1]) - lever[0] * force[1] + lever[1] * force[0]
-        curves = rod.under(Load()).along(curve), loaded.along(curve)
-        load = Load(force, couple)
-        lines = numbers_of_curves(*curves, load, parameters.kappa.pitch, parameters.given_d)
-        return Predicted(lines, at.section.kappa_0, load)
-
-    def numbers(self, parameters: Parameters) -> dict[str, float]:
-        """The five numbers, with as many lines as the parameters have, kappa_0 and F."""
-        return numbers_with(parameters, self.lines, self.kappa_0, self.load)
+def predicted(parameters: Parameters, law: ArmLaw) -> OtherNumbers:
+    """At the pressure and under the loads of the parameters. Raises RodError where the law has no such rod."""
+    curve, at = parameters.free.centreline, law.at(parameters.pressure_kPa)
+    rod = Rod(law.length, law=at, start=(float(curve.x[0]), float(curve.y[0])))
+    end_x, end_y = parameters.loaded.held_end
+    loaded = rod.under(Load(parameters.loaded.load.force), end_y, end_x)
+    force = (float(loaded.force[0]), float(loaded.force[1]))
+    lever = loaded.positions(loaded.s[-1:])[0] - [loaded.x[-1], loaded.y[-1]]
+    # about the end of the material curve
+    couple = float(loaded.moment[-1]) - lever[0] * force[1] + lever[1] * force[0]
+    curves = rod.under(Load()).along(curve), loaded.along(curve)
+    load = Load(force, couple)
+    lines = numbers_of_curves(*curves, load, parameters.kappa.pitch, parameters.given_d)
+    return OtherNumbers(lines, at.section.kappa_0, load)
 
 
-def predictions(parameters: Sequence[Parameters], law: ArmLaw) -> list[Predicted | str]:
+def predictions(parameters: Sequence[Parameters], law: ArmLaw) -> list[OtherNumbers | str]:
     """By pressure, or why there is none."""
-    found: list[Predicted | str] = []
+    found: list[OtherNumbers | str] = []
     for p in parameters:
         try:
-            found.append(Predicted.of(p, law))
+            found.append(predicted(p, law))
         except RodError as failure:
             found.append(str(failure))
     return found
 
 
 def with_mesh_error_of_laws(
-    parameters: Sequence[Parameters], limit: Sequence[Predicted | str], on_mesh: Sequence[Predicted | str]
+    parameters: Sequence[Parameters], limit: Sequence[OtherNumbers | str], on_mesh: Sequence[OtherNumbers | str]
 ) -> tuple[Parameters, ...]:
     """The parameters with the differences between what the law in the limit of its mesh predicts and what the law on
     the mesh of the experiments does, as standard deviations; unchanged at a pressure at which one has no rod."""

@@ -6,9 +6,8 @@ from typing import Any
 
 from geometry.arrays import Array
 from pipeline.config.config import Config
-from pipeline.identify.mesh_error import RELATIVE
+from pipeline.identify.mesh_error import RELATIVE, OtherNumbers
 from pipeline.identify.parameters import Parameters, decide_together, row_of
-from pipeline.identify.predicted import Predicted
 from pipeline.values.formats import FORMAT
 from pipeline.values.json_values import ReadObject
 from pipeline.values.parameters import (
@@ -25,7 +24,6 @@ from rod import (
     Interval,
     LinearRange,
     Load,
-    MomentRange,
     Quantity,
     linear_range,
     rest_curvature,
@@ -37,7 +35,7 @@ ESTIMATOR = "cell_averaged"
 def parameters_record(
     config: Config,
     parameters: Sequence[Parameters],
-    predicted: Sequence[Predicted | str] | None = None,
+    predicted: Sequence[OtherNumbers | str] | None = None,
     coarser: float | None = None,
     mesh_error_reason: str = "",
 ) -> RodParameters:
@@ -66,7 +64,7 @@ def parameters_record(
         d_given_mm=config.identification.d_mm,
         mesh_error=_mesh_error(config, parameters, coarser),
         mesh_error_reason=mesh_error_reason,
-        moment_range_N_mm=_ranges([p.moment_range for p in parameters]),
+        moment_range_N_mm=tuple((moments.low, moments.high) for moments in (p.moment_range for p in parameters)),
         estimators={ESTIMATOR: _identified([p.by_cells for p in parameters], parameters)},
         predicted_by_arm_law=None if predicted is None else _identified(by_law, parameters),
         kappa_0=_rest_shape(parameters),
@@ -121,10 +119,6 @@ def _mesh_error(config: Config, parameters: Sequence[Parameters], coarser: float
 
 def _numbers(values: Array) -> tuple[float, ...]:
     return tuple(values.tolist())
-
-
-def _ranges(ranges: Sequence[MomentRange]) -> tuple[tuple[float, float], ...]:
-    return tuple((moments.low, moments.high) for moments in ranges)
 
 
 def _identified(estimates: Sequence[Identification | str], parameters: Sequence[Parameters]) -> TwoLines:

@@ -74,22 +74,20 @@ def _unstable(solved: Solved) -> Iterator[Reason]:
 def _beyond_law(solved: Solved) -> Iterator[Reason]:
     """Stretches beyond those for which the laws of the solid and of its regions describe rubber, or are stable."""
     records, volumes = solved.outcomes.records, solved.volumes
-    parts = [("the walls", solved.config.material, _rows_outside(solved))]
+    outside = np.setdiff1d(np.arange(len(volumes)), np.concatenate([[], *solved.regions.values()])).astype(int)
+    parts = [("the walls", solved.config.material, outside)]
     parts += [(f"the part {name}", law, solved.regions[name]) for name, law in solved.config.materials.items()]
     for part, material, rows in parts:
         holds = _range_of(material)
         share, worst = max((_share_outside(r, rows, volumes, holds), n) for n, r in enumerate(records))
         if share > LEFT_OUT:
-            smallest, largest = _stretches(records[worst], rows, volumes)
+            fields, of_part = records[worst].fields, volumes[rows]
+            smallest = _beyond_share(fields["smallest_stretch"][rows], of_part)
+            largest = -_beyond_share(-fields["stretch"][rows], of_part)
             found = {"percent": 100.0 * share, "smallest": smallest, "largest": largest, **_state(records[worst].state)}
-            instead = _law_for(smallest, largest)
+            laws = [law for law, (low, high) in HOLDS.items() if low <= smallest and largest <= high]
+            instead = " or ".join([*laws[:1], "one fitted with pneurod material"])
             yield Reason("beyond_law", {"part": part, "law": material.law, **found, **holds, "instead": instead})
-
-
-def _law_for(smallest: float, largest: float) -> str:
-    """A law that describes rubber up to these stretches, and how its constants are found."""
-    laws = [law for law, (low, high) in HOLDS.items() if low <= smallest and largest <= high]
-    return f"{laws[0]} or one fitted with pneurod material" if laws else "one fitted with pneurod material"
 
 
 def _range_of(material: Material) -> dict[str, float]:
@@ -98,17 +96,6 @@ def _range_of(material: Material) -> dict[str, float]:
     low, high = material.holds_between or HOLDS.get(material.law, (0.0, inf))
     least, most = material.built().stretch_limits
     return {"holds_from": max(low, least), "holds_to": min(high, most)}
-
-
-def _rows_outside(solved: Solved) -> Index:
-    """Rows of the elements outside of all regions."""
-    return np.setdiff1d(np.arange(len(solved.volumes)), np.concatenate([[], *solved.regions.values()])).astype(int)
-
-
-def _stretches(record: Record, rows: Index, volumes: Array) -> tuple[float, float]:
-    """The smallest and the largest stretch of some of the elements, without that of `LEFT_OUT` of their volume."""
-    least, most = record.fields["smallest_stretch"][rows], record.fields["stretch"][rows]
-    return _beyond_share(least, volumes[rows]), -_beyond_share(-most, volumes[rows])
 
 
 def _share_outside(record: Record, rows: Index, volumes: Array, holds: Mapping[str, float]) -> float:

@@ -13,8 +13,6 @@ from pipeline.identify.compare import Comparison, compare_rods, curve_of
 from pipeline.simulate.loadcase import LoadCase, validation_cases
 from pipeline.simulate.outcome import Outcomes
 from pipeline.simulate.scene import Scene
-from pipeline.simulate.simulate import simulate
-from pipeline.store.context import RunContext
 from pipeline.values.run import Curve
 from rod.same_pressure import is_among
 
@@ -39,8 +37,10 @@ def keep_reached_loads(scene: Scene, outcomes: Outcomes) -> Scene:
     Behind a limit they would take long to end without a result, and there is no rod to compare them with.
     """
     validation = scene.config.validation.among(outcomes.reached_kPa).up_to(_highest_of_II(outcomes))
-    held = scene.config.end.y_mm or 0.0
-    validation = validation.beyond(held, is_held_down=_is_held_down(outcomes, held))
+    held, curves = scene.config.end.y_mm or 0.0, [record.centreline for record in outcomes["II"].records[:1]]
+    # whether the end of the free arm has moved above the height at which it is held in III
+    is_held_down = any(curve.y[-1] - curve.y[0] > held for curve in curves)
+    validation = validation.beyond(held, is_held_down=is_held_down)
     validation = validation.with_small_forces(_force_of_rigidity(outcomes, validation.pressures_kPa))
     return replace(scene, config=replace(scene.config, validation=validation))
 
@@ -76,23 +76,9 @@ def _force_of_rigidity(outcomes: Outcomes, pressures_kPa: tuple[float, ...]) -> 
     return force * free.centreline.length / (3.0 * moved) if moved > 0.0 else 0.0
 
 
-def _is_held_down(outcomes: Outcomes, held_mm: float) -> bool:
-    """Whether the end of the free arm has moved above the height u_y at which it is held in III."""
-    curves = [record.centreline for record in outcomes["II"].records[:1]]
-    return any(curve.y[-1] - curve.y[0] > held_mm for curve in curves)
-
-
 def _highest_of_II(outcomes: Outcomes) -> float:
     """The highest pressure that II has reached, 0 where none, kPa."""
     return max((record.pressure_kPa for record in outcomes["II"].records), default=0.0)
-
-
-def solve_validation(scene: Scene, context: RunContext, reached_kPa: tuple[float, ...]) -> Outcomes:
-    """The validation loads of the configuration, solved. Raises RunFailed as `simulate` does.
-
-    reached_kPa: pressures of the run at which II and III are stored.
-    """
-    return simulate(scene, context, validation_cases(scene.config, reached_kPa))
 
 
 def validate(scene: Scene, outcomes: Outcomes, rods: ArmRods) -> Validated:

@@ -15,6 +15,7 @@ import numpy as np
 from fem.cell.piece import PieceFailed
 from geometry import Reason
 from pipeline.config.automatic_mesh import MeshSettings, cell_mesh
+from pipeline.config.config import Config
 from pipeline.law.ends import CLAMP, CLAMP_NEAR, HALF_CELLS, half_cells_of, measure_ends
 from pipeline.law.layers import measure_layers
 from pipeline.law.mesh_limit import Corrections, MeshLimit, Numbers, corrected
@@ -24,7 +25,7 @@ from pipeline.law.piece.point import KeptCurve
 from pipeline.law.piece.rates import law_rates
 from pipeline.law.piece.tasks import ArmTasks, Log
 from pipeline.law.snap import measurer_of_form, swollen_pieces
-from pipeline.law.unloaded import begin_first_states, reached_states
+from pipeline.law.unloaded import first_states
 from pipeline.results.unloaded import first_numbers
 from pipeline.store.context import RunContext
 from pipeline.store.progress import Silent
@@ -163,11 +164,11 @@ def _deliver_form(
     tell_first(given[0], context)
     begin_others()
     meshes, bends = _by_pressures(given, pressures_kPa, context)
-    search = _Search(pieces, pressures_kPa, inf if accuracy is None else accuracy, context)
-    begun = context.workers.beside(search.limit, bends)
+    begun = context.workers.beside(_find_limit, pieces, bends, context)
     measured, taken = _farthest(meshes, pressures_kPa, context)
     borne = _bends(measured, measured.law.pressures)
-    limit = begun.result() if search.at(borne) == search.at(bends) else search.limit(borne)
+    is_same = _at_limit(pieces.config, borne) == _at_limit(pieces.config, bends)
+    limit = begun.result() if is_same else _find_limit(pieces, borne, context)
     length, size = pieces.design.length, taken.config.mesh.size_mm
     law = measured.law
     if accuracy is not None:
@@ -183,9 +184,8 @@ def correction_of(pieces: ArmPieces, curves: Sequence[CellCurve], context: RunCo
     pieces: those on the mesh of the arm. curves: at the pressures of the configuration; they may reach little farther
     than the state without moment. Raises as `find_limit`.
     """
-    config = pieces.config
     bends = {curve.pressure: curve.at(0.0)[0] for curve in curves}
-    limit = _Search(pieces, config.pressures_kPa, config.accuracy or inf, context).limit(bends)
+    limit = _find_limit(pieces, bends, context)
     own = _numbers(fine_pieces(pieces), {p: bends[p] for p in limit.limits if p in bends}, context)
     return Corrections.of(curves, own, limit, pieces.design.length)
 
@@ -194,8 +194,7 @@ def tell_first(pieces: ArmPieces, context: RunContext) -> None:
     """Tell the arm without a load from single states of these pieces, unless nobody listens."""
     if isinstance(context.progress, Silent):
         return
-    begun = begin_first_states(ArmTasks(pieces, context), pieces.config.pressures_kPa)
-    if states := reached_states(begun):
+    if states := first_states(ArmTasks(pieces, context), pieces.config.pressures_kPa):
         context.progress.remark(first_numbers(states, pieces.config.mesh.size_mm))
 
 
@@ -258,27 +257,19 @@ def _by_pressures(
     return meshes[first:], borne[first]
 
 
-@dataclass(frozen=True)
-class _Search:
-    """Finds the limit of an arm's cell at rest, at some pressures that were asked for, and at the last one of a law."""
+def _at_limit(config: Config, bends: Mapping[float, float]) -> tuple[float, ...]:
+    """Pressures at which the limit is found, kPa: some that were asked for, and the last one of all that are borne."""
+    pressures = sorted({0.0, *bends})
+    asked = [p for p in pressures if p in config.pressures_kPa or p == pressures[-1]]
+    rows = np.unique(np.linspace(0, len(asked) - 1, PRESSURES).round().astype(int))
+    return tuple(dict.fromkeys((0.0, *(asked[row] for row in rows))))
 
-    pieces: ArmPieces
-    pressures_kPa: Sequence[float]
-    accuracy: float
-    context: RunContext
 
-    def at(self, bends: Mapping[float, float]) -> tuple[float, ...]:
-        """The pressures of the limit, kPa; bends: of all pressures that are borne."""
-        pressures = sorted({0.0, *bends})
-        asked = [p for p in pressures if p in self.pressures_kPa or p == pressures[-1]]
-        rows = np.unique(np.linspace(0, len(asked) - 1, PRESSURES).round().astype(int))
-        return tuple(dict.fromkeys((0.0, *(asked[row] for row in rows))))
-
-    def limit(self, bends: Mapping[float, float]) -> MeshLimit:
-        """bends: curvatures without moment by the pressures that are borne, 1/mm."""
-        coarsest = self.pieces.with_mesh(fine_mesh(self.pieces))
-        known = {0.0: 0.0, **bends}
-        return find_limit(coarsest, {p: known[p] for p in self.at(bends)}, self.accuracy, self.context)
+def _find_limit(pieces: ArmPieces, bends: Mapping[float, float], context: RunContext) -> MeshLimit:
+    """Of an arm's cell at rest and these pressures; bends: curvatures without moment by all that are borne, 1/mm."""
+    config, known = pieces.config, {0.0: 0.0, **bends}
+    at = {p: known[p] for p in _at_limit(config, bends)}
+    return find_limit(pieces.with_mesh(fine_mesh(pieces)), at, config.accuracy or inf, context)
 
 
 def _bends(measured: MeasuredLaw, pressures_kPa: Collection[float]) -> dict[float, float]:

@@ -95,7 +95,9 @@ class CellMeasurer:
         """Cells at rising pressures; why for one that is not borne."""
         progress = self.tasks.context.progress
         progress.experiment("cell", pressures)
-        submitted = [(p, self.tasks.submit(cell_at, p, self._largest_bend(p))) for p in pressures]
+        # each bends as at the highest pressure for which its curve is used: the next one of the configuration
+        bends = [self.bends[min((p for p in self.bends if p > one), default=max(self.bends))] for one in pressures]
+        submitted = [(p, self.tasks.submit(cell_at, p, bend)) for p, bend in zip(pressures, bends, strict=True)]
         for pressure, pending in submitted:
             try:
                 cell = pending.result()
@@ -106,10 +108,6 @@ class CellMeasurer:
                 continue
             self.log.count("cell", cell)
             yield cell
-
-    def _largest_bend(self, pressure: float) -> float:
-        """At the highest pressure for which a curve is used: the next one of the configuration."""
-        return self.bends[min((p for p in self.bends if p > pressure), default=max(self.bends))]
 
     def measure_up_to_failure(self, pressures: Sequence[float]) -> Cells:
         """Cells by rising pressure, up to the last one that is borne. Raises RunFailed for fewer than two."""

@@ -12,21 +12,15 @@ from pipeline.law.piece.pieces import ArmPieces
 from pipeline.law.piece.reach import LARGEST
 from pipeline.law.piece.tasks import ArmTasks, PieceCurves
 from pipeline.results.unloaded import unloaded_state
-from pipeline.store.parallel import Pending
 from pipeline.values.law import Unloaded
 from rod.arm_law.curves import CellCurve
 from rod.errors import RodError
 
 
-def begin_first_states(tasks: ArmTasks, pressures_kPa: Sequence[float]) -> list[Pending[Unloaded]]:
-    """The arm without a load at each pressure, from single states of its pieces; see `reached_states`."""
-    return [tasks.submit(first_state, pressure) for pressure in pressures_kPa]
-
-
-def reached_states(begun: Sequence[Pending[Unloaded]]) -> tuple[Unloaded, ...]:
-    """Those of the states that the pieces bear."""
+def first_states(tasks: ArmTasks, pressures_kPa: Sequence[float]) -> tuple[Unloaded, ...]:
+    """The arm without a load from single states of its pieces, at those of the pressures that these bear."""
     states: list[Unloaded] = []
-    for pending in begun:
+    for pending in [tasks.submit(first_state, pressure) for pressure in pressures_kPa]:
         with suppress(PieceFailed, RodError):
             states.append(pending.result())
     return tuple(states)

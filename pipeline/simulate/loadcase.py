@@ -25,7 +25,7 @@ class PressureSchedule:
     @property
     def factors(self) -> tuple[float, ...]:
         """The load factor of each pressure."""
-        return tuple(in_MPa(pressure) / self.reference_MPa for pressure in self.pressures_kPa)
+        return tuple(map(self.factor_at, self.pressures_kPa))
 
     def factor_at(self, pressure_kPa: float) -> float:
         """The load factor of any pressure (kPa)."""

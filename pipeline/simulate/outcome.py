@@ -223,11 +223,6 @@ class Outcomes:
         return sum(outcome.factorizations for outcome in self)
 
     @property
-    def failed_factorizations(self) -> int:
-        """Factorizations of the attempts that reached no state, over all experiments."""
-        return sum(outcome.failure.factorizations for outcome in self if outcome.failure)
-
-    @property
     def cpu_seconds(self) -> float:
         """Processor time over all experiments, failed attempts included, s."""
         return sum(outcome.cpu_seconds for outcome in self)

@@ -1,8 +1,6 @@
 """From a configuration to its scene: the part of the body that is meshed, its material, and the effects on it."""
 
 import threading
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import cached_property
 from math import inf, radians
@@ -151,16 +149,11 @@ class Scene:
         gravity = self.config.effects.gravity
         effects = [*self._pressures(largest_MPa), *self._contacts()]
         if gravity.on:
-            density, regions = self._densities
+            density = self.config.material.density_tonne_mm3
+            assert density is not None  # the configuration refuses gravity without it
+            regions = {name: material.density_tonne_mm3 or 0.0 for name, material in self.config.materials.items()}
             effects.append(fem.Gravity(density, gravity.acceleration_mm_s2, ramp=False, regions=regions))
         return [*effects, *make_layers(self.body, self.config)]
-
-    @property
-    def _densities(self) -> tuple[float, Mapping[str, float]]:
-        """Of the body and of its regions, tonne/mm3; asked for where gravity acts, which needs them."""
-        density = self.config.material.density_tonne_mm3
-        assert density is not None  # the configuration refuses gravity without it
-        return density, {name: material.density_tonne_mm3 or 0.0 for name, material in self.config.materials.items()}
 
     @cached_property
     def weight(self) -> Load:
@@ -291,25 +284,18 @@ def _built(config: Config, key: str, material: Material) -> fem.Material:
     return law
 
 
-@contextmanager
-def remarks_while_waiting(progress: Progress, what: str, every: float = EVERY) -> Iterator[None]:
-    """Remark every `every` seconds for how long `what` has lasted, until the block ends."""
+def mesh_with_progress(config: Config, progress: Progress) -> Scene:
+    """The scene of a configuration, with remarks every EVERY seconds. Raises InputError as `Scene.meshed`."""
     ended, start = threading.Event(), perf_counter()
 
     def tell() -> None:
-        while not ended.wait(every):
-            progress.remark(f"{what} for {perf_counter() - start:.3g} s so far")
+        while not ended.wait(EVERY):
+            progress.remark(f"meshing the body for {perf_counter() - start:.3g} s so far")
 
     teller = threading.Thread(target=tell, daemon=True)
     teller.start()
     try:
-        yield
+        return Scene.meshed(config)
     finally:
         ended.set()
         teller.join()
-
-
-def mesh_with_progress(config: Config, progress: Progress) -> Scene:
-    """The scene of a configuration, with remarks while it is meshed. Raises InputError as `Scene.meshed`."""
-    with remarks_while_waiting(progress, "meshing the body"):
-        return Scene.meshed(config)

@@ -7,7 +7,7 @@ be empty.
 import math
 from collections.abc import Mapping, Sequence, Sized
 from dataclasses import dataclass, field, fields
-from typing import Annotated, Any, get_args
+from typing import Annotated, get_args
 
 import numpy as np
 from pydantic import BeforeValidator, Field, WithJsonSchema
@@ -19,14 +19,11 @@ from rod.law import PARAMETER_COLUMNS, FiveParameters
 from rod.pressurised_rod import PressurisedRod
 from rod.same_pressure import known_at
 
-
-def _nan_of_null(value: Any) -> Any:
-    return math.nan if value is None else value
-
-
 #: a number; NaN, in JSON null, where there is none
 Number = Annotated[
-    float, BeforeValidator(_nan_of_null), WithJsonSchema({"anyOf": [{"type": "number"}, {"type": "null"}]})
+    float,
+    BeforeValidator(lambda value: math.nan if value is None else value),
+    WithJsonSchema({"anyOf": [{"type": "number"}, {"type": "null"}]}),
 ]
 Finite = Annotated[float, Field(strict=True, allow_inf_nan=False)]
 Positive = Annotated[float, Field(strict=True, allow_inf_nan=False, gt=0.0)]

@@ -5,7 +5,7 @@ from typing import final
 
 import numpy as np
 
-from fem.effects.effect import NO_BLOCKS, Blocks, InteriorTerm, PenaltyTerm, Term, UnilateralTerm
+from fem.effects.effect import NO_BLOCKS, Blocks, Term, UnilateralTerm
 from fem.effects.facing_pairs import NO_PAIRS
 from fem.effects.tightening import Tightening
 from fem.path.active_set import ActiveSet
@@ -37,11 +37,12 @@ class Weight(Term):
 
 @final
 @dataclass(frozen=True, eq=False)
-class Wall(InteriorTerm):
+class Wall(UnilateralTerm):
     """The floor at height 0, impenetrable."""
 
     effect = "contact"
     starts_inactive = False
+    is_infinite = True
 
     def energy(self, x: Array, factor: float) -> float:
         return -float(np.log(x[0, 1]))
@@ -64,13 +65,13 @@ class Wall(InteriorTerm):
     def step_limit(self, x: Array, dx: Array) -> float:
         return 0.5
 
-    def tightening(self, model: PenaltyTerm) -> Tightening:
+    def tightening(self, model: UnilateralTerm) -> Tightening:
         return Tightening(0.0, 0, True, NO_PAIRS, NO_PAIRS.area)
 
 
 @final
 @dataclass(frozen=True, eq=False)
-class Floor(PenaltyTerm):
+class Floor(UnilateralTerm):
     """A floor at height 0, felt from 0.1 mm on, that may be stiffened once before it becomes impenetrable."""
 
     effect = "contact"
@@ -105,7 +106,7 @@ class Floor(PenaltyTerm):
     def with_exact_distances(self, x: Array) -> UnilateralTerm:
         return Wall() if x[0, 0] > 1.0 else self
 
-    def tightening(self, model: PenaltyTerm) -> Tightening | None:
+    def tightening(self, model: UnilateralTerm) -> Tightening | None:
         return None if self is model else Tightening(self.stiffness, 0, False, NO_PAIRS, NO_PAIRS.area)
 
     def with_tightening(self, tightening: Tightening) -> UnilateralTerm:

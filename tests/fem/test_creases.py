@@ -9,7 +9,7 @@ from fem import SelfContact, Step, follow
 from fem.discretisation import Discretisation
 from fem.effects.barrier import FacingTerm
 from fem.effects.contact import BarrierTerm, crossings
-from fem.effects.effect import PenaltyTerm, UnilateralTerm
+from fem.effects.effect import UnilateralTerm
 from fem.path import follower
 from fem.path.increments import Increments
 from fem.path.newton import Converged, Start, StepFailed
@@ -162,7 +162,7 @@ def test_a_state_has_the_pairs_of_its_own_load_alone(monkeypatch: pytest.MonkeyP
         converged = solve(self, increment)
         if 0.5 < increment.control.value < 1.0 and not added:
 
-            def with_another(term: PenaltyTerm) -> UnilateralTerm:
+            def with_another(term: UnilateralTerm) -> UnilateralTerm:
                 assert isinstance(term, FacingTerm)
                 if not term.touching(self.positions(converged)):
                     return term

@@ -130,7 +130,7 @@ def test_linearised_strain_is_the_derivative_of_the_strain() -> None:
     system, _ = system_on("p2p0", [])
     u, du = noise(system, 0.05), noise(system, 1.0)[::-1]
     state = system.state_at(u, 1.0)
-    slope = difference(lambda v: system._strain(v)[0], u, du, 1e-3)
+    slope = difference(lambda v: system.space.strain_of(v)[0], u, du, 1e-3)
     np.testing.assert_allclose(system.linearised_strain(state, du), slope, atol=1e-9)
 
 

@@ -38,7 +38,6 @@ def test_nominal_stress_and_free_sides_follow_from_the_energy(name: str) -> None
     sides = difference(lambda t: energy(law, bar.stretch, t), bar.lateral, unit, 1e-3)
     np.testing.assert_allclose(bar.nominal, force, atol=1e-8)
     np.testing.assert_allclose(sides, 0.0, atol=1e-7)
-    np.testing.assert_allclose(bar.J, STRETCHES * bar.lateral**2)
 
 
 def test_values_of_st_venant_kirchhoff() -> None:
@@ -108,7 +107,7 @@ def test_stretches_at_which_no_bar_exists_give_nan() -> None:
     limit = np.sqrt(1 + 1 / 0.495)
     bar = LAWS["svk"].uniaxial(np.array([limit - 1e-6, limit + 1e-6]))
     assert np.isfinite(bar.nominal).tolist() == np.isfinite(bar.lateral).tolist() == [True, False]
-    assert 0 < bar.J[0] < 1e-4
+    assert 0 < bar.stretch[0] * bar.lateral[0] ** 2 < 1e-4
     pressed = NeoHooke(0.4, 3.0).uniaxial(np.array([0.3, 0.05]))  # J (J - 1) has no value below -1/4
     assert np.isfinite(pressed.nominal).tolist() == [True, False]
     falling = Yeoh(0.11, -0.02, 0.0, 40.0).uniaxial(np.array([1.2, 4.0]))

@@ -84,8 +84,11 @@ def study_page(study: ConvergenceStudy) -> str:
     lines = []
     for number, name in enumerate(dict.fromkeys(row.series for row in study.rows if row.point)):
         members = [row for row in rows if row.series == name]
+        costs = [row.result.cost for row in members]
+        freedom = [f", {cost.degrees_of_freedom} degrees of freedom" if cost else "" for cost in costs]
+        texts = [f"{name}: {_varied(row)}{more}" for row, more in zip(members, freedom, strict=True)]
         dash, colour = "dot" if name in _VARIED else "solid", COLOURS[number % len(COLOURS)]
-        lines.append(Line(*_points(members), name, colour, dash, "circle", texts=[_label(row) for row in members]))
+        lines.append(Line(*_points(members), name, colour, dash, "circle", texts=texts))
     seconds, front = _points(rows)[0], sorted((row for row in rows if row.on_front), key=lambda row: row.point or ())
     lines.append(Line(*_points(front), "Pareto front", INK, width=6.0, opacity=0.2))
     ends = [min(seconds), max(seconds)] if seconds else []
@@ -100,8 +103,3 @@ def _points(rows: Sequence[StudyRow]) -> tuple[list[float], list[float]]:
     """CPU seconds, and errors in per cent."""
     points = np.array([row.point for row in rows if row.point]).reshape(-1, 2)
     return points[:, 0].tolist(), (100 * points[:, 1]).tolist()
-
-
-def _label(row: StudyRow) -> str:
-    freedom = f", {row.result.cost.degrees_of_freedom} degrees of freedom" if row.result.cost else ""
-    return f"{row.series}: {_varied(row)}{freedom}"

@@ -70,7 +70,7 @@ def rows_of_variant(scene: Scene, outcomes: Outcomes) -> list[Row]:
             reasons[pressure] = render_all(filter(None, stopped))
     cost: Row = {
         "cpu_seconds": outcomes.cpu_seconds,
-        "factorizations": outcomes.factorizations + outcomes.failed_factorizations,
+        "factorizations": outcomes.factorizations + sum(one.failure.factorizations for one in outcomes if one.failure),
         "degrees_of_freedom": outcomes.degrees_of_freedom,
         "states": len(outcomes.records),
     }

@@ -16,7 +16,7 @@ from pipeline.store.store import locked
 from pipeline.study.study import Study
 from pipeline.study.sweep.points import FINISHED, POINTS, REFUSED, WAITING, Point, PointResult
 from pipeline.study.sweep.spec import Sweep, points_of
-from pipeline.study.sweep.table import Column, save_table, sweep_page, table_rows
+from pipeline.study.sweep.table import Column, sweep_page, table_rows
 from pipeline.study.sweep.workers import LOST, Workers, connected, solve
 from pipeline.values.errors import InputError, RunFailed
 from pipeline.values.formatting import duration
@@ -27,6 +27,7 @@ TABLE, PAGE = "sweep.csv", "sweep.html"
 #: while points are solved the table is written again after so many seconds at least, and so many times as long as
 #: writing it takes
 PAUSE, PAUSE_OVER_WRITING = 2.0, 20.0
+ENDED_OUTSIDE = "its workers were ended from outside, as when memory runs out; the same command goes on"
 
 
 @dataclass(frozen=True)
@@ -140,7 +141,7 @@ def run_sweeps(requests: Sequence[tuple[Sweep, Path]], course: Course) -> list[S
 def _save_sweep(sweep: Sweep, folder: ResultFolder, points: Sequence[PointResult], is_complete: bool) -> None:
     columns = [Column.of(key, [point.values for point in points]) for key in sweep.keys]
     rows = table_rows(columns, points)
-    save_table(folder, rows)
+    folder.save_rows(TABLE, list(rows[0]), [list(row.values()) for row in rows])
     if is_complete:
         name = f"{sweep.name} ({DRAFT})" if sweep.common.get("draft") else sweep.name
         folder.save_text(PAGE, sweep_page(name, sweep.run, sweep.axes, columns, rows))
@@ -169,7 +170,7 @@ def _solve(sets: Sequence[PointSet], study: Study[Point, PointResult], who: str,
     if study.missing:
         say(who)
     try:
-        for point, result in study.solve(say, _told, _lost):
+        for point, result in study.solve(say, _told, lambda *_: PointResult(WAITING, ENDED_OUTSIDE)):
             owners[point.folder].results[point.name] = result
             owners[point.folder].save()
     finally:
@@ -189,8 +190,3 @@ def _counted(points: Sequence[PointResult]) -> str:
 def _told(point: Point, result: PointResult) -> str:
     reason = f": {result.reason}" if result.reason else ""
     return f"{point.name} {result.status} after {duration(result.seconds)}{reason}"
-
-
-def _lost(_: Point, failure: Exception) -> PointResult:
-    reason = "its workers were ended from outside, as when memory runs out; the same command goes on"
-    return PointResult(WAITING, reason)

@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 
 from pipeline.config import units
-from pipeline.store.result_folder import ResultFolder
 from pipeline.study.sweep.axes import Axis
 from pipeline.study.sweep.points import PointResult, Row, Setting, switch_as_word
 from pipeline.study.sweep.spec import CELL, WHOLE, Run
@@ -75,11 +74,6 @@ def table_rows(columns: Sequence[Column], points: Sequence[PointResult]) -> list
         rows += [{**head, **numbers} for numbers in point.rows or ({},)]
     names = list(dict.fromkeys(name for row in rows for name in row))
     return [{name: row.get(name) for name in names} for row in rows]
-
-
-def save_table(folder: ResultFolder, rows: Sequence[Row]) -> None:
-    """Write sweep.csv; a number that does not exist is an empty cell."""
-    folder.save_rows("sweep.csv", list(rows[0]), [list(row.values()) for row in rows])
 
 
 def quantities(run: Run) -> Mapping[str, str]:

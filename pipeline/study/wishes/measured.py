@@ -22,14 +22,13 @@ from pipeline.law.piece.rates import law_rates
 from pipeline.law.piece.tasks import ArmTasks, PieceCurves
 from pipeline.simulate.scene import Scene
 from pipeline.store.context import RunContext
-from pipeline.store.parallel import Pending
 from pipeline.store.state_key import NUMBER_SOURCES, STATE_SOURCES, result_key
 from pipeline.store.store import Store
 from pipeline.study.wishes.wish import PRESSURE, Wishes, WishFile
 from pipeline.values.errors import InputError, RunFailed, WorkerLost
 from pipeline.values.pressure import in_MPa
 from rod import Rod, RodError
-from rod.arm_law.curves import CellCurve, ClampCurve, TipCurve
+from rod.arm_law.curves import CellCurve
 from rod.arm_law.law import ArmLaw
 from rod.arm_law.quantities import Asked, jacobian
 from rod.arm_law.rates import CellRate, ClampRate, LawRate
@@ -102,10 +101,12 @@ class MovedMesh:
             by = wishes.dimensions or ("",)
             pieces = ArmPieces(config, self.meshed.dhat, self.meshed.outer, True, by, self.meshed.config)
             context = replace(self.context, store=store_of(self.context.store, config, self.meshed.config, by))
-            law = _NearLaw.begin(self.file, pieces, point, context, ("force",)).law()
+            law, _ = _near_law(self.file, pieces, point, context, ("force",))
             every = values | {f"{PRESSURE}at {pressure!r} kPa": pressure for pressure in law.pressures}
             law = with_pressures(law, every)
-            rates = rates_of(law, wishes, every) * np.array([*every.values()])
+            asked = [one.of for one in _asked(law, wishes, every)]
+            rates = jacobian(law.rods_after(list(every)), asked, [*map(law.step, every)])
+            rates = rates * np.array([*every.values()])
             stretch, by_stretch = np.nan, np.zeros(len(point))
             if wishes.limits.largest_stretch is not None:
                 stretch = ArmTasks(pieces, context).submit(largest_stretch, law.pressures[-1]).result()
@@ -132,53 +133,38 @@ def delivered(file: WishFile, point: Array, context: RunContext) -> tuple[Array,
         of_run, own = (replace(context, store=store_of(context.store, config, mesh)) for mesh in (None, config))
         pieces = ArmPieces.of(Scene.meshed(config))
         fine = fine_pieces(pieces) if file.is_fine else pieces
-        begun = _NearLaw.begin(file, fine, point, own, ("force", "stiffness"))
-        law = begun.law()
+        law, cells = _near_law(file, fine, point, own, ("force", "stiffness"))
         if file.is_fine:
-            law = corrected(law, correction_of(pieces, [cell.curve for cell in begun.cells], of_run))
+            law = corrected(law, correction_of(pieces, [cell.curve for cell in cells], of_run))
         stretch = np.nan
         if file.wishes.limits.largest_stretch is not None:
             stretch = ArmTasks(fine, own).submit(largest_stretch, law.pressures[-1]).result()
         return numbers_of(law, file.wishes, file.wishes.values(point)), stretch
 
 
-@dataclass(frozen=True, eq=False)
-class _NearLaw:
-    """A law for the states that wishes need: cells near no moment at their pressures, and the ends beside them."""
+def _near_law(
+    file: WishFile, pieces: ArmPieces, point: Array, context: RunContext, loaded: tuple[str, ...]
+) -> tuple[ArmLaw, list[KeptCurve[CellCurve]]]:
+    """A law for the states that wishes need, and its cells: near no moment at their pressures, and the ends beside
+    them; with derivatives where the pieces have some.
 
-    pieces: ArmPieces
-    cells: list[KeptCurve[CellCurve]]
-    clamps: list[Pending[KeptCurve[ClampCurve]]]  #: which are being measured, as the tips
-    tips: list[Pending[KeptCurve[TipCurve]]]
-
-    @staticmethod
-    def begin(
-        file: WishFile, pieces: ArmPieces, point: Array, context: RunContext, loaded: tuple[str, ...]
-    ) -> "_NearLaw":
-        """loaded: quantities at whose pressures the whole curve of the cell is needed.
-
-        Raises `PieceFailed` and `RodError` where a cell does not bear a pressure.
-        """
-        wishes, tasks = file.wishes, ArmTasks(pieces, context)
-        values, pressures = wishes.values(point), wishes.pressures_kPa(point)
-        whole = {wish.pressure(values) for wish in wishes.wishes if wish.quantity in loaded or wish.load}
-        begun = [tasks.submit(_cell, pressure, pressure in whole) for pressure in pressures]
-        if wishes.limits.bears is not None:
-            tasks.submit(bend_of, wishes.limits.bears * pressures[-1]).result()
-        cells = [one.result() for one in begun]
-        clamps = [tasks.submit(end_at, CLAMP, cell.curve, HALF_CELLS) for cell in cells]
-        tips = [tasks.submit(end_at, TIP, cell.curve, HALF_CELLS) for cell in cells]
-        return _NearLaw(pieces, cells, clamps, tips)
-
-    def law(self) -> ArmLaw:
-        """With derivatives where the pieces have some. Raises `PieceFailed` where an end does not bear a pressure."""
-        pieces, clamps = self.pieces, [end.result() for end in self.clamps]
-        tips = [end.result().curve for end in self.tips]
-        law = pieces.law([cell.curve for cell in self.cells], [clamp.curve for clamp in clamps], tips)
-        if pieces.derivatives:
-            rates = law_rates(pieces.config, pieces.repetition, pieces.movements, self.cells, clamps)
-            law = replace(law, rates=rates)
-        return law
+    loaded: quantities at whose pressures the whole curve of the cell is needed. Raises `PieceFailed` and `RodError`
+    where a cell or an end does not bear a pressure.
+    """
+    wishes, tasks = file.wishes, ArmTasks(pieces, context)
+    values, pressures = wishes.values(point), wishes.pressures_kPa(point)
+    whole = {wish.pressure(values) for wish in wishes.wishes if wish.quantity in loaded or wish.load}
+    begun = [tasks.submit(_cell, pressure, pressure in whole) for pressure in pressures]
+    if wishes.limits.bears is not None:
+        tasks.submit(bend_of, wishes.limits.bears * pressures[-1]).result()
+    cells = [one.result() for one in begun]
+    clamped = [tasks.submit(end_at, CLAMP, cell.curve, HALF_CELLS) for cell in cells]
+    tips = [tasks.submit(end_at, TIP, cell.curve, HALF_CELLS) for cell in cells]
+    clamps, free = [end.result() for end in clamped], [end.result().curve for end in tips]
+    law = pieces.law([cell.curve for cell in cells], [clamp.curve for clamp in clamps], free)
+    if pieces.derivatives:
+        law = replace(law, rates=law_rates(pieces.config, pieces.repetition, pieces.movements, cells, clamps))
+    return law, cells
 
 
 def _cell(curves: PieceCurves, pressure: float, is_whole: bool) -> KeptCurve[CellCurve]:
@@ -225,15 +211,6 @@ def numbers_of(law: ArmLaw, wishes: Wishes, values: Mapping[str, float]) -> Arra
     return np.concatenate([one.of(law.at) for one in _asked(law, wishes, values)])
 
 
-def rates_of(law: ArmLaw, wishes: Wishes, values: Mapping[str, float]) -> Array:
-    """(m, n) derivatives of all numbers by what is free, per mm or kPa. Raises `RodError`.
-
-    law: with derivatives by the free dimensions (`with_pressures` for the pressures).
-    """
-    asked = [one.of for one in _asked(law, wishes, values)]
-    return jacobian(law.rods_after(list(values)), asked, [*map(law.step, values)])
-
-
 def _asked(law: ArmLaw, wishes: Wishes, values: Mapping[str, float]) -> list[Asked]:
     pairs = [(wish, wish.pressure(values)) for wish in wishes.wishes]
     return [Asked(wish.quantity, p, law.at(p), wish.given, wish.under) for wish, p in pairs]
@@ -246,7 +223,10 @@ def with_pressures(law: ArmLaw, values: Mapping[str, float]) -> ArmLaw:
     for key, at in values.items():
         if key.startswith(PRESSURE):
             cells = tuple(_by_pressure(cell, float(cell.pressure == at)) for cell in law.cells)
-            clamps = tuple(_turned_by_pressure(clamp, float(clamp.pressure == at)) for clamp in law.clamps)
+            clamps = tuple(
+                ClampRate(float(clamp.pressure == at) * clamp.rotation_by_pressure, np.zeros_like(clamp.offset))
+                for clamp in law.clamps
+            )
             rates[key] = LawRate(at, "kPa", 0.0, 0.0, 0.0, cells, clamps)
     return replace(law, rates=rates)
 
@@ -254,7 +234,3 @@ def with_pressures(law: ArmLaw, values: Mapping[str, float]) -> ArmLaw:
 def _by_pressure(cell: CellCurve, part: float) -> CellRate:
     ripple = np.zeros((len(cell.moment), 2, 2))
     return CellRate(part * cell.moment_by_pressure, part * cell.stretch_by_pressure, ripple, np.zeros(()))
-
-
-def _turned_by_pressure(clamp: ClampCurve, part: float) -> ClampRate:
-    return ClampRate(part * clamp.rotation_by_pressure, np.zeros_like(clamp.offset))

@@ -89,6 +89,7 @@ def test_a_coarser_mesh_decides_by_the_contact_of_its_own_states(
     line = SimpleNamespace(alpha=SimpleNamespace(value=1.0), m0=SimpleNamespace(value=0.0))
     identified = iter([SimpleNamespace(single_line=line, law=None, evidence=evidence) for evidence in (-3.0, 20.0)])
     monkeypatch.setattr(mesh_error, "numbers_of_curves", lambda *given: next(identified))
+    monkeypatch.setattr(mesh_error, "cell_averaged", lambda *given: SimpleNamespace(middle=0.0))
     effects = ("self_contact",) if touching else ()
     record: Any = SimpleNamespace(effects=effects, centreline=None, load=None)
     fine: Any = SimpleNamespace(

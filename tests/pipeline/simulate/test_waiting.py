@@ -13,7 +13,7 @@ import pytest
 
 from pipeline.config.load import load_config
 from pipeline.simulate.design_notes import check_load
-from pipeline.simulate.scene import remarks_while_waiting
+from pipeline.simulate.scene import Scene, mesh_with_progress
 from pipeline.values.reasons import render
 from tests.step_bodies import save
 
@@ -57,16 +57,17 @@ def test_small_edges_are_named_before_meshing(tmp_path: Path) -> None:
     assert check_load(load_config(path, ["mesh.size=2 mm"])) == ()
 
 
-def test_long_calls_are_told_of() -> None:
-    def listener(remarks: list[str]) -> Any:
-        return SimpleNamespace(remark=remarks.append)
+def test_long_calls_are_told_of(monkeypatch: pytest.MonkeyPatch) -> None:
+    def told(seconds: float, every: float) -> list[str]:
+        remarks: list[str] = []
+        listener: Any = SimpleNamespace(remark=remarks.append)
+        monkeypatch.setattr("pipeline.simulate.scene.EVERY", every)
+        monkeypatch.setattr(Scene, "meshed", lambda config: sleep(seconds))
+        config: Any = None
+        mesh_with_progress(config, listener)
+        return remarks
 
-    quick: list[str] = []
-    slow: list[str] = []
-    with remarks_while_waiting(listener(quick), "meshing the body", every=10.0):
-        pass
-    with remarks_while_waiting(listener(slow), "meshing the body", every=0.02):
-        sleep(0.3)
+    quick, slow = told(0.0, 10.0), told(0.3, 0.02)
     assert quick == []
     assert len(slow) > 1
     count = len(slow)
