@@ -166,7 +166,7 @@ class ClampCurve:
         """At its pressure."""
         return Placed(self.pressure, self, {"rotation": self.rotation_by_pressure})
 
-    @property
+    @cached_property
     def position(self) -> float:
         """s in mm at which the moment decides: where a rotation makes the measured change of the offset.
 
@@ -194,8 +194,11 @@ class ClampCurve:
 
     def volume_at(self, moment: Array) -> Array:
         """(n, c) mm3: air in each cavity of the piece at moments (n,); the ends outside."""
-        slopes = parabola_slopes(self.moment, self.volume)
-        return cubic(self.moment, self.volume, slopes, self._inside(moment))
+        return cubic(self.moment, self.volume, self._volume_slopes, self._inside(moment))
+
+    @cached_property
+    def _volume_slopes(self) -> Array:
+        return parabola_slopes(self.moment, self.volume)
 
     def beside_at(self, moment: Array) -> Array:
         """(n, m, 2) mm: the nodes of the material curve beside the axis at moments (n,); the ends outside."""

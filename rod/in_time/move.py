@@ -197,7 +197,7 @@ class MovingArm:
         *_, (time, pressure, turn, beside, _, outside, place, angle, frames) = self.rows[-1]
         d = 3 if self.in_space else 2
         kappa = self._curvatures(angle[None], frames[None])[0]
-        tip, volume = (place[-1] + beside)[:d], self._air(self.now)
+        tip, volume = (place[-1] + beside)[:d], self._volumes(self.arms, self.joined.parts[None], kappa[None])[0]
         bent = kappa if self.in_space else kappa[:, 2]
         return Instant(time, place[:, :d], tip, self.side * math.degrees(turn), bent, pressure, volume, outside)
 
@@ -361,10 +361,14 @@ class MovingArm:
 
     def _shown(self, now: Moment) -> StateArrays:
         """The state at the end of a step: nodes without mass, which are known within it, go on as they went."""
-        state, more = now.moving.state, now.time - now.within
-        motion = np.where(self.stepper.bodies.mass[:, None] > 0.0, 0.0, more * now.moving.speed)
-        frames = rotation(motion[:, 3:]) @ state.frames if self.in_space else state.frames
-        return state._replace(place=state.place + motion[:, :3], angle=state.angle + motion[:, 5], frames=frames)
+        place, angle, frames = (values.copy() for values in now.moving.state[:3])
+        massless = self.stepper.bodies.mass == 0.0
+        motion = (now.time - now.within) * now.moving.speed[massless]
+        place[massless] += motion[:, :3]
+        angle[massless] += motion[:, 5]
+        if self.in_space:
+            frames[massless] = rotation(motion[:, 3:]) @ frames[massless]
+        return now.moving.state._replace(place=place, angle=angle, frames=frames)
 
     def _curvatures(self, angle: Array, frames: Array) -> Array:
         """(t, n, 3) 1/mm of the elements, from angles (t, N) or frames (t, N, 3, 3) of the nodes."""
