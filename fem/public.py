@@ -1,86 +1,53 @@
 """The names that users and the other rooms write as `fem.NAME`."""
 
-from fem.discretisation import Discretisation
-from fem.effects.barrier import OVERLAP
-from fem.effects.contact import ACTIVATION, ContactError, SelfContact
-from fem.effects.effect import Effect
-from fem.effects.hoops import Hoops, faces_along
-from fem.effects.loads import Gravity, LineForce, Pressure
-from fem.effects.membrane import LayerError, Membrane, StrainLimitingLayer
-from fem.equations.pardiso import available_solver
-from fem.experiments import Experiment
-from fem.materials import Hencky, Material, MaterialError, MooneyRivlin, NeoHooke, Ogden, StVenantKirchhoff, Yeoh
-from fem.materials.material import Uniaxial
-from fem.materials.regions import ByRegion, Solid, laws_of
-from fem.materials.rubber import IsochoricLaw
-from fem.model import Model
-from fem.path.loadpath import follow, follow_volume
-from fem.path.newton import NewtonOptions
-from fem.path.options import PathObserver, PathOptions
-from fem.post.extremes import outside_stable_range, unstable_stretches
-from fem.post.fields import element_fields
-from fem.post.recovery import StressError, stress_error
-from fem.post.self_intersection import crossing_at_rest, self_intersection
-from fem.reasons import sentence
-from fem.solution import End, NotConverged, Seconds, Solution, Step, step_from_arrays, step_to_arrays
-from fem.supports import Fixed, Prescribed, SharedPlane, Support, SupportError
-from fem.warm_up import compile_kernels
-
-__all__ = [
-    "ACTIVATION",
-    "OVERLAP",
-    "ByRegion",
-    "ContactError",
-    "Discretisation",
-    "Effect",
-    "End",
-    "Experiment",
-    "Fixed",
-    "Gravity",
-    "Hencky",
-    "Hoops",
-    "IsochoricLaw",
-    "LayerError",
-    "LineForce",
-    "Material",
-    "MaterialError",
-    "Membrane",
-    "Model",
-    "MooneyRivlin",
-    "NeoHooke",
-    "NewtonOptions",
-    "NotConverged",
-    "Ogden",
-    "PathObserver",
-    "PathOptions",
-    "Prescribed",
-    "Pressure",
-    "Seconds",
-    "SelfContact",
-    "SharedPlane",
-    "Solid",
-    "Solution",
-    "StVenantKirchhoff",
-    "Step",
-    "StrainLimitingLayer",
-    "StressError",
-    "Support",
-    "SupportError",
-    "Uniaxial",
-    "Yeoh",
-    "available_solver",
-    "compile_kernels",
-    "crossing_at_rest",
-    "element_fields",
-    "faces_along",
-    "follow",
-    "follow_volume",
-    "laws_of",
-    "outside_stable_range",
-    "self_intersection",
-    "sentence",
-    "step_from_arrays",
-    "step_to_arrays",
-    "stress_error",
-    "unstable_stretches",
-]
+from fem.discretisation import Discretisation as Discretisation
+from fem.effects.barrier import OVERLAP as OVERLAP
+from fem.effects.contact import ContactError as ContactError
+from fem.effects.contact import SelfContact as SelfContact
+from fem.effects.effect import Effect as Effect
+from fem.effects.hoops import Hoops as Hoops
+from fem.effects.hoops import faces_along as faces_along
+from fem.effects.loads import Gravity as Gravity
+from fem.effects.loads import LineForce as LineForce
+from fem.effects.loads import Pressure as Pressure
+from fem.effects.membrane import LayerError as LayerError
+from fem.effects.membrane import Membrane as Membrane
+from fem.effects.membrane import StrainLimitingLayer as StrainLimitingLayer
+from fem.experiments import Experiment as Experiment
+from fem.materials import Hencky as Hencky
+from fem.materials import Material as Material
+from fem.materials import MaterialError as MaterialError
+from fem.materials import MooneyRivlin as MooneyRivlin
+from fem.materials import NeoHooke as NeoHooke
+from fem.materials import Ogden as Ogden
+from fem.materials import StVenantKirchhoff as StVenantKirchhoff
+from fem.materials import Yeoh as Yeoh
+from fem.materials.regions import ByRegion as ByRegion
+from fem.materials.regions import Solid as Solid
+from fem.materials.rubber import IsochoricLaw as IsochoricLaw
+from fem.model import Model as Model
+from fem.path.loadpath import follow as follow
+from fem.path.loadpath import follow_volume as follow_volume
+from fem.path.newton import NewtonOptions as NewtonOptions
+from fem.path.options import PathObserver as PathObserver
+from fem.path.options import PathOptions as PathOptions
+from fem.post.extremes import outside_stable_range as outside_stable_range
+from fem.post.extremes import unstable_stretches as unstable_stretches
+from fem.post.fields import element_fields as element_fields
+from fem.post.recovery import StressError as StressError
+from fem.post.recovery import stress_error as stress_error
+from fem.post.self_intersection import crossing_at_rest as crossing_at_rest
+from fem.post.self_intersection import self_intersection as self_intersection
+from fem.solution import End as End
+from fem.solution import NotConverged as NotConverged
+from fem.solution import Seconds as Seconds
+from fem.solution import Solution as Solution
+from fem.solution import Step as Step
+from fem.solution import step_from_arrays as step_from_arrays
+from fem.solution import step_to_arrays as step_to_arrays
+from fem.supports import Fixed as Fixed
+from fem.supports import Prescribed as Prescribed
+from fem.supports import SharedPlane as SharedPlane
+from fem.supports import Support as Support
+from fem.supports import SupportError as SupportError
+from fem.warm_up import compile_kernels as compile_kernels

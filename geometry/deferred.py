@@ -6,15 +6,16 @@ from typing import Any
 
 
 def names_in(load: Callable[[], ModuleType], package: str) -> tuple[Callable[[str], Any], Callable[[], list[str]]]:
-    """The `__getattr__` and `__dir__` of a package, whose names are in `__all__` of the module that `load` imports."""
+    """The `__getattr__` and `__dir__` of a package, whose names are those of the module that `load` imports."""
 
     def names() -> list[str]:
-        public: list[str] = load().__all__
-        return public
+        return [name for name in vars(load()) if not name.startswith("_")]
 
     def found(name: str) -> Any:
         """The name of that module; raises AttributeError where there is none."""
-        if name == "__all__" or (not name.startswith("_") and name in names()):
+        if name == "__all__":
+            return names()
+        if not name.startswith("_") and name in names():
             return getattr(load(), name)
         raise AttributeError(f"module {package!r} has no attribute {name!r}")
 

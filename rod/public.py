@@ -1,95 +1,58 @@
 """The names that users and the other rooms write as `rod.NAME`."""
 
-from rod.along import LineLoad, PointLoad, Reaction, Support
-from rod.arm.stability import Stability
-from rod.arm_law.law import ArmLaw
-from rod.arm_law.law_rod import LawRod
-from rod.curves.cell_average import cell_averaged, shortest_pitch
-from rod.curves.closure import Closure, end_displacement_closure
-from rod.curves.curve import Curvature, Moment, moment_between, moment_from_load, without_stretch
-from rod.curves.rest_shape import rest_curvature
-from rod.curves.uncertainty import Bootstrap, Interval
-from rod.errors import RodError, RodWarning
-from rod.export.arm import Arm
-from rod.export.formats import EXPORTS, export_robot
-from rod.export.robot import Robot, Solid
-from rod.identification.moment_range import MomentRange
-from rod.identification.observed import too_few_pitches
-from rod.identification.single_line import LineFit
-from rod.identification.two_lines import Identification, identify, is_clear, longest_break, shortest_break
-from rod.in_time.air import Air
-from rod.in_time.body import Body
-from rod.in_time.frequencies import Mode, frequencies
-from rod.in_time.motion import Motion
-from rod.in_time.move import MovingArm, Start, Steps, move
-from rod.in_time.relaxation import Relaxation
-from rod.law import PARAMETER_COLUMNS, PARAMETER_NAMES, FiveParameters, TwoSlopes
-from rod.load import Load, Loading
-from rod.mechanics.equilibrium import Rod
-from rod.pressures import LinearRange, Quantity, Straightness, linear_range, straightness
-from rod.pressurised_rod import PressurisedRod
-from rod.solution import RodSolution, SpatialSolution
-from rod.warm_up import compile_kernels
-
-__all__ = [
-    "EXPORTS",
-    "PARAMETER_COLUMNS",
-    "PARAMETER_NAMES",
-    "Air",
-    "Arm",
-    "ArmLaw",
-    "Body",
-    "Bootstrap",
-    "Closure",
-    "Curvature",
-    "FiveParameters",
-    "Identification",
-    "Interval",
-    "LawRod",
-    "LineFit",
-    "LineLoad",
-    "LinearRange",
-    "Load",
-    "Loading",
-    "Mode",
-    "Moment",
-    "MomentRange",
-    "Motion",
-    "MovingArm",
-    "PointLoad",
-    "PressurisedRod",
-    "Quantity",
-    "Reaction",
-    "Relaxation",
-    "Robot",
-    "Rod",
-    "RodError",
-    "RodSolution",
-    "RodWarning",
-    "Solid",
-    "SpatialSolution",
-    "Stability",
-    "Start",
-    "Steps",
-    "Straightness",
-    "Support",
-    "TwoSlopes",
-    "cell_averaged",
-    "compile_kernels",
-    "end_displacement_closure",
-    "export_robot",
-    "frequencies",
-    "identify",
-    "is_clear",
-    "linear_range",
-    "longest_break",
-    "moment_between",
-    "moment_from_load",
-    "move",
-    "rest_curvature",
-    "shortest_break",
-    "shortest_pitch",
-    "straightness",
-    "too_few_pitches",
-    "without_stretch",
-]
+from rod.along import LineLoad as LineLoad
+from rod.along import PointLoad as PointLoad
+from rod.along import Reaction as Reaction
+from rod.along import Support as Support
+from rod.arm.stability import Stability as Stability
+from rod.arm_law.law import ArmLaw as ArmLaw
+from rod.arm_law.law_rod import LawRod as LawRod
+from rod.curves.cell_average import cell_averaged as cell_averaged
+from rod.curves.cell_average import shortest_pitch as shortest_pitch
+from rod.curves.closure import Closure as Closure
+from rod.curves.closure import end_displacement_closure as end_displacement_closure
+from rod.curves.curve import Curvature as Curvature
+from rod.curves.curve import Moment as Moment
+from rod.curves.curve import moment_between as moment_between
+from rod.curves.curve import moment_from_load as moment_from_load
+from rod.curves.curve import without_stretch as without_stretch
+from rod.curves.rest_shape import rest_curvature as rest_curvature
+from rod.curves.uncertainty import Bootstrap as Bootstrap
+from rod.curves.uncertainty import Interval as Interval
+from rod.errors import RodError as RodError
+from rod.errors import RodWarning as RodWarning
+from rod.export.arm import Arm as Arm
+from rod.export.formats import EXPORTS as EXPORTS
+from rod.export.formats import export_robot as export_robot
+from rod.export.robot import Robot as Robot
+from rod.export.robot import Solid as Solid
+from rod.identification.moment_range import MomentRange as MomentRange
+from rod.identification.observed import too_few_pitches as too_few_pitches
+from rod.identification.two_lines import Identification as Identification
+from rod.identification.two_lines import identify as identify
+from rod.identification.two_lines import is_clear as is_clear
+from rod.identification.two_lines import longest_break as longest_break
+from rod.identification.two_lines import shortest_break as shortest_break
+from rod.in_time.air import Air as Air
+from rod.in_time.body import Body as Body
+from rod.in_time.frequencies import Mode as Mode
+from rod.in_time.frequencies import frequencies as frequencies
+from rod.in_time.motion import Motion as Motion
+from rod.in_time.move import MovingArm as MovingArm
+from rod.in_time.move import Start as Start
+from rod.in_time.move import Steps as Steps
+from rod.in_time.move import move as move
+from rod.in_time.relaxation import Relaxation as Relaxation
+from rod.law import PARAMETER_COLUMNS as PARAMETER_COLUMNS
+from rod.law import PARAMETER_NAMES as PARAMETER_NAMES
+from rod.law import FiveParameters as FiveParameters
+from rod.law import TwoSlopes as TwoSlopes
+from rod.load import Load as Load
+from rod.load import Loading as Loading
+from rod.mechanics.equilibrium import Rod as Rod
+from rod.pressures import LinearRange as LinearRange
+from rod.pressures import Quantity as Quantity
+from rod.pressures import linear_range as linear_range
+from rod.solution import RodSolution as RodSolution
+from rod.solution import SpatialSolution as SpatialSolution
+from rod.warm_up import compile_kernels as compile_kernels
