@@ -53,9 +53,9 @@ def foretell(law: ArmLaw, config: Mapping[str, Any], known: Measurements, others
     arm = BuiltArm(law, unknowns_of(law, config, (), max(known.pressures_kPa)))
     numbers, fitted = Numbers.of(others), fit(arm, Numbers.of(known))
     after = numbers_of(arm, numbers, fitted.changes)
-    off, posterior, effects = np.abs(numbers.values - after), fitted.posterior, effects_on(arm, numbers, fitted.changes)
-    stds = (posterior.deviations(effects, units) for units in ((), numbers.units))
-    levels = (1.0 - 2.0 * t.sf(off / std, posterior.degrees) for std in stds)
+    off, effects = np.abs(numbers.values - after), effects_on(arm, numbers, fitted.changes)
+    stds = (fitted.deviations(effects, units) for units in ((), numbers.units))
+    levels = (1.0 - 2.0 * t.sf(off / std, fitted.degrees) for std in stds)
     return Foretold(numbers, law.length, exp(fitted.changes[0]), _as_drawn(arm, numbers), after, *levels)
 
 

@@ -11,7 +11,7 @@ from benchmarks.experiments.bar import GRAVITY, Bar, Model, Response
 from benchmarks.experiments.cases import Case
 from geometry.arrays import Array
 from pipeline.answers.measured.fit import OF_ANGLES, OF_POSITIONS
-from pipeline.answers.measured.gaussian import Effects, Observed, Posterior, choose_spread
+from pipeline.answers.measured.gaussian import Effects, Gaussian
 from pipeline.answers.measured.predicted import KINDS
 from pipeline.answers.measured.rows import Row
 from pipeline.answers.measured.unknowns import OF_DATA_SHEET
@@ -106,9 +106,8 @@ def fit_bar(numbers: BarNumbers, rows: tuple[int, ...]) -> FittedBar:
     for _ in range(ROUNDS):
         residual = values - numbers.predicted(rows, change)
         effects = numbers.effects(rows, change)
-        observed = Observed(effects, residual, units, np.array([change]), np.array([OF_DATA_SHEET]))
-        posterior = Posterior.of(observed, choose_spread(observed, usual))
-        change = float(posterior.changes[0])
+        posterior = Gaussian.of(effects, residual, units, np.array([change]), np.array([OF_DATA_SHEET]), usual)
+        change = float(posterior.mean[0])
     others = [number for number in range(1, len(numbers.rows) + 1) if number not in rows]
     return FittedBar(
         rows,
@@ -119,7 +118,7 @@ def fit_bar(numbers: BarNumbers, rows: tuple[int, ...]) -> FittedBar:
     )
 
 
-def _inside(numbers: BarNumbers, rows: Sequence[int], change: float, posterior: Posterior) -> float:
+def _inside(numbers: BarNumbers, rows: Sequence[int], change: float, posterior: Gaussian) -> float:
     """The part of the numbers of some rows that lie in their intervals, with the scatter of a reading."""
     pairs = numbers.pairs(rows)
     off = np.array([row.values[name] for row, name in pairs]) - numbers.predicted(rows, change)

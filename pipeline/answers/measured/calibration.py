@@ -8,16 +8,15 @@ from typing import Any
 import numpy as np
 
 from geometry import Reason
-from geometry.arrays import Array
 from pipeline.answers.material.hold import LARGEST_LOSS
 from pipeline.answers.material.sentences import OF_RUBBER
 from pipeline.answers.measured.doubtful import check_numbers, doubts_of, failure_of
-from pipeline.answers.measured.fit import Fitted, fit, numbers_of, off_range, telling, usual_scatter
-from pipeline.answers.measured.gaussian import Posterior
+from pipeline.answers.measured.fit import fit, is_at_limit, numbers_of, off_range, telling, usual_scatter
+from pipeline.answers.measured.gaussian import Gaussian
 from pipeline.answers.measured.next_measurement import FORCES, PRESSURES, NextMeasurement, next_measurement
 from pipeline.answers.measured.predicted import Compared, Curves, LawRods, Numbers, Setup
 from pipeline.answers.measured.rows import Measurements
-from pipeline.answers.measured.unknowns import LOSS, BuiltArm, unknowns_in_time, unknowns_of
+from pipeline.answers.measured.unknowns import LOSS, BuiltArm, Unknown, unknowns_in_time, unknowns_of
 from pipeline.answers.rods.choice import plane_of, refuse_draft, refuse_out_of_plane
 from pipeline.answers.rods.in_time import KEYS
 from pipeline.values.errors import InputError
@@ -35,27 +34,14 @@ FAR = 2.0
 USUAL, STATES = 12, 2 * len(PRESSURES) * len(FORCES)
 
 
-@dataclass(frozen=True)
-class Estimate:
-    """One unknown before and after the measurement."""
-
-    name: str
-    unit: str
-    mean: float
-    std: float
-    drawn: float  #: in the drawing
-    std_before: float  #: of the modulus that of its logarithm
-    source: str  #: of the deviation before
-
-
 @dataclass(frozen=True, eq=False)  # arrays inside
 class Calibration:
     """An arm after its measurement."""
 
-    estimates: tuple[Estimate, ...]
+    estimates: tuple[Unknown, ...]
     law: ArmLaw = field(repr=False)  #: of the calibrated arm
     setup: Setup  #: offset of the gauge, angle of the clamp
-    posterior: Posterior = field(repr=False)
+    posterior: Gaussian = field(repr=False)
     predictions: tuple[Compared, ...] = field(repr=False)  #: what is allowed holds nine of ten measurements
     curves: Curves = field(repr=False)  #: of the calibrated rod
     undetermined: tuple[str, ...]  #: what the numbers do not tell, a sentence each
@@ -64,12 +50,7 @@ class Calibration:
     rubber: Mapping[str, Any]  #: of the material of a configuration; empty where nothing was measured in time
     missed: Reason | None = None  #: why this is no calibration
 
-    @property
-    def correlation(self) -> Array:
-        """(k, k) of the unknowns."""
-        return self.posterior.correlation
-
-    def __getitem__(self, name: str) -> Estimate:
+    def __getitem__(self, name: str) -> Unknown:
         return next(estimate for estimate in self.estimates if estimate.name == name)
 
 
@@ -105,20 +86,20 @@ def calibrated(
     if (count := len(numbers.values)) <= len(free):
         raise InputError(f"{measurements.file}: holds {count} numbers for {1 + len(free)} unknowns; measure more")
     low, high = law.pressures[0], law.pressures[-1]
-    likely = high * math.exp(2.0 * unknowns[0].std)
+    likely = high * math.exp(2.0 * unknowns[0].std_before)
     measurements.check_pressures(low, likely, f"the law, which goes from {low:g} to {high:g} kPa")
     _check(arm, numbers)
     numbers, fitted = _fitted(arm, numbers)
     changed, setup = arm.changed_law(fitted.changes, with_derivatives=True), arm.changed_setup(fitted.changes)
-    posterior, effects = fitted.posterior, fitted.observed.effects
     rubber = arm.changed_material(fitted.changes) if in_time else {}
-    allowed = posterior.quantile * posterior.deviations(effects, numbers.units)
-    predictions = numbers.beside(numbers.values - fitted.observed.residual, allowed)
+    allowed = fitted.quantile * fitted.deviations(fitted.effects, numbers.units)
+    predictions = numbers.beside(numbers.values - fitted.residual, allowed)
+    rows = zip(every, fitted.changes.tolist(), fitted.stds.tolist(), strict=True)
     return Calibration(
-        estimates=_estimates(arm, fitted),
+        estimates=tuple(unknown.after(change, std) for unknown, change, std in rows),
         law=changed,
         setup=setup,
-        posterior=posterior,
+        posterior=fitted,
         predictions=predictions,
         curves=numbers.curves(LawRods(changed, rubber), setup),
         undetermined=tuple(_undetermined(arm, fitted)),
@@ -126,7 +107,7 @@ def calibrated(
             *_left_out(measurements, numbers, changed),
             *off_range(changed, numbers, setup),
             *_doubts(arm, fitted),
-            *doubts_of(measurements, numbers, fitted.observed.residual),
+            *doubts_of(measurements, numbers, fitted.residual),
         ),
         next_measurement=next_measurement(arm, fitted, changed),
         rubber={key: value for key, value in rubber.items() if key in KEYS},
@@ -134,10 +115,10 @@ def calibrated(
     )
 
 
-def _fitted(arm: BuiltArm, numbers: Numbers) -> tuple[Numbers, Fitted]:
+def _fitted(arm: BuiltArm, numbers: Numbers) -> tuple[Numbers, Gaussian]:
     """The numbers at pressures that the law of the arm reaches, and their fit. Raises InputError where it has none."""
     fitted = fit(arm, numbers)
-    while fitted.at_limit:
+    while is_at_limit(arm, numbers, fitted):
         *lower, highest = numbers.measurements.pressures_kPa
         if not lower:
             raise InputError(
@@ -169,37 +150,29 @@ def _check(arm: BuiltArm, numbers: Numbers) -> None:
     check_numbers(numbers, predicted, arm.law.length)
 
 
-def _estimates(arm: BuiltArm, fitted: Fitted) -> tuple[Estimate, ...]:
-    rows = zip(arm.unknowns, fitted.changes.tolist(), fitted.posterior.stds.tolist(), strict=True)
-    return tuple(
-        Estimate(u.name, u.unit, u.value(change), u.std_of(change, std), u.drawn, u.std, u.source)
-        for u, change, std in rows
-    )
-
-
-def _undetermined(arm: BuiltArm, fitted: Fitted) -> list[str]:
-    sentences, left = [], fitted.posterior.stds / fitted.observed.stds
+def _undetermined(arm: BuiltArm, fitted: Gaussian) -> list[str]:
+    sentences, left = [], fitted.stds / fitted.stds_before
     for unknown, part in zip(arm.unknowns, left.tolist(), strict=True):
         if part > LEFT:
             sentences.append(f"{unknown.name}: not determined; its deviation is {100 * part:.0f} % of that before.")
     for i, j in zip(*np.triu_indices(len(left), 1), strict=True):
-        together = float(fitted.posterior.correlation[i, j])
+        together = float(fitted.correlation[i, j])
         if abs(together) > TOGETHER:
             both = f"{arm.unknowns[i].name} and {arm.unknowns[j].name}"
             sentences.append(f"{both}: only a combination is determined (correlation {together:.2f}).")
     return sentences
 
 
-def _doubts(arm: BuiltArm, fitted: Fitted) -> list[str]:
+def _doubts(arm: BuiltArm, fitted: Gaussian) -> list[str]:
     sentences = []
     for unknown, change in zip(arm.unknowns, fitted.changes.tolist(), strict=True):
         if unknown.is_of_law and unknown.drawn and abs(change / unknown.drawn) > DOUBTFUL:
-            percent, times = 100.0 * change / unknown.drawn, abs(change) / unknown.std
+            percent, times = 100.0 * change / unknown.drawn, abs(change) / unknown.std_before
             sentences.append(
                 f"{unknown.name} changes by {percent:.0f} %, {times:.1f} times its tolerance, for which derivatives "
                 "are doubtful; check the scale of the numbers, or measure the law again with it."
             )
-        elif (times := abs(change) / unknown.std) > FAR:
+        elif (times := abs(change) / unknown.std_before) > FAR:
             sentences.append(
                 f"{unknown.name} is {times:.1f} times its deviation before ({unknown.source}) from its value before; "
                 "check origin, scale and pressures of the numbers."

@@ -166,7 +166,7 @@ def _bands(
         unknowns = tolerance_unknowns(law, run.config, float(numbers.pressures.max()) or law.pressures[-1])
         told = telling(tell, len(unknowns), len(numbers.values))
         by = effects_on(BuiltArm(law, unknowns, AS_WRITTEN, run.material, told), numbers).by_unknown
-        bands["tolerances"] = np.sqrt(by**2 @ np.array([unknown.std for unknown in unknowns]) ** 2)
+        bands["tolerances"] = np.sqrt(by**2 @ np.array([unknown.std_before for unknown in unknowns]) ** 2)
     else:
         unknown.append("Tolerances are not counted, because this rod has no derivatives.")
     return bands, tuple(unknown)

@@ -146,7 +146,7 @@ def failure_of(
 ) -> Reason | None:
     """Why a fit is no calibration: as `missed`, or it did not come to its end, and numbers lie outside; else None.
 
-    step: as of `Fitted`.
+    step: as of `Gaussian`.
     """
     outside = [row for row in rows if not row.is_within]
     why = missed(numbers, rows, usual, length_mm)

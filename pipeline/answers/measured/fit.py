@@ -2,15 +2,14 @@
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
-from typing import final
+from dataclasses import replace
 
 import numpy as np
 from scipy.linalg import cholesky, solve_triangular
 from scipy.optimize import least_squares
 
 from geometry.arrays import Array
-from pipeline.answers.measured.gaussian import Effects, Observed, Posterior, Spread, choose_spread, left_out_density
+from pipeline.answers.measured.gaussian import Effects, Gaussian
 from pipeline.answers.measured.predicted import Numbers, Setup
 from pipeline.answers.measured.unknowns import BuiltArm
 from pipeline.store.time_left import TimeLeft
@@ -41,27 +40,6 @@ ROUNDING = 1e-9
 ALMOST = 0.95
 #: residual of a trial that has no rod, over the scatter
 NO_ROD = 1e3
-
-
-@final
-@dataclass(frozen=True, eq=False)  # arrays inside
-class Fitted:
-    """Where the fit ended."""
-
-    observed: Observed
-    posterior: Posterior
-    at_limit: bool  #: whether the numbers are of an arm so soft that its law ends below the highest pressure
-
-    @property
-    def changes(self) -> Array:
-        """(k,) of the unknowns."""
-        return self.observed.changes
-
-    @property
-    def step(self) -> float:
-        """Step of a linear fit from here on, over its deviation (Mahalanobis); 0.1 at most where a fit has ended."""
-        step = self.posterior.changes - self.changes
-        return math.sqrt(step @ np.linalg.pinv(self.posterior.covariance, hermitian=True) @ step)
 
 
 def off_range(law: ArmLaw, numbers: Numbers, setup: Setup) -> tuple[str, ...]:
@@ -113,27 +91,34 @@ def effects_on(arm: BuiltArm, numbers: Numbers, changes: Array | None = None) ->
             raise InputError(f"{numbers.measurements.file}: {highest:g} kPa is beyond the law of so soft an arm")
         return numbers_of(arm, numbers, at + more[:-1], math.exp(more[-1]))
 
-    steps = [*(PART * unknown.std for unknown in arm.unknowns), STIFFER]
+    steps = [*(PART * unknown.std_before for unknown in arm.unknowns), STIFFER]
     by = jacobian(lambda more: more, [of], steps, InputError)
     return Effects(by[:, :-1], np.column_stack([by[:, 0], OF_STIFFNESS * by[:, -1]]), numbers.pressures)
 
 
-def fit(arm: BuiltArm, numbers: Numbers) -> Fitted:
+def fit(arm: BuiltArm, numbers: Numbers) -> Gaussian:
     """The unknowns that agree best with numbers, and with what was known of them.
 
     Raises InputError, with the line, for a state that the rod of the arm has not.
     """
-    lowest = math.log(max(float(numbers.pressures.max()), 1e-9) / arm.law.pressures[-1])
+    lowest, usual = _lowest(arm, numbers), usual_scatter(arm.law.length, numbers)
     changes = _start(arm, numbers, max(0.0, lowest))
-    usual = usual_scatter(arm.law.length, numbers)
     for _ in range(ROUNDS):
-        observed, spread = _observed(arm, numbers, changes, usual)
-        before, changes = changes, _improved(arm, numbers, observed, spread, lowest)
-        if np.abs((changes - before) / observed.stds).max() < SETTLED:
+        fitted = _fitted_at(arm, numbers, changes, usual)
+        before, changes = changes, _improved(arm, numbers, fitted, lowest)
+        if np.abs((changes - before) / fitted.stds_before).max() < SETTLED:
             break
-    observed, spread = _observed(arm, numbers, changes, usual)
-    posterior = Posterior.of(observed, spread)
-    return Fitted(observed, posterior, bool(posterior.changes[0] < lowest - LIMIT * posterior.stds[0]))
+    return _fitted_at(arm, numbers, changes, usual)
+
+
+def is_at_limit(arm: BuiltArm, numbers: Numbers, fitted: Gaussian) -> bool:
+    """Whether numbers are of an arm so soft that its law ends below their highest pressure."""
+    return bool(fitted.mean[0] < _lowest(arm, numbers) - LIMIT * fitted.stds[0])
+
+
+def _lowest(arm: BuiltArm, numbers: Numbers) -> float:
+    """Of the logarithm of the modulus, at which the law ends at the highest pressure of the numbers."""
+    return math.log(max(float(numbers.pressures.max()), 1e-9) / arm.law.pressures[-1])
 
 
 def _start(arm: BuiltArm, numbers: Numbers, first: float) -> Array:
@@ -151,19 +136,18 @@ def _start(arm: BuiltArm, numbers: Numbers, first: float) -> Array:
     raise failures[0]
 
 
-def _observed(arm: BuiltArm, numbers: Numbers, changes: Array, usual: dict[str, float]) -> tuple[Observed, Spread]:
-    """The numbers beside the rod, and their spread, in a frame as of the file or in another one, which may be far off.
+def _fitted_at(arm: BuiltArm, numbers: Numbers, changes: Array, usual: dict[str, float]) -> Gaussian:
+    """The numbers beside the rod at changes (k,), in a frame as of the file or in another one, which may be far off.
 
     Another one is taken where rows are foretold far better with it. usual: scatter by unit.
     """
     residual, effects = numbers.values - numbers_of(arm, numbers, changes), effects_on(arm, numbers, changes)
     stds, *others = arm.stds_by_frame(is_aligned=numbers.measurements.is_aligned)
-    observed = Observed(effects, residual, numbers.units, changes, stds)
-    spread = choose_spread(observed, usual)
-    for far in (replace(observed, stds=one) for one in others):
-        if left_out_density(far, spread) > left_out_density(observed, spread) + OTHER:
-            return far, choose_spread(far, usual)
-    return observed, spread
+    found = Gaussian.of(effects, residual, numbers.units, changes, stds, usual)
+    for far in (replace(found, stds_before=one) for one in others):
+        if far.left_out_density > found.left_out_density + OTHER:
+            return far.with_spread(usual)
+    return found
 
 
 def usual_scatter(length_mm: float, numbers: Numbers) -> dict[str, float]:
@@ -175,12 +159,9 @@ def usual_scatter(length_mm: float, numbers: Numbers) -> dict[str, float]:
     return usual
 
 
-def _improved(arm: BuiltArm, numbers: Numbers, observed: Observed, spread: Spread, lowest: float) -> Array:
-    """(k,) the changes of least squares with a spread, of the numbers and of what was known before.
-
-    lowest: of the logarithm of the modulus, at which the law ends at the highest pressure of the numbers.
-    """
-    factor, stds = cholesky(observed.noise(spread), lower=True), observed.stds
+def _improved(arm: BuiltArm, numbers: Numbers, fitted: Gaussian, lowest: float) -> Array:
+    """(k,) the changes of least squares with its spread, of the numbers and of what was known before."""
+    factor, stds = cholesky(fitted.noise, lower=True), fitted.stds_before
 
     def residual(changes: Array) -> Array:
         try:
@@ -193,6 +174,6 @@ def _improved(arm: BuiltArm, numbers: Numbers, observed: Observed, spread: Sprea
         by_unknown = effects_on(arm, numbers, changes).by_unknown
         return np.vstack([-solve_triangular(factor, by_unknown, lower=True), np.diag(1.0 / stds)])
 
-    least, start = np.full(len(stds), -np.inf), np.array(observed.changes)
+    least, start = np.full(len(stds), -np.inf), np.array(fitted.changes)
     least[0], start[0] = lowest, max(start[0], lowest)
     return least_squares(residual, start, slopes, (least, np.inf), x_scale=stds, xtol=1e-3, ftol=1e-4, max_nfev=6).x

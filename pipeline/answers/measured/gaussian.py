@@ -12,8 +12,10 @@ Quantif. 9 (2019) 365). How large they are, and the scatter, is what best forete
 those of all others.
 """
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, replace
+from functools import cached_property
 from typing import final
 
 import numpy as np
@@ -71,93 +73,108 @@ class Effects:
 
 @final
 @dataclass(frozen=True, eq=False)  # arrays inside
-class Observed:
-    """Measured numbers beside those of a rod, at some changes of what is unknown."""
+class Gaussian:
+    """Unknowns before and after numbers were measured, which are linear in them about some changes of theirs."""
 
-    effects: Effects
-    residual: Array  #: (n,) measured less rod
+    effects: Effects  #: of the unknowns on the numbers, at the changes
+    residual: Array  #: (n,) measured less rod, there
     units: tuple[str, ...]  #: (n,) mm, deg or N
     changes: Array  #: (k,) from what was expected
-    stds: Array  #: (k,) of the changes, before the measurement
+    stds_before: Array  #: (k,) of the changes
+    spread: Spread
 
-    def of(self, chosen: Mask) -> "Observed":
-        """Some of the numbers, chosen (n,)."""
+    @staticmethod
+    def of(
+        effects: Effects, residual: Array, units: tuple[str, ...], at: Array, stds: Array, usual: Mapping[str, float]
+    ) -> "Gaussian":
+        """At changes (k,), with the spread that foretells best; usual: scatter by unit that is expected."""
+        reach = REACH * float(effects.pressures.max()) or 1.0
+        return Gaussian(effects, residual, units, at, stds, Spread(usual, MODEL_ERROR, reach)).with_spread(usual)
+
+    def with_spread(self, usual: Mapping[str, float]) -> "Gaussian":
+        """With scatter and error of the model by which rows of each pressure are foretold best from all others.
+
+        usual: scatter by unit that is expected. One pressure says nothing of the error of the model, which stays.
+        """
+        kinds = sorted(set(self.units))
+
+        def with_sizes(logs: Array) -> "Gaussian":
+            sizes = {unit: usual[unit] * float(np.exp(log)) for unit, log in zip(kinds, logs[1:], strict=True)}
+            model = MODEL_ERROR * float(np.exp(logs[0]))
+            return replace(self, spread=replace(self.spread, scatter=sizes, model=model))
+
+        def badness(logs: Array) -> float:
+            before = (logs[0] / MODEL_ERROR_SPREAD) ** 2 + np.sum((logs[1:] / SCATTER_SPREAD) ** 2)
+            return float(0.5 * before) - with_sizes(logs).left_out_density
+
+        start = np.vstack([np.zeros(1 + len(kinds)), np.eye(1 + len(kinds))])
+        options = {"initial_simplex": start, "xatol": 0.02, "fatol": 0.02}
+        return with_sizes(minimize(badness, start[0], method="Nelder-Mead", options=options).x)
+
+    @property
+    def left_out_density(self) -> float:
+        """Logarithm of the probability density of the rows at each pressure, foretold from those at all others."""
+        density = 0.0
+        for pressure in np.unique(self.effects.pressures):
+            is_out = self.effects.pressures == pressure
+            out, known = self._some(is_out), self._some(~is_out)
+            covariance = known.error_covariance(out.effects) + self.spread.scatter_of(out.units)
+            factor, off = cho_factor(covariance), out._shifted - out.effects.by_unknown @ known.mean
+            logarithm = 2.0 * float(np.log(np.diag(factor[0])).sum()) + len(off) * float(np.log(2.0 * np.pi))
+            density -= 0.5 * (float(off @ cho_solve(factor, off)) + logarithm)
+        return density
+
+    def _some(self, chosen: Mask) -> "Gaussian":
+        """With some of the numbers, chosen (n,)."""
         units = tuple(np.array(self.units)[chosen].tolist())
         return replace(self, effects=self.effects.of(chosen), residual=self.residual[chosen], units=units)
 
     @property
-    def shifted(self) -> Array:
+    def _shifted(self) -> Array:
         """(n,) measured less what a rod without changes has, to first order."""
         return np.asarray(self.residual + self.effects.by_unknown @ self.changes)
 
-    def noise(self, spread: Spread) -> Array:
+    @property
+    def noise(self) -> Array:
         """(n, n) covariance of what is not explained by the unknowns."""
-        return self.effects.model_covariance(self.effects, spread) + spread.scatter_of(self.units)
+        return self.effects.model_covariance(self.effects, self.spread) + self.spread.scatter_of(self.units)
 
+    @cached_property
+    def gain(self) -> Array:
+        """(k, n) by which measured numbers change the mean."""
+        total = self.noise + self._by_std @ self.effects.by_unknown.T
+        return np.asarray(cho_solve(cho_factor(total), self._by_std)).T
 
-def choose_spread(observed: Observed, usual: Mapping[str, float]) -> Spread:
-    """Scatter and error of the model by which rows of each pressure are foretold best from those of the others.
+    @property
+    def _by_std(self) -> Array:
+        return np.asarray(self.effects.by_unknown * self.stds_before**2)  # (n, k)
 
-    usual: scatter by unit that is expected. One pressure says nothing of the error of the model, which stays as it is.
-    """
-    kinds, reach = sorted(set(observed.units)), REACH * float(observed.effects.pressures.max()) or 1.0
+    @property
+    def mean(self) -> Array:
+        """(k,) of the changes, after the measurement."""
+        return np.asarray(self.gain @ self._shifted)
 
-    def spread_of(logs: Array) -> Spread:
-        sizes = {unit: usual[unit] * float(np.exp(log)) for unit, log in zip(kinds, logs[1:], strict=True)}
-        return Spread(sizes, MODEL_ERROR * float(np.exp(logs[0])), reach)
-
-    def badness(logs: Array) -> float:
-        before = (logs[0] / MODEL_ERROR_SPREAD) ** 2 + np.sum((logs[1:] / SCATTER_SPREAD) ** 2)
-        return float(0.5 * before) - left_out_density(observed, spread_of(logs))
-
-    start = np.vstack([np.zeros(1 + len(kinds)), np.eye(1 + len(kinds))])
-    options = {"initial_simplex": start, "xatol": 0.02, "fatol": 0.02}
-    found = minimize(badness, start[0], method="Nelder-Mead", options=options)
-    return spread_of(found.x)
-
-
-def left_out_density(observed: Observed, spread: Spread) -> float:
-    """Logarithm of the probability density of the rows at each pressure, foretold from those at all others."""
-    density = 0.0
-    for pressure in np.unique(observed.effects.pressures):
-        is_out = observed.effects.pressures == pressure
-        out, known = observed.of(is_out), Posterior.of(observed.of(~is_out), spread)
-        covariance = known.error_covariance(out.effects) + spread.scatter_of(out.units)
-        factor, off = cho_factor(covariance), out.shifted - out.effects.by_unknown @ known.changes
-        logarithm = 2.0 * float(np.log(np.diag(factor[0])).sum()) + len(off) * float(np.log(2.0 * np.pi))
-        density -= 0.5 * (float(off @ cho_solve(factor, off)) + logarithm)
-    return density
-
-
-@final
-@dataclass(frozen=True, eq=False)  # arrays inside
-class Posterior:
-    """What is known of the unknowns after a measurement."""
-
-    changes: Array  #: (k,) mean
-    covariance: Array  #: (k, k)
-    gain: Array  #: (k, n) by which measured numbers change the mean
-    effects: Effects  #: of the numbers that were measured
-    spread: Spread
-
-    @staticmethod
-    def of(observed: Observed, spread: Spread) -> "Posterior":
-        """To first order about the changes of the numbers."""
-        by_unknown = observed.effects.by_unknown * observed.stds**2  # (n, k)
-        total = observed.noise(spread) + by_unknown @ observed.effects.by_unknown.T
-        gain = np.asarray(cho_solve(cho_factor(total), by_unknown)).T
-        covariance = np.diag(observed.stds**2) - gain @ by_unknown
-        return Posterior(gain @ observed.shifted, 0.5 * (covariance + covariance.T), gain, observed.effects, spread)
+    @cached_property
+    def covariance(self) -> Array:
+        """(k, k) of the changes, after the measurement."""
+        covariance = np.diag(self.stds_before**2) - self.gain @ self._by_std
+        return np.asarray(0.5 * (covariance + covariance.T))
 
     @property
     def stds(self) -> Array:
-        """(k,)"""
+        """(k,) of the changes, after the measurement."""
         return np.sqrt(np.maximum(np.diag(self.covariance), 0.0))
 
     @property
     def correlation(self) -> Array:
         """(k, k)"""
         return np.asarray(self.covariance / np.outer(self.stds, self.stds))
+
+    @property
+    def step(self) -> float:
+        """From the changes to the mean, over its deviation (Mahalanobis); 0.1 at most where a fit has ended."""
+        step = self.mean - self.changes
+        return math.sqrt(step @ np.linalg.pinv(self.covariance, hermitian=True) @ step)
 
     @property
     def degrees(self) -> int:

@@ -4,8 +4,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from pipeline.answers.measured.fit import OF_POSITIONS, Fitted, effects_on
-from pipeline.answers.measured.gaussian import Effects, Posterior
+from pipeline.answers.measured.fit import OF_POSITIONS, effects_on
+from pipeline.answers.measured.gaussian import Effects, Gaussian
 from pipeline.answers.measured.predicted import Numbers
 from pipeline.answers.measured.rows import Measurements, Row, State
 from pipeline.answers.measured.unknowns import BuiltArm
@@ -36,7 +36,7 @@ class NextMeasurement:
         )
 
 
-def next_measurement(arm: BuiltArm, fitted: Fitted, law: ArmLaw) -> NextMeasurement:
+def next_measurement(arm: BuiltArm, fitted: Gaussian, law: ArmLaw) -> NextMeasurement:
     """Of the tip in some states, the one that leaves the least variance of the tip in all of them, to first order.
 
     law: of the calibrated arm.
@@ -53,24 +53,24 @@ def next_measurement(arm: BuiltArm, fitted: Fitted, law: ArmLaw) -> NextMeasurem
         except InputError:  # no rod there
             continue
     targets = Effects.joined(effects)
-    now = _deviation(fitted.posterior, targets)
+    now = _deviation(fitted, targets)
     then = [_deviation(_after(fitted, one, law.length), targets) for one in effects]
     best = int(np.argmin(then))
     return NextMeasurement(reached[best].pressure_kPa, reached[best].force_N[1], now, then[best])
 
 
-def _deviation(posterior: Posterior, targets: Effects) -> float:
+def _deviation(fitted: Gaussian, targets: Effects) -> float:
     """mm, root mean square of the distance of the tip."""
-    return float(np.sqrt(2.0 * np.diag(posterior.error_covariance(targets)).mean()))
+    return float(np.sqrt(2.0 * np.diag(fitted.error_covariance(targets)).mean()))
 
 
-def _after(fitted: Fitted, effects: Effects, length: float) -> Posterior:
+def _after(fitted: Gaussian, effects: Effects, length: float) -> Gaussian:
     """With two numbers more, whose values do not matter."""
-    observed, spread = fitted.observed, fitted.posterior.spread
-    more = replace(
-        observed,
-        effects=Effects.joined([observed.effects, effects]),
-        residual=np.append(observed.residual, np.zeros(2)),
-        units=(*observed.units, "mm", "mm"),
+    scatter = {"mm": OF_POSITIONS * length} | dict(fitted.spread.scatter)
+    return replace(
+        fitted,
+        effects=Effects.joined([fitted.effects, effects]),
+        residual=np.append(fitted.residual, np.zeros(2)),
+        units=(*fitted.units, "mm", "mm"),
+        spread=replace(fitted.spread, scatter=scatter),
     )
-    return Posterior.of(more, replace(spread, scatter={"mm": OF_POSITIONS * length} | dict(spread.scatter)))

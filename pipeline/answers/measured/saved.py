@@ -2,14 +2,14 @@
 
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from pipeline.answers.measured.calibration import Calibration
-from pipeline.answers.measured.gaussian import Effects, Posterior, Spread
+from pipeline.answers.measured.gaussian import Effects, Gaussian, Spread
 from pipeline.answers.measured.predicted import Setup
 from pipeline.answers.measured.unknowns import MODULUS, Unknown
 from pipeline.config.section import key_of
@@ -35,7 +35,7 @@ class SavedCalibration:
 
     unknowns: tuple[Unknown, ...]
     setup: Setup
-    posterior: Posterior
+    posterior: Gaussian
 
 
 def save_calibration(
@@ -77,15 +77,15 @@ def record_of(run: Run, file: Path, found: Calibration) -> JsonObject:
         "unknowns": [estimate.name for estimate in found.estimates],
         **{one.name: {key: value for key, value in asdict(one).items() if key != "name"} for one in found.estimates},
         "setup": asdict(found.setup),
-        "correlation": found.correlation,
+        "correlation": posterior.correlation,
         "scatter": {f"{unit}_std": std for unit, std in posterior.spread.scatter.items()},
         "model_error_std": posterior.spread.model,
         "undetermined": list(found.undetermined),
         "notes": list(found.notes),
         "next_measurement": asdict(found.next_measurement),
         "posterior": {
-            "covariance": posterior.covariance,
-            "gain": posterior.gain,
+            "stds_before": posterior.stds_before,
+            "units": posterior.units,
             "by_unknown": posterior.effects.by_unknown,
             "by_model": posterior.effects.by_model,
             "pressures_kPa": posterior.effects.pressures,
@@ -138,20 +138,13 @@ def read_calibration(directory: Path) -> SavedCalibration | None:
     try:
         content = json.loads(path.read_text(encoding="utf-8"))
         kept, names = content["posterior"], content["unknowns"]
-        rows = {name: content[name] for name in names}
-        unknowns = tuple(
-            Unknown(name, row["unit"], row["mean"] if name != MODULUS else 1.0, row["std_before"], row["source"])
-            for name, row in rows.items()
-        )
+        known = {name: Unknown(name=name, **content[name]) for name in names}
+        unknowns = tuple(replace(one, drawn=1.0 if name == MODULUS else one.mean) for name, one in known.items())
         effects = Effects(*(np.array(kept[key], float) for key in ("by_unknown", "by_model", "pressures_kPa")))
         scatter = {key.removesuffix("_std"): float(std) for key, std in content["scatter"].items()}
-        posterior = Posterior(
-            np.zeros(len(names)),
-            np.array(kept["covariance"], float),
-            np.array(kept["gain"], float),
-            effects,
-            Spread(scatter, float(content["model_error_std"]), float(kept["reach_kPa"])),
-        )
+        spread = Spread(scatter, float(content["model_error_std"]), float(kept["reach_kPa"]))
+        residual, stds = np.zeros(len(effects.pressures)), np.array(kept["stds_before"], float)
+        posterior = Gaussian(effects, residual, tuple(kept["units"]), np.zeros(len(names)), stds, spread)
         setup = Setup(**content["setup"])
     except (OSError, ValueError, TypeError, KeyError, AttributeError) as failure:
         raise InputError(f"{path}: is not the calibration of an arm ({failure}); repeat pneurod calibrate") from None

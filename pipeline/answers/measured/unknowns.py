@@ -43,13 +43,15 @@ MOST_DIMENSIONS = 4
 
 @dataclass(frozen=True)
 class Unknown:
-    """One number of an arm or of its measurement, normally distributed before it is measured."""
+    """One number of an arm or of its measurement, normally distributed."""
 
     name: str  #: MODULUS, GAUGE, CLAMP, or the key of a parameter of the law
     unit: str
     drawn: float  #: value in the drawing; 1 of the factor of all moduli
-    std: float  #: before the measurement; of the modulus that of its logarithm
+    std_before: float  #: before the measurement; of a factor that of its logarithm
     source: str  #: of this deviation
+    mean: float = math.nan  #: after the measurement
+    std: float = math.nan  #: the same
 
     @property
     def is_factor(self) -> bool:
@@ -70,9 +72,10 @@ class Unknown:
         """The number after a change, of a factor of its logarithm."""
         return self.drawn * math.exp(change) if self.is_factor else self.drawn + change
 
-    def std_of(self, change: float, std: float) -> float:
-        """Standard deviation of the number by that of the change."""
-        return std * self.value(change) if self.is_factor else std
+    def after(self, change: float, std: float) -> "Unknown":
+        """The same after a measurement, with the mean and the deviation of the change."""
+        mean = self.value(change)
+        return replace(self, mean=mean, std=std * mean if self.is_factor else std)
 
 
 @dataclass(frozen=True, eq=False)  # arrays inside
@@ -95,7 +98,7 @@ class BuiltArm:
 
     def stds_by_frame(self, *, is_aligned: bool) -> list[Array]:
         """(k,) deviations in the frame of the file, and unless that is aligned, in another one."""
-        stds = np.array([unknown.std for unknown in self.unknowns])
+        stds = np.array([unknown.std_before for unknown in self.unknowns])
         is_of_frame = np.isin([unknown.name for unknown in self.unknowns], (*ORIGIN, CLAMP))
         return [stds] if is_aligned else [stds, np.where(is_of_frame, OTHER_FRAME * stds, stds)]
 

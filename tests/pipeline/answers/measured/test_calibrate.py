@@ -15,8 +15,8 @@ from scipy.stats import multivariate_t
 import pneurod
 from pipeline.answers.measured.calibrate import CalibrateOptions, CalibrationReport, calibrate_files
 from pipeline.answers.measured.compare import compare_files
-from pipeline.answers.measured.fit import _observed, effects_on, fit, numbers_of, off_range, usual_scatter
-from pipeline.answers.measured.gaussian import Effects, Observed, Posterior, Spread
+from pipeline.answers.measured.fit import _fitted_at, effects_on, fit, numbers_of, off_range, usual_scatter
+from pipeline.answers.measured.gaussian import Effects, Gaussian, Spread
 from pipeline.answers.measured.predicted import Numbers, Setup
 from pipeline.answers.measured.rows import State
 from pipeline.answers.measured.saved import calibrated_config
@@ -68,18 +68,17 @@ def test_sampling_agrees_with_the_linear_approximation(tmp_path: Path) -> None:
     unknowns = unknowns_of(law, {"geometry": {}}, ("geometry.wall",), 16.0)
     arm, numbers = BuiltArm(law, unknowns), Numbers.of(read_measurements(file))
     fitted = fit(arm, numbers)
-    noise = np.linalg.inv(fitted.observed.noise(fitted.posterior.spread))
-    drawn_from = multivariate_t(fitted.changes, fitted.posterior.covariance, 5.0, seed=1, allow_singular=True)
+    noise = np.linalg.inv(fitted.noise)
+    drawn_from = multivariate_t(fitted.changes, fitted.covariance, 5.0, seed=1, allow_singular=True)
     points, logs = drawn_from.rvs(60), []
     for point in points:
         off = numbers.values - numbers_of(arm, numbers, point)
-        before = float(np.sum((point / fitted.observed.stds) ** 2))
+        before = float(np.sum((point / fitted.stds_before) ** 2))
         logs.append(-0.5 * (float(off @ noise @ off) + before) - float(drawn_from.logpdf(point)))
     weights = np.exp(np.array(logs) - max(logs))
     weights /= weights.sum()
     assert 1.0 / np.sum(weights**2) > 0.2 * len(points)
-    deviations = np.sqrt(np.diag(fitted.posterior.covariance))
-    assert np.all(np.abs(weights @ points - fitted.changes) < 0.5 * deviations)
+    assert np.all(np.abs(weights @ points - fitted.changes) < 0.5 * fitted.stds)
 
 
 def test_fitted_threads_and_the_second_of_a_list_are_written_where_they_stand(report: CalibrationReport) -> None:
@@ -203,9 +202,9 @@ def test_a_frame_far_off_is_looked_for_where_rows_say_so(
     unknowns = *unknowns_of(arm_law(), {"geometry": {}}, (), 24.0), *BuiltArm.origin_of(read, LENGTH)
     arm, numbers = BuiltArm(arm_law(), unknowns, Setup(drawn_mm=LENGTH)), Numbers.of(read)
     changes = np.log(0.85) * np.eye(len(unknowns))[0]
-    observed, _ = _observed(arm, numbers, changes, usual_scatter(LENGTH, numbers))
+    fitted = _fitted_at(arm, numbers, changes, usual_scatter(LENGTH, numbers))
     of_origin = [k for k, unknown in enumerate(unknowns) if unknown.name in ORIGIN]
-    assert observed.stds[of_origin] == pytest.approx(times * OF_ORIGIN * LENGTH)
+    assert fitted.stds_before[of_origin] == pytest.approx(times * OF_ORIGIN * LENGTH)
 
 
 def test_the_modulus_is_that_at_the_highest_pressure_of_the_law() -> None:
@@ -277,9 +276,8 @@ def test_the_error_of_a_prediction_is_that_of_linear_gaussian_numbers() -> None:
     random = np.random.default_rng(3)
     pressures = np.array([4.0, 8.0, 8.0, 12.0])
     effects = Effects(random.normal(size=(4, 2)), random.normal(size=(4, 2)), pressures)
-    observed = Observed(effects, np.zeros(4), ("mm", "mm", "deg", "mm"), np.zeros(2), np.array([0.5, 2.0]))
-    spread = Spread({"mm": 0.3, "deg": 0.6}, 0.4, 6.0)
-    posterior = Posterior.of(observed, spread)
+    spread, units = Spread({"mm": 0.3, "deg": 0.6}, 0.4, 6.0), ("mm", "mm", "deg", "mm")
+    posterior = Gaussian(effects, np.zeros(4), units, np.zeros(2), np.array([0.5, 2.0]), spread)
     target = Effects(random.normal(size=(2, 2)), random.normal(size=(2, 2)), np.array([9.0, 20.0]))
     count, every = 200_000, Effects(
         np.vstack([effects.by_unknown, target.by_unknown]),
@@ -287,7 +285,7 @@ def test_the_error_of_a_prediction_is_that_of_linear_gaussian_numbers() -> None:
         np.append(pressures, target.pressures),
     )  # fmt: skip
     of_model = random.multivariate_normal(np.zeros(6), every.model_covariance(every, spread), count)
-    unknowns = random.normal(size=(count, 2)) * observed.stds
+    unknowns = random.normal(size=(count, 2)) * posterior.stds_before
     noise = random.normal(size=(count, 4)) * np.array([0.3, 0.3, 0.6, 0.3])
     numbers = unknowns @ every.by_unknown.T + of_model
     errors = numbers[:, 4:] - (numbers[:, :4] + noise) @ posterior.gain.T @ target.by_unknown.T

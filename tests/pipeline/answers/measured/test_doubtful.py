@@ -135,7 +135,7 @@ def test_a_fit_that_misses_the_motion_is_no_calibration(tmp_path: Path, few_prop
 def test_a_fit_that_stays_where_it_began_is_no_calibration(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, few_proposals: None
 ) -> None:
-    monkeypatch.setattr("pipeline.answers.measured.fit._improved", lambda arm, numbers, observed, *_: observed.changes)
+    monkeypatch.setattr("pipeline.answers.measured.fit._improved", lambda arm, numbers, fitted, *_: fitted.changes)
     file = measured(tmp_path / "arm.csv", arm_law(60.0).scaled(0.75), [State(p) for p in (5.0, 10.0, 15.0, 20.0)])
     with pytest.raises(RunFailed, match=r"did not end, and \d of 8 numbers are outside, in line \d: tip_"):
         pneurod.calibrate(result_folder(tmp_path / "arm"), file, tmp_path / "c")
