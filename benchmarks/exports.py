@@ -24,8 +24,7 @@ from scipy.io import loadmat
 
 from benchmarks.markdown import table, write_made
 from benchmarks.unseen.designs import drawn
-from pipeline.answers.rods.export import ExportOptions, exported
-from pipeline.answers.rods.judged import Reference, distance, references
+from pipeline.answers.rods.export import ExportOptions, Reference, distance, exported, references
 from pipeline.config.load import load_config
 from pipeline.config.validation import middle_of_widest
 from pipeline.results.files import read_results

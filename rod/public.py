@@ -8,6 +8,7 @@ from rod.arm.stability import Stability as Stability
 from rod.arm_law.law import ArmLaw as ArmLaw
 from rod.arm_law.law_rod import LawRod as LawRod
 from rod.curves.cell_average import cell_averaged as cell_averaged
+from rod.curves.cell_average import rest_curvature as rest_curvature
 from rod.curves.cell_average import shortest_pitch as shortest_pitch
 from rod.curves.closure import Closure as Closure
 from rod.curves.closure import end_displacement_closure as end_displacement_closure
@@ -16,7 +17,6 @@ from rod.curves.curve import Moment as Moment
 from rod.curves.curve import moment_between as moment_between
 from rod.curves.curve import moment_from_load as moment_from_load
 from rod.curves.curve import without_stretch as without_stretch
-from rod.curves.rest_shape import rest_curvature as rest_curvature
 from rod.curves.uncertainty import Bootstrap as Bootstrap
 from rod.curves.uncertainty import Interval as Interval
 from rod.errors import RodError as RodError
@@ -50,9 +50,9 @@ from rod.law import TwoSlopes as TwoSlopes
 from rod.load import Load as Load
 from rod.load import Loading as Loading
 from rod.mechanics.equilibrium import Rod as Rod
+from rod.mechanics.equilibrium import compile_kernels as compile_kernels
 from rod.pressures import LinearRange as LinearRange
 from rod.pressures import Quantity as Quantity
 from rod.pressures import linear_range as linear_range
 from rod.solution import RodSolution as RodSolution
 from rod.solution import SpatialSolution as SpatialSolution
-from rod.warm_up import compile_kernels as compile_kernels

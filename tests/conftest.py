@@ -74,7 +74,7 @@ def undrawn() -> Iterator[None]:
 def few_proposals() -> Iterator[None]:
     """A calibration looks at few states to be measured next, each of which takes as many rods as a round of its fit."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("pipeline.answers.measured.next_measurement.PRESSURES", (0.5, 1.0))
+        patch.setattr("pipeline.answers.measured.calibration.PRESSURES", (0.5, 1.0))
         yield
 
 

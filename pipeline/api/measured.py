@@ -6,8 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from pipeline.api.course import reached
-from pipeline.api.given import given_choice, given_path, given_progress
+from pipeline.api.course import given_choice, given_path, given_progress, reached
 from pipeline.api.options import Align, Folder, Given, MeasuredFile, Ratio
 from pipeline.store.progress import Progress
 from pipeline.values.errors import RunFailed
@@ -99,14 +98,14 @@ def material(
     hold gives the branches of relaxation; kind says of what kind the tests are where titles do not. Raises
     `pneurod.InputError` for a wrong file or argument, and `pneurod.RunFailed` where no law can be used.
     """
-    from pipeline.answers.material import record, study
+    from pipeline.answers.material import page, study
 
     files = [given_path(test, "tests", "tensile.csv") for test in tests]
     needing = None if run is None else given_path(run, "run", "results/arm")
     texts = {"length": length, "area": area, "start": start, "density": density}
     held = None if hold is None else given_path(hold, "hold", "hold.csv")
     options = study.FitOptions.read(texts, nu, cycle, needing, held, kind)
-    found = record.fit_material(files, options, given_path(out, "out", "results/material"))
+    found = page.fit_material(files, options, given_path(out, "out", "results/material"))
     if not found.judged.usable:
         raise RunFailed(" ".join(found.words)).with_reached(found)
     return found

@@ -13,12 +13,12 @@ import pandas as pd
 
 from pipeline.answers.rods import choice, end_loads, export, motion, pressures
 from pipeline.answers.rods.budget import budget_of
+from pipeline.answers.rods.choice import run_along
 from pipeline.answers.rods.in_time import in_time
 from pipeline.answers.rods.poses import Hand
-from pipeline.answers.rods.ratio import run_along
 from pipeline.answers.rods.rods import Rods
 from pipeline.api import frames
-from pipeline.api.given import given_choice, given_path
+from pipeline.api.course import given_choice, given_path
 from pipeline.api.rods import move
 from pipeline.config import units
 from pipeline.results.files import read_results as read_run

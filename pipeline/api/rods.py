@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from geometry.told import Printable
-from pipeline.api.given import given_choice, given_path, given_progress
+from pipeline.api.course import given_choice, given_path, given_progress
 from pipeline.api.options import (
     Amount,
     Folder,
@@ -135,11 +135,11 @@ def move(
     and material.loss_factor say. Raises `pneurod.InputError` for a wrong argument, and `pneurod.RunFailed`, which has
     the motion up to the last good time as `reached`.
     """
-    from pipeline.answers.rods import choice, end_loads, motion, ratio as ratios  # noqa: I001  one import is enough
+    from pipeline.answers.rods import choice, end_loads, motion
 
     loading = end_loads.read_end(end_loads.read_weight(orientation, tip_mass), force)
     asked = motion.Asked.read(pressure, seconds, loading, release=given_choice(release, "release"), air=air, step=step)
-    run = ratios.run_along(given_path(path, "path", "results/arm"), ratio)
+    run = choice.run_along(given_path(path, "path", "results/arm"), ratio)
     target, rods = run.directory if out is None else given_path(out, "out", "results/arm"), choice.choose_rod(run, rod)
     along = end_loads.read_along(rods.law.length, held_at=held_at)
     asked = replace(asked, loading=replace(loading, along=along))
@@ -179,14 +179,14 @@ def solve(
 
     Raises `pneurod.InputError` for a wrong argument and for what is out of reach, with the nearest that is not.
     """
-    from pipeline.answers.rods import choice, end_loads, pressures, ratio as ratios, tips  # noqa: I001  the same
+    from pipeline.answers.rods import choice, end_loads, pressures
 
     weight = end_loads.read_weight(orientation, tip_mass)
     wish = pressures.Wish.read(tip, angle, force, at_height, weight)
-    chosen = choice.choose_rod(ratios.run_along(given_path(path, "path", "results/arm"), ratio), rod)
+    chosen = choice.choose_rod(choice.run_along(given_path(path, "path", "results/arm"), ratio), rod)
     found = pressures.pressures_for(chosen, wish)
     if picture is not None:
-        write_new(given_path(picture, "picture", "tips.html"), tips.tips_page(chosen, wish, found))
+        write_new(given_path(picture, "picture", "tips.html"), pressures.tips_page(chosen, wish, found))
     return Solutions(found, chosen.notes)
 
 

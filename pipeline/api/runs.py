@@ -4,9 +4,17 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-from pipeline.api.course import MOST_JOBS, course_of, design_of, error_of, load_notes, reached
+from pipeline.api.course import (
+    MOST_JOBS,
+    course_of,
+    design_of,
+    document_of,
+    error_of,
+    given_folder,
+    load_notes,
+    reached,
+)
 from pipeline.api.described import Material
-from pipeline.api.given import document_of, given_folder
 from pipeline.api.options import Accuracy, ConfigFile, Draft, Fresh, Out, Settings, jobs_option, out_option
 from pipeline.store.progress import Progress
 from pipeline.values.errors import InputError, RunFailed, quoted

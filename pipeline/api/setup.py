@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from pipeline.api.given import given_choice, given_path
+from pipeline.api.course import given_choice, given_path
 from pipeline.doctor import Finding, examine, remedy
 from pipeline.store.atomic_file import write_atomic
 from pipeline.store.result_folder import open_file

@@ -8,8 +8,18 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from pipeline.api.course import MOST_JOBS, course_of, design_of, load_notes, reached
-from pipeline.api.given import given_choice, given_folder, given_jobs, given_path, given_progress
+from pipeline.api.course import (
+    MOST_JOBS,
+    course_of,
+    design_of,
+    given_choice,
+    given_folder,
+    given_jobs,
+    given_path,
+    given_progress,
+    load_notes,
+    reached,
+)
 from pipeline.api.options import ConfigFile, Draft, Fresh, Out, Settings, jobs_option, out_option
 from pipeline.store.progress import Progress, Silent
 from pipeline.store.worker import available_cores

@@ -23,7 +23,7 @@ from typer.models import ParameterInfo
 
 import pipeline.cli.shown as shown
 from pipeline.api import measured, rods, runs, setup, studies
-from pipeline.api.given import document_of
+from pipeline.api.course import document_of
 from pipeline.api.options import COMMANDS
 from pipeline.cli.ending import print_lines, with_sentences
 from pipeline.doctor import Finding

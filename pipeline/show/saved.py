@@ -1,18 +1,68 @@
-"""The last files of a run: run.json and report.html. A run that is repeated without a change keeps both."""
+"""The last files of a run, made from its results alone: run.json and report.html, one page that opens offline.
 
+A run that is repeated without a change keeps both.
+"""
+
+import base64
 import hashlib
 import json
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from pipeline.answers.rods.budget import budget_section
+from pipeline.answers.rods.poses import Hand
 from pipeline.results.files import read_results, save_value
-from pipeline.show.page import TEMPLATES, render_page
+from pipeline.results.verdict import verdict_of
+from pipeline.show import figures, tables
+from pipeline.show.body_view import body_view
 from pipeline.store.result_folder import ResultFolder
 from pipeline.store.state_key import ALL_SOURCES, result_key
 from pipeline.store.store import Store
 from pipeline.values.page import TEMPLATES as OF_ALL_PAGES
+from pipeline.values.page import render
+from pipeline.values.pressure import name_of_state
 from pipeline.values.run import Run
+
+#: what the page is made of beside the templates of all pages
+TEMPLATES = Path(__file__).parent / "templates"
+#: colours of a field on the body, from its smallest to its largest value
+_RAMP = ("#440154", "#472d7b", "#3b528b", "#2c728e", "#21918c", "#28ae80", "#5ec962", "#addc30", "#fde725")
+
+
+def render_page(run: Run) -> str:
+    """The page on a run, whose pictures are in its folder."""
+    view, verdict = body_view(run), verdict_of(run)
+    return render(
+        "report.html.j2",
+        TEMPLATES,
+        title=f"{verdict.design}: a rod model of a pneumatic arm",
+        run=run,
+        arm=Hand.of(run).arm,
+        verdict=verdict,
+        bent=_picture(run, _bent_body(run)),
+        body=_picture(run, "body_open") or _picture(run, "body"),
+        figures=figures.make_figures(run),
+        tables=tables.make_tables(run),
+        budget=budget_section(run),
+        view=view,
+        ramp=[[int(colour[k : k + 2], 16) / 255 for k in (1, 3, 5)] for colour in _RAMP],
+        gradient=", ".join(_RAMP),
+        config=json.dumps(run.config, indent=1, ensure_ascii=False),
+    )
+
+
+def _bent_body(run: Run) -> str:
+    """The name of the picture of the arm bent the most without a load."""
+    reached = [state.pressure_kPa for state in run.states if state.experiment == "II" and state.reached]
+    return name_of_state("II", max(reached)) if reached else "body"
+
+
+def _picture(run: Run, name: str) -> str:
+    """A picture as PNG in base64; empty where there is none."""
+    path = run.picture(name)
+    return base64.b64encode(path.read_bytes()).decode() if path else ""
+
 
 #: what every number is computed from, to rounding: solved states, and points of the arm's own law
 _SOLVED = ("states/*", "law/*")

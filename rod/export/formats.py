@@ -10,7 +10,7 @@ from pathlib import Path
 
 from rod.errors import RodError
 from rod.export.mujoco import write_mujoco
-from rod.export.pyelastica import write_pyelastica
+from rod.export.program import write_pyelastica
 from rod.export.robot import Robot
 from rod.export.somo import write_somo
 from rod.export.tables import write_sorosim

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from importlib.resources import files
 from pathlib import Path
 
+from rod.export.robot import Robot
 from rod.same_pressure import SAME
 
 #: where a program takes its table from, and an empty table
@@ -23,3 +24,19 @@ def write_program(name: str, table: Mapping[str, object], path: Path) -> None:
     _, comment, below = beginning.partition("#: the arm")
     below = below.replace(_EMPTY, f"TABLE = {content}\n")
     path.write_text(_IMPORT.sub(lambda _: f"{comment}{below}", program), encoding="utf-8")
+
+
+def write_pyelastica(robot: Robot, path: Path) -> None:
+    """A Python program that simulates the arm; `build(pressure_kPa)` returns an `elastica.CosseratRod`.
+
+    The nodes between its elements are the hinges of the chain; there a rod of PyElastica bends.
+    """
+    solid = robot.body
+    more = {
+        "length": 1e-3 * robot.length,
+        "radius": 1e-3 * solid.radius,
+        "mass": 1e-3 * solid.mass,
+        "loss_factor": solid.loss_factor,
+        "known_kPa": list(robot.known),
+    }
+    write_program("pyelastica_arm", {**robot.table, **more}, path)

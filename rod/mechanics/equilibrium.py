@@ -17,6 +17,7 @@ from typing import ClassVar, Literal, TypeAlias, TypedDict, Unpack, get_args, ov
 from geometry.arrays import read_only
 from geometry.told import Printable
 from rod.along import Along, LineLoad, Support, are_heights, pair
+from rod.arm.small_motions import compile_solver
 from rod.arm_law.law_rod import LawRod
 from rod.arm_law.space_rod import SpaceRod
 from rod.checked import Amount, Given, finite, positive
@@ -24,8 +25,7 @@ from rod.errors import LoadError, RodError, RodWarning
 from rod.identification.moment_range import MomentRange
 from rod.law import FiveParameters, TwoSlopes
 from rod.load import Force, Load, Loading, held_place, with_end
-from rod.mechanics.lines import LinesRod
-from rod.mechanics.profile import Profile, sampled
+from rod.mechanics.lines import LinesRod, Profile, sampled
 from rod.same_pressure import Pressures
 from rod.solution import RodSolution, SpatialSolution
 from rod.weight import Hung, Mass
@@ -276,3 +276,9 @@ def _grow_together(order: Order, supports: Sequence[Support], *, loaded: bool) -
         raise RodError(f"order is one of {', '.join(get_args(Order))}; {order!r} is not.")
     # on a rod that nothing acts on nothing can grow together
     return are_heights(supports) if order == "as tested" else order == "together" and loaded
+
+
+def compile_kernels() -> None:
+    """Solve a short rod: a minute at the first time, one second from disk."""
+    compile_solver()
+    Rod(1.0, 0.1, FiveParameters(1.0, 2.0, 0.0, 0.0, 0.5)).under(Load((0.0, 0.1)))

@@ -8,8 +8,8 @@ from typing import Any
 
 import pytest
 
-from pipeline.answers.measured.next_measurement import NextMeasurement
-from pipeline.answers.rods.judged import judged
+from pipeline.answers.measured.calibration import NextMeasurement
+from pipeline.answers.rods.export import judged
 from pipeline.config.load import load_config
 from pipeline.law.study import _refuse_effects
 from pipeline.law.table import space_sentences

@@ -16,9 +16,8 @@ from scipy.io import loadmat
 from pipeline.results.laws import law_of_record
 from rod import ArmLaw, FiveParameters, Rod, RodError
 from rod.export.arm import Arm
-from rod.export.chain import Chain, chain_of_five, chain_of_law, linear_chain_of_law
+from rod.export.chain import Chain, chain_of_five, chain_of_law, cut_into_joints, linear_chain_of_law
 from rod.export.formats import export_robot
-from rod.export.lumped import cut_into_joints
 from rod.export.robot import Robot, Section, Solid
 from rod.export.tables import arm_table, table, write_csv, write_json, write_law_csv, write_law_json
 from rod.load import Load

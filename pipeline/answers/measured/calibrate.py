@@ -14,8 +14,8 @@ from pipeline.answers.measured.saved import calibrated_config, read_calibration,
 from pipeline.answers.measured.table import read_measurements
 from pipeline.answers.measured.unknowns import MODULUS
 from pipeline.answers.rods.budget import budget_of
+from pipeline.answers.rods.choice import run_along
 from pipeline.answers.rods.in_time import with_remark
-from pipeline.answers.rods.ratio import run_along
 from pipeline.results.files import read_results
 from pipeline.results.verdict import Verdict, verdict_of
 from pipeline.store.owner import CALIBRATION, claim

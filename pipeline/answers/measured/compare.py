@@ -16,8 +16,7 @@ from pipeline.answers.measured.predicted import AS_WRITTEN, Compared, Curves, La
 from pipeline.answers.measured.saved import SavedCalibration, read_calibration
 from pipeline.answers.measured.table import read_measurements
 from pipeline.answers.measured.unknowns import BuiltArm, tolerance_unknowns
-from pipeline.answers.rods.choice import KINDS, choose_rod, plane_of
-from pipeline.answers.rods.ratio import run_along
+from pipeline.answers.rods.choice import KINDS, choose_rod, plane_of, run_along
 from pipeline.answers.rods.rods import Rods
 from pipeline.results.rod_errors import RodErrors, mesh_errors
 from pipeline.values.errors import InputError

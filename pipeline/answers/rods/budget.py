@@ -15,8 +15,7 @@ from typing import Any
 import numpy as np
 
 from geometry.arrays import Array
-from pipeline.answers.rods.choice import plane_of, refuse_draft
-from pipeline.answers.rods.ratio import run_along
+from pipeline.answers.rods.choice import plane_of, refuse_draft, run_along
 from pipeline.config import units
 from pipeline.config.tolerances import STIFFNESS, Tolerance, Tolerances
 from pipeline.results.options import option_value, write_new

@@ -1,20 +1,22 @@
-"""Which of the rods of a result folder to take: the one that the verdict recommends."""
+"""Which of the rods of a result folder to take, the one that the verdict recommends; and laws in one ratio."""
 
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from pipeline.answers.rods.rods import Rods
-from pipeline.results.files import read_run
+from pipeline.results.files import LAW, folder_of, read_results, read_run
 from pipeline.results.rod_errors import rod_to_take
 from pipeline.results.verdict import errors_and_notes, verdict_of
-from pipeline.values.errors import InputError, argument, quoted
+from pipeline.values.errors import InputError, argument, ask, quoted
 from pipeline.values.formats import ARM_LAW, FIVE
 from pipeline.values.reasons import NO_PARAMETERS
 from pipeline.values.run import Run
-from rod.arm_law.kinds import Law
+from rod.arm_law.kinds import Law, along
 from rod.arm_law.law import ArmLaw
+from rod.arm_law.pairs import direction_of
 from rod.pressurised_rod import PressurisedRod
+from rod.same_pressure import Pressures
 from rod.weight import Mass
 
 #: the rods by the names that a user gives them: the arm's own law, five parameters, and those of a curve that stretches
@@ -114,3 +116,37 @@ def _why(run: Run) -> str:
     """Why a run has no law of its own, a clause in brackets; empty where it does not say so."""
     reason = next((r.text for r in (*run.failures, *run.remarks) if r.code == "no_arm_law"), "")
     return f" ({reason.rstrip('.')})" if reason else ""
+
+
+def run_along(path: Path, ratio: str | None) -> Run:
+    """The results of a folder or of a file; those of a law of several pressures in a ratio of them. Raises InputError.
+
+    ratio: as 1:0.5; None where there is one pressure, or one ratio.
+    """
+    run = read_run(path)
+    if run.law is None or not run.law.has_rows:
+        if ratio is not None:
+            raise InputError(f"{argument('ratio', ratio)}: the rod of {path} has one pressure; leave it out")
+        return run
+    law, fractions = run.law.law, _fractions(path, run.law.law, ratio)
+    one = ask(argument("ratio", ratio), along, law, fractions)
+    if law.has_plane and ((own := path / folder_of(direction_of(fractions)[1])) / LAW).is_file():
+        return read_results(own)
+    return replace(run, law=replace(run.law, law=one))
+
+
+def _fractions(path: Path, law: Law, ratio: str | None) -> Pressures:
+    """The parts of the pressures in a ratio as it was written, or in the only one of a law."""
+    measured, names = law.ratios, ", ".join(law.cavities)
+    if ratio is None:
+        if len(measured) == 1:
+            return measured[0]
+        example = argument("ratio", told_ratios(law).split(", ")[-1])
+        raise InputError(f"{path}: its law has the pressures of {names}; give their ratio, such as {example}")
+    try:
+        return tuple(float(part) for part in ratio.split(":"))
+    except ValueError:
+        example = ":".join(["1", "0.5", *["0"] * (len(law.cavities) - 2)])
+        raise InputError(
+            f"{argument('ratio', ratio)}: is no ratio of the pressures of {names}; for example {example}"
+        ) from None

@@ -14,7 +14,7 @@ from playwright.sync_api import Browser, Page, sync_playwright
 
 from pipeline.results.files import read_results
 from pipeline.show.drawing import draw_body
-from pipeline.show.page import render_page
+from pipeline.show.saved import render_page
 from tests.bar import write_surfaces
 from tests.coarse import COARSE
 

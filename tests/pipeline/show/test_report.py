@@ -12,7 +12,7 @@ import pytest
 from pipeline.results.rod_errors import rod_and_mesh, rod_errors
 from pipeline.results.verdict import verdict_of
 from pipeline.show import figures, tables
-from pipeline.show.page import render_page
+from pipeline.show.saved import render_page
 from pipeline.values.law import DeliveredLaw
 from pipeline.values.parameters import RodParameters
 from pipeline.values.run import Reported, Run

@@ -13,8 +13,7 @@ import fem
 from geometry.arrays import Array
 from pipeline.answers.material.laws import Points
 from pipeline.answers.material.loading import TensileTest
-from pipeline.answers.material.page import law_table
-from pipeline.answers.material.record import fit_material
+from pipeline.answers.material.page import fit_material, law_table
 from pipeline.answers.material.sentences import doubts, doubts_of_given, yaml_line
 from pipeline.answers.material.study import FitOptions, fit_tests
 from pipeline.cli import app

@@ -14,7 +14,7 @@ from typer.testing import CliRunner
 
 import pneurod
 from fem.materials import LAWS, Constant
-from pipeline.answers.rods.judged import distance, references
+from pipeline.answers.rods.export import distance, references
 from pipeline.answers.rods.solid import solid_of, young_modulus
 from pipeline.cli import app
 from pipeline.results.files import read_results

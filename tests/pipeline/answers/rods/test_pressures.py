@@ -14,9 +14,8 @@ from typer.testing import CliRunner
 
 import pneurod
 from pipeline.answers.rods.choice import choose_rod
-from pipeline.answers.rods.pressures import Wish, pressures_for
+from pipeline.answers.rods.pressures import Wish, pressures_for, tips_page
 from pipeline.answers.rods.rods import Rods
-from pipeline.answers.rods.tips import tips_page
 from pipeline.cli import app
 from rod import FiveParameters, Load, Loading, Rod, RodError
 from rod.inverse import Branch
